@@ -128,28 +128,54 @@ TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {
                  "--trace-scope is of --trace");
 }
 
-/// Waves are wanted most when something takes too long.
-TEST_F(TraceWindow, ASignalLeavesWavesThatCanBeRead) {
-  // A card that takes minutes, whose waves begin late enough to be small.
-  const Words words = {"cast",  "terrain:300,300,1", "--grid", "64x64",      "--lanes",
-                       "4",     "--exact-card",      "-q",     "--no-check", "--trace",
-                       "w.fst", "--trace-window",    ":2000"};
-  ASSERT_EQ(cde({"cast", "terrain:3,3,1", "--grid", "4x4", "--lanes", "4", "--exact-card", "-q",
-                 "--trace", "w.fst"})
-                .status,
-            0);  // the card is built
-  fs::remove(folder_ / "w.fst");
-  const pid_t child = start(words);
-  // Its file is there, under another name, from when waves begin.
-  for (int i = 0; i < 1500 && files().empty(); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  ASSERT_FALSE(files().empty());
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  ASSERT_EQ(::kill(child, SIGINT), 0);
-  const Ran ran = finish(child);
-  EXPECT_EQ(ran.status, 128 + SIGINT) << ran.err;
+/// Waves are wanted most when something takes too long. What was not written when the signal came
+/// is little (a block), so the command ends at once.
+class WavesAndSignal : public TraceWindow, public ::testing::WithParamInterface<int> {
+ protected:
+  /// The bytes that are in the folder's waves, under whatever name.
+  std::uint64_t bytes_of_waves() const {
+    std::uint64_t bytes = 0;
+    for (const std::string& name : files())
+      if (name.starts_with("w.fst")) bytes += fs::file_size(folder_ / name);
+    return bytes;
+  }
+  /// Starts a command that takes minutes, sends the signal when two blocks are written, and looks
+  /// at what is left.
+  void stop(const Words& words) {
+    const pid_t child = start(words);
+    for (int i = 0; i < 6000 && bytes_of_waves() < 2'500'000; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    ASSERT_GE(bytes_of_waves(), 2'500'000u);
+    const auto sent = std::chrono::steady_clock::now();
+    ASSERT_EQ(::kill(child, GetParam()), 0);
+    const Ran ran = finish(child);
+    EXPECT_LT(std::chrono::steady_clock::now() - sent, std::chrono::seconds(5));
+    EXPECT_EQ(ran.status, 128 + GetParam()) << ran.err;
+    EXPECT_TRUE(has(ran.err, "stopped; w.fst has the waves until ")) << ran.err;
+    const nlohmann::json waves = info("w.fst");
+    EXPECT_GT(waves["cycles"], 10);
+    EXPECT_GE(waves["blocks"], 3) << "blocks are small";
+    EXPECT_TRUE(has(ran.err, fmt::format("until {} ps", waves["to"].get<std::uint64_t>())))
+        << ran.err;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Signals, WavesAndSignal, ::testing::Values(SIGINT, SIGTERM),
+                         [](const auto& info) { return info.param == SIGINT ? "Int" : "Term"; });
+
+TEST_P(WavesAndSignal, OfACast) {
+  stop({"cast", "terrain:300,300,1", "--grid", "64x64", "--lanes", "4", "--exact-card", "-q",
+        "--no-check", "--trace", "w.fst"});
   EXPECT_EQ(files(), Words{"w.fst"});
-  EXPECT_GT(info("w.fst")["cycles"], 10);
+}
+
+TEST_P(WavesAndSignal, OfARun) {
+  write("s.toml",
+        "[card]\nlanes = 4\nhierarchy = \"off\"\n[[object]]\nname = \"t\"\n"
+        "mesh = \"terrain:200,200,1\"\n[[object]]\nname = \"rays\"\n"
+        "random_rays = { count = 4096 }\n" +
+            hit_query("t"));
+  stop({"run", "s.toml", "-q", "--trace", "w.fst"});
+  EXPECT_EQ(files(), (Words{"s.run", "s.toml", "w.fst"}));
 }
 
 }  // namespace

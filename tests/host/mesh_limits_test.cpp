@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <chrono>
 #include <fstream>
@@ -32,6 +33,73 @@ std::string gltf(const std::string& buffer, unsigned depth) {
       R"("accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}}],)"
       R"("bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"uri":"{}","byteLength":36}}]}})",
       nodes, buffer);
+}
+
+std::string word(std::uint32_t value) {
+  return {reinterpret_cast<const char*>(&value), 4};
+}
+std::string half(std::uint16_t value) {
+  return {reinterpret_cast<const char*>(&value), 2};
+}
+
+std::string chunks_of_glb(const std::string& json, const std::string& data) {
+  const auto size = [](const std::string& of) { return static_cast<std::uint32_t>(of.size()); };
+  return "glTF" + word(2) + word(28 + size(json) + size(data)) + word(size(json)) + "JSON" + json +
+         word(size(data)) + std::string("BIN\0", 4) + data;
+}
+
+/// A ZIP archive of deflated files.
+std::string zip(const std::vector<std::pair<std::string, std::string>>& files) {
+  std::string out, list;
+  for (const auto& [name, text] : files) {
+    std::string packed(::compressBound(text.size()), '\0');
+    z_stream stream{};
+    EXPECT_EQ(::deflateInit2(&stream, 9, Z_DEFLATED, -MAX_WBITS, 9, Z_DEFAULT_STRATEGY), Z_OK);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+    stream.avail_in = static_cast<uInt>(text.size());
+    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+    stream.avail_out = static_cast<uInt>(packed.size());
+    EXPECT_EQ(::deflate(&stream, Z_FINISH), Z_STREAM_END);
+    packed.resize(stream.total_out);
+    ::deflateEnd(&stream);
+    const auto sum =
+        ::crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size()));
+    const std::string both = half(20) + half(0) + half(8) + word(0) +
+                             word(static_cast<std::uint32_t>(sum)) +
+                             word(static_cast<std::uint32_t>(packed.size())) +
+                             word(static_cast<std::uint32_t>(text.size())) +
+                             half(static_cast<std::uint16_t>(name.size())) + half(0);
+    list += "PK\1\2" + half(20) + both + half(0) + half(0) + half(0) + word(0) +
+            word(static_cast<std::uint32_t>(out.size())) + name;
+    out += "PK\3\4" + both + name + packed;
+  }
+  const auto count = half(static_cast<std::uint16_t>(files.size()));
+  return out + list + "PK\5\6" + half(0) + half(0) + count + count +
+         word(static_cast<std::uint32_t>(list.size())) +
+         word(static_cast<std::uint32_t>(out.size())) + half(0);
+}
+
+std::string file_of_3mf(unsigned triangles) {
+  const std::string site = "http://schemas.openxmlformats.org/package/2006/";
+  std::string model =
+      "<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources>"
+      "<object id=\"1\" type=\"model\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/>"
+      "<vertex x=\"1\" y=\"0\" z=\"0\"/><vertex x=\"0\" y=\"1\" z=\"0\"/></vertices><triangles>";
+  for (unsigned i = 0; i < triangles; ++i) model += "<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>";
+  model += "</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>";
+  return zip({{"_rels/.rels",
+               fmt::format("<Relationships xmlns=\"{}relationships\"><Relationship Id=\"r\" "
+                           "Target=\"/3D/3dmodel.model\" Type=\"http://schemas.microsoft.com/"
+                           "3dmanufacturing/2013/01/3dmodel\"/></Relationships>",
+                           site)},
+              {"3D/3dmodel.model", model}});
+}
+
+std::uint64_t data_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::uint64_t pages[6] = {};
+  for (std::uint64_t& count : pages) file >> count;
+  return pages[5] * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
 class MeshAttack : public ::testing::Test {
@@ -62,6 +130,65 @@ TEST_F(MeshAttack, MemoryFollowsTheSizeOfTheFile) {
   rusage used{};
   ASSERT_EQ(::getrusage(RUSAGE_CHILDREN, &used), 0);
   EXPECT_LT(used.ru_maxrss, 1 << 20) << "KB";
+}
+
+/// An accessor without data that claims 3.6 GB of zeros, in 500 bytes.
+TEST_F(MeshAttack, AGlbThatClaimsGigabytes) {
+  const auto file = [&](unsigned count) {
+    std::string json = fmt::format(
+        R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],)"
+        R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"accessors":[{{)"
+        R"("componentType":5126,"count":{},"type":"VEC3","sparse":{{"count":1,)"
+        R"("indices":{{"bufferView":0,"componentType":5125}},"values":{{"bufferView":0}}}}}}],)"
+        R"("bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36}}]}})",
+        count);
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    return chunks_of_glb(json, std::string(36, '\0'));
+  };
+  EXPECT_EQ(load_mesh(folder_.write("good.glb", file(3))).faces.size(), 1u);
+  const fs::path large = folder_.write("large.glb", file(300'000'000));
+  expect_error(ErrorCode::kFile, "large.glb: takes more than 512 MB to read",
+               [&] { (void)load_mesh(large); });
+}
+
+/// XML of one line a million times over: 80 kB, and half a gigabyte as a tree.
+TEST_F(MeshAttack, A3mfThatUnpacksToGigabytes) {
+  EXPECT_EQ(load_mesh(folder_.write("good.3mf", file_of_3mf(2))).faces.size(), 2u);
+  const std::string bytes = file_of_3mf(1'000'000);
+  ASSERT_LT(bytes.size(), 200'000u);
+  const fs::path large = folder_.write("large.3mf", bytes);
+  expect_error(ErrorCode::kFile, "of the 100 MB that it may; CDE_MESH_MEMORY sets another limit",
+               [&] { (void)load_mesh(large, {.memory = 100u << 20}); });
+}
+
+/// The readers of OBJ, PLY and STL are in this process. None takes memory for what a header claims.
+TEST_F(MeshAttack, OwnReadersBelieveNoCount) {
+  const auto ply = [](const char* format, const char* vertices) {
+    return fmt::format(
+        "ply\nformat {} 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 4000000000\n"
+        "property list uint int vertex_indices\nend_header\n",
+        format, vertices);
+  };
+  const std::string corners(36, '\0'), most(4, '\xff');
+  const std::pair<const char*, std::string> files[] = {
+      {"ascii.ply", ply("ascii", "4000000000") + "0 0 0\n"},
+      {"little.ply", ply("binary_little_endian", "4000000000") + corners},
+      {"faces.ply", ply("binary_little_endian", "3") + corners + most + corners},
+      {"list.ply", ply("ascii", "1") + "0 0 0\n4294967295 0 0 0\n"},
+      {"a.stl", std::string(80, '\0') + most + std::string(50, '\0')},
+      {"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 4000000000 2 3\n"},
+      {"negative.obj", "v 0 0 0\nf -4000000000 1 1\n"},
+  };
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_DATA, &before), 0);
+  for (const auto& [name, bytes] : files) {
+    const fs::path mesh = folder_.write(name, bytes);
+    const rlimit little{data_bytes() + (64u << 20), before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_DATA, &little), 0);
+    expect_error(ErrorCode::kFile, fmt::format("{}:", name), [&] { (void)load_mesh(mesh); });
+    ASSERT_EQ(::setrlimit(RLIMIT_DATA, &before), 0);
+  }
 }
 
 /// One that reads for ever: nodes that double for longer than the limit, within much memory.

@@ -250,6 +250,10 @@ int open_waves(VerilatedFstC& file, const char* path, const char* patterns) {
   selection = Selection(patterns);
   file.open(path);
   if (!file.isOpen()) return -1;
+  // Changes are packed and written a block at a time, the last block where the file is closed. A
+  // block of 128 MB, which the library begins with, takes seconds.
+  static_cast<fstWriterContext*>(context_of(*file.spTrace()))->fst_break_size = std::size_t{1}
+                                                                                << 24;
   for (uint32_t code = 0; code < codes_of(*file.spTrace()); ++code)
     handles[code] = selection.resolved(handles[code]);
   return selection.without_effect();

@@ -263,13 +263,30 @@ void limit_child(std::chrono::seconds time, std::uint64_t memory) {
   ::_exit(status);
 }
 
+std::uint64_t most_resident_bytes() {
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  return static_cast<std::uint64_t>(used.ru_maxrss) * 1024;
+}
+
+/// Where an importer fails with much of its memory taken, too little memory may be why: some do not
+/// look at what malloc returns, and tell of a file without meshes.
+std::string with_memory(std::string answer, std::uint64_t before, std::uint64_t memory) {
+  const std::uint64_t most = most_resident_bytes(), taken = most - std::min(most, before);
+  if (answer.front() != kMessageFollows || taken < memory / 2) return answer;
+  return answer +
+         fmt::format(" (it took {} of the {} MB that it may; CDE_MESH_MEMORY sets another limit)",
+                     taken >> 20, memory >> 20);
+}
+
 [[noreturn]] void run_child(int out, const std::string& path, std::chrono::seconds time,
                             std::uint64_t memory) {
+  const std::uint64_t before = most_resident_bytes();
   limit_child(time, memory);
   // The C library's last words on a broken heap would only confuse.
   const int null = ::open("/dev/null", O_WRONLY);
   ::dup2(null, 2);
-  leave(process::write_all(out, import(path)) ? 0 : 1);
+  leave(process::write_all(out, with_memory(import(path), before, memory)) ? 0 : 1);
 }
 
 }  // namespace
