@@ -51,6 +51,12 @@ class Outputs : public Cli {
   }
 };
 
+std::string last_line(const std::string& text) {
+  const std::size_t end = text.find_last_not_of('\n') + 1;
+  const std::size_t begin = text.substr(0, end).rfind('\n') + 1;
+  return text.substr(begin, end - begin);
+}
+
 /// As root the device became a file once.
 TEST_F(Outputs, DevicesStayDevices) {
   const fs::path device = folder_ / "null";
@@ -70,6 +76,38 @@ TEST_F(Outputs, DevicesStayDevices) {
     EXPECT_TRUE(fs::is_character_file(device)) << fmt::format("{}", fmt::join(words, " "));
   }
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+/// Waves for a pipe are collected in a file of $TMPDIR first, whose disk may be full.
+TEST_F(Outputs, OnADiskThatIsFull) {
+  fs::create_directory(folder_ / "small");
+  const auto on_small = [&](const std::string& command) {
+    return shell(
+        "unshare -m bash -c 'mount -t tmpfs -o size=16k none small && export TMPDIR=$PWD/small"
+        " && " +
+        command + "; status=$?; ls small; exit $status'");
+  };
+  if (on_small("true").status != 0) GTEST_SKIP() << "no file system can be mounted here";
+  const std::string cast = "\"$CDE\" cast terrain:20,20,1 --grid 40x40 --lanes 4 -q ";
+  Ran ran = on_small(cast + "--trace - > piped");
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(last_line(ran.err), "cde: -: the waves are not whole: No space left on device");
+  EXPECT_EQ(read("piped"), "");
+  ran = on_small(cast + "-o small/hits.csv");
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(last_line(ran.err), "cde: small/hits.csv: cannot write: No space left on device");
+  EXPECT_EQ(ran.out, "") << "nothing is left in the folder";
+}
+
+/// What is loaded is what was checked, by /proc/self/fd; programs are found by /proc/self/exe.
+TEST_F(Outputs, WithoutProcNothingIsDone) {
+  const Ran ran =
+      shell("unshare -m bash -c 'mount -t tmpfs none /proc && \"$CDE\" cast one.obj -o x'");
+  if (ran.err.find("cde: ") == std::string::npos)
+    GTEST_SKIP() << "no file system can be mounted here";
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err.substr(0, 25), "cde: /proc is not mounted");
+  EXPECT_FALSE(exists("x"));
 }
 
 TEST_F(Outputs, PipesAndDescriptorsAreWrittenTo) {

@@ -17,6 +17,7 @@
 #include "options/typed.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
+#include "program/programs.hpp"
 
 namespace cde::cli {
 namespace {
@@ -62,6 +63,7 @@ int program_main(const Program& program, int argc, char** argv) {
   bool ended = false;
   const int status = exit_status_of(
       [&] {
+        need_proc();
         const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
         dealing.emplace().start(words);
         const int code = run_program(program, words);

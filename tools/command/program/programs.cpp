@@ -52,6 +52,13 @@ std::span<const VerbEntry> all_verbs() {
   return kVerbs;
 }
 
+void need_proc() {
+  if (::access("/proc/self/exe", F_OK) != 0)
+    throw Error(ErrorCode::kFile,
+                "/proc is not mounted; cde finds its programs there, and loads through it the very "
+                "files that it has checked");
+}
+
 std::string this_program() {
   std::error_code none;
   return fs::read_symlink("/proc/self/exe", none).filename();
@@ -69,6 +76,7 @@ void add_other_verbs(CLI::App& app) {
 }
 
 std::string program_file(std::string_view program) {
+  need_proc();
   std::error_code none;
   const fs::path here = fs::read_symlink("/proc/self/exe", none).parent_path();
   for (const fs::path& folder : {here, here.parent_path() / "libexec" / "cde"})

@@ -18,6 +18,9 @@ struct VerbEntry {
 /// All verbs, in the order of the help.
 [[nodiscard]] std::span<const VerbEntry> all_verbs();
 
+/// Error kFile if /proc is not mounted. Nothing works without it.
+void need_proc();
+
 /// The name of this program: "cde", "cde-wave".
 [[nodiscard]] std::string this_program();
 /// The entry of a verb of another program; null for verbs of this one, and for words that are none.
