@@ -5,7 +5,7 @@
 
 namespace cde::testing {
 
-/// Whether all is tested: CDE_FULL=1 (tools/test --full).
+/// Whether all is tested: CDE_FULL=1.
 inline bool full() {
   const char* value = std::getenv("CDE_FULL");
   return value != nullptr && std::string(value) != "0";

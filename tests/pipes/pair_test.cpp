@@ -226,7 +226,7 @@ std::optional<std::string> reason_to_skip(const Parameter& parameter) {
   if (only != nullptr && std::string(name(parameter.pair)).find(only) == std::string::npos)
     return "CDE_PAIRS asks for others";
   if (parameter.left_out != nullptr && !full())
-    return std::string(parameter.left_out) + ": left to CDE_FULL=1 (tools/test --full)";
+    return std::string(parameter.left_out) + ": left to CDE_FULL=1";
   return std::nullopt;
 }
 
