@@ -107,8 +107,8 @@ TEST_F(TraceWindow, AScopeIsWrittenAsWithAllAroundIt) {
     const Ran diff = cde({"wave", "diff", "all.fst", "some.fst"});
     EXPECT_EQ(diff.status, 0) << diff.out << diff.err;
   }
-  refused_saying({"cast", "terrain:3,3,1", "--lanes", "4", "--exact-card", "-q", "--trace",
-                  "none.fst", "--trace-scope", "control", "--trace-scope", "contr?"},
+  refused_saying({"cast", "terrain:3,3,1", "--grid", "4x4", "--lanes", "4", "--exact-card", "-q",
+                  "--trace", "none.fst", "--trace-scope", "control", "--trace-scope", "contr?"},
                  "waves of 'contr?': the card has no signal or scope of that name");
 }
 

@@ -91,12 +91,14 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
   if (o.trace.wanted()) interrupts.emplace();
   const std::uint64_t began = board.clocks();
   std::uint64_t seen = 0, before = 0;  // since when the card was not seen to go on
-  double seen_share = -1;
+  double seen_share = 0;
   const std::function<void(double)> noting = [&](double share) {
     if (o.trace.wanted() && Interrupts::signal() != 0) throw CastStopped();
-    if (share != seen_share) seen = before;
-    seen_share = share;
-    before = board.clocks() - began;
+    if (share != seen_share) {  // the same share comes several times, and says nothing
+      seen = before;
+      seen_share = share;
+      before = board.clocks() - began;
+    }
     if (progress) progress(share);
   };
   Query query = query_of(o, mode);

@@ -113,9 +113,9 @@ std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t q
                           const QueryFrame& answer, const std::string& repeat, bool faults) {
   return fmt::format(
       "frame {}, query '{}': {} of {} records differ from the reference, the first:\n{}"
-      "{}  repeat with: {}",
+      "\n{}the frame again: {}",
       frame, scene.queries[query].name, answer.mismatches, answer.compared, answer.first_mismatch,
-      faults ? "  faults were injected; that pair by itself has none of them\n" : "", repeat);
+      faults ? "faults were injected; that pair by itself has none of them\n" : "", repeat);
 }
 
 std::vector<std::string> record_names(const Scene& scene, std::uint32_t frame) {

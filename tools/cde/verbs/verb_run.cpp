@@ -265,7 +265,8 @@ class Run {
   struct Stopped {};
 
   void note_progress(std::uint32_t frame, double share) {
-    if (frame != frame_ || share != share_) seen_ = before_;
+    if (frame == frame_ && share == share_) return;
+    seen_ = before_;
     frame_ = frame;
     share_ = share;
     if (player_ != nullptr) before_ = player_->board().clocks() - began_;
@@ -438,7 +439,7 @@ class Run {
   const Player* player_ = nullptr;
   std::uint64_t began_ = 0, seen_ = 0, before_ = 0;
   std::uint32_t frame_ = 0;
-  double share_ = -1;
+  double share_ = 0;
   struct Failure {
     std::uint32_t frame = 0;
     std::size_t query = 0;
