@@ -125,8 +125,7 @@ std::string operation(const Context& c, const netlist::Element& e) {
   if (tag == "lognot") return one(inverse(truth(a)));
   if (tag == "logand" || tag == "logor") {
     const bool both = tag == "logand";
-    const std::string r = bitwise(both ? "and" : "or", one(truth(a)), one(truth(b)));
-    return r;
+    return bitwise(both ? "and" : "or", one(truth(a)), one(truth(b)));
   }
   if (tag == "redor") return one(truth(a));
   if (tag == "redand") return one(a.find('0') != std::string::npos ? '0' : known(a) ? '1' : 'x');

@@ -241,7 +241,7 @@ int show(const Request& r) {
     if (all[i].width == 1 && !all[i].signal.text) {
       const auto [top, low] = bit_lines(p.rows[i], g, r.ascii);
       // In ASCII the high level is the line above, drawn with the same character.
-      text += label("") + top + "\n" + label(name) + low + "\n";
+      text += fmt::format("{}{}\n{}{}\n", label(""), top, label(name), low);
     } else {
       text += label(name) + bus_line(p.rows[i], g) + "\n";
     }
