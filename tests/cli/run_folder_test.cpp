@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The folder of `cde run` holds one run and is nobody else's.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "run_cde.hpp"
 
@@ -46,6 +51,38 @@ class Folders : public Cli {
     return cde(words);
   }
 };
+
+/// The owner of the folder above swaps the folder for a link, again and again. Files are removed
+/// and written in the folder that was locked, or nowhere.
+TEST_F(Folders, AFolderThatIsSwappedForALink) {
+  fs::create_directory(folder_ / "victim");
+  write("victim/shadow", "secret");
+  fs::create_directory_symlink("victim", folder_ / "alt");
+  for (int i = 0; i < 12; ++i) {
+    fs::remove_all(folder_ / "d");
+    fs::create_directory(folder_ / "d");
+    write("d/run.json", R"({"scene":"s","played":1,"files_beside":["shadow"]})");
+    write("d/shadow", "");
+    std::atomic<bool> ended = false;
+    std::thread swapping([&] {
+      while (!ended) {
+        ::renameat2(AT_FDCWD, (folder_ / "d").c_str(), AT_FDCWD, (folder_ / "alt").c_str(),
+                    RENAME_EXCHANGE);
+        std::this_thread::sleep_for(std::chrono::microseconds(50 * (i + 1)));
+      }
+    });
+    (void)run({"--out", "d", "--frames", "0"});
+    ended = true;
+    swapping.join();
+    if (fs::is_symlink(folder_ / "d")) {
+      fs::rename(folder_ / "d", folder_ / "link");
+      fs::rename(folder_ / "alt", folder_ / "d");
+      fs::rename(folder_ / "link", folder_ / "alt");
+    }
+    EXPECT_EQ(in("victim"), Words{"shadow"});
+    EXPECT_EQ(read("victim/shadow"), "secret");
+  }
+}
 
 TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
   ASSERT_EQ(run({"--out", "d"}).status, 0);

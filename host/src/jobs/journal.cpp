@@ -15,6 +15,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
+#include "support/output_target.hpp"
 
 namespace cde {
 namespace {
@@ -74,9 +75,16 @@ Journal::~Journal() {
 
 void Journal::open(Use use) {
   // Of a FIFO nobody writes to, opening would wait.
-  file_ = ::open(path_.c_str(),
-                 (use == Use::kRead ? O_RDONLY : O_RDWR | O_CREAT) | O_CLOEXEC | O_NONBLOCK, 0666);
-  if (file_ < 0) fail("cannot open");
+  if (use == Use::kRead) {
+    file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file_ < 0) fail("cannot open");
+  } else {
+    try {
+      file_ = open_output(follow_output(path_), O_RDWR | O_CREAT | O_NONBLOCK).release();
+    } catch (const Error& e) {
+      throw Error(e.code(), fmt::format("{}: {}", what_, e.what()));
+    }
+  }
   struct stat status {};
   if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(file_);

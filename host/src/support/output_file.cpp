@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "cde/support/message.hpp"
-#include "support/descriptor.hpp"
+#include "support/output_target.hpp"
 
 namespace cde {
 namespace {
@@ -61,82 +61,6 @@ void forget(Slots& slots, const char* name) {
     const char* expected = name;
     if (slot->name.compare_exchange_strong(expected, nullptr)) return;
   }
-}
-
-[[noreturn]] void fail(const fs::path& path, const char* doing, int number) {
-  throw Error(ErrorCode::kFile, fmt::format("{}: cannot {}: {}", printable_name(path.string()),
-                                            doing, std::strerror(number)));
-}
-
-/// Where a name leads.
-struct Target {
-  fs::path path;                  ///< no link
-  std::optional<int> descriptor;  ///< of this process, as /dev/stdout and /dev/fd/N are
-  std::optional<struct stat> info;
-};
-
-std::optional<struct stat> info_of(int descriptor) {
-  struct stat info {};
-  if (::fstat(descriptor, &info) != 0) return std::nullopt;
-  return info;
-}
-
-/// A link of another user leads only to what is that user's: otherwise its owner would choose which
-/// file of this user is replaced.
-void check_link(const fs::path& named, uid_t owner, const Target& target) {
-  struct stat info {};
-  if (target.info)
-    info = *target.info;
-  else if (::lstat(target.path.parent_path().c_str(), &info) != 0)
-    fail(named, "write", errno);
-  if (info.st_uid == owner) return;
-  throw Error(ErrorCode::kFile,
-              fmt::format("{}: cannot write: it is a link of user {} to {}, which user {} owns",
-                          printable_name(named.string()), owner,
-                          printable_name(target.path.string()), info.st_uid));
-}
-
-/// Follows the links of the last part by hand: those in /proc/self/fd are no paths, and a link to
-/// what is not there yet says where it is to be.
-Target follow(const fs::path& named) {
-  constexpr int kMostLinks = 40;
-  fs::path path = named;
-  std::optional<uid_t> stranger;  // who owns a link on the way
-  const auto found = [&](Target target) {
-    if (stranger) check_link(named, *stranger, target);
-    return target;
-  };
-  for (int links = 0; links < kMostLinks; ++links) {
-    if (!path.has_filename()) fail(named, "write", path.empty() ? ENOENT : EISDIR);
-    std::error_code error;
-    const fs::path folder =
-        fs::canonical(path.has_parent_path() ? path.parent_path() : fs::path("."), error);
-    if (error) fail(named, "create", error.value());
-    const std::string name = path.filename();
-    if (folder == fs::path("/proc") / std::to_string(::getpid()) / "fd") {
-      int number = 0;
-      const auto [stop, bad] = std::from_chars(name.data(), name.data() + name.size(), number);
-      if (bad != std::errc() || stop != name.data() + name.size()) fail(named, "write", ENOENT);
-      const auto info = info_of(number);
-      if (!info) fail(named, "write", EBADF);
-      return {folder / name, number, info};
-    }
-    path = folder / name;
-    struct stat info {};
-    if (::lstat(path.c_str(), &info) != 0) {
-      if (errno == ENOENT) return found({path, std::nullopt, std::nullopt});
-      fail(named, "write", errno);
-    }
-    if (!S_ISLNK(info.st_mode)) {
-      if (S_ISDIR(info.st_mode)) fail(named, "write", EISDIR);
-      return found({path, std::nullopt, info});
-    }
-    if (info.st_uid != 0 && info.st_uid != ::geteuid()) stranger = info.st_uid;
-    const fs::path link = fs::read_symlink(path, error);
-    if (error) fail(named, "write", error.value());
-    path = folder / link;  // an absolute one replaces the folder
-  }
-  fail(named, "write", ELOOP);
 }
 
 /// NAME of NAME.cde-PID-RANDOM: no longer than leaves room for the rest.
@@ -199,20 +123,20 @@ bool is_null(const struct stat& info) {
   return S_ISCHR(info.st_mode) && info.st_rdev == makedev(1, 3);
 }
 
-Target target_of(const FileUse& use, int standard) {
-  if (use.path == "-") return {{}, standard, info_of(standard)};
-  return follow(use.path);
+OutputTarget target_of(const FileUse& use, int standard) {
+  if (use.path == "-") return {use.path, {}, standard, info_of(standard), std::nullopt};
+  return follow_output(use.path);
 }
 
 /// An input is only looked at: whether it can be read is for its reader to say.
-std::optional<Target> input_target(const FileUse& use) {
+std::optional<OutputTarget> input_target(const FileUse& use) {
   if (use.path == "-") return target_of(use, STDIN_FILENO);
   struct stat info {};
   if (::stat(use.path.c_str(), &info) != 0) return std::nullopt;
-  return Target{use.path, std::nullopt, info};
+  return OutputTarget{use.path, use.path, std::nullopt, info, std::nullopt};
 }
 
-bool same_file(const Target& a, const Target& b) {
+bool same_file(const OutputTarget& a, const OutputTarget& b) {
   if (!a.info || !b.info) return !a.info && !b.info && !a.descriptor && a.path == b.path;
   if (S_ISCHR(a.info->st_mode) && S_ISCHR(b.info->st_mode))
     return a.info->st_rdev == b.info->st_rdev;
@@ -226,24 +150,21 @@ StdoutError::StdoutError(int number)
       number_(number) {}
 
 OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
-  Target target;
+  OutputTarget target;
   if (path == "-")
     target.descriptor = STDOUT_FILENO;
   else
-    target = follow(path);
+    target = follow_output(path);
   target_ = target.path;
   stdout_ = target.descriptor == STDOUT_FILENO;
   if (stdout_) {
     file_ = stdout;
-  } else if (target.descriptor) {
-    const int fd = ::fcntl(*target.descriptor, F_DUPFD_CLOEXEC, 0);
-    if (fd < 0 || (file_ = ::fdopen(fd, "w")) == nullptr) fail("write");
-  } else if (target.info && !S_ISREG(target.info->st_mode)) {
-    const int fd = ::open(target_.c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC);
-    if (fd < 0 || (file_ = ::fdopen(fd, "w")) == nullptr) fail("write");
+  } else if (target.descriptor || (target.info && !S_ISREG(target.info->st_mode))) {
+    if ((file_ = ::fdopen(open_output(target, O_WRONLY).release(), "w")) == nullptr) fail("write");
   } else {
     // A rename asks for no permission of the file that it replaces.
     if (target.info && ::access(target_.c_str(), W_OK) != 0) fail("write");
+    folder_ = folder_of(target).release();
     make_temporary();
     return;
   }
@@ -257,8 +178,6 @@ void OutputFile::make_temporary() {
   const fs::path folder = target_.parent_path();
   const std::string name(stem(target_.filename().native()));
   sweep_unfinished(folder, name);
-  folder_ = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (folder_ < 0) fail("create");
   for (int attempts = 0; attempts < 100; ++attempts) {
     const std::string last = fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word());
     temporary_ = folder / last;
@@ -314,7 +233,7 @@ void OutputFile::set_mode(unsigned mode) {
 
 void OutputFile::fail(const char* doing) const {
   if (stdout_) throw StdoutError(errno);
-  cde::fail(path_, doing, errno);
+  fail_output(path_, doing, errno);
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -397,14 +316,14 @@ OutputFolder::OutputFolder(const fs::path& path) {
       const int number = errno;
       if (number == EEXIST && fs::is_directory(*one, none)) continue;
       take_back();
-      cde::fail(path, "create", number);
+      fail_output(path, "create", number);
     }
     made_.push_back(one->string());
     remember(folders, made_.back().c_str());
   }
   if (!fs::is_directory(path, none)) {
     take_back();
-    cde::fail(path, "create", ENOTDIR);
+    fail_output(path, "create", ENOTDIR);
   }
 }
 
@@ -435,7 +354,7 @@ void write_file(const fs::path& path, std::string_view bytes) {
 void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> inputs) {
   struct Checked {
     const FileUse* use;
-    Target target;
+    OutputTarget target;
   };
   const auto shown = [](const FileUse& use, const char* standard) {
     return use.path == "-" ? standard : printable_name(use.path.string());
@@ -447,7 +366,7 @@ void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> in
   }
   for (const FileUse& output : outputs) {
     if (output.path.empty()) continue;
-    Target target = target_of(output, STDOUT_FILENO);
+    OutputTarget target = target_of(output, STDOUT_FILENO);
     const bool discards = target.info && is_null(*target.info);
     for (const Checked& other : written)
       if (!discards && same_file(target, other.target))

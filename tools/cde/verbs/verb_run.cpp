@@ -215,7 +215,7 @@ class Run {
          .deadline = o_.deadline},
         [&](std::uint32_t frame, const Json& j, const std::vector<std::string>& records) {
           for (std::size_t q = 0; q < records.size(); ++q)
-            write_file(folder_.path() / j["files"][q].get<std::string>(), records[q]);
+            write_file(folder_.inside() / j["files"][q].get<std::string>(), records[q]);
           add_frame(frame, j);
         });
     std::optional<OutputFile> no_waves;
@@ -326,7 +326,7 @@ class Run {
     std::vector<std::unique_ptr<RecordFile>> files;
     const std::vector<std::string> written = record_names(scene_, frame);
     for (std::size_t q = 0; q < written.size(); ++q)
-      files.push_back(std::make_unique<RecordFile>(folder_.path() / written[q],
+      files.push_back(std::make_unique<RecordFile>(folder_.inside() / written[q],
                                                    record_text(scene_, scene_.queries[q])));
     const auto start = std::chrono::steady_clock::now();
     const std::vector<QueryFrame> answers =

@@ -90,6 +90,10 @@ void RunFolder::make_and_lock() {
   }
 }
 
+fs::path RunFolder::inside() const {
+  return fmt::format("/proc/self/fd/{}", lock_.folder);
+}
+
 void RunFolder::Lock::release() {
   if (folder >= 0) ::close(std::exchange(folder, -1));
 }
@@ -117,12 +121,12 @@ void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& 
 }
 
 void RunFolder::look() {
-  const Json marker = run_in(path_);
+  const Json marker = run_in(inside());
   std::vector<std::string> beside = beside_;
   if (marker.is_object() && marker.contains(kBeside))
     for (const Json& name : marker[kBeside])
       if (name.is_string()) beside.push_back(name);
-  for (const auto& entry : fs::directory_iterator(path_)) {
+  for (const auto& entry : fs::directory_iterator(inside())) {
     const std::string name = entry.path().filename();
     if (is_unfinished_name(name)) continue;
     if (marker.is_null())
@@ -137,20 +141,19 @@ void RunFolder::look() {
           ErrorCode::kUsage,
           fmt::format("{} is not of the run that {} holds: take it away, or let --out name "
                       "another folder",
-                      printable_name(entry.path().string()), printable_name(path_.string())));
-    old_.push_back(entry.path());
+                      printable_name((path_ / name).string()), printable_name(path_.string())));
+    old_.push_back(name);
   }
 }
 
 void RunFolder::begin(Json json) {
   // run.json stays until it is replaced: a folder without it is nobody's.
-  for (const fs::path& file : old_) {
-    std::error_code error;
-    if (file.filename() != kMarker && !fs::remove(file, error) && error)
-      throw Error(ErrorCode::kFile, fmt::format("{}: cannot remove: {}",
-                                                printable_name(file.string()), error.message()));
-  }
-  sweep_unfinished(path_);
+  for (const std::string& name : old_)
+    if (name != kMarker && ::unlinkat(lock_.folder, name.c_str(), 0) != 0 && errno != ENOENT)
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{}: cannot remove: {}", printable_name((path_ / name).string()),
+                              std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe)
+  sweep_unfinished(inside());
   begun_ = true;
   made_->keep();
   json["finished"] = false;
@@ -158,7 +161,7 @@ void RunFolder::begin(Json json) {
 }
 
 void RunFolder::write(const Json& json) const {
-  write_file(path_ / kMarker, json_text(json) + "\n");
+  write_file(inside() / kMarker, json_text(json) + "\n");
 }
 
 Json RunFolder::run_in(const fs::path& folder) {

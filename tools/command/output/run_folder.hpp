@@ -36,6 +36,8 @@ class RunFolder {
   [[nodiscard]] static std::string record_name(std::string_view query, std::uint32_t frame,
                                                Results results);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// The folder as it was locked, whatever lies under its name now: where its files are opened.
+  [[nodiscard]] std::filesystem::path inside() const;
   /// The names of --report and --trace if they are in the folder: `files_beside` in run.json.
   [[nodiscard]] const std::vector<std::string>& beside() const { return beside_; }
 
@@ -53,10 +55,10 @@ class RunFolder {
   void check_names(const Scene& scene, const std::vector<std::string>& beside);
   void look();
   std::filesystem::path path_;
-  std::vector<std::string> beside_;         ///< names in this folder that are the run's, too
-  std::vector<std::filesystem::path> old_;  ///< files of the run that was there
-  Lock lock_;                               ///< outlives made_
-  std::optional<OutputFolder> made_;        ///< taken away again if no run begins
+  std::vector<std::string> beside_;   ///< names in this folder that are the run's, too
+  std::vector<std::string> old_;      ///< names of the files of the run that was there
+  Lock lock_;                         ///< outlives made_
+  std::optional<OutputFolder> made_;  ///< taken away again if no run begins
   bool begun_ = false;
 };
 

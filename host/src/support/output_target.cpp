@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support/output_target.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <string>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A name in a folder that this process holds open, by that folder's name.
+std::string shown(const fs::path& path) {
+  constexpr std::string_view kHeld = "/proc/self/fd/";
+  const std::string name = path.string();
+  const std::size_t slash = name.find('/', kHeld.size());
+  std::error_code error;
+  if (!name.starts_with(kHeld) || slash == std::string::npos) return printable_name(name);
+  const fs::path folder = fs::read_symlink(name.substr(0, slash), error);
+  return printable_name(error ? name : (folder / name.substr(slash + 1)).string());
+}
+
+}  // namespace
+
+void fail_output(const fs::path& path, const char* doing, int number) {
+  throw Error(ErrorCode::kFile,
+              fmt::format("{}: cannot {}: {}", shown(path), doing, std::strerror(number)));
+}
+
+std::optional<struct stat> info_of(int descriptor) {
+  struct stat info {};
+  if (::fstat(descriptor, &info) != 0) return std::nullopt;
+  return info;
+}
+
+namespace {
+
+/// A link of another user leads only to what is that user's: otherwise its owner would choose which
+/// file of this user is replaced.
+void check_link(const OutputTarget& target, const struct stat& owned) {
+  if (!target.stranger || owned.st_uid == *target.stranger) return;
+  throw Error(ErrorCode::kFile,
+              fmt::format("{}: cannot write: it is a link of user {} to {}, which user {} owns",
+                          shown(target.named), *target.stranger,
+                          printable_name(target.path.string()), owned.st_uid));
+}
+
+}  // namespace
+
+OutputTarget follow_output(const fs::path& named) {
+  constexpr int kMostLinks = 40;
+  fs::path path = named;
+  std::optional<uid_t> stranger;  // who owns a link on the way
+  const auto found = [&](std::optional<struct stat> info) {
+    OutputTarget target{named, path, std::nullopt, info, stranger};
+    if (struct stat folder{}; info)
+      check_link(target, *info);
+    else if (::lstat(path.parent_path().c_str(), &folder) == 0)
+      check_link(target, folder);
+    return target;
+  };
+  for (int links = 0; links < kMostLinks; ++links) {
+    if (!path.has_filename()) fail_output(named, "write", path.empty() ? ENOENT : EISDIR);
+    std::error_code error;
+    const fs::path folder =
+        fs::canonical(path.has_parent_path() ? path.parent_path() : fs::path("."), error);
+    if (error) fail_output(named, "create", error.value());
+    const std::string name = path.filename();
+    if (folder == fs::path("/proc") / std::to_string(::getpid()) / "fd") {
+      int number = 0;
+      const auto [stop, bad] = std::from_chars(name.data(), name.data() + name.size(), number);
+      if (bad != std::errc() || stop != name.data() + name.size())
+        fail_output(named, "write", ENOENT);
+      const auto info = info_of(number);
+      if (!info) fail_output(named, "write", EBADF);
+      return {named, folder / name, number, info, std::nullopt};
+    }
+    path = folder / name;
+    struct stat info {};
+    if (::lstat(path.c_str(), &info) != 0) {
+      if (errno == ENOENT) return found(std::nullopt);
+      fail_output(named, "write", errno);
+    }
+    if (!S_ISLNK(info.st_mode)) {
+      if (S_ISDIR(info.st_mode)) fail_output(named, "write", EISDIR);
+      return found(info);
+    }
+    if (info.st_uid != 0 && info.st_uid != ::geteuid()) stranger = info.st_uid;
+    const fs::path link = fs::read_symlink(path, error);
+    if (error) fail_output(named, "write", error.value());
+    path = folder / link;  // an absolute one replaces the folder
+  }
+  fail_output(named, "write", ELOOP);
+}
+
+Descriptor folder_of(const OutputTarget& target) {
+  constexpr int kFolder = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
+  int at = ::open("/", kFolder);
+  for (const fs::path& part : target.path.parent_path().relative_path()) {
+    const int next = at < 0 ? -1 : ::openat(at, part.c_str(), kFolder);
+    const int number = errno;
+    if (at >= 0) ::close(at);
+    errno = number;
+    at = next;
+  }
+  if (at < 0) fail_output(target.named, "create", errno);
+  if (target.stranger) {
+    struct stat owned {};
+    const bool there =
+        ::fstatat(at, target.path.filename().c_str(), &owned, AT_SYMLINK_NOFOLLOW) == 0;
+    if (!there && ::fstat(at, &owned) != 0) fail_output(target.named, "create", errno);
+    check_link(target, owned);
+  }
+  return Descriptor(at);
+}
+
+Descriptor open_output(const OutputTarget& target, int flags) {
+  if (target.descriptor) {
+    Descriptor again(::fcntl(*target.descriptor, F_DUPFD_CLOEXEC, 0));
+    if (again.get() < 0) fail_output(target.named, "write", errno);
+    return again;
+  }
+  const Descriptor folder = folder_of(target);
+  Descriptor file(::openat(folder.get(), target.path.filename().c_str(),
+                           flags | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, 0666));
+  if (file.get() < 0) fail_output(target.named, "write", errno);
+  const auto opened = info_of(file.get());
+  if (target.info && opened &&
+      (opened->st_dev != target.info->st_dev || opened->st_ino != target.info->st_ino ||
+       (opened->st_mode & S_IFMT) != (target.info->st_mode & S_IFMT)))
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: cannot write: another user of its folder has replaced it",
+                            shown(target.named)));
+  return file;
+}
+
+}  // namespace cde
