@@ -193,6 +193,22 @@ TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
   }
 }
 
+/// Opening a FIFO that nobody writes to would wait for ever.
+TEST_F(Bitstreams, TheFifoIsNotRead) {
+  const fs::path file = copy_of_host_board("ready");
+  set("CDE_BITSTREAMS", folder_ / "ready");
+  for (const auto& [name, why] :
+       {std::pair{file, "it is no regular file"},
+        std::pair{fs::path(file) += ".sha256", "it has a checksum that is no regular file"}}) {
+    fs::rename(name, folder_ / "kept");
+    ASSERT_EQ(::mkfifo(name.c_str(), 0600), 0);
+    const auto [folder, said] = loaded_from();
+    EXPECT_NE(folder, folder_ / "ready");
+    EXPECT_NE(said.find(file.string() + " is not loaded: " + why), std::string::npos) << said;
+    fs::rename(folder_ / "kept", name);
+  }
+}
+
 TEST_F(Bitstreams, WithoutChecksumOneIsNotLoaded) {
   const fs::path file = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");

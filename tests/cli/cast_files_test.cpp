@@ -123,6 +123,15 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
   refused({"one.obj"}, "rays are missing");
 }
 
+/// Of a mesh of somebody else's, shown on a terminal.
+TEST_F(CastFiles, ControlCharactersOfNamesAreShownAsNumbers) {
+  write("evil.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\no \033[31mred\007\nf 1 2 3\n");
+  const Ran ran =
+      cast({"evil.obj", "--ray", "0.2,0.2,5,0,0,-1", "--fields", "node", "-q", "-o", "-"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(has(ran.out, ",\\x1b[31mred\\x07\n")) << ran.out;
+}
+
 /// What the host adds to a record, in all three formats.
 TEST_F(CastFiles, FieldsOfRecords) {
   write("one.obj", kTwoObjects);

@@ -25,6 +25,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/process.hpp"
+#include "support/descriptor.hpp"
 #include "support/sanitizer.hpp"
 #include "support/sha256.hpp"
 
@@ -87,10 +88,11 @@ std::string causes(const std::string& text) {
 /// The output of a build that failed, kept beside where its bitstream would lie; what to say of it.
 std::string keep_log(const fs::path& file, const std::string& output) {
   const fs::path log = fs::path(file).replace_extension(".log");
-  std::ofstream out(log, std::ios::binary | std::ios::trunc);
-  out << output;
-  out.close();
-  if (!out) return "";
+  // Made anew: what lies under its name may be a link of somebody else.
+  ::unlink(log.c_str());
+  const Descriptor written(
+      ::open(log.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (written.get() < 0 || !process::write_all(written.get(), output)) return "";
   return fmt::format("\nall of what the builder said: {}", printable_name(log.string()));
 }
 
@@ -106,6 +108,9 @@ std::optional<std::string> defect(const Place& place) {
   if (auto why = folders::distrust(file, place.named)) return why;
   std::error_code none;
   if (fs::is_directory(file, none)) return "is a folder";
+  for (const fs::path& one : {file, folders::checksum_file(file)})
+    if (fs::exists(one, none) && !fs::is_regular_file(one, none))
+      return fmt::format("{} no regular file", one == file ? "is" : "has a checksum that is");
   std::ifstream in(folders::checksum_file(file));
   if (!in) return "has no checksum beside it";
   std::string line;
@@ -145,7 +150,7 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
 class FileLock {
  public:
   FileLock(const fs::path& path, const std::string& what)
-      : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+      : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666)) {
     if (fd_ < 0) {
       throw Error(ErrorCode::kFile,
                   fmt::format("{}: {}", printable_name(path.string()), std::strerror(errno)));

@@ -17,6 +17,7 @@
 #include "cde/io/npy.hpp"
 #include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "cde/support/suffix.hpp"
 #include "cde/support/suggest.hpp"
 
@@ -63,7 +64,7 @@ struct CsvRow {
     else if constexpr (std::is_same_v<T, Index>)
       fmt::format_to(out, "{},", value.value);
     else if constexpr (std::is_same_v<T, std::string_view>)
-      fmt::format_to(out, "{},", csv_field(value));
+      fmt::format_to(out, "{},", csv_field(printable_name(value)));
     else
       fmt::format_to(out, "{:d},", value);
   }
