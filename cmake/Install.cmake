@@ -44,7 +44,8 @@ install(DIRECTORY host/include/cde DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPO
 if(CDE_MPI)
   set(cde_jobs_needs mpi)
 endif()
-configure_package_config_file(cmake/cdeConfig.cmake.in ${PROJECT_BINARY_DIR}/cdeConfig.cmake INSTALL_DESTINATION ${package_dir})
+configure_package_config_file(cmake/cdeConfig.cmake.in ${PROJECT_BINARY_DIR}/cdeConfig.cmake INSTALL_DESTINATION ${package_dir}
+  PATH_VARS CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cdeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/cdeConfig.cmake ${PROJECT_BINARY_DIR}/cdeConfigVersion.cmake DESTINATION ${package_dir} COMPONENT library)
 

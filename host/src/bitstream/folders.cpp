@@ -20,6 +20,9 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 
+/// Where cde is installed, in programs that found it by CMake (cdeConfig.cmake); null in others.
+extern "C" __attribute__((weak)) const char* cde_installed_share();
+
 namespace cde::folders {
 namespace {
 
@@ -55,6 +58,8 @@ bool is_installation(const fs::path& share) {
 
 /// Programs of the build tree have nothing to do with what is installed above or beside it.
 std::vector<fs::path> share_places() {
+  if (cde_installed_share != nullptr)
+    return {cde_installed_share(), CDE_SOURCE_FOLDER, CDE_INSTALLED_SHARE};
   std::error_code none;
   const fs::path program = fs::read_symlink("/proc/self/exe", none);
   const fs::path build = fs::weakly_canonical(CDE_BINARY_FOLDER, none);

@@ -33,6 +33,7 @@ void cast_shadows(const CastTask& o, CastPicture& picture, CastOutcome& all) {
   picture.look_at_sun([&](const CastJob& job, const RecordSink& take) {
     const CastOutcome sun = cast_rays(o, job, "casting shadows", take);
     all.counters += sun.counters;
+    all.hits += sun.hits;
     all.compared += sun.compared;
     all.matching += sun.matching;
     all.modelled_seconds += sun.modelled_seconds;

@@ -123,11 +123,11 @@ Finding small_cast(Arithmetic arithmetic) {
   try {
     const Mesh mesh = make_terrain({.quads_x = quads, .quads_y = quads});
     const std::vector<Ray> rays = grid_rays(bounds(mesh), {20, 20});
-    Board board = Board::open({.arithmetic = arithmetic});
+    Board board = Board::open({.arithmetic = arithmetic, .box = true});  // as cde cast has them
     board.upload(mesh);
     reference::Checker checker(
         rays, mesh, Mode::kAll, {}, board.primaries(),
-        fmt::format("cde cast terrain:{},{},1 --mode all --arith {}", quads, quads, name));
+        fmt::format("cde cast terrain:{},{},1 --mode all --arith {}", quads, quads, name), {}, true);
     board.cast(rays, {.mode = Mode::kAll},
                [&](std::span<const Record> records) { checker.check(records); });
     checker.finish();

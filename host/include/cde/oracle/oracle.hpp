@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 /// Independent oracles for the pairs: what the answers mean, by arithmetic and algorithms
-/// that share nothing with the pipes or their reference. CMake target `cde_oracle`.
+/// that share nothing with the pipes or their reference. CMake target `cde::oracle`.
 ///
 ///   #include "cde/oracle/oracle.hpp"
 ///   namespace oracle = cde::oracle;

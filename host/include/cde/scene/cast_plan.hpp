@@ -27,6 +27,12 @@ struct CastRequest {
   bool exact_card = false;             ///< no built card may stand in for one that is not built
 };
 
+/// Open `card`, upload the mesh, with `*hierarchy` if there is one, and cast with the Query of the
+/// request's mode:
+///
+///     Board board = Board::open(plan.card);
+///     plan.hierarchy ? board.upload(mesh, *plan.hierarchy) : board.upload(mesh);
+///     board.cast(rays, {.mode = request.mode}, take);
 struct CastPlan {
   BoardConfig card = {};
   std::shared_ptr<const Hierarchy> hierarchy = {};  ///< of the mesh; null: brute force
