@@ -28,12 +28,12 @@ std::optional<std::uint64_t> records_of(const CastJob& job) {
   return job.rays.size() * (job.mode == Mode::kAll ? job.triangles : 1);
 }
 
-/// The second pass of a picture, to the sun. Its clocks and records are counted with the first.
+/// The second pass of a picture, to the sun. Its clocks and records are
+/// counted with the first; hits are those of pixels.
 void cast_shadows(const CastTask& o, CastPicture& picture, CastOutcome& all) {
   picture.look_at_sun([&](const CastJob& job, const RecordSink& take) {
     const CastOutcome sun = cast_rays(o, job, "casting shadows", take);
     all.counters += sun.counters;
-    all.hits += sun.hits;
     all.compared += sun.compared;
     all.matching += sun.matching;
     all.modelled_seconds += sun.modelled_seconds;

@@ -127,7 +127,8 @@ Finding small_cast(Arithmetic arithmetic) {
     board.upload(mesh);
     reference::Checker checker(
         rays, mesh, Mode::kAll, {}, board.primaries(),
-        fmt::format("cde cast terrain:{},{},1 --mode all --arith {}", quads, quads, name), {}, true);
+        fmt::format("cde cast terrain:{},{},1 --mode all --arith {}", quads, quads, name), {},
+        true);
     board.cast(rays, {.mode = Mode::kAll},
                [&](std::span<const Record> records) { checker.check(records); });
     checker.finish();
