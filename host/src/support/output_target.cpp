@@ -19,15 +19,23 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A name in a folder that this process holds open, by that folder's name.
+/// The folder of /proc/self/fd/FOLDER/NAME, which this process holds open.
+std::optional<int> held_folder(const fs::path& path) {
+  const fs::path folder = path.parent_path();
+  if (folder.parent_path() != "/proc/self/fd") return std::nullopt;
+  const std::string digits = folder.filename();
+  int number = 0;
+  const auto [stop, bad] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (bad != std::errc() || stop != digits.data() + digits.size()) return std::nullopt;
+  return number;
+}
+
+/// A name in a held folder is shown by that folder's name.
 std::string shown(const fs::path& path) {
-  constexpr std::string_view kHeld = "/proc/self/fd/";
-  const std::string name = path.string();
-  const std::size_t slash = name.find('/', kHeld.size());
   std::error_code error;
-  if (!name.starts_with(kHeld) || slash == std::string::npos) return printable_name(name);
-  const fs::path folder = fs::read_symlink(name.substr(0, slash), error);
-  return printable_name(error ? name : (folder / name.substr(slash + 1)).string());
+  if (!held_folder(path)) return printable_name(path.string());
+  const fs::path folder = fs::read_symlink(path.parent_path(), error);
+  return printable_name((error ? path : folder / path.filename()).string());
 }
 
 }  // namespace
@@ -58,6 +66,19 @@ void check_link(const OutputTarget& target, const struct stat& owned) {
 }  // namespace
 
 OutputTarget follow_output(const fs::path& named) {
+  if (const auto folder = held_folder(named)) {
+    // The folder's name may lead elsewhere by now, so nothing is asked by it.
+    OutputTarget target{named, named, std::nullopt, std::nullopt, std::nullopt};
+    struct stat info {};
+    if (::fstatat(*folder, named.filename().c_str(), &info, AT_SYMLINK_NOFOLLOW) != 0) {
+      if (errno != ENOENT) fail_output(named, "write", errno);
+      return target;
+    }
+    if (S_ISLNK(info.st_mode) || S_ISDIR(info.st_mode))
+      fail_output(named, "write", S_ISDIR(info.st_mode) ? EISDIR : ELOOP);
+    target.info = info;
+    return target;
+  }
   constexpr int kMostLinks = 40;
   fs::path path = named;
   std::optional<uid_t> stranger;  // who owns a link on the way
@@ -104,6 +125,11 @@ OutputTarget follow_output(const fs::path& named) {
 }
 
 Descriptor folder_of(const OutputTarget& target) {
+  if (const auto held = held_folder(target.path)) {
+    Descriptor again(::fcntl(*held, F_DUPFD_CLOEXEC, 0));
+    if (again.get() < 0) fail_output(target.named, "create", errno);
+    return again;
+  }
   constexpr int kFolder = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
   int at = ::open("/", kFolder);
   for (const fs::path& part : target.path.parent_path().relative_path()) {

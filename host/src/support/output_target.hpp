@@ -18,15 +18,18 @@ namespace cde {
 std::optional<struct stat> info_of(int descriptor);
 
 struct OutputTarget {
-  std::filesystem::path named, path;  ///< as it was named; absolute, and no link on the way
-  std::optional<int> descriptor;      ///< of this process, as /dev/stdout and /dev/fd/N are
-  std::optional<struct stat> info;    ///< nothing if there is no such file yet
-  std::optional<uid_t> stranger;      ///< another user, whose link led here
+  /// As it was named; absolute, and no link on the way. In a folder that this process holds open
+  /// both are /proc/self/fd/FOLDER/NAME.
+  std::filesystem::path named, path;
+  std::optional<int> descriptor;    ///< of this process, as /dev/stdout and /dev/fd/N are
+  std::optional<struct stat> info;  ///< nothing if there is no such file yet
+  std::optional<uid_t> stranger;    ///< another user, whose link led here
 };
 
 /// Follows the links of the last part by hand: those in /proc/self/fd are no paths, and a link to
 /// what is not there yet says where it is to be. Error kFile if the target is a folder, or if a
-/// link of another user leads to what that user does not own.
+/// link of another user leads to what that user does not own; in a held folder also if it is a
+/// link.
 [[nodiscard]] OutputTarget follow_output(const std::filesystem::path& named);
 
 /// The folder of a target, opened part by part: a part that has become a link since is an error.
