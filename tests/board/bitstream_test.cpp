@@ -193,7 +193,7 @@ TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
   }
 }
 
-/// Opening a FIFO that nobody writes to would wait for ever.
+/// An open() of a FIFO without a writer never returns.
 TEST_F(Bitstreams, TheFifoIsNotRead) {
   const fs::path file = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");

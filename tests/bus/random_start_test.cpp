@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "../board/board_configs.hpp"
 #include "../printed.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/scene/scene.hpp"
@@ -70,16 +71,7 @@ void PrintTo(const Start& start, std::ostream* out) {
 }
 
 BoardConfig card_of(const Start& start) {
-  if (!start.every)
-    return {.lanes = 4,
-            .pairs = {Pair::kRayTriangle, Pair::kTriangleSphere},
-            .swap = true,
-            .parallel = true,
-            .transform = Transformer::kBoth,
-            .ddr_slots = 1000,
-            .sram_records = 64,
-            .bus = start.bus,
-            .ecc = true};
+  if (!start.every) return rich_config(start.bus);
   return {.lanes = 1,
           .pairs = every_pair(),
           .swap = true,

@@ -123,7 +123,7 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
   refused({"one.obj"}, "rays are missing");
 }
 
-/// Of a mesh of somebody else's, shown on a terminal.
+/// Names in a mesh file must not control the terminal.
 TEST_F(CastFiles, ControlCharactersOfNamesAreShownAsNumbers) {
   write("evil.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\no \033[31mred\007\nf 1 2 3\n");
   const Ran ran =

@@ -139,8 +139,8 @@ class WavesAndSignal : public TraceWindow, public ::testing::WithParamInterface<
       if (name.starts_with("w.fst")) bytes += fs::file_size(folder_ / name);
     return bytes;
   }
-  /// Starts a command that takes minutes, sends the signal when two blocks are written, and looks
-  /// at what is left.
+  /// Starts a command that takes minutes. Sends the signal when two blocks are written. The wave
+  /// file must be readable.
   void stop(const Words& words) {
     const pid_t child = start(words);
     for (int i = 0; i < 6000 && bytes_of_waves() < 2'500'000; ++i)

@@ -28,8 +28,8 @@ std::optional<std::uint64_t> records_of(const CastJob& job) {
   return job.rays.size() * (job.mode == Mode::kAll ? job.triangles : 1);
 }
 
-/// The second pass of a picture, to the sun. Its clocks and records are
-/// counted with the first; hits are those of pixels.
+/// The second pass of a picture, to the sun. The totals include its clocks and records, but not its
+/// hits.
 void cast_shadows(const CastTask& o, CastPicture& picture, CastOutcome& all) {
   picture.look_at_sun([&](const CastJob& job, const RecordSink& take) {
     const CastOutcome sun = cast_rays(o, job, "casting shadows", take);
