@@ -68,6 +68,13 @@ TEST_F(Help, SameByVerbAndByOptionOnStdout) {
   }
 }
 
+TEST_F(Help, OfAVerbOfAVerb) {
+  const Ran ran = cde({"help", "wave", "info"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.out, cde({"wave", "info", "--help"}).out);
+  EXPECT_TRUE(has(ran.out, "cde wave info"));
+}
+
 /// Lines are not longer than the terminal, but for examples, which are there to be copied.
 TEST_F(Help, FitsTheTerminal) {
   for (const unsigned columns : {60u, 80u, 100u}) {

@@ -258,6 +258,7 @@ void run_picture(const AccuracyOptions& o) {
   const std::vector<AccuracyPipe> pipes = pipes_of(of);
   const Resolution size = parse_resolution(o.grid, "--grid");
   const Mesh mesh = load_mesh_or_builtin(o.mesh);
+  warn(mesh.warnings);
   const Eigen::AlignedBox3f box = bounds(mesh);
   const std::vector<Ray> rays = o.camera.empty()     ? grid_rays(box, size)
                                 : o.camera == "auto" ? camera_for(box, size).rays(size)

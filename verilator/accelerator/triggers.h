@@ -39,3 +39,9 @@ class VlTriggerVec final {
  private:
   std::uint64_t word_ = 0;
 };
+
+/// A read that the compiler does not join with those beside it.
+template <class T>
+T read_alone(const T& variable) {
+  return *static_cast<const volatile T*>(&variable);
+}

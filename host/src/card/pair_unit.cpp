@@ -59,12 +59,23 @@ std::vector<std::string> PairConfig::parameters() const {
   return p;
 }
 
+namespace {
+/// Operands and results in the unit's own width. They are kept between tests: fresh ones would be
+/// fresh pages of the system each time.
+template <class Word>
+struct Buffers {
+  std::vector<Word> a, b, out;
+};
+}  // namespace
+
 struct PairUnit::State {
   Bitstream bitstream;
   PairConfig config;
   const cde_pair_api* api = nullptr;
   cde_pair_unit* unit = nullptr;
   bool testing = false;
+  Buffers<std::uint32_t> narrow;
+  Buffers<std::uint64_t> wide;
 
   State(const Bitstream& b, const PairConfig& c) : bitstream(b), config(c) {}
   State(const State&) = delete;
@@ -144,16 +155,17 @@ namespace {
 
 /// Words between the driver's 64 bits and the unit's own width.
 template <class Word>
-std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, std::span<const std::uint64_t> a,
-                  std::span<const std::uint64_t> b, std::span<PairResult> results,
-                  uint32_t (*gap)(void*), void* context) {
-  std::vector<Word> wa(a.begin(), a.end()), wb(b.begin(), b.end());
-  const auto out = std::make_unique_for_overwrite<Word[]>(results.size() * CDE_PAIR_RESULT_WORDS);
-  const std::uint64_t clocks =
-      api.test(unit, wa.data(), wb.data(), out.get(), results.size(), gap, context);
+std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, Buffers<Word>& words,
+                  std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+                  std::span<PairResult> results, uint32_t (*gap)(void*), void* context) {
+  words.a.assign(a.begin(), a.end());
+  words.b.assign(b.begin(), b.end());
+  words.out.resize(results.size() * CDE_PAIR_RESULT_WORDS);
+  const std::uint64_t clocks = api.test(unit, words.a.data(), words.b.data(), words.out.data(),
+                                        results.size(), gap, context);
   if (clocks == CDE_PAIR_STUCK) throw_stuck(api, unit, results.size());
   for (std::size_t i = 0; i < results.size(); ++i) {
-    const Word* w = &out[i * CDE_PAIR_RESULT_WORDS];
+    const Word* w = &words.out[i * CDE_PAIR_RESULT_WORDS];
     PairResult& r = results[i];
     r.f = w[CDE_PAIR_F] != 0;
     r.bad = w[CDE_PAIR_BAD] != 0;
@@ -185,8 +197,8 @@ std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const s
   kept->testing = true;
   try {
     const std::uint64_t clocks =
-        api.word_bytes == 4 ? run<std::uint32_t>(api, kept->unit, a, b, results, call, context)
-                            : run<std::uint64_t>(api, kept->unit, a, b, results, call, context);
+        api.word_bytes == 4 ? run(api, kept->unit, kept->narrow, a, b, results, call, context)
+                            : run(api, kept->unit, kept->wide, a, b, results, call, context);
     kept->testing = false;
     return clocks;
   } catch (...) {

@@ -153,10 +153,9 @@ RayColumns parse_header(std::string_view line, const CsvPlace& place) {
 }
 
 std::vector<Ray> parse_rays(std::string_view bytes, std::string_view name) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+  text::require_utf8(bytes, name);
   std::vector<Ray> rays;
-  text::Lines lines(bytes);
+  text::Lines lines(text::without_mark(bytes));
   RayColumns columns;
   bool may_be_header = true;
   while (const auto line = lines.next()) {

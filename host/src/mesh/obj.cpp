@@ -15,7 +15,7 @@ namespace {
 class ObjReader {
  public:
   ObjReader(std::string_view bytes, const std::string& name, std::vector<std::string>& libraries)
-      : lines_(bytes), name_(name), libraries_(libraries) {}
+      : lines_(text::without_mark(bytes)), name_(name), libraries_(libraries) {}
 
   Mesh read() {
     while (auto line = lines_.next()) {
@@ -135,6 +135,7 @@ class ObjReader {
 
 Mesh read_obj(std::string_view bytes, const std::string& name,
               std::vector<std::string>& libraries) {
+  text::require_utf8(bytes, name);
   return ObjReader(bytes, name, libraries).read();
 }
 

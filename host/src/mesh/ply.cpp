@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -9,8 +11,8 @@
 #include "mesh/readers.hpp"
 #include "support/text.hpp"
 
-// PLY 1.0, ascii and binary of either byte order. Elements other than vertex and face, and
-// properties other than x, y, z and vertex_indices, are read past. Every count of the header is
+// PLY 1.0, ascii and binary of either byte order. Elements other than vertex, face and tristrips,
+// and properties other than x, y, z and vertex_indices, are read past. Every count of the header is
 // held against the bytes there are before memory is taken.
 namespace cde::mesh_readers {
 namespace {
@@ -53,60 +55,72 @@ struct Property {
   Role role = Role::kSkip;
 };
 
+struct Polygon {
+  std::uint64_t row = 0;
+  std::vector<std::uint32_t> corners;
+};
+
 struct Element {
   std::string name;
   std::uint64_t count = 0;
   std::vector<Property> properties;
 
+  [[nodiscard]] bool has_corners() const { return name == "face" || name == "tristrips"; }
   /// Bytes of a binary row whose lists are all empty.
-  [[nodiscard]] std::size_t smallest_row() const {
+  [[nodiscard]] std::size_t smallest_binary_row() const {
     std::size_t bytes = 0;
     for (const auto& p : properties) bytes += size_of(p.is_list ? p.count_type : p.type);
     return bytes;
+  }
+  /// Whether the properties that are not skipped come before the others.
+  [[nodiscard]] bool wanted_come_first() const {
+    return std::is_partitioned(properties.begin(), properties.end(),
+                               [](const Property& p) { return p.role != Role::kSkip; });
   }
 };
 
 class PlyReader {
  public:
   PlyReader(std::string_view bytes, const std::string& name)
-      : bytes_(bytes), lines_(bytes), name_(name) {}
+      : bytes_(text::without_mark(bytes)), file_bytes_(bytes.size()), lines_(bytes_), name_(name) {}
 
   Mesh read() {
     header();
-    body_ = lines_.rest();
-    for (const auto& element : elements_) {
-      if (element.name == "face" && mesh_.vertices.size() != vertex_count_)
-        fail("faces stand before vertices");
-      // A row takes at least two characters a property in ascii, but for the last of the file.
-      const std::size_t smallest = ascii_ ? 2 * element.properties.size() : element.smallest_row();
-      if (element.count > (body_.size() + 1) / smallest) {
-        fail(fmt::format(
-            "{} {} rows are announced, but only {} bytes follow: truncated, or the count is wrong",
-            element.count, element.name, body_.size()));
-      }
-      if (element.name == "vertex") mesh_.vertices.reserve(element.count);
-      if (element.name == "face") mesh_.faces.reserve(element.count);
-      for (row_ = 0; row_ < element.count; ++row_) read_row(element);
-    }
-    if (ascii_ ? !text::trim(body_).empty() &&
-                     body_.find_first_not_of(" \t\r\n") != std::string_view::npos
-               : !body_.empty()) {
-      fail(fmt::format("{} bytes are left after the last row", body_.size()));
-    }
+    body_ = ascii_ ? lines_.rest() : binary_body();
+    for (const auto& element : elements_)
+      if (element.count > 0) read_element(element);
+    for (const auto& [row, c] : waiting_) polygon(row, c);
+    if (body_.find_first_not_of(ascii_ ? " \t\r\n" : "") != std::string_view::npos)
+      warn(fmt::format("{} bytes behind the last row are left out", body_.size()));
     return std::move(mesh_);
   }
 
  private:
+  /// Bytes are counted from the front of the file, a byte order mark included.
+  [[nodiscard]] std::string here() const {
+    if (body_.data() == nullptr || ascii_) return fmt::format("{}:{}", name_, lines_.number());
+    return fmt::format("{}: byte {}", name_, file_bytes_ - body_.size());
+  }
   [[noreturn]] void fail(const std::string& why) const {
-    const auto at = bytes_.size() - body_.size();
-    if (body_.data() == nullptr || ascii_) {
-      throw Error(ErrorCode::kFile, fmt::format("{}:{}: {}", name_, lines_.number(), why));
-    }
-    throw Error(ErrorCode::kFile, fmt::format("{}: byte {}: {}", name_, at, why));
+    throw Error(ErrorCode::kFile, fmt::format("{}: {}", here(), why));
+  }
+  void warn(const std::string& what) {
+    mesh_.warnings.push_back(fmt::format("{}: {}", here(), what));
+  }
+
+  /// Where the lines of the header end in CR alone, an LF behind them is the first byte of the
+  /// body.
+  [[nodiscard]] std::string_view binary_body() const {
+    const std::string_view rest = lines_.rest();
+    const std::size_t end = bytes_.find_first_of("\r\n");
+    const bool cr_alone = !bytes_.substr(end).starts_with("\r\n") && bytes_[end] == '\r';
+    const std::size_t at = bytes_.size() - rest.size();
+    return bytes_.substr(cr_alone && bytes_[at - 1] == '\n' ? at - 1 : at);
   }
 
   void header() {
-    if (lines_.next() != "ply") fail("a PLY file begins with the line 'ply'");
+    if (text::trim(lines_.next().value_or("")) != "ply")
+      fail("a PLY file begins with the line 'ply'");
     bool has_format = false;
     for (;;) {
       auto line = lines_.next();
@@ -127,10 +141,11 @@ class PlyReader {
     }
     if (!has_format) fail("the header has no 'format'");
     for (const auto& e : elements_) {
-      if (e.properties.empty())
+      if (e.properties.empty() && e.count > 0)
         fail(fmt::format("element {} has no properties", in_quotes(e.name)));
+      if (e.count == 0) continue;
       if (e.name == "vertex") require(e, {Role::kX, Role::kY, Role::kZ}, "x, y and z");
-      if (e.name == "face") require(e, {Role::kCorners}, "a list vertex_indices");
+      if (e.has_corners()) require(e, {Role::kCorners}, "a list vertex_indices");
     }
   }
 
@@ -151,7 +166,6 @@ class PlyReader {
     e.name = text::next_word(rest);
     const std::string_view count = text::next_word(rest);
     if (!text::parse_int(count, e.count)) fail(fmt::format("{} is not a count", in_quotes(count)));
-    if (e.name == "tristrips") fail("triangle strips are not supported");
     for (const auto& other : elements_) {
       if (other.name == e.name) fail(fmt::format("element {} stands twice", in_quotes(e.name)));
     }
@@ -183,7 +197,7 @@ class PlyReader {
                : word == "y" ? Role::kY
                : word == "z" ? Role::kZ
                              : Role::kSkip;
-    } else if (e.name == "face" && p.is_list && !is_float(p.type) &&
+    } else if (e.has_corners() && p.is_list && !is_float(p.type) &&
                (word == "vertex_indices" || word == "vertex_index")) {
       p.role = Role::kCorners;
     }
@@ -196,6 +210,25 @@ class PlyReader {
       for (const auto& p : e.properties) found += p.role == role ? 1 : 0;
       if (found != 1) fail(fmt::format("element {} needs {}, once each", e.name, what));
     }
+  }
+
+  void read_element(const Element& e) {
+    // A row takes at least two characters per property in ascii, but for the last of the file.
+    const std::size_t smallest = ascii_ ? 2 * e.properties.size() : e.smallest_binary_row();
+    if (e.count > (body_.size() + 1) / smallest) {
+      fail(fmt::format(
+          "{} {} rows are announced, but only {} bytes follow: truncated, or the count is wrong",
+          e.count, e.name, body_.size()));
+    }
+    if (e.name == "vertex") mesh_.vertices.reserve(e.count);
+    if (e.name == "face") mesh_.faces.reserve(e.count);
+    too_long_ = 0;
+    for (row_ = 0; row_ < e.count; ++row_) read_row(e);
+    if (too_long_ > 0)
+      mesh_.warnings.push_back(fmt::format(
+          "{}:{}: {} row {} has more values than the header announces{}; they are left out", name_,
+          first_too_long_.line, e.name, first_too_long_.row,
+          too_long_ > 1 ? fmt::format(", as have {} others", too_long_ - 1) : ""));
   }
 
   void read_row(const Element& e) {
@@ -212,23 +245,51 @@ class PlyReader {
         vertex[static_cast<int>(p.role) - static_cast<int>(Role::kX)] = real(e, p.type);
       }
     }
-    if (ascii_ && !text::trim(line_).empty())
-      fail(fmt::format("{} row {} has too many values", e.name, row_));
+    if (ascii_ && !text::trim(line_).empty()) {
+      if (!e.wanted_come_first()) fail(fmt::format("{} row {} has too many values", e.name, row_));
+      if (too_long_++ == 0) first_too_long_ = {lines_.number(), row_};
+    }
     if (e.name == "vertex") mesh_.vertices.push_back(vertex);
   }
 
   void corners(const Element& e, const Property& p, std::int64_t count) {
+    const bool strip = e.name == "tristrips";
     corners_.clear();
     for (std::int64_t i = 0; i < count; ++i) {
       const std::int64_t corner = integer(e, p.type);
+      if (strip && corner == -1) {
+        append_strip();
+        corners_.clear();
+        continue;
+      }
       if (corner < 0 || static_cast<std::uint64_t>(corner) >= vertex_count_) {
         fail(fmt::format("face {}: vertex number {} is out of range: {} vertices", row_, corner,
                          vertex_count_));
       }
       corners_.push_back(static_cast<std::uint32_t>(corner));
     }
-    if (!append_polygon(mesh_, corners_))
-      fail(fmt::format("face {}: concave polygon of {} corners (limit 1024)", row_, count));
+    if (strip)
+      append_strip();
+    else if (mesh_.vertices.size() == vertex_count_)
+      polygon(row_, corners_);
+    else
+      waiting_.push_back({row_, corners_});
+  }
+
+  void polygon(std::uint64_t row, const std::vector<std::uint32_t>& c) {
+    if (!append_polygon(mesh_, c))
+      fail(fmt::format("face {}: concave polygon of {} corners (limit 1024)", row, c.size()));
+  }
+
+  /// Each corner from the third makes a triangle with the two before it, every other one turned
+  /// round. A repeated corner, which joins strips, makes none.
+  void append_strip() {
+    const std::vector<std::uint32_t>& c = corners_;
+    for (std::size_t i = 2; i < c.size(); ++i) {
+      const std::size_t odd = i % 2;
+      const std::uint32_t a = c[i - 2 + odd], b = c[i - 1 - odd];
+      if (a != b && b != c[i] && a != c[i]) mesh_.faces.push_back({a, b, c[i]});
+    }
   }
 
   // --- one value, ascii or binary
@@ -316,6 +377,7 @@ class PlyReader {
   }
 
   std::string_view bytes_;
+  std::size_t file_bytes_;
   text::Lines lines_;
   const std::string& name_;
   bool ascii_ = false;
@@ -326,12 +388,19 @@ class PlyReader {
   std::string_view body_;  // what is not yet read, behind the header
   std::string_view line_;  // what is not yet read of an ascii row
   std::vector<std::uint32_t> corners_;
+  std::vector<Polygon> waiting_;  // faces that stand before the vertices
+  std::uint64_t too_long_ = 0;    // rows of the element with too many values
+  struct {
+    std::size_t line;
+    std::uint64_t row;
+  } first_too_long_ = {};
   Mesh mesh_;
 };
 
 }  // namespace
 
 Mesh read_ply(std::string_view bytes, const std::string& name) {
+  text::require_utf8(bytes, name);
   return PlyReader(bytes, name).read();
 }
 

@@ -11,9 +11,9 @@
 
 #include "cde/mesh/mesh.hpp"
 
-/// One reader a format. Private to the library. `name` is the path as messages show it; `bytes` the
-/// whole file. Readers throw Error(kFile) on what they cannot read; load_mesh then checks vertices
-/// and face count.
+/// One reader per format. Private to the library. `name` is the path as messages show it; `bytes`
+/// the whole file. Readers throw Error(kFile) on what they cannot read; load_mesh then checks
+/// vertices and face count.
 namespace cde::mesh_readers {
 
 /// `libraries`: the names of mtllib statements.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cstring>
 
 #include "cde/support/error.hpp"
@@ -8,8 +11,8 @@
 #include "mesh/readers.hpp"
 #include "support/text.hpp"
 
-// STL, binary (80-byte header, little-endian count, 50 bytes a facet) or ascii. Facet normals are
-// skipped: they follow from the corners and are often wrong.
+// STL, binary (80-byte header, little-endian count, 50 bytes per facet) or ascii, whose keywords
+// are in any case. Facet normals are skipped: they follow from the corners and are often wrong.
 namespace cde::mesh_readers {
 namespace {
 
@@ -40,12 +43,12 @@ class AsciiReader {
     expect("solid");
     line_ = {};  // the rest of the line is the name
     for (std::string_view w = word(); !w.empty(); w = word()) {
-      if (w == "facet") {
+      if (is(w, "facet")) {
         facet();
-      } else if (w == "endsolid") {
+      } else if (is(w, "endsolid")) {
         line_ = {};
         open_ = false;
-      } else if (w == "solid" && !open_) {
+      } else if (is(w, "solid") && !open_) {
         line_ = {};
         open_ = true;
       } else {
@@ -59,6 +62,11 @@ class AsciiReader {
  private:
   [[noreturn]] void fail(const std::string& why) const {
     throw Error(ErrorCode::kFile, fmt::format("{}:{}: {}", name_, lines_.number(), why));
+  }
+
+  static bool is(std::string_view word, std::string_view keyword) {
+    return std::equal(word.begin(), word.end(), keyword.begin(), keyword.end(),
+                      [](unsigned char a, char b) { return std::tolower(a) == b; });
   }
 
   std::string_view word() {
@@ -75,7 +83,7 @@ class AsciiReader {
     const std::string_view w = word();
     if (w.empty())
       fail(fmt::format("the file ends where '{}' should stand: it is truncated", what));
-    if (w != what) fail(fmt::format("expected '{}', not {}", what, in_quotes(w)));
+    if (!is(w, what)) fail(fmt::format("expected '{}', not {}", what, in_quotes(w)));
   }
 
   float number() {
@@ -116,10 +124,22 @@ class AsciiReader {
   VertexPool pool_{mesh_.vertices};
 };
 
+/// Whether the first word is "solid" and what follows is text: the headers of many binary files
+/// begin with the word too, but the count behind the header has a byte that is 0, as does the
+/// padding of most headers.
+bool is_text(std::string_view bytes) {
+  std::string_view rest = text::without_mark(bytes);
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n\v\f"), rest.size()));
+  constexpr std::string_view kSolid = "solid";
+  if (rest.size() < kSolid.size()) return false;
+  for (std::size_t i = 0; i < kSolid.size(); ++i)
+    if (std::tolower(static_cast<unsigned char>(rest[i])) != kSolid[i]) return false;
+  return bytes.substr(0, 1024).find('\0') == std::string_view::npos;
+}
+
 }  // namespace
 
 Mesh read_stl(std::string_view bytes, const std::string& name) {
-  // Some binary files begin with "solid" too, so the size decides.
   std::uint64_t expected = 0;
   std::uint32_t count = 0;
   if (bytes.size() >= kHeader) {
@@ -127,17 +147,25 @@ Mesh read_stl(std::string_view bytes, const std::string& name) {
     expected = kHeader + kFacet * std::uint64_t{count};
     if (bytes.size() == expected) return read_binary(bytes, count);
   }
-  if (bytes.starts_with("solid")) return AsciiReader(bytes, name).read();
-  if (bytes.size() < kHeader) {
-    throw Error(
-        ErrorCode::kFile,
-        fmt::format("{}: {} bytes are too few for a binary STL (84 without facets), and it does "
-                    "not begin with 'solid' as ascii STL does",
-                    name, bytes.size()));
-  }
-  throw Error(ErrorCode::kFile,
-              fmt::format("{}: binary STL of {} facets takes {} bytes, the file has {}", name,
-                          count, expected, bytes.size()));
+  text::require_utf8(bytes, name);
+  if (is_text(bytes)) return AsciiReader(text::without_mark(bytes), name).read();
+  const auto fail = [&](const std::string& why) {
+    throw Error(ErrorCode::kFile, fmt::format("{}: {}", name, why));
+  };
+  if (bytes.size() < kHeader)
+    fail(
+        fmt::format("{} bytes are too few for a binary STL (84 without facets), and it does not "
+                    "begin with 'solid' as ascii STL does",
+                    bytes.size()));
+  const std::string counted = fmt::format("binary STL of {} facets takes {} bytes, the file has {}",
+                                          count, expected, bytes.size());
+  if (bytes.size() < expected) fail(counted);
+  if (count == 0) fail(counted + ": its writer did not set the count");
+  Mesh mesh = read_binary(bytes, count);
+  mesh.warnings.push_back(
+      fmt::format("{}: byte {}: {} bytes behind the last of {} facets are left out", name, expected,
+                  bytes.size() - expected, count));
+  return mesh;
 }
 
 }  // namespace cde::mesh_readers

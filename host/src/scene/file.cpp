@@ -140,6 +140,8 @@ void read_objects(Scene& scene, Tables tables, const std::filesystem::path& fold
     t.finish();
     if (!names.numbers.emplace(object.name, scene.objects.size()).second)
       t.fail("name", "there is another object of that name");
+    for (const std::string& warning : object.warnings)
+      scene.warnings.push_back(fmt::format("object '{}': {}", object.name, warning));
     scene.objects.push_back(std::move(object));
   }
   for (std::size_t i = 0; i < parents.size(); ++i)

@@ -247,6 +247,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     object.source = fmt::format("{}, {} triangles", mesh.name, mesh.faces.size());
     object.shapes = triangles_of(mesh);
     object.more_files = mesh.files;
+    object.warnings = mesh.warnings;
     if (auto deform = t.table("deform")) {
       object.deform = read_deformation(*deform, mesh);
       object.mesh = std::move(mesh);

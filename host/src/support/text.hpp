@@ -27,7 +27,12 @@ template <typename Int>
 
 [[noreturn]] void no_entry(std::string_view what, std::size_t number, std::size_t entries);
 
-/// Takes lines off the front of a text; line ends are LF or CRLF, the last may be missing.
+/// The text without a UTF-8 byte order mark at its front.
+[[nodiscard]] std::string_view without_mark(std::string_view text);
+/// Error kFile if the text begins with a byte order mark of UTF-16 or UTF-32.
+void require_utf8(std::string_view text, std::string_view name);
+
+/// Takes lines off the front of a text; line ends are LF, CRLF or CR, the last may be missing.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}

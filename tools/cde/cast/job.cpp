@@ -97,6 +97,7 @@ CastJob job_of(const CastTask& t) {
   std::vector<std::string> named;
   for (const auto& file : job.mesh.files) named.push_back(file.string());
   check_files(t, named);
+  warn(job.mesh.warnings);
   check_mesh(job.mesh, printable_name(t.mesh), job.config.format);
   job.config.node_units = may_traverse(t.request, job.triangles) ? 2 : 0;
   collect_rays(t.source, job);

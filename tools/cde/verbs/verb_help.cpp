@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "options/help.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
@@ -12,13 +14,19 @@
 namespace cde::cli {
 namespace {
 
-void print_help(const CLI::App& app, const std::string& verb) {
+void print_help(const CLI::App& app, const std::string& verb, const std::string& inner) {
   std::string text;
   if (verb.empty()) {
     text = app.get_formatter()->make_help(&app, "", CLI::AppFormatMode::Normal);
   } else {
-    if (const VerbEntry* entry = verb_elsewhere(verb)) {
-      exit_code = other_program(*entry, {verb, "--help"});
+    const VerbEntry* entry = verb_elsewhere(verb);
+    if (!inner.empty() && (entry == nullptr || !entry->own_verbs))
+      throw_usage(fmt::format("cde {} has no verbs of its own, so no {}", verb, in_quotes(inner)));
+    if (entry != nullptr) {
+      std::vector<std::string> words = {verb};
+      if (!inner.empty()) words.push_back(inner);
+      words.push_back("--help");
+      exit_code = other_program(*entry, words);
       return;
     }
     for (const CLI::App* one : shown_verbs(app))
@@ -37,7 +45,10 @@ void add_help(CLI::App& app) {
   std::vector<std::string> verbs;
   for (const CLI::App* one : shown_verbs(app)) verbs.push_back(one->get_name());
   named(verb->add_option("verb", *verb_name, "A verb (all of the program)"), verbs, "VERB", "verb");
-  verb->callback([&app, verb_name] { print_help(app, *verb_name); });
+  auto inner = std::make_shared<std::string>();
+  known_words(verb->add_option("inner", *inner, "A verb of that one: cde help wave info"), {},
+              "VERB");
+  verb->callback([&app, verb_name, inner] { print_help(app, *verb_name, *inner); });
 }
 
 }  // namespace cde::cli

@@ -36,6 +36,7 @@ void add_plan(CLI::App& app) {
       const Busy busy("loading " + o->scene);
       return load_scene(o->scene);
     }();
+    warn(scene.warnings);
     Plan made = plan(scene);
     if (!o->exact) use_built_card(scene, made);
     const std::string clock_is = settle_clock(o->target, scene, made.board);

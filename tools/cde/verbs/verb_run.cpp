@@ -464,6 +464,7 @@ void run(const Options& o) {
                   fmt::format("--check is '{}'; it must be all, sample or none", o.check));
     check = *asked;
   }
+  if (Dealing::here().leads()) warn(scene.warnings);
   if (o.trace.wanted()) scene.card.trace = true;
   Plan made = plan(scene);
   if (!o.exact) use_built_card(scene, made);

@@ -149,6 +149,12 @@ class Reader {
             throw_usage(fmt::format("{} is an option of `{}`: it stands behind the verb",
                                     in_quotes(name), command_name(*one)));
     }
+    std::vector<std::string> others;
+    for (const CLI::App* one : shown_verbs(app_))
+      if (option_named(*one, name) != nullptr) others.push_back('`' + command_name(*one) + '`');
+    if (!others.empty() && name.starts_with("--"))
+      throw_usage(fmt::format("{} has no option {}; {} {} it", called(), in_quotes(name),
+                              fmt::join(others, ", "), others.size() == 1 ? "has" : "have"));
     std::vector<std::string> all;
     for (const CLI::Option* o : shown_options(owner(), false))
       for (const std::string& other : names(*o)) all.push_back(other);

@@ -35,6 +35,10 @@ void flush_stdout() {
 
 }  // namespace
 
+void warn(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) say("cde: warning: {}\n", warning);
+}
+
 void prepare_streams() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(fd, F_GETFD) >= 0) continue;

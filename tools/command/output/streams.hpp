@@ -6,6 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
@@ -37,6 +38,8 @@ template <class First, class... Args>
 void say(fmt::format_string<First, Args...> format, First&& first, Args&&... args) {
   cde::say(fmt::format(format, std::forward<First>(first), std::forward<Args>(args)...));
 }
+/// Warnings on stderr, a line each.
+void warn(const std::vector<std::string>& warnings);
 template <class First, class... Args>
 void put(fmt::format_string<First, Args...> format, First&& first, Args&&... args) {
   put(fmt::format(format, std::forward<First>(first), std::forward<Args>(args)...));

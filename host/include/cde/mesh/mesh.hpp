@@ -33,6 +33,9 @@ struct Mesh {
       0;  ///< points and lines of the file; they have no area and are not among faces
   std::vector<MeshPart> parts = {};  ///< ascending; objects and groups of OBJ, nodes of what assimp
                                      ///< reads; empty if the file names none
+  /// What was left out of a file or taken as it is meant, with its place in the file: a line each,
+  /// without its end.
+  std::vector<std::string> warnings = {};
   std::vector<std::filesystem::path> files = {};  ///< others that the file names and that are
                                                   ///< there: buffers, materials, textures
 
@@ -65,6 +68,11 @@ struct MeshLimits {
 /// kept. No corner is moved, and coordinates are the floats nearest to the text of the file. OBJ
 /// and PLY keep the file's vertices; formats without shared vertices get them where all 96 bits
 /// agree.
+///
+/// Text may begin with a UTF-8 byte order mark; its lines end in LF, CRLF or CR, mixed too. Bytes
+/// behind the last facet of a binary STL, and values of PLY that its header does not announce, are
+/// left out, which Mesh::warnings says. An STL whose size is not that of a binary one is text if
+/// its first word is "solid" and no byte near its front is 0.
 ///
 /// assimp 5.2 dies, hangs or takes gigabytes on some damaged files, so it runs in a child process
 /// with limits. A mesh can name other files; only regular files among them are read.

@@ -47,6 +47,7 @@ struct SceneObject {
   std::string source;                             ///< where its shapes come from, for messages
   std::filesystem::path file;                     ///< that they were read from, or empty
   std::vector<std::filesystem::path> more_files;  ///< that `file` names (Mesh::files)
+  std::vector<std::string> warnings = {};         ///< of reading them (Mesh::warnings)
   Shapes shapes;                                  ///< object's frame, undeformed, those of frame 0
   std::optional<Mesh> mesh;                       ///< of an object that is deformed
   std::optional<Deformation> deform;              ///< has mesh
@@ -141,6 +142,7 @@ struct Scene {
   SceneCard card;
   std::vector<SceneObject> objects;
   std::vector<SceneQuery> queries;
+  std::vector<std::string> warnings = {};  ///< what the user should know: a line each
 };
 
 /// Reads a scene file, and the meshes and rays that it names (paths are relative to its folder).

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// OBJ, STL and PLY as other programs write them.
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+
+#include "cde/mesh/mesh.hpp"
+#include "testing.hpp"
+
+namespace cde {
+namespace {
+
+using testing::expect_error;
+using testing::Folder;
+using testing::small_mesh;
+
+using Face = std::array<std::uint32_t, 3>;
+
+/// Two triangles of a square, in each format with LF.
+const std::string kObj =
+    "# a square\nv 0 0 0 0.5 0.5 1\n\tv 1\t0 0\nv 1 1 0\n  v 0 1 0 \nvn 0 0 1\nf 1//1 2//1 3//1\nf "
+    "1 3 4\n";
+const std::string kStl =
+    "solid a square\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   "
+    "vertex 1 1 0\n  endloop\n endfacet\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   "
+    "vertex 1 1 0\n   vertex 0 1 0\n  endloop\n endfacet\nendsolid a square\n";
+const std::string kPlyHead =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
+    "z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n";
+const std::string kPly = kPlyHead + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+std::string upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+void expect_square(const Mesh& mesh) {
+  ASSERT_EQ(mesh.faces.size(), 2u);
+  EXPECT_EQ(mesh.vertices.size(), 4u);
+  const Triangle first = mesh.triangle(0), second = mesh.triangle(1);
+  EXPECT_EQ(first.v0, Eigen::Vector3f(0, 0, 0));
+  EXPECT_EQ(first.v1, Eigen::Vector3f(1, 0, 0));
+  EXPECT_EQ(first.v2, Eigen::Vector3f(1, 1, 0));
+  EXPECT_EQ(second.v2, Eigen::Vector3f(0, 1, 0));
+}
+
+void expect_square_without_warning(const Mesh& mesh) {
+  expect_square(mesh);
+  EXPECT_EQ(mesh.warnings, std::vector<std::string>{});
+}
+
+/// Every other line ends in the one, the others in the other.
+std::string mixed(const std::string& text, const std::string& odd, const std::string& even) {
+  std::string out;
+  bool is_odd = true;
+  for (const char c : text) {
+    if (c != '\n') {
+      out += c;
+      continue;
+    }
+    out += is_odd ? odd : even;
+    is_odd = !is_odd;
+  }
+  return out;
+}
+
+TEST(MeshText, EveryLineEndMarkAndMissingLastLineEnd) {
+  const Folder folder;
+  for (const auto& [file, text] : {std::pair{"a.obj", kObj}, {"a.stl", kStl}, {"a.ply", kPly}}) {
+    for (const char* mark : {"", "\xef\xbb\xbf"}) {
+      for (const auto& [odd, even] : {std::pair{"\n", "\n"},
+                                      {"\r\n", "\r\n"},
+                                      {"\r", "\r"},
+                                      {"\n", "\r\n"},
+                                      {"\r", "\n"},
+                                      {"\r\n", "\r"},
+                                      {"\r\r\n", "\n"},
+                                      {" \t\n", " \r\n"}}) {
+        for (const bool complete : {true, false}) {
+          SCOPED_TRACE(fmt::format("{} {} {:?} {:?} {}", file, *mark != 0, odd, even, complete));
+          std::string bytes = mark + mixed(text, odd, even);
+          if (!complete) bytes.resize(bytes.find_last_not_of(" \t\r\n") + 1);
+          expect_square_without_warning(load_mesh(folder.write(file, bytes)));
+        }
+      }
+    }
+  }
+}
+
+TEST(MeshText, Utf16IsRefusedByName) {
+  const Folder folder;
+  for (const char* file : {"a.obj", "a.stl", "a.ply"})
+    for (const std::string mark : {std::string("\xff\xfe"), std::string("\xfe\xff"),
+                                   std::string("\xff\xfe\0\0", 4), std::string("\0\0\xfe\xff", 4)})
+      expect_error(ErrorCode::kFile, std::string(file) + ": text in UTF-16 or UTF-32; save it as",
+                   [&] { (void)load_mesh(folder.write(file, mark + "v\0 \0")); });
+}
+
+TEST(MeshText, LinesAreCountedWhateverEndsThem) {
+  const Folder folder;
+  for (const char* end : {"\n", "\r\n", "\r"})
+    expect_error(ErrorCode::kFile, "a.obj:3: 'x' is not a number", [&] {
+      (void)load_mesh(folder.write("a.obj", replaced("# a\n\nv 0 0 x\n", "\n", end)));
+    });
+}
+
+TEST(MeshText, StlKeywordsInAnyCaseAndBlanksInFront) {
+  const Folder folder;
+  for (const std::string& text :
+       {upper(kStl), "  \n\t" + kStl, "\r\n\r\n \v\f" + upper(kStl),
+        replaced(kStl, "solid", "Solid"), replaced(kStl, "a square", ""),
+        replaced(kStl, "a square", "\xc3\xa9 binary"), replaced(kStl, " ", "\t"),
+        replaced(kStl, "\n ", " ").replace(14, 1, "\n")}) {
+    SCOPED_TRACE(text.substr(0, 60));
+    expect_square_without_warning(load_mesh(folder.write("a.stl", text)));
+  }
+  // Long before the first facet.
+  expect_square_without_warning(load_mesh(
+      folder.write("a.stl", replaced(kStl, "solid a square", "solid " + std::string(3000, 'n')))));
+}
+
+std::string binary_stl(const std::string& head, std::uint32_t count) {
+  const Folder folder;
+  save_mesh(load_mesh(folder.write("a.obj", kObj)), folder / "a.stl");
+  std::string bytes = testing::bytes_of(folder / "a.stl");
+  bytes.replace(0, head.size(), head);
+  for (int i = 0; i < 4; ++i) bytes[80 + i] = static_cast<char>(count >> (8 * i));
+  return bytes;
+}
+
+TEST(MeshText, BinaryStlWhoseHeaderBeginsWithSolid) {
+  const Folder folder;
+  for (const std::string& head : {std::string("solid"), std::string("SOLID part"),
+                                  std::string("solid ") + std::string(74, 'x'),
+                                  std::string("\xef\xbb\xbfsolid"), std::string(80, '\0')})
+    expect_square_without_warning(load_mesh(folder.write("a.stl", binary_stl(head, 2))));
+}
+
+TEST(MeshText, BytesBehindTheLastFacetAreAWarning) {
+  const Folder folder;
+  for (const char* head : {"", "solid x"}) {
+    for (const std::size_t more : {1u, 37u, 50u, 5000u}) {
+      const Mesh mesh =
+          load_mesh(folder.write("a.stl", binary_stl(head, 2) + std::string(more, 'x')));
+      expect_square(mesh);
+      ASSERT_EQ(mesh.warnings.size(), 1u);
+      EXPECT_TRUE(mesh.warnings[0].ends_with(
+          fmt::format("a.stl: byte 184: {} bytes behind the last of 2 facets are left out", more)))
+          << mesh.warnings[0];
+    }
+    expect_error(ErrorCode::kFile,
+                 "a.stl: binary STL of 3 facets takes 234 bytes, the file has 184",
+                 [&] { (void)load_mesh(folder.write("a.stl", binary_stl(head, 3))); });
+    expect_error(
+        ErrorCode::kFile,
+        "binary STL of 0 facets takes 84 bytes, the file has 184: its writer did not set the count",
+        [&] { (void)load_mesh(folder.write("a.stl", binary_stl(head, 0))); });
+  }
+}
+
+TEST(MeshText, BytesBehindTheLastRowOfAPlyAreAWarning) {
+  const Folder folder;
+  const Mesh ascii = load_mesh(folder.write("a.ply", kPly + "\n 7 8\n"));
+  expect_square(ascii);
+  ASSERT_EQ(ascii.warnings.size(), 1u);
+  EXPECT_TRUE(ascii.warnings[0].ends_with("a.ply:15: 6 bytes behind the last row are left out"))
+      << ascii.warnings[0];
+  const std::string whole = testing::bytes_of(small_mesh("icosphere.ply"));
+  const Mesh mesh = load_mesh(folder.write("b.ply", whole + "xyz"));
+  EXPECT_EQ(mesh.faces.size(), 1280u);
+  ASSERT_EQ(mesh.warnings.size(), 1u);
+  EXPECT_TRUE(mesh.warnings[0].ends_with(
+      fmt::format("b.ply: byte {}: 3 bytes behind the last row are left out", whole.size())))
+      << mesh.warnings[0];
+}
+
+TEST(MeshText, PlyValuesThatItsHeaderDoesNotAnnounce) {
+  const Folder folder;
+  // MeshLab announces four scalars for the colour of a face and writes a list.
+  const std::string lists =
+      replaced(replaced(kPly, "end_header", "property uchar red\nproperty uchar alpha\nend_header"),
+               "\n3 0", "\n3 0");
+  const Mesh mesh =
+      load_mesh(folder.write("a.ply", replaced(replaced(lists, "3 0 1 2", "3 0 1 2 9 1 1 1 1"),
+                                               "3 0 2 3", "3 0 2 3 9 1 1")));
+  expect_square(mesh);
+  ASSERT_EQ(mesh.warnings.size(), 1u);
+  EXPECT_TRUE(
+      mesh.warnings[0].ends_with("a.ply:16: face row 0 has more values than the header "
+                                 "announces, as have 1 others; they are left out"))
+      << mesh.warnings[0];
+  const Mesh vertices = load_mesh(folder.write("a.ply", replaced(kPly, "\n1 0 0", "\n1 0 0 5 5")));
+  expect_square(vertices);
+  ASSERT_EQ(vertices.warnings.size(), 1u);
+  EXPECT_TRUE(
+      vertices.warnings[0].ends_with("a.ply:11: vertex row 1 has more values than the "
+                                     "header announces; they are left out"))
+      << vertices.warnings[0];
+  // Where a value could have moved the corners, nothing is guessed.
+  const std::string before = replaced(kPly, "property list", "property uchar red\nproperty list");
+  expect_error(ErrorCode::kFile, "a.ply:15: face row 0 has too many values", [&] {
+    (void)load_mesh(folder.write(
+        "a.ply", replaced(replaced(before, "3 0 1 2", "1 3 0 1 2 7"), "3 0 2 3", "1 3 0 2 3 7")));
+  });
+}
+
+TEST(MeshText, PlyWithBlanksInItsHeader) {
+  const Folder folder;
+  for (const std::string& text :
+       {replaced(kPly, "ply\n", "ply \t\n"), replaced(kPly, "end_header", " end_header \t"),
+        replaced(kPly, "property", "  property\t"), replaced(kPly, "format", "\n\nformat")})
+    expect_square_without_warning(load_mesh(folder.write("a.ply", text)));
+  expect_error(ErrorCode::kFile, "begins with the line 'ply'",
+               [&] { (void)load_mesh(folder.write("a.ply", "\n" + kPly)); });
+}
+
+TEST(MeshText, PlyElementsAndPropertiesInAnyOrder) {
+  const Folder folder;
+  const std::string faces =
+      "element face 2\nproperty uchar q\nproperty list uchar int vertex_index\nproperty list uchar "
+      "float uv\n";
+  const std::string vertices =
+      "element vertex 4\nproperty uchar red\nproperty float nx\nproperty float z\nproperty float "
+      "x\nproperty list uchar int l\nproperty double y\n";
+  const std::string others =
+      "element edge 1\nproperty int a\nelement nothing 0\nelement material 1\nproperty float k\n";
+  const std::string face_rows = "7 3 0 1 2 0\n7 3 0 2 3 2 0.5 0.25\n";
+  const std::string vertex_rows = "9 1 0 0 0 0\n9 1 0 1 2 5 5 0\n9 1 0 1 0 1\n9 1 0 0 1 4 1\n";
+  const std::string head = "ply\nformat ascii 1.0\n";
+  for (const std::string& text :
+       {head + faces + vertices + "end_header\n" + face_rows + vertex_rows,
+        head + vertices + others + faces + "end_header\n" + vertex_rows + "1\n0.5\n" + face_rows,
+        head + others + faces + vertices + "end_header\n1\n0.5\n" + face_rows + vertex_rows})
+    expect_square_without_warning(load_mesh(folder.write("a.ply", text)));
+  // A concave polygon in front of its corners is divided as one behind them is.
+  const std::string corners = "0 0 0\n4 0 0\n4 4 0\n2 1 0\n";
+  const std::string square = "element vertex 4\nproperty int x\nproperty int y\nproperty int z\n";
+  const std::string polygon = "element face 1\nproperty list uchar int vertex_indices\n";
+  const Mesh behind = load_mesh(
+      folder.write("a.ply", head + square + polygon + "end_header\n" + corners + "4 0 1 2 3\n"));
+  const Mesh before = load_mesh(
+      folder.write("a.ply", head + polygon + square + "end_header\n4 0 1 2 3\n" + corners));
+  EXPECT_EQ(before.faces, behind.faces);
+  EXPECT_EQ(before.faces.size(), 2u);
+  expect_error(ErrorCode::kFile, "face 0: vertex number 4 is out of range: 4 vertices", [&] {
+    (void)load_mesh(
+        folder.write("a.ply", head + polygon + square + "end_header\n4 0 1 2 4\n" + corners));
+  });
+}
+
+TEST(MeshText, PlyTriangleStrips) {
+  const Folder folder;
+  const Mesh mesh = load_mesh(folder.write(
+      "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n0 1 0\n1 0 "
+      "0\n1 1 0\n2 0 0\n2 1 0\n11 0 1 2 3 4 -1 3 3 4 5 -1\n"));
+  EXPECT_EQ(mesh.faces, (std::vector<Face>{{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}}));
+}
+
+/// Binary bodies that begin with the bytes of a line end.
+TEST(MeshText, BinaryPlyBehindEveryLineEnd) {
+  const Folder folder;
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    for (const unsigned char first : {0x00, 0x0a, 0x0d, 0x20}) {
+      const std::string header = replaced(
+          "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty "
+          "float y\nproperty float z\nelement face 1\nproperty list uchar int "
+          "vertex_indices\nend_header\n",
+          "\n", end);
+      std::string body;
+      const auto word = [&](std::uint32_t w) {
+        for (int i = 0; i < 4; ++i) body.push_back(static_cast<char>(w >> (8 * i)));
+      };
+      for (std::uint32_t i = 0; i < 9; ++i) word(0x3f800000u + (i == 0 ? first : i));
+      body.push_back(3);
+      for (std::uint32_t i = 0; i < 3; ++i) word(i);
+      SCOPED_TRACE(fmt::format("{:?} {:#x}", end, first));
+      const Mesh mesh = load_mesh(folder.write("b.ply", header + body));
+      EXPECT_EQ(mesh.warnings, std::vector<std::string>{});
+      EXPECT_EQ(std::bit_cast<std::uint32_t>(mesh.triangle(0).v0.x()), 0x3f800000u + first);
+      EXPECT_EQ(std::bit_cast<std::uint32_t>(mesh.triangle(0).v2.z()), 0x3f800008u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cde
