@@ -34,13 +34,15 @@ class Building : public Cli {
     }
     return false;
   }
-  /// Command lines of all processes that have to do with the cache of this test.
+  /// Command lines of all processes that name the cache of this test or work in it.
   std::string commands() {
     std::string found;
     std::error_code gone;
     for (const auto& entry : fs::directory_iterator("/proc", gone)) {
       const std::string line = bytes_of(entry.path() / "cmdline");
-      if (line.find((folder_ / "cache").string()) != std::string::npos)
+      const std::string cache = (folder_ / "cache").string();
+      const std::string works_in = fs::read_symlink(entry.path() / "cwd", gone).string();
+      if (line.find(cache) != std::string::npos || works_in.starts_with(cache))
         found += entry.path().filename().string() + ": " + line + "\n";
     }
     return found;

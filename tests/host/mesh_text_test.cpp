@@ -98,7 +98,7 @@ TEST(MeshText, Utf16IsRefusedByName) {
   const Folder folder;
   for (const char* file : {"a.obj", "a.stl", "a.ply"})
     for (const std::string& mark : {std::string("\xff\xfe"), std::string("\xfe\xff"),
-                                   std::string("\xff\xfe\0\0", 4), std::string("\0\0\xfe\xff", 4)})
+                                    std::string("\xff\xfe\0\0", 4), std::string("\0\0\xfe\xff", 4)})
       expect_error(ErrorCode::kFile, std::string(file) + ": text in UTF-16 or UTF-32; save it as",
                    [&] { (void)load_mesh(folder.write(file, mark + "v\0 \0")); });
 }
