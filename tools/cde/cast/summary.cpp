@@ -76,12 +76,10 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                           packets_of(job) == 1 ? "" : "s"));
   const unsigned cards = cards_of(o);
   row(cards == 1 ? "card" : "cards",
-      fmt::format("{}{} lanes, {} arithmetic, {}, {}{}, mode {}",
+      fmt::format("{}{} lanes, {} arithmetic, {}, {}, {}, mode {}",
                   cards == 1 ? "" : fmt::format("{} x ", cards), job.config.lanes,
                   name_of(o.request.arithmetic), job.config.format.name(),
-                  o.request.algorithm == Algorithm::kMoller
-                      ? ""
-                      : fmt::format("{}, ", name(o.request.algorithm)),
+                  name(o.request.algorithm),
                   o.request.box ? "box rule" : "no box rule", cde::name_of(o.request.mode)));
   if (job.hierarchy) {
     const auto a_ray = [&](std::uint64_t n) {
