@@ -115,7 +115,7 @@ class Formats : public ::testing::TestWithParam<Kind> {
         board_.set_primary_objects({});
       }
       board_.upload_shapes(std::span<const S>(secondaries), false);
-      board_.load_shapes(std::span<const P>(primaries));
+      board_.load_shapes(std::span<const P>(primaries), false);
       const auto moving = moving_objects(kind, random_, 60, kind.moves ? n : 0);
       const auto posing = moving_objects(kind, random_, 40, kind.moves ? n / 2 : 0);
       if (kind.moves) {

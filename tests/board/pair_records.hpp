@@ -47,7 +47,7 @@ std::vector<bool> load_shapes(Board& board, const std::vector<A>& a, const std::
   const auto load = [&board]<class P, class S>(const std::vector<P>& primaries,
                                                const std::vector<S>& secondaries) {
     board.upload_shapes(std::span<const S>(secondaries), false);
-    board.load_shapes(std::span<const P>(primaries));
+    board.load_shapes(std::span<const P>(primaries), false);
     std::vector<bool> bad;
     std::transform(primaries.begin(), primaries.end(), std::back_inserter(bad),
                    [](const P& shape) { return defect(shape).has_value(); });

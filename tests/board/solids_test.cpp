@@ -249,13 +249,13 @@ TEST_P(Solids, TwoPipesAtATime) {
       std::vector<Record> expected = board.run(query, &of_rays);
       query.pair = Pair::kTriangleSphere;
       query.swap = true;
-      board.load_shapes(std::span<const Sphere>(balls));
+      board.load_shapes(std::span<const Sphere>(balls), false);
       for (Record r : board.run(query, &of_spheres)) {
         r.primary += static_cast<std::uint32_t>(rays.size());
         expected.push_back(r);
       }
       board.load(rays);
-      board.load_second_shapes(std::span<const Sphere>(balls));
+      board.load_second_shapes(std::span<const Sphere>(balls), false);
       query = {.mode = mode,
                .pair = Pair::kRayTriangle,
                .second = SecondPair{Pair::kTriangleSphere, true}};
@@ -309,6 +309,36 @@ TEST(SolidsDriver, RefusesWhatDoesNotFit) {
   EXPECT_THROW(board.load_second_shapes(std::span<const Sphere>(s.few)), Error);
   EXPECT_THROW(board.load_shapes(std::span<const Obb>(std::vector<Obb>(1))), Error);
   EXPECT_THROW(board.upload_shapes(std::span<const Sphere>(s.many)), Error) << "a bad sphere";
+}
+
+TEST(SolidsDriver, ShapesThatBreakTheirContract_AreErrorsOfEveryLoad) {
+  BoardConfig config = small(Arithmetic::kHost);
+  config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
+  config.swap = config.parallel = true;
+  Board board = Board::open(config);
+  const SolidScene s = scene();
+  board.upload(std::vector<Triangle>(s.triangles.begin(), s.triangles.begin() + 5));
+  std::vector<Sphere> balls(4, Sphere{{1, 2, 3}, 1});
+  balls[2].r = -1;
+  const Query query{.pair = Pair::kTriangleSphere, .swap = true};
+  const auto refused = [](const char* what, const std::function<void()>& call) {
+    SCOPED_TRACE(what);
+    try {
+      call();
+      ADD_FAILURE() << "not refused";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::kBadInput);
+      EXPECT_EQ(std::string(e.what()).find("sphere 2: "), 0u) << e.what();
+    }
+  };
+  refused("load_shapes", [&] { board.load_shapes<Sphere>(balls); });
+  refused("cast_shapes", [&] { (void)board.cast_shapes<Sphere>(balls, query, [](auto) {}); });
+  board.load(s.rays);
+  refused("load_second_shapes", [&] { board.load_second_shapes<Sphere>(balls); });
+  board.load_shapes<Sphere>(balls, false);
+  const std::vector<Record> records = board.run(query);
+  ASSERT_EQ(records.size(), balls.size());
+  for (std::size_t i = 0; i < records.size(); ++i) EXPECT_EQ(records[i].bad, i == 2);
 }
 
 TEST(SolidsDriver, RefusesSecondPairsThatDoNotFit) {

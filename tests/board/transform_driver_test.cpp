@@ -73,7 +73,7 @@ TEST(ObjectDriver, PrimariesOfAnotherPairArePosedAgain) {
     const auto boxes = shapes<Obb>(random, 9);
     const auto planes = shapes<Plane>(random, 30);
     board.upload_shapes(std::span<const Plane>(planes), false);
-    board.load_shapes(std::span<const Obb>(boxes));
+    board.load_shapes(std::span<const Obb>(boxes), false);
     check_pass(board, Pair::kObbPlane, false, boxes, planes, posing, {});
   }
 }
@@ -93,7 +93,7 @@ TEST(ObjectDriver, PrimariesOfBothPairsMove) {
     const std::vector<Sphere> behind(balls.begin(), balls.begin() + static_cast<std::ptrdiff_t>(n));
     board.set_primary_objects({});
     board.load(some);
-    board.load_second_shapes(std::span<const Sphere>(behind));
+    board.load_second_shapes(std::span<const Sphere>(behind), false);
     std::vector<Object> posing{{2, 8, motion(random)}, {14, 6, motion(random)}};
     const auto moving = objects(random, 40, 7, false);
     board.set_objects(moving);
@@ -179,7 +179,7 @@ TEST(ObjectDriver, PartOfTheSecondariesIsUploadedAgain) {
   auto boxes = shapes<Obb>(random, 7);
   const auto planes = shapes<Plane>(random, 5);
   board.upload_shapes(std::span<const Obb>(boxes), false);
-  board.load_shapes(std::span<const Plane>(planes));
+  board.load_shapes(std::span<const Plane>(planes), false);
   boxes[3] = shape<Obb>(random);
   board.update_shapes(3, std::span<const Obb>(boxes).subspan(3, 1));
   check_pass(board, Pair::kObbPlane, true, planes, boxes, {}, {}, {Mode::kAll});
@@ -252,7 +252,7 @@ TEST(ObjectDriver, AabbsAreNotRotated) {
   EXPECT_EQ(board.run({}).size(), 10u);
   // Set for triangles, then there are boxes.
   board.upload_shapes(std::span<const Triangle>(mesh), false);
-  board.load_shapes(std::span<const Aabb>(boxes));
+  board.load_shapes(std::span<const Aabb>(boxes), false);
   board.set_objects({});
   board.set_primary_objects(std::array{Object{0, 1, {}}});
   expect_error(ErrorCode::kUsage, text, [&] { board.move_primary_object(0, motion(random)); });

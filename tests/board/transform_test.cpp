@@ -14,7 +14,7 @@ void check_objects(Board& board, Pair pair, bool swap, Random& random) {
   board.set_objects({});
   board.set_primary_objects({});
   board.upload_shapes(std::span<const S>(secondaries), false);
-  board.load_shapes(std::span<const P>(primaries));
+  board.load_shapes(std::span<const P>(primaries), false);
   for (const std::size_t n : {std::size_t{0}, std::size_t{1}, std::size_t{9}}) {
     const auto moving = objects(random, n_secondaries, n, std::is_same_v<S, Aabb>);
     const auto posing = objects(random, n_primaries, n / 2, std::is_same_v<P, Aabb>);

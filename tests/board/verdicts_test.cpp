@@ -206,15 +206,15 @@ TEST(VerdictCards, TwoPairsAtATime) {
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny}) {
     SCOPED_TRACE(name_of(mode));
     Counters alone, other, together;
-    board.load_shapes(std::span<const Sphere>(primaries));
+    board.load_shapes(std::span<const Sphere>(primaries), false);
     std::vector<Record> wanted = board.run({.mode = mode, .pair = kSpheres}, &alone);
-    board.load_shapes(std::span<const Triangle>(triangles));
+    board.load_shapes(std::span<const Triangle>(triangles), false);
     for (Record r : board.run({.mode = mode, .pair = Pair::kTriangleSphere}, &other)) {
       r.primary += static_cast<std::uint32_t>(primaries.size());
       wanted.push_back(r);
     }
-    board.load_shapes(std::span<const Sphere>(primaries));
-    board.load_second_shapes(std::span<const Triangle>(triangles));
+    board.load_shapes(std::span<const Sphere>(primaries), false);
+    board.load_second_shapes(std::span<const Triangle>(triangles), false);
     compare(
         board.run(
             {.mode = mode, .pair = kSpheres, .second = SecondPair{Pair::kTriangleSphere, false}},

@@ -439,8 +439,7 @@ CLI::Option* list(CLI::Option* option, char between = ',') {
 }
 
 void add_choices(CLI::App& verb, AccuracyOptions& o) {
-  named(list(verb.add_option("--pair", o.pairs, "Pairs (all), separated by commas")), pair_names(),
-        "LIST", "pair");
+  pair_value(list(verb.add_option("--pair", o.pairs, "Pairs (all), separated by commas")), "LIST");
   named(list(verb.add_option("--formats", o.formats, "Formats (all)")), pair_formats(), "LIST",
         "format");
   named(list(verb.add_option("--algorithms", o.algorithms, "Of ray-triangle (all)")),
@@ -550,7 +549,10 @@ void add_accuracy(CLI::App& app) {
       ->excludes("--variants");
   file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
   verb->add_flag("-q,--quiet", o->quiet, "No progress");
-  verb->callback([o, verb] { run(*verb, *o); });
+  verb->callback([o, verb] {
+    settle_pairs(o->pairs);
+    run(*verb, *o);
+  });
 }
 
 }  // namespace cde::cli

@@ -53,7 +53,7 @@ double parse_time(const std::string& text) {
 }
 
 Demands demands_of(const AdviseOptions& o) {
-  Demands d{.pair = *pair_named(o.pair)};
+  Demands d{.pair = pair_in_any_order(o.pair).pair};
   if (o.has_error) d.max_error = o.max_error;
   if (o.has_wrong) d.max_wrong = o.max_wrong;
   d.quantile = o.at == "p99"    ? &Quantiles::p99
@@ -103,8 +103,7 @@ void add_advise(CLI::App& app) {
       "Name the cheapest pipe that meets demands, by area and then by time, with its figures and "
       "the commands that repeat them; or what is in the way, with status 1. Figures are those of a "
       "sweep of cde accuracy that was kept");
-  named(verb->add_option("--pair", o->pair, "Pair")->capture_default_str(), pair_names(), "PAIR",
-        "pair");
+  pair_value(verb->add_option("--pair", o->pair, "Pair")->capture_default_str(), "PAIR");
   auto* error = number_in(verb->add_option("--max-error", o->max_error,
                                            "Error of T at most, over the size of the pair"),
                           0, 1e6, "");

@@ -287,9 +287,9 @@ void add_inventory(CLI::App& app) {
       "inventory",
       "Count the operators of the pipes and read their latencies in the elaborated RTL; the four "
       "ray-triangle algorithms beside the paper's Tables 1 and 2");
-  named(verb->add_option("pair", o->pairs,
-                         "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
-        pair_names(), "PAIR", "pair");
+  pair_value(verb->add_option("pair", o->pairs,
+                              "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
+             "PAIR");
   text_value(verb->add_option("--latencies", o->profile,
                               "Clocks of add, mul, div, sqrt and compare for the column `clocks`")
                  ->capture_default_str(),
@@ -301,7 +301,10 @@ void add_inventory(CLI::App& app) {
          {"1", "3"});
   auto* json = verb->add_flag("--json", o->json, "Figures as JSON");
   verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
-  verb->callback([o] { run(*o); });
+  verb->callback([o] {
+    settle_pairs(o->pairs);
+    run(*o);
+  });
 }
 
 }  // namespace cde::cli

@@ -38,7 +38,8 @@ void explain_pair(const Options& o, const std::string& line) {
   const PairConfig config = configuration(o);
   std::vector<std::uint64_t> a, b;
   std::string why;
-  switch (read_operands(config.pair, WordText(config.format), "the pair", line, a, b, why)) {
+  switch (read_operands({config.pair, o.exchanged}, WordText(config.format), "the pair", line, a, b,
+                        why)) {
     case OperandLine::kNothing:
       throw Error(ErrorCode::kUsage, "the words of a pair are missing");
     case OperandLine::kMalformed:
@@ -46,6 +47,8 @@ void explain_pair(const Options& o, const std::string& line) {
     case OperandLine::kPair:
       break;
   }
+  if (const std::string bad = operand_defect(config.pair, config.format, a, b); !bad.empty())
+    throw Error(ErrorCode::kBadInput, "the pair: " + bad);
   const explain::Explanation e = explain::explain(config, a, b, budget_of(o));
   if (o.json) {
     nlohmann::ordered_json j = {{"schema", "cde.explain.1"}};
@@ -59,7 +62,6 @@ void explain_pair(const Options& o, const std::string& line) {
   } else {
     put(explanation_text(words_of(o, e.config, false), e, o.most));
   }
-  if (e.reference.bad) say("cde: {}\n", operand_defect(config.pair, config.format, a, b));
   if (!e.same()) exit_code = exit_status(ErrorCode::kMismatch);
 }
 
@@ -89,14 +91,18 @@ void check_words(const CLI::App& verb, const Options& o) {
   }
 }
 
-void run(const CLI::App& verb, const Options& o) {
+void run(const CLI::App& verb, Options& o) {
   check_words(verb, o);
   if (!o.record.empty())
     return explain_record({.name = o.record, .most = o.most, .exact = o.exact, .json = o.json});
-  if (o.line.empty()) return explain_pair(o, fmt::format("{}", fmt::join(o.words, " ")));
+  if (o.line.empty()) {
+    settle_pair(o);
+    return explain_pair(o, fmt::format("{}", fmt::join(o.words, " ")));
+  }
   const NamedPair named = pair_in_line(o.line);
   Options pair = o;
   static_cast<PairOptions&>(pair) = named.options;
+  settle_pair(pair);
   explain_pair(pair, named.words);
 }
 

@@ -218,17 +218,9 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
 
 // ---- Algorithm 1, before the pass ----
 
-namespace {
-
-void check_shapes(Shape shape, std::size_t count,
-                  const std::function<std::optional<std::string>(std::size_t)>& defect) {
-  for (std::size_t i = 0; i < count; ++i) {
-    if (const auto why = defect(i))
-      throw Error(ErrorCode::kBadInput, fmt::format("{} {}: {}", name(shape), i, *why));
-  }
+void Board::throw_defect(Shape shape, std::size_t number, const std::string& why) {
+  throw Error(ErrorCode::kBadInput, fmt::format("{} {}: {}", name(shape), number, why));
 }
-
-}  // namespace
 
 void Board::upload(const TriangleView& triangles, bool validate) {
   upload_words(
@@ -246,7 +238,8 @@ void Board::upload_words(Shape shape, std::size_t count, const Words& words,
                 fmt::format("{} {}s do not fit the card's DDR, which holds {}", count, name(shape),
                             capacity(shape)));
   }
-  check_shapes(shape, count, defect);
+  for (std::size_t i = 0; i < count; ++i)
+    if (const auto why = defect(i)) throw_defect(shape, i, *why);
   const std::uint64_t start = clocks();
   card().secondaries = 0;
   card().hierarchy = {};
@@ -267,7 +260,8 @@ void Board::update_words(Shape shape, std::size_t first, std::size_t count, cons
                 fmt::format("{}s {} to {} are not among the {} uploaded", name(shape), first,
                             first + count - 1, card().secondaries));
   }
-  check_shapes(shape, count, defect);
+  for (std::size_t i = 0; i < count; ++i)
+    if (const auto why = defect(i)) throw_defect(shape, i, *why);
   const std::uint64_t start = clocks();
   const std::uint32_t there = std::exchange(card().secondaries, 0);  // none if this fails
   card().outdate_hierarchy(first, count);

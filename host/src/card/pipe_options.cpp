@@ -16,12 +16,6 @@
 namespace cde {
 namespace {
 
-Pair pair_named(const std::string& text) {
-  const std::vector<std::string> known = pair_names();
-  must_be_known(text, known, "pair");
-  return static_cast<Pair>(std::find(known.begin(), known.end(), text) - known.begin());
-}
-
 /// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
 /// equal as they can be; M = 8 of a box or triangle once K1 can be 8 too, else 4, and 16
 /// where M = 8 and the largest K1 leave more.
@@ -88,10 +82,17 @@ PairBudget budget_named(const std::string& text, Pair pair, std::string_view opt
                           option, in_quotes(text), card::kBudgetMost));
 }
 
+void settle_pair(PairOptions& o) {
+  const PairName named = pair_in_any_order(o.pair);
+  o.pair = name(named.pair);
+  o.exchanged = named.exchanged;
+}
+
 PairConfig configuration(const PairOptions& o) {
-  PairConfig config{.pair = pair_named(o.pair),
+  const Pair pair = pair_in_any_order(o.pair).pair;
+  PairConfig config{.pair = pair,
                     .algorithm = *algorithm_named(o.algorithm),
-                    .box = o.box.value_or(pair_named(o.pair) == Pair::kRayTriangle),
+                    .box = o.box.value_or(pair == Pair::kRayTriangle),
                     .plane = o.half_space ? PlaneSide::kHalfSpace : PlaneSide::kSurface,
                     .format = FpFormat::parse(o.format),
                     .facet_interval = o.facet_interval};
@@ -103,11 +104,11 @@ PairConfig configuration(const PairOptions& o) {
 }
 
 PairBudget budget_of(const PairOptions& o) {
-  return o.budget.empty() ? PairBudget{} : budget_named(o.budget, pair_named(o.pair));
+  return o.budget.empty() ? PairBudget{} : budget_named(o.budget, pair_in_any_order(o.pair).pair);
 }
 
 std::string words_of(const PairOptions& o, const PairConfig& config, bool lanes) {
-  std::string words = o.pair;
+  std::string words(name(config.pair));
   if (config.pair == Pair::kRayTriangle) words += " --algorithm " + o.algorithm;
   words += fmt::format(" --format {} --arith {}", o.format, o.arithmetic);
   if (lanes) words += fmt::format(" --lanes {}", config.lanes);

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace cde {
 namespace {
 
@@ -45,12 +47,12 @@ bool has_ray(Pair pair) {
   return name(pair).starts_with("ray-");
 }
 
-OperandLine read_operands(Pair pair, const WordText& text, const std::string& where,
+OperandLine read_operands(PairName named, const WordText& text, const std::string& where,
                           std::string_view line, std::vector<std::uint64_t>& a,
                           std::vector<std::uint64_t>& b, std::string& why) {
   Words words(line);
-  const std::size_t a_words = primary_words(pair), b_words = secondary_words(pair);
-  const std::size_t most = a_words + b_words, short_ray = has_ray(pair) ? most - 2 : most;
+  const std::size_t a_words = primary_words(named.pair), b_words = secondary_words(named.pair);
+  const std::size_t most = a_words + b_words, least = has_ray(named.pair) ? most - 2 : most;
   const std::size_t a_before = a.size();
   why.clear();
   std::size_t count = 0, before_bar = 0;
@@ -71,23 +73,29 @@ OperandLine read_operands(Pair pair, const WordText& text, const std::string& wh
       why = fmt::format("{}, word {}: {}", where, count, problem);
   }
   if (count == 0) return OperandLine::kNothing;
-  if (count != most && count != short_ray)
-    why = fmt::format(
-        "{}: {} words, must be {}{} ({} of A, {} of B)", where, count,
-        short_ray == most ? "" : fmt::format("{} or ", short_ray), most,
-        short_ray == most ? fmt::to_string(a_words) : fmt::format("{} or {}", a_words - 2, a_words),
-        b_words);
-  else if (bar && why.empty() && before_bar + b_words != count)
+  const std::size_t first_words = named.exchanged ? b_words : count - b_words;
+  if (count != most && count != least) {
+    const std::string a_text =
+        least == most ? fmt::to_string(a_words) : fmt::format("{} or {}", a_words - 2, a_words);
+    const std::string b_text = fmt::to_string(b_words);
+    why = fmt::format("{}: {} words, must be {}{} ({} of A, {} of B)", where, count,
+                      least == most ? "" : fmt::format("{} or ", least), most,
+                      named.exchanged ? b_text : a_text, named.exchanged ? a_text : b_text);
+  } else if (bar && why.empty() && before_bar != first_words) {
     why = fmt::format("{}: {} words before the |, of {} in all; A has {}", where, before_bar, count,
-                      count - b_words);
+                      first_words);
+  }
   if (!why.empty()) {
     a.resize(a_before);
     return OperandLine::kMalformed;
   }
   // A ray without an interval has all of it: tmin = 0, tmax = +inf.
-  if (count < most)
-    a.insert(a.begin() + static_cast<std::ptrdiff_t>(a_before) + 6, {0, text.format().infinity()});
-  const auto middle = a.begin() + static_cast<std::ptrdiff_t>(a_before + a_words);
+  const auto begin = static_cast<std::ptrdiff_t>(a_before);
+  if (named.exchanged)
+    std::rotate(a.begin() + begin, a.begin() + begin + static_cast<std::ptrdiff_t>(b_words),
+                a.end());
+  if (count < most) a.insert(a.begin() + begin + 6, {0, text.format().infinity()});
+  const auto middle = a.begin() + begin + static_cast<std::ptrdiff_t>(a_words);
   b.insert(b.end(), middle, a.end());
   a.erase(middle, a.end());
   return OperandLine::kPair;

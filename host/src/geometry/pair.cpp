@@ -9,6 +9,7 @@
 
 #include "cde/contract/registers.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/suggest.hpp"
 #include "support/text.hpp"
 
 namespace cde {
@@ -28,6 +29,41 @@ std::optional<Pair> pair_named(std::string_view text) {
   if (found == contract::kPairTable.end()) return std::nullopt;
   return static_cast<Pair>(found - contract::kPairTable.begin());
 }
+namespace {
+
+std::optional<Shape> shape_named(std::string_view text) {
+  if (text == "box") return Shape::kObb;
+  for (std::size_t i = 0; i < contract::kShapeTable.size(); ++i)
+    if (contract::kShapeTable[i].name == text) return static_cast<Shape>(i);
+  return std::nullopt;
+}
+
+std::string pairs_with(Shape shape) {
+  std::vector<std::string_view> names;
+  for (const contract::PairRow& row : contract::kPairTable)
+    if (row.primary == shape || row.secondary == shape) names.push_back(row.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+PairName pair_in_any_order(std::string_view text) {
+  if (const auto pair = pair_named(text)) return {*pair};
+  const std::size_t dash = text.find('-');
+  const auto a = shape_named(text.substr(0, dash));
+  const auto b = dash == std::string_view::npos ? std::nullopt : shape_named(text.substr(dash + 1));
+  if (!a || !b) must_be_known(text, pair_names(), "pair");
+  for (std::size_t i = 0; i < contract::kPairTable.size(); ++i) {
+    const contract::PairRow& row = contract::kPairTable[i];
+    if (row.primary == a && row.secondary == b) return {static_cast<Pair>(i)};
+    if (row.primary == b && row.secondary == a) return {static_cast<Pair>(i), true};
+  }
+  throw Error(ErrorCode::kUsage,
+              fmt::format("no pipe tests a {} and a {}; pairs with {}: {}{}", name(*a), name(*b),
+                          name(*a), pairs_with(*a),
+                          a == b ? "" : fmt::format("; with {}: {}", name(*b), pairs_with(*b))));
+}
+
 std::optional<Algorithm> algorithm_named(std::string_view text) {
   const auto* found =
       std::find(contract::kAlgorithmNames.begin(), contract::kAlgorithmNames.end(), text);

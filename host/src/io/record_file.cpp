@@ -24,7 +24,7 @@
 namespace cde {
 namespace {
 
-constexpr std::array kNames = {"u", "v", "normal", "side", "node"};
+constexpr std::array kNames = {"u", "v", "normal", "side", "node", "inside"};
 
 /// The secondary that was hit.
 struct Index {
@@ -173,6 +173,16 @@ RecordText::RecordText(RecordFormat format, const Mesh* mesh, RayView rays)
     : format_(std::move(format)), mesh_(mesh), rays_(std::move(rays)) {
   if (mesh_ == nullptr) return;
   for (const MeshPart& part : mesh_->parts) node_bytes_ = std::max(node_bytes_, part.name.size());
+  if (std::find(format_.fields.begin(), format_.fields.end(), RecordField::kInside) !=
+      format_.fields.end())
+    inside_ = std::make_shared<const Inside>(*mesh_);
+}
+
+bool RecordText::starts_inside(std::uint32_t ray) const {
+  if (ray >= rays_.size()) return false;  // of the header
+  if (!last_inside_ || last_inside_->first != ray)
+    last_inside_ = {ray, inside_->contains(rays_[ray].o)};
+  return last_inside_->second;
 }
 
 template <class Cells>
@@ -203,6 +213,7 @@ void RecordText::fields(const Record& r, const Cells& cells) const {
     if (f == RecordField::kNormal) cells("normal", Eigen::Vector3f(normal.cast<float>()));
     if (f == RecordField::kSide) cells("side", side);
     if (f == RecordField::kNode) cells("node", node);
+    if (f == RecordField::kInside) cells("inside", starts_inside(r.primary));
   }
 }
 

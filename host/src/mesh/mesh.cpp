@@ -146,6 +146,19 @@ std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what,
                      mesh.faces.size(), *first);
 }
 
+std::optional<std::string> without_area(const Mesh& mesh, std::string_view what) {
+  std::size_t count = 0, first = 0;
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    const Triangle t = mesh.triangle(i);
+    const Eigen::Vector3d p = (t.v1 - t.v0).cast<double>(), q = (t.v2 - t.v0).cast<double>();
+    if (p.cross(q) == Eigen::Vector3d::Zero() && count++ == 0) first = i;
+  }
+  if (count == 0) return std::nullopt;
+  return fmt::format("{}: {} of {} triangles {} no area and {} hit by no ray, the first is {}", what,
+                     count, mesh.faces.size(), count == 1 ? "has" : "have",
+                     count == 1 ? "is" : "are", first);
+}
+
 void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file,
                                   const std::string& name) {
   const auto add = [&](const std::string& one) {

@@ -44,12 +44,15 @@ SceneCard read_card(Table t) {
   t.also_known({"lanes", "pairs"});
   if (t.has("pairs")) {
     for (const std::string& text : t.texts("pairs")) {
-      const auto pair = pair_named(text);
-      if (!pair)
-        t.fail("pairs", fmt::format("there is no pair {}{}", in_quotes(text),
-                                    toml_reader::suggestion(text, pair_names())));
-      if (std::find(card.pairs.begin(), card.pairs.end(), *pair) == card.pairs.end())
-        card.pairs.push_back(*pair);
+      const Pair pair = [&] {
+        try {
+          return pair_in_any_order(text).pair;
+        } catch (const Error& e) {
+          t.fail(e.code(), "pairs", e.what());
+        }
+      }();
+      if (std::find(card.pairs.begin(), card.pairs.end(), pair) == card.pairs.end())
+        card.pairs.push_back(pair);
     }
   }
   card.arithmetic = static_cast<Arithmetic>(t.choice("arithmetic", {"host", "rtl"}, 0));
@@ -63,7 +66,8 @@ SceneCard read_card(Table t) {
     }
   }
   card.algorithm = static_cast<Algorithm>(
-      t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"}, 0));
+      t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"},
+               static_cast<int>(kLeakFree)));
   card.box = t.flag("box", true);
   card.clock_hz = 1e6 * t.number("clock_mhz", 100.0, {.min = kLeastClockMhz, .max = kMostClockMhz});
   card.cycle_bus = t.choice("bus", {"functional", "cycle"}, 0) == 1;

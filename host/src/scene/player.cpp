@@ -391,7 +391,7 @@ class Player::Impl {
           const std::span all(list);
           return board_.cast_shapes(
               all.subspan(first, std::min(card::kMostPrimaries, all.size() - first)), query,
-              receive);
+              receive, false);
         },
         primaries_.placed());
   }

@@ -18,7 +18,7 @@ std::string command_of(const CastTask& o, const CastJob& job, Mode mode) {
                                  cde::name_of(mode), job.config.lanes, name_of(r.arithmetic));
   if (!r.box) text += " --no-box";
   if (r.format != FpFormat{}) text += " --format " + r.format.name();
-  if (r.algorithm != Algorithm::kMoller) text += fmt::format(" --algorithm {}", name(r.algorithm));
+  if (r.algorithm != kLeakFree) text += fmt::format(" --algorithm {}", name(r.algorithm));
   if (job.hierarchy)
     text += " --bvh";
   else if (!r.hierarchy.value_or(true))

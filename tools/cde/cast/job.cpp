@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -53,8 +54,22 @@ void collect_rays(const RaySource& source, CastJob& job) {
 void check_mesh(const Mesh& mesh, const std::string& what, FpFormat format) {
   const auto why = out_of_range(mesh, what, format);
   if (why && format != FpFormat{}) throw Error(ErrorCode::kBadInput, *why);
-  if (why) say("cde: warning: {}\n", *why);
+  if (why) warn({*why});
+  if (const auto flat = without_area(mesh, what)) warn({*flat});
 }
+
+/// A mesh that stands on y = 0 and reaches to both sides of z = 0 was made with y up.
+void warn_of_side(const CastTask& t, const Mesh& mesh) {
+  if (t.source.up_is_asked || !t.picture.any() || t.source.listed() || t.source.camera) return;
+  const Eigen::AlignedBox3f box = bounds(mesh);
+  const float size = box.sizes().maxCoeff(), little = 0.01f * size, much = 0.1f * size;
+  if (std::abs(box.min().y()) <= little && box.max().y() > much && box.min().z() < -much &&
+      box.max().z() > much)
+    warn({fmt::format("{}: stands on y = 0 and reaches to both sides of z = 0; it seems to lie on "
+                      "its side, which --up y mends",
+                      printable_name(t.mesh))});
+}
+
 void check_rays(const CastJob& job) {
   if (job.config.format == FpFormat{}) return;
   for (std::size_t i = 0; i < job.rays.size(); ++i)
@@ -94,11 +109,13 @@ CastJob job_of(const CastTask& t) {
     job.mesh = load_mesh_or_builtin(t.mesh);
   }
   job.triangles = job.mesh.faces.size();
+  job.bounds = bounds(job.mesh);
   std::vector<std::string> named;
   for (const auto& file : job.mesh.files) named.push_back(file.string());
   check_files(t, named);
   warn(job.mesh.warnings);
   check_mesh(job.mesh, printable_name(t.mesh), job.config.format);
+  warn_of_side(t, job.mesh);
   job.config.node_units = may_traverse(t.request, job.triangles) ? 2 : 0;
   collect_rays(t.source, job);
   check_rays(job);

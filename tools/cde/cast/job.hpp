@@ -22,6 +22,7 @@ namespace cde::cli {
 struct CastJob {
   Mesh mesh = {};  ///< of a partitioned one only rank 0 has all, and only if files are made of it
   std::uint64_t triangles = 0;   ///< of all of it
+  Eigen::AlignedBox3f bounds = {};
   std::string fingerprint = {};  ///< its name, and of all of it, where the run is dealt
   std::map<unsigned, std::shared_ptr<const CastJob>> parts =
       {};  ///< those that this process has, each a job of its own without rays
@@ -86,5 +87,7 @@ void run_cast(const CastTask& task);
 [[nodiscard]] nlohmann::ordered_json summary_json(const CastTask& task, const CastJob& job,
                                                   const CastOutcome& outcome);
 void print_summary(const CastTask& task, const CastJob& job, const CastOutcome& outcome);
+/// Where mesh and rays are, if no ray hit.
+void warn_of_misses(const CastTask& task, const CastJob& job, const CastOutcome& outcome);
 
 }  // namespace cde::cli

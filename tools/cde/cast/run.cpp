@@ -77,6 +77,7 @@ void run_cast(const CastTask& asked) {
   }
   if (o.json) put_json(summary_json(o, job, result));
   if (!o.quiet) print_summary(o, job, result);
+  warn_of_misses(o, job, result);
   if (result.difference.empty()) return;
   throw Error(ErrorCode::kMismatch,
               result.difference + packed(o.bundle, o.quiet, failure_of(o, job, result)));

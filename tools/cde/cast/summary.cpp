@@ -64,6 +64,30 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
   return j;
 }
 
+namespace {
+
+std::string text_of(const Eigen::Vector3f& v) {
+  return fmt::format("({:g}, {:g}, {:g})", v.x(), v.y(), v.z());
+}
+std::string text_of(const Eigen::AlignedBox3f& box) {
+  return fmt::format("{} to {}", text_of(box.min()), text_of(box.max()));
+}
+
+}  // namespace
+
+void warn_of_misses(const CastTask& o, const CastJob& job, const CastOutcome& r) {
+  if (r.hits != 0 || job.rays.empty()) return;
+  Eigen::AlignedBox3f origins;
+  for (std::size_t i = 0; i < job.rays.size(); ++i) origins.extend(job.rays[i].o);
+  const Ray first = job.rays[0];
+  warn({fmt::format("no ray hit {}, which reaches from {}; rays start {} {}, the first with the "
+                    "direction {}",
+                    printable_name(o.mesh), text_of(job.bounds),
+                    origins.min() == origins.max() ? "at" : "from",
+                    origins.min() == origins.max() ? text_of(first.o) : text_of(origins),
+                    text_of(first.d))});
+}
+
 void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) {
   const Counters& c = r.counters;
   // Shadow rays are counted, too.
@@ -72,16 +96,15 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
     say("{:<16} {}\n", name, value);
   };
   row("mesh", fmt::format("{}, {} triangles", printable_name(o.mesh), job.triangles));
+  row("bounds", text_of(job.bounds));
   row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
                           packets_of(job) == 1 ? "" : "s"));
   const unsigned cards = cards_of(o);
   row(cards == 1 ? "card" : "cards",
-      fmt::format("{}{} lanes, {} arithmetic, {}, {}{}, mode {}",
+      fmt::format("{}{} lanes, {} arithmetic, {}, {}, {}, mode {}",
                   cards == 1 ? "" : fmt::format("{} x ", cards), job.config.lanes,
                   name_of(o.request.arithmetic), job.config.format.name(),
-                  o.request.algorithm == Algorithm::kMoller
-                      ? ""
-                      : fmt::format("{}, ", name(o.request.algorithm)),
+                  name(o.request.algorithm),
                   o.request.box ? "box rule" : "no box rule", cde::name_of(o.request.mode)));
   if (job.hierarchy) {
     const auto a_ray = [&](std::uint64_t n) {

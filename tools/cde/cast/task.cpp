@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+
 #include "cast/picture.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/io/rays_csv.hpp"
@@ -22,7 +25,10 @@ RaySource source_of(const CastWords& w) {
   if (!w.camera.empty()) s.camera = parse_camera(w.camera);
   if (!w.grid.empty()) s.grid = parse_resolution(w.grid, "--grid");
   if (!w.size.empty()) s.size = parse_resolution(w.size);
-  s.up = w.up.front();
+  const std::string extension = std::filesystem::path(w.mesh).extension().string();
+  const bool is_gltf = extension == ".glb" || extension == ".gltf";  // whose y is up
+  s.up = w.up == "auto" ? (is_gltf ? 'y' : 'z') : w.up.front();
+  s.up_is_asked = is_gltf || w.up != "auto";
   if (s.listed() + s.camera.has_value() + s.grid.has_value() > 1)
     throw_usage("--rays or --ray, --camera and --grid exclude each other");
   if (s.listed() && s.size) throw_usage("--size is of pictures; the rays are given one by one");
@@ -74,6 +80,12 @@ CastTask task_of(const CastWords& w) {
   t.request = request_of(w);
   t.picture = picture_of(w);
   t.records = w.records, t.fields = w.fields, t.bits = w.bits;
+  if (w.inside && std::find(t.fields.begin(), t.fields.end(), "inside") == t.fields.end())
+    t.fields.push_back("inside");
+  // A few rays are asked for their answers.
+  constexpr std::size_t kFewRays = 16;
+  const bool few = w.rays_file.empty() && !w.rays.empty() && w.rays.size() <= kFewRays;
+  if (t.records.empty() && !w.renders && !w.json && (few || w.inside)) t.records = "-";
   t.trace = w.trace, t.bundle = w.bundle, t.deal = w.deal;
   t.boards = w.boards, t.partition = w.partition;
   t.clock = w.clock, t.timeout = w.timeout, t.deadline = w.deadline;
@@ -82,7 +94,9 @@ CastTask task_of(const CastWords& w) {
   if (t.check && w.checks != "true") t.swept_rays = parse_check(w.checks);
   check_files(t);
   if (t.trace.wanted() && t.boards > 1) throw_usage("--trace follows one card; leave out --boards");
-  if (t.request.mode == Mode::kOccluded && !t.fields.empty())
+  const bool of_triangles = std::any_of(t.fields.begin(), t.fields.end(),
+                                        [](const std::string& f) { return f != "inside"; });
+  if (t.request.mode == Mode::kOccluded && of_triangles)
     throw_usage("--fields are of triangles, and mode occluded does not say which one it is");
   t.trace.check();
   check_picture_names(t.picture);

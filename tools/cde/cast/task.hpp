@@ -18,7 +18,8 @@ struct RaySource {
   std::vector<Ray> given;
   std::optional<Camera> camera;
   std::optional<Resolution> grid, size;
-  char up = 'z';  ///< the axis that is up in pictures
+  char up = 'z';             ///< the axis that is up in pictures
+  bool up_is_asked = false;  ///< or follows from the format of the mesh
 
   /// Rays one by one, not of a picture.
   [[nodiscard]] bool listed() const { return !file.empty() || !given.empty(); }

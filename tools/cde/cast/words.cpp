@@ -53,9 +53,9 @@ void add_pixels(CLI::App& verb, CastWords& o) {
 }
 
 void add_up(CLI::App& verb, CastWords& o) {
-  one_of(verb.add_option("--up", o.up, "Axis that is up in pictures; many formats have y")
+  one_of(verb.add_option("--up", o.up, "Axis that is up in pictures: auto is y for glTF, z for others")
              ->capture_default_str(),
-         {"x", "y", "z"});
+         {"auto", "x", "y", "z"});
 }
 
 void add_records(CLI::App& verb, CastWords& o) {

@@ -19,7 +19,8 @@ struct CastWords {
   BundleRequest bundle;
   DealOptions deal;
   std::vector<std::string> rays, fields;
-  std::string mode = "nearest", arithmetic = "host", algorithm = "moller", lanes = "auto", up = "z",
+  bool inside = false;
+  std::string mode = "nearest", arithmetic = "host", algorithm = "watertight", lanes = "auto", up = "auto",
               format = "fp32", checks = "true";
   unsigned boards = 1, partition = 1;
   ClockOptions clock;

@@ -47,7 +47,8 @@ QueryPipe::QueryPipe(const QueryOptions& o, const PairConfig& config)
 
 bool QueryPipe::read(std::uint64_t number, std::string_view line) {
   std::string why;
-  switch (read_operands(config_.pair, text_, fmt::format("line {}", number), line, a_, b_, why)) {
+  switch (read_operands({config_.pair, o_.exchanged}, text_, fmt::format("line {}", number), line,
+                        a_, b_, why)) {
     case OperandLine::kNothing:
       return false;
     case OperandLine::kMalformed:

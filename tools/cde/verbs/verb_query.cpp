@@ -166,8 +166,8 @@ std::optional<QueryTotals> deal_lines(const QueryOptions& o, const PairConfig& c
   Dealing& dealing = Dealing::here();
   nlohmann::ordered_json run = {
       {"verb", "query"},           {"pair", o.pair}, {"parameters", config.parameters()},
-      {"budget", o.budget},        {"bits", o.bits}, {"checked", o.check},
-      {"keep_going", o.keep_going}};
+      {"exchanged", o.exchanged},  {"budget", o.budget}, {"bits", o.bits},
+      {"checked", o.check},        {"keep_going", o.keep_going}};
   if (!dealing.merges())
     run["config_hash"] = fmt::format("{:016x}", bitstream_hash("pair_unit", config.parameters()));
   dealing.begin(o.deal, run, o.quiet);
@@ -308,6 +308,7 @@ void add_query(CLI::App& app) {
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] {
     tell_builds(!o->quiet);
+    settle_pair(*o);
     run(*o);
   });
 }

@@ -9,8 +9,11 @@
 namespace cde::cli {
 
 void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
-  named(verb.add_option("pair", o.pair, "ray-triangle, sphere-sphere, obb-obb, ...")->required(),
-        pair_names(), "PAIR", "pair");
+  pair_value(verb.add_option("pair", o.pair,
+                             "ray-triangle, sphere-sphere, obb-obb, ...; with the shapes in the "
+                             "other order, too, and then the words in that order; box is obb")
+                 ->required(),
+             "PAIR");
   one_of(verb.add_option("--algorithm", o.algorithm, "Of ray-triangle")->capture_default_str(),
          algorithm_names());
   verb.add_flag_callback(

@@ -92,6 +92,16 @@ CLI::Option* named(CLI::Option* option, std::vector<std::string> words, const st
   return option;
 }
 
+CLI::Option* pair_value(CLI::Option* option, const std::string& name) {
+  known_words(option, pair_names(), name);
+  registered()[option].check = [](const std::string& text) { (void)pair_in_any_order(text); };
+  return option;
+}
+
+void settle_pairs(std::vector<std::string>& list) {
+  for (std::string& text : list) text = name(pair_in_any_order(text).pair);
+}
+
 CLI::Option* text_value(CLI::Option* option, const std::string& name,
                         std::function<void(const std::string&)> check) {
   return label(option, {Takes::Kind::kAnything, {}, name, std::move(check)});

@@ -26,6 +26,10 @@ CLI::Option* known_words(CLI::Option* option, std::vector<std::string> words,
 /// y?".
 CLI::Option* named(CLI::Option* option, std::vector<std::string> words, const std::string& name,
                    const std::string& what);
+/// The name of a pair, its shapes in either order (pair_in_any_order).
+CLI::Option* pair_value(CLI::Option* option, const std::string& name);
+/// `list`, with each name as pair_names() has it.
+void settle_pairs(std::vector<std::string>& list);
 /// Text of a form: `check` throws if it has another. `name` is how the help calls it.
 CLI::Option* text_value(CLI::Option* option, const std::string& name,
                         std::function<void(const std::string&)> check);

@@ -161,18 +161,23 @@ class Board {
   /// primaryRegFileUpload: one packet of rays, 1 to primaries() of them (else kUsage). Bad rays are
   /// legal: the card flags their records.
   void load(std::span<const Ray> rays);
-  /// The same for other shapes. Error kUsage if a slot of the card is too small for them.
+  /// The same for other shapes. Errors: kUsage if a slot of the card is too small for them;
+  /// kBadInput naming the first shape but rays that breaks its contract, before anything is loaded,
+  /// unless `validate` is off (the card then flags its records).
   template <class P>
-  void load_shapes(std::span<const P> shapes) {
+  void load_shapes(std::span<const P> shapes, bool validate = true) {
+    if (validate) check_contract(shapes);
     load_words(kShapeOf<P>, shapes.size(),
                [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); });
   }
 
   /// Primaries of Query::second, behind those of load_shapes() and on rows of their own; the next
   /// load_shapes() drops them. In records their numbers follow those of the first. Errors: kUsage
-  /// without BoardConfig::parallel, before load_shapes(), or if they do not fit.
+  /// without BoardConfig::parallel, before load_shapes(), or if they do not fit; kBadInput as
+  /// load_shapes().
   template <class P>
-  void load_second_shapes(std::span<const P> shapes) {
+  void load_second_shapes(std::span<const P> shapes, bool validate = true) {
+    if (validate) check_contract(shapes);
     load_second_words(kShapeOf<P>, shapes.size(),
                       [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); });
   }
@@ -195,9 +200,11 @@ class Board {
   Counters cast(const RayView& rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(const RayView& rays, const Query& query = {});
   /// The same of any number of shapes, as load_shapes() and run(). They go through a hierarchy
-  /// where way_through() says so.
+  /// where way_through() says so. Error kBadInput as load_shapes(), before anything is sent.
   template <class P>
-  Counters cast_shapes(std::span<const P> shapes, const Query& query, const RecordSink& sink) {
+  Counters cast_shapes(std::span<const P> shapes, const Query& query, const RecordSink& sink,
+                       bool validate = true) {
+    if (validate) check_contract(shapes);
     return cast_words(
         kShapeOf<P>, shapes.size(),
         [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); }, query, sink);
@@ -262,6 +269,15 @@ class Board {
   static std::span<float, P::kWords> slot(float* words) {
     return std::span<float, P::kWords>(words, P::kWords);
   }
+  /// Rays that break theirs are legal: the card flags their records.
+  template <class P>
+  void check_contract(std::span<const P> shapes) const {
+    (void)idle_card();
+    if constexpr (kShapeOf<P> != Shape::kRay)
+      for (std::size_t i = 0; i < shapes.size(); ++i)
+        if (const auto why = defect(shapes[i], format())) throw_defect(kShapeOf<P>, i, *why);
+  }
+  [[noreturn]] static void throw_defect(Shape shape, std::size_t number, const std::string& why);
   using Words = std::function<void(std::size_t, float*)>;  ///< number of a shape, where to put it
   void upload_words(Shape shape, std::size_t count, const Words& words,
                     const std::function<std::optional<std::string>(std::size_t)>& defect);

@@ -15,7 +15,11 @@ struct PairOptions {
   std::optional<bool> box;
   unsigned facet_interval = PairConfig{}.facet_interval;
   bool half_space = false;
+  bool exchanged = false;  ///< words of B stand before those of A
 };
+
+/// `pair` in any order (pair_in_any_order) becomes its own name; the order becomes `exchanged`.
+void settle_pair(PairOptions& options);
 
 /// The pipe that they are of. Error kUsage for what does not fit together.
 [[nodiscard]] PairConfig configuration(const PairOptions& options);

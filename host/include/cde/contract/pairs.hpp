@@ -50,6 +50,9 @@ inline constexpr unsigned kNoPair = kPairCodes - 1;  ///< no pair's code
 static_assert(kPairs <= 31, "the parameter PAIRS of a card is an int above zero");
 
 enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
+/// The algorithm of casts, pictures and scenes that name none: no ray leaks through an edge or a
+/// vertex that triangles share.
+inline constexpr Algorithm kLeakFree = Algorithm::kWatertight;
 inline constexpr unsigned kAlgorithms = 4;
 
 /// What objects move: parameter TRANSFORM of a card.

@@ -13,11 +13,12 @@ namespace cde {
 
 enum class OperandLine { kNothing, kMalformed, kPair };
 
-/// Appends the words of A and of B, in slot order, if the line has them: separated by commas or
+/// Appends the words of A and of B, in slot order, if the line has them, those of B first where the
+/// pair is named so: separated by commas or
 /// blanks, with a | between A and B or without. A ray without an interval gets all of it. Nothing
 /// is an empty line and a comment (#). `where` names the line in `why`, which says what is wrong
 /// with a malformed one.
-[[nodiscard]] OperandLine read_operands(Pair pair, const WordText& text, const std::string& where,
+[[nodiscard]] OperandLine read_operands(PairName named, const WordText& text, const std::string& where,
                                         std::string_view line, std::vector<std::uint64_t>& a,
                                         std::vector<std::uint64_t>& b, std::string& why);
 

@@ -21,6 +21,15 @@ enum class PlaneSide : unsigned {
 [[nodiscard]] std::string_view name(Pair pair);
 [[nodiscard]] std::string_view name(Algorithm algorithm);
 [[nodiscard]] std::optional<Pair> pair_named(std::string_view text);
+
+/// A pair as people name it, and whether they name its shapes in the other order.
+struct PairName {
+  Pair pair;
+  bool exchanged = false;
+};
+/// Takes the names of pair_named, those with the shapes exchanged ("triangle-ray"), and "box" for
+/// "obb". Error kUsage for others: of shapes that no pair has together it lists the pairs of each.
+[[nodiscard]] PairName pair_in_any_order(std::string_view text);
 [[nodiscard]] std::optional<Algorithm> algorithm_named(std::string_view text);
 
 [[nodiscard]] std::string_view name(Shape shape);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,6 +10,7 @@
 
 #include "cde/geometry/primitives.hpp"
 #include "cde/image/ray_view.hpp"
+#include "cde/mesh/inside.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/query/record.hpp"
 #include "cde/support/output_file.hpp"
@@ -23,8 +25,9 @@ enum class RecordField {
   kNormal,  ///< geometric normal, unit, by the right-hand rule over the corners
   kSide,    ///< 1: the ray meets the side that the normal points from, -1 the other, 0 no hit
   kNode,    ///< object, group or node of the mesh file that the triangle came from
+  kInside,  ///< whether the ray starts inside the mesh, which must be closed (Inside)
 };
-/// "u", "v", "normal", "side", "node".
+/// "u", "v", "normal", "side", "node", "inside".
 [[nodiscard]] std::vector<std::string> field_names();
 
 /// The format of a file of records, and its columns.
@@ -51,7 +54,8 @@ struct RecordFormat {
 /// Records as the bytes of a file.
 class RecordText {
  public:
-  /// Fields are computed from mesh and rays, which must outlive it.
+  /// Fields are computed from mesh and rays, which must outlive it. Error kBadInput of a mesh that
+  /// is not closed if `inside` is one of them.
   explicit RecordText(RecordFormat format, const Mesh* mesh = nullptr, RayView rays = {});
   /// The header. `count`: of the records, which .npy alone needs.
   [[nodiscard]] std::string head(std::uint64_t count = 0) const;
@@ -67,7 +71,11 @@ class RecordText {
   RecordFormat format_;
   const Mesh* mesh_;
   RayView rays_;
+  [[nodiscard]] bool starts_inside(std::uint32_t ray) const;
+
   std::size_t node_bytes_ = 1;  ///< of the longest name of a node
+  std::shared_ptr<const Inside> inside_;
+  mutable std::optional<std::pair<std::uint32_t, bool>> last_inside_;  ///< of the ray asked last
 };
 
 /// Records as a file, written as they come.

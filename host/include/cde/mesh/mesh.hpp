@@ -102,4 +102,8 @@ void check(const Mesh& mesh, std::string_view what);
 [[nodiscard]] std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what,
                                                       FpFormat format = {});
 
+/// How many triangles of a checked mesh have no area, computed in binary64, and the first one;
+/// nothing if there are none. A line without its end.
+[[nodiscard]] std::optional<std::string> without_area(const Mesh& mesh, std::string_view what);
+
 }  // namespace cde

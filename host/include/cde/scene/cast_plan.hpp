@@ -16,7 +16,7 @@ namespace cde {
 /// What a cast must have; what is empty is chosen.
 struct CastRequest {
   Mode mode = Mode::kNearest;
-  Algorithm algorithm = Algorithm::kMoller;
+  Algorithm algorithm = kLeakFree;
   Arithmetic arithmetic = Arithmetic::kHost;
   FpFormat format = {};
   bool box = true;     ///< the box rule

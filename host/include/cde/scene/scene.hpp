@@ -115,7 +115,7 @@ struct SceneCard {
   Arithmetic arithmetic = Arithmetic::kHost;
   FpFormat format = {};                             ///< BoardConfig::format
   std::optional<FpFormat> verdicts = std::nullopt;  ///< BoardConfig::verdicts
-  Algorithm algorithm = Algorithm::kMoller;
+  Algorithm algorithm = kLeakFree;
   bool box = true;          ///< the box rule, of pairs that have it
   double clock_hz = 100e6;  ///< an assumption about the device
   bool cycle_bus = false;   ///< PCI signals clock by clock; otherwise its time is computed

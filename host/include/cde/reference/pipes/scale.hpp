@@ -101,7 +101,7 @@ template <class P>
 
 /// The answer of a pipe, test(a, b), to a pair of any size within the contract. tmin and tmax of a
 /// ray, and its T on the way out, are rounded once where they leave the format's normal range:
-/// 3 mul. A ray whose T or CP overflows misses.
+/// 3 mul. A ray whose T or CP overflows misses. Solids whose T becomes 0 touch: F = 1.
 template <typename S, class A, class B, class Test>
 [[nodiscard]] Outcome<S> scaled_answer(const A& a, const B& b, Test test) {
   if constexpr (!kScaled<A, B>) {
@@ -121,6 +121,7 @@ template <typename S, class A, class B, class Test>
     } else {
       Outcome<S> r = test(scaled(a, -k, 0, S(1)), scaled(b, -k, 0, S(1)));
       r.t = times_power_of_two(r.t, k);
+      r.f = r.f || r.t == S(0);
       r.cp = times_power_of_two<S>(r.cp, k);
       return r;
     }
