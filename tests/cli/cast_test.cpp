@@ -464,7 +464,7 @@ TEST_F(Cast, WavesOnAFullDiskAreAnError) {
 class Doctor : public Cli {};
 
 TEST_F(Doctor, AllIsWell) {
-  const Ran ran = cde({"doctor"}, {"CDE_CACHE=" + (folder_ / "cache").string()});
+  const Ran ran = cde({"doctor", "--build"}, {"CDE_CACHE=" + (folder_ / "cache").string()});
   EXPECT_EQ(ran.status, 0) << ran.out << ran.err;
   EXPECT_FALSE(has(ran.out, "BAD"));
   for (const char* text :
@@ -472,6 +472,17 @@ TEST_F(Doctor, AllIsWell) {
         "rtl arithmetic: 12800 of 12800 records match"}) {
     EXPECT_TRUE(has(ran.out, text));
   }
+}
+
+TEST_F(Doctor, BuildsNothingUnlessAsked) {
+  const Ran ran = cde({"doctor"}, {"CDE_CACHE=" + (folder_ / "cache").string(),
+                                   "CDE_BITSTREAMS=" + (folder_ / "none").string(),
+                                   "CDE_MARCH=x86-64-v2"});  // of which nothing is built
+  EXPECT_EQ(ran.status, 0) << ran.out << ran.err;
+  EXPECT_TRUE(has(ran.out,
+                  "--   card, host host arithmetic: the card is not built; cde doctor "
+                  "--build builds and tries it"));
+  EXPECT_TRUE(has(ran.out, "--   card, rtl  rtl arithmetic: the card is not built"));
 }
 
 TEST_F(Doctor, SaysWhatIsWrongAndWhatToDo) {

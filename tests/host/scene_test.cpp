@@ -48,6 +48,20 @@ TEST(SceneFile, SaysWhatItSays) {
   EXPECT_EQ(seconds(s, 5), 0.5);
 }
 
+TEST(SceneFile, ObjectsThatNoQueryUses_AreNamed) {
+  EXPECT_EQ(parse_scene(kGood, "s.toml").warnings, std::vector<std::string>{});
+  const std::string idle =
+      "[[object]]\nname = \"idle\"\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+  EXPECT_EQ(parse_scene(kBall + kRays + idle + kHit, "s.toml").warnings,
+            std::vector<std::string>{"s.toml: no query uses object 'idle'"});
+  // The one that another moves with is used.
+  const std::string child =
+      "[[object]]\nname = \"ball\"\nsphere = { center = [1, 2, 3], radius = 0.5 }\nparent = "
+      "\"idle\"\n";
+  EXPECT_EQ(parse_scene(idle + child + kRays + kHit, "s.toml").warnings,
+            std::vector<std::string>{});
+}
+
 TEST(SceneFile, EverySceneOfTheRepositoryIsPlanned) {
   int scenes = 0;
   for (const auto& entry :

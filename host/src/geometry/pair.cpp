@@ -9,6 +9,7 @@
 
 #include "cde/contract/registers.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "cde/support/suggest.hpp"
 #include "support/text.hpp"
 
@@ -50,18 +51,20 @@ std::string pairs_with(Shape shape) {
 PairName pair_in_any_order(std::string_view text) {
   if (const auto pair = pair_named(text)) return {*pair};
   const std::size_t dash = text.find('-');
-  const auto a = shape_named(text.substr(0, dash));
-  const auto b = dash == std::string_view::npos ? std::nullopt : shape_named(text.substr(dash + 1));
-  if (!a || !b) must_be_known(text, pair_names(), "pair");
+  const auto first = shape_named(text.substr(0, dash));
+  const auto second = dash == std::string_view::npos ? first : shape_named(text.substr(dash + 1));
+  if (!first || !second || dash == std::string_view::npos)
+    must_be_known(text, pair_names(), "pair");
+  const Shape a = first.value(), b = second.value();
   for (std::size_t i = 0; i < contract::kPairTable.size(); ++i) {
     const contract::PairRow& row = contract::kPairTable[i];
     if (row.primary == a && row.secondary == b) return {static_cast<Pair>(i)};
     if (row.primary == b && row.secondary == a) return {static_cast<Pair>(i), true};
   }
-  throw Error(ErrorCode::kUsage,
-              fmt::format("no pipe tests a {} and a {}; pairs with {}: {}{}", name(*a), name(*b),
-                          name(*a), pairs_with(*a),
-                          a == b ? "" : fmt::format("; with {}: {}", name(*b), pairs_with(*b))));
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("no pair {}; with {} there are: {}{}", in_quotes(text), name(a), pairs_with(a),
+                  a == b ? "" : fmt::format("; with {}: {}", name(b), pairs_with(b))));
 }
 
 std::optional<Algorithm> algorithm_named(std::string_view text) {

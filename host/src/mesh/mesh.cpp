@@ -154,8 +154,8 @@ std::optional<std::string> without_area(const Mesh& mesh, std::string_view what)
     if (p.cross(q) == Eigen::Vector3d::Zero() && count++ == 0) first = i;
   }
   if (count == 0) return std::nullopt;
-  return fmt::format("{}: {} of {} triangles {} no area and {} hit by no ray, the first is {}", what,
-                     count, mesh.faces.size(), count == 1 ? "has" : "have",
+  return fmt::format("{}: {} of {} triangles {} no area and {} hit by no ray, the first is {}",
+                     what, count, mesh.faces.size(), count == 1 ? "has" : "have",
                      count == 1 ? "is" : "are", first);
 }
 

@@ -276,8 +276,9 @@ RecordCheck::Told told_of_rays(const RayView& rays, const TriangleView& triangle
 
 Checker::Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
                  const Stencil& stencil, unsigned packet, std::string command,
-                 std::span<const Object> objects, bool box, FpFormat format)
-    : Checker(std::make_shared<Sweep>(rays, triangles, mode, stencil, packet, objects, box, format),
+                 std::span<const Object> objects, bool box, FpFormat format, Algorithm algorithm)
+    : Checker(std::make_shared<Sweep>(rays, triangles, mode, stencil, packet, objects, box, format,
+                                      algorithm),
               told_of_rays(rays, triangles, std::move(command))) {}
 
 Checker::Checker(std::shared_ptr<Sweep> sweep, Told told)

@@ -65,9 +65,8 @@ SceneCard read_card(Table t) {
       t.fail(e.code(), "verdicts", e.what());
     }
   }
-  card.algorithm = static_cast<Algorithm>(
-      t.choice("algorithm", {"moller", "badouel", "pluecker", "watertight"},
-               static_cast<int>(kLeakFree)));
+  card.algorithm = static_cast<Algorithm>(t.choice(
+      "algorithm", {"moller", "badouel", "pluecker", "watertight"}, static_cast<int>(kLeakFree)));
   card.box = t.flag("box", true);
   card.clock_hz = 1e6 * t.number("clock_mhz", 100.0, {.min = kLeastClockMhz, .max = kMostClockMhz});
   card.cycle_bus = t.choice("bus", {"functional", "cycle"}, 0) == 1;
@@ -242,6 +241,22 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   return q;
 }
 
+/// Objects that no query uses, nor moves with: perhaps a name was forgotten.
+void warn_of_unused(Scene& scene) {
+  std::vector<bool> used(scene.objects.size());
+  for (const SceneQuery& query : scene.queries)
+    for (const auto* side : {&query.primaries, &query.secondaries})
+      for (const std::size_t number : *side)
+        for (std::optional<std::size_t> at = number; at && !used[*at];
+             at = scene.objects[*at].parent)
+          used[*at] = true;
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (!used[i])
+      scene.warnings.push_back(fmt::format("{}: no query uses object {}",
+                                           printable_name(scene.file),
+                                           in_quotes(scene.objects[i].name)));
+}
+
 }  // namespace
 
 Scene parse_scene(std::string_view text, const std::string& name) {
@@ -276,6 +291,7 @@ Scene parse_scene(std::string_view text, const std::string& name) {
     if (!query_names.insert(scene.queries.back().name).second)
       query.fail("name", "there is another query of that name");
   }
+  warn_of_unused(scene);
   t.finish();
   return scene;
 }

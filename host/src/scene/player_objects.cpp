@@ -233,7 +233,9 @@ void Primaries::load(std::size_t first, std::size_t count) {
   loaded_.reset();  // until it is done
   if (!there) {
     std::visit(
-        [&](const auto& list) { board_->load_shapes(std::span(list).subspan(first, count), false); },
+        [&](const auto& list) {
+          board_->load_shapes(std::span(list).subspan(first, count), false);
+        },
         row_.shapes());
     if (has_table_) board_->set_primary_objects(row_.entries());
   } else {

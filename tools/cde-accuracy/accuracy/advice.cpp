@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <tuple>
 
 #include "accuracy/accuracy_report.hpp"
@@ -37,12 +38,13 @@ double error_of(const KeptPipe& k, const Demands& d) {
 void check_error(Candidate& c, const Demands& d) {
   if (!d.max_error) return;
   if (c.of->all.t.count == 0) {
-    c.unmet.push_back({"no T was judged", std::numeric_limits<double>::infinity()});
+    c.unmet.push_back({"error", "no T was judged", std::numeric_limits<double>::infinity()});
     return;
   }
   const double error = error_of(*c.of, d);
   if (error > *d.max_error)
-    c.unmet.push_back({fmt::format("error {} of S ({}), {} asked", compact(error), quantile_name(d),
+    c.unmet.push_back({"error",
+                       fmt::format("error {} of S ({}), {} asked", compact(error), quantile_name(d),
                                    compact(*d.max_error)),
                        error / *d.max_error});
 }
@@ -50,13 +52,15 @@ void check_error(Candidate& c, const Demands& d) {
 void check_decisions(Candidate& c, const Demands& d) {
   const KeptTally& t = c.of->all;
   if (d.no_leaks && t.leak_rays == 0)
-    c.unmet.push_back({"leaks were not measured", std::numeric_limits<double>::infinity()});
+    c.unmet.push_back(
+        {"leaks", "leaks were not measured", std::numeric_limits<double>::infinity()});
   if (d.no_leaks && t.leaks > 0)
-    c.unmet.push_back({fmt::format("{} of {} rays leak", t.leaks, t.leak_rays),
+    c.unmet.push_back({"leaks", fmt::format("{} of {} rays leak", t.leaks, t.leak_rays),
                        1 + static_cast<double>(t.leaks)});
   if (!d.max_wrong) return;
   if (t.judged == 0) {
-    c.unmet.push_back({"no decision was judged", std::numeric_limits<double>::infinity()});
+    c.unmet.push_back(
+        {"decisions", "no decision was judged", std::numeric_limits<double>::infinity()});
     return;
   }
   const double wrong = d.sure ? t.wrong_interval().high : t.wrong_per_million();
@@ -65,7 +69,8 @@ void check_decisions(Candidate& c, const Demands& d) {
       fmt::format("{} of {} decisions wrong, {}..{} a million", t.wrong, grouped(t.judged),
                   compact(t.wrong_interval().low), compact(t.wrong_interval().high));
   c.unmet.push_back(
-      {fmt::format("{}, {} asked{}", may_be, compact(*d.max_wrong), d.sure ? " for sure" : ""),
+      {"decisions",
+       fmt::format("{}, {} asked{}", may_be, compact(*d.max_wrong), d.sure ? " for sure" : ""),
        wrong / std::max(*d.max_wrong, 1e-3)});
 }
 
@@ -78,7 +83,8 @@ void choose_lanes(Candidate& c, const Demands& d) {
   if (most == 0) {
     c.lanes = 0;
     c.unmet.push_back(
-        {price.lane
+        {"area",
+         price.lane
              ? fmt::format("a lane does not fit in {}: {:.0f} % of the {} that may be used",
                            price.target.name, 100 * price.lane->fit.share, price.lane->fit.limit)
              : fmt::format("whether a lane fits in {} is not known: {}", price.target.name,
@@ -91,10 +97,11 @@ void choose_lanes(Candidate& c, const Demands& d) {
   while (c.seconds && *c.seconds > *d.seconds && 2 * c.lanes <= most)
     c.seconds = price.seconds(d.tests, c.lanes *= 2);
   if (!c.seconds)
-    c.unmet.push_back(
-        {"time is not known: clocks were not counted", std::numeric_limits<double>::infinity()});
+    c.unmet.push_back({"time", "time is not known: clocks were not counted",
+                       std::numeric_limits<double>::infinity()});
   else if (*c.seconds > *d.seconds)
-    c.unmet.push_back({fmt::format("{} on {} lane{}, {} asked", duration(*c.seconds), c.lanes,
+    c.unmet.push_back({"time",
+                       fmt::format("{} on {} lane{}, {} asked", duration(*c.seconds), c.lanes,
                                    c.lanes == 1 ? "" : "s", duration(*d.seconds)),
                        *c.seconds / *d.seconds});
 }
@@ -138,6 +145,17 @@ std::string price_text(const Candidate& c) {
       "be used ({})",
       p.lane->estimated ? "estimated" : "measured", a.lut, a.carry, a.ff, a.dsp, lanes,
       100 * std::max(1u, c.lanes) * p.lane->fit.share, p.lane->fit.limit, p.lane->of);
+}
+
+/// "; out are 14 by area, 3 by error"; empty if none is out.
+std::string why_out(const std::vector<Candidate>& all) {
+  std::map<std::string_view, std::size_t> out;
+  for (const Candidate& c : all)
+    for (const Unmet& u : c.unmet) ++out[u.what];
+  std::string text;
+  for (const auto& [what, count] : out)
+    text += fmt::format("{}{} by {}", text.empty() ? "; out are " : ", ", count, what);
+  return text;
 }
 
 std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candidate& c) {
@@ -205,9 +223,15 @@ std::string advice_text(const KeptSweep& sweep, const Demands& demands, const Ta
   const auto meet = static_cast<std::size_t>(
       std::ranges::count_if(all, [](const Candidate& c) { return c.unmet.empty(); }));
   if (meet > 0)
-    return fmt::format("{} on {}: the cheapest of {} that meet{} the demands, of {}\n{}",
-                       all.front().of->pipe.name(), target.name, meet, meet == 1 ? "s" : "",
-                       all.size(), figures_text(sweep, demands, all.front()));
+    return fmt::format("{} on {}: the cheapest of {} that {}, of {}{}\n{}{}",
+                       all.front().of->pipe.name(), target.name, meet,
+                       demands.none() ? (meet == 1 ? "fits" : "fit")
+                                      : (meet == 1 ? "meets the demands" : "meet the demands"),
+                       all.size(), why_out(all),
+                       demands.none() ? "nothing was demanded but that a lane fits (--max-error, "
+                                        "--max-wrong, --no-leaks, --time)\n"
+                                      : "",
+                       figures_text(sweep, demands, all.front()));
   std::string text =
       fmt::format("none of {} configurations of {} meets the demands on {}; nearest:\n", all.size(),
                   name(demands.pair), target.name);

@@ -19,10 +19,14 @@ struct Demands {
   bool sure = false;                     ///< the upper end of their interval counts
   std::optional<double> seconds = {};    ///< modelled, of so many tests
   double tests = 1e6;
+
+  /// Nothing but that a lane fits.
+  [[nodiscard]] bool none() const { return !max_error && !no_leaks && !max_wrong && !seconds; }
 };
 
 /// What a pipe does not meet, and by which factor it is off.
 struct Unmet {
+  const char* what;  ///< "error", "leaks", "decisions", "area" or "time"
   std::string text;
   double factor = 1;
 };

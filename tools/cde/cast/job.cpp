@@ -65,9 +65,10 @@ void warn_of_side(const CastTask& t, const Mesh& mesh) {
   const float size = box.sizes().maxCoeff(), little = 0.01f * size, much = 0.1f * size;
   if (std::abs(box.min().y()) <= little && box.max().y() > much && box.min().z() < -much &&
       box.max().z() > much)
-    warn({fmt::format("{}: stands on y = 0 and reaches to both sides of z = 0; it seems to lie on "
-                      "its side, which --up y mends",
-                      printable_name(t.mesh))});
+    warn(
+        {fmt::format("{}: stands on y = 0 and reaches to both sides of z = 0; it seems to lie on "
+                     "its side, which --up y mends",
+                     printable_name(t.mesh))});
 }
 
 void check_rays(const CastJob& job) {

@@ -21,7 +21,7 @@ namespace cde::cli {
 /// Rays, and the picture they make if they are one.
 struct CastJob {
   Mesh mesh = {};  ///< of a partitioned one only rank 0 has all, and only if files are made of it
-  std::uint64_t triangles = 0;   ///< of all of it
+  std::uint64_t triangles = 0;  ///< of all of it
   Eigen::AlignedBox3f bounds = {};
   std::string fingerprint = {};  ///< its name, and of all of it, where the run is dealt
   std::map<unsigned, std::shared_ptr<const CastJob>> parts =

@@ -80,12 +80,11 @@ void warn_of_misses(const CastTask& o, const CastJob& job, const CastOutcome& r)
   Eigen::AlignedBox3f origins;
   for (std::size_t i = 0; i < job.rays.size(); ++i) origins.extend(job.rays[i].o);
   const Ray first = job.rays[0];
-  warn({fmt::format("no ray hit {}, which reaches from {}; rays start {} {}, the first with the "
-                    "direction {}",
-                    printable_name(o.mesh), text_of(job.bounds),
-                    origins.min() == origins.max() ? "at" : "from",
-                    origins.min() == origins.max() ? text_of(first.o) : text_of(origins),
-                    text_of(first.d))});
+  warn({fmt::format(
+      "no ray hit {}, which reaches from {}; rays start {} {}, the first with the "
+      "direction {}",
+      printable_name(o.mesh), text_of(job.bounds), origins.min() == origins.max() ? "at" : "from",
+      origins.min() == origins.max() ? text_of(first.o) : text_of(origins), text_of(first.d))});
 }
 
 void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) {
@@ -104,8 +103,8 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
       fmt::format("{}{} lanes, {} arithmetic, {}, {}, {}, mode {}",
                   cards == 1 ? "" : fmt::format("{} x ", cards), job.config.lanes,
                   name_of(o.request.arithmetic), job.config.format.name(),
-                  name(o.request.algorithm),
-                  o.request.box ? "box rule" : "no box rule", cde::name_of(o.request.mode)));
+                  name(o.request.algorithm), o.request.box ? "box rule" : "no box rule",
+                  cde::name_of(o.request.mode)));
   if (job.hierarchy) {
     const auto a_ray = [&](std::uint64_t n) {
       return static_cast<double>(n) / static_cast<double>(rays);

@@ -53,9 +53,10 @@ void add_pixels(CLI::App& verb, CastWords& o) {
 }
 
 void add_up(CLI::App& verb, CastWords& o) {
-  one_of(verb.add_option("--up", o.up, "Axis that is up in pictures: auto is y for glTF, z for others")
-             ->capture_default_str(),
-         {"auto", "x", "y", "z"});
+  one_of(
+      verb.add_option("--up", o.up, "Axis that is up in pictures: auto is y for glTF, z for others")
+          ->capture_default_str(),
+      {"auto", "x", "y", "z"});
 }
 
 void add_records(CLI::App& verb, CastWords& o) {
@@ -67,10 +68,14 @@ void add_records(CLI::App& verb, CastWords& o) {
   named(verb.add_option("--fields", o.fields,
                         "More of each record, separated by commas, computed by the host and "
                         "not by the card: u and v (barycentric), normal (of the triangle), "
-                        "side (1 front, -1 back), node (of the mesh file)")
+                        "side (1 front, -1 back), node (of the mesh file), inside (see --inside)")
             ->delimiter(',')
             ->allow_extra_args(false),
         field_names(), "LIST", "field");
+  verb.add_flag("--inside", o.inside,
+                "Column inside: whether the ray starts inside the mesh, which must be closed; the "
+                "host computes it (winding number). Distances to a mesh do not tell: it is a "
+                "surface");
 }
 
 void add_pictures(CLI::App& verb, CastWords& o) {

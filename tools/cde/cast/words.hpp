@@ -20,8 +20,8 @@ struct CastWords {
   DealOptions deal;
   std::vector<std::string> rays, fields;
   bool inside = false;
-  std::string mode = "nearest", arithmetic = "host", algorithm = "watertight", lanes = "auto", up = "auto",
-              format = "fp32", checks = "true";
+  std::string mode = "nearest", arithmetic = "host", algorithm = "watertight", lanes = "auto",
+              up = "auto", format = "fp32", checks = "true";
   unsigned boards = 1, partition = 1;
   ClockOptions clock;
   double timeout = 3600;

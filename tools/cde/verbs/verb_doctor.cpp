@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "cde/card/board.hpp"
@@ -21,9 +22,10 @@
 namespace cde::cli {
 namespace {
 
-/// Finding of one examination; `advice` is empty if all is well.
+/// Finding of one examination; `advice` is empty if all is well, or if something was left out.
 struct Finding {
   std::string what, advice;
+  bool examined = true;
 };
 
 /// The first line that a program prints, or nothing.
@@ -116,19 +118,26 @@ Finding builder() {
   }
 }
 
-Finding small_cast(Arithmetic arithmetic) {
+/// `builds`: a card that is not built is built first.
+Finding small_cast(Arithmetic arithmetic, bool builds) {
   const bool host = arithmetic == Arithmetic::kHost;
   const char* name = host ? "host" : "rtl";
   const unsigned quads = host ? 16 : 4;  // gates are simulated a hundred times slower
   try {
     const Mesh mesh = make_terrain({.quads_x = quads, .quads_y = quads});
     const std::vector<Ray> rays = grid_rays(bounds(mesh), {20, 20});
-    Board board = Board::open({.arithmetic = arithmetic, .box = true});  // as cde cast has them
+    const BoardConfig card{.arithmetic = arithmetic, .algorithm = kLeakFree, .box = true};
+    if (!builds && !bitstream_file(card.top(), card.parameters()).built)
+      return {fmt::format("{} arithmetic: the card is not built; cde doctor --build builds and "
+                          "tries it, in about {}",
+                          name, host ? "half a minute" : "a minute"),
+              "", false};
+    Board board = Board::open(card);  // as cde cast has it
     board.upload(mesh);
     reference::Checker checker(
         rays, mesh, Mode::kAll, {}, board.primaries(),
-        fmt::format("cde cast terrain:{},{},1 --mode all --arith {}", quads, quads, name), {},
-        true);
+        fmt::format("cde cast terrain:{},{},1 --mode all --arith {}", quads, quads, name), {}, true,
+        {}, kLeakFree);
     board.cast(rays, {.mode = Mode::kAll},
                [&](std::span<const Record> records) { checker.check(records); });
     checker.finish();
@@ -143,7 +152,7 @@ Finding small_cast(Arithmetic arithmetic) {
   }
 }
 
-void run() {
+void run(bool builds) {
   bool fine = true;
   const std::pair<const char*, std::function<Finding()>> examinations[] = {
       {"verilator", verilator},
@@ -151,11 +160,15 @@ void run() {
       {"processor", processor},
       {"builder", builder},
       {"cache", cache},
-      {"card, host", [] { return small_cast(Arithmetic::kHost); }},
-      {"card, rtl", [] { return small_cast(Arithmetic::kRtl); }}};
+      {"card, host", [builds] { return small_cast(Arithmetic::kHost, builds); }},
+      {"card, rtl", [builds] { return small_cast(Arithmetic::kRtl, builds); }}};
   for (const auto& [name, examine] : examinations) {
     const Finding finding = examine();
-    put("{:<4} {:<10} {}\n", finding.advice.empty() ? "ok" : "BAD", name, finding.what);
+    put("{:<4} {:<10} {}\n",
+        !finding.advice.empty() ? "BAD"
+        : finding.examined      ? "ok"
+                                : "--",
+        name, finding.what);
     if (!finding.advice.empty()) {
       put("     {:<10} -> {}\n", "", finding.advice);
       fine = false;
@@ -167,10 +180,13 @@ void run() {
 }  // namespace
 
 void add_doctor(CLI::App& app) {
-  app.add_subcommand(
-         "doctor",
-         "Examine tools, caches and both arithmetic back ends; exit 1 if something is wrong")
-      ->callback(run);
+  CLI::App* verb = app.add_subcommand(
+      "doctor",
+      "Examine tools, caches and both arithmetic back ends; exit 1 if something is wrong. A card "
+      "that is not built is left out");
+  auto builds = std::make_shared<bool>(false);
+  verb->add_flag("--build", *builds, "Build cards that are not built, and try them, too");
+  verb->callback([builds] { run(*builds); });
 }
 
 }  // namespace cde::cli

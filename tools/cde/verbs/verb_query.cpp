@@ -164,10 +164,14 @@ QueryAnswers answers_to(QueryPipe& pipe, const std::string& chunk) {
 /// Lines are dealt in chunks. Nothing if the answers are not all here.
 std::optional<QueryTotals> deal_lines(const QueryOptions& o, const PairConfig& config) {
   Dealing& dealing = Dealing::here();
-  nlohmann::ordered_json run = {
-      {"verb", "query"},           {"pair", o.pair}, {"parameters", config.parameters()},
-      {"exchanged", o.exchanged},  {"budget", o.budget}, {"bits", o.bits},
-      {"checked", o.check},        {"keep_going", o.keep_going}};
+  nlohmann::ordered_json run = {{"verb", "query"},
+                                {"pair", o.pair},
+                                {"parameters", config.parameters()},
+                                {"exchanged", o.exchanged},
+                                {"budget", o.budget},
+                                {"bits", o.bits},
+                                {"checked", o.check},
+                                {"keep_going", o.keep_going}};
   if (!dealing.merges())
     run["config_hash"] = fmt::format("{:016x}", bitstream_hash("pair_unit", config.parameters()));
   dealing.begin(o.deal, run, o.quiet);

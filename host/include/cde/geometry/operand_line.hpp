@@ -18,8 +18,9 @@ enum class OperandLine { kNothing, kMalformed, kPair };
 /// blanks, with a | between A and B or without. A ray without an interval gets all of it. Nothing
 /// is an empty line and a comment (#). `where` names the line in `why`, which says what is wrong
 /// with a malformed one.
-[[nodiscard]] OperandLine read_operands(PairName named, const WordText& text, const std::string& where,
-                                        std::string_view line, std::vector<std::uint64_t>& a,
+[[nodiscard]] OperandLine read_operands(PairName named, const WordText& text,
+                                        const std::string& where, std::string_view line,
+                                        std::vector<std::uint64_t>& a,
                                         std::vector<std::uint64_t>& b, std::string& why);
 
 /// Whether A is a ray.

@@ -71,7 +71,7 @@ class Checker : public RecordCheck {
  public:
   Checker(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
           unsigned packet, std::string command, std::span<const Object> objects = {},
-          bool box = false, FpFormat format = {});
+          bool box = false, FpFormat format = {}, Algorithm algorithm = Algorithm::kMoller);
 
  private:
   Checker(std::shared_ptr<Sweep> sweep, Told told);

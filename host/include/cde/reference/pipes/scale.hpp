@@ -121,7 +121,7 @@ template <typename S, class A, class B, class Test>
     } else {
       Outcome<S> r = test(scaled(a, -k, 0, S(1)), scaled(b, -k, 0, S(1)));
       r.t = times_power_of_two(r.t, k);
-      r.f = r.f || r.t == S(0);
+      r.f = r.f || static_cast<double>(r.t) == 0;  // the word's class, no comparison
       r.cp = times_power_of_two<S>(r.cp, k);
       return r;
     }
