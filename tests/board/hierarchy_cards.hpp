@@ -206,9 +206,12 @@ template <class P>
 std::vector<Record> cast(Board& board, const std::vector<P>& primaries, const Query& query,
                          Counters* counters = nullptr) {
   std::vector<Record> records;
-  const Counters c = board.cast_shapes<P>(primaries, query, [&](std::span<const Record> some) {
-    records.insert(records.end(), some.begin(), some.end());
-  });
+  const Counters c = board.cast_shapes<P>(
+      primaries, query,
+      [&](std::span<const Record> some) {
+        records.insert(records.end(), some.begin(), some.end());
+      },
+      false);
   if (counters != nullptr) *counters = c;
   return records;
 }

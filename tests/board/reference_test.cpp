@@ -5,6 +5,8 @@
 #include "cde/reference/pass.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <ostream>
 
@@ -16,7 +18,8 @@ namespace {
 const Triangle kPlain{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
 
 /// What the sweep must give, by the template alone.
-std::vector<Record> slow(const RayScene& scene, Mode mode, const Stencil& stencil) {
+std::vector<Record> slow(const RayScene& scene, Mode mode, const Stencil& stencil,
+                         Algorithm algorithm) {
   std::vector<Record> out;
   for (std::size_t first = 0; first < scene.rays.size(); first += 256) {
     const std::size_t end = std::min(first + 256, scene.rays.size());
@@ -26,7 +29,7 @@ std::vector<Record> slow(const RayScene& scene, Mode mode, const Stencil& stenci
         if (stencil[i - first]) continue;
         const Record r =
             reference::record_of(scene.rays[i], scene.triangles[j], static_cast<std::uint32_t>(i),
-                                 static_cast<std::uint32_t>(j));
+                                 static_cast<std::uint32_t>(j), false, algorithm);
         if (mode == Mode::kAll || (mode == Mode::kHits && r.f)) out.push_back(r);
         Record& b = best[i - first];
         const bool keep =
@@ -59,9 +62,13 @@ TEST(Reference, VectorCodeEqualsTheTemplate) {
                                 beam(random, 1, 50, 0x1p-60f)}) {
     for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
       for (const Stencil& stencil : {Stencil(), some}) {
-        SCOPED_TRACE(name_of(mode));
-        expect_same(reference::cast(scene.rays, scene.triangles, mode, stencil),
-                    slow(scene, mode, stencil));
+        for (const Algorithm algorithm : {Algorithm::kMoller, Algorithm::kWatertight}) {
+          SCOPED_TRACE(fmt::format("{} {}", name_of(mode), name(algorithm)));
+          ASSERT_TRUE(reference::sweeps_fast(algorithm, {}));
+          expect_same(
+              reference::cast(scene.rays, scene.triangles, mode, stencil, {}, false, {}, algorithm),
+              slow(scene, mode, stencil, algorithm));
+        }
       }
     }
   }

@@ -23,14 +23,15 @@ class Pass::Impl {
 
 namespace {
 
-/// The paper's pair has a fast reference of its own.
-class MollerPass : public Pass::Impl {
+/// Rays and triangles have a fast reference of their own.
+class RayPass : public Pass::Impl {
  public:
-  MollerPass(Mode mode, bool box, std::vector<Ray> rays, std::vector<std::uint32_t> numbers,
-             const std::vector<Triangle>& triangles)
+  RayPass(const PassQuery& query, std::vector<Ray> rays, std::vector<std::uint32_t> numbers,
+          const std::vector<Triangle>& triangles)
       : rays_(std::move(rays)),
         numbers_(std::move(numbers)),
-        sweep_(rays_, triangles, mode, {}, card::kMostPrimaries, {}, box) {}
+        sweep_(rays_, triangles, query.mode, {}, card::kMostPrimaries, {}, query.box, {},
+               query.algorithm) {}
 
   std::span<const Record> next() override {
     const std::span<const Record> some = sweep_.next();
@@ -254,11 +255,11 @@ std::vector<Record> all_unanswered(const PassQuery& query, const Shapes& primari
 Pass::Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> numbers,
            const Shapes& secondaries) {
   check_query(query, primaries, numbers.size(), secondaries);
-  if (query.pair == Pair::kRayTriangle && query.algorithm == Algorithm::kMoller && !query.swap &&
-      !query.counts && query.format == FpFormat{}) {
-    impl_ = std::make_unique<MollerPass>(
-        query.mode, query.box, std::get<std::vector<Ray>>(std::move(primaries)), std::move(numbers),
-        std::get<std::vector<Triangle>>(secondaries));
+  if (query.pair == Pair::kRayTriangle && sweeps_fast(query.algorithm, query.format) &&
+      !query.swap && !query.counts) {
+    impl_ =
+        std::make_unique<RayPass>(query, std::get<std::vector<Ray>>(std::move(primaries)),
+                                  std::move(numbers), std::get<std::vector<Triangle>>(secondaries));
     return;
   }
   std::vector<Record> records = all_unanswered(query, primaries, numbers);

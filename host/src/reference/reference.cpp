@@ -29,6 +29,10 @@ Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary
   return r;
 }
 
+bool sweeps_fast(Algorithm algorithm, FpFormat format) {
+  return format == FpFormat{} && inside_test(algorithm) != nullptr;
+}
+
 /// One packet at a time: a reduction gives all records of the packet at once, a stream those of one
 /// triangle.
 class Sweep::Impl {
@@ -44,7 +48,8 @@ class Sweep::Impl {
         box_(box),
         format_(format),
         algorithm_(algorithm),
-        any_(format != FpFormat{} || algorithm != Algorithm::kMoller) {
+        inside_(inside_test(algorithm)),
+        any_(!sweeps_fast(algorithm, format)) {
     (void)name_of(mode);  // or it is none
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
@@ -85,11 +90,7 @@ class Sweep::Impl {
     if (first_ >= rays_.size()) return;
     packet_rays_ = rays_.subview(first_, packet_).copy();
     if (any_) return begin_pass();
-    for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
-      const Ray& ray = packet_rays_[i];
-      block_.ox[i] = ray.o.x(), block_.oy[i] = ray.o.y(), block_.oz[i] = ray.o.z();
-      block_.dx[i] = ray.d.x(), block_.dy[i] = ray.d.y(), block_.dz[i] = ray.d.z();
-    }
+    for (std::size_t i = 0; i < packet_rays_.size(); ++i) block_.set(i, packet_rays_[i]);
     block_.count = static_cast<unsigned>(packet_rays_.size());
   }
 
@@ -145,7 +146,7 @@ class Sweep::Impl {
     return best_;
   }
 
-  // ---- Moller in fp32 ----
+  // ---- Moller and watertight in fp32 ----
 
   [[nodiscard]] std::uint32_t number(std::size_t place) const {
     return static_cast<std::uint32_t>(first_ + place);
@@ -160,10 +161,11 @@ class Sweep::Impl {
   template <typename Visit>
   void for_hits(std::uint32_t index, Visit visit) {
     const Triangle triangle = triangles_[index];
-    if (!inside(block_, triangle, mask_)) return;
+    if (!inside_(block_, triangle, mask_)) return;
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
       if (mask_[i] == 0 || stencil_[i]) continue;
-      const Record record = record_of(packet_rays_[i], triangle, number(i), slot(index), box_);
+      const Record record =
+          record_of(packet_rays_[i], triangle, number(i), slot(index), box_, algorithm_);
       if (record.f) visit(i, record);
     }
   }
@@ -176,7 +178,8 @@ class Sweep::Impl {
     const Triangle triangle = triangles_[index];
     for (std::size_t i = 0; i < packet_rays_.size(); ++i) {
       if (!stencil_[i])
-        records_.push_back(record_of(packet_rays_[i], triangle, number(i), slot(index), box_));
+        records_.push_back(
+            record_of(packet_rays_[i], triangle, number(i), slot(index), box_, algorithm_));
     }
   }
 
@@ -220,7 +223,8 @@ class Sweep::Impl {
   bool box_;
   FpFormat format_;
   Algorithm algorithm_;
-  bool any_;      // not Moller in fp32
+  InsideTest inside_;
+  bool any_;      // by the reference of any pair
   Shapes words_;  // shapes of swept_, if so
   std::optional<Pass> pass_;
   std::vector<Record> best_;

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inside test of ray_triangle_moller (reference.hpp) for a packet of rays, in a form that
-// compilers turn into vector code: the same operations on every ray, no branch. tests/board holds
-// it against the template bit for bit.
+// The inside tests of ray_triangle_moller and ray_triangle_watertight for a packet of rays, in a
+// form that compilers turn into vector code: the same operations on every ray, no branch.
+// tests/board holds them against the templates bit for bit.
 #include "reference/sweep.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+
+#include "cde/reference/pipes/ray_triangle.hpp"
 
 namespace cde::reference {
 namespace {
@@ -24,9 +26,37 @@ float flip(float x, std::uint32_t sign) {
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-__attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#define CDE_VECTOR __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define CDE_VECTOR
 #endif
-bool inside(const RayBlock& r, const Triangle& triangle, std::array<std::uint8_t, RayBlock::kRays>& mask) {
+
+void RayBlock::set(std::size_t i, const Ray& ray) {
+  ox[i] = ray.o.x(), oy[i] = ray.o.y(), oz[i] = ray.o.z();
+  dx[i] = ray.d.x(), dy[i] = ray.d.y(), dz[i] = ray.d.z();
+  const DominantAxis<float> of(ray.d);
+  axis[i] = of.z_over_both ? 2 : of.y_over_x ? 1 : 0;
+  const float sz = 1.0f / of.largest(ray.d);
+  sx[i] = of.next(ray.d) * sz, sy[i] = of.after_next(ray.d) * sz;
+}
+
+namespace {
+
+using HitMask = std::array<std::uint8_t, RayBlock::kRays>;
+
+/// Nearly every block has no hit at all: its bytes are written once one before or behind has.
+void note(HitMask& mask, unsigned base, const std::uint32_t* hit, std::uint32_t some,
+          std::uint32_t any) {
+  if (some != 0) {
+    for (unsigned j = 0; j < kBlock; ++j) mask[base + j] = static_cast<std::uint8_t>(hit[j]);
+    if (any == 0) std::fill_n(mask.begin(), base, std::uint8_t{0});
+  } else if (any != 0) {
+    std::fill_n(mask.begin() + base, kBlock, std::uint8_t{0});
+  }
+}
+
+CDE_VECTOR
+bool inside_moller(const RayBlock& r, const Triangle& triangle, HitMask& mask) {
   const float x0 = triangle.v0.x(), y0 = triangle.v0.y(), z0 = triangle.v0.z();
   const float e1x = triangle.v1.x() - x0, e1y = triangle.v1.y() - y0, e1z = triangle.v1.z() - z0;
   const float e2x = triangle.v2.x() - x0, e2y = triangle.v2.y() - y0, e2z = triangle.v2.z() - z0;
@@ -53,16 +83,59 @@ bool inside(const RayBlock& r, const Triangle& triangle, std::array<std::uint8_t
       hit[j] = h;
       some |= h;
     }
-    // Nearly every block has no hit at all.
-    if (some != 0) {
-      for (unsigned j = 0; j < kBlock; ++j) mask[base + j] = static_cast<std::uint8_t>(hit[j]);
-    } else if (any != 0) {
-      std::fill_n(mask.begin() + base, kBlock, std::uint8_t{0});
-    }
-    if (some != 0 && any == 0) std::fill_n(mask.begin(), base, std::uint8_t{0});
+    note(mask, base, hit, some, any);
     any |= some;
   }
   return any != 0;
+}
+
+/// Of these, the one that belongs to axis 0, 1 or 2.
+inline float picked(std::uint32_t axis, float of_x, float of_y, float of_z) {
+  return axis == 2 ? of_z : axis == 1 ? of_y : of_x;
+}
+
+CDE_VECTOR
+bool inside_watertight(const RayBlock& r, const Triangle& triangle, HitMask& mask) {
+  const Eigen::Vector3f &v0 = triangle.v0, &v1 = triangle.v1, &v2 = triangle.v2;
+  const float x0 = v0.x(), y0 = v0.y(), z0 = v0.z(), x1 = v1.x(), y1 = v1.y(), z1 = v1.z(),
+              x2 = v2.x(), y2 = v2.y(), z2 = v2.z();
+  std::uint32_t any = 0;
+  for (unsigned base = 0; base < r.count; base += kBlock) {
+    alignas(64) std::uint32_t hit[kBlock];
+    std::uint32_t some = 0;
+    for (unsigned j = 0; j < kBlock; ++j) {
+      const unsigned i = base + j;
+      const float ox = r.ox[i], oy = r.oy[i], oz = r.oz[i], sx = r.sx[i], sy = r.sy[i];
+      const std::uint32_t k = r.axis[i];
+      const float xa = x0 - ox, ya = y0 - oy, za = z0 - oz, xb = x1 - ox, yb = y1 - oy,
+                  zb = z1 - oz, xc = x2 - ox, yc = y2 - oy, zc = z2 - oz;
+      const float al = picked(k, xa, ya, za), bl = picked(k, xb, yb, zb),
+                  cl = picked(k, xc, yc, zc);
+      const float ax = picked(k, ya, za, xa) - sx * al, ay = picked(k, za, xa, ya) - sy * al;
+      const float bx = picked(k, yb, zb, xb) - sx * bl, by = picked(k, zb, xb, yb) - sy * bl;
+      const float cx = picked(k, yc, zc, xc) - sx * cl, cy = picked(k, zc, xc, yc) - sy * cl;
+      const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+      const float det = (u + v) + w;
+      const std::uint32_t sign = bits(det) & 0x80000000u;
+      const std::uint32_t h = static_cast<std::uint32_t>(0.0f <= flip(u, sign)) &
+                              static_cast<std::uint32_t>(0.0f <= flip(v, sign)) &
+                              static_cast<std::uint32_t>(0.0f <= flip(w, sign)) &
+                              static_cast<std::uint32_t>(0.0f < flip(det, sign));
+      hit[j] = h;
+      some |= h;
+    }
+    note(mask, base, hit, some, any);
+    any |= some;
+  }
+  return any != 0;
+}
+
+}  // namespace
+
+InsideTest inside_test(Algorithm algorithm) {
+  return algorithm == Algorithm::kMoller       ? inside_moller
+         : algorithm == Algorithm::kWatertight ? inside_watertight
+                                               : nullptr;
 }
 
 }  // namespace cde::reference

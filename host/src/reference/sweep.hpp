@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "cde/contract/pairs.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/geometry/primitives.hpp"
 
@@ -13,12 +14,19 @@ namespace cde::reference {
 struct RayBlock {
   static constexpr std::size_t kRays = card::kMostPrimaries;
   alignas(64) std::array<float, kRays> ox{}, oy{}, oz{}, dx{}, dy{}, dz{};
+  /// Of watertight: the dominant axis of d, and the shear along it.
+  alignas(64) std::array<std::uint32_t, kRays> axis{};
+  alignas(64) std::array<float, kRays> sx{}, sy{};
   unsigned count = 0;  ///< rays in use, rounded up to whole vectors of the rest being zero
+
+  void set(std::size_t place, const Ray& ray);
 };
 
 /// Which rays pass the inside test of the triangle, one byte each (the interval is not looked at,
 /// nor whether inputs are bad). Returns whether any does.
-[[nodiscard]] bool inside(const RayBlock& rays, const Triangle& triangle,
-                          std::array<std::uint8_t, RayBlock::kRays>& mask);
+using InsideTest = bool (*)(const RayBlock& rays, const Triangle& triangle,
+                            std::array<std::uint8_t, RayBlock::kRays>& mask);
+/// moller or watertight; null for the others, which have no such form.
+[[nodiscard]] InsideTest inside_test(Algorithm algorithm);
 
 }  // namespace cde::reference

@@ -157,8 +157,7 @@ class SharedMemory {
     const std::uint64_t triangles = job.mesh.faces.size();
     cards_ = boards * triangles * 4 * words(Shape::kTriangle);
     if (o.check && !job.hierarchy &&
-        (job.config.algorithm != Algorithm::kMoller ||
-         job.config.format != FpFormat{}))  // the check's copy
+        !reference::sweeps_fast(job.config.algorithm, job.config.format))  // the check's copy
       cards_ += boards * triangles * sizeof(Triangle);
     // 2^32 rays and 2^26 triangles of 64 bytes: their product may leave 64 bits, its size does not.
     const double each = job.mode == Mode::kHits  ? 0.0

@@ -43,15 +43,9 @@ CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const Ray
   });
   if (job.hierarchy) {
     traversal_.emplace(job.mesh, *job.hierarchy, job.config.algorithm);
-  } else if (job.config.algorithm == Algorithm::kMoller) {
-    sweep_.emplace(rays, job.mesh, mode, Stencil(), packet_, std::span<const Object>(),
-                   o.request.box, job.config.format);
   } else {
-    std::vector<Triangle> triangles;
-    triangles.reserve(job.mesh.faces.size());
-    for (std::size_t i = 0; i < job.mesh.faces.size(); ++i)
-      triangles.push_back(job.mesh.triangle(i));
-    triangles_ = std::move(triangles);
+    sweep_.emplace(rays, job.mesh, mode, Stencil(), packet_, std::span<const Object>(),
+                   o.request.box, job.config.format, job.config.algorithm);
   }
 }
 
@@ -72,25 +66,13 @@ void CastCheck::report(CastOutcome& to) const {
 /// The reference's next records; empty at the end.
 std::span<const Record> CastCheck::next() {
   if (sweep_) return sweep_->next();
-  for (;;) {
-    if (pass_)
-      if (const auto some = pass_->next(); !some.empty()) return some;
-    if (first_ >= rays_.size()) return {};
+  while (first_ < rays_.size()) {
     const std::size_t first = first_, count = std::min<std::size_t>(packet_, rays_.size() - first);
     first_ += count;
-    if (traversal_) {
-      traverse_packet(first, count);
-      if (!traversed_.empty()) return traversed_;
-      continue;
-    }
-    std::vector<std::uint32_t> numbers(count);
-    for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<std::uint32_t>(first + i);
-    pass_.emplace(reference::PassQuery{.algorithm = job_.config.algorithm,
-                                       .box = job_.config.box,
-                                       .mode = mode_,
-                                       .format = job_.config.format},
-                  rays_.subview(first, count).copy(), std::move(numbers), triangles_);
+    traverse_packet(first, count);
+    if (!traversed_.empty()) return traversed_;
   }
+  return {};
 }
 
 std::vector<Record> CastCheck::traversed(std::size_t ray) {

@@ -34,10 +34,8 @@ class CastCheck {
   Mode mode_;
   RayView rays_;
   unsigned packet_;
-  std::optional<reference::Sweep> sweep_;  ///< moller, which is fast
+  std::optional<reference::Sweep> sweep_;  ///< or a traversal
   std::optional<reference::Traversal> traversal_;
-  Shapes triangles_;  ///< of the other algorithms
-  std::optional<reference::Pass> pass_;
   std::vector<Record> traversed_;
   std::uint64_t swept_rays_ = 0, swept_ = 0;
   std::size_t first_ = 0;  ///< ray of the next packet

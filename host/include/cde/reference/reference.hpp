@@ -31,6 +31,10 @@ namespace cde::reference {
                                std::uint32_t index, bool box = false,
                                Algorithm algorithm = Algorithm::kMoller);
 
+/// Whether vector code sorts out the misses of a Sweep: moller and watertight in fp32. The sweep of
+/// others takes longer, and a copy of the triangles.
+[[nodiscard]] bool sweeps_fast(Algorithm algorithm, FpFormat format);
+
 /// The records of a cast, computed in software; see Board::cast. Fast enough for large scenes (the
 /// misses, nearly all pairs, are sorted out by vector code), the hits go through the template.
 class Sweep {
@@ -38,7 +42,8 @@ class Sweep {
   /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
   /// kUsage if their ranges do not lie within the triangles). Rays and triangles must outlive the
   /// sweep. `format`, here and below, is of the card, fp32 or a smaller one, which rounds rays,
-  /// triangles and transforms to it. Error kUsage if no card has it. Only moller in fp32 is fast.
+  /// triangles and transforms to it. Error kUsage if no card has it. sweeps_fast() says which are
+  /// fast.
   Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
         unsigned packet = card::kMostPrimaries, std::span<const Object> objects = {},
         bool box = false, FpFormat format = {}, Algorithm algorithm = Algorithm::kMoller);
