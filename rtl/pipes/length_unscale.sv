@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
-// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses. Solids whose T becomes 0 touch: F = 1.
+// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses. F and T of solids agree: T stays a normal
+// number if it is one at the size of one, else it becomes 0 and F = 1.
 // Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host". Throughput: LANES pairs a
 // clock. Stall: none.
 `include "dataflow.svh"
@@ -60,7 +61,7 @@ module length_unscale #(
     assign unused = &{1'b0, t_back_i};
     logic [LANES-1:0][CW-1:0] t_in, f_in, nonzero;
     align #(.W(2 * LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_gap (.clk_i, .d_i({f_i, t_i}), .q_o({f_in, t_in}));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_KEEP), .ARITH(ARITH))
         move_t (.on_i, .a_i(t_in), .b_i(back), .r_o(t));
     fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_NONZERO), .ARITH(ARITH))
         is_apart (.a_i(t), .m_o(nonzero));

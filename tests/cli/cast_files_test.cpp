@@ -115,7 +115,7 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
   refused(with("--indices", "x.pfm"), "must end in .png or .npy", "render");
   refused(with("-o", "x.txt"), "must end in .csv, .npy or .jsonl");
   refused(with("--fields", "u"), "--fields is of records");
-  refused(with("--up", "w"), "--up is 'w'; it must be x, y or z");
+  refused(with("--up", "w"), "--up is 'w'; it must be auto, x, y or z");
   refused({"one.obj", "--grid", "4x2", "-o", "x.csv", "--fields", "u,w"}, "no field 'w'");
   refused({"one.obj", "--grid", "4x2", "-o", "x.npy", "--bits"}, "--bits is of CSV");
   refused({"one.obj", "--image", "x.png", "--shadows"}, "--shadows is of --shaded", "render");
@@ -186,8 +186,8 @@ TEST_F(CastFiles, AFileWithoutMeshesSaysSo) {
 
 /// Nodes of a file that assimp reads.
 TEST_F(CastFiles, NodesOfBoxes) {
-  const Ran ran = cast({std::string(CDE_SOURCE_DIR) + "/meshes/boxes.glb", "--grid", "6x4", "-o",
-                        "-", "--fields", "node", "-q", "--lanes", "16"});
+  const Ran ran = cast({std::string(CDE_SOURCE_DIR) + "/meshes/boxes.glb", "--grid", "6x4", "--up",
+                        "z", "-o", "-", "--fields", "node", "-q", "--lanes", "16"});
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.out, ",14,far\n"));
   EXPECT_TRUE(has(ran.out, ",3,near\n"));

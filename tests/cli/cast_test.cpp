@@ -48,7 +48,8 @@ TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
 TEST_F(Cast, BuiltCardStandsIn) {
   write("one.obj", kOneTriangle);
   const Words environment = {"CDE_CACHE=" + (folder_ / "cache").string()};
-  Words words = {"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--lanes", "4", "--json"};
+  Words words = {"cast",    "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--algorithm", "moller",
+                 "--lanes", "4",       "--json"};
   const Ran ran = cde(words, environment);
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.err.find("cde: card board ARITH=host LANES=4 BOX=1 TRACE=1 is built and stands in "
@@ -91,13 +92,13 @@ TEST_F(Cast, SaysWhetherItHasTheBoxRule) {
   const Words ray = {"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--json"};
   Ran ran = cde(ray);
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_TRUE(has(ran.err, "fp32, box rule, mode nearest"));
+  EXPECT_TRUE(has(ran.err, "fp32, watertight, box rule, mode nearest"));
   EXPECT_EQ(nlohmann::json::parse(ran.out)["box"], true);
   Words plain = ray;
-  plain.emplace_back("--no-box");
+  plain.insert(plain.end(), {"--no-box", "--algorithm", "moller"});
   ran = cde(plain);
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_TRUE(has(ran.err, "fp32, no box rule, mode nearest"));
+  EXPECT_TRUE(has(ran.err, "fp32, moller, no box rule, mode nearest"));
   EXPECT_EQ(nlohmann::json::parse(ran.out)["box"], false);
 }
 

@@ -176,7 +176,7 @@ void expect_engine(const std::map<std::string, std::uint64_t>& counters,
   EXPECT_EQ(sum(tests, "tests"), counters.at("tests"));
   EXPECT_EQ(sum(tests, "stalls"), counters.at("stall_cycles"));
   // One pipe: one latency. What hits in the first pass hits in the second.
-  EXPECT_EQ(std::set<std::uint64_t>({13}), [&] {
+  EXPECT_EQ(std::set<std::uint64_t>({19}), [&] {
     std::set<std::uint64_t> latencies;
     for (const Transaction& t : tests) latencies.insert(number(t, "clocks"));
     return latencies;
