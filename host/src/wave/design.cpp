@@ -277,15 +277,18 @@ std::vector<Design::Piece> Design::pieces(
   return found;
 }
 
-const std::vector<std::string>& Design::source(const std::string& file) const {
-  const auto [at, fresh] = all_->sources.try_emplace(file);
-  if (!fresh || file.empty() || file.front() == '<') return at->second;
-  for (const fs::path& path : {fs::path(file), fs::path(all_->file).parent_path() / file}) {
+const std::vector<std::string>& Design::Elaborated::source(const std::string& name) const {
+  const auto [at, fresh] = sources.try_emplace(name);
+  if (!fresh || name.empty() || name.front() == '<') return at->second;
+  for (const fs::path& path : {fs::path(name), fs::path(file).parent_path() / name}) {
     std::ifstream in(path);
     for (std::string line; std::getline(in, line);) at->second.push_back(line);
     if (!at->second.empty()) break;
   }
   return at->second;
+}
+const std::vector<std::string>& Design::source(const std::string& file) const {
+  return all_->source(file);
 }
 
 Place place_of(const Design& design, const netlist::Netlist& netlist, const netlist::Element* e) {

@@ -17,6 +17,7 @@ class Sampled {
  public:
   Sampled(Trace& trace, const Design& design);
 
+  [[nodiscard]] std::uint64_t start() const { return trace_.start(); }
   /// Bits at a time; empty if they are not in the waves, under any name that is wired to them.
   [[nodiscard]] std::string bits(const Slice& slice, std::uint64_t time);
   [[nodiscard]] bool has(const Slice& slice);
