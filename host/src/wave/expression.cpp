@@ -20,6 +20,7 @@ Value Expression::Parsed::value(Node& n) {
 
 Value Expression::Parsed::own(Node& n) {
   switch (n.kind) {
+    case Node::Kind::kText:
     case Node::Kind::kConstant:
       return n.constant;
     case Node::Kind::kView:
@@ -124,12 +125,14 @@ void Expression::set(std::uint32_t handle, std::string_view text) {
     if (v.signal.handle != handle) continue;
     Value& to = parsed_->values[i];
     const std::string_view bits = v.bits(text);
-    if (v.signal.real) {
+    if (v.signal.text) {
+      to = of_text(text);
+    } else if (v.signal.real) {
       const char* const stop = text.data() + text.size();
       double d = 0;
       to = std::from_chars(text.data(), stop, d).ec == std::errc() ? of_real(d)
                                                                    : unknown_of(1, true);
-    } else if (v.form.kind == Form::Kind::kFloat) {
+    } else if (parsed_->numbers[i] != 0) {
       const auto d = number(bits, v.form.format);
       to = d ? of_real(*d) : unknown_of(1, true);
     } else {

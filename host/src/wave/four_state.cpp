@@ -63,6 +63,12 @@ Value of_real(double value) {
   r.d = value;
   return r;
 }
+Value of_text(std::string_view text) {
+  Value r;
+  r.exact = '"';
+  r.exact += text;
+  return r;
+}
 Value unknown_of(unsigned width, bool real) {
   Value r;
   r.width = width;

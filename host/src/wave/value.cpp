@@ -12,6 +12,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suggest.hpp"
+#include "cde/wave/four_state.hpp"
 
 namespace cde::wave {
 namespace {
@@ -26,8 +27,11 @@ std::string hexadecimal(std::string_view bits) {
     at += digit.size();
     unsigned value = 0;
     char unknown = 0;
-    for (const char c : digit) {
-      if (c != '0' && c != '1') unknown = unknown == 0 || unknown == c ? c : 'x';
+    for (const char own : digit) {
+      const char c = four_state(own);
+      // U, W and - are written as the file has them.
+      const char shown = c != 'x' || own == 'X' ? c : own;
+      if (c != '0' && c != '1') unknown = unknown == 0 || unknown == shown ? shown : 'x';
       value = value << 1 | (c == '1' ? 1u : 0u);
     }
     text.push_back(unknown != 0 ? unknown : "0123456789abcdef"[value]);
@@ -77,7 +81,16 @@ std::string decimal_of(std::string_view bits, const FpFormat& format) {
   return fmt::format("{}", value);
 }
 
+/// H and L as 1 and 0.
+std::string as_numbers(std::string_view bits) {
+  std::string all(bits);
+  std::transform(all.begin(), all.end(), all.begin(), four_state);
+  return all;
+}
+
 std::string one_text(std::string_view bits, const Form& form) {
+  if (form.kind != Form::Kind::kBinary && bits.find_first_of("hHlL") != std::string_view::npos)
+    return one_text(as_numbers(bits), form);
   switch (form.kind) {
     case Form::Kind::kBinary:
       return std::string(bits);
@@ -243,7 +256,8 @@ std::optional<Form> form_by(std::string_view rule, const Signal& signal) {
 std::optional<std::uint64_t> word(std::string_view bits) {
   if (bits.size() > 64) return std::nullopt;
   std::uint64_t value = 0;
-  for (const char c : bits) {
+  for (const char own : bits) {
+    const char c = four_state(own);
     if (c != '0' && c != '1') return std::nullopt;
     value = value << 1 | (c == '1' ? 1u : 0u);
   }

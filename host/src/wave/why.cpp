@@ -73,7 +73,10 @@ class Texts {
   Texts(Trace& trace, const Design& design, const Form& form)
       : trace_(trace), design_(design), form_(form) {
     if (form.kind != Form::Kind::kFile) return;
-    for (const Signal& s : trace.signals()) named_.try_emplace(s.name, &s);
+    for (const Signal& s : trace.signals()) {
+      named_.try_emplace(s.name, &s);
+      if (s.name.ends_with(']')) named_.try_emplace(without_array_scope(s.name), &s);
+    }
   }
   [[nodiscard]] std::string of(const Node& n) const {
     if (!n.in_waves) return "not in the waves";
@@ -100,7 +103,7 @@ class Texts {
   Trace& trace_;
   const Design& design_;
   const Form form_;
-  std::unordered_map<std::string_view, const Signal*> named_;
+  std::unordered_map<std::string, const Signal*> named_;
 };
 
 std::string shortened(const std::string& text) {

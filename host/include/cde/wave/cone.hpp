@@ -39,7 +39,7 @@ class Sampled {
 
   Trace& trace_;
   const Design& design_;
-  std::unordered_map<std::string_view, const Signal*> names_;
+  std::unordered_map<std::string, const Signal*> names_;
   std::map<Slice, std::vector<Part>> parts_;  ///< the highest bits first
   std::map<std::uint64_t, std::unordered_map<std::uint32_t, std::string>> values_;
   /// Stretches of time that are read as one, those of the file's blocks, and the changes in them of

@@ -36,6 +36,8 @@ enum class Truth { kNo, kYes, kUnknown };
 [[nodiscard]] Value of_bits(std::string_view bits, bool is_signed);
 [[nodiscard]] Value of_bool(bool value);
 [[nodiscard]] Value of_real(double value);
+/// A text, which is the same as another one or not.
+[[nodiscard]] Value of_text(std::string_view text);
 [[nodiscard]] Value of_truth(Truth t);
 [[nodiscard]] Value unknown_of(unsigned width, bool real = false);
 [[nodiscard]] std::string characters(const Value& a);
