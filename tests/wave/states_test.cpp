@@ -77,7 +77,7 @@ TEST_F(States, Events_AreMarks) {
   EXPECT_EQ(shown["signals"][0]["changes"][1]["time"], 30);
   EXPECT_EQ(
       cde({"wave", "show", "s.fst", "ev", "--columns", "45", "--ascii"}).out,
-      "top  0 to 40ns\n     |0                  |20ns\nev             ^                  ^\n");
+      "top  0 to 40ns\n     |0                  |20ns\nev            ^                   ^\n");
   EXPECT_EQ(cde({"wave", "export", "s.fst", "ev", "--format", "csv"}).out,
             "time,top.ev\n0,0\n10,1\n30,1\n");
   EXPECT_TRUE(has(cde({"wave", "export", "s.fst", "ev", "bus", "--format", "wavedrom"}).out,

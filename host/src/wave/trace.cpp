@@ -209,7 +209,7 @@ struct Receiver {
   }
   void take(std::uint64_t time, std::uint32_t handle, std::string_view value) {
     if (events[handle]) {
-      if (time < from || value == "x") return;  // x: the file has had no trigger yet
+      if (time < from) return;
       value = "1";
     }
     if (time <= from) {
