@@ -116,9 +116,11 @@ class VcdText {
         put_all({value, codes_[handle]});
         break;
       default: {
-        // Readers fill up with 0 before 0 and 1, and with x or z before these.
+        // Readers fill up with 0 before 0 and 1, and with x or z before these. They do not before
+        // any other state.
         std::size_t first = 0;
-        while (first + 1 < value.size() && value[first] == value[first + 1] && value[first] != '1')
+        const auto fills = [](char c) { return c == '0' || c == 'x' || c == 'z'; };
+        while (first + 1 < value.size() && value[first] == value[first + 1] && fills(value[first]))
           ++first;
         if (value[first] == '0' && first + 1 < value.size() && value[first + 1] == '1') ++first;
         put_all({"b", value.substr(first), " ", codes_[handle]});

@@ -3,13 +3,16 @@
 
 #include <algorithm>
 
+#include "cde/wave/four_state.hpp"
+
 namespace cde::wave {
 namespace {
 
 /// 1 if a bit is, x if none is and one is unknown.
 char reduced(std::string_view value) {
   char all = '0';
-  for (const char c : value) {
+  for (const char own : value) {
+    const char c = four_state(own);
     if (c == '1') return '1';
     if (c != '0') all = 'x';
   }
@@ -61,7 +64,10 @@ void Measure::run(Trace& trace, std::uint64_t from, std::uint64_t to) {
                  return true;
                });
   step(time, time == from);
-  for (Activity& a : signals) a.stretch(to);
+  for (Activity& a : signals) {
+    a.settle();
+    a.stretch(to);
+  }
   for (std::size_t i = 0; i < uses.size(); ++i) end_stall(i);
 }
 

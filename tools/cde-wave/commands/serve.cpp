@@ -52,12 +52,17 @@ Tracks read_tracks(const Request& r, Trace& trace, const Times& times, const Win
     if (t.of.try_emplace(v.signal.handle, t.all.size()).second)
       t.all.emplace_back(v.signal.width, v.signal.real || v.signal.text);
   std::vector<std::size_t> number(trace.handles() + std::size_t{1});
+  std::vector<bool> events(number.size());
+  for (const View& v : shown) events[v.signal.handle] = v.signal.event;
   for (const auto& [handle, track] : t.of) number[handle] = track;
   trace.stream(handles(shown), w.from, w.to,
                [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
                  Packed& track = t.all[number[handle]];
                  const std::size_t before = track.bytes();
                  track.add(time - w.from, value);
+                 // An event is a pulse of one unit of time, which is drawn as a mark.
+                 if (events[handle] && value == "1" && time < w.to)
+                   track.add(time + 1 - w.from, "0");
                  t.bytes += track.bytes() - before;
                  if (r.max != 0 && t.bytes > r.max * kMega * kMostUnpacked)
                    too_large(r, fmt::format("there are more than {} MB of changes up to {} alone",

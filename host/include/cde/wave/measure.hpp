@@ -20,28 +20,39 @@ struct Activity {
   std::uint64_t quiet = 0, quiet_from = 0;
   std::uint64_t last = 0;  ///< time of the last change
   std::string value;
-  bool bits = true;  ///< has bits
+  std::string next;       ///< what the instant that goes on has
+  bool waits = false;     ///< there is one
+  std::uint64_t now = 0;  ///< when it is
+  bool bits = true;       ///< has bits
 
   void begin(std::uint64_t time, std::string_view now) {
     last = quiet_from = time;
     value = view.bits(now);
   }
   void change(std::uint64_t time, std::string_view whole) {
-    const std::string_view now = view.bits(whole);
-    if (now == value && !view.signal.event) return;
+    if (waits && time != now) settle();
+    next = view.bits(whole);
+    now = time;
+    waits = true;
+  }
+  /// An instant is over: see changes.hpp for what a change is.
+  void settle() {
+    if (!waits) return;
+    waits = false;
+    if (next == value && !view.signal.event) return;
     ++changes;
-    if (bits && now.size() == value.size()) {
+    if (bits && next.size() == value.size()) {
       // Without branches: of large files this is most of the work.
       unsigned flips = 0;
-      for (std::size_t i = 0; i < now.size(); ++i)
-        flips += static_cast<unsigned>(now[i] != value[i]) &
-                 static_cast<unsigned>((now[i] | 1) == '1') &
+      for (std::size_t i = 0; i < next.size(); ++i)
+        flips += static_cast<unsigned>(next[i] != value[i]) &
+                 static_cast<unsigned>((next[i] | 1) == '1') &
                  static_cast<unsigned>((value[i] | 1) == '1');
       toggles += flips;
     }
-    stretch(time);
-    value = now;
-    last = time;
+    stretch(now);
+    value.swap(next);
+    last = now;
   }
   /// What was since the last change ends.
   void stretch(std::uint64_t time) {

@@ -32,6 +32,20 @@ struct Form {
 /// `forms PATTERN=FORM PATTERN=FORM*WORDS ...` says of the first pattern that names it and, with
 /// WORDS, whose so many words it is wide; else hex. Any other form than kFile is the answer itself,
 /// where it fits.
+class FileForms {
+ public:
+  explicit FileForms(Trace& trace);
+  [[nodiscard]] Form of(const Signal& signal, const Form& asked) const;
+
+ private:
+  struct Rule {
+    std::string pattern;
+    Form form;
+    unsigned words;  ///< 0: any number
+  };
+  std::vector<Rule> rules_;
+};
+/// Of one signal.
 [[nodiscard]] Form default_form(Trace& trace, const Signal& signal, const Form& asked);
 /// Words that parse_form takes, for help.
 [[nodiscard]] std::vector<std::string> form_names();
