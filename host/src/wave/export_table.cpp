@@ -81,7 +81,7 @@ class Rows {
     put(line);
   }
   void row(std::uint64_t time, const std::vector<std::string>& texts) {
-    std::string line = fmt::to_string(time);
+    std::string line = fmt::to_string(times_.number(time));
     if (cycles_) {
       const auto cycle = times_.cycle(time);
       line += cycle ? fmt::format(",{}", *cycle) : ",";

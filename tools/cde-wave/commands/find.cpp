@@ -75,7 +75,7 @@ int find(const Request& r) {
     }
     if (r.json) {
       list.push_back(
-          {{"time", m.time}, {"at", times.text(m.time)}, {"cycle", cycle}, {"values", values}});
+          {{"time", times.number(m.time)}, {"at", times.text(m.time)}, {"cycle", cycle}, {"values", values}});
     } else {
       text += fmt::format("{}{}{}\n", times.text(m.time),
                           cycle.is_null() ? "" : fmt::format("  cyc:{}", cycle.dump()),

@@ -173,8 +173,8 @@ int serve(const Request& r) {
                {"writer", printable_name(trace.writer())},
                {"date", printable_name(trace.date())},
                {"scale", trace.scale()},
-               {"from", fmt::to_string(w.from)},  // beyond what a number of a script holds
-               {"to", fmt::to_string(w.to)},
+               {"from", fmt::to_string(times.number(w.from))},  // beyond what a number of a script holds
+               {"to", fmt::to_string(times.number(w.to))},
                {"cursor", first_cursor(r, times, w) - w.from},
                {"chosen", !r.words.empty()},
                {"formats", formats_json()}};
@@ -195,8 +195,8 @@ int serve(const Request& r) {
   write_file(r.output, page);
   if (r.json) {
     Json j = begin_json(r);
-    j.update({{"from", w.from},
-              {"to", w.to},
+    j.update({{"from", times.number(w.from)},
+              {"to", times.number(w.to)},
               {"signals", shown.size()},
               {"changes", tracks.changes},
               {"page", r.output},

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "cde/wave/blackouts.hpp"
 #include "cde/wave/handshakes.hpp"
 #include "cde/wave/stalls.hpp"
 #include "cde/wave/value.hpp"
@@ -21,16 +22,18 @@ struct Activity {
   std::uint64_t last = 0;  ///< time of the last change
   std::string value;
   bool bits = true;  ///< has bits
+  const std::vector<Blackout>* dark = nullptr;  ///< time that does not count
 
   void begin(std::uint64_t time, std::string_view now) {
     last = quiet_from = time;
     value = view.bits(now);
   }
-  void change(std::uint64_t time, std::string_view whole) {
+  /// `counts`: it is one of the simulation, and not of $dumpoff and $dumpon.
+  void change(std::uint64_t time, std::string_view whole, bool counts) {
     const std::string_view now = view.bits(whole);
     if (now == value && !view.signal.event) return;
-    ++changes;
-    if (bits && now.size() == value.size()) {
+    if (counts) ++changes;
+    if (counts && bits && now.size() == value.size()) {
       // Without branches: of large files this is most of the work.
       unsigned flips = 0;
       for (std::size_t i = 0; i < now.size(); ++i)
@@ -45,11 +48,12 @@ struct Activity {
   }
   /// What was since the last change ends.
   void stretch(std::uint64_t time) {
-    if (time - last > quiet) {
-      quiet = time - last;
+    const std::uint64_t length = time - last - (dark != nullptr ? dark_time(*dark, last, time) : 0);
+    if (length > quiet) {
+      quiet = length;
       quiet_from = last;
     }
-    if (view.width == 1 && value == "1" && !view.signal.event) high += time - last;
+    if (view.width == 1 && value == "1" && !view.signal.event) high += length;
   }
 };
 
@@ -69,7 +73,8 @@ struct Bubbles {
 };
 
 /// How busy signals, handshakes and pipes are between two times. Clocks sample what is just before
-/// their rising edges, as flip-flops do; an edge at the very begin is not of the window.
+/// their rising edges, as flip-flops do; an edge at the very begin is not of the window. Where the
+/// simulation wrote no changes ($dumpoff) nothing counts.
 class Measure {
  public:
   Measure(Trace& trace, Flows flows, std::vector<View> views);
@@ -81,6 +86,7 @@ class Measure {
   std::vector<Bubbles> bubbles;  ///< of the pipes
   std::vector<Activity> signals;
   std::vector<Stall> stalls;
+  std::vector<Blackout> dark;  ///< within the window; what is there does not count
 
  private:
   /// A clock and what is sampled by it.
