@@ -21,15 +21,17 @@ struct OtherFormat {
   std::string_view magic, suffix, name, converter;
 };
 constexpr std::array<OtherFormat, 9> kOthers = {{
-    {"GHDLwave", ".ghw", "GHW", "let GHDL write `--vcd=FILE` or `--fst=FILE`, or use `ghwdump`"},
-    {"FSDB", ".fsdb", "FSDB of Verdi", "`fsdb2vcd FILE -o OTHER.vcd`"},
-    {"\x13\x80", ".lxt2", "LXT2 of GTKWave", "`lxt2vcd FILE -o OTHER.vcd`"},
-    {{"\x01\x38", 2}, ".lxt", "LXT of GTKWave", "`lxt2vcd FILE -o OTHER.vcd`"},
-    {"VZT", ".vzt", "VZT of GTKWave", "`vzt2vcd FILE -o OTHER.vcd`"},
-    {"", ".wlf", "WLF of ModelSim and Questa", "`wlf2vcd FILE -o OTHER.vcd`"},
-    {"", ".vpd", "VPD of VCS", "`vpd2vcd FILE OTHER.vcd`"},
+    {"GHDLwave", ".ghw", "GHW of GHDL",
+     "let GHDL write `--fst=FILE` or `--vcd=FILE`; `ghwdump -s FILE` prints it"},
+    {"FSDB", ".fsdb", "FSDB of Verdi", "`fsdb2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
+    {"\x13\x80", ".lxt2", "LXT2 of GTKWave", "`lxt2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
+    {{"\x01\x38", 2}, ".lxt", "LXT of GTKWave",
+     "`lxt2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
+    {"VZT", ".vzt", "VZT of GTKWave", "`vzt2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
+    {"", ".wlf", "WLF of ModelSim and Questa", "`wlf2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
+    {"", ".vpd", "VPD of VCS", "`vpd2vcd FILE OTHER.vcd` makes a VCD file of it"},
     {"", ".wdb", "WDB of Vivado", "let it write VCD: `open_vcd`, `log_vcd`"},
-    {"", ".shm", "SHM of Xcelium", "`simvisdbutil FILE -vcd -output OTHER.vcd`"},
+    {"", ".shm", "SHM of Xcelium", "`simvisdbutil FILE -vcd -output OTHER.vcd` makes a VCD file of it"},
 }};
 
 std::string lower_suffix(const std::filesystem::path& file) {
@@ -60,8 +62,7 @@ std::unique_ptr<WaveSource> open_source(const std::filesystem::path& path) {
   for (const OtherFormat& other : kOthers)
     if ((!other.magic.empty() && head.starts_with(other.magic)) ||
         (suffix == other.suffix && !begins_as_vcd(head)))
-      file.fail(fmt::format("is {}, which is not read; {} makes a file that is", other.name,
-                            other.converter));
+      file.fail(fmt::format("is {}, which is not read; {}", other.name, other.converter));
   if (head.starts_with("\x1f\x8b"))
     file.fail("is packed by gzip; `gzip -dc FILE | cde wave COMMAND -` reads it");
   if (begins_as_vcd(head)) return std::make_unique<VcdSource>(std::move(file));

@@ -76,6 +76,10 @@ bool VcdBody::step(VcdEvents& events) {
     case 'W':
     case 'L':
     case 'H':
+    case 'u':
+    case 'w':
+    case 'l':
+    case 'h':
     case '-': {
       if (word.size() > 1) return change(events, 'b', word.substr(0, 1), word.substr(1));
       value_ = word;
@@ -103,11 +107,17 @@ bool VcdBody::step(VcdEvents& events) {
 
 bool VcdBody::time(VcdEvents& events, std::string_view digits) {
   std::uint64_t now = 0;
+  // "3.0" of writers that count in floating point.
+  if (const std::size_t point = digits.find('.');
+      point != std::string_view::npos && point + 1 < digits.size() &&
+      digits.find_first_not_of('0', point + 1) == std::string_view::npos)
+    digits = digits.substr(0, point);
   const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), now);
-  if (read.ec != std::errc() || read.ptr != digits.data() + digits.size())
+  if (read.ec != std::errc() || read.ptr != digits.data() + digits.size() ||
+      now > UINT64_MAX / factor_)
     fail(fmt::format("time {}; expected a whole number from 0 up to {}", in_quotes(digits),
-                     UINT64_MAX));
-  return events.time(now);
+                     UINT64_MAX / factor_));
+  return events.time(now * factor_);
 }
 
 std::string_view VcdBody::identifier() {
@@ -132,6 +142,7 @@ bool VcdBody::change(VcdEvents& events, char kind, std::string_view value,
 
 bool VcdBody::vector(VcdEvents& events, char kind, std::string_view word) {
   value_ = word.substr(1);
+  if (value_.starts_with("0b")) value_.erase(0, 2);  // "b0b0101" of PyMTL3
   if (!value_.empty()) return change(events, kind, value_, identifier());
   // "b 0101 !" of some writers; but "b !" is a value without bits.
   value_ = identifier();

@@ -52,8 +52,9 @@ struct VcdCut {};
 /// last word of a file that ends there without a line feed is VcdCut.
 class VcdBody {
  public:
-  VcdBody(WordReader& words, const VcdIdentifiers& identifiers)
-      : words_(words), identifiers_(identifiers) {}
+  /// Times are told multiplied by `factor`.
+  VcdBody(WordReader& words, const VcdIdentifiers& identifiers, std::uint64_t factor)
+      : words_(words), identifiers_(identifiers), factor_(factor) {}
 
   /// To the end, or until the events have enough.
   void run(VcdEvents& events) {
@@ -79,6 +80,7 @@ class VcdBody {
 
   WordReader& words_;
   const VcdIdentifiers& identifiers_;
+  std::uint64_t factor_;
   std::string value_;  ///< kept while its identifier is read
   bool dumped_ = false;
   std::uint64_t offset_ = 0, line_ = 0;

@@ -98,7 +98,7 @@ bool read_whole(std::string_view text, Number& to) {
 }
 
 /// "1ns", "10 ps".
-int read_scale(const WordReader& words, const std::vector<std::string>& section) {
+void read_scale(const WordReader& words, const std::vector<std::string>& section, VcdHeader& to) {
   std::string text;
   for (const std::string& w : section) text += w;
   const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
@@ -111,12 +111,13 @@ int read_scale(const WordReader& words, const std::vector<std::string>& section)
                                                                        {"as", -18},
                                                                        {"zs", -21}}};
   const int unit = type_in(kUnits, text.substr(digits), 1);
-  const std::string number = digits == 0 ? "1" : text.substr(0, digits);
-  const std::size_t zeros = number.size() - 1;
-  if (unit == 1 || number[0] != '1' || zeros > 2 || number.find_first_not_of('0', 1) != number.npos)
+  std::uint32_t number = 1;
+  if (unit == 1 || (digits != 0 && !read_whole(std::string_view(text).substr(0, digits), number)) ||
+      number == 0)
     words.fail(fmt::format("$timescale {}; expected 1, 10 or 100 and s, ms, us, ns, ps or fs",
                            in_quotes(text)));
-  return unit + static_cast<int>(zeros);
+  for (to.scale = unit; number % 10 == 0; number /= 10) ++to.scale;
+  to.factor = number;
 }
 
 class HeaderReader {
@@ -129,6 +130,11 @@ class HeaderReader {
       if (word.starts_with("\xef\xbb\xbf")) word.remove_prefix(3);
       if (word.empty()) continue;
       std::string name(word);
+      // Some writers leave $enddefinitions out.
+      if (!h_.identifiers.empty() && (name[0] == '#' || name.starts_with("$dump"))) {
+        words_.again();
+        return finish();
+      }
       if (name[0] != '$')
         words_.fail(fmt::format("{} in the header; expected $scope, $var, $enddefinitions or "
                                 "another such word",
@@ -176,7 +182,7 @@ class HeaderReader {
       --open_;
       h_.names.emplace_back(ScopeEnd());
     } else if (name == "$timescale") {
-      h_.scale = read_scale(words_, section);
+      read_scale(words_, section, h_);
     } else if (name == "$timezero") {
       if (section.size() != 1 || !read_whole(section[0], h_.time_zero))
         words_.fail(

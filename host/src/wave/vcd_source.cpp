@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint64_t kLeastBetween = 1u << 20;   ///< bytes from a point to the next
 constexpr std::uint64_t kMostPoints = 64u << 20;    ///< bytes of all points together
 constexpr std::size_t kMostComments = 1000;         ///< among the changes
-constexpr std::string_view kStates = "01xzXZUWLH-";
+constexpr std::string_view kStates = "01xzXZUWLHuwlh-";
 
 /// As many bits as the signal is wide, by VCD's rule: 0 in front of 1, else the first again. False
 /// if bits that say something are too many.
@@ -33,8 +33,10 @@ bool fit_bits(std::string_view value, std::uint32_t width, std::string& to) {
   }
   to.assign(width - value.size(), value[0] == '1' ? '0' : value[0]);
   to += value;
-  for (char& c : to)
+  for (char& c : to) {
     if (c == 'X' || c == 'Z') c = static_cast<char>(c - 'X' + 'x');
+    if (c == 'u' || c == 'w' || c == 'l' || c == 'h') c = static_cast<char>(c - 'a' + 'A');
+  }
   return true;
 }
 
@@ -94,7 +96,6 @@ class VcdIndex : public VcdEvents {
       comments.push_back(fmt::format("({} more comments are left out)", more_comments));
   }
   [[nodiscard]] std::uint64_t now() const { return now_; }
-  [[nodiscard]] bool any() const { return any_; }
 
   std::uint64_t start = 0, more_comments = 0;
   std::vector<VcdSource::Point> points;
@@ -205,13 +206,14 @@ class VcdWindow : public VcdEvents {
 VcdSource::VcdSource(WaveBytes file) : file_(std::move(file)) {
   WordReader words(file_);
   VcdHeader header = read_vcd_header(words);
+  factor_ = header.factor;
   std::string_view word;
   const bool more = words.next(word);
   body_ = more ? words.offset() : file_.size();
   body_line_ = words.line();
   if (more) words.again();
   identifiers_ = std::make_unique<VcdIdentifiers>(header.identifiers);
-  VcdBody body(words, *identifiers_);
+  VcdBody body(words, *identifiers_, factor_);
   VcdIndex index(body, header);
   bool cut = false;
   try {
@@ -222,9 +224,6 @@ VcdSource::VcdSource(WaveBytes file) : file_(std::move(file)) {
         "the file ends within line {}, which is left out: the simulation still runs, or was killed",
         words.line());
   }
-  if (!index.any())
-    file_.fail(fmt::format("has no changes: no time #N is behind $enddefinitions{}",
-                           cut ? ", and the file ends within a word" : ""));
   index.finish();
   facts_.format = "VCD";
   facts_.scale = header.scale;
@@ -313,7 +312,7 @@ void VcdSource::changes(std::span<const std::uint32_t> handles, std::uint64_t fr
   const auto after = std::upper_bound(points_.begin(), points_.end(), from,
                                       [](std::uint64_t t, const Point& p) { return t < p.time; });
   WordReader words(file_);
-  VcdBody body(words, *identifiers_);
+  VcdBody body(words, *identifiers_, factor_);
   try {
     if (after == points_.begin()) {
       window.set(facts_.start, 0);
@@ -326,7 +325,7 @@ void VcdSource::changes(std::span<const std::uint32_t> handles, std::uint64_t fr
       std::sort(places.begin(), places.end());
       // Values are far from each other: little is read at once.
       WordReader few(file_, 4096);
-      VcdBody one(few, *identifiers_);
+      VcdBody one(few, *identifiers_, factor_);
       for (const auto& [offset, handle] : places) {
         few.seek(offset, 0);
         window.set(point.before, handle);

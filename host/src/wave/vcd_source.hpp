@@ -45,6 +45,7 @@ class VcdSource : public WaveSource {
   std::vector<VcdName> names_;
   std::vector<Kind> kinds_;  ///< by handles
   std::unique_ptr<VcdIdentifiers> identifiers_;
+  std::uint64_t factor_ = 1;                ///< of times
   std::uint64_t body_ = 0, body_line_ = 0;  ///< where the changes begin
   std::vector<Point> points_;
 };
