@@ -24,8 +24,8 @@ std::uint64_t dark_time(const std::vector<Blackout>& all, std::uint64_t from, st
 }
 
 bool is_dark(const std::vector<Blackout>& all, std::uint64_t time) {
-  const auto after = std::upper_bound(all.begin(), all.end(), time,
-                                      [](std::uint64_t t, const Blackout& b) { return t < b.from; });
+  const auto after = std::upper_bound(
+      all.begin(), all.end(), time, [](std::uint64_t t, const Blackout& b) { return t < b.from; });
   return after != all.begin() && time < std::prev(after)->to;
 }
 

@@ -10,8 +10,8 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
-#include "cde/wave/export.hpp"
 #include "cde/wave/blackouts.hpp"
+#include "cde/wave/export.hpp"
 #include "cde/wave/export_names.hpp"
 #include "cde/wave/fst_api.hpp"
 #include "wave/port_states.hpp"
@@ -42,9 +42,9 @@ std::vector<fstHandle> copy_names(Trace& trace, const std::vector<bool>& chosen,
   names.signal = [&](const VariableName& v, const Signal& s) {
     // A port's value has two strengths a bit, and two blanks.
     const std::uint32_t length = v.type == FST_VT_VCD_PORT ? 3 * v.width + 2 : v.width;
-    const fstHandle made = fstWriterCreateVar(to, static_cast<fstVarType>(v.type),
-                                              static_cast<fstVarDir>(v.direction), length,
-                                              v.name.c_str(), handles[s.handle]);
+    const fstHandle made =
+        fstWriterCreateVar(to, static_cast<fstVarType>(v.type), static_cast<fstVarDir>(v.direction),
+                           length, v.name.c_str(), handles[s.handle]);
     if (handles[s.handle] == 0) handles[s.handle] = made;
   };
   visit_names(trace, chosen, names);

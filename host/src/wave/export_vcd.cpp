@@ -10,8 +10,8 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
-#include "cde/wave/export.hpp"
 #include "cde/wave/blackouts.hpp"
+#include "cde/wave/export.hpp"
 #include "cde/wave/export_names.hpp"
 #include "cde/wave/fst_api.hpp"
 

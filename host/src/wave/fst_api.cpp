@@ -123,8 +123,8 @@ std::FILE* stream_of(std::vector<cde::wave::FstPart> parts) {
 thread_local std::FILE* reader_stream = nullptr;  ///< what the reader opens next
 
 /// The reader opens the stream, and no other file: NAME.hier beside it may be another's. The
-/// writer's own file of names is NAME.hier, which is in memory instead: beside NAME it would replace
-/// what another user has put there.
+/// writer's own file of names is NAME.hier, which is in memory instead: beside NAME it would
+/// replace what another user has put there.
 std::FILE* wave_open(const char* name, const char* mode) {
   if (mode[0] == 'r') return std::exchange(reader_stream, nullptr);
   const std::size_t length = std::strlen(name);

@@ -298,9 +298,7 @@ FstWidths read_fst_widths(const WaveBytes& bytes, const FstBlocks& found) {
 std::string fst_widths_block(const FstWidths& widths) {
   std::string data;
   for (std::size_t i = 0; i < widths.bytes.size(); ++i) {
-    std::uint32_t value = widths.real[i]         ? 0
-                          : widths.bytes[i] == 0 ? UINT32_MAX
-                                                 : widths.bytes[i];
+    std::uint32_t value = widths.real[i] ? 0 : widths.bytes[i] == 0 ? UINT32_MAX : widths.bytes[i];
     for (; value >= 0x80; value >>= 7) data.push_back(static_cast<char>((value & 0x7f) | 0x80));
     data.push_back(static_cast<char>(value));
   }

@@ -30,6 +30,14 @@ std::string header_text(const std::string& header, std::size_t at, std::size_t l
   return utf8_text(std::move(text));
 }
 
+/// Whether a value has an X or Z; without branches, as it is asked of every change.
+bool has_upper(std::string_view value) {
+  unsigned any = 0;
+  for (const char c : value)
+    any |= static_cast<unsigned>(c == 'X') | static_cast<unsigned>(c == 'Z');
+  return any != 0;
+}
+
 struct FstStop {};  ///< ends Verilator's reader from within
 
 /// What Verilator's reader calls for each change.
@@ -45,7 +53,7 @@ struct FstReceiver {
     if (port[i] != 0) {
       port_bits(now, port[i], own);
       now = own;
-    } else if (now.find_first_of("XZ") != std::string_view::npos && !widths.real[i]) {
+    } else if (!widths.real[i] && has_upper(now)) {
       own = now;
       for (char& c : own)
         if (c == 'X' || c == 'Z') c = static_cast<char>(c - 'X' + 'x');
@@ -101,7 +109,8 @@ void FstSource::unpack() {
   };
   const std::uint64_t length = word(1), size = word(9);
   if (length == 0)
-    file_.fail("was not closed by its writer: it is packed in gzip as a whole, and that has no end");
+    file_.fail(
+        "was not closed by its writer: it is packed in gzip as a whole, and that has no end");
   if (length < 16 || length > file_.size() - 1)
     file_.fail(fmt::format("is cut off or corrupt: it has {} bytes and announces {}", file_.size(),
                            length));
@@ -137,7 +146,8 @@ void FstSource::find_names(const std::filesystem::path& path) {
     names_file_ = "its names";
   }
   widths_ = FstNames{file_, names_file_, UINT32_MAX, true}.widths(names_);
-  if (widths_.bytes.empty()) file_.fail(fmt::format("was not closed, and {} has no signals", names_file_));
+  if (widths_.bytes.empty())
+    file_.fail(fmt::format("was not closed, and {} has no signals", names_file_));
 }
 
 void FstSource::note_facts() {
@@ -205,8 +215,8 @@ void FstSource::names(const SourceVisit& visit) {
     if (visit.variable) visit.variable(std::move(v));
   };
   if (!names_file_.empty()) return all.read(names_, mine);
-  all.read(
-      read_fst_names(file_, *blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO)), mine);
+  all.read(read_fst_names(file_, *blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO)),
+           mine);
 }
 
 void FstSource::changes(std::span<const std::uint32_t> handles, std::uint64_t from,

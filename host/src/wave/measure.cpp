@@ -53,18 +53,18 @@ void Measure::run(Trace& trace, std::uint64_t from, std::uint64_t to) {
   if (!dark.empty())
     for (Activity& a : signals) a.dark = &dark;
   bool counts = true;
-  trace.stream(handles, from, to,
-               [&](std::uint64_t t, std::uint32_t handle, std::string_view value) {
-                 if (t != time) {
-                   step(time, time == from);
-                   time = t;
-                   counts = dark.empty() || (!is_dark(dark, t) && (t == 0 || !is_dark(dark, t - 1)));
-                 }
-                 for (const std::size_t i : of_[handle])
-                   t == from ? signals[i].begin(t, value) : signals[i].change(t, value, counts);
-                 if (now_[handle] != 0) waiting_.emplace_back(handle, reduced(value));
-                 return true;
-               });
+  trace.stream(
+      handles, from, to, [&](std::uint64_t t, std::uint32_t handle, std::string_view value) {
+        if (t != time) {
+          step(time, time == from);
+          time = t;
+          counts = dark.empty() || (!is_dark(dark, t) && (t == 0 || !is_dark(dark, t - 1)));
+        }
+        for (const std::size_t i : of_[handle])
+          t == from ? signals[i].begin(t, value) : signals[i].change(t, value, counts);
+        if (now_[handle] != 0) waiting_.emplace_back(handle, reduced(value));
+        return true;
+      });
   step(time, time == from);
   for (Activity& a : signals) a.stretch(to);
   for (std::size_t i = 0; i < uses.size(); ++i) end_stall(i);

@@ -25,13 +25,17 @@ constexpr std::array<OtherFormat, 9> kOthers = {{
      "let GHDL write `--fst=FILE` or `--vcd=FILE`; `ghwdump -s FILE` prints it"},
     {"FSDB", ".fsdb", "FSDB of Verdi", "`fsdb2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
     {"\x13\x80", ".lxt2", "LXT2 of GTKWave", "`lxt2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
-    {{"\x01\x38", 2}, ".lxt", "LXT of GTKWave",
+    {{"\x01\x38", 2},
+     ".lxt",
+     "LXT of GTKWave",
      "`lxt2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
     {"VZT", ".vzt", "VZT of GTKWave", "`vzt2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
-    {"", ".wlf", "WLF of ModelSim and Questa", "`wlf2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
+    {"", ".wlf", "WLF of ModelSim and Questa",
+     "`wlf2vcd FILE -o OTHER.vcd` makes a VCD file of it"},
     {"", ".vpd", "VPD of VCS", "`vpd2vcd FILE OTHER.vcd` makes a VCD file of it"},
     {"", ".wdb", "WDB of Vivado", "let it write VCD: `open_vcd`, `log_vcd`"},
-    {"", ".shm", "SHM of Xcelium", "`simvisdbutil FILE -vcd -output OTHER.vcd` makes a VCD file of it"},
+    {"", ".shm", "SHM of Xcelium",
+     "`simvisdbutil FILE -vcd -output OTHER.vcd` makes a VCD file of it"},
 }};
 
 std::string lower_suffix(const std::filesystem::path& file) {

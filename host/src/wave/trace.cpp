@@ -48,7 +48,8 @@ void name_signal(Signal& s, const std::string& scope, std::string_view name) {
   std::string stem(name);
   if (bracket != std::string_view::npos && bracket != 0 && read_range(name.substr(bracket), s)) {
     const auto bits = static_cast<std::uint64_t>(std::abs(std::int64_t{s.left} - s.right)) + 1;
-    s.ranged = bits == s.width && (space != std::string_view::npos || bits > 1);
+    s.ranged = bits == s.width && (space != std::string_view::npos || bits > 1 ||
+                                   name.find(':', bracket) != std::string_view::npos);
     if (s.ranged) stem.resize(bracket);
   }
   while (stem.ends_with(' ')) stem.pop_back();
@@ -144,7 +145,7 @@ void Trace::read_names() {
   visit.open = [&](ScopeName&& s) {
     outer.push_back(scope.size());
     while (s.name.ends_with(' ')) s.name.pop_back();
-    scope.append(s.name).push_back('.');
+    if (!s.name.empty()) scope.append(s.name).push_back('.');
     ++scopes_;
     fresh = true;
   };
@@ -309,8 +310,7 @@ class Changes {
     flushed_ = true;
     for (const std::uint32_t handle : wanted_) {
       auto& value = first_[handle];
-      if (!value)
-        value = trace_.events_[handle] ? "0" : std::string(trace_.widths_[handle], 'x');
+      if (!value) value = trace_.events_[handle] ? "0" : std::string(trace_.widths_[handle], 'x');
       if (!visit_(from_, handle, *value)) throw Stop();
       value.reset();
     }

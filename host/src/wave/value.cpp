@@ -418,9 +418,10 @@ const Signal& find_signal(Trace& trace, std::string_view asked) {
   }
   if (found == nullptr) throw_usage(no_signal(trace, name));
   if (found->number == 1)
-    throw_usage(printable_name(fmt::format("several signals have the name {}; ask for {}#1, {}#2 "
-                                           "and so on, in the order of the file",
-                                           found->name, found->name, found->name)));
+    throw_usage(
+        printable_name(fmt::format("several signals have the name {}; ask for {}#1, {}#2 "
+                                   "and so on, in the order of the file",
+                                   found->name, found->name, found->name)));
   return *found;
 }
 

@@ -99,9 +99,10 @@ bool VcdBody::step(VcdEvents& events) {
     case '$':
       return keyword(events, word);
     default:
-      fail(fmt::format("{}; expected a time #N, a value 0, 1, x, z, b..., r... or s... with an "
-                       "identifier, or a word with $",
-                       in_quotes(word)));
+      fail(
+          fmt::format("{}; expected a time #N, a value 0, 1, x, z, b..., r... or s... with an "
+                      "identifier, or a word with $",
+                      in_quotes(word)));
   }
 }
 
@@ -150,20 +151,19 @@ bool VcdBody::vector(VcdEvents& events, char kind, std::string_view word) {
   return change(events, kind, value_, identifier());
 }
 
-/// A text may have blanks in it: its identifier is the last word of the line.
+/// A text of some writers has blanks in it: then its identifier is the last word of the line.
 bool VcdBody::text(VcdEvents& events, std::string_view word) {
   value_ = word.substr(1);
-  const std::size_t own = value_.size();
-  value_ += words_.rest_of_line();
-  while (!value_.empty() && static_cast<unsigned char>(value_.back()) <= ' ') value_.pop_back();
-  const std::size_t blank = value_.find_last_of(" \t");
-  if (blank == std::string::npos || value_.size() <= own) {
-    if (value_.size() <= own) return change(events, 's', value_, identifier());
-    fail("a text without an identifier behind it");
-  }
-  const std::string id = value_.substr(blank + 1);
-  value_.resize(blank);
-  return change(events, 's', value_, id);
+  const std::string_view second = identifier();
+  if (identifiers_.find(second) != 0 || words_.line() != line_)
+    return change(events, 's', value_, second);
+  words_.again();
+  std::string rest(words_.rest_of_line());
+  while (!rest.empty() && static_cast<unsigned char>(rest.back()) <= ' ') rest.pop_back();
+  const std::size_t blank = rest.find_last_of(" \t");
+  if (blank == std::string::npos) return change(events, 's', value_, rest);
+  value_ += ' ' + rest.substr(0, blank);
+  return change(events, 's', value_, rest.substr(blank + 1));
 }
 
 bool VcdBody::port(VcdEvents& events, std::string_view word) {
@@ -192,9 +192,10 @@ bool VcdBody::keyword(VcdEvents& events, std::string_view word) {
     std::string text = joined(vcd_section(words_, name));
     if (name == "$comment") events.comment(utf8_text(std::move(text)));
   } else if (word != "$dumpflush" && word != "$dumpportsflush" && word != "$dumplimit") {
-    fail(fmt::format("{} among the changes; expected $dumpvars, $dumpall, $dumpon, $dumpoff, "
-                     "$comment or $end",
-                     in_quotes(word)));
+    fail(
+        fmt::format("{} among the changes; expected $dumpvars, $dumpall, $dumpon, $dumpoff, "
+                    "$comment or $end",
+                    in_quotes(word)));
   }
   return true;
 }

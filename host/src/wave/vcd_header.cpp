@@ -136,9 +136,10 @@ class HeaderReader {
         return finish();
       }
       if (name[0] != '$')
-        words_.fail(fmt::format("{} in the header; expected $scope, $var, $enddefinitions or "
-                                "another such word",
-                                in_quotes(name)));
+        words_.fail(
+            fmt::format("{} in the header; expected $scope, $var, $enddefinitions or "
+                        "another such word",
+                        in_quotes(name)));
       if (name == kEndWord) continue;  // one too many
       if (name == "$enddefinitions" || name == "$enddefinitions$end") {
         optional_end();
@@ -170,11 +171,12 @@ class HeaderReader {
     if (name == "$var") {
       variable(section);
     } else if (name == "$scope") {
-      if (section.empty())
-        words_.fail("$scope without a name; expected its type and name");
+      if (section.empty()) words_.fail("$scope without a name; expected its type and name");
       ScopeName s;
-      s.type = section.size() == 1 ? 0 : type_in(kScopeTypes, section[0], FST_ST_VCD_MODULE);
-      s.name = utf8_text(joined(section, section.size() == 1 ? 0 : 1));
+      // A lone word is the type of a scope without a name, or a name.
+      const int type = type_in(kScopeTypes, section[0], -1);
+      s.type = type < 0 ? FST_ST_VCD_MODULE : type;
+      s.name = utf8_text(joined(section, section.size() == 1 && type < 0 ? 0 : 1));
       h_.names.emplace_back(std::move(s));
       ++open_;
     } else if (name == "$upscope") {
@@ -235,12 +237,12 @@ class HeaderReader {
     } else if (v.type == FST_VT_VCD_EVENT || v.width == 0) {
       v.width = 1;
     }
-    const bool real = v.width == 64 && (v.type == FST_VT_VCD_REAL || v.type == FST_VT_SV_SHORTREAL ||
-                                        v.type == FST_VT_VCD_REAL_PARAMETER ||
-                                        v.type == FST_VT_VCD_REALTIME);
+    const bool real =
+        v.width == 64 && (v.type == FST_VT_VCD_REAL || v.type == FST_VT_SV_SHORTREAL ||
+                          v.type == FST_VT_VCD_REAL_PARAMETER || v.type == FST_VT_VCD_REALTIME);
     const bool event = v.type == FST_VT_VCD_EVENT;
-    const auto [known, fresh] = handles_.emplace(
-        std::tuple(section[2], v.width, real, event), h_.identifiers.size() + 1);
+    const auto [known, fresh] =
+        handles_.emplace(std::tuple(section[2], v.width, real, event), h_.identifiers.size() + 1);
     if (fresh) {
       h_.identifiers.push_back(section[2]);
       h_.widths.push_back(v.width);
@@ -263,8 +265,8 @@ class HeaderReader {
       range = text;
       if (many <= 1 << 24) return static_cast<std::uint32_t>(many);
     }
-    words_.fail(fmt::format("$var of width {}; expected a number of bits up to {}",
-                            in_quotes(text), 1 << 24));
+    words_.fail(fmt::format("$var of width {}; expected a number of bits up to {}", in_quotes(text),
+                            1 << 24));
   }
 
   /// The name, with a blank before its range.
@@ -318,7 +320,8 @@ std::vector<std::string> vcd_section(WordReader& words, const std::string& name)
     }
     all.push_back(std::move(own));
   }
-  words.fail(fmt::format("the file ends within {} of line {}; expected $end", in_quotes(name), line));
+  words.fail(
+      fmt::format("the file ends within {} of line {}; expected $end", in_quotes(name), line));
 }
 
 std::string joined(const std::vector<std::string>& words, std::size_t from) {

@@ -16,7 +16,7 @@ using VcdName = std::variant<ScopeName, ScopeEnd, VariableName, Attribute>;
 
 /// What is before $enddefinitions. Handles are numbers of identifiers.
 struct VcdHeader {
-  int scale = -9;  ///< of a file that does not say it, as other readers have it
+  int scale = -9;            ///< of a file that does not say it, as other readers have it
   std::uint64_t factor = 1;  ///< of times, where the file's unit is no power of ten
   std::int64_t time_zero = 0;
   std::string writer, date;

@@ -16,9 +16,9 @@
 namespace cde::wave {
 namespace {
 
-constexpr std::uint64_t kLeastBetween = 1u << 20;   ///< bytes from a point to the next
-constexpr std::uint64_t kMostPoints = 64u << 20;    ///< bytes of all points together
-constexpr std::size_t kMostComments = 1000;         ///< among the changes
+constexpr std::uint64_t kLeastBetween = 1u << 20;  ///< bytes from a point to the next
+constexpr std::uint64_t kMostPoints = 64u << 20;   ///< bytes of all points together
+constexpr std::size_t kMostComments = 1000;        ///< among the changes
 constexpr std::string_view kStates = "01xzXZUWLHuwlh-";
 
 /// As many bits as the signal is wide, by VCD's rule: 0 in front of 1, else the first again. False
@@ -61,8 +61,7 @@ class VcdIndex : public VcdEvents {
   }
 
   bool time(std::uint64_t now) override {
-    if (any_ && now < now_)
-      body_.fail(fmt::format("time goes back from {} to {}", now_, now));
+    if (any_ && now < now_) body_.fail(fmt::format("time goes back from {} to {}", now_, now));
     if (!any_) start = now;
     if (any_ && body_.offset() - point_ >= between_) {
       points.push_back({body_.offset(), body_.line(), now, now_, last_});

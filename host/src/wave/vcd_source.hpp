@@ -34,7 +34,7 @@ class VcdSource : public WaveSource {
   /// A place to begin from: the first byte of a time.
   struct Point {
     std::uint64_t offset = 0, line = 0, time = 0;
-    std::uint64_t before = 0;               ///< the time before this one
+    std::uint64_t before = 0;              ///< the time before this one
     std::vector<std::uint64_t> last = {};  ///< of each handle, where it had changed last; 0: never
   };
 

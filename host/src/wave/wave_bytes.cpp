@@ -105,8 +105,8 @@ void WaveBytes::fail(const std::string& what) const {
 std::size_t WaveBytes::read(std::uint64_t offset, char* to, std::size_t count) const {
   std::size_t done = 0;
   while (done < count) {
-    const ssize_t n = ::pread(descriptor_, to + done, count - done,
-                              static_cast<off_t>(offset + done));
+    const ssize_t n =
+        ::pread(descriptor_, to + done, count - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) fail("cannot be read: " + error_text());
     if (n == 0) break;

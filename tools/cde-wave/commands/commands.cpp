@@ -150,7 +150,10 @@ int values_at(const Request& r) {
   }
   if (r.json) {
     Json j = begin_json(r);
-    j.update({{"time", times.number(time)}, {"at", times.text(time)}, {"values", list}, {"more", lines.more()}});
+    j.update({{"time", times.number(time)},
+              {"at", times.text(time)},
+              {"values", list},
+              {"more", lines.more()}});
     cli::put_json(j);
     return 0;
   }

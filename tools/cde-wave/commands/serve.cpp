@@ -169,15 +169,16 @@ int serve(const Request& r) {
   const Tracks tracks = read_tracks(r, trace, times, w, shown);
   std::string bytes;
   Json scopes = Json::array();
-  Json data = {{"title", printable_name(trace.file().filename().string())},
-               {"writer", printable_name(trace.writer())},
-               {"date", printable_name(trace.date())},
-               {"scale", trace.scale()},
-               {"from", fmt::to_string(times.number(w.from))},  // beyond what a number of a script holds
-               {"to", fmt::to_string(times.number(w.to))},
-               {"cursor", first_cursor(r, times, w) - w.from},
-               {"chosen", !r.words.empty()},
-               {"formats", formats_json()}};
+  Json data = {
+      {"title", printable_name(trace.file().filename().string())},
+      {"writer", printable_name(trace.writer())},
+      {"date", printable_name(trace.date())},
+      {"scale", trace.scale()},
+      {"from", fmt::to_string(times.number(w.from))},  // beyond what a number of a script holds
+      {"to", fmt::to_string(times.number(w.to))},
+      {"cursor", first_cursor(r, times, w) - w.from},
+      {"chosen", !r.words.empty()},
+      {"formats", formats_json()}};
   data["clock"] = clock_json(times, w, bytes);
   data["tracks"] = tracks_json(tracks.all, shown, tracks.of, bytes);
   data["views"] = views_json(shown, tracks.of, scopes);

@@ -202,8 +202,7 @@ class Report {
            cycles_ && *cycles_ != 0 ? fmt::format("{:.3g}", static_cast<double>(a.changes) /
                                                                 static_cast<double>(*cycles_))
                                     : "-",
-           a.bits ? fmt::to_string(a.toggles) : "-",
-           one_bit(a) ? percent(a.high, measured()) : "-",
+           a.bits ? fmt::to_string(a.toggles) : "-", one_bit(a) ? percent(a.high, measured()) : "-",
            fmt::format("{} from {}", times_.span(a.quiet), times_.text(a.quiet_from))});
     }
     all += text_of(table, lines);

@@ -192,7 +192,8 @@ void show_json(const Request& r, Trace& trace, const Times& times, const Window&
                    if (all[i].signal.handle != handle) continue;
                    std::string text = all[i].text(value);
                    if (time != w.from && text == last[i]) continue;
-                   if (lines.next()) changes[i].push_back({{"time", times.number(time)}, {"value", text}});
+                   if (lines.next())
+                     changes[i].push_back({{"time", times.number(time)}, {"value", text}});
                    last[i] = std::move(text);
                  }
                  return true;

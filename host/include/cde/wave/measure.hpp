@@ -21,7 +21,7 @@ struct Activity {
   std::uint64_t quiet = 0, quiet_from = 0;
   std::uint64_t last = 0;  ///< time of the last change
   std::string value;
-  bool bits = true;  ///< has bits
+  bool bits = true;                             ///< has bits
   const std::vector<Blackout>* dark = nullptr;  ///< time that does not count
 
   void begin(std::uint64_t time, std::string_view now) {

@@ -103,9 +103,9 @@ class Trace {
   std::optional<std::vector<Signal>> signals_;
   std::vector<std::string> comments_;
   unsigned scopes_ = 0;
-  std::vector<unsigned> widths_;           ///< of handles, once the names are read
-  std::vector<bool> events_;               ///< handles of events
-  std::vector<std::size_t> signal_of_;     ///< of each variable
+  std::vector<unsigned> widths_;                ///< of handles, once the names are read
+  std::vector<bool> events_;                    ///< handles of events
+  std::vector<std::size_t> signal_of_;          ///< of each variable
   std::multimap<std::uint32_t, Piece> pieces_;  ///< by handles of the file
   std::map<std::uint32_t, std::vector<std::uint32_t>> parts_;  ///< of vectors, by their handles
 };
