@@ -49,11 +49,18 @@ struct FstReceiver {
 
   void bits(std::uint64_t time, std::uint32_t handle, const char* value) {
     const std::size_t i = handle - 1;
-    std::string_view now(value, widths.real[i] ? std::strlen(value) : widths.bytes[i]);
+    if (widths.real[i]) {
+      double number = 0;
+      std::memcpy(&number, value, sizeof number);
+      own = fmt::format("{}", number);
+      if (!visit(time, handle, own)) throw FstStop();
+      return;
+    }
+    std::string_view now(value, widths.bytes[i]);
     if (port[i] != 0) {
       port_bits(now, port[i], own);
       now = own;
-    } else if (!widths.real[i] && has_upper(now)) {
+    } else if (has_upper(now)) {
       own = now;
       for (char& c : own)
         if (c == 'X' || c == 'Z') c = static_cast<char>(c - 'X' + 'x');
@@ -201,6 +208,7 @@ void FstSource::open_reader() {
     corrupt();
   }
   if (!reader_) corrupt();
+  fstReaderIterBlocksSetNativeDoublesOnCallback(reader_.get(), 1);
 }
 
 void FstSource::names(const SourceVisit& visit) {

@@ -48,6 +48,14 @@ bool is_real_text(std::string_view value) {
          read.ec != std::errc::invalid_argument;
 }
 
+/// The shortest decimal that is the same number, as of FST.
+std::string real_text(std::string_view value) {
+  if (value.starts_with('+')) value.remove_prefix(1);
+  double number = 0;
+  const auto read = std::from_chars(value.data(), value.data() + value.size(), number);
+  return read.ec == std::errc() ? fmt::format("{}", number) : std::string(value);
+}
+
 bool unknown_value(std::string_view value) {
   return value.find_first_of("01") == std::string_view::npos;
 }
@@ -179,7 +187,7 @@ class VcdWindow : public VcdEvents {
                                static_cast<int>(value.size()))));
       }
     } else if (k.real) {
-      own_ = kind == 'r' ? value.substr(value.starts_with('+') ? 1 : 0) : std::string_view("x");
+      own_ = kind == 'r' ? real_text(value) : "x";
     } else if (kind == 'p') {
       port_bits(value, k.width, own_);
     } else {
