@@ -33,10 +33,8 @@ bool fit_bits(std::string_view value, std::uint32_t width, std::string& to) {
   }
   to.assign(width - value.size(), value[0] == '1' ? '0' : value[0]);
   to += value;
-  for (char& c : to) {
+  for (char& c : to)
     if (c == 'X' || c == 'Z') c = static_cast<char>(c - 'X' + 'x');
-    if (c == 'u' || c == 'w' || c == 'l' || c == 'h') c = static_cast<char>(c - 'a' + 'A');
-  }
   return true;
 }
 

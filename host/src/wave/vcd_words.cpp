@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "cde/support/error.hpp"
@@ -20,7 +21,7 @@ bool is_blank(char c) {
 }  // namespace
 
 WordReader::WordReader(const WaveBytes& file, std::size_t part)
-    : file_(file), text_(part), part_(part) {}
+    : file_(file), text_(std::min<std::uint64_t>(part, file.size() + 1)) {}
 
 void WordReader::seek(std::uint64_t offset, std::uint64_t line) {
   line_ = line;

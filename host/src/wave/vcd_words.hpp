@@ -37,7 +37,6 @@ class WordReader {
 
   const WaveBytes& file_;
   std::vector<char> text_;
-  std::size_t part_;
   std::uint64_t base_ = 0;  ///< of text_ in the file
   std::size_t size_ = 0;    ///< of text_ that is filled
   std::size_t at_ = 0;      ///< behind the last word
