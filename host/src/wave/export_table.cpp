@@ -100,7 +100,7 @@ class Rows {
   }
   void row(std::uint64_t time) {
     for (const std::size_t i : values_.refresh()) fields_[i] = ',' + csv_field(values_.text(i));
-    std::string line = fmt::to_string(time);
+    std::string line = fmt::to_string(times_.number(time));
     if (cycles_) {
       const auto cycle = times_.cycle(time);
       line += cycle ? fmt::format(",{}", *cycle) : ",";

@@ -13,6 +13,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/suggest.hpp"
 #include "cde/wave/four_state.hpp"
+#include "wave/wave_bytes.hpp"
 
 namespace cde::wave {
 namespace {
@@ -354,7 +355,8 @@ std::string_view View::bits(std::string_view value) const {
 }
 
 std::string View::text(std::string_view value) const {
-  if (signal.real || signal.text) return std::string(value);
+  if (signal.text) return utf8_text(std::string(value));
+  if (signal.real) return std::string(value);
   const std::string_view own = bits(value);
   const unsigned lane = lane_bits(form, width);
   if (lane == 0 || lane >= own.size() || own.size() % lane != 0)
@@ -386,12 +388,26 @@ bool matches(std::string_view pattern, std::string_view name) {
   return p == pattern.size();
 }
 
-const Signal& find_signal(Trace& trace, std::string_view name) {
+namespace {
+
+/// A name as a trace has it: SystemVerilog's escaped names have a blank behind them.
+std::string without_blanks(std::string_view name) {
+  std::string own;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const char next = i + 1 < name.size() ? name[i + 1] : '.';
+    if (name[i] != ' ' || std::string_view(".[: ").find(next) == std::string_view::npos)
+      own.push_back(name[i]);
+  }
+  return own;
+}
+
+/// The outermost signal of a name, or null.
+const Signal* outermost(Trace& trace, std::string_view name) {
   const Signal* found = nullptr;
   const Signal* other = nullptr;  // another one, as far outside
   std::ptrdiff_t depth = 0;
   for (const Signal& s : trace.signals()) {
-    if (s.name == name) return s;
+    if (s.name == name) return &s;
     const std::size_t more = s.name.size() - std::min(s.name.size(), name.size());
     if (more < 2 || s.name[more - 1] != '.' || !s.name.ends_with(name)) continue;
     const auto scopes = std::count(s.name.begin(), s.name.end(), '.');
@@ -403,14 +419,33 @@ const Signal& find_signal(Trace& trace, std::string_view name) {
       other = &s;
     }
   }
-  if (found == nullptr) throw_usage(no_signal(trace, name));
   if (other != nullptr)
     throw_usage(printable_name(fmt::format("{} may be {} or {}; name more of its scopes",
                                            in_quotes(name), found->name, other->name)));
+  return found;
+}
+
+}  // namespace
+
+const Signal& find_signal(Trace& trace, std::string_view asked) {
+  const std::string name = without_blanks(asked);
+  const Signal* found = outermost(trace, name);
+  if (found == nullptr && name.ends_with("#1")) {
+    found = outermost(trace, std::string_view(name).substr(0, name.size() - 2));
+    if (found != nullptr && found->number == 1) return *found;
+    found = nullptr;
+  }
+  if (found == nullptr) throw_usage(no_signal(trace, name));
+  if (found->number == 1)
+    throw_usage(
+        printable_name(fmt::format("several signals have the name {}; ask for {}#1, {}#2 "
+                                   "and so on, in the order of the file",
+                                   found->name, found->name, found->name)));
   return *found;
 }
 
-std::vector<View> views(Trace& trace, const std::string& text, const Form& form) {
+std::vector<View> views(Trace& trace, const std::string& asked, const Form& form) {
+  const std::string text = without_blanks(asked);
   Word w = split(text);
   // A colon may be one of an escaped name.
   if (!w.form.empty() &&

@@ -210,7 +210,7 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const T
   const std::string& bits = node.value.empty() ? handed : node.value;
   Json j = {{"name", design.name(node.slice)}};
   if (node.driven != node.slice) j["driven_name"] = design.name(node.driven);
-  j.update({{"time", node.time},
+  j.update({{"time", times.number(node.time)},
             {"at", times.text(node.time)},
             {"in_waves", node.in_waves},
             {"value", node.value.empty() ? Json() : Json(texts.of(node))},

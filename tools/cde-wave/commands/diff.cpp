@@ -440,8 +440,8 @@ int diff(const Request& r) {
     const std::string& name = c.pairs[d.pair].a.label;
     if (r.json) {
       list.push_back({{"name", name},
-                      {"time", d.time_a},
-                      {"other_time", d.time_b},
+                      {"time", times.number(d.time_a)},
+                      {"other_time", times.number(d.time_b)},
                       {"at", times.text(d.time_a)},
                       {"cycle", nullptr},
                       {"value", d.value_a},

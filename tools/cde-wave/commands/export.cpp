@@ -97,8 +97,8 @@ int export_waves(const Request& r) {
     nlohmann::ordered_json j = begin_json(r);
     j.update({{"written", output},
               {"written_as", format},
-              {"from", w.from},
-              {"to", w.to},
+              {"from", times.number(w.from)},
+              {"to", times.number(w.to)},
               {"signals", count}});
     cli::put_json(j);
   } else if (output != "-") {

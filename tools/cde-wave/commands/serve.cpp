@@ -174,15 +174,16 @@ int serve(const Request& r) {
   const Tracks tracks = read_tracks(r, trace, times, w, shown);
   std::string bytes;
   Json scopes = Json::array();
-  Json data = {{"title", printable_name(trace.file().filename().string())},
-               {"writer", printable_name(trace.writer())},
-               {"date", printable_name(trace.date())},
-               {"scale", trace.scale()},
-               {"from", fmt::to_string(w.from)},  // beyond what a number of a script holds
-               {"to", fmt::to_string(w.to)},
-               {"cursor", first_cursor(r, times, w) - w.from},
-               {"chosen", !r.words.empty()},
-               {"formats", formats_json()}};
+  Json data = {
+      {"title", printable_name(trace.file().filename().string())},
+      {"writer", printable_name(trace.writer())},
+      {"date", printable_name(trace.date())},
+      {"scale", trace.scale()},
+      {"from", fmt::to_string(times.number(w.from))},  // beyond what a number of a script holds
+      {"to", fmt::to_string(times.number(w.to))},
+      {"cursor", first_cursor(r, times, w) - w.from},
+      {"chosen", !r.words.empty()},
+      {"formats", formats_json()}};
   data["clock"] = clock_json(times, w, bytes);
   data["tracks"] = tracks_json(tracks.all, shown, tracks.of, bytes);
   data["views"] = views_json(shown, tracks.of, scopes);
@@ -200,8 +201,8 @@ int serve(const Request& r) {
   write_file(r.output, page);
   if (r.json) {
     Json j = begin_json(r);
-    j.update({{"from", w.from},
-              {"to", w.to},
+    j.update({{"from", times.number(w.from)},
+              {"to", times.number(w.to)},
               {"signals", shown.size()},
               {"changes", tracks.changes},
               {"page", r.output},

@@ -10,6 +10,7 @@
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/wave/blackouts.hpp"
 #include "cde/wave/changes.hpp"
 #include "cde/wave/four_state.hpp"
 #include "commands/commands.hpp"
@@ -214,7 +215,8 @@ std::vector<View> outermost(const Request& r, Trace& trace) {
   return all;
 }
 
-void show_json(const Request& r, Trace& trace, const Window& w, const std::vector<View>& all) {
+void show_json(const Request& r, Trace& trace, const Times& times, const Window& w,
+               const std::vector<View>& all) {
   std::vector<Json> changes(all.size(), Json::array());
   std::vector<std::string> last(all.size());
   Lines lines(r.max);
@@ -225,7 +227,8 @@ void show_json(const Request& r, Trace& trace, const Window& w, const std::vecto
                      std::string text = all[i].text(value);
                      if (all[i].signal.event ? text != "1" : time != w.from && text == last[i])
                        continue;
-                     if (lines.next()) changes[i].push_back({{"time", time}, {"value", text}});
+                     if (lines.next())
+                       changes[i].push_back({{"time", times.number(time)}, {"value", text}});
                      last[i] = std::move(text);
                    }
                    return true;
@@ -234,7 +237,14 @@ void show_json(const Request& r, Trace& trace, const Window& w, const std::vecto
   for (std::size_t i = 0; i < all.size(); ++i)
     signals.push_back({{"name", all[i].label}, {"changes", changes[i]}});
   Json j = begin_json(r);
-  j.update({{"from", w.from}, {"to", w.to}, {"signals", signals}, {"more", lines.more()}});
+  Json dark = Json::array();
+  for (const Blackout& b : blackouts_in(trace, w.from, w.to))
+    dark.push_back({{"from", times.number(b.from)}, {"to", times.number(b.to)}});
+  j.update({{"from", times.number(w.from)},
+            {"to", times.number(w.to)},
+            {"blackouts", dark},
+            {"signals", signals},
+            {"more", lines.more()}});
   cli::put_json(j);
 }
 
@@ -246,7 +256,7 @@ int show(const Request& r) {
   std::vector<View> all = r.words.empty() ? outermost(r, trace) : views(r, trace, 0);
   const Window w = window(r, trace, times);
   if (r.json) {
-    show_json(r, trace, w, all);
+    show_json(r, trace, times, w, all);
     return 0;
   }
   Lines lines(r.max);
@@ -270,6 +280,8 @@ int show(const Request& r) {
       fmt::format("{}{} to {}\n",
                   scope == 0 ? "" : printable_name(all.front().label.substr(0, scope - 1)) + "  ",
                   times.text(w.from), times.text(w.to));
+  for (const Blackout& b : blackouts_in(trace, w.from, w.to))
+    text += fmt::format("no dump from {} to {} ($dumpoff)\n", times.text(b.from), times.text(b.to));
   text += label("") + ruler(times, w, p.span, columns, r.ascii) + "\n";
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string name = all[i].label.substr(scope);

@@ -74,7 +74,8 @@ struct View {
 /// may match a name in any scope.
 [[nodiscard]] bool matches(std::string_view pattern, std::string_view name);
 
-/// The signal of a name, whole or without outer scopes. Error kUsage if there is none, with near
+/// The signal of a name, whole or without outer scopes, with #2 if it is the second of that name in
+/// the file; an escaped name may have its blank behind it. Error kUsage if there is none, with near
 /// ones, or if several match.
 [[nodiscard]] const Signal& find_signal(Trace& trace, std::string_view name);
 
