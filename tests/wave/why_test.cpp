@@ -444,5 +444,46 @@ TEST_P(Forms, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
   EXPECT_EQ(as_it_is["causes"][as_it_is["handed_on"].get<std::size_t>()]["name"], "turns.x");
 }
 
+/// Verilator 5.048 writes elements of arrays into a scope of the array's name.
+TEST_F(Why, ElementsInAScopeOfTheirArray_HaveTheirOwnDrivers) {
+  structure("cells",
+            "module cells(input clk, input [1:0] at, input [7:0] d);\n"
+            "logic [7:0] mm [0:3];\n"
+            "logic [7:0] pp [0:1][0:1];\n"
+            "always_ff @(posedge clk) begin\n"
+            "  mm[at] <= d;\n"
+            "  pp[1][0] <= mm[2];\n"
+            "end\n"
+            "endmodule\n");
+  {
+    Writer w(folder_ / "cells.fst");
+    w.scope("TOP");
+    w.scope("cells");
+    const fstHandle clk = w.signal("clk", 1), at = w.signal("at [1:0]", 2),
+                    d = w.signal("d [7:0]", 8);
+    w.scope("mm");
+    const fstHandle m1 = w.signal("mm[1] [7:0]", 8), m2 = w.signal("mm[2] [7:0]", 8);
+    w.up();
+    w.scope("pp");
+    w.scope("[1]");
+    const fstHandle p10 = w.signal("pp[1][0] [7:0]", 8);
+    for (unsigned t = 0; t <= 30; t += 5) {
+      w.time(t);
+      w.set(clk, t / 5 % 2);
+      if (t == 0) w.set(at, 2), w.set(d, 7), w.set(m1, 0), w.set(m2, 0), w.set(p10, 0);
+      if (t == 5) w.set(m2, 7);
+      if (t == 15) w.set(p10, 7);
+    }
+  }
+  const Json element = why("cells.fst", "TOP.cells.mm.mm[2]@12", "cells.xml", {"--depth", "1"});
+  ASSERT_EQ(element["cone"]["statements"].size(), 1u);
+  EXPECT_EQ(element["cone"]["statements"][0]["line"], 5);
+  EXPECT_EQ(element["cone"]["bits"], "00000111");
+  const Json deep = why("cells.fst", "TOP.cells.pp.[1].pp[1][0]@17", "cells.xml")["cone"];
+  ASSERT_EQ(deep["statements"].size(), 1u);
+  EXPECT_EQ(deep["statements"][0]["line"], 6);
+  EXPECT_EQ(causes(deep["statements"][0]), Texts{"TOP.cells.mm[2]=00000111@14:5"});
+}
+
 }  // namespace
 }  // namespace cde::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde-wave: asks wave files (FST). Each command is a verb with its own options.
+// cde-wave: asks wave files (FST, VCD). Each command is a verb with its own options.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -304,9 +304,10 @@ void add_command(CLI::App& app, const Command& command) {
   r->command = command.name;
   if (r->command == "serve") r->max = 32;
   CLI::App* verb = app.add_subcommand(command.name, command.text);
-  file_value(
-      verb->add_option("file", r->file, "Wave file, FST, of --trace or any other")->required(),
-      "FILE");
+  file_value(verb->add_option("file", r->file,
+                              "Wave file: FST or VCD, of --trace or any other; - is stdin")
+                 ->required(),
+             "FILE");
   if (*command.words != '\0')
     verb->add_option("words", r->words,
                      fmt::format("{}; a signal is NAME, NAME[3], NAME[7:4], NAME:fp32, or "
@@ -318,7 +319,7 @@ void add_command(CLI::App& app, const Command& command) {
 }
 
 const Program kProgram = {.name = "cde wave",
-                          .description = "cde wave: ask a wave file (FST) of a simulation",
+                          .description = "cde wave: ask a wave file (FST, VCD) of a simulation",
                           .add_verbs = [](CLI::App& app) {
                             for (const Command& command : commands()) add_command(app, command);
                           }};

@@ -159,7 +159,7 @@ class Writer {
 
   void write_attributes(const Json& node, const std::string& type, bool top) {
     out_ += " loc=\"" + place(text(node, "loc")) + "\"";
-    for (const char* name : {"name", "origName", "dotted", "edgeType"})
+    for (const char* name : {"name", "origName", "dotted", "edgeType", "kwd"})
       if (const std::string value = text(node, name); !value.empty()) add(name, value);
     if (top) add("topModule", "1");
     if (type.ends_with("DTYPE")) {

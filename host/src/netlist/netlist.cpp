@@ -124,7 +124,15 @@ Line Netlist::line(const Element& element) const {
   const std::size_t comma = std::min(location.find(','), location.size());
   const auto file = files_.find(location.substr(0, comma));
   if (file == files_.end() || comma == location.size()) return {};
-  return {file->second, static_cast<unsigned>(signed_number(location.substr(comma + 1)))};
+  std::array<unsigned, 4> at = {};
+  std::size_t from = comma;
+  for (unsigned& number : at) {
+    if (from == std::string_view::npos) break;
+    number = static_cast<unsigned>(signed_number(location.substr(from + 1)));
+    from = location.find(',', from + 1);
+  }
+  const bool one_line = at[0] == at[2] && at[1] < at[3];
+  return {file->second, at[0], at[1], one_line ? at[3] - at[1] : 0};
 }
 
 const Type& Netlist::type(unsigned id) const {

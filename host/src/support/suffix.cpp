@@ -13,11 +13,14 @@ namespace cde {
 namespace fs = std::filesystem;
 
 Suffix suffix_of(const std::string& path) {
-  if (path == "-" || path.starts_with("/dev/") || path.starts_with("/proc/")) return {"", true, ""};
+  if (path == "-") return {"", true, ""};
   std::error_code failed;
   const auto status = fs::status(path, failed);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
     return {"", true, ""};
+  // Descriptors have no name to go by, whatever they are of; /dev/shm/a.vcd is a file.
+  for (const char* folder : {"/dev/fd/", "/dev/std", "/proc/"})
+    if (path.starts_with(folder)) return {"", true, ""};
   fs::path name(path);
   // Links one by one: the file that the last one names need not be there yet.
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(name, failed)); ++links)

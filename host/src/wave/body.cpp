@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <functional>
 #include <utility>
 
@@ -13,8 +14,28 @@ constexpr std::array<std::string_view, 14> kStatements = {
     "assign",   "assigndly", "if",        "case",      "begin",   "while", "taskref",
     "stmtexpr", "display",   "jumpblock", "jumplabel", "comment", "stop",  "finish"};
 
-bool is_statement(const netlist::Element& e) {
-  return std::find(kStatements.begin(), kStatements.end(), e.tag()) != kStatements.end();
+/// Line and column that the first element with a place begins at.
+std::pair<unsigned, unsigned> begin_of(const netlist::Element& e) {
+  const std::string_view place = e.attribute("loc");
+  std::pair<unsigned, unsigned> at{};
+  if (const std::size_t comma = place.find(','); comma != std::string_view::npos) {
+    const char* const stop = place.data() + place.size();
+    const auto line = std::from_chars(place.data() + comma + 1, stop, at.first);
+    if (line.ptr != stop) std::from_chars(line.ptr + 1, stop, at.second);
+    return at;
+  }
+  for (const netlist::Element* child : e.children()) {
+    at = begin_of(*child);
+    if (at.first != 0) break;
+  }
+  return at;
+}
+
+/// Whether Verilator has made if (!c) a; else b; an if (c) b; else a;.
+bool is_swapped(const netlist::Element& e) {
+  if (e.children().size() != 3) return false;
+  const auto yes = begin_of(*e.child(1)), no = begin_of(*e.child(2));
+  return yes.first != 0 && no.first != 0 && no < yes;
 }
 
 /// Reads one module; its variables first, as statements may stand before them.
@@ -168,8 +189,9 @@ class Reader {
       scope_ = outer;
     } else if (tag == "if") {
       for (std::size_t i = 1; i < e.children().size(); ++i)
-        guarded({i == 1 ? Guard::Kind::kIf : Guard::Kind::kElse, e.child(0), nullptr}, *e.child(i),
-                edges);
+        guarded(
+            {i == 1 ? Guard::Kind::kIf : Guard::Kind::kElse, e.child(0), nullptr, is_swapped(e)},
+            *e.child(i), edges);
     } else if (tag == "case") {
       choice(e, edges);
     } else if (tag == "while") {
@@ -229,6 +251,10 @@ class Reader {
 };
 
 }  // namespace
+
+bool is_statement(const netlist::Element& e) {
+  return std::find(kStatements.begin(), kStatements.end(), e.tag()) != kStatements.end();
+}
 
 bool is_reference(const netlist::Element& e) {
   return e.tag() == "varref" || e.tag() == "varxref";

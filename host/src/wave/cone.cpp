@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kMostNodes = 100000;
 constexpr unsigned kMostWires = 200;
+constexpr unsigned kMostEdges = 256;  // that are looked at for a value that is in the waves
 
 /// The time whose values a register takes at an edge.
 std::uint64_t just_before(std::uint64_t edge) {
@@ -104,19 +105,17 @@ std::vector<Driver> Cone::active(const Waiting& w, std::optional<std::uint64_t> 
   return design_.drivers(nodes_[w.node].driven, &values);
 }
 
-/// No statement was executed last time: the value is from when it last changed. What is not in the
-/// waves is looked for edge by edge.
+/// No statement was executed last time. The last edge at which one was is looked for edge by edge;
+/// where that is too long ago, the last change of the value is such an edge.
 void Cone::hold(Waiting& w, std::vector<Driver>& now, bool& held) {
   const Node& node = nodes_[w.node];
-  if (node.in_waves) {
-    const auto changed = waves_.last_change(node.driven, node.time);
-    if (!changed) return;
-    if (w.is_register) w.edge = edge_before(w.all, *changed);
-    now = active(w, w.edge, *changed);
-    if (!w.is_register) w.edge = changed;
-  }
-  while (now.empty() && !node.in_waves && w.is_register && w.edge && *w.edge > 0 && steps_ > 0) {
-    --steps_;
+  const std::uint64_t start = waves_.start();
+  const std::uint64_t changed =
+      node.in_waves ? waves_.last_change(node.driven, node.time).value_or(start) : start;
+  unsigned most = node.in_waves ? kMostEdges : steps_;
+  while (now.empty() && w.is_register && w.edge && *w.edge > changed && most > 0) {
+    --most;
+    if (!node.in_waves) --steps_;
     w.edge = edge_before(w.all, *w.edge - 1);
     if (!w.edge) break;
     std::vector<Slice> wanted;
@@ -126,6 +125,11 @@ void Cone::hold(Waiting& w, std::vector<Driver>& now, bool& held) {
     }
     waves_.fetch(wanted, just_before(*w.edge));
     now = active(w, w.edge, node.time);
+  }
+  if (now.empty() && node.in_waves && (!w.is_register || changed > start)) {
+    if (w.is_register) w.edge = edge_before(w.all, changed);
+    now = active(w, w.edge, changed);
+    if (!w.is_register) w.edge = changed;
   }
   held = !now.empty();
 }

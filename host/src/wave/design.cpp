@@ -184,7 +184,30 @@ const std::string& Design::prefix() const {
   return all_->prefix;
 }
 
+std::string without_array_scope(std::string_view name) {
+  std::size_t dot = name.rfind('.');
+  const std::string_view last = name.substr(dot == std::string_view::npos ? 0 : dot + 1);
+  const std::size_t bracket = last.find('[');
+  if (dot == std::string_view::npos || bracket == std::string_view::npos || bracket == 0)
+    return std::string(name);
+  std::string_view outer = name.substr(0, dot);
+  while (outer.ends_with(']') && (dot = outer.rfind(".[")) != std::string_view::npos &&
+         outer.find('.', dot + 1) == std::string_view::npos)
+    outer = outer.substr(0, dot);
+  dot = outer.rfind('.');
+  const std::size_t stem = dot == std::string_view::npos ? 0 : dot + 1;
+  if (outer.substr(stem) != last.substr(0, bracket)) return std::string(name);
+  return std::string(outer.substr(0, stem)).append(last);
+}
+
 std::optional<Slice> Design::find(std::string_view name) const {
+  const auto found = find_plainly(name);
+  if (found) return found;
+  const std::string plain = without_array_scope(name);
+  return plain == name ? std::nullopt : find_plainly(plain);
+}
+
+std::optional<Slice> Design::find_plainly(std::string_view name) const {
   if (!name.starts_with(all_->prefix) || name.size() <= all_->prefix.size() ||
       name[all_->prefix.size()] != '.')
     return std::nullopt;
@@ -277,15 +300,18 @@ std::vector<Design::Piece> Design::pieces(
   return found;
 }
 
-const std::vector<std::string>& Design::source(const std::string& file) const {
-  const auto [at, fresh] = all_->sources.try_emplace(file);
-  if (!fresh || file.empty() || file.front() == '<') return at->second;
-  for (const fs::path& path : {fs::path(file), fs::path(all_->file).parent_path() / file}) {
+const std::vector<std::string>& Design::Elaborated::source(const std::string& name) const {
+  const auto [at, fresh] = sources.try_emplace(name);
+  if (!fresh || name.empty() || name.front() == '<') return at->second;
+  for (const fs::path& path : {fs::path(name), fs::path(file).parent_path() / name}) {
     std::ifstream in(path);
     for (std::string line; std::getline(in, line);) at->second.push_back(line);
     if (!at->second.empty()) break;
   }
   return at->second;
+}
+const std::vector<std::string>& Design::source(const std::string& file) const {
+  return all_->source(file);
 }
 
 Place place_of(const Design& design, const netlist::Netlist& netlist, const netlist::Element* e) {

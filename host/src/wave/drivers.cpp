@@ -11,50 +11,28 @@ namespace {
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 constexpr std::uint64_t kMostTurns = 256;  // of a loop
 
-/// 1, 0, or x if it is not known.
-char holds(const Context& c, const netlist::Element& condition) {
-  const std::string bits = evaluate(c, condition);
-  if (bits.find('1') != std::string::npos) return '1';
-  return bits.empty() || bits.find_first_not_of('0') != std::string::npos ? 'x' : '0';
-}
-
-/// Whether an item of a case statement is the one; items before it are not looked at.
-char is_item(const Context& c, const netlist::Element& choice, const netlist::Element& item) {
-  const std::string value = evaluate(c, *choice.child(0));
-  if (value.find_first_not_of("01") != std::string::npos || value.empty()) return 'x';
-  char found = '0';
-  for (const netlist::Element* e : item.children()) {
-    const std::string one = evaluate(c, *e);
-    if (one.empty()) continue;  // a statement
-    const std::size_t n = std::max(value.size(), one.size());
-    std::string a(n - value.size(), '0'), b(n - one.size(), '0');
-    a += value;
-    b += one;
-    bool same = true;
-    for (std::size_t i = 0; i < n; ++i) same = same && (a[i] == b[i] || b[i] == 'x' || b[i] == 'z');
-    if (same) found = '1';
-  }
-  return found;
-}
-
-char holds(const Context& c, const Guard& g) {
+char guard_holds(const Context& c, const Guard& g) {
   switch (g.kind) {
     case Guard::Kind::kIf:
-      return holds(c, *g.what);
+      return holds(c, *g.what, g.swapped);
     case Guard::Kind::kElse: {
-      const char h = holds(c, *g.what);
+      const char h = holds(c, *g.what, g.swapped);
       return h == '1' ? '0' : h == '0' ? '1' : 'x';
     }
     case Guard::Kind::kItem:
     case Guard::Kind::kDefault: {
       if (g.what->child(0) == nullptr) return 'x';
+      // The first item that matches is the one, and the default wherever it stands.
+      char before = '0';
       for (const netlist::Element* other : g.what->children()) {
-        if (other->tag() != "caseitem" || other == g.item) continue;
+        if (other->tag() != "caseitem" || (g.kind == Guard::Kind::kDefault && other == g.item))
+          continue;
         const char is = is_item(c, *g.what, *other);
-        if (is == 'x') return 'x';
-        if (is == '1' && g.kind == Guard::Kind::kDefault) return '0';
+        if (other == g.item) return is == '1' && before == 'x' ? 'x' : is;
+        if (is == '1') return '0';
+        if (is == 'x') before = 'x';
       }
-      return g.kind == Guard::Kind::kDefault ? '1' : is_item(c, *g.what, *g.item);
+      return before == 'x' ? 'x' : '1';
     }
     case Guard::Kind::kUnknown:
       break;
@@ -107,7 +85,7 @@ class Drivers {
       Driver driver;
       bool never = false, covers = false;
       for (const Guard& g : drive.guards) {
-        const char h = values_ == nullptr ? 'x' : holds(c, g);
+        const char h = values_ == nullptr ? 'x' : guard_holds(c, g);
         never = never || h == '0';
         driver.sure = driver.sure && h == '1';
         if (g.kind != Guard::Kind::kUnknown)
@@ -178,13 +156,13 @@ class Drivers {
   /// Whether a piece is known to have another value than the wanted bits have now.
   [[nodiscard]] bool is_other(const Context& c, const Piece& piece) const {
     if (values_ == nullptr || piece.overlaps.size() != 1) return false;
-    const auto known = [](const std::string& bits) {
-      return !bits.empty() && bits.find_first_not_of("01") == std::string::npos;
-    };
     const Overlap& o = piece.overlaps[0];
-    const std::string now = (*values_)(wanted_), value = evaluate(c, *piece.value);
-    return known(now) && known(value) && now.size() == o.width && value.size() >= o.low + o.width &&
-           value.substr(value.size() - o.low - o.width, o.width) != now;
+    const Value now = of_bits((*values_)(wanted_), false);
+    const auto value = evaluate(c, *piece.value);
+    if (now.width != o.width || now.unknown() || !value || value->value.unknown()) return false;
+    const std::string bits = characters(value->value);
+    return bits.size() >= o.low + o.width &&
+           bits.substr(bits.size() - o.low - o.width, o.width) != characters(now);
   }
   /// Verilator makes one assignment of several that lie side by side: what is in different lines is
   /// taken apart again.
@@ -220,7 +198,9 @@ class Drivers {
       all.push_back(piece);
       return;
     }
-    const char h = c.values == nullptr ? 'x' : holds(c, *e.child(0));
+    const char h = c.values == nullptr ? 'x'
+                   : is_of_if(c, e)    ? holds(c, *e.child(0))
+                                       : chosen(c, *e.child(0));
     for (const std::size_t branch : {1u, 2u}) {
       if (h == (branch == 1 ? '0' : '1')) continue;
       Piece own = piece;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of expressions of a design, where the waves tell those of their signals; and which bits of
-// which signals some bits of an expression are made of.
+// Values of expressions of a design, where the waves tell those of their signals.
 #include <algorithm>
+#include <bit>
 
 #include "cde/wave/elaborated.hpp"
 #include "cde/wave/value.hpp"
@@ -9,151 +9,25 @@
 namespace cde::wave {
 namespace {
 
-constexpr std::uint64_t kMostBits = 1u << 16;
+using Known = std::optional<Evaluated>;
 
-std::uint64_t width_of(const Context& c, const netlist::Element& e) {
-  if (e.tag() == "const") return netlist::constant_bits(e).size();
-  return c.all.netlist.type_of(e).width;
+/// What is known whatever its signals are is complete.
+Known result(Value value, bool complete) {
+  complete = complete || !value.unknown();
+  return Evaluated{std::move(value), complete};
 }
-
-std::optional<std::uint64_t> small(const std::string& bits) {
-  if (bits.empty()) return std::nullopt;
-  // Indices are as wide as an int; leading zeros are no matter.
-  const std::size_t first = std::min(bits.find_first_not_of('0'), bits.size() - 1);
-  return word(std::string_view(bits).substr(first));
-}
-std::optional<std::uint64_t> index(const Context& c, const netlist::Element* e) {
-  return e == nullptr ? std::nullopt : small(evaluate(c, *e));
+/// Of a known width, and nothing else known.
+Known nothing_of(std::uint64_t width) {
+  if (width == 0 || width > kMostBits) return std::nullopt;
+  return Evaluated{unknown_of(static_cast<unsigned>(width)), false};
 }
 
-/// 1, 0 or x.
-char truth(const std::string& bits) {
-  if (bits.find('1') != std::string::npos) return '1';
-  return bits.empty() || bits.find_first_not_of('0') != std::string::npos ? 'x' : '0';
-}
-std::string one(char c) {
-  return {1, c};
-}
-std::string one(bool b) {
-  return one(b ? '1' : '0');
-}
-char inverse(char c) {
-  return c == '1' ? '0' : c == '0' ? '1' : 'x';
-}
-
-std::string resized(std::string bits, std::uint64_t width, char fill = '0') {
-  if (bits.empty() || width == 0 || width > kMostBits) return bits;
-  if (bits.size() < width) bits.insert(0, width - bits.size(), fill);
-  return bits.substr(bits.size() - width);
-}
-
-bool known(const std::string& bits) {
-  return !bits.empty() && bits.find_first_not_of("01") == std::string::npos;
-}
-
-std::string bitwise(std::string_view tag, std::string a, std::string b) {
-  // An operand that is not known is x in all bits: `0 & x` is 0 all the same.
-  if (a.empty() && b.empty()) return {};
-  if (a.empty()) a.assign(b.size(), 'x');
-  if (b.empty()) b.assign(a.size(), 'x');
-  const std::size_t n = std::max(a.size(), b.size());
-  a = resized(a, n);
-  b = resized(b, n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const bool sure = (a[i] == '0' || a[i] == '1') && (b[i] == '0' || b[i] == '1');
-    if (tag == "and")
-      a[i] = a[i] == '0' || b[i] == '0' ? '0' : sure ? '1' : 'x';
-    else if (tag == "or")
-      a[i] = a[i] == '1' || b[i] == '1' ? '1' : sure ? '0' : 'x';
-    else
-      a[i] = !sure ? 'x' : (a[i] != b[i]) == (tag == "xor") ? '1' : '0';
-  }
-  return a;
-}
-
-std::string compared(std::string_view tag, const std::string& a, const std::string& b) {
-  if (!known(a) || !known(b)) {
-    if (tag.starts_with("eqcase") && !a.empty() && !b.empty()) return one(a == b);
-    return {};
-  }
-  const std::size_t n = std::max(a.size(), b.size());
-  std::string l = resized(a, n), r = resized(b, n);
-  if (tag == "eq" || tag == "eqcase" || tag == "eqwild" || tag == "logeq") return one(l == r);
-  if (tag == "neq" || tag == "neqcase" || tag == "neqwild") return one(l != r);
-  if (tag.ends_with('s')) {  // of signed numbers: the sign's bit the other way round is in order
-    l[0] = inverse(l[0]);
-    r[0] = inverse(r[0]);
-    tag.remove_suffix(1);
-  }
-  if (tag == "lt") return one(l < r);
-  if (tag == "lte") return one(l <= r);
-  if (tag == "gt") return one(l > r);
-  if (tag == "gte") return one(l >= r);
-  return {};
-}
-
-std::string computed(std::string_view tag, const std::string& a, const std::string& b,
-                     std::uint64_t width) {
-  const auto l = word(a), r = word(b);
-  if (a.empty() || b.empty() || !l || !r || width > 64 || width == 0) return {};
-  std::uint64_t value = 0;
-  if (tag == "add")
-    value = *l + *r;
-  else if (tag == "sub")
-    value = *l - *r;
-  else if (tag == "mul")
-    value = *l * *r;
-  else if (tag == "shiftl")
-    value = *r < 64 ? *l << *r : 0;
-  else
-    value = *r < 64 ? *l >> *r : 0;
-  std::string bits;
-  for (std::uint64_t i = width; i-- > 0;) bits.push_back((value >> i & 1) != 0 ? '1' : '0');
-  return bits;
-}
-
-std::string operation(const Context& c, const netlist::Element& e) {
-  const std::string_view tag = e.tag();
-  const std::string a = evaluate(c, *e.child(0));
-  const std::string b = e.child(1) != nullptr ? evaluate(c, *e.child(1)) : std::string();
-  if (tag == "not") {
-    std::string bits = a;
-    std::transform(bits.begin(), bits.end(), bits.begin(), inverse);
-    return bits;
-  }
-  if (tag == "and" || tag == "or" || tag == "xor" || tag == "xnor") return bitwise(tag, a, b);
-  if (tag == "lognot") return one(inverse(truth(a)));
-  if (tag == "logand" || tag == "logor") {
-    const bool both = tag == "logand";
-    return bitwise(both ? "and" : "or", one(truth(a)), one(truth(b)));
-  }
-  if (tag == "redor") return one(truth(a));
-  if (tag == "redand") return one(a.find('0') != std::string::npos ? '0' : known(a) ? '1' : 'x');
-  if (tag == "redxor")
-    return known(a) ? one(std::count(a.begin(), a.end(), '1') % 2 == 1) : std::string("x");
-  const std::uint64_t width = width_of(c, e);
-  if (tag == "extend") return resized(a, width);
-  if (tag == "extends") return a.empty() ? a : resized(a, width, a[0]);
-  if (tag == "concat") return a.empty() || b.empty() ? std::string() : a + b;
-  if (tag == "add" || tag == "sub" || tag == "mul" || tag == "shiftl" || tag == "shiftr")
-    return computed(tag, a, b, width);
-  return e.child(1) != nullptr ? compared(tag, a, b) : std::string();
-}
-
-/// Bits of a whole variable that a reference or a selection of one is.
-std::optional<Slice> selected(const Context& c, const netlist::Element& e) {
-  if (is_reference(e)) return c.all.referred(c.unit, c.scope, e);
-  const bool bits = e.tag() == "sel";
-  if ((!bits && e.tag() != "arraysel") || e.child(0) == nullptr) return std::nullopt;
-  auto inner = selected(c, *e.child(0));
-  const auto at = index(c, e.child(1));
-  const std::uint64_t width = width_of(c, e);
-  if (!inner || !at || width == 0 || *at > kMostBits * kMostBits) return std::nullopt;
-  const std::uint64_t low = bits ? *at : *at * width;
-  if (low + width > inner->width) return std::nullopt;
-  inner->low += low;
-  inner->width = width;
-  return inner;
+/// With so many bits: lower ones, or more in front.
+Value sized(Value a, std::uint64_t width, bool is_signed) {
+  a.is_signed = is_signed;
+  if (width == 0 || width > kMostBits || a.width == width) return a;
+  if (a.width < width) return extended(std::move(a), static_cast<unsigned>(width));
+  return of_bits(characters(a).substr(a.width - width), is_signed);
 }
 
 /// Bits of a loop's variable, if it is known which turn it is.
@@ -165,172 +39,330 @@ std::string in_turn(const Context& c, const Slice& slice) {
   return bits;
 }
 
-}  // namespace
-
-std::string evaluate(const Context& c, const netlist::Element& e) {
-  if (e.tag() == "const") return netlist::constant_bits(e);
-  if (const auto slice = selected(c, e)) {
-    if (c.values == nullptr || slice->width > kMostBits) return {};
-    if (c.all.variable(*slice).local) return in_turn(c, *slice);
-    return (*c.values)(*slice);
-  }
-  if (e.child(0) == nullptr || e.tag() == "funcref") return {};
-  if (e.tag() == "sel") {  // of an expression
-    const std::string from = evaluate(c, *e.child(0));
-    const auto at = index(c, e.child(1));
-    const std::uint64_t width = width_of(c, e);
-    if (!at || *at > from.size() || width > from.size() - *at) return {};
-    return from.substr(from.size() - *at - width, width);
-  }
-  if (e.tag() == "cond" && e.children().size() == 3) {
-    const char which = truth(evaluate(c, *e.child(0)));
-    return which == 'x' ? std::string() : evaluate(c, *e.child(which == '1' ? 1 : 2));
-  }
-  return operation(c, e);
+Known of_signal(const Context& c, const Slice& slice) {
+  if (c.values == nullptr || slice.width > kMostBits) return nothing_of(slice.width);
+  const std::string bits = c.all.variable(slice).local ? in_turn(c, slice) : (*c.values)(slice);
+  if (bits.empty() || bits.size() != slice.width) return nothing_of(slice.width);
+  return Evaluated{of_bits(bits, false), true};
 }
 
-std::optional<Slice> Design::Elaborated::referred(std::uint32_t unit, std::uint32_t scope,
-                                                  const netlist::Element& e) const {
-  const std::string dotted = with_brackets(e.text("dotted")), own = e.text("name");
-  const std::string name = dotted.empty() ? own : dotted + "." + own;
-  if (const auto v = body(unit).variable(scope, name); v >= 0)
-    return whole(unit, static_cast<std::uint32_t>(v));
-  if (dotted.empty()) return std::nullopt;
-  // Of an instance, seen from this unit or from one that it is in.
-  for (std::int64_t at = unit; at >= 0; at = units[static_cast<std::size_t>(at)].parent) {
-    auto here = static_cast<std::uint32_t>(at);
-    std::string_view rest = name;
-    for (std::size_t dot = rest.find('.'); dot != std::string_view::npos;) {
-      const auto part = body(here).part_by_path.find(rest.substr(0, dot));
-      if (part == body(here).part_by_path.end() || units[here].parts[part->second] < 0) {
-        dot = rest.find('.', dot + 1);
-        continue;
-      }
-      here = static_cast<std::uint32_t>(units[here].parts[part->second]);
-      rest.remove_prefix(dot + 1);
-      dot = rest.find('.');
-    }
-    const auto found = body(here).by_path.find(rest);
-    if (found != body(here).by_path.end() && (here != at || at != unit))
-      return whole(here, found->second);
+/// A selection whose index is not known, or is outside.
+Known of_selection(const Context& c, const netlist::Element& e) {
+  const std::uint64_t width = width_of(c, e);
+  if (e.tag() != "sel") return nothing_of(width);
+  const Known from = evaluate(c, *e.child(0));
+  const Known index = e.child(1) == nullptr ? std::nullopt : evaluate(c, *e.child(1));
+  if (index && index->complete && index->value.unknown() && width != 0 && width <= kMostBits)
+    return Evaluated{unknown_of(static_cast<unsigned>(width)), true};
+  const auto at = index_value(c, e.child(1));
+  if (!from || !at || width == 0) return nothing_of(width);
+  const std::string bits = characters(from->value);
+  if (*at > bits.size() || width > bits.size() - *at) return nothing_of(width);
+  return result(of_bits(bits.substr(bits.size() - *at - width, width), false), from->complete);
+}
+
+Known of_choice(const Context& c, const netlist::Element& e) {
+  const Known condition = evaluate(c, *e.child(0));
+  const Truth t = condition ? truth(condition->value) : Truth::kUnknown;
+  if (t != Truth::kUnknown) return evaluate(c, *e.child(t == Truth::kYes ? 1 : 2));
+  const Known a = evaluate(c, *e.child(1)), b = evaluate(c, *e.child(2));
+  if (!a || !b || a->value.width != b->value.width) return nothing_of(width_of(c, e));
+  return result(merged(a->value, b->value),
+                condition && condition->complete && a->complete && b->complete);
+}
+
+/// What counts bits, whose answer is one of all of them.
+Known counted(std::string_view tag, const Evaluated& a, std::uint64_t width) {
+  const std::string bits = characters(a.value);
+  const bool open = a.value.unknown();
+  if (open && !a.complete) return nothing_of(width);
+  if (tag == "isunknown") return result(of_bool(open), true);
+  const auto ones = static_cast<std::uint64_t>(std::count(bits.begin(), bits.end(), '1'));
+  if (tag == "onehot") return result(of_bool(ones == 1), true);
+  if (tag == "onehot0") return result(of_bool(ones <= 1), true);
+  Value count;
+  count.width = 64;
+  count.v = ones;
+  if (tag == "clog2") {
+    if (open) return result(unknown_of(static_cast<unsigned>(width)), true);
+    const std::size_t first = std::min(bits.find('1'), bits.size());
+    count.v = bits.size() - first;  // bits of the number
+    if (count.v != 0 && ones == 1) --count.v;
   }
-  return std::nullopt;
+  return result(sized(count, width, false), true);
 }
 
-void collect_sources(const Context& c, const netlist::Element& e, std::vector<Slice>& found) {
-  collect_sources(c, e, 0, ~std::uint64_t{0}, found);
-}
-
-namespace {
-
-void add(const Context& c, Slice s, std::uint64_t low, std::uint64_t width,
-         std::vector<Slice>& found) {
-  if (c.all.variable(s).local) return;
-  if (s.width != 0 && low < s.width) {
-    s.low += low;
-    s.width = std::min(width, s.width - low);
-  }
-  if (std::find(found.begin(), found.end(), s) == found.end()) found.push_back(s);
-}
-
-/// What a function's body reads beside its arguments.
-void add_globals(const Context& c, const netlist::Element& e, const Body& body, const Function& f,
-                 std::vector<Slice>& found) {
-  if (is_reference(e)) {
-    if (const auto s = c.all.referred(c.unit, f.scope, e)) add(c, *s, 0, ~std::uint64_t{0}, found);
-  }
-  for (const netlist::Element* child : e.children()) add_globals(c, *child, body, f, found);
-}
-
-void collect_chosen(const Context& c, const netlist::Element& e, std::uint64_t low,
-                    std::uint64_t width, std::vector<Slice>& found) {
-  collect_sources(c, *e.child(0), found);
-  const char which = c.values == nullptr ? 'x' : truth(evaluate(c, *e.child(0)));
-  if (which != '0') collect_sources(c, *e.child(1), low, width, found);
-  if (which != '1') collect_sources(c, *e.child(2), low, width, found);
-}
-
-}  // namespace
-
-void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t low,
-                     std::uint64_t width, std::vector<Slice>& found) {
+Known unary(const Context& c, const netlist::Element& e, const Evaluated& a) {
   const std::string_view tag = e.tag();
-  if (tag == "const" || width == 0) return;
-  if (const auto s = selected(c, e)) {
-    add(c, *s, low, width, found);
-    // An index that is no constant is a source as well.
-    for (const netlist::Element* at = &e; at != nullptr && !is_reference(*at); at = at->child(0))
-      if (at->child(1) != nullptr) collect_sources(c, *at->child(1), found);
-    return;
-  }
-  const std::uint64_t whole = ~std::uint64_t{0};
-  if (tag == "sel" && e.child(1) != nullptr) {
-    const auto at = index(c, e.child(1));
-    const std::uint64_t own = width_of(c, e);
-    if (at && own != 0)
-      collect_sources(c, *e.child(0), *at + low, std::min(width, own - std::min(own, low)), found);
-    else
-      collect_sources(c, *e.child(0), found);
-    collect_sources(c, *e.child(1), found);
-  } else if (tag == "concat" && e.child(1) != nullptr && width_of(c, *e.child(1)) != 0) {
-    const std::uint64_t right = width_of(c, *e.child(1));
-    const std::uint64_t end = width > whole - low ? whole : low + width;
-    if (end > right) {
-      const std::uint64_t from = std::max(low, right);
-      collect_sources(c, *e.child(0), from - right, end - from, found);
-    }
-    if (low < right) collect_sources(c, *e.child(1), low, std::min(end, right) - low, found);
-  } else if (tag == "cond" && e.children().size() == 3) {
-    collect_chosen(c, e, low, width, found);
-  } else if (tag == "replicate" && e.child(0) != nullptr) {
-    const std::uint64_t own = width_of(c, *e.child(0));
-    const bool inside = own != 0 && width <= own && low % own + width <= own;
-    collect_sources(c, *e.child(0), inside ? low % own : 0, inside ? width : whole, found);
-  } else if (tag == "extend" && e.child(0) != nullptr) {
-    const std::uint64_t own = width_of(c, *e.child(0));
-    if (own == 0 || low < own)
-      collect_sources(c, *e.child(0), low, own == 0 ? width : std::min(width, own - low), found);
-  } else if (tag == "and" || tag == "or" || tag == "xor" || tag == "xnor" || tag == "not") {
-    for (const netlist::Element* child : e.children())
-      collect_sources(c, *child, low, width, found);
-  } else {
-    for (const netlist::Element* child : e.children()) collect_sources(c, *child, found);
-    const Body& body = c.all.body(c.unit);
-    if (tag == "funcref") {
-      const auto f = body.functions.find(e.text("name"));
-      if (f != body.functions.end()) add_globals(c, *f->second.declared, body, f->second, found);
-    }
-  }
+  const std::uint64_t width = width_of(c, e);
+  if (tag == "not") return result(complement(a.value), a.complete);
+  if (tag == "negate") return result(negative(a.value), a.complete);
+  if (tag == "lognot") return result(of_truth(inverse(truth(a.value))), a.complete);
+  if (tag == "redor") return result(reduction("|", a.value), a.complete);
+  if (tag == "redand") return result(reduction("&", a.value), a.complete);
+  if (tag == "redxor") return result(reduction("^", a.value), a.complete);
+  if (tag == "extend") return result(sized(a.value, width, false), a.complete);
+  if (tag == "extends") return result(sized(a.value, width, true), a.complete);
+  if (tag == "countones" || tag == "onehot" || tag == "onehot0" || tag == "clog2" ||
+      tag == "isunknown")
+    return counted(tag, a, width);
+  return nothing_of(width);
 }
 
-void collect_overlaps(const Context& c, const netlist::Element& target, const Slice& wanted,
-                      std::vector<Overlap>& found) {
-  if (target.tag() == "concat") {
-    std::uint64_t low = 0;
-    for (auto child = target.children().rbegin(); child != target.children().rend(); ++child) {
-      const std::size_t before = found.size();
-      collect_overlaps(c, **child, wanted, found);
-      for (std::size_t i = before; i < found.size(); ++i) found[i].low += low;
-      low += width_of(c, **child);
+Known compared(std::string_view tag, const Evaluated& a, const Evaluated& b) {
+  const bool is_signed = tag.ends_with('s') && tag != "eqs";
+  const unsigned n = std::max(a.value.width, b.value.width);
+  const Value l = sized(a.value, n, is_signed), r = sized(b.value, n, is_signed);
+  const bool complete = a.complete && b.complete;
+  if (tag == "eq" || tag == "neq" || tag == "eqcase" || tag == "neqcase" || tag == "eqwild" ||
+      tag == "neqwild") {
+    // What is not in the waves may be anything, for === as well.
+    const Value same = tag.ends_with("wild") && b.complete
+                           ? wild_equality(l, r, Wild::kRight)
+                           : equality(l, r, tag.ends_with("case") && complete);
+    return result(tag.starts_with('n') ? of_truth(inverse(truth(same))) : same, complete);
+  }
+  if (is_signed) tag.remove_suffix(1);
+  const std::string_view op = tag == "lt"    ? "<"
+                              : tag == "lte" ? "<="
+                              : tag == "gt"  ? ">"
+                              : tag == "gte" ? ">="
+                                             : "";
+  if (op.empty()) return std::nullopt;
+  return result(order(std::string(op), l, r), complete);
+}
+
+Value power(Value base, Value exponent, const Shape& n) {
+  if (base.unknown() || exponent.unknown()) return unknown_of(n.width);
+  Value r = sized(of_bits("01", false), n.width, n.is_signed);
+  const std::string bits = characters(exponent);
+  for (const char c : bits) {
+    r = arithmetic('*', r, r, n);
+    if (c == '1') r = arithmetic('*', r, base, n);
+  }
+  return r;
+}
+
+Known computed(std::string_view tag, const Evaluated& a, const Evaluated& b, std::uint64_t width) {
+  if (width == 0 || width > kMostBits) return std::nullopt;
+  const bool complete = a.complete && b.complete;
+  const auto n = static_cast<unsigned>(width);
+  if (tag.starts_with("shift")) {
+    const bool is_signed = tag == "shiftrs";
+    const std::string op = tag == "shiftl" ? "<<" : is_signed ? ">>>" : ">>";
+    return result(shift(op, sized(a.value, width, is_signed), b.value, {n, is_signed, false}),
+                  complete);
+  }
+  if (tag.starts_with("pow")) {
+    const bool minus = tag.ends_with('s') && tag != "pows" && characters(b.value)[0] == '1';
+    if (minus) return nothing_of(width);
+    return result(
+        power(sized(a.value, width, tag == "powss" || tag == "powsu"), b.value, {n, false, false}),
+        complete);
+  }
+  const bool is_signed = tag.ends_with('s');
+  if (is_signed) tag.remove_suffix(1);
+  const char op = tag == "add"      ? '+'
+                  : tag == "sub"    ? '-'
+                  : tag == "mul"    ? '*'
+                  : tag == "div"    ? '/'
+                  : tag == "moddiv" ? '%'
+                                    : ' ';
+  if (op == ' ') return nothing_of(width);
+  const Value r = sized(b.value, width, is_signed);
+  Value value = arithmetic(op, sized(a.value, width, is_signed), r, {n, is_signed, false});
+  // Simulators differ in what a division by zero gives.
+  const bool by_zero = (op == '/' || op == '%') && truth(r) == Truth::kNo;
+  return result(std::move(value), complete && !by_zero);
+}
+
+/// {<<N{a}}: parts of N bits, the lowest first.
+Known streamed(const Evaluated& a, std::uint64_t part) {
+  if (part == 0) return std::nullopt;
+  const std::string bits = characters(a.value);
+  std::string turned;
+  for (std::size_t end = bits.size(); end != 0;) {
+    const std::size_t begin = end > part ? end - part : 0;
+    turned.append(bits, begin, end - begin);
+    end = begin;
+  }
+  return result(of_bits(turned, false), a.complete);
+}
+
+Known binary(const Context& c, const netlist::Element& e, const Evaluated& a, const Evaluated& b) {
+  const std::string_view tag = e.tag();
+  const std::uint64_t width = width_of(c, e);
+  const bool complete = a.complete && b.complete;
+  if (tag == "and" || tag == "or" || tag == "xor" || tag == "xnor") {
+    const unsigned n = std::max(a.value.width, b.value.width);
+    const Value r = bitwise(tag == "and"  ? '&'
+                            : tag == "or" ? '|'
+                                          : '^',
+                            sized(a.value, n, false), sized(b.value, n, false));
+    return result(tag == "xnor" ? complement(r) : r, complete);
+  }
+  const Truth l = truth(a.value), r = truth(b.value);
+  if (tag == "logand" || tag == "logor")
+    return result(of_truth(both(tag == "logand", l, r)), complete);
+  if (tag == "logif") return result(of_truth(both(false, inverse(l), r)), complete);
+  if (tag == "logeq")
+    return result(l == Truth::kUnknown || r == Truth::kUnknown ? unknown_of(1) : of_bool(l == r),
+                  complete);
+  if (tag == "concat") {
+    if (a.value.width + std::uint64_t{b.value.width} > kMostBits) return std::nullopt;
+    return result(of_bits(characters(a.value) + characters(b.value), false), complete);
+  }
+  if (tag == "replicate") {
+    std::string bits;
+    const std::string once = characters(a.value);
+    if (b.value.unknown() || !b.value.wide.empty() || b.value.v > kMostBits / once.size())
+      return nothing_of(width);
+    for (std::uint64_t i = 0; i < b.value.v; ++i) bits += once;
+    return result(of_bits(bits, false), complete);
+  }
+  if (tag == "streaml" || tag == "streamr")
+    return tag == "streamr" ? Known(a) : streamed(a, b.value.unknown() ? 0 : b.value.v);
+  if (const Known k = compared(tag, a, b)) return k;
+  return computed(tag, a, b, width);
+}
+
+Truth truth_of(const Known& k) {
+  return k ? truth(k->value) : Truth::kUnknown;
+}
+
+/// What follows an element's place in its line; empty if the source is not at hand.
+std::string_view source_at(const Context& c, const netlist::Element& e) {
+  const netlist::Line line = c.all.netlist.line(e);
+  const auto& text = c.all.source(line.file);
+  if (line.line < 1 || line.line > text.size() || line.column < 1) return {};
+  const std::string_view whole = text[line.line - 1];
+  return whole.substr(std::min<std::size_t>(line.column - 1, whole.size()));
+}
+
+/// Whether `inside` stands behind the parentheses of a case statement.
+bool has_inside(const Context& c, const netlist::Element& choice) {
+  const netlist::Line line = c.all.netlist.line(choice);
+  const auto& text = c.all.source(line.file);
+  std::string rest(source_at(c, choice));
+  for (std::size_t i = line.line; i < text.size() && i < line.line + 20; ++i) rest += ' ' + text[i];
+  unsigned depth = 0;
+  for (std::size_t at = rest.find('('); at < rest.size(); ++at) {
+    depth += rest[at] == '(' ? 1 : 0;
+    if (rest[at] != ')' || --depth != 0) continue;
+    at = rest.find_first_not_of(" \t\r", at + 1);
+    return at != std::string::npos && rest.compare(at, 6, "inside") == 0;
+  }
+  return false;
+}
+
+enum class CaseKind { kPlain, kZ, kXZ, kInside };
+
+/// Verilator's XML does not say which kind of case statement one is: its source does, or else the
+/// length of its word and its items.
+CaseKind kind_of(const Context& c, const netlist::Element& choice) {
+  std::string_view word = choice.attribute("kwd");
+  if (word.empty()) word = source_at(c, choice);
+  bool x = false, z = false, range = false;
+  for (const netlist::Element* item : choice.children())
+    for (const netlist::Element* e : item->children()) {
+      if (item->tag() != "caseitem" || is_statement(*e)) break;
+      const std::string bits = netlist::constant_bits(*e);
+      x = x || bits.find('x') != std::string::npos;
+      z = z || bits.find('z') != std::string::npos;
+      range = range || e->tag() == "insiderange";
     }
-    return;
+  if (range) return CaseKind::kInside;
+  if (word.starts_with("casex")) return CaseKind::kXZ;
+  if (word.starts_with("casez")) return CaseKind::kZ;
+  if (word.starts_with("case"))
+    return (x || z) && has_inside(c, choice) ? CaseKind::kInside : CaseKind::kPlain;
+  if (c.all.netlist.line(choice).length == 5) return x ? CaseKind::kXZ : CaseKind::kZ;
+  return x || z ? CaseKind::kInside : CaseKind::kPlain;
+}
+
+/// Of a value and one of the item's. A match that is x in the simulation is none.
+Truth item_matches(const Context& c, CaseKind kind, const Evaluated& value,
+                   const netlist::Element& e) {
+  const auto no_match = [&](Truth t, bool complete) {
+    return t == Truth::kUnknown && complete ? Truth::kNo : t;
+  };
+  if (e.tag() == "insiderange") {
+    const Known low = evaluate(c, *e.child(0)), high = evaluate(c, *e.child(1));
+    if (!low || !high) return Truth::kUnknown;
+    const Known above = compared("gte", value, *low), below = compared("lte", value, *high);
+    return no_match(both(true, truth_of(above), truth_of(below)),
+                    value.complete && low->complete && high->complete);
   }
-  if (const auto s = selected(c, target)) {
-    if (s->unit != wanted.unit || s->variable != wanted.variable) return;
-    const std::uint64_t low = std::max(s->low, wanted.low),
-                        high = std::min(s->low + s->width, wanted.low + wanted.width);
-    if (s->width == 0 || wanted.width == 0)
-      found.push_back({0, ~std::uint64_t{0}, false});
-    else if (low < high)
-      found.push_back({low - s->low, high - low, true});
-    return;
+  const Known item = evaluate(c, e);
+  if (!item) return Truth::kUnknown;
+  const unsigned n = std::max(value.value.width, item->value.width);
+  const Value a = sized(value.value, n, false), b = sized(item->value, n, false);
+  if (!item->complete) return truth(equality(a, b, false));
+  if (kind == CaseKind::kInside)
+    return no_match(truth(wild_equality(a, b, Wild::kRight)), value.complete);
+  if (!value.complete)
+    return truth(kind == CaseKind::kPlain ? equality(a, b, false)
+                                          : wild_equality(a, b, Wild::kRight));
+  if (kind == CaseKind::kPlain) return truth(equality(a, b, true));
+  return truth(wild_equality(a, b, kind == CaseKind::kZ ? Wild::kZ : Wild::kXZ));
+}
+
+}  // namespace
+
+std::optional<Evaluated> evaluate(const Context& c, const netlist::Element& e) {
+  if (e.tag() == "const") {
+    const std::string bits = netlist::constant_bits(e);
+    if (bits.empty() || bits.size() > kMostBits) return std::nullopt;
+    return Evaluated{of_bits(bits, false), true};
   }
-  const netlist::Element* root = &target;
-  while (!is_reference(*root) && root->child(0) != nullptr) root = root->child(0);
-  if (!is_reference(*root)) return;
-  const auto s = c.all.referred(c.unit, c.scope, *root);
-  if (s && s->unit == wanted.unit && s->variable == wanted.variable)
-    found.push_back({0, ~std::uint64_t{0}, false});
+  if (const auto slice = selected(c, e)) return of_signal(c, *slice);
+  if (e.child(0) == nullptr || e.tag() == "funcref") return nothing_of(width_of(c, e));
+  if (e.tag() == "sel" || e.tag() == "arraysel") return of_selection(c, e);
+  if (e.tag() == "cond" && e.children().size() == 3) return of_choice(c, e);
+  const Known a = evaluate(c, *e.child(0));
+  if (!a || e.children().size() > 2) return nothing_of(width_of(c, e));
+  if (e.child(1) == nullptr) return unary(c, e, *a);
+  const Known b = evaluate(c, *e.child(1));
+  return b ? binary(c, e, *a, *b) : nothing_of(width_of(c, e));
+}
+
+std::optional<std::uint64_t> index_value(const Context& c, const netlist::Element* e) {
+  const Known k = e == nullptr ? std::nullopt : evaluate(c, *e);
+  if (!k || k->value.unknown()) return std::nullopt;
+  // Indices are as wide as an int; leading zeros are no matter.
+  const std::string bits = characters(k->value);
+  return word(
+      std::string_view(bits).substr(std::min(bits.find_first_not_of('0'), bits.size() - 1)));
+}
+
+char chosen(const Context& c, const netlist::Element& condition) {
+  const Truth t = truth_of(evaluate(c, condition));
+  return t == Truth::kYes ? '1' : t == Truth::kNo ? '0' : 'x';
+}
+
+char holds(const Context& c, const netlist::Element& condition, bool swapped) {
+  const Known k = evaluate(c, condition);
+  const Truth t = truth_of(k);
+  if (t == Truth::kUnknown && k && k->complete) return swapped ? '1' : '0';
+  return t == Truth::kYes ? '1' : t == Truth::kNo ? '0' : 'x';
+}
+
+bool is_of_if(const Context& c, const netlist::Element& choice) {
+  return source_at(c, choice).starts_with("if");
+}
+
+char is_item(const Context& c, const netlist::Element& choice, const netlist::Element& item) {
+  const Known value = evaluate(c, *choice.child(0));
+  if (!value) return 'x';
+  const CaseKind kind = kind_of(c, choice);
+  char found = '0';
+  for (const netlist::Element* e : item.children()) {
+    if (is_statement(*e)) break;
+    const Truth t = item_matches(c, kind, *value, *e);
+    if (t == Truth::kYes) return '1';
+    if (t == Truth::kUnknown) found = 'x';
+  }
+  return found;
 }
 
 }  // namespace cde::wave

@@ -10,8 +10,11 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
+#include "cde/wave/blackouts.hpp"
 #include "cde/wave/export.hpp"
 #include "cde/wave/export_names.hpp"
+#include "cde/wave/fst_api.hpp"
+#include "wave/port_states.hpp"
 
 namespace cde::wave {
 namespace {
@@ -36,10 +39,12 @@ std::vector<fstHandle> copy_names(Trace& trace, const std::vector<bool>& chosen,
     fstWriterSetAttrBegin(to, static_cast<fstAttrType>(a.type), a.subtype, a.name.c_str(),
                           a.argument);
   };
-  names.signal = [&](const fstHier& h, const Signal& s) {
-    const fstHandle made = fstWriterCreateVar(to, static_cast<fstVarType>(h.u.var.typ),
-                                              static_cast<fstVarDir>(h.u.var.direction),
-                                              h.u.var.length, h.u.var.name, handles[s.handle]);
+  names.signal = [&](const VariableName& v, const Signal& s) {
+    // A port's value has two strengths a bit, and two blanks.
+    const std::uint32_t length = v.type == FST_VT_VCD_PORT ? 3 * v.width + 2 : v.width;
+    const fstHandle made =
+        fstWriterCreateVar(to, static_cast<fstVarType>(v.type), static_cast<fstVarDir>(v.direction),
+                           length, v.name.c_str(), handles[s.handle]);
     if (handles[s.handle] == 0) handles[s.handle] = made;
   };
   visit_names(trace, chosen, names);
@@ -48,16 +53,27 @@ std::vector<fstHandle> copy_names(Trace& trace, const std::vector<bool>& chosen,
 
 void copy_changes(Trace& trace, const std::vector<bool>& chosen, std::uint64_t from,
                   std::uint64_t to, const std::vector<fstHandle>& handles, void* fst) {
-  enum class Kind : char { kBits, kReal, kText };
+  enum class Kind : char { kBits, kReal, kText, kPort };
   std::vector<Kind> kinds(trace.handles() + std::size_t{1}, Kind::kBits);
   for (const Signal& s : trace.signals())
-    if (s.real || s.text) kinds[s.handle] = s.real ? Kind::kReal : Kind::kText;
+    if (s.real || s.text || s.kind == std::string_view("port"))
+      kinds[s.handle] = s.real ? Kind::kReal : s.text ? Kind::kText : Kind::kPort;
+  BlackoutsIn off(trace, from, to);
   std::uint64_t now = from;
   std::string bits;
   fstWriterEmitTimeChange(fst, from);
+  const auto dumps = [&](std::uint64_t, bool on) { fstWriterEmitDumpActive(fst, on ? 1 : 0); };
+  off.until(from, dumps);
   trace.stream(chosen_handles(trace, chosen), from, to,
                [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
-                 if (time != now) fstWriterEmitTimeChange(fst, now = time);
+                 if (time != now) {
+                   const auto between = [&](std::uint64_t t, bool on) {
+                     if (t != now) fstWriterEmitTimeChange(fst, now = t);
+                     dumps(t, on);
+                   };
+                   off.until(time, between);
+                   if (time != now) fstWriterEmitTimeChange(fst, now = time);
+                 }
                  const fstHandle h = handles[handle];
                  if (kinds[handle] == Kind::kText) {
                    fstWriterEmitVariableLengthValueChange(fst, h, value.data(),
@@ -67,11 +83,15 @@ void copy_changes(Trace& trace, const std::vector<bool>& chosen, std::uint64_t f
                    const double number = std::strtod(std::string(value).c_str(), nullptr);
                    fstWriterEmitValueChange(fst, h, &number);
                  } else {
-                   bits = value;
+                   bits = kinds[handle] == Kind::kPort ? port_value(value) : std::string(value);
                    fstWriterEmitValueChange(fst, h, bits.c_str());
                  }
                  return true;
                });
+  off.until(to, [&](std::uint64_t t, bool on) {
+    if (t != now) fstWriterEmitTimeChange(fst, now = t);
+    dumps(t, on);
+  });
   if (now != to) fstWriterEmitTimeChange(fst, to);
 }
 
@@ -85,6 +105,7 @@ void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, st
     Fst fst(fstWriterCreate(file.by_name().c_str(), 1), fstWriterClose);
     if (!fst) cannot_write(path);
     fstWriterSetTimescale(fst.get(), trace.scale());
+    fstWriterSetTimezero(fst.get(), trace.time_zero());
     fstWriterSetVersion(fst.get(), trace.writer().c_str());
     fstWriterSetDate(fst.get(), trace.date().c_str());
     fstWriterSetPackType(fst.get(), FST_WR_PT_LZ4);

@@ -10,8 +10,10 @@
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "cde/support/xml_text.hpp"
+#include "cde/wave/changes.hpp"
 #include "cde/wave/export.hpp"
 #include "cde/wave/export_names.hpp"
+#include "cde/wave/four_state.hpp"
 #include "cde/wave/request.hpp"
 
 namespace cde::wave {
@@ -202,16 +204,21 @@ class Picture {
       of[views_[i].signal.handle].push_back(i);
       wanted.push_back(views_[i].signal.handle);
     }
-    trace_.stream(wanted, w_.from, w_.to,
-                  [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
-                    for (const std::size_t i : of[handle]) change(rows[i], views_[i], time, value);
-                    return true;
-                  });
+    stream_changes(trace_, wanted, w_.from, w_.to,
+                   [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
+                     for (const std::size_t i : of[handle]) change(rows[i], views_[i], time, value);
+                     return true;
+                   });
     return rows;
   }
   void change(std::vector<Stretch>& row, const View& v, std::uint64_t time,
               std::string_view value) const {
     const double at = x(time);
+    if (v.signal.event) {  // marks that would touch are one
+      if (value == "1" && (row.empty() || at - row.back().begin >= 1))
+        row.push_back({at, "1", false});
+      return;
+    }
     if (!row.empty() && v.bits(value) == v.bits(row.back().value)) return;
     if (!row.empty() && time != w_.from) {
       // What is too short to be seen is busy, together with what is before it if that is, too.
@@ -231,6 +238,7 @@ class Picture {
     const View& v = views_[i];
     const bool one = v.width == 1 && !v.signal.real && !v.signal.text;
     const double high = tops_[i] + (kRow - kWave) / 2, low = high + kWave;
+    if (v.signal.event) return marks(stretches, high, low);
     std::string path;  // of a bit, as far as it is one line
     const auto end_path = [&] {
       if (!path.empty()) text_ += fmt::format("<path class=\"wave\" d=\"{}\"/>\n", path);
@@ -239,7 +247,8 @@ class Picture {
     for (std::size_t s = 0; s < stretches.size(); ++s) {
       const double begin = stretches[s].begin,
                    end = s + 1 < stretches.size() ? stretches[s + 1].begin : right_;
-      const std::string bits(v.bits(stretches[s].value));
+      std::string bits(v.bits(stretches[s].value));
+      if (one && !bits.empty()) bits[0] = four_state(bits[0]);
       if (stretches[s].busy) {
         end_path();
         box("busy", begin, end, high, low);
@@ -258,6 +267,15 @@ class Picture {
       }
     }
     end_path();
+  }
+  /// An arrow at each time at which an event is triggered.
+  void marks(const std::vector<Stretch>& stretches, double high, double low) {
+    std::string path;
+    for (const Stretch& s : stretches)
+      path +=
+          fmt::format("M{0:.1f} {1:.1f}V{2:.1f}M{3:.1f} {4:.1f}L{0:.1f} {2:.1f}L{5:.1f} {4:.1f}",
+                      s.begin, low, high, s.begin - 3, high + 4, s.begin + 3);
+    if (!path.empty()) text_ += fmt::format("<path class=\"wave event\" d=\"{}\"/>\n", path);
   }
   void box(const char* kind, double begin, double end, double high, double low) {
     text_ += fmt::format(

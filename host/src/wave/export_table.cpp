@@ -3,16 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <utility>
 
 #include "cde/support/error.hpp"
 #include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
+#include "cde/wave/changes.hpp"
 #include "cde/wave/export.hpp"
 #include "cde/wave/export_names.hpp"
+#include "cde/wave/four_state.hpp"
 #include "cde/wave/request.hpp"
 
 namespace cde::wave {
@@ -34,60 +35,79 @@ class Values {
       : views_(std::move(views)),
         texts_(views_.size()),
         bits_(views_.size()),
+        whole_(views_.size()),
+        is_stale_(views_.size(), 0),
         of_(trace.handles() + std::size_t{1}) {
     for (std::size_t i = 0; i < views_.size(); ++i) of_[views_[i].signal.handle].push_back(i);
   }
-  /// Whether something of it changes.
+  /// Whether something of it changes. An event does, until it is over.
   bool set(std::uint32_t handle, std::string_view value) {
     bool changed = false;
     for (const std::size_t i : of_[handle]) {
       const std::string_view bits = views_[i].bits(value);
+      if (views_[i].signal.event && bits == "1") triggered_.push_back(i);
       if (bits == bits_[i]) continue;
       bits_[i] = bits;
-      stale_.insert(i);
       whole_[i] = value;
+      if (is_stale_[i] == 0) stale_.push_back(i);
+      is_stale_[i] = 1;
       changed = true;
     }
     return changed;
   }
-  /// Texts are made when they are wanted: a signal may change often in between.
-  const std::vector<std::string>& texts() {
-    for (const std::size_t i : stale_) {
+  /// Views whose values are others than when this was asked last. Texts are made then: a signal may
+  /// change often in between.
+  const std::vector<std::size_t>& refresh() {
+    fresh_.swap(stale_);
+    stale_.clear();
+    for (const std::size_t i : fresh_) {
+      is_stale_[i] = 0;
       texts_[i] = views_[i].text(whole_[i]);
       if (views_[i].signal.text) texts_[i] = printable(texts_[i]);
     }
-    stale_.clear();
-    return texts_;
+    return fresh_;
+  }
+  /// Events are 0 from now on.
+  void end_events() {
+    for (const std::size_t i : std::exchange(triggered_, {}))
+      (void)set(views_[i].signal.handle, "0");
   }
   [[nodiscard]] const std::vector<View>& views() const { return views_; }
   [[nodiscard]] const std::string& bits(std::size_t i) const { return bits_[i]; }
+  [[nodiscard]] const std::string& text(std::size_t i) const { return texts_[i]; }
 
  private:
   std::vector<View> views_;
-  std::vector<std::string> texts_, bits_;
-  std::map<std::size_t, std::string> whole_;
-  std::set<std::size_t> stale_;
+  std::vector<std::string> texts_, bits_, whole_;
+  std::vector<std::size_t> stale_, fresh_, triggered_;
+  std::vector<char> is_stale_;
   std::vector<std::vector<std::size_t>> of_;
 };
 
 /// Rows of CSV, written as they come.
 class Rows {
  public:
-  Rows(OutputFile& file, Times& times)
-      : file_(file), times_(times), cycles_(times.clock_if_any() != nullptr) {}
-  void head(const std::vector<View>& views) {
+  Rows(OutputFile& file, Times& times, Values& values)
+      : file_(file),
+        times_(times),
+        values_(values),
+        cycles_(times.clock_if_any() != nullptr),
+        fields_(values.views().size()) {
     std::string line = cycles_ ? "time,cycle" : "time";
-    for (const View& v : views) line += fmt::format(",{}", csv_field(printable_name(v.label)));
+    for (const View& v : values.views())
+      line += fmt::format(",{}", csv_field(printable_name(v.label)));
     put(line);
   }
-  void row(std::uint64_t time, const std::vector<std::string>& texts) {
-    std::string line = fmt::to_string(time);
+  void row(std::uint64_t time) {
+    for (const std::size_t i : values_.refresh()) fields_[i] = ',' + csv_field(values_.text(i));
+    std::string line = fmt::to_string(times_.number(time));
     if (cycles_) {
       const auto cycle = times_.cycle(time);
       line += cycle ? fmt::format(",{}", *cycle) : ",";
     }
-    for (const std::string& text : texts) line += fmt::format(",{}", csv_field(text));
+    for (const std::string& field : fields_) line += field;
     put(line);
+    values_.end_events();
   }
   void flush() {
     file_.write(text_);
@@ -101,7 +121,9 @@ class Rows {
   }
   OutputFile& file_;
   Times& times_;
+  Values& values_;
   bool cycles_;
+  std::vector<std::string> fields_;  ///< each with its comma
   std::string text_;
 };
 
@@ -113,8 +135,7 @@ void write_csv(Trace& trace, Times& times, std::span<const View> views,
   Values values(trace, views_or_all(trace, views));
   if (times.clock_if_any() != nullptr) (void)times.edges();  // before the stream: it is another one
   OutputFile file(path);
-  Rows rows(file, times);
-  rows.head(values.views());
+  Rows rows(file, times, values);
   std::vector<std::uint32_t> wanted = handles(values.views());
   if (on) wanted.push_back(on->handle);
   std::vector<std::pair<std::uint32_t, std::string>> waiting;
@@ -130,21 +151,25 @@ void write_csv(Trace& trace, Times& times, std::span<const View> views,
           before = value[0];
         }
       clock = before;
-      if (edge) rows.row(now, values.texts());  // what was there just before the edge
+      if (edge) rows.row(now);  // what was there just before the edge
     }
     for (const auto& [handle, value] : waiting) changed = values.set(handle, value) || changed;
-    if (!on && changed) rows.row(now, values.texts());
+    if (!on && changed) rows.row(now);
     waiting.clear();
   };
-  trace.stream(wanted, from, to,
-               [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
-                 if (time != now) {
-                   step();
-                   now = time;
-                 }
-                 waiting.emplace_back(handle, value);
-                 return true;
-               });
+  const Trace::Visit visit = [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
+    if (time != now) {
+      step();
+      now = time;
+    }
+    waiting.emplace_back(handle, value);
+    return true;
+  };
+  // A clock's edge counts where it is gone within its instant, too: flip-flops see it.
+  if (on)
+    trace.stream(wanted, from, to, visit);
+  else
+    stream_changes(trace, wanted, from, to, visit);
   step();
   rows.flush();
   file.commit();
@@ -174,7 +199,7 @@ std::vector<std::uint64_t> columns_of(Trace& trace, Times& times, const std::vec
       add(*e);
     return begins;
   }
-  trace.stream(handles(views), from, to, [&](std::uint64_t time, auto, std::string_view) {
+  stream_changes(trace, handles(views), from, to, [&](std::uint64_t time, auto, std::string_view) {
     add(time);
     return true;
   });
@@ -187,16 +212,18 @@ struct Drawn {
   Json data = Json::array();
 };
 
-void draw(Drawn& d, const View& v, const std::string& bits, const std::string& text) {
+/// What a signal has in a column, unless it is the same as in those before.
+void draw(Drawn& d, const View& v, std::size_t column, const std::string& bits,
+          const std::string& text) {
   const bool one = v.width == 1 && !v.signal.real && !v.signal.text;
   const std::string& now = one ? bits : text;
-  if (!d.wave.empty() && now == d.last) {
-    d.wave += '.';
-    return;
-  }
+  if (!d.wave.empty() && now == d.last) return;
+  d.wave.resize(column, '.');
   d.last = now;
-  if (one) {
-    d.wave += bits.empty() ? 'x' : bits[0];
+  if (v.signal.event) {
+    d.wave += bits == "1" ? 'P' : '0';  // an edge with an arrow
+  } else if (one) {
+    d.wave += bits.empty() ? 'x' : four_state(bits[0]);
   } else if (bits.find_first_not_of("xX") == std::string::npos) {
     d.wave += 'x';
   } else if (bits.find_first_not_of("zZ") == std::string::npos) {
@@ -244,16 +271,22 @@ void write_wavedrom(Trace& trace, Times& times, std::span<const View> views, std
   const Signal* const clock = times.clock_if_any();
   std::vector<Drawn> drawn(all.size());
   std::size_t column = 0;
+  std::vector<std::size_t> clocks;
+  for (std::size_t i = 0; clock != nullptr && i < all.size(); ++i)
+    if (all[i].signal.handle == clock->handle) clocks.push_back(i);
   const auto finish_column = [&] {
     // The first column may begin between two edges.
     const bool edge = clock != nullptr && std::binary_search(times.edges().begin(),
                                                              times.edges().end(), begins[column]);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (edge && all[i].signal.handle == clock->handle)
-        drawn[i].wave += drawn[i].wave.ends_with('p') || drawn[i].wave.ends_with('.') ? '.' : 'p';
-      else
-        draw(drawn[i], all[i], values.bits(i), values.texts()[i]);
+    for (const std::size_t i : values.refresh())
+      if (!edge || all[i].signal.handle != clock->handle)
+        draw(drawn[i], all[i], column, values.bits(i), values.text(i));
+    for (const std::size_t i : edge ? clocks : std::vector<std::size_t>{}) {
+      const bool goes_on = drawn[i].wave.find('p') != std::string::npos;
+      drawn[i].wave.resize(column, '.');
+      drawn[i].wave += goes_on ? '.' : 'p';
     }
+    values.end_events();
     ++column;
   };
   const bool next = clock != nullptr && to > begins.back() &&
@@ -265,6 +298,7 @@ void write_wavedrom(Trace& trace, Times& times, std::span<const View> views, std
                  return true;
                });
   while (column < begins.size()) finish_column();
+  for (Drawn& d : drawn) d.wave.resize(column, '.');
   Json head = {{"text", fmt::format("{}, {} to {}", trace.file().filename().string(),
                                     times.text(from), times.text(to))}};
   if (clock != nullptr && !times.edges().empty())

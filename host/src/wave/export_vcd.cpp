@@ -10,8 +10,10 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
+#include "cde/wave/blackouts.hpp"
 #include "cde/wave/export.hpp"
 #include "cde/wave/export_names.hpp"
+#include "cde/wave/fst_api.hpp"
 
 namespace cde::wave {
 namespace {
@@ -56,8 +58,8 @@ std::string one_word(std::string_view text) {
     if (static_cast<unsigned char>(c) <= ' ') c = '_';
   return word.empty() ? "_" : word;
 }
-std::string reference(const fstHier& h) {
-  const std::string_view name(h.u.var.name, h.u.var.name_length);
+std::string reference(const VariableName& v) {
+  const std::string_view name = v.name;
   const std::size_t range = name.rfind(" [");
   if (range == std::string_view::npos || range == 0) return one_word(name);
   return one_word(name.substr(0, range)) + " " + one_word(name.substr(range + 1));
@@ -116,9 +118,11 @@ class VcdText {
         put_all({value, codes_[handle]});
         break;
       default: {
-        // Readers fill up with 0 before 0 and 1, and with x or z before these.
+        // Readers fill up with 0 before 0 and 1, and with x or z before these. They do not before
+        // any other state.
         std::size_t first = 0;
-        while (first + 1 < value.size() && value[first] == value[first + 1] && value[first] != '1')
+        const auto fills = [](char c) { return c == '0' || c == 'x' || c == 'z'; };
+        while (first + 1 < value.size() && value[first] == value[first + 1] && fills(value[first]))
           ++first;
         if (value[first] == '0' && first + 1 < value.size() && value[first + 1] == '1') ++first;
         put_all({"b", value.substr(first), " ", codes_[handle]});
@@ -142,14 +146,15 @@ void put_header(Trace& trace, const std::vector<bool>& chosen, VcdText& vcd) {
   vcd.put(fmt::format("$date\n  {}\n$end\n$version\n  cde wave export, of waves by {}\n$end\n",
                       inside(trace.date()), inside(trace.writer())));
   vcd.put(fmt::format("$timescale {} $end\n", timescale(trace)));
+  if (trace.time_zero() != 0) vcd.put(fmt::format("$timezero {} $end\n", trace.time_zero()));
   NameVisit names;
   names.open = [&](const ScopeName& s) {
     vcd.put(fmt::format("$scope {} {} $end\n", scope_type(s.type), one_word(s.name)));
   };
   names.close = [&] { vcd.put("$upscope $end\n"); };
-  names.signal = [&](const fstHier& h, const Signal& s) {
+  names.signal = [&](const VariableName& v, const Signal& s) {
     vcd.put(fmt::format("$var {} {} {} {} $end\n", signal_type(s), s.text ? 1u : s.width,
-                        code(s.handle), reference(h)));
+                        code(s.handle), reference(v)));
   };
   names.attribute = [&](const Attribute& a) {
     if (a.subtype == FST_MT_COMMENT) vcd.put(fmt::format("$comment {} $end\n", inside(a.name)));
@@ -168,23 +173,33 @@ void write_vcd(Trace& trace, std::span<const View> views, std::uint64_t from, st
   put_header(trace, chosen, vcd);
   vcd.put(fmt::format("#{}\n$dumpvars\n", from));
   std::uint64_t now = from;
-  bool initial = true;
-  const auto ended = [&] {
-    if (initial) vcd.put("$end\n");
-    initial = false;
+  bool section = true;  // $dumpvars and its like, until time goes on
+  const auto end_section = [&] {
+    if (section) vcd.put("$end\n");
+    section = false;
+  };
+  BlackoutsIn off(trace, from, to);
+  const auto go_to = [&](std::uint64_t time) {
+    end_section();
+    if (time != now) vcd.put(fmt::format("#{}\n", time));
+    now = time;
+  };
+  const auto advance = [&](std::uint64_t time) {
+    off.until(time, [&](std::uint64_t turn, bool on) {
+      go_to(turn);
+      vcd.put(on ? "$dumpon\n" : "$dumpoff\n");
+      section = true;
+    });
+    if (time != now) go_to(time);
   };
   trace.stream(chosen_handles(trace, chosen), from, to,
                [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
-                 if (time != now) {
-                   ended();
-                   vcd.put(fmt::format("#{}\n", time));
-                   now = time;
-                 }
+                 if (time != now) advance(time);
                  vcd.change(handle, value);
                  return true;
                });
-  ended();
-  if (now != to) vcd.put(fmt::format("#{}\n", to));
+  advance(to);
+  end_section();
   vcd.flush();
   file.commit();
 }

@@ -20,6 +20,7 @@ Value Expression::Parsed::value(Node& n) {
 
 Value Expression::Parsed::own(Node& n) {
   switch (n.kind) {
+    case Node::Kind::kText:
     case Node::Kind::kConstant:
       return n.constant;
     case Node::Kind::kView:
@@ -39,7 +40,7 @@ Value Expression::Parsed::own(Node& n) {
     }
     case Node::Kind::kJoin: {
       std::string bits;
-      for (const Tree& kid : n.kids) bits += characters(value(*kid));
+      for (const Tree& kid : n.kids) bits += as_written(value(*kid));
       return of_bits(bits, false);
     }
   }
@@ -52,24 +53,15 @@ Value Expression::Parsed::unary(Node& n) {
   if (n.op == "+" || n.op == "-") {
     if (a.real) return a.unknown() ? a : of_real(n.op == "-" ? -a.d : a.d);
     if (a.unknown()) return unknown_of(n.width);
-    if (n.op == "-") a.v = (0 - a.v) & mask(n.width);
-    return a;
+    return n.op == "-" ? negative(a) : a;
   }
-  if (n.op == "~") {
-    a.v = ~a.v & mask(n.width) & ~a.x;
-    return a;
-  }
+  if (n.op == "~") return complement(a);
   return reduction(n.op, a);
 }
 
 Value Expression::Parsed::binary(Node& n) {
   Value a = value(*n.kids[0]), b = value(*n.kids[1]);  // both: what looks back sees every step
-  if (is_logical(n.op)) {
-    const Truth l = truth(a), r = truth(b), decided = n.op == "&&" ? Truth::kNo : Truth::kYes;
-    if (l == decided || r == decided) return of_truth(decided);
-    return l == Truth::kUnknown || r == Truth::kUnknown ? unknown_of(1)
-                                                        : of_truth(inverse(decided));
-  }
+  if (is_logical(n.op)) return of_truth(both(n.op == "&&", truth(a), truth(b)));
   if (is_shift(n.op)) return shift(n.op, a, b, {n.width, n.is_signed, n.real});
   if (n.op == "==" || n.op == "===") return equality(a, b, n.op == "===");
   if (n.op == "!=" || n.op == "!==") return of_truth(inverse(truth(equality(a, b, n.op == "!=="))));
@@ -91,9 +83,7 @@ Value Expression::Parsed::call(Node& n) {
   if (n.op == "abs") {
     if (a.unknown()) return unknown_of(n.width, n.real);
     if (a.real) return of_real(std::fabs(a.d));
-    Value r = a;
-    if (a.is_signed && as_real(a) < 0) r.v = (0 - a.v) & mask(a.width);
-    return r;
+    return a.is_signed && as_real(a) < 0 ? negative(a) : a;
   }
   if (n.op == "countones") {
     const std::string bits = characters(a);
@@ -135,12 +125,14 @@ void Expression::set(std::uint32_t handle, std::string_view text) {
     if (v.signal.handle != handle) continue;
     Value& to = parsed_->values[i];
     const std::string_view bits = v.bits(text);
-    if (v.signal.real) {
+    if (v.signal.text) {
+      to = of_text(text);
+    } else if (v.signal.real) {
       const char* const stop = text.data() + text.size();
       double d = 0;
       to = std::from_chars(text.data(), stop, d).ec == std::errc() ? of_real(d)
                                                                    : unknown_of(1, true);
-    } else if (v.form.kind == Form::Kind::kFloat) {
+    } else if (parsed_->numbers[i] != 0) {
       const auto d = number(bits, v.form.format);
       to = d ? of_real(*d) : unknown_of(1, true);
     } else {

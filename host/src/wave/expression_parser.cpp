@@ -23,7 +23,8 @@ bool is_digit(char c) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 bool is_of_name(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '$';
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '$' ||
+         c == '#';  // NAME#2
 }
 
 class ExpressionParser {
@@ -36,6 +37,7 @@ class ExpressionParser {
     Tree root = choice();
     skip();
     if (at_ < text_.size()) fail(at_, "an operator or the end is expected here");
+    no_text(*root);
     alone(*root);
     return root;
   }
@@ -137,11 +139,61 @@ class ExpressionParser {
                        "and logical operators take more than 64",
                        n.width));
   }
+  void no_text(const Node& n) {
+    if (n.text)
+      fail(n.at, "a text can only be compared: NAME == \"TEXT\", NAME != \"TEXT\", changed(NAME)");
+  }
+  /// Makes it a floating-point number, if it is a signal that the file has such a format for.
+  void as_number(Node& n) {
+    if (!n.may_be_real) return;
+    n.may_be_real = false;
+    n.real = true;
+    n.is_signed = false;
+    n.width = 1;
+    to_.numbers[n.view] = 1;
+    to_.values[n.view] = unknown_of(1, true);
+  }
+  /// Beside a number, or a literal without a base, such a signal is one; bits beside bits.
+  void as_numbers(const std::string& op, Node& a, Node& b) {
+    const bool bits = op == "&" || op == "|" || op == "^" || op == "===" || op == "!==" ||
+                      is_logical(op) || is_shift(op);
+    const auto is_number = [](const Node& n) { return n.real || n.may_be_real || n.plain; };
+    if (bits || !is_number(a) || !is_number(b)) return;
+    as_number(a);
+    as_number(b);
+  }
+  /// A text beside a signal is the word that the signal has for a value, or its own text.
+  void as_text(const std::string& op, Node& text, Node& other) {
+    if (op != "==" && op != "!=" && op != "===" && op != "!==") no_text(text);
+    if (text.kind != Node::Kind::kText || other.text) {
+      if (!other.text) no_text(text);
+      return;
+    }
+    const View* const v = other.kind == Node::Kind::kView ? &to_.views[other.view] : nullptr;
+    if (v == nullptr || v->form.kind != Form::Kind::kNames)
+      fail(text.at, "a text is beside a signal whose values have names, or a signal of text");
+    std::vector<std::string> known;
+    for (const auto& [bits, name] : *v->form.names) {
+      known.push_back(name);
+      if (name != text.op || bits.size() > v->width) continue;
+      text.kind = Node::Kind::kConstant;
+      text.text = false;
+      text.constant = of_bits(std::string(v->width - bits.size(), '0') + bits, false);
+      text.width = v->width;
+      return;
+    }
+    fail(text.at, fmt::format("{} has no value {}; {}", printable_name(v->signal.name),
+                              in_quotes(text.op), meant_or_all(text.op, known)));
+  }
   void no_real(const Node& n, const std::string& op) {
     if (n.real) fail(n.at, fmt::format("{} takes bits, and this is a floating-point number", op));
   }
 
   Tree binary(std::string op, std::size_t at, Tree a, Tree b) {
+    if (a->text) as_text(op, *a, *b);
+    if (b->text) as_text(op, *b, *a);
+    if (a->text && op.size() == 2) op += '=';  // a text is the same or not
+    as_numbers(op, *a, *b);
     const bool real = a->real || b->real, comparison = is_comparison(op);
     const unsigned width = std::max(a->width, b->width);
     const bool any_width = op == "==" || op == "!=" || op == "===" || op == "!==" || is_logical(op);
@@ -176,6 +228,8 @@ class ExpressionParser {
       Tree a = choice();
       if (!take(":")) fail(at_, "the : of ? : is expected here");
       Tree b = choice();
+      for (const Tree* part : {&condition, &a, &b}) no_text(**part);
+      as_numbers("?", *a, *b);
       Tree n = make(Node::Kind::kChoice, "?", at, {});
       n->real = a->real || b->real;
       n->width = n->real ? 1 : std::max(a->width, b->width);
@@ -219,6 +273,8 @@ class ExpressionParser {
       const std::string_view rest = std::string_view(text_).substr(at_);
       if (rest.starts_with("&&") || rest.starts_with("||") || !take(op)) continue;
       Tree a = unary();
+      no_text(*a);
+      if (op == "-" || op == "+") as_number(*a);
       n = make(Node::Kind::kUnary, op == "^~" ? "~^" : std::string(op), at, {});
       if (op == "-" || op == "+" || op == "~") {
         narrow_enough(*a);
@@ -252,6 +308,7 @@ class ExpressionParser {
       n->width = 0;
       do {
         Tree part = choice();
+        no_text(*part);
         no_real(*part, "{}");
         n->width += part->width;
         n->kids.push_back(std::move(part));
@@ -260,10 +317,21 @@ class ExpressionParser {
       return n;
     }
     const char c = text_[at_];
+    if (c == '"') return quoted();
     if (is_digit(c) || c == '\'') return literal();
     if (std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '$' || c == '\\')
       return word();
     fail(at_, "a signal, a number, a function or ( is expected here");
+  }
+
+  Tree quoted() {
+    const std::size_t at = at_, stop = text_.find('"', at + 1);
+    if (stop == std::string::npos) fail(at, "the second \" of this text is missing");
+    at_ = stop + 1;
+    Tree n = make(Node::Kind::kText, text_.substr(at + 1, stop - at - 1), at, {});
+    n->text = true;
+    n->constant = of_text(n->op);
+    return n;
   }
 
   Tree constant(std::size_t at, Value v) {
@@ -302,7 +370,9 @@ class ExpressionParser {
     v.width = whole > 0x7fffffff ? 64 : 32;
     v.is_signed = whole <= 0x7fffffff;
     v.v = whole;
-    return constant(at, v);
+    Tree n = constant(at, v);
+    n->plain = true;
+    return n;
   }
 
   /// 8'hff, 'b01x, 4'sd7, '0, '1.
@@ -396,6 +466,7 @@ class ExpressionParser {
       while (at_ < text_.size() && is_of_name(text_[at_])) name.push_back(text_[at_++]);
     }
     // The : of ? : is none of a form.
+    bool formed = false;
     if (at_ < text_.size() && text_[at_] == ':') {
       std::size_t stop = at_ + 1;
       while (stop < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[stop])) != 0))
@@ -406,35 +477,46 @@ class ExpressionParser {
       if (parse_form(std::string_view(text_).substr(at_ + 1, stop - at_ - 1))) {
         name += text_.substr(at_, stop - at_);
         at_ = stop;
+        formed = true;
       }
     }
-    return signal(at, name);
+    return signal(at, name, formed);
   }
 
-  Tree signal(std::size_t at, const std::string& name) {
+  /// Whether a format is one of the whole view, and not of several lanes in it.
+  static bool is_one_lane(const View& v) {
+    const auto own = static_cast<unsigned>(v.form.format.width());
+    return v.width <= 64 &&
+           (v.width == own || v.width == static_cast<unsigned>(contract::container(
+                                             v.form.format.exp_bits, v.form.format.man_bits)));
+  }
+
+  /// `formed`: the name has its form behind it; else it is the one that the file gives it.
+  Tree signal(std::size_t at, const std::string& name, bool formed = false) {
     View v;
     try {
       v = view(trace_, name, Form{});
     } catch (const Error& e) {
       fail(at, e.what());
     }
-    if (v.signal.text) fail(at, "a signal of text has no value to compute with");
     Tree n = make(Node::Kind::kView, "", at, {});
-    n->real = v.signal.real || v.form.kind == Form::Kind::kFloat;
-    if (n->real && !v.signal.real && v.width > 64)
+    n->text = v.signal.text;
+    n->real = v.signal.real || (v.form.kind == Form::Kind::kFloat && !v.signal.text);
+    if (n->real && !v.signal.real && !is_one_lane(v))
       fail(at, fmt::format("this has several lanes; {}[N]:{} is one of them", v.signal.name,
                            v.form.format.name()));
-    const auto own = static_cast<unsigned>(v.form.format.width());
-    if (n->real && !v.signal.real && v.width != own &&
-        v.width != static_cast<unsigned>(
-                       contract::container(v.form.format.exp_bits, v.form.format.man_bits)))
-      fail(at, fmt::format("this has several lanes; {}[N]:{} is one of them", v.signal.name,
-                           v.form.format.name()));
+    if (!formed && !v.indexed && !n->real && !n->text) {
+      Form file;
+      file.kind = Form::Kind::kFile;
+      v.form = default_form(trace_, v.signal, file);
+      n->may_be_real = v.form.kind == Form::Kind::kFloat && is_one_lane(v);
+    }
     n->is_signed = signed_view(v);
-    n->width = n->real ? 1 : v.width;
+    n->width = n->real || n->text ? 1 : v.width;
     n->view = to_.views.size();
+    to_.numbers.push_back(n->real && !v.signal.real ? 1 : 0);
     to_.views.push_back(v);
-    to_.values.push_back(unknown_of(std::min(n->width, 64u), n->real));
+    to_.values.push_back(unknown_of(n->width, n->real));
     return n;
   }
 
@@ -446,6 +528,8 @@ class ExpressionParser {
     (void)take("(");
     Tree a = choice();
     if (!take(")")) fail(at_, fmt::format("the ) of {}( is expected here", name));
+    if (name != "changed") no_text(*a);
+    if (name == "isnan" || name == "isinf" || name == "abs") as_number(*a);
     if ((name == "isnan" || name == "isinf") && !a->real)
       fail(a->at,
            fmt::format("{} takes a floating-point number: NAME:fp32, or another format", name));

@@ -13,13 +13,16 @@ namespace cde::wave {
 namespace expression {
 
 struct Node {
-  enum class Kind { kConstant, kView, kUnary, kBinary, kChoice, kCall, kJoin };
+  enum class Kind { kConstant, kText, kView, kUnary, kBinary, kChoice, kCall, kJoin };
   Kind kind = Kind::kConstant;
   std::string op;
   std::size_t at = 0;
   std::vector<std::unique_ptr<Node>> kids;
   unsigned width = 1;
   bool is_signed = false, real = false;
+  bool text = false;            ///< a text: no bits and no number
+  bool plain = false;           ///< a literal without a base
+  bool may_be_real = false;     ///< of a view that the file has a format of numbers for
   unsigned context = 0;         ///< width and sign that its surroundings give the value, which it
   bool context_signed = false;  ///< has none of its own operands to give to; 0: none
   Value constant;
@@ -51,6 +54,7 @@ inline bool is_shift(std::string_view op) {
 struct Expression::Parsed {
   std::vector<View> views;
   std::vector<Value> values;
+  std::vector<char> numbers;  ///< of views: 1 if it is read as a floating-point number
   expression::Tree root;
   bool looks_back = false;
 

@@ -6,12 +6,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <memory>
+#include <utility>
 
 #include "cde/wave/fst_api.hpp"
 
@@ -58,13 +61,76 @@ void* reader_calloc(std::size_t count, std::size_t bytes) {
   return memory;
 }
 
-/// The writer's own file of names is NAME.hier, which is in memory instead: beside NAME it would
+/// Parts of files as one stream.
+class Parts {
+ public:
+  explicit Parts(std::vector<cde::wave::FstPart> parts) : parts_(std::move(parts)) {
+    for (cde::wave::FstPart& p : parts_) {
+      if (!p.text.empty()) p.size = p.text.size();
+      size_ += p.size;
+    }
+  }
+  ssize_t read(char* to, std::size_t count) {
+    std::uint64_t begin = 0;
+    for (const cde::wave::FstPart& p : parts_) {
+      if (at_ >= begin && at_ - begin < p.size) {
+        const std::uint64_t from = at_ - begin;
+        const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(count, p.size - from));
+        ssize_t done = static_cast<ssize_t>(n);
+        if (!p.text.empty())
+          std::memcpy(to, p.text.data() + from, n);
+        else
+          done = ::pread(p.descriptor, to, n, static_cast<off_t>(p.offset + from));
+        if (done > 0) at_ += static_cast<std::uint64_t>(done);
+        return done;
+      }
+      begin += p.size;
+    }
+    return 0;
+  }
+  int seek(off64_t* to, int whence) {
+    const std::int64_t base = whence == SEEK_SET   ? 0
+                              : whence == SEEK_CUR ? static_cast<std::int64_t>(at_)
+                                                   : static_cast<std::int64_t>(size_);
+    if (*to < -base) return -1;
+    at_ = static_cast<std::uint64_t>(base + *to);
+    *to = static_cast<off64_t>(at_);
+    return 0;
+  }
+
+ private:
+  std::vector<cde::wave::FstPart> parts_;
+  std::uint64_t size_ = 0, at_ = 0;
+};
+
+std::FILE* stream_of(std::vector<cde::wave::FstPart> parts) {
+  cookie_io_functions_t calls{};
+  calls.read = [](void* p, char* to, std::size_t n) { return static_cast<Parts*>(p)->read(to, n); };
+  calls.seek = [](void* p, off64_t* to, int how) { return static_cast<Parts*>(p)->seek(to, how); };
+  calls.close = [](void* p) {
+    delete static_cast<Parts*>(p);
+    return 0;
+  };
+  auto own = std::make_unique<Parts>(std::move(parts));
+  std::FILE* const file = ::fopencookie(own.get(), "rb", calls);
+  if (file == nullptr) return nullptr;
+  (void)own.release();
+  constexpr std::size_t kBuffer = 1u << 16;
+  (void)std::setvbuf(file, nullptr, _IOFBF, kBuffer);
+  return file;
+}
+
+thread_local std::FILE* reader_stream = nullptr;  ///< what the reader opens next
+
+/// The reader opens the stream, and no other file: NAME.hier beside it may be another's. The
+/// writer's own file of names is NAME.hier, which is in memory instead: beside NAME it would
 /// replace what another user has put there.
-std::FILE* writer_open(const char* name, const char* mode) {
+std::FILE* wave_open(const char* name, const char* mode) {
+  if (mode[0] == 'r') return std::exchange(reader_stream, nullptr);
   const std::size_t length = std::strlen(name);
   constexpr char kNames[] = ".hier";
   constexpr std::size_t kEnd = sizeof kNames - 1;
-  if (mode[0] != 'w' || length < kEnd || std::strcmp(name + length - kEnd, kNames) != 0)
+  if (length < kEnd || std::strcmp(name + length - kEnd, kNames) != 0)
     return std::fopen(name, mode);
   const int fd = ::memfd_create("waves", MFD_CLOEXEC);
   return fd < 0 ? nullptr : ::fdopen(fd, "w+b");
@@ -78,7 +144,7 @@ std::FILE* writer_open(const char* name, const char* mode) {
 #define FST_CONFIG_INCLUDE "fst_config.h"
 #define exit reader_exit
 #define fprintf reader_print
-#define fopen writer_open
+#define fopen wave_open
 #undef fgetc
 #define fgetc reader_getc
 #define malloc reader_malloc
@@ -91,3 +157,13 @@ std::FILE* writer_open(const char* name, const char* mode) {
 // NOLINTEND(bugprone-suspicious-include)
 // clang-format on
 #pragma GCC diagnostic pop
+
+namespace cde::wave {
+
+void* open_fst_reader(std::vector<FstPart> parts) {
+  reader_stream = stream_of(std::move(parts));
+  if (reader_stream == nullptr) return nullptr;
+  return fstReaderOpen("waves");
+}
+
+}  // namespace cde::wave

@@ -3,13 +3,16 @@
 
 #include <algorithm>
 
+#include "cde/wave/four_state.hpp"
+
 namespace cde::wave {
 namespace {
 
 /// 1 if a bit is, x if none is and one is unknown.
 char reduced(std::string_view value) {
   char all = '0';
-  for (const char c : value) {
+  for (const char own : value) {
+    const char c = four_state(own);
     if (c == '1') return '1';
     if (c != '0') all = 'x';
   }
@@ -49,19 +52,27 @@ void Measure::run(Trace& trace, std::uint64_t from, std::uint64_t to) {
   for (std::uint32_t h = 0; h < now_.size(); ++h)
     if (now_[h] != 0 || !of_[h].empty()) handles.push_back(h);
   std::uint64_t time = from;
-  trace.stream(handles, from, to,
-               [&](std::uint64_t t, std::uint32_t handle, std::string_view value) {
-                 if (t != time) {
-                   step(time, time == from);
-                   time = t;
-                 }
-                 for (const std::size_t i : of_[handle])
-                   t == from ? signals[i].begin(t, value) : signals[i].change(t, value);
-                 if (now_[handle] != 0) waiting_.emplace_back(handle, reduced(value));
-                 return true;
-               });
+  dark = blackouts_in(trace, from, to);
+  if (!dark.empty())
+    for (Activity& a : signals) a.dark = &dark;
+  bool counts = true;
+  trace.stream(
+      handles, from, to, [&](std::uint64_t t, std::uint32_t handle, std::string_view value) {
+        if (t != time) {
+          step(time, time == from);
+          time = t;
+          counts = dark.empty() || (!is_dark(dark, t) && (t == 0 || !is_dark(dark, t - 1)));
+        }
+        for (const std::size_t i : of_[handle])
+          t == from ? signals[i].begin(t, value) : signals[i].change(t, value, counts);
+        if (now_[handle] != 0) waiting_.emplace_back(handle, reduced(value));
+        return true;
+      });
   step(time, time == from);
-  for (Activity& a : signals) a.stretch(to);
+  for (Activity& a : signals) {
+    a.settle();
+    a.stretch(to);
+  }
   for (std::size_t i = 0; i < uses.size(); ++i) end_stall(i);
 }
 
@@ -88,7 +99,7 @@ void Measure::step(std::uint64_t time, bool begins) {
           rises = rises || (before == '0' && value == '1');
           before = value;
         }
-      if (rises) cycle(d, time);
+      if (rises && (dark.empty() || !is_dark(dark, time))) cycle(d, time);
     }
   for (const auto& [handle, value] : waiting_) now_[handle] = value;
   waiting_.clear();

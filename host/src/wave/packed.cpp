@@ -4,8 +4,10 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "cde/support/error.hpp"
+#include "cde/wave/four_state.hpp"
 
 namespace cde::wave {
 
@@ -19,11 +21,23 @@ void Packed::add_time(std::uint64_t time) {
 
 void Packed::add(std::uint64_t time, std::string_view value) {
   if (changes_ != 0 && value == last_) return;
-  last_ = value;
+  if (changes_ > 1 && time == last_time_ && value == before_) {
+    // What is gone within its instant is no change.
+    values_.resize(values_.size() - values_.size() / changes_);
+    times_.resize(last_length_);
+    last_time_ = before_time_;
+    last_ = value;
+    --changes_;
+    return;
+  }
   if (changes_ != 0 && time == last_time_) {
     // The last of several values at one time is the one that stays.
+    last_ = value;
     values_.resize(values_.size() - values_.size() / changes_);
   } else {
+    before_ = std::exchange(last_, std::string(value));
+    before_time_ = last_time_;
+    last_length_ = times_.size();
     add_time(time);
   }
   if (text_)
@@ -34,15 +48,16 @@ void Packed::add(std::uint64_t time, std::string_view value) {
 
 void Packed::add_bits(std::string_view bits) {
   const std::size_t plane = (std::size_t{width_} + 7) / 8;
-  if (planes_ == 1 && bits.find_first_not_of("01") != std::string_view::npos) second_plane();
+  if (planes_ == 1 && bits.find_first_not_of("01lLhH") != std::string_view::npos) second_plane();
   const std::size_t at = values_.size();
   values_.resize(at + plane * planes_);
   const std::size_t pad = plane * 8 - width_, size = std::min<std::size_t>(bits.size(), width_);
   for (std::size_t i = 0; i < size; ++i) {
     const std::size_t place = pad + i;
     const auto mask = static_cast<char>(0x80u >> place % 8);
-    if (bits[i] != '0' && bits[i] != 'z') values_[at + place / 8] |= mask;
-    if (bits[i] != '0' && bits[i] != '1') values_[at + plane + place / 8] |= mask;
+    const char c = four_state(bits[i]);
+    if (c != '0' && c != 'z') values_[at + place / 8] |= mask;
+    if (c != '0' && c != '1') values_[at + plane + place / 8] |= mask;
   }
 }
 

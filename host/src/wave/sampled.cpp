@@ -13,7 +13,10 @@ constexpr unsigned kMostWires = 200;  // one behind the other
 
 Sampled::Sampled(Trace& trace, const Design& design) : trace_(trace), design_(design) {
   for (const Signal& s : trace.signals())
-    if (!s.real && !s.text) names_.emplace(s.name, &s);
+    if (!s.real && !s.text) {
+      names_.emplace(s.name, &s);
+      if (s.name.ends_with(']')) names_.emplace(without_array_scope(s.name), &s);
+    }
   // Each begins with the values at the end of the one before.
   std::uint64_t last = trace.start();
   for (const Section& s : trace.structure().sections) {

@@ -5,10 +5,13 @@
 #include <set>
 
 namespace cde::wave {
+
 std::vector<View> views_in_scopes(const Request& r, Trace& trace, bool once) {
   std::vector<View> all;
   std::set<std::uint32_t> seen;
   const std::vector<std::string> words = r.words.empty() ? std::vector<std::string>{"*"} : r.words;
+  const FileForms file_forms(trace);
+  const Form asked = r.default_form();
   for (const std::string& word : words) {
     // A plain name is a scope here, or a signal below; so is a pattern with a form behind it.
     std::vector<std::string> forms = {word + ".*", "*." + word + ".*"};
@@ -27,7 +30,7 @@ std::vector<View> views_in_scopes(const Request& r, Trace& trace, bool once) {
       v.signal = s;
       v.label = s.name;
       v.width = s.width;
-      v.form = default_form(trace, s, r.default_form());
+      v.form = file_forms.of(s, asked);
       all.push_back(std::move(v));
     }
     if (any) continue;

@@ -25,9 +25,20 @@ constexpr std::array<Unit, 6> kUnits = {
 }  // namespace
 
 std::string Times::text(std::uint64_t time) const {
-  std::string digits = fmt::to_string(time);
+  const std::int64_t zero = trace_.time_zero();
+  const std::uint64_t before = zero < 0 ? 0 - static_cast<std::uint64_t>(zero) : 0;
+  if (time < before) return "-" + span(before - time);
+  return span(time + static_cast<std::uint64_t>(zero));
+}
+
+std::int64_t Times::number(std::uint64_t time) const {
+  return static_cast<std::int64_t>(time + static_cast<std::uint64_t>(trace_.time_zero()));
+}
+
+std::string Times::span(std::uint64_t length) const {
+  std::string digits = fmt::to_string(length);
   const int scale = trace_.scale();
-  if (time == 0) return "0";
+  if (length == 0) return "0";
   // The largest unit that leaves a digit before the point.
   const int top = scale + static_cast<int>(digits.size()) - 1;
   const auto unit = std::find_if(kUnits.begin(), kUnits.end() - 1,
@@ -113,6 +124,26 @@ std::uint64_t Times::edge(std::uint64_t number, const std::string& whole) {
   return all[number];
 }
 
+void Times::outside(const std::string& whole) const {
+  throw_usage(fmt::format("{} is outside of the file, which goes from {} to {}", in_quotes(whole),
+                          text(trace_.start()), text(trace_.end())));
+}
+
+/// What the file counts of a number that people count.
+std::uint64_t Times::from_zero(bool negative, std::uint64_t magnitude,
+                               const std::string& whole) const {
+  const std::int64_t zero = trace_.time_zero();
+  const std::uint64_t shift =
+      zero < 0 ? 0 - static_cast<std::uint64_t>(zero) : static_cast<std::uint64_t>(zero);
+  if (!negative && zero <= 0) {
+    if (magnitude > UINT64_MAX - shift) outside(whole);
+    return magnitude + shift;
+  }
+  if (negative && zero <= 0 && magnitude <= shift) return shift - magnitude;
+  if (negative || magnitude < shift) outside(whole);
+  return magnitude - shift;
+}
+
 std::uint64_t Times::base(const std::string& text, const std::string& whole) {
   if (text == "start") return trace_.start();
   if (text == "end") return trace_.end();
@@ -129,26 +160,29 @@ std::uint64_t Times::base(const std::string& text, const std::string& whole) {
     if (text.size() > 4 && read.ec == std::errc() && read.ptr == text.data() + text.size())
       return edge(number, whole);
   }
-  if (text.find_first_not_of("0123456789") == std::string::npos) {
+  const bool negative = text.starts_with('-');
+  const std::string digits = text.substr(negative ? 1 : 0);
+  if (digits.find_first_not_of("0123456789") == std::string::npos) {
     std::uint64_t number = 0;
-    if (std::from_chars(text.data(), text.data() + text.size(), number).ec == std::errc() &&
-        !text.empty())
-      return number;
+    if (std::from_chars(digits.data(), digits.data() + digits.size(), number).ec == std::errc() &&
+        !digits.empty())
+      return from_zero(negative, number, whole);
   }
-  const auto found = length(text);
+  const auto found = length(digits);
   if (!found || *found > 1.8e19)
     throw_usage(
         fmt::format("no time {}; it must be a number, in units of the file or with fs, ps, ns, "
                     "us, ms or s, cyc:N, start, end or fail, and perhaps +N or -N behind it",
                     in_quotes(whole)));
-  return static_cast<std::uint64_t>(*found + 0.5);
+  return from_zero(negative, static_cast<std::uint64_t>(*found + 0.5), whole);
 }
 
 std::uint64_t Times::parse(const std::string& whole) {
   // A sign behind an e is that of an exponent.
   std::size_t sign = whole.find_first_of("+-", 1);
+  const std::size_t first = whole.starts_with('-') ? 1 : 0;
   if (sign != std::string::npos && (whole[sign - 1] == 'e' || whole[sign - 1] == 'E') &&
-      std::isdigit(static_cast<unsigned char>(whole[0])) != 0)
+      whole.size() > first && std::isdigit(static_cast<unsigned char>(whole[first])) != 0)
     sign = whole.find_first_of("+-", sign + 1);
   std::uint64_t time = base(whole.substr(0, sign), whole);
   if (sign != std::string::npos) {
@@ -172,9 +206,7 @@ std::uint64_t Times::parse(const std::string& whole) {
       time = back ? time - steps : time + steps;
     }
   }
-  if (time < trace_.start() || time > trace_.end())
-    throw_usage(fmt::format("{} is outside of the file, which goes from {} to {}", in_quotes(whole),
-                            text(trace_.start()), text(trace_.end())));
+  if (time < trace_.start() || time > trace_.end()) outside(whole);
   return time;
 }
 

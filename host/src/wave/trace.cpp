@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <unordered_map>
 #include <utility>
 
 #include "cde/support/error.hpp"
@@ -40,16 +41,20 @@ bool read_range(std::string_view text, Signal& s) {
 }
 
 void name_signal(Signal& s, const std::string& scope, std::string_view name) {
+  while (name.ends_with(' ')) name.remove_suffix(1);
   // "a [7:0]" is a range; "a[7:0]" is one if it has the width, else an element of an array.
-  const std::size_t space = name.find(" [");
+  const std::size_t space = name.rfind(" [");
   const std::size_t bracket = space != std::string_view::npos ? space + 1 : name.rfind('[');
-  std::string_view stem = name.substr(0, space);
+  std::string stem(name);
   if (bracket != std::string_view::npos && bracket != 0 && read_range(name.substr(bracket), s)) {
     const auto bits = static_cast<std::uint64_t>(std::abs(std::int64_t{s.left} - s.right)) + 1;
-    s.ranged = bits == s.width && (space != std::string_view::npos || bits > 1);
-    if (s.ranged) stem = name.substr(0, bracket);
+    s.ranged = bits == s.width && (space != std::string_view::npos || bits > 1 ||
+                                   name.find(':', bracket) != std::string_view::npos);
+    if (s.ranged) stem.resize(bracket);
   }
-  while (stem.ends_with(' ')) stem.remove_suffix(1);
+  while (stem.ends_with(' ')) stem.pop_back();
+  // "mem [1]" is an element.
+  for (std::size_t at = 0; (at = stem.find(" [", at)) != std::string::npos;) stem.erase(at, 1);
   if (!s.ranged) {
     s.left = static_cast<int>(s.width) - 1;
     s.right = 0;
@@ -58,8 +63,6 @@ void name_signal(Signal& s, const std::string& scope, std::string_view name) {
   s.name = scope;
   s.name += stem;
 }
-
-struct Stop {};  ///< ends Verilator's reader from within
 
 /// "NAME COUNT name ... bits ...", all escaped; null if it is none.
 std::shared_ptr<const Names> table_of(const char* text) {
@@ -79,42 +82,7 @@ std::shared_ptr<const Names> table_of(const char* text) {
 
 }  // namespace
 
-Trace::Trace(const std::filesystem::path& file)
-    : file_(file), structure_(check_structure(file)), reader_(nullptr, fstReaderClose) {
-  try {
-    reader_.reset(fstReaderOpen(file.c_str()));
-  } catch (const ReaderFailed&) {
-    corrupt();
-  }
-  if (!reader_) corrupt();
-}
-
-void Trace::corrupt() const {
-  throw Error(ErrorCode::kFile,
-              printable_name(file_.string()) +
-                  ": is corrupt: Verilator's reader of FST cannot make sense of it");
-}
-
-int Trace::scale() const {
-  return fstReaderGetTimescale(reader_.get());
-}
-std::uint64_t Trace::start() const {
-  return fstReaderGetStartTime(reader_.get());
-}
-std::uint64_t Trace::end() const {
-  return fstReaderGetEndTime(reader_.get());
-}
-std::string Trace::writer() const {
-  return fstReaderGetVersionString(reader_.get());
-}
-std::string Trace::date() const {
-  std::string text = fstReaderGetDateString(reader_.get());
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  return text;
-}
-std::uint32_t Trace::handles() const {
-  return fstReaderGetMaxHandle(reader_.get());
-}
+Trace::Trace(const std::filesystem::path& file) : file_(file), source_(open_source(file)) {}
 
 const std::vector<Signal>& Trace::signals() {
   if (!signals_) read_names();
@@ -128,109 +96,251 @@ const std::vector<std::string>& Trace::comments() {
   (void)signals();
   return comments_;
 }
+std::uint32_t Trace::handles() {
+  (void)signals();
+  return static_cast<std::uint32_t>(widths_.size() - 1);
+}
+
+namespace {
+
+Signal signal_of(const VariableName& v, const std::string& scope) {
+  Signal s;
+  s.handle = v.handle;
+  s.kind = kKinds.at(static_cast<std::size_t>(v.type));
+  s.direction = kDirections.at(static_cast<std::size_t>(v.direction));
+  s.real = v.type == FST_VT_VCD_REAL || v.type == FST_VT_VCD_REAL_PARAMETER ||
+           v.type == FST_VT_VCD_REALTIME || v.type == FST_VT_SV_SHORTREAL;
+  s.text = v.type == FST_VT_GEN_STRING;
+  s.event = v.type == FST_VT_VCD_EVENT;
+  s.is_signed = v.type == FST_VT_VCD_INTEGER || v.type == FST_VT_SV_INT ||
+                v.type == FST_VT_SV_SHORTINT || v.type == FST_VT_SV_LONGINT ||
+                v.type == FST_VT_SV_BYTE;
+  s.width = v.width;
+  name_signal(s, scope, v.name);
+  return s;
+}
+
+/// Whether a signal is what follows the one before in a vector that was written in parts.
+bool follows(const Signal& before, const Signal& now, bool down) {
+  return before.ranged && now.ranged && !now.event && before.name == now.name &&
+         before.kind == std::string_view(now.kind) &&
+         std::int64_t{now.left} == std::int64_t{before.right} + (down ? -1 : 1) &&
+         (now.left == now.right || (now.left > now.right) == down);
+}
+
+}  // namespace
 
 void Trace::read_names() {
   std::vector<Signal> found;
-  found.reserve(std::min<std::uint64_t>(fstReaderGetVarCount(reader_.get()), 1u << 20));
-  widths_.assign(handles() + std::size_t{1}, 1);
+  std::vector<bool> begins;  // whether a signal is the first behind a scope
+  const std::uint32_t handles = source_->facts().handles;
+  widths_.assign(handles + std::size_t{1}, 1);
   events_.assign(widths_.size(), false);
   std::string scope;
   std::vector<std::size_t> outer;
   std::map<std::uint64_t, std::shared_ptr<const Names>> tables;
   std::shared_ptr<const Names> names;  // of the next signal
-  try {
-    while (const fstHier* const h = fstReaderIterateHier(reader_.get())) {
-      if (h->htyp == FST_HT_SCOPE) {
-        outer.push_back(scope.size());
-        scope.append(h->u.scope.name).push_back('.');
-        ++scopes_;
-      } else if (h->htyp == FST_HT_UPSCOPE) {
-        if (outer.empty()) corrupt();
-        scope.resize(outer.back());
-        outer.pop_back();
-      } else if (h->htyp == FST_HT_ATTRBEGIN && h->u.attr.typ == FST_AT_MISC &&
-                 h->u.attr.subtype == FST_MT_COMMENT) {
-        comments_.emplace_back(h->u.attr.name);
-      } else if (h->htyp == FST_HT_ATTRBEGIN && h->u.attr.typ == FST_AT_MISC &&
-                 h->u.attr.subtype == FST_MT_ENUMTABLE) {
-        if (h->u.attr.name_length != 0)
-          tables[h->u.attr.arg] = table_of(h->u.attr.name);
-        else if (const auto known = tables.find(h->u.attr.arg); known != tables.end())
-          names = known->second;
-      }
-      if (h->htyp != FST_HT_VAR) continue;
-      const auto& v = h->u.var;
-      if (v.handle == 0 || v.handle > handles() || v.typ > FST_VT_MAX || v.direction > FST_VD_MAX)
-        corrupt();
-      Signal& s = found.emplace_back();
-      s.handle = v.handle;
-      s.kind = kKinds[v.typ];
-      s.direction = kDirections[v.direction];
-      s.real = v.typ == FST_VT_VCD_REAL || v.typ == FST_VT_VCD_REAL_PARAMETER ||
-               v.typ == FST_VT_VCD_REALTIME || v.typ == FST_VT_SV_SHORTREAL;
-      s.text = v.typ == FST_VT_GEN_STRING;
-      s.event = v.typ == FST_VT_VCD_EVENT;
-      s.is_signed = v.typ == FST_VT_VCD_INTEGER || v.typ == FST_VT_SV_INT ||
-                    v.typ == FST_VT_SV_SHORTINT || v.typ == FST_VT_SV_LONGINT ||
-                    v.typ == FST_VT_SV_BYTE;
-      events_[s.handle] = s.event;
-      s.width = s.real ? 64 : v.length;
-      s.names = std::exchange(names, nullptr);
-      widths_[s.handle] = s.width;
-      name_signal(s, scope, {v.name, v.name_length});
+  bool fresh = true;
+  SourceVisit visit;
+  visit.open = [&](ScopeName&& s) {
+    outer.push_back(scope.size());
+    while (s.name.ends_with(' ')) s.name.pop_back();
+    if (!s.name.empty()) scope.append(s.name).push_back('.');
+    ++scopes_;
+    fresh = true;
+  };
+  visit.close = [&] {
+    scope.resize(outer.back());
+    outer.pop_back();
+    fresh = true;
+  };
+  visit.attribute = [&](Attribute&& a) {
+    if (a.type != FST_AT_MISC) return;
+    if (a.subtype == FST_MT_COMMENT) {
+      comments_.push_back(std::move(a.name));
+    } else if (a.subtype == FST_MT_ENUMTABLE) {
+      if (!a.name.empty())
+        tables[a.argument] = table_of(a.name.c_str());
+      else if (const auto known = tables.find(a.argument); known != tables.end())
+        names = known->second;
     }
-  } catch (const ReaderFailed&) {
-    corrupt();
-  }
-  if (found.empty()) corrupt();
-  signals_ = std::move(found);
+  };
+  visit.variable = [&](VariableName&& v) {
+    Signal& s = found.emplace_back(signal_of(v, scope));
+    events_[s.handle] = s.event;
+    widths_[s.handle] = s.width;
+    s.names = std::exchange(names, nullptr);
+    begins.push_back(std::exchange(fresh, false));
+  };
+  source_->names(visit);
+  if (found.empty())
+    throw Error(ErrorCode::kFile, printable_name(file_.string()) + ": has no signals");
+  join_pieces(found, begins);
+  number_twins();
 }
 
-namespace {
+void Trace::join_pieces(std::vector<Signal>& found, const std::vector<bool>& begins) {
+  std::vector<Signal> all;
+  all.reserve(found.size());
+  for (std::size_t i = 0; i < found.size();) {
+    std::size_t end = i + 1;
+    bool down = true;
+    if (end < found.size() && found[i].ranged && !found[i].event && !found[i].real) {
+      down = found[i].left != found[i].right ? found[i].left > found[i].right
+                                             : found[end].left < found[i].right;
+      while (end < found.size() && !begins[end] && follows(found[end - 1], found[end], down)) ++end;
+    }
+    signal_of_.insert(signal_of_.end(), end - i, all.size());
+    if (end == i + 1) {
+      all.push_back(std::move(found[i]));
+    } else {
+      Signal whole = found[i];
+      whole.handle = static_cast<std::uint32_t>(widths_.size());
+      whole.right = found[end - 1].right;
+      whole.width = 0;
+      for (std::size_t k = i; k < end; ++k) {
+        pieces_.emplace(found[k].handle, Piece{whole.handle, whole.width});
+        parts_[whole.handle].push_back(found[k].handle);
+        whole.width += found[k].width;
+      }
+      widths_.push_back(whole.width);
+      events_.push_back(false);
+      all.push_back(std::move(whole));
+    }
+    i = end;
+  }
+  signals_ = std::move(all);
+}
 
-/// What Verilator's reader calls for each change.
-struct Receiver {
-  std::uint64_t from, to;
-  const Trace::Visit& visit;
-  std::span<const std::uint32_t> handles;
-  const std::vector<unsigned>& widths;
-  const std::vector<bool>& events;
-  std::vector<std::optional<std::string>> first;  ///< of each handle, up to `from`
-  bool flushed = false;
+/// Signals of one name that are not the same thing are told apart by numbers.
+void Trace::number_twins() {
+  std::unordered_map<std::string_view, std::size_t> first;
+  first.reserve(signals_->size());
+  std::map<std::size_t, std::vector<std::size_t>> twins;
+  for (std::size_t i = 0; i < signals_->size(); ++i) {
+    const auto [known, fresh] = first.emplace((*signals_)[i].name, i);
+    if (!fresh && (*signals_)[i].handle != (*signals_)[known->second].handle)
+      twins[known->second].push_back(i);
+  }
+  for (const auto& [leader, others] : twins) {
+    (*signals_)[leader].number = 1;
+    std::map<std::uint32_t, unsigned> numbers = {{(*signals_)[leader].handle, 1}};
+    for (const std::size_t i : others) {
+      Signal& s = (*signals_)[i];
+      s.number = numbers.emplace(s.handle, numbers.size() + 1).first->second;
+      s.name += fmt::format("#{}", s.number);
+    }
+  }
+}
 
+void Trace::nested(const NestedVisit& visit) {
+  (void)signals();
+  std::size_t next = 0;
+  SourceVisit plain;
+  plain.open = visit.open;
+  plain.close = visit.close;
+  plain.attribute = visit.attribute;
+  plain.variable = [&](VariableName&& v) {
+    const std::size_t index = signal_of_.at(next++);
+    if (next > 1 && signal_of_[next - 2] == index) return;
+    const Signal& s = (*signals_)[index];
+    if (s.handle != v.handle) {
+      v.name = fmt::format("{} [{}:{}]", v.name.substr(0, v.name.rfind('[')), s.left, s.right);
+      if (const std::size_t blanks = v.name.find("  ["); blanks != std::string::npos)
+        v.name.erase(blanks, 1);
+      v.width = s.width;
+      v.handle = s.handle;
+    }
+    if (visit.variable) visit.variable(std::move(v), index);
+  };
+  source_->names(plain);
+}
+
+/// Makes the stream of a trace of the changes of its source.
+class Changes {
+ public:
+  struct Stop {};  ///< enough
+
+  Changes(const Trace& trace, std::span<const std::uint32_t> wanted, std::uint64_t from,
+          std::uint64_t to, const Trace::Visit& visit)
+      : trace_(trace), from_(from), to_(to), visit_(visit), wanted_(wanted) {
+    first_.resize(trace.widths_.size());
+    const std::uint32_t own = trace.source_->facts().handles;
+    for (const std::uint32_t handle : wanted) {
+      if (handle <= own) {
+        direct_.resize(trace.widths_.size());
+        direct_[handle] = true;
+        sources_.push_back(handle);
+        continue;
+      }
+      vectors_.emplace(handle, std::string(trace.widths_[handle], 'x'));
+      for (const std::uint32_t part : trace.parts_.at(handle)) sources_.push_back(part);
+    }
+    std::sort(sources_.begin(), sources_.end());
+    sources_.erase(std::unique(sources_.begin(), sources_.end()), sources_.end());
+  }
+  /// Handles of the file.
+  [[nodiscard]] std::span<const std::uint32_t> sources() const { return sources_; }
+
+  void take(std::uint64_t time, std::uint32_t handle, std::string_view value) {
+    if (vectors_.empty()) return put(time, handle, value);
+    if (time != now_) end_time();
+    now_ = time;
+    const auto [begin, end] = trace_.pieces_.equal_range(handle);
+    for (auto p = begin; p != end; ++p) {
+      const auto vector = vectors_.find(p->second.vector);
+      if (vector == vectors_.end()) continue;
+      vector->second.replace(p->second.at, value.size(), value);
+      if (std::find(changed_.begin(), changed_.end(), vector->first) == changed_.end())
+        changed_.push_back(vector->first);
+    }
+    if (!direct_.empty() && direct_[handle]) put(time, handle, value);
+  }
+  void finish() {
+    end_time();
+    if (!flushed_) flush();
+  }
+
+ private:
+  void end_time() {
+    for (const std::uint32_t handle : std::exchange(changed_, {}))
+      put(now_, handle, vectors_.at(handle));
+  }
   void flush() {
-    flushed = true;
-    for (const std::uint32_t handle : handles) {
-      auto& value = first[handle];
-      if (!value) value = events[handle] ? "0" : std::string(widths[handle], 'x');
-      if (!visit(from, handle, *value)) throw Stop();
+    flushed_ = true;
+    for (const std::uint32_t handle : wanted_) {
+      auto& value = first_[handle];
+      if (!value) value = trace_.events_[handle] ? "0" : std::string(trace_.widths_[handle], 'x');
+      if (!visit_(from_, handle, *value)) throw Stop();
       value.reset();
     }
   }
-  void take(std::uint64_t time, std::uint32_t handle, std::string_view value) {
-    if (events[handle]) {
-      if (time < from) return;
+  void put(std::uint64_t time, std::uint32_t handle, std::string_view value) {
+    if (trace_.events_[handle]) {
+      if (time < from_) return;
       value = "1";
     }
-    if (time <= from) {
-      first[handle] = std::string(value);
+    if (time <= from_) {
+      first_[handle] = std::string(value);
       return;
     }
-    if (!flushed) flush();
-    if (time > to) throw Stop();
-    if (!visit(time, handle, value)) throw Stop();
+    if (!flushed_) flush();
+    if (time > to_) throw Stop();
+    if (!visit_(time, handle, value)) throw Stop();
   }
+
+  const Trace& trace_;
+  std::uint64_t from_, to_;
+  const Trace::Visit& visit_;
+  std::span<const std::uint32_t> wanted_;
+  std::vector<std::uint32_t> sources_;
+  std::vector<bool> direct_;                      ///< handles that are wanted themselves
+  std::map<std::uint32_t, std::string> vectors_;  ///< values of those written in parts
+  std::vector<std::uint32_t> changed_;            ///< of these, at now_
+  std::uint64_t now_ = 0;
+  std::vector<std::optional<std::string>> first_;  ///< of each handle, up to from_
+  bool flushed_ = false;
 };
-
-void on_change(void* to, std::uint64_t time, fstHandle handle, const unsigned char* value) {
-  static_cast<Receiver*>(to)->take(time, handle, reinterpret_cast<const char*>(value));
-}
-void on_text(void* to, std::uint64_t time, fstHandle handle, const unsigned char* value,
-             std::uint32_t length) {
-  static_cast<Receiver*>(to)->take(time, handle, {reinterpret_cast<const char*>(value), length});
-}
-
-}  // namespace
 
 void Trace::stream(std::span<const std::uint32_t> wanted, std::uint64_t from, std::uint64_t to,
                    const Visit& visit) {
@@ -238,23 +348,16 @@ void Trace::stream(std::span<const std::uint32_t> wanted, std::uint64_t from, st
   std::vector<std::uint32_t> once(wanted.begin(), wanted.end());
   std::sort(once.begin(), once.end());
   once.erase(std::unique(once.begin(), once.end()), once.end());
-  fstReaderClrFacProcessMaskAll(reader_.get());
-  for (const std::uint32_t handle : once) fstReaderSetFacProcessMask(reader_.get(), handle);
-  // The reader begins with the values that signals have where the first block begins that it does
-  // not skip; the block that ends before `from` has them if `from` is between two.
-  std::uint64_t first = from;
-  for (const Section& s : structure_.sections)
-    if (s.begin <= from) first = std::min(from, s.end);
-  fstReaderSetLimitTimeRange(reader_.get(), first, to);
-  Receiver receiver{from, to, visit, once, widths_, events_, {}, false};
-  receiver.first.resize(handles() + std::size_t{1});
+  Changes changes(*this, once, from, to, visit);
   try {
-    fstReaderIterBlocks2(reader_.get(), on_change, on_text, &receiver, nullptr);
-    if (!receiver.flushed) receiver.flush();
-  } catch (const Stop&) {
+    source_->changes(changes.sources(), from, to,
+                     [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
+                       changes.take(time, handle, value);
+                       return true;
+                     });
+    changes.finish();
+  } catch (const Changes::Stop&) {
     // enough
-  } catch (const ReaderFailed&) {
-    corrupt();
   }
 }
 

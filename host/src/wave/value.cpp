@@ -12,6 +12,8 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suggest.hpp"
+#include "cde/wave/four_state.hpp"
+#include "wave/wave_bytes.hpp"
 
 namespace cde::wave {
 namespace {
@@ -26,8 +28,11 @@ std::string hexadecimal(std::string_view bits) {
     at += digit.size();
     unsigned value = 0;
     char unknown = 0;
-    for (const char c : digit) {
-      if (c != '0' && c != '1') unknown = unknown == 0 || unknown == c ? c : 'x';
+    for (const char own : digit) {
+      const char c = four_state(own);
+      // U, W and - are written as the file has them.
+      const char shown = c != 'x' || own == 'X' ? c : own;
+      if (c != '0' && c != '1') unknown = unknown == 0 || unknown == shown ? shown : 'x';
       value = value << 1 | (c == '1' ? 1u : 0u);
     }
     text.push_back(unknown != 0 ? unknown : "0123456789abcdef"[value]);
@@ -77,7 +82,16 @@ std::string decimal_of(std::string_view bits, const FpFormat& format) {
   return fmt::format("{}", value);
 }
 
+/// H and L as 1 and 0.
+std::string as_numbers(std::string_view bits) {
+  std::string all(bits);
+  std::transform(all.begin(), all.end(), all.begin(), four_state);
+  return all;
+}
+
 std::string one_text(std::string_view bits, const Form& form) {
+  if (form.kind != Form::Kind::kBinary && bits.find_first_of("hHlL") != std::string_view::npos)
+    return one_text(as_numbers(bits), form);
   switch (form.kind) {
     case Form::Kind::kBinary:
       return std::string(bits);
@@ -217,33 +231,13 @@ std::string no_signal(Trace& trace, std::string_view name) {
              : printable_name(text + fmt::format("; did you mean {}?", fmt::join(offered, " or ")));
 }
 
-/// What PATTERN=FORM or PATTERN=FORM*WORDS says of a signal.
-std::optional<Form> form_by(std::string_view rule, const Signal& signal) {
-  const std::size_t sign = rule.rfind('=');
-  if (sign == std::string_view::npos || !matches(rule.substr(0, sign), signal.name))
-    return std::nullopt;
-  rule.remove_prefix(sign + 1);
-  const std::size_t star = rule.find('*');
-  const auto form = parse_form(rule.substr(0, star));
-  if (!form || form->kind == Form::Kind::kFile) return std::nullopt;
-  const unsigned lane = lane_bits(*form, signal.width);
-  unsigned words = 0;
-  if (star != std::string_view::npos) {
-    const auto [end, error] =
-        std::from_chars(rule.data() + star + 1, rule.data() + rule.size(), words);
-    if (error != std::errc() || end != rule.data() + rule.size() || words > signal.width ||
-        std::max(lane, 1u) * words != signal.width)
-      return std::nullopt;
-  }
-  return fitting(*form, signal.width);
-}
-
 }  // namespace
 
 std::optional<std::uint64_t> word(std::string_view bits) {
   if (bits.size() > 64) return std::nullopt;
   std::uint64_t value = 0;
-  for (const char c : bits) {
+  for (const char own : bits) {
+    const char c = four_state(own);
     if (c != '0' && c != '1') return std::nullopt;
     value = value << 1 | (c == '1' ? 1u : 0u);
   }
@@ -311,7 +305,30 @@ Form fitting(const Form& form, unsigned width) {
   return lane == 0 || (width != 0 && width % lane == 0) ? form : Form{};
 }
 
-Form default_form(Trace& trace, const Signal& signal, const Form& asked) {
+FileForms::FileForms(Trace& trace) {
+  for (const std::string& comment : trace.comments()) {
+    std::istringstream words(comment);
+    std::string word;
+    if (!(words >> word) || word != "forms") continue;
+    while (words >> word) {
+      const std::size_t sign = word.rfind('=');
+      if (sign == std::string::npos) continue;
+      const std::string_view what = std::string_view(word).substr(sign + 1);
+      const std::size_t star = what.find('*');
+      const auto form = parse_form(what.substr(0, star));
+      if (!form || form->kind == Form::Kind::kFile) continue;
+      Rule rule{word.substr(0, sign), *form, 0};
+      if (star != std::string_view::npos) {
+        const char* const stop = what.data() + what.size();
+        const auto read = std::from_chars(what.data() + star + 1, stop, rule.words);
+        if (read.ec != std::errc() || read.ptr != stop || rule.words == 0) continue;
+      }
+      rules_.push_back(std::move(rule));
+    }
+  }
+}
+
+Form FileForms::of(const Signal& signal, const Form& asked) const {
   if (asked.kind != Form::Kind::kFile) return fitting(asked, signal.width);
   if (signal.names != nullptr) {
     Form form;
@@ -319,14 +336,17 @@ Form default_form(Trace& trace, const Signal& signal, const Form& asked) {
     form.names = signal.names;
     return form;
   }
-  for (const std::string& comment : trace.comments()) {
-    std::istringstream words(comment);
-    std::string word;
-    if (signal.real || signal.text || !(words >> word) || word != "forms") continue;
-    while (words >> word)
-      if (const auto form = form_by(word, signal)) return *form;
+  if (signal.real || signal.text) return {};
+  for (const Rule& rule : rules_) {
+    const unsigned lane = std::max(lane_bits(rule.form, signal.width), 1u);
+    if (rule.words != 0 && std::uint64_t{lane} * rule.words != signal.width) continue;
+    if (matches(rule.pattern, signal.name)) return fitting(rule.form, signal.width);
   }
   return {};
+}
+
+Form default_form(Trace& trace, const Signal& signal, const Form& asked) {
+  return FileForms(trace).of(signal, asked);
 }
 
 std::string_view View::bits(std::string_view value) const {
@@ -335,7 +355,8 @@ std::string_view View::bits(std::string_view value) const {
 }
 
 std::string View::text(std::string_view value) const {
-  if (signal.real || signal.text) return std::string(value);
+  if (signal.text) return utf8_text(std::string(value));
+  if (signal.real) return std::string(value);
   const std::string_view own = bits(value);
   const unsigned lane = lane_bits(form, width);
   if (lane == 0 || lane >= own.size() || own.size() % lane != 0)
@@ -367,12 +388,26 @@ bool matches(std::string_view pattern, std::string_view name) {
   return p == pattern.size();
 }
 
-const Signal& find_signal(Trace& trace, std::string_view name) {
+namespace {
+
+/// A name as a trace has it: SystemVerilog's escaped names have a blank behind them.
+std::string without_blanks(std::string_view name) {
+  std::string own;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const char next = i + 1 < name.size() ? name[i + 1] : '.';
+    if (name[i] != ' ' || std::string_view(".[: ").find(next) == std::string_view::npos)
+      own.push_back(name[i]);
+  }
+  return own;
+}
+
+/// The outermost signal of a name, or null.
+const Signal* outermost(Trace& trace, std::string_view name) {
   const Signal* found = nullptr;
   const Signal* other = nullptr;  // another one, as far outside
   std::ptrdiff_t depth = 0;
   for (const Signal& s : trace.signals()) {
-    if (s.name == name) return s;
+    if (s.name == name) return &s;
     const std::size_t more = s.name.size() - std::min(s.name.size(), name.size());
     if (more < 2 || s.name[more - 1] != '.' || !s.name.ends_with(name)) continue;
     const auto scopes = std::count(s.name.begin(), s.name.end(), '.');
@@ -384,14 +419,33 @@ const Signal& find_signal(Trace& trace, std::string_view name) {
       other = &s;
     }
   }
-  if (found == nullptr) throw_usage(no_signal(trace, name));
   if (other != nullptr)
     throw_usage(printable_name(fmt::format("{} may be {} or {}; name more of its scopes",
                                            in_quotes(name), found->name, other->name)));
+  return found;
+}
+
+}  // namespace
+
+const Signal& find_signal(Trace& trace, std::string_view asked) {
+  const std::string name = without_blanks(asked);
+  const Signal* found = outermost(trace, name);
+  if (found == nullptr && name.ends_with("#1")) {
+    found = outermost(trace, std::string_view(name).substr(0, name.size() - 2));
+    if (found != nullptr && found->number == 1) return *found;
+    found = nullptr;
+  }
+  if (found == nullptr) throw_usage(no_signal(trace, name));
+  if (found->number == 1)
+    throw_usage(
+        printable_name(fmt::format("several signals have the name {}; ask for {}#1, {}#2 "
+                                   "and so on, in the order of the file",
+                                   found->name, found->name, found->name)));
   return *found;
 }
 
-std::vector<View> views(Trace& trace, const std::string& text, const Form& form) {
+std::vector<View> views(Trace& trace, const std::string& asked, const Form& form) {
+  const std::string text = without_blanks(asked);
   Word w = split(text);
   // A colon may be one of an escaped name.
   if (!w.form.empty() &&
@@ -441,11 +495,12 @@ std::vector<View> views(Trace& trace, const std::string& text, const Form& form)
     found.push_back(&find_signal(trace, w.name));
   }
   std::vector<View> all;
+  const FileForms forms(trace);
   for (const Signal* s : found) {
     View v;
     v.signal = *s;
     v.width = s->width;
-    v.form = wanted.kind == Form::Kind::kFile ? default_form(trace, *s, wanted) : wanted;
+    v.form = wanted.kind == Form::Kind::kFile ? forms.of(*s, wanted) : wanted;
     v.label = s->name;
     if (!w.index.empty()) {
       narrow(v, w.index, text);

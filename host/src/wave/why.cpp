@@ -21,6 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostValue = 24;   // characters of a line
 constexpr std::size_t kMostColumn = 56;  // of the names' column
+constexpr const char* kInDoubt = "  (in doubt)";
 
 /// What SIGNAL@TIME asks for.
 struct Asked {
@@ -72,7 +73,10 @@ class Texts {
   Texts(Trace& trace, const Design& design, const Form& form)
       : trace_(trace), design_(design), form_(form) {
     if (form.kind != Form::Kind::kFile) return;
-    for (const Signal& s : trace.signals()) named_.try_emplace(s.name, &s);
+    for (const Signal& s : trace.signals()) {
+      named_.try_emplace(s.name, &s);
+      if (s.name.ends_with(']')) named_.try_emplace(without_array_scope(s.name), &s);
+    }
   }
   [[nodiscard]] std::string of(const Node& n) const {
     if (!n.in_waves) return "not in the waves";
@@ -99,7 +103,7 @@ class Texts {
   Trace& trace_;
   const Design& design_;
   const Form form_;
-  std::unordered_map<std::string_view, const Signal*> named_;
+  std::unordered_map<std::string, const Signal*> named_;
 };
 
 std::string shortened(const std::string& text) {
@@ -178,15 +182,13 @@ class Picture {
     if (!node.remark.empty()) row.source = fmt::format("({})", node.remark);
     bool first = true;
     for (const Node::Statement& s : node.statements) {
-      if (!first)
-        row = Row{std::string(2 * depth, ' ') +
-                      (s.driver.sure && !node.statements.front().kept ? "and" : "or"),
-                  "", "", "", ""};
+      if (!first) row = Row{std::string(2 * depth, ' ') + label(node, s), "", "", "", ""};
       first = false;
       row.clock = s.edge ? times_.text(*s.edge) : "";
       row.place = printable_name(s.driver.place.name());
       row.source =
           s.kept ? "(kept: no statement was executed)" : printable_name(s.driver.place.text);
+      if (!s.kept && !s.driver.sure) row.source += row.source.empty() ? kInDoubt + 2 : kInDoubt;
       rows_.push_back(row);
       for (const std::size_t cause : s.causes) rows(cause, depth + 1);
     }
@@ -208,7 +210,7 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const T
   const std::string& bits = node.value.empty() ? handed : node.value;
   Json j = {{"name", design.name(node.slice)}};
   if (node.driven != node.slice) j["driven_name"] = design.name(node.driven);
-  j.update({{"time", node.time},
+  j.update({{"time", times.number(node.time)},
             {"at", times.text(node.time)},
             {"in_waves", node.in_waves},
             {"value", node.value.empty() ? Json() : Json(texts.of(node))},

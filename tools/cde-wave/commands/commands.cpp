@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "cde/card/json_keys.hpp"
 #include "cde/support/error.hpp"
@@ -25,16 +26,25 @@ int info(const Request& r) {
   Trace trace(r.file);
   Times times(trace, r.clock);
   const Signal* const clock = times.clock_if_any();
-  std::size_t aliases =
-      trace.signals().size() - std::min<std::size_t>(trace.signals().size(), trace.handles());
+  std::set<std::uint32_t> things;
+  for (const Signal& s : trace.signals()) things.insert(s.handle);
+  const std::size_t aliases = trace.signals().size() - things.size();
   if (r.json) {
     Json j = begin_json(r);
-    j.update({{"file_bytes", trace.structure().bytes},
+    Json dark = Json::array();
+    for (const Blackout& b : trace.blackouts())
+      dark.push_back({{"from", times.number(b.from)}, {"to", times.number(b.to)}});
+    j.update({{"format", trace.format()},
+              {"closed", trace.structure().closed},
+              {"ending", trace.ending().empty() ? Json() : Json(trace.ending())},
+              {"time_zero", trace.time_zero()},
+              {"blackouts", dark},
+              {"file_bytes", trace.structure().bytes},
               {"writer", trace.writer()},
               {"date", trace.date()},
               {"seconds_a_unit", std::pow(10.0, trace.scale())},
-              {"from", trace.start()},
-              {"to", trace.end()},
+              {"from", times.number(trace.start())},
+              {"to", times.number(trace.end())},
               {"scopes", trace.scopes()},
               {"signals", trace.signals().size()},
               {"aliases", aliases},
@@ -49,10 +59,15 @@ int info(const Request& r) {
   const auto line = [&](std::string_view key, const std::string& value) {
     text += fmt::format("{:<10} {}\n", key, printable_name(value));
   };
-  line("file", fmt::format("{}, {} bytes", r.file, trace.structure().bytes));
+  line("file", fmt::format("{}, {}, {} bytes", r.file, trace.format(), trace.structure().bytes));
+  if (!trace.ending().empty()) line("end", trace.ending());
   line("writer", fmt::format("{}, {}", trace.writer(), trace.date()));
   line("time", fmt::format("{} to {}, in units of 1e{} s", times.text(trace.start()),
                            times.text(trace.end()), trace.scale()));
+  if (trace.time_zero() != 0)
+    line("time zero", fmt::format("{} units, which times have in them", trace.time_zero()));
+  for (const Blackout& b : trace.blackouts())
+    line("no dump", fmt::format("{} to {} ($dumpoff)", times.text(b.from), times.text(b.to)));
   line("signals", fmt::format("{} in {} scopes, {} of them other names of the same",
                               trace.signals().size(), trace.scopes(), aliases));
   line("blocks", fmt::to_string(trace.structure().sections.size()));
@@ -135,7 +150,10 @@ int values_at(const Request& r) {
   }
   if (r.json) {
     Json j = begin_json(r);
-    j.update({{"time", time}, {"at", times.text(time)}, {"values", list}, {"more", lines.more()}});
+    j.update({{"time", times.number(time)},
+              {"at", times.text(time)},
+              {"values", list},
+              {"more", lines.more()}});
     cli::put_json(j);
     return 0;
   }

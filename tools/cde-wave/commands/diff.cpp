@@ -14,6 +14,7 @@
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/wave/changes.hpp"
 #include "commands/commands.hpp"
 #include "output/streams.hpp"
 
@@ -31,8 +32,10 @@ struct Change {
 /// The changes of a file one by one, read by a thread that is at most a few batches ahead.
 class Puller {
  public:
-  Puller(Trace& trace, std::vector<std::uint32_t> handles)
-      : thread_([this, &trace, handles = std::move(handles)] { read(trace, handles); }) {}
+  /// `settled`: changes alone (changes.hpp), else all values that the file has.
+  Puller(Trace& trace, std::vector<std::uint32_t> handles, bool settled = false)
+      : settled_(settled),
+        thread_([this, &trace, handles = std::move(handles)] { read(trace, handles); }) {}
   ~Puller() {
     {
       const std::lock_guard lock(mutex_);
@@ -79,11 +82,15 @@ class Puller {
     std::exception_ptr failed;
     try {
       std::vector<Change> batch;
-      trace.stream(handles, trace.start(), trace.end(),
-                   [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
-                     batch.push_back({time, handle, std::string(value)});
-                     return batch.size() < kBatch || hand_over(batch);
-                   });
+      const Trace::Visit visit = [&](std::uint64_t time, std::uint32_t handle,
+                                     std::string_view value) {
+        batch.push_back({time, handle, std::string(value)});
+        return batch.size() < kBatch || hand_over(batch);
+      };
+      if (settled_)
+        stream_changes(trace, handles, trace.start(), trace.end(), visit);
+      else
+        trace.stream(handles, trace.start(), trace.end(), visit);
       (void)hand_over(batch);
     } catch (...) {
       failed = std::current_exception();
@@ -101,6 +108,7 @@ class Puller {
   std::size_t at_ = 0;
   bool ended_ = false, stop_ = false;
   std::exception_ptr failed_;
+  const bool settled_;
   std::thread thread_;
 };
 
@@ -354,7 +362,7 @@ class Comparison {
 
   /// Change by change of each signal, whenever it comes.
   void by_event() {
-    Puller a(a_, handles(true)), b(b_, handles(false));
+    Puller a(a_, handles(true), true), b(b_, handles(false), true);
     for (;;) {
       const Change* x = a.peek();
       if (x != nullptr) {
@@ -432,8 +440,8 @@ int diff(const Request& r) {
     const std::string& name = c.pairs[d.pair].a.label;
     if (r.json) {
       list.push_back({{"name", name},
-                      {"time", d.time_a},
-                      {"other_time", d.time_b},
+                      {"time", times.number(d.time_a)},
+                      {"other_time", times.number(d.time_b)},
                       {"at", times.text(d.time_a)},
                       {"cycle", nullptr},
                       {"value", d.value_a},

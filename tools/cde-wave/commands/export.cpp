@@ -51,6 +51,11 @@ void check_options(const Request& r, const std::string& format) {
   };
   only(!r.on.empty(), "--on", "csv");
   only(r.columns != 0, "--columns", "svg");
+  if (r.form != "auto" && (format == "vcd" || format == "fst"))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--as cannot be combined with --format {}, which has bits; expected "
+                            "csv, wavedrom, svg or gtkw",
+                            format));
 }
 
 }  // namespace
@@ -67,7 +72,8 @@ int export_waves(const Request& r) {
   Times times(trace, r.clock);
   const Window w = window(r, trace, times);
   std::vector<View> all;
-  if (!r.words.empty()) all = views_in_scopes(r, trace, false);
+  if (!r.words.empty() || (format != "vcd" && format != "fst"))
+    all = views_in_scopes(r, trace, false);
   if (format == "vcd") {
     write_vcd(trace, all, w.from, w.to, output);
   } else if (format == "fst") {
@@ -91,8 +97,8 @@ int export_waves(const Request& r) {
     nlohmann::ordered_json j = begin_json(r);
     j.update({{"written", output},
               {"written_as", format},
-              {"from", w.from},
-              {"to", w.to},
+              {"from", times.number(w.from)},
+              {"to", times.number(w.to)},
               {"signals", count}});
     cli::put_json(j);
   } else if (output != "-") {

@@ -74,8 +74,10 @@ int find(const Request& r) {
       values.push_back({{"name", v.label}, {"value", m.values[i]}});
     }
     if (r.json) {
-      list.push_back(
-          {{"time", m.time}, {"at", times.text(m.time)}, {"cycle", cycle}, {"values", values}});
+      list.push_back({{"time", times.number(m.time)},
+                      {"at", times.text(m.time)},
+                      {"cycle", cycle},
+                      {"values", values}});
     } else {
       text += fmt::format("{}{}{}\n", times.text(m.time),
                           cycle.is_null() ? "" : fmt::format("  cyc:{}", cycle.dump()),

@@ -52,12 +52,17 @@ Tracks read_tracks(const Request& r, Trace& trace, const Times& times, const Win
     if (t.of.try_emplace(v.signal.handle, t.all.size()).second)
       t.all.emplace_back(v.signal.width, v.signal.real || v.signal.text);
   std::vector<std::size_t> number(trace.handles() + std::size_t{1});
+  std::vector<bool> events(number.size());
+  for (const View& v : shown) events[v.signal.handle] = v.signal.event;
   for (const auto& [handle, track] : t.of) number[handle] = track;
   trace.stream(handles(shown), w.from, w.to,
                [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
                  Packed& track = t.all[number[handle]];
                  const std::size_t before = track.bytes();
                  track.add(time - w.from, value);
+                 // An event is a pulse of one unit of time, which is drawn as a mark.
+                 if (events[handle] && value == "1" && time < w.to)
+                   track.add(time + 1 - w.from, "0");
                  t.bytes += track.bytes() - before;
                  if (r.max != 0 && t.bytes > r.max * kMega * kMostUnpacked)
                    too_large(r, fmt::format("there are more than {} MB of changes up to {} alone",
@@ -169,15 +174,16 @@ int serve(const Request& r) {
   const Tracks tracks = read_tracks(r, trace, times, w, shown);
   std::string bytes;
   Json scopes = Json::array();
-  Json data = {{"title", printable_name(trace.file().filename().string())},
-               {"writer", printable_name(trace.writer())},
-               {"date", printable_name(trace.date())},
-               {"scale", trace.scale()},
-               {"from", fmt::to_string(w.from)},  // beyond what a number of a script holds
-               {"to", fmt::to_string(w.to)},
-               {"cursor", first_cursor(r, times, w) - w.from},
-               {"chosen", !r.words.empty()},
-               {"formats", formats_json()}};
+  Json data = {
+      {"title", printable_name(trace.file().filename().string())},
+      {"writer", printable_name(trace.writer())},
+      {"date", printable_name(trace.date())},
+      {"scale", trace.scale()},
+      {"from", fmt::to_string(times.number(w.from))},  // beyond what a number of a script holds
+      {"to", fmt::to_string(times.number(w.to))},
+      {"cursor", first_cursor(r, times, w) - w.from},
+      {"chosen", !r.words.empty()},
+      {"formats", formats_json()}};
   data["clock"] = clock_json(times, w, bytes);
   data["tracks"] = tracks_json(tracks.all, shown, tracks.of, bytes);
   data["views"] = views_json(shown, tracks.of, scopes);
@@ -195,8 +201,8 @@ int serve(const Request& r) {
   write_file(r.output, page);
   if (r.json) {
     Json j = begin_json(r);
-    j.update({{"from", w.from},
-              {"to", w.to},
+    j.update({{"from", times.number(w.from)},
+              {"to", times.number(w.to)},
               {"signals", shown.size()},
               {"changes", tracks.changes},
               {"page", r.output},

@@ -74,7 +74,11 @@ class Report {
   void text() {
     std::string all = fmt::format("{} to {}", times_.text(w_.from), times_.text(w_.to));
     if (cycles_) all += fmt::format(", {} cycles of {}", *cycles_, clock_);
-    all += "\n\n";
+    all += "\n";
+    for (const Blackout& b : m_.dark)
+      all += fmt::format("no dump from {} to {} ($dumpoff), which does not count\n",
+                         times_.text(b.from), times_.text(b.to));
+    all += "\n";
     handshakes_text(all);
     chains_text(all);
     pipes_text(all);
@@ -93,10 +97,14 @@ class Report {
       more_ += lines.more();
       return all;
     };
-    j.update({{"from", w_.from},
-              {"to", w_.to},
+    j.update({{"from", times_.number(w_.from)},
+              {"to", times_.number(w_.to)},
               {"clock", cycles_ ? Json(clock_) : Json()},
               {"cycles", cycles_ ? Json(*cycles_) : Json()}});
+    Json dark = Json::array();
+    for (const Blackout& b : m_.dark)
+      dark.push_back({{"from", times_.number(b.from)}, {"to", times_.number(b.to)}});
+    j["blackouts"] = std::move(dark);
     j["handshakes"] = list(m_.uses.size(), [&](std::size_t i) { return handshake_json(i); });
     const std::vector<Chain> chains = stall_chains(m_.handshakes, m_.stalls);
     j["chains"] = list(chains.size(), [&](std::size_t i) { return chain_json(chains[i]); });
@@ -194,11 +202,13 @@ class Report {
            cycles_ && *cycles_ != 0 ? fmt::format("{:.3g}", static_cast<double>(a.changes) /
                                                                 static_cast<double>(*cycles_))
                                     : "-",
-           a.bits ? fmt::to_string(a.toggles) : "-",
-           one_bit(a) ? percent(a.high, w_.to - w_.from) : "-",
-           fmt::format("{} from {}", times_.text(a.quiet), times_.text(a.quiet_from))});
+           a.bits ? fmt::to_string(a.toggles) : "-", one_bit(a) ? percent(a.high, measured()) : "-",
+           fmt::format("{} from {}", times_.span(a.quiet), times_.text(a.quiet_from))});
     }
     all += text_of(table, lines);
+  }
+  [[nodiscard]] std::uint64_t measured() const {
+    return w_.to - w_.from - dark_time(m_.dark, w_.from, w_.to);
   }
   static bool one_bit(const Activity& a) { return a.bits && a.view.width == 1; }
 
@@ -217,7 +227,7 @@ class Report {
               {"address_cycles", h.is_pci() ? Json(u.address) : Json()},
               {"utilisation", share(u.transferred, u.cycles)},
               {"longest_stall", u.longest},
-              {"time", stalled ? Json(u.longest_time) : Json()},
+              {"time", stalled ? Json(times_.number(u.longest_time)) : Json()},
               {"at", stalled ? Json(times_.text(u.longest_time)) : Json()}};
     return j;
   }
@@ -232,7 +242,7 @@ class Report {
             {"occurrences", c.times},
             {"stalled_cycles", c.cycles},
             {"longest_stall", c.longest},
-            {"time", c.first_time},
+            {"time", times_.number(c.first_time)},
             {"at", times_.text(c.first_time)}};
   }
   Json pipe_json(std::size_t i) {
@@ -242,11 +252,11 @@ class Report {
             {"clock", m_.pipes[i].clock_name},
             {"cycles", b.cycles},
             {"valid_cycles", b.valid},
-            {"first_valid", any ? Json(b.first) : Json()},
-            {"last_valid", any ? Json(b.last) : Json()},
+            {"first_valid", any ? Json(times_.number(b.first)) : Json()},
+            {"last_valid", any ? Json(times_.number(b.last)) : Json()},
             {"empty_cycles", b.empty},
             {"longest_bubble", b.longest},
-            {"time", b.longest != 0 ? Json(b.longest_time) : Json()},
+            {"time", b.longest != 0 ? Json(times_.number(b.longest_time)) : Json()},
             {"at", b.longest != 0 ? Json(times_.text(b.longest_time)) : Json()}};
   }
   Json signal_json(std::size_t i) {
@@ -255,9 +265,9 @@ class Report {
             {"change_count", a.changes},
             {"changes_per_cycle", cycles_ ? share(a.changes, *cycles_) : Json()},
             {"toggles", a.bits ? Json(a.toggles) : Json()},
-            {"share_at_one", one_bit(a) ? share(a.high, w_.to - w_.from) : Json()},
+            {"share_at_one", one_bit(a) ? share(a.high, measured()) : Json()},
             {"longest_quiet", a.quiet},
-            {"time", a.quiet_from},
+            {"time", times_.number(a.quiet_from)},
             {"at", times_.text(a.quiet_from)}};
   }
 

@@ -10,6 +10,9 @@
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/wave/blackouts.hpp"
+#include "cde/wave/changes.hpp"
+#include "cde/wave/four_state.hpp"
 #include "commands/commands.hpp"
 #include "output/streams.hpp"
 
@@ -19,10 +22,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Glyphs {
-  const char *across, *rise_top, *rise_low, *fall_top, *fall_low, *change, *busy, *unknown, *cut;
+  const char *across, *rise_top, *rise_low, *fall_top, *fall_low, *change, *busy, *unknown, *cut,
+      *event;
 };
-constexpr Glyphs kUnicode = {"─", "┌", "┘", "┐", "└", "╳", "▒", "░", "…"};
-constexpr Glyphs kAscii = {"_", " ", "/", " ", "\\", "|", "#", "?", "~"};
+constexpr Glyphs kUnicode = {"─", "┌", "┘", "┐", "└", "╳", "▒", "░", "…", "↑"};
+constexpr Glyphs kAscii = {"_", " ", "/", " ", "\\", "|", "#", "?", "~", "^"};
 
 /// What a signal does in a column.
 struct Cell {
@@ -43,7 +47,7 @@ std::pair<std::string, std::string> bit_lines(const Row& row, const Glyphs& g, b
   std::string top, low;
   char before = 'x';
   for (std::size_t c = 0; c < row.size(); ++c) {
-    const char now = row[c].value.empty() ? 'x' : row[c].value[0];
+    const char now = row[c].value.empty() ? 'x' : four_state(row[c].value[0]);
     const bool edge = c != 0 && row[c].changes != 0 && now != before;
     if (row[c].changes > 1) {
       top += ascii ? " " : g.busy;
@@ -64,6 +68,14 @@ std::pair<std::string, std::string> bit_lines(const Row& row, const Glyphs& g, b
     before = now;
   }
   return {top, low};
+}
+
+/// A mark where an event is triggered.
+std::string event_line(const Row& row, const Glyphs& g) {
+  std::string text;
+  for (const Cell& cell : row)
+    text += cell.changes == 0 ? " " : cell.changes == 1 ? g.event : g.busy;
+  return text;
 }
 
 /// A line of a bus: a mark where it changes, and its value behind it as far as there is room.
@@ -134,26 +146,27 @@ Picture sample(Trace& trace, const std::vector<View>& all, const Window& w, std:
     for (std::size_t c = at[i] + 1; c <= column; ++c) p.rows[i][c].value = p.rows[i][c - 1].value;
     at[i] = std::max(at[i], column);
   };
-  trace.stream(handles(all), w.from, w.to,
-               [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
-                 const auto column = static_cast<std::size_t>(
-                     static_cast<long double>(time - w.from) * columns / p.span);
-                 for (const std::size_t i : of[handle]) {
-                   const std::string_view bits = all[i].bits(value);
-                   const bool begins = time == w.from;
-                   if (!begins && bits == last[i]) continue;
-                   fill(i, std::min(column, columns - 1));
-                   Cell& cell = p.rows[i][at[i]];
-                   if (!begins) ++cell.changes;
-                   last[i] = bits;
-                   // Texts are made once a column: only the last change of it is seen.
-                   cell.value = bits;
-                 }
-                 return true;
-               });
+  stream_changes(trace, handles(all), w.from, w.to,
+                 [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
+                   const auto column = static_cast<std::size_t>(
+                       static_cast<long double>(time - w.from) * columns / p.span);
+                   for (const std::size_t i : of[handle]) {
+                     const std::string_view bits = all[i].bits(value);
+                     const bool begins = time == w.from;
+                     const bool event = all[i].signal.event;
+                     if (event ? bits != "1" : !begins && bits == last[i]) continue;
+                     fill(i, std::min(column, columns - 1));
+                     Cell& cell = p.rows[i][at[i]];
+                     if (!begins || event) ++cell.changes;
+                     last[i] = bits;
+                     // Texts are made once a column: only the last change of it is seen.
+                     cell.value = bits;
+                   }
+                   return true;
+                 });
   for (std::size_t i = 0; i < all.size(); ++i) {
     fill(i, columns - 1);
-    if (all[i].width == 1) continue;
+    if (all[i].width == 1 && !all[i].signal.text) continue;
     std::string bits, text;
     for (Cell& cell : p.rows[i]) {
       if (cell.value != bits || text.empty()) {
@@ -180,26 +193,58 @@ std::size_t common_scope(const std::vector<View>& all) {
   return common.size();
 }
 
-void show_json(const Request& r, Trace& trace, const Window& w, const std::vector<View>& all) {
+/// What is shown where nothing is asked for: the ports of the outermost scope that has any, else
+/// the signals of the outermost scope.
+std::vector<View> outermost(const Request& r, Trace& trace) {
+  std::vector<View> all;
+  const auto depth = [](const Signal& s) { return std::count(s.name.begin(), s.name.end(), '.'); };
+  for (const bool ports : {true, false}) {
+    std::ptrdiff_t least = PTRDIFF_MAX;
+    for (const Signal& s : trace.signals())
+      if (!ports || *s.direction != 0) least = std::min(least, depth(s));
+    for (const Signal& s : trace.signals()) {
+      if (depth(s) != least || (ports && *s.direction == 0)) continue;
+      View& v = all.emplace_back();
+      v.signal = s;
+      v.label = s.name;
+      v.width = s.width;
+      v.form = default_form(trace, s, r.default_form());
+    }
+    if (!all.empty()) break;
+  }
+  return all;
+}
+
+void show_json(const Request& r, Trace& trace, const Times& times, const Window& w,
+               const std::vector<View>& all) {
   std::vector<Json> changes(all.size(), Json::array());
   std::vector<std::string> last(all.size());
   Lines lines(r.max);
-  trace.stream(handles(all), w.from, w.to,
-               [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
-                 for (std::size_t i = 0; i < all.size(); ++i) {
-                   if (all[i].signal.handle != handle) continue;
-                   std::string text = all[i].text(value);
-                   if (time != w.from && text == last[i]) continue;
-                   if (lines.next()) changes[i].push_back({{"time", time}, {"value", text}});
-                   last[i] = std::move(text);
-                 }
-                 return true;
-               });
+  stream_changes(trace, handles(all), w.from, w.to,
+                 [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
+                   for (std::size_t i = 0; i < all.size(); ++i) {
+                     if (all[i].signal.handle != handle) continue;
+                     std::string text = all[i].text(value);
+                     if (all[i].signal.event ? text != "1" : time != w.from && text == last[i])
+                       continue;
+                     if (lines.next())
+                       changes[i].push_back({{"time", times.number(time)}, {"value", text}});
+                     last[i] = std::move(text);
+                   }
+                   return true;
+                 });
   Json signals = Json::array();
   for (std::size_t i = 0; i < all.size(); ++i)
     signals.push_back({{"name", all[i].label}, {"changes", changes[i]}});
   Json j = begin_json(r);
-  j.update({{"from", w.from}, {"to", w.to}, {"signals", signals}, {"more", lines.more()}});
+  Json dark = Json::array();
+  for (const Blackout& b : blackouts_in(trace, w.from, w.to))
+    dark.push_back({{"from", times.number(b.from)}, {"to", times.number(b.to)}});
+  j.update({{"from", times.number(w.from)},
+            {"to", times.number(w.to)},
+            {"blackouts", dark},
+            {"signals", signals},
+            {"more", lines.more()}});
   cli::put_json(j);
 }
 
@@ -208,10 +253,10 @@ void show_json(const Request& r, Trace& trace, const Window& w, const std::vecto
 int show(const Request& r) {
   Trace trace(r.file);
   Times times(trace, r.clock);
-  std::vector<View> all = views(r, trace, 0);
+  std::vector<View> all = r.words.empty() ? outermost(r, trace) : views(r, trace, 0);
   const Window w = window(r, trace, times);
   if (r.json) {
-    show_json(r, trace, w, all);
+    show_json(r, trace, times, w, all);
     return 0;
   }
   Lines lines(r.max);
@@ -235,10 +280,14 @@ int show(const Request& r) {
       fmt::format("{}{} to {}\n",
                   scope == 0 ? "" : printable_name(all.front().label.substr(0, scope - 1)) + "  ",
                   times.text(w.from), times.text(w.to));
+  for (const Blackout& b : blackouts_in(trace, w.from, w.to))
+    text += fmt::format("no dump from {} to {} ($dumpoff)\n", times.text(b.from), times.text(b.to));
   text += label("") + ruler(times, w, p.span, columns, r.ascii) + "\n";
   for (std::size_t i = 0; i < all.size(); ++i) {
     const std::string name = all[i].label.substr(scope);
-    if (all[i].width == 1 && !all[i].signal.text) {
+    if (all[i].signal.event) {
+      text += label(name) + event_line(p.rows[i], g) + "\n";
+    } else if (all[i].width == 1 && !all[i].signal.text) {
       const auto [top, low] = bit_lines(p.rows[i], g, r.ascii);
       // In ASCII the high level is the line above, drawn with the same character.
       text += fmt::format("{}{}\n{}{}\n", label(""), top, label(name), low);

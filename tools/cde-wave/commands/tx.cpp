@@ -98,7 +98,7 @@ class Output {
       csv(t);
     else
       table_.lines.push_back(
-          {times_.text(t.begin), times_.text(t.end - t.begin), field_of(t, "clocks").value_or("-"),
+          {times_.text(t.begin), times_.span(t.end - t.begin), field_of(t, "clocks").value_or("-"),
            field_of(t, "stalls").value_or("-"), t.kind, t.outcome, printable_name(t.label)});
   }
   [[nodiscard]] std::uint64_t count() const { return lines_.seen(); }
@@ -137,8 +137,8 @@ class Output {
     return {{"transaction", t.kind},
             {"label", t.label},
             {"scope", t.scope},
-            {"begin", t.begin},
-            {"end", t.end},
+            {"begin", times_.number(t.begin)},
+            {"end", times_.number(t.end)},
             {"at", times_.text(t.begin)},
             {"latency", t.end - t.begin},
             {"stalls", t.stalls ? Json(*t.stalls) : Json()},

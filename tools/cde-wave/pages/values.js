@@ -190,6 +190,7 @@ const cdeValues = (() => {
   // A time in units of 10^scale seconds, a BigInt, with the largest unit that leaves a digit before the point.
   const UNITS = [["s", 0], ["ms", -3], ["us", -6], ["ns", -9], ["ps", -12], ["fs", -15]];
   function timeText(time, scale) {
+    if (time < 0) return "-" + timeText(-time, scale);
     let digits = String(time);
     if (digits === "0") return "0";
     const [name, exponent] = UNITS.find((u) => u[1] <= scale + digits.length - 1) || UNITS[5], behind = exponent - scale;

@@ -2,12 +2,23 @@
 #include "tui/tui_tracks.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "cde/wave/four_state.hpp"
 
 namespace cde::wave::tui {
 
 void Track::add(std::uint64_t time, std::string_view value) {
   if (!times_.empty() && value == last_) return;
-  last_ = value;
+  if (!times_.empty() && time == times_.back()) {
+    // The last of several values at one time stays; one that is gone within it is no change.
+    values_.resize(values_.size() - (text_ ? last_.size() : (width_ + 3) / 4));
+    times_.pop_back();
+    if (text_) ends_.pop_back();
+    last_ = before_;
+    if (!times_.empty() && value == last_) return;
+  }
+  before_ = std::exchange(last_, std::string(value));
   times_.push_back(time);
   if (text_ || value.size() != width_) {
     // A real, or what is no text of bits: then all are kept as they are.
@@ -19,7 +30,7 @@ void Track::add(std::uint64_t time, std::string_view value) {
   for (std::size_t at = 0; at < value.size(); at += 4) {
     unsigned byte = 0;
     for (std::size_t i = at; i < std::min(at + 4, value.size()); ++i) {
-      const char c = value[i];
+      const char c = four_state(value[i]);
       byte |= (c == '0' ? 0u : c == '1' ? 1u : c == 'z' ? 2u : 3u) << 2 * (i - at);
     }
     values_.push_back(static_cast<char>(byte));
@@ -61,7 +72,11 @@ Tracks::Tracks(Trace& trace, std::size_t most_bytes) : trace_(trace), most_bytes
     blocks_.push_back({begins[i], trace.end()});
   }
   widths_.resize(trace.handles() + std::size_t{1});
-  for (const Signal& s : trace.signals()) widths_[s.handle] = s.real || s.text ? 0 : s.width;
+  events_.resize(widths_.size());
+  for (const Signal& s : trace.signals()) {
+    widths_[s.handle] = s.real || s.text ? 0 : s.width;
+    events_[s.handle] = s.event;
+  }
 }
 
 std::size_t Tracks::block_of(std::uint64_t time) const {
@@ -92,6 +107,9 @@ void Tracks::load(std::size_t block, const std::vector<std::uint32_t>& handles) 
   trace_.stream(wanted, blocks_[block].begin, blocks_[block].end,
                 [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
                   of[handle]->add(time, value);
+                  // An event is a pulse of one unit of time, which is drawn as a mark.
+                  if (events_[handle] && value == "1" && time < blocks_[block].end)
+                    of[handle]->add(time + 1, "0");
                   return true;
                 });
   for (auto& [handle, track] : read) {

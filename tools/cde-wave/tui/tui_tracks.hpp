@@ -37,7 +37,7 @@ class Track {
   std::vector<std::uint64_t> times_;
   std::string values_;
   std::vector<std::size_t> ends_;  ///< of texts
-  std::string last_;
+  std::string last_, before_;      ///< before_: the value at the end of the instant before
 };
 
 /// Times from and to, both within.
@@ -81,6 +81,7 @@ class Tracks {
   std::size_t most_bytes_, bytes_ = 0, loads_ = 0;
   std::vector<Stretch> blocks_;
   std::vector<unsigned> widths_;  ///< of handles; 0: text
+  std::vector<bool> events_;      ///< handles of events
   std::map<Key, Kept> kept_;
   std::list<Key> order_;  ///< the one that was used last first
 };

@@ -28,7 +28,7 @@ constexpr std::array kVerbs = {
     VerbEntry{"merge", "cde", false, "Merge the journals of shards into the whole run"},
     VerbEntry{"doctor", "cde", false, "Check tools, caches and both arithmetic back ends"},
     VerbEntry{"help", "cde", false, "Show the help of a verb"},
-    VerbEntry{"wave", "cde-wave", true, "Ask a wave file (FST)"},
+    VerbEntry{"wave", "cde-wave", true, "Ask a wave file (FST, VCD)"},
     VerbEntry{"explain", "cde-explain", false, "Find the operator and RTL line of a wrong answer"},
     VerbEntry{"accuracy", "cde-accuracy", false, "Measure errors and wrong decisions, and costs"},
     VerbEntry{"advise", "cde-accuracy", false, "Name the cheapest pipe that meets demands"},

@@ -57,6 +57,7 @@ struct Type {
 struct Line {
   std::string file;  ///< as Verilator was given it
   unsigned line = 0;
+  unsigned column = 0, length = 0;  ///< of an element's first word, in its line; 0: not known
 };
 
 /// A design as Verilator elaborates it and writes it as XML: modules with their parameters set, not

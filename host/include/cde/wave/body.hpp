@@ -33,6 +33,7 @@ struct Guard {
   Kind kind = Kind::kUnknown;
   const netlist::Element* what = nullptr;  ///< condition, or the case statement
   const netlist::Element* item = nullptr;  ///< of the case
+  bool swapped = false;                    ///< the condition is the inverse of that of the source
 };
 
 struct Drive {
@@ -84,6 +85,8 @@ struct Body {
 
 /// Whether an element is a reference to a variable.
 [[nodiscard]] bool is_reference(const netlist::Element& e);
+/// Whether an element is a statement, and no expression.
+[[nodiscard]] bool is_statement(const netlist::Element& e);
 /// half__BRA__1__KET__ as half[1].
 [[nodiscard]] std::string with_brackets(std::string text);
 

@@ -17,6 +17,7 @@ class Sampled {
  public:
   Sampled(Trace& trace, const Design& design);
 
+  [[nodiscard]] std::uint64_t start() const { return trace_.start(); }
   /// Bits at a time; empty if they are not in the waves, under any name that is wired to them.
   [[nodiscard]] std::string bits(const Slice& slice, std::uint64_t time);
   [[nodiscard]] bool has(const Slice& slice);
@@ -38,7 +39,7 @@ class Sampled {
 
   Trace& trace_;
   const Design& design_;
-  std::unordered_map<std::string_view, const Signal*> names_;
+  std::unordered_map<std::string, const Signal*> names_;
   std::map<Slice, std::vector<Part>> parts_;  ///< the highest bits first
   std::map<std::uint64_t, std::unordered_map<std::uint32_t, std::string>> values_;
   /// Stretches of time that are read as one, those of the file's blocks, and the changes in them of

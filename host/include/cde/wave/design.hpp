@@ -130,8 +130,13 @@ class Design {
 
  private:
   void choose_prefix(Trace& trace);
+  [[nodiscard]] std::optional<Slice> find_plainly(std::string_view name) const;
   std::unique_ptr<Elaborated> all_;
 };
+
+/// The name of an element without the scope that Verilator 5.048 writes the elements of an array
+/// in: top.mem.mem[2] is top.mem[2], top.m.[1].m[1][0] is top.m[1][0]. Others as they are.
+[[nodiscard]] std::string without_array_scope(std::string_view name);
 
 /// The line that an element begins in; empty of none.
 [[nodiscard]] Place place_of(const Design& design, const netlist::Netlist& netlist,

@@ -6,6 +6,7 @@
 
 #include "cde/wave/body.hpp"
 #include "cde/wave/design.hpp"
+#include "cde/wave/four_state.hpp"
 
 namespace cde::wave {
 
@@ -40,6 +41,8 @@ struct Design::Elaborated {
     s.width = width(s);
     return s;
   }
+  /// Lines of a source file; empty if it is not at hand.
+  [[nodiscard]] const std::vector<std::string>& source(const std::string& name) const;
   /// The variable that a reference in a scope of a unit means.
   [[nodiscard]] std::optional<Slice> referred(std::uint32_t unit, std::uint32_t scope,
                                               const netlist::Element& reference) const;
@@ -59,8 +62,33 @@ struct Context {
   std::optional<Turn> turn = {};
 };
 
-/// Value of an expression, as far as those of its signals are known: bits as in Values.
-[[nodiscard]] std::string evaluate(const Context& c, const netlist::Element& e);
+constexpr std::uint64_t kMostBits = 1u << 16;  ///< of an expression that is computed
+
+/// Value of an expression. What is unknown in it is so in the simulation as well if it is complete;
+/// else some of its signals are not in the waves, or what it does is not known here.
+struct Evaluated {
+  Value value;
+  bool complete = true;
+};
+/// Nothing if not even its width is known.
+[[nodiscard]] std::optional<Evaluated> evaluate(const Context& c, const netlist::Element& e);
+/// The number that an index is; nothing if it is not known.
+[[nodiscard]] std::optional<std::uint64_t> index_value(const Context& c, const netlist::Element* e);
+/// Whether the condition of an if holds: 1, 0, or x if it is not known. One that is x or z in the
+/// waves does not, or does if it is the inverse of that in the source.
+[[nodiscard]] char holds(const Context& c, const netlist::Element& condition, bool swapped = false);
+/// Which side of ? : is taken: 1, 0, or x, of both sides, if the condition is x.
+[[nodiscard]] char chosen(const Context& c, const netlist::Element& condition);
+/// Whether a choice was an if and its else in the source.
+[[nodiscard]] bool is_of_if(const Context& c, const netlist::Element& choice);
+/// Whether an item of a case statement is the one; items before it are not looked at. 1, 0 or x.
+[[nodiscard]] char is_item(const Context& c, const netlist::Element& choice,
+                           const netlist::Element& item);
+/// Bits of an expression; 0 if it is not known how many.
+[[nodiscard]] std::uint64_t width_of(const Context& c, const netlist::Element& e);
+/// Bits of a whole variable that a reference or a selection of one is.
+[[nodiscard]] std::optional<Slice> selected(const Context& c, const netlist::Element& e);
+
 /// Signals that bits [low, low + width) of an expression are made of, with their bits.
 void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t low,
                      std::uint64_t width, std::vector<Slice>& found);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "cde/wave/four_state.hpp"
 #include "cde/wave/trace.hpp"
 
 namespace cde::wave {
@@ -17,6 +18,8 @@ struct Event {
   Event(Trace& trace, const std::string& text);
   /// Between two values of the signal.
   [[nodiscard]] bool happens(char before, char now) const {
+    before = four_state(before);
+    now = four_state(now);
     return (rising && before == '0' && now == '1') || (falling && before == '1' && now == '0');
   }
 };

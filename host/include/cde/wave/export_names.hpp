@@ -6,28 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "cde/wave/fst_api.hpp"
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
 
 /// The names of a file as its writer nested them, for those who write it again.
 namespace cde::wave {
 
-struct ScopeName {
-  int type = 0;  ///< fstScopeType
-  std::string name, component;
-};
-struct Attribute {
-  int type = 0, subtype = 0;  ///< fstAttrType, fstMiscType
-  std::string name;
-  std::uint64_t argument = 0;
-};
-
 /// What is called for each; a scope only if it has a chosen signal somewhere in it.
 struct NameVisit {
   std::function<void(const ScopeName&)> open;
   std::function<void()> close;
-  std::function<void(const fstHier&, const Signal&)> signal;  ///< the first is a FST_HT_VAR
+  std::function<void(const VariableName&, const Signal&)> signal;
   std::function<void(const Attribute&)> attribute;  ///< comments, enumerations, types of a signal
 };
 /// `chosen` is parallel to trace.signals().

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "cde/wave/blackouts.hpp"
 #include "cde/wave/handshakes.hpp"
 #include "cde/wave/stalls.hpp"
 #include "cde/wave/value.hpp"
@@ -20,36 +21,52 @@ struct Activity {
   std::uint64_t quiet = 0, quiet_from = 0;
   std::uint64_t last = 0;  ///< time of the last change
   std::string value;
-  bool bits = true;  ///< has bits
+  std::string next;       ///< what the instant that goes on has
+  bool waits = false;     ///< there is one
+  std::uint64_t now = 0;  ///< when it is
+  bool counts = true;     ///< and it is of the simulation, not of $dumpoff and $dumpon
+  bool bits = true;       ///< has bits
+  const std::vector<Blackout>* dark = nullptr;  ///< time that does not count
 
   void begin(std::uint64_t time, std::string_view now) {
     last = quiet_from = time;
     value = view.bits(now);
   }
-  void change(std::uint64_t time, std::string_view whole) {
-    const std::string_view now = view.bits(whole);
-    if (now == value && !view.signal.event) return;
-    ++changes;
-    if (bits && now.size() == value.size()) {
+  /// `of_run`: it is one of the simulation, and not of $dumpoff and $dumpon.
+  void change(std::uint64_t time, std::string_view whole, bool of_run) {
+    if (waits && time != now) settle();
+    next = view.bits(whole);
+    now = time;
+    counts = of_run;
+    waits = true;
+  }
+  /// An instant is over: see changes.hpp for what a change is.
+  void settle() {
+    if (!waits) return;
+    waits = false;
+    if (next == value && !view.signal.event) return;
+    if (counts) ++changes;
+    if (counts && bits && next.size() == value.size()) {
       // Without branches: of large files this is most of the work.
       unsigned flips = 0;
-      for (std::size_t i = 0; i < now.size(); ++i)
-        flips += static_cast<unsigned>(now[i] != value[i]) &
-                 static_cast<unsigned>((now[i] | 1) == '1') &
+      for (std::size_t i = 0; i < next.size(); ++i)
+        flips += static_cast<unsigned>(next[i] != value[i]) &
+                 static_cast<unsigned>((next[i] | 1) == '1') &
                  static_cast<unsigned>((value[i] | 1) == '1');
       toggles += flips;
     }
-    stretch(time);
-    value = now;
-    last = time;
+    stretch(now);
+    value.swap(next);
+    last = now;
   }
   /// What was since the last change ends.
   void stretch(std::uint64_t time) {
-    if (time - last > quiet) {
-      quiet = time - last;
+    const std::uint64_t length = time - last - (dark != nullptr ? dark_time(*dark, last, time) : 0);
+    if (length > quiet) {
+      quiet = length;
       quiet_from = last;
     }
-    if (view.width == 1 && value == "1" && !view.signal.event) high += time - last;
+    if (view.width == 1 && value == "1" && !view.signal.event) high += length;
   }
 };
 
@@ -69,7 +86,8 @@ struct Bubbles {
 };
 
 /// How busy signals, handshakes and pipes are between two times. Clocks sample what is just before
-/// their rising edges, as flip-flops do; an edge at the very begin is not of the window.
+/// their rising edges, as flip-flops do; an edge at the very begin is not of the window. Where the
+/// simulation wrote no changes ($dumpoff) nothing counts.
 class Measure {
  public:
   Measure(Trace& trace, Flows flows, std::vector<View> views);
@@ -81,6 +99,7 @@ class Measure {
   std::vector<Bubbles> bubbles;  ///< of the pipes
   std::vector<Activity> signals;
   std::vector<Stall> stalls;
+  std::vector<Blackout> dark;  ///< within the window; what is there does not count
 
  private:
   /// A clock and what is sampled by it.

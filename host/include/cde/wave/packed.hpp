@@ -40,7 +40,9 @@ class Packed {
   bool text_;
   unsigned planes_ = 1;
   std::uint64_t changes_ = 0, last_time_ = 0;
-  std::string last_;
+  std::string last_, before_;  ///< before_: the value at the end of the instant before
+  std::uint64_t before_time_ = 0;
+  std::size_t last_length_ = 0;  ///< of the times, without the last
   std::string times_, values_;
   std::vector<std::string> texts_;
   std::unordered_map<std::string, std::uint32_t> numbers_;

@@ -15,13 +15,18 @@ class Times {
   /// it.
   Times(Trace& trace, std::string clock) : trace_(trace), clock_(std::move(clock)) {}
 
-  /// "12.5ns"; exact.
+  /// "12.5ns"; exact. It counts from the file's time zero, and may be negative.
   [[nodiscard]] std::string text(std::uint64_t time) const;
+  /// The same in units of the file, for programs.
+  [[nodiscard]] std::int64_t number(std::uint64_t time) const;
+  /// How long something takes, as text.
+  [[nodiscard]] std::string span(std::uint64_t length) const;
   /// A number, perhaps with a unit, in units of the file; nothing if it is none.
   [[nodiscard]] std::optional<double> length(const std::string& text) const;
   /// A number in units of the file or with fs, ps, ns, us, ms or s; cyc:N, the rising edge N of the
   /// clock, from 0; start, end; fail, if a comment `fail TIME` is in the file. Behind it may be +N
-  /// or -N with a unit or cyc. Error kUsage, also for what is outside of the file.
+  /// or -N with a unit or cyc. Numbers count from the file's time zero, and may be negative. Error
+  /// kUsage, also for what is outside of the file.
   [[nodiscard]] std::uint64_t parse(const std::string& text);
   /// The signal that counts cycles. Error kUsage if none was named and none looks like it.
   [[nodiscard]] const Signal& clock();
@@ -33,6 +38,9 @@ class Times {
   [[nodiscard]] std::optional<std::uint64_t> cycle(std::uint64_t time);
 
  private:
+  [[nodiscard]] std::uint64_t from_zero(bool negative, std::uint64_t magnitude,
+                                        const std::string& whole) const;
+  [[noreturn]] void outside(const std::string& whole) const;
   [[nodiscard]] std::uint64_t base(const std::string& text, const std::string& whole);
   [[nodiscard]] std::uint64_t edge(std::uint64_t number, const std::string& whole);
 

@@ -12,8 +12,9 @@
 #include <vector>
 
 #include "cde/wave/structure.hpp"
+#include "cde/wave/wave_source.hpp"
 
-/// Reads wave files (FST), those of `--trace` and others. Error kFile for what is none.
+/// Reads wave files (FST, VCD), those of `--trace` and others. Error kFile for what is none.
 namespace cde::wave {
 
 /// What values are called: bits without zeros in front, name.
@@ -30,6 +31,9 @@ struct Signal {
   const char* kind = "";                    ///< "wire", "logic", ...
   const char* direction = "";               ///< "input", "output", ... or empty
   std::shared_ptr<const Names> names = {};  ///< of an enumeration
+  /// From 1, of several signals that have this name in the file: then `name` ends in #2 or more,
+  /// and the first is found as NAME#1. 0 if it is the only one.
+  unsigned number = 0;
 };
 
 /// A file of waves. Nothing of the changes is kept: they are streamed.
@@ -38,41 +42,72 @@ class Trace {
   explicit Trace(const std::filesystem::path& file);
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
-  [[nodiscard]] const Structure& structure() const { return structure_; }
+  [[nodiscard]] const Structure& structure() const { return source_->facts().structure; }
+  /// "FST", "VCD", ...
+  [[nodiscard]] const std::string& format() const { return source_->facts().format; }
+  /// Where a file ends that was not closed, and why; empty if it was closed.
+  [[nodiscard]] const std::string& ending() const { return source_->facts().ending; }
   /// Times are counted in 10^scale() seconds.
-  [[nodiscard]] int scale() const;
-  [[nodiscard]] std::uint64_t start() const, end() const;
-  [[nodiscard]] std::string writer() const, date() const;
-  /// Of all handles.
-  [[nodiscard]] std::uint32_t handles() const;
+  [[nodiscard]] int scale() const { return source_->facts().scale; }
+  [[nodiscard]] std::uint64_t start() const { return source_->facts().start; }
+  [[nodiscard]] std::uint64_t end() const { return source_->facts().end; }
+  /// What people add to a time ($timezero).
+  [[nodiscard]] std::int64_t time_zero() const { return source_->facts().time_zero; }
+  /// Where the simulation wrote no changes ($dumpoff).
+  [[nodiscard]] const std::vector<Blackout>& blackouts() const {
+    return source_->facts().blackouts;
+  }
+  [[nodiscard]] const std::string& writer() const { return source_->facts().writer; }
+  [[nodiscard]] const std::string& date() const { return source_->facts().date; }
+  /// The largest of all handles.
+  [[nodiscard]] std::uint32_t handles();
 
-  /// In the order of the file.
+  /// In the order of the file. A vector that was written bit by bit is one signal.
   [[nodiscard]] const std::vector<Signal>& signals();
   [[nodiscard]] unsigned scopes();
   /// Comments that the writer left.
   [[nodiscard]] const std::vector<std::string>& comments();
 
+  /// Scopes, attributes and variables as the file nests them. `variable` also gets the index of the
+  /// signal; one that was written bit by bit comes once, as a whole.
+  struct NestedVisit {
+    std::function<void(ScopeName&&)> open;
+    std::function<void()> close;
+    std::function<void(VariableName&&, std::size_t)> variable;
+    std::function<void(Attribute&&)> attribute;
+  };
+  void nested(const NestedVisit& visit);
+
   /// Whether to go on.
   using Visit = std::function<bool(std::uint64_t, std::uint32_t, std::string_view)>;
   /// The values that signals have at `from`, then their changes up to and with `to`, in the order
-  /// of time. Bits are characters 0, 1, x, z, the most significant first; reals are decimal text. A
-  /// value that a signal does not have yet is x. An event is told of when it is triggered, as 1,
-  /// and is 0 at `from` unless it is then.
+  /// of time. Bits are characters 0, 1, x, z or another state that the file has, the most
+  /// significant first; reals are decimal text. A value that a signal does not have yet is x. An
+  /// event is told of when it is triggered, as 1, and is 0 at `from` unless it is then.
   void stream(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
               const Visit& visit);
 
  private:
+  friend class Changes;
+  /// Part of a vector that was written in parts.
+  struct Piece {
+    std::uint32_t vector = 0;  ///< its handle
+    unsigned at = 0;           ///< first character
+  };
   void read_names();
-  [[noreturn]] void corrupt() const;
+  void join_pieces(std::vector<Signal>& found, const std::vector<bool>& begins);
+  void number_twins();
 
   std::filesystem::path file_;
-  Structure structure_;
-  std::unique_ptr<void, void (*)(void*)> reader_;
+  std::unique_ptr<WaveSource> source_;
   std::optional<std::vector<Signal>> signals_;
   std::vector<std::string> comments_;
   unsigned scopes_ = 0;
-  std::vector<unsigned> widths_;  ///< of handles, once the names are read
-  std::vector<bool> events_;      ///< handles of events
+  std::vector<unsigned> widths_;                ///< of handles, once the names are read
+  std::vector<bool> events_;                    ///< handles of events
+  std::vector<std::size_t> signal_of_;          ///< of each variable
+  std::multimap<std::uint32_t, Piece> pieces_;  ///< by handles of the file
+  std::map<std::uint32_t, std::vector<std::uint32_t>> parts_;  ///< of vectors, by their handles
 };
 
 }  // namespace cde::wave

@@ -32,6 +32,20 @@ struct Form {
 /// `forms PATTERN=FORM PATTERN=FORM*WORDS ...` says of the first pattern that names it and, with
 /// WORDS, whose so many words it is wide; else hex. Any other form than kFile is the answer itself,
 /// where it fits.
+class FileForms {
+ public:
+  explicit FileForms(Trace& trace);
+  [[nodiscard]] Form of(const Signal& signal, const Form& asked) const;
+
+ private:
+  struct Rule {
+    std::string pattern;
+    Form form;
+    unsigned words;  ///< 0: any number
+  };
+  std::vector<Rule> rules_;
+};
+/// Of one signal.
 [[nodiscard]] Form default_form(Trace& trace, const Signal& signal, const Form& asked);
 /// Words that parse_form takes, for help.
 [[nodiscard]] std::vector<std::string> form_names();
@@ -60,7 +74,8 @@ struct View {
 /// may match a name in any scope.
 [[nodiscard]] bool matches(std::string_view pattern, std::string_view name);
 
-/// The signal of a name, whole or without outer scopes. Error kUsage if there is none, with near
+/// The signal of a name, whole or without outer scopes, with #2 if it is the second of that name in
+/// the file; an escaped name may have its blank behind it. Error kUsage if there is none, with near
 /// ones, or if several match.
 [[nodiscard]] const Signal& find_signal(Trace& trace, std::string_view name);
 

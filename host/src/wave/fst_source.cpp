@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wave/fst_source.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "cde/wave/fst_api.hpp"
+#include "wave/fst_names.hpp"
+#include "wave/port_states.hpp"
+
+namespace cde::wave {
+namespace {
+
+constexpr std::uint64_t kMostNamesFile = std::uint64_t{1} << 32;
+
+void put_word(std::string& header, std::size_t at, std::uint64_t word) {
+  for (unsigned i = 0; i < 8; ++i) header[at + i] = static_cast<char>(word >> (8 * (7 - i)));
+}
+
+/// Text of the header, up to its first NUL.
+std::string header_text(const std::string& header, std::size_t at, std::size_t length) {
+  std::string text = header.substr(at, length);
+  text.resize(std::min(text.find('\0'), text.size()));
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  return utf8_text(std::move(text));
+}
+
+/// Whether a value has an X or Z; without branches, as it is asked of every change.
+bool has_upper(std::string_view value) {
+  unsigned any = 0;
+  for (const char c : value)
+    any |= static_cast<unsigned>(c == 'X') | static_cast<unsigned>(c == 'Z');
+  return any != 0;
+}
+
+struct FstStop {};  ///< ends Verilator's reader from within
+
+/// What Verilator's reader calls for each change.
+struct FstReceiver {
+  const WaveSource::Change& visit;
+  const FstWidths& widths;
+  const std::vector<std::uint32_t>& port;
+  std::string own;
+
+  void bits(std::uint64_t time, std::uint32_t handle, const char* value) {
+    const std::size_t i = handle - 1;
+    if (widths.real[i]) {
+      double number = 0;
+      std::memcpy(&number, value, sizeof number);
+      own = fmt::format("{}", number);
+      if (!visit(time, handle, own)) throw FstStop();
+      return;
+    }
+    std::string_view now(value, widths.bytes[i]);
+    if (port[i] != 0) {
+      port_bits(now, port[i], own);
+      now = own;
+    } else if (has_upper(now)) {
+      own = now;
+      for (char& c : own)
+        if (c == 'X' || c == 'Z') c = static_cast<char>(c - 'X' + 'x');
+      now = own;
+    }
+    if (!visit(time, handle, now)) throw FstStop();
+  }
+};
+
+void take_bits(void* to, std::uint64_t time, fstHandle handle, const unsigned char* value) {
+  static_cast<FstReceiver*>(to)->bits(time, handle, reinterpret_cast<const char*>(value));
+}
+void take_text(void* to, std::uint64_t time, fstHandle handle, const unsigned char* value,
+               std::uint32_t length) {
+  if (!static_cast<FstReceiver*>(to)->visit(time, handle,
+                                            {reinterpret_cast<const char*>(value), length}))
+    throw FstStop();
+}
+
+}  // namespace
+
+FstSource::FstSource(WaveBytes file, const std::filesystem::path& path)
+    : file_(std::move(file)), reader_(nullptr, fstReaderClose) {
+  const std::uint64_t size = file_.size();
+  unpack();
+  blocks_ = find_fst_blocks(file_);
+  find_names(path);
+  check_fst_blocks(file_, blocks_, widths_.bytes);
+  blocks_.structure.bytes = size;
+  if (blocks_.structure.sections.empty())
+    file_.fail(blocks_.closed ? "is cut off or corrupt: it has no changes"
+                              : "has no changes, or was not closed by its writer: the simulation "
+                                "still runs, or was killed, and no block of changes is whole");
+  note_facts();
+  open_reader();
+}
+
+void FstSource::corrupt() const {
+  file_.fail("is corrupt: Verilator's reader of FST cannot make sense of it");
+}
+
+/// A file that is packed in gzip as a whole, as GHDL and NVC write them.
+void FstSource::unpack() {
+  std::string head(17, '\0');
+  head.resize(file_.read(0, head.data(), head.size()));
+  if (head.empty() || static_cast<unsigned char>(head[0]) != FST_BL_ZWRAPPER) return;
+  if (head.size() < 17) file_.fail("is cut off: its header has no end");
+  const auto word = [&](std::size_t at) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < 8; ++i)
+      value = value << 8 | static_cast<unsigned char>(head[at + i]);
+    return value;
+  };
+  const std::uint64_t length = word(1), size = word(9);
+  if (length == 0)
+    file_.fail(
+        "was not closed by its writer: it is packed in gzip as a whole, and that has no end");
+  if (length < 16 || length > file_.size() - 1)
+    file_.fail(fmt::format("is cut off or corrupt: it has {} bytes and announces {}", file_.size(),
+                           length));
+  // zlib expands at most 1032 times.
+  if (size > 1100 * length) file_.fail("is corrupt: it announces more bytes than it can hold");
+  file_ = file_.inflated(17, size);
+  packed_ = true;
+}
+
+void FstSource::find_names(const std::filesystem::path& path) {
+  const FstBlock* const own = blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO);
+  if (blocks_.closed || (own != nullptr && blocks_.find(FST_BL_GEOM) != nullptr)) {
+    if (own == nullptr) file_.fail("is cut off or corrupt: it has no names");
+    widths_ = read_fst_widths(file_, blocks_);
+    return;
+  }
+  if (own == nullptr) {
+    const std::filesystem::path beside = path.string() + ".hier";
+    std::error_code none;
+    if (path == "-" || !std::filesystem::exists(beside, none))
+      file_.fail(fmt::format(
+          "was not closed by its writer: the simulation still runs, or was killed. It has {} whole "
+          "blocks of changes, but no names; until the end these are in {} for most writers, which "
+          "is missing",
+          blocks_.blocks.size(), printable_name(beside.string())));
+    const WaveBytes names(beside);
+    if (names.size() > kMostNamesFile) names.fail("is larger than names can be");
+    names_.resize(names.size());
+    names_.resize(names.read(0, names_.data(), names_.size()));
+    names_file_ = printable_name(beside.string());
+  } else {
+    names_ = read_fst_names(file_, *own);
+    names_file_ = "its names";
+  }
+  widths_ = FstNames{file_, names_file_, UINT32_MAX, true}.widths(names_);
+  if (widths_.bytes.empty())
+    file_.fail(fmt::format("was not closed, and {} has no signals", names_file_));
+}
+
+void FstSource::note_facts() {
+  const std::string& h = blocks_.header;
+  facts_.format = packed_ ? "FST, packed in gzip" : "FST";
+  facts_.scale = static_cast<signed char>(h[73]);
+  facts_.writer = header_text(h, 74, 128);
+  facts_.date = header_text(h, 202, 119);
+  facts_.time_zero = static_cast<std::int64_t>(blocks_.word(322));
+  facts_.handles = static_cast<std::uint32_t>(widths_.bytes.size());
+  facts_.structure = blocks_.structure;
+  facts_.blackouts = blocks_.blackouts;
+  facts_.start = blocks_.word(9);
+  facts_.end = blocks_.word(17);
+  const auto& sections = facts_.structure.sections;
+  if (!blocks_.closed) {
+    facts_.start = sections.front().begin;
+    facts_.end = sections.front().end;
+    for (const Section& s : sections) facts_.end = std::max(facts_.end, s.end);
+    facts_.ending = fmt::format(
+        "not closed by its writer; {} whole blocks of changes are read, what came behind them is "
+        "not in the file{}",
+        sections.size(), names_file_.empty() ? "" : ", names are of " + names_file_);
+  }
+}
+
+void FstSource::open_reader() {
+  std::string header = blocks_.header;
+  const std::uint64_t handles = widths_.bytes.size();
+  // A file that begins and ends at 0 is one that was not closed for the reader.
+  put_word(header, 9, facts_.start);
+  put_word(header, 17, std::max<std::uint64_t>(facts_.end, 1));
+  put_word(header, 49, std::max(blocks_.word(49), handles));
+  put_word(header, 57, handles);
+  put_word(header, 65, facts_.structure.sections.size());
+  std::vector<FstPart> parts;
+  parts.push_back({-1, 0, 0, header});
+  const std::uint64_t rest = blocks_.whole - kFstHeaderBytes;
+  parts.push_back({file_.descriptor(), kFstHeaderBytes, rest, {}});
+  if (blocks_.find(FST_BL_GEOM) == nullptr) parts.push_back({-1, 0, 0, fst_widths_block(widths_)});
+  if (blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO) == nullptr) {
+    // The reader opens no file without names, which it is not asked for.
+    std::string none(1, static_cast<char>(FST_BL_HIER));
+    none.resize(17, '\0');
+    none[8] = 16;
+    parts.push_back({-1, 0, 0, none});
+  }
+  try {
+    reader_.reset(open_fst_reader(std::move(parts)));
+  } catch (const ReaderFailed&) {
+    corrupt();
+  }
+  if (!reader_) corrupt();
+  fstReaderIterBlocksSetNativeDoublesOnCallback(reader_.get(), 1);
+}
+
+void FstSource::names(const SourceVisit& visit) {
+  const FstNames all{file_, names_file_.empty() ? "its names" : names_file_, facts_.handles,
+                     !blocks_.closed};
+  SourceVisit mine = visit;
+  port_.assign(widths_.bytes.size(), 0);
+  mine.variable = [&](VariableName&& v) {
+    const std::size_t i = v.handle - 1;
+    if (v.type == FST_VT_VCD_PORT && widths_.bytes[i] == 3 * std::uint64_t{v.width} + 2)
+      port_[i] = v.width;
+    if (visit.variable) visit.variable(std::move(v));
+  };
+  if (!names_file_.empty()) return all.read(names_, mine);
+  all.read(read_fst_names(file_, *blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO)),
+           mine);
+}
+
+void FstSource::changes(std::span<const std::uint32_t> handles, std::uint64_t from,
+                        std::uint64_t to, const Change& visit) {
+  if (port_.empty()) names({});
+  fstReaderClrFacProcessMaskAll(reader_.get());
+  for (const std::uint32_t handle : handles) fstReaderSetFacProcessMask(reader_.get(), handle);
+  // The reader begins with the values that signals have where the first block begins that it does
+  // not skip; the block that ends before `from` has them if `from` is between two.
+  std::uint64_t first = from;
+  for (const Section& s : facts_.structure.sections)
+    if (s.begin <= from) first = std::min(from, s.end);
+  fstReaderSetLimitTimeRange(reader_.get(), first, to);
+  FstReceiver receiver{visit, widths_, port_, {}};
+  try {
+    fstReaderIterBlocks2(reader_.get(), take_bits, take_text, &receiver, nullptr);
+  } catch (const FstStop&) {
+    // enough
+  } catch (const ReaderFailed&) {
+    corrupt();
+  }
+}
+
+}  // namespace cde::wave

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cde/wave/wave_source.hpp"
+#include "wave/fst_blocks.hpp"
+#include "wave/wave_bytes.hpp"
+
+namespace cde::wave {
+
+/// FST files: packed as a whole, too, and those that were not closed, with the names that their
+/// writer keeps in FILE.hier until then. Changes are read by Verilator's reader.
+class FstSource : public WaveSource {
+ public:
+  FstSource(WaveBytes file, const std::filesystem::path& path);
+
+  void names(const SourceVisit& visit) override;
+  void changes(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
+               const Change& visit) override;
+
+ private:
+  void unpack();
+  void find_names(const std::filesystem::path& path);
+  void note_facts();
+  void open_reader();
+  [[noreturn]] void corrupt() const;
+
+  WaveBytes file_;
+  bool packed_ = false;
+  FstBlocks blocks_;
+  std::string names_file_;  ///< where names are; empty: in the file
+  std::string names_;       ///< kept only if they are not in the file
+  FstWidths widths_;
+  std::vector<std::uint32_t> port_;  ///< bits, of handles that are ports with strengths
+  std::unique_ptr<void, void (*)(void*)> reader_;
+};
+
+}  // namespace cde::wave

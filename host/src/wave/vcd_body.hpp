@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "wave/vcd_words.hpp"
+
+namespace cde::wave {
+
+/// Handles of identifiers.
+class VcdIdentifiers {
+ public:
+  explicit VcdIdentifiers(const std::vector<std::string>& identifiers);
+  /// The first handle of an identifier; 0 if it has none.
+  [[nodiscard]] std::uint32_t find(std::string_view identifier) const;
+  /// The next handle of the same identifier, or 0.
+  [[nodiscard]] std::uint32_t next(std::uint32_t handle) const { return next_[handle]; }
+
+ private:
+  struct Hash {
+    using is_transparent = void;
+    std::size_t operator()(std::string_view s) const { return std::hash<std::string_view>()(s); }
+  };
+  std::vector<std::uint32_t> short_;  ///< by number, of identifiers of few characters
+  std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> long_;
+  std::vector<std::uint32_t> next_;
+};
+
+/// What the changes of a VCD file are told to.
+class VcdEvents {
+ public:
+  VcdEvents() = default;
+  virtual ~VcdEvents() = default;
+  VcdEvents(const VcdEvents&) = delete;
+  VcdEvents& operator=(const VcdEvents&) = delete;
+  /// False: enough.
+  virtual bool time(std::uint64_t now) = 0;
+  /// `kind` is b, r, s or p; `b` also of a single bit. `dumped`: a section tells what is, not what
+  /// changes. False: enough.
+  virtual bool change(std::uint32_t handle, char kind, std::string_view value, bool dumped) = 0;
+  virtual void dumps(bool) {}
+  virtual void comment(std::string) {}
+};
+
+/// The file ends within its last word.
+struct VcdCut {};
+
+/// Reads what is behind $enddefinitions. Errors are kFile with the line; what goes wrong in the
+/// last word of a file that ends there without a line feed is VcdCut.
+class VcdBody {
+ public:
+  /// Times are told multiplied by `factor`.
+  VcdBody(WordReader& words, const VcdIdentifiers& identifiers, std::uint64_t factor)
+      : words_(words), identifiers_(identifiers), factor_(factor) {}
+
+  /// To the end, or until the events have enough.
+  void run(VcdEvents& events) {
+    while (step(events)) {
+    }
+  }
+  /// A word and what belongs to it; false at the end.
+  bool step(VcdEvents& events);
+  /// Where the last one begins.
+  [[nodiscard]] std::uint64_t offset() const { return offset_; }
+  [[nodiscard]] std::uint64_t line() const { return line_; }
+  /// VcdCut, or error kFile.
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  bool time(VcdEvents& events, std::string_view digits);
+  bool change(VcdEvents& events, char kind, std::string_view value, std::string_view identifier);
+  bool vector(VcdEvents& events, char kind, std::string_view word);
+  bool text(VcdEvents& events, std::string_view word);
+  bool port(VcdEvents& events, std::string_view word);
+  bool keyword(VcdEvents& events, std::string_view word);
+  std::string_view identifier();
+
+  WordReader& words_;
+  const VcdIdentifiers& identifiers_;
+  std::uint64_t factor_;
+  std::string value_;  ///< kept while its identifier is read
+  bool dumped_ = false;
+  std::uint64_t offset_ = 0, line_ = 0;
+};
+
+}  // namespace cde::wave

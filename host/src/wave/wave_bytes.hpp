@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace cde::wave {
+
+/// The bytes of a wave file, by a descriptor: a regular file, or a temporary one without a name for
+/// what came through a pipe or was packed.
+class WaveBytes {
+ public:
+  /// "-" and pipes are read to their end first. Error kFile.
+  explicit WaveBytes(const std::filesystem::path& file);
+  ~WaveBytes();
+  WaveBytes(WaveBytes&& other) noexcept;
+  WaveBytes& operator=(WaveBytes&& other) noexcept;
+  WaveBytes(const WaveBytes&) = delete;
+  WaveBytes& operator=(const WaveBytes&) = delete;
+
+  /// What a stream of gzip at `offset` becomes, of which `size` bytes are announced.
+  [[nodiscard]] WaveBytes inflated(std::uint64_t offset, std::uint64_t size) const;
+
+  [[nodiscard]] const std::string& name() const { return name_; }  ///< printable
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  /// How many bytes were read: fewer at the end of the file.
+  std::size_t read(std::uint64_t offset, char* to, std::size_t count) const;
+  /// Error kFile "NAME: what".
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  WaveBytes() = default;
+  void spool(int from);
+  void append(const char* bytes, std::size_t count);
+
+  std::string name_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+/// Text that is no UTF-8 is taken for Latin-1.
+[[nodiscard]] std::string utf8_text(std::string text);
+
+}  // namespace cde::wave
