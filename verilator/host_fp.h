@@ -382,7 +382,7 @@ inline Bits within(Bits a) {
   return mask<Bits>(x >= (Least << M)) & mask<Bits>(x <= (Most << M));
 }
 
-/// rtl/fp/fp_exponent.sv: kMax, kMove, kKeep.
+/// rtl/fp/fp_exponent.sv: kMax, kMove.
 template <unsigned C, unsigned E, unsigned M, class Bits>
 inline Bits exponent(Bits a, Bits b) {
   using F = Format<E, M>;
@@ -390,11 +390,8 @@ inline Bits exponent(Bits a, Bits b) {
     const Bits x = a & F::kInf, y = b & F::kInf, more = mask<Bits>(x > y);
     return (x & more) | (y & ~more);
   } else {
-    const Bits x = a & F::kMag, moved = x + b, before = x - (1u << M), after = moved - (1u << M);
-    const Bits gone = Bits{} - (before >> 31), small = Bits{} - (after >> 31);
-    const Bits fraction = a & ((1u << M) - 1u);
-    const Bits low = is(C, Exponent::kKeep) ? fraction | (1u << M) : Bits{};
-    return (((moved & F::kMag & ~small) | (low & small)) & ~gone) | (a & F::kSign);
+    const Bits x = a & F::kMag, moved = x + b, below = (x - (1u << M)) | (moved - (1u << M));
+    return (moved & F::kMag & ~(Bits{} - (below >> 31))) | (a & F::kSign);
   }
 }
 /// kDown and kUp, k the exponent of a, stored at least as Least.

@@ -49,7 +49,6 @@ package formats_pkg;
   localparam int EXPONENT_DOWN = 1;  // the shift by 2^-k, k the exponent of a
   localparam int EXPONENT_UP = 2;    // the shift by 2^k
   localparam int EXPONENT_MOVE = 3;  // a shifted by b
-  localparam int EXPONENT_KEEP = 4;  // the same, but a normal number stays one
   localparam int WIRE_SIGN = 0;  // of df_wire: a times the sign of b
   localparam int WIRE_AND = 1;   // of masks
   localparam int WIRE_OR = 2;

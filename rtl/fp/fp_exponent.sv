@@ -5,7 +5,6 @@
 //   EXPONENT_DOWN the shift by 2^-k, k the exponent of a, at least LEAST
 //   EXPONENT_UP   the shift by 2^k
 //   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign
-//   EXPONENT_KEEP the same, but a normal number stays one: its exponent becomes the smallest at least
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_exponent #(
     parameter int EXP = 8,
@@ -18,11 +17,11 @@ module fp_exponent #(
 ) (
     input logic on_i,  // 0: nobody looks at the result of ARITH = "host"
     input logic [LANES-1:0][CW-1:0] a_i,
-    input logic [LANES-1:0][CW-1:0] b_i,  // EXPONENT_MAX, EXPONENT_MOVE, EXPONENT_KEEP
+    input logic [LANES-1:0][CW-1:0] b_i,  // EXPONENT_MAX, EXPONENT_MOVE
     output logic [LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
-  if (OP < 0 || OP > formats_pkg::EXPONENT_KEEP) $error("fp_exponent: OP must be one of formats_pkg::EXPONENT_*");
+  if (OP < 0 || OP > formats_pkg::EXPONENT_MOVE) $error("fp_exponent: OP must be one of formats_pkg::EXPONENT_*");
   localparam int BIAS = (1 << (EXP - 1)) - 1;
   localparam int STORED = LEAST + BIAS;
   logic [LANES-1:0][CW-1:0] r;
@@ -67,14 +66,10 @@ module fp_exponent #(
         assign r[l] = in_place(larger(ea, EW'(STORED)) - EW'(BIAS));
       end else begin : g_move
         logic [EW-1:0] moved;
-        logic gone, below;  // below the normal numbers, before or after
+        logic below;  // the normal numbers, before or after
         assign moved = ea + b_i[l][MAN+:EW];
-        assign gone = &negative(ea - EW'(1));
-        assign below = &negative(moved - EW'(1));
-        logic [EXP-1:0] stored;
-        assign stored = (OP == formats_pkg::EXPONENT_KEEP && below) ? EXP'(1) : moved[EXP-1:0];
-        assign r[l] = (((CW'(stored) << MAN) | (a_i[l] & FRACTION)) &
-            ~{CW{gone || (OP == formats_pkg::EXPONENT_MOVE && below)}}) | (a_i[l] & SIGN);
+        assign below = &(negative(ea - EW'(1)) | negative(moved - EW'(1)));
+        assign r[l] = (((CW'(moved[EXP-1:0]) << MAN) | (a_i[l] & FRACTION)) & ~{CW{below}}) | (a_i[l] & SIGN);
       end
     end
   end

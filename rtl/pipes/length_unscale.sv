@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
-// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses. F and T of solids agree: T stays a normal
-// number if it is one at the size of one, else it becomes 0 and F = 1.
+// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses.
 // Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host". Throughput: LANES pairs a
 // clock. Stall: none.
 `include "dataflow.svh"
@@ -31,6 +30,7 @@ module length_unscale #(
   logic [2:0][LANES-1:0][CW-1:0] cp_in, cp, cp_late;
   align #(.W(4 * LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_in (
       .clk_i, .d_i({cp_i, back_i}), .q_o({cp_in, back}));
+  align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f_i), .q_o(f));
   align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
   for (genvar k = 0; k < 3; k++) begin : axis
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
@@ -39,7 +39,6 @@ module length_unscale #(
   align #(.W(3 * LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
   if (RAY) begin : g_ray
     localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
-    align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f_i), .q_o(f));
     logic [LANES-1:0][CW-1:0] finite, t_late, near_late;
     logic [2:0][LANES-1:0][CW-1:0] near;
     fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.mul), .ARITH(ARITH)) multiply (
@@ -59,14 +58,12 @@ module length_unscale #(
   end else begin : g_solid
     logic unused;
     assign unused = &{1'b0, t_back_i};
-    logic [LANES-1:0][CW-1:0] t_in, f_in, nonzero;
-    align #(.W(2 * LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_gap (.clk_i, .d_i({f_i, t_i}), .q_o({f_in, t_in}));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_KEEP), .ARITH(ARITH))
+    logic [LANES-1:0][CW-1:0] t_in;
+    align #(.W(LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_t_in (.clk_i, .d_i(t_i), .q_o(t_in));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
         move_t (.on_i, .a_i(t_in), .b_i(back), .r_o(t));
-    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_NONZERO), .ARITH(ARITH))
-        is_apart (.a_i(t), .m_o(nonzero));
-    assign f = f_in | ~nonzero;
-    align #(.W(2 * LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_out (.clk_i, .d_i({f, t}), .q_o({f_o, t_o}));
+    align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
+    assign f_o = f;
     assign cp_o = cp_late;
   end
 endmodule

@@ -58,7 +58,6 @@ Values formats() {
                  {"EXPONENT_DOWN", number(Exponent::kDown)},
                  {"EXPONENT_UP", number(Exponent::kUp)},
                  {"EXPONENT_MOVE", number(Exponent::kMove)},
-                 {"EXPONENT_KEEP", number(Exponent::kKeep)},
                  {"WIRE_SIGN", number(Wire::kSign)},
                  {"WIRE_AND", number(Wire::kAnd)},
                  {"WIRE_OR", number(Wire::kOr)},

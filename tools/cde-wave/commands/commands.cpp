@@ -34,7 +34,7 @@ int info(const Request& r) {
     Json dark = Json::array();
     for (const Blackout& b : trace.blackouts())
       dark.push_back({{"from", times.number(b.from)}, {"to", times.number(b.to)}});
-    j.update({{"format", trace.format()},
+    j.update({{"file_format", trace.format()},
               {"closed", trace.structure().closed},
               {"ending", trace.ending().empty() ? Json() : Json(trace.ending())},
               {"time_zero", trace.time_zero()},

@@ -54,7 +54,7 @@ enum class Convert : unsigned { kFormat, kFromInt, kToInt };
 /// Work on bits, free of arithmetic.
 enum class Sign : unsigned { kAbs, kNeg, kCopy, kXor };
 enum class Class : unsigned { kFinite, kNan, kPositive, kNonzero };
-enum class Exponent : unsigned { kMax, kDown, kUp, kMove, kKeep };
+enum class Exponent : unsigned { kMax, kDown, kUp, kMove };
 enum class Wire : unsigned { kSign, kAnd, kOr, kXor };
 
 /// Formats with a name, in the order of their conversions.

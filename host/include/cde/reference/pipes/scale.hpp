@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <type_traits>
@@ -56,12 +55,6 @@ template <typename S>
       static_cast<Bits>(bits + static_cast<Bits>(static_cast<Bits>(k) << scaling::kFraction<S>));
   return std::bit_cast<S>(from == 0 || to <= 0 ? static_cast<Bits>(bits & kSign) : moved);
 }
-/// The same, but a normal number stays one: its exponent becomes the smallest at least.
-template <typename S>
-[[nodiscard]] constexpr S kept_times_power_of_two(S x, int k) {
-  const int from = stored_exponent(x);
-  return times_power_of_two(x, from == 0 ? k : std::max(k, 1 - from));
-}
 template <typename S>
 [[nodiscard]] Vector<S> times_power_of_two(const Vector<S>& v, int k) {
   return {times_power_of_two(v.x(), k), times_power_of_two(v.y(), k), times_power_of_two(v.z(), k)};
@@ -108,8 +101,7 @@ template <class P>
 
 /// The answer of a pipe, test(a, b), to a pair of any size within the contract. tmin and tmax of a
 /// ray, and its T on the way out, are rounded once where they leave the format's normal range:
-/// 3 mul. A ray whose T or CP overflows misses. F and T of solids agree: T stays a normal number if
-/// it is one at the size of one, else it becomes 0 and F = 1.
+/// 3 mul. A ray whose T or CP overflows misses.
 template <typename S, class A, class B, class Test>
 [[nodiscard]] Outcome<S> scaled_answer(const A& a, const B& b, Test test) {
   if constexpr (!kScaled<A, B>) {
@@ -128,8 +120,7 @@ template <typename S, class A, class B, class Test>
       return r;
     } else {
       Outcome<S> r = test(scaled(a, -k, 0, S(1)), scaled(b, -k, 0, S(1)));
-      r.t = kept_times_power_of_two(r.t, k);
-      r.f = r.f || static_cast<double>(r.t) == 0;  // the word's class, no comparison
+      r.t = times_power_of_two(r.t, k);
       r.cp = times_power_of_two<S>(r.cp, k);
       return r;
     }
