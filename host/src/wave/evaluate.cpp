@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of expressions of a design, where the waves tell those of their signals.
+// Evaluates expressions of a design from the values of its signals in the waves.
 #include <algorithm>
 #include <bit>
 
@@ -16,7 +16,7 @@ Known result(Value value, bool complete) {
   complete = complete || !value.unknown();
   return Evaluated{std::move(value), complete};
 }
-/// Of a known width, and nothing else known.
+/// A value whose width alone is known.
 Known nothing_of(std::uint64_t width) {
   if (width == 0 || width > kMostBits) return std::nullopt;
   return Evaluated{unknown_of(static_cast<unsigned>(width)), false};

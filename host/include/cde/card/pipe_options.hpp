@@ -15,7 +15,7 @@ struct PairOptions {
   std::optional<bool> box;
   unsigned facet_interval = PairConfig{}.facet_interval;
   bool half_space = false;
-  bool exchanged = false;  ///< words of B stand before those of A
+  bool exchanged = false;  ///< a line has the words of B first
 };
 
 /// `pair` in any order (pair_in_any_order) becomes its own name; the order becomes `exchanged`.

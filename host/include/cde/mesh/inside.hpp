@@ -21,8 +21,8 @@ class Inside {
   /// must have as many triangles one way round as the other. Vertices of equal coordinates are one.
   explicit Inside(const Mesh& mesh);
 
-  /// Of a point in the mesh's frame; 1 inside of a body whose faces wind counter-clockwise as seen
-  /// from outside, 0 outside.
+  /// The winding number of a point in the mesh's frame: 1 inside of a body whose faces wind
+  /// counter-clockwise as seen from outside, 0 outside.
   [[nodiscard]] double winding_number(const Eigen::Vector3f& point) const;
   /// Whether the winding number is nearer to another whole number than to 0.
   [[nodiscard]] bool contains(const Eigen::Vector3f& point) const;

@@ -32,7 +32,7 @@ enum class Truth { kNo, kYes, kUnknown };
 [[nodiscard]] std::uint64_t mask(unsigned width);
 /// One of nine states, in either case, as one of four: L is 0, H is 1, what is neither is x or z.
 [[nodiscard]] char four_state(char c);
-/// Of characters of nine states in either case, the most significant first.
+/// Reads characters of nine states in either case, the most significant bit first.
 [[nodiscard]] Value of_bits(std::string_view bits, bool is_signed);
 [[nodiscard]] Value of_bool(bool value);
 [[nodiscard]] Value of_real(double value);

@@ -14,7 +14,8 @@
 #include "cde/wave/structure.hpp"
 #include "cde/wave/wave_source.hpp"
 
-/// Reads wave files (FST, VCD), those of `--trace` and others. Error kFile for what is none.
+/// Reads wave files (FST, VCD), written by `--trace` or by other tools. Error kFile for other
+/// files.
 namespace cde::wave {
 
 /// What values are called: bits without zeros in front, name.
