@@ -91,11 +91,14 @@ TEST_F(Explain, WhatMakesNoSenseIsRefused) {
   refused({"explain", "spheer-sphere", "0"}, "sphere-sphere");
 }
 
-TEST_F(Explain, AnOperandOutOfContractSaysNothingOfOperators) {
-  const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 -1 | 1.5 0 0 1"});
-  EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_TRUE(has(ran.out, "Both sides refuse the pair"));
+TEST_F(Explain, AnOperandOutOfContract_IsRefusedBeforeAnythingIsBuilt) {
+  const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 -1 | 1.5 0 0 1"},
+                      {"CDE_CACHE=" + (folder_ / "cache").string()});
+  EXPECT_EQ(ran.status, 2) << ran.err;
+  EXPECT_EQ(ran.out, "");
+  EXPECT_EQ(ran.err.find("cde: the pair: sphere A: "), 0u) << ran.err;
   EXPECT_TRUE(has(ran.err, "radius"));
+  EXPECT_FALSE(exists("cache"));
 }
 
 }  // namespace
