@@ -53,11 +53,11 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"plan", "a.toml", "b.toml", "--bogus"},
        "cde plan does not know what to do with 'b.toml'; `cde plan --help` says what it takes"},
       {{"run", "-"},
-       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --out, for "
+       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, for "
        "the "
        "folder has no scene to be named after)"},
       {{"plan", "-"},
-       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --out, for "
+       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, for "
        "the "
        "folder has no scene to be named after)"},
       {{"query", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?"},
@@ -71,7 +71,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"cast", "m.obj", "--fields", "u,x"}, "no field 'x'; there are: u, v, normal, side, node"},
       {{"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "-o", "-", "--fields", "u,u"},
        "--fields has 'u' twice"},
-      {{"reproduce", "--out", "x.png"}, "--out is 'x.png'; its name must end in .html"},
+      {{"reproduce", "--out", "x.png"}, "--output is 'x.png'; its name must end in .html"},
       {{"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "--trace", "x.vcd"},
        "--trace is 'x.vcd'; its name must end in .fst"},
       {{"cast", "m\n\x1b[31m.obj", "--size"}, "--size needs a value: WxH"},
