@@ -101,7 +101,8 @@ TEST_F(CommandLine, HelpIsGivenBesideMistakes) {
 /// The ranges that the help tells are those that are checked: its ends are taken, what lies beyond
 /// is refused with the same range. A mistake behind the value tells whether it was taken.
 TEST_F(CommandLine, NumbersAreCheckedAsTheHelpSays) {
-  static const std::regex option(R"(\n  (?:-[a-z], )?(--[a-z-]+) NUMBER((?:\n? {3,}[^\n]*)+))");
+  static const std::regex option(
+      R"(\n  (?:-[a-z], )?(--[a-z-]+) (?:NUMBER|CLOCK)((?:\n? {3,}[^\n]*)+))");
   static const std::regex range(R"(\(([0-9.e+]+) to ([0-9.e+]+)( [A-Za-z]+)?\))");
   unsigned checked = 0;
   for (const Words& verb :

@@ -131,6 +131,15 @@ TEST(OperandText, HeaderNamesTheColumns) {
   bad(a + "," + b + ",A.radius", "column 'A.radius' is there twice");
 }
 
+TEST(OperandText, ASingleLine_IsNoHeader) {
+  Words a, b;
+  std::string why;
+  EXPECT_EQ(read_operands(pair_in_any_order("sphere-sphere"), WordText(FpFormat{}), "the pair",
+                          "abc 0 0 1 1 0 0 1", a, b, why),
+            OperandLine::kMalformed);
+  EXPECT_EQ(why, "the pair, word 1: 'abc' is not a number");
+}
+
 TEST(OperandText, Pieces_GoOnWhereOthersEnded) {
   Lines lines("sphere-sphere");
   EXPECT_TRUE(lines.text.take_header(

@@ -197,6 +197,10 @@ bool OperandText::take_header(std::string_view line, const std::string& where) {
   return is_header;
 }
 
+void OperandText::no_header() {
+  table_->rows.no_header();
+}
+
 void OperandText::skip(std::uint64_t pairs) {
   table_->rows.skip_rows(pairs);
 }
@@ -232,7 +236,9 @@ std::string_view OperandText::first_line(std::string_view line, std::string_view
 OperandLine read_operands(PairName named, const WordText& text, const std::string& where,
                           std::string_view line, std::vector<std::uint64_t>& a,
                           std::vector<std::uint64_t>& b, std::string& why) {
-  return OperandText(named, text).read(line, where, a, b, why);
+  OperandText reader(named, text);
+  reader.no_header();
+  return reader.read(line, where, a, b, why);
 }
 
 }  // namespace cde

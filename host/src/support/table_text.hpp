@@ -68,6 +68,8 @@ class TableText {
   /// Rows that were taken elsewhere: row numbers go on from there.
   void skip_rows(std::uint64_t rows) { rows_ = rows; }
 
+  /// No line that follows is a header.
+  void no_header() { begun_ = true; }
   /// All of the lines: what none of them has is not looked for in each.
   void look_at(std::string_view all);
 

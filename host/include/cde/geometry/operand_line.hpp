@@ -26,6 +26,8 @@ class OperandText {
   /// come before all pairs. Error kFile for a header that names other columns, one of them twice or
   /// not all; `where` names the line.
   bool take_header(std::string_view line, const std::string& where);
+  /// No line that follows is a header.
+  void no_header();
   /// Pairs that were read elsewhere: a column of row numbers goes on from there.
   void skip(std::uint64_t pairs);
 
