@@ -74,8 +74,7 @@ TEST_F(Ecc, TwoBitsOfAWordAreOneClearErrorAndNoRecordIsWrong) {
       FAIL() << "two wrong bits were not noticed";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kDevice);
-      EXPECT_NE(std::string(error.what()).find("1 words of DDR"), std::string::npos)
-          << error.what();
+      EXPECT_NE(std::string(error.what()).find("1 word of DDR"), std::string::npos) << error.what();
       ASSERT_TRUE(error.fault());
       EXPECT_EQ(error.fault()->address, 36 * slot) << error.what();
     }

@@ -98,6 +98,18 @@ TEST_F(CastFiles, DepthsNormalsAndIndices) {
   }
 }
 
+/// The output of `cde render` is its picture, or records by another suffix.
+TEST_F(CastFiles, OutputOfRenderIsThePicture) {
+  write("one.obj", kTwoObjects);
+  ASSERT_EQ(render({"one.obj", "--grid", "4x2", "-o", "a.png", "-q"}).status, 0);
+  ASSERT_EQ(render({"one.obj", "--grid", "4x2", "--shaded", "b.png", "-q"}).status, 0);
+  EXPECT_EQ(read("a.png"), read("b.png"));
+  ASSERT_EQ(render({"one.obj", "--grid", "4x2", "-o", "r.csv", "-q"}).status, 0);
+  EXPECT_TRUE(read("r.csv").starts_with("ray,F,T,"));
+  refused({"one.obj", "-o", "a.png", "--shaded", "b.png"},
+          "--output and --shaded both name the picture", "render");
+}
+
 TEST_F(CastFiles, OtherSuffixesAreRefused) {
   write("one.obj", kTwoObjects);
   const Words grid = {"one.obj", "--grid", "4x2"};
@@ -232,19 +244,30 @@ TEST_F(CastFiles, RaysFromArrays) {
   EXPECT_EQ(cast({"one.obj", "--rays", "r8.npy", "-o", "-", "-q"}).out,
             head + "1,0,inf,0,0,0,4294967295\n")
       << "tmin is beyond the triangle";
+  // Records of an array have the axes of the rays.
+  write("r3.npy", array_of("<f4", "(2, 1, 6)",
+                           bytes<float>({.25f, .5f, .5f, .75f, 0, 2, 0, 0, 0, 0, 1, -1}), "True"));
+  ASSERT_EQ(cast({"one.obj", "--rays", "r3.npy", "-o", "r.npy", "-q"}).status, 0);
+  EXPECT_TRUE(has(npy(read("r.npy")).header, "'shape': (2, 1), "));
+  EXPECT_EQ(cast({"one.obj", "--rays", "r3.npy", "-o", "-", "-q"}).out,
+            head + "1,1,1,0.5,0.75,1,1\n");
+  ASSERT_EQ(
+      cast({"one.obj", "--rays", "r3.npy", "--ray", "0,0,0,0,0,1", "-o", "r.npy", "-q"}).status, 0);
+  EXPECT_TRUE(has(npy(read("r.npy")).header, "'shape': (3,), "));
+  ASSERT_EQ(cast({"one.obj", "--rays", "r3.npy", "--mode", "hits", "-o", "r.npy", "-q"}).status, 0);
+  EXPECT_TRUE(has(npy(read("r.npy")).header, "'shape': (2,), "));
   const auto bad = [&](const std::string& file, const std::string& text) {
     write("bad.npy", file);
     refused({"one.obj", "--rays", "bad.npy"}, text);
   };
   bad("0,0,0,0,0,1\n", "bad.npy: is not a NumPy array");
-  bad(array_of("<i4", "(1, 6)", std::string(24, '\0')), "its numbers are '<i4'");
+  bad(array_of("<c8", "(1, 6)", std::string(48, '\0')), "its numbers are '<c8'");
   bad(array_of("[('x', '<f4'), ('y', '<f8')]", "(1,)", std::string(12, '\0')),
-      "its elements are structures, [('x', '<f4'), ('y', '<f8')]");
-  bad(array_of("<f4", "(6,)", std::string(24, '\0')), "its shape is (6,)");
+      "its field 'x' of 1 number is none that is read; rays are (..., 6)");
   bad(array_of("<f4", "(1, 5)", std::string(20, '\0')), "its shape is (1, 5)");
   bad(array_of("<f4", "(2, 6)", std::string(24, '\0')), "24 bytes behind its header");
-  bad(array_of("<f4", "(9999999999999999999, 6)", std::string(24, '\0')), "24 bytes behind");
-  bad(array_of("<f4", "(1, 6)", std::string(24, '\0'), "True"), "is in Fortran order");
+  bad(array_of("<f4", "(9999999999999999999, 6)", std::string(24, '\0')),
+      "claims more than there can be");
   bad(array_of("<f4", "(1, 6)", std::string(24, '\0')), "ray 0: ");
   bad(array_of("<f8", "(1, 6)", bytes<double>({1e300, 0, 0, 0, 0, 1})), "ray 0: 1e+300 overflows");
   bad(array_of("<f4", "(1, 6)", "").substr(0, 40), "is cut short in its header");

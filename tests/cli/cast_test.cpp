@@ -221,6 +221,8 @@ TEST_F(Cast, ClockChangesTheModelledTimeOnly) {
   const auto slow = at("50"), fast = at("200");
   EXPECT_EQ(slow["device_cycles"], fast["device_cycles"]);
   EXPECT_DOUBLE_EQ(slow["modelled_pass_seconds"], 4 * fast["modelled_pass_seconds"].get<double>());
+  for (const char* clock : {"200MHz", "0.2GHz", "200000kHz", "2e8Hz", "200 MHz"})
+    EXPECT_EQ(at(clock)["clock_hz"], 2e8) << clock;
 }
 
 TEST_F(Cast, Pictures) {
@@ -319,7 +321,8 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
             fmt::format("--lanes is '{}'; it must be auto or a power of two", lanes));
   for (const char* lanes : {"-1", "many", "4.5"})
     refused(with({"one.obj", "--ray", ray, "--lanes", lanes}), "--lanes");
-  for (const char* clock : {"0", "-5", "nan", "inf", "1e6", "1e-300"})
+  for (const char* clock :
+       {"0", "-5", "nan", "inf", "1e6", "1e-300", "11GHz", "1mhz", "5 s", "MHz"})
     refused(with({"one.obj", "--ray", ray, "--clock", clock}), "it must be 1 to 10000 MHz");
   refused(with({"one.obj", "--ray", ray, "--deadline", "-1"}), "--deadline is '-1'; it must be");
   refused(with({"one.obj", "--ray", ray, "--timeout", "0"}), "--timeout");

@@ -61,7 +61,7 @@ TEST_F(FormatCli, CastRefusesWhatTheFormatHasNot) {
     return Words{"cast", mesh, "--format", format, "--lanes", "4", "--ray", ray, "-o", "-"};
   };
   refused(cast("far.obj", "fp16", "0,0,0,0,0,1"),
-          "far.obj: 1 of 1 triangles are bad input, the first triangle 0: v1.x is 200, must be at "
+          "far.obj: 1 of 1 triangle is bad input, the first triangle 0: v1.x is 200, must be at "
           "most 2^7 in size in fp16");
   refused(cast("one.obj", "fp16", "0,0,300,0,0,1"), "ray 0: origin.z is 300, must be at most 2^7");
   refused(cast("one.obj", "fp16", "0,0,0,0,0,1,0,70000"),

@@ -17,9 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-const Words kVerbs = {"accuracy",  "advise", "cast",   "render", "query",
-                      "run",       "plan",   "bench",  "merge",  "reproduce",
-                      "inventory", "wave",   "doctor", "fp",     "help"};
+const Words kVerbs = {"accuracy", "advise", "cast",    "render",    "query",     "run",
+                      "plan",     "bench",  "merge",   "reproduce", "inventory", "wave",
+                      "doctor",   "fp",     "version", "help"};
 /// Verbs of `cde wave`.
 const Words kWaveVerbs = {"info", "ls",     "at",    "show", "find", "diff",
                           "stat", "export", "serve", "tui",  "tx",   "why"};
@@ -49,6 +49,7 @@ class Help : public Cli {
 
 TEST_F(Help, VersionsAreThoseOfTheBuild) {
   const Ran ran = cde({"--version"});
+  EXPECT_EQ(cde({"version"}).out, ran.out);
   EXPECT_EQ(ran.status, 0);
   EXPECT_TRUE(std::regex_search(ran.out, std::regex("^cde [0-9]+\\.[0-9]+\\.[0-9]+")));
   for (const char* text : {"Verilator 5", "clang version", "GNU"}) EXPECT_TRUE(has(ran.out, text));

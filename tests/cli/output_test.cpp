@@ -145,7 +145,7 @@ TEST_F(Outputs, DashIsStdoutAndStdin) {
   EXPECT_EQ(page.status, 0) << page.err;
   EXPECT_TRUE(page.out.starts_with("<!DOCTYPE html>")) << page.out.substr(0, 100);
   EXPECT_TRUE(page.out.ends_with("</html>\n"));
-  refused_saying({"run", "scene.toml", "--out", "-"}, "--out is a folder; it cannot be stdout");
+  refused_saying({"run", "scene.toml", "--out", "-"}, "--output is a folder; it cannot be stdout");
   const Ran rays = shell("\"$CDE\" cast one.obj --rays - --lanes 4 -q -o - < rays.csv");
   EXPECT_EQ(rays.out, kCsv) << rays.err;
   EXPECT_EQ(shell("echo 0,0,x | \"$CDE\" cast one.obj --rays - -q -o -").err.find("cde: stdin:1:5"),
@@ -188,7 +188,7 @@ TEST_F(Outputs, TwoOutputsAreNotOneFile) {
   refused_saying({"run", "scene.toml", "--report", "-", "--json"},
                  "--report and --json both write to stdout");
   refused_saying({"reproduce", "--quick", "--json", "--out", "-"},
-                 "--out and --json both write to stdout");
+                 "--output and --json both write to stdout");
   EXPECT_EQ(cde(cast({"-o", "/dev/null", "--trace", "/dev/null"})).status, 0);
 }
 

@@ -57,7 +57,7 @@ TEST_F(Query, ABarBetweenAAndB) {
   EXPECT_EQ(ran.out, kHeader + answer + answer + answer + none + none);
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err.find("cde: line 4: 3 words before the |, of 8 in all; A has 4\n"
-                         "cde: line 5: 9 words, must be 8 (4 of A, 4 of B)\n"),
+                         "cde: line 5, column 17: a second |; one stands between A and B\n"),
             0u)
       << ran.err;
   const Ran ray = query({"ray-triangle", "-q"},

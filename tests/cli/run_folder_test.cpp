@@ -85,7 +85,7 @@ TEST_F(Folders, AFolderThatIsSwappedForALink) {
 }
 
 TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
-  ASSERT_EQ(run({"--out", "d"}).status, 0);
+  ASSERT_EQ(run({"-o", "d"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "hit.000002.csv", "hit.000003.csv",
                             "run.json"}));
   ASSERT_EQ(run({"--out", "d", "--frames", "1", "--report", "d/page.html"}).status, 0);
@@ -104,7 +104,7 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err,
             "cde: d is not empty and not the folder of a run, which has a run.json: it is left as "
-            "it is; --out names another\n");
+            "it is; --output names another\n");
   write("d/run.json", "{\"scripts\": {\"test\": \"jest\"}}");
   EXPECT_EQ(run({"--out", "d"}).status, 2) << "somebody else's run.json";
   EXPECT_EQ(in("d"), (Words{"run.json", "thesis.tex"}));
@@ -116,7 +116,7 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
   ran = run({"--out", "d", "--frames", "0"});
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err,
-            "cde: d/notes.txt is not of the run that d holds: take it away, or let --out name "
+            "cde: d/notes.txt is not of the run that d holds: take it away, or let --output name "
             "another folder\n");
   EXPECT_EQ(in("d").size(), 6u);
   // A file of that name.
@@ -130,10 +130,10 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
 TEST_F(Folders, WhatTheSceneReadsIsNotRemoved) {
   Ran ran = cde({"run", "scene.toml", "--out", "."});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err, "cde: --out is ., where the scene scene.toml is\n");
+  EXPECT_EQ(ran.err, "cde: --output is ., where the scene scene.toml is\n");
   ran = run({"--out", "d", "--report", "d/hit.000000.csv"});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err, "cde: d/hit.000000.csv has the name of a file that --out is for\n");
+  EXPECT_EQ(ran.err, "cde: d/hit.000000.csv has the name of a file that --output is for\n");
   EXPECT_EQ(files(), Words{"scene.toml"});
 }
 
@@ -181,7 +181,7 @@ TEST_F(Folders, AFolderIsOneRunsAtATime) {
     EXPECT_EQ(second.status, 2);
     EXPECT_EQ(second.err, "cde: " + folder +
                               " is the folder of a run that goes on: wait for its end, or let "
-                              "--out name another folder\n");
+                              "--output name another folder\n");
   }
   EXPECT_EQ(run({"--out", "other"}).status, 0);
   ::kill(child, SIGKILL);
@@ -206,7 +206,7 @@ TEST_F(Folders, RunsThatStartAtATimeDoNotMix) {
     EXPECT_EQ(status, refused ? "2\n" : "0\n");
     EXPECT_EQ(read(fmt::format("err.{}", i)),
               refused
-                  ? "cde: d is the folder of a run that goes on: wait for its end, or let --out "
+                  ? "cde: d is the folder of a run that goes on: wait for its end, or let --output "
                     "name another folder\n"
                   : "");
     played += refused ? 0 : 1;

@@ -53,11 +53,11 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"plan", "a.toml", "b.toml", "--bogus"},
        "cde plan does not know what to do with 'b.toml'; `cde plan --help` says what it takes"},
       {{"run", "-"},
-       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --out, for "
+       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, for "
        "the "
        "folder has no scene to be named after)"},
       {{"plan", "-"},
-       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --out, for "
+       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, for "
        "the "
        "folder has no scene to be named after)"},
       {{"query", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?"},
@@ -72,7 +72,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
        "no field 'x'; there are: u, v, normal, side, node, inside"},
       {{"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "-o", "-", "--fields", "u,u"},
        "--fields has 'u' twice"},
-      {{"reproduce", "--out", "x.png"}, "--out is 'x.png'; its name must end in .html"},
+      {{"reproduce", "--out", "x.png"}, "--output is 'x.png'; its name must end in .html"},
       {{"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "--trace", "x.vcd"},
        "--trace is 'x.vcd'; its name must end in .fst"},
       {{"cast", "m\n\x1b[31m.obj", "--size"}, "--size needs a value: WxH"},
@@ -102,7 +102,8 @@ TEST_F(CommandLine, HelpIsGivenBesideMistakes) {
 /// The ranges that the help tells are those that are checked: its ends are taken, what lies beyond
 /// is refused with the same range. A mistake behind the value tells whether it was taken.
 TEST_F(CommandLine, NumbersAreCheckedAsTheHelpSays) {
-  static const std::regex option(R"(\n  (?:-[a-z], )?(--[a-z-]+) NUMBER((?:\n? {3,}[^\n]*)+))");
+  static const std::regex option(
+      R"(\n  (?:-[a-z], )?(--[a-z-]+) (?:NUMBER|CLOCK)((?:\n? {3,}[^\n]*)+))");
   static const std::regex range(R"(\(([0-9.e+]+) to ([0-9.e+]+)( [A-Za-z]+)?\))");
   unsigned checked = 0;
   for (const Words& verb :

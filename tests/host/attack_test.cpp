@@ -220,14 +220,17 @@ TEST(AttackTest, PlyHeaders) {
 TEST(AttackTest, RaysSurviveDamage) {
   constexpr std::uint32_t kSeed = 11;
   std::mt19937 random(kSeed);
-  const std::string whole =
+  const std::string wholes[] = {
       "ox,oy,oz,dx,dy,dz,tmin,tmax\n0,0,0,0,0,1\n# c\n1e3,-2.5,0x1.8p3,1,0,0,0,inf\r\n 1 , 2 , 3 , "
-      "4 , 5 , 6 , -inf , 8 ";
+      "4 , 5 , 6 , -inf , 8 ",
+      "\"\";ox;\"oy\";oz;dx;dy;dz\n0;0,5;\"1\";2;0;0;-1\r1;2;3;4;5;6;7\n",
+      " ox oy oz dx dy dz\n0 1 2 3 4 5 6\n1 7 8 9 10 11 \"12\"\n\t1\t2\n"};
   int read = 0;
   for (int round = 0; round < 20000; ++round) {
-    std::string bytes = whole;
+    std::string bytes = wholes[round % 3];
     for (std::size_t i = 0; i < 1 + random() % 4; ++i)
-      bytes[random() % bytes.size()] = static_cast<char>(random());
+      bytes[random() % bytes.size()] =
+          random() % 2 == 0 ? "\",; \t|#\n"[random() % 8] : static_cast<char>(random());
     std::istringstream in(bytes);
     try {
       for (const Ray& ray : read_rays_csv(in, "r")) EXPECT_FALSE(defect(ray).has_value());

@@ -64,6 +64,109 @@ TEST(RaysCsvTest, HeaderNamesTheColumns) {
   EXPECT_EQ(read("dx,dy,dz,ox,oy,oz,tmin,tmax\n4,5,6,1,2,3,7")[0].tmin, 7.0f);
 }
 
+/// The ray 0.5, 1, -2 towards 0, 0.25, -1 in the text's first line, and as many as there should be.
+void expect_rays(const std::string& text, std::size_t count = 1, float tmax = kInfinity) {
+  SCOPED_TRACE(text);
+  const auto rays = read(text);
+  ASSERT_EQ(rays.size(), count);
+  EXPECT_EQ(rays[0].o, Eigen::Vector3f(0.5f, 1, -2));
+  EXPECT_EQ(rays[0].d, Eigen::Vector3f(0, 0.25f, -1));
+  EXPECT_EQ(rays[0].tmin, 0.0f);
+  EXPECT_EQ(rays[0].tmax, tmax);
+}
+
+TEST(RaysCsvTest, AnySeparator_ReadsTheSame) {
+  expect_rays("0.5,1,-2,0,0.25,-1");
+  expect_rays("0.5;1;-2;0;0.25;-1;0;7\n", 1, 7);
+  expect_rays("0.5\t1\t-2\t0\t0.25\t-1\n");
+  expect_rays("  0.5 1  -2 0 0.25 -1 \n");
+  expect_rays("0.5 ;\t1; -2;0 ;0.25;-1\r1;1;1;1;1;1\r\n", 2);
+  // As numpy.savetxt writes it, with and without a header.
+  const std::string savetxt =
+      "5.000000000000000000e-01 1.000000000000000000e+00 -2.000000000000000000e+00 "
+      "0.000000000000000000e+00 2.500000000000000000e-01 -1.000000000000000000e+00\n";
+  expect_rays(savetxt + savetxt, 2);
+  expect_rays("# ox oy oz dx dy dz\n" + savetxt);
+  expect_rays("# dx dy dz ox oy oz\n0 .25 -1 .5 1 -2\n");
+  expect_rays("# made by hand\n# dz,dy,dx,oz,oy,ox\n-1,.25,0,-2,1,.5\n");
+  expect_rays("# ox oy\n# dz dx\n" + savetxt);
+  expect_rays("# dz dy dx oz oy ox\nox oy oz dx dy dz\n" + savetxt);
+}
+
+TEST(RaysCsvTest, QuotesBelongToFields) {
+  expect_rays("\"0.5\",\"1\", \"-2\" ,0,\" 0.25\",\"-1\"");
+  expect_rays("\"ox\" \"oy\" oz dx dy dz\n\"0.5\" 1 -2 \"0\" 0.25 -1\n");
+  expect_rays("\"0,5\";1;-2;0;\"0,25\";-1");
+  const auto bad = [](const std::string& text, const std::string& message) {
+    SCOPED_TRACE(text);
+    expect_error(ErrorCode::kFile, message, [&] { (void)read(text); });
+  };
+  bad("\"0.5,1,-2,0,0.25,-1\n", "rays.csv:1:1: a quote is not closed");
+  bad("1,\"2\"3,4,5,6,7\n", "rays.csv:1:6: text behind a closing quote; commas separate");
+  bad("1,\"2\"\"\",4,5,6,7\n", "rays.csv:1:6: text behind a closing quote");
+  bad("1 \"2\"3 4 5 6 7\n", "rays.csv:1:6: text behind a closing quote; blanks separate");
+  bad("\"1,5\",2,3,4,5,6",
+      "rays.csv:1:1: ox: '1,5' is not a number; a decimal comma is read where semicolons separate");
+}
+
+TEST(RaysCsvTest, DecimalCommas_NeedSemicolons) {
+  expect_rays("0,5;1,0;-2,0;0;0,25;-1\n0,5;1;1;1;1;1\n", 2);
+  const auto bad = [](const std::string& text, const std::string& message) {
+    SCOPED_TRACE(text);
+    expect_error(ErrorCode::kFile, message, [&] { (void)read(text); });
+  };
+  bad("0,5;1.0;-2;0;0;-1",
+      "rays.csv:1:6: '1.0' has a decimal point, and a number before it a decimal");
+  bad("0,5;1;-2;0;0;-1\n1.5;1;-2;0;0;-1", "rays.csv:2:2: '1.5' has a decimal point");
+  bad("1,000,5;1;-2;0;0;-1", "rays.csv:1:1: ox: '1,000,5' is not a number");
+  bad("1.000,5;1;-2;0;0;-1", "rays.csv:1:1: ox: '1.000,5' is not a number");
+  bad("0,5\t1,0\t2\t0\t0\t-1", "oy: '5\\x091' is not a number; commas separate the fields");
+  bad("0,5 1,0 2 0 0 -1", "rays.csv:1:3: oy: '5 1' is not a number; commas separate the fields");
+}
+
+TEST(RaysCsvTest, EmptyFieldsShiftNothing) {
+  const auto bad = [](const std::string& text, const std::string& message) {
+    SCOPED_TRACE(text);
+    expect_error(ErrorCode::kFile, message, [&] { (void)read(text); });
+  };
+  bad("1\t2\t3\t4\t5\t6\t\t8", "rays.csv:1:13: tmin is empty");
+  bad("1;2;3;4;5;6;;8", "rays.csv:1:13: tmin is empty");
+  bad("\t1\t2\t3\t4\t5\t6", "rays.csv:1:1: ox is empty");
+  bad("1\t2\t3\t4\t5\t6\t", "rays.csv:1:13: tmin is empty");
+  bad("1\t2 3\t4\t5\t6\t7", "rays.csv:1:3: oy: '2 3' is not a number; tabs separate the fields");
+}
+
+/// As pandas.DataFrame writes them.
+TEST(RaysCsvTest, RowNumbersAreLeftOut) {
+  expect_rays(",ox,oy,oz,dx,dy,dz\n0,.5,1,-2,0,.25,-1\n1,1,1,1,1,1,1\n", 2);
+  expect_rays("Unnamed: 0,ox,oy,oz,dx,dy,dz\n1,.5,1,-2,0,.25,-1\n2,1,1,1,1,1,1\n", 2);
+  expect_rays("\"\",\"ox\",\"oy\",\"oz\",\"dx\",\"dy\",\"dz\"\n\"0\",\"0.5\",1,-2,0,.25,-1\n");
+  expect_rays("\tox\toy\toz\tdx\tdy\tdz\n0\t.5\t1\t-2\t0\t.25\t-1\n");
+  expect_rays(";ox;oy;oz;dx;dy;dz\n0;0,5;1,0;-2,0;0,0;0,25;-1,0\n");
+  expect_rays(" ox oy oz dx dy dz\n0 .5 1 -2 0 .25 -1\n1 1 1 1 1 1 1\n", 2);
+  expect_rays("    ox   oy  oz dx  dy   dz\n0  .5  1  -2  0  .25 -1\n");
+  expect_rays(" ox oy oz dx dy dz\n.5 1 -2 0 .25 -1\n");
+  const auto bad = [](const std::string& text, const std::string& message) {
+    SCOPED_TRACE(text);
+    expect_error(ErrorCode::kFile, message, [&] { (void)read(",ox,oy,oz,dx,dy,dz\n" + text); });
+  };
+  bad("2,1,1,1,1,1,1\n",
+      "rays.csv:2:1: row number 2, expected 0 or 1: the first column has no name");
+  bad("0,1,1,1,1,1,1\n2,1,1,1,1,1,1\n", "rays.csv:3:1: row number 2, expected 1");
+  bad("0.5,1,1,1,1,1,1\n", "rays.csv:2:1: '0.5' is not a row number");
+  bad(",1,1,1,1,1,1\n", "rays.csv:2:1: '' is not a row number");
+  bad("0,1,1,1,1,1\n", "too few fields: 5 of the 6 that the header names");
+  expect_error(ErrorCode::kFile, "rays.csv:1:4: unknown column ''",
+               [] { (void)read("ox,,oy,oz,dx,dy,dz\n"); });
+}
+
+TEST(RaysCsvTest, OtherEncodingsAreNamed) {
+  for (const std::string mark : {"\xff\xfe", "\xfe\xff"})
+    expect_error(ErrorCode::kFile, "rays.csv: text in UTF-16 or UTF-32; save it as UTF-8",
+                 [&] { (void)read(mark + std::string("1\0,\0", 4)); });
+  expect_error(ErrorCode::kFile, "rays.csv: is a NumPy array", [] { (void)read("\x93NUMPY"); });
+}
+
 TEST(RaysCsvTest, NothingIsAnEmptyList) {
   EXPECT_TRUE(read("").empty());
   EXPECT_TRUE(read("\n\n# only this").empty());
@@ -151,7 +254,8 @@ TEST(RaysCsvTest, ParseRay) {
   const Ray ray = parse_ray(" 1,2,3, 0,0,1, 0,10 ");
   EXPECT_EQ(ray.tmax, 10.0f);
   expect_error(ErrorCode::kFile, "--ray:6: too few fields", [] { (void)parse_ray("1,2,3"); });
-  expect_error(ErrorCode::kFile, "--ray:1: ox is empty", [] { (void)parse_ray(""); });
+  expect_error(ErrorCode::kFile, "--ray:1: too few fields: 0", [] { (void)parse_ray(""); });
+  EXPECT_EQ(parse_ray("1 2 3 0 0 1").o, Eigen::Vector3f(1, 2, 3));
   expect_error(ErrorCode::kBadInput, "--ray:7: direction is zero",
                [] { (void)parse_ray("1,2,3,0,0,0"); });
 }

@@ -128,6 +128,7 @@ void add_advise(CLI::App& app) {
                               "Sweep, as cde accuracy --json writes it (docs/accuracy.json)"),
              "FILE");
   verb->add_flag("--json", o->json, "All configurations of the pair as JSON, the best first");
+  quiet_flag(*verb);
   verb->callback([o, error, wrong] {
     o->has_error = error->count() > 0, o->has_wrong = wrong->count() > 0;
     run(*o);

@@ -101,6 +101,7 @@ void add_bench(CLI::App& app) {
                          "Sections to run (all): rays, fp, pairs, bus, effects, hierarchy, waves"),
         {"rays", "fp", "pairs", "bus", "effects", "hierarchy", "waves"}, "SECTION", "section");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
+  quiet_flag(*verb);
   verb->add_flag("--markdown", a->options.markdown,
                  "Of effects alone: the table as docs/scenes.md has it");
   auto* quick = verb->add_flag("--quick", a->options.quick,

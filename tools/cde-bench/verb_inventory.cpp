@@ -300,6 +300,7 @@ void add_inventory(CLI::App& app) {
              ->capture_default_str(),
          {"1", "3"});
   auto* json = verb->add_flag("--json", o->json, "Figures as JSON");
+  quiet_flag(*verb);
   verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
   verb->callback([o] {
     settle_pairs(o->pairs);

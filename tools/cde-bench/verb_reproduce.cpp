@@ -22,13 +22,13 @@ struct Arguments {
   ReproduceOptions options;
   std::string out = "reproduction.html";
   ClockOptions clock;
-  bool json = false;
+  bool json = false, quiet = false;
 };
 
 void run(const Arguments& a) {
   if (a.json) Figures::beside_json();
-  check_outputs(std::vector<FileUse>{{"--out", a.out}, {"--json", a.json ? "-" : ""}}, {});
-  check_suffix("--out", a.out, ".html");
+  check_outputs(std::vector<FileUse>{{"--output", a.out}, {"--json", a.json ? "-" : ""}}, {});
+  check_suffix("--output", a.out, ".html");
   if (a.out == "-") Figures::beside_json();
   OutputFile page(a.out);  // a folder that is not there is found out before the work
   const Reproduction r = reproduce(a.options);
@@ -48,8 +48,9 @@ void run(const Arguments& a) {
     show("  sweep of {} lanes, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
          a.options.lanes, duration(row.sweep.seconds));
   }
-  say("check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
-      r.records_compared, r.records_compared, printable_name(a.out));
+  if (!a.quiet)
+    say("check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
+        r.records_compared, r.records_compared, printable_name(a.out));
   if (a.json) put_json(reproduction_json(r, machine));
 }
 
@@ -60,9 +61,11 @@ void add_reproduce(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "reproduce",
       "Measure the paper's Figures 5, 6 and 7 again, and rays through a hierarchy, as a page");
-  file_value(verb->add_option("--out", a->out, "The page, one HTML file")->capture_default_str(),
+  file_value(verb->add_option("-o,--output,--out", a->out, "The page, one HTML file")
+                 ->capture_default_str(),
              "FILE.html");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
+  quiet_flag(*verb, &a->quiet);
   verb->add_flag("--quick", a->options.quick,
                  "A small terrain and few spheres, to see that it works");
   lanes_value(verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")

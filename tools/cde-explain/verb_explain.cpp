@@ -140,6 +140,7 @@ void add_explain(CLI::App& app) {
           ->capture_default_str(),
       0, 1000000, "");
   verb->add_flag("--json", o->json, "The places where the sides part, as JSON");
+  quiet_flag(*verb);
   verb->callback([o, verb] { run(*verb, *o); });
 }
 

@@ -25,6 +25,7 @@ const cde::cli::Program kProgram = {
       });
       cde::cli::add_doctor(app);
       cde::cli::add_other_verbs(app);
+      cde::cli::add_version(app);
       cde::cli::add_help(app);  // knows the verbs before it
     }};
 

@@ -5,6 +5,7 @@
 
 #include "cde/contract/pairs.hpp"
 #include "cde/contract/records.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde {
@@ -100,7 +101,8 @@ void CardPass::uncorrectable(std::uint64_t words, std::uint64_t status) {
   const auto byte = card_.find_uncorrectable((query_.swap ? card::kCommandSwap : 0) |
                                              card::kCommandPair(*query_.pair));
   device_error(
-      fmt::format("{} words of DDR have errors that cannot be corrected, {}", words,
+      fmt::format("{} of DDR {} errors that cannot be corrected, {}", counted(words, "word"),
+                  words == 1 ? "has" : "have",
                   byte ? fmt::format("in secondary {} at byte {:#x}",
                                      *byte / (4 * cde::words(card_.secondary_shape)), *byte)
                        : "but were read without them afterwards"),

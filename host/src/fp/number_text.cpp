@@ -146,6 +146,15 @@ std::optional<std::uint64_t> WordText::parse(std::string_view text, std::string&
   return std::nullopt;
 }
 
+std::optional<std::uint64_t> WordText::word_of(double number, std::string& why) const {
+  const std::uint64_t word = format_.encode(number);
+  if (!std::isfinite(number) || (word & format_.magnitude_mask()) != format_.infinity())
+    return word;
+  why = fmt::format("{} is beyond the largest {} number, {:.8g}", number, format_.name(),
+                    format_.decode(format_.infinity() - 1));
+  return std::nullopt;
+}
+
 void WordText::append_decimal(fmt::memory_buffer& to, std::uint64_t word) const {
   const auto out = std::back_inserter(to);
   if (format_.is_nan(word)) {

@@ -250,7 +250,7 @@ std::string RecordText::head(std::uint64_t count) const {
   std::string text;
   if (format_.kind == RecordFormat::Kind::kNpy) {
     row({}, NpyType{text, node_bytes_});
-    return npy_header("[" + text + "]", {count});
+    return npy_header("[" + text + "]", format_.shape.value_or(std::vector{count}));
   }
   if (format_.kind != RecordFormat::Kind::kCsv) return text;
   row({}, CsvHead{text});

@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "cde/mesh/terrain.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
@@ -142,8 +143,8 @@ std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what,
     if (why && far++ == 0) first = fmt::format("triangle {}: {}", i, *why);
   }
   if (!first) return std::nullopt;
-  return fmt::format("{}: {} of {} triangles are bad input, the first {}", what, far,
-                     mesh.faces.size(), *first);
+  return fmt::format("{}: {} of {} {} bad input, the first {}", what, far,
+                     counted(mesh.faces.size(), "triangle"), far == 1 ? "is" : "are", *first);
 }
 
 std::optional<std::string> without_area(const Mesh& mesh, std::string_view what) {
@@ -154,8 +155,8 @@ std::optional<std::string> without_area(const Mesh& mesh, std::string_view what)
     if (p.cross(q) == Eigen::Vector3d::Zero() && count++ == 0) first = i;
   }
   if (count == 0) return std::nullopt;
-  return fmt::format("{}: {} of {} triangles {} no area and {} hit by no ray, the first is {}",
-                     what, count, mesh.faces.size(), count == 1 ? "has" : "have",
+  return fmt::format("{}: {} of {} {} no area and {} hit by no ray, the first is {}", what, count,
+                     counted(mesh.faces.size(), "triangle"), count == 1 ? "has" : "have",
                      count == 1 ? "is" : "are", first);
 }
 

@@ -8,6 +8,7 @@
 
 #include "cde/image/camera.hpp"
 #include "cde/io/rays_csv.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/message.hpp"
 #include "mesh/readers.hpp"
 #include "scene/parts.hpp"
@@ -244,7 +245,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
   const char* key = source.c_str();
   if (source == "mesh") {
     Mesh mesh = read_mesh(t, folder, object.file, memory);
-    object.source = fmt::format("{}, {} triangles", mesh.name, mesh.faces.size());
+    object.source = mesh.name + ", " + counted(mesh.faces.size(), "triangle");
     object.shapes = triangles_of(mesh);
     object.more_files = mesh.files;
     object.warnings = mesh.warnings;
@@ -259,7 +260,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
   } else if (source == "random_rays") {
     object.rays = read_random_rays(*t.table(key), memory);
     object.shapes = std::vector<Ray>(object.rays->count);
-    object.source = fmt::format("{} random rays{}, seed {}", object.rays->count,
+    object.source = fmt::format("{}{}, seed {}", counted(object.rays->count, "random ray"),
                                 object.rays->redraw ? " a frame" : "", object.rays->seed);
   } else if (source == "rays_csv") {
     const std::string file = t.text(key);
@@ -270,13 +271,13 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
       t.fail(e.code(), key, e.what());
     }
     if (size(object.shapes) == 0) t.fail(key, fmt::format("{} has no rays", file));
-    object.source = fmt::format("{}, {} rays", file, size(object.shapes));
+    object.source = file + ", " + counted(size(object.shapes), "ray");
   } else {
     const auto shape = static_cast<Shape>(
         std::find(kShapeNames.begin(), kShapeNames.end(), source) - kShapeNames.begin());
     object.shapes =
         with_shape<float>(shape, [&]<class P>() { return read_shapes<P>(t.tables(key)); });
-    object.source = fmt::format("{} {}s", size(object.shapes), source);
+    object.source = counted(size(object.shapes), source);
   }
   if (t.has("deform") && !object.deform)
     t.fail(ErrorCode::kUsage, "deform", "moves the vertices of a mesh; this object has none");

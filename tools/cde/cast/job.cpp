@@ -4,17 +4,13 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "cast/picture.hpp"
-#include "cde/io/npy.hpp"
-#include "cde/io/rays_csv.hpp"
+#include "cde/io/rays.hpp"
 #include "cde/mesh/terrain.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/progress.hpp"
@@ -24,23 +20,13 @@
 namespace cde::cli {
 namespace {
 
-std::vector<Ray> read_rays(const std::string& path) {
-  if (path == "-") {
-    // An array begins with a byte that no text does.
-    if (std::cin.peek() == kNpyFirstByte) return read_rays_npy(std::cin, "stdin");
-    return read_rays_csv(std::cin, "stdin");
-  }
-  if (std::filesystem::path(path).extension() != ".npy") return read_rays_csv(path);
-  std::ifstream in(path, std::ios::binary);
-  if (!in)
-    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be opened: {}", printable_name(path),
-                                              std::strerror(errno)));
-  return read_rays_npy(in, printable_name(path));
-}
-
 void collect_rays(const RaySource& source, CastJob& job) {
   if (!source.listed()) return aim(source, job);
-  if (!source.file.empty()) job.listed = read_rays(source.file);
+  if (!source.file.empty()) {
+    RayList list = source.file == "-" ? read_rays(std::cin, "stdin") : read_rays(source.file);
+    job.listed = std::move(list.rays);
+    if (source.given.empty()) job.shape = std::move(list.shape);
+  }
   job.listed.insert(job.listed.end(), source.given.begin(), source.given.end());
   job.rays = job.listed;
   if (job.rays.empty())
@@ -81,8 +67,9 @@ void check_rays(const CastJob& job) {
 void check_size(const CastTask& t, const CastJob& job) {
   const std::uint64_t slots = BoardConfig{}.ddr_slots;
   if (t.partition > job.triangles)
-    throw Error(ErrorCode::kUsage, fmt::format("--partition {}: {} has {} triangles", t.partition,
-                                               printable_name(t.mesh), job.triangles));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--partition {}: {} has {}", t.partition, printable_name(t.mesh),
+                            counted(job.triangles, "triangle")));
   if (job.triangles > std::uint64_t{t.partition} * slots)
     throw Error(ErrorCode::kCapacity,
                 fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}; "

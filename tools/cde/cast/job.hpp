@@ -27,6 +27,7 @@ struct CastJob {
   std::map<unsigned, std::shared_ptr<const CastJob>> parts =
       {};  ///< those that this process has, each a job of its own without rays
   std::vector<Ray> listed = {};  ///< or a picture's, which are made packet by packet
+  std::optional<std::vector<std::uint64_t>> shape = {};  ///< of the listed ones, from an array
   RayView rays = {};
   std::optional<Resolution> picture = {};
   Mode mode = Mode::kNearest;

@@ -28,6 +28,13 @@ std::optional<std::uint64_t> records_of(const CastJob& job) {
   return job.rays.size() * (job.mode == Mode::kAll ? job.triangles : 1);
 }
 
+/// An array of records has the axes of the rays where each ray has one.
+RecordFormat format_of(const CastTask& o, const CastJob& job) {
+  RecordFormat format = RecordFormat::of_cast(o.records, o.bits, o.fields);
+  if (job.mode != Mode::kAll && job.mode != Mode::kHits) format.shape = job.shape;
+  return format;
+}
+
 /// The second pass of a picture, to the sun. The totals include its clocks and records, but not its
 /// hits.
 void cast_shadows(const CastTask& o, CastPicture& picture, CastOutcome& all) {
@@ -62,10 +69,7 @@ void run_cast(const CastTask& asked) {
   if (o.picture.any()) picture.emplace(o, job);
   std::optional<RecordFile> records;
   if (!o.records.empty())
-    records.emplace(
-        o.records,
-        RecordText(RecordFormat::of_cast(o.records, o.bits, o.fields), &job.mesh, job.rays),
-        records_of(job));
+    records.emplace(o.records, RecordText(format_of(o, job), &job.mesh, job.rays), records_of(job));
   CastOutcome result = cast_rays(o, job, "casting", [&](std::span<const Record> some) {
     if (records) records->add(some);
     if (picture) picture->add(some);

@@ -8,6 +8,7 @@
 #include "cde/card/json_keys.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/jobs/dealing.hpp"
+#include "cde/support/counted.hpp"
 #include "output/plan_output.hpp"
 #include "output/streams.hpp"
 
@@ -94,14 +95,13 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
   const auto row = [](const char* name, const std::string& value) {
     say("{:<16} {}\n", name, value);
   };
-  row("mesh", fmt::format("{}, {} triangles", printable_name(o.mesh), job.triangles));
+  row("mesh", fmt::format("{}, {}", printable_name(o.mesh), counted(job.triangles, "triangle")));
   row("bounds", text_of(job.bounds));
-  row("rays", fmt::format("{} in {} packet{}", job.rays.size(), packets_of(job),
-                          packets_of(job) == 1 ? "" : "s"));
+  row("rays", fmt::format("{} in {}", job.rays.size(), counted(packets_of(job), "packet")));
   const unsigned cards = cards_of(o);
   row(cards == 1 ? "card" : "cards",
-      fmt::format("{}{} lanes, {} arithmetic, {}, {}, {}, mode {}",
-                  cards == 1 ? "" : fmt::format("{} x ", cards), job.config.lanes,
+      fmt::format("{}{}, {} arithmetic, {}, {}, {}, mode {}",
+                  cards == 1 ? "" : fmt::format("{} x ", cards), counted(job.config.lanes, "lane"),
                   name_of(o.request.arithmetic), job.config.format.name(),
                   name(o.request.algorithm), o.request.box ? "box rule" : "no box rule",
                   cde::name_of(o.request.mode)));
@@ -110,14 +110,13 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
       return static_cast<double>(n) / static_cast<double>(rays);
     };
     row("hierarchy",
-        fmt::format("{} node{}, {} level{}, {} node units; a ray reads {:.1f} and meets "
-                    "{:.1f} triangles",
-                    job.hierarchy->nodes().size(), job.hierarchy->nodes().size() == 1 ? "" : "s",
-                    job.hierarchy->depth(), job.hierarchy->depth() == 1 ? "" : "s",
-                    job.config.node_units, a_ray(c.nodes), a_ray(c.pairs)));
+        fmt::format("{}, {}, {}; a ray reads {:.1f} and meets {:.1f} triangles",
+                    counted(job.hierarchy->nodes().size(), "node"),
+                    counted(job.hierarchy->depth(), "level"),
+                    counted(job.config.node_units, "node unit"), a_ray(c.nodes), a_ray(c.pairs)));
   }
-  row("device cycles", fmt::format("{} and {} of write-back, {} stalls, {} bubbles", c.cycles,
-                                   c.writeback, c.stalls, c.bubbles));
+  row("device cycles", fmt::format("{} and {} of write-back, {}, {}", c.cycles, c.writeback,
+                                   counted(c.stalls, "stall"), counted(c.bubbles, "bubble")));
   row("modelled time",
       fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers{}", 1e3 * r.modelled_seconds,
                   o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is,
@@ -127,9 +126,10 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                                       static_cast<double>(rays) / r.simulation_seconds / 1e6)
                         : fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
                                       static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
-  row("hits", fmt::format("{} in {} records", r.hits, c.records));
+  row("hits", fmt::format("{} in {}", r.hits, counted(c.records, "record")));
   row("check",
-      o.check ? fmt::format("{} of {} records match the reference{}", r.matching, r.compared,
+      o.check ? fmt::format("{} of {} {} the reference{}", r.matching,
+                            counted(r.compared, "record"), r.compared == 1 ? "matches" : "match",
                             job.hierarchy ? fmt::format("; {} of the rays met all triangles, too",
                                                         r.swept_rays)
                                           : "")

@@ -13,6 +13,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
+#include "cde/support/suffix.hpp"
 
 namespace cde::cli {
 namespace {
@@ -56,8 +57,18 @@ CastRequest request_of(const CastWords& w) {
   return r;
 }
 
+/// Whether the output of `cde render` is its picture and not records.
+bool output_is_picture(const CastWords& w) {
+  return w.renders && suffix_of(w.records).text == ".png";
+}
+
 PictureFiles picture_of(const CastWords& w) {
   PictureFiles p{w.shaded, w.depth, w.normals, w.indices, w.shadows};
+  if (output_is_picture(w)) {
+    if (!p.shaded.empty())
+      throw_usage("--output and --shaded both name the picture; --output may name records");
+    p.shaded = w.records;
+  }
   if (w.renders && !p.any()) {
     p.shows_itself = true;
     p.shaded = own_picture_name(w.mesh);
@@ -79,7 +90,7 @@ CastTask task_of(const CastWords& w) {
   t.source.file = w.rays_file;
   t.request = request_of(w);
   t.picture = picture_of(w);
-  t.records = w.records, t.fields = w.fields, t.bits = w.bits;
+  t.records = output_is_picture(w) ? "" : w.records, t.fields = w.fields, t.bits = w.bits;
   if (w.inside && std::find(t.fields.begin(), t.fields.end(), "inside") == t.fields.end())
     t.fields.push_back("inside");
   // A few rays are asked for their answers.

@@ -26,11 +26,12 @@ void add_mesh(CLI::App& verb, CastWords& o) {
 }
 
 void add_listed_rays(CLI::App& verb, CastWords& o) {
-  file_value(verb.add_option("--rays", o.rays_file,
-                             "Rays from a file (- is stdin, either form): CSV, "
-                             "ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a line or in "
-                             "the order of a header with these names; or .npy, N x 6, 7 or 8 "
-                             "numbers"),
+  file_value(verb.add_option(
+                 "--rays", o.rays_file,
+                 "Rays from a file (- is stdin, any form): text, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a "
+                 "line, or in the order of a header with these names, separated by commas, "
+                 "semicolons, tabs or blanks; or a NumPy array, .npy or .npz, of shape (..., 6), "
+                 "(..., 7) or (..., 8), or of structures o, d and, if wanted, tmin, tmax"),
              "FILE");
   text_value(
       verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")->allow_extra_args(false),
@@ -60,9 +61,12 @@ void add_up(CLI::App& verb, CastWords& o) {
 }
 
 void add_records(CLI::App& verb, CastWords& o) {
-  file_value(verb.add_option("-o,--output", o.records,
-                             "Records: ray,F,T,CPx,CPy,CPz,index as .csv (- is stdout, as CSV), "
-                             ".npy or .jsonl; index is 4294967295 (null in .jsonl) without a hit"),
+  file_value(verb.add_option(
+                 "-o,--output", o.records,
+                 std::string(o.renders ? "The picture in sunlight (.png), or records" : "Records") +
+                     ": ray,F,T,CPx,CPy,CPz,index as .csv (- is stdout, as CSV), "
+                     ".npy or .jsonl; index is 4294967295 (null in .jsonl) without a hit; in .npy "
+                     "records have the axes of the rays where each ray has one"),
              "FILE");
   verb.add_flag("--bits", o.bits, "CSV also shows T and CP as hexadecimal bits");
   named(verb.add_option("--fields", o.fields,

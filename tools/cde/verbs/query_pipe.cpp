@@ -8,9 +8,9 @@
 #include "cde/card/trace_file.hpp"
 #include "cde/contract/registers.hpp"
 #include "cde/geometry/operand_defect.hpp"
-#include "cde/geometry/operand_line.hpp"
 #include "cde/reference/pairs.hpp"
 #include "cde/support/json_text.hpp"
+#include "cde/support/message.hpp"
 
 namespace cde::cli {
 namespace {
@@ -21,6 +21,11 @@ std::span<const std::uint64_t> operand(std::span<const std::uint64_t> all, std::
 }
 
 }  // namespace
+
+std::string place_of(const QueryOptions& o, bool array, std::uint64_t number) {
+  if (o.file == "-") return fmt::format("{} {}", array ? "pair" : "line", number);
+  return fmt::format("{}:{}{}", printable_name(o.file), array ? " pair " : "", number);
+}
 
 QueryTotals& QueryTotals::operator+=(const QueryTotals& other) {
   pairs += other.pairs;
@@ -35,7 +40,11 @@ QueryTotals& QueryTotals::operator+=(const QueryTotals& other) {
 }
 
 QueryPipe::QueryPipe(const QueryOptions& o, const PairConfig& config)
-    : o_(o), config_(config), text_(config_.format), unit_(config_) {
+    : o_(o),
+      config_(config),
+      text_(config_.format),
+      operands_({config_.pair, o_.exchanged}, text_),
+      unit_(config_) {
   if (!o_.budget.empty()) {
     budget_ = budget_of(o_);
     unit_.set_budget(budget_);
@@ -45,10 +54,28 @@ QueryPipe::QueryPipe(const QueryOptions& o, const PairConfig& config)
                 fmt::format("{} has no reference to compare with: use --no-check", o_.pair));
 }
 
+void QueryPipe::begin(std::string_view header, std::uint64_t pairs, bool array) {
+  operands_ = OperandText({config_.pair, o_.exchanged}, text_);
+  (void)operands_.take_header(header, "the header");
+  operands_.skip(pairs);
+  array_ = array;
+}
+
 bool QueryPipe::read(std::uint64_t number, std::string_view line) {
   std::string why;
-  switch (read_operands({config_.pair, o_.exchanged}, text_, fmt::format("line {}", number), line,
-                        a_, b_, why)) {
+  const OperandLine found = operands_.read(line, place(number), a_, b_, why);
+  return take(number, found, std::move(why));
+}
+
+bool QueryPipe::read(std::uint64_t number, PairArray& array) {
+  array_ = true;
+  std::string why;
+  const OperandLine found = array.read(number, place(number), a_, b_, why);
+  return take(number, found, std::move(why));
+}
+
+bool QueryPipe::take(std::uint64_t number, OperandLine found, std::string why) {
+  switch (found) {
     case OperandLine::kNothing:
       return false;
     case OperandLine::kMalformed:
@@ -60,7 +87,7 @@ bool QueryPipe::read(std::uint64_t number, std::string_view line) {
   }
   if (config_.trace && rows_.size() > kQueryTraced)
     throw Error(ErrorCode::kBadInput,
-                fmt::format("line {}: --trace takes at most {} pairs", number, kQueryTraced));
+                fmt::format("{}: --trace takes at most {} pairs", place(number), kQueryTraced));
   return rows_.size() == kQueryBatch;
 }
 
@@ -109,16 +136,15 @@ void QueryPipe::compare(QueryAnswers& answers) {
     if (!o_.keep_going) report(i);
     if (answers.totals.differ++ >= kQueryFailures) continue;
     answers.failures.push_back(
-        fmt::format("line {}: the card's answer differs from the reference in {}\nrepeat with: {}",
-                    line_of(i), differing_fields(results_[i], expected_[i]), repeat(i)));
+        fmt::format("{}: the card's answer differs from the reference in {}\nrepeat with: {}",
+                    place_of_pair(i), differing_fields(results_[i], expected_[i]), repeat(i)));
   }
 }
 
-/// Of pair i.
-std::uint64_t QueryPipe::line_of(std::size_t i) const {
+std::string QueryPipe::place_of_pair(std::size_t i) const {
   std::size_t k = 0;
   for (std::size_t valid = 0; valid <= i; ++k) valid += rows_[k].valid ? 1 : 0;
-  return rows_[k - 1].line;
+  return place(rows_[k - 1].line);
 }
 
 /// All lanes get the pair, whichever it was in.
@@ -137,11 +163,11 @@ void QueryPipe::report(std::size_t i) {
                     b = listed(operand(b_, i, secondary_words(config_.pair)));
   const std::string options = words_of(o_, config_, false), again = repeat(i),
                     message = fmt::format(
-                        "line {}: the card's answer differs from the reference\n"
+                        "{}: the card's answer differs from the reference\n"
                         "  A         {}\n  B         {}\n  card      {}\n  reference {}\n"
                         "  differ in {}\n  where     {}\n"
                         "repeat with: {}\nexplain it:  cde explain {} '{} | {}'",
-                        line_of(i), a, b, shown(results_[i]), shown(expected_[i]),
+                        place_of_pair(i), a, b, shown(results_[i]), shown(expected_[i]),
                         differing_fields(results_[i], expected_[i]),
                         place_in_unit(unit_, a_, b_, i), again, options, a, b);
   // Rows behind the pair's row and its neighbours play no part.
@@ -167,7 +193,9 @@ void QueryPipe::report(std::size_t i) {
 /// The unit stopped in the middle of these pairs.
 void QueryPipe::report(const Error& stuck) {
   const std::string message =
-      fmt::format("lines {} to {}: {}", rows_.front().line, rows_.back().line, stuck.what());
+      o_.file == "-" && !array_
+          ? fmt::format("lines {} to {}: {}", rows_.front().line, rows_.back().line, stuck.what())
+          : fmt::format("{} to {}: {}", place(rows_.front().line), rows_.back().line, stuck.what());
   const std::uint64_t clock = stuck.fault()->clock;
   std::string pairs;
   for (std::size_t i = 0; i < results_.size(); ++i)
@@ -216,7 +244,7 @@ void QueryPipe::write(QueryAnswers& to, std::uint64_t line, std::size_t i) const
         operand_defect(config_.pair, config_.format, operand(a_, i, primary_words(config_.pair)),
                        operand(b_, i, secondary_words(config_.pair)));
     to.messages += fmt::format(
-        "cde: line {}: {}\n", line,
+        "cde: {}: {}\n", place(line),
         why.empty() ? "the card refuses the pair, and the reference sees no reason" : why);
   }
   const bool differs = o_.check && !(r == expected_[i]);

@@ -11,6 +11,8 @@
 
 #include "cde/card/pair_unit.hpp"
 #include "cde/fp/number_text.hpp"
+#include "cde/geometry/operand_line.hpp"
+#include "cde/io/pair_array.hpp"
 #include "cde/jobs/dealing.hpp"
 #include "cde/support/error.hpp"
 #include "options/pair_options.hpp"
@@ -28,9 +30,13 @@ struct QueryOptions : PairOptions {
   TraceRequest trace;
   BundleRequest bundle;
   DealOptions deal;
-  std::string output = "-";
+  std::string file = "-", output = "-";
   bool bits = false, check = true, keep_going = false, json = false, quiet = false;
 };
+
+/// "line 7", "pairs.csv:7", "pair 7" or "pairs.npy: pair 7": a pair of an array or a line of a
+/// text.
+[[nodiscard]] std::string place_of(const QueryOptions& options, bool array, std::uint64_t number);
 
 struct QueryTotals {
   std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, clocks = 0, compared = 0, differ = 0;
@@ -54,15 +60,24 @@ class QueryPipe {
   /// must outlive it.
   QueryPipe(const QueryOptions& options, const PairConfig& config);
 
-  /// A line of the input. True once no more must come before answer().
+  /// Lines behind this header, or none, and so many pairs of the same input; or pairs of an array.
+  void begin(std::string_view header, std::uint64_t pairs, bool array);
+  /// A line of the input. True once no more must come before answer(). Error kFile for a header
+  /// that cannot be read.
   [[nodiscard]] bool read(std::uint64_t number, std::string_view line);
+  /// A pair of an array.
+  [[nodiscard]] bool read(std::uint64_t number, PairArray& array);
   /// Runs what was read. Where an answer differs from the reference: a failure if the options say
   /// so, else error kMismatch, with a command that repeats it. And whatever the unit throws.
   [[nodiscard]] QueryAnswers answer();
 
  private:
+  bool take(std::uint64_t number, OperandLine line, std::string why);
   void compare(QueryAnswers& answers);
-  [[nodiscard]] std::uint64_t line_of(std::size_t i) const;
+  [[nodiscard]] std::string place(std::uint64_t number) const {
+    return place_of(o_, array_, number);
+  }
+  [[nodiscard]] std::string place_of_pair(std::size_t i) const;
   [[nodiscard]] std::string repeat(std::size_t i) const;
   [[noreturn]] void report(std::size_t i);
   [[noreturn]] void report(const Error& stuck);
@@ -79,6 +94,8 @@ class QueryPipe {
   const QueryOptions& o_;
   PairConfig config_;
   WordText text_;
+  OperandText operands_;
+  bool array_ = false;  ///< numbers are those of pairs, not of lines
   PairUnit unit_;
   PairBudget budget_;
   std::vector<std::uint64_t> a_, b_;

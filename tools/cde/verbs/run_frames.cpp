@@ -10,6 +10,7 @@
 
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/card/json_keys.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/input_file.hpp"
 #include "output/output.hpp"
@@ -112,9 +113,10 @@ std::string repeat_of(const Scene& scene, std::uint32_t frame, Check check) {
 std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t query,
                           const QueryFrame& answer, const std::string& repeat, bool faults) {
   return fmt::format(
-      "frame {}, query '{}': {} of {} records differ from the reference, the first:\n{}"
+      "frame {}, query '{}': {} of {} {} from the reference, the first:\n{}"
       "\n{}the frame again: {}",
-      frame, scene.queries[query].name, answer.mismatches, answer.compared, answer.first_mismatch,
+      frame, scene.queries[query].name, answer.mismatches, counted(answer.compared, "record"),
+      answer.mismatches == 1 ? "differs" : "differ", answer.first_mismatch,
       faults ? "faults were injected; that pair by itself has none of them\n" : "", repeat);
 }
 

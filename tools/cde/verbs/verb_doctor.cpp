@@ -8,14 +8,17 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "cde/card/board.hpp"
+#include "cde/card/json_keys.hpp"
 #include "cde/image/camera.hpp"
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/process.hpp"
+#include "options/values.hpp"
 #include "output/streams.hpp"
 #include "verbs/verbs.hpp"
 
@@ -152,8 +155,9 @@ Finding small_cast(Arithmetic arithmetic, bool builds) {
   }
 }
 
-void run(bool builds) {
+void run(bool builds, bool json) {
   bool fine = true;
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
   const std::pair<const char*, std::function<Finding()>> examinations[] = {
       {"verilator", verilator},
       {"compiler", compiler},
@@ -164,15 +168,26 @@ void run(bool builds) {
       {"card, rtl", [builds] { return small_cast(Arithmetic::kRtl, builds); }}};
   for (const auto& [name, examine] : examinations) {
     const Finding finding = examine();
+    fine = fine && finding.advice.empty();
+    if (json) {
+      all.push_back({{"name", name},
+                     {"examined", finding.examined},
+                     {"finding", finding.what},
+                     {"advice", finding.advice.empty() ? nlohmann::ordered_json()
+                                                       : nlohmann::ordered_json(finding.advice)}});
+      continue;
+    }
     put("{:<4} {:<10} {}\n",
         !finding.advice.empty() ? "BAD"
         : finding.examined      ? "ok"
                                 : "--",
         name, finding.what);
-    if (!finding.advice.empty()) {
-      put("     {:<10} -> {}\n", "", finding.advice);
-      fine = false;
-    }
+    if (!finding.advice.empty()) put("     {:<10} -> {}\n", "", finding.advice);
+  }
+  if (json) {
+    nlohmann::ordered_json j = program_json();
+    j.update({{"fine", fine}, {"examinations", all}});
+    put_json(j);
   }
   if (!fine) exit_code = 1;
 }
@@ -186,7 +201,10 @@ void add_doctor(CLI::App& app) {
       "that is not built is left out");
   auto builds = std::make_shared<bool>(false);
   verb->add_flag("--build", *builds, "Build cards that are not built, and try them, too");
-  verb->callback([builds] { run(*builds); });
+  auto json = std::make_shared<bool>(false);
+  verb->add_flag("--json", *json, "Findings as JSON on stdout");
+  quiet_flag(*verb);
+  verb->callback([builds, json] { run(*builds, *json); });
 }
 
 }  // namespace cde::cli

@@ -276,6 +276,7 @@ void add_fp(CLI::App& app) {
                           "rtl: the gates; host: the host's FPU, same bits")
              ->capture_default_str(),
          {"rtl", "host"});
+  quiet_flag(*verb);
   whole_number_in(verb->add_option("-l,--lanes", options->lanes, "Lanes of the simulated unit")
                       ->capture_default_str(),
                   1, 256, "");

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde help.
+// cde help and cde version.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/version.hpp"
 #include "options/help.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
+#include "output/streams.hpp"
 #include "program/programs.hpp"
 #include "verbs/verbs.hpp"
 
@@ -38,6 +40,11 @@ void print_help(const CLI::App& app, const std::string& verb, const std::string&
 }
 
 }  // namespace
+
+void add_version(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("version", "Print the versions of cde and its tools");
+  verb->callback([] { put("{}\n", version_text()); });
+}
 
 void add_help(CLI::App& app) {
   auto verb_name = std::make_shared<std::string>();

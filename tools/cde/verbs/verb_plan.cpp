@@ -29,6 +29,7 @@ void add_plan(CLI::App& app) {
       "Print what a scene needs of the card, what it leaves out and why, and the bitstream");
   scene_option(*verb, o->scene);
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
+  quiet_flag(*verb);
   scene_target_option(*verb, o->target);
   exact_card_option(*verb, o->exact);
   verb->callback([o] {

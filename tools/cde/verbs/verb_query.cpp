@@ -2,10 +2,8 @@
 // cde query: pairs of primitives from stdin through one simulated pipe, every answer checked
 // against the reference.
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <CLI/CLI.hpp>
 
-#include <deque>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -14,28 +12,20 @@
 #include "cde/bitstream/bitstream.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/jobs/dealing.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "options/deal_options.hpp"
-#include "options/line_input.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
+#include "verbs/query_input.hpp"
 #include "verbs/query_pipe.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {
 namespace {
 
-constexpr std::uint64_t kChunkLines = 65536;  // of the input, where it is dealt
 constexpr const char* kHeader = "F,T,CPx,CPy,CPz,nx,ny,nz,flags\n";
-
-/// How much of stdin there is to read, if it is a file.
-double stdin_size() {
-  struct stat file {};
-  return ::fstat(STDIN_FILENO, &file) == 0 && S_ISREG(file.st_mode)
-             ? static_cast<double>(file.st_size)
-             : 0;
-}
 
 /// Answers to a file or stdout.
 class Answers {
@@ -72,55 +62,33 @@ class Answers {
   OutputFile file_;
 };
 
-/// Lines are answered as they come.
-QueryTotals answer_lines(const QueryOptions& o, const PairConfig& config) {
+/// Pairs are answered as they come.
+QueryTotals answer_pairs(const QueryOptions& o, const PairConfig& config) {
+  QueryInput input(o.file);
   QueryPipe pipe(o, config);
   Answers answers(o.output, kHeader);
-  LineInput input;
-  if (!config.trace && LineInput::waits()) answers.begin();
+  if (!config.trace && input.waits()) answers.begin();
   Progress progress("query", o.quiet);
-  const double size = stdin_size();
+  if (auto array = input.array({config.pair, o.exchanged}, WordText(config.format))) {
+    const std::uint64_t pairs = array->size();
+    for (std::uint64_t i = 0; i < pairs; ++i) {
+      if (!pipe.read(i, *array)) continue;
+      answers.add(pipe.answer());
+      progress(static_cast<double>(i) / static_cast<double>(pairs));
+    }
+    answers.add(pipe.answer());
+    return answers.end();
+  }
   for (bool more = true; more;) {
     more = input.next([&](std::uint64_t number, std::string_view line) {
       if (pipe.read(number, line)) answers.add(pipe.answer());
     });
     // Waves are of one run, whose clocks do not depend on how the lines came.
     if (!config.trace || !more) answers.add(pipe.answer());
-    if (size > 0) progress(static_cast<double>(input.bytes()) / size);
+    if (const auto share = input.share()) progress(*share);
   }
   return answers.end();
 }
-
-/// stdin in pieces of so many lines, however it comes; each begins with the number of its first
-/// line.
-class LineChunks {
- public:
-  std::optional<std::string> next() {
-    while (ready_.empty() && more_) {
-      more_ = input_.next([this](std::uint64_t number, std::string_view line) {
-        if (lines_ == 0) text_ = fmt::format("{}\n", number);
-        text_.append(line).push_back('\n');
-        if (++lines_ == kChunkLines) close();
-      });
-    }
-    if (ready_.empty() && lines_ > 0) close();
-    if (ready_.empty()) return std::nullopt;
-    std::string chunk = std::move(ready_.front());
-    ready_.pop_front();
-    return chunk;
-  }
-
- private:
-  void close() {
-    ready_.push_back(std::move(text_));
-    lines_ = 0;
-  }
-  LineInput input_;
-  bool more_ = true;
-  std::deque<std::string> ready_;
-  std::string text_;
-  std::uint64_t lines_ = 0;
-};
 
 /// Totals as a line of JSON, messages, rows.
 std::string as_text(const QueryAnswers& a) {
@@ -152,17 +120,8 @@ QueryAnswers answers_in(const std::string& text) {
           .rows = text.substr(line + messages)};
 }
 
-/// The lines of a chunk through a pipe.
-QueryAnswers answers_to(QueryPipe& pipe, const std::string& chunk) {
-  std::size_t at = chunk.find('\n') + 1;
-  std::uint64_t number = std::stoull(chunk);
-  for (std::size_t end = 0; (end = chunk.find('\n', at)) != std::string::npos; at = end + 1)
-    (void)pipe.read(number++, std::string_view(chunk).substr(at, end - at));
-  return pipe.answer();
-}
-
-/// Lines are dealt in chunks. Nothing if the answers are not all here.
-std::optional<QueryTotals> deal_lines(const QueryOptions& o, const PairConfig& config) {
+/// Pairs are dealt in chunks. Nothing if the answers are not all here.
+std::optional<QueryTotals> deal_pairs(const QueryOptions& o, const PairConfig& config) {
   Dealing& dealing = Dealing::here();
   nlohmann::ordered_json run = {{"verb", "query"},
                                 {"pair", o.pair},
@@ -175,14 +134,14 @@ std::optional<QueryTotals> deal_lines(const QueryOptions& o, const PairConfig& c
   if (!dealing.merges())
     run["config_hash"] = fmt::format("{:016x}", bitstream_hash("pair_unit", config.parameters()));
   dealing.begin(o.deal, run, o.quiet);
-  LineChunks lines;
+  QueryChunks pairs(o, config);
   std::optional<QueryPipe> pipe;
   std::optional<Answers> answers;
   if (dealing.leads() && !dealing.is_shard()) answers.emplace(o.output, kHeader);
   const bool whole =
       dealing.deal({.what = "query",
                     .chunks = std::nullopt,
-                    .input = [&](std::uint64_t) { return lines.next(); },
+                    .input = [&](std::uint64_t) { return pairs.next(); },
                     .inputs_again = false,  // stdin is gone
                     .run =
                         [&](std::uint64_t, const std::string& chunk) {
@@ -225,22 +184,22 @@ void print_summary(const QueryOptions& o, const PairConfig& config, const QueryT
   const auto row = [](const char* name, const std::string& value) {
     say("{:<16} {}\n", name, value);
   };
-  row("pair", fmt::format("{}{}, {}, {} arithmetic, {} lanes", o.pair,
+  row("pair", fmt::format("{}{}, {}, {} arithmetic, {}", o.pair,
                           o.pair == "ray-triangle"
                               ? fmt::format(" by {}{}", o.algorithm, config.box ? ", box rule" : "")
                           : o.half_space ? " of a half-space"
                                          : "",
-                          o.format, o.arithmetic, config.lanes));
-  row("pairs", fmt::format("{}, {} bad, and {} malformed line{}", t.pairs, t.bad, t.malformed,
-                           t.malformed == 1 ? "" : "s"));
+                          o.format, o.arithmetic, counted(config.lanes, "lane")));
+  row("pairs",
+      fmt::format("{}, {} bad, and {}", t.pairs, t.bad, counted(t.malformed, "malformed line")));
   row("hits", fmt::to_string(t.hits));
   row("device cycles", fmt::to_string(t.clocks));
   if (t.pairs != 0)  // none take no time
     row("simulation", fmt::format("{:.3g} s, {:.4g} M pairs/s", t.simulation_seconds,
                                   static_cast<double>(t.pairs) / t.simulation_seconds / 1e6));
-  row("check",
-      o.check ? fmt::format("{} of {} answers match the reference", t.compared - t.differ, t.pairs)
-              : "off");
+  row("check", o.check ? fmt::format("{} of {} {} the reference", t.compared - t.differ,
+                                     counted(t.pairs, "answer"), t.pairs == 1 ? "matches" : "match")
+                       : "off");
 }
 
 void run(const QueryOptions& o) {
@@ -249,7 +208,7 @@ void run(const QueryOptions& o) {
     check_outputs(std::vector<FileUse>{{"--trace", o.trace.wanted() ? o.trace.file : ""},
                                        {"--resume", o.deal.resume},
                                        {o.output == "-" ? "the answers" : "--output", o.output}},
-                  std::vector<FileUse>{{"stdin", "-"}});
+                  std::vector<FileUse>{{o.file == "-" ? "stdin" : "FILE", o.file}});
   if (o.keep_going && !o.check)
     throw Error(ErrorCode::kUsage, "--keep-going is of comparing: not with --no-check");
   PairConfig config = configuration(o);
@@ -258,14 +217,17 @@ void run(const QueryOptions& o) {
   if (dealt && o.trace.wanted())
     throw Error(ErrorCode::kUsage,
                 "--trace is of one process: not with ranks, --resume or --shard");
-  const auto totals = dealt ? deal_lines(o, config) : answer_lines(o, config);
+  const auto totals = dealt ? deal_pairs(o, config) : answer_pairs(o, config);
   if (!totals) return;
   if (o.json)
     put_json(as_json(o, config, *totals), -1);
   else if (!o.quiet)
     print_summary(o, config, *totals);
   if (totals->differ > kQueryFailures)
-    say("cde: {} more answers differ from the reference\n", totals->differ - kQueryFailures);
+    say("cde: {} from the reference\n",
+        totals->differ - kQueryFailures == 1
+            ? "1 more answer differs"
+            : fmt::format("{} more answers differ", totals->differ - kQueryFailures));
   if (totals->differ != 0)
     exit_code = exit_status(ErrorCode::kMismatch);
   else if (totals->bad + totals->malformed != 0)
@@ -278,15 +240,26 @@ void add_query(CLI::App& app) {
   auto o = std::make_shared<QueryOptions>();
   CLI::App* verb = app.add_subcommand(
       "query",
-      "Test pairs of primitives in one simulated pipe. Reads one pair per line from stdin, the "
-      "words of A and then of B, separated by commas or blanks, with a | between A and B if that "
-      "helps: ray o d [tmin tmax] 6 or 8, triangle 9, sphere c r 4, aabb min max 6, plane n d 4, "
-      "cylinder c axis half-height radius 8, obb c "
-      "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. Prints "
+      "Test pairs of primitives in one simulated pipe. Reads one pair per line from stdin or a "
+      "file, "
+      "the words of A and then of B, separated by commas, semicolons, tabs or blanks, with a | "
+      "between "
+      "A and B if that helps: ray o d [tmin tmax] 6 or 8, triangle 9, sphere c r 4, aabb min max "
+      "6, "
+      "plane n d 4, cylinder c axis half-height radius 8, obb c "
+      "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. A header "
+      "may "
+      "name the columns (A.center.x, ...). Prints "
       "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand), malformed (the "
       "line cannot be read) or differs (--keep-going). Blank lines and lines that start with # are "
       "skipped");
   add_pair_options(*verb, *o);
+  file_value(
+      verb->add_option("file", o->file,
+                       "Pairs as text, or as a NumPy array (.npy, .npz) of shape (..., words of "
+                       "A and of B) or of structures; - is stdin, in either form")
+          ->capture_default_str(),
+      "FILE");
   file_value(verb->add_option("-o,--output", o->output,
                               "Where the answers go: a file that appears whole or not at all, or "
                               "- for stdout, line by line")

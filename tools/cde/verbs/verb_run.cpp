@@ -21,6 +21,7 @@
 #include "cde/scene/packet_again.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/scene/player.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/progress.hpp"
 #include "cde/support/suffix.hpp"
@@ -230,8 +231,8 @@ class Run {
       row("scene", printable_name(scene_.file));
       row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
       row("tests",
-          fmt::format("{}{}, {} records, {} hits", t.tests,
-                      t.nodes == 0 ? "" : fmt::format(", {} nodes", t.nodes), t.records, t.hits));
+          fmt::format("{}{}, {}, {}", t.tests, t.nodes == 0 ? "" : ", " + counted(t.nodes, "node"),
+                      counted(t.records, "record"), counted(t.hits, "hit")));
       if (scene_.card.verdicts)
         row("verdicts",
             t.asked == 0
@@ -420,8 +421,9 @@ class Run {
     const Totals& t = totals_;
     if (check_ == Check::kNone) return "skipped: no record was compared with the reference";
     const char* sample = check_ == Check::kSample ? ", a sample" : "";
-    return fmt::format("{} of {} records compared with the reference{}, {} differ", t.compared,
-                       t.records, sample, t.mismatches);
+    return fmt::format("{} of {} compared with the reference{}, {} {}", t.compared,
+                       counted(t.records, "record"), sample, t.mismatches,
+                       t.mismatches == 1 ? "differs" : "differ");
   }
 
   const Options& o_;
@@ -507,7 +509,7 @@ void add_run(CLI::App& app) {
   scene_option(*verb, o->scene);
   frames_option(*verb, o->frames);
   folder_value(
-      verb->add_option("--out", o->out,
+      verb->add_option("-o,--output,--out", o->out,
                        "Folder for run.json and records: a new or empty one, or that of an earlier "
                        "run, which is removed (SCENE.run)"),
       "FOLDER");

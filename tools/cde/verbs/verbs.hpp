@@ -15,5 +15,6 @@ void add_plan(CLI::App& app);
 void add_query(CLI::App& app);
 void add_render(CLI::App& app);
 void add_run(CLI::App& app);
+void add_version(CLI::App& app);
 
 }  // namespace cde::cli

@@ -9,11 +9,15 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <utility>
 
+#include "cde/bitstream/bitstream.hpp"
 #include "cde/card/board.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/progress.hpp"
 #include "cde/support/suggest.hpp"
 
 namespace cde::cli {
@@ -60,6 +64,24 @@ bool reads_as(const std::string& text, Number least, Number most) {
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && stop == text.data() + text.size() && value >= least &&
          value <= most;
+}
+
+/// A clock with or without a unit, if it is in its range.
+std::optional<double> megahertz(const std::string& text) {
+  double value = 0;
+  const char* const last = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), last, value);
+  if (error != std::errc()) return std::nullopt;
+  std::string_view unit(stop, last);
+  while (unit.starts_with(' ')) unit.remove_prefix(1);
+  constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"", 1}, {"MHz", 1}, {"GHz", 1e3}, {"kHz", 1e-3}, {"Hz", 1e-6}};
+  for (const auto& [name, factor] : kUnits) {
+    if (unit != name) continue;
+    value *= factor;
+    if (value >= kLeastClockMhz && value <= kMostClockMhz) return value;
+  }
+  return std::nullopt;
 }
 
 std::string in_unit(const std::string& range, const std::string& unit) {
@@ -153,16 +175,38 @@ CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& mo
 void scene_option(CLI::App& verb, std::string& file) {
   check(file_value(verb.add_option("scene", file, "Scene file, TOML (docs/scenes.md)")->required(),
                    "SCENE"),
-        "a file; standard input is /dev/stdin (cde run: with --out, for the folder has no scene to "
+        "a file; standard input is /dev/stdin (cde run: with --output, for the folder has no scene "
+        "to "
         "be "
         "named after)",
         [](const std::string& text) { return text != "-"; });
 }
 
 CLI::Option* clock_option(CLI::App& verb, double& mhz) {
-  return number_in(verb.add_option("--clock", mhz, "Core clock assumed for modelled times")
-                       ->capture_default_str(),
-                   kLeastClockMhz, kMostClockMhz, "MHz");
+  const std::string range = fmt::format("{:g} to {:g} MHz", kLeastClockMhz, kMostClockMhz);
+  CLI::Option* option = verb.add_option(
+      "--clock", mhz,
+      fmt::format("Core clock assumed for modelled times ({}); 1GHz, 250MHz or 5000kHz, and MHz "
+                  "without a unit",
+                  range));
+  option->capture_default_str();
+  label(option, {Takes::Kind::kAnything, {}, "CLOCK", {}});
+  check(option, range, [](const std::string& text) { return megahertz(text).has_value(); });
+  return option->transform([](const std::string& text) {
+    const auto value = megahertz(text);
+    return value ? fmt::format("{}", *value) : text;
+  });
+}
+
+void quiet_flag(CLI::App& verb, bool* quiet) {
+  verb.add_flag_callback(
+      "-q,--quiet",
+      [quiet] {
+        tell_builds(false);
+        set_progress_display({});
+        if (quiet != nullptr) *quiet = true;
+      },
+      "No progress");
 }
 
 void exact_card_option(CLI::App& verb, bool& exact) {

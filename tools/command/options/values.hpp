@@ -51,8 +51,10 @@ CLI::Option* folder_value(CLI::Option* option, const std::string& name);
 /// Lanes of a card: a power of two; `more` are words beside the numbers.
 CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& more = {});
 
-/// The clock that modelled times assume, MHz.
+/// The clock that modelled times assume, in MHz: 100, 100MHz, 0.1GHz.
 CLI::Option* clock_option(CLI::App& verb, double& mhz);
+/// -q: no progress, and builds of bitstreams go on in silence. Sets `quiet`, too, if there is one.
+void quiet_flag(CLI::App& verb, bool* quiet = nullptr);
 /// The scene that a verb reads.
 void scene_option(CLI::App& verb, std::string& file);
 /// No built card in the place of the planned one.

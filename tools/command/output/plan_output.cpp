@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cde/support/counted.hpp"
 #include "output/streams.hpp"
 
 namespace cde::cli {
@@ -33,9 +34,10 @@ std::string sentence(const Effect& e) {
 
 /// How the primaries of a query meet its secondaries.
 std::string way_text(const QueryWork& w) {
-  if (!w.hierarchy) return fmt::format("{} tests in {} rows", w.tests, w.rows);
-  return fmt::format("through a hierarchy in about {} clocks instead of {} tests in {} rows",
-                     *w.hierarchy_clocks, w.tests, w.rows);
+  const std::string all = counted(w.tests, "test") + " in " + counted(w.rows, "row");
+  if (!w.hierarchy) return all;
+  return fmt::format("through a hierarchy in about {} instead of {}",
+                     counted(*w.hierarchy_clocks, "clock"), all);
 }
 
 std::string card_text(const BoardConfig& card) {
@@ -91,9 +93,9 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
 
 void print_plan(const Scene& scene, const Plan& plan) {
   constexpr std::size_t kName = 28, kChoice = 18;
-  put("{}: {} object{}, {} quer{}, {} frame{}\n", printable_name(scene.file), scene.objects.size(),
-      scene.objects.size() == 1 ? "" : "s", scene.queries.size(),
-      scene.queries.size() == 1 ? "y" : "ies", scene.frames, scene.frames == 1 ? "" : "s");
+  put("{}: {}, {} quer{}, {}\n", printable_name(scene.file),
+      counted(scene.objects.size(), "object"), scene.queries.size(),
+      scene.queries.size() == 1 ? "y" : "ies", counted(scene.frames, "frame"));
   for (const bool used : {true, false}) {
     put("\n{}\n", used ? "in the simulated card" : "left out");
     for (const Effect& e : plan.effects) {
@@ -115,12 +117,14 @@ void print_plan(const Scene& scene, const Plan& plan) {
   put("\na frame\n");
   for (const QueryWork& w : plan.queries) {
     put("  {:<{}}", w.name, kName - 2);
-    print_wrapped(fmt::format("{} primaries in {} packet{}, {} secondaries: {}; {} words of "
-                              "primaries, {} of secondaries that changed, of {}",
-                              w.primaries, w.packets, w.packets == 1 ? "" : "s", w.secondaries,
-                              way_text(w), w.primary_words,
-                              plan.resident ? w.moved_words : w.secondary_words, w.secondary_words),
-                  kName);
+    print_wrapped(
+        fmt::format("{} primar{} in {}, {} secondar{}: {}; {} of primaries, {} of "
+                    "secondaries that changed, of {}",
+                    w.primaries, w.primaries == 1 ? "y" : "ies", counted(w.packets, "packet"),
+                    w.secondaries, w.secondaries == 1 ? "y" : "ies", way_text(w),
+                    counted(w.primary_words, "word"),
+                    plan.resident ? w.moved_words : w.secondary_words, w.secondary_words),
+        kName);
   }
   const BitstreamFile file = bitstream_file(plan.board.top(), plan.board.parameters());
   put("\nbitstream  {}\n           {} ({})\n", card_text(plan.board),

@@ -57,7 +57,7 @@ bool is_in(const fs::path& file, const fs::path& folder) {
 
 RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::string>& beside)
     : path_(std::move(path)) {
-  if (path_ == "-") throw Error(ErrorCode::kUsage, "--out is a folder; it cannot be stdout");
+  if (path_ == "-") throw Error(ErrorCode::kUsage, "--output is a folder; it cannot be stdout");
   make_and_lock();
   check_names(scene, beside);
   if (!made_->made()) look();
@@ -77,7 +77,7 @@ void RunFolder::make_and_lock() {
     if (::flock(lock_.folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       made_->keep();  // it is that run's
       throw Error(ErrorCode::kUsage, fmt::format("{} is the folder of a run that goes on: wait for "
-                                                 "its end, or let --out name another folder",
+                                                 "its end, or let --output name another folder",
                                                  printable_name(path_.string())));
     }
     struct stat locked {
@@ -102,8 +102,8 @@ void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& 
   const auto inside = [&](const fs::path& file, const char* what) {
     if (!file.empty() && is_in(file, path_))
       throw Error(ErrorCode::kUsage,
-                  fmt::format("--out is {}, where {} {} is", printable_name(path_.string()), what,
-                              printable_name(file.filename().string())));
+                  fmt::format("--output is {}, where {} {} is", printable_name(path_.string()),
+                              what, printable_name(file.filename().string())));
   };
   inside(scene.file, "the scene");
   for (const SceneObject& object : scene.objects) {
@@ -114,8 +114,8 @@ void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& 
     if (file.empty() || !is_in(file, path_)) continue;
     const std::string name = fs::path(file).filename();
     if (name == kMarker || is_record_name(name))
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} has the name of a file that --out is for", printable_name(file)));
+      throw Error(ErrorCode::kUsage, fmt::format("{} has the name of a file that --output is for",
+                                                 printable_name(file)));
     beside_.push_back(name);
   }
 }
@@ -132,14 +132,14 @@ void RunFolder::look() {
     if (marker.is_null())
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} is not empty and not the folder of a run, which has a {}: it is "
-                              "left as it is; --out names another",
+                              "left as it is; --output names another",
                               printable_name(path_.string()), kMarker));
     const bool ours = name == kMarker || is_record_name(name) ||
                       std::find(beside.begin(), beside.end(), name) != beside.end();
     if (!ours || entry.is_directory())
       throw Error(
           ErrorCode::kUsage,
-          fmt::format("{} is not of the run that {} holds: take it away, or let --out name "
+          fmt::format("{} is not of the run that {} holds: take it away, or let --output name "
                       "another folder",
                       printable_name((path_ / name).string()), printable_name(path_.string())));
     old_.push_back(name);

@@ -31,6 +31,10 @@ class WordText {
   /// these or too large for the format; `why` says which.
   [[nodiscard]] std::optional<std::uint64_t> parse(std::string_view text, std::string& why) const;
 
+  /// The word nearest to a number, ties to even, and the canonical NaN. Nothing if the number is
+  /// too large for the format; `why` says so.
+  [[nodiscard]] std::optional<std::uint64_t> word_of(double number, std::string& why) const;
+
   /// Appends a decimal that `parse` reads back as the same word, or the word itself as 0x and all
   /// its hexadecimal digits. Of a NaN, the decimal form says only that it is one.
   void append_decimal(fmt::memory_buffer& to, std::uint64_t word) const;

@@ -44,6 +44,8 @@ struct RecordFormat {
   bool bits = false;       ///< of CSV: T and CP in hex as well
   bool only_hits = false;  ///< other records are left out
   std::vector<RecordField> fields = {};
+  /// Axes of an array of records, whose product is their number; else it has one.
+  std::optional<std::vector<std::uint64_t>> shape = {};
 
   /// That of a cast by the suffix of its path: .csv (or "-"), .npy or .jsonl. Error kUsage for
   /// another suffix, for bits without CSV, for an unknown field, and for fields without a path.

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string_view>
+#include <vector>
+
+#include "cde/geometry/primitives.hpp"
+#include "support/table_form.hpp"
+
+namespace cde {
+
+/// Columns of rays: ox, oy, oz, dx, dy, dz, tmin, tmax.
+[[nodiscard]] const text::TableForm& ray_table();
+
+/// Rays of a text; `name` is the file's for messages.
+[[nodiscard]] std::vector<Ray> rays_in_text(std::string_view bytes, std::string_view name);
+
+}  // namespace cde
