@@ -2,7 +2,10 @@
 #include "cde/explain/bundle.hpp"
 #include <nlohmann/json.hpp>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -25,6 +28,7 @@
 #include "cde/wave/request.hpp"
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
+#include "support/descriptor.hpp"
 
 namespace cde {
 namespace {
@@ -40,17 +44,15 @@ constexpr unsigned kSteps = 3;
 constexpr std::size_t kMostPlaces = 6;
 constexpr std::size_t kMostLines = 10, kMostCauses = 24;  // lines of fail.txt
 
-fs::path new_folder(const std::string& wanted) {
-  for (unsigned n = 1; n <= kMostFolders; ++n) {
-    const fs::path folder = n == 1 ? wanted : fmt::format("{}-{}", wanted, n);
-    std::error_code error;
-    if (fs::create_directory(folder, error)) return folder;
-    if (error && error != std::errc::file_exists)
-      throw Error(ErrorCode::kFile, fmt::format("{}: no folder can be made: {}",
-                                                printable_name(folder.string()), error.message()));
-  }
-  throw Error(ErrorCode::kFile, fmt::format("{}: there are {} of them, none is overwritten",
-                                            printable_name(wanted), kMostFolders));
+/// Opens a folder that mkdirat has just made. Below zero, with errno, if another user has put
+/// something else in its place.
+int made_folder(int parent, const std::string& name) {
+  const int folder = ::openat(parent, name.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  struct stat info {};
+  if (folder < 0 || (::fstat(folder, &info) == 0 && info.st_uid == ::geteuid())) return folder;
+  ::close(folder);
+  errno = EPERM;
+  return -1;
 }
 
 /// Lines of the operators that part first, each with how many it has.
@@ -268,9 +270,35 @@ std::string beginning(const std::string& text) {
 
 }  // namespace
 
-Bundle::Bundle(const std::string& folder) : folder_(new_folder(folder)) {
+Bundle::Bundle(const std::string& wanted) {
   json_ = {{"schema", "cde.failure.1"}};
   json_.update(program_json());
+  const fs::path whole = fs::absolute(wanted).lexically_normal(),
+                 first = whole.has_filename() ? whole : whole.parent_path();
+  const Descriptor parent(::open(first.parent_path().c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  for (unsigned n = 1; n <= kMostFolders; ++n) {
+    const std::string suffix = n == 1 ? "" : fmt::format("-{}", n);
+    const std::string name = first.filename().string() + suffix;
+    folder_ = (wanted.ends_with('/') ? fs::path(wanted).parent_path() : fs::path(wanted)).string() +
+              suffix;
+    const bool made = parent.get() >= 0 && ::mkdirat(parent.get(), name.c_str(), 0777) == 0;
+    if (!made && parent.get() >= 0 && errno == EEXIST) continue;
+    if (made) held_ = made_folder(parent.get(), name);
+    if (held_ >= 0) return;
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: no folder can be made: {}", printable_name(folder_.string()),
+                            std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe)
+  }
+  throw Error(ErrorCode::kFile, fmt::format("{}: there are {} of them, none is overwritten",
+                                            printable_name(wanted), kMostFolders));
+}
+
+Bundle::~Bundle() {
+  if (held_ >= 0) ::close(held_);
+}
+
+fs::path Bundle::file(std::string_view name) const {
+  return fs::path(fmt::format("/proc/self/fd/{}", held_)) / name;
 }
 
 void Bundle::add(std::string_view heading, std::string_view text) {
@@ -279,7 +307,7 @@ void Bundle::add(std::string_view heading, std::string_view text) {
 }
 
 void Bundle::write(const std::string& name, std::string_view text) {
-  write_file(folder_ / name, text);
+  write_file(file(name), text);
 }
 
 void Bundle::finish() {
@@ -325,7 +353,7 @@ void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window)
   const std::uint64_t from =
       edges.empty() || number <= window.before ? trace.start() : edges[first];
   const std::uint64_t to = last == edges.size() ? trace.end() : edges[last];
-  const fs::path file = bundle.folder() / "waves.fst";
+  const fs::path file = bundle.file("waves.fst");
   const std::vector<std::string> comments = {fmt::format("fail {}", window.fail)};
   wave::write_cut(trace, {}, from, to, file, comments);
   std::vector<wave::View> shown;
@@ -336,7 +364,7 @@ void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window)
     }
   }
   wave::write_gtkw(trace, shown, {.fail = window.fail, .waves = file, .from = from, .to = to},
-                   bundle.folder() / "waves.gtkw");
+                   bundle.file("waves.gtkw"));
   bundle.json()["wave_window"] = {{"file", "waves.fst"},
                                   {"fail_time", window.fail},
                                   {"fail_at", times.text(window.fail)},
@@ -394,7 +422,7 @@ wave::Origin made_at(const fs::path& file, const std::string& signal, std::uint6
 
 void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin& made) {
   wave::Request request;
-  request.file = (bundle.folder() / "waves.fst").string();
+  request.file = bundle.file("waves.fst").string();
   const std::string asked = fmt::format("{}@{}", made.signal, made.time);
   request.words = {asked};
   request.max = kCauses;

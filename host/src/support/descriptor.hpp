@@ -14,7 +14,13 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor(Descriptor&& other) noexcept : number_(other.release()) {}
   Descriptor& operator=(const Descriptor&) = delete;
-  Descriptor& operator=(Descriptor&&) = delete;
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    if (this != &other) {
+      close();
+      number_ = other.release();
+    }
+    return *this;
+  }
   [[nodiscard]] int get() const { return number_; }
   /// It is the caller's to close.
   [[nodiscard]] int release() { return std::exchange(number_, -1); }

@@ -35,10 +35,10 @@ constexpr std::string_view kMark = ".cde-";  // NAME.cde-PID-RANDOM
 constexpr std::size_t kRandom = 6;
 constexpr std::string_view kRandomDigits = "abcdefghijklmnopqrstuvwxyz0123456789";
 
-/// Names that remove_unfinished() takes away. Slots are never freed, so that a handler can walk
-/// along them at any time.
+/// What remove_unfinished() takes away. Slots are never freed, so that a handler can walk along
+/// them at any time.
 struct Slot {
-  std::atomic<const char*> name;
+  std::atomic<const NameInFolder*> entry;
   Slot* next;
 };
 using Slots = std::atomic<Slot*>;
@@ -46,20 +46,20 @@ Slots files{nullptr}, folders{nullptr};
 
 std::atomic<bool> stdout_held = false;
 
-void remember(Slots& slots, const char* name) {
+void remember(Slots& slots, const NameInFolder& entry) {
   for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
-    const char* none = nullptr;
-    if (slot->name.compare_exchange_strong(none, name)) return;
+    const NameInFolder* none = nullptr;
+    if (slot->entry.compare_exchange_strong(none, &entry)) return;
   }
-  Slot* const slot = new Slot{name, slots.load()};
+  Slot* const slot = new Slot{&entry, slots.load()};
   while (!slots.compare_exchange_weak(slot->next, slot)) {
   }
 }
 
-void forget(Slots& slots, const char* name) {
+void forget(Slots& slots, const NameInFolder& entry) {
   for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
-    const char* expected = name;
-    if (slot->name.compare_exchange_strong(expected, nullptr)) return;
+    const NameInFolder* expected = &entry;
+    if (slot->entry.compare_exchange_strong(expected, nullptr)) return;
   }
 }
 
@@ -100,15 +100,26 @@ bool ended(pid_t process) {
 
 /// Removes an unfinished file if it is ours and nobody works on it: its process has ended, and so
 /// has its lock, which also one in another container holds that sees the same folder.
-void sweep(const fs::path& file, pid_t process) {
+void sweep(int folder, const std::string& name, pid_t process) {
   if (!ended(process)) return;
-  const int fd = ::open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (fd < 0) return;
-  const auto info = info_of(fd);
+  const Descriptor file(
+      ::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (file.get() < 0) return;
+  const auto info = info_of(file.get());
   if (info && S_ISREG(info->st_mode) && info->st_uid == ::geteuid() &&
-      ::flock(fd, LOCK_EX | LOCK_NB) == 0)
-    ::unlink(file.c_str());
-  ::close(fd);
+      ::flock(file.get(), LOCK_EX | LOCK_NB) == 0)
+    ::unlinkat(folder, name.c_str(), 0);
+}
+
+/// sweep_unfinished() of a folder that is open.
+void sweep_all(int folder, std::string_view name) {
+  std::error_code error;
+  for (fs::directory_iterator entry(fmt::format("/proc/self/fd/{}", folder), error), end;
+       !error && entry != end; entry.increment(error)) {
+    const std::string file = entry->path().filename();
+    const auto found = unfinished(file);
+    if (found && (name.empty() || found->name == stem(name))) sweep(folder, file, found->process);
+  }
 }
 
 std::string random_word() {
@@ -175,14 +186,13 @@ OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
 }
 
 void OutputFile::make_temporary() {
-  const fs::path folder = target_.parent_path();
   const std::string name(stem(target_.filename().native()));
-  sweep_unfinished(folder, name);
+  sweep_all(folder_, name);
   for (int attempts = 0; attempts < 100; ++attempts) {
-    const std::string last = fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word());
-    temporary_ = folder / last;
-    remember(files, temporary_.c_str());  // first, so that no signal comes between
-    const int fd = ::openat(folder_, last.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    temporary_ = {folder_, fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word())};
+    remember(files, temporary_);  // first, so that no signal comes between
+    const char* const last = temporary_.name.c_str();
+    const int fd = ::openat(folder_, last, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd >= 0) {
       // Whoever sweeps sees it locked, or has removed it before it was.
       struct stat info {};
@@ -190,16 +200,15 @@ void OutputFile::make_temporary() {
       const bool there = ::fstat(fd, &info) == 0 && info.st_nlink != 0;
       if (there && (file_ = ::fdopen(fd, "w")) != nullptr) return;
       ::close(fd);
-      ::unlinkat(folder_, last.c_str(), 0);
+      ::unlinkat(folder_, last, 0);
     }
     const int number = fd >= 0 ? EEXIST : errno;
-    forget(files, temporary_.c_str());
+    forget(files, temporary_);
+    temporary_ = {};
     if (number == EEXIST) continue;
-    temporary_.clear();
     errno = number;
     fail("create");
   }
-  temporary_.clear();
   errno = EEXIST;
   fail("create");
 }
@@ -216,9 +225,9 @@ OutputFile::~OutputFile() {
   if (file_ != nullptr && file_ != stdout) std::fclose(file_);
   if (held_ != nullptr) std::fclose(held_);
   if (spool_ >= 0) ::close(spool_);
-  if (!temporary_.empty()) {
-    ::unlinkat(folder_, fs::path(temporary_).filename().c_str(), 0);
-    forget(files, temporary_.c_str());
+  if (!temporary_.name.empty()) {
+    ::unlinkat(folder_, temporary_.name.c_str(), 0);
+    forget(files, temporary_);
   }
   if (folder_ >= 0) ::close(folder_);
 }
@@ -228,7 +237,7 @@ std::string OutputFile::by_name() const {
 }
 
 void OutputFile::set_mode(unsigned mode) {
-  if (!temporary_.empty() && ::fchmod(::fileno(file_), mode) != 0) fail("write");
+  if (!temporary_.name.empty() && ::fchmod(::fileno(file_), mode) != 0) fail("write");
 }
 
 void OutputFile::fail(const char* doing) const {
@@ -262,16 +271,18 @@ void OutputFile::commit() {
   if (spool_ >= 0) spill();
   flush();
   // Some file systems report only when a file is closed that it could not be written.
-  const Descriptor written(temporary_.empty() ? -1 : ::fcntl(::fileno(file_), F_DUPFD_CLOEXEC, 0));
+  const Descriptor written(temporary_.name.empty() ? -1
+                                                   : ::fcntl(::fileno(file_), F_DUPFD_CLOEXEC, 0));
   std::FILE* const file = file_;
   file_ = nullptr;
   if (file != stdout && std::fclose(file) != 0) fail("write");
-  if (!temporary_.empty()) put_in_place(written.get());
+  if (!temporary_.name.empty()) put_in_place(written.get());
 }
 
 /// The new file takes mode and owner of the one that it replaces.
 void OutputFile::put_in_place(int fd) {
-  const std::string name = fs::path(temporary_).filename(), target = target_.filename();
+  const std::string target = target_.filename();
+  const char* const name = temporary_.name.c_str();
   struct stat old {
   }, ours{}, named{};
   if (::fstatat(folder_, target.c_str(), &old, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(old.st_mode)) {
@@ -279,15 +290,16 @@ void OutputFile::put_in_place(int fd) {
     if (::geteuid() == 0) (void)!::fchown(fd, old.st_uid, old.st_gid);
     (void)::fchmod(fd, old.st_mode & 0777);
   }
-  if (::fstat(fd, &ours) != 0 || ::fstatat(folder_, name.c_str(), &named, AT_SYMLINK_NOFOLLOW) != 0)
+  if (::fstat(fd, &ours) != 0 || ::fstatat(folder_, name, &named, AT_SYMLINK_NOFOLLOW) != 0)
     fail("write");
   if (named.st_dev != ours.st_dev || named.st_ino != ours.st_ino)
     throw Error(ErrorCode::kFile,
                 fmt::format("{}: cannot write: another user of its folder has replaced {}",
-                            printable_name(path_.string()), printable_name(temporary_)));
-  if (::renameat(folder_, name.c_str(), folder_, target.c_str()) != 0) fail("write");
-  forget(files, temporary_.c_str());
-  temporary_.clear();
+                            printable_name(path_.string()),
+                            printable_name((target_.parent_path() / name).string())));
+  if (::renameat(folder_, name, folder_, target.c_str()) != 0) fail("write");
+  forget(files, temporary_);
+  temporary_ = {};
 }
 
 void OutputFile::hold_stdout() {
@@ -296,34 +308,39 @@ void OutputFile::hold_stdout() {
 
 void OutputFile::remove_unfinished() noexcept {
   for (const Slot* slot = files.load(); slot != nullptr; slot = slot->next)
-    if (const char* name = slot->name.load()) ::unlink(name);
+    if (const NameInFolder* entry = slot->entry.load())
+      ::unlinkat(entry->folder, entry->name.c_str(), 0);
   // Whatever order they are in: as often as there are some.
   for (const Slot* pass = folders.load(); pass != nullptr; pass = pass->next)
     for (const Slot* slot = folders.load(); slot != nullptr; slot = slot->next)
-      if (const char* name = slot->name.load()) ::rmdir(name);
+      if (const NameInFolder* entry = slot->entry.load())
+        ::unlinkat(entry->folder, entry->name.c_str(), AT_REMOVEDIR);
 }
 
 OutputFolder::OutputFolder(const fs::path& path) {
-  std::error_code none;
-  std::vector<fs::path> missing;
-  for (fs::path one = fs::absolute(path).lexically_normal(); !fs::exists(one, none);
-       one = one.parent_path())
-    missing.push_back(one);
-  made_.reserve(missing.size());  // names stay where handlers look for them
-  for (auto one = missing.rbegin(); one != missing.rend(); ++one) {
-    if (!one->has_filename()) continue;  // of "folder/"
-    if (::mkdir(one->c_str(), 0777) != 0) {
-      const int number = errno;
-      if (number == EEXIST && fs::is_directory(*one, none)) continue;
-      take_back();
-      fail_output(path, "create", number);
-    }
-    made_.push_back(one->string());
-    remember(folders, made_.back().c_str());
-  }
-  if (!fs::is_directory(path, none)) {
+  constexpr int kFolder = O_PATH | O_DIRECTORY | O_CLOEXEC;
+  const auto fail = [&](int number) {
     take_back();
-    fail_output(path, "create", ENOTDIR);
+    fail_output(path, "create", number);
+  };
+  std::error_code none;
+  std::vector<std::string> missing;  // the outermost last
+  fs::path there = fs::absolute(path).lexically_normal();
+  for (; !fs::exists(there, none); there = there.parent_path())
+    if (there.has_filename()) missing.push_back(there.filename());  // not the end of "folder/"
+  Descriptor folder(::open(there.c_str(), kFolder));
+  if (folder.get() < 0) fail(errno);
+  made_.reserve(missing.size());  // entries stay where handlers look for them
+  for (auto name = missing.rbegin(); name != missing.rend(); ++name) {
+    const bool made = ::mkdirat(folder.get(), name->c_str(), 0777) == 0;
+    if (!made && errno != EEXIST) fail(errno);
+    Descriptor inner(::openat(folder.get(), name->c_str(), kFolder | O_NOFOLLOW));
+    if (made) {
+      made_.push_back({folder.release(), *name});
+      remember(folders, made_.back());
+    }
+    if (inner.get() < 0) fail(errno);
+    folder = std::move(inner);
   }
 }
 
@@ -333,15 +350,16 @@ OutputFolder::~OutputFolder() {
 
 /// Not if there is something in it.
 void OutputFolder::take_back() {
-  for (auto one = made_.rbegin(); one != made_.rend(); ++one) {
-    ::rmdir(one->c_str());
-    forget(folders, one->c_str());
-  }
-  made_.clear();
+  for (auto one = made_.rbegin(); one != made_.rend(); ++one)
+    ::unlinkat(one->folder, one->name.c_str(), AT_REMOVEDIR);
+  keep();
 }
 
 void OutputFolder::keep() {
-  for (const std::string& one : made_) forget(folders, one.c_str());
+  for (const NameInFolder& one : made_) {
+    forget(folders, one);
+    ::close(one.folder);
+  }
   made_.clear();
 }
 
@@ -388,13 +406,8 @@ bool is_unfinished_name(std::string_view name) {
 }
 
 void sweep_unfinished(const fs::path& folder, std::string_view name) {
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-       entry.increment(error)) {
-    const std::string file = entry->path().filename();
-    const auto found = unfinished(file);
-    if (found && (name.empty() || found->name == stem(name))) sweep(entry->path(), found->process);
-  }
+  const Descriptor opened(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (opened.get() >= 0) sweep_all(opened.get(), name);
 }
 
 }  // namespace cde

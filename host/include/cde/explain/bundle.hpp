@@ -25,8 +25,14 @@ class Bundle {
  public:
   /// Makes the folder, or the first of FOLDER-2, FOLDER-3, ... that is not there. Error kFile.
   explicit Bundle(const std::string& folder);
+  ~Bundle();
+  Bundle(const Bundle&) = delete;
+  Bundle& operator=(const Bundle&) = delete;
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
+  /// A file of the folder that was made, whatever lies under the folder's name by now. For this
+  /// process alone.
+  [[nodiscard]] std::filesystem::path file(std::string_view name) const;
   /// What is to stand in fail.json.
   [[nodiscard]] nlohmann::ordered_json& json() { return json_; }
   /// A part of fail.txt.
@@ -36,7 +42,8 @@ class Bundle {
   void finish();
 
  private:
-  std::filesystem::path folder_;
+  std::filesystem::path folder_;  ///< as it is named
+  int held_ = -1;                 ///< its descriptor
   nlohmann::ordered_json json_;
   std::vector<std::string> sections_;  ///< of fail.txt
 };

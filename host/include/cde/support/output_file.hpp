@@ -11,6 +11,12 @@
 
 namespace cde {
 
+/// What a folder that this process holds open has under a name.
+struct NameInFolder {
+  int folder = -1;  ///< its descriptor
+  std::string name;
+};
+
 /// Every file that cde writes is one of these: the library's pictures and meshes as well as the
 /// command's records, pages and waves.
 ///
@@ -54,7 +60,7 @@ class OutputFile {
   static void hold_stdout();
 
   /// Removes whatever is uncommitted in this process. For handlers of signals that end it: calls
-  /// nothing but unlink and rmdir.
+  /// nothing but unlinkat.
   static void remove_unfinished() noexcept;
 
  private:
@@ -65,8 +71,8 @@ class OutputFile {
   [[noreturn]] void fail(const char* doing) const;
 
   std::filesystem::path path_, target_;  // as it was named, and with links followed
-  std::string temporary_;  // commit() renames it to target_; empty: the target is written to
-  int folder_ = -1;        // of both
+  NameInFolder temporary_;  // commit() renames it to target_; no name: the target is written to
+  int folder_ = -1;         // of both
   bool stdout_ = false;
   std::FILE* file_ = nullptr;  // the target, or what becomes of it
   std::FILE* held_ = nullptr;  // what write() fills instead
@@ -75,7 +81,8 @@ class OutputFile {
 
 /// A folder for outputs, made with those above it if they are not there. Those that it made and
 /// that are empty are gone again when it ends without keep(), or by
-/// OutputFile::remove_unfinished().
+/// OutputFile::remove_unfinished(). They are removed from the folders they were made in, whatever
+/// those are called by then.
 class OutputFolder {
  public:
   /// Error kFile if it cannot be made.
@@ -88,7 +95,7 @@ class OutputFolder {
 
  private:
   void take_back();
-  std::vector<std::string> made_;  ///< the innermost last
+  std::vector<NameInFolder> made_;  ///< the innermost last
 };
 
 /// Writes all of a file by OutputFile.
