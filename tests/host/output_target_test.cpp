@@ -5,6 +5,8 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include "cde/explain/bundle.hpp"
+#include "cde/support/output_file.hpp"
 #include "testing.hpp"
 
 namespace cde::testing {
@@ -50,6 +52,55 @@ TEST_F(Swapped, AFifoThatHasBecomeALinkOrAFile) {
   expect_error(ErrorCode::kFile, "cannot write: another user of its folder has replaced it",
                [&] { (void)open_output(target, O_WRONLY); });
   EXPECT_EQ(bytes_of(mine_ / "out"), "secret");
+}
+
+/// A folder of ours that has the same name as one that was made in a folder of theirs.
+class SwappedOutputs : public Swapped {
+ protected:
+  SwappedOutputs() { fs::create_directory(mine_ / "made"); }
+  void swap() const {
+    fs::rename(theirs_ / "sub", theirs_ / "away");
+    fs::create_directory_symlink(mine_ / "", theirs_ / "sub");
+  }
+};
+
+TEST_F(SwappedOutputs, FoldersAreTakenBackFromWhereTheyWereMade) {
+  fs::remove(mine_ / "made");
+  for (const bool by_signal : {false, true}) {
+    auto folder = std::make_unique<OutputFolder>(theirs_ / "sub/made/inner");
+    fs::create_directories(mine_ / "made/inner");
+    swap();
+    if (by_signal)
+      OutputFile::remove_unfinished();
+    else
+      folder.reset();
+    EXPECT_TRUE(fs::exists(mine_ / "made/inner"));
+    EXPECT_FALSE(fs::exists(theirs_ / "away/made"));
+    fs::remove(theirs_ / "sub");
+    fs::rename(theirs_ / "away", theirs_ / "sub");
+  }
+}
+
+TEST_F(SwappedOutputs, UnfinishedFilesAreRemovedFromWhereTheyWereMade) {
+  OutputFile file(theirs_ / "sub/out");
+  const std::string name = fs::directory_iterator(theirs_ / "sub")->path().filename();
+  std::ofstream(mine_ / name) << "secret";
+  swap();
+  OutputFile::remove_unfinished();
+  EXPECT_EQ(bytes_of(mine_ / name), "secret");
+  EXPECT_TRUE(fs::is_empty(theirs_ / "away"));
+}
+
+TEST_F(SwappedOutputs, ABundleIsWrittenToTheFolderThatItMade) {
+  std::ofstream(mine_ / "made/fail.json") << "secret";
+  Bundle bundle((theirs_ / "sub/made").string());
+  swap();
+  bundle.write("why.txt", "why");
+  bundle.finish();
+  EXPECT_EQ(bytes_of(mine_ / "made/fail.json"), "secret");
+  EXPECT_FALSE(fs::exists(mine_ / "made/why.txt"));
+  EXPECT_EQ(bytes_of(theirs_ / "away/made/why.txt"), "why");
+  EXPECT_TRUE(fs::exists(theirs_ / "away/made/fail.json"));
 }
 
 /// The owner of a link must still own what it leads to.
