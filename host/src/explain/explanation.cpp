@@ -22,6 +22,13 @@ namespace {
 constexpr std::size_t kBefore = 32, kBehind = 16;
 constexpr std::uint64_t kSeed = 20261123;
 
+/// A pipe of one lane whose operators tell what they do.
+PairConfig tapped(PairConfig config) {
+  config.lanes = 1;
+  config.tap = true;
+  return config;
+}
+
 /// The words of random pairs in the format, with the asked one in their midst.
 struct Rows {
   std::vector<std::uint64_t> a, b;
@@ -166,37 +173,40 @@ std::string Source::text() const {
   return all;
 }
 
-Explanation explain(const PairConfig& asked, std::span<const std::uint64_t> a,
-                    std::span<const std::uint64_t> b, const PairBudget& budget) {
+Explainer::Explainer(const PairConfig& asked, const PairBudget& budget)
+    : budget_(budget), unit_(tapped(asked)) {
+  if (has_budget(asked.pair)) unit_.set_budget(budget);
+}
+
+Explanation Explainer::explain(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b) {
   Explanation e;
-  e.config = asked;
-  e.config.lanes = 1;
-  e.config.tap = true;
-  PairUnit unit(e.config);
-  if (has_budget(asked.pair)) unit.set_budget(budget);
+  e.config = unit_.config();
+  const Pair pair = e.config.pair;
   const Rows rows = rows_around(e.config, a, b);
-  const Observed card = observe(unit, rows.a, rows.b);
+  const Observed card = observe(unit_, rows.a, rows.b);
   const std::size_t count = card.results.size();
-  std::vector<PairRecording> recordings;
-  std::vector<std::size_t> learnt;
+  recordings_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t aw = primary_words(asked.pair), bw = secondary_words(asked.pair);
-    recordings.push_back(record(e.config, std::span(rows.a).subspan(i * aw, aw),
-                                std::span(rows.b).subspan(i * bw, bw), budget));
+    if (i != kBefore && !recordings_[i].steps.empty()) continue;  // the others are the same again
+    const std::size_t aw = primary_words(pair), bw = secondary_words(pair);
+    recordings_[i] = record(e.config, std::span(rows.a).subspan(i * aw, aw),
+                            std::span(rows.b).subspan(i * bw, bw), budget_);
   }
   // References are straight-line code, or go by the budget alone.
+  std::vector<std::size_t> learnt;
   for (std::size_t i = 0; i < count; ++i)
-    if (i != kBefore && !recordings[i].result.bad &&
-        recordings[i].operators.size() == recordings[kBefore].operators.size())
+    if (i != kBefore && !recordings_[i].result.bad &&
+        recordings_[i].operators.size() == recordings_[kBefore].operators.size())
       learnt.push_back(i);
-  e.recording = recordings[kBefore];
+  e.recording = recordings_[kBefore];
   e.card = card.results[kBefore];
   e.reference = e.recording.result;
   e.operators = card.operators;
   if (e.reference.bad || learnt.empty()) return e;
-  const std::vector<Seat> seats = learn(card, recordings, learnt);
-  e.operations = compare(card, recordings, kBefore, seats, learnt, has_budget(asked.pair));
-  e.sources = sources_of(e.config, card.operators);
+  if (seats_.size() != e.recording.operators.size()) seats_ = learn(card, recordings_, learnt);
+  e.operations = compare(card, recordings_, kBefore, seats_, learnt, has_budget(pair));
+  if (sources_.empty()) sources_ = sources_of(e.config, card.operators);
+  e.sources = sources_;
   const auto source = [&](std::int32_t which) {
     return e.sources[static_cast<std::size_t>(which)];
   };
@@ -211,6 +221,11 @@ Explanation explain(const PairConfig& asked, std::span<const std::uint64_t> a,
   }
   rank(e);
   return e;
+}
+
+Explanation explain(const PairConfig& config, std::span<const std::uint64_t> a,
+                    std::span<const std::uint64_t> b, const PairBudget& budget) {
+  return Explainer(config, budget).explain(a, b);
 }
 
 }  // namespace cde::explain

@@ -105,30 +105,66 @@ void find_places(const Observed& card, const PairRecording& pair, std::size_t ro
   }
 }
 
-/// Where each operation may be done. Its operands are looked for in pairs where they are no zeros,
-/// which stand everywhere: what is a zero in most pairs has been found among other zeros.
+/// How well the operands of an operation after one pair tell where it is done.
+enum class Clue : std::uint8_t {
+  kNone,    ///< a zero, which stands everywhere
+  kNumber,  ///< no zero, but infinite, NaN, or what the operation has after other pairs, too
+  kOne,     ///< one finite number, not zero, which the operation has after this pair alone
+  kBoth,    ///< two
+};
+
+/// Of an operation after each of the rows. After the last pair its words stay on the port.
+std::vector<Clue> clues(const Observed& card, std::span<const PairRecording> pairs,
+                        std::span<const std::size_t> rows, std::size_t operation) {
+  std::map<std::pair<std::uint64_t, std::uint64_t>, unsigned> seen;
+  std::vector<Operation> all;
+  for (const std::size_t row : rows) {
+    all.push_back(expected(card, pairs[row], operation));
+    const Operands words(all.back().a, all.back().b);
+    ++seen[{words.low, words.high}];
+  }
+  const auto number = [&card](std::uint64_t w) {
+    return (w << 1) != 0 && (w & card.format.magnitude_mask()) < card.format.infinity();
+  };
+  std::vector<Clue> list;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Operation& o = all[i];
+    const Operands words(o.a, o.b);
+    const bool alone = seen[{words.low, words.high}] == 1 && i + 1 < rows.size();
+    if (alone && number(o.a) && number(o.b))
+      list.push_back(Clue::kBoth);
+    else if (alone && (number(o.a) || number(o.b)))
+      list.push_back(Clue::kOne);
+    else
+      list.push_back(tells(o) ? Clue::kNumber : Clue::kNone);
+  }
+  return list;
+}
+
+/// Where each operation may be done. Its operands are looked for after the few pairs that tell
+/// most.
 Places possible_places(const Observed& card, std::span<const PairRecording> pairs,
                        std::span<const std::size_t> rows) {
   const std::size_t count = pairs[rows[0]].operators.size();
-  Places places(count);
-  std::vector<std::size_t> seeds(count), sought;
   // Rows that are far from each other come first.
   std::vector<std::size_t> order;
   for (std::size_t s = 0; s < kSeeds; ++s)
-    for (std::size_t i = s; i < rows.size(); i += kSeeds) order.push_back(rows[i]);
-  for (const std::size_t row : order) {
-    sought.clear();
-    for (std::size_t k = 0; k < count; ++k)
-      if (seeds[k] < kSeeds && tells(expected(card, pairs[row], k))) {
-        ++seeds[k];
-        sought.push_back(k);
-      }
-    if (!sought.empty()) find_places(card, pairs[row], row, sought, places);
+    for (std::size_t i = s; i < rows.size(); i += kSeeds) order.push_back(i);
+  std::vector<std::vector<std::size_t>> sought(rows.size());  // operations
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::vector<Clue> clue = clues(card, pairs, rows, k);
+    const Clue best = *std::max_element(clue.begin(), clue.end());
+    if (best == Clue::kNone) {
+      sought[0].push_back(k);
+      continue;
+    }
+    std::size_t seeds = 0;
+    for (const std::size_t i : order)
+      if (clue[i] == best && seeds++ < kSeeds) sought[i].push_back(k);
   }
-  sought.clear();
-  for (std::size_t k = 0; k < count; ++k)
-    if (seeds[k] == 0) sought.push_back(k);
-  if (!sought.empty()) find_places(card, pairs[rows[0]], rows[0], sought, places);
+  Places places(count);
+  for (const std::size_t i : order)
+    if (!sought[i].empty()) find_places(card, pairs[rows[i]], rows[i], sought[i], places);
   return places;
 }
 

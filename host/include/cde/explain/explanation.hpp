@@ -42,8 +42,26 @@ struct Explanation {
   [[nodiscard]] bool same() const { return card == reference; }
 };
 
-/// Runs one pair, in the midst of others, through the pipe alone. Error kBuild if the RTL cannot be
-/// read.
+/// Explains pairs by one pipe, which is opened once.
+class Explainer {
+ public:
+  /// Error kBuild if the pipe cannot be built.
+  Explainer(const PairConfig& config, const PairBudget& budget);
+
+  /// Runs one pair, in the midst of others, through the pipe alone. Error kBuild if the RTL cannot
+  /// be read.
+  [[nodiscard]] Explanation explain(std::span<const std::uint64_t> a,
+                                    std::span<const std::uint64_t> b);
+
+ private:
+  PairBudget budget_;
+  PairUnit unit_;
+  std::vector<PairRecording> recordings_;  ///< of all rows, the explained one among them
+  std::vector<Seat> seats_;                ///< as the first explanation learnt them
+  std::vector<Source> sources_;            ///< of the operators
+};
+
+/// One pair by Explainer.
 [[nodiscard]] Explanation explain(const PairConfig& config, std::span<const std::uint64_t> a,
                                   std::span<const std::uint64_t> b, const PairBudget& budget);
 
