@@ -347,7 +347,7 @@ TEST_F(RunScene, Waves) {
 TEST_F(RunScene, FaultyCardIsFoundOut) {
   const Words environment = faulty_card(folder_);
   std::string scene = kFlight;
-  scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
+  scene.replace(scene.find("lanes = 16"), 10, "lanes = 4\nalgorithm = \"moller\"");
   write("small.toml", scene);
   const Ran ran = cde({"run", "small.toml", "--no-bundle"}, environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
