@@ -45,6 +45,15 @@ class Folders : public Cli {
     std::sort(names.begin(), names.end());
     return names;
   }
+  /// Bytes of the unfinished file of a name in a folder.
+  [[nodiscard]] std::uintmax_t written(const std::string& folder, const std::string& name) const {
+    for (const auto& entry : fs::directory_iterator(folder_ / folder)) {
+      std::error_code gone;
+      if (entry.path().filename().string().starts_with(name + ".cde-"))
+        return fs::file_size(entry.path(), gone);
+    }
+    return 0;
+  }
   Ran run(const Words& more) {
     Words words = {"run", "scene.toml", "-q"};
     words.insert(words.end(), more.begin(), more.end());
@@ -85,16 +94,25 @@ TEST_F(Folders, AFolderThatIsSwappedForALink) {
 }
 
 TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
-  ASSERT_EQ(run({"-o", "d"}).status, 0);
+  ASSERT_EQ(run({"-o", "d", "--file-per-frame"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "hit.000002.csv", "hit.000003.csv",
                             "run.json"}));
   ASSERT_EQ(run({"--out", "d", "--frames", "1", "--report", "d/page.html"}).status, 0);
-  EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "page.html", "run.json"}));
+  EXPECT_EQ(in("d"), (Words{"hit.csv", "page.html", "run.json"}));
+  std::string renamed = kFolderScene;
+  renamed.replace(renamed.find("\"hit\""), 5, "\"seen\"");
+  write("renamed.toml", renamed);
+  ASSERT_EQ(cde({"run", "renamed.toml", "-q", "--out", "d"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"run.json", "seen.csv"})) << "the page was the run's, too";
   std::string binary = kFolderScene;
   binary += "[report]\nresults = \"binary\"\n";
   write("scene.toml", binary);
   ASSERT_EQ(run({"--out", "d", "--frames", "2"}).status, 0);
-  EXPECT_EQ(in("d"), (Words{"hit.000002.bin", "run.json"})) << "the page was the run's, too";
+  EXPECT_EQ(in("d"), (Words{"hit.bin", "run.json"}));
+  ASSERT_EQ(run({"--out", "d", "--frames", "2", "--file-per-frame"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"hit.000002.bin", "run.json"}));
+  ASSERT_EQ(run({"--out", "d"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"hit.bin", "run.json"}));
 }
 
 TEST_F(Folders, OneThatIsNotARunsIsRefused) {
@@ -118,7 +136,10 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
   EXPECT_EQ(ran.err,
             "cde: d/notes.txt is not of the run that d holds: take it away, or let --output name "
             "another folder\n");
-  EXPECT_EQ(in("d").size(), 6u);
+  EXPECT_EQ(in("d"), (Words{"hit.csv", "notes.txt", "run.json"}));
+  fs::rename(folder_ / "d/notes.txt", folder_ / "d/notes.csv");
+  EXPECT_EQ(run({"--out", "d", "--frames", "0"}).status, 2) << "no table of that run";
+  EXPECT_EQ(in("d"), (Words{"hit.csv", "notes.csv", "run.json"}));
   // A file of that name.
   write("f", "x");
   EXPECT_EQ(run({"--out", "f"}).status, 2);
@@ -131,9 +152,11 @@ TEST_F(Folders, WhatTheSceneReadsIsNotRemoved) {
   Ran ran = cde({"run", "scene.toml", "--out", "."});
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err, "cde: --output is ., where the scene scene.toml is\n");
-  ran = run({"--out", "d", "--report", "d/hit.000000.csv"});
-  EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err, "cde: d/hit.000000.csv has the name of a file that --output is for\n");
+  for (const std::string name : {"d/hit.000000.csv", "d/hit.csv", "d/run.json"}) {
+    ran = run({"--out", "d", "--report", name});
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err, "cde: " + name + " has the name of a file that --output is for\n");
+  }
   EXPECT_EQ(files(), Words{"scene.toml"});
 }
 
@@ -150,21 +173,39 @@ TEST_F(Folders, ARunThatDoesNotBeginChangesNothing) {
                        "CDE_CLANG=no-such-compiler"});
   EXPECT_EQ(ran.status, 2) << ran.err;
   EXPECT_EQ(read("d/run.json"), before);
-  EXPECT_EQ(in("d").size(), 5u);
+  EXPECT_EQ(in("d"), (Words{"hit.csv", "run.json"}));
+}
+
+/// A killed run leaves no table, only an unfinished file, which the next run removes.
+TEST_F(Folders, KillInTheMiddle_LeavesNoTable) {
+  write("long.toml", std::string(kFolderScene).replace(0, 10, "frames = 1000000"));
+  const pid_t child = start({"run", "long.toml", "--out", "d"});
+  for (int i = 0; i < 600 && (!exists("d/run.json") || written("d", "hit.csv") == 0); ++i)
+    ::usleep(50'000);
+  EXPECT_GT(written("d", "hit.csv"), 0u);
+  ::kill(child, SIGKILL);
+  EXPECT_EQ(finish(child).status, 128 + SIGKILL);
+  const auto json = nlohmann::json::parse(read("d/run.json"));
+  EXPECT_EQ(json["finished"], false);
+  EXPECT_EQ(json["files"], nlohmann::json::array({"hit.csv"}));
+  EXPECT_FALSE(exists("d/hit.csv"));
+  EXPECT_EQ(in("d").size(), 2u);
+  ASSERT_EQ(run({"--out", "d", "--frames", "1", "--file-per-frame"}).status, 0);
+  EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "run.json"}));
 }
 
 /// Killed in the middle: its folder is known as a run's, and the next run takes all of it away.
 TEST_F(Folders, AfterAKill) {
   std::string scene = kFolderScene;
   write("long.toml", scene.replace(0, 10, "frames = 100000"));
-  const pid_t child = start({"run", "long.toml", "--out", "d"});
+  const pid_t child = start({"run", "long.toml", "--out", "d", "--file-per-frame"});
   for (int i = 0; i < 600 && !exists("d/hit.000002.csv"); ++i) ::usleep(50'000);
   ::kill(child, SIGKILL);
   EXPECT_EQ(finish(child).status, 128 + SIGKILL);
   write("d/hit.000003.csv.cde-999999999-abcdef", "what it was writing");
   EXPECT_EQ(nlohmann::json::parse(read("d/run.json"))["finished"], false);
   ASSERT_EQ(run({"--out", "d", "--frames", "1"}).status, 0);
-  EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "run.json"}));
+  EXPECT_EQ(in("d"), (Words{"hit.csv", "run.json"}));
 }
 
 /// Two runs at a time do not mix their files: the second one is refused and the first one goes on.
@@ -172,7 +213,7 @@ TEST_F(Folders, AfterAKill) {
 TEST_F(Folders, AFolderIsOneRunsAtATime) {
   std::string scene = kFolderScene;
   write("long.toml", scene.replace(0, 10, "frames = 100000"));
-  const pid_t child = start({"run", "long.toml", "--out", "d", "-q"});
+  const pid_t child = start({"run", "long.toml", "--out", "d", "-q", "--file-per-frame"});
   for (int i = 0; i < 600 && !exists("d/hit.000002.csv"); ++i) ::usleep(50'000);
   ASSERT_TRUE(exists("d/hit.000002.csv"));
   fs::create_directory_symlink("d", folder_ / "link");
@@ -189,7 +230,7 @@ TEST_F(Folders, AFolderIsOneRunsAtATime) {
   EXPECT_EQ(nlohmann::json::parse(read("d/run.json"))["scene"], "long.toml");
   EXPECT_TRUE(exists("d/hit.000000.csv")) << "nobody took away what the first one had written";
   EXPECT_EQ(run({"--out", "d", "--frames", "1"}).status, 0);
-  EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "run.json"}));
+  EXPECT_EQ(in("d"), (Words{"hit.csv", "run.json"}));
 }
 
 /// Of runs that start at the same time into a folder that is not there yet, at least one plays, and
@@ -212,7 +253,7 @@ TEST_F(Folders, RunsThatStartAtATimeDoNotMix) {
     played += refused ? 0 : 1;
   }
   EXPECT_GE(played, 1);
-  EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "run.json"}));
+  EXPECT_EQ(in("d"), (Words{"hit.csv", "run.json"}));
 }
 
 }  // namespace

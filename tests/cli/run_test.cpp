@@ -6,49 +6,18 @@
 
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 
 #include "../has.hpp"
 #include "planted.hpp"
-#include "run_cde.hpp"
+#include "run_scene.hpp"
 
 namespace cde::testing {
 namespace {
 
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
-
-/// Rays that are drawn again, terrain vertices that move: 16 lanes, the bitstream of other tests.
-const std::string kFlight = R"(frames = 4
-[card]
-lanes = 16
-[[object]]
-name = "terrain"
-mesh = "terrain:12,9,3"
-deform = { kind = "wave", vertices = [20, 45], amplitude = [0, 0, 5], period = 1, wavelength = 40 }
-[[object]]
-name = "rays"
-random_rays = { count = 300, seed = 7 }
-[object.motion]
-kind = "path"
-points = [[20, 20, 300], [90, 60, 250]]
-duration = 0.1
-)" + hit_query("terrain");
-
-/// kFlight with another [card] and more text at its end.
-std::string flight(const std::string& card, const std::string& more = "") {
-  std::string text = kFlight;
-  return text.replace(text.find("lanes = 16"), 10, card) + more;
-}
-
-class RunScene : public Cli {
- protected:
-  nlohmann::json run_json(const std::string& folder) {
-    return nlohmann::json::parse(read(folder + "/run.json"));
-  }
-};
 
 TEST_F(RunScene, PlaysChecksAndWrites) {
   write("flight.toml", kFlight);
@@ -85,9 +54,11 @@ TEST_F(RunScene, PlaysChecksAndWrites) {
     EXPECT_GT(s["upload"].get<double>(), 300 * 4 * 15e-9);
     EXPECT_GT(s["registers"].get<double>(), 0);
     hits += q["hits"].get<std::uint64_t>();
-    const std::string csv = read("flight.run/" + frame["files"][0].get<std::string>());
-    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 301);
+    EXPECT_EQ(frame["files"], nlohmann::json::array());
   }
+  EXPECT_EQ(j["files"], nlohmann::json::array({"hit.csv"}));
+  const std::string csv = read("flight.run/hit.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 4 * 300);
   EXPECT_GT(hits, 120u);
   EXPECT_LT(hits, 1080u);
   // The first frame uploads everything, the others only what moved.
@@ -105,9 +76,14 @@ TEST_F(RunScene, FramesAreReproducible) {
   std::string gates = kFlight;
   gates.replace(gates.find("lanes = 16"), 10, "lanes = 16\narithmetic = \"rtl\"");
   write("gates.toml", gates);
-  ASSERT_EQ(cde({"run", "flight.toml", "--out", "all", "-q"}).status, 0);
-  ASSERT_EQ(cde({"run", "flight.toml", "--out", "one", "--frames", "3", "-q"}).status, 0);
-  ASSERT_EQ(cde({"run", "gates.toml", "--out", "rtl", "--frames", "2..3", "-q"}).status, 0);
+  const auto play = [&](const Words& words) {
+    Words all = {"run", "-q", "--file-per-frame"};
+    all.insert(all.end(), words.begin(), words.end());
+    return cde(all).status;
+  };
+  ASSERT_EQ(play({"flight.toml", "--out", "all"}), 0);
+  ASSERT_EQ(play({"flight.toml", "--out", "one", "--frames", "3"}), 0);
+  ASSERT_EQ(play({"gates.toml", "--out", "rtl", "--frames", "2..3"}), 0);
   EXPECT_EQ(read("all/hit.000003.csv"), read("one/hit.000003.csv"));
   EXPECT_EQ(read("all/hit.000003.csv"), read("rtl/hit.000003.csv"));
   EXPECT_NE(read("all/hit.000003.csv"), read("all/hit.000002.csv"));
@@ -143,8 +119,7 @@ TEST_F(RunScene, TheCardMovesObjects) {
   ASSERT_EQ(cde({"run", "host.toml", "-q"}).status, 0);
   EXPECT_EQ(run_json("host.run")["played"][1]["queries"][0]["counters"]["secondary_words"],
             216 * 9);
-  for (const char* file : {"hit.000001.csv", "hit.000003.csv"})
-    EXPECT_EQ(read(fmt::format("moving.run/{}", file)), read(fmt::format("host.run/{}", file)));
+  EXPECT_EQ(read("moving.run/hit.csv"), read("host.run/hit.csv"));
 }
 
 // A ray that starts beyond the range is bad input, and its record is no hit: a run says so, once.
@@ -220,9 +195,10 @@ TEST_F(RunScene, MixedSceneOfTheRepository) {
   }
   EXPECT_GT(j["totals"]["hits"], 0);
   EXPECT_EQ(j["totals"]["mismatches"], 0);
-  const std::string csv = read("out/nearest_ball.000000.csv");
-  EXPECT_EQ(csv.find("primary,F,bad,T,CPx,CPy,CPz,index,nx,ny,nz,T_bits"), 0u) << csv;
-  EXPECT_FALSE(has(read("out/scan.000000.csv"), "\n3,")) << "masked";
+  EXPECT_EQ(j["files"].size(), 3u);
+  const std::string csv = read("out/nearest_ball.csv");
+  EXPECT_EQ(csv.find("frame,primary,F,bad,T,CPx,CPy,CPz,index,nx,ny,nz,T_bits"), 0u) << csv;
+  EXPECT_FALSE(has(read("out/scan.csv"), "\n0,3,")) << "masked";
 }
 
 TEST_F(RunScene, SamplesAndSkippedChecksSaySo) {
@@ -241,8 +217,8 @@ TEST_F(RunScene, BinaryRecords) {
   std::string scene = kFlight;
   write("csv.toml", scene + "[report]\nbits = true\nonly_hits = true\n");
   write("bin.toml", scene + "[report]\nresults = \"binary\"\n");
-  ASSERT_EQ(cde({"run", "csv.toml", "--frames", "1", "-q"}).status, 0);
-  ASSERT_EQ(cde({"run", "bin.toml", "--frames", "1", "-q"}).status, 0);
+  for (const char* file : {"csv.toml", "bin.toml"})
+    ASSERT_EQ(cde({"run", file, "--frames", "1", "-q", "--file-per-frame"}).status, 0);
   const std::string bytes = read("bin.run/hit.000001.bin");
   ASSERT_EQ(bytes.size(), 300u * 28);
   std::istringstream csv(read("csv.run/hit.000001.csv"));
@@ -304,7 +280,7 @@ TEST_F(RunScene, InterruptLeavesReadableFiles) {
   std::string scene = kFlight;
   scene.replace(0, 10, "frames = 100000");
   write("long.toml", scene);
-  const pid_t child = start({"run", "long.toml"});
+  const pid_t child = start({"run", "long.toml", "--file-per-frame"});
   for (int i = 0; i < 600 && !exists("long.run/hit.000002.csv"); ++i) ::usleep(50'000);
   ::kill(child, SIGINT);
   const Ran ran = finish(child);
@@ -347,7 +323,7 @@ TEST_F(RunScene, Waves) {
 TEST_F(RunScene, FaultyCardIsFoundOut) {
   const Words environment = faulty_card(folder_);
   std::string scene = kFlight;
-  scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
+  scene.replace(scene.find("lanes = 16"), 10, "lanes = 4\nalgorithm = \"moller\"");
   write("small.toml", scene);
   const Ran ran = cde({"run", "small.toml", "--no-bundle"}, environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
@@ -356,6 +332,7 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
   const auto j = run_json("small.run");
   EXPECT_EQ(j["played"].size(), 1u);
   EXPECT_GT(j["totals"]["mismatches"], 0);
+  EXPECT_FALSE(exists("small.run/hit.csv")) << "frames are missing";
   EXPECT_LT(j["totals"]["mismatches"], 300);
   std::smatch match;
   EXPECT_TRUE(std::regex_search(

@@ -36,6 +36,7 @@ TEST(SceneFile, SaysWhatItSays) {
   EXPECT_EQ(s.frames, 7u);
   EXPECT_EQ(s.check, Check::kSample);
   EXPECT_EQ(s.results, Results::kBinary);
+  EXPECT_EQ(parse_scene("[report]\nresults = \"npy\"\n" + kGood, "s.toml").results, Results::kNpy);
   EXPECT_EQ(s.card.lanes, 8u);
   EXPECT_EQ(s.card.clock_hz, 50e6);
   ASSERT_EQ(s.objects.size(), 2u);

@@ -218,7 +218,8 @@ void RecordText::fields(const Record& r, const Cells& cells) const {
 }
 
 template <class Cells>
-void RecordText::row(const Record& r, const Cells& cells) const {
+void RecordText::row(const Record& r, std::uint32_t frame, const Cells& cells) const {
+  if (format_.frame) cells("frame", frame);
   const auto normals = [&] {
     if (format_.normals) cells("n", r.n);
   };
@@ -246,67 +247,79 @@ void RecordText::row(const Record& r, const Cells& cells) const {
   if (!format_.fields.empty()) fields(r, cells);
 }
 
-std::string RecordText::head(std::uint64_t count) const {
+std::string RecordText::head(std::uint64_t count, bool may_grow) const {
   std::string text;
   if (format_.kind == RecordFormat::Kind::kNpy) {
-    row({}, NpyType{text, node_bytes_});
-    return npy_header("[" + text + "]", format_.shape.value_or(std::vector{count}));
+    row({}, 0, NpyType{text, node_bytes_});
+    return npy_header("[" + text + "]", format_.shape.value_or(std::vector{count}), may_grow);
   }
   if (format_.kind != RecordFormat::Kind::kCsv) return text;
-  row({}, CsvHead{text});
+  row({}, 0, CsvHead{text});
   text.back() = '\n';
   return text;
 }
 
-void RecordText::append(std::span<const Record> records, std::string& to) const {
+void RecordText::append(std::span<const Record> records, std::string& to,
+                        std::uint32_t frame) const {
   for (const Record& r : records) {
     if (format_.only_hits && !r.f) continue;
     switch (format_.kind) {
       case RecordFormat::Kind::kCsv:
-        row(r, CsvRow{to});
+        row(r, frame, CsvRow{to});
         to.back() = '\n';
         break;
       case RecordFormat::Kind::kJsonLines:
         to += '{';
-        row(r, JsonRow{to});
+        row(r, frame, JsonRow{to});
         to.back() = '}';
         to += '\n';
         break;
       case RecordFormat::Kind::kNpy:
       case RecordFormat::Kind::kWords:
-        row(r, Bytes{to, node_bytes_});
+        row(r, frame, Bytes{to, node_bytes_});
         break;
     }
   }
 }
 
-/// Before the first records, so that a card that fails leaves nothing on stdout.
-void RecordFile::head() {
-  if (!std::exchange(has_head_, true)) file_.write(text_.head(count_.value_or(0)));
+std::size_t RecordText::record_bytes() const {
+  std::string bytes;
+  row({}, 0, Bytes{bytes, node_bytes_});
+  return bytes.size();
 }
 
-void RecordFile::add(std::span<const Record> records) {
-  written_ += records.size();
-  // Without a count, an array has its header last, so its data wait in memory.
-  const bool waits = text_.format().kind == RecordFormat::Kind::kNpy && !count_;
-  if (!waits) bytes_.clear();
-  text_.append(records, bytes_);
-  if (waits) return;
+/// Before the first records, so that a card that fails leaves nothing on stdout.
+void RecordFile::head() {
+  if (!std::exchange(has_head_, true)) file_.write(text_.head(count_.value_or(0), !count_));
+}
+
+void RecordFile::add(std::span<const Record> records, std::uint32_t frame) {
+  bytes_.clear();
+  text_.append(records, bytes_, frame);
+  add_text(bytes_);
+}
+
+void RecordFile::add_text(std::string_view text) {
+  written_ += text.size();
+  if (is_array() && !count_ && !file_.can_replace_start()) {
+    waiting_ += text;
+    return;
+  }
   head();
-  file_.write(bytes_);
+  file_.write(text);
 }
 
 void RecordFile::commit() {
-  if (text_.format().kind == RecordFormat::Kind::kNpy) {
-    if (!count_) {
-      count_ = written_;
-      head();
-      file_.write(bytes_);
-    }
-    if (*count_ != written_)
-      throw Error(ErrorCode::kDevice, fmt::format("{} records came of {}", written_, *count_));
+  const std::uint64_t records = is_array() ? written_ / text_.record_bytes() : 0;
+  if (is_array() && count_ && *count_ != records)
+    throw Error(ErrorCode::kDevice, fmt::format("{} records came of {}", records, *count_));
+  if (is_array() && !count_ && !file_.can_replace_start()) {
+    file_.write(text_.head(records, true));
+    file_.write(waiting_);
+  } else {
+    head();
+    if (is_array() && !count_) file_.replace_start(text_.head(records, true));
   }
-  head();
   file_.commit();
 }
 

@@ -270,7 +270,8 @@ Scene parse_scene(std::string_view text, const std::string& name) {
   scene.rate = t.number("rate", 30.0, {.min = 1e-6, .max = 1e6});
   scene.check = static_cast<Check>(t.choice("check", {"all", "sample", "none"}, 0));
   if (auto report = t.table("report")) {
-    scene.results = static_cast<Results>(report->choice("results", {"none", "csv", "binary"}, 1));
+    scene.results =
+        static_cast<Results>(report->choice("results", {"none", "csv", "binary", "npy"}, 1));
     scene.bits = report->flag("bits", false);
     scene.only_hits = report->flag("only_hits", false);
     report->finish();

@@ -250,6 +250,16 @@ void OutputFile::write(std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), to) != bytes.size()) fail("write");
 }
 
+void OutputFile::replace_start(std::string_view bytes) {
+  flush();
+  for (std::size_t done = 0; done < bytes.size();) {
+    const ssize_t wrote = ::pwrite(::fileno(file_), bytes.data() + done, bytes.size() - done,
+                                   static_cast<off_t>(done));
+    if (wrote < 0) fail("write");
+    done += static_cast<std::size_t>(wrote);
+  }
+}
+
 void OutputFile::flush() {
   if (std::fflush(file_) != 0) fail("write");
 }

@@ -14,7 +14,6 @@
 #include "cde/support/error.hpp"
 #include "cde/support/input_file.hpp"
 #include "output/output.hpp"
-#include "output/run_folder.hpp"
 #include "output/streams.hpp"
 
 namespace cde::cli {
@@ -44,17 +43,15 @@ Json query_json(const std::string& name, const QueryFrame& f) {
           {"reference_seconds", f.check_seconds}};
 }
 
-/// A frame on a rank: a line of JSON, its own and how long the files are, and the files.
+/// A frame on a rank: a line of JSON, its own and how long the texts are, and the texts of records.
 std::string played(Player& player, const DealtFrames& f, std::uint32_t frame) {
   const Scene& scene = f.scene;
-  const std::vector<std::string> names = record_names(scene, frame);
-  std::vector<std::string> texts;
-  for (std::size_t q = 0; q < names.size(); ++q)
-    texts.push_back(record_text(scene, scene.queries[q]).head());
+  std::vector<std::string> texts(scene.results == Results::kNone ? 0 : scene.queries.size());
   const auto start = std::chrono::steady_clock::now();
   const std::vector<QueryFrame> answers =
       player.play(frame, [&](std::size_t q, std::span<const Record> records) {
-        if (!texts.empty()) record_text(scene, scene.queries[q]).append(records, texts[q]);
+        if (!texts.empty())
+          record_text(scene, scene.queries[q], f.files).append(records, texts[q], frame);
       });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   for (std::size_t q = 0; q < answers.size(); ++q)
@@ -64,9 +61,10 @@ std::string played(Player& player, const DealtFrames& f, std::uint32_t frame) {
   Json sizes = Json::array();
   for (const std::string& text : texts) sizes.push_back(text.size());
   std::string all =
-      json_text(
-          Json{{"frame", frame_json(scene, frame, wall.count(), names, answers)}, {"sizes", sizes}},
-          -1) +
+      json_text(Json{{"frame", frame_json(scene, frame, wall.count(),
+                                          frame_names(scene, frame, f.files), answers)},
+                     {"sizes", sizes}},
+                -1) +
       "\n";
   for (const std::string& text : texts) all += text;
   return all;
@@ -83,15 +81,6 @@ std::string contents(const Scene& scene) {
 }
 
 }  // namespace
-
-RecordText record_text(const Scene& scene, const SceneQuery& query) {
-  const bool csv = scene.results == Results::kCsv;
-  return RecordText({.kind = csv ? RecordFormat::Kind::kCsv : RecordFormat::Kind::kWords,
-                     .scene = true,
-                     .normals = query.normals,
-                     .bits = scene.bits,
-                     .only_hits = scene.only_hits});
-}
 
 Json frame_json(const Scene& scene, std::uint32_t frame, double wall_seconds,
                 const std::vector<std::string>& files, const std::vector<QueryFrame>& answers) {
@@ -120,20 +109,13 @@ std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t q
       faults ? "faults were injected; that pair by itself has none of them\n" : "", repeat);
 }
 
-std::vector<std::string> record_names(const Scene& scene, std::uint32_t frame) {
-  std::vector<std::string> names;
-  if (scene.results == Results::kNone) return names;
-  for (const SceneQuery& query : scene.queries)
-    names.push_back(RunFolder::record_name(query.name, frame, scene.results));
-  return names;
-}
-
 void begin_frames(const DealOptions& options, const DealtFrames& f, bool quiet) {
   Dealing& dealing = Dealing::here();
   Json run = {{"verb", "run"},
               {"scene", fmt::format("contents {}", contents(f.scene))},
               {"frames", {f.first, f.last}},
               {"check", name_of(f.check)},
+              {"file_per_frame", f.files == RecordFiles::kPerFrame},
               {"parameters", f.plan.board.parameters()}};
   if (!dealing.merges())
     run["config_hash"] =

@@ -6,16 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "cde/io/record_file.hpp"
 #include "cde/jobs/dealing.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/scene/scene.hpp"
+#include "verbs/run_records.hpp"
 
 /// Frames of `cde run` as text: records and JSON.
 namespace cde::cli {
-
-/// How the records of a query are written, as the scene says.
-[[nodiscard]] RecordText record_text(const Scene& scene, const SceneQuery& query);
 
 /// A frame of run.json.
 [[nodiscard]] nlohmann::ordered_json frame_json(const Scene& scene, std::uint32_t frame,
@@ -30,19 +27,17 @@ namespace cde::cli {
                                         const QueryFrame& answer, const std::string& repeat,
                                         bool faults);
 
-/// Names of a frame's record files, by query; none if the scene writes none.
-[[nodiscard]] std::vector<std::string> record_names(const Scene& scene, std::uint32_t frame);
-
 /// Frames that are dealt.
 struct DealtFrames {
   const Scene& scene;
   const Plan& plan;
   Check check = Check::kAll;
+  RecordFiles files = RecordFiles::kTables;
   std::uint32_t first = 0, last = 0;
   double timeout = 3600;
   std::uint64_t deadline = 0;
 };
-/// Takes a frame, in their order: its JSON and the bytes of its record files.
+/// Takes a frame, in their order: its JSON and, by query, the text of its records.
 using FrameSink = std::function<void(std::uint32_t frame, const nlohmann::ordered_json& json,
                                      const std::vector<std::string>& records)>;
 

@@ -39,6 +39,7 @@
 #include "report/report.hpp"
 #include "verbs/run_faults.hpp"
 #include "verbs/run_frames.hpp"
+#include "verbs/run_records.hpp"
 #include "verbs/verbs.hpp"
 
 namespace cde::cli {
@@ -55,7 +56,10 @@ struct Options {
   std::vector<std::string> faults;
   double timeout = 3600;
   std::uint64_t deadline = 0;
-  bool exact = false, json = false, quiet = false;
+  bool exact = false, json = false, quiet = false, file_per_frame = false;
+  [[nodiscard]] RecordFiles files() const {
+    return file_per_frame ? RecordFiles::kPerFrame : RecordFiles::kTables;
+  }
 };
 
 std::string bus_name(const Scene& scene) {
@@ -120,7 +124,8 @@ class Run {
         frames_(frames_of(o.frames, scene)),
         faults_(faults_of(o.faults, plan, frames_.first, frames_.last)),
         folder_(o.out.empty() ? fs::path(scene.file).stem().string() + ".run" : o.out, scene,
-                {o.report, o.trace.file}) {
+                {o.report, o.trace.file}),
+        records_(scene, o.files()) {
     check_files(o, scene);
     json_ = program_json();
     json_.update(card_json(plan.board));
@@ -136,6 +141,7 @@ class Run {
                   {"memory", memory_name(scene)},
                   {"machine", machine_json()},
                   {"plan", plan_json(scene, plan)},
+                  {"files", table_names(scene, o.files())},
                   {"files_beside", folder_.beside()},
                   {"played", Json::array()}});
     if (!o.report.empty()) {
@@ -174,10 +180,11 @@ class Run {
       json_["plan"]["bitstream"] = player.board().bitstream().string();
       json_["plan"]["built"] = true;
       json_.update(bitstream_json(player.board().bitstream(), player.board().config_hash()));
-      folder_.begin(json_);
+      begin();
       try {
         for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
           play_frame(player, f);
+        end_records();
       } catch (...) {
         count_faults(player);
         end_waves(player);
@@ -205,20 +212,23 @@ class Run {
     json_["config_hash"] = Dealing::here().config_hash();
     if (!Dealing::here().merges())  // rank 0's; each host has its own
       json_["bitstream"] = bitstream_file(plan.board.top(), plan.board.parameters()).path.string();
-    folder_.begin(json_);
+    begin();
     (void)deal_frames(
         {.scene = scene_,
          .plan = plan,
          .check = check_,
+         .files = o_.files(),
          .first = frames_.first,
          .last = frames_.last,
          .timeout = o_.timeout,
          .deadline = o_.deadline},
         [&](std::uint32_t frame, const Json& j, const std::vector<std::string>& records) {
-          for (std::size_t q = 0; q < records.size(); ++q)
-            write_file(folder_.inside() / j["files"][q].get<std::string>(), records[q]);
+          records_.begin_frame(frame);
+          for (std::size_t q = 0; q < records.size(); ++q) records_.add_text(q, records[q]);
+          records_.end_frame();
           add_frame(frame, j);
         });
+    end_records();
     std::optional<OutputFile> no_waves;
     finish(no_waves);
   }
@@ -323,23 +333,30 @@ class Run {
     if (!o_.quiet && json_.contains("faults")) row("faults", faults_text(json_["faults"]));
   }
 
+  void begin() {
+    folder_.begin(json_);
+    records_.begin(folder_.inside());
+  }
+  /// Tables are there if every frame is in them.
+  void end_records() {
+    if (json_["played"].size() != frames_.last - frames_.first + 1) return;
+    records_.commit();
+    finished_ = true;
+  }
+
   void play_frame(Player& player, std::uint32_t frame) {
-    std::vector<std::unique_ptr<RecordFile>> files;
-    const std::vector<std::string> written = record_names(scene_, frame);
-    for (std::size_t q = 0; q < written.size(); ++q)
-      files.push_back(std::make_unique<RecordFile>(folder_.inside() / written[q],
-                                                   record_text(scene_, scene_.queries[q])));
+    records_.begin_frame(frame);
     const auto start = std::chrono::steady_clock::now();
     const std::vector<QueryFrame> answers =
         player.play(frame, [&](std::size_t query, std::span<const Record> records) {
-          if (!files.empty()) files[query]->add(records);
+          records_.add(query, records);
           if (report_) report_->records(query, records);
         });
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-    for (const auto& file : files) file->commit();
+    records_.end_frame();
     if (report_) report_->frame(frame, answers);
-    const Json j = frame_json(scene_, frame, wall.count(), written, answers);
-    add_frame(frame, j);
+    add_frame(frame, frame_json(scene_, frame, wall.count(), frame_names(scene_, frame, o_.files()),
+                                answers));
     for (std::size_t q = 0; q < answers.size(); ++q) {
       if (answers[q].mismatches == 0 || !mismatch_.empty()) continue;
       const std::string repeat = repeat_of(scene_, frame, check_) + fault_words();
@@ -399,7 +416,7 @@ class Run {
   void finish(std::optional<OutputFile>& waves) {
     if (waves && waves_whole_) waves->commit();
     const Totals& t = totals_;
-    json_["finished"] = json_["played"].size() == frames_.last - frames_.first + 1;
+    json_["finished"] = finished_;
     if (const int signal = Interrupts::signal()) json_["stopped_by_signal"] = signal;
     json_["totals"] = {{"tests", t.tests},
                        {"records", t.records},
@@ -432,7 +449,9 @@ class Run {
   Frames frames_;
   std::vector<ScheduledFault> faults_;
   RunFolder folder_;
+  RunRecords records_;
   Json json_;
+  bool finished_ = false;
   std::optional<OutputFile> page_;
   std::optional<Report> report_;
   Totals totals_;
@@ -482,6 +501,7 @@ void run(const Options& o) {
     const DealtFrames all{.scene = scene,
                           .plan = made,
                           .check = check,
+                          .files = o.files(),
                           .first = frames.first,
                           .last = frames.last,
                           .timeout = o.timeout,
@@ -513,6 +533,9 @@ void add_run(CLI::App& app) {
                        "Folder for run.json and records: a new or empty one, or that of an earlier "
                        "run, which is removed (SCENE.run)"),
       "FOLDER");
+  verb->add_flag("--file-per-frame", o->file_per_frame,
+                 "Records in a file per query and frame, instead of a table per query; a run that "
+                 "is stopped keeps those of the frames that it played");
   one_of(
       verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
       {"all", "sample", "none"});

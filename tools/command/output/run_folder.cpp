@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -26,14 +27,20 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kMarker = "run.json";
-constexpr const char* kBeside = "files_beside";
+/// Keys of run.json for names of files in the folder: tables of records, and others.
+constexpr std::array kListed = {"files", "files_beside"};
 
-/// QUERY.FRAME.csv or .bin: a query's name of 1 to 64 characters, a frame of 6 or 7 digits.
+std::string_view ending(Results results) {
+  if (results == Results::kBinary) return ".bin";
+  return results == Results::kNpy ? ".npy" : ".csv";
+}
+
+/// QUERY.FRAME.csv, .bin or .npy: a query's name of 1 to 64 characters, a frame of 6 or 7 digits.
 bool is_record_name(std::string_view name) {
   constexpr std::string_view kDigits = "0123456789",
                              kNameCharacters =
                                  "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-0123456789";
-  if (!name.ends_with(".csv") && !name.ends_with(".bin")) return false;
+  if (!name.ends_with(".csv") && !name.ends_with(".bin") && !name.ends_with(".npy")) return false;
   name.remove_suffix(4);
   const std::size_t dot = name.find('.');
   if (dot == std::string_view::npos) return false;
@@ -113,7 +120,10 @@ void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& 
   for (const std::string& file : beside) {
     if (file.empty() || !is_in(file, path_)) continue;
     const std::string name = fs::path(file).filename();
-    if (name == kMarker || is_record_name(name))
+    const bool is_table = std::ranges::any_of(scene.queries, [&](const SceneQuery& query) {
+      return name == record_name(query.name, std::nullopt, scene.results);
+    });
+    if (name == kMarker || is_table || is_record_name(name))
       throw Error(ErrorCode::kUsage, fmt::format("{} has the name of a file that --output is for",
                                                  printable_name(file)));
     beside_.push_back(name);
@@ -122,10 +132,11 @@ void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& 
 
 void RunFolder::look() {
   const Json marker = run_in(inside());
-  std::vector<std::string> beside = beside_;
-  if (marker.is_object() && marker.contains(kBeside))
-    for (const Json& name : marker[kBeside])
-      if (name.is_string()) beside.push_back(name);
+  std::vector<std::string> listed = beside_;
+  for (const char* key : kListed)
+    if (marker.is_object() && marker.contains(key))
+      for (const Json& name : marker[key])
+        if (name.is_string()) listed.push_back(name);
   for (const auto& entry : fs::directory_iterator(inside())) {
     const std::string name = entry.path().filename();
     if (is_unfinished_name(name)) continue;
@@ -135,7 +146,7 @@ void RunFolder::look() {
                               "left as it is; --output names another",
                               printable_name(path_.string()), kMarker));
     const bool ours = name == kMarker || is_record_name(name) ||
-                      std::find(beside.begin(), beside.end(), name) != beside.end();
+                      std::find(listed.begin(), listed.end(), name) != listed.end();
     if (!ours || entry.is_directory())
       throw Error(
           ErrorCode::kUsage,
@@ -172,8 +183,9 @@ Json RunFolder::run_in(const fs::path& folder) {
   return ours ? json : Json();
 }
 
-std::string RunFolder::record_name(std::string_view query, std::uint32_t frame, Results results) {
-  return fmt::format("{}.{:06}.{}", query, frame, results == Results::kCsv ? "csv" : "bin");
+std::string RunFolder::record_name(std::string_view query, std::optional<std::uint32_t> frame,
+                                   Results results) {
+  return fmt::format("{}{}{}", query, frame ? fmt::format(".{:06}", *frame) : "", ending(results));
 }
 
 }  // namespace cde::cli

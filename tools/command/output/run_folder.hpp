@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -33,8 +34,9 @@ class RunFolder {
 
   /// run.json of a folder; null if it is not that of a run.
   [[nodiscard]] static nlohmann::ordered_json run_in(const std::filesystem::path& folder);
-  [[nodiscard]] static std::string record_name(std::string_view query, std::uint32_t frame,
-                                               Results results);
+  /// The file of a query's records of a frame, or its table of all frames.
+  [[nodiscard]] static std::string record_name(std::string_view query,
+                                               std::optional<std::uint32_t> frame, Results results);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   /// The folder as it was locked, whatever lies under its name now: where its files are opened.
   [[nodiscard]] std::filesystem::path inside() const;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct RecordFormat {
     kWords,      ///< the card's words (docs/scenes.md)
   };
   Kind kind = Kind::kCsv;
+  bool frame = false;      ///< the first column is the frame
   bool scene = false;      ///< primaries, which may be bad, instead of rays
   bool normals = false;    ///< Record::n
   bool bits = false;       ///< of CSV: T and CP in hex as well
@@ -59,14 +61,17 @@ class RecordText {
   /// Fields are computed from mesh and rays, which must outlive it. Error kBadInput of a mesh that
   /// is not closed if `inside` is one of them.
   explicit RecordText(RecordFormat format, const Mesh* mesh = nullptr, RayView rays = {});
-  /// The header. `count`: of the records, which .npy alone needs.
-  [[nodiscard]] std::string head(std::uint64_t count = 0) const;
-  void append(std::span<const Record> records, std::string& to) const;
+  /// The header. `count`: of the records, which .npy alone needs. If the count may grow, the
+  /// header has as many bytes for every count.
+  [[nodiscard]] std::string head(std::uint64_t count = 0, bool may_grow = false) const;
+  void append(std::span<const Record> records, std::string& to, std::uint32_t frame = 0) const;
+  /// Bytes of a record in an array.
+  [[nodiscard]] std::size_t record_bytes() const;
   [[nodiscard]] const RecordFormat& format() const { return format_; }
 
  private:
   template <class Cells>
-  void row(const Record& record, const Cells& cells) const;
+  void row(const Record& record, std::uint32_t frame, const Cells& cells) const;
   template <class Cells>
   void fields(const Record& record, const Cells& cells) const;
 
@@ -80,24 +85,28 @@ class RecordText {
   mutable std::optional<std::pair<std::uint32_t, bool>> last_inside_;  ///< of the ray asked last
 };
 
-/// Records as a file, written as they come.
+/// Records as a file, written as they come. An array whose count is not known gets its header last:
+/// in a regular file it has room for one, for others the data wait in memory.
 class RecordFile {
  public:
   /// `count`: of the records, if it is known before they come.
   RecordFile(const std::string& path, RecordText text, std::optional<std::uint64_t> count = {})
       : text_(std::move(text)), count_(count), file_(path) {}
-  void add(std::span<const Record> records);
+  void add(std::span<const Record> records, std::uint32_t frame = 0);
+  /// Adds records that RecordText::append has made text of.
+  void add_text(std::string_view text);
   void commit();  ///< error kFile if anything could not be written
 
  private:
+  [[nodiscard]] bool is_array() const { return text_.format().kind == RecordFormat::Kind::kNpy; }
   void head();
 
   RecordText text_;
   std::optional<std::uint64_t> count_;
   bool has_head_ = false;
-  std::uint64_t written_ = 0;
+  std::uint64_t written_ = 0;  ///< bytes behind the header
   OutputFile file_;
-  std::string bytes_;
+  std::string bytes_, waiting_;
 };
 
 }  // namespace cde

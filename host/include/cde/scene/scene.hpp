@@ -66,8 +66,8 @@ inline constexpr unsigned kSampledPrimaries = 8;
 [[nodiscard]] const char* name_of(Check check);
 [[nodiscard]] std::optional<Check> check_named(std::string_view text);
 
-/// Form of the records that a run writes, a file a query and frame.
-enum class Results { kNone, kCsv, kBinary };
+/// Form of the records that a run writes.
+enum class Results { kNone, kCsv, kBinary, kNpy };
 
 /// Members [first, first + count) of some list.
 struct Range {

@@ -47,6 +47,10 @@ class OutputFile {
 
   /// Error kFile, and StdoutError of stdout.
   void write(std::string_view bytes);
+  /// Whether replace_start() is possible: not of a device, a pipe or stdout.
+  [[nodiscard]] bool can_replace_start() const { return !temporary_.name.empty(); }
+  /// Writes over the first bytes, which must be written. What follows them stays.
+  void replace_start(std::string_view bytes);
   void flush();  ///< for those who wait at the other end of a pipe
   void commit();
 
