@@ -132,7 +132,7 @@ TEST(HierarchyOfSolids, ShapesTakeTurns) {
   }
   Stencil stencil;
   for (std::size_t i = 0; i < stencil.size(); i += 3) stencil[i] = true;
-  board.load_shapes<Obb>(std::span(boxes).first(100));
+  board.load_shapes<Obb>(std::span(boxes).first(100), false);  // bad ones among them
   for (const Mode mode : kSolidModes) {
     Query query = query_of(Pair::kTriangleObb, mode, Through::kSweep);
     query.stencil = stencil;

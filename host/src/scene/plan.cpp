@@ -145,7 +145,8 @@ BoardConfig board_of(const Scene& scene) {
   b.arithmetic = scene.card.arithmetic;
   b.format = scene.card.format;
   b.verdicts = scene.card.verdicts;
-  b.algorithm = scene.card.algorithm;
+  if (std::find(b.pairs.begin(), b.pairs.end(), Pair::kRayTriangle) != b.pairs.end())
+    b.algorithm = scene.card.algorithm;
   b.box = scene.card.box;
   b.box = std::any_of(b.pairs.begin(), b.pairs.end(), [&b](Pair p) { return b.box_rule(p); });
   b.trace = scene.card.trace;
