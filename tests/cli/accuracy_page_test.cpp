@@ -304,7 +304,9 @@ TEST_F(AccuracyPage, ClocksOfScenes) {
     rows["rows"].push_back(price_row(what, "fp32", lat, 500, 4, *what == 'm' ? 70 : 80));
   write("deep.json", rows.dump());
   const auto scene = [&](const std::string& card) {
-    return "[card]\nlatency = { add = 8, mul = 9, div = 16, sqrt = 15, compare = 1 }\n" + card +
+    return "[card]\nalgorithm = \"moller\"\n"
+           "latency = { add = 8, mul = 9, div = 16, sqrt = 15, compare = 1 }\n" +
+           card +
            "[[object]]\nname = \"t\"\nmesh = \"terrain:3,3,1\"\n[[object]]\nname = \"rays\"\n"
            "random_rays = { count = 9 }\n[[query]]\nname = \"q\"\npair = \"ray-triangle\"\n"
            "primaries = \"rays\"\nsecondaries = \"t\"\n";

@@ -378,8 +378,8 @@ TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
 /// ends with status 3, keeps no file, and the command that it names finds the same difference.
 TEST_F(Cast, FaultyCardIsFoundOut) {
   const Words environment = faulty_card(folder_);
-  const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--json", "-o",
-                       "hits.csv", "--no-bundle"},
+  const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--algorithm",
+                       "moller", "--json", "-o", "hits.csv", "--no-bundle"},
                       environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
   EXPECT_FALSE(exists("hits.csv"));

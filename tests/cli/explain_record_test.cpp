@@ -201,7 +201,10 @@ TEST_F(ExplainRecord, WhatTheUpdateEngineKeepsWrongIsNamed) {
 TEST_F(ExplainRecord, WhatThePipeMissesIsLacking) {
   const Planted fault(folder_, "rtl/pipes/ray_triangle_moller.sv", "`DF_DOT(u, p, s)",
                       "`DF_DOT(u, p, e1)");
-  const json j = told("nearest.toml:q:0:0", 3, fault.environment());
+  std::string moller = scene("nearest");
+  moller.insert(moller.find("lanes"), "algorithm = \"moller\"\n");
+  write("moller.toml", moller);
+  const json j = told("moller.toml:q:0:0", 3, fault.environment());
   EXPECT_FALSE(j["lacking"].empty() && j["too_many"].empty()) << j.dump(1);
   EXPECT_EQ(j["explained"]["same"], false);
   const json& place = j["explained"]["first_differences"][0]["sources"][0][0];

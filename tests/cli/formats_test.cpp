@@ -42,7 +42,7 @@ TEST_F(FormatCli, CastIsOfTheFormat) {
   EXPECT_EQ(ran.out,
             "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n"
             "1,1,0.33325195,0.30004883,0.30004883,1,0\n");
-  EXPECT_TRUE(has(ran.err, "4 lanes, host arithmetic, fp16, box rule"));
+  EXPECT_TRUE(has(ran.err, "4 lanes, host arithmetic, fp16, watertight, box rule"));
   EXPECT_TRUE(has(ran.err, "2 of 2 records match the reference"));
   Words json = cast;
   json.insert(json.end(), {"--json", "--mode", "all", "-q"});

@@ -31,6 +31,7 @@ using nlohmann::ordered_json;
 /// card that every build has.
 constexpr unsigned kLanes = 8, kQuickLanes = 16;
 constexpr const char* kScene = R"([card]
+algorithm = "moller"
 lanes = {}
 hierarchy = "off"
 
