@@ -353,7 +353,7 @@ void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window)
   const std::uint64_t from =
       edges.empty() || number <= window.before ? trace.start() : edges[first];
   const std::uint64_t to = last == edges.size() ? trace.end() : edges[last];
-  const fs::path file = bundle.file("waves.fst");
+  const fs::path file = bundle.folder() / "waves.fst";
   const std::vector<std::string> comments = {fmt::format("fail {}", window.fail)};
   wave::write_cut(trace, {}, from, to, file, comments);
   std::vector<wave::View> shown;
@@ -364,7 +364,7 @@ void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window)
     }
   }
   wave::write_gtkw(trace, shown, {.fail = window.fail, .waves = file, .from = from, .to = to},
-                   bundle.file("waves.gtkw"));
+                   bundle.folder() / "waves.gtkw");
   bundle.json()["wave_window"] = {{"file", "waves.fst"},
                                   {"fail_time", window.fail},
                                   {"fail_at", times.text(window.fail)},
@@ -422,7 +422,7 @@ wave::Origin made_at(const fs::path& file, const std::string& signal, std::uint6
 
 void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin& made) {
   wave::Request request;
-  request.file = bundle.file("waves.fst").string();
+  request.file = (bundle.folder() / "waves.fst").string();
   const std::string asked = fmt::format("{}@{}", made.signal, made.time);
   request.words = {asked};
   request.max = kCauses;
