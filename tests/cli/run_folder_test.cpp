@@ -93,6 +93,21 @@ TEST_F(Folders, AFolderThatIsSwappedForALink) {
   }
 }
 
+/// Another user's link leads to a run of ours.
+TEST_F(Folders, AnotherUsersLinkLeadsToNoRunOfOurs) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  ASSERT_EQ(run({"-o", "d"}).status, 0);
+  const std::string before = read("d/run.json");
+  fs::create_directory_symlink("d", folder_ / "link");
+  ASSERT_EQ(::lchown((folder_ / "link").c_str(), 65534, 65534), 0);
+  for (const std::string name : {"link", "link/", "link/."}) {
+    const Ran ran = run({"-o", name, "--frames", "0"});
+    EXPECT_EQ(ran.status, 2) << name;
+    EXPECT_TRUE(has(ran.err, "it is a link of user 65534 to")) << ran.err;
+  }
+  EXPECT_EQ(read("d/run.json"), before);
+}
+
 TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
   ASSERT_EQ(run({"-o", "d", "--file-per-frame"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "hit.000002.csv", "hit.000003.csv",

@@ -101,6 +101,27 @@ TEST_F(SwappedOutputs, ABundleIsWrittenToTheFolderThatItMade) {
   EXPECT_FALSE(fs::exists(mine_ / "made/why.txt"));
   EXPECT_EQ(bytes_of(theirs_ / "away/made/why.txt"), "why");
   EXPECT_TRUE(fs::exists(theirs_ / "away/made/fail.json"));
+  EXPECT_EQ(bytes_of(bundle.file("why.txt")), "why");
+}
+
+/// A folder of ours behind a link of theirs, in whatever way its name ends, and behind a link of
+/// ours to that link.
+TEST_F(Swapped, AFolderBehindTheirLinkIsRefused) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  constexpr uid_t kOther = 65534;
+  fs::create_directory_symlink(mine_ / "", theirs_ / "link");
+  fs::create_directory_symlink(theirs_ / "link", mine_ / "indirect");
+  EXPECT_FALSE(OutputFolder(theirs_ / "link").made()) << "a link of our own";
+  ASSERT_EQ(::lchown((theirs_ / "link").c_str(), kOther, kOther), 0);
+  for (const fs::path& name : {theirs_ / "link", theirs_ / "link/", theirs_ / "link/.",
+                               theirs_ / "link//./", mine_ / "indirect"})
+    expect_error(ErrorCode::kFile, "it is a link of user 65534 to",
+                 [&] { (void)OutputFolder(name); });
+  ASSERT_EQ(::chown((theirs_ / "sub").c_str(), kOther, kOther), 0);
+  fs::remove(theirs_ / "link");
+  fs::create_directory_symlink("sub", theirs_ / "link");
+  ASSERT_EQ(::lchown((theirs_ / "link").c_str(), kOther, kOther), 0);
+  EXPECT_FALSE(OutputFolder(theirs_ / "link/.").made()) << "a link to a folder of their own";
 }
 
 /// The owner of a link must still own what it leads to.

@@ -2,15 +2,12 @@
 #include "cde/explain/bundle.hpp"
 #include <nlohmann/json.hpp>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <deque>
+#include <optional>
 #include <set>
 #include <system_error>
 
@@ -28,7 +25,6 @@
 #include "cde/wave/request.hpp"
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
-#include "support/descriptor.hpp"
 
 namespace cde {
 namespace {
@@ -44,15 +40,20 @@ constexpr unsigned kSteps = 3;
 constexpr std::size_t kMostPlaces = 6;
 constexpr std::size_t kMostLines = 10, kMostCauses = 24;  // lines of fail.txt
 
-/// Opens a folder that mkdirat has just made. Below zero, with errno, if another user has put
-/// something else in its place.
-int made_folder(int parent, const std::string& name) {
-  const int folder = ::openat(parent, name.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  struct stat info {};
-  if (folder < 0 || (::fstat(folder, &info) == 0 && info.st_uid == ::geteuid())) return folder;
-  ::close(folder);
-  errno = EPERM;
-  return -1;
+/// FOLDER, or the first of FOLDER-2, FOLDER-3, ... that is not there.
+fs::path new_folder(const std::string& wanted, std::optional<OutputFolder>& made) {
+  std::string name = wanted;
+  while (name.size() > 1 && name.ends_with('/')) name.pop_back();
+  for (unsigned n = 1; n <= kMostFolders; ++n) {
+    const fs::path folder = n == 1 ? name : fmt::format("{}-{}", name, n);
+    if (fs::exists(fs::symlink_status(folder))) continue;
+    made.emplace(folder);
+    const bool ours = made->made();  // or another process has just made it
+    made->keep();
+    if (ours) return folder;
+  }
+  throw Error(ErrorCode::kFile, fmt::format("{}: there are {} of them, none is overwritten",
+                                            printable_name(wanted), kMostFolders));
 }
 
 /// Lines of the operators that part first, each with how many it has.
@@ -270,35 +271,13 @@ std::string beginning(const std::string& text) {
 
 }  // namespace
 
-Bundle::Bundle(const std::string& wanted) {
+Bundle::Bundle(const std::string& folder) : folder_(new_folder(folder, made_)) {
   json_ = {{"schema", "cde.failure.1"}};
   json_.update(program_json());
-  const fs::path whole = fs::absolute(wanted).lexically_normal(),
-                 first = whole.has_filename() ? whole : whole.parent_path();
-  const Descriptor parent(::open(first.parent_path().c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
-  for (unsigned n = 1; n <= kMostFolders; ++n) {
-    const std::string suffix = n == 1 ? "" : fmt::format("-{}", n);
-    const std::string name = first.filename().string() + suffix;
-    folder_ = (wanted.ends_with('/') ? fs::path(wanted).parent_path() : fs::path(wanted)).string() +
-              suffix;
-    const bool made = parent.get() >= 0 && ::mkdirat(parent.get(), name.c_str(), 0777) == 0;
-    if (!made && parent.get() >= 0 && errno == EEXIST) continue;
-    if (made) held_ = made_folder(parent.get(), name);
-    if (held_ >= 0) return;
-    throw Error(ErrorCode::kFile,
-                fmt::format("{}: no folder can be made: {}", printable_name(folder_.string()),
-                            std::strerror(errno)));  // NOLINT(concurrency-mt-unsafe)
-  }
-  throw Error(ErrorCode::kFile, fmt::format("{}: there are {} of them, none is overwritten",
-                                            printable_name(wanted), kMostFolders));
-}
-
-Bundle::~Bundle() {
-  if (held_ >= 0) ::close(held_);
 }
 
 fs::path Bundle::file(std::string_view name) const {
-  return fs::path(fmt::format("/proc/self/fd/{}", held_)) / name;
+  return fs::path(fmt::format("/proc/{}/fd/{}", ::getpid(), made_->descriptor())) / name;
 }
 
 void Bundle::add(std::string_view heading, std::string_view text) {
@@ -353,7 +332,7 @@ void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window)
   const std::uint64_t from =
       edges.empty() || number <= window.before ? trace.start() : edges[first];
   const std::uint64_t to = last == edges.size() ? trace.end() : edges[last];
-  const fs::path file = bundle.folder() / "waves.fst";
+  const fs::path file = bundle.file("waves.fst");
   const std::vector<std::string> comments = {fmt::format("fail {}", window.fail)};
   wave::write_cut(trace, {}, from, to, file, comments);
   std::vector<wave::View> shown;
@@ -363,8 +342,10 @@ void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window)
     } catch (const Error&) {  // not in these waves
     }
   }
-  wave::write_gtkw(trace, shown, {.fail = window.fail, .waves = file, .from = from, .to = to},
-                   bundle.folder() / "waves.gtkw");
+  wave::write_gtkw(
+      trace, shown,
+      {.fail = window.fail, .waves = bundle.folder() / "waves.fst", .from = from, .to = to},
+      bundle.folder() / "waves.gtkw");
   bundle.json()["wave_window"] = {{"file", "waves.fst"},
                                   {"fail_time", window.fail},
                                   {"fail_at", times.text(window.fail)},
@@ -422,7 +403,7 @@ wave::Origin made_at(const fs::path& file, const std::string& signal, std::uint6
 
 void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin& made) {
   wave::Request request;
-  request.file = (bundle.folder() / "waves.fst").string();
+  request.file = bundle.file("waves.fst").string();
   const std::string asked = fmt::format("{}@{}", made.signal, made.time);
   request.words = {asked};
   request.max = kCauses;

@@ -329,7 +329,7 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
        {"reference_answer", record_json(f.difference.reference)}});
   const std::optional<std::uint32_t> wrong =
       f.difference.primary.empty() ? std::nullopt : explained(bundle, f, o, f.pipe);
-  const fs::path whole_file = bundle.folder() / "whole.fst";
+  const fs::path whole_file = bundle.file("whole.fst");
   std::string text;
   const std::optional<Stage> stage = followed(bundle, failure, f, budget, wrong, whole_file, text);
   if (text.empty()) text = "The waves have nothing of this primary.\n";

@@ -30,7 +30,7 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
       {{"failure", "timeout"},
        {"repeat_command", failure.repeat.empty() ? nlohmann::ordered_json()
                                                  : nlohmann::ordered_json(failure.repeat)}});
-  const fs::path whole = bundle.folder() / "whole.fst";
+  const fs::path whole = bundle.file("whole.fst");
   const std::uint64_t from = f.clock > kAheadOfHang ? f.clock - kAheadOfHang : 0;
   (void)failure.rerun(whole.string(), {.from = from, .to = f.clock + kBehind});
   std::deque<wave::Transaction> last, open;

@@ -120,7 +120,7 @@ class Rerun {
 };
 
 void bundle_waves(Bundle& bundle, const PairFailure& f) {
-  const fs::path whole = bundle.folder() / "whole.fst";
+  const fs::path whole = bundle.file("whole.fst");
   const std::size_t lanes = f.config.lanes, row = f.at / lanes,
                     pairs = f.a.size() / primary_words(f.config.pair);
   const std::size_t first = row > kRowsAround ? row - kRowsAround : 0;
@@ -193,7 +193,7 @@ void bundle_pair(Bundle& bundle, const Failure& failure) {
   (void)bundle_explanation(bundle, e, f.options, words);
   const std::string wrong = differing_signal(f);
   bundle_causes(bundle, wrong,
-                made_at(bundle.folder() / "waves.fst", wrong,
+                made_at(bundle.file("waves.fst"), wrong,
                         bundle.json()["wave_window"]["fail_time"].get<std::uint64_t>()));
 }
 

@@ -352,10 +352,13 @@ OutputFolder::OutputFolder(const fs::path& path) {
     if (inner.get() < 0) fail(errno);
     folder = std::move(inner);
   }
+  if (missing.empty()) check_folder_link(path, folder.get());
+  folder_ = folder.release();
 }
 
 OutputFolder::~OutputFolder() {
   take_back();
+  if (folder_ >= 0) ::close(folder_);
 }
 
 /// Not if there is something in it.

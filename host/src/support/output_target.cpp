@@ -63,7 +63,33 @@ void check_link(const OutputTarget& target, const struct stat& owned) {
                           printable_name(target.path.string()), owned.st_uid));
 }
 
+[[noreturn]] void fail_replaced(const fs::path& named) {
+  throw Error(
+      ErrorCode::kFile,
+      fmt::format("{}: cannot write: another user of its folder has replaced it", shown(named)));
+}
+
 }  // namespace
+
+void check_folder_link(const fs::path& named, int folder) {
+  constexpr int kMostLinks = 40;
+  OutputTarget target{named, named, std::nullopt, info_of(folder), std::nullopt};
+  struct stat found {};
+  for (int links = 0;; ++links) {
+    fs::path& at = target.path;
+    while (at.has_parent_path() && at != at.root_path() &&
+           (!at.has_filename() || at.filename() == "."))
+      at = at.parent_path();
+    if (::lstat(at.c_str(), &found) != 0) fail_output(named, "write", errno);
+    if (!S_ISLNK(found.st_mode)) break;
+    if (links == kMostLinks) fail_output(named, "write", ELOOP);
+    if (found.st_uid != 0 && found.st_uid != ::geteuid()) target.stranger = found.st_uid;
+    at = at.parent_path() / fs::read_symlink(at);
+  }
+  if (!target.info || found.st_dev != target.info->st_dev || found.st_ino != target.info->st_ino)
+    fail_replaced(named);
+  check_link(target, *target.info);
+}
 
 OutputTarget follow_output(const fs::path& named) {
   if (const auto folder = held_folder(named)) {
@@ -164,9 +190,7 @@ Descriptor open_output(const OutputTarget& target, int flags) {
   if (target.info && opened &&
       (opened->st_dev != target.info->st_dev || opened->st_ino != target.info->st_ino ||
        (opened->st_mode & S_IFMT) != (target.info->st_mode & S_IFMT)))
-    throw Error(ErrorCode::kFile,
-                fmt::format("{}: cannot write: another user of its folder has replaced it",
-                            shown(target.named)));
+    fail_replaced(target.named);
   return file;
 }
 

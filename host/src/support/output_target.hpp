@@ -32,6 +32,10 @@ struct OutputTarget {
 /// link.
 [[nodiscard]] OutputTarget follow_output(const std::filesystem::path& named);
 
+/// Error kFile if a folder was opened through a link of another user, who does not own it, or if
+/// its name leads elsewhere by now.
+void check_folder_link(const std::filesystem::path& named, int folder);
+
 /// The folder of a target, opened part by part: a part that has become a link since is an error.
 /// The owner of a link on the way must still own the target.
 [[nodiscard]] Descriptor folder_of(const OutputTarget& target);

@@ -77,7 +77,7 @@ void RunFolder::make_and_lock() {
   for (;;) {
     made_.emplace(path_);
     // Not inherited, or a compiler that outlives the command would hold it.
-    lock_.folder = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    lock_.folder = ::openat(made_->descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (lock_.folder < 0 && errno == ENOENT) continue;  // another run has just taken it back
     if (lock_.folder < 0) fail(std::strerror(errno));   // NOLINT(concurrency-mt-unsafe)
     // File systems that lock no folders have no other lock to offer either.

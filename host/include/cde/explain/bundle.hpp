@@ -15,6 +15,7 @@
 #include "cde/check/failure.hpp"
 #include "cde/explain/explanation.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/output_file.hpp"
 #include "cde/wave/origin.hpp"
 
 /// What a failure leaves: one folder with the waves around it, where card and reference part, and
@@ -25,13 +26,10 @@ class Bundle {
  public:
   /// Makes the folder, or the first of FOLDER-2, FOLDER-3, ... that is not there. Error kFile.
   explicit Bundle(const std::string& folder);
-  ~Bundle();
-  Bundle(const Bundle&) = delete;
-  Bundle& operator=(const Bundle&) = delete;
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
-  /// A file of the folder that was made, whatever lies under the folder's name by now. For this
-  /// process alone.
+  /// A file of the folder that was made, whatever lies under the folder's name by now. Other
+  /// processes of this user can open it, too, while this object is there.
   [[nodiscard]] std::filesystem::path file(std::string_view name) const;
   /// What is to stand in fail.json.
   [[nodiscard]] nlohmann::ordered_json& json() { return json_; }
@@ -42,8 +40,8 @@ class Bundle {
   void finish();
 
  private:
+  std::optional<OutputFolder> made_;
   std::filesystem::path folder_;  ///< as it is named
-  int held_ = -1;                 ///< its descriptor
   nlohmann::ordered_json json_;
   std::vector<std::string> sections_;  ///< of fail.txt
 };

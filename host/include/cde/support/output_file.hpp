@@ -89,17 +89,21 @@ class OutputFile {
 /// those are called by then.
 class OutputFolder {
  public:
-  /// Error kFile if it cannot be made.
+  /// Error kFile if it cannot be made, or if it is a link of another user to what is not that
+  /// user's.
   explicit OutputFolder(const std::filesystem::path& path);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
   [[nodiscard]] bool made() const { return !made_.empty(); }
   void keep();
+  /// The folder itself, open while this object is, whatever lies under its name by now.
+  [[nodiscard]] int descriptor() const { return folder_; }
 
  private:
   void take_back();
   std::vector<NameInFolder> made_;  ///< the innermost last
+  int folder_ = -1;
 };
 
 /// Writes all of a file by OutputFile.
