@@ -33,18 +33,20 @@ void TraceFile::close() {
   if (!file_) return;
   try {
     close_();
-    file_->commit();
-    file_.reset();
-    warn_if_empty();
   } catch (const Error& e) {
     file_.reset();
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path_), e.what()));
   }
-}
-
-/// A window that the run did not reach leaves a file whose start time is its end time.
-void TraceFile::warn_if_empty() const {
-  const auto times = trace_times(path_);
+  // Asked of the file that was written: its name may lead elsewhere as soon as it has it.
+  const auto times = trace_times(file_->by_name());
+  try {
+    file_->commit();
+  } catch (...) {
+    file_.reset();
+    throw;
+  }
+  file_.reset();
+  // A window that the run did not reach leaves a file whose start time is its end time.
   if (times && times->first == times->second)
     say(fmt::format("cde: {} has no clock of the run: nothing ran while waves were written\n",
                     printable_name(path_)));

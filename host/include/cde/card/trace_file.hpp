@@ -30,8 +30,6 @@ class TraceFile {
   void close();
 
  private:
-  void warn_if_empty() const;
-
   std::string path_;
   std::function<void()> close_;
   std::optional<OutputFile> file_;
