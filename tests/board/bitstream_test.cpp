@@ -236,6 +236,14 @@ TEST_F(Bitstreams, WhatOthersCanWriteIsNotLoaded) {
     expect_error(ErrorCode::kFile, "can be written by others",
                  [&] { (void)Bitstream::load(file, 0); });
     fs::permissions(file, who, fs::perm_options::remove);
+    const fs::path sum = fs::path(file) += ".sha256";
+    fs::permissions(sum, who, fs::perm_options::add);
+    std::tie(folder, said) = loaded_from();
+    EXPECT_NE(folder, folder_ / name);
+    EXPECT_NE(said.find("it has a checksum beside it that can be written by others"),
+              std::string::npos)
+        << said;
+    fs::permissions(sum, who, fs::perm_options::remove);
     fs::permissions(file.parent_path(), who, fs::perm_options::add);
     std::tie(folder, said) = loaded_from();
     EXPECT_NE(folder, folder_ / name);
@@ -262,6 +270,16 @@ TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
   std::tie(folder, said) = loaded_from();
   EXPECT_NE(folder, folder_ / "ready");
   EXPECT_NE(said.find("ready is refused: it belongs to user 4242"), std::string::npos) << said;
+
+  ASSERT_EQ(::chown(file.parent_path().c_str(), 0, 0), 0);
+  fs::create_directory_symlink("ready", folder_ / "link");
+  ASSERT_EQ(::lchown((folder_ / "link").c_str(), 4242, 4242), 0);
+  for (const char* end : {"", "/", "/.", "//./"}) {
+    set("CDE_BITSTREAMS", (folder_ / "link").string() + end);
+    std::tie(folder, said) = loaded_from();
+    EXPECT_NE(fs::weakly_canonical(folder), folder_ / "ready") << end;
+    EXPECT_NE(said.find("is refused: it is a link of user 4242"), std::string::npos) << said;
+  }
 
   fs::create_directories(folder_ / "foreign");
   ASSERT_EQ(::chown((folder_ / "foreign").c_str(), 4242, 4242), 0);

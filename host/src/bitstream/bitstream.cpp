@@ -106,6 +106,9 @@ struct Place {
 std::optional<std::string> defect(const Place& place) {
   const fs::path& file = place.inside;
   if (auto why = folders::distrust(file, place.named)) return why;
+  if (auto why =
+          folders::distrust(folders::checksum_file(file), folders::checksum_file(place.named)))
+    return "has a checksum beside it that " + *why;
   std::error_code none;
   if (fs::is_directory(file, none)) return "is a folder";
   for (const fs::path& one : {file, folders::checksum_file(file)})

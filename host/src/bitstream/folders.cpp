@@ -191,7 +191,11 @@ std::optional<std::string> distrust(const fs::path& path, const fs::path& named)
   return distrust_status(status, named);
 }
 
-std::optional<Opened> open(const fs::path& folder) {
+std::optional<Opened> open(const fs::path& named) {
+  // The system follows a link whose name ends with "/" or "/." before anybody looks at it.
+  fs::path folder = named;
+  while (folder.has_relative_path() && (!folder.has_filename() || folder.filename() == "."))
+    folder = folder.parent_path();
   struct stat status {};
   if (::lstat(folder.c_str(), &status) != 0) return std::nullopt;
   const bool link = S_ISLNK(status.st_mode);
