@@ -105,15 +105,16 @@ void find_places(const Observed& card, const PairRecording& pair, std::size_t ro
   }
 }
 
-/// How well the operands of an operation after one pair tell where it is done.
+/// How well the operands that one pair gives an operation tell where the operation is done.
 enum class Clue : std::uint8_t {
-  kNone,    ///< a zero, which stands everywhere
-  kNumber,  ///< no zero, but infinite, NaN, or what the operation has after other pairs, too
-  kOne,     ///< one finite number, not zero, which the operation has after this pair alone
-  kBoth,    ///< two
+  kNone,    ///< an operand is zero, and zeros are everywhere
+  kNumber,  ///< no operand is zero; one is infinite or NaN, or other pairs give the same operands
+  kOne,     ///< no other pair gives these operands; one is finite and not zero
+  kBoth,    ///< no other pair gives these operands; both are finite and not zero
 };
 
-/// Of an operation after each of the rows. After the last pair its words stay on the port.
+/// The clue that each row's pair gives for an operation. The last pair stays on the input port, so
+/// its words are in many cycles: it is a poor clue.
 std::vector<Clue> clues(const Observed& card, std::span<const PairRecording> pairs,
                         std::span<const std::size_t> rows, std::size_t operation) {
   std::map<std::pair<std::uint64_t, std::uint64_t>, unsigned> seen;
@@ -141,8 +142,8 @@ std::vector<Clue> clues(const Observed& card, std::span<const PairRecording> pai
   return list;
 }
 
-/// Where each operation may be done. Its operands are looked for after the few pairs that tell
-/// most.
+/// Where each operation may be done. Its operands are looked for after the pairs with the best
+/// clue.
 Places possible_places(const Observed& card, std::span<const PairRecording> pairs,
                        std::span<const std::size_t> rows) {
   const std::size_t count = pairs[rows[0]].operators.size();
