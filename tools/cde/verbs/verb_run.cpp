@@ -534,8 +534,8 @@ void add_run(CLI::App& app) {
                        "run, which is removed (SCENE.run)"),
       "FOLDER");
   verb->add_flag("--file-per-frame", o->file_per_frame,
-                 "Records in a file per query and frame, instead of a table per query; a run that "
-                 "is stopped keeps those of the frames that it played");
+                 "Write the records of each query and frame to a file. A run that is stopped keeps "
+                 "these files. Without the option each query has one table");
   one_of(
       verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
       {"all", "sample", "none"});
