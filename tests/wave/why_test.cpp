@@ -444,6 +444,32 @@ TEST_P(Forms, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
   EXPECT_EQ(as_it_is["causes"][as_it_is["handed_on"].get<std::size_t>()]["name"], "turns.x");
 }
 
+/// The condition of ? : is no part of the word, though it is as wide as the word.
+TEST_F(Why, AWordIsHandedOnByTheSideThatWasTaken) {
+  structure("sides",
+            "module sides(input [7:0] at, input [7:0] a, input [7:0] b, output [7:0] y);\n"
+            "assign y = at % 8'd2 == 8'd1 ? a : b;\n"
+            "endmodule\n");
+  {
+    Writer w(folder_ / "sides.fst");
+    w.scope("sides");
+    const fstHandle at = w.signal("at [7:0]", 8), a = w.signal("a [7:0]", 8),
+                    b = w.signal("b [7:0]", 8), y = w.signal("y [7:0]", 8);
+    w.up();
+    w.time(0);
+    w.set(at, 6), w.set(a, 0x2e), w.set(b, 0x35), w.set(y, 0x35);
+    w.time(10);
+  }
+  const Json statement = why("sides.fst", "y@5", "sides.xml")["cone"]["statements"].at(0);
+  const Json& causes = statement["causes"];
+  ASSERT_EQ(causes.size(), 2u) << causes;
+  EXPECT_EQ(causes[0]["name"], "sides.b");
+  EXPECT_EQ(causes[0]["condition"], false);
+  EXPECT_EQ(causes[1]["name"], "sides.at");
+  EXPECT_EQ(causes[1]["condition"], true);
+  EXPECT_EQ(statement["handed_on"], 0);
+}
+
 /// Verilator 5.048 writes elements of arrays into a scope of the array's name.
 TEST_F(Why, ElementsInAScopeOfTheirArray_HaveTheirOwnDrivers) {
   structure("cells",

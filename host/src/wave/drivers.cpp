@@ -110,7 +110,8 @@ class Drivers {
         for (const netlist::Element* condition : piece.conditions)
           collect_sources(c, *condition, own.controls);
         for (const Overlap& o : piece.overlaps)
-          collect_sources(c, *piece.value, o.low, o.width, own.sources);
+          collect_sources(c, *piece.value, o.low, o.width, own.sources,
+                          values_ == nullptr ? nullptr : &own.controls);
         if (is_through(drive, own, covers)) own.kind = Driver::Kind::kWire;
         backwards.push_back(std::move(own));
       }

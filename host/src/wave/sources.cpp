@@ -80,17 +80,18 @@ void add_globals(const Context& c, const netlist::Element& e, const Body& body, 
 }
 
 void collect_chosen(const Context& c, const netlist::Element& e, std::uint64_t low,
-                    std::uint64_t width, std::vector<Slice>& found) {
-  collect_sources(c, *e.child(0), found);
+                    std::uint64_t width, std::vector<Slice>& found, std::vector<Slice>* selectors) {
+  collect_sources(c, *e.child(0), selectors != nullptr ? *selectors : found);
   const char which = c.values == nullptr ? 'x' : chosen(c, *e.child(0));
-  if (which != '0') collect_sources(c, *e.child(1), low, width, found);
-  if (which != '1') collect_sources(c, *e.child(2), low, width, found);
+  if (which != '0') collect_sources(c, *e.child(1), low, width, found, selectors);
+  if (which != '1') collect_sources(c, *e.child(2), low, width, found, selectors);
 }
 
 }  // namespace
 
 void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t low,
-                     std::uint64_t width, std::vector<Slice>& found) {
+                     std::uint64_t width, std::vector<Slice>& found,
+                     std::vector<Slice>* selectors) {
   const std::string_view tag = e.tag();
   if (tag == "const" || width == 0) return;
   if (const auto s = selected(c, e)) {
@@ -105,7 +106,8 @@ void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t 
     const auto at = index_value(c, e.child(1));
     const std::uint64_t own = width_of(c, e);
     if (at && own != 0)
-      collect_sources(c, *e.child(0), *at + low, std::min(width, own - std::min(own, low)), found);
+      collect_sources(c, *e.child(0), *at + low, std::min(width, own - std::min(own, low)), found,
+                      selectors);
     else
       collect_sources(c, *e.child(0), found);
     collect_sources(c, *e.child(1), found);
@@ -114,24 +116,28 @@ void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t 
     const std::uint64_t end = width > whole - low ? whole : low + width;
     if (end > right) {
       const std::uint64_t from = std::max(low, right);
-      collect_sources(c, *e.child(0), from - right, end - from, found);
+      collect_sources(c, *e.child(0), from - right, end - from, found, selectors);
     }
-    if (low < right) collect_sources(c, *e.child(1), low, std::min(end, right) - low, found);
+    if (low < right)
+      collect_sources(c, *e.child(1), low, std::min(end, right) - low, found, selectors);
   } else if (tag == "cond" && e.children().size() == 3) {
-    collect_chosen(c, e, low, width, found);
+    collect_chosen(c, e, low, width, found, selectors);
   } else if (tag == "replicate" && e.child(0) != nullptr) {
     const std::uint64_t own = width_of(c, *e.child(0));
     const bool inside = own != 0 && width <= own && low % own + width <= own;
-    collect_sources(c, *e.child(0), inside ? low % own : 0, inside ? width : whole, found);
+    collect_sources(c, *e.child(0), inside ? low % own : 0, inside ? width : whole, found,
+                    selectors);
   } else if (tag == "extend" && e.child(0) != nullptr) {
     const std::uint64_t own = width_of(c, *e.child(0));
     if (own == 0 || low < own)
-      collect_sources(c, *e.child(0), low, own == 0 ? width : std::min(width, own - low), found);
+      collect_sources(c, *e.child(0), low, own == 0 ? width : std::min(width, own - low), found,
+                      selectors);
   } else if (tag == "and" || tag == "or" || tag == "xor" || tag == "xnor" || tag == "not") {
     for (const netlist::Element* child : e.children())
-      collect_sources(c, *child, low, width, found);
+      collect_sources(c, *child, low, width, found, selectors);
   } else {
-    for (const netlist::Element* child : e.children()) collect_sources(c, *child, found);
+    for (const netlist::Element* child : e.children())
+      collect_sources(c, *child, 0, whole, found, selectors);
     const Body& body = c.all.body(c.unit);
     if (tag == "funcref") {
       const auto f = body.functions.find(e.text("name"));

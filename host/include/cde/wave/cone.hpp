@@ -66,8 +66,9 @@ struct Node {
   Slice slice;   ///< as the statement names it
   Slice driven;  ///< the signal that it is wired to, which the statements assign
   std::uint64_t time = 0;
-  unsigned registers = 0;                ///< between it and the root
-  bool condition = false;                ///< it decides whether the statement is executed
+  unsigned registers = 0;  ///< between it and the root
+  /// It decides whether the statement is executed, or which side of its ? : is taken.
+  bool condition = false;
   bool in_waves = false, again = false;  ///< again: its causes are those of another node
   bool stopped = false;                  ///< a register behind the last that is looked through
   std::string value;                     ///< bits

@@ -53,8 +53,10 @@ struct Driver {
   };
   Kind kind = Kind::kAssign;
   Place place;
-  std::vector<Slice> sources;   ///< what the value is made of, in the order of the text
-  std::vector<Slice> controls;  ///< what decides whether the statement is executed
+  std::vector<Slice> sources;  ///< what the value is made of, in the order of the text
+  /// What decides whether the statement is executed. With values also the conditions of its ? :,
+  /// which are among the sources without values.
+  std::vector<Slice> controls;
   std::vector<ClockEdge> edges;
   bool sure = true;  ///< with values: it is known to be executed
 };

@@ -89,9 +89,11 @@ struct Evaluated {
 /// Bits of a whole variable that a reference or a selection of one is.
 [[nodiscard]] std::optional<Slice> selected(const Context& c, const netlist::Element& e);
 
-/// Signals that bits [low, low + width) of an expression are made of, with their bits.
+/// Signals that bits [low, low + width) of an expression are made of, with their bits. Those of the
+/// conditions of ? : go to `selectors` if it is given.
 void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t low,
-                     std::uint64_t width, std::vector<Slice>& found);
+                     std::uint64_t width, std::vector<Slice>& found,
+                     std::vector<Slice>* selectors = nullptr);
 /// All of them.
 void collect_sources(const Context& c, const netlist::Element& e, std::vector<Slice>& found);
 
