@@ -383,7 +383,7 @@ inline Bits within(Bits a) {
 }
 
 /// rtl/fp/fp_exponent.sv: kMax, kMove.
-template <unsigned C, unsigned E, unsigned M, class Bits>
+template <unsigned C, unsigned E, unsigned M, bool Keep, class Bits>
 inline Bits exponent(Bits a, Bits b) {
   using F = Format<E, M>;
   if constexpr (is(C, Exponent::kMax)) {
@@ -391,14 +391,16 @@ inline Bits exponent(Bits a, Bits b) {
     return (x & more) | (y & ~more);
   } else {
     const Bits x = a & F::kMag, moved = x + b, below = (x - (1u << M)) | (moved - (1u << M));
-    return (moved & F::kMag & ~(Bits{} - (below >> 31))) | (a & F::kSign);
+    const Bits gone = Bits{} - (below >> 31);
+    const Bits least = Keep ? (Bits{} + (1u << M)) & mask<Bits>(x >= (1u << M)) : Bits{};
+    return (moved & F::kMag & ~gone) | (least & gone) | (a & F::kSign);
   }
 }
 /// kDown and kUp, k the exponent of a, stored at least as Least.
 template <unsigned C, unsigned E, unsigned M, unsigned Least, class Bits>
 inline Bits shift(Bits a) {
   using F = Format<E, M>;
-  const Bits k = exponent<code(Exponent::kMax), E, M, Bits>(a, Bits{} + (Least << M));
+  const Bits k = exponent<code(Exponent::kMax), E, M, false, Bits>(a, Bits{} + (Least << M));
   const Bits one = Bits{} + (unsigned(F::kBias) << M);
   return is(C, Exponent::kDown) ? one - k : k - one;
 }

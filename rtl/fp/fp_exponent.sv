@@ -4,7 +4,8 @@
 //   EXPONENT_MAX  the larger exponent of a and b, where a word has it
 //   EXPONENT_DOWN the shift by 2^-k, k the exponent of a, at least LEAST
 //   EXPONENT_UP   the shift by 2^k
-//   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign
+//   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign. With KEEP a normal
+//                 number becomes the smallest normal number of its sign instead.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_exponent #(
     parameter int EXP = 8,
@@ -12,6 +13,7 @@ module fp_exponent #(
     parameter int LANES = 1,
     parameter int OP = formats_pkg::EXPONENT_MAX,
     parameter int LEAST = 0,
+    parameter bit KEEP = 0,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
@@ -35,7 +37,7 @@ module fp_exponent #(
         for (int l = 0; l < LANES; l++)
         if (OP == formats_pkg::EXPONENT_DOWN || OP == formats_pkg::EXPONENT_UP) r[l] =
             $c32("host_fp::shift<", OP, ",", EXP, ",", MAN, ",", STORED, ">(", a_i[l], ")");
-        else r[l] = $c32("host_fp::exponent<", OP, ",", EXP, ",", MAN, ">(", a_i[l], ",", b_i[l], ")");
+        else r[l] = $c32("host_fp::exponent<", OP, ",", EXP, ",", MAN, ",", 32'(KEEP), ">(", a_i[l], ",", b_i[l], ")");
     end
   end else
 `endif
@@ -67,9 +69,11 @@ module fp_exponent #(
       end else begin : g_move
         logic [EW-1:0] moved;
         logic below;  // the normal numbers, before or after
+        logic [CW-1:0] least;
         assign moved = ea + b_i[l][MAN+:EW];
         assign below = &(negative(ea - EW'(1)) | negative(moved - EW'(1)));
-        assign r[l] = (((CW'(moved[EXP-1:0]) << MAN) | (a_i[l] & FRACTION)) & ~{CW{below}}) | (a_i[l] & SIGN);
+        assign least = KEEP ? CW'(below && ea != 0) << MAN : '0;
+        assign r[l] = (((CW'(moved[EXP-1:0]) << MAN) | (a_i[l] & FRACTION)) & ~{CW{below}}) | (a_i[l] & SIGN) | least;
       end
     end
   end

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
-// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses.
+// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses. Solids touch, F = 1, where T is below the
+// normal numbers at size one. No other T becomes zero, so F and T agree.
 // Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host". Throughput: LANES pairs a
 // clock. Stall: none.
 `include "dataflow.svh"
@@ -58,12 +59,15 @@ module length_unscale #(
   end else begin : g_solid
     logic unused;
     assign unused = &{1'b0, t_back_i};
-    logic [LANES-1:0][CW-1:0] t_in;
+    logic [LANES-1:0][CW-1:0] t_in, apart, touches;
     align #(.W(LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_t_in (.clk_i, .d_i(t_i), .q_o(t_in));
-    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
-        move_t (.on_i, .a_i(t_in), .b_i(back), .r_o(t));
+    fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .KEEP(1),
+        .ARITH(ARITH)) move_t (.on_i, .a_i(t_in), .b_i(back), .r_o(t));
     align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
-    assign f_o = f;
+    fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_NONZERO), .ARITH(ARITH))
+        is_apart (.a_i(t), .m_o(apart));
+    align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_touches (.clk_i, .d_i(~apart), .q_o(touches));
+    assign f_o = f | touches;
     assign cp_o = cp_late;
   end
 endmodule

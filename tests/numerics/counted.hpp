@@ -100,8 +100,8 @@ class Counted : public NumberLike<Counted> {
     return Counted(reference::move_sign(a.value_, b.value_), std::max(a.depth_, b.depth_));
   }
   friend int stored_exponent(Counted a) { return reference::stored_exponent(a.value_); }
-  friend Counted times_power_of_two(Counted a, int k) {
-    return Counted(reference::times_power_of_two(a.value_, k), a.depth_);
+  friend Counted times_power_of_two(Counted a, int k, bool keep = false) {
+    return Counted(reference::times_power_of_two(a.value_, k, keep), a.depth_);
   }
   friend Counted select(CountedMask mask, Counted a, Counted b) {
     return Counted(mask ? a.value_ : b.value_, std::max({mask.depth(), a.depth_, b.depth_}));

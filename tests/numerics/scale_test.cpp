@@ -38,6 +38,11 @@ void PrintTo(const Parameter& p, std::ostream* out) {
   *out << name(p.pair) << ' ' << p.format.name();
 }
 
+/// Solids that are apart have a distance.
+bool agree(const PairResult& r, FpFormat format) {
+  return r.f || format.decode(r.t) > 0;
+}
+
 class Scaling : public ::testing::TestWithParam<Parameter> {};
 
 TEST_P(Scaling, ByAPowerOfTwoIsExact) {
@@ -86,7 +91,7 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
   }
   std::vector<PairResult> results(from.size());
   reference::test_pairs(pair, algorithm, format, words_a, words_b, results, plane);
-  std::size_t compared = 0, hits = 0, wrong = 0, bad = 0, out = 0, infinite = 0;
+  std::size_t compared = 0, hits = 0, wrong = 0, bad = 0, out = 0, infinite = 0, disagree = 0;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const PairResult& was = results[from[i].base];
     const PairResult& is = results[i];
@@ -98,11 +103,13 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
       infinite += !std::isfinite(format.decode(is.t)) || !std::isfinite(format.decode(is.cp[0]));
     const int j = from[i].j - from[from[i].base].j;
     const int t_by = a == Shape::kRay ? j - (from[i].m - from[from[i].base].m) : j;
+    disagree += is_solid(pair) && !(agree(was, format) && agree(is, format));
     bool same = is.f == was.f && std::equal(is.n, is.n + 3, was.n);
     const auto look = [&](std::uint64_t now, std::uint64_t before, int by) {
       const double x = format.decode(before), y = format.decode(now), expected = std::ldexp(x, by);
       if (std::isnan(y)) return false;
-      if (std::abs(expected) < least || std::abs(x) < least) {
+      // The smallest number stands for those below it as well.
+      if (std::abs(expected) < least || std::abs(x) <= least) {
         out += expected != y;
         return std::abs(expected - y) <= least * std::ldexp(1., std::max(0, by));
       }
@@ -126,6 +133,7 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
   EXPECT_EQ(wrong, 0u);
   EXPECT_EQ(bad, 0u);
   EXPECT_EQ(infinite, 0u);
+  EXPECT_EQ(disagree, 0u) << "F and T";
   EXPECT_GE(compared, 3 * kCases);
   EXPECT_GE(hits, compared / 4);
 }
@@ -167,6 +175,8 @@ TEST_P(Scaling, SizesMayHaveAnyRatio) {
     reference::test_pairs(pair, algorithm, format, a, b, std::span(&r, 1), plane);
     if (r.bad) continue;
     ++judged, hits += r.f;
+    EXPECT_TRUE(agree(r, format)) << "F " << r.f << " T " << format.decode(r.t) << "\n"
+                                  << c.describe();
     const auto vector = [&](const std::uint64_t* w) {
       return oracle::Vec(format.decode(w[0]), format.decode(w[1]), format.decode(w[2]));
     };
@@ -214,6 +224,30 @@ std::string label(const ::testing::TestParamInfo<Parameter>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pairs, Scaling, ::testing::ValuesIn(parameters()), label);
+
+/// Pairs of fp16 that touch, whose T is below the normal numbers: F = 1 or T has a number.
+TEST(Touching, FAndTAgree) {
+  constexpr FpFormat kFp16{5, 10};
+  struct Touching {
+    Pair pair;
+    std::vector<double> a, b;
+  };
+  const Touching all[] = {{Pair::kObbObb,
+                           {0, 0, 0, 0.75, 0.875, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1},
+                           {0, 1, -2, 2, 0.125, 1.375, 1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                          {Pair::kTriangleTriangle,
+                           {1, -3, 4, -6, 4, 6, 3, -4, 0},
+                           {-.25, -1.5, 3.5, -.25, -2.5, .5, -.25, -4.5, 6.5}}};
+  for (const Touching& t : all) {
+    std::vector<std::uint64_t> a, b;
+    for (const double w : t.a) a.push_back(kFp16.encode(w));
+    for (const double w : t.b) b.push_back(kFp16.encode(w));
+    PairResult r;
+    reference::test_pairs(t.pair, Algorithm{}, kFp16, a, b, std::span(&r, 1));
+    EXPECT_FALSE(r.bad);
+    EXPECT_TRUE(agree(r, kFp16)) << name(t.pair) << ": F " << r.f << " T " << kFp16.decode(r.t);
+  }
+}
 
 /// Pairs far from the size of one whose answers are known in closed form.
 TEST(Range, KnownAnswers) {

@@ -101,20 +101,20 @@ requires(1 + E + M <= 32)  // wider words are scalars
     inline Words within(Words a) {
   return within<E, M, Signed, Least, Most, Words>(a);
 }
-template <unsigned C, unsigned E, unsigned M>
+template <unsigned C, unsigned E, unsigned M, bool Keep>
 requires(1 + E + M <= 32)  // wider words are scalars
     inline Words exponent(Words a, Words b) {
-  return exponent<C, E, M, Words>(a, b);
+  return exponent<C, E, M, Keep, Words>(a, b);
 }
-template <unsigned C, unsigned E, unsigned M>
+template <unsigned C, unsigned E, unsigned M, bool Keep>
 requires(1 + E + M <= 32)  // wider words are scalars
     inline Words exponent(uint32_t a, Words b) {
-  return exponent<C, E, M, Words>(Words{} + a, b);
+  return exponent<C, E, M, Keep, Words>(Words{} + a, b);
 }
-template <unsigned C, unsigned E, unsigned M>
+template <unsigned C, unsigned E, unsigned M, bool Keep>
 requires(1 + E + M <= 32)  // wider words are scalars
     inline Words exponent(Words a, uint32_t b) {
-  return exponent<C, E, M, Words>(a, Words{} + b);
+  return exponent<C, E, M, Keep, Words>(a, Words{} + b);
 }
 template <unsigned C, unsigned E, unsigned M, unsigned Least>
 requires(1 + E + M <= 32)  // wider words are scalars

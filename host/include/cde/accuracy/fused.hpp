@@ -69,8 +69,8 @@ class Fused : public NumberLike<Fused<S>> {
   friend Fused canonical(Fused a) { return of(reference::canonical(a.value_)); }
   friend Fused move_sign(Fused a, Fused b) { return of(reference::move_sign(a.value_, b.value_)); }
   friend int stored_exponent(Fused a) { return reference::stored_exponent(a.value_); }
-  friend Fused times_power_of_two(Fused a, int k) {
-    return of(reference::times_power_of_two(a.value_, k));
+  friend Fused times_power_of_two(Fused a, int k, bool keep = false) {
+    return of(reference::times_power_of_two(a.value_, k, keep));
   }
   friend Fused select(bool mask, Fused a, Fused b) { return mask ? of(a.value_) : of(b.value_); }
 

@@ -132,8 +132,8 @@ class Recorded : public NumberLike<Recorded<S>> {
     return of(reference::move_sign(a.value_, b.value_), Recording::wire(a.step_, b.step_));
   }
   friend int stored_exponent(Recorded a) { return reference::stored_exponent(a.value_); }
-  friend Recorded times_power_of_two(Recorded a, int k) {
-    return of(reference::times_power_of_two(a.value_, k), a.step_);
+  friend Recorded times_power_of_two(Recorded a, int k, bool keep = false) {
+    return of(reference::times_power_of_two(a.value_, k, keep), a.step_);
   }
   friend Recorded select(RecordedMask mask, Recorded a, Recorded b) {
     const Recorded& chosen = mask ? a : b;

@@ -44,16 +44,18 @@ template <typename S>
 }
 
 /// x 2^k, exactly; what would be below the smallest normal number, and what is, becomes a zero of
-/// the same sign. x 2^k must not overflow. One addition to the exponent.
+/// the same sign. With `keep` a normal number becomes the smallest normal number of its sign
+/// instead. x 2^k must not overflow. One addition to the exponent.
 template <typename S>
-[[nodiscard]] constexpr S times_power_of_two(S x, int k) {
+[[nodiscard]] constexpr S times_power_of_two(S x, int k, bool keep = false) {
   using Bits = scaling::Bits<S>;
   const int from = stored_exponent(x), to = from + k;
   const auto bits = std::bit_cast<Bits>(x);
   constexpr Bits kSign = static_cast<Bits>(Bits{1} << (kExponentBits<S> + scaling::kFraction<S>));
   const auto moved =
       static_cast<Bits>(bits + static_cast<Bits>(static_cast<Bits>(k) << scaling::kFraction<S>));
-  return std::bit_cast<S>(from == 0 || to <= 0 ? static_cast<Bits>(bits & kSign) : moved);
+  const auto least = static_cast<Bits>(Bits{keep && from != 0} << scaling::kFraction<S>);
+  return std::bit_cast<S>(from == 0 || to <= 0 ? static_cast<Bits>((bits & kSign) | least) : moved);
 }
 template <typename S>
 [[nodiscard]] Vector<S> times_power_of_two(const Vector<S>& v, int k) {
@@ -101,7 +103,8 @@ template <class P>
 
 /// The answer of a pipe, test(a, b), to a pair of any size within the contract. tmin and tmax of a
 /// ray, and its T on the way out, are rounded once where they leave the format's normal range:
-/// 3 mul. A ray whose T or CP overflows misses.
+/// 3 mul. A ray whose T or CP overflows misses. Solids touch, F = 1, where T at size one is below
+/// the normal numbers, and no other T becomes zero: F and T agree.
 template <typename S, class A, class B, class Test>
 [[nodiscard]] Outcome<S> scaled_answer(const A& a, const B& b, Test test) {
   if constexpr (!kScaled<A, B>) {
@@ -120,7 +123,8 @@ template <typename S, class A, class B, class Test>
       return r;
     } else {
       Outcome<S> r = test(scaled(a, -k, 0, S(1)), scaled(b, -k, 0, S(1)));
-      r.t = times_power_of_two(r.t, k);
+      r.t = times_power_of_two(r.t, k, true);
+      r.f = r.f || stored_exponent(r.t) == 0;
       r.cp = times_power_of_two<S>(r.cp, k);
       return r;
     }
