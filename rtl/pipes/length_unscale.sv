@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
-// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses. Solids touch, F = 1, where T is below the
-// normal numbers at size one. No other T becomes zero, so F and T agree.
+// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses. Solids touch, F = 1, where T is below
+// the normal numbers at size one. No other T becomes zero, so F and T agree.
 // Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host". Throughput: LANES pairs a
 // clock. Stall: none.
 `include "dataflow.svh"
