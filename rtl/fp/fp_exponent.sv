@@ -4,8 +4,8 @@
 //   EXPONENT_MAX  the larger exponent of a and b, where a word has it
 //   EXPONENT_DOWN the shift by 2^-k, k the exponent of a, at least LEAST
 //   EXPONENT_UP   the shift by 2^k
-//   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign. With KEEP a normal
-//                 number becomes the smallest normal number of its sign instead.
+//   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign. With
+//                 KEEP a normal number becomes the smallest normal number of its sign instead.
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_exponent #(
     parameter int EXP = 8,

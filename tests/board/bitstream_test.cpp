@@ -2,6 +2,7 @@
 // Finding, building and refusing bitstreams.
 #include "cde/bitstream/bitstream.hpp"
 
+#include <fmt/format.h>
 #include <pwd.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -508,6 +509,36 @@ TEST_F(Bitstreams, BuilderThatCannotWork) {
   set("CDE_CLANG", "clang++");
   set("CDE_SHARE", folder_ / "nowhere");
   expect_error(ErrorCode::kBuild, "cannot run", [&] { (void)Bitstream::open("board", unbuilt); });
+}
+
+/// Shells and Perl warn of a locale that is not installed. That is no part of an answer.
+TEST_F(Bitstreams, ALocaleThatIsNotInstalledChangesNothing) {
+  const auto parameters = host_config().parameters();
+  const std::uint64_t hash = bitstream_hash("board", parameters);
+  set("LC_ALL", "xx_NOWHERE.UTF-8");
+  EXPECT_EQ(bitstream_hash("board", parameters), hash);
+}
+
+/// A folder above the cache is swapped for a link while a build fails. The log lies where the lock
+/// does.
+TEST_F(Bitstreams, ACacheThatIsSwappedForALink) {
+  const std::string key(24, 'a');
+  const fs::path clone = folder_ / "clone";
+  copy_rtl(bitstream_builder().parent_path().parent_path(), clone);
+  set("CDE_SHARE", clone);
+  std::ofstream(clone / "verilator/bitstream") << fmt::format(
+      "#!/bin/sh\n[ \"$1\" != hash ] || {{ echo 0123456789abcdef {0}; exit; }}\ncd '{1}'\n"
+      "mv cache moved; ln -s victim cache; echo 'error: no'; exit 1\n",
+      key, folder_.string());
+  fs::create_directory(folder_ / "victim");
+  std::ofstream(folder_ / "victim" / (key + ".log")) << "mine";
+  expect_error(ErrorCode::kBuild, "error: no", [] { (void)Bitstream::open("board", {}); });
+  const auto log_in = [&](const char* folder) {
+    std::ifstream in(folder_ / folder / (key + ".log"));
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  EXPECT_EQ(log_in("victim"), "mine");
+  EXPECT_EQ(log_in("moved"), "error: no\n");
 }
 
 TEST_F(Bitstreams, UnwritableCacheIsNamed) {

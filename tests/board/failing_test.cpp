@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a failing test of cards leaves (tests/failing_test.cpp), and $CDE_WAVES.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -63,6 +64,21 @@ TEST(FailingTest, WavesIntoAFolderThatIsNotThereAreAnError) {
   const Ran ran = run_shell("CDE_WAVES=/nowhere/at/all " + card_that_works());
   EXPECT_EQ(ran.status, 1);
   EXPECT_NE(ran.said.find("/nowhere/at/all/board-0.fst"), std::string::npos) << ran.said;
+}
+
+TEST(FailingTest, WavesBehindALinkOfAnotherUserAreAnError) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  std::string folder = (fs::temp_directory_path() / "cde-waves-XXXXXX").string();
+  ASSERT_NE(::mkdtemp(folder.data()), nullptr);
+  fs::create_directory(fs::path(folder) / "mine");
+  const fs::path link = fs::path(folder) / "link";
+  fs::create_directory_symlink("mine", link);
+  ASSERT_EQ(::lchown(link.c_str(), 65534, 65534), 0);
+  const Ran ran = run_shell("CDE_WAVES=" + link.string() + " " + card_that_works());
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_NE(ran.said.find("it is a link of user 65534 to"), std::string::npos) << ran.said;
+  EXPECT_TRUE(fs::is_empty(fs::path(folder) / "mine"));
+  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -19,6 +19,8 @@
 namespace cde::testing {
 namespace {
 
+namespace fs = std::filesystem;
+
 using Words = std::vector<std::string>;
 
 class Ranks : public Cli {
@@ -147,6 +149,32 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
   refused({"merge", "nowhere"}, "nowhere");
   refused(cast("x.csv", {"--resume", "-"}), "--resume is read and written");
   EXPECT_FALSE(exists("x.csv"));
+}
+
+/// merge runs the command of a journal, which names outputs.
+TEST_F(Ranks, AJournalThatOthersCouldWriteIsNotRun) {
+  ASSERT_EQ(cde(cast("x.csv", {"--resume", "journal"})).status, 0);
+  fs::remove(folder_ / "x.csv");
+  fs::permissions(folder_ / "journal", fs::perms::others_write, fs::perm_options::add);
+  refused({"merge", "journal"}, "journal is refused, as its command would be run: all users");
+  fs::permissions(folder_ / "journal", fs::perms::others_write, fs::perm_options::remove);
+  if (::geteuid() == 0) {
+    ASSERT_EQ(::chown((folder_ / "journal").c_str(), 65534, 65534), 0);
+    refused({"merge", "journal"}, "it belongs to user 65534; a copy of your own is read");
+    fs::copy_file(folder_ / "journal", folder_ / "copy");
+    ASSERT_EQ(cde({"merge", "copy"}).status, 0);
+  }
+}
+
+TEST_F(Ranks, MergeWritesOverNoJournal) {
+  ASSERT_EQ(cde(cast("j.csv", {"--resume", "journal"})).status, 0);
+  fs::copy_file(folder_ / "journal", folder_ / "j.csv", fs::copy_options::overwrite_existing);
+  refused({"merge", "j.csv"}, "-o would write to j.csv, which merge reads");
+  EXPECT_TRUE(same("j.csv", "journal"));
+}
+
+TEST_F(Ranks, AJournalKeepsWordsOfUtf8) {
+  refused(cast("\xff.csv", {"--resume", "journal"}), "--resume keeps the command line");
 }
 
 TEST_F(Ranks, AJournalIsOfOneProcess) {

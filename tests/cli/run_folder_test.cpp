@@ -108,6 +108,25 @@ TEST_F(Folders, AnotherUsersLinkLeadsToNoRunOfOurs) {
   EXPECT_EQ(read("d/run.json"), before);
 }
 
+/// Folders are made where the system says that they are.
+TEST_F(Folders, NamesThatAreTooLongOrGoUp) {
+  std::string deep;
+  for (int i = 0; i < 2060; ++i) deep += "d/";
+  Ran ran = run({"-o", deep, "--frames", "0"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err, "File name too long")) << ran.err;
+  EXPECT_FALSE(exists("d"));
+  fs::create_directories(folder_ / "deep/in");
+  fs::create_directory_symlink("deep/in", folder_ / "link");
+  ran = run({"-o", "link/../d", "--frames", "0"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(exists("deep/d/run.json"));
+  ran = run({"-o", "nowhere/../d", "--frames", "0"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err, "No such file or directory")) << ran.err;
+  EXPECT_FALSE(exists("d"));
+}
+
 TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
   ASSERT_EQ(run({"-o", "d", "--file-per-frame"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "hit.000002.csv", "hit.000003.csv",

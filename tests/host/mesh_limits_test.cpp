@@ -161,6 +161,23 @@ TEST_F(MeshAttack, A3mfThatUnpacksToGigabytes) {
                [&] { (void)load_mesh(large, {.memory = 100u << 20}); });
 }
 
+/// What assimp does not take is refused with assimp's reason, or with one if assimp has none.
+TEST_F(MeshAttack, AssimpsReasonIsTold) {
+  std::string json = R"({"asset":{"version":"2.0"}})";
+  json.resize(28, ' ');
+  const std::string whole = chunks_of_glb(json, std::string(36, '\0'));
+  const fs::path cut = folder_.write("cut.glb", whole.substr(0, whole.size() - 60));
+  expect_error(ErrorCode::kFile,
+               "cut.glb: is not read as .glb: damaged, cut off or of another version",
+               [&] { (void)load_mesh(cut); });
+  std::string other = file_of_3mf(2);
+  for (std::size_t at = 0; (at = other.find("3D/3dmodel.model", at)) != std::string::npos;)
+    other.replace(at, 2, "4D");
+  const fs::path unknown = folder_.write("unknown.3mf", other);
+  expect_error(ErrorCode::kFile,
+               "unknown.3mf: has no meshes; assimp says: ", [&] { (void)load_mesh(unknown); });
+}
+
 /// The readers of OBJ, PLY and STL are in this process. None takes memory for what a header claims.
 TEST_F(MeshAttack, OwnReadersBelieveNoCount) {
   const auto ply = [](const char* format, const char* vertices) {

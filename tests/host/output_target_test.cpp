@@ -104,6 +104,13 @@ TEST_F(SwappedOutputs, ABundleIsWrittenToTheFolderThatItMade) {
   EXPECT_EQ(bytes_of(bundle.file("why.txt")), "why");
 }
 
+TEST_F(SwappedOutputs, AFolderThatWasMovedIsNotWhereItWasWanted) {
+  OutputFolder made(theirs_ / "made");
+  made.check();
+  fs::rename(theirs_ / "made", theirs_ / "away");
+  expect_error(ErrorCode::kFile, "made: the folder was moved or replaced", [&] { made.check(); });
+}
+
 /// A folder of ours behind a link of theirs, in whatever way its name ends, and behind a link of
 /// ours to that link.
 TEST_F(Swapped, AFolderBehindTheirLinkIsRefused) {

@@ -134,6 +134,14 @@ TEST_F(WaveFiles, VcdHasSignalsAndValues) {
   EXPECT_NEAR(i["seconds_a_unit"].get<double>(), 1e-11, 1e-20);
 }
 
+TEST_F(WaveFiles, PicturesAndPagesMarkWhereNothingIsDumped) {
+  write("a.vcd", kVcd);
+  ASSERT_EQ(cde({"wave", "export", "a.vcd", "-o", "a.svg"}).status, 0);
+  EXPECT_TRUE(has(read("a.svg"), "<title>not dumped, 20ps to 40ps</title>"));
+  ASSERT_EQ(cde({"wave", "serve", "a.vcd", "-o", "a.html"}).status, 0);
+  EXPECT_TRUE(has(read("a.html"), "\"dark\":[[2,4]]"));
+}
+
 TEST_F(WaveFiles, VcdComesThroughAPipe) {
   write("a.vcd", kVcd);
   const Ran ran = shell("cat a.vcd | \"$CDE\" wave at - 1 count");

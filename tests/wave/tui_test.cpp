@@ -175,6 +175,17 @@ TEST_F(Tui, RulerCursorAndEdgesAgree) {
   EXPECT_EQ(f.row(1).substr(columns.at(0), 6), "|100ns") << f.all();
 }
 
+TEST_F(Tui, TheRulerMarksWhereNothingIsDumped) {
+  write("d.vcd",
+        "$timescale 1ns $end\n$var wire 1 ! a $end\n$enddefinitions $end\n#0\n0!\n#20\n$dumpoff\n"
+        "x!\n$end\n#80\n$dumpon\n1!\n$end\n#100\n0!\n");
+  Fake f(path("d.vcd"), {"a"}, {0, 100}, 0);
+  const std::string ruler = f.row(1);
+  EXPECT_GT(std::count(ruler.begin(), ruler.end(), '/'), 5) << f.all();
+  Fake all = sample({"clk"}, {0, 195}, 0);
+  EXPECT_EQ(all.row(1).find('/'), std::string::npos) << all.all();
+}
+
 TEST_F(Tui, UnicodeAndAsciiHaveTheSameColumns) {
   Fake ascii = sample({"clk", "count", "valid", "state"}, {0, 195}, 35);
   Fake unicode(path("a.fst"), {"clk", "count", "valid", "state"}, {0, 195}, 35, "", false);

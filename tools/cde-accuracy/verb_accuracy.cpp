@@ -416,11 +416,13 @@ void run(const CLI::App& verb, const AccuracyOptions& o) {
   check_sweep_options(verb, o);
   const char* prints = o.json ? "--json" : o.promises ? "--promises" : nullptr;  // beside a page
   const bool to_stdout = prints != nullptr && o.output.empty();
+  std::vector<FileUse> inputs = {{"--from", o.from}};
+  Dealing::here().add_inputs(inputs);
   check_outputs(
       std::vector<FileUse>{to_stdout ? FileUse{prints, "-"} : FileUse{"--output", o.output},
                            {"--resume", o.deal.resume},
                            {"--page", o.page}},
-      std::vector<FileUse>{{"--from", o.from}});
+      inputs);
   check_suffix("--page", o.page, ".html");
   if (!o.from.empty())
     run_kept(o);

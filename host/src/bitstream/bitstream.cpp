@@ -85,22 +85,27 @@ std::string causes(const std::string& text) {
   return errors != 0 ? last_lines(found, 2 * kMost) : last_lines(text, 12);
 }
 
-/// The output of a build that failed, kept beside where its bitstream would lie; what to say of it.
-std::string keep_log(const fs::path& file, const std::string& output) {
-  const fs::path log = fs::path(file).replace_extension(".log");
-  // Made anew: what lies under its name may be a link of somebody else.
-  ::unlink(log.c_str());
-  const Descriptor written(
-      ::open(log.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
-  if (written.get() < 0 || !process::write_all(written.get(), output)) return "";
-  return fmt::format("\nall of what the builder said: {}", printable_name(log.string()));
-}
-
 /// A bitstream under the name that was asked for, and under one that leads to the same file
 /// whatever becomes of the folders above.
 struct Place {
   fs::path named, inside;
+
+  /// What lies beside it: its log, its lock.
+  [[nodiscard]] Place beside(const char* extension) const {
+    return {fs::path(named).replace_extension(extension),
+            fs::path(inside).replace_extension(extension)};
+  }
 };
+
+/// The output of a build that failed, kept beside where its bitstream would lie; what to say of it.
+std::string keep_log(const Place& log, const std::string& output) {
+  // Made anew: what lies under its name may be a link of somebody else.
+  ::unlink(log.inside.c_str());
+  const Descriptor written(
+      ::open(log.inside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
+  if (written.get() < 0 || !process::write_all(written.get(), output)) return "";
+  return fmt::format("\nall of what the builder said: {}", printable_name(log.named.string()));
+}
 
 /// What keeps a bitstream from being loaded; nothing if it is whole and nobody else's.
 std::optional<std::string> defect(const Place& place) {
@@ -152,11 +157,11 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
 /// Holds an exclusive lock on a file while it lives; says what it waits for.
 class FileLock {
  public:
-  FileLock(const fs::path& path, const std::string& what)
-      : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666)) {
+  FileLock(const Place& place, const std::string& what)
+      : fd_(::open(place.inside.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666)) {
     if (fd_ < 0) {
-      throw Error(ErrorCode::kFile,
-                  fmt::format("{}: {}", printable_name(path.string()), std::strerror(errno)));
+      throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(place.named.string()),
+                                                std::strerror(errno)));
     }
     if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
     if (!BuildProgress::quiet())
@@ -172,11 +177,12 @@ class FileLock {
   int fd_;
 };
 
-/// Builds `file`, which the builder puts in place with a rename. The caller holds the lock.
-void build(const fs::path& file, const std::string& kind,
+/// Builds it where it is named, which the builder puts in place with a rename. The caller holds the
+/// lock.
+void build(const Place& place, const std::string& kind,
            const std::vector<std::string>& parameters) {
   std::vector<std::string> command = {bitstream_builder().string(), "attended", kind,
-                                      file.string()};
+                                      place.named.string()};
   command.insert(command.end(), parameters.begin(), parameters.end());
   const std::string what = joined(kind, parameters);
   BuildProgress progress(what);
@@ -186,7 +192,7 @@ void build(const fs::path& file, const std::string& kind,
   progress.end(result.status == 0);
   if (result.status == 0) {
     std::error_code none;
-    fs::remove(fs::path(file).replace_extension(".log"), none);  // of a build that failed before
+    fs::remove(place.beside(".log").inside, none);  // of a build that failed before
   }
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     if (result.status == 128 + signal)
@@ -195,8 +201,9 @@ void build(const fs::path& file, const std::string& kind,
   }
   if (result.status != 0) {
     const std::string said = BuildProgress::without_phases(result.output);
-    throw Error(ErrorCode::kBuild, fmt::format("building bitstream {} failed:\n{}{}", what,
-                                               printable(causes(said)), keep_log(file, said)));
+    throw Error(ErrorCode::kBuild,
+                fmt::format("building bitstream {} failed:\n{}{}", what, printable(causes(said)),
+                            keep_log(place.beside(".log"), said)));
   }
 }
 
@@ -229,40 +236,35 @@ std::optional<Place> find_whole(const Key& key) {
   return std::nullopt;
 }
 
-/// The file of a key in the cache, if it is whole.
-std::optional<Place> kept_place(const Key& key) {
-  const fs::path cache = folders::cache();
-  const auto folder = folders::open(cache);
-  if (!folder || folder->distrust) return std::nullopt;
-  const Place place{cache / key.file, folder->inside / key.file};
-  std::error_code none;
-  if (!fs::exists(place.inside, none) || defect(place)) return std::nullopt;
-  return place;
+/// Where it lies in the cache, which is made and opened.
+Place place_to_build(const Key& key) {
+  const folders::Opened cache = folders::make_cache();
+  return {cache.named / key.file, cache.inside / key.file};
 }
 
 /// Builds it in the cache. The caller holds the lock.
-Place build_kept(const Key& key, const std::string& kind,
-                 const std::vector<std::string>& parameters) {
-  const fs::path cache = bitstream_cache();
-  build(cache / key.file, kind, parameters);
-  const auto folder = folders::open(cache);
-  if (!folder || folder->distrust)
+void build_kept(const Place& place, const std::string& kind,
+                const std::vector<std::string>& parameters) {
+  build(place, kind, parameters);
+  std::error_code none;
+  if (!fs::exists(place.inside, none))
     throw Error(ErrorCode::kFile, fmt::format("bitstream cache {} is another than it was",
-                                              printable_name(cache.string())));
-  return {cache / key.file, folder->inside / key.file};
+                                              printable_name(place.named.parent_path().string())));
 }
 
-FileLock lock_of(const Key& key, const std::string& kind,
+FileLock lock_of(const Place& place, const std::string& kind,
                  const std::vector<std::string>& parameters) {
-  return {(bitstream_cache() / key.file).replace_extension(".lock"), joined(kind, parameters)};
+  return {place.beside(".lock"), joined(kind, parameters)};
 }
 
 Place find_or_build(const Key& key, const std::string& kind,
                     const std::vector<std::string>& parameters) {
   if (auto found = find_whole(key)) return *found;
-  const FileLock lock = lock_of(key, kind, parameters);
+  const Place place = place_to_build(key);
+  const FileLock lock = lock_of(place, kind, parameters);
   if (auto found = find_whole(key)) return *found;  // another process was first
-  return build_kept(key, kind, parameters);
+  build_kept(place, kind, parameters);
+  return place;
 }
 
 /// The library says what it was built of. One of another key may lie under this one's name.
@@ -278,7 +280,7 @@ void tell_builds(bool tell) {
 }
 
 fs::path bitstream_cache() {
-  return folders::make_cache();
+  return folders::make_cache().named;
 }
 
 fs::path bitstream_builder() {
@@ -333,14 +335,16 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
     // Damaged in a way that only the loader sees.
   }
   // A file in the cache is ours to replace. One there may already stand in for a ready-made file.
-  const FileLock lock = lock_of(key, kind, parameters);
-  if (const auto kept = kept_place(key); kept && kept->inside != place.inside) {
-    Bitstream found = link(kept->named, kept->inside, key.config_hash);
+  const Place kept = place_to_build(key);
+  const FileLock lock = lock_of(kept, kind, parameters);
+  std::error_code none;
+  if (kept.inside != place.inside && fs::exists(kept.inside, none) && !defect(kept)) {
+    Bitstream found = link(kept.named, kept.inside, key.config_hash);
     if (is_of(found, key)) return found;
   }
-  const Place built = build_kept(key, kind, parameters);
+  build_kept(kept, kind, parameters);
   // The loader has the old one by its name.
-  return link(built.named, built.inside.parent_path() / "." / key.file, key.config_hash);
+  return link(kept.named, kept.inside.parent_path() / "." / key.file, key.config_hash);
 }
 
 Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {

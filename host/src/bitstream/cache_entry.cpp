@@ -79,7 +79,7 @@ std::optional<std::string> read_cache_entry(const std::string& name) {
 
 void write_cache_entry(const std::string& name, std::string_view text) {
   try {
-    const fs::path file = folders::make_cache() / name;
+    const fs::path file = folders::make_cache().inside / name;
     std::error_code none;
     fs::remove(file, none);  // one that was refused keeps neither its owner nor its mode
     fs::remove(folders::checksum_file(file), none);

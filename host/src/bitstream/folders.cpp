@@ -250,7 +250,7 @@ fs::path cache() {
   return own && can_be_written(*own) ? *own : last_resort();
 }
 
-fs::path make_cache() {
+Opened make_cache() {
   fs::path folder = cache();
   static std::once_flag once;
   if (const auto own = own_cache(); own && folder == last_resort() && folder != *own)
@@ -261,10 +261,10 @@ fs::path make_cache() {
                       printable_name(own->string()), printable_name(folder.string())));
     });
   make_private(folder);
-  const auto made = open(folder);
+  auto made = open(folder);
   if (!made) refuse(folder, "is gone");
   if (made->distrust) refuse(folder, *made->distrust);
-  return folder;
+  return std::move(*made);
 }
 
 }  // namespace cde::folders

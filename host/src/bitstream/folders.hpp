@@ -39,6 +39,6 @@ struct Opened {
 [[nodiscard]] std::filesystem::path checksum_file(const std::filesystem::path& file);
 
 /// The same, made if need be, for its owner alone. Error kFile if it cannot be, or is not trusted.
-[[nodiscard]] std::filesystem::path make_cache();
+[[nodiscard]] Opened make_cache();
 
 }  // namespace cde::folders

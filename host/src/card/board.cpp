@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/card/board.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +17,8 @@
 #include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "support/descriptor.hpp"
+#include "support/output_target.hpp"
 #include "support/text.hpp"
 
 namespace cde {
@@ -26,6 +29,8 @@ std::optional<std::filesystem::path> next_waves() {
   static std::atomic<unsigned> boards = 0;
   const char* folder = std::getenv("CDE_WAVES");
   if (folder == nullptr || *folder == '\0') return std::nullopt;
+  const Descriptor opened(::open(folder, O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (opened.get() >= 0) check_folder_link(folder, opened.get());
   return std::filesystem::path(folder) / fmt::format("board-{}.fst", boards++);
 }
 

@@ -159,6 +159,12 @@ void Dealing::begin(const DealOptions& options, Json run, bool quiet) {
     check_merged();
   }
   if (options.resume.empty() || !leads()) return;
+  try {
+    (void)Json(words_).dump();
+  } catch (const Json::type_error&) {
+    throw Error(ErrorCode::kUsage,
+                "--resume keeps the command line, which must be UTF-8: give its files other names");
+  }
   all["shard"] = options.shard;
   journal_ = std::make_unique<Journal>("--resume", options.resume, Journal::Use::kGoOn, all,
                                        Json{{"words", words_}});
@@ -329,6 +335,10 @@ void Dealing::check_ends(unsigned part) const {
                                                "inputs",
                                                name(first), name(*journal)));
   }
+}
+
+void Dealing::add_inputs(std::vector<FileUse>& inputs) const {
+  for (const auto& journal : merged_) inputs.push_back({"merge", journal->path()});
 }
 
 void Dealing::start(const std::vector<std::string>& words) {

@@ -91,11 +91,25 @@ void Journal::open(Use use) {
     throw Error(ErrorCode::kFile,
                 fmt::format("{}: {} is not a regular file", what_, printable_name(path_)));
   }
+  if (use == Use::kRead) check_owner(status);
   bytes_ = static_cast<std::uint64_t>(status.st_size);
   if (use == Use::kRead || ::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
   ::close(file_);
   throw Error(ErrorCode::kUsage,
               fmt::format("{}: another process works on {}", what_, printable_name(path_)));
+}
+
+/// The command of a journal is run, and names the files that are written.
+void Journal::check_owner(const struct stat& status) {
+  const bool ours = status.st_uid == ::geteuid() || status.st_uid == 0;
+  if (ours && (status.st_mode & S_IWOTH) == 0) return;
+  ::close(file_);
+  throw Error(ErrorCode::kFile,
+              fmt::format("{}: {} is refused, as its command would be run: {}; a copy of your own "
+                          "is read",
+                          what_, printable_name(path_),
+                          ours ? "all users can write it"
+                               : fmt::format("it belongs to user {}", status.st_uid)));
 }
 
 void Journal::fail(const char* doing) const {

@@ -7,7 +7,9 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 
 #include <fcntl.h>
 #include <algorithm>
@@ -189,10 +191,38 @@ bool take_names(std::string_view& in, std::vector<std::string>& names) {
   return true;
 }
 
+/// The last warning or error of assimp.
+class LastRemark final : public Assimp::LogStream {
+ public:
+  explicit LastRemark(std::string& text) : text_(text) {}
+  void write(const char* message) override {
+    text_ = message;  // "Warn,  T0: text\n"
+    const std::size_t begin = text_.find(": ");
+    if (begin != std::string::npos) text_.erase(0, begin + 2);
+    while (text_.ends_with('\n')) text_.pop_back();
+  }
+
+ private:
+  std::string& text_;
+};
+
+/// Why assimp has read nothing. It does not say why none of its readers takes a file.
+std::string refusal(const Assimp::Importer& importer, const std::string& path) {
+  std::string why = importer.GetErrorString();
+  if (why.starts_with("No suitable reader"))
+    why = fmt::format("is not read as {}: damaged, cut off or of another version",
+                      printable_name(std::filesystem::path(path).extension().string()));
+  return why;
+}
+
 /// In the child: what to send to the parent.
 std::string import(const std::string& path) {
   try {
     std::vector<std::string> files;
+    std::string remark;
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+    Assimp::DefaultLogger::get()->attachStream(new LastRemark(remark),
+                                               Assimp::Logger::Warn | Assimp::Logger::Err);
     Assimp::Importer importer;
     auto* const noting = new NotingFiles(files);
     importer.SetIOHandler(noting);  // which is the importer's from now on
@@ -200,13 +230,14 @@ std::string import(const std::string& path) {
     if (!noting->refused().empty())
       return kMessageFollows + fmt::format("names {}, which is no regular file", noting->refused());
     if (scene == nullptr) {
-      const std::string why = importer.GetErrorString();
+      const std::string why = refusal(importer, path);
       if (why.find("bad_alloc") != std::string::npos) return std::string(1, kTooLarge);
       return kMessageFollows + why;
     }
     // The flag is what importers say of files without meshes; some make one of the skeleton then.
     if (scene->mNumMeshes == 0 || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0)
-      return kMessageFollows + std::string("has no meshes");
+      return kMessageFollows + std::string("has no meshes") +
+             (remark.empty() ? "" : "; assimp says: " + remark);
     if (scene->mRootNode == nullptr)
       return kMessageFollows + std::string("the scene is incomplete");
     Mesh mesh;

@@ -327,7 +327,7 @@ void OutputFile::remove_unfinished() noexcept {
         ::unlinkat(entry->folder, entry->name.c_str(), AT_REMOVEDIR);
 }
 
-OutputFolder::OutputFolder(const fs::path& path) {
+OutputFolder::OutputFolder(const fs::path& path) : path_(path) {
   constexpr int kFolder = O_PATH | O_DIRECTORY | O_CLOEXEC;
   const auto fail = [&](int number) {
     take_back();
@@ -335,9 +335,14 @@ OutputFolder::OutputFolder(const fs::path& path) {
   };
   std::error_code none;
   std::vector<std::string> missing;  // the outermost last
-  fs::path there = fs::absolute(path).lexically_normal();
-  for (; !fs::exists(there, none); there = there.parent_path())
-    if (there.has_filename()) missing.push_back(there.filename());  // not the end of "folder/"
+  fs::path there = fs::absolute(path);
+  for (auto what = fs::status(there, none); !fs::exists(what); what = fs::status(there, none)) {
+    if (what.type() == fs::file_type::none) fail(none.value());
+    const fs::path name = there.filename();
+    if (name == "..") fail(ENOENT);  // of a folder that is not there
+    if (!name.empty() && name != ".") missing.push_back(name);
+    there = there.parent_path();
+  }
   Descriptor folder(::open(there.c_str(), kFolder));
   if (folder.get() < 0) fail(errno);
   made_.reserve(missing.size());  // entries stay where handlers look for them
@@ -354,6 +359,16 @@ OutputFolder::OutputFolder(const fs::path& path) {
   }
   if (missing.empty()) check_folder_link(path, folder.get());
   folder_ = folder.release();
+}
+
+void OutputFolder::check() const {
+  struct stat ours {
+  }, named{};
+  if (::fstat(folder_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+      ours.st_dev == named.st_dev && ours.st_ino == named.st_ino)
+    return;
+  throw Error(ErrorCode::kFile, fmt::format("{}: the folder was moved or replaced meanwhile",
+                                            printable_name(path_.string())));
 }
 
 OutputFolder::~OutputFolder() {

@@ -34,6 +34,17 @@ std::array<int, 2> new_pipe(ErrorCode code = ErrorCode::kBuild) {
   return ends;
 }
 
+/// This process's, in the language that this program reads. A locale that is not installed would
+/// have shells and Perl print a warning.
+std::vector<char*> environment() {
+  static char language[] = "LC_ALL=C";
+  std::vector<char*> all;
+  for (char** variable = environ; *variable != nullptr; ++variable)
+    if (!std::string_view(*variable).starts_with("LC_ALL=")) all.push_back(*variable);
+  all.insert(all.end(), {language, nullptr});
+  return all;
+}
+
 /// Starts a program with these as its stdin, stdout and, unless `errors` is negative, stderr.
 pid_t start(const std::vector<std::string>& command, int input, int output, int errors) {
   posix_spawn_file_actions_t actions;
@@ -49,7 +60,8 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   pid_t child = 0;
-  const int failed = ::posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  const int failed =
+      ::posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environment().data());
   posix_spawn_file_actions_destroy(&actions);
   if (failed != 0)
     throw Error(ErrorCode::kBuild, fmt::format("cannot run {}: {}", printable_name(command[0]),

@@ -10,6 +10,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "cde/support/xml_text.hpp"
+#include "cde/wave/blackouts.hpp"
 #include "cde/wave/changes.hpp"
 #include "cde/wave/export.hpp"
 #include "cde/wave/export_names.hpp"
@@ -30,7 +31,7 @@ constexpr std::string_view kStyle = R"(
   .grid{stroke:#e3e7ec;stroke-width:1}.band{fill:#f6f8fa}.wave{fill:none;stroke:#0b6bcb;stroke-width:1.5}
   .bus{fill:#eaf3fc;stroke:#0b6bcb;stroke-width:1}.odd{fill:#fde8e8;stroke:#c22f2f}.busy{fill:#0b6bcb}
   .unknown{fill:#f6c4c4;stroke:#c22f2f}.high{fill:none;stroke:#b7791f;stroke-width:1.5;stroke-dasharray:3 2}
-  .fail{stroke:#c22f2f;stroke-width:1.5;stroke-dasharray:5 3}.failed{fill:#c22f2f;font-weight:bold}.value{font-size:11px}
+  .dark{fill:#5b6675;fill-opacity:.16}.fail{stroke:#c22f2f;stroke-width:1.5;stroke-dasharray:5 3}.failed{fill:#c22f2f;font-weight:bold}.value{font-size:11px}
   @media (prefers-color-scheme:dark){svg{background:#14181f}.back{fill:#14181f}text{fill:#dde4ee}.scope,.tick{fill:#93a0b2}
   .grid{stroke:#2a313c}.band{fill:#1a2029}.wave{stroke:#5db0ff}.bus{fill:#172b40;stroke:#5db0ff}.odd{fill:#451d20;stroke:#ff7b7b}
   .busy{fill:#5db0ff}.unknown{fill:#5a2327;stroke:#ff7b7b}.fail{stroke:#ff7b7b}.failed{fill:#ff7b7b}}
@@ -98,6 +99,7 @@ class Picture {
     bands();
     ruler();
     names();
+    dark();
     const std::vector<std::vector<Stretch>> rows = sample();
     for (std::size_t i = 0; i < views_.size(); ++i) row(i, rows[i]);
     marker();
@@ -122,6 +124,16 @@ class Picture {
       text_ +=
           fmt::format("<rect class=\"band\" x=\"0\" y=\"{:.1f}\" width=\"{}\" height=\"{}\"/>\n",
                       tops_[i], options_.width, kRow);
+  }
+
+  /// Where the simulation wrote no changes ($dumpoff).
+  void dark() {
+    for (const Blackout& b : blackouts_in(trace_, w_.from, w_.to))
+      text_ += fmt::format(
+          "<rect class=\"dark\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\">"
+          "<title>not dumped, {} to {}</title></rect>\n",
+          x(b.from), kHead, std::max(0.5, x(b.to) - x(b.from)), height_ - 8 - kHead,
+          times_.text(b.from), times_.text(b.to));
   }
 
   void line(const char* kind, double at, double top) {

@@ -21,7 +21,9 @@ int main(int argc, char** argv) try {
                                       {.o = {200, 150, 1000}, .d = {0, 0, 1}}};
   const std::vector<cde::Record> records = board.cast(rays);  // registers, invokeCDE, downloadSRAM
   for (const cde::Record& r : records) {
-    if (r.f) {
+    if (r.bad) {
+      std::printf("ray %u is outside the contract\n", r.primary);
+    } else if (r.f) {
       std::printf("ray %u hits triangle %u at t = %g, height %g\n", r.primary, r.index, r.t,
                   r.cp.z());
     } else {

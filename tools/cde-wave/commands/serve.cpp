@@ -10,6 +10,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
+#include "cde/wave/blackouts.hpp"
 #include "cde/wave/packed.hpp"
 #include "commands/commands.hpp"
 #include "commands/wave_page.hpp"
@@ -185,6 +186,9 @@ int serve(const Request& r) {
       {"chosen", !r.words.empty()},
       {"formats", formats_json()}};
   data["clock"] = clock_json(times, w, bytes);
+  data["dark"] = Json::array();  // $dumpoff
+  for (const Blackout& b : blackouts_in(trace, w.from, w.to))
+    data["dark"].push_back({b.from - w.from, b.to - w.from});
   data["tracks"] = tracks_json(tracks.all, shown, tracks.of, bytes);
   data["views"] = views_json(shown, tracks.of, scopes);
   data["scopes"] = std::move(scopes);

@@ -88,6 +88,10 @@
         pen.fillRect(0, y, width, ROW);
       }
     }
+    pen.fillStyle = colours.rule;  // where nothing was dumped
+    pen.globalAlpha = 0.6;
+    for (const [begin, end] of data.dark) pen.fillRect(x(begin), 0, Math.max(1, x(end) - x(begin)), height);
+    pen.globalAlpha = 1;
     pen.fillStyle = colours.grid;
     for (const time of edges) pen.fillRect(Math.round(x(time)), 0, 1, height);
     if (!edges.length) for (const time of ticks()) pen.fillRect(Math.round(x(time)), 0, 1, height);

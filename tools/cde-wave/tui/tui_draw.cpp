@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "cde/support/message.hpp"
+#include "cde/wave/blackouts.hpp"
 #include "tui/tui_viewer.hpp"
 
 namespace cde::wave::tui {
@@ -127,6 +128,10 @@ void Viewer::draw_ruler(Canvas& canvas, std::size_t row) {
   const std::uint64_t step = round_step(std::max<std::uint64_t>(apart, 1));
   std::uint64_t time = now.from() / step * step;
   if (time < now.from()) time += step;
+  const std::string_view not_dumped = ascii_ ? "/" : "░";
+  for (const Blackout& b : blackouts_in(trace_, now.from(), now.to()))
+    for (std::size_t c = now.column(b.from); c <= now.column(b.to); ++c)
+      canvas.put(row, left + c, not_dumped, {Ink::kFaint});
   for (; time >= now.from() && time <= now.to(); time += step) {
     const std::size_t column = now.column(time);
     const std::string text = glyphs(ascii_).tick + times_.text(time);

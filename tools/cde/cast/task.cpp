@@ -119,6 +119,7 @@ CastTask task_of(const CastWords& w) {
 void check_files(const CastTask& t, const std::vector<std::string>& more) {
   std::vector<FileUse> inputs = {{"MESH", t.mesh}, {"--rays", t.source.file}};
   for (const auto& file : more) inputs.push_back({"MESH", file});
+  Dealing::here().add_inputs(inputs);
   check_outputs(std::vector<FileUse>{{"-o", t.records},
                                      {"--image", t.picture.depth},
                                      {"--shaded", t.picture.shaded},

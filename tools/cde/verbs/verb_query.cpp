@@ -204,11 +204,13 @@ void print_summary(const QueryOptions& o, const PairConfig& config, const QueryT
 
 void run(const QueryOptions& o) {
   o.trace.check();
+  std::vector<FileUse> inputs = {{o.file == "-" ? "stdin" : "FILE", o.file}};
+  Dealing::here().add_inputs(inputs);
   if (o.trace.wanted() || !o.deal.resume.empty() || o.output != "-")
     check_outputs(std::vector<FileUse>{{"--trace", o.trace.wanted() ? o.trace.file : ""},
                                        {"--resume", o.deal.resume},
                                        {o.output == "-" ? "the answers" : "--output", o.output}},
-                  std::vector<FileUse>{{o.file == "-" ? "stdin" : "FILE", o.file}});
+                  inputs);
   if (o.keep_going && !o.check)
     throw Error(ErrorCode::kUsage, "--keep-going is of comparing: not with --no-check");
   PairConfig config = configuration(o);

@@ -104,6 +104,7 @@ void check_files(const Options& o, const Scene& scene) {
   for (const SceneObject& object : scene.objects)
     for (const auto& file : object.more_files)
       inputs.push_back({fmt::format("the mesh of object '{}'", printable_name(object.name)), file});
+  Dealing::here().add_inputs(inputs);
   check_outputs(std::vector<FileUse>{{"--report", o.report},
                                      {"--trace", o.trace.file},
                                      {"--resume", o.deal.resume},
@@ -433,6 +434,10 @@ class Run {
     page_->write(report_->html(json_));
     page_->commit();
   }
+  /// What was written lies where it was wanted.
+  void check_folder() const {
+    if (folder_.begun()) folder_.check();
+  }
 
   [[nodiscard]] std::string check_text() const {
     const Totals& t = totals_;
@@ -518,6 +523,7 @@ void run(const Options& o) {
   else
     run.play(made);
   run.report();
+  run.check_folder();
 }
 
 }  // namespace

@@ -89,9 +89,10 @@ void RunFolder::make_and_lock() {
     }
     struct stat locked {
     }, named{};
-    if (::fstat(lock_.folder, &locked) == 0 && ::stat(path_.c_str(), &named) == 0 &&
-        locked.st_dev == named.st_dev && locked.st_ino == named.st_ino)
-      return;
+    if (::fstat(lock_.folder, &locked) != 0) fail(std::strerror(errno));
+    const bool there = ::stat(path_.c_str(), &named) == 0;
+    if (!there && errno != ENOENT) fail(std::strerror(errno));
+    if (there && locked.st_dev == named.st_dev && locked.st_ino == named.st_ino) return;
     made_->keep();  // it was taken back and perhaps made again, by another run
     lock_.release();
   }

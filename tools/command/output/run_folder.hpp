@@ -32,6 +32,9 @@ class RunFolder {
   /// run.json. Once the run has begun.
   void write(const nlohmann::ordered_json& json) const;
 
+  /// Error kFile if its name leads elsewhere by now.
+  void check() const { made_->check(); }
+
   /// run.json of a folder; null if it is not that of a run.
   [[nodiscard]] static nlohmann::ordered_json run_in(const std::filesystem::path& folder);
   /// The file of a query's records of a frame, or its table of all frames.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cde/jobs/journal.hpp"
+#include "cde/support/output_file.hpp"
 
 namespace cde {
 struct Mesh;
@@ -55,6 +56,8 @@ class Dealing {
   void start(const std::vector<std::string>& words);
   /// The chunks of the run come from these, all of them.
   void merge(std::vector<std::unique_ptr<Journal>> journals) { merged_ = std::move(journals); }
+  /// Those journals, for check_outputs().
+  void add_inputs(std::vector<FileUse>& inputs) const;
 
   [[nodiscard]] unsigned rank() const;
   [[nodiscard]] unsigned ranks() const;

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+struct stat;
+
 namespace cde {
 
 /// A number that tells contents apart (FNV-1a, 64 bits), in hexadecimal.
@@ -77,6 +79,7 @@ class Journal {
   [[noreturn]] void fail(const char* doing) const;
   [[noreturn]] void damaged(std::uint64_t at, std::string_view why) const;
   void open(Use use);
+  void check_owner(const struct stat& status);
   std::uint64_t scan();
   std::optional<std::string> line_at(std::uint64_t at) const;
   std::optional<std::uint64_t> entry_within(std::uint64_t from) const;

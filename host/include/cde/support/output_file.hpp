@@ -97,11 +97,14 @@ class OutputFolder {
   OutputFolder& operator=(const OutputFolder&) = delete;
   [[nodiscard]] bool made() const { return !made_.empty(); }
   void keep();
+  /// Error kFile if its name leads elsewhere by now.
+  void check() const;
   /// The folder itself, open while this object is, whatever lies under its name by now.
   [[nodiscard]] int descriptor() const { return folder_; }
 
  private:
   void take_back();
+  std::filesystem::path path_;
   std::vector<NameInFolder> made_;  ///< the innermost last
   int folder_ = -1;
 };
