@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the command says of itself: help, versions, suggestions, manual pages, completions.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -36,9 +37,41 @@ std::set<std::string> long_options(const std::string& text) {
   return {std::sregex_token_iterator(text.begin(), text.end(), option), {}};
 }
 
+/// What stands under a heading of a help page.
+std::string section(const std::string& text, const std::string& heading) {
+  const std::size_t start = text.find("\n\n" + heading + "\n");
+  if (start == std::string::npos) return "";
+  return text.substr(start + 2, text.find("\n\n", start + 2) - start - 2);
+}
+
+/// What stands in a section of a manual page.
+std::string section_of_page(const std::string& page, const std::string& heading) {
+  const std::size_t start = page.find(".SH " + heading + "\n");
+  return start == std::string::npos ? "" : page.substr(start, page.find("\n.SH ", start) - start);
+}
+
+/// The first groups of all matches.
+Words matches(const std::string& text, const std::string& pattern) {
+  const std::regex entry(pattern);
+  return {std::sregex_token_iterator(text.begin(), text.end(), entry, 1), {}};
+}
+
+/// Words of all verbs: {"cast"}, {"wave", "show"}.
+std::vector<Words> all_verbs() {
+  std::vector<Words> all;
+  for (const std::string& verb : kVerbs) all.push_back({verb});
+  for (const std::string& verb : kWaveVerbs) all.push_back({"wave", verb});
+  return all;
+}
+
 class Help : public Cli {
  protected:
   /// What the build makes each program write.
+  /// The help of a verb, in lines that are not broken.
+  std::string page_of(Words verb) {
+    verb.emplace_back("--help");
+    return cde(verb, {"COLUMNS=120"}).out;
+  }
   void write_manuals() {
     for (const char* program : {"", "-wave", "-explain", "-accuracy", "-bench"}) {
       const Ran ran = shell(fmt::format("\"$CDE{}\" write-manual share", program));
@@ -74,6 +107,40 @@ TEST_F(Help, OfAVerbOfAVerb) {
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(ran.out, cde({"wave", "info", "--help"}).out);
   EXPECT_TRUE(has(ran.out, "cde wave info"));
+}
+
+/// Statuses and variables are those of the verb, and the same in the help and in the manual page.
+TEST_F(Help, EndsWithStatusesAndVariablesOfTheVerb) {
+  write_manuals();
+  const std::string status = "\n  ([0-9]+(?: \\+ N)?) ", variable = "\n  ([A-Z_]+) ",
+                    entry = "\\.TP\n.fB([^\\\\]*).fR";
+  for (const Words& verb : all_verbs()) {
+    SCOPED_TRACE(fmt::format("{}", fmt::join(verb, " ")));
+    const std::string text = page_of(verb),
+                      page = contents(folder_ /
+                                      fmt::format("share/man/man1/cde-{}.1", fmt::join(verb, "-")));
+    EXPECT_EQ(matches(section(text, "Exit status"), status),
+              matches(section_of_page(page, "EXIT STATUS"), entry));
+    EXPECT_EQ(matches(section(text, "Environment"), variable),
+              matches(section_of_page(page, "ENVIRONMENT"), entry));
+  }
+  const auto statuses = [&](const Words& verb) {
+    return matches(section(page_of(verb), "Exit status"), status);
+  };
+  EXPECT_EQ(statuses({"cast"}), (Words{"0", "2", "3", "4", "128 + N"}));
+  EXPECT_EQ(statuses({"doctor"}), (Words{"0", "1", "2", "128 + N"}));
+  EXPECT_EQ(statuses({"plan"}), (Words{"0", "2", "128 + N"}));
+  EXPECT_EQ(statuses({"wave", "ls"}), (Words{"0", "2", "128 + N"}));
+  EXPECT_EQ(statuses({"wave", "diff"}), (Words{"0", "1", "2", "128 + N"}));
+  const auto variables = [&](const Words& verb) {
+    return matches(section(page_of(verb), "Environment"), variable);
+  };
+  EXPECT_EQ(variables({"wave", "show"}), (Words{"COLUMNS", "NO_COLOR"}));
+  EXPECT_EQ(variables({"wave", "ls"}), (Words{"NO_COLOR"}));
+  EXPECT_EQ(variables({"advise"}), (Words{"CDE_SHARE", "CDE_PRICES", "NO_COLOR"}));
+  EXPECT_EQ(variables({"query"}), (Words{"CDE_CACHE", "CDE_BITSTREAMS", "CDE_SHARE", "CDE_CLANG",
+                                         "CDE_MARCH", "CDE_ASSERT", "NO_COLOR"}));
+  EXPECT_TRUE(has(section(page_of({"cast"}), "Environment"), "CDE_MESH_MEMORY"));
 }
 
 /// Lines are not longer than the terminal, but for examples, which are there to be copied.

@@ -13,18 +13,6 @@ namespace cde::cli {
 /// The group of options that few users need; the help lists it last.
 inline constexpr const char* kAdvancedGroup = "Advanced options";
 
-struct Example {
-  std::string command, what;
-};
-/// Two of each verb, and of the program if `verb` is empty.
-[[nodiscard]] const std::vector<Example>& examples(std::string_view verb);
-
-struct HelpEntry {
-  std::string name, text;
-};
-[[nodiscard]] const std::vector<HelpEntry>& exit_statuses();
-[[nodiscard]] const std::vector<HelpEntry>& environment();
-
 /// Text broken at blanks into lines of at most `width` characters; a word that is longer has a line
 /// of its own.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t width);

@@ -8,6 +8,7 @@
 
 #include "cde/support/version.hpp"
 #include "options/help.hpp"
+#include "options/verb_help.hpp"
 
 namespace cde::cli {
 namespace {
@@ -70,9 +71,9 @@ std::string manual_page(const CLI::App& app) {
   for (const Example& e : examples(verb_name(app)))
     page += fmt::format(".PP\n{}:\n.PP\n.RS\n.nf\n{}\n.fi\n.RE\n", troff(e.what), troff(e.command));
   page += ".SH EXIT STATUS\n";
-  for (const HelpEntry& e : exit_statuses()) page += tagged(e.name, e.text);
+  for (const HelpEntry& e : exit_statuses(verb_name(app))) page += tagged(e.name, e.text);
   page += ".SH ENVIRONMENT\n";
-  for (const HelpEntry& e : environment()) page += tagged(e.name, e.text);
+  for (const HelpEntry& e : environment(verb_name(app))) page += tagged(e.name, e.text);
   page += ".SH SEE ALSO\n";
   if (!program) return page + "\\fBcde\\fR(1)\n";
   std::string others;
