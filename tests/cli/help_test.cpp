@@ -143,6 +143,33 @@ TEST_F(Help, EndsWithStatusesAndVariablesOfTheVerb) {
   EXPECT_TRUE(has(section(page_of({"cast"}), "Environment"), "CDE_MESH_MEMORY"));
 }
 
+/// A verb has all options under "Options", or under headings of their own. Manual pages have the
+/// same headings.
+TEST_F(Help, NoHeadingHasMoreThanEightOptions) {
+  write_manuals();
+  constexpr std::size_t kMost = 8;
+  const std::string option = "\n  (?:-[a-z], )?(--[a-z-]+)";
+  for (const Words& verb : all_verbs()) {
+    SCOPED_TRACE(fmt::format("{}", fmt::join(verb, " ")));
+    const std::string text = page_of(verb), upto = text.substr(0, text.find("\nExamples\n"));
+    const std::size_t all = matches(upto, option).size();
+    std::size_t grouped = 0;
+    Words headings;
+    for (const std::string& heading : matches(upto, "\n\n([A-Z][^\n]*)(?=\n)")) {
+      const std::size_t options = matches(section(text, heading), option).size();
+      EXPECT_LE(options, kMost) << heading;
+      EXPECT_FALSE(all > kMost && heading == "Options");
+      grouped += options;
+      if (options != 0) headings.push_back(heading);
+    }
+    EXPECT_EQ(grouped, all);
+    const Words in_page =
+        matches(contents(folder_ / fmt::format("share/man/man1/cde-{}.1", fmt::join(verb, "-"))),
+                "\n\\.SS ([^\n]*)");
+    EXPECT_EQ(in_page, headings.size() > 1 ? headings : Words());
+  }
+}
+
 /// Lines are not longer than the terminal, but for examples, which are there to be copied.
 TEST_F(Help, FitsTheTerminal) {
   for (const unsigned columns : {60u, 80u, 100u}) {

@@ -32,6 +32,7 @@
 #include "cde/support/suffix.hpp"
 #include "options/clock_target.hpp"
 #include "options/deal_options.hpp"
+#include "options/help.hpp"
 #include "options/pair_options.hpp"
 #include "options/scene_frames.hpp"
 #include "options/values.hpp"
@@ -439,6 +440,7 @@ CLI::Option* list(CLI::Option* option, char between = ',') {
 }
 
 void add_choices(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Pipes");
   pair_value(list(verb.add_option("--pair", o.pairs, "Pairs (all), separated by commas")), "LIST");
   named(list(verb.add_option("--formats", o.formats, "Formats (all)")), pair_formats(), "LIST",
         "format");
@@ -458,6 +460,10 @@ void add_choices(CLI::App& verb, AccuracyOptions& o) {
                              "separating axes; no card has these")
                  ->capture_default_str()),
         {"card", "fused", "textbook"}, "LIST", "variant");
+}
+
+void add_cases(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Cases");
   known_words(list(verb.add_option("--families", o.families,
                                    "Families of cases (all); a wrong name lists them")),
               {}, "LIST");
@@ -466,9 +472,40 @@ void add_choices(CLI::App& verb, AccuracyOptions& o) {
                   1, 100'000'000, "");
   whole_number_in(verb.add_option("--seed", o.seed, "Of the cases")->capture_default_str(), 0,
                   1'000'000'000'000, "");
+  whole_number_in(verb.add_option("--check", o.check,
+                                  "So many cases go through the simulated pipe too, by the "
+                                  "host's arithmetic and by gates, which are built first")
+                      ->capture_default_str(),
+                  0, 1'000'000, "");
+  add_deal_options(verb, o.deal);
+}
+
+/// What is measured instead of pairs of generated cases.
+void add_works(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Instead of generated cases");
+  auto* mesh = file_value(
+      verb.add_option("--mesh", o.mesh,
+                      "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
+      "MESH");
+  text_value(verb.add_option("--grid", o.grid, "Rays of the picture")->capture_default_str(), "WxH",
+             [](const std::string& text) { (void)parse_resolution(text, "--grid"); })
+      ->needs(mesh);
+  known_words(verb.add_option("--camera", o.camera,
+                              "Rays of a camera, eye,target[,angle], instead of straight down"),
+              {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto")
+      ->needs(mesh);
+  auto* scene =
+      file_value(verb.add_option("--scene", o.scene,
+                                 "Records of this scene instead, frame by frame, beside those of "
+                                 "fp64"),
+                 "SCENE");
+  scene->excludes(mesh);
+  frames_option(verb, o.frames)->needs(scene);
+  clock_option(verb, o.clock_mhz)->needs(scene);
 }
 
 void add_page(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Page and costs");
   auto* page = file_value(verb.add_option("--page", o.page,
                                           "All figures as a page with charts too, one HTML file "
                                           "that loads nothing (- is stdout)"),
@@ -484,6 +521,37 @@ void add_page(CLI::App& verb, AccuracyOptions& o) {
                   0, 1'000'000, "");
   target_option(verb, o.target, "Device that prices are of, or a clock without one")
       ->capture_default_str();
+  verb.add_flag("--operators,!--no-operators", o.operators,
+                "Count operators and clocks in the RTL: seconds a pipe the first time (on)");
+}
+
+void add_output(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Output");
+  file_value(verb.add_option("-o,--output", o.output, "Where to write (stdout)"), "FILE");
+  auto* json = verb.add_flag("--json", o.json, "All figures as JSON");
+  verb.add_flag("--short", o.short_json, "JSON without the families, one line per configuration")
+      ->needs(json);
+  auto* markdown = verb.add_flag("--markdown", o.markdown, "Tables in Markdown")->excludes(json);
+  verb.add_flag("--by-family", o.by_family, "Print a line per family, too");
+  verb.add_flag("--promises", o.promises,
+                "Instead a table in Markdown: what is promised of each pipe, whether it was kept, "
+                "and what was excused")
+      ->excludes(json)
+      ->excludes(markdown)
+      ->excludes("--verdicts");
+  verb.add_flag("-q,--quiet", o.quiet, "No progress");
+}
+
+/// Behind the options that it excludes.
+void add_verdicts(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Instead of generated cases");
+  CLI::Option* verdicts = verb.add_flag(
+      "--verdicts", o.verdicts,
+      "Instead: what a first test in --formats (bf16, fp16) is certain of, with proof in "
+      "fp32, of pairs of solids; budgets are 4,2,2 unless given");
+  for (const char* other :
+       {"--mesh", "--scene", "--page", "--from", "--resume", "--shard", "--check", "--variants"})
+    verdicts->excludes(other);
 }
 
 }  // namespace
@@ -496,59 +564,11 @@ void add_accuracy(CLI::App& app) {
       "mirror reference, which is the card bit by bit, and is judged by exact or certified "
       "arithmetic; with --mesh the cases are the pixels of a picture");
   add_choices(*verb, *o);
-  verb->add_flag("--by-family", o->by_family, "Print a line per family, too");
-  whole_number_in(verb->add_option("--check", o->check,
-                                   "So many cases go through the simulated pipe too, by the "
-                                   "host's arithmetic and by gates, which are built first")
-                      ->capture_default_str(),
-                  0, 1'000'000, "");
-  verb->add_flag("--operators,!--no-operators", o->operators,
-                 "Count operators and clocks in the RTL: seconds a pipe the first time (on)");
-  add_deal_options(*verb, o->deal);
-  auto* mesh = file_value(
-      verb->add_option("--mesh", o->mesh,
-                       "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
-      "MESH");
-  auto* scene =
-      file_value(verb->add_option("--scene", o->scene,
-                                  "Records of this scene instead, frame by frame, beside those of "
-                                  "fp64"),
-                 "SCENE");
-  scene->excludes("--mesh");
-  frames_option(*verb, o->frames)->needs(scene);
-  clock_option(*verb, o->clock_mhz)->needs(scene);
-  text_value(verb->add_option("--grid", o->grid, "Rays of the picture")->capture_default_str(),
-             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--grid"); })
-      ->needs(mesh);
-  known_words(verb->add_option("--camera", o->camera,
-                               "Rays of a camera, eye,target[,angle], instead of straight down"),
-              {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto")
-      ->needs(mesh);
-  auto* json = verb->add_flag("--json", o->json, "All figures as JSON");
-  verb->add_flag("--short", o->short_json, "JSON without the families, one line per configuration")
-      ->needs(json);
+  add_cases(*verb, *o);
+  add_works(*verb, *o);
   add_page(*verb, *o);
-  auto* markdown = verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
-  verb->add_flag("--promises", o->promises,
-                 "Instead a table in Markdown: what is promised of each pipe, whether it was kept, "
-                 "and what was excused")
-      ->excludes(json)
-      ->excludes(markdown);
-  verb->add_flag(
-          "--verdicts", o->verdicts,
-          "Instead: what a first test in --formats (bf16, fp16) is certain of, with proof in "
-          "fp32, of pairs of solids; budgets are 4,2,2 unless given")
-      ->excludes("--promises")
-      ->excludes("--mesh")
-      ->excludes("--scene")
-      ->excludes("--page")
-      ->excludes("--from")
-      ->excludes("--resume")
-      ->excludes("--shard")
-      ->excludes("--check")
-      ->excludes("--variants");
-  file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
-  verb->add_flag("-q,--quiet", o->quiet, "No progress");
+  add_verdicts(*verb, *o);
+  add_output(*verb, *o);
   verb->callback([o, verb] {
     settle_pairs(o->pairs);
     run(*verb, *o);

@@ -17,6 +17,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "options/clock_target.hpp"
+#include "options/help.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -103,6 +104,7 @@ void add_advise(CLI::App& app) {
       "Name the cheapest pipe that meets demands, by area and then by time, with its figures and "
       "the commands that repeat them; or what is in the way, with status 1. Figures are those of a "
       "sweep of cde accuracy that was kept");
+  begin_group(*verb, "Demands");
   pair_value(verb->add_option("--pair", o->pair, "Pair")->capture_default_str(), "PAIR");
   auto* error = number_in(verb->add_option("--max-error", o->max_error,
                                            "Error of T at most, over the size of the pair"),
@@ -123,10 +125,12 @@ void add_advise(CLI::App& app) {
   number_in(
       verb->add_option("--tests", o->tests, "Tests that the time is of")->capture_default_str(), 1,
       1e15, "");
+  begin_group(*verb, "Figures");
   target_option(*verb, o->target, "Device, or clock without one")->capture_default_str();
   file_value(verb->add_option("--from", o->from,
                               "Sweep, as cde accuracy --json writes it (docs/accuracy.json)"),
              "FILE");
+  begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "All configurations of the pair as JSON, the best first");
   quiet_flag(*verb);
   verb->callback([o, error, wrong] {

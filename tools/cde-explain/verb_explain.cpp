@@ -17,6 +17,7 @@
 #include "cde/support/error.hpp"
 #include "explain_line.hpp"
 #include "explain_record.hpp"
+#include "options/help.hpp"
 #include "options/pair_options.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
@@ -122,6 +123,7 @@ void add_explain(CLI::App& app) {
   verb->get_option("pair")->required(false);
   known_words(verb->add_option("words", o->words, "Words of A and of B, as cde query reads them"),
               {}, "WORDS");
+  begin_group(*verb, "Instead of a pair");
   text_value(verb->add_option(
                  "--from-record", o->record,
                  "Instead of a pair, a record: the scene or the folder of a run, query, frame, "
@@ -134,6 +136,7 @@ void add_explain(CLI::App& app) {
                                "printed, with the command in it"),
               {}, "LINE");
   exact_card_option(*verb, o->exact);
+  begin_group(*verb, "Output");
   whole_number_in(
       verb->add_option("--max", o->most,
                        "Operations that are listed, by their clock, and candidates; 0 for all")

@@ -14,6 +14,7 @@
 #include "cde/support/output_file.hpp"
 #include "cde/wave/guarded.hpp"
 #include "commands/commands.hpp"
+#include "options/help.hpp"
 #include "options/values.hpp"
 #include "program/program.hpp"
 #include "tui/tui_terminal.hpp"
@@ -96,6 +97,19 @@ const std::vector<Command>& commands() {
        {"--depth", "--structure", "--as", "--clock", "--max"}},
   };
   return kAll;
+}
+
+/// The heading of an option in the help.
+const char* heading_of(const std::string& option) {
+  static const std::map<std::string, const char*> kHeadings = {
+      {"--clock", "Times"},       {"--from", "Times"},         {"--to", "Times"},
+      {"--around", "Times"},      {"--window", "Times"},       {"--on", "Which places"},
+      {"--when", "Which places"}, {"--where", "Which places"}, {"--first", "Which places"},
+      {"--last", "Which places"}, {"--count", "Which places"}, {"--align", "Comparison"},
+      {"--ulp", "Comparison"},    {"--eps", "Comparison"},     {"--ignore", "Comparison"},
+      {"--diff", "Comparison"},   {"--structure", "Design"},   {"--depth", "Design"}};
+  const auto found = kHeadings.find(option);
+  return found == kHeadings.end() ? "Output" : found->second;
 }
 
 using Adder = std::function<void(CLI::App&, wave::Request&)>;
@@ -313,8 +327,12 @@ void add_command(CLI::App& app, const Command& command) {
                      fmt::format("{}; a signal is NAME, NAME[3], NAME[7:4], NAME:fp32, or "
                                  "NAME[3]:fp32, which is lane 3",
                                  command.words));
-  for (const std::string& option : command.options) adders().at(option)(*verb, *r);
-  verb->add_flag("--json", r->json, "JSON on stdout");
+  std::vector<std::string> options = command.options;
+  options.emplace_back("--json");
+  for (const std::string& option : options) {
+    begin_group(*verb, heading_of(option));
+    adders().at(option)(*verb, *r);
+  }
   verb->callback([r, &command] { run(command, *r); });
 }
 

@@ -27,6 +27,7 @@
 #include "cde/support/suffix.hpp"
 #include "options/clock_target.hpp"
 #include "options/deal_options.hpp"
+#include "options/help.hpp"
 #include "options/scene_frames.hpp"
 #include "options/trace_options.hpp"
 #include "options/values.hpp"
@@ -527,7 +528,16 @@ void add_run(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
   scene_option(*verb, o->scene);
+  begin_group(*verb, "Run");
   frames_option(*verb, o->frames);
+  text_value(verb->add_option("--fault", o->faults,
+                              "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given "
+                              "again")
+                 ->allow_extra_args(false),
+             "FAULT", [](const std::string& text) { (void)fault_of(text); });
+  scene_target_option(*verb, o->target);
+  exact_card_option(*verb, o->exact);
+  begin_group(*verb, "Outputs");
   folder_value(
       verb->add_option("-o,--output,--out", o->out,
                        "Folder for run.json and records: a new or empty one, or that of an earlier "
@@ -536,23 +546,20 @@ void add_run(CLI::App& app) {
   verb->add_flag("--file-per-frame", o->file_per_frame,
                  "Write the records of each query and frame to a file. A run that is stopped keeps "
                  "these files. Without the option each query has one table");
-  one_of(
-      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
-      {"all", "sample", "none"});
   file_value(verb->add_option("--report", o->report,
                               "Page about the run, one HTML file that loads nothing (- is stdout)"),
              "FILE.html");
+  begin_group(*verb, "Checks and limits");
+  one_of(
+      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
+      {"all", "sample", "none"});
   add_bundle_options(*verb, o->bundle);
-  add_deal_options(*verb, o->deal);
-  add_trace_options(*verb, o->trace, "Waves of the run, FST (- is stdout); kept even if it fails");
-  text_value(verb->add_option("--fault", o->faults,
-                              "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given "
-                              "again")
-                 ->allow_extra_args(false),
-             "FAULT", [](const std::string& text) { (void)fault_of(text); });
-  scene_target_option(*verb, o->target);
-  exact_card_option(*verb, o->exact);
   deadline_options(*verb, o->deadline, o->timeout, "pass");
+  begin_group(*verb, "Waves");
+  add_trace_options(*verb, o->trace, "Waves of the run, FST (- is stdout); kept even if it fails");
+  begin_group(*verb, "Several machines");
+  add_deal_options(*verb, o->deal);
+  begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "run.json on stdout too");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] {

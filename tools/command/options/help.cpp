@@ -70,23 +70,19 @@ class Page {
 };
 
 void add_options(Page& page, const CLI::App& app) {
-  const auto positional = shown_options(app, true), options = shown_options(app, false);
+  const auto positional = shown_options(app, true);
   if (!positional.empty()) page.heading("Arguments");
   for (const CLI::Option* o : positional) page.entry(option_head(*o), option_text(*o));
-  for (const bool advanced : {false, true}) {
-    bool first = true;
-    for (const CLI::Option* o : options) {
-      if ((o->get_group() == kAdvancedGroup) != advanced) continue;
-      if (std::exchange(first, false)) page.heading(advanced ? kAdvancedGroup : "Options");
-      page.entry(option_head(*o), option_text(*o));
-    }
+  for (const OptionGroup& group : option_groups(app)) {
+    page.heading(group.heading);
+    for (const CLI::Option* o : group.options) page.entry(option_head(*o), option_text(*o));
   }
 }
 
 class Formatter : public CLI::FormatterBase {
  public:
   std::string make_help(const CLI::App* app, std::string /*name*/,
-                        CLI::AppFormatMode mode) const override {
+                        CLI::AppFormatMode /*mode*/) const override {
     Page page(terminal_width(), may_colour(STDOUT_FILENO));
     page.paragraph(app->get_description());
     page.heading("Usage");
@@ -141,6 +137,25 @@ std::vector<const CLI::Option*> shown_options(const CLI::App& app, bool position
   return app.get_options([positional](const CLI::Option* o) {
     return !o->get_group().empty() && o->get_positional() == positional;
   });
+}
+
+void begin_group(CLI::App& verb, const std::string& heading) {
+  verb.option_defaults()->group(heading);
+  verb.get_help_ptr()->group(heading);
+}
+
+std::vector<OptionGroup> option_groups(const CLI::App& app) {
+  std::vector<const CLI::Option*> options = shown_options(app, false);
+  std::stable_partition(options.begin(), options.end(),
+                        [&](const CLI::Option* o) { return o != app.get_help_ptr(); });
+  std::vector<OptionGroup> groups;
+  for (const CLI::Option* o : options) {
+    const auto same = [o](const OptionGroup& g) { return g.heading == o->get_group(); };
+    auto group = std::find_if(groups.begin(), groups.end(), same);
+    if (group == groups.end()) group = groups.insert(group, {o->get_group(), {}});
+    group->options.push_back(o);
+  }
+  return groups;
 }
 
 std::vector<const CLI::App*> shown_verbs(const CLI::App& app) {

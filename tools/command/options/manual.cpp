@@ -32,12 +32,17 @@ std::string tagged(const std::string& head, const std::string& text) {
   return fmt::format(".TP\n\\fB{}\\fR\n{}\n", troff(head), troff(text));
 }
 
+/// Options that have headings of their own stand below these.
 std::string options_of(const CLI::App& app) {
   std::string page;
-  for (const bool positional : {true, false}) {
-    const auto options = shown_options(app, positional);
-    if (!options.empty()) page += positional ? ".SH ARGUMENTS\n" : ".SH OPTIONS\n";
-    for (const CLI::Option* o : options) page += tagged(option_head(*o), option_text(*o));
+  const auto positional = shown_options(app, true);
+  if (!positional.empty()) page += ".SH ARGUMENTS\n";
+  for (const CLI::Option* o : positional) page += tagged(option_head(*o), option_text(*o));
+  page += ".SH OPTIONS\n";
+  const auto groups = option_groups(app);
+  for (const OptionGroup& group : groups) {
+    if (groups.size() > 1) page += fmt::format(".SS {}\n", troff(group.heading));
+    for (const CLI::Option* o : group.options) page += tagged(option_head(*o), option_text(*o));
   }
   return page;
 }

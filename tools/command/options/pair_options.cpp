@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "cde/fp/number_text.hpp"
+#include "options/help.hpp"
 #include "options/values.hpp"
 
 namespace cde::cli {
@@ -14,6 +15,7 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
                              "other order, too, and then the words in that order; box is obb")
                  ->required(),
              "PAIR");
+  begin_group(verb, "Test");
   one_of(verb.add_option("--algorithm", o.algorithm, "Of ray-triangle")->capture_default_str(),
          algorithm_names());
   verb.add_flag_callback(
@@ -24,6 +26,13 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
       "--no-box", [&o] { o.box = false; }, "The plain pipe");
   verb.add_flag("--half-space", o.half_space,
                 "Of pairs with a plane: it bounds the solid half-space n.x <= d");
+  known_words(verb.add_option(
+                  "--budget", o.budget,
+                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
+                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
+                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
+              {}, "M,K1,K2|N");
+  begin_group(verb, "Pipe");
   one_of(verb.add_option("--format", o.format, "Format of the words")->capture_default_str(),
          pair_formats());
   one_of(verb.add_option("--arith", o.arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
@@ -41,12 +50,6 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
                          "pairs to the next, 1, or 3 with facet units that are shared; same bits")
              ->capture_default_str(),
          {"1", "3"});
-  known_words(verb.add_option(
-                  "--budget", o.budget,
-                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
-                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
-                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
-              {}, "M,K1,K2|N");
 }
 
 }  // namespace cde::cli
