@@ -102,6 +102,22 @@ TEST_F(Help, SameByVerbAndByOptionOnStdout) {
   }
 }
 
+/// The pages of all programs, each as the verb itself prints it.
+TEST_F(Help, AllHasEveryVerbOfEveryProgram) {
+  const Ran ran = cde({"--help-all"}, {"COLUMNS=120"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.err, "");
+  EXPECT_TRUE(ran.out.starts_with(page_of({})));
+  for (const Words& verb : all_verbs())
+    EXPECT_NE(ran.out.find("\n" + page_of(verb)), std::string::npos)
+        << fmt::format("{}", fmt::join(verb, " "));
+  const Ran alone = shell("cp \"$CDE\" cde && ./cde --help-all");
+  EXPECT_EQ(alone.status, 2) << "programs are missing";
+  EXPECT_TRUE(has(alone.out, "cde cast MESH"));
+  for (const char* program : {"cde-wave", "cde-explain", "cde-accuracy", "cde-bench"})
+    EXPECT_TRUE(has(alone.err, fmt::format("cde: {} is not installed", program)));
+}
+
 TEST_F(Help, OfAVerbOfAVerb) {
   const Ran ran = cde({"help", "wave", "info"});
   EXPECT_EQ(ran.status, 0);

@@ -104,11 +104,7 @@ class Formatter : public CLI::FormatterBase {
     for (const HelpEntry& e : exit_statuses(verb_name(*app))) page.entry(e.name, e.text);
     page.heading("Environment");
     for (const HelpEntry& e : environment(verb_name(*app))) page.entry(e.name, e.text);
-    std::string text = page.text();
-    if (mode == CLI::AppFormatMode::All)
-      for (const CLI::App* verb : verbs)
-        text += "\n" + make_help(verb, "", CLI::AppFormatMode::Sub);
-    return text;
+    return page.text();
   }
 };
 
