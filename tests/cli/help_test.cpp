@@ -209,9 +209,10 @@ TEST_F(Help, FitsTheTerminal) {
 
 /// Every verb has two examples or more, and their options exist.
 TEST_F(Help, ExamplesHaveOptionsThatExist) {
-  for (const std::string& verb : kVerbs) {
+  for (const Words& words : all_verbs()) {
+    const std::string verb = fmt::format("{}", fmt::join(words, " "));
     SCOPED_TRACE(verb);
-    const std::string text = cde({"help", verb}).out;
+    const std::string text = page_of(words);
     const std::size_t start = text.find("\nExamples\n"), stop = text.find("\nExit status\n");
     const std::string examples = text.substr(start, stop - start);
     static const std::regex command("\n    ");
@@ -222,11 +223,37 @@ TEST_F(Help, ExamplesHaveOptionsThatExist) {
       const std::string all = cde({"--help"}).out;
       known = long_options(all.substr(0, all.find("\nExamples\n")));
     }
-    if (verb == "wave")
+    if (verb == "wave") {
+      known = long_options(page_of({"cast"}));
       for (const std::string& inner : kWaveVerbs)
-        known.merge(long_options(cde({"wave", inner, "--help"}).out));
+        known.merge(long_options(page_of({"wave", inner})));
+    }
     for (const std::string& option : long_options(examples))
       EXPECT_TRUE(known.count(option) || option == "--help-all") << option;
+  }
+}
+
+/// The first example of cde wave makes the file of all others; other.fst is a cast of other rays.
+TEST_F(Help, ExamplesOfWaveRun) {
+  const auto examples_of = [&](const Words& verb) {
+    return matches(section(page_of(verb), "Examples"), "\n    (cde [^\n]*)");
+  };
+  const auto run = [&](const std::string& command) {
+    SCOPED_TRACE(command);
+    const auto before = files();
+    const Ran ran = shell("cde() { \"$CDE\" \"$@\"; }\n" + command);
+    EXPECT_EQ(ran.status, command.starts_with("cde wave diff") ? 1 : 0) << ran.err;
+    EXPECT_TRUE(ran.out != "" || files() != before);
+  };
+  const std::string cast =
+      examples_of({"wave"}).at(0) + " --lanes 4 --algorithm moller --exact-card -q";
+  run(std::regex_replace(cast, std::regex("waves.fst"), "other.fst"));
+  run(std::regex_replace(cast, std::regex("4x4"), "4x3"));
+  for (const std::string& verb : kWaveVerbs) {
+    const Words commands = examples_of({"wave", verb});
+    EXPECT_GE(commands.size(), 2u) << verb;
+    if (verb == "tui") continue;  // needs a terminal
+    for (const std::string& command : commands) run(command);
   }
 }
 
