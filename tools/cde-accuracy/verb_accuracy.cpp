@@ -35,6 +35,7 @@
 #include "options/help.hpp"
 #include "options/pair_options.hpp"
 #include "options/scene_frames.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -205,12 +206,8 @@ std::optional<std::vector<AccuracyRow>> measured_rows(const AccuracyOptions& o,
 }
 
 void run_pairs(const AccuracyOptions& o) {
-  if (!wanted(o.pairs, name(Pair::kRayTriangle)) &&
-      (!o.algorithms.empty() || o.box != "both" || o.profile_cases > 0))
-    throw Error(ErrorCode::kUsage,
-                "--algorithms, --box and --profiles are of ray-triangle, which is none of --pair");
   if (o.profile_cases > 0 && !o.json && o.page.empty())
-    throw Error(ErrorCode::kUsage, "--profiles are for --page or --json, and neither is given");
+    throw_usage("--profiles needs --page or --json");
   const SweepOptions options{.pipes = pipes_of(o),
                              .families = families_of(o),
                              .seed = o.seed,
@@ -389,27 +386,30 @@ void check_options(const CLI::App& verb, const AccuracyOptions& o) {
     for (const CLI::Option* given : verb.get_options()) {
       const std::string option = given->get_name();
       if (given->count() > 0 && option != work.option && option != "--quiet" &&
-          option != "--operators" && std::ranges::find(work.takes, option) == work.takes.end())
-        throw Error(ErrorCode::kUsage,
-                    fmt::format("{} has no meaning with {}", option, work.option));
+          std::ranges::find(work.takes, option) == work.takes.end())
+        cannot_combine(option, work.option);
     }
     if (work.option == std::string_view("--mesh") &&
         std::ranges::any_of(
             o.pairs, [](const std::string& pair) { return pair != name(Pair::kRayTriangle); }))
-      throw Error(ErrorCode::kUsage, "--mesh is of ray-triangle, not of other --pair");
+      cannot_combine("--mesh", fmt::format("--pair {}", fmt::join(o.pairs, ",")),
+                     "expected ray-triangle");
     return;
   }
 }
 
-/// Of a sweep: what would be written nowhere.
+/// Of a sweep: what would be measured or written nowhere.
 void check_sweep_options(const CLI::App& verb, const AccuracyOptions& o) {
-  if (o.by_family && o.promises)
-    throw Error(ErrorCode::kUsage, "--by-family has no meaning with --promises");
+  if (!wanted(o.pairs, name(Pair::kRayTriangle)))
+    for (const char* option : {"--algorithms", "--box", "--profiles"})
+      if (verb.count(option) > 0)
+        cannot_combine(option, fmt::format("--pair {}", fmt::join(o.pairs, ",")),
+                       "expected ray-triangle among them");
+  if (o.by_family && o.promises) cannot_combine("--by-family", "--promises");
   if (o.by_family && o.json)
-    throw Error(ErrorCode::kUsage,
-                "--by-family is of tables; --json has all families unless --short");
+    cannot_combine("--by-family", "--json", "it has all families unless --short is given");
   if (verb.count("--target") > 0 && o.promises && o.page.empty())
-    throw Error(ErrorCode::kUsage, "--target has no meaning with --promises");
+    cannot_combine("--target", "--promises");
 }
 
 void run(const CLI::App& verb, const AccuracyOptions& o) {

@@ -18,6 +18,7 @@
 #include "cde/support/message.hpp"
 #include "options/clock_target.hpp"
 #include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -63,9 +64,7 @@ Demands demands_of(const AdviseOptions& o) {
   d.no_leaks = o.no_leaks, d.sure = o.sure, d.tests = o.tests;
   if (!o.time.empty()) d.seconds = parse_time(o.time);
   if (d.no_leaks && d.pair != Pair::kRayTriangle)
-    throw Error(ErrorCode::kUsage, "--no-leaks is of ray-triangle; no other pair makes up meshes");
-  if (d.sure && !d.max_wrong)
-    throw Error(ErrorCode::kUsage, "--sure is of --max-wrong, which is not given");
+    cannot_combine("--no-leaks", "--pair " + o.pair, "expected ray-triangle");
   return d;
 }
 
@@ -119,7 +118,8 @@ void add_advise(CLI::App& app) {
                                            "Wrong decisions in a million at most, beyond the band"),
                           0, 1e6, "");
   verb->add_flag("--sure", o->sure,
-                 "The upper end of their interval counts, not their share in the sweep");
+                 "The upper end of their interval counts, not their share in the sweep")
+      ->needs(wrong);
   text_value(verb->add_option("--time", o->time, "Modelled time of the tests at most"), "TIME",
              [](const std::string& text) { (void)parse_time(text); });
   number_in(

@@ -15,6 +15,7 @@
 #include "cde/netlist/pipe_figures.hpp"
 #include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/streams.hpp"
 #include "verbs.hpp"
@@ -302,8 +303,13 @@ void add_inventory(CLI::App& app) {
   auto* json = verb->add_flag("--json", o->json, "Figures as JSON");
   quiet_flag(*verb);
   verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
-  verb->callback([o] {
+  verb->callback([o, verb] {
     settle_pairs(o->pairs);
+    if (verb->count("--facet-interval") != 0 && !o->pairs.empty() &&
+        std::none_of(o->pairs.begin(), o->pairs.end(),
+                     [](const std::string& pair) { return has_facets(*pair_named(pair)); }))
+      cannot_combine("--facet-interval", fmt::format("{}", fmt::join(o->pairs, " ")),
+                     "expected obb-obb, triangle-aabb or triangle-obb");
     run(*o);
   });
 }

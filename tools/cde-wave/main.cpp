@@ -15,6 +15,7 @@
 #include "cde/wave/guarded.hpp"
 #include "commands/commands.hpp"
 #include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "program/program.hpp"
 #include "tui/tui_terminal.hpp"
@@ -291,6 +292,28 @@ const std::map<std::string, Adder>& adders() {
   return kAll;
 }
 
+/// Options that cannot be combined. Those that a command does not have are passed over.
+void add_exclusions(CLI::App& verb, const Command& command) {
+  const auto pair = [&](const char* option, const std::vector<std::string>& others) {
+    if (verb.get_option_no_throw(option) != nullptr) excludes(verb, option, others);
+  };
+  const auto needs = [&](const char* option, const char* other) {
+    CLI::Option *first = verb.get_option_no_throw(option),
+                *second = verb.get_option_no_throw(other);
+    if (first != nullptr && second != nullptr) first->needs(second);
+  };
+  pair("--around", {"--from", "--to"});
+  needs("--window", "--around");
+  pair("--first", {"--last", "--count"});
+  pair("--last", {"--count"});
+  if (command.run == wave::find) pair("--max", {"--first", "--last", "--count"});
+  pair("--csv", {"--json", "--histogram"});
+  pair("--ascii", {"--json"});
+  needs("--ascii", "--histogram");
+  needs("--columns", "--histogram");
+  if (command.run != wave::export_waves) pair("--columns", {"--json"});
+}
+
 /// Removes what a crashed writer left beside an output.
 void remove_remains(const std::filesystem::path& output) {
   if (!output.has_filename() || output == "-") return;
@@ -328,11 +351,12 @@ void add_command(CLI::App& app, const Command& command) {
                                  "NAME[3]:fp32, which is lane 3",
                                  command.words));
   std::vector<std::string> options = command.options;
-  options.emplace_back("--json");
+  if (command.run != wave::terminal_viewer) options.emplace_back("--json");
   for (const std::string& option : options) {
     begin_group(*verb, heading_of(option));
     adders().at(option)(*verb, *r);
   }
+  add_exclusions(*verb, command);
   verb->callback([r, &command] { run(command, *r); });
 }
 

@@ -14,6 +14,7 @@
 #include "cde/support/suffix.hpp"
 #include "cde/wave/scope_views.hpp"
 #include "commands/commands.hpp"
+#include "options/typed.hpp"
 #include "output/streams.hpp"
 
 namespace cde::wave {
@@ -46,16 +47,12 @@ std::string format_of(const Request& r, const std::string& output) {
 void check_options(const Request& r, const std::string& format) {
   const auto only = [&](bool given, const char* option, const char* where) {
     if (given && format != where)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is of --format {}, not of {}", option, where, format));
+      cli::cannot_combine(option, "--format " + format, fmt::format("expected {}", where));
   };
   only(!r.on.empty(), "--on", "csv");
   only(r.columns != 0, "--columns", "svg");
   if (r.form != "auto" && (format == "vcd" || format == "fst"))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--as cannot be combined with --format {}, which has bits; expected "
-                            "csv, wavedrom, svg or gtkw",
-                            format));
+    cli::cannot_combine("--as", "--format " + format, "expected csv, wavedrom, svg or gtkw");
 }
 
 }  // namespace

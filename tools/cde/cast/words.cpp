@@ -15,6 +15,7 @@
 #include "cde/support/message.hpp"
 #include "options/deal_options.hpp"
 #include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 
 namespace cde::cli {
@@ -55,6 +56,10 @@ void add_pixels(CLI::App& verb, CastWords& o) {
       verb.add_option("--up", o.up, "Axis that is up in pictures: auto is y for glTF, z for others")
           ->capture_default_str(),
       {"auto", "x", "y", "z"});
+  excludes(verb, "--camera", {"--rays", "--ray"});
+  excludes(verb, "--grid", {"--rays", "--ray", "--camera"});
+  excludes(verb, "--size", {"--rays", "--ray", "--grid"});
+  excludes(verb, "--up", {"--rays", "--ray"});
 }
 
 void add_records(CLI::App& verb, CastWords& o) {

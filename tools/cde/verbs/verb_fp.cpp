@@ -16,6 +16,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "options/line_input.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "verbs/verbs.hpp"
 
@@ -234,8 +235,7 @@ void run(const Options& options) {
   if (!options.format.empty()) {
     format = FpFormat::parse(options.format);
     if (request.format && *request.format != format)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("operation '{}' is not of format {}", options.op, format.name()));
+      cannot_combine("--format " + format.name(), options.op);
   }
   FpUnit unit(format, options.arith == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost, options.lanes);
   Stream(request.op, request.exact, format, unit).run();

@@ -16,6 +16,7 @@
 #include "cde/support/error.hpp"
 #include "options/deal_options.hpp"
 #include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -210,8 +211,8 @@ void run(const QueryOptions& o) {
                                        {"--resume", o.deal.resume},
                                        {o.output == "-" ? "the answers" : "--output", o.output}},
                   std::vector<FileUse>{{o.file == "-" ? "stdin" : "FILE", o.file}});
-  if (o.keep_going && !o.check)
-    throw Error(ErrorCode::kUsage, "--keep-going is of comparing: not with --no-check");
+  if (o.keep_going && !o.check) cannot_combine("--keep-going", "--no-check");
+  o.bundle.check(o.check, "--no-check");
   PairConfig config = configuration(o);
   config.trace = o.trace.wanted();
   const bool dealt = Dealing::here().asked(o.deal);
@@ -289,8 +290,9 @@ void add_query(CLI::App& app) {
   begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
-  verb->callback([o] {
+  verb->callback([o, verb] {
     tell_builds(!o->quiet);
+    check_pair_options(*verb, *o);
     settle_pair(*o);
     run(*o);
   });

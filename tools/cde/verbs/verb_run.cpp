@@ -473,7 +473,17 @@ class Run {
   std::string waves_defect_;
 };
 
+/// Options that cannot be combined, before the scene is read.
+void check_options(const Options& o) {
+  o.bundle.check(o.check != "none", "--check none");
+  if (Dealing::here().asked(o.deal) && (o.trace.wanted() || !o.report.empty() || !o.faults.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--trace, --report and --fault are of one process: not with ranks, --resume or "
+                "--shard");
+}
+
 void run(const Options& o) {
+  check_options(o);
   Scene scene = [&] {
     const Busy busy("loading " + o.scene, o.quiet);
     return load_scene(o.scene);
@@ -494,10 +504,6 @@ void run(const Options& o) {
   const bool dealt = Dealing::here().asked(o.deal);
   if (dealt) {
     made.board = Dealing::here().shared(made.board);
-    if (o.trace.wanted() || !o.report.empty() || !o.faults.empty())
-      throw Error(ErrorCode::kUsage,
-                  "--trace, --report and --fault are of one process: not with ranks, --resume or "
-                  "--shard");
     const Frames frames = frames_of(o.frames, scene);
     const DealtFrames all{.scene = scene,
                           .plan = made,

@@ -5,6 +5,7 @@
 
 #include "cde/fp/number_text.hpp"
 #include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 
 namespace cde::cli {
@@ -24,6 +25,7 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
       "and planes that have a gap, but for sphere-sphere: it is at least that of the boxes (off)");
   verb.add_flag_callback(
       "--no-box", [&o] { o.box = false; }, "The plain pipe");
+  excludes(verb, "--box", {"--no-box"});
   verb.add_flag("--half-space", o.half_space,
                 "Of pairs with a plane: it bounds the solid half-space n.x <= d");
   known_words(verb.add_option(
@@ -50,6 +52,28 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
                          "pairs to the next, 1, or 3 with facet units that are shared; same bits")
              ->capture_default_str(),
          {"1", "3"});
+}
+
+void check_pair_options(const CLI::App& verb, const PairOptions& o) {
+  const Pair pair = pair_in_any_order(o.pair).pair;
+  struct Rule {
+    const char* option;
+    bool fits;
+    const char* expected;
+  };
+  const char* const with_box =
+      "expected a pair of a triangle, or a sphere or OBB with an OBB, without cylinders";
+  for (const Rule& rule :
+       {Rule{"--algorithm", pair == Pair::kRayTriangle, "expected ray-triangle"},
+        Rule{"--box", has_box_rule(pair), with_box}, Rule{"--no-box", has_box_rule(pair), with_box},
+        Rule{"--half-space", secondary_shape(pair) == Shape::kPlane,
+             "expected a pair with a plane"},
+        Rule{"--facet-interval", has_facets(pair),
+             "expected obb-obb, triangle-aabb or triangle-obb"},
+        Rule{"--budget", has_budget(pair),
+             "expected cylinder-cylinder, obb-cylinder or triangle-cylinder"}})
+    if (!rule.fits && verb.count(rule.option) != 0)
+      cannot_combine(rule.option, name(pair), rule.expected);
 }
 
 }  // namespace cde::cli
