@@ -129,7 +129,8 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
   refused(with("--fields", "u"), "--fields needs --output");
   refused(with("--up", "w"), "--up is 'w'; it must be auto, x, y or z");
   refused({"one.obj", "--grid", "4x2", "-o", "x.csv", "--fields", "u,w"}, "no field 'w'");
-  refused({"one.obj", "--grid", "4x2", "-o", "x.npy", "--bits"}, "--bits cannot be combined with --output x.npy");
+  refused({"one.obj", "--grid", "4x2", "-o", "x.npy", "--bits"},
+          "--bits cannot be combined with --output x.npy");
   refused({"one.obj", "--image", "x.png", "--shadows"}, "--shadows needs --shaded", "render");
   refused({"one.obj", "--shaded", "x.png"}, "no option '--shaded'");
   refused({"one.obj"}, "rays are missing");

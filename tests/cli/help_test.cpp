@@ -186,6 +186,22 @@ TEST_F(Help, NoHeadingHasMoreThanEightOptions) {
   }
 }
 
+/// Defaults stand in brackets of one kind, behind the text.
+TEST_F(Help, DefaultsStandInSquareBrackets) {
+  const std::regex other(
+      "\\((?:on|off|all|default [^)]*|stdout|[0-9,.]+|the terminal's|[A-Z]+\\.run)\\)|"
+      " if (?:it is )?not given|\\[\\[");
+  for (const Words& verb : all_verbs()) {
+    const std::string text = std::regex_replace(page_of(verb), std::regex("\\s+"), " ");
+    std::smatch found;
+    EXPECT_FALSE(std::regex_search(text, found, other))
+        << fmt::format("{}: {}", fmt::join(verb, " "), found.str());
+  }
+  const std::string cast = std::regex_replace(page_of({"cast"}), std::regex("\\s+"), " ");
+  EXPECT_TRUE(has(cast, "none is far from its triangle [on]"));
+  EXPECT_TRUE(has(cast, "in the reference, too [on, rays:64]"));
+}
+
 /// Lines are not longer than the terminal, but for examples, which are there to be copied.
 TEST_F(Help, FitsTheTerminal) {
   for (const unsigned columns : {60u, 80u, 100u}) {

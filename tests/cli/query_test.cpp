@@ -254,10 +254,12 @@ TEST_F(Query, NoPairsHaveNoSpeed) {
 TEST_F(Query, WrongUsageIsRefused) {
   refused({"teapot"}, "no pair 'teapot'; there are: ray-triangle, obb-obb");
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
-  refused({"sphere-sphere", "--algorithm", "badouel"}, "--algorithm cannot be combined with sphere-sphere; expected ray-triangle");
+  refused({"sphere-sphere", "--algorithm", "badouel"},
+          "--algorithm cannot be combined with sphere-sphere; expected ray-triangle");
   refused({"sphere-sphere", "--half-space"}, "--half-space cannot be combined with sphere-sphere");
   refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be host or rtl");
-  refused({"sphere-sphere", "--facet-interval", "3"}, "--facet-interval cannot be combined with sphere-sphere");
+  refused({"sphere-sphere", "--facet-interval", "3"},
+          "--facet-interval cannot be combined with sphere-sphere");
   refused({"obb-obb", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
   refused({"sphere-sphere", "--lanes", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--lanes", "257"},

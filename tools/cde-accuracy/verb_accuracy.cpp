@@ -26,6 +26,7 @@
 #include "cde/image/camera.hpp"
 #include "cde/jobs/dealing.hpp"
 #include "cde/mesh/mesh.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
@@ -218,7 +219,7 @@ void run_pairs(const AccuracyOptions& o) {
   std::optional<OutputFile> page;
   if (!o.page.empty() && Dealing::here().leads()) page.emplace(o.page);
   Json all = head_json(kSweepSchema);
-  say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
+  say_what(o, all["machine"], counted(o.cases, "case") + " per line");
   const std::optional<std::vector<AccuracyRow>> measured = measured_rows(o, options);
   if (!measured) return;
   const std::vector<AccuracyRow>& rows = *measured;
@@ -263,8 +264,8 @@ void run_picture(const AccuracyOptions& o) {
                                                      : parse_camera(o.camera).rays(size);
   Json all = head_json("cde.accuracy.picture.1");
   say_what(o, all["machine"],
-           fmt::format("{}, {} triangles, {} rays", printable_name(o.mesh), mesh.faces.size(),
-                       rays.size()));
+           fmt::format("{}, {}, {}", printable_name(o.mesh), counted(mesh.faces.size(), "triangle"),
+                       counted(rays.size(), "ray")));
   std::optional<OutputFile> page;
   if (!o.page.empty()) {
     need_three("--page");
@@ -308,9 +309,9 @@ void run_scene(const AccuracyOptions& o) {
   } else {
     write(o,
           scene_table(rows, clock_hz, o.markdown) +
-              fmt::format("rows ms: modelled time of the rows alone, {} lanes at an assumed core "
+              fmt::format("rows ms: modelled time of the rows alone, {} at an assumed core "
                           "clock of {:g} MHz in every format, without start, write-back and bus\n",
-                          planned.board.lanes, o.clock_mhz));
+                          counted(planned.board.lanes, "lane"), o.clock_mhz));
   }
 }
 
@@ -352,7 +353,7 @@ void run_verdicts(const AccuracyOptions& o) {
   for (const VerdictRow& row : rows) pipes.push_back({.pair = row.pair, .format = row.narrow});
   check_families(o, pipes);
   Json all = head_json("cde.accuracy.verdicts.1");
-  say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
+  say_what(o, all["machine"], counted(o.cases, "case") + " per line");
   count_verdicts(rows, {families_of(o), o.seed, o.cases, o.quiet});
   if (o.json) {
     all.update({{"seed", o.seed}, {"cases", o.cases}, {"verdicts", verdict_json(rows)}});
@@ -441,17 +442,20 @@ CLI::Option* list(CLI::Option* option, char between = ',') {
 
 void add_choices(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Pipes");
-  pair_value(list(verb.add_option("--pair", o.pairs, "Pairs (all), separated by commas")), "LIST");
-  named(list(verb.add_option("--formats", o.formats, "Formats (all)")), pair_formats(), "LIST",
-        "format");
-  named(list(verb.add_option("--algorithms", o.algorithms, "Of ray-triangle (all)")),
+  pair_value(
+      list(verb.add_option("--pair", o.pairs, "Pairs, separated by commas")->default_str("all")),
+      "LIST");
+  named(list(verb.add_option("--formats", o.formats, "Formats")->default_str("all")),
+        pair_formats(), "LIST", "format");
+  named(list(verb.add_option("--algorithms", o.algorithms, "Of ray-triangle")->default_str("all")),
         algorithm_names(), "LIST", "algorithm");
   one_of(verb.add_option("--box", o.box, "Of ray-triangle: with the box rule, without, or both")
              ->capture_default_str(),
          {"both", "on", "off"});
   known_words(list(verb.add_option("--budgets", o.budgets,
                                    "Of cylinder pairs, as cde query has them, separated by "
-                                   "colons: 4,0,0:8,8,8 (8,8,8)"),
+                                   "colons: 4,0,0:8,8,8")
+                       ->default_str("8,8,8"),
                    ':'),
               {}, "LIST");
   named(list(verb.add_option("--variants", o.variants,
@@ -464,9 +468,10 @@ void add_choices(CLI::App& verb, AccuracyOptions& o) {
 
 void add_cases(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Cases");
-  known_words(list(verb.add_option("--families", o.families,
-                                   "Families of cases (all); a wrong name lists them")),
-              {}, "LIST");
+  known_words(
+      list(verb.add_option("--families", o.families, "Families of cases; a wrong name lists them")
+               ->default_str("all")),
+      {}, "LIST");
   whole_number_in(verb.add_option("--cases", o.cases, "Cases a pipe, shared out to its families")
                       ->capture_default_str(),
                   1, 100'000'000, "");
@@ -522,12 +527,14 @@ void add_page(CLI::App& verb, AccuracyOptions& o) {
   target_option(verb, o.target, "Device that prices are of, or a clock without one")
       ->capture_default_str();
   verb.add_flag("--operators,!--no-operators", o.operators,
-                "Count operators and clocks in the RTL: seconds a pipe the first time (on)");
+                "Count operators and clocks in the RTL: seconds a pipe the first time")
+      ->default_str("on");
 }
 
 void add_output(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Output");
-  file_value(verb.add_option("-o,--output", o.output, "Where to write (stdout)"), "FILE");
+  file_value(verb.add_option("-o,--output", o.output, "Where to write")->default_str("stdout"),
+             "FILE");
   auto* json = verb.add_flag("--json", o.json, "All figures as JSON");
   verb.add_flag("--short", o.short_json, "JSON without the families, one line per configuration")
       ->needs(json);
@@ -547,8 +554,8 @@ void add_verdicts(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Instead of generated cases");
   CLI::Option* verdicts = verb.add_flag(
       "--verdicts", o.verdicts,
-      "Instead: what a first test in --formats (bf16, fp16) is certain of, with proof in "
-      "fp32, of pairs of solids; budgets are 4,2,2 unless given");
+      "Instead: what a first test is certain of, with proof in fp32, of pairs of solids. Unless "
+      "given, --formats is bf16,fp16 and --budgets 4,2,2");
   for (const char* other :
        {"--mesh", "--scene", "--page", "--from", "--resume", "--shard", "--check", "--variants"})
     verdicts->excludes(other);

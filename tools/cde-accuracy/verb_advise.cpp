@@ -127,8 +127,8 @@ void add_advise(CLI::App& app) {
       1e15, "");
   begin_group(*verb, "Figures");
   target_option(*verb, o->target, "Device, or clock without one")->capture_default_str();
-  file_value(verb->add_option("--from", o->from,
-                              "Sweep, as cde accuracy --json writes it (docs/accuracy.json)"),
+  file_value(verb->add_option("--from", o->from, "Sweep, as cde accuracy --json writes it")
+                 ->default_str("docs/accuracy.json"),
              "FILE");
   begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "All configurations of the pair as JSON, the best first");

@@ -98,7 +98,8 @@ void add_bench(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
   named(verb->add_option("section", a->sections,
-                         "Sections to run (all): rays, fp, pairs, bus, effects, hierarchy, waves"),
+                         "Sections to run: rays, fp, pairs, bus, effects, hierarchy, waves")
+            ->default_str("all"),
         {"rays", "fp", "pairs", "bus", "effects", "hierarchy", "waves"}, "SECTION", "section");
   auto* json = verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   quiet_flag(*verb);

@@ -288,9 +288,10 @@ void add_inventory(CLI::App& app) {
       "inventory",
       "Count the operators of the pipes and read their latencies in the elaborated RTL; the four "
       "ray-triangle algorithms beside the paper's Tables 1 and 2");
-  pair_value(verb->add_option("pair", o->pairs,
-                              "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
-             "PAIR");
+  pair_value(
+      verb->add_option("pair", o->pairs, "Pairs to examine: ray-triangle, sphere-sphere, ...")
+          ->default_str("all"),
+      "PAIR");
   text_value(verb->add_option("--latencies", o->profile,
                               "Clocks of add, mul, div, sqrt and compare for the column `clocks`")
                  ->capture_default_str(),

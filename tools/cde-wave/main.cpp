@@ -136,11 +136,9 @@ const std::map<std::string, Adder>& adders() {
        }},
       {"--clock",
        [](CLI::App& verb, wave::Request& r) {
-         text_value(
-             verb.add_option("--clock", r.clock,
-                             "Signal whose rising edges are cycles (the outermost clk, clk_i, "
-                             "clock, aclk or i_clk)"),
-             "SIGNAL", {});
+         text_value(verb.add_option("--clock", r.clock, "Signal whose rising edges are cycles")
+                        ->default_str("the outermost clk, clk_i, clock, aclk or i_clk"),
+                    "SIGNAL", {});
        }},
       {"--from",
        [](CLI::App& verb, wave::Request& r) {
@@ -162,14 +160,15 @@ const std::map<std::string, Adder>& adders() {
          whole_number_in(
              verb.add_option("--window", r.window,
                              "Cycles of the clock before and behind --around; without a clock "
-                             "units of the file; 10 if it is not given"),
+                             "units of the file")
+                 ->default_str("10"),
              1, 1000000000, "");
        }},
       {"--columns",
        [](CLI::App& verb, wave::Request& r) {
-         whole_number_in(
-             verb.add_option("--columns", r.columns, "Width of the picture (the terminal's)"), 40,
-             10000, "");
+         whole_number_in(verb.add_option("--columns", r.columns, "Width of the picture")
+                             ->default_str("the terminal's"),
+                         40, 10000, "");
        }},
       {"--ascii",
        [](CLI::App& verb, wave::Request& r) {
@@ -232,7 +231,8 @@ const std::map<std::string, Adder>& adders() {
              verb.add_option("-o,--output", r.output,
                              "the page, an HTML file; export: the file to write; its name "
                              "ends in .vcd, .csv, .json (WaveDrom), .svg, .fst or .gtkw (GTKWave), "
-                             "or --format says what it is (stdout)"),
+                             "or --format says what it is")
+                 ->default_str("stdout"),
              "FILE");
        }},
       {"--format",
@@ -275,8 +275,7 @@ const std::map<std::string, Adder>& adders() {
       {"--max",
        [](CLI::App& verb, wave::Request& r) {
          whole_number_in(
-             verb.add_option("--max", r.max,
-                             "Most lines, 0 for all; serve: most megabytes of the page (32)")
+             verb.add_option("--max", r.max, "Most lines, or megabytes of a page; 0 for all")
                  ->capture_default_str(),
              0, 1000000000, "");
        }},

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
@@ -99,7 +100,7 @@ int export_waves(const Request& r) {
               {"signals", count}});
     cli::put_json(j);
   } else if (output != "-") {
-    cli::say("{}: {}, {} signals, {} to {}\n", printable_name(output), format, count,
+    cli::say("{}: {}, {}, {} to {}\n", printable_name(output), format, counted(count, "signal"),
              times.text(w.from), times.text(w.to));
   }
   return 0;

@@ -43,14 +43,14 @@ void add_listed_rays(CLI::App& verb, CastWords& o) {
 void add_pixels(CLI::App& verb, CastWords& o) {
   text_value(verb.add_option("--camera", o.camera,
                              "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of "
-                             "view, above 0 and below 180 degrees (40); without it one that shows "
-                             "the mesh"),
+                             "view, above 0 and below 180 degrees, 40 if left out")
+                 ->default_str("one that shows the mesh"),
              "VIEW", [](const std::string& text) { (void)parse_camera(text, "--camera"); });
   text_value(verb.add_option("--grid", o.grid, "Picture straight down, of square pixels"), "WxH",
              [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
-  text_value(verb.add_option("--size", o.size,
-                             "Size of a picture; 640x480 if not given, or without a hierarchy "
-                             "the smaller the more triangles, down to 128x96"),
+  text_value(verb.add_option("--size", o.size, "Size of a picture")
+                 ->default_str("640x480; without a hierarchy the smaller the more triangles, down "
+                               "to 128x96"),
              "WxH", [](const std::string& text) { (void)parse_resolution(text, "--size"); });
   one_of(
       verb.add_option("--up", o.up, "Axis that is up in pictures: auto is y for glTF, z for others")

@@ -270,7 +270,8 @@ void add_fp(CLI::App& app) {
   std::vector<std::string_view> formats;
   for (const NamedFpFormat& f : kFpFormats) formats.push_back(f.name);
   text_value(verb->add_option("-f,--format", options->format,
-                              fmt::format("{}, or eEmM (default fp32)", fmt::join(formats, " "))),
+                              fmt::format("{}, or eEmM", fmt::join(formats, " ")))
+                 ->default_str("fp32"),
              "FORMAT", [](const std::string& text) { (void)FpFormat::parse(text); });
   one_of(verb->add_option("-a,--arith", options->arith,
                           "rtl: the gates; host: the host's FPU, same bits")

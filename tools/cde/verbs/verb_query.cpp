@@ -271,7 +271,8 @@ void add_query(CLI::App& app) {
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
   begin_group(*verb, "Checks");
   verb->add_flag("--check,!--no-check", o->check,
-                 "Compare every answer with the reference, bit for bit (on)");
+                 "Compare every answer with the reference, bit for bit")
+      ->default_str("on");
   CLI::Option* const keep_going = verb->add_flag(
       "-k,--keep-going", o->keep_going,
       fmt::format("Go on where an answer differs from the reference: flags say differs, "

@@ -248,8 +248,8 @@ class Run {
         row("verdicts",
             t.asked == 0
                 ? "no query leaves misses out, all pairs went to the wide lane"
-                : fmt::format("{} lanes left {} of {} pairs to the wide one, {:.3g} %",
-                              scene_.card.verdicts->name(), t.open, t.asked,
+                : fmt::format("{} lanes left {} of {} to the wide one, {:.3g} %",
+                              scene_.card.verdicts->name(), t.open, counted(t.asked, "pair"),
                               100 * static_cast<double>(t.open) / static_cast<double>(t.asked)));
       row("modelled time",
           fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory {}",
@@ -547,7 +547,8 @@ void add_run(CLI::App& app) {
   folder_value(
       verb->add_option("-o,--output,--out", o->out,
                        "Folder for run.json and records: a new or empty one, or that of an earlier "
-                       "run, which is removed (SCENE.run)"),
+                       "run, which is removed")
+          ->default_str("SCENE.run"),
       "FOLDER");
   verb->add_flag("--file-per-frame", o->file_per_frame,
                  "Write the records of each query and frame to a file. A run that is stopped keeps "

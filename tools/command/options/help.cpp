@@ -193,7 +193,9 @@ std::string option_head(const CLI::Option& option) {
 std::string option_text(const CLI::Option& option) {
   std::string text = option.get_description();
   const std::string value = option.get_default_str();
-  if (!value.empty() && takes(option).kind != Takes::Kind::kNothing)
+  if (!value.empty() && value.front() == '[')
+    text += " " + value;  // a list
+  else if (!value.empty())
     text += fmt::format(" [{}]", value);
   return text;
 }

@@ -20,20 +20,23 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
   one_of(verb.add_option("--algorithm", o.algorithm, "Of ray-triangle")->capture_default_str(),
          algorithm_names());
   verb.add_flag_callback(
-      "--box", [&o] { o.box = true; },
-      "Of ray-triangle: a hit must lie in the triangle's box (on); of pairs without cylinders "
-      "and planes that have a gap, but for sphere-sphere: it is at least that of the boxes (off)");
+          "--box", [&o] { o.box = true; },
+          "Of ray-triangle: a hit must lie in the triangle's box; of pairs without cylinders "
+          "and planes that have a gap, but for sphere-sphere: it is at least that of the boxes")
+      ->default_str("on for ray-triangle, off for others");
   verb.add_flag_callback(
       "--no-box", [&o] { o.box = false; }, "The plain pipe");
   excludes(verb, "--box", {"--no-box"});
   verb.add_flag("--half-space", o.half_space,
                 "Of pairs with a plane: it bounds the solid half-space n.x <= d");
-  known_words(verb.add_option(
-                  "--budget", o.budget,
-                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
-                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
-                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
-              {}, "M,K1,K2|N");
+  known_words(
+      verb.add_option(
+              "--budget", o.budget,
+              "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
+              "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
+              "to 64), or a number of evaluations, which is split evenly")
+          ->default_str("8,8,8"),
+      {}, "M,K1,K2|N");
   begin_group(verb, "Pipe");
   one_of(verb.add_option("--format", o.format, "Format of the words")->capture_default_str(),
          pair_formats());
@@ -43,9 +46,9 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
   if (lanes)
     whole_number_in(
         verb.add_option("--lanes", o.lanes,
-                        "Pairs a clock; 8 if not given, or 1 in fp64 for obb-obb, "
-                        "triangle-aabb, triangle-obb and triangle-triangle, whose bitstreams "
-                        "of more lanes take minutes to build"),
+                        "Pairs a clock. In fp64, bitstreams of more than one lane take minutes to "
+                        "build for obb-obb, triangle-aabb, triangle-obb and triangle-triangle")
+            ->default_str("8, or 1 for these"),
         1, 256, "");
   one_of(verb.add_option("--facet-interval", o.facet_interval,
                          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of "
