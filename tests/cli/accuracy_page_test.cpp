@@ -291,7 +291,7 @@ TEST_F(AccuracyPage, ClocksOfCards) {
   EXPECT_EQ(none.status, 2);
   EXPECT_TRUE(has(none.err, "no row of add fp32 LAT 1 on ecp5-85; prices.json has add fp16 LAT 1"));
   EXPECT_EQ(both.status, 2);
-  EXPECT_TRUE(has(both.err, "exclude each other"));
+  EXPECT_TRUE(has(both.err, "cannot be combined with"));
 }
 
 /// A scene has latencies of its own, so rows of deep operators give its clock.

@@ -112,8 +112,9 @@ TEST_F(Advise, DemandsThatMakeNoSense) {
   refused({"--max-error", "-1"}, "--max-error is '-1'");
   refused({"--pair", "obb-ob"}, "no pair 'obb-ob'; did you mean obb-obb?");
   refused({"--pair", "obb-obb"}, "kept.json has no configuration of obb-obb");
-  refused({"--pair", "sphere-sphere", "--no-leaks"}, "--no-leaks is of ray-triangle");
-  refused({"--sure"}, "--sure is of --max-wrong");
+  refused({"--pair", "sphere-sphere", "--no-leaks"},
+          "--no-leaks cannot be combined with --pair sphere-sphere");
+  refused({"--sure"}, "--sure needs --max-wrong");
   refused({"--target", "xc7"}, "--target is 'xc7'; it must be ecp5-85, hx8k or assumed:");
   for (const auto& [from, text] : {std::pair{".", ".: is a folder, not a file"},
                                    {"/dev/zero", "/dev/zero: is a device, not a file"}}) {

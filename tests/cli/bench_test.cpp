@@ -143,7 +143,7 @@ TEST_F(Bench, QuickEffects) {
   EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '|'), 5 * 5) << ran.err;
   const Ran other = cde({"bench", "--quick", "--markdown"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_TRUE(has(other.err, "--markdown is of section effects alone"));
+  EXPECT_TRUE(has(other.err, "--markdown needs section effects alone"));
   const auto j = nlohmann::json::parse(ran.out)["effects"];
   EXPECT_EQ(j["rays"], 256);
   EXPECT_EQ(j["lanes"], 16);

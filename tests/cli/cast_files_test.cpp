@@ -126,11 +126,12 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
   refused(with("--shaded", "x.npy"), "--shaded is 'x.npy'; its name must end in .png", "render");
   refused(with("--indices", "x.pfm"), "must end in .png or .npy", "render");
   refused(with("-o", "x.txt"), "must end in .csv, .npy or .jsonl");
-  refused(with("--fields", "u"), "--fields is of records");
+  refused(with("--fields", "u"), "--fields needs --output");
   refused(with("--up", "w"), "--up is 'w'; it must be auto, x, y or z");
   refused({"one.obj", "--grid", "4x2", "-o", "x.csv", "--fields", "u,w"}, "no field 'w'");
-  refused({"one.obj", "--grid", "4x2", "-o", "x.npy", "--bits"}, "--bits is of CSV");
-  refused({"one.obj", "--image", "x.png", "--shadows"}, "--shadows is of --shaded", "render");
+  refused({"one.obj", "--grid", "4x2", "-o", "x.npy", "--bits"},
+          "--bits cannot be combined with --output x.npy");
+  refused({"one.obj", "--image", "x.png", "--shadows"}, "--shadows needs --shaded", "render");
   refused({"one.obj", "--shaded", "x.png"}, "no option '--shaded'");
   refused({"one.obj"}, "rays are missing");
 }

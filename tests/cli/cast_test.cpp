@@ -303,8 +303,9 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
   refused(with({"one.obj", "--rays", "bad.csv"}), "bad.csv:2:5");
   refused(with({"one.obj", "--rays", "zero.csv"}), "zero.csv:1");
   refused(with({"one.obj", "--rays", "folder"}), "folder");
-  refused(with({"one.obj", "--ray", ray, "--grid", "4x4"}), "exclude each other");
-  refused(with({"one.obj", "--camera", "0,0,0,1,1,1", "--grid", "4x4"}), "exclude each other");
+  refused(with({"one.obj", "--ray", ray, "--grid", "4x4"}), "--grid cannot be combined with --ray");
+  refused(with({"one.obj", "--camera", "0,0,0,1,1,1", "--grid", "4x4"}),
+          "--grid cannot be combined with --camera");
   refused(with({"one.obj", "--grid", "4x4", "--size", "4x4"}), "--size");
   refused(with({"one.obj", "--ray", ray, "--size", "4x4"}), "--size");
   refused(with({"one.obj", "--grid", "0x4"}), "0 x 4 pixels");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the command says of itself: help, versions, suggestions, manual pages, completions.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -36,9 +37,41 @@ std::set<std::string> long_options(const std::string& text) {
   return {std::sregex_token_iterator(text.begin(), text.end(), option), {}};
 }
 
+/// What stands under a heading of a help page.
+std::string section(const std::string& text, const std::string& heading) {
+  const std::size_t start = text.find("\n\n" + heading + "\n");
+  if (start == std::string::npos) return "";
+  return text.substr(start + 2, text.find("\n\n", start + 2) - start - 2);
+}
+
+/// What stands in a section of a manual page.
+std::string section_of_page(const std::string& page, const std::string& heading) {
+  const std::size_t start = page.find(".SH " + heading + "\n");
+  return start == std::string::npos ? "" : page.substr(start, page.find("\n.SH ", start) - start);
+}
+
+/// The first groups of all matches.
+Words matches(const std::string& text, const std::string& pattern) {
+  const std::regex entry(pattern);
+  return {std::sregex_token_iterator(text.begin(), text.end(), entry, 1), {}};
+}
+
+/// Words of all verbs: {"cast"}, {"wave", "show"}.
+std::vector<Words> all_verbs() {
+  std::vector<Words> all;
+  for (const std::string& verb : kVerbs) all.push_back({verb});
+  for (const std::string& verb : kWaveVerbs) all.push_back({"wave", verb});
+  return all;
+}
+
 class Help : public Cli {
  protected:
   /// What the build makes each program write.
+  /// The help of a verb, in lines that are not broken.
+  std::string page_of(Words verb) {
+    verb.emplace_back("--help");
+    return cde(verb, {"COLUMNS=120"}).out;
+  }
   void write_manuals() {
     for (const char* program : {"", "-wave", "-explain", "-accuracy", "-bench"}) {
       const Ran ran = shell(fmt::format("\"$CDE{}\" write-manual share", program));
@@ -69,11 +102,104 @@ TEST_F(Help, SameByVerbAndByOptionOnStdout) {
   }
 }
 
+/// The pages of all programs, each as the verb itself prints it.
+TEST_F(Help, AllHasEveryVerbOfEveryProgram) {
+  const Ran ran = cde({"--help-all"}, {"COLUMNS=120"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.err, "");
+  EXPECT_TRUE(ran.out.starts_with(page_of({})));
+  for (const Words& verb : all_verbs())
+    EXPECT_NE(ran.out.find("\n" + page_of(verb)), std::string::npos)
+        << fmt::format("{}", fmt::join(verb, " "));
+  const Ran alone = shell("cp \"$CDE\" cde && ./cde --help-all");
+  EXPECT_EQ(alone.status, 2) << "programs are missing";
+  EXPECT_TRUE(has(alone.out, "cde cast MESH"));
+  for (const char* program : {"cde-wave", "cde-explain", "cde-accuracy", "cde-bench"})
+    EXPECT_TRUE(has(alone.err, fmt::format("cde: {} is not installed", program)));
+}
+
 TEST_F(Help, OfAVerbOfAVerb) {
   const Ran ran = cde({"help", "wave", "info"});
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(ran.out, cde({"wave", "info", "--help"}).out);
   EXPECT_TRUE(has(ran.out, "cde wave info"));
+}
+
+/// Statuses and variables are those of the verb, and the same in the help and in the manual page.
+TEST_F(Help, EndsWithStatusesAndVariablesOfTheVerb) {
+  write_manuals();
+  const std::string status = "\n  ([0-9]+(?: \\+ N)?) ", variable = "\n  ([A-Z_]+) ",
+                    entry = "\\.TP\n.fB([^\\\\]*).fR";
+  for (const Words& verb : all_verbs()) {
+    SCOPED_TRACE(fmt::format("{}", fmt::join(verb, " ")));
+    const std::string text = page_of(verb),
+                      page = contents(folder_ /
+                                      fmt::format("share/man/man1/cde-{}.1", fmt::join(verb, "-")));
+    EXPECT_EQ(matches(section(text, "Exit status"), status),
+              matches(section_of_page(page, "EXIT STATUS"), entry));
+    EXPECT_EQ(matches(section(text, "Environment"), variable),
+              matches(section_of_page(page, "ENVIRONMENT"), entry));
+  }
+  const auto statuses = [&](const Words& verb) {
+    return matches(section(page_of(verb), "Exit status"), status);
+  };
+  EXPECT_EQ(statuses({"cast"}), (Words{"0", "2", "3", "4", "128 + N"}));
+  EXPECT_EQ(statuses({"doctor"}), (Words{"0", "1", "2", "128 + N"}));
+  EXPECT_EQ(statuses({"plan"}), (Words{"0", "2", "128 + N"}));
+  EXPECT_EQ(statuses({"wave", "ls"}), (Words{"0", "2", "128 + N"}));
+  EXPECT_EQ(statuses({"wave", "diff"}), (Words{"0", "1", "2", "128 + N"}));
+  const auto variables = [&](const Words& verb) {
+    return matches(section(page_of(verb), "Environment"), variable);
+  };
+  EXPECT_EQ(variables({"wave", "show"}), (Words{"COLUMNS", "NO_COLOR"}));
+  EXPECT_EQ(variables({"wave", "ls"}), (Words{"NO_COLOR"}));
+  EXPECT_EQ(variables({"advise"}), (Words{"CDE_SHARE", "CDE_PRICES", "NO_COLOR"}));
+  EXPECT_EQ(variables({"query"}), (Words{"CDE_CACHE", "CDE_BITSTREAMS", "CDE_SHARE", "CDE_CLANG",
+                                         "CDE_MARCH", "CDE_ASSERT", "NO_COLOR"}));
+  EXPECT_TRUE(has(section(page_of({"cast"}), "Environment"), "CDE_MESH_MEMORY"));
+}
+
+/// A verb has all options under "Options", or under headings of their own. Manual pages have the
+/// same headings.
+TEST_F(Help, NoHeadingHasMoreThanEightOptions) {
+  write_manuals();
+  constexpr std::size_t kMost = 8;
+  const std::string option = "\n  (?:-[a-z], )?(--[a-z-]+)";
+  for (const Words& verb : all_verbs()) {
+    SCOPED_TRACE(fmt::format("{}", fmt::join(verb, " ")));
+    const std::string text = page_of(verb), upto = text.substr(0, text.find("\nExamples\n"));
+    const std::size_t all = matches(upto, option).size();
+    std::size_t grouped = 0;
+    Words headings;
+    for (const std::string& heading : matches(upto, "\n\n([A-Z][^\n]*)(?=\n)")) {
+      const std::size_t options = matches(section(text, heading), option).size();
+      EXPECT_LE(options, kMost) << heading;
+      EXPECT_FALSE(all > kMost && heading == "Options");
+      grouped += options;
+      if (options != 0) headings.push_back(heading);
+    }
+    EXPECT_EQ(grouped, all);
+    const Words in_page =
+        matches(contents(folder_ / fmt::format("share/man/man1/cde-{}.1", fmt::join(verb, "-"))),
+                "\n\\.SS ([^\n]*)");
+    EXPECT_EQ(in_page, headings.size() > 1 ? headings : Words());
+  }
+}
+
+/// Defaults stand in brackets of one kind, behind the text.
+TEST_F(Help, DefaultsStandInSquareBrackets) {
+  const std::regex other(
+      "\\((?:on|off|all|default [^)]*|stdout|[0-9,.]+|the terminal's|[A-Z]+\\.run)\\)|"
+      " if (?:it is )?not given|\\[\\[");
+  for (const Words& verb : all_verbs()) {
+    const std::string text = std::regex_replace(page_of(verb), std::regex("\\s+"), " ");
+    std::smatch found;
+    EXPECT_FALSE(std::regex_search(text, found, other))
+        << fmt::format("{}: {}", fmt::join(verb, " "), found.str());
+  }
+  const std::string cast = std::regex_replace(page_of({"cast"}), std::regex("\\s+"), " ");
+  EXPECT_TRUE(has(cast, "none is far from its triangle [on]"));
+  EXPECT_TRUE(has(cast, "in the reference, too [on, rays:64]"));
 }
 
 /// Lines are not longer than the terminal, but for examples, which are there to be copied.
@@ -99,9 +225,10 @@ TEST_F(Help, FitsTheTerminal) {
 
 /// Every verb has two examples or more, and their options exist.
 TEST_F(Help, ExamplesHaveOptionsThatExist) {
-  for (const std::string& verb : kVerbs) {
+  for (const Words& words : all_verbs()) {
+    const std::string verb = fmt::format("{}", fmt::join(words, " "));
     SCOPED_TRACE(verb);
-    const std::string text = cde({"help", verb}).out;
+    const std::string text = page_of(words);
     const std::size_t start = text.find("\nExamples\n"), stop = text.find("\nExit status\n");
     const std::string examples = text.substr(start, stop - start);
     static const std::regex command("\n    ");
@@ -112,11 +239,37 @@ TEST_F(Help, ExamplesHaveOptionsThatExist) {
       const std::string all = cde({"--help"}).out;
       known = long_options(all.substr(0, all.find("\nExamples\n")));
     }
-    if (verb == "wave")
+    if (verb == "wave") {
+      known = long_options(page_of({"cast"}));
       for (const std::string& inner : kWaveVerbs)
-        known.merge(long_options(cde({"wave", inner, "--help"}).out));
+        known.merge(long_options(page_of({"wave", inner})));
+    }
     for (const std::string& option : long_options(examples))
       EXPECT_TRUE(known.count(option) || option == "--help-all") << option;
+  }
+}
+
+/// The first example of cde wave makes the file of all others; other.fst is a cast of other rays.
+TEST_F(Help, ExamplesOfWaveRun) {
+  const auto examples_of = [&](const Words& verb) {
+    return matches(section(page_of(verb), "Examples"), "\n    (cde [^\n]*)");
+  };
+  const auto run = [&](const std::string& command) {
+    SCOPED_TRACE(command);
+    const auto before = files();
+    const Ran ran = shell("cde() { \"$CDE\" \"$@\"; }\n" + command);
+    EXPECT_EQ(ran.status, command.starts_with("cde wave diff") ? 1 : 0) << ran.err;
+    EXPECT_TRUE(ran.out != "" || files() != before);
+  };
+  const std::string cast =
+      examples_of({"wave"}).at(0) + " --lanes 4 --algorithm moller --exact-card -q";
+  run(std::regex_replace(cast, std::regex("waves.fst"), "other.fst"));
+  run(std::regex_replace(cast, std::regex("4x4"), "4x3"));
+  for (const std::string& verb : kWaveVerbs) {
+    const Words commands = examples_of({"wave", verb});
+    EXPECT_GE(commands.size(), 2u) << verb;
+    if (verb == "tui") continue;  // needs a terminal
+    for (const std::string& command : commands) run(command);
   }
 }
 

@@ -87,7 +87,7 @@ TEST_F(CastHierarchy, SaysWhyNot) {
   refused({"--bvh", "--algorithm", "watertight", "--no-box"}, "the box rule");
   refused({"--bvh", "--format", "bf16"}, "percents of it in bf16");
   refused({"--bvh", "--partition", "2"}, "are swept");
-  refused({"--no-bvh", "--mode", "occluded"}, "mode occluded is of a hierarchy");
+  refused({"--no-bvh", "--mode", "occluded"}, "--mode occluded cannot be combined with --no-bvh");
   for (const std::string checks : {"rays", "rays:", "rays:x", "rays:-1", "some"})
     refused({"--check=" + checks}, "--check is '" + checks + "'");
 }

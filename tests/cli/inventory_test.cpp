@@ -166,7 +166,7 @@ TEST_F(Inventory, TextMarkdownAndUsage) {
   refused({"inventory", "--latencies", "1,2,3"}, "--latencies is '1,2,3'; it must be");
   refused({"inventory", "--latencies", "0,1,1,1,1"}, "--latencies is '0,1,1,1,1'; it must be");
   refused({"inventory", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
-  refused({"inventory", "--json", "--markdown"}, "exclude each other");
+  refused({"inventory", "--json", "--markdown"}, "--markdown cannot be combined with --json");
 }
 
 }  // namespace

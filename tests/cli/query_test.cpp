@@ -254,10 +254,12 @@ TEST_F(Query, NoPairsHaveNoSpeed) {
 TEST_F(Query, WrongUsageIsRefused) {
   refused({"teapot"}, "no pair 'teapot'; there are: ray-triangle, obb-obb");
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
-  refused({"sphere-sphere", "--algorithm", "badouel"}, "sphere-sphere has no choice of algorithm");
-  refused({"sphere-sphere", "--half-space"}, "sphere-sphere has no half-space");
+  refused({"sphere-sphere", "--algorithm", "badouel"},
+          "--algorithm cannot be combined with sphere-sphere; expected ray-triangle");
+  refused({"sphere-sphere", "--half-space"}, "--half-space cannot be combined with sphere-sphere");
   refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be host or rtl");
-  refused({"sphere-sphere", "--facet-interval", "3"}, "sphere-sphere has no facets");
+  refused({"sphere-sphere", "--facet-interval", "3"},
+          "--facet-interval cannot be combined with sphere-sphere");
   refused({"obb-obb", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
   refused({"sphere-sphere", "--lanes", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--lanes", "257"},
@@ -265,7 +267,7 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"sphere-sphere", "--format", "fp7"}, "--format is 'fp7'");
   refused({"sphere-sphere", "--format", "e4m3"},
           "--format is 'e4m3'; it must be fp16, bf16, tf32, fp24, fp32 or fp64");
-  refused({"sphere-sphere", "--budget", "4,8,8"}, "--budget is of cylinder-cylinder");
+  refused({"sphere-sphere", "--budget", "4,8,8"}, "--budget cannot be combined with sphere-sphere");
   refused({"cylinder-cylinder", "--budget", "4,8"}, "--budget is '4,8'; it must be M,K1,K2");
   refused({"cylinder-cylinder", "--budget", "0,8,8"}, "budget: M is 0, expected 4, 8 or 16");
   refused({"cylinder-cylinder", "--budget", "5,8,8"}, "budget: M is 5, expected 4, 8 or 16");

@@ -227,7 +227,7 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
   write("rays", rays + "7,7,7,0,0,-1\n");
   EXPECT_EQ(cde({"merge", "printed"}).out, "") << "not a part of it";
   refused({"merge", "whole"}, "whole is of a run with another input: chunk 0 of it differs");
-  refused(cast("x.csv", {"--shard", "1/2"}), "--shard requires --resume");
+  refused(cast("x.csv", {"--shard", "1/2"}), "--shard needs --resume");
   refused(cast("x.csv", {"--shard", "0/2", "--resume", "x"}), "--shard is '0/2'; it must be I/N");
   refused(cast("x.csv", {"--shard", "1/2", "--resume", "x", "--boards", "2"}),
           "--boards is of one process");

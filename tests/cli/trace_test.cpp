@@ -121,11 +121,11 @@ TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {
                     "TO, e.g. 1000:1200",
                     bad));
   refused_saying({"query", "sphere-sphere", "--trace-window", "5:7"},
-                 "--trace-window is of --trace");
+                 "--trace-window needs --trace");
   refused_saying({"cast", "terrain:3,3,1", "--trace-window", "5:7"},
-                 "--trace-window is of --trace");
+                 "--trace-window needs --trace");
   refused_saying({"cast", "terrain:3,3,1", "--trace-scope", "update"},
-                 "--trace-scope is of --trace");
+                 "--trace-scope needs --trace");
 }
 
 /// Waves are wanted most when something takes too long. What was not written when the signal came

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <regex>
 #include <sstream>
 
@@ -39,7 +40,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"help", "cast", "info"}, "cde cast has no verbs of its own, so no 'info'"},
       {{"cast", "m.obj", "--lanes", "4", "--lanes", "8"}, "--lanes is given twice"},
       {{"cast", "m.obj", "--output=a.csv", "-o", "b.csv"}, "-o is given twice"},
-      {{"bench", "--quick", "--full"}, "--quick and --full exclude each other"},
+      {{"bench", "--quick", "--full"}, "--full cannot be combined with --quick"},
       {{"fp", "add", "-l", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256"},
       {{"fp", "add", "-a", "x"}, "--arith is 'x'; it must be rtl or host"},
       {{"cast", "m.obj", "--boards", "010"},
@@ -85,6 +86,68 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"plan", "m\n\x1b.toml"}, "m\\x0a\\x1b.toml: cannot be opened: No such file or directory"},
   };
   for (const Case& c : cases) refused_saying(c.words, c.text);
+}
+
+/// Options and flags that would change nothing are refused before any file is read.
+TEST_F(CommandLine, OptionsWithoutMeaning_AreRefused) {
+  struct Case {
+    std::string words, text;
+  };
+  const std::string ray = "cast none.obj --ray 0,0,0,0,0,1 ", rays = "cast none.obj --grid 4x4 ",
+                    picture = "render none.obj ", spheres = "query sphere-sphere ";
+  const Case cases[] = {
+      {ray + "--up y", "--up cannot be combined with --ray"},
+      {"cast none.obj --up y --rays r.csv", "--rays cannot be combined with --up"},
+      {ray + "--size 4x4", "--size cannot be combined with --ray"},
+      {rays + "--size 4x4", "--size cannot be combined with --grid"},
+      {rays + "--bits", "--bits needs --output"},
+      {rays + "--fields u", "--fields needs --output"},
+      {picture + "--bits", "--bits needs --output"},
+      {picture + "--inside", "--inside needs --output"},
+      {ray + "--bundle f --no-check", "--bundle cannot be combined with --no-check"},
+      {ray + "--bundle f --no-bundle", "--no-bundle cannot be combined with --bundle"},
+      {rays + "--check=rays:4 --no-bvh", "--check=rays:4 cannot be combined with --no-bvh"},
+      {rays + "--trace t.fst --boards 2",
+       "--trace cannot be combined with --boards; waves are those of one card"},
+      {rays + "--trace-scope a", "--trace-scope needs --trace"},
+      {rays + "--box --no-box", "--no-box cannot be combined with --box"},
+      {rays + "--json --json", "--json is given twice"},
+      {rays + "-q --quiet", "--quiet is given twice"},
+      {rays + "--json --json --bogus", "--json is given twice"},
+      {spheres + "--algorithm moller",
+       "--algorithm cannot be combined with sphere-sphere; expected ray-triangle"},
+      {spheres + "--facet-interval 1",
+       "--facet-interval cannot be combined with sphere-sphere; expected obb-obb, triangle-aabb or "
+       "triangle-obb"},
+      {"query obb-obb --box --no-box", "--no-box cannot be combined with --box"},
+      {spheres + "--bundle f --no-check", "--bundle cannot be combined with --no-check"},
+      {spheres + "--no-check -k", "--keep-going cannot be combined with --no-check"},
+      {"explain sphere-sphere 0 --algorithm moller",
+       "--algorithm cannot be combined with sphere-sphere; expected ray-triangle"},
+      {"explain sphere-sphere 0 --max 3 --json", "--max cannot be combined with --json"},
+      {"explain sphere-sphere 0 --exact-card", "--exact-card needs --from-record"},
+      {"explain --from-record a:b:0:0 --from-test x",
+       "--from-test cannot be combined with --from-record"},
+      {"explain sphere-sphere --from-test x",
+       "PAIR cannot be combined with --from-test; it says which pair it is"},
+      {"run none.toml --check none --bundle f", "--bundle cannot be combined with --check none"},
+      {"fp f32_add --format fp16", "--format fp16 cannot be combined with f32_add"},
+      {"inventory sphere-sphere --facet-interval 1",
+       "--facet-interval cannot be combined with sphere-sphere; expected obb-obb, triangle-aabb or "
+       "triangle-obb"},
+      {"bench effects --markdown --json", "--json cannot be combined with --markdown"},
+      {"accuracy --mesh none.obj --no-operators", "--operators cannot be combined with --mesh"},
+      {"wave find none.fst x --count --max 3", "--max cannot be combined with --count"},
+      {"wave find none.fst x --first --last", "--last cannot be combined with --first"},
+      {"wave show none.fst --ascii --json", "--json cannot be combined with --ascii"},
+      {"wave show none.fst --from 1ns --around 2ns", "--around cannot be combined with --from"},
+      {"wave show none.fst --window 3", "--window needs --around"},
+      {"wave tx none.fst --columns 80", "--columns needs --histogram"},
+      {"wave tx none.fst --csv --json", "--json cannot be combined with --csv"}};
+  for (const Case& c : cases) {
+    std::istringstream text(c.words);
+    refused_saying({std::istream_iterator<std::string>(text), {}}, c.text);
+  }
 }
 
 /// Whoever asks gets help, whatever else is wrong.

@@ -26,14 +26,17 @@
 #include "cde/image/camera.hpp"
 #include "cde/jobs/dealing.hpp"
 #include "cde/mesh/mesh.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "cde/support/suffix.hpp"
 #include "options/clock_target.hpp"
 #include "options/deal_options.hpp"
+#include "options/help.hpp"
 #include "options/pair_options.hpp"
 #include "options/scene_frames.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -204,12 +207,8 @@ std::optional<std::vector<AccuracyRow>> measured_rows(const AccuracyOptions& o,
 }
 
 void run_pairs(const AccuracyOptions& o) {
-  if (!wanted(o.pairs, name(Pair::kRayTriangle)) &&
-      (!o.algorithms.empty() || o.box != "both" || o.profile_cases > 0))
-    throw Error(ErrorCode::kUsage,
-                "--algorithms, --box and --profiles are of ray-triangle, which is none of --pair");
   if (o.profile_cases > 0 && !o.json && o.page.empty())
-    throw Error(ErrorCode::kUsage, "--profiles are for --page or --json, and neither is given");
+    throw_usage("--profiles needs --page or --json");
   const SweepOptions options{.pipes = pipes_of(o),
                              .families = families_of(o),
                              .seed = o.seed,
@@ -220,7 +219,7 @@ void run_pairs(const AccuracyOptions& o) {
   std::optional<OutputFile> page;
   if (!o.page.empty() && Dealing::here().leads()) page.emplace(o.page);
   Json all = head_json(kSweepSchema);
-  say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
+  say_what(o, all["machine"], counted(o.cases, "case") + " per line");
   const std::optional<std::vector<AccuracyRow>> measured = measured_rows(o, options);
   if (!measured) return;
   const std::vector<AccuracyRow>& rows = *measured;
@@ -265,8 +264,8 @@ void run_picture(const AccuracyOptions& o) {
                                                      : parse_camera(o.camera).rays(size);
   Json all = head_json("cde.accuracy.picture.1");
   say_what(o, all["machine"],
-           fmt::format("{}, {} triangles, {} rays", printable_name(o.mesh), mesh.faces.size(),
-                       rays.size()));
+           fmt::format("{}, {}, {}", printable_name(o.mesh), counted(mesh.faces.size(), "triangle"),
+                       counted(rays.size(), "ray")));
   std::optional<OutputFile> page;
   if (!o.page.empty()) {
     need_three("--page");
@@ -310,9 +309,9 @@ void run_scene(const AccuracyOptions& o) {
   } else {
     write(o,
           scene_table(rows, clock_hz, o.markdown) +
-              fmt::format("rows ms: modelled time of the rows alone, {} lanes at an assumed core "
+              fmt::format("rows ms: modelled time of the rows alone, {} at an assumed core "
                           "clock of {:g} MHz in every format, without start, write-back and bus\n",
-                          planned.board.lanes, o.clock_mhz));
+                          counted(planned.board.lanes, "lane"), o.clock_mhz));
   }
 }
 
@@ -354,7 +353,7 @@ void run_verdicts(const AccuracyOptions& o) {
   for (const VerdictRow& row : rows) pipes.push_back({.pair = row.pair, .format = row.narrow});
   check_families(o, pipes);
   Json all = head_json("cde.accuracy.verdicts.1");
-  say_what(o, all["machine"], fmt::format("{} cases a line", o.cases));
+  say_what(o, all["machine"], counted(o.cases, "case") + " per line");
   count_verdicts(rows, {families_of(o), o.seed, o.cases, o.quiet});
   if (o.json) {
     all.update({{"seed", o.seed}, {"cases", o.cases}, {"verdicts", verdict_json(rows)}});
@@ -388,27 +387,30 @@ void check_options(const CLI::App& verb, const AccuracyOptions& o) {
     for (const CLI::Option* given : verb.get_options()) {
       const std::string option = given->get_name();
       if (given->count() > 0 && option != work.option && option != "--quiet" &&
-          option != "--operators" && std::ranges::find(work.takes, option) == work.takes.end())
-        throw Error(ErrorCode::kUsage,
-                    fmt::format("{} has no meaning with {}", option, work.option));
+          std::ranges::find(work.takes, option) == work.takes.end())
+        cannot_combine(option, work.option);
     }
     if (work.option == std::string_view("--mesh") &&
         std::ranges::any_of(
             o.pairs, [](const std::string& pair) { return pair != name(Pair::kRayTriangle); }))
-      throw Error(ErrorCode::kUsage, "--mesh is of ray-triangle, not of other --pair");
+      cannot_combine("--mesh", fmt::format("--pair {}", fmt::join(o.pairs, ",")),
+                     "expected ray-triangle");
     return;
   }
 }
 
-/// Of a sweep: what would be written nowhere.
+/// Of a sweep: what would be measured or written nowhere.
 void check_sweep_options(const CLI::App& verb, const AccuracyOptions& o) {
-  if (o.by_family && o.promises)
-    throw Error(ErrorCode::kUsage, "--by-family has no meaning with --promises");
+  if (!wanted(o.pairs, name(Pair::kRayTriangle)))
+    for (const char* option : {"--algorithms", "--box", "--profiles"})
+      if (verb.count(option) > 0)
+        cannot_combine(option, fmt::format("--pair {}", fmt::join(o.pairs, ",")),
+                       "expected ray-triangle among them");
+  if (o.by_family && o.promises) cannot_combine("--by-family", "--promises");
   if (o.by_family && o.json)
-    throw Error(ErrorCode::kUsage,
-                "--by-family is of tables; --json has all families unless --short");
+    cannot_combine("--by-family", "--json", "it has all families unless --short is given");
   if (verb.count("--target") > 0 && o.promises && o.page.empty())
-    throw Error(ErrorCode::kUsage, "--target has no meaning with --promises");
+    cannot_combine("--target", "--promises");
 }
 
 void run(const CLI::App& verb, const AccuracyOptions& o) {
@@ -441,17 +443,21 @@ CLI::Option* list(CLI::Option* option, char between = ',') {
 }
 
 void add_choices(CLI::App& verb, AccuracyOptions& o) {
-  pair_value(list(verb.add_option("--pair", o.pairs, "Pairs (all), separated by commas")), "LIST");
-  named(list(verb.add_option("--formats", o.formats, "Formats (all)")), pair_formats(), "LIST",
-        "format");
-  named(list(verb.add_option("--algorithms", o.algorithms, "Of ray-triangle (all)")),
+  begin_group(verb, "Pipes");
+  pair_value(
+      list(verb.add_option("--pair", o.pairs, "Pairs, separated by commas")->default_str("all")),
+      "LIST");
+  named(list(verb.add_option("--formats", o.formats, "Formats")->default_str("all")),
+        pair_formats(), "LIST", "format");
+  named(list(verb.add_option("--algorithms", o.algorithms, "Of ray-triangle")->default_str("all")),
         algorithm_names(), "LIST", "algorithm");
   one_of(verb.add_option("--box", o.box, "Of ray-triangle: with the box rule, without, or both")
              ->capture_default_str(),
          {"both", "on", "off"});
   known_words(list(verb.add_option("--budgets", o.budgets,
                                    "Of cylinder pairs, as cde query has them, separated by "
-                                   "colons: 4,0,0:8,8,8 (8,8,8)"),
+                                   "colons: 4,0,0:8,8,8")
+                       ->default_str("8,8,8"),
                    ':'),
               {}, "LIST");
   named(list(verb.add_option("--variants", o.variants,
@@ -460,17 +466,53 @@ void add_choices(CLI::App& verb, AccuracyOptions& o) {
                              "separating axes; no card has these")
                  ->capture_default_str()),
         {"card", "fused", "textbook"}, "LIST", "variant");
-  known_words(list(verb.add_option("--families", o.families,
-                                   "Families of cases (all); a wrong name lists them")),
-              {}, "LIST");
+}
+
+void add_cases(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Cases");
+  known_words(
+      list(verb.add_option("--families", o.families, "Families of cases; a wrong name lists them")
+               ->default_str("all")),
+      {}, "LIST");
   whole_number_in(verb.add_option("--cases", o.cases, "Cases a pipe, shared out to its families")
                       ->capture_default_str(),
                   1, 100'000'000, "");
   whole_number_in(verb.add_option("--seed", o.seed, "Of the cases")->capture_default_str(), 0,
                   1'000'000'000'000, "");
+  whole_number_in(verb.add_option("--check", o.check,
+                                  "So many cases go through the simulated pipe too, by the "
+                                  "host's arithmetic and by gates, which are built first")
+                      ->capture_default_str(),
+                  0, 1'000'000, "");
+  add_deal_options(verb, o.deal);
+}
+
+/// What is measured instead of pairs of generated cases.
+void add_works(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Instead of generated cases");
+  auto* mesh = file_value(
+      verb.add_option("--mesh", o.mesh,
+                      "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
+      "MESH");
+  text_value(verb.add_option("--grid", o.grid, "Rays of the picture")->capture_default_str(), "WxH",
+             [](const std::string& text) { (void)parse_resolution(text, "--grid"); })
+      ->needs(mesh);
+  known_words(verb.add_option("--camera", o.camera,
+                              "Rays of a camera, eye,target[,angle], instead of straight down"),
+              {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto")
+      ->needs(mesh);
+  auto* scene =
+      file_value(verb.add_option("--scene", o.scene,
+                                 "Records of this scene instead, frame by frame, beside those of "
+                                 "fp64"),
+                 "SCENE");
+  scene->excludes(mesh);
+  frames_option(verb, o.frames)->needs(scene);
+  clock_option(verb, o.clock_mhz)->needs(scene);
 }
 
 void add_page(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Page and costs");
   auto* page = file_value(verb.add_option("--page", o.page,
                                           "All figures as a page with charts too, one HTML file "
                                           "that loads nothing (- is stdout)"),
@@ -486,6 +528,39 @@ void add_page(CLI::App& verb, AccuracyOptions& o) {
                   0, 1'000'000, "");
   target_option(verb, o.target, "Device that prices are of, or a clock without one")
       ->capture_default_str();
+  verb.add_flag("--operators,!--no-operators", o.operators,
+                "Count operators and clocks in the RTL: seconds a pipe the first time")
+      ->default_str("on");
+}
+
+void add_output(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Output");
+  file_value(verb.add_option("-o,--output", o.output, "Where to write")->default_str("stdout"),
+             "FILE");
+  auto* json = verb.add_flag("--json", o.json, "All figures as JSON");
+  verb.add_flag("--short", o.short_json, "JSON without the families, one line per configuration")
+      ->needs(json);
+  auto* markdown = verb.add_flag("--markdown", o.markdown, "Tables in Markdown")->excludes(json);
+  verb.add_flag("--by-family", o.by_family, "Print a line per family, too");
+  verb.add_flag("--promises", o.promises,
+                "Instead a table in Markdown: what is promised of each pipe, whether it was kept, "
+                "and what was excused")
+      ->excludes(json)
+      ->excludes(markdown)
+      ->excludes("--verdicts");
+  verb.add_flag("-q,--quiet", o.quiet, "No progress");
+}
+
+/// Behind the options that it excludes.
+void add_verdicts(CLI::App& verb, AccuracyOptions& o) {
+  begin_group(verb, "Instead of generated cases");
+  CLI::Option* verdicts = verb.add_flag(
+      "--verdicts", o.verdicts,
+      "Instead: what a first test is certain of, with proof in fp32, of pairs of solids. Unless "
+      "given, --formats is bf16,fp16 and --budgets 4,2,2");
+  for (const char* other :
+       {"--mesh", "--scene", "--page", "--from", "--resume", "--shard", "--check", "--variants"})
+    verdicts->excludes(other);
 }
 
 }  // namespace
@@ -498,59 +573,11 @@ void add_accuracy(CLI::App& app) {
       "mirror reference, which is the card bit by bit, and is judged by exact or certified "
       "arithmetic; with --mesh the cases are the pixels of a picture");
   add_choices(*verb, *o);
-  verb->add_flag("--by-family", o->by_family, "Print a line per family, too");
-  whole_number_in(verb->add_option("--check", o->check,
-                                   "So many cases go through the simulated pipe too, by the "
-                                   "host's arithmetic and by gates, which are built first")
-                      ->capture_default_str(),
-                  0, 1'000'000, "");
-  verb->add_flag("--operators,!--no-operators", o->operators,
-                 "Count operators and clocks in the RTL: seconds a pipe the first time (on)");
-  add_deal_options(*verb, o->deal);
-  auto* mesh = file_value(
-      verb->add_option("--mesh", o->mesh,
-                       "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
-      "MESH");
-  auto* scene =
-      file_value(verb->add_option("--scene", o->scene,
-                                  "Records of this scene instead, frame by frame, beside those of "
-                                  "fp64"),
-                 "SCENE");
-  scene->excludes("--mesh");
-  frames_option(*verb, o->frames)->needs(scene);
-  clock_option(*verb, o->clock_mhz)->needs(scene);
-  text_value(verb->add_option("--grid", o->grid, "Rays of the picture")->capture_default_str(),
-             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--grid"); })
-      ->needs(mesh);
-  known_words(verb->add_option("--camera", o->camera,
-                               "Rays of a camera, eye,target[,angle], instead of straight down"),
-              {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto")
-      ->needs(mesh);
-  auto* json = verb->add_flag("--json", o->json, "All figures as JSON");
-  verb->add_flag("--short", o->short_json, "JSON without the families, one line per configuration")
-      ->needs(json);
+  add_cases(*verb, *o);
+  add_works(*verb, *o);
   add_page(*verb, *o);
-  auto* markdown = verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
-  verb->add_flag("--promises", o->promises,
-                 "Instead a table in Markdown: what is promised of each pipe, whether it was kept, "
-                 "and what was excused")
-      ->excludes(json)
-      ->excludes(markdown);
-  verb->add_flag(
-          "--verdicts", o->verdicts,
-          "Instead: what a first test in --formats (bf16, fp16) is certain of, with proof in "
-          "fp32, of pairs of solids; budgets are 4,2,2 unless given")
-      ->excludes("--promises")
-      ->excludes("--mesh")
-      ->excludes("--scene")
-      ->excludes("--page")
-      ->excludes("--from")
-      ->excludes("--resume")
-      ->excludes("--shard")
-      ->excludes("--check")
-      ->excludes("--variants");
-  file_value(verb->add_option("-o,--output", o->output, "Where to write (stdout)"), "FILE");
-  verb->add_flag("-q,--quiet", o->quiet, "No progress");
+  add_verdicts(*verb, *o);
+  add_output(*verb, *o);
   verb->callback([o, verb] {
     settle_pairs(o->pairs);
     run(*verb, *o);

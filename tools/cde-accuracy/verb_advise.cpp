@@ -17,6 +17,8 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "options/clock_target.hpp"
+#include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -62,9 +64,7 @@ Demands demands_of(const AdviseOptions& o) {
   d.no_leaks = o.no_leaks, d.sure = o.sure, d.tests = o.tests;
   if (!o.time.empty()) d.seconds = parse_time(o.time);
   if (d.no_leaks && d.pair != Pair::kRayTriangle)
-    throw Error(ErrorCode::kUsage, "--no-leaks is of ray-triangle; no other pair makes up meshes");
-  if (d.sure && !d.max_wrong)
-    throw Error(ErrorCode::kUsage, "--sure is of --max-wrong, which is not given");
+    cannot_combine("--no-leaks", "--pair " + o.pair, "expected ray-triangle");
   return d;
 }
 
@@ -103,6 +103,7 @@ void add_advise(CLI::App& app) {
       "Name the cheapest pipe that meets demands, by area and then by time, with its figures and "
       "the commands that repeat them; or what is in the way, with status 1. Figures are those of a "
       "sweep of cde accuracy that was kept");
+  begin_group(*verb, "Demands");
   pair_value(verb->add_option("--pair", o->pair, "Pair")->capture_default_str(), "PAIR");
   auto* error = number_in(verb->add_option("--max-error", o->max_error,
                                            "Error of T at most, over the size of the pair"),
@@ -117,16 +118,19 @@ void add_advise(CLI::App& app) {
                                            "Wrong decisions in a million at most, beyond the band"),
                           0, 1e6, "");
   verb->add_flag("--sure", o->sure,
-                 "The upper end of their interval counts, not their share in the sweep");
+                 "The upper end of their interval counts, not their share in the sweep")
+      ->needs(wrong);
   text_value(verb->add_option("--time", o->time, "Modelled time of the tests at most"), "TIME",
              [](const std::string& text) { (void)parse_time(text); });
   number_in(
       verb->add_option("--tests", o->tests, "Tests that the time is of")->capture_default_str(), 1,
       1e15, "");
+  begin_group(*verb, "Figures");
   target_option(*verb, o->target, "Device, or clock without one")->capture_default_str();
-  file_value(verb->add_option("--from", o->from,
-                              "Sweep, as cde accuracy --json writes it (docs/accuracy.json)"),
+  file_value(verb->add_option("--from", o->from, "Sweep, as cde accuracy --json writes it")
+                 ->default_str("docs/accuracy.json"),
              "FILE");
+  begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "All configurations of the pair as JSON, the best first");
   quiet_flag(*verb);
   verb->callback([o, error, wrong] {

@@ -60,7 +60,7 @@ nlohmann::ordered_json machine() {
 
 void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool json) {
   if (o.markdown && wanted != std::vector<std::string>{"effects"})
-    throw Error(ErrorCode::kUsage, "--markdown is of section effects alone: cde bench effects");
+    throw_usage("--markdown needs section effects alone: cde bench effects --markdown");
   if (json) Figures::beside_json();
   nlohmann::ordered_json all = program_json();
   all.update({{"clock_hz", o.clock_hz},
@@ -98,12 +98,14 @@ void add_bench(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device clocks beside software on the same machine");
   named(verb->add_option("section", a->sections,
-                         "Sections to run (all): rays, fp, pairs, bus, effects, hierarchy, waves"),
+                         "Sections to run: rays, fp, pairs, bus, effects, hierarchy, waves")
+            ->default_str("all"),
         {"rays", "fp", "pairs", "bus", "effects", "hierarchy", "waves"}, "SECTION", "section");
-  verb->add_flag("--json", a->json, "Figures as JSON on stdout");
+  auto* json = verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   quiet_flag(*verb);
   verb->add_flag("--markdown", a->options.markdown,
-                 "Of effects alone: the table as docs/scenes.md has it");
+                 "Of effects alone: the table as docs/scenes.md has it")
+      ->excludes(json);
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");
   verb->add_flag("--full", a->options.full, "Up to 10 million triangles, every format")

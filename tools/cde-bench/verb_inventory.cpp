@@ -15,6 +15,7 @@
 #include "cde/netlist/pipe_figures.hpp"
 #include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/streams.hpp"
 #include "verbs.hpp"
@@ -287,9 +288,10 @@ void add_inventory(CLI::App& app) {
       "inventory",
       "Count the operators of the pipes and read their latencies in the elaborated RTL; the four "
       "ray-triangle algorithms beside the paper's Tables 1 and 2");
-  pair_value(verb->add_option("pair", o->pairs,
-                              "Pairs to examine (all): ray-triangle, sphere-sphere, ..."),
-             "PAIR");
+  pair_value(
+      verb->add_option("pair", o->pairs, "Pairs to examine: ray-triangle, sphere-sphere, ...")
+          ->default_str("all"),
+      "PAIR");
   text_value(verb->add_option("--latencies", o->profile,
                               "Clocks of add, mul, div, sqrt and compare for the column `clocks`")
                  ->capture_default_str(),
@@ -302,8 +304,13 @@ void add_inventory(CLI::App& app) {
   auto* json = verb->add_flag("--json", o->json, "Figures as JSON");
   quiet_flag(*verb);
   verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
-  verb->callback([o] {
+  verb->callback([o, verb] {
     settle_pairs(o->pairs);
+    if (verb->count("--facet-interval") != 0 && !o->pairs.empty() &&
+        std::none_of(o->pairs.begin(), o->pairs.end(),
+                     [](const std::string& pair) { return has_facets(*pair_named(pair)); }))
+      cannot_combine("--facet-interval", fmt::format("{}", fmt::join(o->pairs, " ")),
+                     "expected obb-obb, triangle-aabb or triangle-obb");
     run(*o);
   });
 }

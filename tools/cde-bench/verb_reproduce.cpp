@@ -6,6 +6,7 @@
 
 #include "bench/reproduce.hpp"
 #include "cde/card/machine.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suffix.hpp"
 #include "options/clock_target.hpp"
@@ -45,12 +46,12 @@ void run(const Arguments& a) {
   show("With a hierarchy\n");
   for (const WithHierarchy& row : r.hierarchy) {
     show_tree(row.tree);
-    show("  sweep of {} lanes, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
-         a.options.lanes, duration(row.sweep.seconds));
+    show("  sweep of {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
+         counted(a.options.lanes, "lane"), duration(row.sweep.seconds));
   }
   if (!a.quiet)
-    say("check: {} of {} records compared with the reference, 0 differ\npage: {}\n",
-        r.records_compared, r.records_compared, printable_name(a.out));
+    say("check: {} of {} compared with the reference, 0 differ\npage: {}\n", r.records_compared,
+        counted(r.records_compared, "record"), printable_name(a.out));
   if (a.json) put_json(reproduction_json(r, machine));
 }
 

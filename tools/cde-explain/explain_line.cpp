@@ -93,7 +93,9 @@ NamedPair pair_in_line(const std::string& line) {
   bool flag = false;
   std::string ignored;
   if (typed[0] == "query") {
-    verb->add_flag("--bits,--json,--no-bundle,-q,--quiet,--check,--no-check", flag, "");
+    for (const char* option :
+         {"--bits", "--json", "--no-bundle", "-q,--quiet", "--check,--no-check"})
+      verb->add_flag(option, flag, "");
     for (const char* option : {"--trace", "--trace-window", "--trace-scope", "--bundle"})
       known_words(verb->add_option(option, ignored, ""), {}, "WORD");
   }

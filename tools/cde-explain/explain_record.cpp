@@ -18,6 +18,7 @@
 #include "cde/explain/explanation.hpp"
 #include "cde/fp/number_text.hpp"
 #include "cde/fp/scalars.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "output/output.hpp"
 #include "output/plan_output.hpp"
@@ -171,7 +172,8 @@ class Text {
   }
 
   void records(const char* side, const std::vector<Record>& all) {
-    if (s_.of_pairs() && all.size() != 1) return put("{:<9}  {} records\n", side, all.size());
+    if (s_.of_pairs() && all.size() != 1)
+      return put("{:<9}  {}\n", side, counted(all.size(), "record"));
     if (all.empty()) return put("{:<9}  no record\n", side);
     const Record& r = all[0];
     if (r.bad) return put("{:<9}  bad input\n", side);
@@ -185,7 +187,7 @@ class Text {
 
   void heading(std::size_t count) {
     const auto candidates = [this](std::size_t n) {
-      return fmt::format("{} of {} pairs {}", n, s_.arrived.size(),
+      return fmt::format("{} of {} {}", n, counted(s_.arrived.size(), "pair"),
                          n == 1 ? "is a candidate" : "are candidates");
     };
     if (s_.of_pairs()) {
@@ -249,7 +251,7 @@ class Text {
       side_wins("reference", s_.reference);
     }
     const bool one = s_.candidates == 1;
-    put("The reference's sweep: {} of {} pairs {}.", s_.candidates, s_.swept,
+    put("The reference's sweep: {} of {} {}.", s_.candidates, counted(s_.swept, "pair"),
         s_.of_pairs() ? one ? "has a record" : "have a record"
         : one         ? "is a candidate"
                       : "are candidates");

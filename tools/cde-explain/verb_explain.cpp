@@ -17,7 +17,9 @@
 #include "cde/support/error.hpp"
 #include "explain_line.hpp"
 #include "explain_record.hpp"
+#include "options/help.hpp"
 #include "options/pair_options.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -67,18 +69,17 @@ void explain_pair(const Options& o, const std::string& line) {
 
 /// What says which pair it is: PAIR and WORDS, or one option that says it all.
 void check_words(const CLI::App& verb, const Options& o) {
-  if (!o.record.empty() && !o.line.empty())
-    throw Error(ErrorCode::kUsage, "--from-record and --from-test exclude each other");
+  if (o.json && o.record.empty() && verb.count("--max") != 0) cannot_combine("--max", "--json");
   const std::string from = !o.record.empty() ? "--from-record"
                            : !o.line.empty() ? "--from-test"
                                              : "";
   if (from.empty()) {
-    if (o.exact) throw Error(ErrorCode::kUsage, "--exact-card needs --from-record");
     if (o.pair.empty() || o.words.empty())
       throw Error(ErrorCode::kUsage,
                   o.pair.empty() ? "PAIR and the words of a pair are missing, or --from-record or "
                                    "--from-test"
                                  : "the words of a pair are missing");
+    check_pair_options(verb, o);
     return;
   }
   for (const CLI::Option* option : verb.get_options()) {
@@ -86,8 +87,8 @@ void check_words(const CLI::App& verb, const Options& o) {
     const bool meant = name == "--help" || name == "--max" || name == "--json" || name == from ||
                        (name == "--exact-card" && !o.record.empty());
     if (option->count() != 0 && !meant)
-      throw Error(ErrorCode::kUsage, fmt::format("{} says which pair it is, without {}", from,
-                                                 name.starts_with("--") ? name : "other words"));
+      cannot_combine(option->get_positional() ? option_head(*option) : name, from,
+                     "it says which pair it is");
   }
 }
 
@@ -122,6 +123,7 @@ void add_explain(CLI::App& app) {
   verb->get_option("pair")->required(false);
   known_words(verb->add_option("words", o->words, "Words of A and of B, as cde query reads them"),
               {}, "WORDS");
+  begin_group(*verb, "Instead of a pair");
   text_value(verb->add_option(
                  "--from-record", o->record,
                  "Instead of a pair, a record: the scene or the folder of a run, query, frame, "
@@ -134,6 +136,9 @@ void add_explain(CLI::App& app) {
                                "printed, with the command in it"),
               {}, "LINE");
   exact_card_option(*verb, o->exact);
+  verb->get_option("--exact-card")->needs(verb->get_option("--from-record"));
+  excludes(*verb, "--from-test", {"--from-record", "--exact-card"});
+  begin_group(*verb, "Output");
   whole_number_in(
       verb->add_option("--max", o->most,
                        "Operations that are listed, by their clock, and candidates; 0 for all")

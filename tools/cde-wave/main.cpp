@@ -14,6 +14,8 @@
 #include "cde/support/output_file.hpp"
 #include "cde/wave/guarded.hpp"
 #include "commands/commands.hpp"
+#include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "program/program.hpp"
 #include "tui/tui_terminal.hpp"
@@ -98,6 +100,19 @@ const std::vector<Command>& commands() {
   return kAll;
 }
 
+/// The heading of an option in the help.
+const char* heading_of(const std::string& option) {
+  static const std::map<std::string, const char*> kHeadings = {
+      {"--clock", "Times"},       {"--from", "Times"},         {"--to", "Times"},
+      {"--around", "Times"},      {"--window", "Times"},       {"--on", "Which places"},
+      {"--when", "Which places"}, {"--where", "Which places"}, {"--first", "Which places"},
+      {"--last", "Which places"}, {"--count", "Which places"}, {"--align", "Comparison"},
+      {"--ulp", "Comparison"},    {"--eps", "Comparison"},     {"--ignore", "Comparison"},
+      {"--diff", "Comparison"},   {"--structure", "Design"},   {"--depth", "Design"}};
+  const auto found = kHeadings.find(option);
+  return found == kHeadings.end() ? "Output" : found->second;
+}
+
 using Adder = std::function<void(CLI::App&, wave::Request&)>;
 
 /// How each option is added; several commands share one.
@@ -121,11 +136,9 @@ const std::map<std::string, Adder>& adders() {
        }},
       {"--clock",
        [](CLI::App& verb, wave::Request& r) {
-         text_value(
-             verb.add_option("--clock", r.clock,
-                             "Signal whose rising edges are cycles (the outermost clk, clk_i, "
-                             "clock, aclk or i_clk)"),
-             "SIGNAL", {});
+         text_value(verb.add_option("--clock", r.clock, "Signal whose rising edges are cycles")
+                        ->default_str("the outermost clk, clk_i, clock, aclk or i_clk"),
+                    "SIGNAL", {});
        }},
       {"--from",
        [](CLI::App& verb, wave::Request& r) {
@@ -147,14 +160,15 @@ const std::map<std::string, Adder>& adders() {
          whole_number_in(
              verb.add_option("--window", r.window,
                              "Cycles of the clock before and behind --around; without a clock "
-                             "units of the file; 10 if it is not given"),
+                             "units of the file")
+                 ->default_str("10"),
              1, 1000000000, "");
        }},
       {"--columns",
        [](CLI::App& verb, wave::Request& r) {
-         whole_number_in(
-             verb.add_option("--columns", r.columns, "Width of the picture (the terminal's)"), 40,
-             10000, "");
+         whole_number_in(verb.add_option("--columns", r.columns, "Width of the picture")
+                             ->default_str("the terminal's"),
+                         40, 10000, "");
        }},
       {"--ascii",
        [](CLI::App& verb, wave::Request& r) {
@@ -217,7 +231,8 @@ const std::map<std::string, Adder>& adders() {
              verb.add_option("-o,--output", r.output,
                              "the page, an HTML file; export: the file to write; its name "
                              "ends in .vcd, .csv, .json (WaveDrom), .svg, .fst or .gtkw (GTKWave), "
-                             "or --format says what it is (stdout)"),
+                             "or --format says what it is")
+                 ->default_str("stdout"),
              "FILE");
        }},
       {"--format",
@@ -260,8 +275,7 @@ const std::map<std::string, Adder>& adders() {
       {"--max",
        [](CLI::App& verb, wave::Request& r) {
          whole_number_in(
-             verb.add_option("--max", r.max,
-                             "Most lines, 0 for all; serve: most megabytes of the page (32)")
+             verb.add_option("--max", r.max, "Most lines, or megabytes of a page; 0 for all")
                  ->capture_default_str(),
              0, 1000000000, "");
        }},
@@ -275,6 +289,28 @@ const std::map<std::string, Adder>& adders() {
        [](CLI::App& verb, wave::Request& r) { verb.add_flag("--json", r.json, "JSON on stdout"); }},
   };
   return kAll;
+}
+
+/// Options that cannot be combined. Those that a command does not have are passed over.
+void add_exclusions(CLI::App& verb, const Command& command) {
+  const auto pair = [&](const char* option, const std::vector<std::string>& others) {
+    if (verb.get_option_no_throw(option) != nullptr) excludes(verb, option, others);
+  };
+  const auto needs = [&](const char* option, const char* other) {
+    CLI::Option *first = verb.get_option_no_throw(option),
+                *second = verb.get_option_no_throw(other);
+    if (first != nullptr && second != nullptr) first->needs(second);
+  };
+  pair("--around", {"--from", "--to"});
+  needs("--window", "--around");
+  pair("--first", {"--last", "--count"});
+  pair("--last", {"--count"});
+  if (command.run == wave::find) pair("--max", {"--first", "--last", "--count"});
+  pair("--csv", {"--json", "--histogram"});
+  pair("--ascii", {"--json"});
+  needs("--ascii", "--histogram");
+  needs("--columns", "--histogram");
+  if (command.run != wave::export_waves) pair("--columns", {"--json"});
 }
 
 /// Removes what a crashed writer left beside an output.
@@ -313,8 +349,13 @@ void add_command(CLI::App& app, const Command& command) {
                      fmt::format("{}; a signal is NAME, NAME[3], NAME[7:4], NAME:fp32, or "
                                  "NAME[3]:fp32, which is lane 3",
                                  command.words));
-  for (const std::string& option : command.options) adders().at(option)(*verb, *r);
-  verb->add_flag("--json", r->json, "JSON on stdout");
+  std::vector<std::string> options = command.options;
+  if (command.run != wave::terminal_viewer) options.emplace_back("--json");
+  for (const std::string& option : options) {
+    begin_group(*verb, heading_of(option));
+    adders().at(option)(*verb, *r);
+  }
+  add_exclusions(*verb, command);
   verb->callback([r, &command] { run(command, *r); });
 }
 

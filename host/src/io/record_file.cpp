@@ -159,13 +159,15 @@ std::vector<std::string> field_names() {
 RecordFormat RecordFormat::of_cast(const std::string& path, bool bits,
                                    const std::vector<std::string>& fields) {
   RecordFormat format{.bits = bits, .fields = parse_fields(fields)};
-  if (!fields.empty() && path.empty())
-    throw Error(ErrorCode::kUsage, "--fields is of records; give --output too");
+  if (!fields.empty() && path.empty()) throw Error(ErrorCode::kUsage, "--fields needs --output");
   if (path.empty()) return format;
   format.kind = kind_of(path);
   if (format.kind != Kind::kCsv && bits)
-    throw Error(ErrorCode::kUsage,
-                "--bits is of CSV; .npy has every bit, .jsonl shortest decimals");
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--bits cannot be combined with --output {}; .npy has every bit, .jsonl "
+                    "shortest decimals",
+                    printable_name(path)));
   return format;
 }
 

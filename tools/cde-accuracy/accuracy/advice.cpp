@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "accuracy/accuracy_report.hpp"
+#include "cde/support/counted.hpp"
 #include "page/page.hpp"
 
 namespace cde::cli {
@@ -55,7 +56,7 @@ void check_decisions(Candidate& c, const Demands& d) {
     c.unmet.push_back(
         {"leaks", "leaks were not measured", std::numeric_limits<double>::infinity()});
   if (d.no_leaks && t.leaks > 0)
-    c.unmet.push_back({"leaks", fmt::format("{} of {} rays leak", t.leaks, t.leak_rays),
+    c.unmet.push_back({"leaks", fmt::format("{} of {} leak", t.leaks, counted(t.leak_rays, "ray")),
                        1 + static_cast<double>(t.leaks)});
   if (!d.max_wrong) return;
   if (t.judged == 0) {
@@ -178,14 +179,15 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
     decisions += fmt::format("; not shown: it takes {} cases without one",
                              grouped(cases_to_show(*d.max_wrong)));
   text += line("decisions", t.judged == 0 ? "none was judged" : decisions);
-  if (t.leak_rays > 0) text += line("leaks", fmt::format("{} of {} rays", t.leaks, t.leak_rays));
+  if (t.leak_rays > 0)
+    text += line("leaks", fmt::format("{} of {}", t.leaks, counted(t.leak_rays, "ray")));
   text += line("area", price_text(c));
   text += line("clock", k.price.clock_is());
   if (c.seconds)
     text +=
-        line("time", fmt::format("{} for {} tests on {} lane{}, modelled, without transfers{}",
+        line("time", fmt::format("{} for {} tests on {}, modelled, without transfers{}",
                                  duration(*c.seconds), grouped(static_cast<std::uint64_t>(d.tests)),
-                                 c.lanes, c.lanes == 1 ? "" : "s",
+                                 counted(c.lanes, "lane"),
                                  d.seconds ? ", " + duration(*d.seconds) + " asked" : ""));
   text += fmt::format("commands\n  {}\n  cde query {} < PAIRS\n", sweep.command(k.pipe),
                       k.pipe.options());
@@ -233,8 +235,8 @@ std::string advice_text(const KeptSweep& sweep, const Demands& demands, const Ta
                                       : "",
                        figures_text(sweep, demands, all.front()));
   std::string text =
-      fmt::format("none of {} configurations of {} meets the demands on {}; nearest:\n", all.size(),
-                  name(demands.pair), target.name);
+      fmt::format("none of {} of {} meets the demands on {}; nearest:\n",
+                  counted(all.size(), "configuration"), name(demands.pair), target.name);
   for (std::size_t i = 0; i < std::min(kMisses, all.size()); ++i) {
     text += fmt::format("  {}\n", all[i].of->pipe.name());
     for (const Unmet& u : all[i].unmet) text += fmt::format("    {}\n", u.text);

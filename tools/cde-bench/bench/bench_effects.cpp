@@ -17,6 +17,7 @@
 #include "cde/reference/reference.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -319,13 +320,14 @@ ordered_json bench_effects(const BenchOptions& o) {
          "| --- | --- | --- | --- |");
   else
     show(
-        "\n{} rays x {} triangles, nearest, {} lanes, fp32, one thread. The planned card: {}."
+        "\n{} x {}, nearest, {}, fp32, one thread. The planned card: {}."
         "\nThe others are the planned card and one thing more. Times slower by processor time, "
-        "and (wall) by wall time: medians of {} rounds, each beside the planned card in turn.\n"
+        "and (wall) by wall time: medians of {}, each beside the planned card in turn.\n"
         "{:<44}{:>7}{:>15}{:>9}{:>12}{:>10}{:>11}{:>9}{:>9}\n",
-        w.rays.size(), w.triangles.size(), w.planned.lanes, fmt::join(w.planned.parameters(), " "),
-        rounds, "card", "slower", "least to most", "(wall)", "frame, s", "bus, %", "cycles",
-        "built, s", "in plans");
+        counted(w.rays.size(), "ray"), counted(w.triangles.size(), "triangle"),
+        counted(w.planned.lanes, "lane"), fmt::join(w.planned.parameters(), " "),
+        counted(static_cast<unsigned>(rounds), "round"), "card", "slower", "least to most",
+        "(wall)", "frame, s", "bus, %", "cycles", "built, s", "in plans");
   std::optional<Progress> progress("effects, every card in turn");
   for (Card& c : cards) c.frame(), c.pass();  // caches warm
   for (int round = 0; round < rounds; ++round) {

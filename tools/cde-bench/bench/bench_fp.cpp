@@ -10,6 +10,7 @@
 
 #include "bench/bench.hpp"
 #include "cde/card/fp_unit.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/progress.hpp"
 #include "output/streams.hpp"
 
@@ -28,7 +29,8 @@ double measure(FpFormat format, const Operation& operation, int lanes, double se
   std::vector<std::string> parameters = fp_unit_parameters(format, Arithmetic::kRtl, lanes, false);
   parameters.push_back(fmt::format("OPS={}", 1u << static_cast<unsigned>(operation.op)));
   FpUnit unit(Bitstream::open("fp_unit", parameters));
-  const Busy busy(fmt::format("{} lanes of {}, {}", lanes, format.name(), operation.name));
+  const Busy busy(
+      fmt::format("{} of {}, {}", counted(lanes, "lane"), format.name(), operation.name));
   return unit.measure(operation.op, seconds);
 }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "cde/card/json_keys.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "commands/commands.hpp"
@@ -59,7 +60,8 @@ int info(const Request& r) {
   const auto line = [&](std::string_view key, const std::string& value) {
     text += fmt::format("{:<10} {}\n", key, printable_name(value));
   };
-  line("file", fmt::format("{}, {}, {} bytes", r.file, trace.format(), trace.structure().bytes));
+  line("file",
+       fmt::format("{}, {}, {}", r.file, trace.format(), counted(trace.structure().bytes, "byte")));
   if (!trace.ending().empty()) line("end", trace.ending());
   line("writer", fmt::format("{}, {}", trace.writer(), trace.date()));
   line("time", fmt::format("{} to {}, in units of 1e{} s", times.text(trace.start()),
@@ -68,11 +70,12 @@ int info(const Request& r) {
     line("time zero", fmt::format("{} units, which times have in them", trace.time_zero()));
   for (const Blackout& b : trace.blackouts())
     line("no dump", fmt::format("{} to {} ($dumpoff)", times.text(b.from), times.text(b.to)));
-  line("signals", fmt::format("{} in {} scopes, {} of them other names of the same",
-                              trace.signals().size(), trace.scopes(), aliases));
+  line("signals", fmt::format("{} in {}, {} of them other names of the same",
+                              trace.signals().size(), counted(trace.scopes(), "scope"), aliases));
   line("blocks", fmt::to_string(trace.structure().sections.size()));
-  line("clock", clock == nullptr ? "none found; --clock SIGNAL names it"
-                                 : fmt::format("{}, {} cycles", clock->name, times.edges().size()));
+  line("clock", clock == nullptr
+                    ? "none found; --clock SIGNAL names it"
+                    : fmt::format("{}, {}", clock->name, counted(times.edges().size(), "cycle")));
   for (const std::string& comment : trace.comments()) line("comment", comment);
   cli::put(text);
   return 0;

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <thread>
 
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/wave/changes.hpp"
@@ -250,7 +251,7 @@ class Comparison {
                          b_.start(),
                          "",
                          "",
-                         fmt::format("{} bits, {} bits", s.width, t.width),
+                         fmt::format("{}, {}", counted(s.width, "bit"), counted(t.width, "bit")),
                          {}});
       }
       of_a_[s.handle].push_back(pairs.size());
@@ -472,7 +473,8 @@ int diff(const Request& r) {
     return status;
   }
   text += lines.rest();
-  text += fmt::format("{} of {} signals differ", c.found.size(), c.pairs.size());
+  text += fmt::format("{} of {} {}", c.found.size(), counted(c.pairs.size(), "signal"),
+                      c.found.size() == 1 ? "differs" : "differ");
   if (c.only_a + c.only_b + c.ignored != 0)
     text += fmt::format("; {} only in the first file, {} only in the second, {} ignored", c.only_a,
                         c.only_b, c.ignored);

@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <array>
 
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "cde/support/suffix.hpp"
 #include "cde/wave/scope_views.hpp"
 #include "commands/commands.hpp"
+#include "options/typed.hpp"
 #include "output/streams.hpp"
 
 namespace cde::wave {
@@ -46,16 +48,12 @@ std::string format_of(const Request& r, const std::string& output) {
 void check_options(const Request& r, const std::string& format) {
   const auto only = [&](bool given, const char* option, const char* where) {
     if (given && format != where)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is of --format {}, not of {}", option, where, format));
+      cli::cannot_combine(option, "--format " + format, fmt::format("expected {}", where));
   };
   only(!r.on.empty(), "--on", "csv");
   only(r.columns != 0, "--columns", "svg");
   if (r.form != "auto" && (format == "vcd" || format == "fst"))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--as cannot be combined with --format {}, which has bits; expected "
-                            "csv, wavedrom, svg or gtkw",
-                            format));
+    cli::cannot_combine("--as", "--format " + format, "expected csv, wavedrom, svg or gtkw");
 }
 
 }  // namespace
@@ -102,7 +100,7 @@ int export_waves(const Request& r) {
               {"signals", count}});
     cli::put_json(j);
   } else if (output != "-") {
-    cli::say("{}: {}, {} signals, {} to {}\n", printable_name(output), format, count,
+    cli::say("{}: {}, {}, {} to {}\n", printable_name(output), format, counted(count, "signal"),
              times.text(w.from), times.text(w.to));
   }
   return 0;

@@ -50,8 +50,6 @@ class Search {
 int find(const Request& r) {
   if (r.words.size() != 1)
     throw Error(ErrorCode::kUsage, "cde wave find takes one expression, in quotes");
-  if (int{r.first} + int{r.last} + int{r.count} > 1)
-    throw Error(ErrorCode::kUsage, "--first, --last and --count exclude each other");
   Trace trace(r.file);
   Times times(trace, r.clock);
   const Window w = window(r, trace, times);

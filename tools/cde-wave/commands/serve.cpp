@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
@@ -200,8 +201,9 @@ int serve(const Request& r) {
       cli::base64({reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()});
   const std::string page = wave_page(data);
   if (r.max != 0 && page.size() > r.max * kMega)
-    too_large(r, fmt::format("the page would have {:.1f} MB, of {} changes of {} signals",
-                             static_cast<double>(page.size()) / 1e6, tracks.changes, shown.size()));
+    too_large(r, fmt::format("the page would have {:.1f} MB, of {} of {}",
+                             static_cast<double>(page.size()) / 1e6,
+                             counted(tracks.changes, "change"), counted(shown.size(), "signal")));
   write_file(r.output, page);
   if (r.json) {
     Json j = begin_json(r);
@@ -213,9 +215,9 @@ int serve(const Request& r) {
               {"page_bytes", page.size()}});
     cli::put_json(j);
   } else {
-    cli::say("{}: {} signals, {} changes, {} to {}, {:.1f} MB\n", printable_name(r.output),
-             shown.size(), tracks.changes, times.text(w.from), times.text(w.to),
-             static_cast<double>(page.size()) / 1e6);
+    cli::say("{}: {}, {}, {} to {}, {:.1f} MB\n", printable_name(r.output),
+             counted(shown.size(), "signal"), counted(tracks.changes, "change"), times.text(w.from),
+             times.text(w.to), static_cast<double>(page.size()) / 1e6);
   }
   return 0;
 }

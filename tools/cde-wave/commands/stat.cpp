@@ -8,6 +8,7 @@
 #include <set>
 
 #include "cde/support/columns.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/wave/handshakes.hpp"
@@ -73,7 +74,7 @@ class Report {
 
   void text() {
     std::string all = fmt::format("{} to {}", times_.text(w_.from), times_.text(w_.to));
-    if (cycles_) all += fmt::format(", {} cycles of {}", *cycles_, clock_);
+    if (cycles_) all += fmt::format(", {} of {}", counted(*cycles_, "cycle"), clock_);
     all += "\n";
     for (const Blackout& b : m_.dark)
       all += fmt::format("no dump from {} to {} ($dumpoff), which does not count\n",
@@ -163,7 +164,7 @@ class Report {
     // Every line counts: a chain may be long.
     for (const Chain& c : chains) {
       if (lines.next()) {
-        text += fmt::format("{} cycles, ", c.cycles);
+        text += counted(c.cycles, "cycle") + ", ";
         if (c.times != 1) text += fmt::format("{} times, longest {}, first ", c.times, c.longest);
         text += fmt::format("at {}, origin {}\n", at(c.first_time), m_.handshakes[c.origin].name);
       }

@@ -23,9 +23,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void check(const Request& r) {
-  if (r.csv && r.json) throw Error(ErrorCode::kUsage, "--csv and --json exclude each other");
-  if (r.csv && !r.histogram.empty())
-    throw Error(ErrorCode::kUsage, "--csv and --histogram exclude each other");
   const auto& kinds = transaction_kinds();
   for (const std::string& w : r.words)
     if (std::find(kinds.begin(), kinds.end(), w) == kinds.end())

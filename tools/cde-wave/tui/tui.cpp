@@ -27,7 +27,6 @@ std::uint64_t first_cursor(const Request& r, Times& times, const Window& w) {
 }  // namespace
 
 int terminal_viewer(const Request& r) {
-  if (r.json) throw Error(ErrorCode::kUsage, "cde wave tui is for people and has no --json");
   tui::need_terminal();
   const bool utf8 = tui::locale_has_utf8();
   Trace trace(r.file);

@@ -237,16 +237,20 @@ void share_job(const CastTask& o, CastJob& job) {
     job.hierarchy = std::make_shared<const Hierarchy>(Hierarchy::build(job.mesh));
 }
 
-void begin_dealt(const CastTask& o, const CastJob& job) {
-  Dealing& dealing = Dealing::here();
-  if (o.partition == 1 && !dealing.asked(o.deal)) return;
+void check_dealt(const CastTask& o) {
+  if (o.partition == 1 && !Dealing::here().asked(o.deal)) return;
   if (o.trace.wanted() || o.boards > 1)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} is of one process: not with ranks, --partition, --resume or "
                             "--shard",
                             o.boards > 1 ? "--boards" : "--trace"));
   if (o.picture.shadows && o.deal.shard != "1/1")
-    throw Error(ErrorCode::kUsage, "--shadows follow from all hits, which a --shard does not have");
+    throw Error(ErrorCode::kUsage, "--shadows cannot be combined with --shard; they need all hits");
+}
+
+void begin_dealt(const CastTask& o, const CastJob& job) {
+  Dealing& dealing = Dealing::here();
+  if (o.partition == 1 && !dealing.asked(o.deal)) return;
   Json run = {{"verb", o.verb},
               {"mode", cde::name_of(o.request.mode)},
               {"through", job.hierarchy ? "hierarchy" : "sweep"},

@@ -67,6 +67,8 @@ inline constexpr const char* kNetwork = "records over one link of 10 Gbit/s, 50 
 
 /// The job for all ranks: rank 0 has all of it, the others what they need to take part.
 void share_job(const CastTask& task, CastJob& job);
+/// Error kUsage if a run that is dealt in chunks cannot have an option.
+void check_dealt(const CastTask& task);
 /// Begins a run that is dealt in chunks, once there is a job.
 void begin_dealt(const CastTask& task, const CastJob& job);
 /// cast_rays in chunks. On other ranks than 0, and in a shard, the outcome is without records.

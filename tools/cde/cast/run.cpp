@@ -52,6 +52,7 @@ void cast_shadows(const CastTask& o, CastPicture& picture, CastOutcome& all) {
 }  // namespace
 
 void run_cast(const CastTask& asked) {
+  check_dealt(asked);
   CastTask o = asked;
   CastJob job;
   if (Dealing::here().leads())

@@ -14,6 +14,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "cde/support/suffix.hpp"
+#include "options/typed.hpp"
 
 namespace cde::cli {
 namespace {
@@ -30,10 +31,6 @@ RaySource source_of(const CastWords& w) {
   const bool is_gltf = extension == ".glb" || extension == ".gltf";  // whose y is up
   s.up = w.up == "auto" ? (is_gltf ? 'y' : 'z') : w.up.front();
   s.up_is_asked = is_gltf || w.up != "auto";
-  if (s.listed() + s.camera.has_value() + s.grid.has_value() > 1)
-    throw_usage("--rays or --ray, --camera and --grid exclude each other");
-  if (s.listed() && s.size) throw_usage("--size is of pictures; the rays are given one by one");
-  if (s.grid && s.size) throw_usage("--grid has its own size; --size goes with --camera");
   if (!w.renders && !s.listed() && !s.camera && !s.grid && !s.size)
     throw_usage(
         fmt::format("rays are missing: --ray, --rays, --camera or --grid; `cde render {}` draws "
@@ -73,8 +70,30 @@ PictureFiles picture_of(const CastWords& w) {
     p.shows_itself = true;
     p.shaded = own_picture_name(w.mesh);
   }
-  if (p.shadows && p.shaded.empty()) throw_usage("--shadows is of --shaded");
+  if (p.shadows && p.shaded.empty()) throw_usage("--shadows needs --shaded");
   return p;
+}
+
+/// Options that would change nothing.
+void check_options(const CastWords& w, const CastTask& t) {
+  struct OfRecords {
+    const char* option;
+    bool given;
+  };
+  if (t.records.empty())
+    for (const OfRecords& o :
+         {OfRecords{"--bits", w.bits}, OfRecords{"--fields", !w.fields.empty()},
+          OfRecords{"--inside", w.inside}})
+      if (o.given) throw_usage(fmt::format("{} needs --output", o.option));
+  t.bundle.check(t.check, "--no-check");
+  if (w.checks.starts_with("rays:") && w.bvh < 0) cannot_combine("--check=" + w.checks, "--no-bvh");
+  if (t.trace.wanted() && t.boards > 1)
+    cannot_combine("--trace", "--boards", "waves are those of one card");
+  if (t.request.mode != Mode::kOccluded) return;
+  if (w.bvh < 0) cannot_combine("--mode occluded", "--no-bvh");
+  if (std::any_of(t.fields.begin(), t.fields.end(),
+                  [](const std::string& f) { return f != "inside"; }))
+    cannot_combine("--fields", "--mode occluded", "it does not say which triangle is hit");
 }
 
 }  // namespace
@@ -104,11 +123,7 @@ CastTask task_of(const CastWords& w) {
   t.check = w.checks != "false";
   if (t.check && w.checks != "true") t.swept_rays = parse_check(w.checks);
   check_files(t);
-  if (t.trace.wanted() && t.boards > 1) throw_usage("--trace follows one card; leave out --boards");
-  const bool of_triangles = std::any_of(t.fields.begin(), t.fields.end(),
-                                        [](const std::string& f) { return f != "inside"; });
-  if (t.request.mode == Mode::kOccluded && of_triangles)
-    throw_usage("--fields are of triangles, and mode occluded does not say which one it is");
+  check_options(w, t);
   t.trace.check();
   check_picture_names(t.picture);
   (void)RecordFormat::of_cast(t.records, t.bits, t.fields);

@@ -15,6 +15,7 @@
 #include "cde/support/message.hpp"
 #include "options/deal_options.hpp"
 #include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 
 namespace cde::cli {
@@ -42,22 +43,23 @@ void add_listed_rays(CLI::App& verb, CastWords& o) {
 void add_pixels(CLI::App& verb, CastWords& o) {
   text_value(verb.add_option("--camera", o.camera,
                              "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of "
-                             "view, above 0 and below 180 degrees (40); without it one that shows "
-                             "the mesh"),
+                             "view, above 0 and below 180 degrees, 40 if left out")
+                 ->default_str("one that shows the mesh"),
              "VIEW", [](const std::string& text) { (void)parse_camera(text, "--camera"); });
   text_value(verb.add_option("--grid", o.grid, "Picture straight down, of square pixels"), "WxH",
              [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
-  text_value(verb.add_option("--size", o.size,
-                             "Size of a picture; 640x480 if not given, or without a hierarchy "
-                             "the smaller the more triangles, down to 128x96"),
+  text_value(verb.add_option("--size", o.size, "Size of a picture")
+                 ->default_str("640x480; without a hierarchy the smaller the more triangles, down "
+                               "to 128x96"),
              "WxH", [](const std::string& text) { (void)parse_resolution(text, "--size"); });
-}
-
-void add_up(CLI::App& verb, CastWords& o) {
   one_of(
       verb.add_option("--up", o.up, "Axis that is up in pictures: auto is y for glTF, z for others")
           ->capture_default_str(),
       {"auto", "x", "y", "z"});
+  excludes(verb, "--camera", {"--rays", "--ray"});
+  excludes(verb, "--grid", {"--rays", "--ray", "--camera"});
+  excludes(verb, "--size", {"--rays", "--ray", "--grid"});
+  excludes(verb, "--up", {"--rays", "--ray"});
 }
 
 void add_records(CLI::App& verb, CastWords& o) {
@@ -131,19 +133,29 @@ void add_card(CLI::App& verb, CastWords& o) {
              ->capture_default_str(),
          {"host", "rtl"});
   verb.add_flag("--box,!--no-box", o.box,
-                "A hit must lie in the triangle's box, so that none is far from its triangle (on)");
+                "A hit must lie in the triangle's box, so that none is far from its triangle")
+      ->default_str("on");
   verb.add_flag("--bvh,!--no-bvh", o.bvh,
-                "Rays go through a hierarchy of boxes, or meet all triangles: the same records; "
-                "by itself through one where that is sooner, of 2,048 triangles at least");
-  flag_value(verb.add_flag("--check,!--no-check", o.checks,
-                           "Compare every record with the reference (on); --check=rays:N: of rays "
-                           "through a hierarchy N meet all triangles in the reference, too (64)"),
-             [](const std::string& text) { (void)parse_check(text); });
+                "Rays traverse a hierarchy of boxes, or meet all triangles; the records are the "
+                "same. If neither is given, rays traverse a hierarchy where that is faster, from "
+                "2,048 triangles on");
+  exact_card_option(verb, o.exact);
 }
 
-/// Options that few users need stand behind the others in the help.
-void add_advanced(CLI::App& verb, CastWords& o) {
-  const auto before = verb.get_options();
+void add_checks(CLI::App& verb, CastWords& o) {
+  begin_group(verb, "Checks and limits");
+  flag_value(verb.add_flag("--check,!--no-check", o.checks,
+                           "Compare every record with the reference. With --check=rays:N, N of the "
+                           "rays through a hierarchy meet all triangles in the reference, too")
+                 ->default_str("on, rays:64"),
+             [](const std::string& text) { (void)parse_check(text); });
+  add_bundle_options(verb, o.bundle);
+  deadline_options(verb, o.deadline, o.timeout, "packet");
+}
+
+/// How many cards and processes share the work.
+void add_shares(CLI::App& verb, CastWords& o) {
+  begin_group(verb, "Several cards and machines");
   whole_number_in(
       verb.add_option("--boards", o.boards,
                       "Cards that share the rays, each simulated in a thread; clocks are summed")
@@ -156,16 +168,22 @@ void add_advanced(CLI::App& verb, CastWords& o) {
               "simulates that card. The records are the same as those of one card")
           ->capture_default_str(),
       1, 1024, "");
-  add_bundle_options(verb, o.bundle);
   add_deal_options(verb, o.deal);
+}
+
+/// The options of both verbs behind those of rays, pictures and records.
+void add_card_and_run(CLI::App& verb, CastWords& o) {
+  begin_group(verb, "Card");
+  add_card(verb, o);
+  add_checks(verb, o);
+  begin_group(verb, "Waves");
   add_trace_options(verb, o.trace,
                     "Waves of the cast, FST; kept even if the cast fails or is stopped");
-  exact_card_option(verb, o.exact);
+  begin_group(verb, "Modelled time");
   clock_options(verb, o.clock);
-  deadline_options(verb, o.deadline, o.timeout, "packet");
-  for (CLI::Option* option : verb.get_options())
-    if (std::find(before.begin(), before.end(), option) == before.end())
-      option->group(kAdvancedGroup);
+  add_shares(verb, o);
+  begin_group(verb, "Messages");
+  add_messages(verb, o);
 }
 
 }  // namespace
@@ -185,26 +203,25 @@ std::uint64_t parse_check(const std::string& text) {
 
 void add_cast_options(CLI::App& verb, CastWords& words) {
   add_mesh(verb, words);
+  begin_group(verb, "Rays");
   add_listed_rays(verb, words);
   add_pixels(verb, words);
-  add_up(verb, words);
+  begin_group(verb, "Records");
   add_records(verb, words);
-  add_messages(verb, words);
   add_mode(verb, words);
-  add_card(verb, words);
-  add_advanced(verb, words);
+  add_card_and_run(verb, words);
 }
 
 void add_render_options(CLI::App& verb, CastWords& words) {
   words.renders = true;
   add_mesh(verb, words);
+  begin_group(verb, "View");
   add_pixels(verb, words);
-  add_up(verb, words);
+  begin_group(verb, "Pictures");
   add_pictures(verb, words);
+  begin_group(verb, "Records");
   add_records(verb, words);
-  add_messages(verb, words);
-  add_card(verb, words);
-  add_advanced(verb, words);
+  add_card_and_run(verb, words);
 }
 
 }  // namespace cde::cli

@@ -16,6 +16,7 @@
 #include "cde/image/camera.hpp"
 #include "cde/mesh/terrain.hpp"
 #include "cde/reference/reference.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/process.hpp"
 #include "options/values.hpp"
@@ -105,8 +106,8 @@ Finding cache() {
       const std::uintmax_t size = entry.file_size(gone);
       if (entry.path().extension() == ".so" && !gone) ++files, bytes += size;
     }
-    return {fmt::format("bitstream cache {}: {} bitstreams, {:.1f} MB",
-                        printable_name(folder.string()), files, static_cast<double>(bytes) / 1e6),
+    return {fmt::format("bitstream cache {}: {}, {:.1f} MB", printable_name(folder.string()),
+                        counted(files, "bitstream"), static_cast<double>(bytes) / 1e6),
             ""};
   } catch (const std::exception& e) {
     return {e.what(), "set CDE_CACHE to a folder of yours"};
@@ -144,8 +145,8 @@ Finding small_cast(Arithmetic arithmetic, bool builds) {
     board.cast(rays, {.mode = Mode::kAll},
                [&](std::span<const Record> records) { checker.check(records); });
     checker.finish();
-    return {fmt::format("{} arithmetic: {} of {} records match the reference", name,
-                        checker.compared(), rays.size() * mesh.faces.size()),
+    return {fmt::format("{} arithmetic: {} of {} match the reference", name, checker.compared(),
+                        counted(rays.size() * mesh.faces.size(), "record")),
             ""};
   } catch (const Error& e) {
     const bool differs = e.code() == ErrorCode::kMismatch;

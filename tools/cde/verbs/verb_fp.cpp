@@ -16,6 +16,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "options/line_input.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "verbs/verbs.hpp"
 
@@ -234,8 +235,7 @@ void run(const Options& options) {
   if (!options.format.empty()) {
     format = FpFormat::parse(options.format);
     if (request.format && *request.format != format)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("operation '{}' is not of format {}", options.op, format.name()));
+      cannot_combine("--format " + format.name(), options.op);
   }
   FpUnit unit(format, options.arith == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost, options.lanes);
   Stream(request.op, request.exact, format, unit).run();
@@ -270,7 +270,8 @@ void add_fp(CLI::App& app) {
   std::vector<std::string_view> formats;
   for (const NamedFpFormat& f : kFpFormats) formats.push_back(f.name);
   text_value(verb->add_option("-f,--format", options->format,
-                              fmt::format("{}, or eEmM (default fp32)", fmt::join(formats, " "))),
+                              fmt::format("{}, or eEmM", fmt::join(formats, " ")))
+                 ->default_str("fp32"),
              "FORMAT", [](const std::string& text) { (void)FpFormat::parse(text); });
   one_of(verb->add_option("-a,--arith", options->arith,
                           "rtl: the gates; host: the host's FPU, same bits")

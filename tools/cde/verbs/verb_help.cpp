@@ -51,7 +51,8 @@ void add_help(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("help", "Print what the program or a verb of it does");
   std::vector<std::string> verbs;
   for (const CLI::App* one : shown_verbs(app)) verbs.push_back(one->get_name());
-  named(verb->add_option("verb", *verb_name, "A verb (all of the program)"), verbs, "VERB", "verb");
+  named(verb->add_option("verb", *verb_name, "A verb")->default_str("all of the program"), verbs,
+        "VERB", "verb");
   auto inner = std::make_shared<std::string>();
   known_words(verb->add_option("inner", *inner, "A verb of that one: cde help wave info"), {},
               "VERB");

@@ -15,6 +15,8 @@
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "options/deal_options.hpp"
+#include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
@@ -211,8 +213,8 @@ void run(const QueryOptions& o) {
                                        {"--resume", o.deal.resume},
                                        {o.output == "-" ? "the answers" : "--output", o.output}},
                   inputs);
-  if (o.keep_going && !o.check)
-    throw Error(ErrorCode::kUsage, "--keep-going is of comparing: not with --no-check");
+  if (o.keep_going && !o.check) cannot_combine("--keep-going", "--no-check");
+  o.bundle.check(o.check, "--no-check");
   PairConfig config = configuration(o);
   config.trace = o.trace.wanted();
   const bool dealt = Dealing::here().asked(o.deal);
@@ -262,31 +264,38 @@ void add_query(CLI::App& app) {
                        "A and of B) or of structures; - is stdin, in either form")
           ->capture_default_str(),
       "FILE");
+  begin_group(*verb, "Answers");
   file_value(verb->add_option("-o,--output", o->output,
                               "Where the answers go: a file that appears whole or not at all, or "
                               "- for stdout, line by line")
                  ->capture_default_str(),
              "FILE");
   verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
+  begin_group(*verb, "Checks");
   verb->add_flag("--check,!--no-check", o->check,
-                 "Compare every answer with the reference, bit for bit (on)");
+                 "Compare every answer with the reference, bit for bit")
+      ->default_str("on");
   CLI::Option* const keep_going = verb->add_flag(
       "-k,--keep-going", o->keep_going,
       fmt::format("Go on where an answer differs from the reference: flags say differs, "
                   "and the first {} are told with the command that repeats and packs each",
                   kQueryFailures));
+  add_bundle_options(*verb, o->bundle);
+  keep_going->excludes(verb->get_option("--bundle"));
+  begin_group(*verb, "Waves");
   add_trace_options(*verb, o->trace,
                     fmt::format("Waves of the pipe, FST, while all pairs, at most {}, go "
                                 "through: answers come when stdin has ended. Kept even if an "
                                 "answer differs",
                                 kQueryTraced));
-  add_bundle_options(*verb, o->bundle);
-  keep_going->excludes(verb->get_option("--bundle"));
+  begin_group(*verb, "Several machines");
   add_deal_options(*verb, o->deal);
+  begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
-  verb->callback([o] {
+  verb->callback([o, verb] {
     tell_builds(!o->quiet);
+    check_pair_options(*verb, *o);
     settle_pair(*o);
     run(*o);
   });

@@ -27,6 +27,7 @@
 #include "cde/support/suffix.hpp"
 #include "options/clock_target.hpp"
 #include "options/deal_options.hpp"
+#include "options/help.hpp"
 #include "options/scene_frames.hpp"
 #include "options/trace_options.hpp"
 #include "options/values.hpp"
@@ -248,8 +249,8 @@ class Run {
         row("verdicts",
             t.asked == 0
                 ? "no query leaves misses out, all pairs went to the wide lane"
-                : fmt::format("{} lanes left {} of {} pairs to the wide one, {:.3g} %",
-                              scene_.card.verdicts->name(), t.open, t.asked,
+                : fmt::format("{} lanes left {} of {} to the wide one, {:.3g} %",
+                              scene_.card.verdicts->name(), t.open, counted(t.asked, "pair"),
                               100 * static_cast<double>(t.open) / static_cast<double>(t.asked)));
       row("modelled time",
           fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory {}",
@@ -477,7 +478,17 @@ class Run {
   std::string waves_defect_;
 };
 
+/// Options that cannot be combined, before the scene is read.
+void check_options(const Options& o) {
+  o.bundle.check(o.check != "none", "--check none");
+  if (Dealing::here().asked(o.deal) && (o.trace.wanted() || !o.report.empty() || !o.faults.empty()))
+    throw Error(ErrorCode::kUsage,
+                "--trace, --report and --fault are of one process: not with ranks, --resume or "
+                "--shard");
+}
+
 void run(const Options& o) {
+  check_options(o);
   Scene scene = [&] {
     const Busy busy("loading " + o.scene, o.quiet);
     return load_scene(o.scene);
@@ -498,10 +509,6 @@ void run(const Options& o) {
   const bool dealt = Dealing::here().asked(o.deal);
   if (dealt) {
     made.board = Dealing::here().shared(made.board);
-    if (o.trace.wanted() || !o.report.empty() || !o.faults.empty())
-      throw Error(ErrorCode::kUsage,
-                  "--trace, --report and --fault are of one process: not with ranks, --resume or "
-                  "--shard");
     const Frames frames = frames_of(o.frames, scene);
     const DealtFrames all{.scene = scene,
                           .plan = made,
@@ -533,24 +540,8 @@ void add_run(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
   scene_option(*verb, o->scene);
+  begin_group(*verb, "Run");
   frames_option(*verb, o->frames);
-  folder_value(
-      verb->add_option("-o,--output,--out", o->out,
-                       "Folder for run.json and records: a new or empty one, or that of an earlier "
-                       "run, which is removed (SCENE.run)"),
-      "FOLDER");
-  verb->add_flag("--file-per-frame", o->file_per_frame,
-                 "Write the records of each query and frame to a file. A run that is stopped keeps "
-                 "these files. Without the option each query has one table");
-  one_of(
-      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
-      {"all", "sample", "none"});
-  file_value(verb->add_option("--report", o->report,
-                              "Page about the run, one HTML file that loads nothing (- is stdout)"),
-             "FILE.html");
-  add_bundle_options(*verb, o->bundle);
-  add_deal_options(*verb, o->deal);
-  add_trace_options(*verb, o->trace, "Waves of the run, FST (- is stdout); kept even if it fails");
   text_value(verb->add_option("--fault", o->faults,
                               "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given "
                               "again")
@@ -558,7 +549,30 @@ void add_run(CLI::App& app) {
              "FAULT", [](const std::string& text) { (void)fault_of(text); });
   scene_target_option(*verb, o->target);
   exact_card_option(*verb, o->exact);
+  begin_group(*verb, "Outputs");
+  folder_value(
+      verb->add_option("-o,--output,--out", o->out,
+                       "Folder for run.json and records: a new or empty one, or that of an earlier "
+                       "run, which is removed")
+          ->default_str("SCENE.run"),
+      "FOLDER");
+  verb->add_flag("--file-per-frame", o->file_per_frame,
+                 "Write the records of each query and frame to a file. A run that is stopped keeps "
+                 "these files. Without the option each query has one table");
+  file_value(verb->add_option("--report", o->report,
+                              "Page about the run, one HTML file that loads nothing (- is stdout)"),
+             "FILE.html");
+  begin_group(*verb, "Checks and limits");
+  one_of(
+      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
+      {"all", "sample", "none"});
+  add_bundle_options(*verb, o->bundle);
   deadline_options(*verb, o->deadline, o->timeout, "pass");
+  begin_group(*verb, "Waves");
+  add_trace_options(*verb, o->trace, "Waves of the run, FST (- is stdout); kept even if it fails");
+  begin_group(*verb, "Several machines");
+  add_deal_options(*verb, o->deal);
+  begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "run.json on stdout too");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] {

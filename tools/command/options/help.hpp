@@ -10,27 +10,21 @@
 /// What `cde --help`, `cde help VERB` and the manual say beside the descriptions of options.
 namespace cde::cli {
 
-/// The group of options that few users need; the help lists it last.
-inline constexpr const char* kAdvancedGroup = "Advanced options";
-
-struct Example {
-  std::string command, what;
-};
-/// Two of each verb, and of the program if `verb` is empty.
-[[nodiscard]] const std::vector<Example>& examples(std::string_view verb);
-
-struct HelpEntry {
-  std::string name, text;
-};
-[[nodiscard]] const std::vector<HelpEntry>& exit_statuses();
-[[nodiscard]] const std::vector<HelpEntry>& environment();
-
 /// Text broken at blanks into lines of at most `width` characters; a word that is longer has a line
 /// of its own.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t width);
 
 /// The options of an app that help and manual show, positional ones or the others.
 [[nodiscard]] std::vector<const CLI::Option*> shown_options(const CLI::App& app, bool positional);
+/// Options that are added to `verb` from here on stand under this heading. --help goes with the
+/// last group.
+void begin_group(CLI::App& verb, const std::string& heading);
+struct OptionGroup {
+  std::string heading;
+  std::vector<const CLI::Option*> options;
+};
+/// The shown options that are not positional, by heading, in the order in which they were added.
+[[nodiscard]] std::vector<OptionGroup> option_groups(const CLI::App& app);
 /// Verbs that are not hidden.
 [[nodiscard]] std::vector<const CLI::App*> shown_verbs(const CLI::App& app);
 /// The words that start an app: "cde", "cde cast", "cde wave info".

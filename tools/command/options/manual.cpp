@@ -8,6 +8,7 @@
 
 #include "cde/support/version.hpp"
 #include "options/help.hpp"
+#include "options/verb_help.hpp"
 
 namespace cde::cli {
 namespace {
@@ -31,12 +32,17 @@ std::string tagged(const std::string& head, const std::string& text) {
   return fmt::format(".TP\n\\fB{}\\fR\n{}\n", troff(head), troff(text));
 }
 
+/// Options that have headings of their own stand below these.
 std::string options_of(const CLI::App& app) {
   std::string page;
-  for (const bool positional : {true, false}) {
-    const auto options = shown_options(app, positional);
-    if (!options.empty()) page += positional ? ".SH ARGUMENTS\n" : ".SH OPTIONS\n";
-    for (const CLI::Option* o : options) page += tagged(option_head(*o), option_text(*o));
+  const auto positional = shown_options(app, true);
+  if (!positional.empty()) page += ".SH ARGUMENTS\n";
+  for (const CLI::Option* o : positional) page += tagged(option_head(*o), option_text(*o));
+  page += ".SH OPTIONS\n";
+  const auto groups = option_groups(app);
+  for (const OptionGroup& group : groups) {
+    if (groups.size() > 1) page += fmt::format(".SS {}\n", troff(group.heading));
+    for (const CLI::Option* o : group.options) page += tagged(option_head(*o), option_text(*o));
   }
   return page;
 }
@@ -70,9 +76,9 @@ std::string manual_page(const CLI::App& app) {
   for (const Example& e : examples(verb_name(app)))
     page += fmt::format(".PP\n{}:\n.PP\n.RS\n.nf\n{}\n.fi\n.RE\n", troff(e.what), troff(e.command));
   page += ".SH EXIT STATUS\n";
-  for (const HelpEntry& e : exit_statuses()) page += tagged(e.name, e.text);
+  for (const HelpEntry& e : exit_statuses(verb_name(app))) page += tagged(e.name, e.text);
   page += ".SH ENVIRONMENT\n";
-  for (const HelpEntry& e : environment()) page += tagged(e.name, e.text);
+  for (const HelpEntry& e : environment(verb_name(app))) page += tagged(e.name, e.text);
   page += ".SH SEE ALSO\n";
   if (!program) return page + "\\fBcde\\fR(1)\n";
   std::string others;

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 
 #include "cde/fp/number_text.hpp"
+#include "options/help.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 
 namespace cde::cli {
@@ -14,16 +16,28 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
                              "other order, too, and then the words in that order; box is obb")
                  ->required(),
              "PAIR");
+  begin_group(verb, "Test");
   one_of(verb.add_option("--algorithm", o.algorithm, "Of ray-triangle")->capture_default_str(),
          algorithm_names());
   verb.add_flag_callback(
-      "--box", [&o] { o.box = true; },
-      "Of ray-triangle: a hit must lie in the triangle's box (on); of pairs without cylinders "
-      "and planes that have a gap, but for sphere-sphere: it is at least that of the boxes (off)");
+          "--box", [&o] { o.box = true; },
+          "Of ray-triangle: a hit must lie in the triangle's box; of pairs without cylinders "
+          "and planes that have a gap, but for sphere-sphere: it is at least that of the boxes")
+      ->default_str("on for ray-triangle, off for others");
   verb.add_flag_callback(
       "--no-box", [&o] { o.box = false; }, "The plain pipe");
+  excludes(verb, "--box", {"--no-box"});
   verb.add_flag("--half-space", o.half_space,
                 "Of pairs with a plane: it bounds the solid half-space n.x <= d");
+  known_words(
+      verb.add_option(
+              "--budget", o.budget,
+              "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
+              "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
+              "to 64), or a number of evaluations, which is split evenly")
+          ->default_str("8,8,8"),
+      {}, "M,K1,K2|N");
+  begin_group(verb, "Pipe");
   one_of(verb.add_option("--format", o.format, "Format of the words")->capture_default_str(),
          pair_formats());
   one_of(verb.add_option("--arith", o.arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
@@ -32,21 +46,37 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
   if (lanes)
     whole_number_in(
         verb.add_option("--lanes", o.lanes,
-                        "Pairs a clock; 8 if not given, or 1 in fp64 for obb-obb, "
-                        "triangle-aabb, triangle-obb and triangle-triangle, whose bitstreams "
-                        "of more lanes take minutes to build"),
+                        "Pairs a clock. In fp64, bitstreams of more than one lane take minutes to "
+                        "build for obb-obb, triangle-aabb, triangle-obb and triangle-triangle")
+            ->default_str("8, or 1 for these"),
         1, 256, "");
   one_of(verb.add_option("--facet-interval", o.facet_interval,
                          "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of "
                          "pairs to the next, 1, or 3 with facet units that are shared; same bits")
              ->capture_default_str(),
          {"1", "3"});
-  known_words(verb.add_option(
-                  "--budget", o.budget,
-                  "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
-                  "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
-                  "to 64), or a number of evaluations, which is split evenly. 8,8,8 if not given"),
-              {}, "M,K1,K2|N");
+}
+
+void check_pair_options(const CLI::App& verb, const PairOptions& o) {
+  const Pair pair = pair_in_any_order(o.pair).pair;
+  struct Rule {
+    const char* option;
+    bool fits;
+    const char* expected;
+  };
+  const char* const with_box =
+      "expected a pair of a triangle, or a sphere or OBB with an OBB, without cylinders";
+  for (const Rule& rule :
+       {Rule{"--algorithm", pair == Pair::kRayTriangle, "expected ray-triangle"},
+        Rule{"--box", has_box_rule(pair), with_box}, Rule{"--no-box", has_box_rule(pair), with_box},
+        Rule{"--half-space", secondary_shape(pair) == Shape::kPlane,
+             "expected a pair with a plane"},
+        Rule{"--facet-interval", has_facets(pair),
+             "expected obb-obb, triangle-aabb or triangle-obb"},
+        Rule{"--budget", has_budget(pair),
+             "expected cylinder-cylinder, obb-cylinder or triangle-cylinder"}})
+    if (!rule.fits && verb.count(rule.option) != 0)
+      cannot_combine(rule.option, name(pair), rule.expected);
 }
 
 }  // namespace cde::cli

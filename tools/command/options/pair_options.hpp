@@ -8,4 +8,7 @@ namespace cde::cli {
 /// PAIR and the options that name its pipe; --lanes only where `lanes` says so.
 void add_pair_options(CLI::App& verb, PairOptions& options, bool lanes = true);
 
+/// Error kUsage if an option was given that the pair does not have.
+void check_pair_options(const CLI::App& verb, const PairOptions& options);
+
 }  // namespace cde::cli

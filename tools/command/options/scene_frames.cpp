@@ -33,8 +33,9 @@ Frames frames_of(const std::string& text, const Scene& scene) {
 }
 
 CLI::Option* frames_option(CLI::App& verb, std::string& frames) {
-  return known_words(verb.add_option("--frames", frames, "Frames A..B, both included (all)"), {},
-                     "A..B");
+  return known_words(
+      verb.add_option("--frames", frames, "Frames A..B, both included")->default_str("all"), {},
+      "A..B");
 }
 
 }  // namespace cde::cli

@@ -37,9 +37,6 @@ TraceOptions window_of(const std::string& text) {
 
 void TraceRequest::check() const {
   check_suffix("--trace", file, ".fst");
-  if (wanted()) return;
-  if (!window.empty()) throw Error(ErrorCode::kUsage, "--trace-window is of --trace");
-  if (!scopes.empty()) throw Error(ErrorCode::kUsage, "--trace-scope is of --trace");
 }
 
 TraceOptions TraceRequest::options() const {
@@ -49,16 +46,18 @@ TraceOptions TraceRequest::options() const {
 }
 
 void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what) {
-  file_value(verb.add_option("--trace", request.file, what), "FILE.fst");
+  CLI::Option* trace = file_value(verb.add_option("--trace", request.file, what), "FILE.fst");
   text_value(verb.add_option("--trace-window", request.window,
                              "Waves of these clocks alone, FROM:TO, counted from where waves "
                              "without it begin; outside of them nothing is written"),
-             "FROM:TO", [](const std::string& text) { (void)window_of(text); });
+             "FROM:TO", [](const std::string& text) { (void)window_of(text); })
+      ->needs(trace);
   verb.add_option("--trace-scope", request.scopes,
                   "Waves of the scopes and signals alone that a pattern of * and ? names; may be "
                   "given more than once")
       ->type_name("GLOB")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->needs(trace);
 }
 
 void say_stopped(const std::string& file) {

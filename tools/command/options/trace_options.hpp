@@ -14,7 +14,7 @@ struct TraceRequest {
   std::vector<std::string> scopes;
 
   [[nodiscard]] bool wanted() const { return !file.empty(); }
-  /// Error kUsage if something is asked of waves and no waves are.
+  /// Error kUsage if the name of the file is not that of waves.
   void check() const;
   [[nodiscard]] TraceOptions options() const;
 };

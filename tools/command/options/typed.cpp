@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <optional>
-#include <set>
 #include <string_view>
 
 #include "cde/support/error.hpp"
@@ -106,7 +106,7 @@ class Reader {
       if (!o->get_positional()) continue;
       const bool list = o->get_items_expected_max() > 1;
       if (!list && seen_.contains(o)) continue;
-      seen_.insert(o);
+      seen_.emplace(o, option_head(*o));
       check(*o, option_head(*o), word);
       positional_.push_back(word);
       return;
@@ -172,10 +172,16 @@ class Reader {
       at_ = words_.size();
       return;
     }
-    const bool first = seen_.insert(o).second;
+    const auto [before, first] = seen_.emplace(o, name);
+    order_.push_back(o);
     for (const CLI::Option* other : o->get_excludes())
-      if (seen_.contains(other))
-        throw_usage(fmt::format("{} and {} exclude each other", names(*other).back(), name));
+      if (const auto found = seen_.find(other); found != seen_.end())
+        cannot_combine(name, found->second);
+    if (!first && o->get_items_expected_max() <= 1) {
+      if (!o->get_fnames().empty() && name != before->second)
+        cannot_combine(name, before->second);  // --box and --no-box
+      throw_usage(fmt::format("{} is given twice", name));
+    }
     if (!takes_value(*o)) {
       // One that may have a value has it behind = alone.
       const bool may_have = value && takes(*o).check;
@@ -185,8 +191,6 @@ class Reader {
       options_.push_back(may_have ? name + "=" + *value : name);
       return;
     }
-    if (!first && o->get_items_expected_max() == 1)
-      throw_usage(fmt::format("{} is given twice", name));
     const std::string label = takes(*o).label;
     if (!value) {
       if (at_ == words_.size()) throw_usage(fmt::format("{} needs a value: {}", name, label));
@@ -225,6 +229,10 @@ class Reader {
         throw_usage(fmt::format("{} needs {}: {}", called(),
                                 o->get_positional() ? option_head(*o) : names(*o).back(),
                                 o->get_description()));
+    for (const CLI::Option* o : order_)
+      for (const CLI::Option* other : o->get_needs())
+        if (!seen_.contains(other))
+          throw_usage(fmt::format("{} needs {}", seen_.at(o), names(*other).back()));
   }
 
   const CLI::App& app_;
@@ -233,11 +241,22 @@ class Reader {
   const CLI::App* verb_ = nullptr;
   bool positional_only_ = false;
   std::string question_;
-  std::set<const CLI::Option*> seen_;
+  std::map<const CLI::Option*, std::string> seen_;  ///< each as it was typed first
+  std::vector<const CLI::Option*> order_;           ///< in which they were typed
   std::vector<std::string> options_, positional_;
 };
 
 }  // namespace
+
+void cannot_combine(std::string_view option, std::string_view other, std::string_view why) {
+  throw_usage(fmt::format("{} cannot be combined with {}{}{}", option, other,
+                          why.empty() ? "" : "; ", why));
+}
+
+void excludes(CLI::App& verb, const std::string& option, const std::vector<std::string>& others) {
+  for (const std::string& other : others)
+    if (CLI::Option* o = verb.get_option_no_throw(other)) verb.get_option(option)->excludes(o);
+}
 
 std::vector<std::string> understood(const CLI::App& app, const std::vector<std::string>& words) {
   return Reader(app, words).read();

@@ -10,6 +10,7 @@
 #include "cde/support/process.hpp"
 #include "cde/support/progress.hpp"
 #include "cde/support/shell_word.hpp"
+#include "options/typed.hpp"
 #include "options/values.hpp"
 #include "program/programs.hpp"
 
@@ -38,16 +39,22 @@ Json converse(process::Conversation& child, const Failure& failure) {
 
 }  // namespace
 
+void BundleRequest::check(bool compares, const std::string& option) const {
+  if (named && !compares) cannot_combine("--bundle", option);
+}
+
 void add_bundle_options(CLI::App& verb, BundleRequest& request) {
   folder_value(
       verb.add_option("--bundle", request.folder,
                       "Where an answer that differs is packed: waves around it, the line of RTL "
                       "where card and reference part, commands. One that is there stays, the next "
                       "is FOLDER-2")
-          ->capture_default_str(),
+          ->capture_default_str()
+          ->each([&request](const std::string&) { request.named = true; }),
       "FOLDER");
   verb.add_flag_callback(
       "--no-bundle", [&request] { request.wanted = false; }, "An answer that differs is only told");
+  excludes(verb, "--bundle", {"--no-bundle"});
 }
 
 std::string packed(const BundleRequest& request, bool quiet, const Failure& failure) {

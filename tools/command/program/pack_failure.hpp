@@ -11,6 +11,10 @@ namespace cde::cli {
 struct BundleRequest {
   std::string folder = "cde-failure";
   bool wanted = true;
+  bool named = false;  ///< the folder, by --bundle
+
+  /// Error kUsage if a folder is named and `option` says that nothing is compared.
+  void check(bool compares, const std::string& option) const;
 };
 void add_bundle_options(CLI::App& verb, BundleRequest& request);
 

@@ -28,6 +28,26 @@ void complain(const std::string& message) {
   say(message + "\n");
 }
 
+/// The help of the program and of its verbs, and then that of the other programs if this is cde. A
+/// program that is not there is named, with status 2.
+int print_all_help(const Program& program, CLI::App& app) {
+  const bool is_cde = this_program() == "cde";
+  std::string text;
+  if (is_cde || program.name != "cde") text = app.help() + "\n";
+  for (const CLI::App* verb : shown_verbs(app)) {
+    if (program.name == "cde" && verb_elsewhere(verb->get_name()) != nullptr) continue;
+    text += verb->help() + "\n";
+  }
+  OutputFile out("-");
+  out.write(text);
+  out.commit();
+  int status = 0;
+  if (is_cde)
+    for (const std::string& other : other_programs())
+      status = std::max(status, run_other_program(other, {"--help-all"}));
+  return status;
+}
+
 }  // namespace
 
 int run_program(const Program& program, const std::vector<std::string>& words) {
@@ -43,6 +63,7 @@ int run_program(const Program& program, const std::vector<std::string>& words) {
     return 2;
   }
   std::vector<std::string> args = understood(app, words);
+  if (args == std::vector<std::string>{"--help-all"}) return print_all_help(program, app);
   std::reverse(args.begin(), args.end());  // CLI11 takes them from the back
   try {
     app.parse(args);

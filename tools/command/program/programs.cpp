@@ -2,9 +2,12 @@
 #include "program/programs.hpp"
 
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -44,6 +47,29 @@ std::string target_of(std::string_view program) {
     if (c == '-') c = '_';
   target += "_cli";
   return target;
+}
+
+/// What exec takes: pointers into `words`, and a null.
+std::vector<char*> pointers(std::vector<std::string>& words) {
+  std::vector<char*> all;
+  for (std::string& word : words) all.push_back(word.data());
+  all.push_back(nullptr);
+  return all;
+}
+
+[[noreturn]] void cannot_start(const std::string& file, int error) {
+  throw Error(ErrorCode::kFile, fmt::format("{}: {}", file, std::strerror(error)));
+}
+
+/// The status of `work`, or 2 with a message if that fails.
+template <class Work>
+int status_of(Work work) {
+  try {
+    return work();
+  } catch (const Error& e) {
+    say(fmt::format("cde: {}\n", e.what()));
+    return exit_status(e);
+  }
 }
 
 }  // namespace
@@ -88,19 +114,37 @@ std::string program_file(std::string_view program) {
                           program == "cde-accuracy" ? " (needs Boost, libboost-dev)" : ""));
 }
 
+std::vector<std::string> other_programs() {
+  std::vector<std::string> all;
+  for (const VerbEntry& entry : kVerbs)
+    if (entry.program != this_program() &&
+        std::find(all.begin(), all.end(), entry.program) == all.end())
+      all.emplace_back(entry.program);
+  return all;
+}
+
+int run_other_program(const std::string& program, const std::vector<std::string>& words) {
+  return status_of([&] {
+    std::vector<std::string> command = {program_file(program)};
+    command.insert(command.end(), words.begin(), words.end());
+    pid_t child = 0;
+    int ended = 0;
+    const int error = ::posix_spawn(&child, command[0].c_str(), nullptr, nullptr,
+                                    pointers(command).data(), environ);
+    if (error != 0) cannot_start(command[0], error);
+    while (::waitpid(child, &ended, 0) < 0 && errno == EINTR) {
+    }
+    return WIFEXITED(ended) ? WEXITSTATUS(ended) : 128 + WTERMSIG(ended);
+  });
+}
+
 int other_program(const VerbEntry& entry, const std::vector<std::string>& words) {
-  try {
+  return status_of([&]() -> int {
     std::vector<std::string> command = {program_file(entry.program)};
     command.insert(command.end(), words.begin() + (entry.own_verbs ? 1 : 0), words.end());
-    std::vector<char*> argv;
-    for (std::string& word : command) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    ::execv(argv[0], argv.data());
-    throw Error(ErrorCode::kFile, fmt::format("{}: {}", command[0], std::strerror(errno)));
-  } catch (const Error& e) {
-    say(fmt::format("cde: {}\n", e.what()));
-    return exit_status(e);
-  }
+    ::execv(command[0].c_str(), pointers(command).data());
+    cannot_start(command[0], errno);
+  });
 }
 
 }  // namespace cde::cli

@@ -33,6 +33,12 @@ void need_proc();
 /// Adds the verbs of other programs, so that help lists them and words that are near are found.
 void add_other_verbs(CLI::App& app);
 
+/// The programs beside this one, in the order of their verbs.
+[[nodiscard]] std::vector<std::string> other_programs();
+/// Runs a program on the streams of this one and waits for it. Returns its exit status, or 2, with
+/// a message, if it cannot be started.
+int run_other_program(const std::string& program, const std::vector<std::string>& words);
+
 /// Replaces this process by the program of a verb, whose words begin with the verb. Returns exit
 /// status 2, with a message, if the program cannot be started.
 int other_program(const VerbEntry& entry, const std::vector<std::string>& words);
