@@ -179,7 +179,7 @@ void build(const fs::path& file, const std::string& kind,
                                       file.string()};
   command.insert(command.end(), parameters.begin(), parameters.end());
   const std::string what = joined(kind, parameters);
-  BuildProgress progress(what);
+  BuildProgress progress(what, usual_build_seconds(parameters));
   const process::Result result = process::attend(
       command,
       [&](process::Seconds elapsed, std::string_view so_far) { progress(elapsed, so_far); });
