@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # What `cmake --install` lays down, in components:
 #
-#   cde           the program cde, the RTL, the builder of bitstreams and those default bitstreams that are built
+#   cde           the program cde, the RTL, the builder of bitstreams, those default bitstreams that are built, the documents
 #   cde-wave, cde-explain, cde-accuracy, cde-bench    the other programs
 #   library       libraries, headers, and the package for find_package(cde [COMPONENTS wave oracle ...])
 #
@@ -70,6 +70,8 @@ install(DIRECTORY host/include/cde/contract host/include/cde/abi DESTINATION ${s
 install(DIRECTORY verilator DESTINATION ${share} USE_SOURCE_PERMISSIONS COMPONENT cde PATTERN CMakeLists.txt EXCLUDE)
 install(FILES ${PROJECT_BINARY_DIR}/toolchain DESTINATION ${share}/verilator COMPONENT cde)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT cde)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT cde
+  FILES_MATCHING PATTERN *.md PATTERN *.json PATTERN *.svg PATTERN *.png PATTERN maintainer EXCLUDE)
 install(FILES docs/prices.json docs/accuracy.json DESTINATION ${share}/docs COMPONENT cde)
 get_property(default_bitstreams GLOBAL PROPERTY CDE_DEFAULT_BITSTREAM_FILES)
 install(CODE "

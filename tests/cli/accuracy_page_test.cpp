@@ -134,10 +134,14 @@ TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {
   ASSERT_EQ(priced({"--from", "kept.json", "--page", "q.html"}).status, 0);
   const std::string html = read("p.html");
   EXPECT_EQ(html, read("q.html"));
-  expect_sound(html, 2);
+  expect_sound(html, 3);
   EXPECT_LT(html.size(), 3u << 20);
   // Two charts of accuracy against time, decisions and families a pair; four profiles a format.
-  EXPECT_EQ(count(html, "<figure class=\"plot\">"), 2u * 4 + 3u * 4);
+  // Decisions of which none was wrong are a chart of their own, folded.
+  const std::size_t folded = count(html, "without an observed wrong decision</summary>");
+  EXPECT_GT(folded, 0u);
+  const std::size_t decided = count(html, ": wrong decisions a million\"") + folded;
+  EXPECT_EQ(count(html, "<figure class=\"plot\">"), 2u * 3 + decided + 3u * 4);
   EXPECT_EQ(count(html, "<section data-choice=\"pair\""), 2u);
   for (const char* text :
        {"measured", "estimated", "not priced", "modelled time of a million tests", "echo '",
@@ -153,8 +157,10 @@ TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
   Words words = kSome;
   words.insert(words.end(), {"--profiles", "30", "--page", "p.html"});
   ASSERT_EQ(priced(words).status, 0);
-  const json told = clicked(read("p.html"));
-  expect_saved(told, 20);
+  const std::string html = read("p.html");
+  const json told = clicked(html);
+  expect_saved(told, count(html, "<figure class=\"plot\">"));
+  expect_fits_a_phone(html);
   ASSERT_GT(told["chosen"].size(), 20u);
   for (const json& text : told["chosen"]) {
     EXPECT_TRUE(has(text.get<std::string>(), "cde accuracy --pair")) << text;
@@ -164,6 +170,65 @@ TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
   EXPECT_EQ(told["choices"][0]["options"], json({"ray-triangle", "sphere-sphere"}));
   EXPECT_EQ(told["choices"][0]["before"], json({"ray-triangle", "fp32"})) << "one of each";
   EXPECT_EQ(told["choices"][0]["after"], json({"sphere-sphere", "fp32"}));
+}
+
+/// The best line of what is left, and a closer look.
+TEST_F(AccuracyPage, FilterAndZoom_ChangeChartsTablesAndTheBestLine) {
+  if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the page were not run";
+  Words words = kSome;
+  words.insert(words.end(), {"--page", "p.html"});
+  ASSERT_EQ(priced(words).status, 0);
+  const char* const ask = R"page(
+addEventListener("load", () => {
+  const group = document.querySelector(".scatter"), section = group.closest("[data-choice]");
+  const entries = JSON.parse(document.getElementById("data").textContent).entries;
+  const texts = (query) => [...section.querySelectorAll(query)].map((element) => element.textContent);
+  const pair = (element, x, y) => [x, y].map((name) => parseFloat(element.getAttribute(name)).toFixed(1)).join();
+  const seen = () => ({
+    formats: [...new Set([...section.querySelectorAll(".mark")].map((mark) => entries[mark.dataset.of].format))].sort(),
+    at: [...group.querySelectorAll(".mark > circle:last-of-type")].map((dot) => pair(dot, "cx", "cy")),
+    best: [...group.querySelectorAll(".pareto")].map((line) => pair(line, "x1", "y1")).sort(),
+    ticks: [...group.querySelectorAll(".tick")].map((tick) => tick.textContent).join(" "),
+    rows: texts("tbody tr:not([hidden]) th"), keys: texts(".legend li:not([hidden])") });
+  const boxes = [...document.querySelectorAll(".formats input")];
+  const told = { boxes: boxes.map((box) => box.value), before: seen() };
+  const flip = (value) => {
+    const box = boxes.find((one) => one.value === value);
+    box.checked = !box.checked;
+    box.dispatchEvent(new Event("change"));
+  };
+  flip("bf16");
+  told.without = seen();
+  flip("bf16");
+  told.back = seen();
+  const buttons = [...group.closest("figure").querySelectorAll(".zoom button")];
+  for (let i = 0; i < 2; ++i) buttons[0].click();
+  told.closer = seen();
+  buttons[2].click();
+  told.whole = seen();
+  document.body.replaceChildren(document.createElement("pre"));
+  document.body.firstChild.id = "told";
+  document.body.firstChild.textContent = JSON.stringify(told);
+});
+)page";
+  const json told = in_browser(read("p.html"), ask, "",
+                               [](const std::string& text) { return json::parse(plain(text)); });
+  EXPECT_EQ(told["boxes"], json({"fp16", "bf16", "fp32"}));
+  const json &before = told["before"], &without = told["without"], &closer = told["closer"];
+  EXPECT_TRUE(has(before["formats"].dump(), "bf16"));
+  EXPECT_LT(without["at"].size(), before["at"].size());
+  EXPECT_NE(without["best"], before["best"]) << "a dot of bf16 was on it";
+  const std::string dots = without["at"].dump();
+  for (const json& corner : without["best"]) {  // at a dot, or above one
+    const auto at = corner.get<std::string>();
+    EXPECT_TRUE(has(dots, "\"" + at.substr(0, at.find(',') + 1))) << at << dots;
+  }
+  for (const char* part : {"formats", "rows", "keys"})
+    EXPECT_FALSE(has(without[part].dump(), "bf16")) << part << without[part];
+  EXPECT_EQ(told["back"], before);
+  EXPECT_LT(closer["at"].size(), before["at"].size());
+  EXPECT_NE(closer["ticks"], before["ticks"]);
+  EXPECT_EQ(told["whole"], before);
 }
 
 TEST_F(AccuracyPage, WrongPixelsOfAMesh) {

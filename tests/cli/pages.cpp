@@ -139,6 +139,32 @@ json Pages::clicked(const std::string& html) {
                     [](const std::string& text) { return json::parse(plain(text)); });
 }
 
+void Pages::expect_fits_a_phone(const std::string& html) {
+  const char* const measure = R"page(
+addEventListener("load", () => {
+  for (const folded of document.querySelectorAll("details, [data-choice]")) { folded.open = true; folded.hidden = false; }
+  const root = document.documentElement, cut = [], broken = [];
+  root.style.width = "400px";  // a window has 500 at least
+  for (const box of document.querySelectorAll(".scroll")) {
+    const caption = box.querySelector("caption").firstElementChild || box.querySelector("caption");
+    if (caption.getBoundingClientRect().right > box.getBoundingClientRect().right + 1) cut.push(caption.textContent);
+    for (const head of box.querySelectorAll("thead th"))
+      if (head.getClientRects()[0].height > 3 * parseFloat(getComputedStyle(head).lineHeight)) broken.push(head.textContent);
+  }
+  const told = { wide: document.body.scrollWidth, cut, broken, tables: document.querySelectorAll(".scroll").length };
+  document.body.replaceChildren(document.createElement("pre"));
+  document.body.firstChild.id = "told";
+  document.body.firstChild.textContent = JSON.stringify(told);
+});
+)page";
+  const json told = in_browser(html, measure, "--window-size=500,1600",
+                               [](const std::string& text) { return json::parse(plain(text)); });
+  EXPECT_LE(told["wide"], 400);
+  EXPECT_GT(told["tables"], 0);
+  EXPECT_EQ(told["cut"], json::array());
+  EXPECT_EQ(told["broken"], json::array());
+}
+
 void Pages::expect_saved(const json& told, std::size_t charts) {
   EXPECT_EQ(told["failed"], json::array());
   EXPECT_EQ(told["buttons"], 2 * charts);

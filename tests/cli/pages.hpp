@@ -27,6 +27,9 @@ class Pages : public Cli {
   /// element, or null is made of it, the page is asked again with more of it.
   nlohmann::json in_browser(std::string html, const std::string& script, const std::string& flags,
                             const std::function<nlohmann::json(const std::string&)>& answer);
+  /// What a phone 400 pixels wide shows: nothing is wider than the page, captions are whole, and no
+  /// head of a column has a line per word.
+  void expect_fits_a_phone(const std::string& html);
   /// What is told of a click on every button that saves something.
   nlohmann::json clicked(const std::string& html);
   /// Two files a chart: a picture that opens alone, and figures.

@@ -37,6 +37,8 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
   EXPECT_LT(html.size(), 8u << 20);
   EXPECT_TRUE(has(html, "<h1>A &lt;/script&gt; &amp; &lt;b&gt;title&lt;/b&gt;"));
   EXPECT_TRUE(has(html, "src=\"data:image/png;base64,iVBORw0KGgo"));
+  EXPECT_TRUE(has(html, "id=\"show-rays\"") && has(html, "Rays that hit are orange"));
+  EXPECT_FALSE(has(html, "contacts of solids"));
   EXPECT_TRUE(has(html, "The above copyright notice")) << "three.js's licence";
   const auto sections = between(html, "<section id=\"split\">", "</section>");
   ASSERT_EQ(sections.size(), 1u);
@@ -114,6 +116,7 @@ TEST_F(Pages, ChartsAreSaved) {
   const std::string html = read("page.html");
   const json told = clicked(html);
   expect_saved(told, 3);
+  expect_fits_a_phone(html);
   const auto figures = between(html, "<pre class=\"figures\" hidden>\n", "</pre>");
   std::size_t tables = 0;
   for (const json& file : told["files"]) {
@@ -123,6 +126,20 @@ TEST_F(Pages, ChartsAreSaved) {
       EXPECT_TRUE(has(file["text"].get<std::string>(), "A &lt;/script&gt; &amp; &lt;b&gt;title"));
   }
   EXPECT_EQ(told["files"][0]["label"], "hit, gap against time");
+}
+
+TEST_F(Pages, SceneWithoutRays_HasNoLegendOfRays) {
+  write("scene.toml",
+        "[[object]]\nname = \"a\"\nrandom = { shape = \"sphere\", count = 8, seed = 3, "
+        "min = [-1, -1, -1], max = [1, 1, 1], size = [0.5, 0.6] }\n"
+        "[[query]]\nname = \"q\"\npair = \"sphere-sphere\"\nprimaries = \"a\"\n"
+        "secondaries = \"a\"\n");
+  const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "0..0"});
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const std::string html = read("page.html");
+  EXPECT_FALSE(has(html, "id=\"show-rays\"") || has(html, "Rays that hit are orange"));
+  EXPECT_TRUE(has(html, "contacts of solids"));
+  if (!browser().empty()) expect_fits_a_phone(html);
 }
 
 /// Bodies, contacts with normals, masks and parents.

@@ -206,6 +206,16 @@ TEST(Inventory, SlowComparisonsElaborate) {
   }
 }
 
+TEST(Inventory, HiddenBodies_LeaveTheConstantsOfTheTop) {
+  const std::vector<std::string> parameters = {"ARITH=host", latency_parameter(3, 3, 12, 12, 1)};
+  const Elaboration whole(kRtl, "obb_plane", parameters);
+  const Elaboration outline(kRtl, "obb_plane", parameters, [](std::string_view) { return true; });
+  EXPECT_EQ(outline.constant("obb_plane", "LATENCY"), whole.constant("obb_plane", "LATENCY"));
+  EXPECT_EQ(outline.bits("obb_plane", "a_i"), whole.bits("obb_plane", "a_i"));
+  EXPECT_EQ(outline.operators("obb_plane").adders, 0u);
+  EXPECT_GT(whole.operators("obb_plane").adders, 0u);
+}
+
 /// What rtl/pipes/cylinder_pair.sv states in its header.
 struct Ring {
   const char* pair;

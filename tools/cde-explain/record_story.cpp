@@ -69,7 +69,7 @@ class Teller {
   Teller(const RecordName& name, bool exact, bool quiet) : name_(name), quiet_(quiet) {
     named_ = scene_named(name);
     {
-      const Busy busy("loading " + named_.scene, quiet);
+      const Progress busy("loading " + named_.scene, quiet);
       s_.scene = load_scene(named_.scene);
     }
     s_.scene.card.trace = true;
@@ -90,7 +90,7 @@ class Teller {
     const Scratch scratch("cde-record");
     const std::string waves = scratch / "waves.fst";
     (void)bitstream_path(plan_.board.top(), plan_.board.parameters());  // which tells of itself
-    const Busy busy("playing the packet", quiet_);
+    const Progress busy("playing the packet", quiet_);
     const QueryFrame alone = play(name_.frame, waves);
     // What the frames before it left on the card may matter.
     if (named_.failed && alone.mismatches == 0 && named_.first < name_.frame)

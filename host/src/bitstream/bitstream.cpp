@@ -185,7 +185,7 @@ void build(const Place& place, const std::string& kind,
                                       place.named.string()};
   command.insert(command.end(), parameters.begin(), parameters.end());
   const std::string what = joined(kind, parameters);
-  BuildProgress progress(what);
+  BuildProgress progress(what, usual_build_seconds(parameters));
   const process::Result result = process::attend(
       command,
       [&](process::Seconds elapsed, std::string_view so_far) { progress(elapsed, so_far); });

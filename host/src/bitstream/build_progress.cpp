@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bitstream/build_progress.hpp"
 
+#include "cde/bitstream/bitstream.hpp"
+
 #include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -25,20 +25,17 @@ void print(const std::string& text) {
   std::fflush(stderr);
 }
 
-/// As much as fits into a line of the terminal: one that wraps could not be rewritten.
-std::string fitted(std::string text) {
-  winsize size{};
-  const std::size_t width =
-      ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
-  if (text.size() >= width) text = text.substr(0, width - 4) + "...";
-  return text;
-}
-
 }  // namespace
 
-BuildProgress::BuildProgress(std::string what)
-    : what_(std::move(what)), terminal_(::isatty(STDERR_FILENO) != 0) {
-  print(fmt::format("cde: building bitstream {} ({})\n", what_, kAdvice));
+double usual_build_seconds(const std::vector<std::string>& parameters) {
+  const bool gates = std::ranges::find(parameters, "ARITH=rtl") != parameters.end();
+  return gates ? 60 : 30;
+}
+
+BuildProgress::BuildProgress(const std::string& what, double usual) : usual_(usual) {
+  print(fmt::format("cde: building bitstream {} ({}; such builds take about {:.0f} s)\n", what,
+                    kAdvice, usual));
+  if (has_progress_display()) line_.emplace("cde: building a bitstream");
 }
 
 void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::string_view printed) {
@@ -50,12 +47,10 @@ void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::strin
     if (line.starts_with(kPhase)) phase = line.substr(kPhase.size());
     printed.remove_prefix(line.size() + 1);
   }
-  const bool another = std::exchange(phase_, phase) != phase;
-  if (phase_.empty()) return;
-  if (terminal_)
-    print(fmt::format("\r\033[K{}",
-                      fitted(fmt::format("cde: {:.0f} s, {}", elapsed.count(), phase_))));
-  else if (another)
+  if (std::exchange(phase_, phase) == phase) return;
+  if (line_)
+    line_->usual(usual_, phase_);
+  else
     print(fmt::format("cde: {:.0f} s, {}\n", elapsed.count(), phase_));
 }
 
@@ -68,7 +63,7 @@ bool BuildProgress::quiet() {
 }
 
 void BuildProgress::end(bool built) {
-  if (terminal_) print("\r\033[K");
+  line_.reset();
   if (built) print(fmt::format("cde: built in {:.0f} s\n", elapsed_.count()));
 }
 

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <chrono>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "cde/support/progress.hpp"
+
 namespace cde {
 
-/// Tells on stderr that a bitstream is built, in which phase, and for how long: a line that is
-/// rewritten on a terminal, else a line as each phase begins. Private to the library.
+/// Tells on stderr that a bitstream is built, in which phase, and for how long: as Progress where
+/// that has a display, else a line as each phase begins. Private to the library.
 class BuildProgress {
  public:
-  explicit BuildProgress(std::string what);
+  /// `usual`: seconds that such builds take.
+  BuildProgress(const std::string& what, double usual);
   /// With what the builder has printed so far.
   void operator()(std::chrono::duration<double> elapsed, std::string_view printed);
   void end(bool built);
@@ -24,8 +28,9 @@ class BuildProgress {
   [[nodiscard]] static std::string without_phases(std::string_view printed);
 
  private:
-  std::string what_, phase_;
-  bool terminal_;
+  std::string phase_;
+  double usual_;
+  std::optional<Progress> line_;
   std::chrono::duration<double> elapsed_{};
 };
 

@@ -77,7 +77,8 @@ class Inputs {
 /// The results of a part in their order: takes those that are next, keeps the others.
 class Dealing::Order {
  public:
-  Order(const Part& part, bool quiet) : part_(part), bar_(part.what, quiet) {}
+  Order(const Part& part, bool quiet, std::optional<std::uint64_t> chunks)
+      : part_(part), chunks_(chunks), bar_(part.what, quiet) {}
 
   void add(std::uint64_t chunk, std::string result) {
     waiting_.emplace(chunk, std::move(result));
@@ -87,13 +88,13 @@ class Dealing::Order {
       waiting_.erase(first);
       part_.take(taken_++, next);
     }
-    if (part_.chunks && *part_.chunks > 0)
-      bar_(static_cast<double>(taken_) / static_cast<double>(*part_.chunks));
+    if (chunks_ && *chunks_ > 0) bar_(static_cast<double>(taken_) / static_cast<double>(*chunks_));
   }
   [[nodiscard]] std::uint64_t taken() const { return taken_; }
 
  private:
   const Part& part_;
+  const std::optional<std::uint64_t> chunks_;  ///< of the part, if it is known
   Progress bar_;
   std::uint64_t taken_ = 0;
   std::map<std::uint64_t, std::string> waiting_;
@@ -200,7 +201,7 @@ void Dealing::deal_all(const Part& part) {
     released_ = true;
     return;
   }
-  Order order(part, quiet_);
+  Order order(part, quiet_, part.chunks);
   const std::uint64_t window = kWindow * ranks();
   Inputs all;
   std::map<std::uint64_t, std::string> inputs;  // fingerprints of what is dealt
@@ -262,9 +263,9 @@ bool Dealing::deal_shard(const Part& part) {
 }
 
 bool Dealing::deal_merged(const Part& part) {
-  Order order(part, quiet_);
   const auto end = merged_.front()->end_of(parts_);
   const std::uint64_t chunks = end ? end->chunks : 0;
+  Order order(part, quiet_, chunks);
   for (std::uint64_t number = 0; number < chunks; ++number) {
     const ChunkNumber key{parts_, number};
     const auto holder =

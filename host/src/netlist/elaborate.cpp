@@ -30,13 +30,18 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// A module without its body. Nobody looks below an operator, and Verilator links all branches of
-/// each before it knows which it needs (obb-obb with gates: 34 s with their bodies, 5 without).
-void write_head_of(const fs::path& module, const fs::path& to) {
-  const std::string text = text_of(module);
-  const std::size_t end = text.find("\n);\n");
-  if (end == std::string::npos) return;
-  std::ofstream(to) << text.substr(0, end) << "\n);\nendmodule\n";
+/// Copies the hidden modules of a folder, without their bodies. Verilator finds the copies first.
+/// It links all branches of every body before it knows which branches it needs.
+void write_heads(const fs::path& from, const fs::path& to, const std::string& top,
+                 const Hidden& hidden) {
+  for (const auto& entry : fs::directory_iterator(from)) {
+    const fs::path& file = entry.path();
+    if (file.extension() != ".sv" || file.stem() == top || !hidden(file.stem().native())) continue;
+    const std::string text = text_of(file);
+    const std::size_t end = text.find("\n);\n");
+    if (end != std::string::npos)
+      std::ofstream(to / file.filename()) << text.substr(0, end) << "\n);\nendmodule\n";
+  }
 }
 
 /// Text values in quotes, numbers as they are.
@@ -95,13 +100,17 @@ std::string named(std::string text, const fs::path& link, const fs::path& source
 
 }  // namespace
 
+bool is_gates(std::string_view module) {
+  return module == "fp_gates";
+}
+
 std::string latency_parameter(unsigned add, unsigned mul, unsigned div, unsigned sqrt,
                               unsigned cmp) {
   return fmt::format("LAT=160'h{:08x}{:08x}{:08x}{:08x}{:08x}", add, mul, div, sqrt, cmp);
 }
 
 std::string elaborated(const fs::path& source, const std::string& top,
-                       const std::vector<std::string>& parameters, Gates gates,
+                       const std::vector<std::string>& parameters, const Hidden& hidden,
                        const std::vector<std::string>& switches) {
   const Scratch scratch("cde-elaborate");
   const fs::path rtl = without_space(source, scratch / "rtl");
@@ -117,16 +126,14 @@ std::string elaborated(const fs::path& source, const std::string& top,
   std::ifstream packages(rtl / "contract/packages.f");
   for (std::string package; std::getline(packages, package);)
     command.push_back(rtl / "contract" / package);
-  if (gates == Gates::kHidden && top != "fp_gates") {
-    write_head_of(rtl / "fp/fp_gates.sv", scratch / "fp_gates.sv");
-    command.insert(command.end(), {"-y", xml.parent_path()});
-  }
+  command.insert(command.end(), {"-y", xml.parent_path()});
   std::vector<fs::path> folders = {rtl};
   std::error_code missing;  // Verilator names what it does not find
   for (const auto& entry : fs::directory_iterator(rtl, missing))
     if (entry.is_directory()) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
   for (const fs::path& folder : folders) {
+    if (hidden) write_heads(folder, xml.parent_path(), top, hidden);
     command.insert(command.end(), {"-y", folder.string(), "-I" + folder.string()});
   }
   command.push_back(top + ".sv");
@@ -153,9 +160,9 @@ std::string elaborated(const fs::path& source, const std::string& top,
 }
 
 Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
-                         const std::vector<std::string>& parameters) {
+                         const std::vector<std::string>& parameters, const Hidden& hidden) {
   try {
-    netlist_.emplace(elaborated(rtl, top, parameters, Gates::kHidden));
+    netlist_.emplace(elaborated(rtl, top, parameters, hidden));
   } catch (const NetlistError& e) {
     throw ElaborationError("what verilator says of " + top + " is not understood: " + e.what());
   }

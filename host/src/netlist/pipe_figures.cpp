@@ -19,32 +19,46 @@
 namespace cde::netlist {
 namespace {
 
-/// Its place in the elaborated design: a cylinder pipe, which is a ring, is in a unit of its own.
-std::string path(const Pipe& pipe) {
-  return has_budget(pipe.pair) ? "pair_unit.pipe" : "pair_pipe.pipe";
+/// The top module that the pipe is elaborated in. It is the pipe's own module once that is known.
+/// A cylinder pipe, which is a ring, stays in the unit that sets its parameters.
+std::string top(const Pipe& pipe) {
+  if (has_budget(pipe.pair)) return "pair_unit";
+  return pipe.module.empty() ? "pair_pipe" : pipe.module;
 }
 
-Elaboration elaborate(const Pipe& pipe, const Profile& p) {
+/// The pipe's place in the elaborated design.
+std::string path(const Pipe& pipe) {
+  return top(pipe) == pipe.module ? pipe.module : top(pipe) + ".pipe";
+}
+
+Elaboration elaborate(const Pipe& pipe, const Profile& p, const Hidden& hidden) {
   const std::filesystem::path folder = bitstream_builder().parent_path().parent_path() / "rtl";
+  const bool alone = top(pipe) == pipe.module;
   // Host arithmetic has the same operators and states the same latency, and is sooner elaborated;
   // but only gates share facet units, and have operators of the box rule.
   std::vector<std::string> parameters = {
-      fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)),
-      fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)),
-      fmt::format("ARITH={}", pipe.facet_interval == 1 && !pipe.box ? "host" : "rtl"),
-      fmt::format("FACET_II={}", pipe.facet_interval), fmt::format("BOX={}", pipe.box ? 1 : 0)};
+      fmt::format("ARITH={}", pipe.facet_interval == 1 && !pipe.box ? "host" : "rtl")};
+  if (!alone) parameters.push_back(fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)));
+  if (!alone)
+    parameters.push_back(fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)));
+  if (!alone || has_facets(pipe.pair))
+    parameters.push_back(fmt::format("FACET_II={}", pipe.facet_interval));
+  if (!alone || pipe.box) parameters.push_back(fmt::format("BOX={}", pipe.box ? 1 : 0));
   if (!has_budget(pipe.pair)) {
     parameters.push_back(latency_parameter(p.add, p.mul, p.div, p.sqrt, p.cmp));
-    return {folder, "pair_pipe", parameters};
+  } else {
+    parameters.insert(parameters.end(),
+                      {fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
+                       fmt::format("LAT_DIV={}", p.div), fmt::format("LAT_SQRT={}", p.sqrt),
+                       fmt::format("LAT_CMP={}", p.cmp)});
   }
-  parameters.insert(parameters.end(),
-                    {fmt::format("LAT_ADD={}", p.add), fmt::format("LAT_MUL={}", p.mul),
-                     fmt::format("LAT_DIV={}", p.div), fmt::format("LAT_SQRT={}", p.sqrt),
-                     fmt::format("LAT_CMP={}", p.cmp)});
-  return {folder, "pair_unit", parameters};
+  return {folder, top(pipe), parameters, hidden};
 }
 
-/// The pipe's own, or that of the module which every ray pipe of a solid ends in.
+/// The module that every ray pipe of a solid ends in.
+constexpr std::string_view kCrossing = "ray_crossing";
+
+/// The pipe's own, or that of its crossing.
 std::optional<unsigned> latency(const Elaboration& e, const Pipe& pipe) {
   const auto own = e.constant(path(pipe), "LATENCY");
   return own ? own : e.constant(path(pipe) + ".crossing", "LATENCY");
@@ -56,14 +70,19 @@ unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const 
   return *value;
 }
 
-/// Error kBuild if the RTL cannot be elaborated for any other reason than that there is no pipe.
-/// Two elaborations, each counted in `done`.
+/// Three elaborations: which module the pipe is, its operators, and its latency in the profile,
+/// which is a constant of the module. Each hides what it does not ask about: Verilator takes a
+/// second for all pipes behind pair_pipe, whichever is chosen. Adds 2 to `done`. Error kBuild if
+/// the RTL cannot be elaborated for any other reason than that there is no pipe.
 void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done) {
   try {
-    const Elaboration e = elaborate(pipe, {});
+    pipe.module.clear();
+    pipe.module = elaborate(pipe, {}, [](std::string_view) { return true; }).module_of(path(pipe));
+    const Elaboration e = elaborate(pipe, {}, [](std::string_view module) {
+      return is_gates(module) || module == "bounded_pipe";  // pair_unit's way to other pipes
+    });
     ++done;
     const auto words = [&](const char* port) { return e.bits(path(pipe), port).value_or(0) / 32; };
-    pipe.module = e.module_of(path(pipe));
     pipe.operators = e.operators(path(pipe));
     pipe.a_words = words("a_i");
     pipe.b_words = words("b_i");
@@ -71,9 +90,12 @@ void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done)
     pipe.latency = required(latency(e, pipe), pipe, "localparam LATENCY");
     pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(pipe.facet_interval);
     if (has_budget(pipe.pair)) pipe.ring = required(e.constant(path(pipe), "RING"), pipe, "RING");
-    pipe.latency_profile = profile == Profile{} ? pipe.latency
-                                                : required(latency(elaborate(pipe, profile), pipe),
-                                                           pipe, "localparam LATENCY");
+    pipe.latency_profile = pipe.latency;
+    if (profile == Profile{}) return void(++done);
+    const Elaboration slow = elaborate(pipe, profile, [&](std::string_view module) {
+      return module != pipe.module && module != kCrossing;
+    });
+    pipe.latency_profile = required(latency(slow, pipe), pipe, "localparam LATENCY");
   } catch (const ElaborationError& error) {
     const std::string what = error.what();
     if (what.find(kNoPipe) == std::string::npos) throw Error(ErrorCode::kBuild, what);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/support/message.hpp"
 
+#include "cde/support/progress.hpp"
+
 #include <fmt/format.h>
 
 #include <cstdint>
@@ -103,6 +105,7 @@ std::string valid_utf8(std::string_view text) {
 }
 
 void say(std::string_view text) {
+  clear_progress();
   const std::string shown = printable(text);
   (void)std::fwrite(shown.data(), 1, shown.size(), stderr);
 }

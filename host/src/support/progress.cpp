@@ -4,6 +4,11 @@
 #include <fmt/format.h>
 #include <signal.h>
 
+#include <algorithm>
+#include <mutex>
+#include <utility>
+#include <vector>
+
 namespace cde {
 namespace {
 
@@ -12,33 +17,37 @@ ProgressDisplay& display() {
   return set;
 }
 
+std::mutex mutex;                    // of all tasks: they share the line
+std::vector<const Progress*> tasks;  // that are shown, the innermost last
+bool drawn = false;                  // whether a line is there
+
+void clear() {
+  if (std::exchange(drawn, false)) display()("");
+}
+
+std::string time_text(double seconds) {
+  return seconds < 120 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", seconds / 60);
+}
+
 }  // namespace
 
 void set_progress_display(ProgressDisplay to) {
   display() = std::move(to);
 }
 
-Progress::Progress(std::string what, bool quiet)
-    : what_(std::move(what)), shown_(!quiet && display() != nullptr) {}
-
-Progress::~Progress() {
-  if (drawn_) display()("");
+bool has_progress_display() {
+  return display() != nullptr;
 }
 
-void Progress::operator()(double share) {
-  const auto now = Clock::now();
-  if (!shown_ || now - start_ < std::chrono::seconds(1)) return;
-  if (now - last_ < std::chrono::milliseconds(200)) return;
-  last_ = now;
-  drawn_ = true;
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  std::string line = fmt::format("{} {:3.0f} %, {:.0f} s", what_, 100 * share, elapsed);
-  if (share > 0.001) line += fmt::format(", about {:.0f} s left", elapsed * (1 - share) / share);
-  display()(line);
+void clear_progress() {
+  const std::lock_guard lock(mutex);
+  clear();
 }
 
-Busy::Busy(std::string what, bool quiet) : what_(std::move(what)) {
+Progress::Progress(std::string what, bool quiet) : what_(std::move(what)) {
   if (quiet || display() == nullptr) return;
+  const std::lock_guard lock(mutex);
+  tasks.push_back(this);
   // The thread that works handles signals.
   sigset_t all, before;
   ::sigfillset(&all);
@@ -47,24 +56,59 @@ Busy::Busy(std::string what, bool quiet) : what_(std::move(what)) {
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
-Busy::~Busy() {
+Progress::~Progress() {
   if (!thread_.joinable()) return;
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(mutex);
     end_ = true;
+    std::erase(tasks, this);
+    clear();
   }
   ended_.notify_one();
   thread_.join();
 }
 
-void Busy::show() {
-  std::unique_lock lock(mutex_);
-  for (unsigned seconds = 1;; ++seconds) {
-    if (ended_.wait_for(lock, std::chrono::seconds(1), [this] { return end_; })) {
-      if (seconds > 1) display()("");
-      return;
-    }
-    display()(fmt::format("{}, {} s", what_, seconds));
+void Progress::operator()(double share) {
+  if (!thread_.joinable()) return;
+  const std::lock_guard lock(mutex);
+  if (share == share_) return;
+  share_ = std::min(share, 1.0);
+  seconds_ = share_ > 0.001 ? elapsed() / share_ : 0;
+}
+
+void Progress::operator()(double share, std::string step) {
+  {
+    const std::lock_guard lock(mutex);
+    step_ = std::move(step);
+  }
+  (*this)(share);
+}
+
+void Progress::usual(double seconds, std::string step) {
+  const std::lock_guard lock(mutex);
+  seconds_ = seconds;
+  step_ = std::move(step);
+}
+
+double Progress::elapsed() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+std::string Progress::line() const {
+  std::string text = what_;
+  if (!step_.empty()) text += ", " + step_;
+  text += share_ > 0 ? fmt::format(" {:3.0f} %, ", 100 * share_) : ", ";
+  text += time_text(elapsed());
+  if (elapsed() < seconds_) text += fmt::format(", about {} left", time_text(seconds_ - elapsed()));
+  return text;
+}
+
+void Progress::show() {
+  std::unique_lock lock(mutex);
+  while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return end_; })) {
+    if (tasks.back() != this) continue;
+    drawn = true;
+    display()(line());
   }
 }
 

@@ -134,7 +134,7 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
     kept.emplace();
     try {
       kept->xml = netlist::elaborated(rtl, origin.kind, parameters,
-                                      host ? netlist::Gates::kHidden : netlist::Gates::kWhole,
+                                      host ? netlist::Hidden(netlist::is_gates) : netlist::Hidden(),
                                       {"-O0"});  // else signals are missing that are in the sources
     } catch (const netlist::ElaborationError& e) {
       throw Error(ErrorCode::kBuild, e.what());

@@ -81,7 +81,7 @@ class AccuracyPage {
     Json entries = Json::array();
     for (const KeptPipe& k : sweep_.pipes) entries.push_back(entry(k));
     return page("What accuracy costs", body, Json{{"entries", entries}},
-                {&kChartScript, &kAccuracyScript});
+                {&kChartScript, &kAccuracyScript, &kFilterScript});
   }
 
  private:
@@ -148,7 +148,8 @@ std::string AccuracyPage::head() const {
             "routed, <em>estimated</em> the sum of its operators at the least of their clocks, "
             "without the delays between them");
   return html +
-         "<div class=\"controls choose\" data-of=\"pair\" data-label=\"Pair\" hidden></div>\n";
+         "<div class=\"controls choose\" data-of=\"pair\" data-label=\"Pair\" hidden></div>\n"
+         "<div class=\"controls formats\" role=\"group\" aria-label=\"Formats\" hidden></div>\n";
 }
 
 Basis AccuracyPage::basis_of(const std::vector<std::size_t>& list) const {
@@ -223,7 +224,7 @@ std::string AccuracyPage::scatters(const std::string& pair, const std::vector<st
 
 std::string AccuracyPage::decisions(const std::string& pair,
                                     const std::vector<std::size_t>& list) const {
-  std::vector<MarkRow> rows;
+  std::vector<MarkRow> rows, none;  // none: without an observed wrong decision
   for (const std::size_t i : list) {
     const KeptPipe& k = sweep_.pipes[i];
     if (k.all.judged == 0) continue;
@@ -235,15 +236,27 @@ std::string AccuracyPage::decisions(const std::string& pair,
               .low = share.low,
               .high = share.high,
               .of = i};
-    rows.push_back(
-        {short_name(k.pipe), fmt::format("{} of {}", k.all.wrong, grouped(k.all.judged)), {mark}});
+    (k.all.wrong == 0 ? none : rows)
+        .push_back({short_name(k.pipe),
+                    fmt::format("{} of {}", k.all.wrong, grouped(k.all.judged)),
+                    {mark}});
   }
-  if (rows.empty()) return "";
-  return "<h3>Wrong decisions a million</h3>\n<p>Beyond the band; the line is where their share "
-         "lies "
-         "with 95 % confidence. Hollow: none was found.</p>\n" +
-         log_rows(pair + ": wrong decisions a million", "wrong decisions a million", rows,
-                  formats_of(list));
+  if (rows.empty() && none.empty()) return "";
+  const auto chart = [&](const std::string& what, const std::vector<MarkRow>& some) {
+    return some.empty() ? ""
+                        : log_rows(fmt::format("{}: {}", pair, what), "wrong decisions a million",
+                                   some, formats_of(list));
+  };
+  std::string html =
+      "<h3>Wrong decisions a million</h3>\n<p>Beyond the band; the line is where their share lies "
+      "with 95 % confidence. Hollow: none was found.</p>\n" +
+      chart("wrong decisions a million", rows);
+  if (!none.empty())
+    html += fmt::format(
+        "<details><summary>{} configuration{} without an observed wrong decision</summary>\n{}"
+        "</details>\n",
+        none.size(), none.size() == 1 ? "" : "s", chart("no wrong decision observed", none));
+  return html;
 }
 
 std::string AccuracyPage::families(const std::string& pair,
@@ -454,7 +467,10 @@ Json AccuracyPage::entry(const KeptPipe& k) const {
       commands.push_back({fmt::format("Worst of {}: {} u S, {}, case {}", what,
                                       compact((*worst)->size), (*worst)->family, (*worst)->index),
                           (*worst)->command});
-  return {{"name", k.pipe.name()}, {"figures", figures}, {"commands", commands}};
+  return {{"name", k.pipe.name()},
+          {"format", k.pipe.format.name()},
+          {"figures", figures},
+          {"commands", commands}};
 }
 
 }  // namespace

@@ -108,11 +108,13 @@ struct Sweep {
 
 std::vector<Sweep> sweeps(const BenchOptions& o, std::uint32_t burst) {
   std::vector<Sweep> all;
+  Progress progress("transfers");
   for (const HostProfile& host : kHostProfiles)
     for (const Bus bus : {Bus::kFunctional, Bus::kCycle}) {
       if (o.quick && bus == Bus::kCycle) continue;
+      progress(static_cast<double>(all.size()) / static_cast<double>(2 * std::size(kHostProfiles)),
+               fmt::format("host {}, {} bus", host.name, name_of_bus(bus)));
       Board board = open(bus, o.quick ? 16 : 1, host, burst, o);
-      const Busy busy(fmt::format("transfers, host {}, {} bus", host.name, name_of_bus(bus)));
       const auto start = Clock::now();
       std::vector<BusRate> rates = sweep(board);
       all.push_back({&host, bus, std::move(rates),
@@ -181,7 +183,6 @@ struct Frame {
 
 Frame frame(Bus bus, unsigned lanes, Mode mode, const BenchOptions& o) {
   Board board = open(bus, lanes, *host_profile("p64-2001"), 256, o);
-  const Busy busy(fmt::format("the paper's frame, {} lanes, {} bus", lanes, name_of_bus(bus)));
   Frame f{.bus = bus, .lanes = lanes, .mode = mode};
   const std::vector<Triangle> scene = triangles(kFrameTriangles);
   const std::vector<Ray> packet = rays();
@@ -203,10 +204,14 @@ ordered_json paper(const BenchOptions& o) {
       kFrameTriangles * kRays, kFrameTriangles, kRays, o.clock_hz / 1e6, "mode", "bus", "lanes",
       "upload", "load", "engine", "write-back", "download", "registers", "total");
   ordered_json rows = ordered_json::array();
-  for (const auto& [mode, lanes] :
-       {std::pair{Mode::kAll, 1u}, {Mode::kNearest, 1u}, {Mode::kNearest, 16u}})
+  constexpr std::array<std::pair<Mode, unsigned>, 3> kCards = {
+      {{Mode::kAll, 1}, {Mode::kNearest, 1}, {Mode::kNearest, 16}}};
+  Progress progress("the paper's frame");
+  for (const auto& [mode, lanes] : kCards)
     for (const Bus bus : {Bus::kFunctional, Bus::kCycle}) {
       if (o.quick && (lanes == 1 || bus == Bus::kCycle)) continue;
+      progress(static_cast<double>(rows.size()) / (2.0 * kCards.size()),
+               fmt::format("{} lanes, {} bus", lanes, name_of_bus(bus)));
       const Frame f = frame(bus, lanes, mode, o);
       const ModelledTime& t = f.counters.time;
       const auto ms = [](std::uint64_t ps) { return static_cast<double>(ps) * 1e-9; };

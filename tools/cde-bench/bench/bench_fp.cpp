@@ -29,8 +29,6 @@ double measure(FpFormat format, const Operation& operation, int lanes, double se
   std::vector<std::string> parameters = fp_unit_parameters(format, Arithmetic::kRtl, lanes, false);
   parameters.push_back(fmt::format("OPS={}", 1u << static_cast<unsigned>(operation.op)));
   FpUnit unit(Bitstream::open("fp_unit", parameters));
-  const Busy busy(
-      fmt::format("{} of {}, {}", counted(lanes, "lane"), format.name(), operation.name));
   return unit.measure(operation.op, seconds);
 }
 
@@ -45,6 +43,10 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
   show(
       "\ngate-level units alone, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
       "format", "lanes", "M operations/s");
+  // Of the most operations and lanes that a format has.
+  const auto most = static_cast<double>(kOperations.size() * (formats.size() + 2));
+  double done = 0;
+  Progress progress("fp");
   for (const std::string_view name : formats) {
     const FpFormat format = FpFormat::parse(name);
     // The best number of lanes depends on the operation and the processor; wider words fill its
@@ -55,6 +57,7 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
     for (const Operation& operation : kOperations)
       for (const int lanes : counts) {
         if (o.quick && operation.op > FpOp::kMul) continue;
+        progress(done++ / most, fmt::format("{} lanes of {}, {}", lanes, name, operation.name));
         const double rate = measure(format, operation, lanes, o.quick ? 0.2 : 1.0);
         show("{:<7}{:>6}{:>16.1f}  {}\n", name, lanes, rate / 1e6, operation.name);
         rows.push_back({{"format", name},

@@ -23,33 +23,28 @@ nlohmann::ordered_json bench_hierarchy(const BenchOptions& o) {
   std::vector<TerrainOptions> meshes = {{.quads_x = 80, .quads_y = 80}};
   if (!o.quick) meshes.emplace_back();
   auto all = nlohmann::ordered_json::array();
+  const double steps = o.quick ? 2 : static_cast<double>(3 * meshes.size() + 1);
+  double done = 0;
+  Progress progress("hierarchy");
   for (const TerrainOptions& options : meshes) {
     const Mesh mesh = make_terrain(options);
-    const TreeFigures figures = [&] {
-      const Busy busy(fmt::format("rays through {} triangles", mesh.faces.size()), false);
-      return measure_tree(mesh, o.quick ? 8'192 : 65'536, o.clock_hz);
-    }();
+    progress(done++ / steps, fmt::format("rays through {} triangles", mesh.faces.size()));
+    const TreeFigures figures = measure_tree(mesh, o.quick ? 8'192 : 65'536, o.clock_hz);
     show_tree(figures);
     all.push_back(tree_json(figures));
-    const std::vector<SolidFigures> solids = [&] {
-      const Busy busy(fmt::format("solids at {} triangles", mesh.faces.size()), false);
-      return measure_solids(mesh, o.clock_hz, o.quick);
-    }();
+    progress(done++ / steps, fmt::format("solids at {} triangles", mesh.faces.size()));
+    const std::vector<SolidFigures> solids = measure_solids(mesh, o.clock_hz, o.quick);
     show_solids(solids, o.clock_hz);
     all.back()["solids"] = solids_json(solids, o.clock_hz);
     if (o.quick) continue;  // another card
-    const MeshFigures through = [&] {
-      const Busy busy(fmt::format("a mesh at {} triangles", mesh.faces.size()), false);
-      return measure_meshes(mesh, o.clock_hz);
-    }();
+    progress(done++ / steps, fmt::format("a mesh at {} triangles", mesh.faces.size()));
+    const MeshFigures through = measure_meshes(mesh, o.clock_hz);
     show_meshes(through, o.clock_hz);
     all.back()["meshes"] = meshes_json(through, o.clock_hz);
   }
   if (o.quick) return all;  // another card again
-  const std::vector<CloudFigures> clouds = [&] {
-    const Busy busy("spheres among spheres and OBBs", false);
-    return measure_clouds(o.clock_hz);
-  }();
+  progress(done++ / steps, "spheres among spheres and OBBs");
+  const std::vector<CloudFigures> clouds = measure_clouds(o.clock_hz);
   show_clouds(clouds, o.clock_hz);
   all.back()["clouds"] = clouds_json(clouds, o.clock_hz);
   return all;

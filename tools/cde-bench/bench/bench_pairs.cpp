@@ -39,7 +39,6 @@ struct MeasuredPairs {
 MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::span<const float> b,
                       double seconds, const std::optional<PairBudget>& budget = {}) {
   PairUnit unit(config);
-  const Busy busy(fmt::format("pairs, {}", name(config.pair)));
   if (budget) unit.set_budget(*budget);
   const auto encoded = [&](std::span<const float> from) {
     std::vector<std::uint64_t> words;
@@ -162,10 +161,7 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   } catch (const Error& e) {
     if (std::string_view(e.what()).find(netlist::kNoPipe) == std::string_view::npos) throw;
   }
-  const FclRates fcl = [&] {
-    const Busy busy(fmt::format("pairs, {}, FCL", name(pair)));
-    return measure_fcl(pair, a, b, seconds);
-  }();
+  const FclRates fcl = measure_fcl(pair, a, b, seconds);
   const auto figure = [&](const char* form, auto of) {
     return card ? fmt::format(fmt::runtime(form), of(*card)) : std::string();
   };
@@ -203,9 +199,11 @@ nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
       kPairLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
       "FCL distance M/s");
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Progress progress("pairs");
   for (unsigned p = 0; p < kPairs; ++p) {
     const auto pair = static_cast<Pair>(p);
     if (o.quick && pair != Pair::kSphereSphere) continue;
+    progress(static_cast<double>(p) / kPairs, std::string(name(pair)));
     const unsigned algorithms = pair == Pair::kRayTriangle ? 4 : 1;
     for (unsigned k = 0; k < algorithms; ++k)
       rows.push_back(bench_pair(o, pair, static_cast<Algorithm>(k)));

@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <functional>
+#include <numeric>
 #include <optional>
 #include <random>
 #include <thread>
@@ -36,7 +38,7 @@ struct Scene {
 /// horizon, as in the paper's experiment. Otherwise straight down on a grid, which spares software
 /// most branch mispredictions.
 Scene make_scene(std::uint32_t quads_x, std::uint32_t quads_y, bool random = true) {
-  const Busy busy("making a terrain");
+  const Progress busy("making a terrain");
   Scene s{make_terrain({.quads_x = quads_x, .quads_y = quads_y}), {}, {}};
   for (std::size_t i = 0; i < s.mesh.faces.size(); ++i) s.triangles.push_back(s.mesh.triangle(i));
   const Eigen::AlignedBox3f box = bounds(s.mesh);
@@ -207,15 +209,18 @@ ordered_json linearity(const BenchOptions& o) {
   std::vector<std::uint32_t> sides = {22, 71, 224};
   if (!o.quick) sides.push_back(707);
   if (o.full) sides.push_back(2236);
+  // The largest takes most of the time: all that is known is the work to come.
+  const auto work = [](std::uint32_t side) { return static_cast<double>(side) * side; };
+  const double all = std::transform_reduce(sides.begin(), sides.end(), 0.0, std::plus<>(), work);
+  double done = 0;
+  Progress progress("rays");
   for (const std::uint32_t side : sides) {
-    const Mesh mesh = [&] {
-      const Busy making(fmt::format("making a terrain of {} triangles", 2ull * side * side));
-      return make_terrain({.quads_x = side, .quads_y = side});
-    }();
+    progress(done / all, fmt::format("{} triangles", 2ull * side * side));
+    done += work(side);
+    const Mesh mesh = make_terrain({.quads_x = side, .quads_y = side});
     const std::vector<Ray> rays = grid_rays(bounds(mesh), {16, 16});
     const std::size_t count = mesh.faces.size();
     Board board = Board::open({});
-    std::optional<Busy> busy(fmt::format("rays, {} triangles", count));
     const std::size_t before = resident_bytes();
     const double upload_start = thread_seconds();
     board.upload(mesh);
@@ -225,7 +230,6 @@ ordered_json linearity(const BenchOptions& o) {
     const double start = thread_seconds();
     const Counters c = board.cast(rays, {}, [](std::span<const Record>) {});
     const double seconds = thread_seconds() - start;
-    busy.reset();
     const double rows = static_cast<double>(count) * 256 / board.lanes();
     show(
         "{:>9} triangles  {:>10} cycles, {:.6f} a row  cast {:8.3f} s, {:6.1f} M tests/s  "
@@ -258,9 +262,10 @@ ordered_json two_boards(const BenchOptions& o) {
     return std::chrono::duration<double>(Clock::now() - start).count();
   };
   cast(first);
-  std::optional<Busy> busy("rays, two boards in two threads");
+  std::optional<Progress> progress("rays, two boards in two threads");
   double one = 1e300, two = 1e300;  // the best of three rounds each
   for (int round = 0; round < 3; ++round) {
+    (*progress)(round / 3.0);
     one = std::min(one, wall([&] { cast(first); }));
     two = std::min(two, wall([&] {
                      std::thread other([&] { cast(second); });
@@ -268,7 +273,7 @@ ordered_json two_boards(const BenchOptions& o) {
                      other.join();
                    }));
   }
-  busy.reset();
+  progress.reset();
   show("\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
        2 * one / two);
   return {

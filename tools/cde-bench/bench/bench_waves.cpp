@@ -154,7 +154,7 @@ ordered_json bench_waves(const BenchOptions& o) {
   const Folder folder;
   const fs::path file = folder / "waves.fst";
   {
-    const Busy busy("writing waves", false);
+    const Progress busy("writing waves");
     write_waves(file, o.quick ? kQuick : kWhole);
   }
   wave::Trace trace(file);
@@ -176,7 +176,10 @@ ordered_json bench_waves(const BenchOptions& o) {
   show("{:<46} {:>9.1f} {:>8}\n", "all changes, in this process", 1e3 * streamed, "");
   ordered_json list = ordered_json::array();
   const std::string self = program_file("cde-wave");
-  for (const Row& row : rows_of(self, file.string())) {
+  const std::vector<Row> rows = rows_of(self, file.string());
+  Progress progress("waves");
+  for (const Row& row : rows) {
+    progress(static_cast<double>(list.size()) / static_cast<double>(rows.size()), row.what);
     const Cost cost = measure(row.words, row.words.front() == self ? kRounds : 2);
     list.push_back(
         {{"what", row.what},

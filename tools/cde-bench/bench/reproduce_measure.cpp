@@ -95,17 +95,18 @@ struct Lab {
   baseline::Kind vector = baseline::Kind::kScalar;
   std::vector<Ray> fresh;  ///< like those of Figure 5, but others
   std::string doing;
-  std::optional<Busy> busy;
+  double steps = 1, begun = 0;
+  Progress progress{"measuring"};
 
   void step(unsigned number, const std::string& what) {
     doing = fmt::format("{} of 4: {}", number, what);
     if (::isatty(STDERR_FILENO) == 0) say("measuring {}\n", doing);
-    detail("");
+    ++begun;
+    progress((begun - 1) / steps, doing);
   }
   /// What of the step is measured now.
   void detail(const std::string& what) {
-    busy.reset();
-    busy.emplace(what.empty() ? doing : fmt::format("{}, {}", doing, what));
+    progress((begun - 1) / steps, fmt::format("{}, {}", doing, what));
   }
 };
 
@@ -336,11 +337,21 @@ std::optional<EmbreeFrames> of_figure5(const Experiment& e, Entry& sweep) {
   return EmbreeRival::available() ? std::optional(frames) : std::nullopt;
 }
 
+/// Sides of the terrains that a hierarchy is over, in quads, but for that of Figure 5.
+std::vector<unsigned> sides_of(const ReproduceOptions& o) {
+  return o.quick ? std::vector{20u} : std::vector{20u, 40u, 80u, 160u};
+}
+/// Moving spheres of Figure 7.
+std::vector<std::size_t> spheres_of(const ReproduceOptions& o) {
+  return o.quick ? std::vector<std::size_t>{50, 100}
+                 : std::vector<std::size_t>{125, 250, 500, 1000};
+}
+
 /// A hierarchy over terrains up to that of Figure 5, whose sweep is known.
 void with_hierarchy(Lab& lab, const Mesh& terrain) {
   const bool quick = lab.result.options.quick;
   std::vector<Mesh> meshes;
-  for (const unsigned quads : quick ? std::vector{20u} : std::vector{20u, 40u, 80u, 160u})
+  for (const unsigned quads : sides_of(lab.result.options))
     meshes.push_back(make_terrain({.quads_x = quads, .quads_y = quads}));
   meshes.push_back(terrain);
   Card& best = lab.cards.back();
@@ -385,26 +396,26 @@ Reproduction reproduce(const ReproduceOptions& options) {
   lab.result.vector_kind = baseline::name_of(lab.vector);
   for (const Setup& setup : lab.result.setups) lab.cards.emplace_back(setup, options.clock_hz);
   const Mesh mesh = [&] {
-    const Busy busy("making the terrain");
+    const Progress busy("making the terrain");
     return options.quick ? make_terrain({.quads_x = 40, .quads_y = 50}) : make_terrain({});
   }();
   lab.result.triangles = mesh.faces.size();
   std::optional<EmbreeRival> embree;
   lab.result.embree = EmbreeRival::available();
   if (lab.result.embree) {
-    const Busy busy("building Embree's hierarchy");
+    const Progress busy("building Embree's hierarchy");
     const double start = thread_seconds();
     embree.emplace(mesh);
     lab.result.embree_build_seconds = thread_seconds() - start;
   }
   EmbreeRival* rival = embree ? &*embree : nullptr;
-  // How long a figure takes is not known before: what is measured, and the time that it takes.
+  // Figures 5 and 6, Figure 7 once per number of spheres, and the terrains with that of Figure 5.
+  lab.steps = static_cast<double>(3 + spheres_of(options).size() + sides_of(options).size());
   lab.step(1, "Figure 5, static objects");
   figure5(lab, mesh, rival);
   lab.step(2, "Figure 6, moving vertices");
   figure6(lab, mesh, rival);
-  for (const std::size_t count : options.quick ? std::vector<std::size_t>{50, 100}
-                                               : std::vector<std::size_t>{125, 250, 500, 1000}) {
+  for (const std::size_t count : spheres_of(options)) {
     lab.step(3, fmt::format("Figure 7, {} moving spheres", grouped(count)));
     figure7(lab, count);
   }

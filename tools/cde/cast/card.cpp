@@ -121,7 +121,7 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
   }
   result.simulation_seconds = seconds_since(start) - host_seconds;
   {
-    const Busy busy("writing waves", o.quiet || !o.trace.wanted());
+    const Progress busy("writing waves", o.quiet || !o.trace.wanted());
     waves.close();
   }
   if (check) {
@@ -141,7 +141,7 @@ namespace {
 CastOutcome cast_on_card(const CastTask& o, const CastJob& job, const RayView& rays,
                          const std::function<void(double)>& progress, const RecordSink& take) {
   Board board = [&] {
-    const Busy busy("uploading triangles", o.quiet || !progress);
+    const Progress busy("uploading triangles", o.quiet || !progress);
     return card_of(o, job);
   }();
   return cast_on(board, o, job, job.mode, rays, progress, take);

@@ -79,7 +79,7 @@ void check_size(const CastTask& t, const CastJob& job) {
 
 CastPlan planned(const CastTask& t, const CastRequest& request, const CastJob& job) {
   try {
-    const Busy busy("building a hierarchy", t.quiet || job.config.node_units == 0);
+    const Progress busy("building a hierarchy", t.quiet || job.config.node_units == 0);
     return plan_cast(request, job.mesh, job.rays.size());
   } catch (const Error& e) {
     throw Error(e.code(), fmt::format("{}: no hierarchy: {}", printable_name(t.mesh), e.what()));
@@ -93,7 +93,7 @@ CastJob job_of(const CastTask& t) {
   job.mode = t.request.mode;
   job.config.format = t.request.format;
   {
-    const Busy busy("loading " + printable_name(t.mesh), t.quiet);
+    const Progress busy("loading " + printable_name(t.mesh), t.quiet);
     job.mesh = load_mesh_or_builtin(t.mesh);
   }
   job.triangles = job.mesh.faces.size();

@@ -216,7 +216,7 @@ void CastPicture::look_at_sun(const CastAgain& cast) {
 }
 
 Image CastPicture::sunlit() const {
-  const Busy busy("drawing", o_.quiet);
+  const Progress busy("drawing", o_.quiet);
   const char up = o_.source.up;
   ShadeOptions look;
   if (job_.mesh.name != "terrain") look.palette = Palette::kClay;

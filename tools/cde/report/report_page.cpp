@@ -65,8 +65,14 @@ std::vector<std::vector<Cell>> machine_rows(const Json& run) {
 
 std::string Report::view_html() const {
   if (!picture_) return "<p>No frame was played.</p>\n";
-  const std::string alt =
-      fmt::format("The scene in frame {} with rays, hits and contacts.", played_.front().number);
+  const bool rays = std::ranges::any_of(
+      geometry_.objects(), [](const auto& object) { return object.drawn == Drawn::kRays; });
+  const bool solids =
+      std::ranges::any_of(scene_.queries, [](const SceneQuery& q) { return is_solid(q.pair); });
+  const std::string alt = fmt::format("The scene in frame {} with {}.", played_.front().number,
+                                      !rays    ? "contacts"
+                                      : solids ? "rays, hits and contacts"
+                                               : "rays and hits");
   std::string html = fmt::format(
       "<section aria-label=\"3-D view\">\n<figure><div class=\"stage\" id=\"stage\"><img "
       "src=\"data:image/png;base64,{}\" width=\"{}\" height=\"{}\" alt=\"{}\">"
@@ -80,17 +86,23 @@ std::string Report::view_html() const {
   html +=
       "<div class=\"controls\" id=\"controls\" hidden><button id=\"play\" "
       "type=\"button\">Play</button><input id=\"frame\" type=\"range\" min=\"0\" value=\"0\" "
-      "aria-label=\"Frame\"><output id=\"frame-text\" for=\"frame\"></output>"
-      "<label><input id=\"show-rays\" type=\"checkbox\" checked>rays</label>"
+      "aria-label=\"Frame\"><output id=\"frame-text\" for=\"frame\"></output>";
+  if (rays) html += "<label><input id=\"show-rays\" type=\"checkbox\" checked>rays</label>";
+  html +=
       "<label><input id=\"show-hits\" type=\"checkbox\" checked>hits</label>"
       "<label>up <select id=\"up\"><option>x</option><option>y</option><option selected>z</option>"
       "</select></label><button id=\"reset\" type=\"button\">Reset view</button></div>\n";
   html += legend_html();
-  html +=
-      "<figcaption>Rays that hit are orange up to the last hit found; of others only the start is "
-      "drawn, blue. Red: hits of rays. Green: contacts of solids, with the normal where the query "
-      "asked for it; there white lines join the closest points of the nearest pairs that miss. "
-      "Drag turns, Shift and drag moves, the wheel zooms.";
+  html += "<figcaption>";
+  if (rays)
+    html +=
+        "Rays that hit are orange up to the last hit found; of others only the start is drawn, "
+        "blue. Red: hits of rays. ";
+  if (solids)
+    html +=
+        "Green: contacts of solids, with the normal where the query asked for it; there white "
+        "lines join the closest points of the nearest pairs that miss. ";
+  html += "Drag turns, Shift and drag moves, the wheel zooms.";
   for (const std::string& note : notes()) html.append(" ").append(escaped(note));
   return html + "</figcaption></figure>\n</section>\n";
 }

@@ -133,8 +133,8 @@ Finding small_cast(Arithmetic arithmetic, bool builds) {
     const BoardConfig card{.arithmetic = arithmetic, .algorithm = kLeakFree, .box = true};
     if (!builds && !bitstream_file(card.top(), card.parameters()).built)
       return {fmt::format("{} arithmetic: the card is not built; cde doctor --build builds and "
-                          "tries it, in about {}",
-                          name, host ? "half a minute" : "a minute"),
+                          "tries it, in about {:.0f} s",
+                          name, usual_build_seconds(card.parameters())),
               "", false};
     Board board = Board::open(card);  // as cde cast has it
     board.upload(mesh);

@@ -34,7 +34,7 @@ void add_plan(CLI::App& app) {
   exact_card_option(*verb, o->exact);
   verb->callback([o] {
     Scene scene = [&] {
-      const Busy busy("loading " + o->scene);
+      const Progress busy("loading " + o->scene);
       return load_scene(o->scene);
     }();
     warn(scene.warnings);

@@ -158,7 +158,7 @@ class Run {
     if (o_.trace.wanted()) waves.emplace(o_.trace.file, OutputFile::Use::kByName);
     try {
       (void)bitstream_path(plan.board.top(), plan.board.parameters());  // which tells of itself
-      std::optional<Busy> uploading(std::in_place, "uploading the scene", o_.quiet);
+      std::optional<Progress> uploading(std::in_place, "uploading the scene", o_.quiet);
       std::optional<Progress> bar;
       Player player(
           scene_, plan,
@@ -490,7 +490,7 @@ void check_options(const Options& o) {
 void run(const Options& o) {
   check_options(o);
   Scene scene = [&] {
-    const Busy busy("loading " + o.scene, o.quiet);
+    const Progress busy("loading " + o.scene, o.quiet);
     return load_scene(o.scene);
   }();
   Check check = scene.check;

@@ -80,11 +80,17 @@ std::string manual_page(const CLI::App& app) {
   page += ".SH ENVIRONMENT\n";
   for (const HelpEntry& e : environment(verb_name(app))) page += tagged(e.name, e.text);
   page += ".SH SEE ALSO\n";
-  if (!program) return page + "\\fBcde\\fR(1)\n";
+  const std::string documents =
+      ".PP\n" +
+      troff(
+          "The documents are in share/doc/cde below the prefix of the installation, "
+          "beside share/man: accuracy.md, scenes.md, waves.md and others.") +
+      "\n";
+  if (!program) return page + "\\fBcde\\fR(1)\n" + documents;
   std::string others;
   for (const CLI::App* verb : shown_verbs(app))
     others += fmt::format("{}\\fB{}\\fR(1)", others.empty() ? "" : ",\n", troff(page_name(*verb)));
-  return page + others + "\n";
+  return page + others + "\n" + documents;
 }
 
 }  // namespace cde::cli

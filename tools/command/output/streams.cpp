@@ -13,6 +13,7 @@
 
 #include "cde/support/error.hpp"
 #include "cde/support/output_file.hpp"
+#include "cde/support/progress.hpp"
 
 namespace cde::cli {
 namespace {
@@ -23,6 +24,7 @@ bool pipe_signal_ignored = false;
 extern "C" void note_broken_pipe(int) {}
 
 void write(std::string_view text) {
+  clear_progress();
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
     throw StdoutError(errno);
 }

@@ -7,7 +7,7 @@
   const shape = { fill: "", stroke: "none", "stroke-width": "1px", "stroke-dasharray": "none", "stroke-linecap": "butt", opacity: "1" };
   const letters = { ...shape, "font-size": "", "font-weight": "400", "paint-order": "normal", "stroke-linejoin": "miter" };
   const looks = { rect: shape, circle: shape, line: shape, text: letters, tspan: letters };
-  const meaning = new Set(["class", "role", "aria-label", "aria-hidden", "data-of", "tabindex"]);
+  const meaning = new Set(["class", "role", "aria-label", "aria-hidden", "tabindex"]);
 
   // Names are anything; XML has no control characters.
   const clean = (text) => text.replace(/[^\t\n\r\x20-\ud7ff\ue000-\ufffd\u{10000}-\u{10ffff}]/gu, "\ufffd");
@@ -23,7 +23,7 @@
     if (node.nodeType === Node.TEXT_NODE) return document.createTextNode(clean(node.data));
     const copy = element(node.localName, {}), style = getComputedStyle(node);
     for (const { name, value } of node.attributes) {
-      if (meaning.has(name)) continue;
+      if (meaning.has(name) || name.startsWith("data-")) continue;
       copy.setAttribute(name, value.endsWith("%") ? Number((parseFloat(value) / 100 * width).toFixed(3)) : value);
     }
     for (const [name, usual] of Object.entries(looks[node.localName] || {})) {
@@ -61,7 +61,7 @@
       const plot = element("g", { transform: `translate(${MARGIN + left} 66)` });
       plot.append(...[...source.children].map((child) => plain(child, width)));
       const below = 66 + parseFloat(source.getAttribute("height")) + 8;
-      const { group, bottom } = keys([...figure.querySelectorAll(".legend li")], WIDTH - 2 * MARGIN, below);
+      const { group, bottom } = keys([...figure.querySelectorAll(".legend li:not([hidden])")], WIDTH - 2 * MARGIN, below);
       group.setAttribute("transform", `translate(${MARGIN} 0)`);
       const height = bottom + 14, label = clean(source.getAttribute("aria-label")), title = clean(document.title);
       const svg = element("svg", { width: WIDTH, height, viewBox: `0 0 ${WIDTH} ${height}`, role: "img", "font-family": style.fontFamily },

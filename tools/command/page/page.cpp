@@ -57,8 +57,9 @@ std::string grouped(std::uint64_t number) {
 
 std::string table(std::string_view caption, const std::vector<std::string>& head,
                   const std::vector<std::vector<Cell>>& rows) {
-  std::string html =
-      fmt::format("<div class=\"scroll\"><table><caption>{}</caption>\n", escaped(caption));
+  std::string html = fmt::format(
+      "<div class=\"scroll\" tabindex=\"0\"><table><caption><span>{}</span></caption>\n",
+      escaped(caption));
   if (!head.empty()) {
     html += "<thead><tr>";
     for (std::size_t i = 0; i < head.size(); ++i) {

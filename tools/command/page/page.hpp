@@ -16,8 +16,8 @@ struct PageAsset {
   std::string_view text;
   std::string_view sha256;  ///< of the text, hexadecimal
 };
-extern const PageAsset kPageStyle, kReportScript, kChartScript, kAccuracyScript, kWrongScript,
-    kThreeScript, kThreeLicence;
+extern const PageAsset kPageStyle, kReportScript, kChartScript, kAccuracyScript, kFilterScript,
+    kWrongScript, kThreeScript, kThreeLicence;
 
 /// Text as it may stand in an element or in a quoted attribute.
 [[nodiscard]] std::string escaped(std::string_view text);

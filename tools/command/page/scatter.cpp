@@ -47,6 +47,10 @@ class Axis {
     return value > 0 ? std::clamp(std::log(value / ticks_.front()) / all, 0.0, 1.0) : 0;
   }
   [[nodiscard]] const std::vector<double>& ticks() const { return ticks_; }
+  /// "1e-06 0.1", for the page's script.
+  [[nodiscard]] std::string range() const {
+    return fmt::format("{} {}", ticks_.front(), ticks_.back());
+  }
   /// Every how many of them there is a label.
   [[nodiscard]] std::size_t step() const { return (ticks_.size() + kMostTicks - 1) / kMostTicks; }
 
@@ -89,11 +93,16 @@ std::string frame(const Axis& x, const Axis& y, const ScatterAxes& axes, AtY at_
   return svg + label_below(50, kTop + kTall + 34, axes.x_name);
 }
 
+/// The entry of the page's data that a mark is of, as an attribute.
+std::string entry_of(const Mark& m) {
+  return m.of ? fmt::format(" data-of=\"{}\"", *m.of) : "";
+}
+
 std::string dot(const Mark& m, double x, double y, double r, const std::string& title) {
   std::string svg = m.of ? fmt::format(
-                               "<g class=\"mark\" data-of=\"{}\" tabindex=\"0\" role=\"button\" "
+                               "<g class=\"mark\"{} tabindex=\"0\" role=\"button\" "
                                "aria-label=\"{}\">",
-                               *m.of, escaped(m.name))
+                               entry_of(m), escaped(m.name))
                          : "<g>";
   if (m.ring)
     svg += fmt::format("<circle class=\"ring l{}\" cx=\"{:.5g}%\" cy=\"{:.2f}\" r=\"{:g}\"/>",
@@ -152,7 +161,13 @@ std::string log_scatter(std::string_view label, const ScatterAxes& axes,
   x.close(), y.close();
   const auto at_x = [&](double value) { return 100 * x.share(value); };
   const auto at_y = [&](double value) { return kTop + kTall * (1 - y.share(value)); };
-  std::string svg = start("lines", label, kTop + kTall + 42) + frame(x, y, axes, at_y);
+  std::string svg =
+      start("lines", label, kTop + kTall + 42) +
+      fmt::format(
+          "<g class=\"scatter\" data-x=\"{}\" data-y=\"{}\" data-top=\"{:g}\" "
+          "data-tall=\"{:g}\"{}>\n",
+          x.range(), y.range(), kTop, kTall, axes.x_seconds ? " data-seconds=\"\"" : "") +
+      frame(x, y, axes, at_y);
   const auto line = [&](const std::string& looks, double x1, double y1, double x2, double y2) {
     svg += fmt::format(
         "<line class=\"{}\" x1=\"{:.5g}%\" y1=\"{:.2f}\" x2=\"{:.5g}%\" y2=\"{:.2f}\"/>", looks, x1,
@@ -171,7 +186,10 @@ std::string log_scatter(std::string_view label, const ScatterAxes& axes,
   }
   for (const Mark& m : marks)
     if (m.high > 0)
-      line(fmt::format("whisker l{}", m.colour), at_x(m.x), at_y(m.low), at_x(m.x), at_y(m.high));
+      svg += fmt::format(
+          "<line class=\"whisker l{0}\"{1} x1=\"{2:.5g}%\" y1=\"{3:.2f}\" x2=\"{2:.5g}%\" "
+          "y2=\"{4:.2f}\"/>",
+          m.colour, entry_of(m), at_x(m.x), at_y(m.low), at_y(m.high));
   std::string csv = row({"configuration", axes.x_name, axes.y_name, "from", "to"});
   for (const Mark& m : marks) {
     svg += dot(m, at_x(m.x), at_y(m.y), m.letter.empty() ? 6 : 8,
@@ -179,7 +197,7 @@ std::string log_scatter(std::string_view label, const ScatterAxes& axes,
                            axes.x_seconds ? duration(m.x) : fmt::format("{:.3g}", m.x)));
     csv += csv_of(m.name, m);
   }
-  return with_figures(svg + "</svg></div>\n" + keys(legend), csv);
+  return with_figures(svg + "</g></svg></div>\n" + keys(legend), csv);
 }
 
 std::string log_rows(std::string_view label, std::string_view y_name,
@@ -198,20 +216,20 @@ std::string log_rows(std::string_view label, std::string_view y_name,
   double y = kAxis;
   for (const MarkRow& r : rows) {
     svg += fmt::format(
-        "<text class=\"name\" x=\"0\" y=\"{:g}\">{}<tspan class=\"value\" dx=\"10\">{}</tspan>"
-        "</text>\n",
-        y + 14, escaped(r.name), escaped(r.value));
+        "<g class=\"row\" data-tall=\"{:g}\" transform=\"translate(0 {:g})\"><text class=\"name\" "
+        "x=\"0\" y=\"14\">{}<tspan class=\"value\" dx=\"10\">{}</tspan></text>\n",
+        kRow, y, escaped(r.name), escaped(r.value));
     for (const Mark& m : r.marks) {
       if (m.high > 0)
         svg += fmt::format(
-            "<line class=\"l{0} spread\" x1=\"{1:.4g}%\" x2=\"{2:.4g}%\" y1=\"{3:g}\" "
-            "y2=\"{3:g}\"/>",
-            m.colour, at(m.low), at(m.high), y + 24);
-      svg += dot(m, at(m.y), y + 24, 5, fmt::format("{}: {:.4g}", m.name, m.y));
+            "<line class=\"l{} spread\"{} x1=\"{:.4g}%\" x2=\"{:.4g}%\" y1=\"24\" y2=\"24\"/>",
+            m.colour, entry_of(m), at(m.low), at(m.high));
+      svg += dot(m, at(m.y), 24, 5, fmt::format("{}: {:.4g}", m.name, m.y));
       const bool spread = m.high > 0;
       csv += row({r.name, figure(m.y), figure(spread ? m.low : NAN), figure(spread ? m.high : NAN),
                   m.name});
     }
+    svg += "</g>";
     y += kRow;
   }
   return with_figures(svg + "</svg></div>\n" + keys(legend), csv);

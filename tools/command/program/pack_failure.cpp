@@ -60,7 +60,7 @@ void add_bundle_options(CLI::App& verb, BundleRequest& request) {
 std::string packed(const BundleRequest& request, bool quiet, const Failure& failure) {
   if (!request.wanted) return "";
   try {
-    const Busy busy("packing the failure", quiet);
+    const Progress busy("packing the failure", quiet);
     process::Conversation child({program_file("cde-explain"), "pack", request.folder});
     const Json answer = converse(child, failure);
     (void)child.wait();

@@ -94,7 +94,7 @@ struct BoardConfig {
 /// in the user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else, or if that
 /// cannot be written, /tmp/cde-UID). One that is nowhere, or whose file is damaged, is built into
 /// the cache by the script `verilator/bitstream` (of $CDE_SHARE, else of the installation or source
-/// tree): half a minute and more, with progress on stderr. Processes that want the same one wait
+/// tree): see usual_build_seconds(), with progress on stderr. Processes that want the same one wait
 /// for each other. While one is built, SIGINT, SIGTERM and SIGHUP end the build before they do what
 /// else they would (which is their handler's or the end of the process; error kInterrupted where
 /// the process goes on).
@@ -130,6 +130,9 @@ class Bitstream {
   std::filesystem::path path_;
   std::uint64_t config_hash_ = 0;
 };
+
+/// Seconds that a build of a bitstream with such parameters takes on two cores, roughly.
+[[nodiscard]] double usual_build_seconds(const std::vector<std::string>& parameters);
 
 /// Whether a bitstream that is built says so on stderr, with its phases. It does unless told
 /// otherwise.

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -43,24 +45,28 @@ class ElaborationError : public std::runtime_error {
 [[nodiscard]] std::string latency_parameter(unsigned add, unsigned mul, unsigned div, unsigned sqrt,
                                             unsigned cmp);
 
-/// What is below the operators of gates.
-enum class Gates { kHidden, kWhole };
+/// Whether Verilator reads only the parameters and ports of a module, not its body. The top module
+/// is always read whole.
+using Hidden = std::function<bool(std::string_view module)>;
+/// Hides the gates of the operators.
+[[nodiscard]] bool is_gates(std::string_view module);
 
 /// Verilator's XML of module `top` of the RTL in folder `rtl`, whose waivers are in
 /// `rtl`/../verilator. Parameters are NAME=VALUE, as the builder of bitstreams takes them; switches
-/// are Verilator's. Takes a second or more; with whole gates as long as Verilator takes for the
-/// bitstream.
+/// are Verilator's. An empty `hidden` hides nothing: that takes as long as Verilator takes for the
+/// bitstream. With hidden gates it takes up to a few seconds.
 [[nodiscard]] std::string elaborated(const std::filesystem::path& rtl, const std::string& top,
-                                     const std::vector<std::string>& parameters, Gates gates,
+                                     const std::vector<std::string>& parameters,
+                                     const Hidden& hidden,
                                      const std::vector<std::string>& switches = {});
 
 /// One elaborated design. Instances are called by their path in the hierarchy, from the top module
 /// on and without the names of generate blocks: "pair_pipe.pipe".
 class Elaboration {
  public:
-  /// Of what elaborated() gives with hidden gates.
+  /// Reads the result of elaborated().
   Elaboration(const std::filesystem::path& rtl, const std::string& top,
-              const std::vector<std::string>& parameters = {});
+              const std::vector<std::string>& parameters = {}, const Hidden& hidden = is_gates);
 
   /// Operators in an instance and all below it; none if there is no such instance.
   [[nodiscard]] Operators operators(const std::string& instance) const;

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -16,38 +15,37 @@ using ProgressDisplay = std::function<void(std::string_view)>;
 /// Sets the display of this process; without one, progress is not shown. Call it before threads
 /// start.
 void set_progress_display(ProgressDisplay display);
+[[nodiscard]] bool has_progress_display();
+/// Clears the line before other text is printed. It comes back within a second.
+void clear_progress();
 
-/// The share of a task that is done. The line appears after one second, with the time left.
+/// How far a task is, how long it has taken, and how long it will take. A thread shows it once per
+/// second, after the first second. Of tasks within each other the innermost is shown.
 class Progress {
  public:
   explicit Progress(std::string what, bool quiet = false);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// `share` is from 0 to 1.
+
+  /// The share that is done, from 0 to 1: the time left is that of the rest at the pace so far.
+  /// Until the first share above 0 the line has only the time that has passed.
   void operator()(double share);
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::string what_;
-  bool shown_, drawn_ = false;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
-};
-
-/// A task whose share is unknown. A thread shows its name and time, once per second.
-class Busy {
- public:
-  explicit Busy(std::string what, bool quiet = false);
-  ~Busy();
-  Busy(const Busy&) = delete;
-  Busy& operator=(const Busy&) = delete;
+  /// The share, and the step that begins now.
+  void operator()(double share, std::string step);
+  /// The step that begins now, of a task that usually takes so many seconds.
+  void usual(double seconds, std::string step);
 
  private:
   void show();
-  std::string what_;
-  std::mutex mutex_;
-  std::condition_variable ended_;
+  [[nodiscard]] double elapsed() const;
+  [[nodiscard]] std::string line() const;
+
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::string what_, step_;
+  double share_ = 0, seconds_ = 0;  ///< 0: unknown. Seconds: of the whole task
   bool end_ = false;
+  std::condition_variable ended_;
   std::thread thread_;
 };
 

@@ -317,7 +317,7 @@
   });
   if (data.views.length < 2) for (const e of [slider, play]) e.hidden = true;
   for (const name of Object.keys(layers)) {
-    document.getElementById("show-" + name).addEventListener("change", (e) => { layers[name].visible = e.target.checked; draw(); });
+    document.getElementById("show-" + name)?.addEventListener("change", (e) => { layers[name].visible = e.target.checked; draw(); });
   }
   document.getElementById("reset").addEventListener("click", reset);
   document.getElementById("up").addEventListener("change", (e) => { setUp(e.target.value); reset(); });
