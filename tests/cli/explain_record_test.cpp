@@ -226,7 +226,8 @@ TEST_F(ExplainRecord, WhatIsNoRecordIsRefused) {
   no(".:q:0:0", "run.json");
   refused({"explain", "sphere-sphere", "--from-record", "nearest.toml:q:0:0"}, "--from-record");
   refused({"explain", "--from-record", "nearest.toml:q:0:0", "--arith", "host"}, "--arith");
-  refused({"explain", "--from-record", "nearest.toml:q:0:0", "--from-test", "x"}, "exclude");
+  refused({"explain", "--from-record", "nearest.toml:q:0:0", "--from-test", "x"},
+          "--from-test cannot be combined with --from-record");
   refused({"explain", "--exact-card", "sphere-sphere", "0"}, "--exact-card");
   refused({"explain"}, "PAIR");
 }

@@ -87,7 +87,7 @@ TEST_F(Explain, WhatMakesNoSenseIsRefused) {
   refused({"explain", "sphere-sphere", "0 0 0 one 0 0 0 1"}, "word 4");
   refused({"explain", "sphere-sphere", " "}, "missing");
   refused({"explain", "sphere-sphere", "0 0 0 1 0 0 3 1", "--budget", "4,4,4"},
-          "always takes the same work");
+          "--budget cannot be combined with sphere-sphere");
   refused({"explain", "spheer-sphere", "0"}, "sphere-sphere");
 }
 
