@@ -235,6 +235,11 @@ class Run {
     finish(no_waves);
   }
 
+  /// What was written lies where it was wanted.
+  void check_folder() const {
+    if (folder_.begun()) folder_.check();
+  }
+
   void report() const {
     const Totals& t = totals_;
     if (o_.json) put_json(json_);
@@ -434,10 +439,6 @@ class Run {
     if (!report_) return;
     page_->write(report_->html(json_));
     page_->commit();
-  }
-  /// What was written lies where it was wanted.
-  void check_folder() const {
-    if (folder_.begun()) folder_.check();
   }
 
   [[nodiscard]] std::string check_text() const {
