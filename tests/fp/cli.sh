@@ -94,5 +94,5 @@ expect 2 "*stdin line 1: 2 operands wanted, 1 found*" '3F800000\n' add "${unit[@
 expect 2 "*stdin line 1: operand 2 has more than 32 bits*" '1 123456789\n' add "${unit[@]}" host
 expect 2 "*operation 'plus'*" '' plus "${unit[@]}" host
 expect 2 "*format 'fp12'*" '' add --format fp12 "${unit[@]}" host
-expect 2 "*is not of format fp16*" '' f32_add --format fp16 "${unit[@]}" host
+expect 2 "*cannot be combined with f32_add*" '' f32_add --format fp16 "${unit[@]}" host
 exit $((failures > 0))

@@ -68,7 +68,7 @@ TEST_F(States, AValueThatIsGoneWithinItsInstant_IsNoChange) {
   EXPECT_EQ(j["signals"][1]["change_count"], 2);
   const Json shown = Json::parse(cde({"wave", "show", "s.fst", "glitch", "--json"}).out);
   EXPECT_EQ(shown["signals"][0]["changes"].size(), 2u);
-  EXPECT_TRUE(has(cde({"wave", "serve", "s.fst", "glitch", "-o", "p.html"}).err, "1 changes"));
+  EXPECT_TRUE(has(cde({"wave", "serve", "s.fst", "glitch", "-o", "p.html"}).err, "1 change,"));
 }
 
 TEST_F(States, Events_AreMarks) {

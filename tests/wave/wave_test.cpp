@@ -230,7 +230,7 @@ TEST_F(Wave, DiffNamesTheFirstDivergenceOfEachSignal) {
   EXPECT_EQ(out({"diff", "a.fst", "a.fst"}), "0 of 6 signals differ\n");
   const Ran ran = cde({"wave", "diff", "a.fst", "b.fst", "--as", "fp32"});
   EXPECT_EQ(ran.status, 1);
-  EXPECT_EQ(ran.out, "95ns  top.data  {4.5 1} / {4.5000005 1}\n1 of 6 signals differ\n");
+  EXPECT_EQ(ran.out, "95ns  top.data  {4.5 1} / {4.5000005 1}\n1 of 6 signals differs\n");
   EXPECT_EQ(json({"diff", "a.fst", "b.fst", "--as", "fp32", "--ulp", "1"})["differing"], 0);
   EXPECT_EQ(json({"diff", "a.fst", "b.fst", "--as", "fp32", "--eps", "1e-6"})["differing"], 0);
   EXPECT_EQ(json({"diff", "a.fst", "b.fst", "--as", "fp32", "--eps", "1e-7"}, 1)["differing"], 1);
