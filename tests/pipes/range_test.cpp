@@ -186,5 +186,23 @@ std::string label(const ::testing::TestParamInfo<PairConfig>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Pipes, Range, ::testing::ValuesIn(configurations()), label);
 
+/// Two boxes of fp16 that touch. T is below the normal numbers at size one, so F is 1.
+TEST(Touching, PipesSayIt) {
+  const PairConfig config{.pair = Pair::kObbObb, .format = FpFormat{5, 10}, .lanes = 1};
+  std::vector<std::uint64_t> a, b;
+  for (const double w : {0., 0., 0., .75, .875, 1., 1., 0., 0., 0., 1., 0., 0., 0., 1.})
+    a.push_back(config.format.encode(w));
+  for (const double w : {0., 1., -2., 2., .125, 1.375, 1., 0., 0., 0., 1., 0., 0., 0., 1.})
+    b.push_back(config.format.encode(w));
+  PairUnit unit(config);
+  PairResult got, expected;
+  (void)unit.test(a, b, std::span(&got, 1));
+  reference::test_pairs(config.pair, config.algorithm, config.format, a, b,
+                        std::span(&expected, 1));
+  EXPECT_EQ(got, expected);
+  EXPECT_TRUE(got.f);
+  EXPECT_EQ(config.format.decode(got.t), 0);
+}
+
 }  // namespace
 }  // namespace cde::testing
