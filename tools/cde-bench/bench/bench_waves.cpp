@@ -93,6 +93,8 @@ Cost measure(const std::vector<std::string>& words, int rounds = kRounds) {
       return {};
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    constexpr int kNotFound = 127;  // of a shell
+    if (ran.status == kNotFound) return {};
     if (ran.status > 1)
       throw Error(ErrorCode::kFile,
                   fmt::format("{}: exit status {}", fmt::join(words, " "), ran.status));
