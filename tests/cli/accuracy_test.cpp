@@ -112,6 +112,15 @@ TEST_F(Accuracy, VariantsStandBesideTheCard) {
   EXPECT_EQ(none.err, "cde: none of the pairs is one of --variants textbook\n");
 }
 
+/// Two triangles that are one point, which coarse formats make of small ones far away.
+TEST_F(Accuracy, PointsHaveErrorsOfNumbers) {
+  const Json all = pipes({"--pair", "triangle-triangle", "--formats", "bf16", "--cases", "2400"})
+                       .at(0)
+                       .at("all_families");
+  EXPECT_TRUE(all.at("t_error_u").at("largest").is_number()) << all.at("t_error_u");
+  EXPECT_TRUE(all.at("oracle_u").at("largest").is_number()) << all.at("oracle_u");
+}
+
 TEST_F(Accuracy, PromisesAreThoseOfTheDocs) {
   std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/stability.md");
   const std::string docs{std::istreambuf_iterator<char>(in), {}};

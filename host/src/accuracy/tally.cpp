@@ -68,7 +68,9 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
   Judged judged;
   if (decide(tally, answer.f, certain_hit, certain_miss, v.gap.middle() <= 0))
     judged.decision = (certain_hit ? -v.gap.hi : v.gap.lo) / unit;
-  tally.oracle.add(((v.gap.hi - v.gap.lo) / 2 + slack) / unit);
+  // Where all corners are one point, S is 0, and so is an error that is none.
+  const auto in_units = [unit](double error) { return error == 0 ? 0 : error / unit; };
+  if (unit > 0) tally.oracle.add(((v.gap.hi - v.gap.lo) / 2 + slack) / unit);
   if (!says_distance(pipe.pair, pipe.variant)) return judged;
   if (v.failure == oracle::Failure::kNotFinite) {
     ++tally.not_numbers;
@@ -78,11 +80,11 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
     return judged;
   }
   const double error_t = std::max(0.0, v.error_c2 - slack);
-  judged.t = error_t / unit;
+  judged.t = in_units(error_t);
   tally.t.add(*judged.t);
   tally.t_ulps.add(error_t / ulp(format, v.gap.middle()));
   tally.cp.add(std::max(v.witness_a, v.witness_b) / (v.tolerance_p / kBand));
-  tally.n.add(std::max(0.0, v.error_c1 - slack) / unit);
+  tally.n.add(in_units(std::max(0.0, v.error_c1 - slack)));
   return judged;
 }
 
