@@ -206,6 +206,23 @@ TEST_F(CastFiles, NodesOfBoxes) {
   EXPECT_TRUE(has(ran.out, ",3,near\n"));
 }
 
+/// Whether a ray starts within a closed mesh, beside its record. A mesh with a hole has no inside.
+TEST_F(CastFiles, InsideOfAClosedMesh) {
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  write("closed.obj", corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  write("open.obj", corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  const Words rays = {"--inside", "--ray", ".1,.1,.1,0,0,1", "--ray", "2,2,2,0,0,1", "-o",
+                      "-",        "-q"};
+  Words words = {"closed.obj"};
+  words.insert(words.end(), rays.begin(), rays.end());
+  const Ran ran = cast(words);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(has(ran.out, ",index,inside\n0,1,")) << ran.out;
+  EXPECT_TRUE(has(ran.out, ",3,1\n1,0,inf,0,0,0,4294967295,0\n")) << ran.out;
+  words[0] = "open.obj";
+  refused(words, "cde: open.obj: is not closed: an edge of triangle");
+}
+
 /// Hits alone are not known in number before they come.
 TEST_F(CastFiles, ArrayOfHits) {
   write("one.obj", kTwoObjects);
