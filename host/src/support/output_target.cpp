@@ -84,7 +84,10 @@ void check_folder_link(const fs::path& named, int folder) {
     if (!S_ISLNK(found.st_mode)) break;
     if (links == kMostLinks) fail_output(named, "write", ELOOP);
     if (found.st_uid != 0 && found.st_uid != ::geteuid()) target.stranger = found.st_uid;
-    at = at.parent_path() / fs::read_symlink(at);
+    std::error_code gone;  // its owner may take it away meanwhile
+    const fs::path to = fs::read_symlink(at, gone);
+    if (gone) fail_output(named, "write", gone.value());
+    at = at.parent_path() / to;
   }
   if (!target.info || found.st_dev != target.info->st_dev || found.st_ino != target.info->st_ino)
     fail_replaced(named);
