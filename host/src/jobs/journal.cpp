@@ -104,12 +104,12 @@ void Journal::check_owner(const struct stat& status) {
   const bool ours = status.st_uid == ::geteuid() || status.st_uid == 0;
   if (ours && (status.st_mode & S_IWOTH) == 0) return;
   ::close(file_);
-  throw Error(ErrorCode::kFile,
-              fmt::format("{}: {} is refused, as its command would be run: {}; a copy of your own "
-                          "is read",
-                          what_, printable_name(path_),
-                          ours ? "all users can write it"
-                               : fmt::format("it belongs to user {}", status.st_uid)));
+  throw Error(
+      ErrorCode::kFile,
+      fmt::format(
+          "{}: {} is refused, as its command would be run: {}", what_, printable_name(path_),
+          ours ? "all users can write it (chmod o-w)"
+               : fmt::format("it belongs to user {}; a copy of your own is read", status.st_uid)));
 }
 
 void Journal::fail(const char* doing) const {
