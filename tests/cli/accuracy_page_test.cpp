@@ -172,7 +172,7 @@ TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
   EXPECT_EQ(told["choices"][0]["after"], json({"sphere-sphere", "fp32"}));
 }
 
-/// The best line of what is left, and a closer look.
+/// The best line follows the chosen formats, and a chart can be zoomed.
 TEST_F(AccuracyPage, FilterAndZoom_ChangeChartsTablesAndTheBestLine) {
   if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the page were not run";
   Words words = kSome;

@@ -125,7 +125,7 @@ TEST_F(Help, OfAVerbOfAVerb) {
   EXPECT_TRUE(has(ran.out, "cde wave info"));
 }
 
-/// Statuses and variables are those of the verb, and the same in the help and in the manual page.
+/// The help of a verb lists its own exit statuses and variables. The manual page lists the same.
 TEST_F(Help, EndsWithStatusesAndVariablesOfTheVerb) {
   write_manuals();
   const std::string status = "\n  ([0-9]+(?: \\+ N)?) ", variable = "\n  ([A-Z_]+) ",

@@ -108,7 +108,7 @@ TEST_F(CommandLine, OptionsWithoutMeaning_AreRefused) {
       {ray + "--bundle f --no-bundle", "--no-bundle cannot be combined with --bundle"},
       {rays + "--check=rays:4 --no-bvh", "--check=rays:4 cannot be combined with --no-bvh"},
       {rays + "--trace t.fst --boards 2",
-       "--trace cannot be combined with --boards; waves are those of one card"},
+       "--trace cannot be combined with --boards; waves show one card"},
       {rays + "--trace-scope a", "--trace-scope needs --trace"},
       {rays + "--box --no-box", "--no-box cannot be combined with --box"},
       {rays + "--json --json", "--json is given twice"},

@@ -399,7 +399,7 @@ void check_options(const CLI::App& verb, const AccuracyOptions& o) {
   }
 }
 
-/// Of a sweep: what would be measured or written nowhere.
+/// Refuses options that a sweep would neither measure nor write.
 void check_sweep_options(const CLI::App& verb, const AccuracyOptions& o) {
   if (!wanted(o.pairs, name(Pair::kRayTriangle)))
     for (const char* option : {"--algorithms", "--box", "--profiles"})
@@ -503,7 +503,7 @@ void add_works(CLI::App& verb, AccuracyOptions& o) {
       ->needs(mesh);
   auto* scene =
       file_value(verb.add_option("--scene", o.scene,
-                                 "Records of this scene instead, frame by frame, beside those of "
+                                 "Compare the records of this scene, frame by frame, with those of "
                                  "fp64"),
                  "SCENE");
   scene->excludes(mesh);

@@ -43,7 +43,7 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
   show(
       "\ngate-level units alone, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
       "format", "lanes", "M operations/s");
-  // Of the most operations and lanes that a format has.
+  // At least as many measurements as there will be: all operations, and all lane counts of fp32.
   const auto most = static_cast<double>(kOperations.size() * (formats.size() + 2));
   double done = 0;
   Progress progress("fp");

@@ -88,7 +88,7 @@ void check_options(const CastWords& w, const CastTask& t) {
   t.bundle.check(t.check, "--no-check");
   if (w.checks.starts_with("rays:") && w.bvh < 0) cannot_combine("--check=" + w.checks, "--no-bvh");
   if (t.trace.wanted() && t.boards > 1)
-    cannot_combine("--trace", "--boards", "waves are those of one card");
+    cannot_combine("--trace", "--boards", "waves show one card");
   if (t.request.mode != Mode::kOccluded) return;
   if (w.bvh < 0) cannot_combine("--mode occluded", "--no-bvh");
   if (std::any_of(t.fields.begin(), t.fields.end(),

@@ -20,7 +20,7 @@ void set_progress_display(ProgressDisplay display);
 void clear_progress();
 
 /// How far a task is, how long it has taken, and how long it will take. A thread shows it once per
-/// second, after the first second. Of tasks within each other the innermost is shown.
+/// second, after the first second. If tasks are nested, it shows the innermost task.
 class Progress {
  public:
   explicit Progress(std::string what, bool quiet = false);
