@@ -31,8 +31,8 @@ package hierarchy_pkg;
   localparam int WAYS = 2 * pairs_pkg::PAIRS;
   localparam int WAY_BITS = pairs_pkg::PAIR_BITS + 1;
   typedef logic [WAYS-1:0] ways_t;
-  // Pairs that meet spheres as they are: their own roundings are small enough (docs/hierarchy.md). The others need the
-  // box rule.
+  // Pairs that meet spheres as they are: their own roundings are small enough (docs/background/bvh.md). The
+  // others need the box rule.
   localparam int PLAIN_PAIRS = 1 << pairs_pkg::PAIR_RAY_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_SPHERE;
   // Those of a card.
   function automatic ways_t card_ways(input config_pkg::config_t card);

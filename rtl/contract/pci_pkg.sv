@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card's PCI side: what a driver reads and writes through the bus (docs/pci.md). host/include/cde/contract/pci.hpp
-// is the same in C++.
+// The card's PCI side: what a driver reads and writes through the bus (docs/reference/pci.md).
+// host/include/cde/contract/pci.hpp is the same in C++.
 package pci_pkg;
 
   localparam logic [15:0] PCI_VENDOR_ID = 16'hCDE1;           // none that the PCI-SIG has assigned

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Host back end of every unit: one call of host_fp.h a lane, for simulation only. Combinational: with ARITH = "host" a
 // pipe computes in the clock its result leaves, and the engine hands it its operands that much later, so that the
-// timing outside is that of the gates while nothing inside is stored from clock to clock (see docs/architecture.md).
+// timing outside is that of the gates while nothing inside is stored from clock to clock
+// (docs/background/architecture.md).
 // Latency: 0. Throughput: one result a lane a clock. Stall: none.
 module fp_host #(
     parameter int OP = formats_pkg::FP_ADD,

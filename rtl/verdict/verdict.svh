@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage times of the parts of a verdict, and what two of them compute alike: docs/verdicts.md,
+// Stage times of the parts of a verdict, and what two of them compute alike: docs/background/certified_filters.md,
 // host/include/cde/reference/verdict/.
 `ifndef CDE_VERDICT_SVH
 `define CDE_VERDICT_SVH
@@ -17,7 +17,7 @@
   `DF_MAX2(T_REST, (T_N) + LAT.cmp) + `DF_LAT_DOT)
 
 // Shapes relative to their origins, rest_a and rest_b, the vector between these, and S, the sum of all their sizes
-// (docs/verdicts.md). Of a_i and b_i at time 0; SHAPE_A, SHAPE_B.
+// (docs/background/certified_filters.md). Of a_i and b_i at time 0; SHAPE_A, SHAPE_B.
 `define PAIR_SIZE \
   localparam int T_rest_a = `LATENCY_BODY_REST(SHAPE_A); \
   localparam int T_rest_b = `LATENCY_BODY_REST(SHAPE_B); \

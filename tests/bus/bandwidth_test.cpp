@@ -81,7 +81,7 @@ TEST(PciBandwidth, Table) {
   }
 }
 
-/// The card's own clocks in a burst, beside those of the host: what docs/pci.md says.
+/// The card's own clocks in a burst, beside those of the host: what docs/reference/pci.md says.
 TEST(PciBandwidth, OverheadOfABurst) {
   for (const HostProfile& p : kHostProfiles)
     for (const bool to_host : {false, true}) {

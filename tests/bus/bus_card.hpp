@@ -22,7 +22,7 @@ void PrintTo(Where where, std::ostream* out);
 
 namespace cde::testing {
 
-/// Hosts by name; docs/pci.md says where the figures come from.
+/// Hosts by name; docs/reference/pci.md says where the figures come from.
 cde_pci_profile profile(const std::string& name);
 
 struct BusOptions {

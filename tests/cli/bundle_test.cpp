@@ -28,7 +28,8 @@ class Bundles : public Cli {
     EXPECT_FALSE(exists(folder + "/whole.fst"));
     const json j = json::parse(read(folder + "/fail.json"));
     for (const std::string& key : keys_of(j.dump()))
-      EXPECT_TRUE(documented_keys().contains(key)) << "docs/json.md does not have " << key;
+      EXPECT_TRUE(documented_keys().contains(key))
+          << "docs/reference/json.md does not have " << key;
     return j;
   }
 };

@@ -55,7 +55,8 @@ class ExplainRecord : public Cli {
     json j = json::parse(ran.out, nullptr, false);
     EXPECT_EQ(j["same"], status == 0);
     for (const std::string& key : keys_of(j.dump()))
-      EXPECT_TRUE(documented_keys().contains(key)) << "docs/json.md does not have " << key;
+      EXPECT_TRUE(documented_keys().contains(key))
+          << "docs/reference/json.md does not have " << key;
     return j;
   }
   std::string text(const std::string& record, const std::vector<std::string>& more = {}) {
@@ -146,7 +147,7 @@ TEST_F(ExplainRecord, AsTextItEndsWithTheWinnerAndItsPair) {
 
 TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
   write("stack.toml", scene("nearest"));
-  std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/explain.md");
+  std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/guides/explain.md");
   const std::string manual{std::istreambuf_iterator<char>(in), {}};
   const std::string all = text("stack.toml:q:0:0");
   std::istringstream lines(all.substr(0, all.find("ray-triangle --algorithm")));

@@ -58,7 +58,7 @@ TEST_F(Explain, HostArithmeticWithTheBoxRuleIsNoDifference) {
 }
 
 TEST_F(Explain, TheManualShowsWhatTheCommandPrints) {
-  std::ifstream in(fs::path(CDE_SOURCE_DIR) / "docs/explain.md");
+  std::ifstream in(fs::path(CDE_SOURCE_DIR) / "docs/guides/explain.md");
   const std::string manual{std::istreambuf_iterator<char>(in), {}};
   const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 1 | 1.5 0 0 1", "--max", "3"});
   std::string indented;

@@ -23,7 +23,7 @@ TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
     for (const auto& file : fs::recursive_directory_iterator(fs::path(CDE_SOURCE_DIR) / folder))
       if (file.path().extension() == ".cpp") sources += bytes_of(file.path());
   std::set<std::string> first;
-  std::istringstream lines(bytes_of(fs::path(CDE_SOURCE_DIR) / "docs/json.md"));
+  std::istringstream lines(bytes_of(fs::path(CDE_SOURCE_DIR) / "docs/reference/json.md"));
   for (std::string line; std::getline(lines, line);) {
     static const std::regex key("`([A-Za-z_0-9]+)`");
     if (!line.starts_with('|')) continue;
@@ -54,7 +54,8 @@ TEST_F(JsonKeys, TheSameQuantityHasTheSameKey) {
   const std::set<std::string> keys[] = {keys_of(cast.out), keys_of(query.out), keys_of(run.out)};
   for (const auto& verb : keys) {
     for (const std::string& key : verb)
-      EXPECT_TRUE(documented_keys().contains(key)) << "docs/json.md does not have " << key;
+      EXPECT_TRUE(documented_keys().contains(key))
+          << "docs/reference/json.md does not have " << key;
     for (const char* key :
          {"version", "commit", "lanes", "arithmetic", "format", "algorithm", "box", "tests",
           "device_cycles", "hits", "records_compared", "records_matching", "simulation_seconds"})

@@ -496,7 +496,7 @@ class Ports {
 };
 
 /// The operands of every row at the clock it enters, and its results as many clocks later as the
-/// pipe has, where docs/pairs.md says that they are.
+/// pipe has, where docs/reference/pairs.md says that they are.
 TEST_F(Query, WavesShowOperandsAndResults) {
   constexpr unsigned kLanes = 8, kLatency = 11, kRows = 3;
   std::string text;

@@ -44,7 +44,7 @@ std::string hit_query(const std::string& secondaries) {
 const std::set<std::string>& documented_keys() {
   static const std::set<std::string> keys = [] {
     std::set<std::string> found;
-    std::istringstream lines(bytes_of(fs::path(CDE_SOURCE_DIR) / "docs/json.md"));
+    std::istringstream lines(bytes_of(fs::path(CDE_SOURCE_DIR) / "docs/reference/json.md"));
     for (std::string line; std::getline(lines, line);) {
       static const std::regex key("`([A-Za-z_0-9]+)`");
       if (!line.starts_with('|')) continue;
@@ -139,7 +139,7 @@ Ran Cli::cde(const std::vector<std::string>& words, const std::vector<std::strin
   Ran ran = finish(start(words, environment));
   if (std::find(words.begin(), words.end(), "--json") == words.end()) return ran;
   for (const std::string& key : keys_of(ran.out))
-    EXPECT_TRUE(documented_keys().contains(key)) << "docs/json.md does not have " << key;
+    EXPECT_TRUE(documented_keys().contains(key)) << "docs/reference/json.md does not have " << key;
   return ran;
 }
 

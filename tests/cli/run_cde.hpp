@@ -26,7 +26,7 @@ inline constexpr const char* kOneTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\
 /// The end of a scene's text: a query of an object "rays" for what another one has.
 [[nodiscard]] std::string hit_query(const std::string& secondaries);
 
-/// Keys of JSON that docs/json.md explains.
+/// Keys of JSON that docs/reference/json.md explains.
 [[nodiscard]] const std::set<std::string>& documented_keys();
 /// All keys of the objects in a text of JSON, the last line of what may have others before it.
 [[nodiscard]] std::set<std::string> keys_of(const std::string& text);

@@ -61,7 +61,7 @@ const char* const kPhases[] = {"frame", "axis",   "centre", "vertex", "cap",
                                "start", "newton", "touch",  "project"};
 
 /// What one pass of each phase takes, and how deep it is. Most of it is common to all phases. A
-/// change must be acknowledged here and in docs/pairs_cylinder.md.
+/// change must be acknowledged here and in docs/reference/pairs_cylinder.md.
 const std::pair<const char*, std::map<std::string, std::string>> kOperators[] = {
     {"cylinder-cylinder",
      {{"centre", "80 mul, 3 div, 3 sqrt, 27 add, 31 sub, 5 cmp, depth 22"},

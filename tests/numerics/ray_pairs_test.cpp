@@ -530,7 +530,7 @@ TEST_P(EveryAlgorithm, FlagsBadInputInEveryWord) {
   }
 }
 
-// ---- The table of docs/pairs.md ----
+// ---- The table of docs/reference/pairs.md ----
 
 TEST(Operators, AreThoseOfTheDocs) {
   std::string multipliers = "| multipliers |", dividers = "| dividers |",
@@ -542,7 +542,7 @@ TEST(Operators, AreThoseOfTheDocs) {
     adders += fmt::format(" {}, {} |", n.add, n.sub), comparators += fmt::format(" {} |", n.cmp);
     clocks += fmt::format(" {} |", n.depth + 1);  // and the selection of the outcome
   }
-  expect_in_docs("pairs.md", {multipliers, dividers, adders, comparators, clocks});
+  expect_in_docs("reference/pairs.md", {multipliers, dividers, adders, comparators, clocks});
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays over the whole range of lengths and directions that docs/pairs.md promises: every answer is
-// within the published bands of exact arithmetic. scale_test.cpp has the inner range, over which
-// answers scale bit by bit. fp16 and fp24 are scaled in the pipe and scale over all of it there.
+// Rays over the whole range of lengths and directions that docs/reference/pairs.md promises: every
+// answer is within the published bands of exact arithmetic. scale_test.cpp has the inner range,
+// over which answers scale bit by bit. fp16 and fp24 are scaled in the pipe and scale over all of
+// it there.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The range of lengths that the contract promises (docs/pairs.md): every pair, scaled by a power of
-// two, gives the same answer scaled, bit by bit; what lies outside the range is bad input.
+// The range of lengths that the contract promises (docs/reference/pairs.md): every pair, scaled by
+// a power of two, gives the same answer scaled, bit by bit; what lies outside the range is bad
+// input.
 #include <gtest/gtest.h>
 
 #include <algorithm>

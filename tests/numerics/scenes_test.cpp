@@ -111,7 +111,7 @@ TEST_P(Everyday, IsRight) {
                 100.0 * row.hits / row.cases, row.band, row.excused, row.worst, row.witness,
                 row.short_of, row.far_short, row.false_hits);
   // What the three cylinder pairs reach with the default budget; a triangle's second maximum deep
-  // inside is what is left (docs/pairs_cylinder.md).
+  // inside is what is left (docs/reference/pairs_cylinder.md).
   EXPECT_EQ(all.false_hits, 0);
   if (pair == Kind::kTriangleCylinder)
     EXPECT_LE(all.far_short, 1 + count / 10000);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verdicts of a narrow first test (docs/verdicts.md): whatever is proposed, what is called certain
-// is true, and the rounding of what decides is within its bound.
+// Verdicts of a narrow first test (docs/background/certified_filters.md): whatever is proposed,
+// what is called certain is true, and the rounding of what decides is within its bound.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -160,7 +160,7 @@ TYPED_TEST(Verdict, OperatorsAreThoseOfTheDocs) {
     pipe = fmt::format("{}", t.add + t.sub + t.mul + t.div + t.sqrt + t.cmp + t.minmax);
   }
   cde::testing::expect_in_docs(
-      "verdicts.md",
+      "background/certified_filters.md",
       {fmt::format("| {} | {} | {} | {} |", name(TypeParam::kPair), text, sum, pipe)});
 }
 

@@ -301,7 +301,7 @@ TEST_F(Wave, ManySignalsAreListedInTheirOrderAndFoundByPatterns) {
 
 TEST_F(Wave, TheManualShowsWhatTheCommandPrints) {
   write_structure(folder_);
-  std::ifstream manual(std::string(CDE_SOURCE_DIR) + "/docs/waves.md");
+  std::ifstream manual(std::string(CDE_SOURCE_DIR) + "/docs/guides/waves.md");
   std::string command, expected;
   unsigned checked = 0;
   const auto check = [&] {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of docs/prices.md, between its markers."""
+"""The tables of docs/background/costs.md, between its markers."""
 import re
 import statistics
 
@@ -7,7 +7,7 @@ from contract import ROOT, Bad
 import table
 import targets
 
-DOCS = ROOT / "docs" / "prices.md"
+DOCS = ROOT / "docs" / "background" / "costs.md"
 MARKS = re.compile(r"(<!-- prices: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 
 
@@ -99,7 +99,7 @@ def filled(kept, page):
     def put(mark):
         name = mark.group(2)
         if name not in made:
-            raise Bad(f"docs/prices.md: there is no table {name}: {', '.join(made)}")
+            raise Bad(f"docs/background/costs.md: there is no table {name}: {', '.join(made)}")
         seen.append(name)
         if mark.group(3) != made[name]:
             changed.append(name)
@@ -111,11 +111,11 @@ def filled(kept, page):
 
 def differences(kept):
     _, changed, lacking = filled(kept, DOCS.read_text())
-    return [f"docs/prices.md, table {name}: other figures than docs/prices.json" for name in changed] + [f"docs/prices.md has no table {name}" for name in lacking]
+    return [f"docs/background/costs.md, table {name}: other figures than docs/prices.json" for name in changed] + [f"docs/background/costs.md has no table {name}" for name in lacking]
 
 
 def write(kept):
     page, _, lacking = filled(kept, DOCS.read_text())
     if lacking:
-        raise Bad(f"docs/prices.md has no table {lacking[0]} (a line <!-- prices: {lacking[0]} -->, and one <!-- end -->)")
+        raise Bad(f"docs/background/costs.md has no table {lacking[0]} (a line <!-- prices: {lacking[0]} -->, and one <!-- end -->)")
     DOCS.write_text(page)

@@ -8,8 +8,8 @@ namespace cde {
 
 /// What accesses and transfers take on PCI, computed a transaction at a time: the modelled time of
 /// the functional bus. It knows the host's profile, width and burst size, the clocks of the card's
-/// PCI side (docs/pci.md) and how the driver of a card behind PCI goes about a transfer; not what
-/// is transferred. Private to the driver.
+/// PCI side (docs/reference/pci.md) and how the driver of a card behind PCI goes about a transfer;
+/// not what is transferred. Private to the driver.
 class BusTime {
  public:
   static constexpr std::uint64_t kPciPs = 15'000;  ///< of a PCI clock, 66.67 MHz

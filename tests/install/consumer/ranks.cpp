@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work dealt by a program of somebody else, as docs/ranks.md says.
+// Work dealt by a program of somebody else, as docs/guides/many_machines.md says.
 #include <cde/jobs/mpi_ranks.hpp>
 #include <cstdio>
 

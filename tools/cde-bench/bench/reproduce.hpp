@@ -10,7 +10,7 @@
 #include "page/time_split.hpp"
 
 /// `cde reproduce`: the paper's Figures 5, 6 and 7 measured again, and what a hierarchy makes of
-/// the first (docs/reproduction.md).
+/// the first (docs/background/reproduction.md).
 namespace cde::cli {
 
 /// Where a figure comes from.

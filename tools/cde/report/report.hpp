@@ -12,7 +12,7 @@
 #include "report/report_picture.hpp"
 #include "report/report_scene.hpp"
 
-/// `cde run --report`: one page about a run (docs/scenes.md).
+/// `cde run --report`: one page about a run (docs/reference/scenes.md).
 namespace cde::cli {
 
 inline constexpr Resolution kPictureSize = {1200, 600};

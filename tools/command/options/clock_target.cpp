@@ -17,7 +17,7 @@ CLI::Option* target_option(CLI::App& verb, std::string& target, const std::strin
 void clock_options(CLI::App& verb, ClockOptions& options) {
   auto* clock = clock_option(verb, options.mhz);
   target_option(verb, options.target,
-                "Core clock as it was measured on a device instead (docs/prices.md)")
+                "Core clock as it was measured on a device instead (docs/background/costs.md)")
       ->excludes(clock);
 }
 
@@ -51,9 +51,9 @@ std::string settle_clock(ClockOptions& options, const BoardConfig& card) {
 }
 
 void scene_target_option(CLI::App& verb, std::string& target) {
-  target_option(
-      verb, target,
-      "Core clock as it was measured on a device (docs/prices.md) instead of the scene's");
+  target_option(verb, target,
+                "Core clock as it was measured on a device (docs/background/costs.md) instead of "
+                "the scene's");
 }
 
 std::string settle_clock(const std::string& target, Scene& scene, const BoardConfig& card) {

@@ -173,13 +173,15 @@ CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& mo
 }
 
 void scene_option(CLI::App& verb, std::string& file) {
-  check(file_value(verb.add_option("scene", file, "Scene file, TOML (docs/scenes.md)")->required(),
-                   "SCENE"),
-        "a file; standard input is /dev/stdin (cde run: with --output, for the folder has no scene "
-        "to "
-        "be "
-        "named after)",
-        [](const std::string& text) { return text != "-"; });
+  check(
+      file_value(
+          verb.add_option("scene", file, "Scene file, TOML (docs/reference/scenes.md)")->required(),
+          "SCENE"),
+      "a file; standard input is /dev/stdin (cde run: with --output, for the folder has no scene "
+      "to "
+      "be "
+      "named after)",
+      [](const std::string& text) { return text != "-"; });
 }
 
 CLI::Option* clock_option(CLI::App& verb, double& mhz) {

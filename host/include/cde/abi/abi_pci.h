@@ -17,7 +17,8 @@ extern "C" {
 
 #define CDE_PCI_ABI 4u
 
-/* What a host adds to the card's own clocks; docs/pci.md has the figures and where they come from.
+/* What a host adds to the card's own clocks; docs/reference/pci.md has the figures and where they
+ * come from.
  */
 typedef struct cde_pci_profile {
   uint32_t arbitration; /* clocks from REQ# to GNT# on an idle bus that is not parked at the card */

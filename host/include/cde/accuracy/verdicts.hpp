@@ -8,7 +8,8 @@
 
 #include "cde/accuracy/verdict_pairs.hpp"
 
-/// What a narrow first test is certain of (docs/verdicts.md), family by family, beside the truth.
+/// What a narrow first test is certain of (docs/background/certified_filters.md), family by family,
+/// beside the truth.
 namespace cde::accuracy {
 
 struct VerdictCounts {

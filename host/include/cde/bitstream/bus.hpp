@@ -11,7 +11,7 @@ namespace cde {
 enum class Bus {
   kFunctional,  ///< transfers are beats on the card's local bus; what they would take on PCI is
                 ///< computed
-  kCycle,       ///< PCI signals clock by clock, and the card's DMA engine (docs/pci.md)
+  kCycle,       ///< PCI signals clock by clock, and the card's DMA engine (docs/reference/pci.md)
 };
 
 /// What can go wrong between host and card and in its memory, for tests (Board::inject). `count`

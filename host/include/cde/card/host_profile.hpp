@@ -9,7 +9,7 @@ namespace cde {
 
 /// What a host adds to the card's own clocks on the PCI bus. All in PCI clocks; a latency is
 /// counted from the address phase to the first data phase. The card itself takes about 9 clocks
-/// more for a burst (docs/pci.md).
+/// more for a burst (docs/reference/pci.md).
 struct HostProfile {
   std::string_view name;
   std::uint32_t arbitration;    ///< from REQ# to GNT# when another master had the bus

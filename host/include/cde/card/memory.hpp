@@ -7,7 +7,7 @@ namespace cde {
 /// When the card's DDR answers. Records are the same.
 enum class Memory : std::uint32_t {
   kIdeal,  ///< a beat a clock, each OpenOptions::ddr_latency clocks after its request
-  kCycle,  ///< as two modules of DDR-400 do: banks, rows, refresh (docs/architecture.md)
+  kCycle,  ///< as two modules of DDR-400 do: banks, rows, refresh (docs/background/architecture.md)
 };
 
 /// Address space that the models of a card reserve for its DDR and SRAM. What is not written takes

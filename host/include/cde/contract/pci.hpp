@@ -3,7 +3,8 @@
 #include <cstdint>
 
 /// The card's PCI side as a driver sees it: rtl/contract/pci_pkg.sv in C++, under the same names.
-/// tests/board holds every constant here against that file; docs/pci.md describes what they do.
+/// tests/board holds every constant here against that file; docs/reference/pci.md describes what
+/// they do.
 namespace cde::pci {
 
 // Configuration space.

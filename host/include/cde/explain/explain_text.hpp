@@ -12,7 +12,7 @@ namespace cde {
 [[nodiscard]] std::string explanation_text(const std::string& words,
                                            const explain::Explanation& explanation, unsigned most);
 
-/// Where they part first, as docs/json.md has it.
+/// Where they part first, as docs/reference/json.md has it.
 [[nodiscard]] nlohmann::ordered_json explanation_differences(
     const explain::Explanation& explanation);
 

@@ -9,7 +9,7 @@
 #include "cde/fp/number_text.hpp"
 #include "cde/geometry/pair.hpp"
 
-/// Pairs as text, a line each (docs/pairs.md#as-text).
+/// Pairs as text, a line each (docs/reference/pairs.md#as-text).
 namespace cde {
 
 enum class OperandLine { kNothing, kMalformed, kPair };

@@ -53,7 +53,7 @@ template <class P>
 inline constexpr Shape kShapeOf = P::kShape;
 
 /// How much work a pair of cylinder-cylinder, obb-cylinder or triangle-cylinder gets; the others
-/// always take the same. More finds more of the gap (docs/pairs_cylinder.md).
+/// always take the same. More finds more of the gap (docs/reference/pairs_cylinder.md).
 struct PairBudget {
   unsigned samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
   unsigned circle = 8;   ///< K1: steps on each circle, at most 64

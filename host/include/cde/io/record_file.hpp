@@ -37,7 +37,7 @@ struct RecordFormat {
     kCsv,
     kNpy,        ///< a structured array
     kJsonLines,  ///< an object per line
-    kWords,      ///< the card's words (docs/scenes.md)
+    kWords,      ///< the card's words (docs/reference/scenes.md)
   };
   Kind kind = Kind::kCsv;
   bool frame = false;      ///< the first column is the frame

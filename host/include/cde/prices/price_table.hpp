@@ -9,7 +9,7 @@
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
 
-/// What operators and lanes were measured to take: docs/prices.json (docs/prices.md).
+/// What operators and lanes were measured to take: docs/prices.json (docs/background/costs.md).
 namespace cde {
 
 /// Cells of a design; of what a target does not have, none.

@@ -14,8 +14,8 @@
 #include "cde/geometry/transform.hpp"
 #include "cde/mesh/mesh.hpp"
 
-/// What a scene file says (docs/scenes.md): objects that move, and what is asked of them in every
-/// frame.
+/// What a scene file says (docs/reference/scenes.md): objects that move, and what is asked of them
+/// in every frame.
 namespace cde {
 
 /// Vertices of a mesh that move by themselves, in the object's frame.

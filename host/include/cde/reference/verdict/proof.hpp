@@ -10,11 +10,11 @@
 #include "cde/reference/pipes/convex/frame.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
-/// Certain hit, certain miss, uncertain (docs/verdicts.md). A pipe of a narrow format proposes a
-/// normal and a point; what decides is a short sum in the wide format, whose rounding is bounded
-/// without knowing anything of the pipe: a plane that separates the bodies is a proof of a miss, a
-/// point inside both a proof of a hit, wherever they come from. rtl/verdict/ has the proof of a
-/// miss (BoardConfig::verdicts).
+/// Certain hit, certain miss, uncertain (docs/background/certified_filters.md). A pipe of a narrow
+/// format proposes a normal and a point; what decides is a short sum in the wide format, whose
+/// rounding is bounded without knowing anything of the pipe: a plane that separates the bodies is a
+/// proof of a miss, a point inside both a proof of a hit, wherever they come from. rtl/verdict/ has
+/// the proof of a miss (BoardConfig::verdicts).
 namespace cde::reference::verdict {
 
 enum class Certain : std::uint8_t { kNeither, kMiss, kHit };

@@ -5,7 +5,7 @@
 
 /// The three pairs whose secondary is a cylinder: cylinder-cylinder, OBB-cylinder and
 /// triangle-cylinder. s_K, the largest g over the normals the budget pays for, is at most the
-/// signed gap s, so F = 0 is a proof; docs/pairs_cylinder.md has the measured shortfall.
+/// signed gap s, so F = 0 is a proof; docs/reference/pairs_cylinder.md has the measured shortfall.
 ///
 /// begin, then step for k = 0, 1, ... until pass() says kDone, then finish: what the hardware does
 /// with a pair, one pass a clock.
