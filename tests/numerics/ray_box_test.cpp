@@ -332,7 +332,7 @@ TEST(Needles, CertainHitsAreDroppedAsTheDocsSay) {
     for (const int n : certain_dropped) EXPECT_LE(n, width <= 4 ? 0 : kPairs / 400);
     EXPECT_GT(sure, kPairs / 10);
   }
-  expect_in_docs("reference/pairs.md", lines);
+  expect_in_docs("tables/pairs.md", lines);
 }
 
 TEST(FlatTriangle, IsFlatAtEveryScale) {

@@ -530,19 +530,19 @@ TEST_P(EveryAlgorithm, FlagsBadInputInEveryWord) {
   }
 }
 
-// ---- The table of docs/reference/pairs.md ----
+// ---- The table of docs/reference/pairs_rays.md ----
 
 TEST(Operators, AreThoseOfTheDocs) {
   std::string multipliers = "| multipliers |", dividers = "| dividers |",
               adders = "| adders, subtractors |", comparators = "| comparators |",
-              clocks = "| clocks at one an operator |";
+              clocks = "| cycles at one per operator |";
   for (unsigned a = 0; a < kAlgorithms; ++a) {
     const Tally n = operators(Pair::kRayTriangle, static_cast<cde::Algorithm>(a));
     multipliers += fmt::format(" {} |", n.mul), dividers += fmt::format(" {} |", n.div);
     adders += fmt::format(" {}, {} |", n.add, n.sub), comparators += fmt::format(" {} |", n.cmp);
     clocks += fmt::format(" {} |", n.depth + 1);  // and the selection of the outcome
   }
-  expect_in_docs("reference/pairs.md", {multipliers, dividers, adders, comparators, clocks});
+  expect_in_docs("reference/pairs_rays.md", {multipliers, dividers, adders, comparators, clocks});
 }
 
 }  // namespace

@@ -329,8 +329,8 @@ TEST(RaySolidFigures, SurfacesAreMissedByWhatTheDocsSay) {
     return fmt::format("- {}, {} million rays in each of {} scenes: {:.2f} u", pair, millions,
                        scenes, worst);
   };
-  expect_in_docs("reference/pairs.md", {line("ray-sphere", balls.size(), sphere),
-                                        line("ray-cylinder", shapes.size(), cylinder)});
+  expect_in_docs("tables/pairs.md", {line("ray-sphere", balls.size(), sphere),
+                                     line("ray-cylinder", shapes.size(), cylinder)});
 }
 
 /// One word of a primitive changed a little, at every scale. An axis may end as far from unit
@@ -381,8 +381,7 @@ TEST(RaySolidFigures, SearchesForTheWorstFindWhatTheDocsSay) {
   const auto line = [&](const char* pair, double worst) {
     return fmt::format("- {}, the worst of {} searches: {:.2f} u", pair, kSearches, worst);
   };
-  expect_in_docs("reference/pairs.md",
-                 {line("ray-sphere", sphere), line("ray-cylinder", cylinder)});
+  expect_in_docs("tables/pairs.md", {line("ray-sphere", sphere), line("ray-cylinder", cylinder)});
 }
 
 const Scene kUnitScene{"Unit", 1, -0.2, 0.5, 0, 0.3};
