@@ -122,7 +122,7 @@ TEST_F(Accuracy, PointsHaveErrorsOfNumbers) {
 }
 
 TEST_F(Accuracy, PromisesAreThoseOfTheDocs) {
-  std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/reference/stability.md");
+  std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/tables/stability.md");
   const std::string docs{std::istreambuf_iterator<char>(in), {}};
   const Ran ran = accuracy({"--promises", "--cases", "10000", "--formats", "fp16,fp32,fp64",
                             "--pair", "sphere-sphere,triangle-aabb,ray-cylinder"});

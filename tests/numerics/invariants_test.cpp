@@ -379,7 +379,7 @@ TEST(InvariantsTable, IsThatOfTheDocs) {
   std::vector<std::string> lines;
   for (const Parameter& p : parameters())
     if (p.format == FpFormat{}) lines.push_back(line_of(p, measured(p)));
-  expect_in_docs("reference/stability.md", lines);
+  expect_in_docs("tables/stability.md", lines);
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipes, Invariants, ::testing::ValuesIn(parameters()),

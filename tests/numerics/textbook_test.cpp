@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pairs as textbooks have them (cde/accuracy/textbook.hpp): the operators they would take,
-// beside those of the pipes, as docs/guides/accuracy.md has them.
+// beside those of the pipes, as docs/tables/accuracy.md has them.
 #include "cde/accuracy/textbook.hpp"
 
 #include <fmt/format.h>
@@ -67,7 +67,7 @@ TEST(Textbook, OperatorsAreThoseOfTheDocs) {
                               Pair::kRayCylinder, book::ray_cylinder<S, true>));
   add(Pair::kRaySphere,
       most_operators<BasicRay<S>, BasicSphere<S>>(Pair::kRaySphere, book::ray_sphere<S, true>));
-  expect_in_docs("guides/accuracy.md", rows);
+  expect_in_docs("tables/accuracy.md", rows);
 }
 
 }  // namespace

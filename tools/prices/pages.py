@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of docs/background/costs.md, between its markers."""
+"""The tables of docs/background/costs.md and docs/tables/costs.md, between their markers."""
 import re
 import statistics
 
@@ -7,7 +7,7 @@ from contract import ROOT, Bad
 import table
 import targets
 
-DOCS = ROOT / "docs" / "background" / "costs.md"
+PAGES = [ROOT / "docs" / "background" / "costs.md", ROOT / "docs" / "tables" / "costs.md"]
 MARKS = re.compile(r"(<!-- prices: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 
 
@@ -33,7 +33,7 @@ def is_pipe(row):
 
 
 def operators(kept, target, clocks):
-    head = ["operator", "format", "clocks", "LUT", "carry", "FF", "DSP"] + (["MHz"] if clocks else [])
+    head = ["operator", "format", "cycles", "LUT", "carry", "FF", "DSP"] + (["MHz"] if clocks else [])
     rows = []
     for row in kept.sorted():
         if row["target"] == target and not is_pipe(row) and row["style"] == "cde":
@@ -53,7 +53,7 @@ def ordinary(kept):
         ours, theirs = target.used(row)["logic"], target.used(there)["logic"]
         rows.append([row["target"], row["what"], row["format"], f"{row['lut']} + {row['carry']}", f"{there['lut']} + {there['carry']}", ours, theirs,
                      f"{ours / theirs:.2f}", row["dsp"], there["dsp"]])
-    return grid(["target", "operator", "format", "LUT + carry", "ordinary", "logic", "ordinary", "ratio", "DSP", "ordinary"], rows)
+    return grid(["target", "operator", "format", "LUT + carry", "LUT + carry, ordinary", "logic", "logic, ordinary", "ratio", "DSP", "DSP, ordinary"], rows)
 
 
 def lanes(kept):
@@ -64,7 +64,7 @@ def lanes(kept):
         fit, least = targets.TARGETS[row["target"]].lanes(row)
         rows.append([row["what"] + (f", {row['algorithm']}" if row["algorithm"] else ""), row["format"], row["lat"], row["target"], row["lut"], row["carry"],
                      row["ff"], row["dsp"], row["ram"], clock(row), f"{fit} ({least})"])
-    return grid(["pipe", "format", "clocks of add/mul/div/sqrt/cmp", "target", "LUT", "carry", "FF", "DSP", "RAM", "MHz", "lanes that fit"], rows)
+    return grid(["pipe", "format", "cycles of add/mul/div/sqrt/cmp", "target", "LUT", "carry", "FF", "DSP", "RAM", "MHz", "lanes that fit"], rows)
 
 
 def made_with(kept):
@@ -99,7 +99,7 @@ def filled(kept, page):
     def put(mark):
         name = mark.group(2)
         if name not in made:
-            raise Bad(f"docs/background/costs.md: there is no table {name}: {', '.join(made)}")
+            raise Bad(f"docs: there is no table {name}; expected one of {', '.join(made)}")
         seen.append(name)
         if mark.group(3) != made[name]:
             changed.append(name)
@@ -109,13 +109,27 @@ def filled(kept, page):
     return page, changed, [name for name in made if name not in seen]
 
 
+def filled_pages(kept):
+    """Each page with its text now and as it should be, the tables that differ, and those that no page has."""
+    pages, lacking = [], set(parts(kept))
+    for page in PAGES:
+        text = page.read_text()
+        wanted, changed, absent = filled(kept, text)
+        pages.append((page, text, wanted, changed))
+        lacking &= set(absent)
+    return pages, sorted(lacking)
+
+
 def differences(kept):
-    _, changed, lacking = filled(kept, DOCS.read_text())
-    return [f"docs/background/costs.md, table {name}: other figures than docs/prices.json" for name in changed] + [f"docs/background/costs.md has no table {name}" for name in lacking]
+    pages, lacking = filled_pages(kept)
+    return [f"{page.relative_to(ROOT)}, table {name}: differs from docs/prices.json" for page, _, _, changed in pages for name in changed] + \
+        [f"docs/tables/costs.md: no table {name}" for name in lacking]
 
 
 def write(kept):
-    page, _, lacking = filled(kept, DOCS.read_text())
+    pages, lacking = filled_pages(kept)
     if lacking:
-        raise Bad(f"docs/background/costs.md has no table {lacking[0]} (a line <!-- prices: {lacking[0]} -->, and one <!-- end -->)")
-    DOCS.write_text(page)
+        raise Bad(f"docs/tables/costs.md: no table {lacking[0]}; expected a line <!-- prices: {lacking[0]} -->, then one <!-- end -->")
+    for page, text, wanted, _ in pages:
+        if wanted != text:
+            page.write_text(wanted)
