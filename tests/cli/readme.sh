@@ -1,19 +1,30 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs every `$ build/cde ...` example of a document and compares what it prints with what the document shows, line by line in any
-# order (data and summary go to different streams). Lines about wall time differ from run to run and are left out.
+# Runs every `$ build/cde ...` example of a document and compares its output with the document, line by line in any order (data and
+# summary go to different streams). Lines with wall time or build progress are left out. Where the document has a line `...`, the
+# command may print further lines.
 #
-#   readme.sh CDE DOCUMENT      run in the root of the source tree
+#   readme.sh CDE DOCUMENT      run in the root of the source tree; examples run beside its meshes/ and write to a temporary folder
 set -euo pipefail
-cde=$1 document=$2 examples=0 failures=0
-comparable() { grep -v -e '^simulation ' -e '^cde: building ' | sort; }
+cde=$1 document=$PWD/$2 examples=0 failures=0
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+ln -s "$PWD/meshes" "$scratch/meshes"
+cd "$scratch"
+comparable() { grep -v -e '^simulation ' -e '^cde: building ' -e '^cde: built in ' -e '^cde: [0-9]* s, ' -e '^cde: reading the structure ' -e '^\.\.\.$' | LC_ALL=C sort; }
 while IFS= read -r number; do
   command=$(sed -n "${number}s/^    \$ build\/cde //p" "$document")
-  # Reads to the end: who leaves a pipe early may end its writer with SIGPIPE.
+  # Reads to the end: a reader that stops early may end the writer with SIGPIPE.
   wanted=$(awk -v after="$number" 'NR <= after || over { next } /^    [^$]/ { print substr($0, 5); next } { over = 1 }' "$document")
-  got=$(eval "\"$cde\" $command" 2>&1)
+  got=$(eval "\"$cde\" $command" 2>&1 </dev/null)
   examples=$((examples + 1))
-  diff <(comparable <<<"$wanted") <(comparable <<<"$got") || { echo "$document:$number: cde $command prints something else" >&2; failures=$((failures + 1)); }
+  # Of two lists diff shows both sides, of a shortened one comm the lines that the command did not print.
+  if grep -qx '\.\.\.' <<<"$wanted"; then
+    difference=$(LC_ALL=C comm -23 <(comparable <<<"$wanted") <(comparable <<<"$got"))
+  else
+    difference=$(diff <(comparable <<<"$wanted") <(comparable <<<"$got") || true)
+  fi
+  [[ -z $difference ]] || { printf '%s\n%s:%s: cde %s prints something else\n' "$difference" "$2" "$number" "$command" >&2; failures=$((failures + 1)); }
 done < <(grep -n '^    \$ build/cde ' "$document" | cut -d: -f1)
-echo "$examples examples of $document, $failures differ"
+echo "$examples examples of $2, $failures differ"
 [[ $examples -gt 0 && $failures == 0 ]]
