@@ -387,7 +387,7 @@ TEST(RefitModule, BoxOfANode) {
   }
 }
 
-/// docs/background/bvh.md has the clocks.
+/// docs/tables/bvh.md has the clocks.
 TEST(RefitModule, OfTheTerrain) {
   const Mesh mesh = make_terrain();
   Triangles triangles;

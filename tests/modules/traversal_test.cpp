@@ -311,8 +311,8 @@ TEST(Traversal, IsThatOfTheReferenceWithHostArithmetic) {
   expect_reference<TraversalHost>(kStream);
 }
 
-/// A packet, and rays in a stream, from within the terrain in any direction: docs/background/bvh.md
-/// has the clocks.
+/// A packet, and rays in a stream, from within the terrain in any direction.
+/// docs/tables/bvh.md has the clocks.
 TEST(Traversal, OfTheTerrain) {
   const Mesh mesh = make_terrain();
   std::vector<Triangle> triangles;

@@ -127,7 +127,7 @@ TEST(GapBound, HoldsWhatIsTooLittle) {
   EXPECT_TRUE(reference::bounded<float>(wrong, t, sphere).f);
 }
 
-/// What a sphere reads that is far from all: docs/background/bvh.md has it.
+/// What a sphere reads that is far from all: docs/tables/bvh.md has it.
 TEST(HierarchyOfSolids, FarFromAll) {
   const TriangleScene scene = triangles_of(make_terrain({.quads_x = 200, .quads_y = 200}));
   const Hierarchy tree = Hierarchy::build(scene);

@@ -186,7 +186,7 @@ double nodes_a_ray(const TriangleScene& scene, const Hierarchy& tree) {
 }
 
 /// Where objects have gone anywhere among each other, a tree of them that stays is as good as a new
-/// one while they are few. Prints the figures of docs/background/bvh.md.
+/// one while they are few. Prints the figures of docs/tables/bvh.md.
 TEST(HierarchyOfObjects, IsGoodWithinObjects) {
   constexpr struct { std::uint32_t objects, each; } kCases[] = {{8, 320}, {40, 64}, {200, 12}};
   for (const auto& [objects, each] : kCases) {
