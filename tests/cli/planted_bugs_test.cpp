@@ -203,7 +203,7 @@ TEST(PlantedBugsTable, FindsEnough) {
   EXPECT_EQ(all.bugs, kBugs);
   EXPECT_GE(all.finds[1], kFiles);
   EXPECT_GE(all.finds[2], kLines);
-  const std::string manual = bytes_of(fs::path(CDE_SOURCE_DIR) / "docs/guides/explain.md");
+  const std::string manual = bytes_of(fs::path(CDE_SOURCE_DIR) / "docs/tables/explain.md");
   for (const std::string& row :
        {pipes.row("pipes and their gates"), around.row("engine, transformer, records, memory, bus"),
         all.row("all")})
