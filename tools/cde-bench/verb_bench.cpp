@@ -104,7 +104,7 @@ void add_bench(CLI::App& app) {
   auto* json = verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   quiet_flag(*verb);
   verb->add_flag("--markdown", a->options.markdown,
-                 "Of effects alone: the table as docs/reference/scenes.md has it")
+                 "Of effects alone: the table as docs/tables/effects.md has it")
       ->excludes(json);
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Under a minute: default bitstreams, small scenes");

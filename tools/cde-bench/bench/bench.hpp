@@ -8,7 +8,7 @@ namespace cde::cli {
 struct BenchOptions {
   bool quick = false;     ///< the bitstreams that every build has, small scenes
   bool full = false;      ///< up to 10 million triangles, bitstreams that take long to build
-  bool markdown = false;  ///< of effects: the table as docs/reference/scenes.md has it
+  bool markdown = false;  ///< of effects: the table as docs/tables/effects.md has it
   double clock_hz = 100e6;
 };
 

@@ -81,7 +81,7 @@ using Rows = std::function<std::uint64_t(unsigned lanes)>;
 void use_built_card(const Scene& scene, Plan& plan);
 
 /// How many times as long the simulation of a frame takes with an effect, by its name in a plan,
-/// as without: measured once, with `cde bench effects` (docs/reference/scenes.md has conditions and
+/// as without: measured once, with `cde bench effects` (docs/tables/effects.md has conditions and
 /// machine). None for effects whose cost is counted from the scene.
 [[nodiscard]] std::optional<double> simulation_cost(std::string_view effect);
 /// The same for people; "not measured" without a figure.
