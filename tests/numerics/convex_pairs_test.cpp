@@ -350,7 +350,7 @@ TEST(ConvexPairSwapped, OtherWordsOfTheSameBodyHold) {
   }
 }
 
-// ---- The tables of docs/reference/pairs_convex.md ----
+// ---- The tables of docs/tables/pairs_convex.md ----
 
 std::string with_commas(int n) {
   return n < 1000 ? fmt::format("{}", n) : fmt::format("{},{:03}", n / 1000, n % 1000);
@@ -374,7 +374,7 @@ TEST(ConvexPairTables, AccuracyAndCostAreThoseOfTheDocs) {
                     oracle::to_string(pair), all.c1, all.c2, all.witness, with_commas(all.in_band),
                     all.excused, n.add + n.sub, n.mul, n.div, n.sqrt, n.depth));
   }
-  expect_in_docs("reference/pairs_convex.md", lines);
+  expect_in_docs("tables/pairs_convex.md", lines);
 }
 
 TEST(ConvexPairTables, EverydayFamiliesAreThoseOfTheDocs) {
@@ -391,7 +391,7 @@ TEST(ConvexPairTables, EverydayFamiliesAreThoseOfTheDocs) {
                                 oracle::to_string(pair), all.c1, all.c2, all.witness,
                                 with_commas(all.in_band), with_commas(all.excused)));
   }
-  expect_in_docs("reference/pairs_convex.md", lines);
+  expect_in_docs("tables/pairs_convex.md", lines);
 }
 
 // Scaled by the largest coordinate, what is small beside it has few exponents left in fp16.
@@ -408,7 +408,7 @@ TEST(ConvexPairTables, SmallScenesInCoarseFormatsAreThoseOfTheDocs) {
     }
     lines.push_back(line);
   }
-  expect_in_docs("reference/pairs_convex.md", lines);
+  expect_in_docs("tables/pairs_convex.md", lines);
 }
 
 /// The worst error of s over the size of the bodies and the distance between them, when both stand
@@ -448,7 +448,7 @@ TEST(ConvexPairTables, ErrorWhereTheSceneStandsIsThatOfTheDocs) {
                                 oracle::to_string(pair), errors[0], errors[1], errors[2],
                                 errors[3]));
   }
-  expect_in_docs("reference/pairs_convex.md", lines);
+  expect_in_docs("tables/pairs_convex.md", lines);
 }
 
 }  // namespace
