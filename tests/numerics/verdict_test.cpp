@@ -160,7 +160,7 @@ TYPED_TEST(Verdict, OperatorsAreThoseOfTheDocs) {
     pipe = fmt::format("{}", t.add + t.sub + t.mul + t.div + t.sqrt + t.cmp + t.minmax);
   }
   cde::testing::expect_in_docs(
-      "background/certified_filters.md",
+      "tables/certified_filters.md",
       {fmt::format("| {} | {} | {} | {} |", name(TypeParam::kPair), text, sum, pipe)});
 }
 
