@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The ray-triangle pipe by Moeller and Trumbore as dataflow (rtl/pipes/ray_triangle_moller.sv): a column per cycle."""
+from canvas import Canvas
+
+LEFT, COLUMN, GAP, HIGH = 20, 76, 16, 34
+TOP = 64
+STEP = 56
+
+
+def place(row):
+    return TOP + row * STEP
+
+
+# name: row, first cycle, last cycle, words, kind
+BOXES = {
+    "e2": (0, 0, 1, ("e2 =", "v2 − v0"), "fa"), "e1": (1, 0, 1, ("e1 =", "v1 − v0"), "fa"), "s": (2, 0, 1, ("s =", "o − v0"), "fb"),
+    "p": (0, 1, 3, "p = d × e2", "fb"), "q": (2, 1, 3, "q = s × e1", "fb"),
+    "det": (0, 3, 6, "det = p · e1", "fb"), "u": (1, 3, 6, "u = p · s", "fb"), "v": (2, 3, 6, "v = q · d", "fb"), "tn": (3, 3, 6, "tn = q · e2", "fb"),
+    "uv": (1, 6, 7, "u + v", "fb"), "t": (3, 6, 7, ("T =", "tn / det"), "fr"), "in": (0, 6, 7, ("0 ≤ u, v", "≤ |det|"), "fg"), "in2": (1, 7, 8, ("u + v", "≤ |det|"), "fg"),
+    "td": (4, 7, 8, "T d", "fb"), "range": (3, 7, 8, ("tmin ≤ T", "≤ tmax"), "fg"), "cp": (4, 8, 9, ("CP =", "o + T d"), "fb"), "met": (2, 8, 9, "F", "fn"),
+    "result": (3, 9, 10, ("F, T,", "CP"), "fn"),
+}
+ARROWS = (("e2", "p"), ("s", "q"), ("p", "det"), ("p", "u"), ("q", "v"), ("q", "tn"), ("u", "uv"), ("uv", "in2"), ("tn", "t"), ("t", "range"),
+          ("t", "td"), ("td", "cp"), ("cp", "result"), ("met", "result"), ("det", "in"), ("e1", "q"), ("in2", "met"), ("range", "met"),
+          ("v", "uv"), ("u", "in"), ("in", "in2"))
+
+
+def edges(name):
+    row, start, end, _, _ = BOXES[name]
+    return LEFT + start * COLUMN + GAP / 2, LEFT + end * COLUMN - GAP / 2, place(row) + HIGH / 2
+
+
+def picture(_root):
+    c = Canvas(800, 448, "The ray-triangle pipe by Moeller and Trumbore",
+               "Dataflow of the pipe with one column per cycle, for operators of one cycle. Edges of the triangle are computed once for all "
+               "lanes. Cross and inner products give det, u, v and the numerator of t. One division gives T. After ten cycles F, T and CP leave.")
+    for k in range(11):
+        x = LEFT + k * COLUMN
+        c.line([(x, 34), (x, place(4) + HIGH + 10)], "lh", 1, "2 3", solid=False)
+        c.text(x, 26, str(k), "middle", 12, "tu")
+    c.text(LEFT - 14, 12, "cycle, with operators of one cycle each", size=12, kind="tu")
+    for a, b in ARROWS:
+        (_, x0, y0), (x1, _, y1) = edges(a), edges(b)
+        c.arrow((x0, y0), (x1, y1), thick=1.2, size=6)
+    for row, start, end, words, kind in BOXES.values():
+        x = LEFT + start * COLUMN + GAP / 2
+        c.box(x, place(row), (end - start) * COLUMN - GAP, HIGH, words, kind, 13 if isinstance(words, str) else 11.5, leading=14)
+    x, y = LEFT, place(4) + HIGH + 34
+    for kind, words, wide in (("fa", "once for all lanes", 150), ("fb", "add, subtract, multiply", 186), ("fr", "divide", 80), ("fg", "compare", 92), ("fn", "registers", 92)):
+        c.rect(x, y - 11, 14, 14, kind, 2)
+        c.text(x + 20, y, words, size=12)
+        x += wide
+    c.texts_at(LEFT, y + 26, ("A lane has 27 multipliers, 1 divider, 12 adders, 15 subtractors and 8 comparators. The pipe takes L pairs per cycle and never stalls.",
+                              "Not every operand has an arrow: the boxes name all. An operand that is early is delayed. The inside test needs no division.",
+                              "~With the box rule the latency is 13 cycles. A miss has F = 0, T = +∞, CP = 0."), size=11.5)
+    return c
