@@ -111,8 +111,8 @@ std::vector<std::uint32_t> candidates(const Scene& scene, const oracle::Ray& ray
       const double radius = (high - low).norm() / 2;
       const double reach = (middle - ray.o).norm() + radius;
       const double world = high.cwiseAbs().cwiseMax(low.cwiseAbs()).maxCoeff();
-      // docs/reference/pairs_rays.md, the box rule: less than 64 u |T d|_1 and 12 u W, along each of
-      // three axes.
+      // docs/reference/pairs_rays.md, the box rule: less than 64 u |T d|_1 and 12 u W, along each
+      // of three axes.
       const double widened = 2 * u * (3 * 64 * reach + 12 * world);
       if ((middle - ray.o).cross(ray.d).norm() > length * (radius + 2 * widened)) continue;
     }
