@@ -7,25 +7,26 @@ WAVE_LEFT, CLOCK = 110, 62
 
 def ring(c):
     c.text(10, 22, "*A transfer", size=14)
-    c.box(10, 36, 200, 136, "", "fg")
-    c.text(110, 56, "*Host memory", "middle")
+    c.box(10, 36, 190, 136, "", "fg")
+    c.text(105, 54, "*Host: CPU, memory", "middle")
     for i in range(5):
         kind = "fa" if i in (1, 2, 3) else "fo"
-        c.rect(24, 68 + 18 * i, 84, 18, kind, 0)
-    c.text(66, 82, "descriptors", "middle", 12)
-    c.text(116, 99, "head", size=12)
-    c.text(116, 153, "tail", size=12)
-    c.text(116, 121, "32 bytes each", size=12, kind="tu")
-    c.box(610, 36, 200, 136, "", "fb")
-    c.text(710, 56, "*Card: DMA engine", "middle")
-    c.texts_at(622, 80, ("page table: 4,096 entries", "FIFO to the card, 8 KB", "FIFO to the host, 8 KB", "bursts: 64 to 4,096 bytes", "no burst crosses a page"), size=12)
-    steps = ((50, "1  driver writes the tail", False), (78, "2  descriptor: 4 words of 64 bits", True), (106, "3  every page is looked up, then data in bursts", None),
-             (134, "4  completion record: 2 words", False), (162, "5  interrupt, if the descriptor asks for it", True))
-    for (y, words, back) in steps:
-        to_card = y in (50, 78)
-        ends = ((214, y + 4), (606, y + 4)) if to_card else ((606, y + 4), (214, y + 4))
-        c.arrow(*ends, both=back is None, thick=1.3)
-        c.text(410, y - 1, words, "middle", 12)
+        c.rect(22, 68 + 18 * i, 84, 18, kind, 0)
+    c.text(64, 82, "descriptors", "middle", 12)
+    c.text(114, 99, "head", size=12)
+    c.text(114, 153, "tail", size=12)
+    c.text(114, 121, "32 bytes", size=12, kind="tu")
+    c.box(540, 36, 150, 136, "", "fb")
+    c.text(615, 54, "*PCI bridge", "middle")
+    c.texts_at(550, 76, ("target", "master, DMA engine", "page table: 4,096", "FIFOs: 8 KB each way", "bursts: 64 to 4,096", "bytes, within a page"), size=12)
+    c.box(726, 36, 84, 136, ["*Board", "spaces 0-6", "of the", "local bus"], "fb", size=12)
+    c.arrow((690, 104), (726, 104), both=True)
+    steps = ((50, "1  CPU writes the tail"), (78, "2  descriptor: 4 words of 64 bits"), (106, "3  pages are looked up, data in bursts"),
+             (134, "4  completion record: 2 words"), (162, "5  interrupt, if asked for"))
+    for y, words_ in steps:
+        ends = ((204, y + 4), (536, y + 4)) if y in (50, 78) else ((536, y + 4), (204, y + 4))
+        c.arrow(*ends, both=y == 106, thick=1.3)
+        c.text(370, y - 1, words_, "middle", 12)
 
 
 def field(c, x, y, wide, words, bits, kind="fn"):

@@ -6,6 +6,9 @@ import hierarchy
 import pairs
 import pass_time
 import pipe
+import runs
+import scenes
+import software
 import solid_shapes
 
 ALL = {
@@ -14,9 +17,23 @@ ALL = {
     "shapes": solid_shapes.picture,
     "traversal": hierarchy.traversal,
     "bvh_bound": hierarchy.bound,
-    "pipe": pipe.picture,
+    "pipe": pipe.moeller,
+    "pipe_spheres": pipe.spheres,
     "bus": bus.picture,
     "pairs_rays": pairs.rays,
     "pairs_convex": pairs.convex,
     "pairs_cylinder": pairs.cylinder,
+    "scene_frame": scenes.frame,
+    "scene_keys": scenes.keys,
+    "inside": scenes.inside,
+    "rays": scenes.rays,
+    "shards": runs.shards,
+    "explain": runs.explain,
+    "filter": runs.filters,
+    "layers": software.layers,
+    "programs": software.programs,
+    "outputs": software.outputs,
+    "trust": software.trust,
+    "tiers": software.tiers,
+    "first_steps": software.first_steps,
 }
