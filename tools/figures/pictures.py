@@ -2,6 +2,7 @@
 """All pictures by name: functions of the repository's root."""
 import bus
 import card
+import charts
 import hierarchy
 import pairs
 import pass_time
@@ -36,4 +37,8 @@ ALL = {
     "trust": software.trust,
     "tiers": software.tiers,
     "first_steps": software.first_steps,
+    "accuracy": charts.accuracy,
+    "costs": charts.costs,
+    "stability": charts.stability,
+    "reproduction": charts.reproduction,
 }
