@@ -41,7 +41,8 @@ def words(c):
     field(c, 110, y + 12, 340, "bytes", "63:32")
     field(c, 450, y + 12, 340, "mapped address", "31:0", "fa")
     c.text(10, y + 86, "descriptor 1", size=12)
-    for x, wide, name, bits, kind in ((110, 90, "0", "63:42", "fo"), (200, 60, "irq", "41", "fn"), (260, 70, "to host", "40", "fn"), (330, 50, "0", "39:35", "fo"),
+    for x, wide, name, bits, kind in ((110, 90, "0", "63:42", "fo"), (200, 60, "irq", "41", "fn"), (260, 70, "to host", "40", "fn"), (330, 50, "0", "39:35",
+        "fo"),
                                       (380, 70, "space", "34:32", "fn"), (450, 340, "offset in the local space", "31:0", "fa")):
         field(c, x, y + 68, wide, name, bits, kind)
     c.text(10, y + 142, "completion 0", size=12)
@@ -49,7 +50,8 @@ def words(c):
     field(c, 380, y + 124, 70, "lap", "32", "fr")
     field(c, 450, y + 124, 340, "fault address", "31:0")
     c.text(10, y + 198, "completion 1", size=12)
-    for x, wide, name, bits, kind in ((110, 60, "lap", "63", "fr"), (170, 140, "0", "62:40", "fo"), (310, 140, "code", "39:32", "fn"), (450, 170, "PCI status", "31:16", "fn"),
+    for x, wide, name, bits, kind in ((110, 60, "lap", "63", "fr"), (170, 140, "0", "62:40", "fo"), (310, 140, "code", "39:32", "fn"), (450, 170,
+        "PCI status", "31:16", "fn"),
                                       (620, 170, "descriptor", "15:0", "fn")):
         field(c, x, y + 180, wide, name, bits, kind)
 

@@ -113,7 +113,8 @@ class Canvas:
     def ellipse(self, x, y, rx, ry, kind="fn", turn=0, thick=1.4, dash=None):
         extra = f' stroke-dasharray="{dash}"' if dash else ""
         extra += f' transform="rotate({number(turn)} {number(x)} {number(y)})"' if turn else ""
-        self.put(f'<ellipse cx="{number(x)}" cy="{number(y)}" rx="{number(rx)}" ry="{number(ry)}" stroke-width="{number(thick)}"{extra} class="{kind}"/>', kind)
+        self.put(f'<ellipse cx="{number(x)}" cy="{number(y)}" rx="{number(rx)}" ry="{number(ry)}" stroke-width="{number(thick)}"{extra} class="{kind}"/>',
+            kind)
 
     def dot(self, x, y, kind="mx", radius=3):
         self.put(f'<circle cx="{number(x)}" cy="{number(y)}" r="{number(radius)}" class="{kind}"/>', kind)

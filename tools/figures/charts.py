@@ -50,7 +50,8 @@ def accuracy_rows(root):
     told = json.loads((root / "docs/accuracy.json").read_text(encoding="utf-8"))
     rows = []
     for row in told["configurations"]:
-        if row["format"] not in FORMATS or row["variant"] != "card" or (row["pair"] == "ray-triangle" and (row["algorithm"], row["box"]) != ("watertight", True)):
+        if row["format"] not in FORMATS or row["variant"] != "card" or (row["pair"] == "ray-triangle" and (row["algorithm"], row["box"]) != ("watertight",
+            True)):
             continue
         error = row["all_families"]["t_error_u"]["p99"] * 2.0 ** -(FRACTION[row["format"]] + 1)
         rows.append((row["pair"], row["format"], row["price"]["luts"] + 2 * row["price"]["carries"], error))
@@ -136,13 +137,16 @@ def costs(root):
                 found.append(max(own, key=lambda row: statistics.median(row["fmax"].values())))
         return found
     c = Canvas(820, 446, "Logic and clock of operators and lanes on an ECP5",
-               "Bars of the logic of adders, multipliers, dividers, square roots and ray-triangle lanes per number format on a Lattice ECP5, with the clock that place and "
+               "Bars of the logic of adders, multipliers, dividers, square roots and ray-triangle lanes per number format on a Lattice "
+               "ECP5, with the clock that place and "
                "route reports.")
-    for left, top, title, what, scale in ((10, 20, "add", "add", 0.1), (420, 20, "multiply", "mul", 0.1), (10, 168, "divide", "div", 0.1), (420, 168, "square root", "sqrt", 0.1)):
+    for left, top, title, what, scale in ((10, 20, "add", "add", 0.1), (420, 20, "multiply", "mul", 0.1), (10, 168, "divide", "div", 0.1), (420, 168,
+        "square root", "sqrt", 0.1)):
         bars(c, left, top, title, fastest(what), scale, 0)
     lanes = [row for form in order for row in rows if row["what"] == "ray-triangle" and row["format"] == form]
     bars(c, 10, 298, "one ray-triangle lane (moller), placed and routed alone", lanes, 0.0085, 0)
-    c.text(10, 408, "Logic = LUTs + 2 carry cells + 6 LUTs used as memory / clock by place and route, median of the seeds. The device has 83,640 LUTs.", size=12)
+    c.text(10, 408, "Logic = LUTs + 2 carry cells + 6 LUTs used as memory / clock by place and route, median of the seeds. The device has 83,640 LUTs.",
+        size=12)
     c.text(10, 426, "~Lattice LFE5U-85F, speed grade 6; Yosys and nextpnr. Of several latencies the fastest is drawn. Lanes have another scale.", size=11.5)
     return c
 
@@ -153,7 +157,8 @@ def stability(root):
     head, rows = table(text, "pair")
     changes = head[1:]
     c = Canvas(820, 64 + 20 * len(rows) + 36, "Share of answers that keep every bit under each change",
-               "A table of bars: one row per pipe, one column per change of the words of a pair. The length of a bar is the share of cases in which F and T keep every bit.")
+               "A table of bars: one row per pipe, one column per change of the words of a pair. The length of a bar is the share of cases "
+               "in which F and T keep every bit.")
     left, wide = 196, 124
     for k, name in enumerate(changes):
         c.text(left + wide * k + 4, 20, "*" + name, size=12.5)
@@ -204,7 +209,8 @@ def reproduction(root):
     late = len(c.parts)
     for k in x.decades():
         c.line([(x.at(10.0 ** k), first), (x.at(10.0 ** k), y - 14)], "lh", 1, "2 3", solid=False)
-        c.text(x.at(10.0 ** k), 22, {0: "1 s", -1: "0.1 s", -2: "10 ms", -3: "1 ms", -4: "0.1 ms", -5: "10 µs", -6: "1 µs", -7: "0.1 µs"}[k], "middle", 11.5, "tu")
+        c.text(x.at(10.0 ** k), 22, {0: "1 s", -1: "0.1 s", -2: "10 ms", -3: "1 ms", -4: "0.1 ms", -5: "10 µs", -6: "1 µs", -7: "0.1 µs"}[k], "middle",
+            11.5, "tu")
     c.parts = c.parts[late:] + c.parts[behind:late]  # lines of the grid below the dots
     c.dot(14, y + 4, "mb", 4.5)
     c.text(24, y + 8, "modelled: fp32, core clock of 100 MHz assumed, PCI 64/66", size=12)

@@ -57,9 +57,12 @@ def traversal(_root):
                "from DDR and are tested by two lanes. The better of T and index shrinks the T interval of the ray.")
     for part in (upper, middle, leaves):
         part(c)
-    c.texts_at(10, 426, ("A child is culled if near > far, far < tmin, or near > the best T so far (mode nearest). Equal keys stay, so ties are those of brute force.",
-                         "Node units, leaf fetch and pipes take one operation per cycle and never wait for a context; contexts wait in queues that hold all of them.",
-                         "~Each traversal unit has its own copy of the node memory and its share of the contexts. Leaf fetch and leaf pipes are shared."), size=11.5)
+    c.texts_at(10, 426,
+        ("A child is culled if near > far, far < tmin, or near > the best T so far (mode nearest). Equal keys stay, so ties are those of brute force.",
+                         "Node units, leaf fetch and pipes take one operation per cycle and never wait for a context; contexts wait in "
+                         "queues that hold all of them.",
+                         "~Each traversal unit has its own copy of the node memory and its share of the contexts. Leaf fetch and leaf pipes are shared."),
+                             size=11.5)
     return c
 
 
@@ -93,7 +96,8 @@ def bound(_root):
     c.text(296, 352, "P = o + T d as computed", "end", 12, kind="tr")
     x, y = 490, 46
     rows = (("la", None, ("*Box of the triangle", "of the three vertices, exact")),
-            ("lr", "5 4", ("*Box rule", "a hit is accepted only if o + T d is outside", "by less than m'; with T as computed", "m' < 192 u (R + m') (1 + 4u) + 12 u W")),
+            ("lr", "5 4", ("*Box rule", "a hit is accepted only if o + T d is outside", "by less than m'; with T as computed",
+                "m' < 192 u (R + m') (1 + 4u) + 12 u W")),
             ("lu", None, ("*Box of the child in its node", "contains the triangle; corners are", "bytes times 2^e, rounded outwards")),
             ("lb", "5 4", ("*Widened for the ray", "on every axis by M = 256 u R + 16 u W")))
     for kind, dash, lines in rows:
@@ -102,6 +106,7 @@ def bound(_root):
         y += 16 * len(lines) + 20
     c.texts_at(20, 406, ("Without roundings T lies in [near, far] by 63 u R + 3 u W. Roundings of near and far take less than 16 u R + u W.",
                          "So near ≤ T ≤ far as computed, for every box above a hit. Culling uses T alone: the argument holds for all four algorithms.",
-                         "~R: largest distance along an axis from o to the root's box. W: largest coordinate of that box. u = 2^-24. Margins are not to scale."),
+                         "~R: largest distance along an axis from o to the root's box. W: largest coordinate of that box. u = 2^-24. "
+                         "Margins are not to scale."),
                size=12, leading=18)
     return c

@@ -61,20 +61,29 @@ CONVEX = (
     ("sphere-sphere", (sphere((-1.2, -0.4), 1.0), sphere((1.35, 0.5), 0.75)), (sphere((-0.75, -0.2), 1.15), sphere((0.8, 0.3), 0.95))),
     ("triangle-sphere", (segment((-1.9, -1.3), (-0.5, 1.2)), sphere((1.1, -0.1), 0.9)), (segment((-1.8, -0.8), (0.5, 0.85)), sphere((0.55, -0.25), 1.15))),
     ("sphere-obb", (sphere((-1.25, 0.55), 0.8), box((1.0, -0.5), (0.9, 0.6), 25)), (sphere((-0.8, 0.4), 1.05), box((0.7, -0.35), (1.1, 0.75), 25))),
-    ("triangle-aabb", (segment((-1.9, 1.1), (-0.7, -1.1)), box((1.0, -0.1), (0.8, 0.9))), (segment((-1.6, 1.2), (0.15, -0.35)), box((0.7, -0.2), (1.0, 0.9)))),
-    ("triangle-obb", (segment((-1.8, -1.2), (-0.4, 1.2)), box((1.1, -0.4), (0.9, 0.6), -20)), (segment((-1.9, 0.5), (0.1, 0.1)), box((0.75, 0.0), (1.0, 0.8), -20))),
-    ("obb-obb", (box((-1.2, 0.35), (0.8, 0.55), 30), box((1.25, -0.3), (0.7, 0.7), -15)), (box((-0.75, 0.3), (0.95, 0.7), 30), box((0.8, -0.3), (0.9, 0.8), -15))),
-    ("triangle-triangle", (segment((-1.6, -1.2), (-0.7, 1.3)), segment((0.3, -0.4), (1.7, 1.0))), (segment((-1.2, -1.3), (0.4, 1.3)), segment((-0.75, 0.2), (1.7, -0.4)))),
+    ("triangle-aabb", (segment((-1.9, 1.1), (-0.7, -1.1)), box((1.0, -0.1), (0.8, 0.9))), (segment((-1.6, 1.2), (0.15, -0.35)), box((0.7, -0.2), (1.0,
+        0.9)))),
+    ("triangle-obb", (segment((-1.8, -1.2), (-0.4, 1.2)), box((1.1, -0.4), (0.9, 0.6), -20)), (segment((-1.9, 0.5), (0.1, 0.1)), box((0.75, 0.0), (1.0,
+        0.8), -20))),
+    ("obb-obb", (box((-1.2, 0.35), (0.8, 0.55), 30), box((1.25, -0.3), (0.7, 0.7), -15)), (box((-0.75, 0.3), (0.95, 0.7), 30), box((0.8, -0.3), (0.9, 0.8),
+        -15))),
+    ("triangle-triangle", (segment((-1.6, -1.2), (-0.7, 1.3)), segment((0.3, -0.4), (1.7, 1.0))), (segment((-1.2, -1.3), (0.4, 1.3)), segment((-0.75, 0.2),
+        (1.7, -0.4)))),
     ("obb-plane", (box((0.0, 0.75), (1.0, 0.6), 25), PLANE), (box((0.0, -0.25), (1.0, 0.65), 25), PLANE)),
     ("sphere-plane", (sphere((0.0, 0.75), 0.95), PLANE), (sphere((0.0, -0.2), 1.05), PLANE)),
 )
 CYLINDER = (
-    ("triangle-cylinder", "along", (segment((-1.8, 1.2), (-0.6, -1.1)), box((1.0, 0.0), (0.6, 1.1), -15)), (segment((-1.7, 0.9), (0.25, 0.2)), box((0.75, -0.1), (0.75, 1.2), -15))),
-    ("cylinder-cylinder", "along", (box((-1.15, 0.2), (0.5, 1.0), 35), box((1.15, -0.1), (0.55, 1.1), -10)), (box((-0.75, 0.3), (0.6, 1.1), 35), box((0.75, -0.2), (0.65, 1.1), -10))),
-    ("obb-cylinder", "along", (box((-1.1, 0.3), (0.8, 0.6), 30), box((1.2, -0.1), (0.55, 1.1), 15)), (box((-0.75, 0.3), (0.95, 0.75), 30), box((0.85, -0.2), (0.65, 1.1), 15))),
-    ("triangle-cylinder", "across", (segment((-1.9, -1.3), (-0.5, 1.2)), sphere((1.1, -0.1), 0.9)), (segment((-1.8, 0.9), (0.0, 0.15)), sphere((0.75, -0.2), 1.05))),
+    ("triangle-cylinder", "along", (segment((-1.8, 1.2), (-0.6, -1.1)), box((1.0, 0.0), (0.6, 1.1), -15)), (segment((-1.7, 0.9), (0.25, 0.2)), box((0.75,
+        -0.1), (0.75, 1.2), -15))),
+    ("cylinder-cylinder", "along", (box((-1.15, 0.2), (0.5, 1.0), 35), box((1.15, -0.1), (0.55, 1.1), -10)), (box((-0.75, 0.3), (0.6, 1.1), 35), box((0.75,
+        -0.2), (0.65, 1.1), -10))),
+    ("obb-cylinder", "along", (box((-1.1, 0.3), (0.8, 0.6), 30), box((1.2, -0.1), (0.55, 1.1), 15)), (box((-0.75, 0.3), (0.95, 0.75), 30), box((0.85, -0.2),
+        (0.65, 1.1), 15))),
+    ("triangle-cylinder", "across", (segment((-1.9, -1.3), (-0.5, 1.2)), sphere((1.1, -0.1), 0.9)), (segment((-1.8, 0.9), (0.0, 0.15)), sphere((0.75, -0.2),
+        1.05))),
     ("cylinder-cylinder", "across", (sphere((-1.2, 0.45), 0.95), sphere((1.3, -0.4), 0.75)), (sphere((-0.75, 0.25), 1.1), sphere((0.85, -0.3), 0.9))),
-    ("obb-cylinder", "across", (box((-1.15, 0.35), (0.8, 0.55), 35), sphere((1.25, -0.3), 0.85)), (box((-0.7, 0.3), (1.0, 0.7), 35), sphere((0.85, -0.3), 0.95))),
+    ("obb-cylinder", "across", (box((-1.15, 0.35), (0.8, 0.55), 35), sphere((1.25, -0.3), 0.85)), (box((-0.7, 0.3), (1.0, 0.7), 35), sphere((0.85, -0.3),
+        0.95))),
 )
 
 
@@ -129,7 +138,8 @@ def cylinder(_root):
                "signed distance s, the witness points, CP between them, and the normal n from A to B.")
     for i, (name, note, apart, overlap) in enumerate(CYLINDER):
         pair(c, 4 + (i % 3) * WIDE, 4 + (i // 3) * HIGH, name, (apart, overlap), note)
-    key(c, 2 * HIGH + 22, "Sections along and across the cylinder's axis (dashed). A triangle appears as a line. s > 0 is the distance, s ≤ 0 minus the depth.")
+    key(c, 2 * HIGH + 22,
+        "Sections along and across the cylinder's axis (dashed). A triangle appears as a line. s > 0 is the distance, s ≤ 0 minus the depth.")
     return c
 
 
@@ -181,7 +191,8 @@ def rays(_root):
     c.text(264, y, "CP = o + T d; T counts in units of |d|", size=12)
     c.rect(520, y - 11, 14, 14, "fa", 2)
     c.text(540, y, "the target in section, a surface for rays", size=12)
-    c.text(10, y + 22, "A hit has tmin ≤ T ≤ tmax. Two intersections in the interval: T is the smaller one. A miss has T = +∞ and CP = 0. Rays have no normal.",
+    c.text(10, y + 22,
+        "A hit has tmin ≤ T ≤ tmax. Two intersections in the interval: T is the smaller one. A miss has T = +∞ and CP = 0. Rays have no normal.",
            size=12, kind="tu")
     c.text(10, y + 40, "A triangle appears as a line.", size=12, kind="tu")
     return c

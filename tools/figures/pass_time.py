@@ -30,7 +30,7 @@ def tracks(c, y, step):
     c.text(at(4) - 2, y - 5, "counts, mode, go", "middle", 12, "tu")
     y += step
     track(c, y, "state")
-    for start, count, words in ((LOAD, CLEAR, "clear"), (LOAD + CLEAR, BUBBLES + SWEEP, "sweep"), (START + SWEEP, LATENCY + 1, "drain"),
+    for start, count, words in ((LOAD, CLEAR, "clear"), (LOAD + CLEAR, BUBBLES + SWEEP, "secondaries × rows"), (START + SWEEP, LATENCY + 1, "drain"),
                                 (END, WRITE, "write back")):
         bar(c, y, start, count, words, "fn")
     y += step
@@ -68,20 +68,23 @@ def formula(c, y):
     c.text(10, y + 26, "*Cycles = clear + bubbles + secondaries × rows + stalls + drain", size=14)
     c.text(10, y + 48, "rows = primaries in use / L, rounded up")
     c.text(300, y + 48, "clear = 256 / L")
-    c.text(425, y + 48, "drain = latency of the pipe and a few cycles")
+    c.text(425, y + 48, "drain = latency of the pipe + 3 (mode nearest)")
     c.text(10, y + 70, "The write-back is counted apart: one record per cycle, for active primaries only.")
-    c.text(10, y + 90, "~Drawn: L = 64, 128 primaries (2 rows), 4 secondaries, mode nearest, ray-triangle by moller, operators of one cycle.", size=12)
-    c.text(10, y + 107, "~Bubbles are shortened: the first secondary needs the latency of DDR. In modes all and hits records are written as rows leave.", size=12)
+    c.text(10, y + 92, "L = 64, 128 primaries, 1,280 secondaries, latency 19, ideal DDR: 4 + 23 + 1,280 × 2 + 0 + 22 = 2,609 cycles, as cde cast counts.",
+        size=12)
+    c.text(10, y + 112, "~Drawn: L = 64, 128 primaries (2 rows), 4 secondaries, mode nearest, ray-triangle by moller, operators of one cycle.", size=12)
+    c.text(10, y + 129, "~Bubbles are shortened: the first secondary needs the latency of DDR. In modes all and hits records are written as rows leave.",
+        size=12)
 
 
 def picture(_root):
-    c = Canvas(820, 506, "One brute-force pass in time",
+    c = Canvas(820, 522, "One brute-force pass in time",
                "The host loads primaries and starts the pass. The card clears its buffers and waits for the first secondary. Then one row of L "
                "primaries enters the pipe per cycle, all rows for each secondary. Each row leaves after the latency of the pipe, and the "
                "update engine writes the better T to one of two stencil-T buffers in turn. After the drain the card writes one record per "
                "cycle and raises the interrupt.")
     bottom = tracks(c, 26, 43)
     for cycle in (LOAD, START, START + SWEEP, END, END + WRITE):
-        c.line([(at(cycle), 62), (at(cycle), bottom)], "lh", 1, "2 3", solid=False)
+        c.line([(at(cycle), 104), (at(cycle), bottom)], "lh", 1, "2 3", solid=False)
     formula(c, bottom + 10)
     return c

@@ -36,7 +36,8 @@ def shards(_root):
     c.box(430, 246, 372, 34, "cde merge part1 part2 part3: simulates nothing", "fg", size=12.5)
     c.arrow((616, 280), (616, 302))
     c.box(556, 302, 120, 32, "*Outputs", "fa")
-    c.texts_at(10, 312, ("*Outputs equal those of one process, byte by byte.", "~A chunk: rays for 30 million tests or 32,768 rays", "~with a BVH, 65,536 lines, a frame, or 50,000 cases.",
+    c.texts_at(10, 312, ("*Outputs equal those of one process, byte by byte.", "~A chunk: rays for 30 million tests or 32,768 rays",
+        "~with a BVH, 65,536 lines, a frame, or 50,000 cases.",
                          "~Ranks take the next chunk when they are free."), size=12.5)
     c.texts_at(430, 362, ("~A journal of another build, option or input is refused.",), size=12)
     return c
@@ -96,8 +97,10 @@ def filters(_root):
     c.arrow((522, 211), (640, 211))
     c.box(640, 186, 170, 50, ["*One wide lane", "one pair per cycle"], "fb", size=12.5)
     c.arrow((725, 186), (725, 122))
-    c.texts_at(10, 266, ("A separating plane proves a miss, wherever it comes from: the narrow pipe may be wrong, records are not. Hits always take the wide lane.",
+    c.texts_at(10, 266,
+        ("A separating plane proves a miss, wherever it comes from: the narrow pipe may be wrong, records are not. Hits always take the wide lane.",
                          "Used in modes hits and any, where no record needs a miss. In other modes every pair takes the wide lane. REG_OPEN counts its pairs.",
-                         "~h: support functions. S: distance of the origins and reach of both bodies. u: unit roundoff of the wide format, as fp32 behind fp16."),
+                         "~h: support functions. S: distance of the origins and reach of both bodies. u: unit roundoff of the wide format, "
+                         "as fp32 behind fp16."),
                size=11.5, leading=18)
     return c

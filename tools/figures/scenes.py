@@ -18,7 +18,8 @@ def frame(_root):
     c.text(10, 126, "*In each frame f, time f / rate", size=13)
     c.rect(10, 136, 800, 164, "fz", 6, solid=False)
     steps = (("*1  Pose", "objects in binary64,", "rounded once", "fg"), ("*2  Upload", "what changed, or", "12 words per object", "fg"),
-             ("*3  Load", "up to 256 primaries", "per packet", "fg"), ("*4  Pass", "per query", "and packet", "fb"), ("*5  Compare", "each record with", "the reference", "fg"))
+             ("*3  Load", "up to 256 primaries", "per packet", "fg"), ("*4  Pass", "per query", "and packet", "fb"), ("*5  Compare", "each record with",
+                 "the reference", "fg"))
     for i, (name, first, second, kind) in enumerate(steps):
         x = 22 + i * 158
         c.box(x, 152, 146, 62, [name, first, second], kind, size=12)
@@ -43,10 +44,13 @@ def keys(_root):
                "motion, and any number of queries.")
     c.box(10, 200, 130, 84, ["*SCENE.toml", "title, frames,", "rate, check"], "fa")
     rows = ((20, 84, "`[report]", "0 or 1", ("form of the tables of records: results, bits, only_hits",), "fn"),
-            (116, 84, "`[card]", "0 or 1", ("replaces choices of the planner: lanes, pairs, arithmetic, format,", "verdicts, algorithm, box, clock_mhz, bus, host, burst, narrow,",
+            (116, 84, "`[card]", "0 or 1", ("replaces choices of the planner: lanes, pairs, arithmetic, format,",
+                "verdicts, algorithm, box, clock_mhz, bus, host, burst, narrow,",
                                              "memory, ecc, trace, mover, hierarchy, latency"), "fb"),
-            (212, 132, "`[[object]]", "any number", ("name, parent", "one source of shapes: mesh (scale, deform), ray, triangle, sphere,", "aabb, plane, cylinder, obb, random, random_rays, camera, rays_csv"), "fg"),
-            (356, 108, "`[[query]]", "any number", ("name, pair, mode, normals, budget, mask, self, inside, packets", "primaries and secondaries name objects"), "fb"))
+            (212, 132, "`[[object]]", "any number", ("name, parent", "one source of shapes: mesh (scale, deform), ray, triangle, sphere,",
+                "aabb, plane, cylinder, obb, random, random_rays, camera, rays_csv"), "fg"),
+            (356, 108, "`[[query]]", "any number", ("name, pair, mode, normals, budget, mask, self, inside, packets",
+                "primaries and secondaries name objects"), "fb"))
     for y, high, name, count, lines, kind in rows:
         c.line([(140, 242), (160, 242), (160, y + 26), (180, y + 26)])
         c.box(180, y, 130, 52, [name, "~" + count], kind)
@@ -56,7 +60,8 @@ def keys(_root):
     c.texts_at(500, 313, ("kind: still, velocity, path, keyframes,", "random; without it the object rests"), size=12.5, leading=18)
     c.arrow((245, 356), (245, 264), dash="4 3")
     c.text(252, 350, "by name", size=12, kind="tu")
-    c.texts_at(10, 444, ("~Lengths are in any unit, angles in degrees, times in seconds.", "~An unknown key is an error, with file, line and column."), size=12)
+    c.texts_at(10, 444, ("~Lengths are in any unit, angles in degrees, times in seconds.", "~An unknown key is an error, with file, line and column."),
+        size=12)
     return c
 
 
@@ -71,7 +76,7 @@ def inside(_root):
                "A mesh is a surface of triangles. A sphere outside the mesh and a sphere wholly inside it are both apart from each triangle: F is 0. "
                "Only inside tells them apart. A sphere across the surface has F = 1, with the depth against one triangle.")
     mesh = [(math.cos(k * math.pi / 4 + 0.2) * 1.9, math.sin(k * math.pi / 4 + 0.2) * 1.75) for k in range(8)]
-    cases = (("outside", (2.55, 0.95), 0.42), ("across the surface", (1.62, 0.62), 0.5), ("wholly inside", (0.15, -0.1), 0.55))
+    cases = (("outside", (2.55, 0.95), 0.42), ("across the surface", (1.5, 0.45), 0.5), ("wholly inside", (0.15, -0.1), 0.55))
     scale = 47
     for i, (name, center, radius) in enumerate(cases):
         x0, y0 = 112 + i * 273, 134
@@ -91,7 +96,8 @@ def inside(_root):
         c.dot(*at(point), "mr")
         c.dot(*at(on_body), "mr")
         turning = sum(math.atan2((a[0] - center[0]) * (b[1] - center[1]) - (a[1] - center[1]) * (b[0] - center[0]),
-                                 (a[0] - center[0]) * (b[0] - center[0]) + (a[1] - center[1]) * (b[1] - center[1])) for a, b in zip(mesh, mesh[1:] + mesh[:1]))
+                                 (a[0] - center[0]) * (b[0] - center[0]) + (a[1] - center[1]) * (b[1] - center[1])) for a, b in zip(mesh,
+                                     mesh[1:] + mesh[:1]))
         is_in = round(turning / (2 * math.pi))
         x = 16 + i * 273
         c.text(x, 20, "*" + name)
@@ -99,7 +105,8 @@ def inside(_root):
         c.text(x, 272, "T: " + ("depth against one triangle" if s <= 0 else "least distance to a triangle"), size=12, kind="tu")
         c.text(x, 294, f"`inside = {is_in}", kind="tb" if is_in else "tx")
     c.texts_at(16, 322, ("The card sees triangles and no body behind them. Outside and wholly inside have records of the same form; inside tells them apart.",
-                         "~Section through a closed mesh, mode nearest. inside is of the sphere's centre, by its winding number, computed on the host."), size=12)
+                         "~Section through a closed mesh, mode nearest. inside is of the sphere's centre, by its winding number, computed on the host."),
+                             size=12)
     return c
 
 
