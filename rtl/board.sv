@@ -43,7 +43,7 @@ module board #(
     output logic [RECORD_WORDS-1:0][CW-1:0] sram_write_data_o,
     output logic sram_read_o,
     output logic [SRAM_AW-1:0] sram_read_addr_o,
-    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
+    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the cycle after sram_read_o
 );
   localparam int ROW_W = config_pkg::index_bits(CONFIG.primaries / CONFIG.lanes);
   localparam int PRIM_W = $clog2(CONFIG.primaries);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A PCI card: pci_bridge on one side, the board on the other, the local bus between them.
-// Two clocks: PCI's, and the core's for everything else. The ports are those of the two modules. Reset: `rst_i` is one
-// line for both domains, held for at least four clocks of each; with RESET_STAGES = 0 synchronous to both, as in a
+// Two cycles: PCI's, and the core's for everything else. The ports are those of the two modules. Reset: `rst_i` is one
+// line for both domains, held for at least four cycles of each; with RESET_STAGES = 0 synchronous to both, as in a
 // simulation. Hardware has 2 or more: then it begins at once and each domain leaves it by its own clock, in either
 // order. Constraints: card.sdc.
 // Latency, throughput and stalls: those of the modules.
@@ -79,7 +79,7 @@ module card #(
     output logic [RECORD_WORDS-1:0][CW-1:0] sram_write_data_o,
     output logic sram_read_o,
     output logic [SRAM_AW-1:0] sram_read_addr_o,
-    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
+    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the cycle after sram_read_o
 );
   logic rst_core, bus_valid, bus_write, bus_ready, bus_rvalid, irq;
   logic [registers_pkg::SPACE_BITS-1:0] bus_space;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// One pipe by itself: LANES pairs a clock in, each lane with a primary and a secondary of its own, with the check of
+// One pipe by itself: LANES pairs per cycle in, each lane with a primary and a secondary of its own, with the check of
 // the input contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run
 // on.
-// Latency: latency_o clocks. Throughput: LANES pairs in FACET_II clocks; cylinder pairs, LANES pairs in as many clocks
+// Latency: latency_o cycles. Throughput: LANES pairs in FACET_II cycles; cylinder pairs, LANES pairs in as many cycles
 // as their budget takes passes.
 // Stall: ready_o for cylinder pairs (cylinder_pair.sv) and with FACET_II = 3 (row_interval.sv); the others run free,
 // ready_o = 1.
@@ -11,7 +11,7 @@ module pair_unit #(
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // as in config.svh
     parameter int HALF_SPACE = 0,  // of pairs with a plane, 1: the plane is the solid n.x <= d
-    parameter int FACET_II = 1,  // of pairs with facets: clocks from one row to the next, 1 or 3
+    parameter int FACET_II = 1,  // of pairs with facets: cycles from one row to the next, 1 or 3
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 8,

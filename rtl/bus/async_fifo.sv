@@ -3,10 +3,12 @@
 // Synthesis Techniques for Asynchronous FIFO Design", SNUG 2002, style 1). What a side sees of the other is late, never
 // early:
 // the writer may
-// see less room, the reader fewer entries than there are. Both resets are held together for at least three clocks of
+// see less room, the reader fewer entries than there are. Both resets are held together for at least three cycles of
 // each side.
 // A side's clock may be gated; the reader's synchroniser runs on `rclk_free_i`, so that `valid_o` can open the gate.
-// Latency: 3 clocks of the reader from a write to valid_o. Throughput: one entry a clock. Stall: room_o, valid_o.
+// Latency: 3 cycles of the reader from a write to valid_o.
+// Throughput: one entry per cycle.
+// Stall: room_o, valid_o.
 module async_fifo #(
     parameter int W = 64,
     parameter int DEPTH = 16,  // power of two, at least 4

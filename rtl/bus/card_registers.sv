@@ -2,10 +2,12 @@
 // The card's end of the local bus: one 64-bit beat a clock into a space (registers_pkg::SPACE_*). Holds the
 // registers, checks every access against its space, and forwards beats to the primary register file, DDR and the SRAM
 // ring. The PCI target and the DMA engine are masters of this port; nothing behind it knows which bus the host is on.
-// A beat is registered first and served the clock after; everything here but the counters is clocked only while a beat
+// A beat is registered first and served the cycle after; everything here but the counters is clocked only while a beat
 // is on its way, so that an idle bus costs nothing.
-// Latency: read data 2 clocks after the beat is taken. Throughput: one beat a clock. Stall: ready_o is low while an
-// SRAM read waits for the ring, and while a control write waits for the verdict on an object.
+// Latency: read data 2 cycles after the beat is taken.
+// Throughput: one beat per cycle.
+// Stall: ready_o is low while an SRAM read waits for the ring, and while a control write waits for the verdict on an
+// object.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -273,7 +275,7 @@ module card_registers #(
     caps3.normals = 1'(NORMALS);
     caps3.swap = 1'(SWAP);
   end
-  // What changes is put together where it is read: simulation would do it in every clock.
+  // What changes is put together where it is read: simulation would do it in every cycle.
   function automatic registers_pkg::caps2_t caps2_of(input logic [15:0] latency);
     caps2_of = '0;
     caps2_of.node_units = 8'(NODE_UNITS);

@@ -2,8 +2,10 @@
 // Master of the local bus in the core's clock domain: serves requests that come out of the request FIFO in order, and
 // sends what is read, and changes of the card's interrupt line, into the response FIFO.
 // A request is a write of one beat, or a read of as many beats as its data word says, at ascending offsets.
-// Latency: none from the FIFO to the bus. Throughput: one beat a clock. Stall: bus_ready_i; reads also while the
-// response FIFO could overflow. The clock of its registers is gated while there is nothing to do.
+// Latency: none from the FIFO to the bus.
+// Throughput: one beat per cycle.
+// Stall: bus_ready_i; reads also while the response FIFO could overflow. The clock of its registers is gated while
+// there is nothing to do.
 module local_master #(
     parameter int ROOM_W = 5  // of the response FIFO's room
 ) (

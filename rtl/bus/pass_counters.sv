@@ -4,7 +4,9 @@
 // They start at 0 with every pass and stay until the next.
 // What is read here and in other such modules and card_registers is one of them, the others show 0: the card ORs them.
 // The engine has no such module: the order of its events in an array took 5 to 9 % of the simulated speed (16 lanes).
-// Latency: a count 1 clock, a read 1 clock of the bus. Throughput: all count, and one is read, in a clock. Stall: none.
+// Latency: a count 1 cycle, a read 1 clock of the bus.
+// Throughput: every counter counts, and one is read, per cycle.
+// Stall: none.
 module pass_counters #(
     parameter int FIRST = 0,
     parameter int COUNTERS = registers_pkg::COUNTERS - FIRST

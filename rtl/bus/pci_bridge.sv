@@ -7,7 +7,7 @@
 // registers.
 // BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (pci_pkg::PCI_*).
 // While no FRAME# is asserted and nothing is under way, the PCI side's clock is gated but for the FIFO's synchroniser.
-// Reset: `rst_i` is one line for both domains, held for at least four clocks of each. With RESET_STAGES = 0 it is
+// Reset: `rst_i` is one line for both domains, held for at least four cycles of each. With RESET_STAGES = 0 it is
 // synchronous to both clocks, as in a simulation; hardware has 2 or more, and then it may come from anywhere
 // (reset_sync.sv).
 // Latency, throughput and stalls: those of the modules.
@@ -106,7 +106,7 @@ module pci_bridge #(
   assign idle_o = !active && response_settled;
   clock_gate gate (.clk_i(clk_pci_i), .enable_i(active), .clk_o(clk));
 
-  // ---- Parity: over what was on the bus in the clock before ----
+  // ---- Parity: over what was on the bus in the cycle before ----
   logic par_q, par64_q, parity_error, parity64_error;
   assign parity_error = par_q != par;
   assign parity64_error = par64_q != par64;
@@ -179,7 +179,7 @@ module pci_bridge #(
       ~{master_frame, master_req64, master_irdy, master_req};
   assign pci_req64_oe = pci_frame_oe;
 
-  // PERR# is driven high for a clock before it is left alone; SERR# and INTA# are pulled up.
+  // PERR# is driven high for a cycle before it is left alone; SERR# and INTA# are pulled up.
   assign perr = master_perr | (target_perr & parity);
   assign pci_perr_n_o = !perr;
   assign pci_perr_oe = perr | perr_q;

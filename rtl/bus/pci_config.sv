@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Type 0 configuration space of PCI Local Bus 2.3, chapter 6: identity, command and status, class, latency timer, BAR0,
 // interrupt.
-// Latency: reads none, writes 1 clock. Throughput: one access a clock. Stall: none.
+// Latency: reads none, writes 1 cycle.
+// Throughput: one access per cycle.
+// Stall: none.
 module pci_config (
     input logic clk_i,
     input logic rst_i,

@@ -7,8 +7,9 @@
 // towards the host when all of it is there: the master never waits. On an error what has been moved stays moved, the
 // completion record says how much, and the ring halts; if descriptor or record itself cannot be reached, only the
 // registers say so.
-// Latency: 9 clocks of its own for a descriptor and 4 for a burst. Throughput: one word a clock. Stall: FIFO room and
-// the bus.
+// Latency: 9 cycles of its own for a descriptor and 4 for a burst.
+// Throughput: one word per cycle.
+// Stall: FIFO room and the bus.
 module pci_dma (
     input logic clk_i,
     input logic rst_i,

@@ -4,10 +4,11 @@
 //
 // Asks for 64-bit transfers and goes on with 32 bits when the target does not answer ACK64#. After a retry, a
 // disconnect or the end of its time slice (latency timer, GNT# gone) it comes back for what is left; a target abort, a
-// master abort (no DEVSEL# within 4 clocks), a data parity error, or more retries in a row than allowed end the
+// master abort (no DEVSEL# within 4 cycles), a data parity error, or more retries in a row than allowed end the
 // command, with the bus address and the number of words that are known to be good. A word read with bad parity does not
 // leave this module.
-// Latency: 3 clocks from start_i to REQ#, 3 from the last data phase to done_o. Throughput: a data phase a clock.
+// Latency: 3 cycles from start_i to REQ#, 3 from the last data phase to done_o.
+// Throughput: one data phase per cycle.
 // Stall: none, data and room are there before start_i.
 module pci_master (
     input logic clk_i,
@@ -42,7 +43,7 @@ module pci_master (
     input logic devsel_i,
     input logic ack64_i,
     input logic perr_i,
-    input logic parity_error_i,    // PAR does not fit what was on the bus in the clock before
+    input logic parity_error_i,    // PAR does not fit what was on the bus in the cycle before
     input logic parity64_error_i,
     output logic own_o,            // of the bus, from the address phase to the last data phase
     output logic [63:0] ad_o,
@@ -57,7 +58,7 @@ module pci_master (
     output logic irdy_oe_o,
     output logic perr_o,  // to be driven in this clock
 
-    output logic burst_o,  // events to be counted, one clock each
+    output logic burst_o,  // events to be counted, one cycle each
     output logic beat_o,
     output logic wait_o,
     output logic retry_o,
@@ -206,7 +207,7 @@ module pci_master (
     if (rst_i) {ad_oe_o, ad64_oe_o, cbe_oe_o} <= '0;
   end
 
-  // ---- Parity: PAR is there a clock after the data, PERR# of the target another clock later ----
+  // ---- Parity: PAR is there a cycle after the data, PERR# of the target another cycle later ----
   logic check_wide_q, check_full_q, read_error, write_error;
   logic [31:0] check_addr_q, check_addr2_q;
   logic [9:0] good_q;  // words that are known to be good, of those read

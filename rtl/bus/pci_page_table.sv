@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Page table of the mapped address space: what a driver writes through BAR0 and every address of a descriptor goes
 // through.
-// After reset all entries are cleared, one a clock, before anything is served.
-// Latency: 1 clock from an entry's number to its content. Throughput: one write and two reads a clock. Stall:
-// clearing_o.
+// After reset all entries are cleared, one per cycle, before anything is served.
+// Latency: 1 cycle from an entry's number to its content.
+// Throughput: one write and two reads per cycle.
+// Stall: clearing_o.
 module pci_page_table (
     input logic clk_i,
     input logic rst_i,

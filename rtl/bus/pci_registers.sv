@@ -3,7 +3,9 @@
 // causes, counters.
 // Ring settings are refused while the ring runs; that, and going with settings out of range, halts it with an
 // interrupt.
-// Latency: writes 1 clock, reads none. Throughput: one access a clock. Stall: none.
+// Latency: writes 1 cycle, reads none.
+// Throughput: one access per cycle.
+// Stall: none.
 module pci_registers (
     input logic clk_i,
     input logic rst_i,

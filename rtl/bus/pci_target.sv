@@ -3,7 +3,7 @@
 // are registers.
 //
 // Writes are posted into a FIFO. Reads are delayed transactions: the first attempt is latched and retried until the
-// FIFO in front of it is served and the data is there; data nobody fetches is dropped after 2^15 clocks. Both leave
+// FIFO in front of it is served and the data is there; data nobody fetches is dropped after 2^15 cycles. Both leave
 // through one port in order. A unit of access is a register of 64 bits: a 64-bit phase, two 32-bit phases of one burst,
 // or a lone low half, which writes 0 above it.
 //   retry                   no room, or read data not there yet
@@ -12,8 +12,8 @@
 //   disconnect without data no room in the middle of a burst
 //   target abort            byte enables that are part of a half, an upper half without its lower one, an offset that
 // holds nothing
-// Latency: DEVSEL# medium; TRDY# a clock after it. Throughput: a data phase every 2 clocks, as byte enables are looked
-// at first.
+// Latency: DEVSEL# medium; TRDY# a cycle after it.
+// Throughput: a data phase every 2 cycles, as byte enables are looked at first.
 module pci_target (
     input logic clk_i,
     input logic rst_i,
@@ -26,7 +26,7 @@ module pci_target (
     input logic idsel_i,
     input logic req64_i,
     input logic own_i,            // the card's own master holds the bus
-    input logic parity_error_i,   // PAR does not fit what was on the bus in the clock before
+    input logic parity_error_i,   // PAR does not fit what was on the bus in the cycle before
     input logic parity64_error_i, // nor PAR64
     output logic [63:0] ad_o,
     output logic ad_oe_o,
@@ -179,7 +179,7 @@ module pci_target (
   assign config_enable_o = be[3:0];
   assign config_wdata_o = ad_i[31:0];
 
-  // ---- What was written, a clock later, when its parity is known ----
+  // ---- What was written, a cycle later, when its parity is known ----
   logic in_wide_q, in_memory_q, in_low, in_error;
   logic [15:2] in_addr_q;
   logic [63:0] in_data_q;

@@ -2,7 +2,9 @@
 // Reset of one clock domain out of a reset that belongs to none: it begins at once, with or without a clock, and ends
 // with this domain's clock, so that all its registers leave it at the same edge. `rst_i` must not glitch.
 // Without STAGES it is a wire, for a reset that is synchronous to the domain already, as a simulation's is.
-// Latency: none into reset, STAGES clocks out of it. Throughput: n/a. Stall: none.
+// Latency: none into reset, STAGES cycles out of it.
+// Throughput: n/a.
+// Stall: none.
 module reset_sync #(
     parameter int STAGES = 0  // 0, or 2 and more
 ) (

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // FIFO in one clock domain; the head shows at once.
-// Latency: 1 clock. Throughput: one entry in, one out a clock. Stall: room_o, count_o.
+// Latency: 1 cycle.
+// Throughput: one entry in, one out per cycle.
+// Stall: room_o, count_o.
 module sync_fifo #(
     parameter int W = 64,
     parameter int DEPTH = 16,  // power of two

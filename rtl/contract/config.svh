@@ -13,14 +13,14 @@
 //   SWAP          a command can exchange the roles of primary and secondary
 //   NORMALS       a command can ask for normals
 //   PARALLEL      two pipes can work on the same secondaries at a time
-//   FACET_II      of pairs with facets: clocks from one row to the next, 1 or 3
+//   FACET_II      of pairs with facets: cycles from one row to the next, 1 or 3
 //   VERDICT_EXP   0, or with VERDICT_MAN the format of narrow lanes that prove misses of pairs of solids
 //                 (verdict_pair.sv); the pair has one lane of the card's format behind them
 //   TRANSFORM     objects move by a rigid transform: pairs_pkg::TRANSFORM_*
 //   OBJECTS       entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
 //   NODE_UNITS    of a hierarchy over triangles: 0, none, or 1, 2 or 4; NODES, words of their memory, a power of two
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected
-//   LAT_*         clocks of the operators; in the structure `lat`
+//   LAT_*         cycles of the operators; in the structure `lat`
 //   ARITH         "rtl", gates, or "host", the simulating processor's own arithmetic; in the structure `host`, 0 or 1
 //   DDR_SLOTS     beats of DDR; as many as two 1 GB modules of 36-byte beats have
 //   SRAM_RECORDS  power of two; seven 2 MB chips, one word of a record each

@@ -43,7 +43,7 @@ package config_pkg;
     pipe_depth = (verdict_pairs(card) != 0) ? 512 : ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0) ? 256 : 64;
     pipe_depth = pipe_depth << $clog2(slowest);
   endfunction
-  // Rows of the output FIFO, and so rows in flight in the streaming modes: more than the clocks of a pipe, or of narrow
+  // Rows of the output FIFO, and so rows in flight in the streaming modes: more than the cycles of a pipe, or of narrow
   // lanes and the wide one behind them.
   function automatic int fifo_depth(input config_t card);
     fifo_depth = (verdict_pairs(card) != 0) ? pipe_depth(card) : 128;

@@ -118,7 +118,7 @@ package pairs_pkg;
   localparam int FACET_PAIRS =  // it is made of facet units, which can take turns (pair_hold.sv)
       1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB;
   localparam int BOX_PAIRS = 1 << PAIR_RAY_TRIANGLE;  // BOX is an option of it (ray_box.sv)
-  localparam int SHORT_PAIRS =  // it takes few clocks
+  localparam int SHORT_PAIRS =  // it takes few cycles
       1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_SPHERE |
       1 << PAIR_SPHERE_PLANE;
   // It is brought to the size of one in front of its pipe in every format (length_scale.sv): it multiplies four
@@ -195,7 +195,7 @@ package pairs_pkg;
   function automatic int scale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_scale.sv
     scale_latency = lat_cmp + unscale_latency(ray, lat_mul, lat_cmp);
   endfunction
-  // clocks that a ring needs for operands
+  // cycles that a ring needs for operands
   function automatic int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);
     ring_entry = scale_latency(0, lat_mul, lat_cmp) + ((lat_add > lat_mul) ? lat_add : lat_mul);
   endfunction
@@ -219,7 +219,7 @@ package pairs_pkg;
         if ((!primary || swap) && secondary_shape(p) == shape) uses_shape = 1;
       end
   endfunction
-  // Whether the transformer of a card handles the shape, and its clocks: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD;
+  // Whether the transformer of a card handles the shape, and its cycles: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD;
   // n'.t of a plane waits for R n.
   function automatic bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
     moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1,

@@ -45,12 +45,12 @@ package pci_pkg;
   localparam logic [15:0] PCI_REG_FAULT_ADDR = 16'h1058;
   localparam logic [15:0] PCI_REG_BURSTS = 16'h1080;          // transactions of the card as a master
   localparam logic [15:0] PCI_REG_BEATS = 16'h1088;           // their data phases
-  localparam logic [15:0] PCI_REG_WAITS = 16'h1090;           // clocks of theirs in which no data moved
+  localparam logic [15:0] PCI_REG_WAITS = 16'h1090;           // cycles of theirs in which no data moved
   localparam logic [15:0] PCI_REG_RETRIES = 16'h1098;
   localparam logic [15:0] PCI_REG_DISCONNECTS = 16'h10A0;
   localparam logic [15:0] PCI_REG_PARITY_ERRORS = 16'h10A8;   // seen as a master or as a target
   localparam logic [15:0] PCI_REG_ABORTS = 16'h10B0;          // master aborts and target aborts received
-  // clocks in which FRAME# or IRDY# of any master was asserted
+  // cycles in which FRAME# or IRDY# of any master was asserted
   localparam logic [15:0] PCI_REG_BUSY = 16'h10B8;
 
   localparam int PCI_CONTROL_RUN = 0;    // serve the ring; refused while it is halted

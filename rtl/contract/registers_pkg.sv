@@ -44,7 +44,7 @@ package registers_pkg;
   localparam logic [11:0] REG_SEC_COUNT = 12'h050;    // counter register: number of secondaries
   localparam logic [11:0] REG_RECORDS = 12'h058;      // records waiting in the SRAM ring
   localparam logic [11:0] REG_FAULT_ADDR = 12'h060;   // fault_t
-  localparam logic [11:0] REG_WRITEBACK = 12'h068;    // clocks that wrote the kept records back to SRAM
+  localparam logic [11:0] REG_WRITEBACK = 12'h068;    // cycles that wrote the kept records back to SRAM
   localparam logic [11:0] REG_CAPS3 = 12'h070;        // caps3_t
   // with a second pair: the first of its primaries, a multiple of the lanes
   localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;
@@ -54,11 +54,11 @@ package registers_pkg;
   localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;
   localparam logic [11:0] REG_PRIM_OBJECT_COUNT = 12'h0B0;  // objects of primaries; 0: primaries as they were written
   localparam logic [11:0] REG_ECC = 12'h0B8;          // ecc_t
-  localparam logic [11:0] REG_CYCLES = 12'h0C0;       // clocks from go to done, without REG_WRITEBACK
+  localparam logic [11:0] REG_CYCLES = 12'h0C0;       // cycles from go to done, without REG_WRITEBACK
   localparam logic [11:0] REG_ROWS = 12'h0C8;         // rows issued to the pipe (one row = LANES pairs)
   // Clocks the pipe mouth waited for output space, for a slot of a cylinder pipe, or for a facet pipe's interval.
   localparam logic [11:0] REG_STALLS = 12'h0D0;
-  localparam logic [11:0] REG_BUBBLES = 12'h0D8;      // clocks the pipe mouth waited for a secondary
+  localparam logic [11:0] REG_BUBBLES = 12'h0D8;      // cycles the pipe mouth waited for a secondary
   localparam logic [11:0] REG_BAD_PRIM = 12'h0E0;     // primaries refused as bad input
   localparam logic [11:0] REG_BAD_SEC = 12'h0E8;      // secondaries refused as bad input
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;  // secondaries swept

@@ -2,11 +2,12 @@
 // Collision detection engine: LANES lanes in groups behind one mouth. Takes a row of LANES primaries against one
 // secondary a clock, and keeps or streams the row's results in order.
 // With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are
-// issued: the same clocks and bits outside.
+// issued: the same cycles and bits outside.
 // One pipe is used in a pass, with PARALLEL at most two, which meet the same secondaries with primaries of their own;
-// the others' clocks stand still.
-// Latency: that of the pipe. Throughput: one row a clock, a pair with facets one in FACET_II clocks, or what a ring
-// takes. Stall: ready_o; room for results is held by credits outside.
+// the others' cycles stand still.
+// Latency: that of the pipe.
+// Throughput: one row per cycle, a pair with facets one in FACET_II cycles, or what a ring takes.
+// Stall: ready_o; room for results is held by credits outside.
 module cde #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -48,7 +49,7 @@ module cde #(
     input logic pose_i,
     input logic [PRIM_W-1:0] pose_number_i,
     input logic [PRIM_WORDS-1:0][CW-1:0] pose_slot_i,
-    input logic clear_i,  // start of a pass: one row a clock
+    input logic clear_i,  // start of a pass: one row per cycle
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clock and time of a check that runs for a while after a commit and is idle otherwise: T_CHECK clocks after the commit
+// Clock and time of a check that runs for a while after a commit and is idle otherwise: T_CHECK cycles after the commit
 // of an entry its verdict is there.
-// Latency: T_CHECK clocks from the commit to judged_o. Throughput: one entry a clock. Stall: none.
+// Latency: T_CHECK cycles from the commit to judged_o.
+// Throughput: one entry per cycle.
+// Stall: none.
 module check_clock #(
     parameter int NUMBER_W = 1,
     parameter int T_CHECK = 1  // 1 to 255

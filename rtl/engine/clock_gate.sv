@@ -9,7 +9,9 @@
 //   "enable"  an AND that says `gated_clock`: FPGA, where the tool turns it into enables of the registers behind it
 //             (Vivado: synth_design -gated_clock_conversion auto; Synplify: fix_gated_and_generated_clocks)
 // GATE is chosen once for a chip: by the macro CDE_CLOCK_GATE, which every tool can define, or at an instance.
-// Latency: none. Throughput: a clock a clock. Stall: none.
+// Latency: none.
+// Throughput: one cycle per cycle.
+// Stall: none.
 `ifndef CDE_CLOCK_GATE
 `define CDE_CLOCK_GATE "latch"
 `endif

@@ -2,8 +2,8 @@
 // Sequencer of a pass: pose primaries that moved, clear the update buffers, sweep every secondary over the rows of
 // primaries, let the pipe drain, write the results back, report done. A row enters the pipe when a secondary is there
 // and, in the streaming modes, a credit of the output FIFO is left and its pipe is ready. With a second pair a row of
-// its primaries enters its pipe in the same clock.
-// Throughput: one row a clock without bubbles while secondaries and credits last and pipes are ready.
+// its primaries enters its pipe in the same cycle.
+// Throughput: one row per cycle without bubbles while secondaries and credits last and pipes are ready.
 module engine_control #(
     parameter config_pkg::config_t CONFIG,
     localparam int LANES = CONFIG.lanes,
@@ -25,7 +25,7 @@ module engine_control #(
     input logic primaries_busy_i,  // primaries are being checked
     input logic [PRIMARIES-1:0] active_i,  // present and not masked
     output logic busy_o,
-    output logic done_o,  // one clock
+    output logic done_o,  // one cycle
     output logic flush_o,  // aborted: what is in flight or waiting is dropped
     output logic streaming_mode_o,
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What entered a datapath the last DEPTH clocks, so that the tag of a result is found again when it leaves: the one
+// What entered a datapath the last DEPTH cycles, so that the tag of a result is found again when it leaves: the one
 // delay line beside the pipes, whatever their latencies.
-// Latency: latency_i clocks (1..DEPTH-1). Throughput: one entry a clock. Stall: none.
+// Latency: latency_i cycles (1..DEPTH-1). Throughput: one entry per cycle. Stall: none.
 module issue_history #(
     parameter int W = 1,
     parameter int DEPTH = 256  // power of two

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What entered a pipe that keeps the order but not the time: tags leave in the order they came.
-// Latency: 1 clock. Throughput: one tag a clock in and one out. Stall: none; never more than DEPTH - 1 inside.
+// Latency: 1 cycle.
+// Throughput: one tag per cycle in and one out.
+// Stall: none; never more than DEPTH - 1 inside.
 module issue_order #(
     parameter int W = 1,
     parameter int DEPTH = 1024  // power of two

@@ -3,7 +3,9 @@
 // file, the pipe, of the update engine and of the output FIFO. Nothing wider than a control bit or one record leaves a
 // group, in silicon as in simulation; not inlined, so that the groups are one function over objects that fit the
 // first-level cache.
-// Latency: that of the pipe. Throughput: that of the pipe, at most one row a clock. Stall: none.
+// Latency: that of the pipe.
+// Throughput: that of the pipe, at most one row per cycle.
+// Stall: none.
 module lane_group #(
     parameter config_pkg::config_t CONFIG,
     parameter int LANES = 8,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What becomes of the results of one pair of a pass in one lane group: bad input is answered with F = 0 and NaN, the
 // update engine keeps the best record a primary, and the row is shown to the output FIFO.
-// Latency: combinational to the FIFO, 1 clock to the update buffers. Throughput: one row a clock. Stall: none.
+// Latency: combinational to the FIFO, 1 cycle to the update buffers.
+// Throughput: one row per cycle.
+// Stall: none.
 module lane_results #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hands a pass to the unit that does it (card_pkg::UNIT_*). A request waits for its unit: the pass is the unit's in the
-// clock in which valid_o and ready_i meet, and from the clock after the unit is busy until it says that it is done or,
+// clock in which valid_o and ready_i meet, and from the cycle after the unit is busy until it says that it is done or,
 // aborted, has become idle. There is one pass at a time. An abort goes to all units, which share the record ring, and
 // drops a request that still waits; without a pass it is harmless, and with a go it comes before it.
 // With one unit, which is ready whenever it is not busy, all of this is wires.
-// Latency: none. Stall: ready_i.
+// Latency: none.
+// Stall: ready_i.
 module pass_dispatch #(
     parameter int UNITS = card_pkg::UNITS  // 1 to 2^UNIT_BITS
 ) (
@@ -14,7 +15,7 @@ module pass_dispatch #(
     input logic [card_pkg::UNIT_BITS-1:0] unit_i,  // of the pass that starts
     input logic abort_i,
     output logic busy_o,
-    output logic done_o,  // one clock
+    output logic done_o,  // one cycle
 
     output logic [UNITS-1:0] valid_o,
     input logic [UNITS-1:0] ready_i,

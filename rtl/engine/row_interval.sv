@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Admits a row every INTERVAL clocks at most.
-// Latency: none. Throughput: one row in INTERVAL clocks. Stall: ready_o, low for INTERVAL - 1 clocks after a row was
-// taken.
+// Admits a row every INTERVAL cycles at most.
+// Latency: none.
+// Throughput: one row in INTERVAL cycles.
+// Stall: ready_o, low for INTERVAL - 1 cycles after a row was taken.
 module row_interval #(
     parameter int INTERVAL = 1  // >= 1
 ) (
@@ -15,7 +16,7 @@ module row_interval #(
     assign unused = &{1'b0, clk_i, rst_i, take_i};
     assign ready_o = 1'b1;
   end else begin : g_count
-    logic [INTERVAL-2:0] taken_q;  // in the last clock, in the one before, ...
+    logic [INTERVAL-2:0] taken_q;  // in the last cycle, in the one before, ...
     always_ff @(posedge clk_i) taken_q <= rst_i ? '0 : (INTERVAL - 1)'({taken_q, take_i});
     assign ready_o = taken_q == '0;
 `ifndef SYNTHESIS

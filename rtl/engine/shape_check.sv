@@ -2,8 +2,9 @@
 // Input contract of a shape (pairs_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), coordinates at most
 // 2^length_high, sizes and the largest component of a direction from 2^length_low to that, max above min; unit vectors
 // and rotations to |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
-// Latency: LAT.mul + 3*LAT.add + LAT.cmp clocks whatever the shape; 0 with ARITH = "host". Throughput: LANES shapes a
-// clock. Stall: none.
+// Latency: LAT.mul + 3*LAT.add + LAT.cmp cycles whatever the shape; 0 with ARITH = "host".
+// Throughput: LANES shapes per cycle.
+// Stall: none.
 `include "dataflow.svh"
 module shape_check #(
     parameter int SHAPE = 0,

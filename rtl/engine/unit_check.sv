@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // |a.b - ONE| <= tolerance, false for NaN: the test of unit vectors (ONE = 1) and of perpendicular ones. 3 mul, 2 add,
 // 1 sub, 1 compare.
-// Latency: LAT.mul + 3*LAT.add + LAT.cmp clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall:
-// none.
+// Latency: LAT.mul + 3*LAT.add + LAT.cmp cycles; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none.
 `include "dataflow.svh"
 module unit_check #(
     parameter bit ONE = 1,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One lane of fp_add: swap | difference of exponents | align | add | count zeros | normalise | round | pack. The carry
 // of the sum lies at bit CARRY, the hidden bit of an operand below it, guard and sticky bits fill what is left.
-// Latency: CUTS clocks, 0..7. Throughput: one a clock. Stall: none.
+// Latency: CUTS cycles, 0..7.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_add_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

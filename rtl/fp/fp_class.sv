@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Class of a word as a lane mask, without arithmetic: formats_pkg::CLASS_*.
-// Latency: 0. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module fp_class #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A conversion on LANES lanes with the back end that ARITH names: what fp_cvt, fp_from_int and fp_to_int have in
 // common.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free.
+// Latency: LAT cycles.
+// Throughput: one result per lane per cycle.
+// Stall: none, runs free.
 module fp_convert #(
     parameter  int KIND  = formats_pkg::CONVERT_FORMAT,  // CONVERT_*
     parameter  int EXP   = 8,      // 3..11; the format; with CONVERT_FORMAT that of the operand

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gate back end of the conversions: lanes behind their input registers. Parameters as in fp_convert.
-// Latency: 1 + CUTS clocks. Throughput: one result a lane a clock. Stall: none.
-// Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do not alias.
+// Latency: 1 + CUTS cycles.
+// Throughput: one result per lane per cycle.
+// Stall: none. Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do
+// not alias.
 module fp_convert_gates #(
     parameter  int KIND  = formats_pkg::CONVERT_FORMAT,
     parameter  int EXP   = 8,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Register cut between two stages of a lane: DEPTH 1 is a register, DEPTH 0 a wire; more for signals that pass several
 // cuts.
-// Latency: DEPTH clocks.
+// Latency: DEPTH cycles.
 module fp_cut #(
     parameter int W     = 32,
     parameter int DEPTH = 0

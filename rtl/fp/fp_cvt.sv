@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Conversion from one format to another, to nearest even.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS
-// = 1.
+// Latency: LAT cycles.
+// Throughput: one result per lane per cycle.
+// Stall: none, runs free.
+// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_cvt #(
     parameter  int EXP_I = 8,      // 3..11, format of the operand
     parameter  int MAN_I = 23,     // 2..52

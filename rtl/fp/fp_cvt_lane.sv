@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One lane of fp_cvt: normalise | shift | round. EXP, MAN is the format of the operand, EXP_O, MAN_O that of the
 // result.
-// Latency: CUTS clocks, 0..2. Throughput: one a clock. Stall: none.
+// Latency: CUTS cycles, 0..2.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_cvt_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

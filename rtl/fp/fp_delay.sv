@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Delay line of lane words. Latency: DEPTH clocks (0 = a wire). Throughput: one a clock. Stall: none.
+// Delay line of lane words.
+// Latency: DEPTH cycles (0 = a wire).
+// Throughput: one per cycle.
+// Stall: none.
 module fp_delay #(
     parameter  int LANES = 1,
     parameter  int W     = 32,

@@ -2,7 +2,8 @@
 // One lane of fp_div: count zeros | normalise | MAN + 3 steps of restoring division | count | shift | round | pack.
 // The quotient digit of a step is 1 unless the trial subtraction goes negative. Digits start at weight 1 of x / y in
 // (1/2, 2), so that twice the quotient fills the word that fp_round wants.
-// Latency: CUTS clocks, 0..MAN + 8, spread evenly over the MAN + 8 places where a cut may lie. Throughput: one a clock.
+// Latency: CUTS cycles, 0..MAN + 8, spread evenly over the MAN + 8 places where a cut may lie.
+// Throughput: one per cycle.
 module fp_div_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

@@ -6,7 +6,9 @@
 //   EXPONENT_UP   the shift by 2^k
 //   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign. With
 //                 KEEP a normal number becomes the smallest normal number of its sign instead.
-// Latency: 0. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module fp_exponent #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether all three components of a vector are finite, as a lane mask, without arithmetic.
-// Latency: 0. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module fp_finite #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Integer to floating point, to nearest even.
-// Latency: LAT clocks. Throughput: one result a lane a clock. Stall: none, runs free. Flags {NV,DZ,OF,UF,NX} when FLAGS
-// = 1.
+// Latency: LAT cycles.
+// Throughput: one result per lane per cycle.
+// Stall: none, runs free.
+// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_from_int #(
     parameter  int EXP   = 8,      // 3..11
     parameter  int MAN   = 23,     // 2..52

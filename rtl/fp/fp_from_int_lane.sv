@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One lane of fp_from_int: magnitude, count zeros, normalise | shift | round.
-// Latency: CUTS clocks, 0..2. Throughput: one a clock. Stall: none.
+// Latency: CUTS cycles, 0..2.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_from_int_lane #(
     parameter int EXP      = 8,
     parameter int MAN      = 23,

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gate back end of the binary units: lanes of one operation behind their input registers. CW is the word of a lane
 // (fp_mask.svh).
-// Latency: 1 + CUTS clocks. Throughput: one result a lane a clock. Stall: none.
-// Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do not alias.
-// The inputs are public so that they stay variables of this object too: then all instances run one function.
+// Latency: 1 + CUTS cycles.
+// Throughput: one result per lane per cycle.
+// Stall: none. Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do
+// not alias. The inputs are public so that they stay variables of this object too: then all instances run one function.
 module fp_gates #(
     parameter  int OP    = formats_pkg::FP_ADD,
     parameter  int EXP   = 8,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One operation on LANES lanes with the back end that ARITH names: what fp_add, fp_mul and their like have in common.
-// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free.
+// Latency: LAT cycles; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none, runs free.
 module fp_lanes #(
     parameter  int OP    = formats_pkg::FP_ADD,  // FP_* up to FP_MAX
     parameter  int EXP   = 8,      // 3..11

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // minimumNumber or maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below +0, two NaNs give the
 // canonical NaN, a signalling NaN raises NV.
-// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags
-// {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT cycles; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none, runs free.
+// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_minmax #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52

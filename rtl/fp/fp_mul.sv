@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Product.
-// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none, runs free. Flags
-// {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Latency: LAT cycles; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none, runs free.
+// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_mul #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52

@@ -3,7 +3,9 @@
 // operand of larger magnitude; only y needs normalising when two subnormals multiply to less than half of the smallest
 // subnormal (bias >= MAN + 2). Significands are multiplied as halves of H bits: so nothing is wider than the container,
 // and in gates than a multiplier block.
-// Latency: CUTS clocks, 0..10. Throughput: one a clock. Stall: none.
+// Latency: CUTS cycles, 0..10.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_mul_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Magnitude to a significand with its leading one at the top of the word and the biased exponent less one, which goes
 // below zero for subnormals: count | shift. COUNT = 0: subnormals stay as they are.
-// Latency: CUT clocks, 0..1. Throughput: one a clock. Stall: none.
+// Latency: CUT cycles, 0..1.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_normalise #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

@@ -3,7 +3,9 @@
 // norm_i has its hidden bit at MAN + DROP and DROP bits below the last place, the lowest of them sticky; ef_i is the
 // biased exponent less one if the hidden bit is 1, else 0. Masks: zero, infinity, NaN, in rising priority.
 // past_o: a mask of results that are, or round, past the largest number and not special; inexact_o: bits are lost.
-// Latency: CUT clocks, 0..1. Throughput: one a clock. Stall: none.
+// Latency: CUT cycles, 0..1.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_pack #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

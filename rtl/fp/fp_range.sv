@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether the size of a word lies between two powers of two, 2^LOW <= |a| <= 2^HIGH, or with SIGNED 2^LOW <= a <=
 // 2^HIGH, as a lane mask; false for a NaN.
-// Latency: 0. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module fp_range #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -4,7 +4,9 @@
 // m_i: significand with weights 2 (bit TOP), 1, 1/2, ... and a sticky bit at the bottom, value in [1, 4) or anything if
 // a mask says so. e_i: biased exponent of that value less one, two's complement. Masks: zero, infinity, NaN, in rising
 // priority.
-// Latency: CUT_COUNT + CUT + CUT_PACK clocks, each 0..1. Throughput: one a clock. Stall: none.
+// Latency: CUT_COUNT + CUT + CUT_PACK cycles, each 0..1.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_round #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A product with a factor of six bits, of adders alone: pairs of rows | two of the three sums | all of them.
-// Latency: 3 clocks. Throughput: one a clock. Stall: none.
+// Latency: 3 cycles.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_rows #(
     parameter int W = 18
 ) (

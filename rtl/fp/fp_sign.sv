@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sign of a word, free of gates: formats_pkg::SIGN_*. NaN is not special.
-// Latency: 0. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module fp_sign #(
     parameter  int EXP   = 8,
     parameter  int MAN   = 23,

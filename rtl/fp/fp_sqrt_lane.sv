@@ -2,7 +2,8 @@
 // One lane of fp_sqrt: count zeros | normalise | MAN + 1 steps of the restoring root | count | shift | round | pack.
 // Invariant after step i: r = 2^i (s - root^2), with s in [1, 4) and the root so far; d holds twice the root. Both have
 // MAN + 1 fraction bits. The root in [1, 2) is never tiny and never overflows.
-// Latency: CUTS clocks, 0..MAN + 6, spread evenly over the MAN + 6 places where a cut may lie. Throughput: one a clock.
+// Latency: CUTS cycles, 0..MAN + 6, spread evenly over the MAN + 6 places where a cut may lie.
+// Throughput: one per cycle.
 module fp_sqrt_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,

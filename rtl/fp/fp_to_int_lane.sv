@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One lane of fp_to_int: normalise, shift | round, saturate. Out of range saturates and NaN gives the largest integer,
 // with NV alone; an inexact result raises NX. Works in the wider of the two containers, WW bits.
-// Latency: CUTS clocks, 0..1. Throughput: one a clock. Stall: none.
+// Latency: CUTS cycles, 0..1.
+// Throughput: one per cycle.
+// Stall: none.
 module fp_to_int_lane #(
     parameter int EXP      = 8,
     parameter int MAN      = 23,

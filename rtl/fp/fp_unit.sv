@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every operation of one format on LANES lanes, for tests, measurements and the `cde fp` command. Each operation has a
 // clock of its own, as behind a clock gate, so that idle operations cost nothing.
-// Latency: LAT_* clocks of the operation. Throughput: one result a lane a clock. Stall: none.
+// Latency: LAT_* cycles of the operation.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module fp_unit #(
     parameter  int EXP      = 8,      // 3..11
     parameter  int MAN      = 23,     // 2..52

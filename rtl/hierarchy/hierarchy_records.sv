@@ -2,8 +2,10 @@
 // Records of a pass through a hierarchy, one a clock, as they come: hits of mode hits, rays that came to their end, and
 // bad rays. The words are those that record_maker.sv makes; with normals a second record follows each, which has n in
 // the words of CP and the signed gap in T.
-// Latency: 1 clock; hits wait in queues. Throughput: one record a clock. Stall: ready_o, bad_ready_o while the ring is
-// full or another comes first; hits have the room that leaf_room_o promises.
+// Latency: 1 cycle; hits wait in queues.
+// Throughput: one record per cycle.
+// Stall: ready_o, bad_ready_o while the ring is full or another comes first; hits have the room that leaf_room_o
+// promises.
 module hierarchy_records #(
     parameter config_pkg::config_t CONFIG,
     parameter int DEPTH = 128,  // hits that wait, a lane; power of two

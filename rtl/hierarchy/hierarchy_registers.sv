@@ -2,7 +2,9 @@
 // Registers of the hierarchy: its settings, how far the host has come with rays, and what a pass counted. Accesses come
 // from card_registers.sv, which has looked whether they may be, and which ORs what is read here to its own: what is
 // read elsewhere shows 0.
-// Latency: a read 1 clock of the bus. Throughput: an access a clock. Stall: none.
+// Latency: a read 1 clock of the bus.
+// Throughput: one access per cycle.
+// Stall: none.
 module hierarchy_registers #(
     parameter int NODES = 4096
 ) (

@@ -3,7 +3,9 @@
 // leaves in memories of their own, secondaries from DDR, records with the rays' numbers in the order in which they are
 // found. A pass ends when all its rays have their records, or with a fault, where what is in memory is no tree. And
 // passes without rays, which give the nodes boxes anew (refit.sv).
-// Latency: that of the way. Throughput: see traversal.sv; a ray takes four beats of the bus. Stall: the records' ring.
+// Latency: that of the way.
+// Throughput: see traversal.sv; a ray takes four beats of the bus.
+// Stall: the records' ring.
 `include "hierarchy.svh"
 module hierarchy_unit #(
     parameter config_pkg::config_t CONFIG,
@@ -228,7 +230,7 @@ module hierarchy_unit #(
       .sram_count_i, .write_o, .record_o, .finished_o(finished), .empty_o(records_empty));
 
   // ---- What no tree does. One of the rays on their way comes to its end before each has read every node; and a refit
-  // writes a node in less than a million clocks ----
+  // writes a node in less than a million cycles ----
   localparam int PATIENCE = 20;
   logic [31+CX:0] idle_reads_q;
   logic [PATIENCE:0] idle_clocks_q;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pairs of leaves: a primary that comes with the one or two secondaries of a leaf goes through the pipe of its pair.
 // Pipes of several pairs stand beside each other, of which the pass uses one.
-// Latency: that of the pass's pipe and a register, whatever ARITH is. Throughput: a leaf a clock. Stall: none.
+// Latency: that of the pass's pipe and a register, whatever ARITH is.
+// Throughput: one leaf per cycle.
+// Stall: none.
 `include "hierarchy.svh"
 `include "ray_box.svh"
 module leaf_pairs #(
@@ -29,7 +31,7 @@ module leaf_pairs #(
     input logic [LANES-1:0][LEAF-1:0][31:0] secondaries_i,
     input logic [LANES-1:0][31:0] index_i,
     output logic [1:0] tested_o,  // this clock: secondaries
-    output logic [AT-1:0] soon_o,  // at_o of the next clock
+    output logic [AT-1:0] soon_o,  // at_o of the next cycle
     output logic valid_o,
     output logic [AT-1:0] at_o,
     output logic [LANES-1:0] f_o,  // of those that are there
@@ -171,7 +173,7 @@ module leaf_pairs #(
     assign of_pair = pass_pair[pairs_pkg::PAIR_INDEX-1:0];
     logic [RESULT-1:0] result;
     assign result = {f_of[of_pair], t_of[of_pair], key_of[of_pair], point_of[of_pair][POINTS-1:0]};
-    logic [15:0] rest;  // until the clock before the answer
+    logic [15:0] rest;  // until the cycle before the answer
     logic soon;
     logic [AT+32*LANES:0] soon_with;
     assign rest = latency_of[of_pair] - 1;

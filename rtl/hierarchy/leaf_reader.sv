@@ -3,7 +3,9 @@
 // says a memory beside the nodes, so that a secondary is there once, and its number comes with it. Each takes a beat,
 // one of more than 9 words two. With OBJECTS a second memory says whose it is, and secondaries go through the
 // transformer, which is outside.
-// Latency: 2 clocks, the memory's and T_MOVED. Throughput: a beat a clock. Stall: ready_o, ddr_ready_i.
+// Latency: 2 cycles, the memory's and T_MOVED.
+// Throughput: one beat per cycle.
+// Stall: ready_o, ddr_ready_i.
 module leaf_reader #(
     parameter int SLOTS = 32768,  // power of two
     parameter int WORDS = 9,      // of the largest secondary, at least a beat
@@ -62,7 +64,7 @@ module leaf_reader #(
   localparam int DW = $clog2(DEPTH);
   localparam int TAG_W = 1 + OBJECT_W + 32 + TAG;
 
-  // ---- Slots, one a clock: which secondaries they have ----
+  // ---- Slots, one per cycle: which secondaries they have ----
   logic second_q, move, asked_q, last_q, beyond_q;  // second_q: that of a leaf of two is next
   logic wide, half, half_q, taken, whole_asked;  // half: a secondary's second beat is next
   if (WORDS > BEAT) begin : g_two_beats

@@ -2,7 +2,9 @@
 // A ray and the eight boxes of a node: where it is in each, in T (stretch() of reference/pipes/ray_node.hpp). The
 // children are lanes; the node's words are in host/include/cde/hierarchy/node.hpp.
 // Of a node what node_planes.sv takes; a child 6 mul, 6 add, 4 min/max, of which the products have bytes on one side.
-// Latency: NODE_T_BOXES clocks (hierarchy.svh). Throughput: a node a clock. Stall: none, runs free.
+// Latency: NODE_T_BOXES cycles (hierarchy.svh).
+// Throughput: one node per cycle.
+// Stall: none, runs free.
 `include "hierarchy.svh"
 module node_boxes #(
     parameter int EXP = 8,

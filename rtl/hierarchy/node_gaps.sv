@@ -3,7 +3,9 @@
 // distance of two boxes that are apart, else the largest gap of an axis. near_i and far_i are gaps of axes, as
 // node_boxes.sv has them of a solid. The children are lanes.
 // A child 3 mul, 2 add, 1 compare, 8 max.
-// Latency: NODE_T_GAPS - NODE_T_AXES clocks (hierarchy.svh). Throughput: a node a clock. Stall: none, runs free.
+// Latency: NODE_T_GAPS - NODE_T_AXES cycles (hierarchy.svh).
+// Throughput: one node per cycle.
+// Stall: none, runs free.
 `include "hierarchy.svh"
 module node_gaps #(
     `DF_PARAMETERS

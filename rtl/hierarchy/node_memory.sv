@@ -2,8 +2,9 @@
 // Nodes of a hierarchy, in memory of their own beside the units that read them: chips, or the device's. One port a
 // reader, which in hardware is a copy each; what is written goes into all.
 // Node n on the bus: its words 0 to 15 at byte 64 n, words 16 and 17 at 64 NODES + 8 n, so that no address is divided.
-// Latency: 1 clock; what is read in the clock of a write is as it was. Throughput: a beat or a node written, and a node
-// a reader, a clock. Stall: none.
+// Latency: 1 cycle; what is read in the clock of a write is as it was.
+// Throughput: a beat or a node written, and a node a reader, a clock.
+// Stall: none.
 `include "secded.svh"
 module node_memory #(
     parameter int NODES = 4096,  // power of two

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which of a node's boxes a ray meets, and in what order they are visited: by near, or by far downwards. Ties by
 // number. Comparisons are of whole numbers, as words in order: 28 of keys, 3 a child.
-// Latency: 1 clock. Throughput: a node a clock. Stall: none, runs free.
+// Latency: 1 cycle.
+// Throughput: one node per cycle.
+// Stall: none, runs free.
 module node_order #(
     localparam int CHILDREN = hierarchy_pkg::CHILDREN
 ) (

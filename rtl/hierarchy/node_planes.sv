@@ -2,7 +2,9 @@
 // Where a ray meets the planes of byte 0 of a node, nearer and farther, and how much T a byte is, an axis each
 // (node_front() of reference/pipes/ray_node.hpp).
 // 6 sub, 6 mul a node; a byte's T is an exponent and so exact.
-// Latency: LAT.add + LAT.mul clocks. Throughput: LANES nodes a clock. Stall: none, runs free.
+// Latency: LAT.add + LAT.mul cycles.
+// Throughput: LANES nodes per cycle.
+// Stall: none, runs free.
 `include "hierarchy.svh"
 module node_planes #(
     `DF_PARAMETERS

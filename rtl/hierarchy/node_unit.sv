@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which children of a node a ray meets, and in what order they are visited (node_boxes.sv, node_order.sv). Of a solid
 // what node_gaps.sv says takes the place of near, and nothing is behind it.
-// Latency: NODE_T_UNIT clocks (hierarchy.svh). Throughput: a node a clock. Stall: none, runs free.
+// Latency: NODE_T_UNIT cycles (hierarchy.svh).
+// Throughput: one node per cycle.
+// Stall: none, runs free.
 `include "hierarchy.svh"
 module node_unit #(
     parameter int EXP = 8,

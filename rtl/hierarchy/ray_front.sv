@@ -4,7 +4,9 @@
 // component of d is taken as less than 2^-80. Of rays that meet spheres M is infinite, so that they meet all boxes,
 // where R and d are not of sizes for which the pipe's own roundings are known.
 // 1 mul, 3 div, 4 add, 9 sub, 8 min/max; with spheres 2 mul, 2 compare, 2 max more.
-// Latency: RAY_T_FRONT clocks (hierarchy.svh). Throughput: LANES rays a clock. Stall: none, runs free.
+// Latency: RAY_T_FRONT cycles (hierarchy.svh).
+// Throughput: LANES rays per cycle.
+// Stall: none, runs free.
 `include "hierarchy.svh"
 module ray_front #(
     `DF_PARAMETERS,

@@ -2,7 +2,9 @@
 // Rays, or solids, on their way into a pass: a ring in memory that the bus writes, ray n of the pass at byte 32 (n mod
 // RAYS), one of more than 8 words at 64 (n mod RAYS / 2), and from which they are taken as far as the host has said
 // that they are there. Each is held against the input contract.
-// Latency: 2 clocks and shape_check's. Throughput: a ray a clock. Stall: pop_i.
+// Latency: 2 cycles and shape_check's.
+// Throughput: one ray per cycle.
+// Stall: pop_i.
 module ray_queue #(
     parameter config_pkg::config_t CONFIG,
     parameter int RAYS = hierarchy_pkg::RAYS,

@@ -12,7 +12,9 @@
 // of the work; nodes from its own to the root are as they were, the others are new. Of the root's box a ray needs what
 // its words say (box_of() there).
 // All that was asked for has come when done_o is high. After a reset nothing may come that was asked for before.
-// Latency: that of the way. Throughput: a child and one more a node a clock. Stall: fetch_ready_i.
+// Latency: that of the way.
+// Throughput: one child and one more a node per cycle.
+// Stall: fetch_ready_i.
 module refit #(
     parameter int CONTEXTS = 8,  // nodes under way: a power of two, 2 or more
     localparam int CX = $clog2(CONTEXTS),
@@ -24,10 +26,10 @@ module refit #(
     input logic [hierarchy_pkg::PLACE-1:0] first_node_i,  // those before it stay as they are
     input logic [hierarchy_pkg::PLACE-1:0] node_count_i,
     output logic busy_o,
-    output logic done_o,  // one clock
+    output logic done_o,  // one cycle
     output logic bad_o,   // until the next start
     output logic [hierarchy_pkg::PLACE-1:0] bad_slot_o,
-    // Node memory: what is read comes the clock after, as it was before that clock's write.
+    // Node memory: what is read comes the cycle after, as it was before that clock's write.
     output logic read_o,
     output logic [hierarchy_pkg::PLACE-1:0] read_at_o,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
@@ -53,7 +55,7 @@ module refit #(
   logic busy_q, done_q, bad_q, over;
   logic [PLACE-1:0] written_q;  // nodes from here on have been written
   logic [CX+3:0] asked_q;       // leaves that have not come
-  logic [7:0] recent_q;         // in which of the last clocks something was under way: longer than any of the pipes
+  logic [7:0] recent_q;         // in which of the last cycles something was under way: longer than any of the pipes
   assign over = busy_q && (bad_q ? recent_q == '0 : written_q == first_node_i);
   always_ff @(posedge clk_i) begin
     if (start_i) busy_q <= 1'b1;

@@ -11,7 +11,9 @@
 // Only numbers below half of the longest (M) lose something. Then the node is longer than M / 2, a byte is 2^16
 // integers at least, and what is lost takes one more byte at most. Otherwise, where all corners are near each other and
 // far from zero, all is exact. s is the least from 0 on with which bytes fit: finer than the integers nothing is.
-// Latency: 4 clocks. Throughput: a box a clock. Stall: none, runs free.
+// Latency: 4 cycles.
+// Throughput: one box per cycle.
+// Stall: none, runs free.
 module refit_axis (
     input logic clk_i,
     input logic first_i,         // this is the box of all; the others follow, before the next first

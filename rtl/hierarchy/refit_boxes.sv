@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Boxes of children of the nodes that are under way, and of each node the box of those that it has so far. Corners are
 // ordered words (hierarchy_pkg): lower x y z, upper x y z.
-// Latency: 1 clock from written to read. Throughput: a box in, a box and a node's out a clock. Stall: none.
+// Latency: 1 cycle from written to read.
+// Throughput: a box in, a box and a node's out per cycle.
+// Stall: none.
 module refit_boxes #(
     parameter int CONTEXTS = 8,  // a power of two, 2 or more
     parameter int FLAGS = 2,     // bits beside a box, >= 1, of which a node has any

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A node of new boxes: first the box of all its children, then each child's, give its words (refit_axis.sv); its
 // children's kinds and places stay. Bytes of places without a child are 0.
-// Latency: 6 clocks from the last box to the node. Throughput: a box a clock. Stall: none.
+// Latency: 6 cycles from the last box to the node.
+// Throughput: one box per cycle.
+// Stall: none.
 module refit_encode (
     input logic clk_i,
     input logic rst_i,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The box of a leaf's triangles, one or two, and which of them have no box (a coordinate that is no number or beyond
 // 2^40). Corners are ordered words (hierarchy_pkg): lower x y z, upper x y z.
-// Latency: 3 clocks. Throughput: a leaf a clock. Stall: none, runs free.
+// Latency: 3 cycles.
+// Throughput: one leaf per cycle.
+// Stall: none, runs free.
 module refit_leaf (
     input logic clk_i,
     input logic two_i,

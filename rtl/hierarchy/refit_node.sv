@@ -2,7 +2,9 @@
 // The box of a node from its words: all that its children's bytes reach. Its origin is the lower corner, exactly; the
 // upper one is rounded up. Of a node without children it is the origin. Corners are ordered words (hierarchy_pkg):
 // lower x y z, upper x y z.
-// Latency: 5 clocks. Throughput: a node a clock. Stall: none, runs free.
+// Latency: 5 cycles.
+// Throughput: one node per cycle.
+// Stall: none, runs free.
 module refit_node (
     input logic clk_i,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,

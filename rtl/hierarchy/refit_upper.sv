@@ -2,7 +2,9 @@
 // The upper corner of a node, of one axis: origin + byte 2^exponent, rounded up to fp32.
 // Both are brought to the larger exponent as integers with a bit more than fp32 has, what does not fit is rounded up,
 // and so is their sum. The exponent of a byte is 2^-80 at least, so no sum but zero is subnormal.
-// Latency: 4 clocks. Throughput: a corner a clock. Stall: none, runs free.
+// Latency: 4 cycles.
+// Throughput: one corner per cycle.
+// Stall: none, runs free.
 module refit_upper (
     input logic clk_i,
     input logic [31:0] origin_i,   // fp32, finite

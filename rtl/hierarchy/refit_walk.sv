@@ -2,7 +2,9 @@
 // Nodes of a tree from the last to the first, and the children of each: leaves are asked for, nodes are read once they
 // have been written. A node that a context is free for opens it. The next node's words are read ahead, in a clock in
 // which no child is.
-// Latency: 3 clocks to the first child. Throughput: a child a clock. Stall: fetch_ready_i, room_i, written_i.
+// Latency: 3 cycles to the first child.
+// Throughput: one child per cycle.
+// Stall: fetch_ready_i, room_i, written_i.
 module refit_walk #(
     parameter int CX = 3,  // bits of a context's number, >= 1
     localparam int HEADER = 2 * hierarchy_pkg::PLACE + 16
@@ -22,7 +24,7 @@ module refit_walk #(
     // Node memory.
     output logic read_o,
     output logic [hierarchy_pkg::PLACE-1:0] read_at_o,
-    input logic [5:3][31:0] node_i,  // words of what was read the clock before
+    input logic [5:3][31:0] node_i,  // words of what was read the cycle before
     output logic child_o,            // what is read is a child
     output logic [CX+2:0] child_at_o,  // context and child, of what is read and of what is fetched
     // Leaves.

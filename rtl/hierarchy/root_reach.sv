@@ -2,7 +2,9 @@
 // How far the box of a hierarchy's root reaches from here, a point or a box: the largest distance along an axis, from
 // end to end of both.
 // 6 sub, 5 max.
-// Latency: RAY_T_REACH clocks (hierarchy.svh). Throughput: LANES of them a clock. Stall: none, runs free.
+// Latency: RAY_T_REACH cycles (hierarchy.svh).
+// Throughput: LANES of them per cycle.
+// Stall: none, runs free.
 `include "hierarchy.svh"
 module root_reach #(
     `DF_PARAMETERS

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A word of each slot of a tree's leaves: which secondary is in it, or whose. On the bus two a beat, slot s at byte
 // 4 s.
-// Latency: 1 clock. Throughput: a beat written and a word read a clock. Stall: none.
+// Latency: 1 cycle.
+// Throughput: one beat written and a word read per cycle.
+// Stall: none.
 `include "secded.svh"
 module slot_memory #(
     parameter int SLOTS = 32768,  // power of two

@@ -5,7 +5,9 @@
 // root's box, e half the size of the solid's own. Of a triangle R is that from end to end of its box and the root's,
 // and e is 0.
 // 1 mul, 8 add, 12 sub, 7 max; of an OBB 9 mul, 6 add more, of a triangle 12 min/max.
-// Latency: SOLID_T_FRONT clocks (hierarchy.svh). Throughput: LANES solids a clock. Stall: none, runs free.
+// Latency: SOLID_T_FRONT cycles (hierarchy.svh).
+// Throughput: LANES solids per cycle.
+// Stall: none, runs free.
 `include "hierarchy.svh"
 module solid_front #(
     `DF_PARAMETERS,

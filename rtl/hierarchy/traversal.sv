@@ -10,8 +10,9 @@
 //               records <----+  +------------------------------------------------------------------------+
 //
 // A ray that comes has a free context (ray_ready_o); what is fetched comes back with the tag that was asked with.
-// Latency: that of the way. Throughput: UNITS nodes, a leaf, a ray and a record a clock. Stall:
-// ray_ready_o, fetch_ready_i, record_ready_i.
+// Latency: that of the way.
+// Throughput: UNITS nodes, a leaf, a ray and a record per cycle.
+// Stall: ray_ready_o, fetch_ready_i, record_ready_i.
 `include "hierarchy.svh"
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
@@ -30,7 +31,7 @@ module traversal #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    // Node memory, a port a unit, whose answer is there the clock after.
+    // Node memory, a port a unit, whose answer is there the cycle after.
     input logic [31:0] nodes_i,  // that it has
     output logic [UNITS-1:0] node_read_o,
     output logic [UNITS-1:0][hierarchy_pkg::PLACE-1:0] node_at_o,

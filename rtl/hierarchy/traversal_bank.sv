@@ -2,7 +2,8 @@
 // Contexts of one node unit: which node or leaf each of them visits next. A node is read and its boxes tested; the
 // first child that is met is visited at once, the others wait on the context's stack, from which the next is chosen
 // when a leaf has been tested or a node had none; ahead of its leaves, when a leaf has been sent.
-// Latency: of a visit NODE_T_UNIT + 2 clocks (hierarchy.svh), of a choice 2. Throughput: a node and a choice a clock.
+// Latency: of a visit NODE_T_UNIT + 2 cycles (hierarchy.svh), of a choice 2.
+// Throughput: one node and a choice per cycle.
 // Stall: none but leaf_ready_i and done_ready_i; all that waits are contexts, in queues that hold all of them.
 `include "hierarchy.svh"
 module traversal_bank #(
@@ -15,7 +16,7 @@ module traversal_bank #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    // Node memory, whose answer is there the clock after.
+    // Node memory, whose answer is there the cycle after.
     input logic [31:0] nodes_i,  // that it has
     output logic node_read_o,
     output logic [hierarchy_pkg::PLACE-1:0] node_at_o,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who is served of those that have something: one at a time, in turn.
-// Latency: 0 clocks. Throughput: one a clock. Stall: taken_i.
+// Latency: 0 cycles.
+// Throughput: one per cycle.
+// Stall: taken_i.
 module turns #(
     parameter int N = 2  // >= 1
 ) (

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Check bits of DDR, where a card has them: made for what is written, used on what is read, and counted by the words of
 // a beat that belong to a slot.
-// Latency: none for writes; reads 1 clock with ECC, else none. Throughput: one beat a clock each way. Stall: none.
+// Latency: none for writes; reads 1 cycle with ECC, else none.
+// Throughput: one beat per cycle each way.
+// Stall: none.
 `include "secded.svh"
 module ddr_check #(
     parameter config_pkg::config_t CONFIG,

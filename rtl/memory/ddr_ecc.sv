@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Error correction of what comes from DDR, a word by itself: one wrong bit is corrected, a word with two becomes NaN,
 // which no shape may have, so that nothing is concluded from it. What was corrected is not written back.
-// Latency: 1 clock. Throughput: one beat a clock. Stall: none.
+// Latency: 1 cycle.
+// Throughput: one beat per cycle.
+// Stall: none.
 `include "secded.svh"
 module ddr_ecc #(
     parameter config_pkg::config_t CONFIG,
@@ -18,7 +20,7 @@ module ddr_ecc #(
     input logic [BEAT-1:0][R-1:0] check_i,
     output logic valid_o,
     output logic [BEAT-1:0][CW-1:0] data_o,
-    output logic [BEAT-1:0] corrected_o,  // words, in the clocks of valid_o
+    output logic [BEAT-1:0] corrected_o,  // words, in the cycles of valid_o
     output logic [BEAT-1:0] failed_o
 );
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));

@@ -5,8 +5,9 @@
 // any time; whose the answers are waits in a queue.
 // Bit r of USED: reader r is there. The requests of others are not looked at, and where there is one reader alone all
 // of this is wires and its requests are always taken.
-// Latency: none, of requests and of answers. Throughput: one of each a clock. Stall: ready_o, also while DEPTH answers
-// are owed.
+// Latency: none, of requests and of answers.
+// Throughput: one of each per cycle.
+// Stall: ready_o, also while DEPTH answers are owed.
 module ddr_readers #(
     parameter int READERS = 2,  // 2 and more
     parameter logic [READERS-1:0] USED = '1,

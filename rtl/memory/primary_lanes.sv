@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Primary register file of one lane group: WORDS words a slot for ROWS rows of LANES primaries (a block RAM a lane in
 // hardware).
-// Latency: 0 (reads are combinational, the operators behind register them). Throughput: one slot written, one row read
-// a clock.
+// Latency: 0 (reads are combinational, the operators behind register them).
+// Throughput: one slot written, one row read per cycle.
 module primary_lanes #(
     parameter int CW = 32,
     parameter int LANES = 1,

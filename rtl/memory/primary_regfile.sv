@@ -4,7 +4,9 @@
 // is checked as every shape that the card's pairs have for a primary; which verdict counts is the pair's business. With
 // TRANSFORM = 2 a RAM keeps the slots as they were written, and posed ones come back from the transformer to be checked
 // and committed in their place.
-// Latency: 1 clock, verdicts shape_check's latency more (busy_o). Throughput: one beat a clock. Stall: none.
+// Latency: 1 cycle, verdicts shape_check's latency more (busy_o).
+// Throughput: one beat per cycle.
+// Stall: none.
 module primary_regfile #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -34,7 +36,7 @@ module primary_regfile #(
     input logic [31:0] write_addr_i,  // byte offset, 8-byte aligned
     input logic [63:0] write_data_i,
     input logic clk_moving_i,
-    input logic [PRIM_W-1:0] read_i,  // a slot as it was written, shown the clock after
+    input logic [PRIM_W-1:0] read_i,  // a slot as it was written, shown the cycle after
     output logic [WORDS-1:0][CW-1:0] written_o,
     input logic pose_i,  // a posed slot; never while the bus writes
     input logic [PRIM_W-1:0] pose_number_i,
@@ -42,7 +44,7 @@ module primary_regfile #(
 
     output logic [PRIMARIES-1:0] bad_o,  // primaries out of their pair's contract, or never written
     output logic busy_o,                 // verdicts are on their way
-    output logic commit_o,  // a slot is complete: its lane takes it at the next clock
+    output logic commit_o,  // a slot is complete: its lane takes it at the next cycle
     output logic [ROW_W-1:0] row_o,
     output logic [LANE_W-1:0] lane_o,
     output logic [WORDS-1:0][CW-1:0] slot_o
@@ -112,7 +114,7 @@ module primary_regfile #(
       assign words = slot_o[N-1:0];
       shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
           .clk_i(clk_check), .on_i(1'b1), .words_i(words), .bad_o(bad));
-      // The host back end answers at once; the clocks are those of the gates.
+      // The host back end answers at once; the cycles are those of the gates.
       align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check),
           .d_i(bad[0][0]), .q_o(bad_judged));
       logic [PRIMARIES-1:0] bad_q;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A word read with its check bits (secded.svh): one wrong bit, of data or check, is corrected, two are found.
-// Latency: 0. Throughput: one word a clock. Stall: none.
+// Latency: 0.
+// Throughput: one word per cycle.
+// Stall: none.
 `include "secded.svh"
 module secded_decode #(
     parameter int W = 32,

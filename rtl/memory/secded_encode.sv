@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Check bits of a word (secded.svh).
-// Latency: 0. Throughput: one word a clock. Stall: none.
+// Latency: 0.
+// Throughput: one word per cycle.
+// Stall: none.
 `include "secded.svh"
 module secded_encode #(
     parameter int W = 32,

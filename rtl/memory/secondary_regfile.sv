@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM those of the objects
 // in use, 9 words a beat, checks them and holds them in a FIFO. A slot of more than 9 words takes two beats. The head
-// stays until `pop_i`; with DEPTH above the memory latency there is a slot for every clock that asks for one.
+// stays until `pop_i`; with DEPTH above the memory latency there is a slot for every cycle that asks for one.
 // With TRANSFORM every slot goes through the transformer first: what is checked is what meets the primaries, so an
 // overflow on the way is bad input like any other.
-// Latency: the memory's, with TRANSFORM 1 clock and the transformer's, and shape_check's. Throughput: one beat a clock.
+// Latency: the memory's, with TRANSFORM 1 cycle and the transformer's, and shape_check's.
+// Throughput: one beat per cycle.
 // Stall: requests only what the FIFO has room for, and holds what is not taken.
 module secondary_regfile #(
     parameter config_pkg::config_t CONFIG,
@@ -37,7 +38,7 @@ module secondary_regfile #(
     output logic [OBJECT_W-1:0] transform_entry_o,   // of the slot that arrives
     output logic moving_o,                           // a slot arrives or is in the transformer
     input logic clk_moving_i,                        // runs then
-    output logic [WORDS-1:0][CW-1:0] unmoved_o,      // the slot, the clock after, as its transform
+    output logic [WORDS-1:0][CW-1:0] unmoved_o,      // the slot, the cycle after, as its transform
     input logic [WORDS-1:0][CW-1:0] moved_i,         // behind the transformer
 
     output card_pkg::ddr_request_t ddr_o,

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Result memory: a ring of records in SRAM, written by the update engine one record a clock, read by the local bus 64
+// Result memory: a ring of records in SRAM, written by the update engine one record per cycle, read by the local bus 64
 // bits a beat.
 // Beats are packed: with words of 32 bits the seventh of a record shares its beat with the first of the next one, so
 // that two records take seven beats. After a pass, and only then, a last record can be alone in that beat, with 0
 // beside it; the next pass's records begin with a beat. Two records are fetched ahead so that beats follow each other
 // without gaps.
-// Latency: 3 clocks from the first record to the first beat. Throughput: one record in, one beat out a clock. Stall:
-// full_o.
+// Latency: 3 cycles from the first record to the first beat.
+// Throughput: one record in, one beat out per cycle.
+// Stall: full_o.
 module sram_ring #(
     parameter int CW = 32,
     parameter int RECORDS = 524288,  // power of two
@@ -32,7 +33,7 @@ module sram_ring #(
     output logic [WORDS-1:0][CW-1:0] sram_write_data_o,
     output logic sram_read_o,
     output logic [AW-1:0] sram_read_addr_o,
-    input logic [WORDS-1:0][CW-1:0] sram_read_data_i  // the clock after sram_read_o
+    input logic [WORDS-1:0][CW-1:0] sram_read_data_i  // the cycle after sram_read_o
 );
   localparam int BEAT = 64 / CW;  // words
   logic [AW:0] write_q, fetch_q;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Words of 32 bits of a memory with check bits, as they come out of it: one wrong bit of a word is corrected.
-// Latency: 0. Throughput: WORDS words a clock. Stall: none.
+// Latency: 0.
+// Throughput: WORDS words per cycle.
+// Stall: none.
 `include "secded.svh"
 module words_ecc #(
     parameter int WORDS = 2,

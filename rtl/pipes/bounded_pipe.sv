@@ -2,8 +2,9 @@
 // The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap is at least that of the boxes
 // (gap_bound.sv); without it the pipe alone. The bound is of the pair as it comes: it needs no scaling.
 // With BOUND its operators, 1 compare and 1 max.
-// Latency: that of the pipe, and with BOUND LAT.cmp, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in
-// FACET_II clocks. Stall: none, runs free.
+// Latency: that of the pipe, and with BOUND LAT.cmp, latency_o; 0 with ARITH = "host".
+// Throughput: LANES pairs in FACET_II cycles.
+// Stall: none, runs free.
 `include "gap_bound.svh"
 module bounded_pipe #(
     `DF_PARAMETERS,

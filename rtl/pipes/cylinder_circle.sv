@@ -9,7 +9,8 @@
 //            has a better end
 //   refine   n replaces the end whose slope has its sign
 // 40 add, 62 mul, 1 div, 5 compare, 3 min/max (cylinder); 34 add, 51 mul, 1 div, 10 compare, 5 min/max (box, triangle).
-// Latency: LATENCY_STEP clocks, the slopes LATENCY_SLOPE; 0 with ARITH = "host". Throughput: one step a lane a clock.
+// Latency: LATENCY_STEP cycles, the slopes LATENCY_SLOPE; 0 with ARITH = "host".
+// Throughput: one step per lane per cycle.
 // Stall: none.
 `include "cylinder.svh"
 module cylinder_circle #(

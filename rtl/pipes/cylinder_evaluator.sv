@@ -4,8 +4,9 @@
 // Everything is relative to A's origin.
 // 46 add, 56 mul, 2 div, 2 sqrt, 2 compare (cylinder); 46 add, 39 mul, 1 div, 1 sqrt, 1 compare (box); 36 add, 36 mul,
 // 1 div, 1 sqrt, 5 compare, 4 min/max (triangle).
-// Latency: LATENCY_EVALUATOR clocks; 0 with ARITH = "host". Throughput: one evaluation a lane a clock. Stall: none,
-// runs free.
+// Latency: LATENCY_EVALUATOR cycles; 0 with ARITH = "host".
+// Throughput: one evaluation per lane per cycle.
+// Stall: none, runs free.
 `include "cylinder.svh"
 module cylinder_evaluator #(
     `DF_PARAMETERS,

@@ -5,7 +5,9 @@
 // sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n, damped. A step that does not raise g is undone and a
 // quarter of it tried. lo_n is the base, lo_y the step from it, score its g.
 // 63 add, 91 mul, 2 div, 3 sqrt, 6 compare, 7 min/max.
-// Latency: LATENCY_STEP clocks; 0 with ARITH = "host". Throughput: one step a lane a clock. Stall: none, runs free.
+// Latency: LATENCY_STEP cycles; 0 with ARITH = "host".
+// Throughput: one step per lane per cycle.
+// Stall: none, runs free.
 `include "cylinder.svh"
 module cylinder_free #(
     `DF_PARAMETERS

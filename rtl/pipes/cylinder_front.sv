@@ -2,7 +2,9 @@
 // Front of a pass between two cylinders: the unit normal that the pass evaluates (front() of
 // reference/pipes/cylinder/search.hpp). The phases that need c x x or (c x x) x c, a step on a circle among them, share
 // the cross products. 13 add, 24 mul, 1 div, 1 sqrt, 4 compare.
-// Latency: LATENCY_FRONT clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none, runs free.
+// Latency: LATENCY_FRONT cycles; 0 with ARITH = "host".
+// Throughput: one normal per lane per cycle.
+// Stall: none, runs free.
 `include "cylinder.svh"
 module cylinder_front #(
     `DF_PARAMETERS

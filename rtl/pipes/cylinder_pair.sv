@@ -7,18 +7,18 @@
 // witness points. RING rows are in flight, one a stage; what a row keeps lies in memories with a slot a row, read and
 // written by the stages that use it.
 // 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 203 add, 215 mul, 5 div, 4 sqrt, 35 compare, 16
-// min/max (box); 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max (triangle). RING, latency at one clock an
+// min/max (box); 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max (triangle). RING, latency at one cycle an
 // operator and the default budget: 64, 4,298; 64, 5,066; 70, 5,260.
-// Latency: ENTRY + passes * RING + FINISH clocks, latency_o, passes set by budget_i (schedule.hpp). Throughput: RING
-// rows in passes * RING clocks, a row a clock while slots are free. Stall: ready_o, low while the slot that comes by is
-// not about to be free; results come in the order of entry. With ARITH = "host" a whole pass is computed in the clock
-// in which its row could leave, on the same schedule.
+// Latency: ENTRY + passes * RING + FINISH cycles, latency_o, passes set by budget_i (schedule.hpp).
+// Throughput: RING rows in passes * RING cycles, a row per cycle while slots are free.
+// Stall: ready_o, low while the slot that comes by is not about to be free; results come in the order of entry. With
+// ARITH = "host" a whole pass is computed in the clock in which its row could leave, on the same schedule.
 `include "cylinder.svh"
 module cylinder_pair #(
     `DF_PARAMETERS,
     parameter int BODY = `BODY_CYLINDER,
-    parameter int AHEAD = 0,  // 0 or 1: clocks from valid_i and ready_o to the row's operands
-    // clocks from a row's entry to its first pass: at least scale_latency and LAT.add or LAT.mul
+    parameter int AHEAD = 0,  // 0 or 1: cycles from valid_i and ready_o to the row's operands
+    // cycles from a row's entry to its first pass: at least scale_latency and LAT.add or LAT.mul
     parameter int ENTRY = 5,
     localparam int A_WORDS = (BODY == `BODY_CYLINDER) ? 8 : (BODY == `BODY_BOX) ? 15 : 9
 ) (
@@ -26,13 +26,13 @@ module cylinder_pair #(
     input logic rst_i,
     // {K2, K1, M}, a byte each: M 4, 8 or 16, K1 and K2 to 64; constant while anything is in flight,
     input logic [23:0] budget_i,
-                                  // and from the clock before a row enters
+                                  // and from the cycle before a row enters
     input logic valid_i,
     output logic ready_o,
     input logic [31:0] tag_i,
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,  // cylinder, box or triangle
     input logic [7:0][LANES-1:0][CW-1:0] b_i,  // cylinder: c x y z, axis x y z, half height, radius
-    // lane mask that goes with the row, ENTRY clocks after it; with it if ARITH = "host"
+    // lane mask that goes with the row, ENTRY cycles after it; with it if ARITH = "host"
     input logic [LANES-1:0][CW-1:0] bad_i,
     output logic valid_o,
     output logic [31:0] tag_o,
@@ -63,15 +63,15 @@ module cylinder_pair #(
   localparam logic [CW-1:0] INFINITY = ((CW'(1) << EXP) - 1) << MAN;
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
 
-  // ---- Slots. now_q is the slot at the end of its pass; the one at stage t will be there T_END - t clocks later. ----
+  // ---- Slots. now_q is the slot at the end of its pass; the one at stage t will be there T_END - t cycles later. ----
   logic [AW-1:0] now_q;
   function automatic logic [AW-1:0] after(input logic [AW-1:0] now, input logic [AW:0] clocks);
     logic [AW:0] sum;
     sum = (AW + 1)'(now) + clocks;
     after = AW'((sum >= (AW + 1)'(RING)) ? sum - (AW + 1)'(RING) : sum);
   endfunction
-  `define SLOT(TIME) (GATES ? after(now_q, (AW + 1)'(GATES ? T_END - (TIME) : 0)) : now_q)  // no call of every clock
-  localparam int MOUTH = (GATES ? ENTRY : 0) + AHEAD;  // clocks from ready_o to the first pass' beginning
+  `define SLOT(TIME) (GATES ? after(now_q, (AW + 1)'(GATES ? T_END - (TIME) : 0)) : now_q)  // no call of every cycle
+  localparam int MOUTH = (GATES ? ENTRY : 0) + AHEAD;  // cycles from ready_o to the first pass' beginning
 
   // ---- Control: which pass each slot is in ----
   logic [RING-1:0] valid_q;

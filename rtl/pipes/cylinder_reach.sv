@@ -2,8 +2,9 @@
 // Largest and smallest n.x over the primary of a cylinder pair, relative to its origin, and where: the support points.
 // Signs and choices of a vertex are wires. 3 mul, 6 add (cylinder); 9 mul, 14 add (box); 6 mul, 4 add, 4 compare, 4
 // min/max (triangle).
-// Latency: LATENCY_REACH clocks from n, the rim is given LATENCY_RIM after it; 0 with ARITH = "host". Throughput: one a
-// lane a clock. Stall: none.
+// Latency: LATENCY_REACH cycles from n, the rim is given LATENCY_RIM after it; 0 with ARITH = "host".
+// Throughput: one per lane per cycle.
+// Stall: none.
 `include "cylinder.svh"
 module cylinder_reach #(
     `DF_PARAMETERS,

@@ -4,7 +4,9 @@
 // never n - (a.n) a, which loses all its digits beside the axis. Where m <= u, or the rim is switched off, kappa, side
 // and v are 0; switched off, so is the width.
 // 8 add, 23 mul, 1 div, 1 sqrt, 1 compare.
-// Latency: LATENCY_RIM clocks; 0 with ARITH = "host". Throughput: one rim a lane a clock. Stall: none, runs free.
+// Latency: LATENCY_RIM cycles; 0 with ARITH = "host".
+// Throughput: one rim per lane per cycle.
+// Stall: none, runs free.
 `include "cylinder.svh"
 module cylinder_rim #(
     `DF_PARAMETERS

@@ -7,8 +7,9 @@
 // does not fall. w is the best point so far, off how far it is from B, squared.
 // 86 add, 78 mul, 3 div, 2 sqrt, 14 compare, 8 min/max (cylinder); 83 add, 77 mul, 2 div, 1 sqrt, 13 compare, 11
 // min/max (box); 145 add, 137 mul, 5 div, 1 sqrt, 21 compare, 12 min/max (triangle).
-// Latency: LATENCY_CYLINDER_WITNESS clocks; 0 with ARITH = "host". Throughput: one pass a lane a clock. Stall: none,
-// runs free.
+// Latency: LATENCY_CYLINDER_WITNESS cycles; 0 with ARITH = "host".
+// Throughput: one pass per lane per cycle.
+// Stall: none, runs free.
 `include "cylinder.svh"
 module cylinder_witness #(
     `DF_PARAMETERS,

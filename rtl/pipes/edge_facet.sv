@@ -4,7 +4,9 @@
 // to. Nearest points: solve t in the plane perpendicular to the axis, then s on the box's edge, then t again for that
 // s. gap = -inf where there is no normal. If s is not at an end, v_I is 0; inverse_ff_o is 0 where t is at an end. 11
 // add, 12 mul, 2 compare, 6 min/max.
-// Latency: LATENCY_EDGE_FACET clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+// Latency: LATENCY_EDGE_FACET cycles; 0 with ARITH = "host".
+// Throughput: one facet per lane per cycle.
+// Stall: none.
 `include "convex.svh"
 module edge_facet #(
     `DF_PARAMETERS,

@@ -6,8 +6,9 @@
 // where the bodies are apart, the point of B - A to polish. A tree over facets carries only what is used of its result.
 // 5 COUNT + 7 add, 6 COUNT + 7 mul, 4 COUNT - 1 compare. With FACET_II = 3 three facets take turns at the key of the
 // witness.
-// Latency: s and witness LATENCY_WITNESS(COUNT) clocks, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host".
-// Throughput: one pair a lane in FACET_II clocks. Stall: none.
+// Latency: s and witness LATENCY_WITNESS(COUNT) cycles, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host".
+// Throughput: one pair a lane in FACET_II cycles.
+// Stall: none.
 `include "convex.svh"
 module facet_choice #(
     `DF_PARAMETERS,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The TURNS facets that a unit made in turn, side by side when the last one is there (after_turns.sv).
-// Latency: TURNS - 1 clocks from the first facet; 0 with ARITH = "host". Throughput: one set in TURNS clocks. Stall:
-// none.
+// Latency: TURNS - 1 cycles from the first facet; 0 with ARITH = "host".
+// Throughput: one set in TURNS cycles.
+// Stall: none.
 module facet_results #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A signed gap, as a pipe answers it, is made the bound where it is less (reference/pipes/gap_bound.hpp).
 // 1 compare, 1 max.
-// Latency: LAT.cmp clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+// Latency: LAT.cmp cycles; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none.
 `include "gap_bound.svh"
 module gap_at_least #(
     `DF_PARAMETERS

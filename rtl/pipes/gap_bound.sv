@@ -4,7 +4,9 @@
 // as its centre and half its size (reference/pipes/gap_bound.hpp).
 // 4 mul, 5 add, 10 sub, 1 sqrt, 1 compare, 13 min/max; of each OBB 9 mul, 6 add more, of each triangle 12 min/max, of
 // two solids 3 add.
-// Latency: GAP_T_BOUND clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+// Latency: GAP_T_BOUND cycles (gap_bound.svh); 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none.
 `include "gap_bound.svh"
 module gap_bound #(
     `DF_PARAMETERS,

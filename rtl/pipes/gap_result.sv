@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Way out of a convex pipe: F = (s <= 0), T = |s|, a NaN in n made the canonical one (a wire may have flipped its
 // sign), all outputs registered together. 1 compare.
-// Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+// Latency: to stage time LATENCY; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none.
 `include "dataflow.svh"
 module gap_result #(
     `DF_PARAMETERS,

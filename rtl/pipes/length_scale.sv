@@ -5,7 +5,8 @@
 // the answer back. host/include/cde/reference/pipes/scale.hpp.
 // Latency: LAT.cmp for the largest exponent and LAT.cmp for the shift, with a ray the larger of that and LAT.mul; 0
 // with ARITH = "host".
-// Throughput: LANES pairs a clock. Stall: none.
+// Throughput: LANES pairs per cycle.
+// Stall: none.
 `include "dataflow.svh"
 module length_scale #(
     `DF_PARAMETERS,
@@ -29,7 +30,7 @@ module length_scale #(
   localparam int LW = LANES * CW;
   localparam int LEAST = formats_pkg::length_low(EXP, MAN);
 
-  // ---- The largest exponent, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on; LAT.cmp clocks, dealt out
+  // ---- The largest exponent, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on; LAT.cmp cycles, dealt out
   // over its levels ----
   localparam int N_A = pairs_pkg::lengths(SHAPE_A);
   localparam int N_LENGTHS = N_A + pairs_pkg::lengths(SHAPE_B);
@@ -41,7 +42,7 @@ module length_scale #(
     align #(.W(LW), .FROM(FROM), .TO(LAT.cmp * (LEVELS - LEVEL) / LEVELS), .ARITH(ARITH)) align_size (
         .clk_i, .d_i(size), .q_o(late));
     if (i >= N_LENGTHS + N_A) begin : g_b
-      localparam int WORD = pairs_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // not a call of every clock
+      localparam int WORD = pairs_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // not a call of every cycle
       assign size = b_i[WORD];
     end else if (i >= N_LENGTHS) begin : g_a
       localparam int WORD = pairs_pkg::length_word(SHAPE_A, i - N_LENGTHS);
@@ -91,7 +92,7 @@ module length_scale #(
     assign unused = &{1'b0, ray_down, t_scale};
   end
 
-  // ---- The words: moved a clock after the shift is known, where there are two ----
+  // ---- The words: moved a cycle after the shift is known, where there are two ----
   localparam int MOVE = (LATENCY - LAT.cmp > 1) ? LAT.cmp + 1 : LAT.cmp;
   logic [LANES-1:0][CW-1:0] down_late, ray_down_late;
   align #(.W(2 * LW), .FROM(LAT.cmp), .TO(MOVE), .ARITH(ARITH)) align_down (

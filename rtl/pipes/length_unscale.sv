@@ -2,8 +2,9 @@
 // The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
 // ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses. Solids touch, F = 1, where T is below
 // the normal numbers at size one. No other T becomes zero, so F and T agree.
-// Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host". Throughput: LANES pairs a
-// clock. Stall: none.
+// Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none.
 `include "dataflow.svh"
 module length_unscale #(
     `DF_PARAMETERS,

@@ -6,7 +6,9 @@
 // one where t has the sign of n's leading component. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every
 // term projected, also n.f_J, which should be 0.
 // 26 add, 22 mul, 4 compare, 6 min/max.
-// Latency: LATENCY_OBB_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+// Latency: LATENCY_OBB_EDGE cycles; 0 with ARITH = "host".
+// Throughput: one facet per lane per cycle.
+// Stall: none.
 `include "convex.svh"
 module obb_edge #(
     `DF_PARAMETERS,

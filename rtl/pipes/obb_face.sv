@@ -2,7 +2,9 @@
 // Facet of face I of box A, on the side of `side`'s sign, and the corner of box B nearest to it, in A's frame: A's
 // centre is 0, its axes are e_i, B has centre t and half edges f_j, and `signs` is component I of B's turned axes. The
 // gap is |t_I| - a_I - sum of |f_jI|. 18 add, 3 mul, 4 min/max.
-// Latency: LATENCY_OBB_FACE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+// Latency: LATENCY_OBB_FACE cycles; 0 with ARITH = "host".
+// Throughput: one facet per lane per cycle.
+// Stall: none.
 `include "convex.svh"
 module obb_face #(
     `DF_PARAMETERS,

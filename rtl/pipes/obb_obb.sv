@@ -8,7 +8,9 @@
 // sqrt, 123 compare, 91 min/max.
 // With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the
 // facets three by three at the key of the witness: 372 add, 335 mul, 7 div, 4 sqrt, 81 compare, 43 min/max.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
+// Latency: LATENCY cycles; 0 with ARITH = "host".
+// Throughput: LANES pairs in FACET_II cycles.
+// Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(
     `DF_PARAMETERS,

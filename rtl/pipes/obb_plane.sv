@@ -3,7 +3,9 @@
 // the plane. With HALF_SPACE the plane is the solid n.x <= d: s = H - R, n into it. The box's support point takes
 // sign(0) = 0, which is the centroid of the touching edge or face; CP is s/2 beyond it.
 // F = (s <= 0), T = |s|. 24 add, 28 mul, 4 compare.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: LATENCY cycles; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none, runs free.
 `include "pipe.svh"
 module obb_plane #(
     `DF_PARAMETERS,

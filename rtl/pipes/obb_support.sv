@@ -2,7 +2,9 @@
 // The corner of box B less the corner of box A that is farthest against v, and that corner of A, in A's frame (see
 // obb_face.sv).
 // 18 add, 9 mul.
-// Latency: LATENCY_OBB_SUPPORT clocks; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none.
+// Latency: LATENCY_OBB_SUPPORT cycles; 0 with ARITH = "host".
+// Throughput: one point per lane per cycle.
+// Stall: none.
 `include "convex.svh"
 module obb_support #(
     `DF_PARAMETERS

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mouth of a pipe whose facet units take turns: with FACET_II = 3 it holds a pair's operands for three clocks and
-// counts them, so that whatever is computed from operands alone stands for three clocks, at every stage. With FACET_II
+// Mouth of a pipe whose facet units take turns: with FACET_II = 3 it holds a pair's operands for three cycles and
+// counts them, so that whatever is computed from operands alone stands for three cycles, at every stage. With FACET_II
 // = 1, or ARITH = "host", wires.
-// Latency: FACET_T_IN clocks (convex.svh); 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks.
+// Latency: FACET_T_IN cycles (convex.svh); 0 with ARITH = "host".
+// Throughput: one pair a lane in FACET_II cycles.
 // Stall: none.
 module pair_hold #(
     parameter int FACET_II = 1,  // 1 or 3
@@ -11,7 +12,7 @@ module pair_hold #(
     parameter ARITH = "rtl"
 ) (
     input logic clk_i,
-    input logic enter_i,  // at least FACET_II clocks after the last one
+    input logic enter_i,  // at least FACET_II cycles after the last one
     input logic [A_BITS-1:0] a_i,
     input logic [B_BITS-1:0] b_i,
     output logic [A_BITS-1:0] a_o,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pipe of a pair (pairs_pkg::PAIR_*) behind one kind of mouth.
-// Latency: that of the pipe, latency_o; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none,
-// runs free.
+// Latency: that of the pipe, latency_o; 0 with ARITH = "host".
+// Throughput: LANES pairs in FACET_II cycles.
+// Stall: none, runs free.
 `include "pipe.svh"
 module pair_pipe #(
     `DF_PARAMETERS,
@@ -9,7 +10,7 @@ module pair_pipe #(
     parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box (ray_box.sv)
     parameter int HALF_SPACE = 0,  // of pairs with a plane, 1: the plane is the solid n.x <= d
-    parameter int FACET_II = 1,  // of pairs with facets: clocks from one pair of a lane to the next, 1 or 3
+    parameter int FACET_II = 1,  // of pairs with facets: cycles from one pair of a lane to the next, 1 or 3
     parameter int B_LANES = LANES,  // secondaries a clock: 1 (broadcast to all lanes) or LANES
     localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
     localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))

@@ -2,8 +2,9 @@
 // A vector made perpendicular to an edge f that it ends on: v - (v.f / f.f) f, with 0 for 1 / f.f where it ends on no
 // edge.
 // 5 add, 7 mul.
-// Latency: LATENCY_PERPENDICULAR clocks from the latest input; 0 with ARITH = "host". Throughput: one vector a lane a
-// clock. Stall: none.
+// Latency: LATENCY_PERPENDICULAR cycles from the latest input; 0 with ARITH = "host".
+// Throughput: one vector per lane per cycle.
+// Stall: none.
 `include "convex.svh"
 module perpendicular #(
     `DF_PARAMETERS,

@@ -7,7 +7,8 @@
 // between the ends of the longest edge. 43 add, 71 mul, 9 compare, 6 min/max.
 // Latency: to POINT_TRIANGLE_T_V of triangle.svh, h_o LAT.mul + 2*LAT.add after the later of w and m; 0 with ARITH =
 // "host".
-// Throughput: one point a lane a clock. Stall: none.
+// Throughput: one point per lane per cycle.
+// Stall: none.
 `include "triangle.svh"
 module point_triangle #(
     `DF_PARAMETERS,

@@ -3,7 +3,8 @@
 // if the gap along near.v, near.v.far.v / |near.v|, is less than |near.v| by more than `tie`, the point nearest the
 // origin on the segment between them, else near. v is the point of B - A, p the point of A that it comes from; slack is
 // what near had: |near.v| (|near.v| - the gap). 16 add, 13 mul, 1 div, 1 compare, 3 min/max.
-// Latency: LATENCY_POLISH clocks from the latest input; 0 with ARITH = "host". Throughput: one point a lane a clock.
+// Latency: LATENCY_POLISH cycles from the latest input; 0 with ARITH = "host".
+// Throughput: one point per lane per cycle.
 // Stall: none.
 `include "convex.svh"
 module polish #(

@@ -8,7 +8,9 @@
 //   refine    w = e x next, c = w x e
 //   frame     e1 x e2 (triangle)                                 |e1 x e2|^2, e1.e1
 // 29 add, 31 mul, 1 div, 2 sqrt, 6 compare (box); 25 add, 36 mul, 1 div, 2 sqrt, 11 compare (triangle).
-// Latency: LATENCY_FRONT clocks; 0 with ARITH = "host". Throughput: one normal a lane a clock. Stall: none, runs free.
+// Latency: LATENCY_FRONT cycles; 0 with ARITH = "host".
+// Throughput: one normal per lane per cycle.
+// Stall: none, runs free.
 `include "cylinder.svh"
 module polyhedron_front #(
     `DF_PARAMETERS,

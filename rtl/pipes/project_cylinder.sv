@@ -2,8 +2,9 @@
 // Nearest point of a solid cylinder, or where masks say so of the rim of a cap or of a line of its side: a round side
 // and a plane that touches it part so slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1
 // sqrt, 1 compare, 3 min/max.
-// Latency: LATENCY_PROJECT_CYLINDER clocks from the later of x and c, the others are early; 0 with ARITH = "host".
-// Throughput: one point a lane a clock. Stall: none, runs free.
+// Latency: LATENCY_PROJECT_CYLINDER cycles from the later of x and c, the others are early; 0 with ARITH = "host".
+// Throughput: one point per lane per cycle.
+// Stall: none, runs free.
 `include "cylinder.svh"
 module project_cylinder #(
     `DF_PARAMETERS,

@@ -4,8 +4,9 @@
 // and v0 remains. Or, where `feature` is set, nearest point of the vertex, edge or face that n touches, up to `near`
 // radian.
 // 18 add, 27 mul, 3 compare, 6 min/max (box); 80 add, 88 mul, 3 div, 13 compare, 7 min/max (triangle).
-// Latency: LATENCY_PROJECT clocks from x; 0 with ARITH = "host". Throughput: one point a lane a clock. Stall: none,
-// runs free.
+// Latency: LATENCY_PROJECT cycles from x; 0 with ARITH = "host".
+// Throughput: one point per lane per cycle.
+// Stall: none, runs free.
 `include "cylinder.svh"
 module project_polyhedron #(
     `DF_PARAMETERS,

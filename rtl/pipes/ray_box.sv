@@ -4,7 +4,8 @@
 // in the box of a triangle without area; an infinite |t d|_1 makes no margin. The triangle's part is computed once for
 // all lanes if it is broadcast. Without BOX: a wire.
 // 1 mul, 2 add, 6 sub, 3 compare a ray, and those of triangle_bounds.sv a triangle.
-// Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
 // Stall: none.
 `include "ray_box.svh"
 module ray_box #(

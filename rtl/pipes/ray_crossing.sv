@@ -2,8 +2,8 @@
 // Way out of a ray pipe against a solid: where the ray enters it if that is in [tmin, tmax], else where it leaves it;
 // CP = o + t d.
 // 3 mul, 3 add, 4 compare.
-// Latency: T_ENTER_LEAVE + LAT.cmp + LAT.mul + LAT.add + 1, latency_o; 0 with ARITH = "host". Throughput: LANES pairs a
-// clock.
+// Latency: T_ENTER_LEAVE + LAT.cmp + LAT.mul + LAT.add + 1, latency_o; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
 // Stall: none.
 `include "pipe.svh"
 module ray_crossing #(

@@ -5,7 +5,8 @@
 // identity, with e taken without the part of w along the axis. Along the axis (A = 0, or so little that r^2/A = inf)
 // and across it (d.a = 0) nothing is bounded, or nothing is left.
 // 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 compare, 3 min/max.
-// Latency: latency_o clocks (21 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Latency: latency_o cycles (21 when every operator takes one); 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
 `include "pipe.svh"
 module ray_cylinder #(

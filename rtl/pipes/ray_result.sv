@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Way out of a ray pipe: T and CP of a hit, T = +inf and CP = 0 of a miss, all outputs registered together. A hit has a
 // finite T and CP, or it is none; its T is never -0.
-// Latency: to stage time LATENCY; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none.
+// Latency: to stage time LATENCY; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none.
 `include "dataflow.svh"
 module ray_result #(
     `DF_PARAMETERS,

@@ -4,7 +4,8 @@
 // roots are (f.f - r^2)/a/q, no larger than q, and q, in this order when b > 0; no product has more than two lengths. T
 // is the first root in [tmin, tmax]; D < 0 is a miss.
 // 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare, 1 min/max.
-// Latency: latency_o clocks (20 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Latency: latency_o cycles (20 when every operator takes one); 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
 `include "pipe.svh"
 module ray_sphere #(

@@ -2,8 +2,9 @@
 // Ray against triangle after Badouel 1990, the paper's equations (1) and (2): N = E1 x E2, t = (N.V0 - N.O)/N.D, P = O
 // + t D, and two barycentric coordinates of P in the plane's dominant projection, compared with N_k unscaled.
 // Two-sided; N.D = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 22 mul, 1 div, 10 add, 14 sub, 8 compare.
-// Latency: LATENCY clocks (16 when every operator takes one, with BOX too); 0 with ARITH = "host". Throughput: LANES
-// pairs a clock. Stall: none, runs free.
+// Latency: LATENCY cycles (16 when every operator takes one, with BOX too); 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_badouel #(
     `RAY_TRIANGLE_PARAMETERS

@@ -5,7 +5,7 @@
 // +inf, CP = 0.
 // 27 multipliers, 1 divider, 12 adders, 15 subtractors, 8 comparators.
 //
-// Latency: LATENCY clocks (10 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Latency: LATENCY cycles (10 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_moller #(

@@ -4,7 +4,8 @@
 // triangles at an edge take the same side of it and closed meshes do not leak. T = (U Az + V Bz + W Cz)/det/D_kz with
 // det = U + V + W, divided by D_kz last so that nothing but lengths is multiplied before; CP is the barycentric point.
 // Two-sided; det = 0, edge-on or without area, is a miss: T = +inf, CP = 0. 30 mul, 3 div, 13 add, 18 sub, 8 compare.
-// Latency: LATENCY clocks (17 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs a clock.
+// Latency: LATENCY cycles (17 when every operator takes one); 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_watertight #(

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pipe of a pair (pair_pipe.sv), with the pair brought to the size of one in front of it and its answer brought
 // back behind it, where pairs_pkg::scaled says so; elsewhere the pipe alone.
-// Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host". Throughput:
-// LANES pairs in FACET_II clocks. Stall: none, runs free.
+// Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host".
+// Throughput: LANES pairs in FACET_II cycles.
+// Stall: none, runs free.
 `include "pipe.svh"
 module scaled_pipe #(
     `DF_PARAMETERS,

@@ -2,7 +2,9 @@
 // Between which points a shape lies, an axis each: of a triangle its least and largest coordinates, of an AABB its
 // corners, of a solid its centre, from where solid_half.sv goes on (reference/pipes/gap_bound.hpp).
 // Of a triangle 12 min/max, else wires.
-// Latency: SHAPE_T_HULL clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES shapes a clock. Stall: none.
+// Latency: SHAPE_T_HULL cycles (gap_bound.svh); 0 with ARITH = "host".
+// Throughput: LANES shapes per cycle.
+// Stall: none.
 `include "gap_bound.svh"
 module shape_hull #(
     `DF_PARAMETERS,

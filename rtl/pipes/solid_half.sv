@@ -2,7 +2,9 @@
 // Half the size of a solid's own box, an axis each (reference/pipes/gap_bound.hpp): of a sphere r, of an OBB |R| h,
 // of a triangle or an AABB, which are taken from end to end, 0.
 // Of an OBB 9 mul, 6 add.
-// Latency: SOLID_T_HALF clocks (gap_bound.svh); 0 with ARITH = "host". Throughput: LANES solids a clock. Stall: none.
+// Latency: SOLID_T_HALF cycles (gap_bound.svh); 0 with ARITH = "host".
+// Throughput: LANES solids per cycle.
+// Stall: none.
 `include "gap_bound.svh"
 module solid_half #(
     `DF_PARAMETERS,

@@ -5,7 +5,7 @@
 // the lowest axis.
 // s = distance - r, n from the sphere to the box, CP = q + (s/2) m with m = -n out of the box. F = (s <= 0), T = |s|.
 // 36 add, 37 mul, 1 div, 1 sqrt, 5 compare, 6 min/max.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: LATENCY cycles; 0 with ARITH = "host". Throughput: LANES pairs per cycle. Stall: none, runs free.
 `include "pipe.svh"
 module sphere_obb #(
     `DF_PARAMETERS

@@ -2,7 +2,9 @@
 // Sphere against plane, which has two sides: H = n.c - d, s = |H| - r, n from the sphere to the plane. With HALF_SPACE
 // the plane is the solid n.x <= d: s = H - r, n into it. CP = c + (r + s/2) n. F = (s <= 0), T = |s|.
 // 8 add, 7 mul, 1 compare.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: LATENCY cycles; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none, runs free.
 `include "pipe.svh"
 module sphere_plane #(
     `DF_PARAMETERS,

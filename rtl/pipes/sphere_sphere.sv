@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sphere against sphere: s = |cB - cA| - (rA + rB), n from A to B, CP = cA + (rA + s/2) n. Centres so close that their
 // squared distance is subnormal take n = (0, 0, 1). F = (s <= 0), T = |s|. 11 add, 10 mul, 1 div, 1 sqrt, 2 compare.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: LATENCY cycles; 0 with ARITH = "host". Throughput: LANES pairs per cycle. Stall: none, runs free.
 `include "pipe.svh"
 module sphere_sphere #(
     `DF_PARAMETERS

@@ -3,7 +3,8 @@
 // the margin 8 u max(|c| + h); -infinity, which holds no point, if the triangle's normal is nothing but rounding:
 // |N_k| <= 4 u (|p| + e + |q|) for both products p, q of every component, e the least normal number.
 // 13 mul, 15 add, 12 sub, 3 compare, 14 min/max.
-// Latency: RAY_T_CENTRE and RAY_T_HALF (ray_box.svh); 0 with ARITH = "host". Throughput: LANES triangles a clock.
+// Latency: RAY_T_CENTRE and RAY_T_HALF (ray_box.svh); 0 with ARITH = "host".
+// Throughput: LANES triangles per cycle.
 // Stall: none.
 `include "ray_box.svh"
 module triangle_bounds #(

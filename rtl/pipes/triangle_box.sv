@@ -7,8 +7,8 @@
 // 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max. With FACET_II = 3 the edges of the triangle take turns
 // in a unit an edge of the box, and the facets three by three at the key of the witness: 301 add, 329 mul, 10 div, 5
 // sqrt, 100 compare, 78 min/max.
-// Latency: LATENCY_TRIANGLE_BOX clocks; 0 with ARITH = "host". Throughput: one pair a lane in FACET_II clocks, for
-// which its operands stand.
+// Latency: LATENCY_TRIANGLE_BOX cycles; 0 with ARITH = "host".
+// Throughput: one pair a lane in FACET_II cycles, for which its operands stand.
 // Stall: none.
 `include "triangle.svh"
 module triangle_box #(

@@ -3,7 +3,9 @@
 // turn. The normal e_I x f is turned so that the triangle lies behind its edge, which is where the difference of the
 // two bodies has this facet: (e_I x f_J).(third vertex - edge) has the sign of component I of f_J x f_J+1, which is
 // side_i. 17 add, 25 mul, 1 div, 1 sqrt, 3 compare, 8 min/max.
-// Latency: LATENCY_TRIANGLE_BOX_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+// Latency: LATENCY_TRIANGLE_BOX_EDGE cycles; 0 with ARITH = "host".
+// Throughput: one facet per lane per cycle.
+// Stall: none.
 `include "triangle.svh"
 module triangle_box_edge #(
     `DF_PARAMETERS,

@@ -3,7 +3,9 @@
 // larger gap, ties the upper one (low + high is within tie of 0). The vertex is the lowest one along the normal by the
 // turned edges, of which component I is given.
 // 8 add, 3 mul, 4 compare, 9 min/max.
-// Latency: LATENCY_TRIANGLE_BOX_FACE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+// Latency: LATENCY_TRIANGLE_BOX_FACE cycles; 0 with ARITH = "host".
+// Throughput: one facet per lane per cycle.
+// Stall: none.
 `include "triangle.svh"
 module triangle_box_face #(
     `DF_PARAMETERS,

@@ -4,7 +4,8 @@
 // turned edges: the corner is chosen by its signs.
 // 63 add, 83 mul, 12 compare, 11 min/max.
 // Latency: inputs at the stage times that triangle.svh gives, the facet at TRIANGLE_FACE_T; 0 with ARITH = "host".
-// Throughput: one facet a lane a clock. Stall: none.
+// Throughput: one facet per lane per cycle.
+// Stall: none.
 `include "triangle.svh"
 module triangle_face #(
     `DF_PARAMETERS

@@ -3,7 +3,9 @@
 // CP the midpoint of the witness points. F = (s <= 0), T = |s|. 492 add, 576 mul, 16 div, 11 sqrt, 128 compare, 127
 // min/max.
 // With FACET_II = 3 facets take turns: 350 add, 378 mul, 10 div, 5 sqrt, 102 compare, 79 min/max.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs in FACET_II clocks. Stall: none, runs free.
+// Latency: LATENCY cycles; 0 with ARITH = "host".
+// Throughput: LANES pairs in FACET_II cycles.
+// Stall: none, runs free.
 `include "triangle.svh"
 module triangle_obb #(
     `DF_PARAMETERS,

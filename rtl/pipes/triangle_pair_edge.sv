@@ -6,7 +6,9 @@
 // points: solve t across e, then s on A's edge, then t again for that s. Where neither is at an end v is along the
 // normal; else v ends on the edge f_o, and inverse_ff_o is 1 / f.f of it, or 0 if on none.
 // 53 add, 64 mul, 1 div, 1 sqrt, 7 compare, 14 min/max; 47 add with I = 0.
-// Latency: LATENCY_TRIANGLE_PAIR_EDGE clocks; 0 with ARITH = "host". Throughput: one facet a lane a clock. Stall: none.
+// Latency: LATENCY_TRIANGLE_PAIR_EDGE cycles; 0 with ARITH = "host".
+// Throughput: one facet per lane per cycle.
+// Stall: none.
 `include "triangle_pair.svh"
 module triangle_pair_edge #(
     `DF_PARAMETERS,

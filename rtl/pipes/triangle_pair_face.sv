@@ -3,7 +3,8 @@
 // the larger gap, ties the one that the normal is on. A's first vertex is 0.
 // 70 add, 86 mul, 13 compare, 15 min/max; 67 add of B.
 // Latency: inputs at the stage times that triangle.svh gives, the facet at TRIANGLE_PAIR_FACE_T; 0 with ARITH = "host".
-// Throughput: one facet a lane a clock. Stall: none.
+// Throughput: one facet per lane per cycle.
+// Stall: none.
 `include "triangle_pair.svh"
 module triangle_pair_face #(
     `DF_PARAMETERS,

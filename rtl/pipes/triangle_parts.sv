@@ -6,7 +6,8 @@
 // (flat_o clear) takes the coordinate axis nearest to perpendicular to e instead, one without length m = (0, 0, 1).
 // 27 add, 33 mul, 4 div, 1 sqrt, 10 compare, 2 min/max.
 // Latency: each output at a time of its own, TRIANGLE_T_* of triangle.svh, flat_o with m_o; 0 with ARITH = "host".
-// Throughput: one triangle a lane a clock. Stall: none.
+// Throughput: one triangle per lane per cycle.
+// Stall: none.
 `include "triangle.svh"
 module triangle_parts #(
     `DF_PARAMETERS

@@ -4,7 +4,9 @@
 // the direction to it is lost, n is the plane's normal. n points from the triangle to the sphere; CP = pA + (s/2) n, pA
 // the closest point. F = (s <= 0), T = |s|.
 // 146 add, 171 mul, 7 div, 2 sqrt, 33 compare, 16 min/max.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: LATENCY cycles; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none, runs free.
 `include "triangle.svh"
 module triangle_sphere #(
     `DF_PARAMETERS

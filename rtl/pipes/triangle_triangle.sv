@@ -5,7 +5,9 @@
 // tells whether the origin is in it or beside it: so the gap along the nearest vector is proof enough that they are
 // apart. s = signed gap, n from A to B, CP the midpoint of the witness points. F = (s <= 0), T = |s|.
 // 824 add, 983 mul, 20 div, 15 sqrt, 176 compare, 172 min/max.
-// Latency: LATENCY clocks; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: LATENCY cycles; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none, runs free.
 `include "triangle_pair.svh"
 module triangle_triangle #(
     `DF_PARAMETERS

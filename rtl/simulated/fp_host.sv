@@ -3,7 +3,9 @@
 // pipe computes in the clock its result leaves, and the engine hands it its operands that much later, so that the
 // timing outside is that of the gates while nothing inside is stored from clock to clock
 // (docs/background/architecture.md).
-// Latency: 0. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module fp_host #(
     parameter int OP = formats_pkg::FP_ADD,
     parameter int EXP = 8,

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an operator takes and gives in each clock, told to the model's harness, where CDE_TAP is defined (TAP=1 of the
-// builder): of lane 0. r_i is the result of the operands that came LAT clocks before; where on_i is 0 nobody looks at
+// What an operator takes and gives in each cycle, told to the model's harness, where CDE_TAP is defined (TAP=1 of the
+// builder): of lane 0. r_i is the result of the operands that came LAT cycles before; where on_i is 0 nobody looks at
 // it, and all words are told as ones.
-// Latency: none. Throughput: one operation a clock. Stall: none.
+// Latency: none.
+// Throughput: one operation per cycle.
+// Stall: none.
 module operator_tap #(
     parameter int OP = formats_pkg::FP_ADD,
     parameter int CW = 32,

@@ -3,7 +3,9 @@
 // a top-level input at every step, whatever has changed. The harness changes the wires with the falling PCI clock and
 // at no other time, so taking them over there gives the same bits at every rising edge, and costs nothing while that
 // clock rests.
-// Latency: none. Throughput: all of them every clock. Stall: none.
+// Latency: none.
+// Throughput: all of them every cycle.
+// Stall: none.
 module pci_pins #(
     parameter int W = 1
 ) (

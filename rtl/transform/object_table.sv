@@ -4,8 +4,9 @@
 // the slots lie in, its rotation to be orthonormal as an OBB's must be, its translation to be finite, and for AABBs the
 // rotation to be the identity. An entry never written is out of contract. The range takes effect with its second word,
 // the transform with its last.
-// Latency: ranges and transforms are read in 1 clock; verdicts of transforms take shape_check's latency (busy_o).
-// Throughput: one beat written, one range and one transform read a clock. Stall: none.
+// Latency: ranges and transforms are read in 1 cycle; verdicts of transforms take shape_check's latency (busy_o).
+// Throughput: one beat written, one range and one transform read per cycle.
+// Stall: none.
 module object_table #(
     parameter config_pkg::config_t CONFIG,
     parameter int ENTRIES = 1024,  // 2 to 2,048

@@ -2,7 +2,9 @@
 // What moves objects: the object tables of secondaries and, with TRANSFORM = 2, of primaries, the one transformer that
 // both go through, and the poser of primaries. Secondaries are transformed on their way into the secondary register
 // file, primaries before a pass.
-// Latency: 1 clock (the RAMs), then the transformer's. Throughput: one slot a clock. Stall: none.
+// Latency: 1 cycle (the RAMs), then the transformer's.
+// Throughput: one slot per cycle.
+// Stall: none.
 module objects #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -47,7 +49,7 @@ module objects #(
 
     output logic pose_wanted_o,
     input logic pose_i,
-    output logic posed_o,  // one clock
+    output logic posed_o,  // one cycle
     output logic [PRIM_W-1:0] read_o,
     input logic [PRIM_WORDS-1:0][CW-1:0] written_i,
     output logic pose_commit_o,

@@ -3,9 +3,10 @@
 // were written through the transformer into the lanes. Only what was written since the last time makes it necessary: a
 // transform or a primary poses the objects again; a range, the number of objects, a shape or the split also restore all
 // primaries first, as some may have left their object. Where objects overlap, the last one counts.
-// Latency: n + T_DONE + 1 clocks for n slots of objects, PRIMARIES + 2 more with a restore, until the verdicts on what
+// Latency: n + T_DONE + 1 cycles for n slots of objects, PRIMARIES + 2 more with a restore, until the verdicts on what
 // was posed are there.
-// Throughput: one slot a clock. Stall: none.
+// Throughput: one slot per cycle.
+// Stall: none.
 module primary_poser #(
     parameter int PRIMARIES = 256,
     parameter int ENTRIES = 64,
@@ -26,12 +27,12 @@ module primary_poser #(
 
     output logic wanted_o,
     input logic pose_i,    // while it may work
-    output logic done_o,  // one clock
+    output logic done_o,  // one cycle
 
     output logic [ENTRY_W-1:0] range_entry_o,
     input logic [1:0][31:0] range_i,
     output logic [ENTRY_W-1:0] transform_entry_o,
-    output logic [PRIM_W-1:0] read_o,   // slot that the RAM shows the clock after, when it enters the transformer
+    output logic [PRIM_W-1:0] read_o,   // slot that the RAM shows the cycle after, when it enters the transformer
     output pairs_pkg::shape_t shape_o,  // of that slot
     output logic plain_o,
     output logic moving_o,              // a slot is read or in the transformer
@@ -92,7 +93,7 @@ module primary_poser #(
   assign shape_o = shapes_i[read_o >= split_i];
   assign moving_o = walking || (T_COMMIT > 0 && on_its_way[T_MOVING:0] != '0);
 
-  // The slot is in front of the transformer the clock after its step.
+  // The slot is in front of the transformer the cycle after its step.
   logic [PRIM_W-1:0] number_q;
   always_ff @(posedge clk_i) number_q <= PRIM_W'(slot);
   align #(.W(PRIM_W), .FROM(0), .TO(T_COMMIT)) align_number (.clk_i, .d_i(number_q), .q_o(number_o));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steps through slots, one a clock: those of one range, or of the ranges of an object table's entries 0 to objects_i -
 // 1, one after the other without a gap, however short they are. The table's read port is kept one entry ahead.
-// Latency: 1 clock from start_i to the first slot. Throughput: one slot a clock. Stall: a slot stays until step_i.
+// Latency: 1 cycle from start_i to the first slot.
+// Throughput: one slot per cycle.
+// Stall: a slot stays until step_i.
 module range_walk #(
     parameter int ENTRIES = 0,  // of the table; 0: there is none
     localparam int ENTRY_W = (ENTRIES > 1) ? $clog2(ENTRIES) : 1
@@ -16,7 +18,7 @@ module range_walk #(
     input logic [31:0] first_i,
     input logic [31:0] count_i,
 
-    output logic [ENTRY_W-1:0] entry_o,  // to be read: range_i shows it the clock after
+    output logic [ENTRY_W-1:0] entry_o,  // to be read: range_i shows it the cycle after
     input logic [1:0][31:0] range_i,     // first, count
 
     output logic valid_o,

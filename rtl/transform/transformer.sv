@@ -4,7 +4,9 @@
 // an AABB, whose entry has the identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole
 // slot. All shapes share one set of vector units, as many as the largest of them needs: 4 for an OBB, 3 for a triangle,
 // 2 for a ray or cylinder.
-// Latency: pairs_pkg::transform_latency clocks; 0 with ARITH = "host". Throughput: one slot a clock. Stall: none.
+// Latency: pairs_pkg::transform_latency cycles; 0 with ARITH = "host".
+// Throughput: one slot per cycle.
+// Stall: none.
 `include "dataflow.svh"
 module transformer #(
     parameter config_pkg::config_t CONFIG,

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output FIFO of the streaming result modes (all, hits): takes a row of results, gives one record a clock, lanes in
+// Output FIFO of the streaming result modes (all, hits): takes a row of results, gives one record per cycle, lanes in
 // ascending order.
 // Room is promised ahead by credits: `credit_o` counts the rows that have left, so the pipe mouth never overfills it. T
 // and CP lie beside the lanes that made them (record_lanes); this is the control, and the bits of every lane.
-// Latency: 1 clock. Throughput: one row in, one record out a clock. Stall: holds while ready_i is low.
+// Latency: 1 cycle.
+// Throughput: one row in, one record out per cycle.
+// Stall: holds while ready_i is low.
 module record_fifo #(
     parameter int LANES = 16,
     parameter int ROW_W = 4,

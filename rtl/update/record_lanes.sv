@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What record_fifo keeps of one lane group: T, CP and, with normals, n of the rows in the FIFO.
-// Latency: 1 clock. Throughput: one row written, one lane read a clock. Stall: none.
+// Latency: 1 cycle.
+// Throughput: one row written, one lane read per cycle.
+// Stall: none.
 module record_lanes #(
     parameter int CW = 32,
     parameter int LANES = 16,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records, one a clock: from the update buffers at the end of a pass, from the output FIFO during it. With normals a
+// Records, one per cycle: from the update buffers at the end of a pass, from the output FIFO during it. With normals a
 // second one follows each: n in the words of CP, the signed gap in T.
-// Latency: 1 clock. Throughput: one record a clock. Stall: ready_o is low while the ring is full, and for the first of
-// two records.
+// Latency: 1 cycle.
+// Throughput: one record per cycle.
+// Stall: ready_o is low while the ring is full, and for the first of two records.
 module record_maker #(
     parameter config_pkg::config_t CONFIG,
     localparam int CW = formats_pkg::container(CONFIG.exp, CONFIG.man),

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Update engine of one lane group: keeps the best record a primary. Per row the old T is read from one stencil-T buffer
-// and the better of old and new is written to the other within one clock (paper section 3.3); `parity_i` says which is
+// and the better of old and new is written to the other within one cycle (paper section 3.3); `parity_i` says which is
 // which and alternates with every secondary. F, index and CP change only where a new hit is better. Masked primaries
 // are never updated.
 // nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order. For rays
 // only hits count.
 // For solids (`gap_i`) every pair has a signed gap s, -T when they meet: nearest keeps the smallest s, farthest the
 // largest, and the T buffers hold s.
-// Latency: 1 clock. Throughput: one row a clock. Stall: none.
+// Latency: 1 cycle.
+// Throughput: one row per cycle.
+// Stall: none.
 module update_lanes #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results that a unit gave in TURNS successive clocks (df_turn.sv), to the first USERS of its users, together when the
+// Results that a unit gave in TURNS successive cycles (df_turn.sv), to the first USERS of its users, together when the
 // last turn is over.
-// Latency: TURNS - 1 clocks from the first result; 0 with ARITH = "host". Throughput: one set in TURNS clocks. Stall:
-// none.
+// Latency: TURNS - 1 cycles from the first result; 0 with ARITH = "host".
+// Throughput: one set in TURNS cycles.
+// Stall: none.
 module after_turns #(
     parameter int W = 1,
     parameter int TURNS = 1,

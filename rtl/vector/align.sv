@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carries a value from stage time FROM to stage time TO: the delay line of a datapath, with its depth derived, not
 // counted. Datapaths of the host back end have no stages, so there it is a wire.
-// Latency: TO - FROM clocks; 0 with ARITH = "host". Throughput: one value a clock. Stall: none.
+// Latency: TO - FROM cycles; 0 with ARITH = "host".
+// Throughput: one value per cycle.
+// Stall: none.
 module align #(
     parameter int W = 1,     // >= 1
     parameter int FROM = 0,  // stage time of d_i
     parameter int TO = 0,    // stage time of q_o, >= FROM
     parameter ARITH = "rtl",
 `ifdef SYNTHESIS
-    parameter int MEMORY = 5  // clocks from which the line is a memory: 4 bits take 6 LUTs then, not 4 FFs a clock
+    parameter int MEMORY = 5  // cycles from which the line is a memory: 4 bits take 6 LUTs then, not 4 FFs a clock
 `else
     parameter int MEMORY = 0  // never
 `endif
@@ -19,7 +21,7 @@ module align #(
 );
   /*verilator inline_module*/
   localparam int DEPTH = (ARITH != "rtl") ? 0 : TO - FROM;
-  localparam int MOST = 17;  // clocks of one memory: 16 slots, and a register
+  localparam int MOST = 17;  // cycles of one memory: 16 slots, and a register
   if (TO < FROM) begin : g_illegal
     $error("align: TO must not be before FROM");
   end

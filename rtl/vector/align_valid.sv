@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Carries a valid bit from stage time FROM to stage time TO; reset clears every stage.
-// Latency: TO - FROM clocks. Throughput: one bit a clock. Stall: none.
+// Latency: TO - FROM cycles.
+// Throughput: one bit per cycle.
+// Stall: none.
 module align_valid #(
     parameter int FROM = 0,
     parameter int TO = 1

@@ -2,7 +2,7 @@
 // Dataflow notation: one line an operator, and no delay is ever counted by hand. A signal `x` of a datapath has a stage
 // time, the localparam `T_x`; an operator line declares its result and the result's time, and delays whichever operand
 // is early. Inputs take part by DF_IN, constants fit any time. What is in scope: clk_i, EXP, MAN, LANES, CW, ARITH and
-// LAT, clocks of the operators. Scalars are `logic [LANES-1:0][CW-1:0]`, vectors have three of them in front, masks
+// LAT, cycles of the operators. Scalars are `logic [LANES-1:0][CW-1:0]`, vectors have three of them in front, masks
 // are all ones or all zeros in a lane.
 //
 //   `DF_VSUB(w, b_c, a_c)        w = b_c - a_c         T_w = max(T_b_c, T_a_c) + LAT.add
@@ -12,7 +12,7 @@
 `ifndef CDE_DATAFLOW_SVH
 `define CDE_DATAFLOW_SVH
 
-// What has to be in scope, as the parameters of a module: the format, the number of lanes, clocks of each kind of
+// What has to be in scope, as the parameters of a module: the format, the number of lanes, cycles of each kind of
 // operator (latency_pkg), and what computes.
 `define DF_PARAMETERS \
     parameter int EXP = 8, \

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A value of stage time T_A at stage time T: align, but constants (T_A < 0) fit any time.
-// Latency: T - T_A clocks, 0 for constants and with ARITH = "host". Throughput: one value a clock. Stall: none.
+// Latency: T - T_A cycles, 0 for constants and with ARITH = "host".
+// Throughput: one value per cycle.
+// Stall: none.
 module df_align #(
     parameter int W = 1,
     parameter int T_A = 0,

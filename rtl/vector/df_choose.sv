@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Choice of a datapath (dataflow.svh) that is the same in every lane: a where the control bit is set, else b.
-// Latency: 0 from the latest operand. Throughput: one result a clock. Stall: none.
+// Latency: 0 from the latest operand.
+// Throughput: one result per cycle.
+// Stall: none.
 module df_choose #(
     parameter int W = 1,
     parameter ARITH = "rtl",

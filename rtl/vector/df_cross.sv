@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cross product (vec_cross) of a datapath (dataflow.svh): delays the early operand, then computes.
-// Latency: LAT.mul + LAT.add clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a
-// clock. Stall: none.
+// Latency: LAT.mul + LAT.add cycles from the later operand; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module df_cross #(
     parameter int EXP = 8,
     parameter int MAN = 23,

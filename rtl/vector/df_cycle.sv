@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Components of a vector in cyclic order from a dominant axis (df_dominant) of a datapath (dataflow.svh).
-// Latency: 0 from the later operand. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0 from the later operand.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module df_cycle #(
     parameter int CW = 32,
     parameter int LANES = 1,

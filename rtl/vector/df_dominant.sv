@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dominant axis of a datapath (dataflow.svh): the largest component by magnitude, ties the lowest index, as two masks:
 // m_o[1] says z, else m_o[0] says y, else x. A NaN dominates nothing. 2 compare.
-// Latency: 2*LAT.cmp clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none.
+// Latency: 2*LAT.cmp cycles; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none.
 `include "dataflow.svh"
 module df_dominant #(
     parameter int EXP = 8,

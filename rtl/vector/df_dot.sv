@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dot product (vec_dot) of a datapath (dataflow.svh): delays the early operand, then computes.
-// Latency: LAT.mul + 2*LAT.add clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a
-// clock. Stall: none.
+// Latency: LAT.mul + 2*LAT.add cycles from the later operand; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module df_dot #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A number of one format in another, rounded to nearest even, as a part of a datapath (dataflow.svh).
-// Latency: LAT clocks; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall: none.
+// Latency: LAT cycles; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module df_format #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One operator of a datapath (dataflow.svh): delays the early operand, then computes.
-// Latency: LAT clocks from the later operand; 0 with ARITH = "host". Throughput: one result a lane a clock. Stall:
-// none.
+// Latency: LAT cycles from the later operand; 0 with ARITH = "host".
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module df_operator #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Choice of a datapath (dataflow.svh): a where the lane mask is set, else b.
-// Latency: 0 from the latest operand. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0 from the latest operand.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module df_select #(
     parameter int CW = 32,
     parameter int LANES = 1,

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Operand of a unit of a datapath (dataflow.svh) that TURNS users share: that of user 0, 1 or 2, whose turn it is by
 // the phase. Operands stand for all phases, or with PASSING are there in phase 0 only, whence b and c wait 1 and 2
-// clocks. With TURNS = 1 the unit is its user's own.
-// Latency: 0. Throughput: one operand a clock. Stall: none.
+// cycles. With TURNS = 1 the unit is its user's own.
+// Latency: 0.
+// Throughput: one operand per cycle.
+// Stall: none.
 module df_turn #(
     parameter int W = 1,
     parameter int TURNS = 1,    // 1 or 3

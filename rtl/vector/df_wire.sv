@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bit operation of a datapath (dataflow.svh): a sign moved or masks combined: formats_pkg::WIRE_*.
-// Latency: 0 from the later operand. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0 from the later operand.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module df_wire #(
     parameter int EXP = 8,
     parameter int MAN = 23,

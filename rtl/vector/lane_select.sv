@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // a where the lane mask is set, else b: one multiplexer of W bits a lane, for scalars (WORDS = 1) and vectors.
-// Latency: 0. Throughput: one result a lane a clock. Stall: none.
+// Latency: 0.
+// Throughput: one result per lane per cycle.
+// Stall: none.
 module lane_select #(
     parameter int CW = 32,
     parameter int LANES = 1,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The payload with the least key: a balanced tree over neighbours, (0,1), (2,3), ..., where an odd last one goes up
 // unchanged; ties, and comparisons with a NaN key, go to the lower index. COUNT - 1 compare.
-// Latency: $clog2(COUNT) * LAT.cmp clocks; 0 with ARITH = "host". Throughput: one choice a lane a clock. Stall: none.
+// Latency: $clog2(COUNT) * LAT.cmp cycles; 0 with ARITH = "host".
+// Throughput: one choice per lane per cycle.
+// Stall: none.
 module least_tree #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sum of two 3-vectors, a + b, or difference, a - b, one rounding a component (3 adders or subtractors).
-// Latency: LAT.add clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT.add cycles; 0 with ARITH = "host".
+// Throughput: one vector per lane per cycle.
+// Stall: none.
 module vec_add #(
     parameter int EXP = 8,
     parameter int MAN = 23,

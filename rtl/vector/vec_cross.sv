@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cross product a x b, each component the difference of two rounded products (6 multipliers, 3 subtractors).
-// Latency: LAT.mul + LAT.add clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT.mul + LAT.add cycles; 0 with ARITH = "host".
+// Throughput: one vector per lane per cycle.
+// Stall: none.
 module vec_cross #(
     parameter int EXP = 8,
     parameter int MAN = 23,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dot product, (x*u + y*v) + z*w with one rounding an operation (3 multipliers, 2 adders).
-// Latency: LAT.mul + 2*LAT.add clocks; 0 with ARITH = "host". Throughput: one value a lane a clock. Stall: none.
+// Latency: LAT.mul + 2*LAT.add cycles; 0 with ARITH = "host".
+// Throughput: one value per lane per cycle.
+// Stall: none.
 module vec_dot #(
     parameter int EXP = 8,
     parameter int MAN = 23,

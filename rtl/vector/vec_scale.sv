@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A 3-vector times a scalar, s * a (3 multipliers).
-// Latency: LAT.mul clocks; 0 with ARITH = "host". Throughput: one vector a lane a clock. Stall: none.
+// Latency: LAT.mul cycles; 0 with ARITH = "host".
+// Throughput: one vector per lane per cycle.
+// Stall: none.
 module vec_scale #(
     parameter int EXP = 8,
     parameter int MAN = 23,

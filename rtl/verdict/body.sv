@@ -2,8 +2,9 @@
 // A shape by itself: its words relative to its origin (centre, or first corner), without that, and its reach, a bound
 // of the distance from there to any of its points. Sphere: r. Box: the sum of the half extents, 2 add. Triangle and
 // AABB: corners less the origin, the sizes of these; 11 add and 5 add.
-// Latency: LATENCY_BODY_REST, LATENCY_BODY_REACH (verdict.svh); 0 with ARITH = "host". Throughput: one shape a lane a
-// clock. Stall: none.
+// Latency: LATENCY_BODY_REST, LATENCY_BODY_REACH (verdict.svh); 0 with ARITH = "host".
+// Throughput: one shape per lane per cycle.
+// Stall: none.
 `include "verdict.svh"
 module body #(
     `DF_PARAMETERS,

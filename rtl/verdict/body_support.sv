@@ -3,7 +3,8 @@
 // no less than r |n|; 1 add, 2 mul. Box: half extents times |U^T n|; 8 add, 12 mul. Triangle: the largest of 0, n.e1
 // and n.e2; 4 add, 6 mul, 2 max. AABB: edges times the positive part of n; 2 add, 3 mul, 3 max.
 // Latency: its result is there at T_SUPPORT (verdict.svh) for operands at T_REST, T_N and T_NN; 0 with ARITH = "host".
-// Throughput: one a lane a clock. Stall: none.
+// Throughput: one per lane per cycle.
+// Stall: none.
 `include "verdict.svh"
 module body_support #(
     `DF_PARAMETERS,

@@ -4,9 +4,11 @@
 // and what is left open goes through the one wide pipe (scaled_pipe.sv), lane by lane, lowest first. So F, T, CP and n
 // are those of wide lanes wherever F = 1; of a proved miss F = 0 and the rest says nothing.
 // Rows wait for their verdicts, and then for the wide pipe, in memories with a slot a row, and leave in order.
-// Latency: at least latency_o. Throughput: one row a clock while no row leaves more than one pair open, in the long run
-// rows of one open pair a clock. Stall: ready_o, low while the slots are all but taken; results come in the order of
-// entry. With ARITH = "host" narrow pipe, proof and wide pipe compute in the clock in which gates would answer.
+// Latency: at least latency_o.
+// Throughput: one row per cycle while no row leaves more than one pair open, in the long run rows of one open pair per
+// cycle.
+// Stall: ready_o, low while the slots are all but taken; results come in the order of entry. With ARITH = "host" narrow
+// pipe, proof and wide pipe compute in the clock in which gates would answer.
 `include "verdict.svh"
 module verdict_pair #(
     `DF_PARAMETERS,
@@ -14,7 +16,7 @@ module verdict_pair #(
     parameter int NARROW_EXP = 5,
     parameter int NARROW_MAN = 10,
     parameter int B_LANES = LANES,  // secondaries a row: 1 or LANES
-    parameter int DEPTH = 256,  // slots for rows, a power of two; more than the clocks of each pipe
+    parameter int DEPTH = 256,  // slots for rows, a power of two; more than the cycles of each pipe
     localparam int SHAPE_A = pairs_pkg::primary_shape(PAIR),
     localparam int SHAPE_B = pairs_pkg::secondary_shape(PAIR),
     localparam int A_WORDS = pairs_pkg::shape_words(SHAPE_A),
@@ -23,7 +25,7 @@ module verdict_pair #(
     input logic clk_i,
     input logic rst_i,
     input logic prove_i,  // nobody asks for misses; constant while anything is in flight
-    input logic valid_i,  // only after a clock with ready_o, by one clock at most
+    input logic valid_i,  // only after a clock with ready_o, by one cycle at most
     output logic ready_o,
     input logic [LANES-1:0] asked_i,  // lanes of the row that anybody asks for
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,

@@ -3,7 +3,9 @@
 // n.(oB - oA) - h_A(n) - h_B(-n), is rounded by less than 10 u S and must be beyond 32 u S, with n.n <= 1.25. Of an S
 // below 2^length_low nothing is proved: the wide pipe's own F need not be right there
 // (docs/background/certified_filters.md, host/include/cde/reference/verdict/proof.hpp).
-// Latency: latency_o; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: latency_o; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none, runs free.
 `include "verdict.svh"
 module verdict_proof #(
     `DF_PARAMETERS,

@@ -2,7 +2,9 @@
 // A normal that may separate A and B, found by the pair's pipe in a narrow format: all words relative to A's origin,
 // times 2^-k, k the exponent of S, and rounded; the narrow pipe's n, as wide numbers. Nobody has to believe it
 // (verdict_proof.sv). host/include/cde/reference/verdict/proposal.hpp.
-// Latency: latency_o; 0 with ARITH = "host". Throughput: LANES pairs a clock. Stall: none, runs free.
+// Latency: latency_o; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
+// Stall: none, runs free.
 `include "verdict.svh"
 module verdict_proposal #(
     `DF_PARAMETERS,
