@@ -111,7 +111,7 @@ def inside(_root):
 
 
 def rays(_root):
-    c = Canvas(820, 420, "A ray as text and as array",
+    c = Canvas(820, 410, "A ray as text and as array",
                "The fields of a ray: origin o, direction d, tmin and tmax. The same ray as a line of text, as a line with named columns, and "
                "as the last axis of an array of 6, 7 or 8 numbers or as a structure.")
     c.text(10, 22, "*One ray")
@@ -129,15 +129,17 @@ def rays(_root):
     c.text(626, 74, "/d")
     c.text(585, 54, "/tmin", "middle", 12)
     c.text(762, 46, "/tmax", "middle", 12)
-    c.text(10, 118, "*Text: a line per ray; separators are ; or , or tab or blanks")
-    c.box(10, 130, 390, 74, ["`0.1,0.2,5,0,0,-1", "`0.1 0.2 5 0 0 -1 0 100", "`0,1;0,2;5;0;0;-1"], "fn", align="start")
-    c.texts_at(412, 148, ("6 numbers: tmin is 0, tmax is ∞", "8 numbers", "decimal commas, only with ;"), size=12, leading=18)
-    c.text(10, 234, "*Text with a header: named columns in any order, row numbers are left out")
-    c.box(10, 246, 390, 56, ["`,dx,dy,dz,ox,oy,oz", "`0,0,0,-1,0.1,0.2,5"], "fn", align="start")
-    c.texts_at(412, 268, ("as pandas writes it:", "the first column counts rows"), size=12, leading=18)
-    c.text(10, 332, "*Arrays: .npy, or .npz with one array; floats of 2, 4 or 8 bytes or whole numbers")
+    c.text(10, 118, "*Text: a line per ray; separators are semicolons, commas, tabs or blanks")
+    for k, (line, words) in enumerate((("0.1,0.2,5,0,0,-1", "6 numbers: tmin is 0, tmax is ∞"), ("0.1 0.2 5 0 0 -1 0 100", "8 numbers"),
+        ("0,1;0,2;5;0;0;-1", "decimal commas, only with semicolons"))):
+        c.box(10 + 268 * k, 130, 256, 32, "`" + line, "fn", align="start")
+        c.text(12 + 268 * k, 180, words, size=12, kind="tu")
+    c.text(10, 222, "*Text with a header: named columns in any order; row numbers are left out")
+    c.box(10, 234, 390, 56, ["`,dx,dy,dz,ox,oy,oz", "`0,0,0,-1,0.1,0.2,5"], "fn", align="start")
+    c.texts_at(412, 256, ("as pandas writes it:", "the first column counts rows"), size=12, leading=18)
+    c.text(10, 324, "*Arrays: .npy, or .npz with one array; floats of 2, 4 or 8 bytes or whole numbers")
     shapes = (("(6,)", "one ray", "one record"), ("(n, 8)", "n rays", "records (n,)"), ("(480, 640, 6)", "480 x 640 rays", "records (480, 640)"),
               ("o: 3, d: 3", "structure,", "or ox to dz"))
     for k, (shape, what, records) in enumerate(shapes):
-        c.box(10 + 200 * k, 344, 192, 62, ["`" + shape, what, "~" + records], "fg" if k < 3 else "fb", size=12.5)
+        c.box(10 + 200 * k, 336, 192, 62, ["`" + shape, what, "~" + records], "fg" if k < 3 else "fb", size=12.5)
     return c
