@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/* What both C interfaces of a card, abi.h and abi_pci.h, say of its DDR. */
+/* DDR of a card, as both C interfaces (abi.h and abi_pci.h) describe it. */
 #ifndef CDE_ABI_MEMORY_H
 #define CDE_ABI_MEMORY_H
 #include <stdint.h>
 
-/* When DDR answers the card's reads. */
+/* When DDR answers reads of the card. */
 enum {
-  CDE_MEMORY_IDEAL = 0, /* a beat a clock, each a fixed number of clocks after its request */
-  CDE_MEMORY_CYCLE = 1  /* banks, rows, refresh, width of the bus: models/ddr_timing.h */
+  CDE_MEMORY_IDEAL = 0, /* one beat per cycle, each a fixed number of cycles after its request */
+  CDE_MEMORY_CYCLE = 1  /* banks, rows, refresh, bus width: models/ddr_timing.h */
 };
 
-/* Since creation; CDE_MEMORY_IDEAL counts nothing. */
+/* Counted since creation. CDE_MEMORY_IDEAL counts nothing. */
 typedef struct cde_memory_counters {
   uint64_t bursts;     /* read */
   uint64_t row_misses; /* bursts that had to open their row */
-  uint64_t refreshes;  /* that a read met; those of an idle memory are not counted */
+  uint64_t refreshes;  /* refreshes that delayed a read; an idle memory's are not counted */
 } cde_memory_counters;
 
 #endif

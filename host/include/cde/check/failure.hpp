@@ -17,41 +17,41 @@
 /// A failure as data: all that `cde-explain` needs to pack it (cde/explain/bundle.hpp).
 namespace cde {
 
-/// A pair that a unit answered otherwise than its reference.
+/// A pair for which a unit and its reference differ.
 struct PairFailure {
   PairConfig config = {};
   PairBudget budget = {};
-  std::string options = {};         ///< PAIR and options for another run of the same pipe
+  std::string options = {};         ///< PAIR and options that run the same pipe again
   std::vector<std::uint64_t> a, b;  ///< words of all pairs of the run
   std::size_t at = 0;               ///< the pair that failed
   PairResult card = {}, reference = {};
 };
 
-/// A record that a card and its reference differ in.
+/// A record for which a card and its reference differ.
 struct CardFailure {
-  PairConfig pipe = {};     ///< the pipe that tested the primary, as a unit
-  std::string budget = {};  ///< as `cde query` takes it; may be empty
+  PairConfig pipe = {};     ///< pipe of this pair, as a PairUnit
+  std::string budget = {};  ///< iterations as `cde query` takes them; may be empty
   bool swap = false;        ///< the secondary is the pair's first shape
   Mode mode = Mode::kNearest;
   Difference difference = {};
-  std::uint32_t place = 0;   ///< of the primary in its packet
-  std::uint64_t clocks = 0;  ///< lower bound of the cycles that the pass takes
+  std::uint32_t place = 0;   ///< slot of the primary in its packet
+  std::uint64_t clocks = 0;  ///< lower bound of the cycles of the pass
 };
 
 /// A card or unit that stopped, or reported an error.
 struct HangFailure {
   std::uint64_t clock = 0;  ///< last cycle with progress, counted as `rerun` counts
-  bool unit = false;        ///< a unit and not a card: `clock` is exact, there are no transactions
+  bool unit = false;        ///< a unit, not a card: `clock` is exact, and there are no transactions
   std::vector<std::string> shown = {};  ///< signals to look at first
 };
 
 struct Failure {
   std::variant<PairFailure, CardFailure, HangFailure> kind = {};
-  std::string message = {}, repeat = {};  ///< the verb's text, and the command that repeats it
-  std::string details = "{}";             ///< further keys of fail.json, as a JSON object
-  std::vector<std::pair<std::string, std::string>> files = {};  ///< further files: name and text
-  /// Repeats the failure on a card with waves, which go to `file`. Returns whether the answer is
-  /// the same. Pairs need none.
+  std::string message = {}, repeat = {};  ///< the verb's text; the command that repeats it.
+  std::string details = "{}";             ///< Further keys of fail.json, as a JSON object.
+  std::vector<std::pair<std::string, std::string>> files = {};  ///< Further files: name and text.
+  /// Repeats the failure on a card and writes waves to `file`. Returns whether the answer is the
+  /// same. Not needed for pairs.
   std::function<bool(const std::string& file, const TraceOptions& which)> rerun = {};
 };
 

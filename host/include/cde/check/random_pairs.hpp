@@ -8,8 +8,8 @@
 
 namespace cde {
 
-/// Random shapes of about unit size, B placed at random so that about half of the pairs hit. What
-/// they are depends on the seed alone.
+/// Random shapes of about unit size. B is placed so that about half of the pairs hit. The pairs
+/// depend on the seed alone.
 class RandomPairs {
  public:
   explicit RandomPairs(std::uint64_t seed) : random_(seed) {}

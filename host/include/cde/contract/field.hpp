@@ -4,18 +4,18 @@
 
 namespace cde {
 
-/// Some bits of a word of 64: a field of a packed structure of rtl/contract.
+/// A bit field of a 64-bit word: a field of a packed structure of rtl/contract.
 struct Field {
   unsigned low = 0, bits = 1;
 
   [[nodiscard]] constexpr std::uint64_t mask() const {
     return (bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0}) << low;
   }
-  /// Its value in a word.
+  /// The field's value in a word.
   [[nodiscard]] constexpr std::uint64_t of(std::uint64_t word) const {
     return (word & mask()) >> low;
   }
-  /// The word that has this value in it, and zeros.
+  /// A word with this value in the field and zeros elsewhere.
   template <typename T>
   [[nodiscard]] constexpr std::uint64_t operator()(T value) const {
     return static_cast<std::uint64_t>(value) << low & mask();

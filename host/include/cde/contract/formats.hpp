@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <string_view>
 
-/// Number formats and the codes of operations on them: rtl/contract/formats_pkg.sv in C++.
+/// Number formats and operation codes: rtl/contract/formats_pkg.sv in C++.
 namespace cde {
 
-/// Operations of an fp_unit bitstream; up to kMax also those of pipes.
+/// Operations of an fp_unit simulation model. The pipes use those up to kMax.
 enum class FpOp : std::uint32_t {
   kAdd,
   kSub,
@@ -41,23 +41,23 @@ enum class FpOp : std::uint32_t {
   kToUi64Trunc,  ///< toward zero
 };
 inline constexpr std::uint32_t kFpOps = 30;
-inline constexpr std::uint32_t kFpArithmetic = 10;  ///< those that are no conversions
+inline constexpr std::uint32_t kFpArithmetic = 10;  ///< operations that are not conversions
 
-/// Exception flags, with the bit values of Berkeley TestFloat. Underflow is tininess after
-/// rounding, and inexact.
+/// Exception flags, with the bit values of Berkeley TestFloat. Underflow means tiny after rounding
+/// and inexact.
 inline constexpr std::uint8_t kFpInexact = 1, kFpUnderflow = 2, kFpOverflow = 4,
                               kFpDivideByZero = 8, kFpInvalid = 16;
 
 namespace contract {
 
 enum class Convert : unsigned { kFormat, kFromInt, kToInt };
-/// Work on bits, free of arithmetic.
+/// Operations on bits, without arithmetic.
 enum class Sign : unsigned { kAbs, kNeg, kCopy, kXor };
 enum class Class : unsigned { kFinite, kNan, kPositive, kNonzero };
 enum class Exponent : unsigned { kMax, kDown, kUp, kMove };
 enum class Wire : unsigned { kSign, kAnd, kOr, kXor };
 
-/// Formats with a name, in the order of their conversions.
+/// Named formats, in the order of their conversions.
 struct FormatRow {
   std::string_view name;
   int exp_bits, man_bits;
@@ -71,7 +71,7 @@ inline constexpr std::array<FormatRow, 8> kFormatTable{{{"fp16", 5, 10},
                                                         {"e4m3", 4, 3},
                                                         {"e3m2", 3, 2}}};
 
-/// Bits of the word that holds one.
+/// Bits of the word that holds a number of the format.
 constexpr int container(int exp_bits, int man_bits) {
   return 1 + exp_bits + man_bits <= 32 ? 32 : 64;
 }

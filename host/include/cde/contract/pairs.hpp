@@ -5,23 +5,23 @@
 #include <string_view>
 
 /// Shapes and pairs of shapes: the tables of rtl/contract/pairs_pkg.sv in C++, in the order of the
-/// codes. What is made of them is in cde/geometry/pair.hpp.
+/// codes. cde/geometry/pair.hpp builds on them.
 namespace cde {
 
 /// What a primary or secondary is.
 enum class Shape : unsigned { kRay, kTriangle, kSphere, kAabb, kPlane, kCylinder, kObb };
 inline constexpr unsigned kShapes = 7;
-inline constexpr unsigned kShapeBits = 6;  ///< of a code: there is room for 64 shapes
+inline constexpr unsigned kShapeBits = 6;  ///< of a code: up to 64 shapes
 inline constexpr unsigned kShapeCodes = 1u << kShapeBits;
-inline constexpr unsigned kWordsBits = 6;  ///< of how many words a shape has
+inline constexpr unsigned kWordsBits = 6;  ///< of the number of words of a shape
 
-/// What a word of a slot is.
+/// Meaning of a word of a slot.
 enum class WordKind : unsigned {
   kCoordinate,  ///< a length of either sign
   kSize,        ///< a length above zero
-  kDirection,   ///< of a ray: lengths in units of their own
-  kInterval,    ///< tmin, tmax: lengths in those units
-  kPure,        ///< of a unit vector or rotation
+  kDirection,   ///< ray direction: each is a length in units of its own
+  kInterval,    ///< tmin, tmax: lengths in the ray's units
+  kPure,        ///< component of a unit vector or rotation
   kNone = 7     ///< the shape has no such word
 };
 
@@ -44,29 +44,34 @@ enum class Pair : unsigned {
   kTriangleTriangle,
 };
 inline constexpr unsigned kPairs = 15;
-inline constexpr unsigned kPairBits = 6;  ///< of a code: there is room for 63 pairs
+inline constexpr unsigned kPairBits = 6;  ///< of a code: up to 63 pairs
 inline constexpr unsigned kPairCodes = 1u << kPairBits;
-inline constexpr unsigned kNoPair = kPairCodes - 1;  ///< no pair's code
+inline constexpr unsigned kNoPair = kPairCodes - 1;  ///< code that means no pair
 static_assert(kPairs <= 31, "the parameter PAIRS of a card is an int above zero");
 
-enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };  ///< of ray-triangle
-/// The algorithm of casts, pictures and scenes that name none: no ray leaks through an edge or a
+enum class Algorithm : unsigned {
+  kMoller,
+  kBadouel,
+  kPluecker,
+  kWatertight
+};  ///< ray-triangle algorithms
+/// The algorithm of casts, pictures and scenes that name none. No ray leaks through an edge or
 /// vertex that triangles share.
 inline constexpr Algorithm kLeakFree = Algorithm::kWatertight;
 inline constexpr unsigned kAlgorithms = 4;
 
-/// What objects move: parameter TRANSFORM of a card.
+/// Objects that the transformer moves: parameter TRANSFORM of a card.
 inline constexpr unsigned kTransformNone = 0;
 inline constexpr unsigned kTransformSecondaries = 1;
 inline constexpr unsigned kTransformBoth = 2;
 
 namespace contract {
 
-inline constexpr unsigned kMostWords = 15;  ///< of a shape
+inline constexpr unsigned kMostWords = 15;  ///< most words of a shape
 struct ShapeRow {
   std::string_view name;
   unsigned words;
-  std::string_view kinds;  ///< of its words: c coordinate, s size, d direction, i interval, p pure
+  std::string_view kinds;  ///< per word: c coordinate, s size, d direction, i interval, p pure
 };
 inline constexpr std::array<ShapeRow, kShapes> kShapeTable{{{"ray", 8, "cccdddii"},
                                                             {"triangle", 9, "ccccccccc"},
@@ -99,7 +104,7 @@ inline constexpr std::array<PairRow, kPairs> kPairTable{
 inline constexpr std::array<std::string_view, kAlgorithms> kAlgorithmNames{
     "moller", "badouel", "pluecker", "watertight"};
 
-/// Sets of pairs, bit p: pair p.
+/// Sets of pairs: bit p stands for pair p.
 constexpr std::uint32_t set_of(std::initializer_list<Pair> pairs) {
   std::uint32_t set = 0;
   for (const Pair pair : pairs) set |= 1u << static_cast<unsigned>(pair);
@@ -108,7 +113,8 @@ constexpr std::uint32_t set_of(std::initializer_list<Pair> pairs) {
 constexpr bool has(std::uint32_t set, Pair pair) {
   return (set >> static_cast<unsigned>(pair) & 1) != 0;
 }
-/// Configurations by name: PAIRS=everything, rays, solids, spheres of verilator/bitstream.
+/// All pairs of a shape. Named configurations: PAIRS=everything, rays, solids, spheres of
+/// verilator/bitstream.
 constexpr std::uint32_t set_with(Shape shape) {
   std::uint32_t set = 0;
   for (unsigned p = 0; p < kPairs; ++p)
@@ -117,32 +123,32 @@ constexpr std::uint32_t set_with(Shape shape) {
 }
 inline constexpr std::uint32_t kSetEverything = (1u << kPairs) - 1;
 inline constexpr std::uint32_t kSetRays = set_with(Shape::kRay);
-inline constexpr std::uint32_t kSetSolids = kSetEverything & ~kSetRays;  ///< T is a signed gap
+inline constexpr std::uint32_t kSetSolids = kSetEverything & ~kSetRays;  ///< T is a signed distance
 inline constexpr std::uint32_t kSetSpheres = set_with(Shape::kSphere);
-/// The pipe is a ring; a budget sets its work.
-inline constexpr unsigned kRingRows = 1024;  ///< more than a ring can have in flight
+/// Pairs with an iterative pipeline, whose work is set by a number of iterations.
+inline constexpr unsigned kRingRows = 1024;  ///< more rows than an iterative pipeline can hold
 inline constexpr std::uint32_t kRingPairs =
     set_of({Pair::kTriangleCylinder, Pair::kCylinderCylinder, Pair::kObbCylinder});
-/// It is made of facet units, which can take turns.
+/// Pairs that are tested on candidate axes (SAT), whose units can be shared.
 inline constexpr std::uint32_t kFacetPairs =
     set_of({Pair::kObbObb, Pair::kTriangleAabb, Pair::kTriangleObb});
-/// The box rule is an option of it.
+/// Pairs that have the box rule as an option.
 inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
-/// With the box rule its gap is at least that of the boxes.
+/// Pairs whose signed distance is at least that of the boxes, with the box rule.
 inline constexpr std::uint32_t kBoundPairs =
     set_of({Pair::kTriangleSphere, Pair::kTriangleAabb, Pair::kTriangleObb, Pair::kTriangleTriangle,
             Pair::kSphereObb, Pair::kObbObb});
-/// Pairs that meet a hierarchy as they are (hierarchy_pkg.sv).
+/// Pairs that traverse a BVH without further options (hierarchy_pkg.sv).
 inline constexpr std::uint32_t kPlainPairs = set_of({Pair::kRaySphere, Pair::kSphereSphere});
-/// Narrow lanes can prove misses of it (BoardConfig::verdicts).
+/// Pairs whose misses the certified filter can prove in narrow lanes (`BoardConfig::verdicts`).
 inline constexpr std::uint32_t kVerdictPairs =
     set_of({Pair::kSphereSphere, Pair::kSphereObb, Pair::kTriangleSphere, Pair::kTriangleAabb,
             Pair::kTriangleObb, Pair::kObbObb});
-/// It takes few clocks.
+/// Pairs with a short pipe latency.
 inline constexpr std::uint32_t kShortPairs =
     set_of({Pair::kRayTriangle, Pair::kRayCylinder, Pair::kRaySphere, Pair::kSphereSphere,
             Pair::kSpherePlane});
-/// It multiplies four lengths, and so is brought to the size of one in every format.
+/// Pairs that multiply four lengths. Their operands are scaled to about 1 in every format.
 inline constexpr std::uint32_t kScaledPairs =
     kRingPairs | kFacetPairs | set_of({Pair::kTriangleSphere, Pair::kTriangleTriangle});
 

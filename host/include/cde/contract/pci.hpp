@@ -3,33 +3,32 @@
 #include <cstdint>
 
 /// The card's PCI side as a driver sees it: rtl/contract/pci_pkg.sv in C++, under the same names.
-/// tests/board holds every constant here against that file; docs/reference/pci.md describes what
-/// they do.
+/// Every constant is compared with that file by tests/board. See docs/reference/pci.md for the
+/// behaviour.
 namespace cde::pci {
 
 // Configuration space.
-inline constexpr std::uint32_t kVendorId = 0xCDE1;  ///< none that the PCI-SIG has assigned
+inline constexpr std::uint32_t kVendorId = 0xCDE1;  ///< not assigned by the PCI-SIG
 inline constexpr std::uint32_t kDeviceId = 0x0001;
 inline constexpr std::uint32_t kClass = 0x0B400001;      ///< class code and revision: co-processor
 inline constexpr std::uint32_t kSubsystem = 0x0001CDE1;  ///< subsystem id, subsystem vendor id
 
-// BAR0: below kRegisters the card's own registers (card.hpp), then those of the bridge, then the
+// BAR0: the card's own registers (card.hpp) below kRegisters, then the bridge's registers, then the
 // page table.
 inline constexpr unsigned kBarBits = 16;  ///< 64 KB of memory
 inline constexpr std::uint32_t kRegisters = 0x1000;
 inline constexpr std::uint32_t kRegistersEnd = 0x2000;
 inline constexpr std::uint32_t kPageTable = 0x8000;  ///< 64-bit entries up to the end of BAR0
 
-/// Mapped addresses, the only ones that descriptors and rings have: entry of the page table << 12 |
-/// offset in the page.
+/// Mapped addresses: entry of the page table << 12 | offset in the page. Descriptors and rings use
+/// only these.
 inline constexpr unsigned kPages = 4096;
 inline constexpr unsigned kPageBits = 12;
 inline constexpr unsigned kPageValid = 0;     ///< bit of an entry
 inline constexpr unsigned kPageWritable = 1;  ///< bit of an entry: device to host is allowed
 inline constexpr unsigned kPageFrame = 12;    ///< [31:12] bus address of the page
 
-/// Bus commands, C/BE# of an address phase (PCI 3.0, 3.1.1); those of the card and those that it
-/// answers.
+/// Bus commands, C/BE# of an address phase (PCI 3.0, 3.1.1), that the card issues or answers.
 enum Command : std::uint8_t {
   kMemoryRead = 0x6,
   kMemoryWrite = 0x7,
@@ -43,47 +42,47 @@ enum Command : std::uint8_t {
 /// Registers of the bridge, offsets in BAR0, 64 bits each.
 enum Register : std::uint32_t {
   kRegControl = 0x1000,         ///< write: kControl* bits; reads 0
-  kRegStatus = 0x1008,          ///< kStatus* bits, [15:8] code that halted the ring, [23:16] where
+  kRegStatus = 0x1008,          ///< kStatus* bits; [15:8] code that halted the ring, [23:16] where
   kRegIrqStatus = 0x1010,       ///< kIrq* bits; writing 1 clears all but kIrqCard
   kRegIrqMask = 0x1018,         ///< 1: the cause drives INTA#
   kRegRingBase = 0x1020,        ///< mapped address of the descriptors, a multiple of 32
   kRegRingSize = 0x1028,        ///< number of descriptors, 2 to 32,768
-  kRegRingHead = 0x1030,        ///< the next one to be served; read only
-  kRegRingTail = 0x1038,        ///< the first one not to be served
+  kRegRingHead = 0x1030,        ///< next descriptor to serve; read only
+  kRegRingTail = 0x1038,        ///< first descriptor not to serve
   kRegCompletionBase = 0x1040,  ///< mapped address of the completion records, a multiple of 16
-  kRegBurst = 0x1048,           ///< bytes of a burst at most, 64 to 4,096, a multiple of 8
-  kRegRetryLimit = 0x1050,      ///< retries in a row until a transfer fails; 0: never
-  kRegFaultAddr = 0x1058,       ///< mapped (refused) or bus address (failed) of the first fault
-  kRegBursts = 0x1080,          ///< transactions of the card as a master
-  kRegBeats = 0x1088,           ///< their data phases
-  kRegWaits = 0x1090,           ///< clocks of theirs in which no data moved
+  kRegBurst = 0x1048,           ///< most bytes of a burst: 64 to 4,096, a multiple of 8
+  kRegRetryLimit = 0x1050,      ///< consecutive retries until a transfer fails; 0: unlimited
+  kRegFaultAddr = 0x1058,       ///< first fault: mapped address (refused) or bus address (failed)
+  kRegBursts = 0x1080,          ///< transactions with the card as master
+  kRegBeats = 0x1088,           ///< data phases of these transactions
+  kRegWaits = 0x1090,           ///< PCI cycles of these transactions in which no data moved
   kRegRetries = 0x1098,
   kRegDisconnects = 0x10A0,
-  kRegParityErrors = 0x10A8,  ///< seen as a master or as a target
+  kRegParityErrors = 0x10A8,  ///< detected as master or target
   kRegAborts = 0x10B0,        ///< master aborts and target aborts received
-  kRegBusy = 0x10B8,          ///< clocks in which FRAME# or IRDY# of any master was asserted
+  kRegBusy = 0x10B8,          ///< PCI cycles with FRAME# or IRDY# of any master asserted
 };
 
 // Bit numbers of kRegControl, kRegStatus and kRegIrqStatus.
-inline constexpr unsigned kControlRun = 0;    ///< serve the ring; refused while it is halted
-inline constexpr unsigned kControlStop = 1;   ///< halt when the descriptor being served is done
-inline constexpr unsigned kControlClear = 2;  ///< leave the halted state, forget the fault; the
-                                              ///< head returns to 0
+inline constexpr unsigned kControlRun = 0;   ///< serve the ring; refused while it is halted
+inline constexpr unsigned kControlStop = 1;  ///< halt after the current descriptor
+inline constexpr unsigned kControlClear =
+    2;  ///< leave the halted state and clear the fault; the head returns to 0
 inline constexpr unsigned kControlCount = 3;  ///< counters to 0
 inline constexpr unsigned kStatusRun = 0;
 inline constexpr unsigned kStatusHalted = 1;    ///< until kControlClear
 inline constexpr unsigned kStatusBusy = 2;      ///< a descriptor is being served
-inline constexpr unsigned kStatusClearing = 3;  ///< the page table is being emptied after reset
+inline constexpr unsigned kStatusClearing = 3;  ///< after reset the page table is being cleared
 inline constexpr unsigned kStatusCode = 8;
 inline constexpr unsigned kStatusWhere = 16;
 inline constexpr unsigned kIrqCompletion = 0;  ///< a descriptor that asked for it is done
 inline constexpr unsigned kIrqHalted = 1;
-inline constexpr unsigned kIrqCard = 2;  ///< the card's own interrupt, as it stands
+inline constexpr unsigned kIrqCard = 2;  ///< level of the card's own interrupt
 
 /// A descriptor in host memory: four words of 64 bits, `address` and `bytes` multiples of 8.
 struct Descriptor {
   std::uint32_t address = 0;  ///< mapped
-  std::uint32_t bytes = 0;    ///< more than 0
+  std::uint32_t bytes = 0;    ///< above 0
   std::uint64_t local = 0;    ///< [31:0] offset in the local space, kDescriptor* bits
   std::uint64_t unused[2] = {0, 0};
 };
@@ -95,15 +94,15 @@ inline constexpr unsigned kDescriptorIrq = 41;  ///< interrupt on completion
 /// A completion record in host memory: two words of 64 bits.
 struct Completion {
   std::uint32_t fault = 0;  ///< mapped (refused) or bus address (failed)
-  std::uint32_t bytes = 0;  ///< [31:3] that were moved, in units of 8; kCompletionLapFirst
+  std::uint32_t bytes = 0;  ///< [31:3] bytes moved, in units of 8; kCompletionLapFirst
   std::uint64_t state = 0;  ///< kCompletion* fields
 };
 inline constexpr unsigned kCompletionBytes = 16;
 inline constexpr unsigned kCompletionNumber = 0;  ///< 16 bits: descriptor
 inline constexpr unsigned kCompletionPci = 16;    ///< 16 bits: PCI status register
-inline constexpr unsigned kCompletionCode = 32;   ///< 8 bits: Code
-/// Each word says that it is there, as a word can be lost to a parity error: its lap bit is 1 in
-/// the first lap of the ring, then 0, and so on.
+inline constexpr unsigned kCompletionCode = 32;   ///< 8 bits: Code.
+/// Each word carries a lap bit, because a parity error can lose a word. The bit is 1 in the first
+/// lap of the ring, 0 in the second, and so on.
 inline constexpr unsigned kCompletionLapFirst = 0;  ///< of `bytes`
 inline constexpr unsigned kCompletionLap = 63;      ///< of `state`
 
@@ -114,7 +113,7 @@ enum Code : std::uint32_t {
   kCodeAlignment = 2,    ///< host address or local offset not a multiple of 8, unknown flags
   kCodeUnmapped = 3,     ///< no valid page
   kCodeReadOnly = 4,     ///< to a page that is not writable
-  kCodeMasterAbort = 5,  ///< nobody answers
+  kCodeMasterAbort = 5,  ///< no device answers
   kCodeTargetAbort = 6,
   kCodeParity = 7,
   kCodeRetryLimit = 8,

@@ -6,13 +6,13 @@
 /// the same names.
 namespace cde::card {
 
-/// A slot is the words of its shape, packed in DDR, and padded to whole beats in the primary
-/// register file; a card's primary slot has the words of its largest primary.
+/// A slot holds the words of its shape. Slots are packed in DDR and padded to whole beats in the
+/// primary register file. A card's primary slot has the size of its largest primary.
 inline constexpr unsigned kDdrWords = 9;  ///< words of a DDR beat
 inline constexpr std::uint64_t kMostPrimaries =
     256;  ///< slots of the primary register file, at most
 
-/// On the bus a record of words of 32 bits takes three beats and a half.
+/// On the bus a record of 32-bit words takes three and a half beats.
 inline constexpr unsigned kRecordWords = 7;
 inline constexpr unsigned kRecordCp = 0;  ///< 3 words
 inline constexpr unsigned kRecordFlags = 3;
@@ -23,11 +23,12 @@ inline constexpr unsigned kRecordPrimary = 6;
 /// Bit numbers of the flags word.
 inline constexpr unsigned kFlagF = 0;
 inline constexpr unsigned kFlagBad = 1;
-inline constexpr unsigned kFlagNormal = 2;  ///< second record: n in CP's words, the signed gap in T
+inline constexpr unsigned kFlagNormal =
+    2;  ///< second record: n in CP's words, the signed distance in T
 
-/// An entry of an object table is a range and a transform. The range takes effect with its second
-/// word, the transform with its last; both are written in ascending order.
-inline constexpr unsigned kObjectWords = 16;        ///< from entry to entry
+/// An entry of an object table is a range and a transform. Words are written in ascending order.
+/// The range takes effect with its second word, the transform with its last.
+inline constexpr unsigned kObjectWords = 16;        ///< distance between entries
 inline constexpr unsigned kObjectFirst = 0;         ///< first slot
 inline constexpr unsigned kObjectCount = 1;         ///< slots
 inline constexpr unsigned kObjectRotation = 2;      ///< 9 words, row by row

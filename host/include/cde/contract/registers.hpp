@@ -7,84 +7,85 @@
 #include "cde/contract/pairs.hpp"
 
 /// The local bus and the card's registers: rtl/contract/registers_pkg.sv in C++, under the same
-/// names. tests/board holds every constant and field here against that file.
+/// names. The two are compared by tests/board.
 namespace cde::card {
 
-/// Spaces of the local bus; a beat is 64 bits.
+/// Spaces of the local bus. A beat has 64 bits.
 enum Space : std::uint32_t {
   kSpaceReg = 0,    ///< registers, 64 bits at 8-byte offsets
-  kSpacePrim = 1,   ///< primary register file, kPrimWords words a slot, write only
+  kSpacePrim = 1,   ///< primary register file, kPrimWords words per slot, write only
   kSpaceDdr = 2,    ///< secondary memory, packed slots, write only
-  kSpaceSram = 3,   ///< record stream: every beat read takes the next words of the ring
-  kSpaceNodes = 4,  ///< nodes of a hierarchy: words 0 to 15 of node n at byte 64 n, 16 and 17 at 64
+  kSpaceSram = 3,   ///< record stream: each beat read takes the next words of the SRAM ring
+  kSpaceNodes = 4,  ///< BVH nodes: words 0 to 15 of node n at byte 64 n, words 16 and 17 at byte 64
                     ///< NODES + 8 n
-  kSpaceSlots = 5,  ///< which secondary is in each slot of its leaves, a word each, and with a
-                    ///< transformer behind all of these the objects that they are of
-  kSpaceRays = 6,   ///< rays on their way into a pass through it: a ring of kRays places
+  kSpaceSlots = 5,  ///< secondary index per slot of the BVH's leaves, one word each; with a
+                    ///< transformer, the object index of every slot follows
+  kSpaceRays = 6,   ///< rays for a BVH pass: a ring of kRays entries
 };
-inline constexpr unsigned kSpaces = 7;     ///< the card refuses numbers from here on
-inline constexpr unsigned kSpaceBits = 3;  ///< of a number
+inline constexpr unsigned kSpaces = 7;     ///< the card refuses space numbers from here on
+inline constexpr unsigned kSpaceBits = 3;  ///< of a space number
 
 /// Register offsets in bytes.
 enum Register : std::uint32_t {
-  kRegId = 0x000,               ///< [63:32] kIdMagic, [31:0] kInterfaceVersion
-  kRegCaps = 0x008,             ///< kCaps* fields
-  kRegConfigHash = 0x010,       ///< hash of parameters and RTL sources
-  kRegCaps2 = 0x018,            ///< kCaps2* fields
-  kRegCapacity = 0x020,         ///< bytes of DDR
-  kRegControl = 0x028,          ///< write: kControl* bits
-  kRegStatus = 0x030,           ///< kStatus* bits
-  kRegCommand = 0x038,          ///< kCommand* fields
-  kRegPrimCount = 0x040,        ///< primaries in the register file
-  kRegSecFirst = 0x048,         ///< first secondary slot
-  kRegSecCount = 0x050,         ///< number of secondaries
-  kRegRecords = 0x058,          ///< records waiting in the SRAM ring
-  kRegFaultAddr = 0x060,        ///< of the first refused access: kFault* fields
-  kRegWriteback = 0x068,        ///< clocks that wrote the kept records back to SRAM
-  kRegCaps3 = 0x070,            ///< kCaps3* fields
-  kRegPrimSplit = 0x078,        ///< with a second pair: the first of its primaries
-  kRegStencil = 0x080,          ///< primaries/64 registers: 1 masks a primary
-  kRegBudget = 0x0A0,           ///< work for a cylinder pair: kBudget* fields
-  kRegEcc = 0x0B8,              ///< words of secondaries read from DDR in a pass: kEcc* fields
-  kRegObjectCount = 0x0A8,      ///< objects to sweep; 0: the slots of kRegSecFirst and kRegSecCount
+  kRegId = 0x000,          ///< [63:32] kIdMagic, [31:0] kInterfaceVersion
+  kRegCaps = 0x008,        ///< kCaps* fields
+  kRegConfigHash = 0x010,  ///< hash of parameters and RTL sources
+  kRegCaps2 = 0x018,       ///< kCaps2* fields
+  kRegCapacity = 0x020,    ///< bytes of DDR
+  kRegControl = 0x028,     ///< write: kControl* bits
+  kRegStatus = 0x030,      ///< kStatus* bits
+  kRegCommand = 0x038,     ///< kCommand* fields
+  kRegPrimCount = 0x040,   ///< primaries in the register file
+  kRegSecFirst = 0x048,    ///< first secondary slot
+  kRegSecCount = 0x050,    ///< number of secondaries
+  kRegRecords = 0x058,     ///< records waiting in the SRAM ring
+  kRegFaultAddr = 0x060,   ///< first refused access: kFault* fields
+  kRegWriteback = 0x068,   ///< cycles that wrote the kept records back to SRAM
+  kRegCaps3 = 0x070,       ///< kCaps3* fields
+  kRegPrimSplit = 0x078,   ///< with a second pair: number of its first primary
+  kRegStencil = 0x080,     ///< primaries/64 registers; a 1 masks a primary
+  kRegBudget = 0x0A0,      ///< iterations for a cylinder pair: kBudget* fields
+  kRegEcc = 0x0B8,  ///< words of secondaries with bit errors read from DDR in a pass: kEcc* fields
+  kRegObjectCount =
+      0x0A8,  ///< objects of secondaries in the pass; 0: use kRegSecFirst and kRegSecCount
   kRegPrimObjectCount = 0x0B0,  ///< objects of primaries; 0: primaries as they were written
-  kRegCycles = 0x0C0,           ///< clocks from go to done, without kRegWriteback
+  kRegCycles = 0x0C0,           ///< cycles from go to done, without kRegWriteback
   kRegRows = 0x0C8,             ///< rows issued to the pipe (one row is `lanes` pairs)
-  kRegStalls = 0x0D0,       ///< clocks the pipe mouth waited for output space, or for a slot of a
-                            ///< cylinder pipe
-  kRegBubbles = 0x0D8,      ///< clocks the pipe mouth waited for a secondary
+  kRegStalls = 0x0D0,  ///< cycles in which the input port waited for output space, for a slot of an
+                       ///< iterative pipeline, or for the interval of a SAT pipe
+  kRegBubbles = 0x0D8,      ///< cycles in which the input port waited for a secondary
   kRegBadPrim = 0x0E0,      ///< primaries refused as bad input
   kRegBadSec = 0x0E8,       ///< secondaries refused as bad input
-  kRegSecondaries = 0x0F0,  ///< secondaries swept
+  kRegSecondaries = 0x0F0,  ///< secondaries streamed
   kRegWritten = 0x0F8,      ///< records written to SRAM
-  kRegOpen = 0x100,         ///< pairs that narrow lanes left open (BoardConfig::verdicts)
-  kRegNodes = 0x108,        ///< of a hierarchy: nodes read,
-  kRegLeaves = 0x110,       ///< leaves visited,
-  kRegTested = 0x118,       ///< secondaries of leaves that were tested
-  kRegRoot = 0x120,         ///< 4 registers: lower corner of the root's box, upper one, 16 u W, 0
-  kRegNodeCaps = 0x140,     ///< kNodeCaps* fields
-  kRegNodeCount = 0x148,    ///< nodes of the tree
-  kRegRayCount = 0x150,     ///< rays of the pass; none of them is there yet
-  kRegRays = 0x158,         ///< kRays* fields; the number of those that are there is written
-  kRegDeepest = 0x160,      ///< groups on a stack at a time, at most
-  kRegNodeFault = 0x168,    ///< kNodeFault* fields
-  kRegNewRoot = 0x180,      ///< 9 registers: the words of the root, as a refit made it
-  kRegNodeFlip = 0x1c8,     ///< kNodeFlip* fields: with check bits, wrong ones, to test them
-  kRegSlotCount = 0x1d0,    ///< slots of the tree
-  kRegNodeFirst = 0x1d8,    ///< of a refit: nodes before it stay as they are
-  kRegPairs = 0x1e0,        ///< bit p: pair p is in the card
+  kRegOpen = 0x100,    ///< pairs that the certified filter left uncertain (`BoardConfig::verdicts`)
+  kRegNodes = 0x108,   ///< BVH: nodes read
+  kRegLeaves = 0x110,  ///< BVH: leaves visited
+  kRegTested = 0x118,  ///< BVH: secondaries of leaves that were tested
+  kRegRoot = 0x120,    ///< 4 registers: lower corner of the root's box, upper corner, 16 u W, 0
+  kRegNodeCaps = 0x140,   ///< kNodeCaps* fields
+  kRegNodeCount = 0x148,  ///< nodes of the BVH
+  kRegRayCount = 0x150,   ///< rays of the pass, none of which has been provided yet
+  kRegRays = 0x158,       ///< kRays* fields; write the number of rays provided so far
+  kRegDeepest = 0x160,    ///< most groups on a stack at a time
+  kRegNodeFault = 0x168,  ///< kNodeFault* fields
+  kRegNewRoot = 0x180,    ///< 9 registers: the root's words after a refit
+  kRegNodeFlip = 0x1c8,   ///< kNodeFlip* fields: with check bits, injects bit errors for tests
+  kRegSlotCount = 0x1d0,  ///< slots of the BVH
+  kRegNodeFirst = 0x1d8,  ///< refit: nodes before this one stay as they are
+  kRegPairs = 0x1e0,      ///< bit p: pair p is in the card
   kRegEnd = 0x1e8,
 };
 
-/// Registers of the counters of a pass, unit by unit in the order in which a unit brings them.
+/// Registers of the counters of a pass, unit by unit, in the order in which a unit delivers them.
 inline constexpr Register kCounterRegisters[] = {
     kRegCycles, kRegWriteback, kRegRows, kRegStalls, kRegBubbles, kRegSecondaries,
     kRegBadSec, kRegWritten,   kRegOpen, kRegNodes,  kRegLeaves,  kRegTested,
 };
 inline constexpr unsigned kCounters = std::size(kCounterRegisters);
-inline constexpr unsigned kEngineCounters = 9;  ///< the first ones
+inline constexpr unsigned kEngineCounters = 9;  ///< the first counters
 
-/// Object tables, in kSpaceReg above the registers, write only: entries of kObjectWords words
+/// Object tables, in kSpaceReg above the registers, write only. Entries have kObjectWords words
 /// (records.hpp).
 inline constexpr std::uint32_t kObjectTable = 0x40000;      ///< of secondaries
 inline constexpr std::uint32_t kPrimObjectTable = 0x80000;  ///< of primaries
@@ -95,7 +96,7 @@ inline constexpr std::uint32_t kInterfaceVersion = 5;
 /// Bits of kRegControl.
 inline constexpr std::uint64_t kControlGo = 1;
 inline constexpr std::uint64_t kControlAbort = 2;
-inline constexpr std::uint64_t kControlClear = 4;  ///< errors and done
+inline constexpr std::uint64_t kControlClear = 4;  ///< clears errors and done
 
 /// Bit numbers of kRegStatus.
 enum Status : unsigned {
@@ -104,23 +105,22 @@ enum Status : unsigned {
   kStatusCommandError = 2,  ///< go refused: mode, pair, count or range out of bounds
   kStatusBusError = 3,      ///< access outside a space, to a read-only register, or while busy
   kStatusSramWait = 4,      ///< the SRAM ring is full and the engine waits for the host
-  kStatusIrq = 5,           ///< done, an error, or a full ring wants the host
-  kStatusEccError = 6,      ///< words of DDR with errors that cannot be corrected were read in this
-                            ///< pass
-  kStatusNodeError = 7,     ///< the pass met nodes that are no tree's: kRegNodeFault
+  kStatusIrq = 5,           ///< done, an error, or a full ring needs the host
+  kStatusEccError = 6,      ///< words with uncorrectable errors were read from DDR in this pass
+  kStatusNodeError = 7,     ///< the pass read invalid BVH nodes: kRegNodeFault
 };
 
-/// What is wrong with nodes: kNodeFaultKind.
+/// What is wrong with BVH nodes: kNodeFaultKind. kNodeFaultPlace holds the number named here.
 enum NodeFault : unsigned {
-  kNodeFaultNode = 1,       ///< a node beyond the last one: its number
-  kNodeFaultSlot = 2,       ///< a slot beyond the last one: its number
-  kNodeFaultIndex = 3,      ///< a slot with a secondary beyond the last one: the slot
-  kNodeFaultDepth = 4,      ///< more levels than the stack has: the first node of the level below
-  kNodeFaultEndless = 5,    ///< rays that come to no end, or a refit: the node read last
-  kNodeFaultSecondary = 6,  ///< of a refit, a secondary beyond 2^40 or no number: its slot
-  kNodeFaultNodeBits = 7,   ///< with check bits, more wrong ones of a word than can be corrected
-  kNodeFaultSlotBits = 8,   ///< the same of what is in a slot
-  kNodeFaultObject = 9,     ///< a slot of an object beyond the last one: the slot
+  kNodeFaultNode = 1,       ///< node number out of range: the node
+  kNodeFaultSlot = 2,       ///< slot number out of range: the slot
+  kNodeFaultIndex = 3,      ///< secondary index out of range: its slot
+  kNodeFaultDepth = 4,      ///< more levels than the stack holds: the first node of the level below
+  kNodeFaultEndless = 5,    ///< a traversal or refit that does not end: the node read last
+  kNodeFaultSecondary = 6,  ///< refit: a secondary beyond 2^40 or not a number: its slot
+  kNodeFaultNodeBits = 7,   ///< uncorrectable error in a node's word (with check bits)
+  kNodeFaultSlotBits = 8,   ///< uncorrectable error in a slot's word (with check bits)
+  kNodeFaultObject = 9,     ///< object index out of range: its slot
 };
 
 /// Result modes, kRegCommand[2:0].
@@ -130,8 +130,8 @@ enum ModeCode : std::uint32_t {
   kModeAny = 2,
   kModeAll = 3,
   kModeHits = 4,
-  kModeOccluded = 5,  ///< of a hierarchy
-  kModeRefit = 6,     ///< of a hierarchy, without rays: boxes of all nodes anew
+  kModeOccluded = 5,  ///< BVH only
+  kModeRefit = 6,     ///< BVH only, without rays: refits the boxes of all nodes
 };
 
 /// Fields of registers.
@@ -154,7 +154,7 @@ inline constexpr unsigned kBudgetMost = 64;                       ///< of K1 and
 inline constexpr Field kEccCorrected{0, 32}, kEccFailed{32, 32};  ///< words
 inline constexpr Field kCommandMode{0, 3}, kCommandPair{8, kPairBits},
     kCommandSecondPair{16, kPairBits};
-/// Bits of kRegCommand beside mode and pair codes.
+/// Bits of kRegCommand other than mode and pair codes.
 inline constexpr std::uint64_t kCommandSwap = 1 << 4;
 inline constexpr std::uint64_t kCommandNormals = 1 << 5;
 inline constexpr std::uint64_t kCommandHierarchy = 1 << 6;

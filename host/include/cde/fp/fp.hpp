@@ -11,12 +11,12 @@
 
 namespace cde {
 
-/// A software scalar: binary floating point of E exponent bits and M fraction bits in IEEE 754
-/// encoding, with subnormals, infinities and one NaN. E 3..10, M 2..24; for the two formats that
-/// the processor has, use float and double.
+/// A software scalar: binary floating point with E exponent bits and M fraction bits in IEEE 754
+/// encoding, with subnormals, infinities and one NaN. E is 3..10, M is 2..24. For the two formats
+/// of the processor use float and double.
 ///
-/// Every operation rounds once to nearest, ties to even: it is computed in binary64 and rounded
-/// again, which is innocuous because 53 >= 2 (M + 1) + 2 (Figueroa, "When is double rounding
+/// Every operation rounds once to nearest, ties to even. It is computed in binary64 and rounded
+/// again. That is innocuous because 53 >= 2 (M + 1) + 2 (Figueroa, "When is double rounding
 /// innocuous?", SIGNUM 1995). A NaN result is the canonical one: positive, quiet, no payload. The
 /// processor must round to nearest and keep subnormals, its default.
 template <int E, int M>

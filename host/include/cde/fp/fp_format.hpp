@@ -9,9 +9,9 @@
 
 namespace cde {
 
-/// A binary floating-point format with IEEE 754 encoding: sign, biased exponent, fraction;
-/// subnormals, infinities and NaN. exp_bits 3..11, man_bits (fraction, without the hidden
-/// bit) 2..52. Words are the low bits of a uint64_t.
+/// A binary floating-point format with IEEE 754 encoding: sign, biased exponent, fraction. It has
+/// subnormals, infinities and NaN. exp_bits is 3..11; man_bits (fraction, without the hidden bit)
+/// is 2..52. Words are the low bits of a uint64_t.
 struct FpFormat {
   int exp_bits = 8;
   int man_bits = 23;
@@ -44,8 +44,8 @@ struct FpFormat {
 
   /// "fp32", or "eEmM" for a format without a name.
   [[nodiscard]] std::string name() const;
-  /// A name of kFpFormats, "f16", "f32", "f64" as Berkeley TestFloat writes them, or "eEmM" such as
-  /// "e6m9", any case. Error kUsage for anything else or sizes out of range.
+  /// Parses a name of kFpFormats, or "f16", "f32", "f64" as in Berkeley TestFloat, or "eEmM" such
+  /// as "e6m9". Case is ignored. Error kUsage for anything else or sizes out of range.
   static FpFormat parse(std::string_view text);
 };
 
@@ -54,7 +54,7 @@ struct NamedFpFormat {
   FpFormat format;
 };
 
-/// The formats with a name, in the order of the conversions of an fp_unit bitstream.
+/// The named formats, in the order of the conversions of an fp_unit simulation model.
 inline constexpr auto kFpFormats = [] {
   std::array<NamedFpFormat, contract::kFormatTable.size()> formats{};
   for (std::size_t k = 0; k < formats.size(); ++k) {

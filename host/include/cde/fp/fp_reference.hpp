@@ -9,15 +9,15 @@
 
 namespace cde {
 
-/// A result word (a format's word, an integer's two's complement, or 0/1 of a comparison) and its
-/// flags.
+/// A result word and its flags. The word is a format's word, an integer in two's complement, or 0/1
+/// for a comparison.
 struct FpResult {
   uint64_t word = 0;
   uint8_t flags = 0;
   bool operator==(const FpResult&) const = default;
 };
 
-/// What the command line and messages call them, by code.
+/// Names for the command line and messages, by code.
 inline constexpr std::array<const char*, kFpOps> kFpOpNames{
     "add",      "sub",       "mul",          "div",           "sqrt",         "lt",
     "le",       "eq",        "min",          "max",           "to_fp16",      "to_bf16",
@@ -39,14 +39,14 @@ static_assert(
     static_cast<std::uint32_t>(FpOp::kToUi64Trunc) + 1 == kFpOps && kFpOps <= 32,
     "kFpOps counts the operations; the parameter OPS of fp_unit has a bit for 32 of them");
 
-/// Operands of the operation: 1 or 2.
+/// Number of operands: 1 or 2.
 [[nodiscard]] int fp_operands(FpOp op);
 
 /// The operation by definition: the exact value as a wide integer, rounded once to nearest even.
-/// Independent of the RTL. NaN results are canonical. min and max are minimumNumber and
-/// maximumNumber of IEEE 754-2019. lt and le signal on any NaN, eq on a signalling one. To integer:
-/// out of range saturates, NaN gives the largest integer, both with invalid alone; an inexact
-/// result is flagged. Operands beyond the format's width are ignored.
+/// Independent of the RTL. NaN results are canonical. The operations min and max are minimumNumber
+/// and maximumNumber of IEEE 754-2019. Comparisons lt and le signal on any NaN, eq on a signalling
+/// one. Conversion to integer: out of range saturates, and NaN gives the largest integer, both with
+/// invalid alone. An inexact result is flagged. Operand bits beyond the format's width are ignored.
 [[nodiscard]] FpResult fp_reference(FpOp op, FpFormat format, uint64_t a, uint64_t b = 0);
 
 /// Conversion between any two formats.

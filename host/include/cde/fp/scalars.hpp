@@ -11,8 +11,8 @@
 #include "cde/fp/fp.hpp"
 #include "cde/fp/fp_format.hpp"
 
-/// The formats that pairs are computed in, and the scalars of their references. A format of
-/// kFormatTable becomes one by its scalar here.
+/// The formats of pairs, and the scalars of their references. A format of kFormatTable becomes a
+/// format of pairs by an entry here.
 namespace cde {
 
 using PairScalars = std::tuple<Fp16, Bf16, Tf32, Fp24, float, double>;
@@ -27,7 +27,7 @@ inline constexpr auto kPairFormats = []<std::size_t... k>(std::index_sequence<k.
 }
 (std::make_index_sequence<std::tuple_size_v<PairScalars>>());
 
-/// Those of cards: the words of a card's buses, memories and records are 32 bits wide.
+/// Formats of cards: words of a card's buses, memories and records have 32 bits.
 inline constexpr unsigned kCardWord = 32;
 [[nodiscard]] constexpr bool is_card_format(FpFormat format) {
   for (const FpFormat f : kPairFormats)
@@ -45,7 +45,7 @@ S from_word(std::uint64_t word) {
     return S::from_bits(static_cast<typename S::Bits>(word));
 }
 
-/// A NaN as it is.
+/// A NaN keeps its bits.
 template <class S>
 std::uint64_t to_word(S x) {
   if constexpr (std::is_same_v<S, float>)
@@ -56,7 +56,8 @@ std::uint64_t to_word(S x) {
     return x.bits();
 }
 
-/// Calls use.operator()<S>() with the scalar of the format; false if pairs are not computed in it.
+/// Calls use.operator()<S>() with the scalar of the format. False if the format is not in
+/// kPairFormats.
 template <class Use>
 bool with_scalar(FpFormat format, Use use) {
   return [&]<std::size_t... k>(std::index_sequence<k...>) {
@@ -69,13 +70,13 @@ bool with_scalar(FpFormat format, Use use) {
 
 /// Floats as words of a format of kPairFormats, and back.
 struct FloatWords {
-  /// Error kUsage for a format that is none of them.
+  /// Error kUsage for a format not in kPairFormats.
   explicit FloatWords(FpFormat format);
 
-  std::uint64_t (*encode)(float);  ///< the nearest; of other formats than fp32 a NaN becomes the
-                                   ///< canonical one
-  float (*decode)(std::uint64_t);  ///< exact in formats no wider than fp32; a NaN keeps its sign
-                                   ///< and what a float can hold of its payload
+  std::uint64_t (*encode)(
+      float);  ///< the nearest word; a NaN becomes the canonical one except in fp32
+  float (*decode)(std::uint64_t);  ///< exact for formats no wider than fp32; a NaN keeps its sign
+                                   ///< and as much of its payload as fits
 };
 
 }  // namespace cde

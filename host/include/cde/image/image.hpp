@@ -25,11 +25,11 @@ struct GreyImage {
   std::vector<std::uint16_t> pixels;
 };
 
-/// What the card answered for the rays of a picture, one entry a pixel. Without a hit the other
-/// entries do not count.
+/// Results of the card for the rays of a picture, one entry per pixel. Without a hit the other
+/// entries are ignored.
 struct PixelHits {
   Resolution size;
-  RayView rays;  ///< what was asked; surfaces are two-sided, lit on the side the ray meets
+  RayView rays;  ///< the rays; surfaces are two-sided and lit on the side that the ray hits
   std::span<const std::uint8_t> hit;       ///< F: 0 or 1
   std::span<const float> t;                ///< T, along the ray
   std::span<const std::uint32_t> index;    ///< face of the mesh
@@ -45,28 +45,28 @@ struct ShadeOptions {
   Eigen::Vector3f sun = {-0.55f, 0.35f, 0.62f};  ///< towards the sun, any length
   Palette palette = Palette::kLandscape;
   std::span<const std::uint8_t> shadow =
-      {};            ///< one a pixel, 1 where something stands before the sun (sun_rays); or empty
+      {};            ///< one per pixel, 1 if the sun is occluded (sun_rays); or empty
   bool haze = true;  ///< far points fade towards the sky; off for orthographic views
   std::vector<std::array<std::uint32_t, 2>> markers =
       {};  ///< pixels (x, y) to circle, e.g. the hits of single rays
 };
 
-/// Picture lit by sun and sky, with normals smoothed except over creases (a face more than 37
-/// degrees off the mean of its neighbours). Pixels without a hit show the sky. Error kUsage if a
-/// span does not have one entry a pixel, kBadInput if an index is not a face of the mesh.
+/// Picture lit by sun and sky. Normals are smoothed except over creases, where a face is more than
+/// 37 degrees off the mean of its neighbours. Pixels without a hit show the sky. Error kUsage if a
+/// span does not have one entry per pixel; kBadInput if an index is not a face of the mesh.
 [[nodiscard]] Image shade(const PixelHits& hits, const Mesh& mesh,
                           const ShadeOptions& options = {});
 
 /// Distance as brightness: the nearest hit is 65535, the farthest 8192, no hit 0.
 [[nodiscard]] GreyImage depth_image(const PixelHits& hits);
 
-/// Rays from the hit points to the sun for a second pass on the card, one a pixel; its F is
-/// ShadeOptions::shadow. Where nothing was hit the ray is valid but its interval is empty. They
-/// start off the surface by `offset` along the normal of the sunny side.
+/// Rays from the hit points to the sun for a second pass on the card, one per pixel. Its F is
+/// ShadeOptions::shadow. A pixel without a hit has a valid ray with an empty interval. Rays start
+/// off the surface by `offset` along the normal of the sunny side.
 [[nodiscard]] std::vector<Ray> sun_rays(const PixelHits& hits, const Mesh& mesh,
                                         const Eigen::Vector3f& sun, float offset);
 
-/// Writes a PNG; the file appears whole or not at all. Error kFile if it cannot be written.
+/// Writes a PNG. A reader never sees a partial file. Error kFile if it cannot be written.
 void write_png(const Image& image, const std::filesystem::path& path);
 void write_png(const GreyImage& image, const std::filesystem::path& path);
 /// The same as bytes.

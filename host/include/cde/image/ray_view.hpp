@@ -14,8 +14,8 @@
 
 namespace cde {
 
-/// Rays in a row: some that are there, which must outlive this, or those of a picture, each made
-/// when it is asked for, so that a picture of any size takes no memory.
+/// A sequence of rays. Either they are stored elsewhere and must outlive the view, or they are
+/// those of a picture. A picture's rays are computed on access, so its size needs no memory.
 class RayView {
  public:
   RayView() : RayView(std::span<const Ray>()) {}
@@ -37,14 +37,14 @@ class RayView {
     }
     return ray;
   }
-  /// `count` of them from `first` on.
+  /// `count` rays from `first` on.
   [[nodiscard]] RayView subview(std::size_t first, std::size_t count) const {
     RayView some = *this;
     some.first_ += first;
     some.size_ = std::min(count, size_ - first);
     return some;
   }
-  /// The same with origins and directions as this makes them.
+  /// The same with `turn` applied to origins and directions.
   [[nodiscard]] RayView turned(std::function<Eigen::Vector3f(const Eigen::Vector3f&)> turn) const {
     RayView other = *this;
     if (turn_) {

@@ -18,20 +18,19 @@
 
 namespace cde {
 
-/// Columns of a record that the card does not write; the host computes them, in binary64, from the
-/// record, its ray and its triangle.
+/// Columns that the host computes in binary64 from a record, its ray and its triangle.
 enum class RecordField {
   kU,       ///< barycentric weight of the triangle's second corner at CP
-  kV,       ///< and of its third
-  kNormal,  ///< geometric normal, unit, by the right-hand rule over the corners
-  kSide,    ///< 1: the ray meets the side that the normal points from, -1 the other, 0 no hit
-  kNode,    ///< object, group or node of the mesh file that the triangle came from
+  kV,       ///< barycentric weight of its third corner
+  kNormal,  ///< geometric unit normal, by the right-hand rule over the corners
+  kSide,    ///< 1: the ray hits the side that the normal points from; -1: the other side; 0: no hit
+  kNode,    ///< object, group or node of the mesh file to which the triangle belongs
   kInside,  ///< whether the ray starts inside the mesh, which must be closed (Inside)
 };
 /// "u", "v", "normal", "side", "node", "inside".
 [[nodiscard]] std::vector<std::string> field_names();
 
-/// The format of a file of records, and its columns.
+/// Format and columns of a record file.
 struct RecordFormat {
   enum class Kind {
     kCsv,
@@ -40,17 +39,18 @@ struct RecordFormat {
     kWords,      ///< the card's words (docs/reference/scenes.md)
   };
   Kind kind = Kind::kCsv;
-  bool frame = false;      ///< the first column is the frame
+  bool frame = false;      ///< the first column is the frame number
   bool scene = false;      ///< primaries, which may be bad, instead of rays
   bool normals = false;    ///< Record::n
-  bool bits = false;       ///< of CSV: T and CP in hex as well
-  bool only_hits = false;  ///< other records are left out
+  bool bits = false;       ///< CSV only: adds T and CP in hex
+  bool only_hits = false;  ///< omits records without a hit
   std::vector<RecordField> fields = {};
-  /// Axes of an array of records, whose product is their number; else it has one.
+  /// Axes of an array of records; their product is the number of records. Without it the array has
+  /// one axis.
   std::optional<std::vector<std::uint64_t>> shape = {};
 
-  /// That of a cast by the suffix of its path: .csv (or "-"), .npy or .jsonl. Error kUsage for
-  /// another suffix, for bits without CSV, for an unknown field, and for fields without a path.
+  /// The format of a cast, from the suffix of its path: .csv (or "-"), .npy or .jsonl. Error kUsage
+  /// for another suffix, bits without CSV, an unknown field, or fields without a path.
   static RecordFormat of_cast(const std::string& path, bool bits,
                               const std::vector<std::string>& fields);
 };
@@ -58,14 +58,14 @@ struct RecordFormat {
 /// Records as the bytes of a file.
 class RecordText {
  public:
-  /// Fields are computed from mesh and rays, which must outlive it. Error kBadInput of a mesh that
-  /// is not closed if `inside` is one of them.
+  /// Fields are computed from mesh and rays, which must outlive this object. Error kBadInput if
+  /// `inside` is a field and the mesh is not closed.
   explicit RecordText(RecordFormat format, const Mesh* mesh = nullptr, RayView rays = {});
-  /// The header. `count`: of the records, which .npy alone needs. If the count may grow, the
-  /// header has as many bytes for every count.
+  /// The header. `count` is the number of records; only .npy needs it. With `may_grow` the header
+  /// has the same size for every count.
   [[nodiscard]] std::string head(std::uint64_t count = 0, bool may_grow = false) const;
   void append(std::span<const Record> records, std::string& to, std::uint32_t frame = 0) const;
-  /// Bytes of a record in an array.
+  /// Bytes per record of an array.
   [[nodiscard]] std::size_t record_bytes() const;
   [[nodiscard]] const RecordFormat& format() const { return format_; }
 
@@ -80,20 +80,20 @@ class RecordText {
   RayView rays_;
   [[nodiscard]] bool starts_inside(std::uint32_t ray) const;
 
-  std::size_t node_bytes_ = 1;  ///< of the longest name of a node
+  std::size_t node_bytes_ = 1;  ///< length of the longest node name
   std::shared_ptr<const Inside> inside_;
-  mutable std::optional<std::pair<std::uint32_t, bool>> last_inside_;  ///< of the ray asked last
+  mutable std::optional<std::pair<std::uint32_t, bool>> last_inside_;  ///< for the last ray asked
 };
 
-/// Records as a file, written as they come. An array whose count is not known gets its header last:
-/// in a regular file it has room for one, for others the data wait in memory.
+/// A record file, written as records arrive. If the count of an array is unknown, its header is
+/// written last. A regular file reserves space for it; otherwise the data wait in memory.
 class RecordFile {
  public:
-  /// `count`: of the records, if it is known before they come.
+  /// `count`: the number of records, if known in advance.
   RecordFile(const std::string& path, RecordText text, std::optional<std::uint64_t> count = {})
       : text_(std::move(text)), count_(count), file_(path) {}
   void add(std::span<const Record> records, std::uint32_t frame = 0);
-  /// Adds records that RecordText::append has made text of.
+  /// Adds records that RecordText::append has formatted.
   void add_text(std::string_view text);
   void commit();  ///< error kFile if anything could not be written
 
@@ -104,7 +104,7 @@ class RecordFile {
   RecordText text_;
   std::optional<std::uint64_t> count_;
   bool has_head_ = false;
-  std::uint64_t written_ = 0;  ///< bytes behind the header
+  std::uint64_t written_ = 0;  ///< bytes after the header
   OutputFile file_;
   std::string bytes_, waiting_;
 };

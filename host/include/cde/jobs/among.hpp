@@ -14,7 +14,7 @@ namespace cde {
 struct DealtChunk {
   std::uint64_t number = 0;
   std::string input;
-  std::optional<unsigned> rank = {};  ///< whose it is
+  std::optional<unsigned> rank = {};  ///< rank that must run it; none: any
 };
 
 /// cde::mpi::Work without MPI.
@@ -25,11 +25,11 @@ struct DealtWork {
   std::function<void(std::uint64_t, std::string)> done;
 };
 
-/// cde::mpi::Ranks, or what stands for it in a command that was built without MPI: nobody.
+/// cde::mpi::Ranks. A command built without MPI has no implementation of it.
 class Dealing::Ranks {
  public:
-  /// Null unless a launcher started this process as one of several. Error kConfiguration if it did
-  /// and there is no MPI.
+  /// Null unless a launcher started this process as one of several. Error kConfiguration if a
+  /// launcher did and MPI was not built in.
   [[nodiscard]] static std::unique_ptr<Ranks> if_started();
   virtual ~Ranks() = default;
   [[nodiscard]] virtual unsigned rank() const = 0;

@@ -16,33 +16,34 @@ struct Mesh;
 struct BoardConfig;
 }  // namespace cde
 
-/// Runs that are cut into chunks, so that they can be shared out and go on where they ended.
+/// Runs that are cut into chunks, so that they can be distributed and resumed.
 namespace cde {
 
-/// What a verb was asked of it.
+/// Options of a verb for its distribution.
 struct DealOptions {
   std::string resume;         ///< file of finished chunks; empty: none
-  std::string shard = "1/1";  ///< I/N: of N processes that know nothing of each other, the Ith
+  std::string shard = "1/1";  ///< I/N: shard I of N independent processes
 };
 
 /// A part of a run. Chunks are numbered from 0.
 struct Part {
-  std::string what;                     ///< the progress says
-  std::optional<std::uint64_t> chunks;  ///< how many, if that is known before
-  /// What a chunk is made of; nothing behind the last one. Called once each, in order.
+  std::string what;                     ///< name for the progress line
+  std::optional<std::uint64_t> chunks;  ///< number of chunks, if known in advance
+  /// Input of a chunk; nothing after the last one. Called once per chunk, in order.
   std::function<std::optional<std::string>(std::uint64_t)> input;
-  /// Whether merging has the inputs, too, which are compared then with those of the shards.
+  /// Whether a merge also computes the inputs, to compare them with those of the shards.
   bool inputs_again = true;
-  /// Its result, which depends on the input alone. On whichever rank.
+  /// Result of a chunk. It depends on the input alone; any rank may compute it.
   std::function<std::string(std::uint64_t, const std::string& input)> run;
-  /// The rank that a chunk is of, as only that one has what it needs; none: any.
+  /// The rank that must run a chunk because only it has the data; none: any rank.
   std::function<unsigned(std::uint64_t)> owner = {};
-  /// Takes the results, in order. Not at the same time as `input`, but perhaps as `run`.
+  /// Receives the results in order. Never at the same time as `input`, possibly at the same time as
+  /// `run`.
   std::function<void(std::uint64_t, const std::string& result)> take;
 };
 
-/// How this process deals the chunks of its run: among the ranks that it was started with, as a
-/// shard, from the journals of others, or by itself. There is one, which main() makes.
+/// How this process runs the chunks of its run: alone, among MPI ranks, as a shard, or by merging
+/// journals. main() makes the only instance.
 class Dealing {
  public:
   Dealing();
@@ -52,44 +53,47 @@ class Dealing {
   [[nodiscard]] static Dealing& here();
   class Ranks;
 
-  /// The command's words, for journals. Error kUsage if several ranks would do the same.
+  /// Sets the words of the command, for journals. Error kUsage if several ranks would each do the
+  /// same work.
   void start(const std::vector<std::string>& words);
-  /// The chunks of the run come from these, all of them.
+  /// Takes all chunks of the run from these journals.
   void merge(std::vector<std::unique_ptr<Journal>> journals) { merged_ = std::move(journals); }
-  /// Those journals, for check_outputs().
+  /// Appends those journals, for check_outputs().
   void add_inputs(std::vector<FileUse>& inputs) const;
 
   [[nodiscard]] unsigned rank() const;
   [[nodiscard]] unsigned ranks() const;
-  /// This process reads inputs and writes outputs: rank 0, or the only one.
+  /// Whether this process reads inputs and writes outputs: rank 0, or the only process.
   [[nodiscard]] bool leads() const { return rank() == 0; }
   [[nodiscard]] bool merges() const { return !merged_.empty(); }
   [[nodiscard]] bool is_shard() const { return shards_ > 1; }
-  /// What rank 0 has, on all ranks.
+  /// Bytes of rank 0, on all ranks.
   [[nodiscard]] std::string shared(std::string bytes) const;
   void share(Mesh& mesh) const;
-  /// Every rank gets what `of` makes on rank 0 for it.
+  /// Each rank gets the bytes that `of` makes for it on rank 0.
   [[nodiscard]] std::string scattered(const std::function<std::string(unsigned rank)>& of) const;
-  /// Rank 0's card, on all ranks: machines may have others built.
+  /// Configuration of rank 0, on all ranks: machines may have built others.
   [[nodiscard]] BoardConfig shared(const BoardConfig& config) const;
 
-  /// What is done, before the first part. `run` is what results depend on besides inputs, key by
-  /// key: ranks and journals that differ in it are refused by name (Error kUsage, kConfiguration).
+  /// Begins the run, before the first part. `run` holds, key by key, everything else that results
+  /// depend on besides inputs. Ranks and journals that differ in a key are refused by its name
+  /// (error kUsage or kConfiguration).
   void begin(const DealOptions& options, nlohmann::ordered_json run, bool quiet);
-  /// Whether anything but the plain run was asked: else the verb need not cut it up.
+  /// Whether the work is distributed, resumed or merged. If not, the verb need not cut it into
+  /// chunks.
   [[nodiscard]] bool asked(const DealOptions& options) const;
 
-  /// Deals a part; false if its results are not all here, as this is a shard, which only keeps
-  /// them. On other ranks than 0: takes part in all parts until rank 0 has no more, and is false.
+  /// Runs a part. False if its results are not all here: a shard only stores them. On ranks other
+  /// than 0: takes part in all parts until rank 0 has no more, then returns false.
   bool deal(const Part& part);
 
-  /// "config_hash" of what the run began with, or of the runs that are merged.
+  /// "config_hash" of the run, or of the merged runs.
   [[nodiscard]] std::string config_hash() const { return config_hash_; }
 
-  /// Behind the last part: lets other ranks go.
+  /// After the last part: releases the other ranks.
   void end();
-  /// What an error's message begins with: on other ranks than 0 where it is from, after a while in
-  /// which rank 0, if it has the same to say, has ended them all.
+  /// Prefix of an error message: on ranks other than 0 the rank and host, otherwise empty. There it
+  /// first waits, so that rank 0 can end all ranks if it reports the same error.
   [[nodiscard]] std::string place() const;
   /// Ends all ranks after an error.
   void fail(int status);
@@ -109,16 +113,16 @@ class Dealing {
   std::unique_ptr<Journal> journal_;
   std::vector<std::unique_ptr<Journal>> merged_;
   unsigned shard_ = 1, shards_ = 1;
-  unsigned parts_ = 0;     ///< so far
-  bool released_ = false;  ///< another rank than 0 has heard that there are no more
+  unsigned parts_ = 0;     ///< parts so far
+  bool released_ = false;  ///< on ranks other than 0: rank 0 has no more parts
   std::string config_hash_;
   bool quiet_ = false;
 };
 
-/// Whether a verb deals its work.
+/// Whether a verb distributes its work.
 [[nodiscard]] bool is_dealt(const std::string& verb);
 
-/// --shard's value. Error kUsage.
+/// Value of --shard. Error kUsage.
 [[nodiscard]] std::pair<unsigned, unsigned> parse_shard(const std::string& text);
 
 }  // namespace cde

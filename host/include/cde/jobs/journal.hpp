@@ -12,36 +12,36 @@ struct stat;
 
 namespace cde {
 
-/// A number that tells contents apart (FNV-1a, 64 bits), in hexadecimal.
+/// Fingerprint of contents (FNV-1a, 64 bits), in hexadecimal.
 [[nodiscard]] std::string fingerprint(std::string_view bytes);
 
-/// Which piece of a run: runs have parts one after the other, and a part has chunks.
+/// A piece of a run. A run has consecutive parts, and a part has chunks.
 struct ChunkNumber {
   unsigned part = 0;
   std::uint64_t chunk = 0;
   auto operator<=>(const ChunkNumber&) const = default;
 };
 
-/// Where a chunk is in its file.
+/// Position of a chunk in its file.
 struct ChunkPlace {
   std::uint64_t at = 0, bytes = 0;
   std::string fingerprint, input;
 };
 
-/// What is done of a run, in a file that only grows: a line of JSON that says what run it is, and
-/// a line and its bytes for each chunk. What a process that was killed had not written to its end
-/// is dropped, everything before it stays. Locked while the object lives.
+/// Finished chunks of a run, in an append-only file. Its first line is JSON that identifies the
+/// run. Each chunk is a line followed by its bytes. An incomplete last entry of a killed process is
+/// dropped; everything before it stays. The file is locked while the object lives.
 class Journal {
  public:
   enum class Use {
-    kGoOn,  ///< made if it is not there; what is there must be of the same run
+    kGoOn,  ///< created if missing; an existing file must belong to the same run
     kRead,
   };
 
-  /// `what` names the option or verb in messages; `run` is compared key by key with what the file
-  /// says, `beside` is only written into a new one (kGoOn). Errors: kUsage if the file is of
-  /// another run, naming what differs, or in use; kFile if it is no journal, damaged, or cannot be
-  /// written.
+  /// `what` names the option or verb in messages. `run` is compared key by key with the file;
+  /// `beside` is only written to a new one (kGoOn). Error kUsage if the file belongs to another
+  /// run, naming the difference, or is in use. Error kFile if it is not a journal, is damaged, or
+  /// cannot be written.
   Journal(std::string what, std::string path, Use use,
           const nlohmann::ordered_json& run = nlohmann::ordered_json::object(),
           const nlohmann::ordered_json& beside = nlohmann::ordered_json::object());
@@ -50,28 +50,28 @@ class Journal {
   Journal& operator=(const Journal&) = delete;
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// What run it is of.
+  /// Identification of the run.
   [[nodiscard]] const nlohmann::ordered_json& run() const { return run_; }
-  /// Error kUsage, naming the first key of `run` whose value is another one here.
+  /// Error kUsage, naming the first key of `run` whose value differs here.
   void check_run(const nlohmann::ordered_json& run) const;
 
   [[nodiscard]] std::size_t size() const { return chunks_.size(); }
   [[nodiscard]] bool has(ChunkNumber number) const { return chunks_.contains(number); }
   [[nodiscard]] const std::map<ChunkNumber, ChunkPlace>& chunks() const { return chunks_; }
-  /// The bytes of a chunk that is there. Error kFile if they are not those that were written.
+  /// The bytes of a stored chunk. Error kFile if they differ from those that were written.
   [[nodiscard]] std::string read(ChunkNumber number) const;
-  /// What the chunk was made of; kUsage if it is not this.
+  /// Error kUsage if the chunk was made from another input.
   void check_input(ChunkNumber number, const std::string& input) const;
-  /// Keeps a chunk, made of an input with this fingerprint.
+  /// Stores a chunk and the fingerprint of its input.
   void add(ChunkNumber number, const std::string& input, std::string_view bytes);
 
-  /// What is known of a part once its inputs have ended.
+  /// What is known about a part once its inputs have ended.
   struct PartEnd {
     std::uint64_t chunks = 0;
-    std::string inputs;  ///< a fingerprint of all of them
+    std::string inputs;  ///< fingerprint of all of them
     bool operator==(const PartEnd&) const = default;
   };
-  /// Error kUsage if it was another one before.
+  /// Error kUsage if the part ended differently before.
   void end_part(unsigned part, const PartEnd& end);
   [[nodiscard]] std::optional<PartEnd> end_of(unsigned part) const;
 
@@ -88,7 +88,7 @@ class Journal {
 
   std::string what_, path_;
   int file_ = -1;
-  std::uint64_t bytes_ = 0;  ///< of the file
+  std::uint64_t bytes_ = 0;  ///< size of the file
   nlohmann::ordered_json run_;
   std::map<ChunkNumber, ChunkPlace> chunks_;
   std::map<unsigned, PartEnd> ends_;

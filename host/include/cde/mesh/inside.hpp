@@ -8,21 +8,21 @@
 
 namespace cde {
 
-/// Which points lie inside a closed mesh. Records of a mesh do not tell: its triangles are a
-/// surface, and a body that is wholly inside of it is apart from each of them.
+/// Which points lie inside a closed mesh. Records cannot tell this: the triangles are a surface,
+/// and a body wholly inside touches none of them.
 ///
-/// The winding number decides: the sum of the solid angles of all triangles as seen from the point,
-/// over 4 pi (van Oosterom and Strackee 1983), in binary64. It is a whole number but on the surface
-/// itself, where either answer may come. A point outside of the bounding box takes no time, another
-/// some 20 ns per triangle.
+/// The winding number decides, computed in binary64 (van Oosterom and Strackee 1983). It is the sum
+/// of the solid angles of all triangles seen from the point, over 4 pi. Off the surface it is an
+/// integer. On the surface either answer is possible. A point outside the bounding box is decided
+/// at once.
 class Inside {
  public:
-  /// Error kBadInput, naming a triangle and an edge of it, if the mesh is not closed: each edge
-  /// must have as many triangles one way round as the other. Vertices of equal coordinates are one.
+  /// Error kBadInput, naming a triangle and an edge, if the mesh is not closed. Each edge must have
+  /// as many triangles in one direction as in the other. Vertices with equal coordinates are one.
   explicit Inside(const Mesh& mesh);
 
-  /// The winding number of a point in the mesh's frame: 1 inside of a body whose faces wind
-  /// counter-clockwise as seen from outside, 0 outside.
+  /// Winding number of a point in the mesh's frame. It is 0 outside. It is 1 inside a body whose
+  /// faces wind counter-clockwise as seen from outside.
   [[nodiscard]] double winding_number(const Eigen::Vector3f& point) const;
   /// Whether the winding number is nearer to another whole number than to 0.
   [[nodiscard]] bool contains(const Eigen::Vector3f& point) const;

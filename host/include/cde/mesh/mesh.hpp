@@ -15,10 +15,9 @@
 
 namespace cde {
 
-/// Faces of a mesh that belong to one object, group or node of its file: from `first_face` to the
-/// next part.
+/// Faces that belong to one object, group or node of the file: from `first_face` to the next part.
 struct MeshPart {
-  std::string name;  ///< as the file has it
+  std::string name;  ///< as in the file
   std::uint32_t first_face = 0;
 };
 
@@ -27,17 +26,16 @@ struct MeshPart {
 struct Mesh {
   std::vector<Eigen::Vector3f> vertices;  ///< world frame, finite
   std::vector<std::array<std::uint32_t, 3>>
-      faces;         ///< corner numbers, each less than vertices.size()
-  std::string name;  ///< for messages: the file's name without folder, or "terrain"
-  std::size_t dropped =
-      0;  ///< points and lines of the file; they have no area and are not among faces
+      faces;                         ///< corner numbers, each less than vertices.size()
+  std::string name;                  ///< for messages: the file's name without folder, or "terrain"
+  std::size_t dropped = 0;           ///< for messages: file name without folder, or "terrain"
   std::vector<MeshPart> parts = {};  ///< ascending; objects and groups of OBJ, nodes of what assimp
                                      ///< reads; empty if the file names none
-  /// What was left out of a file or taken as it is meant, with its place in the file: a line each,
-  /// without its end.
+  /// What was skipped or reinterpreted, with its place in the file: one line each, without line
+  /// end.
   std::vector<std::string> warnings = {};
-  std::vector<std::filesystem::path> files = {};  ///< others that the file names and that are
-                                                  ///< there: buffers, materials, textures
+  std::vector<std::filesystem::path> files =
+      {};  ///< existing files that the mesh file names: buffers, materials, textures
 
   /// The corners of one face. `face` must be less than faces.size().
   [[nodiscard]] Triangle triangle(std::size_t face) const {
@@ -49,61 +47,60 @@ struct Mesh {
 /// Smallest box around the vertices that a face uses; empty for a mesh without faces.
 [[nodiscard]] Eigen::AlignedBox3f bounds(const Mesh& mesh);
 
-/// What reading one mesh file through assimp may take at most.
+/// Limits for reading one mesh file through assimp.
 struct MeshLimits {
-  std::chrono::seconds time = std::chrono::seconds(30);  ///< of the clock, and of the processor
-  /// Bytes; 0: 512 MB and 64 times the file's size, at most 2 GB.
+  std::chrono::seconds time = std::chrono::seconds(30);  ///< of wall clock, and of processor time.
+  /// Bytes; 0: 512 MB plus 64 times the file's size, at most 2 GB.
   std::uint64_t memory = 0;
 
-  /// Those of $CDE_MESH_SECONDS and $CDE_MESH_MEMORY (MB). Error kUsage, naming the variable, if
-  /// one is no whole number above 0.
+  /// Limits from $CDE_MESH_SECONDS and $CDE_MESH_MEMORY (MB). Error kUsage, naming the variable, if
+  /// its value is not an integer above 0.
   [[nodiscard]] static MeshLimits of_environment();
 };
 
-/// Reads OBJ, PLY (ascii, binary of either byte order) and STL (ascii, binary), and through assimp
-/// every other format that it knows (GLB, glTF, OFF, COLLADA, 3DS, ...; node transforms applied).
-/// The extension names the format.
+/// Reads OBJ, PLY (ascii, binary of either byte order) and STL (ascii, binary).
+/// Every other format that assimp knows is read through assimp, with node transforms applied (GLB,
+/// glTF, OFF, COLLADA, 3DS) The file extension names the format.
 ///
-/// Faces keep the file's order; polygons become triangles in place; triangles without area are
-/// kept. No corner is moved, and coordinates are the floats nearest to the text of the file. OBJ
-/// and PLY keep the file's vertices; formats without shared vertices get them where all 96 bits
-/// agree.
+/// Faces keep the order of the file. Polygons become triangles in place. Triangles without area are
+/// kept. No corner moves, and coordinates are the floats nearest to the text. OBJ and PLY keep the
+/// file's vertices. Other formats have no shared vertices; theirs are merged if all 96 bits agree.
 ///
-/// Text may begin with a UTF-8 byte order mark; its lines end in LF, CRLF or CR, mixed too. Bytes
-/// behind the last facet of a binary STL, and values of PLY that its header does not announce, are
-/// left out, which Mesh::warnings says. An STL whose size is not that of a binary one is text if
-/// its first word is "solid" and no byte near its front is 0.
+/// Text may begin with a UTF-8 byte order mark. Lines end in LF, CRLF or CR, even mixed. Bytes
+/// after the last facet of a binary STL, and PLY values that its header does not announce, are
+/// skipped; Mesh::warnings reports them. An STL is text if its size is not that of a binary one,
+/// its first word is "solid", and no byte near its front is 0.
 ///
-/// assimp 5.2 dies, hangs or takes gigabytes on some damaged files, so it runs in a child process
-/// with limits. A mesh can name other files; only regular files among them are read.
+/// assimp 5.2 crashes, hangs or allocates gigabytes on some damaged files. It therefore runs in a
+/// child process with limits. Only regular files among those that a mesh names are read.
 ///
-/// Errors: kFile, naming file and line or byte (missing, unreadable, directory, empty, malformed,
-/// truncated, corner number out of range, over a limit); kBadInput (NaN or infinite vertex, by its
-/// number from 0 in the mesh; no triangles).
+/// Error kFile, naming file and line or byte: missing, unreadable, directory, empty, malformed,
+/// truncated, corner number out of range, over a limit. Error kBadInput: NaN or infinite vertex
+/// (numbered from 0 in the mesh), or no triangles.
 [[nodiscard]] Mesh load_mesh(const std::filesystem::path& path,
                              const MeshLimits& limits = MeshLimits::of_environment());
 
-/// What the command line calls a mesh: "terrain", "terrain:QX,QY,SEED" (terrain.hpp), otherwise a
-/// path. A file that is called terrain is reached as ./terrain.
+/// Loads a mesh named on the command line: "terrain", "terrain:QX,QY,SEED" (terrain.hpp), otherwise
+/// a path. A file named terrain is reached as ./terrain.
 [[nodiscard]] Mesh load_mesh_or_builtin(std::string_view spec);
 
 /// Writes .obj (shortest text that reads back to the same floats), .ply or .stl (binary little
-/// endian). The file appears whole or not at all. Errors: kUsage (other extension), kFile (cannot
-/// be written), kCapacity (faces do not fit the format's 32-bit count).
+/// endian). A reader never sees a partial file. Errors: kUsage (other extension), kFile (cannot be
+/// written), kCapacity (faces do not fit the format's 32-bit count).
 void save_mesh(const Mesh& mesh, const std::filesystem::path& path);
 
-/// Throws kBadInput, beginning with `what`, if a vertex is not finite, a corner number is out of
+/// Error kBadInput, prefixed with `what`, if a vertex is not finite, a corner number is out of
 /// range, or there is no face.
 void check(const Mesh& mesh, std::string_view what);
 
-/// Which triangles of a checked mesh the card will flag as bad input, as coordinates of theirs are
-/// out of range (length_range.hpp) in its number format: how many, the first one, its word and the
-/// range; nothing if there are none. A line without its end.
+/// Describes the triangles of a checked mesh that the card will flag as bad input. Their
+/// coordinates are out of range (length_range.hpp) in its number format. The line names their
+/// number, the first one, its word and the range. Nothing if there are none. Without line end.
 [[nodiscard]] std::optional<std::string> out_of_range(const Mesh& mesh, std::string_view what,
                                                       FpFormat format = {});
 
-/// How many triangles of a checked mesh have no area, computed in binary64, and the first one;
-/// nothing if there are none. A line without its end.
+/// Describes the triangles of a checked mesh that have no area, computed in binary64: their number
+/// and the first one. Nothing if there are none. Without line end.
 [[nodiscard]] std::optional<std::string> without_area(const Mesh& mesh, std::string_view what);
 
 }  // namespace cde

@@ -8,7 +8,7 @@
 
 namespace cde {
 
-/// Triangles in a row, wherever they are; what it looks at must outlive it.
+/// A sequence of triangles stored elsewhere. The storage must outlive the view.
 class TriangleView {
  public:
   TriangleView(std::span<const Triangle> triangles)  // NOLINT(google-explicit-constructor)

@@ -9,15 +9,15 @@
 
 namespace cde {
 
-/// A record that a card and its reference differ in, and what it was made of.
+/// A record in which a card and its reference differ, with its operands.
 struct Difference {
   std::optional<Record> card, reference;  ///< none: that side has no such record
-  std::vector<float> primary;  ///< words of the primary in slot order, as it was sent; empty if the
-                               ///< record names none that there is
-  /// Secondaries that either record names, as they stand before the pipes, by their index.
+  std::vector<float> primary;  ///< words of the primary in slot order, as sent; empty if the record
+                               ///< names no valid primary.
+  /// Secondaries that either record names, by index, with the words that reach the pipes.
   std::vector<std::pair<std::uint32_t, std::vector<float>>> secondaries;
 
-  /// Its number, counted as in the records.
+  /// Number of the primary, counted as in the records.
   [[nodiscard]] std::uint32_t number() const { return (card ? card : reference)->primary; }
 };
 

@@ -5,10 +5,10 @@
 
 namespace cde {
 
-/// What a pipe answers for one pair, as words of the format (low bits of a uint64_t).
+/// Result of a pipe for one pair, as words of the format (low bits of a uint64_t).
 struct PairResult {
-  bool f = false;    ///< they meet
-  bool bad = false;  ///< an operand is out of contract: F = 0, the rest NaN
+  bool f = false;    ///< the shapes meet
+  bool bad = false;  ///< an operand is out of contract: F = 0, the other fields NaN
   std::uint64_t t = 0;
   std::uint64_t cp[3] = {};
   std::uint64_t n[3] = {};  ///< zero for rays

@@ -12,20 +12,21 @@
 
 namespace cde {
 
-/// Primaries left out of a pass (1 = masked): neither tested, updated nor downloaded.
+/// Primaries left out of a pass (1 = masked): not tested, updated or downloaded.
 using Stencil = std::bitset<card::kMostPrimaries>;
 
-/// A second pair for a pass: its pipe works beside the first one's, on the same secondaries and
-/// with primaries of its own (Board::load_second_shapes).
+/// A second pair for a pass. Its pipe works beside the first one, on the same secondaries and with
+/// its own primaries (Board::load_second_shapes).
 struct SecondPair {
   Pair pair = Pair::kRayTriangle;
   bool swap = false;
 };
 
-/// Whether rays go through the hierarchy of what was uploaded, or meet all of it.
+/// Whether primaries traverse a BVH of the uploaded secondaries, or a brute-force pass tests all of
+/// them.
 enum class Through : std::uint8_t {
-  kAuto,       ///< the hierarchy, where there is one that can answer the query
-  kHierarchy,  ///< error kUsage, with the reason, where it cannot
+  kAuto,       ///< traverses the BVH if there is one that can answer the query
+  kHierarchy,  ///< error kUsage, with the reason, if the BVH cannot answer the query
   kSweep,
 };
 
@@ -33,24 +34,22 @@ enum class Through : std::uint8_t {
 struct Query {
   Mode mode = Mode::kNearest;
   std::optional<Pair> pair = {};  ///< which of the card's pipes; by default its only one
-  bool swap = false;              ///< the pair's first shape is uploaded, its second one loaded
-  bool normals = false;           ///< records have n
+  bool swap = false;     ///< the pair's first shape is the secondary, its second one the primary
+  bool normals = false;  ///< records include n
   std::optional<SecondPair> second = {};  ///< BoardConfig::parallel; modes nearest, farthest, any
-  PairBudget budget = {};  ///< of pairs with a cylinder that is no ray's (has_budget)
+  PairBudget budget = {};  ///< iterations of pairs with a cylinder and no ray (has_budget)
   Stencil stencil = {};
-  std::uint32_t first_secondary =
-      0;  ///< the pass sweeps the uploaded secondaries from this one on,
-  std::uint32_t secondary_count = 0;  ///< so many of them (0: all behind it); not with objects.
-                                      ///< Records have their numbers in upload order all the same
+  std::uint32_t first_secondary = 0;  ///< first uploaded secondary of the brute-force pass
+  std::uint32_t secondary_count = 0;  ///< secondaries from there on (0: all); not with objects.
+                                      ///< Record indices still count in upload order
   Through through = Through::kAuto;
-  std::uint64_t deadline_clocks =
-      0;  ///< for one pass; 0: several times what the pass can take at worst, or in a hierarchy a
-          ///< million in which nothing is read
-  std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall clock, for one pass
+  std::uint64_t deadline_clocks = 0;  ///< per pass; 0: several times the worst case, or for a BVH a
+                                      ///< million cycles in which nothing is read
+  std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall-clock limit per pass
   std::uint32_t drain_records =
-      65536;  ///< taken off a full ring at a time, rounded up to an even number
+      65536;  ///< records read from a full ring at a time, rounded up to an even number
   std::function<void(double)> progress =
-      {};  ///< called now and then with the estimated share done, 0 to 1
+      {};  ///< called from time to time with the estimated share done, 0 to 1
 };
 
 }  // namespace cde

@@ -13,42 +13,44 @@
 
 namespace cde {
 
-/// Which records a pass keeps. Of rays only hits count; of solids every pair has a signed gap, the
-/// distance apart or minus the penetration depth, and T is its size.
+/// Which records a pass keeps. For rays only hits count. For solids every pair has a signed
+/// distance: the distance apart, or minus the penetration depth. T is its absolute value.
 enum class Mode : std::uint8_t {
-  kNearest = card::kModeNearest,    ///< one a primary: the smallest (T or signed gap, index)
-  kFarthest = card::kModeFarthest,  ///< one a primary: the largest, then the smallest index
-  kAny = card::kModeAny,            ///< one a primary: the first hit in stream order; ends early
-  kAll = card::kModeAll,            ///< one a pair, secondary by secondary, primaries ascending
-  kHits = card::kModeHits,          ///< those of kAll that hit
-  kOccluded = card::kModeOccluded,  ///< one a primary: F alone, that of kAny; no index, point or T.
-                                    ///< Ends at the first hit, whichever that is
+  kNearest =
+      card::kModeNearest,  ///< one per primary: the smallest (T or signed distance, then index)
+  kFarthest = card::kModeFarthest,  ///< one per primary: the largest, then the smallest index
+  kAny = card::kModeAny,            ///< one per primary: the first hit in stream order; ends early
+  kAll = card::kModeAll,            ///< one per pair, secondary by secondary, primaries ascending
+  kHits = card::kModeHits,          ///< the hits of kAll
+  kOccluded = card::kModeOccluded,  ///< one per primary: F of kAny, without index, point or T. Ends
+                                    ///< at any first hit
 };
 
 /// "nearest", "farthest", "any", "all", "hits", "occluded".
 [[nodiscard]] const char* name_of(Mode mode);
 [[nodiscard]] std::optional<Mode> mode_named(std::string_view name);
 
-/// What the card found for a primary, or for a pair.
+/// Result of the card for a primary, or for a pair.
 struct Record {
   Eigen::Vector3f cp = Eigen::Vector3f::Zero();  ///< hit or contact point; 0 if none, NaN if bad
   bool f = false;                                ///< hit
-  bool bad = false;           ///< the primary, or in modes all and hits the secondary, is bad input
+  bool bad = false;           ///< the primary is bad input; in modes all and hits, the secondary
   std::uint32_t index = ~0u;  ///< secondary, in upload order; all ones if none was found
-  float t = std::numeric_limits<float>::infinity();  ///< ray: P(t) is the hit; solids: distance
-                                                     ///< (f = 0) or depth (f = 1); +inf if none,
-                                                     ///< NaN if bad
-  std::uint32_t primary = 0;  ///< its number in the packet, from Board::cast in the whole cast
-  Eigen::Vector3f n = Eigen::Vector3f::Zero();  ///< with Query::normals, of solids: unit, from the
+  float t =
+      std::numeric_limits<float>::infinity();  ///< ray: P(t) is the hit; solids: distance (f = 0)
+                                               ///< or depth (f = 1); +inf if none, NaN if bad
+  std::uint32_t primary =
+      0;  ///< number of the primary in the packet; from Board::cast in the whole cast
+  Eigen::Vector3f n = Eigen::Vector3f::Zero();  ///< with Query::normals, for solids: unit, from the
                                                 ///< pair's first shape to its second
 };
 
-/// Bits that differ in nothing: NaN payloads and signs of zero count.
+/// Whether all bits agree, NaN payloads and signs of zero included.
 [[nodiscard]] bool same_bits(const Record& a, const Record& b);
-/// Names of the fields in which they differ in some bit, as a list "T, CPx"; empty if none.
+/// Names of the fields that differ in some bit, as a list "T, CPx"; empty if none do.
 [[nodiscard]] std::string differing_fields(const Record& a, const Record& b);
 
-/// Takes records as they come off the card, in order, in pieces of any size.
+/// Receives records in the order of the card, in pieces of any size.
 using RecordSink = std::function<void(std::span<const Record>)>;
 
 }  // namespace cde

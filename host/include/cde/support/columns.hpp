@@ -6,20 +6,21 @@
 
 namespace cde {
 
-/// Columns of text under heads.
+/// Text in columns with headings.
 struct Columns {
   using Cells = std::vector<std::string>;
   Cells heads;
   std::vector<Cells> lines = {};
-  std::size_t gap = 1;              ///< blanks between columns
-  std::vector<bool> left = {true};  ///< in text: set to the left; the others to the right
-  bool wide_markdown = false;       ///< cells of Markdown are as wide as their column
+  std::size_t gap = 1;  ///< blanks between columns
+  std::vector<bool> left = {
+      true};  ///< columns that text aligns to the left; the others are aligned to the right
+  bool wide_markdown = false;  ///< pads cells of a Markdown table to the width of their column
 
-  /// With blanks between the columns, or as a table in Markdown.
+  /// Columns separated by blanks, or a Markdown table.
   [[nodiscard]] std::string text(bool markdown = false) const;
 };
 
-/// A field of CSV, in quotes if it holds a comma, a quote or the end of a line.
+/// A CSV field. It is quoted if it holds a comma, a quote or a line end.
 [[nodiscard]] std::string csv_field(std::string_view text);
 
 }  // namespace cde

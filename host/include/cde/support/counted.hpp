@@ -6,7 +6,7 @@
 
 namespace cde {
 
-/// "1 triangle", "2 triangles": a number with the noun that it counts, whose plural ends in s.
+/// A number and the noun that it counts: "1 triangle", "2 triangles". The plural must end in s.
 [[nodiscard]] inline std::string counted(std::uint64_t count, std::string_view noun) {
   std::string text = std::to_string(count);
   text += ' ';

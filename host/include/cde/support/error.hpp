@@ -8,35 +8,35 @@
 
 namespace cde {
 
-/// What went wrong, for programs; the message of Error says it for people.
+/// What went wrong, for programs. The message of Error says it to people.
 enum class ErrorCode {
-  kUsage,          ///< an argument or option makes no sense
+  kUsage,          ///< an argument or option is invalid
   kFile,           ///< a file is missing, unreadable, malformed, or cannot be written
   kBadInput,       ///< a primitive or mesh breaks its contract (NaN, infinity, zero direction, no
                    ///< triangles)
   kCapacity,       ///< more objects than the card's memory holds
-  kConfiguration,  ///< the bitstream is not the configuration that was asked for
-  kBuild,          ///< a bitstream could not be built
+  kConfiguration,  ///< the simulation model does not have the requested configuration
+  kBuild,          ///< a simulation model could not be built
   kDevice,         ///< the card answered against its contract
   kMismatch,       ///< hardware and software reference differ
   kTimeout,        ///< the card did not finish within its deadline
-  kInterrupted,    ///< a signal ended the building of a bitstream; signal() says which
+  kInterrupted,    ///< a signal ended the build of a simulation model; see signal()
 };
 
-/// The one exception type of the library. `what()` names the file, line, field or register
+/// The only exception type of the library. `what()` names the file, line, field or register
 /// concerned.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message,
         const std::optional<DeviceFault>& fault = std::nullopt)
       : std::runtime_error(message), code_(code), fault_(fault) {}
-  /// kInterrupted.
+  /// Error kInterrupted.
   Error(int signal, const std::string& message)
       : std::runtime_error(message), code_(ErrorCode::kInterrupted), signal_(signal) {}
   [[nodiscard]] ErrorCode code() const noexcept { return code_; }
-  /// Of kDevice and kTimeout, of an access, a transfer or a pass.
+  /// Set for kDevice and kTimeout if an access, a transfer or a pass failed.
   [[nodiscard]] const std::optional<DeviceFault>& fault() const noexcept { return fault_; }
-  /// Of kInterrupted, else 0.
+  /// The signal of kInterrupted, else 0.
   [[nodiscard]] int signal() const noexcept { return signal_; }
 
  private:
@@ -48,10 +48,10 @@ class Error : public std::runtime_error {
 /// Throws Error kUsage.
 [[noreturn]] void throw_usage(const std::string& message);
 
-/// Process exit status for an error: 2 usage or file or input, 3 mismatch with the reference, 4 the
-/// card failed (kTimeout, kDevice).
+/// Exit status of a process for an error. 2: usage, file or input; 3: mismatch with the reference;
+/// 4: the card failed (kTimeout, kDevice).
 [[nodiscard]] int exit_status(ErrorCode code) noexcept;
-/// The same, and 128 and the signal of kInterrupted.
+/// The same; kInterrupted gives 128 + signal.
 [[nodiscard]] int exit_status(const Error& error) noexcept;
 
 }  // namespace cde

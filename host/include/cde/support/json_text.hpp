@@ -5,7 +5,7 @@
 
 namespace cde {
 
-/// JSON as text, with U+FFFD for bytes that are no UTF-8. An indent of -1 gives a single line.
+/// JSON as text, with U+FFFD for bytes that are not UTF-8. An indent of -1 gives a single line.
 [[nodiscard]] std::string json_text(const nlohmann::ordered_json& json, int indent = 2);
 
 }  // namespace cde

@@ -11,60 +11,60 @@
 
 namespace cde {
 
-/// What a folder that this process holds open has under a name.
+/// A name within a folder that this process holds open.
 struct NameInFolder {
-  int folder = -1;  ///< its descriptor
+  int folder = -1;  ///< file descriptor of the folder
   std::string name;
 };
 
-/// Every file that cde writes is one of these: the library's pictures and meshes as well as the
-/// command's records, pages and waves.
+/// Every file that the library or the command writes is an OutputFile: pictures, meshes, records,
+/// pages and waves.
 ///
-/// A regular file, or one that is not there yet, is written under another name in the same folder
-/// and renamed by commit(), so that a reader sees the old file or the whole new one; the mode of
-/// the old one stays. Of a symbolic link the target is written, and the link stays. What is there
-/// and is no regular file (a device, a FIFO, a descriptor of this process such as /dev/stdout) is
-/// opened and written to as it comes. "-" is stdout.
+/// A regular or new file is written under a temporary name in the same folder. Then commit()
+/// renames it. A reader sees the old file or the complete new one. The mode of an old file stays. A
+/// symbolic link stays, and its target is written. Anything else that exists (a device, a FIFO, a
+/// descriptor such as /dev/stdout) is opened and written directly. "-" is stdout.
 ///
-/// The other name is NAME.cde-PID-RANDOM, and locked. Left uncommitted the file is removed; what a
-/// process that was killed left behind is swept away by the next one that writes the same NAME.
+/// The temporary name is NAME.cde-PID-RANDOM, and the file is locked. Without commit() the file is
+/// removed. The next process that writes the same NAME removes what a killed process left behind.
 ///
-/// The folder may belong to another user, who can put another file in the place of either name.
-/// Mode and owner are therefore set by descriptor, commit() fails if the other name no longer leads
-/// to what was written, and a symbolic link of another user must lead to what belongs to that user.
+/// The folder may belong to another user, who can replace either name. Mode and owner are therefore
+/// set by descriptor. commit() fails if the temporary name no longer leads to the written file. A
+/// symbolic link of another user must lead to a file of that user.
 class OutputFile {
  public:
   enum class Use {
     kBytes,   ///< write() fills it
-    kByName,  ///< somebody else opens by_name() and fills it
+    kByName,  ///< another writer opens by_name() and fills it
   };
 
-  /// Error kFile if it cannot be written: no such folder, a folder itself, no permission.
+  /// Error kFile if the file cannot be written: no such folder, the path is a folder, no
+  /// permission.
   explicit OutputFile(const std::filesystem::path& path, Use use = Use::kBytes);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Error kFile, and StdoutError of stdout.
+  /// Error kFile; StdoutError for stdout.
   void write(std::string_view bytes);
-  /// Whether replace_start() is possible: not of a device, a pipe or stdout.
+  /// Whether replace_start() is possible. It is not for a device, a pipe or stdout.
   [[nodiscard]] bool can_replace_start() const { return !temporary_.name.empty(); }
-  /// Writes over the first bytes, which must be written. What follows them stays.
+  /// Overwrites the first bytes, which must already be written. The bytes after them stay.
   void replace_start(std::string_view bytes);
-  void flush();  ///< for those who wait at the other end of a pipe
+  void flush();  ///< for a reader at the other end of a pipe
   void commit();
 
-  /// A name of the regular file that is written, for writers that open files themselves. It leads
-  /// to this process's descriptor, whatever becomes of the folder. Invalid from commit() on.
+  /// A name for the regular file being written, for writers that open files themselves. It leads to
+  /// this process's descriptor, even if the folder is renamed or replaced. Invalid after commit().
   [[nodiscard]] std::string by_name() const;
-  /// Sets the permission bits of the file that is written. The umask does not matter.
+  /// Sets the permission bits of the file being written, whatever the umask is.
   void set_mode(unsigned mode);
 
-  /// From now on stdout gets what is written to "-" when it is committed, not as it comes.
+  /// From now on, bytes for "-" reach stdout at commit(), not as they are written.
   static void hold_stdout();
 
-  /// Removes whatever is uncommitted in this process. For handlers of signals that end it: calls
-  /// nothing but unlinkat.
+  /// Removes all uncommitted files of this process. For handlers of signals that end it: calls only
+  /// unlinkat.
   static void remove_unfinished() noexcept;
 
  private:
@@ -75,70 +75,71 @@ class OutputFile {
   [[noreturn]] void fail(const char* doing) const;
 
   std::filesystem::path path_, target_;  // as it was named, and with links followed
-  NameInFolder temporary_;  // commit() renames it to target_; no name: the target is written to
-  int folder_ = -1;         // of both
+  NameInFolder temporary_;  // commit() renames it to target_; empty: the target is written directly
+  int folder_ = -1;         // folder of both names
   bool stdout_ = false;
-  std::FILE* file_ = nullptr;  // the target, or what becomes of it
-  std::FILE* held_ = nullptr;  // what write() fills instead
-  int spool_ = -1;             // of held_, or what others fill by name: commit() copies it
+  std::FILE* file_ = nullptr;  // the target, or the temporary file
+  std::FILE* held_ = nullptr;  // buffer that write() fills instead of file_
+  int spool_ =
+      -1;  // descriptor of held_, or the file that another writer fills by name; commit() copies it
 };
 
-/// A folder for outputs, made with those above it if they are not there. Those that it made and
-/// that are empty are gone again when it ends without keep(), or by
-/// OutputFile::remove_unfinished(). They are removed from the folders they were made in, whatever
-/// those are called by then.
+/// A folder for outputs, created with its parents if missing. Folders that it created are removed
+/// again if they are empty and keep() was not called. The destructor or
+/// OutputFile::remove_unfinished() removes them. They are removed by descriptor, even if a parent
+/// was renamed.
 class OutputFolder {
  public:
-  /// Error kFile if it cannot be made, or if it is a link of another user to what is not that
-  /// user's.
+  /// Error kFile if the folder cannot be created, or is a symbolic link of another user to a folder
+  /// that is not that user's.
   explicit OutputFolder(const std::filesystem::path& path);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
   [[nodiscard]] bool made() const { return !made_.empty(); }
   void keep();
-  /// Error kFile if its name leads elsewhere by now.
+  /// Error kFile if the path leads elsewhere by now.
   void check() const;
-  /// The folder itself, open while this object is, whatever lies under its name by now.
+  /// Descriptor of the folder, open while this object lives, whatever the path leads to by now.
   [[nodiscard]] int descriptor() const { return folder_; }
 
  private:
   void take_back();
   std::filesystem::path path_;
-  std::vector<NameInFolder> made_;  ///< the innermost last
+  std::vector<NameInFolder> made_;  ///< innermost last
   int folder_ = -1;
 };
 
-/// Writes all of a file by OutputFile.
+/// Writes a whole file through OutputFile.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
-/// stdout cannot be written.
+/// An error for which stdout cannot be written.
 class StdoutError : public Error {
  public:
   explicit StdoutError(int number);
-  [[nodiscard]] int number() const noexcept { return number_; }  ///< as in errno
+  [[nodiscard]] int number() const noexcept { return number_; }  ///< errno
 
  private:
   int number_;
 };
 
-/// A file that a command reads or writes, and the option that names it. An empty path is none; "-"
-/// is stdin or stdout.
+/// A file that a command reads or writes, and the option that names it. An empty path means no
+/// file; "-" is stdin or stdout.
 struct FileUse {
   std::string option;
   std::filesystem::path path;
 };
 
-/// Error kUsage, naming both options, if two outputs are one file, or an output is an input: the
-/// same inode, however it is named. /dev/null may be any number of outputs, a terminal input and
-/// output. Error kFile if an output cannot be one: its folder is missing, or it is a folder.
+/// Error kUsage, naming both options, if two outputs are the same file, or an output is an input.
+/// Files are the same if they have the same inode. /dev/null may be several outputs; a terminal may
+/// be input and output. Error kFile if an output cannot be written: its folder is missing, or it is
+/// a folder.
 void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> inputs);
 
-/// Whether a name in a folder is one that OutputFile gives to unfinished files.
+/// Whether a name is one that OutputFile gives to unfinished files.
 [[nodiscard]] bool is_unfinished_name(std::string_view name);
 
-/// Removes unfinished files from a folder, of every NAME or of the one given, which no process
-/// works on any more.
+/// Removes unfinished files that no process is working on from a folder: those of one NAME, or all.
 void sweep_unfinished(const std::filesystem::path& folder, std::string_view name = {});
 
 }  // namespace cde

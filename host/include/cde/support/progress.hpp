@@ -19,8 +19,8 @@ void set_progress_display(ProgressDisplay display);
 /// Clears the line before other text is printed. It comes back within a second.
 void clear_progress();
 
-/// How far a task is, how long it has taken, and how long it will take. A thread shows it once per
-/// second, after the first second. If tasks are nested, it shows the innermost task.
+/// Shows how far a task is, its time so far, and its time left. A thread updates the line once per
+/// second, after the first second. For nested tasks it shows the innermost one.
 class Progress {
  public:
   explicit Progress(std::string what, bool quiet = false);
@@ -28,12 +28,12 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// The share that is done, from 0 to 1: the time left is that of the rest at the pace so far.
-  /// Until the first share above 0 the line has only the time that has passed.
+  /// Sets the share that is done, from 0 to 1. The time left assumes that the rest goes at the pace
+  /// so far. Until the first share above 0 the line shows only the elapsed time.
   void operator()(double share);
-  /// The share, and the step that begins now.
+  /// Sets the share, and names the step that begins now.
   void operator()(double share, std::string step);
-  /// The step that begins now, of a task that usually takes so many seconds.
+  /// Names the step that begins now, for a task that usually takes this many seconds.
   void usual(double seconds, std::string step);
 
  private:
@@ -43,7 +43,7 @@ class Progress {
 
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::string what_, step_;
-  double share_ = 0, seconds_ = 0;  ///< 0: unknown. Seconds: of the whole task
+  double share_ = 0, seconds_ = 0;  ///< 0: unknown. Seconds are for the whole task
   bool end_ = false;
   std::condition_variable ended_;
   std::thread thread_;

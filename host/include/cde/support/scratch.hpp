@@ -11,10 +11,10 @@
 
 namespace cde {
 
-/// A folder of its own for files that nobody keeps; it is removed at the end.
+/// A temporary folder that the destructor removes with its files.
 class Scratch {
  public:
-  /// `name` begins its name. Error kFile.
+  /// `name` begins the folder's name. Error kFile if it cannot be created.
   explicit Scratch(const std::string& name)
       : path_((std::filesystem::temp_directory_path() / (name + "-XXXXXX")).string()) {
     if (::mkdtemp(path_.data()) == nullptr)

@@ -4,7 +4,7 @@
 
 namespace cde {
 
-/// The word in the quotes that a POSIX shell needs to read it back.
+/// The word, quoted so that a POSIX shell reads it back unchanged.
 [[nodiscard]] std::string shell_word(const std::string& word);
 
 }  // namespace cde

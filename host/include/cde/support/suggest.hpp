@@ -6,14 +6,15 @@
 #include <string_view>
 #include <vector>
 
-/// What somebody who mistyped probably meant.
+/// Suggestions for mistyped words.
 namespace cde {
 
-/// Damerau and Levenshtein's distance: letters replaced, left out, put in, or two exchanged.
+/// Damerau-Levenshtein distance: letters replaced, left out, inserted, or two neighbours exchanged.
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The word nearest to `typed`: at most a third of its letters, and one of a short one, are wrong,
-/// missing, too many or exchanged with their neighbour; or it begins with what was typed.
+/// The known word nearest to `typed`. At most a third of its letters may be wrong, missing, extra
+/// or exchanged with a neighbour; for a short word, one. A known word that begins with `typed` also
+/// counts.
 [[nodiscard]] std::optional<std::string> nearest_word(std::string_view typed,
                                                       const std::vector<std::string>& known);
 
@@ -21,7 +22,7 @@ namespace cde {
 [[nodiscard]] std::string meant_or_all(std::string_view typed,
                                        const std::vector<std::string>& known);
 
-/// Error kUsage "no WHAT 'x'; did you mean y?" if the word is none of these.
+/// Error kUsage "no WHAT 'x'; did you mean y?" if `word` is not in `words`.
 void must_be_known(std::string_view word, const std::vector<std::string>& words,
                    std::string_view what);
 

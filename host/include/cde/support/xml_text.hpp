@@ -5,7 +5,7 @@
 
 namespace cde {
 
-/// Text as it stands in XML, between elements or in an attribute.
+/// Text escaped for XML, between elements or in an attribute.
 inline std::string xml_text(std::string_view text) {
   std::string all;
   for (const char c : text) {
