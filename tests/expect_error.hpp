@@ -8,7 +8,7 @@
 
 namespace cde::testing {
 
-/// The statement throws Error of this code, and its message holds this text.
+/// Expects that the statement throws Error with this code and a message that contains `text`.
 template <typename Statement>
 void expect_error(ErrorCode code, const std::string& text, Statement statement) {
   try {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packs a failing test of cards: it is run again, alone and with waves of every board that it
-// opens, into build/failures/TEST, or $CDE_FAILURES/TEST. Linked into an executable of tests, it
-// listens there.
+// Packs a failing test of cards into build/failures/TEST, or $CDE_FAILURES/TEST. The listener runs
+// the test again, alone, and records waves of every board that it opens. It is active in every
+// executable that links this file.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -21,10 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr long kLongMs = 20'000;           ///< waves of a longer test are too many to look at
-constexpr const char* kWavesTake = "600";  ///< seconds at most, a card with waves to build included
+constexpr long kLongMs = 20'000;  ///< a longer test makes waves that are too large to look at
+/// Limit in seconds, including the build of a card with waves.
+constexpr const char* kWavesTake = "600";
 
-/// Waves of boards, of which GTKWave is to show everything.
+/// Writes a description of the waves of boards, so that GTKWave shows every signal.
 std::size_t describe_waves(const fs::path& folder) {
   std::size_t files = 0;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -83,7 +84,7 @@ class Packs : public ::testing::EmptyTestEventListener {
   std::string said_;
 };
 
-// GoogleTest owns it.
+// GoogleTest owns the listener.
 [[maybe_unused]] const bool kListens = [] {
   ::testing::UnitTest::GetInstance()->listeners().Append(new Packs);
   return true;

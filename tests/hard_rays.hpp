@@ -15,14 +15,14 @@
 #include "cde/mesh/mesh.hpp"
 #include "cde/mesh/terrain.hpp"
 
-/// Scenes and rays that are hard on a hierarchy, for tests of the reference and of cards.
+/// Scenes and rays that are hard for a BVH, for tests of the reference and of cards.
 namespace cde::testing::hard {
 
 using Eigen::Vector3f;
 
 // ---- Scenes ----
 
-/// Numbers that are the same in every run.
+/// Random numbers that are the same in every run.
 class Draw {
  public:
   explicit Draw(unsigned seed) : bits_(seed) {}
@@ -59,7 +59,7 @@ inline TriangleScene icosphere(const Vector3f& centre, float radius = 1) {
   return all;
 }
 
-/// Axis-aligned squares on a grid of halves, some of them twice, some without area.
+/// Axis-aligned squares on a grid with step 0.5. Some occur twice, some have no area.
 inline TriangleScene flat() {
   Draw draw(2);
   TriangleScene all;
@@ -75,7 +75,7 @@ inline TriangleScene flat() {
   return all;
 }
 
-/// As thin as 2^-14 of their length.
+/// Triangles whose width is 2^-14 of their length.
 inline TriangleScene needles() {
   Draw draw(3);
   TriangleScene all;
@@ -101,7 +101,7 @@ inline TriangleScene tilted_plane() {
   return all;
 }
 
-/// From 2^-20 to 2^20 away, and as large as that.
+/// Triangles at distances from 2^-20 to 2^20, each as large as its distance.
 inline TriangleScene sizes() {
   Draw draw(4);
   TriangleScene all;
@@ -137,7 +137,7 @@ inline const Case kScenes[] = {
 
 // ---- Rays ----
 
-/// Rays that are hard on a hierarchy, ten kinds in turn.
+/// Rays that are hard for a BVH: ten kinds in turn.
 class Rays {
  public:
   explicit Rays(const TriangleScene& scene, unsigned seed) : scene_(scene), draw_(seed) {
@@ -155,9 +155,9 @@ class Rays {
     switch (kind) {
       case 0:  // anywhere
         return to(outside, box_.center() + draw_.point() * size);
-      case 1:  // at an edge
+      case 1:  // aimed at an edge
         return to(outside, t.v0 + (t.v1 - t.v0) * a);
-      case 2:  // at a vertex
+      case 2:  // aimed at a vertex
         return to(outside, t.v1);
       case 3:  // from vertex to vertex
         return to(t.v0, scene_[draw_.below(scene_.size())].v2);
@@ -181,7 +181,7 @@ class Rays {
       }
       case 7:  // from far away
         return to(box_.center() + draw_.point() * size * 0x1p14f, within);
-      case 8: {  // any length, with an interval
+      case 8: {  // any length, with a T interval
         Ray ray = to(outside, within);
         const float length = draw_.power(-12, 12) / std::max(1.0f, ray.d.cwiseAbs().maxCoeff());
         ray.d *= length;
@@ -208,7 +208,7 @@ class Rays {
   Eigen::AlignedBox3f box_;
 };
 
-/// From inside of an icosphere at an edge or a vertex of it.
+/// A ray from inside an icosphere, aimed at one of its edges or vertices.
 inline Ray from_inside(const TriangleScene& mesh, const Vector3f& centre, float radius,
                        Draw& draw) {
   const Triangle& t = mesh[draw.below(mesh.size())];
@@ -217,9 +217,9 @@ inline Ray from_inside(const TriangleScene& mesh, const Vector3f& centre, float 
   return {o, t.v0 + (t.v1 - t.v0) * share - o};
 }
 
-/// A triangle, and a ray that starts beside it and leaves along its plane, for which moller's
-/// roundings say 0 <= u, v and T = 1.1 2^127: where |T d|_1 has no number, nor has the box rule's
-/// margin.
+/// A triangle, and a ray that starts beside it and leaves along its plane. The roundings of moller
+/// give 0 <= u, v and T = 1.1 2^127. There |T d|_1 overflows, and so does the margin of the box
+/// rule.
 inline TriangleScene edge_on() {
   return {{{0, 0, 0},
            {0x1.6337a6p18f, 0x1.6337a6p18f, 0x1.eb8818p19f},

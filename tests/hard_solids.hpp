@@ -8,11 +8,11 @@
 #include "cde/geometry/primitives.hpp"
 #include "hard_rays.hpp"
 
-/// Spheres, AABBs, OBBs and triangles that are hard on a hierarchy over triangles, and boxes in
-/// one.
+/// Spheres, AABBs, OBBs and triangles that are hard for a BVH over triangles, and boxes as
+/// secondaries of a BVH.
 namespace cde::testing::hard {
 
-/// Ten kinds in turn.
+/// Solids of ten kinds in turn.
 class Solids {
  public:
   explicit Solids(const TriangleScene& scene, unsigned seed) : scene_(scene), draw_(seed) {
@@ -45,14 +45,14 @@ class Solids {
     for (int k = 0; k < 3; ++k) half[k] = p.size * (draw_.below(3) == 0 ? 1 : draw_(0.05f, 1));
     return around(p.centre, half);
   }
-  /// One at least as large as the numbers there tell apart.
+  /// A box that is at least as large as the spacing of numbers at its centre.
   static Aabb around(const Vector3f& centre, const Vector3f& half) {
     const Vector3f least = centre.cwiseAbs() * 0x1p-22f + Vector3f::Constant(0x1p-33f);
     const Vector3f size = half.cwiseMax(least);
     return {centre - size, centre + size};
   }
 
-  /// Some along the axes, the others turned anyhow.
+  /// Some boxes are aligned with the axes, the others have a random rotation.
   Obb obb(unsigned kind) {
     const Place p = place(kind);
     Obb box;
@@ -71,18 +71,18 @@ class Solids {
     const Vector3f within = t.v0 + (t.v1 - t.v0) * a + (t.v2 - t.v0) * b;
     const float edge = std::max((t.v1 - t.v0).norm(), 0x1p-20f * box_.sizes().maxCoeff());
     switch (kind) {
-      case 1:  // one that is there
+      case 1:  // a triangle of the scene
         return t;
-      case 2:  // beside one, with an edge of it
+      case 2:  // beside a triangle, with which it shares an edge
         return {t.v1, t.v0, t.v0 + draw_.point() * edge};
-      case 3: {  // that touches a vertex along an axis, so that gaps of boxes are all there is
+      case 3: {  // touches a vertex along an axis, so only the signed distance of boxes decides
         Vector3f x = Vector3f::Zero(), y = x;
         const int axis = static_cast<int>(draw_.below(3));
         x[axis] = y[axis] = draw_.below(2) == 0 ? edge : -edge;
         y[(axis + 1) % 3] = edge;
         return {t.v2, t.v2 + x, t.v2 + y};
       }
-      case 4: {  // in the plane of one
+      case 4: {  // in the plane of a triangle
         const auto on = [&]() -> Vector3f {
           return t.v0 + (t.v1 - t.v0) * draw_(-2, 2) + (t.v2 - t.v0) * draw_(-2, 2);
         };
@@ -93,7 +93,7 @@ class Solids {
         const Vector3f along = draw_.point() * edge;
         return {within, within + along, within + along * draw_(-1, 2)};
       }
-      case 9: {  // through one
+      case 9: {  // through a triangle
         const Vector3f along = draw_.point() * edge;
         return {within + along, within - along * draw_(0, 1), within + draw_.point() * edge};
       }
@@ -122,24 +122,24 @@ class Solids {
     switch (kind) {
       case 0:  // anywhere
         return {outside, size * draw_(0.01f, 0.5f)};
-      case 1:  // with the centre in a triangle
+      case 1:  // with the centre inside a triangle
         return {within, edge * draw_(0.1f, 2)};
       case 2:  // at a vertex
         return {t.v1, edge * draw_.power(-6, 1)};
-      case 3:  // that touches a vertex along an axis, so that gaps of boxes are all there is
+      case 3:  // touches a vertex along an axis, so only the signed distance of boxes decides
         return axis(t.v2, edge);
       case 4:  // in the plane of a triangle, beside it
         return {t.v0 + (t.v1 - t.v0) * draw_(-3, 3) + (t.v2 - t.v0) * draw_(-3, 3),
                 edge * draw_(0.1f, 1)};
-      case 5:  // larger than all
+      case 5:  // larger than the scene
         return {outside, size * draw_(1, 20)};
       case 6:  // tiny
         return {within + draw_.point() * edge, edge * draw_.power(-16, -6)};
       case 7:  // far away
         return {box_.center() + draw_.point() * size * 0x1p14f, size * draw_.power(-4, 13)};
-      case 8:  // on a corner of all
+      case 8:  // on a corner of the scene's box
         return {box_.max(), size * draw_.power(-8, 0)};
-      default:  // that just does or does not touch
+      default:  // just touches, or just does not
         return grazing(within, edge);
     }
   }
@@ -159,8 +159,8 @@ class Solids {
   Eigen::AlignedBox3f box_;
 };
 
-/// A box a triangle of a scene: as large as its edge, a part of that, or flat; some of them twice,
-/// about one centre, or touching the one before along an axis.
+/// One box per triangle of a scene: as large as its edge, a part of that size, or flat. Some occur
+/// twice, some share a centre, and some touch the previous box along an axis.
 inline std::vector<Obb> obbs_of(const TriangleScene& scene, unsigned seed = 13) {
   Draw draw(seed);
   std::vector<Obb> all;
@@ -190,7 +190,8 @@ inline std::vector<Aabb> aabbs_of(const TriangleScene& scene, unsigned seed = 13
   for (const Obb& box : obbs_of(scene, seed)) all.push_back(Solids::around(box.c, box.half));
   return all;
 }
-/// Three corners of each, so that what is drawn by them is at these.
+/// Three corners of each box as a triangle, so that shapes drawn from the triangles lie at these
+/// corners.
 inline TriangleScene corners_of(const std::vector<Aabb>& boxes) {
   TriangleScene corners;
   for (const Aabb& b : boxes)

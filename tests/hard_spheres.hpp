@@ -5,13 +5,13 @@
 #include "cde/geometry/primitives.hpp"
 #include "hard_solids.hpp"
 
-/// Spheres in a hierarchy, and rays and spheres that are hard on it.
+/// Spheres in a BVH, and rays and spheres that are hard for it.
 namespace cde::testing::hard {
 
 using Cloud = std::vector<Sphere>;
 
-/// A sphere a triangle of a scene: as large as its edge, a part of that, or tiny; some of them
-/// twice, about one centre, or touching the one before.
+/// One sphere per triangle of a scene: as large as its edge, a part of that size, or tiny. Some
+/// occur twice, some share a centre, and some touch the previous sphere.
 inline Cloud cloud_of(const TriangleScene& scene, unsigned seed = 11) {
   Draw draw(seed);
   Cloud all;
@@ -39,7 +39,7 @@ inline Cloud cloud_of(const TriangleScene& scene, unsigned seed = 11) {
   return all;
 }
 
-/// Ten kinds in turn.
+/// Rays of ten kinds in turn.
 class CloudRays {
  public:
   CloudRays(const Cloud& cloud, unsigned seed) : cloud_(cloud), draw_(seed) {
@@ -57,7 +57,7 @@ class CloudRays {
     switch (kind) {
       case 0:  // anywhere
         return to(outside, box_.center() + draw_.point() * size);
-      case 1:  // at a centre, from within another sphere
+      case 1:  // aimed at a centre, from within another sphere
         return to(cloud_[draw_.below(cloud_.size())].c, s.c);
       case 2:  // from the surface
         return to(surface, box_.center() + draw_.point() * size);
@@ -80,23 +80,23 @@ class CloudRays {
       }
       case 5:  // from far away
         return to(box_.center() + draw_.point() * size * 0x1p14f, surface);
-      case 6: {  // any length, with an interval
+      case 6: {  // any length, with a T interval
         Ray ray = to(outside, surface);
         const float length = draw_.power(-12, 12) / std::max(0x1p-20f, ray.d.norm());
         ray.d *= length;
         ray.tmin = draw_(-1, 2) / length, ray.tmax = draw_(-1, 4) / length;
         return ray;
       }
-      case 7: {  // of lengths for which squares of T are no normal numbers
+      case 7: {  // lengths for which T^2 is not a normal number
         Ray ray = to(outside, surface);
         const float most = ray.d.cwiseAbs().maxCoeff();
         ray.d *= draw_.below(2) == 0 ? 0x1p39f / most : 0x1p-33f / most;
         if (draw_.below(2) == 0) ray.tmin = -std::numeric_limits<float>::infinity();
         return ray;
       }
-      case 8:  // that leaves the sphere it begins in
+      case 8:  // leaves the sphere that it starts in
         return to(s.c + draw_.point() * s.r * 0.5f, box_.center() + draw_.point() * size);
-      default: {  // that ends at a surface
+      default: {  // ends at a surface
         Ray ray = to(outside, surface);
         ray.tmax = 1;
         return ray;
@@ -115,7 +115,7 @@ class CloudRays {
   Eigen::AlignedBox3f box_;
 };
 
-/// Eight kinds in turn.
+/// Spheres of eight kinds in turn.
 class CloudSpheres {
  public:
   CloudSpheres(const Cloud& cloud, unsigned seed) : cloud_(cloud), draw_(seed) {
@@ -131,21 +131,21 @@ class CloudSpheres {
     switch (kind) {
       case 0:  // anywhere
         return {outside, size * draw_(0.01f, 0.5f)};
-      case 1:  // about the same centre
+      case 1:  // with the same centre
         return {s.c, s.r * draw_.power(-3, 3)};
-      case 2: {  // that touches along an axis, so that gaps of boxes are all there is
+      case 2: {  // touches along an axis, so only the signed distance of boxes decides
         const float r = s.r * draw_.power(-3, 3);
         return {s.c + Vector3f::Unit(axis) * (s.r + r), r};
       }
-      case 3:  // within
+      case 3:  // inside a sphere
         return {s.c + draw_.point() * s.r * 0.5f, s.r * draw_(0.1f, 0.5f)};
-      case 4:  // larger than all
+      case 4:  // larger than the scene
         return {outside, size * draw_(1, 20)};
       case 5:  // tiny
         return {s.c + draw_.point() * s.r * 2, std::max(s.r * draw_.power(-16, -6), 0x1p-34f)};
       case 6:  // far away
         return {box_.center() + draw_.point() * size * 0x1p14f, size * draw_.power(-4, 13)};
-      default: {  // that just does or does not touch
+      default: {  // just touches, or just does not
         const Vector3f away = draw_.point() * s.r * 4;
         return {s.c + away,
                 std::max((away.norm() - s.r) * (1 + draw_(-1, 1) * 0x1p-20f), 0x1p-34f)};

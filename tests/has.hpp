@@ -6,7 +6,7 @@
 
 namespace cde {
 
-/// Whether a text has a part, for EXPECT_TRUE and EXPECT_FALSE. The text is printed if it lacks it.
+/// Whether `text` contains `part`, for EXPECT_TRUE and EXPECT_FALSE. A failure prints the text.
 inline ::testing::AssertionResult has(std::string_view text, std::string_view part) {
   if (text.find(part) != std::string_view::npos)
     return ::testing::AssertionSuccess() << "has: " << part << "\n";

@@ -1,3 +1,3 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries the precompiled headers of the tests (CMakeLists.txt).
+// The precompiled headers of the tests are built from this file (CMakeLists.txt).
 int main() {}

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kRowsAround = 4;
 
-/// "0x3f800000 0x0 | ...", of pair i.
+/// Words of pair i: "0x3f800000 0x0 | ...".
 std::string words_of(const FailedPair& p, std::size_t i) {
   std::string text;
   const auto words = [&](std::span<const std::uint64_t> all, unsigned n) {
@@ -44,7 +44,8 @@ std::string words_of(const FailedPair& p, std::size_t i) {
   return text;
 }
 
-/// PAIR and the options of its pipe. There is none for operators of several clocks: the same bits.
+/// PAIR and the options of its pipe. Operator latencies have no option: they do not change the
+/// bits.
 std::string options_of(const FailedPair& p, bool lanes) {
   const PairConfig& c = p.config;
   std::string text = std::string(name(c.pair)) + " --format " + c.format.name() + " --arith " +
@@ -62,7 +63,7 @@ std::string options_of(const FailedPair& p, bool lanes) {
   return text;
 }
 
-/// Pairs [first, end) through a unit of their own; the failure of the first that differs.
+/// Runs pairs [first, end) in a pair unit of their own. Returns the first pair that differs.
 std::optional<Failure> failure_of(const FailedPair& p, std::size_t first, std::size_t end) {
   const std::size_t aw = primary_words(p.config.pair), bw = secondary_words(p.config.pair);
   const auto some = [&](std::span<const std::uint64_t> all, std::size_t each) {

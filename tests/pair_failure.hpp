@@ -8,42 +8,43 @@
 
 #include "cde/card/pair_unit.hpp"
 
-/// What a test says and leaves when a pipe answers otherwise than its reference.
+/// Message and failure package for a pipe whose answer differs from its reference.
 namespace cde::testing {
 
-/// Pairs that went through a pipe, and the one in question.
+/// The pairs that went through a pipe, and the pair that failed.
 struct FailedPair {
   PairConfig config;
-  std::span<const std::uint64_t> a, b;  ///< of all of them
+  std::span<const std::uint64_t> a, b;  ///< of all pairs
   std::size_t at = 0;
   PairBudget budget = {};
 };
 
-/// A command line that asks the pair of the same pipe: "echo '0x... | 0x...' | cde query ...".
+/// A command line that repeats the pair on the same pipe: "echo '0x... | 0x...' | cde query ...".
 [[nodiscard]] std::string query_line(const FailedPair& pair);
-/// "explain: cde explain PAIR ... '...'", which `cde explain --from-test` reads.
+/// A line that `cde explain --from-test` reads: "explain: cde explain PAIR ... '...'".
 [[nodiscard]] std::string explain_line(const FailedPair& pair);
 
-/// Packs the first failure of a running test (cde/explain/bundle.hpp): runs the rows around the
-/// pair again, and all up to it if that is not enough. Makes a folder build/failures/TEST, or
-/// $CDE_FAILURES/TEST. What came of it, for the message of the failure; nothing of a test's second
+/// Packs the first failure of a running test (cde/explain/bundle.hpp) into build/failures/TEST, or
+/// $CDE_FAILURES/TEST. Repeats the rows around the pair, and all rows up to the pair if the failure
+/// does not occur. Returns a line for the failure message: the folder, or why there is none.
+/// Returns an empty string for later failures of a test.
 /// failure.
 [[nodiscard]] std::string pack_failure(const FailedPair& pair);
 
-/// Both lines, and what came of packing it.
+/// Both lines above, and the line of pack_failure().
 [[nodiscard]] std::string told_and_packed(const FailedPair& pair);
 
-// ---- What packs a failure, of pairs or of cards (failing_test.cpp) ----
+// ---- Support for failure packages of pairs and of cards (failing_test.cpp) ----
 
-/// "Fp32_PairPipe.EqualsItsReference_sphere_sphere" of the running test.
+/// Name of the running test, such as "Fp32_PairPipe.EqualsItsReference_sphere_sphere".
 [[nodiscard]] std::string test_name();
-/// $CDE_FAILURES, or failures/ of the build.
+/// $CDE_FAILURES, or failures/ in the build folder.
 [[nodiscard]] std::filesystem::path failures_folder();
-/// As one word of a shell.
+/// The path as one word of a shell command.
 [[nodiscard]] std::string quoted(const std::string& path);
 struct Ran {
   int status = -1;   ///< exit status; -1 if a signal ended it
-  std::string said;  ///< on its stdout
+  std::string said;  ///< its stdout
 };
 [[nodiscard]] Ran run_shell(const std::string& command);
 

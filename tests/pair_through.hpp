@@ -5,7 +5,7 @@
 
 namespace cde::testing {
 
-/// The pair by which a primary meets what is in a tree, and whether its roles are swapped.
+/// The pair type for a primary and the secondaries of a BVH, and whether its roles are swapped.
 struct PairThrough {
   Pair pair;
   bool swap;

@@ -8,8 +8,8 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/query/record.hpp"
 
-/// How GoogleTest writes parameters that are the library's types; structures of a test have a
-/// PrintTo of their own. Without one it prints their bytes, which the test `names` refuses.
+/// How GoogleTest prints parameters whose types belong to the library. Structures of a test have a
+/// PrintTo of their own. Without one GoogleTest prints their bytes, which the test `names` refuses.
 namespace cde {
 
 inline void PrintTo(Pair pair, std::ostream* out) {

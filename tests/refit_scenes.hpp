@@ -12,7 +12,7 @@
 #include "cde/hierarchy/hierarchy.hpp"
 #include "cde/mesh/terrain.hpp"
 
-/// Triangles and trees for which boxes are to be made anew.
+/// Triangles and BVHs for tests of refits.
 namespace cde::testing {
 
 class RefitDice {
@@ -32,7 +32,7 @@ class RefitDice {
 
 using Triangles = std::vector<Triangle>;
 
-/// `count` triangles whose vertices `vertex` draws; it is given their triangle's number.
+/// Makes `count` triangles. `vertex` gets the number of the triangle and returns a vertex.
 template <class Vertex>
 Triangles drawn(std::size_t count, Vertex&& vertex) {
   Triangles all;
@@ -54,7 +54,7 @@ struct RefitScene {
   std::function<Triangles(std::size_t count, RefitDice& dice)> make;
 };
 
-/// Each is hard in a way of its own, and all are legal.
+/// Each scene is hard in its own way, and all scenes are legal input.
 inline const RefitScene kRefitScenes[] = {
     {"terrain", [](std::size_t count, RefitDice&) { return terrain_triangles(count); }},
     {"random",
@@ -128,8 +128,9 @@ inline const RefitScene kRefitScenes[] = {
      }},
 };
 
-/// Any tree that hierarchy::check takes: nodes in whatever order their parents were drawn in,
-/// places without a child anywhere, leaves of one and two, now and then a node without children.
+/// A random BVH that hierarchy::check accepts. Nodes stand in the order in which their parents were
+/// drawn. Any child slot may be empty, leaves hold one or two secondaries, and some nodes have no
+/// children.
 struct RandomTree {
   std::vector<hierarchy::Node> nodes;
   std::size_t slots = 0;

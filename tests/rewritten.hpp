@@ -15,7 +15,7 @@
 
 namespace cde::testing {
 
-/// A hierarchy of other nodes and of another box: by its file, whose checksum is made anew.
+/// Makes a BVH with other nodes and another box, through its file format with a new checksum.
 inline Hierarchy rewritten(const Hierarchy& hierarchy, const std::vector<hierarchy::Node>& nodes,
                            const Eigen::AlignedBox3f& box) {
   namespace fs = std::filesystem;
@@ -29,7 +29,7 @@ inline Hierarchy rewritten(const Hierarchy& hierarchy, const std::vector<hierarc
   hierarchy.save(file);
   std::string bytes = bytes_of(file);
   bytes.resize(bytes.size() - 64);
-  std::size_t at = 16 + 3 * 4;  // behind the first line and three numbers
+  std::size_t at = 16 + 3 * 4;  // after the first line and three numbers
   const auto put = [&](std::uint32_t word) {
     for (unsigned b = 0; b < 4; ++b) bytes[at++] = static_cast<char>(word >> (8 * b) & 0xff);
   };

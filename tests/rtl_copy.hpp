@@ -4,9 +4,9 @@
 
 namespace cde::testing {
 
-/// Copies what bitstreams are made of to `share`, over what is there. Only its owner can write the
-/// copy, whatever the source's modes (those of an unpacked archive, or of a umask of 002): the
-/// driver refuses a builder that others can write.
+/// Copies the sources of simulation models to `share` and overwrites existing files. Only the owner
+/// can write the copy, whatever the modes of the source are (an unpacked archive, or a umask of
+/// 002). The driver refuses a builder that others can write.
 inline void copy_rtl(const std::filesystem::path& source, const std::filesystem::path& share) {
   namespace fs = std::filesystem;
   fs::create_directories(share / "host/include/cde");

@@ -1,27 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
 # The two tiers of tests (docs/maintainer/testing.md).
 #
-# The default tier is what the lists below say, and beside it every test that tools/mutants names. The full tier is all tests;
-# CDE_FULL_TESTS=ON (tools/test --full) builds and finds them. A program without a list is in the default tier whole: those of
-# tests/numerics, tests/oracle, tests/modules, tests/synthesis, and cde_wave_tests.
+# The default tier runs the lists below and every test that tools/mutants names. The full tier runs all tests:
+# CDE_FULL_TESTS=ON (tools/test --full) builds and finds them. A program without a list runs completely in the default
+# tier: the programs of tests/numerics, tests/oracle, tests/modules, tests/synthesis, and cde_wave_tests.
 
-# ---- What the default tier has: filters of GoogleTest, by program (cde_NAME_tests), and those that it has not ----
+# ---- Tests of the default tier: GoogleTest filters per program (cde_NAME_tests), and exclusions ----
 
-# The reference and the formats; units are those that tools/mutants names.
+# The reference and the formats. tools/mutants adds tests of units.
 set(CDE_DEFAULT_fp FpFormat.* FpReference.* ScalarOps.*)
 
-# Cards: what tools/mutants names, and what needs no other bitstreams than that.
+# Cards: tests that need no other simulation models than those of tools/mutants.
 set(CDE_DEFAULT_board Bitstreams.OneOf* Bitstreams.The* Bitstreams.Trust* CardChoice.ParametersAreReadBack Checker.* Contract.* HierarchyDriver.ConfigurationsThatNoCardHas HierarchyOfSolids.ConfigurationsThatNoCardHas NoEcc.*
   Cases/ReferenceKnown.* FormatConfig.NamesWhatACardHasNot FormatWords.* Registers.*)
 set(CDE_DEFAULT_bus BusFaults.NamesAreReadBack PciBar.* PciConfig.* PciCardTest.ShowsWhatItIs)
 set(CDE_DEFAULT_pipe Moller.TakesTenClocksAtOneAnOperator)
 set(CDE_DEFAULT_pair PairFailure.*)
 
-# Files, meshes, plans, messages.
+# Files, meshes, plans and messages.
 set(CDE_DEFAULT_host *)
 set(CDE_NOT_DEFAULT_host Plan.RefusesMoreThanTheMemoryHolds)  # two minutes
 
-# The command: every verb and every group of options, on the bitstreams that are installed and few others.
+# The command: every verb and every group of options, on the installed simulation models and few others.
 set(CDE_DEFAULT_cli
   Accuracy.* AccuracyPage.* Advise.*
   Bench.QuickUnits Bench.UnknownSection Bundles.ADeadlineIsNotPacked
@@ -34,7 +34,7 @@ set(CDE_DEFAULT_cli
   Pages.ReportSaysWhatRunJsonSays Pages.ReportThatCannotBeWritten
   Query.* Ranks.ADamagedJournalIsNamed Ranks.AJournalOfSomethingElseIsRefused Ranks.ShardsOfACastMakeUpTheWhole MpiRanks.WhatIsWrongIsSaidOnce
   RunScene.* SceneHierarchy.SameRecordsAsSweeps TraceWindow.OfAQueryIsItsClocks TraceWindow.ThatMakesNoSenseIsRefused Tutorial.*)
-# Long ones, and those that build bitstreams for themselves alone.
+# Long tests, and tests that build a simulation model which no other test uses.
 set(CDE_NOT_DEFAULT_cli
   Accuracy.MoreBitsAreNearerTheTruth AccuracyPage.Clocks* AccuracyPage.WorstCases
   Cast.BothArithmetics* Cast.FaultyCard* Cast.MoreCards* CastFiles.Algorithms CastHierarchy.OfWatertight
@@ -42,15 +42,15 @@ set(CDE_NOT_DEFAULT_cli
   Query.AMillionPairsInOrder Query.APlane* Query.BothArithmetics* Query.BudgetSets* Query.FacetsOfLongWords* Query.FaultyPipe* Query.TheBoxRule*
   RunScene.BuiltCardStandsIn RunScene.FaultyCard* RunScene.FaultsOfTheBus* RunScene.MixedScene* Streams.AReaderThatHasEnough)
 
-# Transactions in the waves of a card; cde_wave_tests, which need one bitstream, are all there.
+# Transactions in the waves of a card. cde_wave_tests needs one simulation model and runs completely.
 set(CDE_DEFAULT_wave_card TxCard.TheBusOfACardBehindPciIsWhatTheCardCounts)
 
-# Tests that are no GoogleTests are in the default tier, but for these.
+# Tests that are not GoogleTests run in the default tier, except these.
 set(CDE_FULL_ONLY bitstream.concurrent bitstream.interrupted bitstream.plain fp_cli.formats lint.rtl mpi.hosts mutate.faults)
 
-# ---- How they are taken ----
+# ---- Functions that apply the lists ----
 
-# Tests that tools/mutants names, `FILTER [VARIABLE=VALUE ...]` each, in variable `out`.
+# Sets `out` to the tests of `program` that tools/mutants names, each as `FILTER [VARIABLE=VALUE ...]`.
 function(cde_planted_tests program out)
   set(all "")
   file(GLOB tables CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/mutants/*.txt)
@@ -67,14 +67,16 @@ function(cde_planted_tests program out)
   set(${out} "${all}" PARENT_SCOPE)
 endfunction()
 
-# cde_discover_tests(cde_NAME_tests [LABELLED LABEL FILTER] PROPERTIES LABELS LABEL [TIMEOUT SECONDS] [ENVIRONMENT VARIABLE=VALUE ...]):
-# those of the tier. Tests matching FILTER have LABEL as well. If the program has a list, only the full tier runs them.
+# cde_discover_tests(cde_NAME_tests [LABELLED LABEL FILTER] PROPERTIES LABELS LABEL [TIMEOUT SECONDS] [ENVIRONMENT
+# VARIABLE=VALUE ...])
+# finds the tests of the tier. Tests that match FILTER also get LABEL. If the program has a list, only the full tier
+# runs these.
 function(cde_discover_tests target)
   cmake_parse_arguments(arg "" "" "LABELLED;PROPERTIES" ${ARGN})
   cmake_parse_arguments(arg "" "TIMEOUT" "LABELS;ENVIRONMENT" ${arg_PROPERTIES})
   string(REGEX REPLACE "^cde_(.*)_tests$" "\\1" program ${target})
   set(filters *)
-  set(apart "")  # with variables of their own
+  set(apart "")  # environment variables of their own
   if(DEFINED CDE_DEFAULT_${program} AND NOT CDE_FULL_TESTS)
     set(filters ${CDE_DEFAULT_${program}})
     cde_planted_tests(${program} planted)
@@ -118,7 +120,7 @@ function(cde_discover_tests target)
   endif()
 endfunction()
 
-# gtest_discover_tests takes no lists for values of properties: they are set by a file that ctest reads after it.
+# gtest_discover_tests cannot pass lists as values of properties. ctest reads a second file that sets them.
 function(cde_discover target filter suffix labels timeout environment)
   string(MAKE_C_IDENTIFIER "${target}${suffix}_${labels}" list)
   gtest_discover_tests(${target} TEST_FILTER "${filter}" TEST_SUFFIX "${suffix}" TEST_LIST ${list} DISCOVERY_TIMEOUT 60)
@@ -134,7 +136,7 @@ function(cde_discover target filter suffix labels timeout environment)
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
 endfunction()
 
-# cde_needs(TARGET BITSTREAM ...): those of the tier are built before the target.
+# cde_needs(TARGET MODEL ...) builds the models of the tier before the target.
 function(cde_needs target)
   foreach(bitstream IN LISTS ARGN)
     get_target_property(full ${bitstream} CDE_FULL_TIER)
@@ -144,7 +146,8 @@ function(cde_needs target)
   endforeach()
 endfunction()
 
-# cde_in_tier(TEST RESULT): whether a test that is no GoogleTest is to be added. tools/test counts those that are not.
+# cde_in_tier(TEST RESULT) tells whether a test that is not a GoogleTest runs in this tier. tools/test counts the
+# others.
 file(WRITE ${PROJECT_BINARY_DIR}/full_tests.txt "")
 function(cde_in_tier test result)
   if(NOT CDE_FULL_TESTS AND test IN_LIST CDE_FULL_ONLY)
@@ -155,7 +158,7 @@ function(cde_in_tier test result)
   endif()
 endfunction()
 
-# A bitstream that tools/mutants has built for a test is one of the default tier.
+# Checks that simulation models which tools/mutants builds belong to the default tier.
 function(cde_check_planted_bitstreams)
   file(GLOB tables ${PROJECT_SOURCE_DIR}/tools/mutants/*.txt)
   foreach(table IN LISTS tables)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finding, building and refusing bitstreams.
+// Simulation models: search, build and refusal.
 #include "cde/bitstream/bitstream.hpp"
 
 #include <fmt/format.h>
@@ -52,7 +52,8 @@ class Bitstreams : public ::testing::Test {
     set(name, "");
     ::unsetenv(name);
   }
-  /// A ready-made bitstream with its checksum in a new folder of this name; its file.
+  /// Copies a ready-made model and its checksum to a new folder of this name. Returns the copied
+  /// file.
   fs::path copy_of_host_board(const std::string& name) {
     const fs::path from = bitstream_path("board", host_config().parameters());
     fs::create_directories(folder_ / name);
@@ -61,7 +62,7 @@ class Bitstreams : public ::testing::Test {
     fs::copy_file(fs::path(from) += ".sha256", fs::path(to) += ".sha256");
     return to;
   }
-  /// The folder that the host board is loaded from, and what was said about it.
+  /// The folder that the host board is loaded from, and the messages on stderr.
   std::pair<fs::path, std::string> loaded_from() {
     ::testing::internal::CaptureStderr();
     const fs::path file = bitstream_path("board", host_config().parameters());
@@ -86,7 +87,8 @@ TEST_F(Bitstreams, ReadyMadeOneIsFoundWithoutBuilding) {
   EXPECT_EQ(board.lanes(), 16u);
   EXPECT_EQ(board.primaries(), 256u);
   EXPECT_EQ(board.capacity(), 55'555'555u);
-  EXPECT_EQ(board.pipe_latency(), 10u) << "the paper's Table 1: 10 clocks at one clock an operator";
+  EXPECT_EQ(board.pipe_latency(), 10u)
+      << "Table 1 of the paper: 10 cycles with operators of one cycle";
 }
 
 TEST_F(Bitstreams, WrongConfigurationIsRefused) {
@@ -122,7 +124,7 @@ TEST_F(Bitstreams, FilesThatAreNone) {
                [&] { (void)board.symbol("cde_nothing"); });
 }
 
-/// Names within messages cannot move the cursor, or begin a line that looks like another message.
+/// Names within messages cannot move the cursor or start a line that looks like another message.
 TEST_F(Bitstreams, NamesInMessagesArePrintable) {
   const std::string odd = "a\x1b[2Jb\ncde: built";
   const auto says = [&](const std::function<void()>& statement) {
@@ -143,7 +145,7 @@ TEST_F(Bitstreams, NamesInMessagesArePrintable) {
   says([&] { (void)FpUnit(board); });
   says([&] { (void)PairUnit(board, {}); });
   says([&] { (void)Board::open(rtl_config(), {.file = loaded}); });
-  const fs::path file = copy_of_host_board(odd + " again");  // not what is mapped
+  const fs::path file = copy_of_host_board(odd + " again");  // differs from the mapped file
   set("CDE_BITSTREAMS", file.parent_path());
   flip_bit(file, 10'000);
   says([&] { (void)Bitstream::load(file, 0); });
@@ -154,7 +156,7 @@ TEST_F(Bitstreams, NamesInMessagesArePrintable) {
   says([&] { (void)Bitstream::load(file, 0); });
   fs::resize_file(file, 100);
   says([&] { (void)Bitstream::load(file, 0); });
-  // What the cache's path has.
+  // The same names in the path of the cache.
   set("CDE_BITSTREAMS", "/nowhere");
   std::ofstream(folder_ / odd / "file");
   set("CDE_CACHE", folder_ / odd / "file");
@@ -174,7 +176,8 @@ TEST_F(Bitstreams, DamagedReadyMadeOneIsPassedOver) {
   EXPECT_NE(said.find(ready.string() + " is not loaded: it is damaged"), std::string::npos) << said;
 }
 
-/// A bit anywhere: in code it was SIGSEGV, SIGILL or wrong records with exit status 0.
+/// One flipped bit anywhere in the file. Flipped code could crash, or give wrong records with exit
+/// status 0.
 TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
   const auto size = fs::file_size(bitstream_path("board", host_config().parameters()));
   for (const std::uintmax_t at :
@@ -190,11 +193,11 @@ TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
     expect_error(ErrorCode::kConfiguration, at == 0 ? "is not a bitstream" : "is damaged",
                  [&] { (void)Bitstream::load(file, 0); });
     flip_bit(file, at);
-    EXPECT_EQ(loaded_from().first, folder_ / name) << "whole again";
+    EXPECT_EQ(loaded_from().first, folder_ / name) << "after the repair";
   }
 }
 
-/// An open() of a FIFO without a writer never returns.
+/// Opening a FIFO without a writer blocks forever, so the search must not open it.
 TEST_F(Bitstreams, TheFifoIsNotRead) {
   const fs::path file = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");
@@ -258,7 +261,7 @@ TEST_F(Bitstreams, WhatOthersCanWriteIsNotLoaded) {
 }
 
 TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
-  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to change the owner of a file";
   const fs::path file = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");
   ASSERT_EQ(::chown(file.c_str(), 4242, 4242), 0);
@@ -288,8 +291,8 @@ TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
   expect_error(ErrorCode::kFile, "foreign: belongs to user 4242", [] { (void)bitstream_cache(); });
 }
 
-/// ../../lib/cde/bitstreams is an installation's folder: beside a clone it is anybody's. The
-/// build's own folder belongs to the build tree's programs and to no other sources.
+/// ../../lib/cde/bitstreams is the folder of an installation. Beside a clone, anyone may own it.
+/// The build folder's models belong to programs of the build tree only.
 TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
   const fs::path source = bitstream_builder().parent_path().parent_path(),
                  clone = folder_ / "share/clone";
@@ -298,7 +301,7 @@ TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
   unset("CDE_BITSTREAMS");
   set("CDE_SHARE", clone);
   EXPECT_FALSE(bitstream_file("board", host_config().parameters()).built);
-  std::ofstream(clone / "verilator/toolchain") << "what an installation has\n";
+  std::ofstream(clone / "verilator/toolchain") << "part of an installation\n";
   EXPECT_EQ(bitstream_path("board", host_config().parameters()).parent_path(),
             folder_ / "lib/cde/bitstreams");
   fs::permissions(folder_ / "lib/cde/bitstreams", fs::perms::others_write, fs::perm_options::add);
@@ -310,7 +313,7 @@ TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
                [] { (void)bitstream_builder(); });
 }
 
-/// The RTL, scripts and headers that the builder compiles are trusted like the builder itself.
+/// The builder compiles RTL, scripts and headers: they must be as trusted as the builder itself.
 TEST_F(Bitstreams, TrustCoversWhatTheBuilderCompiles) {
   const fs::path source = bitstream_builder().parent_path().parent_path(),
                  clone = folder_ / "clone";
@@ -336,12 +339,13 @@ TEST_F(Bitstreams, TrustCoversWhatTheBuilderCompiles) {
                [] { (void)bitstream_builder(); });
 }
 
-/// Another user makes the folder of last resort before the victim does: a link to a folder that the
-/// victim would trust, or to one of his own.
+/// An attacker creates the last-resort cache folder before the victim: as a link to a folder that
+/// the victim would trust, or to a folder of the attacker.
 TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
-  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   constexpr uid_t kVictim = 64'123, kAttacker = 4242;
-  // The build has none of this configuration; what the attacker has under its name is another one.
+  // The build has no model with these parameters. The attacker's file has the right name and other
+  // parameters.
   const std::vector<std::string> parameters = {"LANES=1", "SRAM_RECORDS=2"};
   const fs::path other = copy_of_host_board("ready"),
                  file = other.parent_path() / bitstream_file("board", parameters).path.filename(),
@@ -378,7 +382,7 @@ TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
   }
 }
 
-/// A file of another key under a key's name, with its right checksum, is built again, once.
+/// A file under the name of another key, with a correct checksum, is rebuilt once.
 TEST_F(Bitstreams, OneOfAnotherKeyIsBuiltAgain) {
   const auto parameters = [](const char* pair) {
     return std::vector<std::string>{std::string("PAIR=") + pair, "ARITH=host", "LANES=1"};
@@ -406,7 +410,7 @@ TEST_F(Bitstreams, OneOfAnotherKeyIsBuiltAgain) {
   EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 
-  // The same in a folder of ready-made files, which stays as it is: what was built is found.
+  // The same for a folder of ready-made files: it stays unchanged, and the rebuilt model is found.
   set("CDE_BITSTREAMS", folder_ / "ready");
   fs::create_directories(folder_ / "ready");
   const fs::path ready = folder_ / "ready" / file.filename();
@@ -455,8 +459,8 @@ TEST_F(Bitstreams, CacheIsAPrivateFolder) {
   expect_error(ErrorCode::kFile, "is not a folder", [] { (void)bitstream_cache(); });
 }
 
-/// The first use of a configuration by two processes at once: one build, both get it; then its file
-/// is cut short, and built again.
+/// Two processes use a configuration for the first time at once: one build serves both. Then the
+/// file is truncated and rebuilt.
 TEST_F(Bitstreams, BuiltOnFirstUseAndWhenDamaged) {
   const auto parameters = BoardConfig{.lanes = 1}.parameters();
   const pid_t child = ::fork();
@@ -511,7 +515,8 @@ TEST_F(Bitstreams, BuilderThatCannotWork) {
   expect_error(ErrorCode::kBuild, "cannot run", [&] { (void)Bitstream::open("board", unbuilt); });
 }
 
-/// Shells and Perl warn of a locale that is not installed. That is no part of an answer.
+/// Shells and Perl warn about a locale that is not installed. The warning must not become part of
+/// an answer.
 TEST_F(Bitstreams, ALocaleThatIsNotInstalledChangesNothing) {
   const auto parameters = host_config().parameters();
   const std::uint64_t hash = bitstream_hash("board", parameters);
@@ -519,8 +524,8 @@ TEST_F(Bitstreams, ALocaleThatIsNotInstalledChangesNothing) {
   EXPECT_EQ(bitstream_hash("board", parameters), hash);
 }
 
-/// A folder above the cache is swapped for a link while a build fails. The log lies where the lock
-/// does.
+/// A folder above the cache is replaced by a link while a build fails. The log stays in the folder
+/// of the lock.
 TEST_F(Bitstreams, ACacheThatIsSwappedForALink) {
   const std::string key(24, 'a');
   const fs::path clone = folder_ / "clone";
@@ -531,7 +536,7 @@ TEST_F(Bitstreams, ACacheThatIsSwappedForALink) {
       "mv cache moved; ln -s victim cache; echo 'error: no'; exit 1\n",
       key, folder_.string());
   fs::create_directory(folder_ / "victim");
-  std::ofstream(folder_ / "victim" / (key + ".log")) << "mine";
+  std::ofstream(folder_ / "victim" / (key + ".log")) << "victim's file";
   expect_error(ErrorCode::kBuild, "error: no", [] { (void)Bitstream::open("board", {}); });
   const auto log_in = [&](const char* folder) {
     std::ifstream in(folder_ / folder / (key + ".log"));

@@ -4,14 +4,14 @@
 
 namespace cde::testing {
 
-/// Boards that the tests share in kind; each call opens a fresh one.
+/// Configurations of boards that several tests use. Each test opens its own board.
 BoardConfig host_config();
 BoardConfig rtl_config();
-/// 4 lanes, slow operators, 1,000 triangles, ring of 64 records.
+/// 4 lanes, slow operators, 1,000 triangles, a ring of 64 records.
 BoardConfig small_config();
-BoardConfig pci_config();  ///< that of small_config, behind PCI signals
-/// 4 lanes, ray-triangle and triangle-sphere at a time, objects, check bits, 1,000 triangles, ring
-/// of 64 records: a card on which every call of Board has a meaning.
+BoardConfig pci_config();  ///< small_config() behind PCI signals
+/// A card on which every call of Board is useful: ray-triangle and triangle-sphere in parallel,
+/// objects and check bits. It has 4 lanes, 1,000 triangles and a ring of 64 records.
 BoardConfig rich_config(Bus bus);
 
 }  // namespace cde::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Built cards that stand in for the planned one.
+// Existing simulation models that stand in for the planned card.
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A cache of the test's own. No other card has adders of 7 clocks, so that what lies in the
-/// build's folder serves none of these scenes.
+/// The test's own cache. No other card has adders of 7 cycles, so no model in the build folder can
+/// serve these scenes.
 class CardChoice : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -35,8 +35,8 @@ class CardChoice : public ::testing::Test {
     card.latency_add = 7;
     return card;
   }
-  /// An entry for a card as its builder leaves it; its code is of another card, which a choice does
-  /// not look at.
+  /// Adds a cache entry for a card as the builder leaves it. Its code belongs to another card,
+  /// because the choice does not read the code.
   static fs::path keep(const BoardConfig& card) {
     const fs::path code = bitstream_path("board", host_config().parameters());
     const fs::path file = bitstream_file(card.top(), card.parameters()).path;
@@ -50,7 +50,7 @@ class CardChoice : public ::testing::Test {
                        file.filename().string());
     return file;
   }
-  /// Rays that meet spheres, on a card of slow adders.
+  /// Rays against spheres, on a card with slow adders.
   static cde::Scene scene(unsigned rays = 10, const std::string& card = "",
                           const char* query = "") {
     return parse_scene(
@@ -95,7 +95,7 @@ TEST_F(CardChoice, ParametersAreReadBack) {
     ASSERT_TRUE(read);
     EXPECT_EQ(read->parameters(), card.parameters());
   }
-  EXPECT_EQ(odd.parameters().size(), 18u) << "each differs from the standard";
+  EXPECT_EQ(odd.parameters().size(), 18u) << "every parameter differs from its default";
   for (const std::vector<std::string>& none : {std::vector<std::string>{"ARITH=host", "LANES=3"},
                                                {"ARITH=soft"},
                                                {"LANES"},
@@ -113,7 +113,7 @@ TEST_F(CardChoice, TheCheapestThatServes) {
   const cde::Scene s = scene();
   const BoardConfig best = slow_adders({.pairs = {Pair::kRaySphere}});
   Plan p = planned(s);
-  EXPECT_FALSE(p.stands_in_for) << "nothing is built";
+  EXPECT_FALSE(p.stands_in_for) << "no model exists";
   EXPECT_EQ(p.board.parameters(), best.parameters());
 
   const std::vector<Pair> two = {Pair::kRayTriangle, Pair::kRaySphere};
@@ -132,7 +132,7 @@ TEST_F(CardChoice, TheCheapestThatServes) {
   EXPECT_EQ(p.board.pairs, two);
   EXPECT_FALSE(p.board.trace);
   EXPECT_LT(p.stands_in_for->times, dearer);
-  EXPECT_EQ(planned(s).board.parameters(), p.board.parameters()) << "the same every time";
+  EXPECT_EQ(planned(s).board.parameters(), p.board.parameters()) << "the choice is repeatable";
 
   keep(best);
   p = planned(s);
@@ -144,7 +144,7 @@ TEST_F(CardChoice, WhatDoesNotServeIsNotTaken) {
   const std::vector<Pair> rays = {Pair::kRaySphere};
   for (BoardConfig card :
        {BoardConfig{.pairs = {Pair::kRayTriangle}},  // another pipe
-        BoardConfig{.lanes = 8, .pairs = rays},      // twice the clocks
+        BoardConfig{.lanes = 8, .pairs = rays},      // twice the cycles
         BoardConfig{.lanes = 64, .pairs = rays},     // 2.3 times the time
         BoardConfig{.arithmetic = Arithmetic::kRtl, .pairs = rays},
         BoardConfig{.pairs = rays, .transform = Transformer::kSecondaries},
@@ -155,7 +155,7 @@ TEST_F(CardChoice, WhatDoesNotServeIsNotTaken) {
     keep(slow_adders(card));
   const Plan p = planned(scene());
   EXPECT_FALSE(p.stands_in_for) << fmt::format("{}", fmt::join(p.board.parameters(), " "));
-  // Each of them is an entry that is found where it is what is planned, or would serve.
+  // Each entry is valid: it is found where it is the planned card, or where it would serve.
   EXPECT_EQ(planned(scene(10, "lanes = 8\n")).board.lanes, 8u);
   EXPECT_TRUE(bitstream_file("card", slow_adders({.pairs = rays}).parameters()).built);
   EXPECT_FALSE(kept_bitstreams("card").empty());
@@ -168,32 +168,32 @@ TEST_F(CardChoice, WhatTheSceneAsksForIsKept) {
   EXPECT_FALSE(planned(scene(10, "lanes = 4\n")).stands_in_for);
   EXPECT_FALSE(planned(scene(10, "pairs = [\"ray-sphere\"]\n")).stands_in_for);
   EXPECT_FALSE(planned(scene(10, "trace = true\n")).stands_in_for);
-  EXPECT_FALSE(planned(scene(17)).stands_in_for) << "16 lanes take two rows";
+  EXPECT_FALSE(planned(scene(17)).stands_in_for) << "17 rays take two rows of 16 lanes";
   keep(slow_adders({.lanes = 128, .pairs = {Pair::kRayTriangle, Pair::kRaySphere}}));
   EXPECT_TRUE(planned(scene(200)).stands_in_for);
-  EXPECT_FALSE(planned(scene(300)).stands_in_for) << "a large scene gets a card of its own";
+  EXPECT_FALSE(planned(scene(300)).stands_in_for) << "a large scene builds its own card";
 }
 
-/// A comment is a hint: the key decides, and the checksum.
+/// The comment in a checksum file is only a hint: the key and the checksum decide.
 TEST_F(CardChoice, DamagedAndForeignEntriesAreNotTaken) {
   const BoardConfig card = slow_adders({.pairs = {Pair::kRayTriangle, Pair::kRaySphere}});
   const fs::path file = keep(card), sum = fs::path(file) += ".sha256";
   ASSERT_TRUE(planned(scene()).stands_in_for);
   fs::permissions(sum, fs::perms::others_write, fs::perm_options::add);
-  EXPECT_FALSE(planned(scene()).stands_in_for) << "others can write what the entry says";
+  EXPECT_FALSE(planned(scene()).stands_in_for) << "other users can write the entry";
   fs::permissions(sum, fs::perms::others_write, fs::perm_options::remove);
   fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
   EXPECT_FALSE(planned(scene()).stands_in_for);
   fs::permissions(file, fs::perms::others_write, fs::perm_options::remove);
   ASSERT_TRUE(planned(scene()).stands_in_for);
-  // Under the name of another key, as after a change of RTL or tools.
+  // Under the name of another key, as after a change of the RTL or the tools.
   fs::rename(file, folder_ / "0123456789abcdef01234567.so");
   fs::rename(sum, folder_ / "0123456789abcdef01234567.so.sha256");
   EXPECT_FALSE(planned(scene()).stands_in_for);
   keep(card);
   ASSERT_TRUE(planned(scene()).stands_in_for);
   std::ofstream(file, std::ios::app) << "more";
-  EXPECT_FALSE(planned(scene()).stands_in_for) << "its checksum is another";
+  EXPECT_FALSE(planned(scene()).stands_in_for) << "the checksum is wrong";
   std::ofstream(sum, std::ios::trunc) << "# board ARITH=host LANES=\xff PAIRS=no\n";
   EXPECT_FALSE(planned(scene()).stands_in_for);
 }

@@ -77,8 +77,8 @@ RayScene directed() {
   const Triangle plain{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   const auto down = [](float x, float y) { return Ray{.o = {x, y, 0}, .d = {0, 0, 1}}; };
 
-  // Interior, corners, edges, just beside them; both directions and orientations; unit and odd
-  // lengths.
+  // Interior, corners, edges and points just beside them, for both directions and orientations,
+  // with unit and other lengths.
   for (float x : {0.25f, 0.0f, -0.0f, 1.0f, 0.5f, std::nextafter(0.0f, -1.0f),
                   std::nextafter(1.0f, 2.0f), std::nextafter(0.5f, 1.0f)})
     for (float y : {0.25f, 0.0f, -0.0f, 1.0f, 0.5f, kTiny, -kTiny}) s.rays.push_back(down(x, y));
@@ -91,7 +91,7 @@ RayScene directed() {
   s.rays.push_back({.o = {0.2f, 0.2f, 1}, .d = {0.3f, 0.1f, -0.0f}});
   s.rays.push_back({.o = {0.2f, 0.2f, 1}, .d = {0, 0, 1}});  // starts on the plane: T = 0
   s.rays.push_back({.o = {0.2f, 0.2f, 1}, .d = {0, 0, -1}});
-  // Intervals that end on the hit, and one ulp beside it.
+  // Intervals that end on the hit or one ulp beside it.
   for (const Ray& ray :
        {Ray{.o = {0.3f, 0.2f, -0.7f}, .d = {0.01f, 0.02f, 0.3f}}, down(0.25f, 0.25f)}) {
     const float t = reference::record_of(ray, plain, 0, 0).t;
@@ -104,7 +104,7 @@ RayScene directed() {
   for (float a : {-kInf, -0.0f, 0.0f, kInf, 2.0f})
     for (float b : {-kInf, -0.0f, 0.0f, kInf, 0.5f})
       s.rays.push_back({.o = {0.2f, 0.3f, 0}, .d = {0, 0, 1}, .tmin = a, .tmax = b});
-  // Subnormal and huge rays; T and CP overflow, underflow, or are no number.
+  // Subnormal and huge rays, for which T and CP overflow, underflow or become NaN.
   for (float m : {kTiny, 0x1p-126f, 0x1p-35f, 0x1p-34f, 0x1p-25f, 0x1p-17f, 0x1p-9f, 0x1p20f,
                   0x1p30f, 0x1p40f, 0x1p41f, kMax}) {
     s.rays.push_back({.o = {0.2f, 0.3f, 0}, .d = {0, 0, m}});
@@ -112,7 +112,7 @@ RayScene directed() {
     s.rays.push_back({.o = {0.1f, 0.1f, -m}, .d = {0, 0, 1}, .tmin = -kInf});
     s.rays.push_back({.o = {m, m, m}, .d = {-m, -m, -m}, .tmin = -kInf});
   }
-  // Bad input in every slot.
+  // Bad input in every word.
   for (unsigned k = 0; k < 8; ++k)
     for (float x : {kNan, -kNan, std::bit_cast<float>(0x7f800001u), kInf, -kInf}) {
       Ray ray = down(0.25f, 0.25f);
@@ -123,7 +123,7 @@ RayScene directed() {
     s.rays.push_back({.o = {0.2f, 0.2f, 0}, .d = {zero, -zero, zero}});
 
   s.triangles = {plain, {plain.v0, plain.v2, plain.v1}, {plain.v1, plain.v2, plain.v0}};
-  // Without area: a point, segments, a doubled corner; needles and slivers.
+  // Triangles without area (a point, segments, a repeated corner), needles and slivers.
   s.triangles.push_back({plain.v0, plain.v0, plain.v0});
   s.triangles.push_back({plain.v0, plain.v1, plain.v1});
   s.triangles.push_back({plain.v0, plain.v0, plain.v2});
@@ -193,7 +193,7 @@ std::string explain_lines(const reference::Checker& checker) {
     const std::vector<std::uint64_t> b = words(triangle);
     const std::string line =
         "\n  " + explain_line({{.lanes = 1, .arithmetic = Arithmetic::kRtl}, a, b, 0});
-    if (lines != line) lines += line;  // both sides may name one triangle
+    if (lines != line) lines += line;  // both lists may name one triangle
   }
   return lines;
 }

@@ -16,8 +16,8 @@ namespace cde::testing {
 
 inline constexpr std::uint32_t kSeed = 20240611;
 
-/// The generator of a test; prints its seed. std::mt19937 is the same everywhere, distributions are
-/// not, so numbers are made by hand.
+/// The random generator of a test; prints its seed. std::mt19937 is the same on every platform.
+/// Standard distributions are not, so this class makes the numbers itself.
 class Random {
  public:
   explicit Random(std::uint32_t seed = kSeed);
@@ -45,13 +45,15 @@ RayScene beam(Random& random, std::size_t rays, std::size_t triangles, float sca
 /// Small triangles scattered around the origin: a ray hits few of them.
 RayScene cloud(Random& random, std::size_t rays, std::size_t triangles);
 
-/// Every directed case of the pipe: rays through corners and edges and in the plane, intervals that
-/// end on the hit and one ulp beside it, degenerate triangles, zeros of both signs, subnormal, huge
-/// and special values in every slot.
+/// Every directed case of the pipe:
+/// - rays through corners and edges and in the plane;
+/// - intervals that end on the hit or one ulp beside it;
+/// - degenerate triangles, and zeros with both signs;
+/// - subnormal, huge and special values in every word.
 RayScene directed();
 
-/// Pairs of the first record that differs, a line each, as `cde explain --from-test` takes them: in
-/// gates, which have the bits of both arithmetics.
+/// Pairs of the first record that differs, one per line, in the format of `cde explain
+/// --from-test`. The lines name gates, whose bits equal both arithmetic back ends.
 std::string explain_lines(const reference::Checker& checker);
 
 /// Runs a cast on the board and compares every record with the reference; returns the records.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// rtl/contract and host/include/cde/contract are the same: Verilator says what every constant,
-// every field and every function of the packages is, and each must have its like in C++, and none
-// more.
+// rtl/contract and host/include/cde/contract agree. Verilator evaluates every constant, field and
+// function of the packages. Each must have a counterpart in C++, and C++ has no others.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,15 +32,15 @@ namespace {
 namespace fs = std::filesystem;
 using namespace contract_values;
 
-/// Types of codes, and how many bits they have.
+/// Enumeration types and their widths in bits.
 const std::map<std::string, unsigned> kCodes = {
     {"shape_t", kShapeBits}, {"pair_t", kPairBits}, {"words_t", kWordsBits}};
 
 struct Package {
   std::set<std::string> constants, functions;
   Fields fields;
-  std::map<std::string, unsigned> bits;  ///< of each structure
-  std::set<std::string> codes;           ///< types that are vectors
+  std::map<std::string, unsigned> bits;  ///< width of each structure
+  std::set<std::string> codes;           ///< types that are plain vectors
 };
 
 Package read_package(const fs::path& file) {
@@ -53,13 +52,13 @@ Package read_package(const fs::path& file) {
   static const std::regex code_field(R"(^\s*pairs_pkg::(\w+)\s+(\w+);.*)");
   static const std::regex end(R"(^\s*\}\s*(\w+);.*)");
   Package package;
-  std::vector<std::pair<std::string, unsigned>> open;  // fields, from the top
+  std::vector<std::pair<std::string, unsigned>> open;  // enclosing fields, outermost first
   for (std::string line; std::getline(in, line);) {
     std::smatch m;
     if (std::regex_match(line, m, constant)) {
       package.constants.insert(m[1]);
     } else if (line.find("localparam") != std::string::npos) {
-      ADD_FAILURE() << file << ": unread line: " << line;
+      ADD_FAILURE() << file << ": cannot parse line: " << line;
     } else if (std::regex_match(line, m, function)) {
       package.functions.insert(m[1]);
     } else if (line.find("typedef struct packed") != std::string::npos) {
@@ -77,13 +76,13 @@ Package read_package(const fs::path& file) {
           package.fields[m[1].str() + "." + f->first] = {low, f->second};
       package.bits[m[1]] = low;
     } else if (line.find("typedef") != std::string::npos) {
-      ADD_FAILURE() << file << ": unread line: " << line;
+      ADD_FAILURE() << file << ": cannot parse line: " << line;
     }
   }
   return package;
 }
 
-/// Expressions of SystemVerilog and what they must be; Verilator evaluates all at once.
+/// Expressions of SystemVerilog and their expected values. Verilator evaluates all of them at once.
 class Probe {
  public:
   void expect(const std::string& expression, std::uint64_t value) {
@@ -118,14 +117,14 @@ class Probe {
       EXPECT_EQ(std::stoull(m[2], nullptr, 16), value) << expression;
       seen.insert(std::stoul(m[1]));
     }
-    EXPECT_EQ(seen.size(), expected_.size()) << "Verilator did not say what all of them are";
+    EXPECT_EQ(seen.size(), expected_.size()) << "Verilator did not print all values";
   }
 
  private:
   std::vector<std::pair<std::string, std::uint64_t>> expected_;
 };
 
-/// Calls of a function; the test knows which have been made.
+/// Calls of one function. The test checks which functions were called.
 class Calls {
  public:
   Calls(Probe& probe, std::string package) : probe_(probe), package_(std::move(package)) {}
@@ -144,10 +143,10 @@ class Calls {
   std::set<std::string> called_;
 };
 
-/// Words of a lane of gates, which software does not know.
+/// Words of a lane of gates. Software does not use them.
 void lane_functions(Calls& call, int exp, int man) {
   const int word = 1 + exp + man <= 32 && man <= 23 ? 32 : 64;
-  int bits = 1;  // that hold the largest exponent of a quotient and its sign
+  int bits = 1;  // width of the largest exponent of a quotient, with its sign
   while ((1 << (bits - 1)) < 3 * (1 << (exp - 1)) + 2 * man + 4) ++bits;
   call("lane_word", {exp, man, 0}, word);
   call("lane_word", {exp, man, 1}, man + std::max(1 + exp, 6));
@@ -157,7 +156,8 @@ void lane_functions(Calls& call, int exp, int man) {
   call("round_top", {exp, man, 1}, man + 3);
 }
 
-/// Cuts of a lane spread over its places: the first k places have the share of k that is nearest.
+/// Register cuts, spread over the places of a lane: the first k places get the nearest share of
+/// cuts.
 void cut_functions(Calls& call) {
   for (const int places : {1, 8, 31})
     for (const int cuts : {0, 1, places / 2, places}) {
@@ -225,7 +225,7 @@ void pair_functions(Calls& call) {
   }
 }
 
-/// Sets of one pair, of two and of all.
+/// Sets of one pair, of two pairs and of all pairs.
 void set_functions(Calls& call) {
   const auto shapes_of = [](int set, bool primary, bool swap) {
     std::set<Shape> shapes;
@@ -262,7 +262,7 @@ void set_functions(Calls& call) {
   }
 }
 
-/// Clocks of what stands in front of and behind a scaled pipe: tests/pipes measures them.
+/// Cycles before and after a scaled pipe; tests/pipes measures them.
 void time_functions(Calls& call) {
   for (const int mul : {1, 2, 5})
     for (const int compare : {1, 2, 3}) {
@@ -276,7 +276,7 @@ void time_functions(Calls& call) {
 
 TEST(Contract, IsTheSameInBothLanguages) {
   if (std::system("command -v verilator >/dev/null") != 0)
-    GTEST_SKIP() << "verilator is not installed: nothing says what the packages hold";
+    GTEST_SKIP() << "needs verilator, to evaluate the packages";
   const fs::path contract(CDE_CONTRACT_FOLDER);
   std::vector<std::string> packages;
   std::ifstream list(contract / "packages.f");
@@ -286,7 +286,7 @@ TEST(Contract, IsTheSameInBothLanguages) {
                                               {"records_pkg", records()},
                                               {"registers_pkg", registers()},
                                               {"pci_pkg", pci_side()}};
-  // Tables, which functions of the packages read.
+  // Tables that functions of the packages read.
   const std::map<std::string, std::string> tables = {{"FORMAT_EXPS", "format_exp"},
                                                      {"FORMAT_MANS", "format_man"},
                                                      {"SHAPE_WORDS", "shape_words"},
@@ -294,14 +294,14 @@ TEST(Contract, IsTheSameInBothLanguages) {
                                                      {"PRIMARY_SHAPES", "primary_shape"},
                                                      {"SECONDARY_SHAPES", "secondary_shape"},
                                                      {"COUNTER_REGISTERS", "counter_register"}};
-  // What goes between modules of the card, and no software sees.
+  // Types between modules of the card that software does not see.
   const std::set<std::string> inside = {"bus_request_t", "bus_response_t"};
   Probe probe;
   Fields known = fields();
   std::size_t constants = 0;
   for (const std::string& file : packages) {
     const std::string name = file.substr(0, file.find('.'));
-    if (!here.contains(name)) continue;  // how modules of the card are joined
+    if (!here.contains(name)) continue;  // internal connections of the card
     SCOPED_TRACE(file);
     const Package package = read_package(contract / file);
     Calls call(probe, name);
@@ -320,7 +320,7 @@ TEST(Contract, IsTheSameInBothLanguages) {
         continue;
       }
       EXPECT_TRUE(values.contains(constant))
-          << constant << " is not in C++, or not in the lists of this test";
+          << constant << " is missing in C++ or in the lists of this test";
       probe.expect(name + "::" + constant, values[constant]);
       values.erase(constant);
       ++constants;
@@ -334,7 +334,7 @@ TEST(Contract, IsTheSameInBothLanguages) {
     for (const auto& [field, place] : package.fields) {
       if (inside.contains(field.substr(0, field.find('.')))) continue;
       EXPECT_TRUE(known.contains(field))
-          << field << " is not in C++, or not in the list of this test";
+          << field << " is missing in C++ or in the list of this test";
       EXPECT_EQ(known[field], place) << field;
       known.erase(field);
     }
@@ -344,7 +344,8 @@ TEST(Contract, IsTheSameInBothLanguages) {
   probe.run(contract, packages);
 }
 
-/// Parameter, structure and what joins them are three lists of one file.
+/// One file lists each parameter three times: as a parameter, as a field and in the assignment that
+/// joins them.
 TEST(Contract, EveryParameterOfACardIsAFieldOfItsConfiguration) {
   std::stringstream text;
   text << std::ifstream(fs::path(CDE_CONTRACT_FOLDER) / "config.svh").rdbuf();
@@ -363,11 +364,11 @@ TEST(Contract, EveryParameterOfACardIsAFieldOfItsConfiguration) {
   auto fields =
       names("CARD_FIELDS", "`endif", R"((?:int|logic \[63:0\]|latency_pkg::latency_t) (\w+);)");
   ASSERT_GT(parameters.size(), 20u);
-  values.erase(values.begin());  // the macro's own name
+  values.erase(values.begin());  // drop the name of the macro
   parameters.emplace_back("CONFIG_HASH");
   EXPECT_EQ(values, parameters);
   std::replace(parameters.begin(), parameters.end(), std::string("ARITH"), std::string("HOST"));
-  // Those of operators are one field, of the type latency_t, in the same order.
+  // The latencies of operators are one field of type latency_t, in the same order.
   const auto first = std::find(parameters.begin(), parameters.end(), "LAT_ADD");
   ASSERT_GT(parameters.end() - first, 5);
   EXPECT_EQ(std::vector<std::string>(first, first + 5),

@@ -7,13 +7,13 @@
 
 #include "cde/contract/registers.hpp"
 
-/// What C++ says of the contract, by the names of the packages in rtl/contract.
+/// Values of the contract in C++, under the names of the packages in rtl/contract.
 namespace cde::contract_values {
 
 using Values = std::map<std::string, std::uint64_t>;
 using Fields = std::map<std::string, Field>;
 
-/// "ray-triangle" as packages write it: RAY_TRIANGLE.
+/// The name as packages write it: "ray-triangle" becomes RAY_TRIANGLE.
 std::string upper(std::string_view name);
 
 Values formats();
@@ -21,8 +21,8 @@ Values pairs();
 Values records();
 Values registers();
 Values pci_side();
-/// Fields of the registers and records, by structure and name; those of ports inside the card are
-/// its own.
+/// Fields of registers and records, by structure and name. Fields of ports inside the card are not
+/// listed.
 Fields fields();
 
 }  // namespace cde::contract_values

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Check bits in DDR: what a flipped bit does with and without them.
+// Check bits in DDR: the effect of flipped bits with and without them.
 #include <fmt/format.h>
 
 #include "cases.hpp"
@@ -71,7 +71,7 @@ TEST_F(Ecc, TwoBitsOfAWordAreOneClearErrorAndNoRecordIsWrong) {
       (void)board_.run({.mode = Mode::kAll}, [&](std::span<const Record> some) {
         records.insert(records.end(), some.begin(), some.end());
       });
-      FAIL() << "two wrong bits were not noticed";
+      FAIL() << "no error for two wrong bits";
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kDevice);
       EXPECT_NE(std::string(error.what()).find("1 word of DDR"), std::string::npos) << error.what();
@@ -99,8 +99,8 @@ TEST_F(Ecc, ACheckBitIsCorrectedAndCounted) {
     EXPECT_EQ(counters.corrected_words, 1u);
     board_.flip_check(word, static_cast<std::uint8_t>(1u << bit));
   }
-  EXPECT_THROW(board_.flip_check(9000, 1), Error) << "DDR has 9,000 words";
-  EXPECT_THROW(board_.flip_check(0, 0x80), Error) << "and 7 check bits each";
+  EXPECT_THROW(board_.flip_check(9000, 1), Error) << "DDR has 9,000 words only";
+  EXPECT_THROW(board_.flip_check(0, 0x80), Error) << "a word has 7 check bits only";
   EXPECT_THROW(board_.flip_ddr(36'000, 1), Error);
 }
 
@@ -120,7 +120,7 @@ TEST(NoEcc, AFlippedBitIsAnotherTriangle) {
   const auto got = board.run({.mode = Mode::kNearest});
   std::size_t differ = 0;
   for (std::size_t i = 0; i < got.size(); ++i) differ += same_bits(got[i], expected[i]) ? 0 : 1;
-  EXPECT_GT(differ, 0u) << "the flips of this test are seen by the card";
+  EXPECT_GT(differ, 0u) << "no flip changed a record";
 }
 
 }  // namespace

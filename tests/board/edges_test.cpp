@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver at its edges: boards that were moved from, that their own sink destroys or gives other
-// work, values that no enumeration has, empty sinks. All of it is an Error of its own kind, before
-// anything is sent to the card, and the card goes on.
+// Edge cases of the driver: boards that were moved from, boards that their own sink destroys or
+// uses, invalid enumeration values, and empty sinks. Each is an Error with its own code before the
+// driver sends anything, and the card stays usable.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -124,8 +124,7 @@ TEST(MovedFrom, UnitsAndPasses) {
   EXPECT_EQ(unit_now.config().pair, Pair::kSphereSphere);
 }
 
-/// A gap that throws in the middle of a test left rows in flight, whose results the next test wrote
-/// behind the end of its own.
+/// When the gap callback throws, rows stay in flight. Their results must not reach the next test.
 TEST(PairUnitGap, MayThrowButNotGiveWork) {
   std::optional<PairUnit> unit(std::in_place, PairConfig{.pair = Pair::kSphereSphere});
   constexpr FpFormat kFp32{8, 23};
@@ -167,10 +166,10 @@ TEST(PairUnitGap, MayThrowButNotGiveWork) {
     if (++calls == 3) unit.reset();
     return 0u;
   });
-  EXPECT_EQ(got, expected) << "the unit went away with the call, not before";
+  EXPECT_EQ(got, expected) << "the unit must live until the call returns";
 }
 
-/// NaN is no time: comparisons with it are false, and a watchdog of NaN never bit.
+/// NaN is not a time: comparisons with NaN are false, so such a watchdog would never fire.
 TEST_F(Edges, AWatchdogIsATime) {
   for (const double seconds : {std::nan(""), -1.0, -std::numeric_limits<double>::infinity()}) {
     Query q = query;
@@ -197,7 +196,7 @@ TEST(ReferenceEdges, ObjectsLieWithinTheTriangles) {
   EXPECT_EQ(reference::cast(scene.rays, scene.triangles, Mode::kAll, {}, all).size(), 120u);
 }
 
-/// Nothing reaches the card: no register is touched.
+/// The driver touches no register.
 TEST_F(Edges, WhatNoEnumerationHasIsRefusedFirst) {
   const std::uint64_t before = board->bus_counters().register_accesses;
   for (const unsigned mode : {6u, 9u, 255u}) {
@@ -242,7 +241,7 @@ TEST_F(Edges, AnEmptySinkIsRefusedFirst) {
   expect_right();
 }
 
-/// One sink a kind of call that would give the board other work in the middle of a pass.
+/// One sink per kind of call that would give the board other work during a pass.
 TEST_F(Edges, NoOtherWorkInAPass) {
   const std::vector<std::function<void()>> calls = {
       [&] { board->upload(scene.triangles); },
@@ -262,7 +261,7 @@ TEST_F(Edges, NoOtherWorkInAPass) {
     expect_in("in a pass",
               refused([&] { board->run(query, [&](std::span<const Record>) { calls[i](); }); }));
     Query q = query;
-    q.mode = Mode::kAll;  // the ring fills, so the pass is looked at before its end
+    q.mode = Mode::kAll;  // the ring fills, so the sink runs before the pass ends
     q.progress = [&](double) { calls[i](); };
     expect_in("in a pass", refused([&] { (void)board->run(q); }));
     expect_right();
@@ -294,7 +293,7 @@ TEST_F(Edges, ASinkThatDestroysItsBoardEndsThePass) {
   expect_in("destroyed", refused([&] { board->run(q, nothing); }));
 }
 
-/// As if it had been destroyed: the pass belongs to the board that is gone.
+/// Same as destruction: the pass belongs to the replaced board.
 TEST_F(Edges, ASinkThatReplacesItsBoardEndsThePass) {
   expect_in("destroyed", refused([&] {
               board->run(query, [&](std::span<const Record>) {
@@ -322,7 +321,7 @@ TEST_F(Edges, ASinkMayMoveItsBoard) {
   expect_in("moved from", refused([&] { board->cast(many, query, moves); }));
 }
 
-/// A pass over a part of the secondaries is a pass over a board that holds no others.
+/// A pass over a range of secondaries equals a pass over a board that holds only that range.
 TEST_F(Edges, APassSweepsARangeOfTheSecondaries) {
   const std::uint64_t first = 7, count = 11;
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a failing test of cards leaves (tests/failing_test.cpp), and $CDE_WAVES.
+// The package of a failing test of cards (tests/failing_test.cpp), and $CDE_WAVES.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Fails in the process that FailingTest.LeavesWavesOfItsBoards starts, after work of a card.
+/// Fails, after work on a card, in the process that FailingTest.LeavesWavesOfItsBoards starts.
 TEST(FailingTest, CardThatWorks) {
   Board board = Board::open(small_config());
   const std::vector<Triangle> triangles = {{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}};
@@ -34,7 +34,7 @@ std::string contents(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// This program, CardThatWorks alone.
+/// Command line of this program that runs CardThatWorks alone.
 std::string card_that_works() {
   return quoted(fs::read_symlink("/proc/self/exe").string()) +
          " --gtest_filter=FailingTest.CardThatWorks 2>&1";
@@ -67,7 +67,7 @@ TEST(FailingTest, WavesIntoAFolderThatIsNotThereAreAnError) {
 }
 
 TEST(FailingTest, WavesBehindALinkOfAnotherUserAreAnError) {
-  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   std::string folder = (fs::temp_directory_path() / "cde-waves-XXXXXX").string();
   ASSERT_NE(::mkdtemp(folder.data()), nullptr);
   fs::create_directory(fs::path(folder) / "mine");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cards of other number formats than fp32: every record against the reference in the format.
+// Cards with other number formats than fp32: every record equals the reference in the card's
+// format.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -27,7 +28,7 @@ struct Kind {
   friend void PrintTo(const Kind& k, std::ostream* out) { *out << k.name; }
 };
 
-/// That of `cde cast --format fp16 --lanes 4`.
+/// The card of `cde cast --format fp16 --lanes 4`.
 const Kind kFp16Rays{"Fp16", kFp16, {Pair::kRayTriangle}, 4, false};
 const Kind kBf16Solids{"Bf16", kBf16, {Pair::kSphereSphere, Pair::kObbPlane}, 4};
 const Kind kTf32Rays{"Tf32", kTf32, {Pair::kRayTriangle, Pair::kRayCylinder}, 4};
@@ -58,8 +59,8 @@ bool is_legal(const Kind& kind, float word, WordKind of) {
          !std::isfinite(word) == !std::isfinite(kind.format.decode(kind.format.encode(word)));
 }
 
-/// Random ones; in some a word is at the edge of the format's range, beyond it, special, or one
-/// whose nearest number is a tie.
+/// Random shapes. In some, one word is at the edge of the format's range, beyond it, special, or
+/// halfway between two numbers of the format.
 template <class P>
 std::vector<P> odd_shapes(const Kind& kind, Random& random, std::size_t count) {
   const LengthRange range = LengthRange::of(kind.format.exp_bits, kind.format.man_bits);
@@ -91,7 +92,7 @@ std::vector<P> odd_shapes(const Kind& kind, Random& random, std::size_t count) {
   return all;
 }
 
-/// Every one within the contract, of translations some that take what they move out of it.
+/// Objects within the contract. Some translations move their shapes out of the contract.
 std::vector<Object> moving_objects(const Kind& kind, Random& random, std::uint32_t slots,
                                    std::size_t count) {
   const LengthRange range = LengthRange::of(kind.format.exp_bits, kind.format.man_bits);
@@ -132,7 +133,7 @@ class Formats : public ::testing::TestWithParam<Kind> {
     }
   }
 
-  /// The card against reference::Pass, which has swap, normals and the box rule.
+  /// Compares the card with reference::Pass, which models swap, normals and the box rule.
   void check_against_pass(Pair pair, bool swap, Mode mode, const Shapes& primaries,
                           const Shapes& secondaries) {
     const BoardConfig config = config_of(GetParam());
@@ -185,8 +186,8 @@ INSTANTIATE_TEST_SUITE_P(Boards, Formats,
                                            kFp16Gates),
                          [](const auto& info) { return info.param.name; });
 
-/// The reference of a whole cast, with packets, a stencil and the box rule; what it answers is what
-/// the format makes of the same rays and triangles in fp32.
+/// The reference of a whole cast, with packets, a stencil and the box rule. Its records equal those
+/// for the same rays and triangles rounded to the format.
 TEST(FormatCast, ChecksAsTheCardCasts) {
   Board board = Board::open(config_of(kFp16Rays));
   Random random;
@@ -218,10 +219,10 @@ TEST(FormatCast, ChecksAsTheCardCasts) {
     for (std::size_t i = 0; i < wide.size(); ++i) other += same_bits(wide[i], narrow[i]) ? 0 : 1;
   }
   EXPECT_GT(hits, 10000u);
-  EXPECT_GT(other, 100u) << "T in fp16 is another than in fp32";
+  EXPECT_GT(other, 100u) << "T in fp16 differs from T in fp32";
 }
 
-/// Objects that overlap, in any order: ties are by the slot, not by the place in the sweep.
+/// Overlapping objects in any order: the slot breaks ties, not the order of the pass.
 TEST(FormatCast, ChecksObjects) {
   Board board = Board::open(config_of(kTf32Rays));
   Random random;
@@ -256,7 +257,7 @@ TEST(FormatConfig, NamesWhatACardHasNot) {
   EXPECT_FALSE(BoardConfig::of({"ARITH=host", "EXP=11", "MAN=52"}));
 }
 
-/// A card whose words are other numbers than those asked for.
+/// The card's number format differs from the requested one.
 TEST(FormatConfig, ACardOfAnotherFormatIsRefused) {
   const BoardConfig narrow = config_of(kFp16Rays);
   BoardConfig wide = narrow;
@@ -267,7 +268,7 @@ TEST(FormatConfig, ACardOfAnotherFormatIsRefused) {
                [&] { (void)Board::open(wide, {.file = file, .config_hash = hash}); });
 }
 
-/// What the format makes of a word decides, and nothing becomes infinite in silence.
+/// The rounded word decides whether input is valid. No word silently becomes infinite.
 TEST(FormatInput, DefectsAreOfTheFormat) {
   Board board = Board::open(config_of(kFp16Rays));
   const Triangle small{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
@@ -275,7 +276,8 @@ TEST(FormatInput, DefectsAreOfTheFormat) {
     const std::vector<Triangle> all{small, t};
     board.upload(all);
   };
-  EXPECT_NO_THROW(upload({{0, 0, 128}, {1, 0, 128.03f}, {0, 1, -128}})) << "rounded to 128";
+  EXPECT_NO_THROW(upload({{0, 0, 128}, {1, 0, 128.03f}, {0, 1, -128}}))
+      << "128.03 is rounded to 128";
   expect_error(ErrorCode::kBadInput, "triangle 1: v1.z is 128.125, must be at most 2^7", [&] {
     upload({{0, 0, 1}, {1, 0, 128.1f}, {0, 1, 1}});
   });
@@ -298,7 +300,7 @@ TEST(FormatInput, DefectsAreOfTheFormat) {
   ASSERT_EQ(records.size(), 3u);
   EXPECT_TRUE(records[0].f && records[1].f && !records[1].bad);
   EXPECT_EQ(records[1].t, 1);
-  EXPECT_TRUE(records[2].bad) << "an origin beyond the format is flagged by the card";
+  EXPECT_TRUE(records[2].bad) << "the card flags an origin beyond the format";
   EXPECT_EQ(std::bit_cast<std::uint32_t>(records[2].t), 0x7fc00000u) << "the canonical NaN";
   expect_error(ErrorCode::kBadInput,
                "ray 1: its interval has an end of 65520, beyond the largest number of fp16, 65504",

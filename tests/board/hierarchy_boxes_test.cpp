@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres, boxes and triangles through a card's hierarchy over boxes, and over spheres and
-// triangles with the other role of each pair: records are those of a sweep of the same card, and of
-// the reference.
+// Spheres, boxes and triangles against a card's BVH over boxes. Also a BVH over spheres and over
+// triangles with the roles of each pair swapped. Records equal those of the card's own brute-force
+// pass and of the reference.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -25,12 +25,12 @@ using hard::obbs_of;
 
 constexpr Mode kSolidModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::kOccluded};
 
-/// So many, or more where all is tested (CDE_FULL=1).
+/// The first count, or the second one with CDE_FULL=1.
 std::size_t some(std::size_t quick, std::size_t thorough) {
   return std::getenv("CDE_FULL") != nullptr ? thorough : quick;
 }
 
-/// Hard ones beside what is in the tree, of which some are bad.
+/// Hard primaries near the secondaries. Some of them are bad input.
 template <class P, class Secondary>
 std::vector<P> hard_ones(const std::vector<Secondary>& all, std::size_t count) {
   const TriangleScene corners = hard::corners_of(all);
@@ -51,7 +51,8 @@ std::vector<P> hard_ones(const std::vector<Secondary>& all, std::size_t count) {
   return primaries;
 }
 
-/// All modes, against the reference's way, what it counts, and the card's own sweep.
+/// All modes: the card's records and counters equal the reference traversal and the card's own
+/// brute-force pass.
 template <class P, class Secondary>
 void expect_same_as_all(Board& board, const std::vector<Secondary>& all, std::size_t count) {
   const Hierarchy tree = Hierarchy::build(all, {.leaf = all.size() % 3 == 0 ? 1u : 2u});
@@ -75,7 +76,7 @@ void expect_same_as_all(Board& board, const std::vector<Secondary>& all, std::si
   EXPECT_GT(found, count / 2);
 }
 
-/// Scenes up to `most` triangles; `test` gets each.
+/// Calls `test` with each scene of at most `most` triangles.
 template <class Test>
 void in_scenes(std::size_t most, const Test& test) {
   for (const auto& one : kScenes) {
@@ -86,7 +87,7 @@ void in_scenes(std::size_t most, const Test& test) {
   }
 }
 
-/// CDE_FULL=1: 20,000 of each.
+/// CDE_FULL=1: 20,000 primaries of each shape.
 TEST(HierarchyOverBoxes, RecordsAreThoseOfASweepAndOfTheReference) {
   Board board = Board::open(boxes_config());
   in_scenes(2000, [&](const TriangleScene& scene) {
@@ -115,7 +116,7 @@ TEST(HierarchyOverBoxes, TheOtherRoleOfAPair) {
   });
 }
 
-/// Boxes take two beats of memory, and spheres one; check bits, slow operators.
+/// Boxes take two beats of memory and spheres take one. Check bits, slow operators.
 TEST(HierarchyOverBoxes, InGates) {
   Board board = Board::open(spheres_gates_config());
   in_scenes(100, [&](const TriangleScene& scene) {
@@ -200,8 +201,7 @@ TEST(HierarchyOverBoxes, ObjectsMove) {
   }
 }
 
-/// A fault ends a pass whatever it is at, between the two beats of a box as well: the pass behind
-/// it has its own boxes.
+/// A fault can end a pass between the two beats of a box. The next pass then reads its own boxes.
 TEST(HierarchyOverBoxes, APassThatIsLeftBetweenTwoBeats) {
   Board board = Board::open(sphere_pairs_config(), {.memory = Memory::kCycle});
   const auto boxes = obbs_of(kScenes[0].make());
@@ -222,7 +222,7 @@ TEST(HierarchyOverBoxes, APassThatIsLeftBetweenTwoBeats) {
     node.set_first_node(5'000);
     write(n, node);
     try {
-      (void)cast(board, spheres, query);  // nobody comes by, or it has no nodes below it
+      (void)cast(board, spheres, query);  // no primary reaches the node, or no nodes lie below it
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::kDevice);
       ++faults;

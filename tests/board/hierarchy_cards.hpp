@@ -15,16 +15,16 @@
 #include "hard_rays.hpp"
 #include "pair_through.hpp"
 
-/// Cards with a hierarchy, and what rays through it are to find, for tests of them.
+/// Cards with a BVH and the expected results of traversals, for tests.
 namespace cde::testing::through {
 
 using hard::TriangleScene;
 
-// Configurations of CMakeLists.txt.
+// Configurations in CMakeLists.txt.
 inline BoardConfig fast_config() {
   return {.lanes = 4, .box = true, .node_units = 2, .nodes = 1024};
 }
-inline BoardConfig watertight_config() {  // that of `cde cast`
+inline BoardConfig watertight_config() {  // the card of `cde cast`
   return {.lanes = 4, .algorithm = Algorithm::kWatertight, .box = true, .node_units = 2};
 }
 inline BoardConfig gates_config() {
@@ -37,7 +37,7 @@ inline BoardConfig gates_config() {
           .ddr_slots = 2000,
           .sram_records = 64};
 }
-/// Slow operators, four units, check bits in DDR, other pairs, a small ring.
+/// Slow operators, four traversal units, check bits in DDR, other pairs, a small ring.
 inline BoardConfig slow_config() {
   return {.lanes = 4,
           .pairs = {Pair::kRayTriangle, Pair::kTriangleSphere},
@@ -54,7 +54,7 @@ inline BoardConfig slow_config() {
           .sram_records = 64,
           .ecc = true};
 }
-/// Rays, spheres and OBBs, and objects that move.
+/// Rays, spheres and OBBs, and moving objects.
 inline BoardConfig solids_config() {
   return {.lanes = 8,
           .pairs = {Pair::kRayTriangle, Pair::kTriangleObb, Pair::kTriangleSphere},
@@ -66,7 +66,7 @@ inline BoardConfig solids_config() {
           .transform = Transformer::kSecondaries,
           .sram_records = 64};
 }
-/// Triangles that meet triangles.
+/// Triangles against triangles.
 inline BoardConfig meshes_config() {
   return {.lanes = 8,
           .pairs = {Pair::kTriangleTriangle},
@@ -76,7 +76,7 @@ inline BoardConfig meshes_config() {
           .nodes = 1024,
           .sram_records = 64};
 }
-/// Rays and spheres that meet spheres.
+/// Rays and spheres against spheres.
 inline BoardConfig spheres_config() {
   return {.lanes = 4,
           .pairs = {Pair::kRaySphere, Pair::kSphereSphere},
@@ -86,7 +86,7 @@ inline BoardConfig spheres_config() {
           .transform = Transformer::kSecondaries,
           .sram_records = 64};
 }
-/// Solids and triangles that meet boxes.
+/// Solids and triangles against boxes.
 inline BoardConfig boxes_config() {
   return {.lanes = 8,
           .pairs = {Pair::kObbObb, Pair::kTriangleAabb, Pair::kSphereObb},
@@ -98,7 +98,7 @@ inline BoardConfig boxes_config() {
           .transform = Transformer::kSecondaries,
           .sram_records = 64};
 }
-/// Spheres that meet triangles and boxes: of the cards with solids the one that is built soonest.
+/// Spheres against triangles and boxes: the card with solids that builds fastest.
 inline BoardConfig sphere_pairs_config() {
   return {.lanes = 8,
           .pairs = {Pair::kTriangleSphere, Pair::kSphereObb},
@@ -156,7 +156,7 @@ inline Record f_alone(const Record& any) {
   return r;
 }
 
-/// What the reference's way through the hierarchy gives, in the order of the card.
+/// Records of the reference traversal, in the order of the card.
 template <class P>
 std::vector<Record> expected(reference::Traversal walk, const std::vector<P>& rays, Mode mode) {
   std::vector<Record> all;
@@ -179,8 +179,8 @@ std::vector<Record> expected(const TriangleScene& scene, const Hierarchy& tree,
   return expected(reference::Traversal(scene, tree, algorithm), rays, mode);
 }
 
-/// What a card reads is what the reference reads. So few that they go ahead of their leaves
-/// (hierarchy_pkg::AHEAD) may read more.
+/// Checks that the card reads the same nodes as the reference. A pass of few primaries runs ahead
+/// of its leaves (hierarchy_pkg::AHEAD) and may read more.
 inline void expect_read(const Counters& c, const reference::TraversalCounts& reference,
                         std::size_t primaries) {
   if (primaries > 16) {
@@ -192,7 +192,7 @@ inline void expect_read(const Counters& c, const reference::TraversalCounts& ref
   }
 }
 
-/// Of primaries and what is in the tree.
+/// The query for a shape of primaries and the secondaries of the BVH.
 template <class P, class Secondary>
 Query query_of(Mode mode, Through through) {
   const auto [pair, swap] = pair_through<P, Secondary>();
@@ -201,7 +201,7 @@ Query query_of(Mode mode, Through through) {
   return query;
 }
 
-/// All of them, and what the card counts.
+/// All records, and the counters of the card.
 template <class P>
 std::vector<Record> cast(Board& board, const std::vector<P>& primaries, const Query& query,
                          Counters* counters = nullptr) {
@@ -225,7 +225,7 @@ inline std::size_t expect_same(const std::vector<Record>& records,
     if (same_bits(records[i], should[i])) continue;
     if (different++ < 3)
       ADD_FAILURE() << "record " << i << " of ray " << records[i].primary << ": T " << records[i].t
-                    << " of " << records[i].index << ", should be ray " << should[i].primary
+                    << " of " << records[i].index << "; expected ray " << should[i].primary
                     << ", T " << should[i].t << " of " << should[i].index;
   }
   EXPECT_EQ(different, 0u);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Passes of a few primaries, which go on while their leaves are tested (hierarchy_pkg::AHEAD):
-// records are those of the reference, and of the card's own sweep, however late memory is.
+// Passes with few primaries, which go on while their leaves are tested (hierarchy_pkg::AHEAD).
+// Records equal those of the reference and of the card's own brute-force pass, however late memory
+// answers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,8 +36,8 @@ std::vector<P> hard_few(const std::vector<Secondary>& all, std::size_t count) {
   }
 }
 
-/// So many, or ten times as many where all is tested (CDE_FULL=1), in passes of 1 to 17: the last
-/// ones wait for their leaves.
+/// Passes of 1 to 17 primaries, `count` in all, or ten times as many with CDE_FULL=1. The last
+/// primaries wait for their leaves.
 template <class P, class Secondary>
 void expect_few(Board& board, const std::vector<Secondary>& all, std::size_t count,
                 [[maybe_unused]] Algorithm algorithm = Algorithm::kMoller) {
@@ -107,7 +108,7 @@ TEST_P(HierarchyOfAFew, RecordsAreThoseOfTheReference) {
   }
 }
 
-/// A pass that is left while its leaves are on their way: the one behind it knows nothing of them.
+/// A pass is aborted while its leaves are outstanding: the next pass does not see them.
 TEST(HierarchyOfAFewOthers, APassThatIsLeft) {
   Board board = Board::open(boxes_config(), {.memory = Memory::kCycle});
   const auto boxes = obbs_of(kScenes[6].make());
@@ -132,8 +133,8 @@ TEST(HierarchyOfAFewOthers, APassThatIsLeft) {
   EXPECT_GT(left, 20u);
 }
 
-/// Left in any clock, also in that in which a leaf is asked for: no answer of memory comes to the
-/// pass behind it, through the tree or swept.
+/// Abort in any cycle, including the cycle of a leaf request: no memory response reaches the next
+/// pass, by BVH or brute force.
 TEST(HierarchyOfAFewOthers, APassThatIsLeftInAnyClock) {
   Board board = Board::open(spheres_config(), {.memory = Memory::kCycle});
   const auto cloud = cloud_of(kScenes[6].make());

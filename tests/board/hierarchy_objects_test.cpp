@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays through a hierarchy of objects that move: records are those of a sweep, and of the reference
-// over the triangles as they have been moved.
+// Rays against a BVH over moving objects. Records equal those of a brute-force pass, and of the
+// reference over the moved triangles.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -29,7 +29,7 @@ Transform pose(hard::Draw& draw, float size, float far) {
   return t;
 }
 
-/// Triangles in ranges, between which some are in no object, that move.
+/// Ranges of triangles that move. Some triangles between the ranges belong to no object.
 struct Moving {
   Moving(TriangleScene all, std::uint32_t count, float far = 0) : scene(std::move(all)), far(far) {
     const auto each = static_cast<std::uint32_t>(scene.size()) / count;
@@ -39,7 +39,7 @@ struct Moving {
   }
   void move(std::size_t k) { objects[k].transform = pose(draw, 1.5f, far); }
 
-  /// As a pass meets them, and which secondary each is.
+  /// The moved triangles in the order of a pass, and the secondary number of each.
   [[nodiscard]] reference::Swept<Triangle> swept() const {
     return reference::swept(scene, objects);
   }
@@ -79,7 +79,7 @@ TEST_P(HierarchyObjects, RecordsAreThoseOfASweepAndOfTheReference) {
     if (gates && triangles.size() > 600) triangles.resize(600);
     for (const float far : {0.0f, 1e5f}) {
       if (far != 0 && gates) continue;
-      // Entries of the table reach to places that look like those of registers.
+      // Entries of the table reach addresses that look like those of registers.
       const std::uint32_t most = far == 0 && !slow ? 7 : 75;
       Moving world(triangles, std::min<std::uint32_t>(most, triangles.size() / 4), far);
       board.upload(world.scene);
@@ -150,7 +150,7 @@ TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
   EXPECT_EQ(why(), "the hierarchy is of objects, which the card has not any more");
   expect_error(ErrorCode::kUsage, "a hierarchy of 4 objects",
                [&] { board.upload(world.swept().shapes, world.tree()); });
-  // The same ones again, after a reset that drops them.
+  // The same objects again, after a reset that drops them.
   board.upload(world.scene);
   board.set_objects(world.objects);
   board.upload(world.tree());
@@ -159,7 +159,8 @@ TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
   board.set_objects(world.objects);
   board.refit();
   EXPECT_EQ(why(), "");
-  // Two that share secondaries, or stand in another order, are met in that order by a sweep.
+  // Objects that share secondaries, or stand in another order: a brute-force pass keeps their
+  // order.
   others = world.objects;
   std::swap(others[0], others[1]);
   board.set_objects(others);
@@ -167,7 +168,8 @@ TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
   EXPECT_EQ(why(), "object 1 does not lie behind object 0");
 }
 
-/// A tree without parts over objects is refitted as a whole; of one with parts, what has moved.
+/// Over objects, a BVH without parts is refitted as a whole. A BVH with parts is refitted where it
+/// moved.
 TEST(HierarchyOfObjects, RefitsWhatHasMoved) {
   Board board = Board::open(objects_config());
   Moving world(hard::triangles_of(make_terrain({.quads_x = 50, .quads_y = 50})), 8);
@@ -190,7 +192,8 @@ TEST(HierarchyOfObjects, RefitsWhatHasMoved) {
   }
 }
 
-/// What a transform brings beyond 2^40 has no box: the refit says so, a sweep goes on.
+/// Triangles that a transform moves beyond 2^40 have no box: the refit fails, and a brute-force
+/// pass still works.
 TEST(HierarchyOfObjects, WhatHasNoBoxIsRefused) {
   Board board = Board::open(objects_config());
   TriangleScene wide = kScenes[6].make();
@@ -217,7 +220,7 @@ TEST(HierarchyOfObjects, WhatHasNoBoxIsRefused) {
               world.expected(rays, Mode::kNearest));
 }
 
-/// Object tables lie in the space of the registers, above them.
+/// Object tables lie above the registers in the same address space.
 TEST(HierarchyOfObjects, EntriesOfTablesAreNoRegisters) {
   Board board = Board::open(slow_config());
   const std::array<std::uint32_t, 8> registers = {
@@ -241,7 +244,7 @@ TEST(HierarchyOfObjects, MemoryThatIsNoTrees) {
   const Hierarchy tree = world.tree();
   board.upload(tree);
   const Query on{.through = Through::kHierarchy};
-  const std::uint32_t objects_at = 4 * 8 * 1024;  // behind the slots of 1,024 nodes
+  const std::uint32_t objects_at = 4 * 8 * 1024;  // after the slots of 1,024 nodes
   const std::vector<std::uint64_t> none(tree.order().size() / 2, 3 | std::uint64_t{3} << 32);
   board.bus_write(card::kSpaceSlots, objects_at, none);
   expect_error(ErrorCode::kDevice, "has an object beyond the 3 there are",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres, OBBs and triangles through a card's hierarchy: records are those of a sweep of the same
-// card, and of the reference.
+// Spheres, OBBs and triangles against a card's BVH. Records equal those of the card's own
+// brute-force pass and of the reference.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -24,7 +24,7 @@ constexpr Pair kPairOf = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere
                          : std::is_same_v<Solid, Obb>  ? Pair::kTriangleObb
                                                        : Pair::kTriangleTriangle;
 
-/// Hard ones, of which some are bad.
+/// Hard solids. Some of them are bad input.
 template <class Solid>
 std::vector<Solid> hard_solids(const TriangleScene& scene, std::size_t count) {
   hard::Solids draw(scene, 7);
@@ -54,8 +54,8 @@ Query query_of(Pair pair, Mode mode, Through through) {
   return query;
 }
 
-/// All modes, and scenes up to `most` triangles, against the reference's way and the card's own
-/// sweep.
+/// All modes and scenes of at most `most` triangles, compared with the reference traversal and the
+/// card's own brute-force pass.
 template <class Solid>
 void expect_all(Board& board, std::size_t count, std::size_t most = 2000) {
   std::size_t found = 0;
@@ -91,7 +91,7 @@ const Card kMeshes{"meshes", meshes_config}, kSolidsGates{"gates", spheres_gates
 
 class HierarchySolids : public ::testing::TestWithParam<Card> {
  protected:
-  /// So many, or more where all is tested.
+  /// The first count, or the second one with CDE_FULL=1.
   static std::size_t some(std::size_t quick, std::size_t thorough) {
     return std::getenv("CDE_FULL") != nullptr ? thorough : quick;
   }
@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids,
                                            kSpherePairs),
                          [](const auto& card) { return std::string(card.param.name); });
 
-/// CDE_FULL=1: 20,000 of each on the first card, and of triangles on that of meshes.
+/// CDE_FULL=1: 20,000 of each shape on the first card, and of triangles on the card of meshes.
 TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool fast = GetParam().name == kSolids.name || GetParam().name == kSpherePairs.name;
@@ -113,7 +113,8 @@ TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
   if (GetParam().config == solids_config) expect_all<Obb>(board, fast ? some(130, 2500) : 30);
 }
 
-/// One card, pass by pass: rays, and solids that take one place of the ring or two.
+/// One card, alternating passes: rays, and solids that take one or two places of the traversal
+/// ring.
 TEST(HierarchyOfSolids, ShapesTakeTurns) {
   Board board = Board::open(solids_config());
   const TriangleScene scene = kScenes[6].make();
@@ -132,7 +133,7 @@ TEST(HierarchyOfSolids, ShapesTakeTurns) {
   }
   Stencil stencil;
   for (std::size_t i = 0; i < stencil.size(); i += 3) stencil[i] = true;
-  board.load_shapes<Obb>(std::span(boxes).first(100), false);  // bad ones among them
+  board.load_shapes<Obb>(std::span(boxes).first(100), false);  // bad boxes among them
   for (const Mode mode : kSolidModes) {
     Query query = query_of(Pair::kTriangleObb, mode, Through::kSweep);
     query.stencil = stencil;
@@ -142,7 +143,7 @@ TEST(HierarchyOfSolids, ShapesTakeTurns) {
   }
 }
 
-/// A second record follows each; a small ring fills up between the two.
+/// A second record follows each record. A small record ring fills up between the two.
 TEST(HierarchyOfSolids, WithNormals) {
   for (const Card& card : {kSolids, kSolidsDdr}) {
     Board board = Board::open(card.config(), card.options);
@@ -169,7 +170,7 @@ TEST(HierarchyOfSolids, WithNormals) {
   }
 }
 
-/// The triangles of a mesh among those of another: one record each, which normals follow.
+/// The triangles of one mesh against those of another: one record each, followed by normals.
 TEST(HierarchyOfSolids, AMeshAgainstAMesh) {
   Board board = Board::open(meshes_config());
   const TriangleScene ground = kScenes[6].make(), ball = hard::icosphere({1, 1, 0.4f}, 0.7f);
@@ -235,7 +236,7 @@ TEST(HierarchyOfSolids, SaysWhyThereIsNoWayThrough) {
   const std::vector<Sphere> one = {{{0, 0, 0}, 1}};
   query = query_of(Pair::kTriangleSphere, Mode::kFarthest, Through::kHierarchy);
   expect_error(ErrorCode::kUsage, "farthest", [&] { (void)cast(board, one, query); });
-  query.through = Through::kAuto;  // swept
+  query.through = Through::kAuto;  // brute force
   EXPECT_EQ(cast(board, one, query).size(), 1u);
   expect_error(ErrorCode::kUsage, "sphere", [&] {
     (void)cast(board, one, query_of(Pair::kTriangleObb, Mode::kNearest, Through::kAuto));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and spheres through a card's hierarchy over spheres: records are those of a sweep of the
-// same card, and of the reference.
+// Rays and spheres against a card's BVH over spheres. Records equal those of the card's own
+// brute-force pass and of the reference.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -19,7 +19,7 @@ using hard::Cloud;
 using hard::cloud_of;
 using hard::kScenes;
 
-/// Hard ones, of which some are bad.
+/// Hard primaries. Some of them are bad input.
 template <class P>
 std::vector<P> hard_ones(const Cloud& cloud, std::size_t count) {
   using Draws = std::conditional_t<std::is_same_v<P, Ray>, hard::CloudRays, hard::CloudSpheres>;
@@ -46,7 +46,7 @@ Query query_of(Mode mode, Through through) {
 
 constexpr Mode kSphereModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::kOccluded};
 
-/// `sweeps`: also large ones, and against the card's own, which take long in gates.
+/// `sweeps` adds large scenes and the card's own brute-force passes, which are slow with gates.
 template <class P>
 void expect_all(Board& board, std::size_t count, bool sweeps) {
   std::size_t found = 0;
@@ -90,8 +90,8 @@ INSTANTIATE_TEST_SUITE_P(Cards, HierarchySpheres,
                          ::testing::Values(kSpheres, kSpheresGates, kSpheresLate),
                          [](const auto& card) { return std::string(card.param.name); });
 
-/// CDE_FULL=1: 80,000 rays and 80,000 spheres in all on the first card, 8,000 of each on the
-/// others.
+/// CDE_FULL=1: 80,000 rays and 80,000 spheres in all on the first card, 8,000 of each on the other
+/// cards.
 TEST_P(HierarchySpheres, RecordsAreThoseOfASweepAndOfTheReference) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool fast = GetParam().name == kSpheres.name, gates = GetParam().name == kSpheresGates.name;

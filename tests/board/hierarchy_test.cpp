@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays through the hierarchy of a card: records are those of the reference and of a sweep, whatever
-// the rays, the memory and the bus; what is no tree is an error with its address, and no hang.
+// Rays against the BVH of a card. Records equal those of the reference and of a brute-force pass,
+// for all rays, memories and buses. A malformed BVH gives an error with its address and never hangs
+// the card.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(Cards, HierarchyCard,
                          ::testing::Values(kFast, kGates, kSlow, kPci, kWatertight, kDdr, kLate),
                          [](const auto& card) { return std::string(card.param.name); });
 
-/// CDE_FULL=1: more than a million rays with host arithmetic, 100,000 in gates.
+/// CDE_FULL=1: more than a million rays with host arithmetic, 100,000 with gates.
 TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
   const BoardConfig config = GetParam().config();
   Board board = Board::open(config, GetParam().options);
@@ -71,7 +72,7 @@ TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
   }
 }
 
-/// The same card's sweep, packet by packet and mode by mode, with a stencil; and run() like cast().
+/// The same card's brute-force pass with several packets, modes and stencils. run() equals cast().
 TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool gates = GetParam().config().arithmetic == Arithmetic::kRtl;
@@ -99,7 +100,8 @@ TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
   }
 }
 
-/// A hit that is in no box, by a T d whose size overflows: neither way has it.
+/// A hit that lies in no box, because |T d| overflows: neither traversal nor brute force reports
+/// it.
 TEST_P(HierarchyCard, NoHitIsBeyondItsBox) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const TriangleScene scene = edge_on();
@@ -110,7 +112,7 @@ TEST_P(HierarchyCard, NoHitIsBeyondItsBox) {
         board.cast(std::span(&ray, 1), {.pair = Pair::kRayTriangle, .through = through})[0].f);
 }
 
-/// From inside a closed mesh at its edges and vertices, near and far from the origin.
+/// Rays from inside a closed mesh at its edges and vertices, near and far from the origin.
 TEST(HierarchyWatertight, DoesNotLeak) {
   Board board = Board::open(watertight_config());
   Draw draw(6);
@@ -131,9 +133,9 @@ TEST(HierarchyWatertight, DoesNotLeak) {
   }
 }
 
-// ---- A tree that stays, goes and moves ----
+// ---- Lifetime of a BVH: kept, dropped, refitted ----
 
-/// A small terrain, rays at it, and what they find.
+/// A small terrain, rays towards it, and their expected records.
 struct Found {
   Found(std::size_t count, Mode mode)
       : rays(hard_rays(scene, count)), should(expected(scene, tree, rays, mode)) {}
@@ -172,7 +174,7 @@ TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   refused("a range of secondaries", {.pair = Pair::kRayTriangle, .secondary_count = 3});
   board.set_objects(std::vector<Object>{{.first = 0, .count = 10}});
   refused("not one of the card's objects", {.pair = Pair::kRayTriangle});
-  board.move_object(0, Transform());  // which is none of the tree's
+  board.move_object(0, Transform());  // no object of the BVH
   board.set_objects({});
   EXPECT_GT(expect_same(board.run(on), expected(scene, tree, rays, Mode::kNearest)), 0u);
   board.upload(scene);
@@ -251,8 +253,8 @@ TEST(HierarchyDriver, StaysOverResetAndPassesThatFail) {
   });
 }
 
-/// update_shapes() leaves a tree that is not used; the card refits it, bit by bit as the reference,
-/// or the host does.
+/// update_shapes() marks the BVH as outdated. The card refits it bit-identically to the reference,
+/// or the host refits it.
 TEST(HierarchyDriver, RefitsWhatHasMoved) {
   for (const Card& card : {kFast, kSlow, kGates, kDdr}) {
     SCOPED_TRACE(card.name);
@@ -287,7 +289,7 @@ TEST(HierarchyDriver, RefitsWhatHasMoved) {
       EXPECT_GT(c.nodes, 0u);
       EXPECT_GT(expect_same(records, swept), 5u);
     }
-    // A triangle that no box holds.
+    // A triangle without a bounding box.
     std::vector<Triangle> bad{scene[7]};
     bad[0].v1.y() = std::numeric_limits<float>::infinity();
     board.update_shapes<Triangle>(7, bad, false);
@@ -299,7 +301,7 @@ TEST(HierarchyDriver, RefitsWhatHasMoved) {
   }
 }
 
-/// Of 256 rays, and of streams: clocks from the first ray to the last record, without the bus.
+/// 256 rays, then streams: cycles from the first ray to the last record, without the bus.
 TEST(HierarchyDriver, ClocksOfTheTerrain) {
   BoardConfig config = fast_config();
   const Mesh mesh = make_terrain({.quads_x = 60, .quads_y = 60});
@@ -319,7 +321,7 @@ TEST(HierarchyDriver, ClocksOfTheTerrain) {
   many = board.cast(rays, {.through = Through::kHierarchy}, [](std::span<const Record>) {});
   std::printf("256 rays: %lu clocks; 4,096: %.2f a ray\n", few.cycles,
               static_cast<double>(many.cycles) / 4096);
-  // Contexts hide each other's latency: two nodes a clock, or a leaf.
+  // Contexts hide each other's latency: two nodes or one leaf per cycle.
   const double nodes = static_cast<double>(many.nodes) / 2,
                leaves = static_cast<double>(many.pairs);
   EXPECT_LT(static_cast<double>(many.cycles), 1.25 * std::max(nodes, leaves) + 1000);
@@ -327,8 +329,8 @@ TEST(HierarchyDriver, ClocksOfTheTerrain) {
 
 // ---- Check bits ----
 
-/// Every bit of a node's words and of what is in slots: one that is wrong is corrected and counted,
-/// of two the first that is read ends the pass with its address.
+/// Every bit of a node's words and of the slots. One wrong bit is corrected and counted. Two wrong
+/// bits end the pass, with the address of the first word read.
 TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
   Board board = Board::open(slow_config());
   const Found its(100, Mode::kHits);
@@ -365,14 +367,14 @@ TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
                  [&] { (void)board.refit(); });
   }
   board.upload(its.tree);
-  (void)board.refit();  // makes check bits of its own
+  (void)board.refit();  // the refit writes new check bits
   Counters c;
   board.load(its.rays);
   expect_same(board.run(query, &c), its.should);
   EXPECT_EQ(c.corrected_words, 0u);
 }
 
-/// The same of triangles in DDR, as in a sweep.
+/// The same for triangles in DDR, as in a brute-force pass.
 TEST(HierarchyDriver, WrongBitsOfTriangles) {
   Board board = Board::open(slow_config());
   const Found its(100, Mode::kNearest);
@@ -394,7 +396,7 @@ TEST(HierarchyDriver, WrongBitsOfTriangles) {
   expect_same(board.run(query), its.should);
 }
 
-// ---- What is no tree ----
+// ---- Malformed BVHs ----
 
 class Malformed : public ::testing::Test {
  protected:
@@ -403,7 +405,7 @@ class Malformed : public ::testing::Test {
     tree_ = tree;
     board_.upload(scene_, tree_);
   }
-  /// Words of a node as the card has them.
+  /// Words of a node in the format of the card.
   void write_node(std::uint32_t number, const hierarchy::Node& node) {
     std::array<std::uint64_t, 9> beats{};
     for (unsigned k = 0; k < 9; ++k)
@@ -415,7 +417,7 @@ class Malformed : public ::testing::Test {
     expect_error(ErrorCode::kDevice, what, [&] {
       (void)board_.cast(rays_, {.mode = Mode::kHits, .through = Through::kHierarchy});
     });
-    // And the card goes on.
+    // The card still works.
     board_.upload(tree_);
     expect_same(board_.cast(rays_, {.through = Through::kHierarchy}),
                 expected(scene_, tree_, rays_, Mode::kNearest));
@@ -434,7 +436,7 @@ TEST_F(Malformed, EndsWithItsAddress) {
   expect_fault("of " + std::to_string(tree_.nodes().size()));
 
   root = tree_.nodes()[0];
-  root.set_first_node(0);  // a cycle: the root is among its own children
+  root.set_first_node(0);  // a cycle: the root is its own child
   write_node(0, root);
   expect_fault("the hierarchy in the card's memory is none");
 
@@ -450,7 +452,8 @@ TEST_F(Malformed, EndsWithItsAddress) {
   expect_fault("has a secondary beyond the 1280 uploaded");
 }
 
-/// One child each, the same node again: no level is put on a stack, and there is no end.
+/// Nodes with one child each that repeat forever: the traversal pushes no level on its stack and
+/// never ends.
 TEST_F(Malformed, WithoutEnd) {
   upload(Hierarchy::build(scene_));
   hierarchy::Node node = tree_.nodes()[0];
@@ -465,7 +468,8 @@ TEST_F(Malformed, WithoutEnd) {
   expect_fault("there is no end to it");
 }
 
-/// Random words, random bits, in all memories: an error or records, within bounded clocks.
+/// Random words and random bits in all memories give an error or records within a bounded number of
+/// cycles.
 TEST_F(Malformed, RandomWords) {
   upload(Hierarchy::build(scene_));
   Draw draw(9);
@@ -505,7 +509,7 @@ TEST_F(Malformed, RandomWords) {
               expected(scene_, tree_, rays_, Mode::kNearest));
 }
 
-/// Registers and memories of the hierarchy, attacked.
+/// Invalid accesses to registers and memories of the BVH.
 TEST_F(Malformed, AccessesThatMayNotBe) {
   upload(Hierarchy::build(scene_));
   const auto refused = [&](auto access) {
@@ -524,7 +528,7 @@ TEST_F(Malformed, AccessesThatMayNotBe) {
   std::array<std::uint64_t, 1> read{};
   for (const card::Space space : {card::kSpaceNodes, card::kSpaceSlots, card::kSpaceRays})
     refused([&] { board_.bus_read(space, 0, read); });
-  // More rays than there are, or than there are places for.
+  // More rays than were loaded, or than fit.
   board_.write_register(card::kRegRayCount, 100);
   for (const std::uint64_t rays : {std::uint64_t{101}, std::uint64_t{1} << 40})
     refused([&] { board_.write_register(card::kRegRays, rays); });
@@ -533,7 +537,7 @@ TEST_F(Malformed, AccessesThatMayNotBe) {
   for (const card::Register r : {card::kRegNodes, card::kRegDeepest, card::kRegNodeFault,
                                  card::kRegNodeCaps, card::kRegNewRoot})
     refused([&] { board_.write_register(r, 1); });
-  // Commands: no nodes, too many, no rays, a mode that is none.
+  // Commands: no nodes, too many nodes, no rays, an invalid mode.
   const auto go_refused = [&] {
     board_.write_register(card::kRegControl, card::kControlGo);
     EXPECT_NE(board_.read_register(card::kRegStatus) >> card::kStatusCommandError & 1, 0u);
@@ -553,7 +557,7 @@ TEST_F(Malformed, AccessesThatMayNotBe) {
     go_refused();
   }
   board_.write_register(card::kRegCommand, std::uint64_t{card::kModeOccluded});
-  go_refused();  // without the hierarchy
+  go_refused();  // without the BVH
   expect_same(board_.cast(rays_, {.through = Through::kHierarchy}),
               expected(scene_, tree_, rays_, Mode::kNearest));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Casts end to end: result modes, stencils, packet sizes, clocks, refusals of the driver.
+// Casts end to end: result modes, stencils, packet sizes, cycles, and refusals of the driver.
 #include <fmt/format.h>
 #include <ostream>
 
@@ -98,10 +98,10 @@ TEST_P(Modes, NoClockIsLost) {
   EXPECT_EQ(c.rows, rows);
   EXPECT_EQ(c.secondaries, 1000u);
   EXPECT_EQ(c.stalls, 0u);
-  EXPECT_LE(c.bubbles, 20u) << "more than the memory's latency at the start";
+  EXPECT_LE(c.bubbles, 20u) << "more idle cycles than the latency of the first memory read";
   EXPECT_LE(c.cycles, rows + 200);
   EXPECT_GE(c.writeback, 256u);
-  // A ring of fewer records than rays makes the card wait for the host.
+  // A ring with fewer records than rays makes the card wait for the host.
   if (board.sram_records() > 256) {
     EXPECT_LE(c.writeback, 256u + 16);
   }
@@ -158,7 +158,7 @@ TEST(Driver, RefusesWhatMakesNoSense) {
   board.reset();
   expect_error(ErrorCode::kUsage, "no primaries", [&] { (void)board.run({}); });
   board.load(good.rays);
-  EXPECT_EQ(board.run(Query{}).size(), 4u) << "triangles stay over a reset";
+  EXPECT_EQ(board.run(Query{}).size(), 4u) << "a reset keeps the triangles";
 }
 
 TEST(Driver, FewerRaysAfterMore) {
@@ -191,7 +191,7 @@ TEST(Driver, MemoryFaultIsFound) {
   try {
     board.cast(scene.rays, {.mode = Mode::kAll},
                [&](std::span<const Record> some) { checker.check(some); });
-    FAIL() << "the fault went unseen";
+    FAIL() << "the flipped bit was not found";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::kMismatch);
   }

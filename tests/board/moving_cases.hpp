@@ -12,7 +12,7 @@
 #include "cde/reference/pipes/transform.hpp"
 #include "pair_records.hpp"
 
-/// Boards with a transformer, random shapes and objects, and passes that are held against the
+/// Boards with a transformer, random shapes and objects, and passes that are compared with the
 /// reference.
 namespace cde::testing {
 
@@ -21,7 +21,7 @@ struct MovingBoard {
   Arithmetic arithmetic;
   std::vector<Pair> pairs;
   unsigned lanes;
-  unsigned slower = 0;  ///< clocks more for an operator
+  unsigned slower = 0;  ///< extra cycles per operator
 
   friend void PrintTo(const MovingBoard& m, std::ostream* out) { *out << m.name; }
 };
@@ -44,7 +44,7 @@ Transform motion(Random& random);
 
 Eigen::Vector3f direction(Random& random);
 
-/// What random shapes are made of.
+/// Source of random shapes.
 struct Draws {
   Random& random;
 
@@ -57,7 +57,7 @@ struct Draws {
   [[nodiscard]] Eigen::Matrix3f rotation() const { return testing::rotation(random); }
 };
 
-/// Within their contract.
+/// A shape within its contract.
 template <class P>
 P shape(Random& random) {
   Draws draws{random};
@@ -66,8 +66,8 @@ P shape(Random& random) {
   return made;
 }
 
-/// Random shapes, some out of contract, some that only leave it when they move: a word so large
-/// that a translation by 2^40, the largest coordinate, takes it out of the range of lengths.
+/// Random shapes. Some violate the contract, and some violate it only after they move: a
+/// translation by 2^40, the largest coordinate, takes a large word out of the range of lengths.
 template <class P>
 std::vector<P> shapes(Random& random, std::size_t count) {
   std::vector<P> all;
@@ -82,7 +82,7 @@ std::vector<P> shapes(Random& random, std::size_t count) {
   return all;
 }
 
-/// Ranges anywhere in `slots`, overlapping, many of one slot.
+/// Random ranges within `slots`: overlapping, and many of one slot.
 std::vector<Object> objects(Random& random, std::uint32_t slots, std::size_t count, bool boxes);
 
 struct MovingRays {
@@ -91,7 +91,7 @@ struct MovingRays {
 };
 MovingRays rays(Random& random, std::size_t primaries, std::size_t secondaries);
 
-/// What a pass over objects answers, all modes, against the reference.
+/// Compares a pass over objects with the reference, in all modes.
 template <class P, class S>
 void check_pass(Board& board, Pair pair, bool swap, const std::vector<P>& primaries,
                 const std::vector<S>& secondaries, std::span<const Object> of_primaries,

@@ -12,7 +12,7 @@
 #include "cde/card/board.hpp"
 #include "cde/reference/pairs.hpp"
 
-/// Records of any pair as the mirror references have them.
+/// Records of any pair from the mirror references.
 namespace cde::testing {
 
 /// All pairs by the reference, secondary by secondary; `swap`: A is the secondary.
@@ -40,7 +40,8 @@ std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std:
   return r;
 }
 
-/// Uploads the secondaries and loads the primaries, A if not `swap`. Which of these are bad input.
+/// Uploads the secondaries and loads the primaries; A is the primary unless `swap`. Returns which
+/// primaries are bad input.
 template <class A, class B>
 std::vector<bool> load_shapes(Board& board, const std::vector<A>& a, const std::vector<B>& b,
                               bool swap) {
@@ -56,21 +57,21 @@ std::vector<bool> load_shapes(Board& board, const std::vector<A>& a, const std::
   return swap ? load(b, a) : load(a, b);
 }
 
-/// 0, 1, ... : the slots of secondaries swept as they lie.
+/// 0, 1, ...: the slots of secondaries in the order of a pass without objects.
 inline std::vector<std::uint32_t> in_order(std::size_t count) {
   std::vector<std::uint32_t> slots(count);
   std::iota(slots.begin(), slots.end(), 0u);
   return slots;
 }
 
-/// What the card must answer to `results`: those of every primary with the secondary in slots[0],
-/// then with that in slots[1], and so on.
+/// Expected records of the card for `results`: every primary with the secondary in slots[0], then
+/// with the one in slots[1], and so on.
 std::vector<Record> expected(Pair pair, const std::vector<PairResult>& results,
                              const std::vector<std::uint32_t>& slots,
                              const std::vector<bool>& bad_primary, Mode mode, bool normals,
                              FpFormat format = {});
 
-/// Fails with the first records that differ in a bit.
+/// Fails with the first records that differ in any bit.
 void compare(const std::vector<Record>& got, const std::vector<Record>& wanted, Mode mode);
 
 }  // namespace cde::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against triangle, pair by pair on the board, every bit against the mirror reference.
+// Ray against triangle, pair by pair on the board: bit-identical to the mirror reference.
 #include <fmt/format.h>
 #include <ostream>
 
@@ -49,7 +49,7 @@ TEST_P(Pairs, DirectedPairsMatchBitForBit) {
   EXPECT_LT(hits + bad, records.size());
 }
 
-/// The same pairs one secondary stream through each reduction.
+/// The same pairs, one secondary stream, through each reduction.
 TEST_P(Pairs, DirectedCasesReduceAlike) {
   Board board = Board::open(GetParam().config());
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes whose objects the card's transformer moves: every record against the reference, and the
-// words that a frame costs.
+// Scenes whose objects the card's transformer moves: every record equals the reference, and the
+// upload of each frame has the expected size.
 #include "cde/scene/player.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ namespace {
 const std::string kTurning =
     "motion = { kind = \"velocity\", linear = [3, -2, 1], angular = [20, 30, 40] }\n";
 
-/// The bitstream of the object tests has every pipe of these scenes, and a small DDR.
+/// The model of the object tests has every pipe of these scenes and a small DDR.
 Plan planned(const Scene& scene) {
   Plan p = plan(scene);
   p.board = BoardConfig{};
@@ -30,7 +30,7 @@ Plan planned(const Scene& scene) {
   return p;
 }
 
-/// A scene that is played frame by frame, every record compared.
+/// Runs a scene frame by frame and compares every record.
 class Played {
  public:
   explicit Played(const std::string& text)
@@ -53,10 +53,10 @@ class Played {
       words += f.secondary_words + f.primary_words;
       hits_ += f.hits;
     }
-    EXPECT_EQ(player_.board().words_uploaded() - before, words) << "all words are counted";
+    EXPECT_EQ(player_.board().words_uploaded() - before, words) << "words counted by the board";
     return results;
   }
-  /// Of query 0.
+  /// Words uploaded for query 0.
   std::uint64_t secondary_words(std::uint32_t number) { return frame(number)[0].secondary_words; }
   std::uint64_t primary_words(std::uint32_t number) { return frame(number)[0].primary_words; }
 
@@ -102,11 +102,11 @@ TEST(PlayerMoves, AMovedObjectCostsTwelveWords) {
   EXPECT_EQ(played.plan().queries[0].moved_words, 24u);
   EXPECT_EQ(played.secondary_words(0), 3u * 216 * 9 + 3 * 14);
   for (const std::uint32_t f : {1u, 2u, 50u, 3u}) EXPECT_EQ(played.secondary_words(f), 24u);
-  EXPECT_EQ(played.secondary_words(3), 0u) << "the same frame again";
+  EXPECT_EQ(played.secondary_words(3), 0u) << "the frame is repeated";
   EXPECT_GT(played.hits(), 100u);
 }
 
-/// Vertices in the object's frame, its pose in the object table.
+/// The host updates vertices in the object's frame; the object table holds the pose.
 TEST(PlayerMoves, MeshesThatDeformAndMove) {
   Played played(terrain("heaving", kBand) + terrain("both", kBand + kTurning) + kRays +
                 query("hit", R"(["heaving", "both"])"));
@@ -117,12 +117,12 @@ TEST(PlayerMoves, MeshesThatDeformAndMove) {
   for (const std::uint32_t f : {1u, 2u, 7u}) {
     const std::uint64_t words = played.secondary_words(f);
     EXPECT_GE(words, moved);
-    EXPECT_LE(words, moved + 40) << "ranges are rounded to whole beats";
+    EXPECT_LE(words, moved + 40) << "ranges are rounded up to whole beats";
   }
   EXPECT_GT(played.hits(), 50u);
 }
 
-/// Whoever moves them, every bit is the same.
+/// Transforms on the host and on the card give bit-identical records.
 TEST(PlayerMoves, TheHostFindsTheSame) {
   const std::string scene = terrain("moving", kTurning) + terrain("still", "") + kRays +
                             query("hit", R"(["moving", "still"])");
@@ -145,23 +145,23 @@ TEST(PlayerMoves, ObjectsThatStopCostNothing) {
   EXPECT_EQ(played.secondary_words(0), 2u * 216 * 9 + 28);
   EXPECT_EQ(played.secondary_words(2), 24u);
   EXPECT_EQ(played.secondary_words(50), 24u);
-  EXPECT_EQ(played.secondary_words(60), 12u) << "one of them has arrived";
+  EXPECT_EQ(played.secondary_words(60), 12u) << "one of two objects still moves";
 }
 
-/// Each query has other objects in DDR: all are written again, and still right.
+/// Each query has other objects in DDR: all are written again, and the records stay correct.
 TEST(PlayerMoves, QueriesOfDifferentObjects) {
   const std::string scene = terrain("a", kTurning) + terrain("b", kBand + "parent = \"a\"\n") +
                             kRays + query("one", R"(["b", "a"])") +
                             query("two", "\"a\"", "mode = \"hits\"\nmask = [\"0..250\"]\n") +
                             query("three", "\"a\"", "mode = \"any\"\n");
   EXPECT_EQ(plan(parse_scene("frames = 9\n" + scene, "s.toml")).board.transform, Transformer::kNone)
-      << "nothing would be saved";
+      << "the test saves no words";
   Played played("[card]\nmover = \"card\"\n" + scene);
   for (const std::uint32_t f : {0u, 1u, 2u}) {
     const auto results = played.frame(f);
     EXPECT_EQ(results[0].secondary_words, 2u * 216 * 9 + 28);
     EXPECT_EQ(results[1].secondary_words, 216u * 9 + 14);
-    EXPECT_EQ(results[2].secondary_words, 0u) << "the same as the query before";
+    EXPECT_EQ(results[2].secondary_words, 0u) << "same objects as the previous query";
   }
   EXPECT_GT(played.hits(), 50u);
 }
@@ -183,7 +183,8 @@ std::string boxes_and_planes(const char* primaries, const char* secondaries) {
       primaries, secondaries);
 }
 
-/// A box has 15 words and a sphere 4, so a transform a box is cheaper, and one a sphere is not.
+/// A box has 15 words and a sphere has 4. A transform per box is therefore cheaper, and a transform
+/// per sphere is not.
 TEST(PlayerMoves, ShapesThatMoveOnTheirOwn) {
   Played boxes(shapes("boxes", "obb", 40, kEach) + shapes("planes", "plane", 9, "") +
                boxes_and_planes("\"planes\"", "\"boxes\""));
@@ -192,14 +193,14 @@ TEST(PlayerMoves, ShapesThatMoveOnTheirOwn) {
   EXPECT_EQ(boxes.secondary_words(2), 40u * 12);
   EXPECT_GT(boxes.hits(), 100u);
 
-  const std::string balls = shapes("balls", "sphere", 40, kEach) +
-                            shapes("cloud", "sphere", 20, kTurning) +
-                            "[[query]]\nname = \"q\"\npair = \"sphere-sphere\"\n"
-                            "primaries = \"balls\"\nsecondaries = [\"balls\", \"cloud\"]\n"
-                            "self = true\n";  // without it passes are of ranges: the host moves
+  const std::string balls =
+      shapes("balls", "sphere", 40, kEach) + shapes("cloud", "sphere", 20, kTurning) +
+      "[[query]]\nname = \"q\"\npair = \"sphere-sphere\"\n"
+      "primaries = \"balls\"\nsecondaries = [\"balls\", \"cloud\"]\n"
+      "self = true\n";  // otherwise passes are ranges, and the host moves the objects
   Played mixed(balls);
   EXPECT_EQ(mixed.plan().card_moves, (std::vector<bool>{false, true}));
-  EXPECT_EQ(mixed.secondary_words(0), 60u * 4 + 2 * 14) << "the balls are an object that stays";
+  EXPECT_EQ(mixed.secondary_words(0), 60u * 4 + 2 * 14) << "the balls stay one object";
   EXPECT_EQ(mixed.secondary_words(1), 40u * 4 + 12);
   Played forced("[card]\nmover = \"card\"\n" + balls);
   EXPECT_EQ(forced.secondary_words(0), 60u * 4 + 41 * 14);
@@ -222,14 +223,15 @@ TEST(PlayerMoves, PrimariesStayLoaded) {
   EXPECT_GT(played.hits(), 100u);
 }
 
-/// Those that do not move are loaded once, whichever pairs meet them.
+/// Primaries that do not move are loaded once, for all pairs.
 TEST(PlayerMoves, PrimariesThatStayAreLoadedOnce) {
   Played played("[[object]]\nname = \"rays\"\nrandom_rays = { count = 200, redraw = false }\n" +
                 terrain("ground", "") + shapes("pipes", "cylinder", 30, kEach) +
                 query("ground", "\"ground\"") +
                 "[[query]]\nname = \"pipes\"\npair = \"ray-cylinder\"\nprimaries = \"rays\"\n"
                 "secondaries = \"pipes\"\nmode = \"all\"\n");
-  EXPECT_EQ(played.primary_words(0), 200u * 16) << "slots of the card's largest primary, a box";
+  EXPECT_EQ(played.primary_words(0), 200u * 16)
+      << "slots have the size of the card's largest primary, a box";
   for (const QueryFrame& f : played.frame(1)) {
     EXPECT_EQ(f.primary_words, 0u);
     EXPECT_EQ(f.primary_clocks, 0u);
@@ -240,7 +242,7 @@ TEST(PlayerMoves, PrimariesThatStayAreLoadedOnce) {
   EXPECT_GT(played.hits(), 100u);
 }
 
-/// What ends a run in the middle of a frame leaves a card that the next frame can use.
+/// An error in the middle of a frame leaves a card that can run the next frame.
 TEST(PlayerMoves, FramesAfterAnError) {
   const Scene scene = parse_scene(
       "frames = 9\n" + terrain("moving", kTurning) + kRays + query("hit", "\"moving\""), "s.toml");
@@ -276,7 +278,7 @@ TEST_F(PlayerFlips, AreCorrectedAndCounted) {
   for (const std::uint32_t f : {0u, 1u, 2u}) {
     const QueryFrame result = player.play(f)[0];
     EXPECT_EQ(result.mismatches, 0u) << result.first_mismatch;
-    EXPECT_EQ(result.counters.corrected_words, f == 0 ? 0u : 2u * 17) << "in each of two passes";
+    EXPECT_EQ(result.counters.corrected_words, f == 0 ? 0u : 2u * 17) << "one word per pass";
   }
   EXPECT_EQ(player.injected(), std::vector<bool>{true});
 }
@@ -286,7 +288,7 @@ TEST_F(PlayerFlips, OfTwoBitsAreOneError) {
   EXPECT_EQ(player.play(0)[0].mismatches, 0u);
   try {
     (void)player.play(1);
-    FAIL() << "the check bits do not tell";
+    FAIL() << "the check bits found no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kDevice);
     EXPECT_NE(std::string(error.what()).find("3 words of DDR have errors that cannot be corrected"),

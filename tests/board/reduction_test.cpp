@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which record of a primary is kept, where the choice hangs on one thing: hits that come one after
-// the other, equal T, T of either zero.
+// Which record of a primary is kept, where one detail decides: consecutive hits, equal T, and zero
+// T of either sign.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@
 namespace cde::testing {
 namespace {
 
-/// A ray for every column, 4 apart, and a triangle across one of them.
+/// One ray per column, 4 apart, and a triangle across one column.
 Ray ray_in(std::size_t column) {
   return {.o = {4 * static_cast<float>(column) + 0.25f, 0.25f, 0}, .d = {0, 0, 1}};
 }
@@ -19,8 +19,8 @@ Triangle triangle_in(std::size_t column, float z = 1) {
   return {{x, 0, z}, {x + 1, 0, z}, {x, 1, z}};
 }
 
-/// Each ray hits a triangle of its own, in turn, and one of them only the last: as long as one has
-/// no hit the pass goes on, whichever it is and wherever its row.
+/// Each ray hits its own triangle in turn, and one ray hits only the last triangle. The pass goes
+/// on while any ray has no hit, for every ray and row.
 TEST(Reduction, AnyGoesOnWhileOneRayIsMissing) {
   Board board = Board::open(small_config());
   constexpr std::size_t kRays = 11, kBetween = 400;
@@ -30,7 +30,7 @@ TEST(Reduction, AnyGoesOnWhileOneRayIsMissing) {
     for (std::size_t i = 0; i < kRays; ++i) scene.rays.push_back(ray_in(i));
     for (std::size_t i = 0; i < kRays; ++i)
       if (i != last) scene.triangles.push_back(triangle_in(i));
-    // More than are in flight when the others have all hit.
+    // More triangles than are in flight once the other rays have hit.
     scene.triangles.insert(scene.triangles.end(), kBetween, triangle_in(kRays));
     scene.triangles.push_back(triangle_in(last));
     scene.triangles.insert(scene.triangles.end(), kBetween, triangle_in(kRays));
@@ -38,11 +38,12 @@ TEST(Reduction, AnyGoesOnWhileOneRayIsMissing) {
     const auto records = cast_and_compare(board, scene, {.mode = Mode::kAny}, &counters);
     for (const Record& r : records) EXPECT_TRUE(r.f) << r.primary;
     EXPECT_EQ(records.at(last).index, kRays - 1 + kBetween);
-    EXPECT_LT(counters.secondaries, scene.triangles.size()) << "and ends when none is";
+    EXPECT_LT(counters.secondaries, scene.triangles.size())
+        << "the pass must end once every ray has a hit";
   }
 }
 
-/// Masked rays are not waited for, and their hits do not count for others.
+/// The pass does not wait for masked rays, and their hits do not count for other rays.
 TEST(Reduction, AnyCountsOnlyActiveRays) {
   Board board = Board::open(small_config());
   RayScene scene;
@@ -63,7 +64,7 @@ TEST(Reduction, AnyCountsOnlyActiveRays) {
   EXPECT_LT(counters.secondaries, scene.triangles.size());
 }
 
-/// The same triangle several times, among nearer and farther ones: the first of the equal ones.
+/// The same triangle several times, among nearer and farther ones: the first equal one is kept.
 TEST(Reduction, TiesGoToTheLowestIndex) {
   Board board = Board::open(small_config());
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest}) {
@@ -86,7 +87,7 @@ TEST(Reduction, TiesGoToTheLowestIndex) {
   }
 }
 
-/// Objects are swept in the order of the table, so a later one can have the lower index.
+/// A brute-force pass follows the object table, so a later object can have the lower index.
 TEST(Reduction, TiesGoToTheLowestIndexWhateverTheOrder) {
   Board board = Board::open(config_of(kMany));
   const std::vector<Triangle> equal(40, triangle_in(0));
@@ -112,8 +113,8 @@ TEST(Reduction, TiesGoToTheLowestIndexWhateverTheOrder) {
   }
 }
 
-/// Rays that start in the planes of triangles seen from both sides: T is a zero, and where a pipe
-/// gives zeros of both signs they tie all the same.
+/// Rays that start in the planes of triangles, seen from both sides: T is zero. Zeros of both signs
+/// tie.
 TEST(Reduction, ZerosTie) {
   Board board = Board::open(small_config());
   RayScene scene;
@@ -134,7 +135,8 @@ TEST(Reduction, ZerosTie) {
   }
 }
 
-/// Spheres that touch have the gap -0: less than any gap, more than any depth.
+/// Spheres that touch have the signed distance -0: below any positive distance, above any negative
+/// one.
 TEST(Reduction, TouchingIsBetweenApartAndDeep) {
   BoardConfig config;
   config.lanes = 8;

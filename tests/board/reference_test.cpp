@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference itself: the vector code against the template, the template against cases worked out
-// by hand.
+// The reference itself: the vector code equals the template, and the template matches cases worked
+// out by hand.
 #include "cde/reference/reference.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 const Triangle kPlain{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
 
-/// What the sweep must give, by the template alone.
+/// Expected records of the pass, from the template alone.
 std::vector<Record> slow(const RayScene& scene, Mode mode, const Stencil& stencil,
                          Algorithm algorithm) {
   std::vector<Record> out;
@@ -74,7 +74,7 @@ TEST(Reference, VectorCodeEqualsTheTemplate) {
   }
 }
 
-/// One primary's pairs, in whatever mode: what is kept last is its record.
+/// The pairs of one primary, in each mode: the record kept last is its result.
 TEST(Reference, TheSweepOfAPrimaryEndsWithItsRecord) {
   Random random;
   const RayScene scene = beam(random, 20, 60);
@@ -98,7 +98,7 @@ TEST(Reference, TheSweepOfAPrimaryEndsWithItsRecord) {
       if (!kept.empty()) expect_same(kept, own);
     }
   }
-  // Pairs that do not count are as if they were not there.
+  // Pairs that do not count have no effect.
   const auto odd =
       reference::sweep({.counts = [](std::uint32_t, std::uint32_t s) { return s % 2 == 1; }},
                        Shapes(scene.rays), 0, Shapes(scene.triangles));
@@ -175,7 +175,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Reference, TiesGoToTheLowestIndexAndBothZerosTie) {
   RayScene scene;
   scene.rays.push_back({.o = {0.25f, 0.25f, 1}, .d = {0, 0, 1}, .tmin = -1});
-  // T is +0 on one orientation and -0 on the other.
+  // is +0 for one orientation and -0 for the other.
   scene.triangles = {kPlain, {kPlain.v0, kPlain.v2, kPlain.v1}, kPlain};
   for (int turn = 0; turn < 2; ++turn) {
     for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny}) {
@@ -231,7 +231,7 @@ TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
   const auto expect_mismatch = [&](const std::string& text) {
     try {
       check();
-      FAIL() << "no mismatch found: " << text;
+      FAIL() << "no difference reported: " << text;
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::kMismatch);
       EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
@@ -251,7 +251,7 @@ TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
   expect_mismatch("reference no record");
 }
 
-/// What `cde cast` reports: every record is compared, also those behind a difference.
+/// `cde cast` reports this: every record is compared, also after a difference.
 TEST(Checker, CountsWhatMatches) {
   Random random;
   const RayScene scene = beam(random, 10, 20);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card attacked over its local bus: what is refused must set its error, name the access, and
-// change nothing.
+// Invalid accesses over the card's local bus. A refused access sets its error, reports its address
+// and changes nothing.
 #include <fmt/format.h>
 
 #include "cases.hpp"
@@ -24,7 +24,7 @@ class Registers : public ::testing::Test {
   void clear() { board_.write_register(kRegControl, kControlClear); }
   static std::uint64_t bit(unsigned number) { return std::uint64_t{1} << number; }
 
-  /// The access just made was refused with this fault address.
+  /// Expects that the last access was refused, with this fault address.
   void expect_refused(Space space, std::uint32_t offset) {
     SCOPED_TRACE(fmt::format("space {} offset {:#x}", static_cast<int>(space), offset));
     EXPECT_NE(status() & bit(kStatusBusError), 0u);
@@ -101,7 +101,7 @@ TEST_F(Registers, BeyondTheMemories) {
 }
 
 TEST_F(Registers, SpacesThatTheCardDoesNotHave) {
-  start(kModeNearest, 8, 0, 20);  // what the registers and the record ring must not lose
+  start(kModeNearest, 8, 0, 20);  // state that refused accesses must not change
   board_.wait(100'000);
   const std::uint64_t command = board_.read_register(kRegCommand);
   ASSERT_EQ(board_.read_register(kRegRecords), 8u);
@@ -124,7 +124,7 @@ TEST_F(Registers, SpacesThatTheCardDoesNotHave) {
 TEST_F(Registers, EmptyRing) {
   expect_read_refused(kSpaceSram, 0);
   EXPECT_EQ(board_.read_register(kRegRecords), 0u);
-  // And after the last record of a pass.
+  // Also after the last record of a pass.
   start(kModeNearest, 8, 0, 20);
   board_.wait(100'000);
   std::vector<std::uint64_t> beats(8 / 2 * 7);
@@ -164,7 +164,7 @@ TEST_F(Registers, CommandsOutOfRange) {
   EXPECT_EQ(status() & bit(kStatusDone), bit(kStatusDone));
 }
 
-/// Slots that no one wrote are out of contract, not rays of zeros.
+/// Unwritten slots violate the contract. They are not rays of zeros.
 TEST_F(Registers, PrimariesNeverWrittenAreBad) {
   board_.reset();
   board_.load(std::span(scene_.rays).first(2));
@@ -194,13 +194,13 @@ TEST_F(Registers, WritesWhileBusyAreRefusedAndHarmless) {
   board_.write_register(kRegControl, kControlGo);  // a second go
   EXPECT_NE(status() & bit(kStatusCommandError), 0u);
   clear();
-  ASSERT_NE(status() & bit(kStatusBusy), 0u) << "the pass ended before the attack did";
+  ASSERT_NE(status() & bit(kStatusBusy), 0u) << "the pass ended before the accesses";
   for (unsigned looks = 0;; ++looks) {
     ASSERT_LT(looks, 1000u) << "the pass neither ends nor fills the ring";
     board_.wait(1000);
     if ((status() & bit(kStatusBusy)) == 0 || board_.read_register(kRegRecords) == 64) break;
   }
-  // 256 records come through the ring of 64.
+  // 256 records pass through the ring of 64.
   std::vector<std::uint64_t> beats(256 / 2 * 7);
   unsigned looks = 0;
   for (std::size_t got = 0; got < beats.size();) {

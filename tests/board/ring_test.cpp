@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The record ring under pressure: full, drained slowly, left by an exception, aborted, out of time.
+// The record ring under pressure: full, slowly drained, left by an exception, aborted, timed out.
 #include "cases.hpp"
 #include "cde/contract/records.hpp"
 
@@ -17,7 +17,7 @@ TEST(Ring, TinyRingLosesNothing) {
     cast_and_compare(board, scene, {.mode = Mode::kAll, .drain_records = drain}, &c);
     EXPECT_GT(c.stalls, 0u) << "the ring never filled";
     cast_and_compare(board, scene, {.mode = Mode::kHits, .drain_records = drain});
-    cast_and_compare(board, scene, {});  // 64 results fit, the rest waits
+    cast_and_compare(board, scene, {});  // 64 results fit, the others wait
   }
 }
 
@@ -41,8 +41,8 @@ bool refused(Board& board) {
   return (board.read_register(card::kRegStatus) >> card::kStatusBusError & 1) != 0;
 }
 
-/// A host that reads the ring whenever it likes: random numbers of beats, random pauses. The beat
-/// that two records share is there when both are, or when the pass is over.
+/// A host that reads the ring at random: random numbers of beats, random pauses. A beat that two
+/// records share is available when both records are, or when the pass ends.
 void read_randomly(const RayScene& scene, std::size_t triangles) {
   Board board = Board::open(small_config());
   Random random;
@@ -54,17 +54,17 @@ void read_randomly(const RayScene& scene, std::size_t triangles) {
   const auto expected =
       reference::cast(scene.rays, std::span(scene.triangles).first(triangles), Mode::kAll);
   const std::size_t wanted = (card::kRecordWords * expected.size() + 1) / 2;
-  for (int pass = 0; pass < 2; ++pass) {  // the second one begins with a beat, too
+  for (int pass = 0; pass < 2; ++pass) {  // the second pass also begins with a whole beat
     board.write_register(card::kRegControl, card::kControlGo);
     std::vector<std::uint32_t> words;
-    // A card that gives no more records, or a count of them that stands still, ends the test.
+    // Ends the test if the card gives no more records, or if their count stands still.
     for (unsigned looks = 0; words.size() < 2 * wanted; ++looks) {
       ASSERT_LT(looks, 1000u) << words.size() << " of " << 2 * wanted << " words came";
       if (random.below(2) == 0) board.wait(random.below(300));
       const bool over = (board.read_register(card::kRegStatus) >> card::kStatusBusy & 1) == 0;
       const std::uint64_t entries = board.read_register(card::kRegRecords);
       ASSERT_LE(entries, 64u);
-      // The words of the records in the ring that were read already, and what whole beats are left.
+      // Words in the ring that were not read yet, and the whole beats among them.
       const std::uint64_t there = card::kRecordWords * entries - words.size() % card::kRecordWords;
       const std::uint64_t beats = over ? (there + 1) / 2 : there / 2;
       if (beats == 0) continue;
@@ -84,7 +84,7 @@ void read_randomly(const RayScene& scene, std::size_t triangles) {
           << i;
     }
     for (std::size_t i = card::kRecordWords * expected.size(); i < words.size(); ++i)
-      ASSERT_EQ(words[i], 0u) << "beside the last record";
+      ASSERT_EQ(words[i], 0u) << "padding after the last record";
     EXPECT_EQ(board.read_register(card::kRegRecords), 0u);
     EXPECT_FALSE(refused(board));
     std::array<std::uint64_t, 1> more{};
@@ -100,10 +100,10 @@ TEST(Ring, RandomReaderSeesEveryRecordInOrder) {
   read_randomly(beam(random, 151, 21), 21);  // an odd number of records
 }
 
-/// While a pass runs, the last word of a lone record waits for the next one: reading it is refused,
+/// During a pass, the last word of a lone record waits for the next record. Reading it is refused,
 /// like reading an empty ring.
 TEST(Ring, BeatOfTwoRecordsIsThereWhenBothAre) {
-  // A core so slow that the host can watch single records come.
+  // A core so slow that the host can see single records arrive.
   Board board = Board::open(small_config(), {.clock_period_ps = 1'000'000});
   Random random;
   const RayScene scene = beam(random, 256, 20);
@@ -112,7 +112,7 @@ TEST(Ring, BeatOfTwoRecordsIsThereWhenBothAre) {
   board.write_register(card::kRegCommand, card::kModeAll);
   board.write_register(card::kRegPrimCount, 256);
   board.write_register(card::kRegSecCount, 20);
-  // One ray of 256: a record in every 64 clocks.
+  // One ray of 256: one record per 64 cycles.
   for (unsigned base = 0; base < 4; ++base)
     board.write_register(card::kRegStencil + 8 * base, base == 0 ? ~1ull : ~0ull);
   board.write_register(card::kRegControl, card::kControlGo);
@@ -125,11 +125,11 @@ TEST(Ring, BeatOfTwoRecordsIsThereWhenBothAre) {
   EXPECT_FALSE(refused(board));
   std::array<std::uint64_t, 1> shared{~0ull};
   board.bus_read(card::kSpaceSram, 0, shared);
-  ASSERT_EQ(board.read_register(card::kRegRecords), 1u) << "the next record was there too soon";
+  ASSERT_EQ(board.read_register(card::kRegRecords), 1u) << "the next record came too early";
   EXPECT_TRUE(refused(board));
   EXPECT_EQ(shared[0], 0u);
   board.write_register(card::kRegControl, card::kControlClear);
-  // Nothing was lost by it.
+  // The refused read lost nothing.
   EXPECT_FALSE(refused(board));
   board.wait(64 * 20 + 1000);
   EXPECT_EQ(board.read_register(card::kRegRecords), 20u);
@@ -189,7 +189,7 @@ TEST(Ring, DeadlineAndWatchdog) {
   }
 }
 
-/// Abort and reset at random moments of passes in every mode; then a full pass must be right.
+/// Abort and reset at random cycles of passes in every mode; the next full pass is correct.
 TEST(Ring, AbortAndResetInMidPass) {
   Random random;
   for (const auto config : {host_config, small_config}) {

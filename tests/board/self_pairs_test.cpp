@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of a thing with itself, and pairs that a query meets from both sides: what the player
-// leaves out, held against a choice by hand among the records of all pairs.
+// Pairs of a shape with itself, and pairs that a query would report from both sides. The scene
+// runner leaves out the same pairs as a selection by hand from the records of all pairs.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,8 @@
 namespace cde::testing {
 namespace {
 
-/// On the bitstream of the object tests, if the card moves anything, and that of the sphere tests.
+/// Uses the model of the object tests if the card moves objects, else the model of the sphere
+/// tests.
 Plan planned(const Scene& scene) {
   Plan p = plan(scene);
   const bool moves = p.board.transform != Transformer::kNone;
@@ -89,7 +90,7 @@ Played played(const Case& c, Mode mode, bool self, Scene& scene) {
   return p;
 }
 
-/// Which thing each number on a side is: object and member.
+/// The shape of each number on one side: object and member.
 std::vector<std::pair<std::size_t, std::size_t>> things(const Scene& scene,
                                                         const std::vector<std::size_t>& objects) {
   std::vector<std::pair<std::size_t, std::size_t>> all;
@@ -116,7 +117,8 @@ TEST_P(SelfPairs, AreLeftOutAndEachPairCountsOnce) {
 
   std::set<std::uint32_t> active;
   for (const Record& r : all.records) active.insert(r.primary);
-  std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> asks;  // a thing that is asked for
+  std::map<std::pair<std::size_t, std::size_t>, std::uint32_t>
+      asks;  // primary number of each shape
   for (const std::uint32_t p : active) asks[primary[p]] = p;
   const std::set swept(secondary.begin(), secondary.end());
 
@@ -128,7 +130,7 @@ TEST_P(SelfPairs, AreLeftOutAndEachPairCountsOnce) {
     const auto a = primary[r.primary], b = secondary[r.index];
     if (a == b) continue;
     if (pairwise) {
-      // The same two from the other side.
+      // The same pair from the other side.
       const auto other = asks.find(b);
       if (other != asks.end() && swept.contains(a) && other->second < r.primary) continue;
       if (mode == Mode::kAll || r.f) expected.push_back(r);
@@ -152,12 +154,12 @@ TEST_P(SelfPairs, AreLeftOutAndEachPairCountsOnce) {
     hits += expected[i].f ? 1 : 0;
   }
   EXPECT_EQ(got.frame.hits, hits);
-  EXPECT_LT(hits, all.frame.hits) << "nothing was left out";
-  // The farthest of many is no hit, and three have nothing to count.
+  EXPECT_LT(hits, all.frame.hits) << "no pair was left out";
+  // The farthest record of many is no hit, and three shapes have too few pairs.
   if (mode != Mode::kFarthest && std::string_view(c.name) != "alone") {
     EXPECT_GT(hits, 5u);
   }
-  // What was planned is what was done.
+  // The plan and the run agree.
   const QueryWork work = plan(scene).queries[0];
   EXPECT_TRUE(work.self_pairs);
   if (c.card.empty()) {
@@ -180,7 +182,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, SelfPairs,
                                               name_of(std::get<1>(info.param)));
                          });
 
-/// Half of the tests, and none of the records of pairs that come before their own packet.
+/// Half of the tests, and no records of pairs that precede their own packet.
 TEST(SelfPairsCost, ASweepBeginsBehindThePacketsFirst) {
   const Case& c = cases()[0];
   Scene scene;
@@ -188,7 +190,8 @@ TEST(SelfPairsCost, ASweepBeginsBehindThePacketsFirst) {
   EXPECT_EQ(once.frame.passes, 2u);
   EXPECT_EQ(once.frame.counters.pairs, 256u * 299 + 44 * 43);
   const Played twice = played(c, Mode::kHits, true, scene);
-  EXPECT_EQ(twice.frame.hits, 2 * once.frame.hits + 300) << "both ways, and each with itself";
+  EXPECT_EQ(twice.frame.hits, 2 * once.frame.hits + 300)
+      << "pairs from both sides, and each shape with itself";
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cards with other pipes than ray-triangle, and with several: every record against the mirror
-// references, in every mode, with roles exchanged, with normals, one pipe after the other without
-// loading anything again.
+// Cards with pipes other than ray-triangle, and with several pipes. Every record is bit-identical
+// to the mirror references: in every mode, with swapped roles and with normals. The pipes run one
+// after the other without loading again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,7 +48,7 @@ SolidScene scene() {
   for (int i = 0; i < 61; ++i) s.triangles.push_back({point(), point(), point()});
   s.few[11].r = -1;
   s.many[5].r = 0;
-  s.many[2].r = -1;  // as a ray its words would be good
+  s.many[2].r = -1;  // its words would be a good ray
   s.many[60].c.x() = std::numeric_limits<float>::quiet_NaN();
   s.rays[3].d.setZero();
   s.triangles[7].v1.y() = std::numeric_limits<float>::infinity();
@@ -57,7 +57,7 @@ SolidScene scene() {
 
 BoardConfig small(Arithmetic arithmetic) {
   BoardConfig c;
-  c.lanes = arithmetic == Arithmetic::kRtl ? 2 : 8;  // gates take the longer to build
+  c.lanes = arithmetic == Arithmetic::kRtl ? 2 : 8;  // gates take longer to build
   c.arithmetic = arithmetic;
   c.ddr_slots = 1000;
   c.sram_records = 64;
@@ -100,14 +100,15 @@ std::vector<Cylinder> cylinders(std::size_t count, unsigned seed) {
   return all;
 }
 
-/// A pipe that is a ring: rows wait at its mouth, every row takes as many clocks as its budget has
-/// passes, and the budget is the query's.
+/// An iterative pipeline: rows wait at its input port. Each row takes one cycle per iteration, and
+/// the query sets the iterations.
 TEST_P(Solids, CylindersWithTheBudgetOfTheQuery) {
   BoardConfig config = small(GetParam());
   const bool gates = GetParam() == Arithmetic::kRtl;
   config.pairs = {Pair::kCylinderCylinder};
   config.normals = true;
-  if (gates) config.lanes = 1;  // the gates of a ring take a minute to build in one lane
+  if (gates)
+    config.lanes = 1;  // gates of an iterative pipeline take a minute to build, even with one lane
   Board board = Board::open(config);
   std::vector<Cylinder> few = cylinders(gates ? 5 : 19, 1), many = cylinders(gates ? 7 : 43, 2);
   few[2].radius = -1;
@@ -116,7 +117,7 @@ TEST_P(Solids, CylindersWithTheBudgetOfTheQuery) {
     check_all_modes(board, Pair::kCylinderCylinder, few, many, false, true, budget);
   EXPECT_THROW((void)board.run({.budget = {5, 1, 1}}), Error);
   if (gates) return;
-  // 14 + 2 K1 + 3 K2 evaluations and 9 passes for the witness points, over all rows in flight.
+  // 14 + 2 K1 + 3 K2 evaluations and 9 loops for the witness points, over all rows in flight.
   Counters counters;
   const std::vector<Cylinder> lots = cylinders(800, 3), row = cylinders(8, 4);
   board.upload_shapes(std::span<const Cylinder>(lots));
@@ -124,7 +125,7 @@ TEST_P(Solids, CylindersWithTheBudgetOfTheQuery) {
   (void)board.run({.budget = {8, 8, 8}}, &counters);
   const double per_row = static_cast<double>(counters.cycles) / 800;
   EXPECT_GE(per_row, 63);
-  EXPECT_LE(per_row, 63 * 1.2) << "but for the last round of the ring";
+  EXPECT_LE(per_row, 63 * 1.2) << "at most 20% for the last loop of the pipeline";
   EXPECT_EQ(counters.rows, 800u);
   EXPECT_GT(counters.stalls, 0u);
 }
@@ -147,11 +148,12 @@ Board board_of_boxes(Arithmetic arithmetic, unsigned interval) {
   config.pairs = {Pair::kSphereSphere, Pair::kObbObb};
   config.normals = true;
   config.facet_interval = interval;
-  if (arithmetic == Arithmetic::kRtl) config.lanes = 1;  // a minute to build
+  if (arithmetic == Arithmetic::kRtl) config.lanes = 1;  // takes a minute to build
   return Board::open(config);
 }
 
-/// Facets that take turns: the same records, three clocks a row, and those counted as stalls.
+/// With SAT_II > 1 the candidate axes share hardware: the same records, three cycles per row,
+/// counted as stalls.
 TEST(SolidsInterval, FacetsInTurnTakeThreeClocksARow) {
   std::vector<Obb> few = boxes(19, 1), many = boxes(43, 2);
   few[2].half.x() = -1;
@@ -169,10 +171,10 @@ TEST(SolidsInterval, FacetsInTurnTakeThreeClocksARow) {
   EXPECT_EQ(counters[0].rows, rows);
   EXPECT_EQ(counters[1].rows, rows);
   EXPECT_EQ(counters[0].stalls, 0u);
-  EXPECT_EQ(counters[1].stalls, 2 * (rows - 1)) << "two clocks after every row but the last";
-  EXPECT_EQ(counters[1].bubbles, counters[0].bubbles) << "until the first box is there";
+  EXPECT_EQ(counters[1].stalls, 2 * (rows - 1)) << "two cycles after every row except the last";
+  EXPECT_EQ(counters[1].bubbles, counters[0].bubbles) << "idle until the first box arrives";
   EXPECT_EQ(counters[1].cycles - counters[0].cycles, 2 * (rows - 1) + 3)
-      << "and the pipe answers three clocks later";
+      << "the pipe latency grows by three cycles";
 }
 
 TEST_P(Solids, OnlyPairsWithFacetsWait) {
@@ -209,13 +211,13 @@ TEST(SolidsRing, RefusesBudgetsOutOfRange) {
   for (const std::uint64_t budget : {0x080800u, 0x080805u, 0x084108u, 0x410808u, 0xffffffffu})
     EXPECT_TRUE(refused(budget)) << std::hex << budget;
   EXPECT_TRUE(refused(std::uint64_t{1} << 32 | 0x080808));
-  EXPECT_FALSE(refused(0x404010)) << "the largest";
+  EXPECT_FALSE(refused(0x404010)) << "the largest budget";
   board.wait(1000000);
   board.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
   EXPECT_EQ(board.run({}).size(), some.size());
 }
 
-/// The same among other pipes: behind a register, one clock before its operands.
+/// The same with other pipes: after a register, one cycle before its operands.
 TEST(SolidsRing, BesideAnotherPipe) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kSphereSphere, Pair::kCylinderCylinder};
@@ -228,8 +230,8 @@ TEST(SolidsRing, BesideAnotherPipe) {
   }
 }
 
-/// Rays and spheres meet a mesh in one pass, each in its own pipe: the records of two passes, in
-/// the clocks of the longer one.
+/// Rays and spheres meet a mesh in one pass, each in its own pipe. The records equal those of two
+/// passes, and the cycles equal those of the longer one.
 TEST_P(Solids, TwoPipesAtATime) {
   BoardConfig config = small(GetParam());
   config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
@@ -264,13 +266,13 @@ TEST_P(Solids, TwoPipesAtATime) {
       EXPECT_EQ(together.bad_primaries, of_rays.bad_primaries + of_spheres.bad_primaries);
       if (mode == Mode::kAny) continue;  // a pass ends when the last primary has its hit
       EXPECT_EQ(together.rows, of_rays.rows + of_spheres.rows);
-      // Rows side by side; the deeper pipe drains last, or not if its last row came earlier.
+      // Rows run side by side. The deeper pipe drains last, unless its last row came earlier.
       const auto rest = [](const Counters& c) { return c.cycles - c.rows; };
       EXPECT_GE(together.cycles, std::max(of_rays.cycles, of_spheres.cycles));
       EXPECT_LE(together.cycles, std::max(of_rays.rows, of_spheres.rows) +
                                      std::max(rest(of_rays), rest(of_spheres)));
     }
-    // The first pair alone still answers.
+    // The first pair alone still works.
     EXPECT_EQ(board.run({.pair = Pair::kRayTriangle}).size(), rays.size());
   }
 }
@@ -363,7 +365,7 @@ TEST(SolidsDriver, RefusesSecondPairsThatDoNotFit) {
   Query query{.pair = Pair::kRayTriangle, .second = SecondPair{Pair::kTriangleSphere, true}};
   refused(query, "no primaries were loaded for the second");
   EXPECT_THROW(board.load_second_shapes(std::span<const Sphere>(std::vector<Sphere>(250))), Error)
-      << "too many";
+      << "more than the card holds";
   board.load_second_shapes(std::span<const Sphere>(balls));
   EXPECT_EQ(board.run(query).size(), s.rays.size() + balls.size());
   query.mode = Mode::kAll;
@@ -375,7 +377,7 @@ TEST(SolidsDriver, RefusesSecondPairsThatDoNotFit) {
   refused(query, "not two");
   query.second = SecondPair{Pair::kObbObb};
   refused(query, "no pipe for obb-obb");
-  // The card itself refuses what a driver could get wrong.
+  // The card itself refuses commands that a driver could get wrong.
   const auto command = [&](std::uint64_t split, std::uint64_t bits) {
     board.write_register(card::kRegControl, card::kControlClear);
     board.write_register(card::kRegPrimCount, 44);
@@ -393,7 +395,8 @@ TEST(SolidsDriver, RefusesSecondPairsThatDoNotFit) {
   EXPECT_TRUE(command(40, good | card::kModeAll));
   EXPECT_TRUE(command(40, card::kCommandSecondSwap | card::kCommandSecondPair(Pair::kSphereSphere)))
       << "no such pipe";
-  EXPECT_TRUE(command(40, card::kCommandSecondPair(Pair::kTriangleSphere))) << "other secondaries";
+  EXPECT_TRUE(command(40, card::kCommandSecondPair(Pair::kTriangleSphere)))
+      << "the pairs have different secondaries";
   EXPECT_FALSE(command(40, good));
   board.wait(100000);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boards in threads, and software beside them. The preset `tsan` runs these with ThreadSanitizer in
-// the driver and the tests; the models in the bitstreams are not instrumented.
+// Boards in threads, and software in parallel. The preset `tsan` runs these tests with
+// ThreadSanitizer in the driver and the tests. The code of simulation models is not instrumented.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -34,8 +34,8 @@ TEST(Threads, BoardsInThreadsAreIndependent) {
   }
 }
 
-/// The Verilated model keeps its context in a thread-local; with assertions on, closing a board
-/// after another one had been closed in the same thread ended in a segmentation fault.
+/// The Verilated model keeps its context in a thread-local variable. With assertions, closing a
+/// board after another board of the same thread must not crash.
 TEST(Threads, BoardsCloseInAnyOrderAndThread) {
   Random random;
   const RayScene scene = cloud(random, 20, 20);
@@ -53,8 +53,8 @@ TEST(Threads, BoardsCloseInAnyOrderAndThread) {
   EXPECT_EQ(cast_and_compare(moved, scene, {}).size(), 20u);
 }
 
-/// Everything that a driver does, of two kinds of boards at a time: faults, retries, errors,
-/// resets, and the first opening of a bitstream by both.
+/// Every driver operation on two kinds of boards in parallel: faults, retries, errors, resets, and
+/// the first opening of a model by both threads.
 TEST(Threads, BoardsOfEveryKindAtATime) {
   const std::array<BoardConfig, 4> kinds = {small_config(), host_config(), small_config(),
                                             rich_config(Bus::kFunctional)};
@@ -81,7 +81,7 @@ TEST(Threads, BoardsOfEveryKindAtATime) {
   for (const std::uint64_t n : records) EXPECT_EQ(n, 2u * 2 * (2400 + 60));
 }
 
-/// Scenes that are read, planned and played beside each other.
+/// Scenes are read, planned and run in parallel.
 TEST(Threads, PlayersAreIndependent) {
   std::array<std::uint64_t, 2> compared{};
   std::vector<std::thread> threads;

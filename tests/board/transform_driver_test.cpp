@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver's objects: what it writes, what it refuses, and shapes that leave their contract when
-// they move.
+// The driver's objects: uploads, refusals, and shapes that violate their contract after a
+// transform.
 #include <cstring>
 
 #include "../expect_error.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using namespace card;
 
-/// Words that only the transform makes too large: the check stands behind it.
+/// Words that only the transform makes too large: the check comes after the transformer.
 TEST(ObjectDriver, WhatMovesOutOfTheRangeIsBadInput) {
   Board board = Board::open(config_of(kSlowHost));
   Random random;
@@ -32,12 +32,12 @@ TEST(ObjectDriver, WhatMovesOutOfTheRangeIsBadInput) {
                moving);
     Counters c;
     (void)board.run({}, &c);
-    EXPECT_EQ(c.bad_secondaries, 1u) << "slot 4, where it goes on";
+    EXPECT_EQ(c.bad_secondaries, 1u) << "slot 4, where the triangle continues";
     EXPECT_EQ(c.bad_primaries, transform.translation.x() < 0 ? 1u : 0u);
   }
 }
 
-/// Far away the corners of a small box fall together: bad input too.
+/// Far from the origin the corners of a small box coincide: bad input.
 TEST(ObjectDriver, BoxesThatVanishAreBadInput) {
   Board board = Board::open(config_of(kBoxes));
   Random random;
@@ -58,7 +58,7 @@ TEST(ObjectDriver, BoxesThatVanishAreBadInput) {
   }
 }
 
-/// A pass with another shape does not see what was posed for the first.
+/// A pass with another shape does not use the posed primaries of the first.
 TEST(ObjectDriver, PrimariesOfAnotherPairArePosedAgain) {
   Board board = Board::open(config_of(kMany));
   Random random;
@@ -78,8 +78,8 @@ TEST(ObjectDriver, PrimariesOfAnotherPairArePosedAgain) {
   }
 }
 
-/// Primaries of two pairs in one pass, each posed as its own shape; the second's lie on rows of
-/// their own, behind.
+/// Primaries of two pairs in one pass, each posed as its own shape. The second pair's primaries use
+/// later rows of their own.
 TEST(ObjectDriver, PrimariesOfBothPairsMove) {
   BoardConfig config = config_of(kParallel);
   config.parallel = true;
@@ -152,14 +152,15 @@ TEST(ObjectDriver, AMoveUploadsTwelveWords) {
     EXPECT_EQ(board.words_uploaded() - words, 12u);
     board.move_primary_object(i, posing[i].transform);
     EXPECT_EQ(board.words_uploaded() - words, 24u);
-    EXPECT_LE(board.time_ps() - start, 4'000'000u) << "a short transfer and the status, twice";
+    EXPECT_LE(board.time_ps() - start, 4'000'000u)
+        << "two short transfers with a read of the status each";
     check_pass(board, Pair::kRayTriangle, false, scene.primaries, scene.secondaries, posing,
                moving);
     EXPECT_EQ(board.words_uploaded() - words, 24u) << "a pass uploads nothing";
   }
 }
 
-/// Any range, also where it begins or ends within a beat of DDR; the neighbours stay.
+/// Any range, including ranges that begin or end within a beat of DDR; neighbours stay unchanged.
 TEST(ObjectDriver, PartOfTheSecondariesIsUploadedAgain) {
   Board board = Board::open(config_of(kMany));
   Random random;
@@ -220,7 +221,7 @@ TEST(ObjectDriver, RefusesWhatMakesNoSense) {
   expect_error(ErrorCode::kUsage, "slots 9 to 10 reach beyond the 10 loaded", [&] {
     board.set_primary_objects(std::array{Object{9, 2, {}}});
   });
-  EXPECT_EQ(board.words_uploaded(), words) << "refused before the card was touched";
+  EXPECT_EQ(board.words_uploaded(), words) << "refused before any word was sent";
   board.set_objects(std::array{Object{12, 8, motion(random)}});
   expect_error(ErrorCode::kUsage, "there is no object 1",
                [&] { board.move_object(1, Transform{}); });
@@ -250,13 +251,13 @@ TEST(ObjectDriver, AabbsAreNotRotated) {
   expect_error(ErrorCode::kUsage, text, [&] { board.move_object(0, motion(random)); });
   board.set_primary_objects(std::array{Object{0, 10, motion(random)}});  // triangles turn
   EXPECT_EQ(board.run({}).size(), 10u);
-  // Set for triangles, then there are boxes.
+  // The transform was set for triangles, then boxes are loaded.
   board.upload_shapes(std::span<const Triangle>(mesh), false);
   board.load_shapes(std::span<const Aabb>(boxes), false);
   board.set_objects({});
   board.set_primary_objects(std::array{Object{0, 1, {}}});
   expect_error(ErrorCode::kUsage, text, [&] { board.move_primary_object(0, motion(random)); });
-  // And the card by itself.
+  // The card itself also refuses.
   const auto turned = to_words(motion(random));
   std::array<std::uint64_t, 6> beats;
   std::memcpy(beats.data(), turned.data(), sizeof beats);
@@ -305,7 +306,7 @@ TEST(ObjectDriver, CardsWithoutATransformerRefuse) {
   }
 }
 
-/// The reference cast takes objects too.
+/// The reference cast supports objects.
 TEST(ObjectDriver, CastsAreCheckedLikeOthers) {
   Board board = Board::open(config_of(kSlowHost));
   Random random;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The object tables over the local bus, below the driver: what the card refuses, and that nothing
+// The object tables over the local bus, below the driver: what the card refuses, and that no access
 // hangs it.
 #include <cstring>
 
@@ -28,7 +28,7 @@ class ObjectTableBus : public ::testing::Test {
     std::memcpy(beats.data(), words.data(), sizeof beats);
     board_.bus_write(kSpaceReg, table + entry * 64 + 8, beats);
   }
-  /// Go at once: the verdict on the last transform may still be on its way.
+  /// Starts a pass at once: the check of the last transform may still be pending.
   bool refused(std::uint64_t objects, std::uint64_t primary_objects = 0) {
     board_.write_register(kRegObjectCount, objects);
     board_.write_register(kRegPrimObjectCount, primary_objects);
@@ -79,7 +79,7 @@ TEST_F(ObjectTableBus, EntriesOutOfContractAreRefused) {
     EXPECT_EQ(refused(2), !r.fits) << r.first << " " << r.count;
   }
   write_range(kObjectTable, 1, 0, 1);
-  // Go comes in the clock after the last word: it waits for the verdict.
+  // Go comes one cycle after the last word and waits for the check.
   for (unsigned k = 0; k < 12; ++k) {
     for (const float x : {std::numeric_limits<float>::quiet_NaN(), 1.00001f, 3e38f}) {
       Transform transform = motion(random_);
@@ -93,8 +93,8 @@ TEST_F(ObjectTableBus, EntriesOutOfContractAreRefused) {
       EXPECT_FALSE(go_is_refused());
     }
   }
-  // Each of the six products of columns by itself: one column of another length, two that are not
-  // perpendicular.
+  // Each of the six dot products of columns separately: one column of another length, then two
+  // columns that are not perpendicular.
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) {
       Transform transform;
@@ -120,7 +120,7 @@ TEST_F(ObjectTableBus, EntriesOutOfContractAreRefused) {
 }
 
 TEST_F(ObjectTableBus, IsWrittenOnlyAndNotWhileBusy) {
-  write_range(kObjectTable, 0, 0, 4000);  // long enough for the attack
+  write_range(kObjectTable, 0, 0, 4000);  // long enough for the accesses below
   write_transform(kObjectTable, 0, {});
   const auto fault = [&] {
     const std::uint64_t status = board_.read_register(kRegStatus);
@@ -145,12 +145,12 @@ TEST_F(ObjectTableBus, IsWrittenOnlyAndNotWhileBusy) {
     board_.write_register(offset, 0);
     EXPECT_EQ(fault(), offset);
   }
-  EXPECT_EQ(board_.read_register(kRegStatus) & 1, 1u) << "the pass ended before the attack did";
+  EXPECT_EQ(board_.read_register(kRegStatus) & 1, 1u) << "the pass ended before the accesses";
   board_.wait(1'000'000);
   EXPECT_EQ(board_.read_register(kRegRecords), 20u);
 }
 
-/// Whatever is written into the tables: the card answers, and the next scene is right.
+/// For any content of the tables the card answers, and the next scene is correct.
 TEST_F(ObjectTableBus, GarbageNeverHangsTheCard) {
   int started = 0;
   for (int round = 0; round < 200; ++round) {
@@ -184,7 +184,7 @@ TEST_F(ObjectTableBus, GarbageNeverHangsTheCard) {
              moving);
 }
 
-/// Aborted in any clock of posing and sweeping, the next pass is right.
+/// After an abort in any cycle of posing or of the pass, the next pass is correct.
 TEST_F(ObjectTableBus, AbortAtAnyTime) {
   std::vector<Object> moving = objects(random_, 30, 5, false),
                       posing = objects(random_, 20, 4, false);

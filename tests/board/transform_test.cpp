@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects: the card's object tables and its transformer, every record against the reference that
+// Objects: the card's object tables and its transformer. Every record equals the reference, which
 // moves the shapes first.
 #include "moving_cases.hpp"
 
@@ -34,7 +34,7 @@ void check_both_roles(Board& board, Pair pair, Random& random) {
 
 class Objects : public ::testing::TestWithParam<MovingBoard> {};
 
-/// Every shape as secondary and as primary: random ranges that overlap, single slots, bad input and
+/// Every shape as secondary and as primary: random overlapping ranges, single slots, bad input and
 /// overflow.
 TEST_P(Objects, EveryShapeInBothRoles) {
   Board board = Board::open(config_of(GetParam()));
@@ -73,8 +73,8 @@ TEST(ObjectClocks, AreThoseOfTheGates) {
   }
 }
 
-/// One row of primaries, so that every clock wants another secondary: objects of one slot are as
-/// fast as one object of all of them.
+/// With one row of primaries every cycle needs another secondary. Objects of one slot are as fast
+/// as one object with all slots.
 TEST(ObjectClocks, NoneIsLostBetweenObjects) {
   Board board = Board::open(config_of(kMany));
   Random random;
@@ -101,10 +101,11 @@ TEST(ObjectClocks, NoneIsLostBetweenObjects) {
     EXPECT_EQ(c.bubbles, plain.bubbles);
     EXPECT_EQ(c.cycles - swept, plain.cycles - 1000);
   }
-  EXPECT_LE(plain.bubbles, 20u) << "what the start of a pass does not hide of the memory's latency";
+  EXPECT_LE(plain.bubbles, 20u) << "memory latency at the start of a pass";
 }
 
-/// A still scene costs nothing; a moved primary object its slots, a changed range all primaries.
+/// An unchanged scene costs no cycles. A moved primary object costs its slots, and a changed range
+/// costs all primaries.
 TEST(ObjectClocks, PrimariesArePosedWhenTheyMoved) {
   Board board = Board::open(config_of(kMany));
   Random random;
@@ -146,7 +147,7 @@ TEST(ObjectClocks, PrimariesArePosedWhenTheyMoved) {
   EXPECT_EQ(clocks(), still);
   posing.clear();
   board.set_primary_objects(posing);
-  EXPECT_GT(first_run(), still + 256) << "all go back to where they were written";
+  EXPECT_GT(first_run(), still + 256) << "all primaries are posed again";
   EXPECT_EQ(clocks(), still);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cards whose narrow lanes prove misses (BoardConfig::verdicts): records are those of the reference
-// in every mode, and what the wide lane took is what the mirror of the narrow lanes leaves open.
+// Cards with a certified filter (BoardConfig::verdicts). Records equal those of the reference in
+// every mode. The wide lane gets exactly the pairs that the mirror of the filter leaves uncertain.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -53,7 +53,7 @@ using All = ::testing::Types<
 
 constexpr Pair kSpheres = Pair::kSphereSphere;
 
-/// A card whose lanes of fp16 stand before one of fp32.
+/// A card with fp16 filter lanes before an fp32 lane.
 BoardConfig narrow_first(Arithmetic arithmetic, unsigned lanes, std::vector<Pair> pairs) {
   BoardConfig c{.lanes = lanes, .arithmetic = arithmetic, .pairs = std::move(pairs)};
   c.verdicts = FpFormat::parse("fp16");
@@ -62,7 +62,7 @@ BoardConfig narrow_first(Arithmetic arithmetic, unsigned lanes, std::vector<Pair
   return c;
 }
 
-/// With operators of several clocks.
+/// With operators of several cycles.
 BoardConfig slow(BoardConfig c) {
   c.latency_add = c.latency_compare = 2;
   c.latency_mul = 3;
@@ -78,7 +78,7 @@ std::vector<P> shapes(std::size_t count, unsigned seed) {
   return all;
 }
 
-/// Pairs whose operands the card takes, and of them those that the narrow lanes leave open.
+/// Pairs with valid operands, and the uncertain pairs among them.
 struct Pairs {
   std::uint64_t good = 0, open = 0;
 };
@@ -99,11 +99,12 @@ Pairs pairs_of(const std::vector<A>& a, const std::vector<B>& b) {
   return pairs;
 }
 
-/// Every mode, misses asked for before and after modes that do not ask for them.
+/// Every mode. Modes that need misses run before and after modes that do not.
 constexpr Mode kModes[] = {Mode::kHits,     Mode::kAny, Mode::kNearest,
                            Mode::kFarthest, Mode::kAll, Mode::kHits};
 
-/// Loads the shapes, or the other way round, and holds every record and REG_OPEN to the references.
+/// Loads the shapes, also with swapped roles, and compares every record and REG_OPEN with the
+/// references.
 template <class A, class B>
 void check(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B>& b,
            Query query = {}) {
@@ -118,7 +119,7 @@ void check(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B
     query.mode = mode;
     const auto records = board.run(query, &counters);
     compare(records, expected(pair, results, slots, bad, mode, query.normals), mode);
-    if (mode != Mode::kAny) {  // which stops asking once it has a hit
+    if (mode != Mode::kAny) {  // kAny stops testing a primary after its first hit
       EXPECT_EQ(counters.open, mode == Mode::kHits ? pairs.open : pairs.good);
     }
   }
@@ -153,8 +154,8 @@ TEST(VerdictCards, OperatorsOfSeveralClocks) {
   }
 }
 
-/// Several pairs, roles exchanged, normals; a ring of records that is drained slowly. 200
-/// secondaries that all are asked for fill the slots where rows wait for the wide lane.
+/// Several pairs, swapped roles, normals, and a record ring that is drained slowly. 200 secondaries
+/// whose pairs are all uncertain fill the slots where rows wait for the wide lane.
 TEST(VerdictCards, SeveralPairsUnderPressure) {
   BoardConfig config = slow(narrow_first(Arithmetic::kHost, 8, {kSpheres, Pair::kSphereObb}));
   config.pairs.push_back(Pair::kRayTriangle);
@@ -170,8 +171,8 @@ TEST(VerdictCards, SeveralPairsUnderPressure) {
     }
 }
 
-/// Below 2^length_low a pair is not brought up to the size of one, and the wide pipe takes a length
-/// for zero that is none: it finds hits where the proof would see a miss.
+/// Below 2^length_low the filter does not scale a pair up, and the wide pipe treats small lengths
+/// as zero. It then finds hits where the filter would prove a miss.
 TEST(VerdictCards, NothingIsProvedOfPairsTooSmallForTheWidePipe) {
   constexpr Pair kPair = Pair::kTriangleAabb;
   Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {kPair}));
@@ -186,7 +187,7 @@ TEST(VerdictCards, NothingIsProvedOfPairsTooSmallForTheWidePipe) {
   }
 }
 
-/// The slowest adders make narrow pipe, proof and wide pipe as deep as they get.
+/// The slowest adders make the filter, its proof and the wide pipe as deep as possible.
 TEST(VerdictCards, SlowAdders) {
   BoardConfig config = narrow_first(Arithmetic::kHost, 2, {Pair::kTriangleObb});
   config.latency_add = 16;
@@ -194,7 +195,7 @@ TEST(VerdictCards, SlowAdders) {
   check(board, Pair::kTriangleObb, shapes<Triangle>(9, 1), shapes<Obb>(150, 2));
 }
 
-/// Two such pairs in one pass answer as each by itself.
+/// Two such pairs in one pass have the records of two passes.
 TEST(VerdictCards, TwoPairsAtATime) {
   BoardConfig config =
       narrow_first(Arithmetic::kHost, 8, {kSpheres, Pair::kSphereObb, Pair::kTriangleSphere});
@@ -226,7 +227,7 @@ TEST(VerdictCards, TwoPairsAtATime) {
   }
 }
 
-/// Slots masked out are not asked for, so they are nothing to leave open.
+/// Masked primaries are not tested, so their pairs are not uncertain.
 TEST(VerdictCards, MaskedPrimariesAreNotOpen) {
   Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {kSpheres}));
   const std::vector<Sphere> few = shapes<Sphere>(37, 1), many = shapes<Sphere>(61, 2);

@@ -278,7 +278,7 @@ TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
   refused({"--by-family", "--json"}, "--by-family cannot be combined with --json");
   refused({"--by-family", "--promises"}, "--by-family cannot be combined with --promises");
   refused({"--target", "hx8k", "--promises"}, "--target cannot be combined with --promises");
-  refused({"--resume", "-"}, "--resume is read and written: it must be a file, not -");
+  refused({"--resume", "-"}, "--resume is -; it must be a file, because the journal is read and written");
   refused({"--page", "-", "--json"}, "--json and --page");
   refused({"--grid", "3x3"}, "--grid needs --mesh");
   refused({"--camera", "auto"}, "--camera needs --mesh");

@@ -289,7 +289,7 @@ TEST_F(Help, SuggestsWhatWasMeant) {
   says({"cast", "x.ply", "--grdi=4x4", "--szie", "4x4"},
        "cde cast has no option '--grdi'; did you mean --grid?");
   says({"run", "x.toml", "--frobnicate"}, "`cde run --help` lists them");
-  says({"plan", "one.toml", "two.toml"}, "cde plan does not know what to do with 'two.toml'");
+  says({"plan", "one.toml", "two.toml"}, "cde plan takes no argument 'two.toml'");
   says({}, "cde VERB");
 }
 

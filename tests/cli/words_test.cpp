@@ -33,7 +33,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"cast", "m.obj", "-qo"}, "-o needs a value: FILE"},
       {{"cast", "m.obj", "--json=yes"}, "--json takes no value; it is 'yes'"},
       {{"cast"}, "cde cast needs MESH: Mesh file, or terrain[:QX,QY,SEED]"},
-      {{"--json", "cast"}, "'--json' is an option of `cde cast`: it stands behind the verb"},
+      {{"--json", "cast"}, "'--json' is an option of `cde cast`; put it after the verb"},
       {{"--bogus", "cast"}, "cde has no option '--bogus'; `cde --help` lists them"},
       {{"--"}, "a verb is missing; `cde --help` lists them"},
       {{"cast", "m.obj", "--shaded"}, "cde cast has no option '--shaded'; `cde render` has it"},
@@ -52,7 +52,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"cast", "m.obj", "--bogus", "--clock", "x"},
        "cde cast has no option '--bogus'; `cde cast --help` lists them"},
       {{"plan", "a.toml", "b.toml", "--bogus"},
-       "cde plan does not know what to do with 'b.toml'; `cde plan --help` says what it takes"},
+       "cde plan takes no argument 'b.toml'; `cde plan --help` lists its arguments"},
       {{"run", "-"},
        "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, for "
        "the "
