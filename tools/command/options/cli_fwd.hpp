@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// CLI11 by name: its headers take 6 s a file, and most files that pass an option on need none of
-/// them.
+/// Forward declarations of CLI11. Its headers take long to compile, and most files only pass an
+/// option on.
 namespace CLI {
 class App;
 class Option;

@@ -17,7 +17,7 @@ CLI::Option* target_option(CLI::App& verb, std::string& target, const std::strin
 void clock_options(CLI::App& verb, ClockOptions& options) {
   auto* clock = clock_option(verb, options.mhz);
   target_option(verb, options.target,
-                "Core clock as it was measured on a device instead (docs/background/costs.md)")
+                "Core clock measured on this device, instead of --clock (docs/background/costs.md)")
       ->excludes(clock);
 }
 
@@ -51,18 +51,19 @@ std::string settle_clock(ClockOptions& options, const BoardConfig& card) {
 }
 
 void scene_target_option(CLI::App& verb, std::string& target) {
-  target_option(verb, target,
-                "Core clock as it was measured on a device (docs/background/costs.md) instead of "
-                "the scene's");
+  target_option(
+      verb, target,
+      "Core clock measured on this device (docs/background/costs.md), instead of the scene's");
 }
 
 std::string settle_clock(const std::string& target, Scene& scene, const BoardConfig& card) {
   const double of_scene = scene.card.clock_hz;
   ClockOptions options{.mhz = of_scene / 1e6, .target = target};
   if (!target.empty() && of_scene != SceneCard{}.clock_hz)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--target is {}, and {} has clock_mhz = {:g}; only one of them can be",
-                            target, scene.file, options.mhz));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--target is {}, and {} has clock_mhz = {:g}; only one of them may be given",
+                    target, scene.file, options.mhz));
   std::string is = settle_clock(options, card);
   if (!target.empty()) scene.card.clock_hz = 1e6 * options.mhz;
   return is;

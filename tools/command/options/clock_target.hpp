@@ -9,7 +9,7 @@
 #include "cde/scene/scene.hpp"
 #include "options/cli_fwd.hpp"
 
-/// The core clock that modelled times assume: --clock, or what --target was measured at.
+/// The core clock that modelled times assume: --clock, or the clock measured on --target.
 namespace cde::cli {
 
 /// `--target`: a device of docs/prices.json, or assumed:NUMBERMHz.
@@ -17,21 +17,21 @@ CLI::Option* target_option(CLI::App& verb, std::string& target, const std::strin
 
 struct ClockOptions {
   double mhz = 100;
-  std::string target = "";  ///< empty: none chosen, and `mhz` is assumed
+  std::string target = "";  ///< empty: no target is chosen, and `mhz` is assumed
 };
-/// --clock and --target; both of them is an error.
+/// Adds --clock and --target. It is an error to give both.
 void clock_options(CLI::App& verb, ClockOptions& options);
 
-/// Sets `options.mhz` to the clock of these pipes on the target, and says where it is from.
+/// Sets `options.mhz` to the clock of these pipes on the target. Returns where the clock is from.
 [[nodiscard]] std::string settle_clock(ClockOptions& options, const std::vector<PipeChoice>& pipes,
                                        const OperatorClocks& clocks);
 /// The same for a card.
 [[nodiscard]] std::string settle_clock(ClockOptions& options, const BoardConfig& card);
 
-/// `--target` beside a scene, which has a clock of its own.
+/// Adds `--target` to a verb that reads a scene. A scene also sets a clock.
 void scene_target_option(CLI::App& verb, std::string& target);
-/// Sets the scene's clock to the target's, if one was chosen, and says where the clock is from.
-/// Error kUsage if the scene names another clock than the default.
+/// Sets the scene's clock to the clock of the target, if one was chosen. Returns where the clock is
+/// from. Error kUsage if the scene names a clock other than the default.
 [[nodiscard]] std::string settle_clock(const std::string& target, Scene& scene,
                                        const BoardConfig& card);
 

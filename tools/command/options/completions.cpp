@@ -37,7 +37,7 @@ const OptionEntry* first_positional(const VerbTable& table) {
   return nullptr;
 }
 
-/// Up to the first full stop or semicolon: a completion has one line.
+/// The text up to the first full stop or semicolon. A completion has one line.
 std::string brief(const std::string& text) {
   return text.substr(0, std::min({text.find(". "), text.find("; "), text.find(": ")}));
 }
@@ -52,7 +52,7 @@ std::string in_quotes(const std::string& text) {
   return "'" + replaced(text, "'", "'\\''") + "'";
 }
 
-/// What bash does for a value.
+/// The bash command that completes a value.
 std::string bash_value(const Takes& what) {
   switch (what.kind) {
     case Kind::kWord:
@@ -101,7 +101,7 @@ std::string fish_value(const Takes& what) {
   }
 }
 
-/// What bash offers behind a verb; `key` is the verb, or the verb and its verb.
+/// The bash case for the words after a verb. `key` is the verb, or the verb and its inner verb.
 std::string bash_verb(const std::string& key, const VerbTable& verb) {
   std::string text = fmt::format("    '{}')\n      case $prev in\n", key);
   for (const OptionEntry& o : verb.options)
@@ -155,7 +155,7 @@ std::string bash_completion(const VerbTable& program) {
   std::string text = fmt::format(R"(# bash completion of cde. Written by cde itself from its parser.
 _cde() {{
   local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} verb= word
-  # --option=value comes as three words.
+  # bash passes --option=value as three words.
   [[ $cur != = ]] || cur=
   [[ $prev != = ]] || prev=${{COMP_WORDS[COMP_CWORD-2]}}
   COMPREPLY=()

@@ -4,7 +4,7 @@
 
 #include "options/table.hpp"
 
-/// Completions of `cde` for three shells; `program` has the verbs of all programs.
+/// Completions of `cde` for three shells. `program` has the verbs of all programs.
 namespace cde::cli {
 
 [[nodiscard]] std::string bash_completion(const VerbTable& program);

@@ -10,17 +10,18 @@ namespace cde::cli {
 
 void add_deal_options(CLI::App& verb, DealOptions& o) {
   auto* resume = file_value(
-      verb.add_option("--resume", o.resume,
-                      "Journal: finished chunks are kept there, and what is there is not computed "
-                      "again"),
+      verb.add_option(
+          "--resume", o.resume,
+          "Journal file: keeps finished chunks; chunks that it already has are not computed again"),
       "FILE");
   resume->each([](const std::string& file) {
     if (file == "-")
-      throw Error(ErrorCode::kUsage, "--resume is read and written: it must be a file, not -");
+      throw Error(ErrorCode::kUsage,
+                  "--resume is -; it must be a file, because the journal is read and written");
   });
   text_value(verb.add_option("--shard", o.shard,
-                             "Only part I of N of the run, into --resume; cde merge makes the "
-                             "whole of the journals of all parts")
+                             "Run only part I of N, into the journal of --resume; cde merge joins "
+                             "the journals of all parts")
                  ->capture_default_str(),
              "I/N", [](const std::string& text) { (void)parse_shard(text); })
       ->needs(resume);

@@ -23,7 +23,7 @@ std::size_t terminal_width() {
   std::size_t columns = 0;
   winsize size{};
   if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) columns = size.ws_col;
-  // COLUMNS is what a user sets for a pipe into a pager.
+  // COLUMNS sets the width where stdout is a pipe, for example into a pager.
   if (columns == 0)
     if (const char* text = std::getenv("COLUMNS"))  // NOLINT(concurrency-mt-unsafe)
       columns = std::strtoul(text, nullptr, 10);
@@ -31,7 +31,7 @@ std::size_t terminal_width() {
   return std::clamp<std::size_t>(columns, 40, 120);
 }
 
-/// Text of a help page, wrapped as it comes.
+/// Text of a help page, wrapped as it is added.
 class Page {
  public:
   Page(std::size_t width, bool colour) : width_(width), colour_(colour) {}
@@ -40,11 +40,11 @@ class Page {
     for (const std::string& line : wrapped(text, width_ - indent))
       text_ += std::string(indent, ' ') + line + "\n";
   }
-  /// As it is: a command is there to be copied.
+  /// Adds a line without wrapping, so that a command can be copied.
   void line(const std::string& text) { text_ += text + "\n"; }
   void heading(const std::string& text) { text_ += "\n" + in_bold(text, colour_) + "\n"; }
 
-  /// A name to the left, what it is to the right of it, or below if the name is long.
+  /// A name on the left and its meaning on the right, or below a long name.
   void entry(const std::string& name, std::string_view text) {
     const std::size_t column = std::min(kColumn, width_ / 2);
     std::string line = std::string(kIndent, ' ') + in_bold(name, colour_);

@@ -17,29 +17,29 @@
 
 namespace cde::cli {
 
-/// Lines of a descriptor, as many as a read gives: whoever writes one and waits gets the answer.
-/// They end in LF, CRLF or CR.
+/// Lines of a descriptor, as many as a read returns. A process that writes a line and waits
+/// therefore gets its answer. Lines end in LF, CRLF or CR.
 class LineInput {
  public:
-  /// `name` is that of the input in messages.
+  /// `name` is the name of the input in messages.
   explicit LineInput(int descriptor = STDIN_FILENO, std::string name = "stdin")
       : descriptor_(descriptor), name_(std::move(name)) {}
 
-  /// Whether a read would wait for whoever writes it.
+  /// Whether a read would wait for the writer.
   [[nodiscard]] static bool waits(int descriptor = STDIN_FILENO) {
     pollfd in{descriptor, POLLIN, 0};
     return ::poll(&in, 1, 0) == 0;
   }
 
-  /// The first bytes, which stay to be taken, at most so many; fewer if a line or the input ends
-  /// first.
+  /// The first bytes, at most `bytes`, or fewer if a line or the input ends first. They are not
+  /// consumed.
   [[nodiscard]] std::string_view peek(std::size_t bytes) {
     while (!ended_ && held_ < bytes && held().find('\n') == std::string_view::npos) fill();
     peeked_ = true;
     return held().substr(0, bytes);
   }
 
-  /// All bytes that are left.
+  /// All remaining bytes.
   [[nodiscard]] std::string rest() {
     std::string all;
     for (;;) {
@@ -50,8 +50,8 @@ class LineInput {
     }
   }
 
-  /// Calls line(number, text) for every whole line of the next read. False at the end. Error
-  /// kBadInput if a line does not fit the buffer.
+  /// Calls line(number, text) for every whole line of the next read. Returns false at the end.
+  /// Error kBadInput if a line does not fit the buffer.
   template <class Line>
   bool next(Line line) {
     if (!std::exchange(peeked_, false)) {
@@ -68,7 +68,7 @@ class LineInput {
       }
       const auto* const stop =
           std::find_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; });
-      if (stop == text.end() && !ended_) break;  // the rest is still to come
+      if (stop == text.end() && !ended_) break;  // the rest of the line is not read yet
       const auto size = static_cast<std::size_t>(stop - text.begin());
       after_cr_ = stop != text.end() && *stop == '\r';
       line(++number_, text.substr(0, size));
@@ -80,7 +80,7 @@ class LineInput {
     return !ended_;
   }
 
-  [[nodiscard]] std::uint64_t bytes() const { return read_; }  ///< so far
+  [[nodiscard]] std::uint64_t bytes() const { return read_; }  ///< bytes read so far
 
  private:
   [[nodiscard]] std::string_view held() const { return {buffer_.data(), held_}; }

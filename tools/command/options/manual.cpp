@@ -13,7 +13,7 @@
 namespace cde::cli {
 namespace {
 
-/// Text as troff takes it: hyphens are those of options, and no line begins with a request.
+/// Text escaped for troff: hyphens stay the hyphens of options, and no line begins with a request.
 std::string troff(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -32,7 +32,7 @@ std::string tagged(const std::string& head, const std::string& text) {
   return fmt::format(".TP\n\\fB{}\\fR\n{}\n", troff(head), troff(text));
 }
 
-/// Options that have headings of their own stand below these.
+/// Sections of arguments and options. Options with a heading are below it.
 std::string options_of(const CLI::App& app) {
   std::string page;
   const auto positional = shown_options(app, true);
@@ -61,7 +61,7 @@ std::string manual_page(const CLI::App& app) {
   const std::string text = app.get_description();
   const std::string first = text.substr(0, text.find(". "));
   std::string page = fmt::format(".TH {} 1 \"\" \"cde {}\" \"cde manual\"\n", name, kVersion);
-  // NAME is what apropos reads, in one line.
+  // apropos reads NAME, in one line.
   page += fmt::format(".SH NAME\n{} \\- {}\n", troff(name),
                       troff(program ? first.substr(first.find(": ") + 2) : first));
   page += fmt::format(".SH SYNOPSIS\n\\fB{}\\fR\n", troff(usage_line(app)));
@@ -84,7 +84,8 @@ std::string manual_page(const CLI::App& app) {
       ".PP\n" +
       troff(
           "The documents are in share/doc/cde below the prefix of the installation, "
-          "beside share/man: accuracy.md, scenes.md, waves.md and others.") +
+          "beside share/man: guides/accuracy.md, guides/scenes.md, guides/waves.md, "
+          "reference/command.md and others.") +
       "\n";
   if (!program) return page + "\\fBcde\\fR(1)\n" + documents;
   std::string others;

@@ -4,13 +4,11 @@
 
 #include "options/cli_fwd.hpp"
 
-/// Manual pages and completions of shells, as text made from the parser.
+/// Manual pages, as text made from the parser.
 namespace cde::cli {
 
-/// Page of the program, or of one of its verbs, in the man macros: cde(1), cde-cast(1).
+/// Page of the program or of one of its verbs, in the man macros: cde(1), cde-cast(1).
 [[nodiscard]] std::string manual_page(const CLI::App& app);
-
-/// One file each for bash, zsh and fish.
 
 /// "cde", "cde-cast", "cde-wave-info".
 [[nodiscard]] std::string page_name(const CLI::App& app);

@@ -17,42 +17,45 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
                  ->required(),
              "PAIR");
   begin_group(verb, "Test");
-  one_of(verb.add_option("--algorithm", o.algorithm, "Of ray-triangle")->capture_default_str(),
+  one_of(verb.add_option("--algorithm", o.algorithm, "Algorithm of ray-triangle")
+             ->capture_default_str(),
          algorithm_names());
   verb.add_flag_callback(
           "--box", [&o] { o.box = true; },
-          "Of ray-triangle: a hit must lie in the triangle's box; of pairs without cylinders "
-          "and planes that have a gap, but for sphere-sphere: it is at least that of the boxes")
+          "Box rule. ray-triangle: a hit must lie in the triangle's box. Pairs of solids except "
+          "sphere-sphere and pairs with cylinders or planes: the signed distance is not below that "
+          "of the boxes")
       ->default_str("on for ray-triangle, off for others");
   verb.add_flag_callback(
-      "--no-box", [&o] { o.box = false; }, "The plain pipe");
+      "--no-box", [&o] { o.box = false; }, "The pipe without the box rule");
   excludes(verb, "--box", {"--no-box"});
   verb.add_flag("--half-space", o.half_space,
-                "Of pairs with a plane: it bounds the solid half-space n.x <= d");
+                "Pairs with a plane: the plane bounds the solid half-space n.x <= d");
   known_words(
       verb.add_option(
               "--budget", o.budget,
-              "Work for a pair of cylinder-, obb- or triangle-cylinder: M,K1,K2 (directions "
-              "sampled on a circle, 4, 8 or 16; steps on a circle, steps on a free track, 0 "
-              "to 64), or a number of evaluations, which is split evenly")
+              "Iterations of cylinder-cylinder, obb-cylinder and triangle-cylinder. M,K1,K2: M "
+              "directions are sampled on a circle (4, 8 or 16), then K1 steps on a circle and K2 "
+              "on a free track (0 to 64 each). N: a number of evaluations, split evenly")
           ->default_str("8,8,8"),
       {}, "M,K1,K2|N");
   begin_group(verb, "Pipe");
-  one_of(verb.add_option("--format", o.format, "Format of the words")->capture_default_str(),
+  one_of(verb.add_option("--format", o.format, "Number format of the words")->capture_default_str(),
          pair_formats());
-  one_of(verb.add_option("--arith", o.arithmetic, "host (the FPU, fast) or rtl (gates); same bits")
+  one_of(verb.add_option("--arith", o.arithmetic,
+                         "host computes with this processor, fast; rtl simulates gates; same bits")
              ->capture_default_str(),
          {"host", "rtl"});
   if (lanes)
     whole_number_in(
         verb.add_option("--lanes", o.lanes,
-                        "Pairs a clock. In fp64, bitstreams of more than one lane take minutes to "
+                        "Pairs per cycle. In fp64, models with more than one lane take minutes to "
                         "build for obb-obb, triangle-aabb, triangle-obb and triangle-triangle")
             ->default_str("8, or 1 for these"),
         1, 256, "");
   one_of(verb.add_option("--facet-interval", o.facet_interval,
-                         "Of obb-obb, triangle-aabb and triangle-obb: clocks from one row of "
-                         "pairs to the next, 1, or 3 with facet units that are shared; same bits")
+                         "obb-obb, triangle-aabb and triangle-obb: cycles from one row of pairs to "
+                         "the next; with 3, candidate axes (SAT) share units; same bits")
              ->capture_default_str(),
          {"1", "3"});
 }
@@ -65,7 +68,7 @@ void check_pair_options(const CLI::App& verb, const PairOptions& o) {
     const char* expected;
   };
   const char* const with_box =
-      "expected a pair of a triangle, or a sphere or OBB with an OBB, without cylinders";
+      "expected a pair with a triangle but no cylinder, sphere-obb or obb-obb";
   for (const Rule& rule :
        {Rule{"--algorithm", pair == Pair::kRayTriangle, "expected ray-triangle"},
         Rule{"--box", has_box_rule(pair), with_box}, Rule{"--no-box", has_box_rule(pair), with_box},

@@ -5,10 +5,10 @@
 
 namespace cde::cli {
 
-/// PAIR and the options that name its pipe; --lanes only where `lanes` says so.
+/// Adds PAIR and the options that name its pipe; --lanes only if `lanes` is true.
 void add_pair_options(CLI::App& verb, PairOptions& options, bool lanes = true);
 
-/// Error kUsage if an option was given that the pair does not have.
+/// Error kUsage if an option was given that does not apply to the pair.
 void check_pair_options(const CLI::App& verb, const PairOptions& options);
 
 }  // namespace cde::cli

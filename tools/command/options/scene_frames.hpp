@@ -12,7 +12,8 @@ namespace cde::cli {
 struct Frames {
   std::uint32_t first = 0, last = 0;
 };
-/// "A..B", both included, or "A"; all if it is empty. Error kUsage for what a scene has not.
+/// Frames of "A..B", both included, or of "A"; all frames if the text is empty. Error kUsage for
+/// frames that the scene does not have.
 [[nodiscard]] Frames frames_of(const std::string& text, const Scene& scene);
 
 CLI::Option* frames_option(CLI::App& verb, std::string& frames);

@@ -6,7 +6,8 @@
 
 #include "options/values.hpp"
 
-/// The verbs and options of a program as data, so that one program writes the completions of all.
+/// The verbs and options of a program as data. One program writes the completions of all programs
+/// from these tables.
 namespace cde::cli {
 
 struct OptionEntry {
@@ -18,13 +19,13 @@ struct OptionEntry {
 struct VerbTable {
   std::string name, text;
   std::vector<OptionEntry> options;
-  std::vector<VerbTable> verbs = {};  ///< of a verb that has verbs: `cde wave info`
+  std::vector<VerbTable> verbs = {};  ///< inner verbs, as in `cde wave info`
 };
 
 /// The shown options of an app, and its shown verbs.
 [[nodiscard]] VerbTable table_of(const CLI::App& app);
 [[nodiscard]] nlohmann::ordered_json to_json(const VerbTable& table);
-/// The inverse of to_json; `Takes::check` is left out.
+/// The inverse of to_json, without `Takes::check`.
 [[nodiscard]] VerbTable table_from_json(const nlohmann::ordered_json& json);
 
 }  // namespace cde::cli

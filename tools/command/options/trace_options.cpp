@@ -20,16 +20,15 @@ TraceOptions window_of(const std::string& text) {
   TraceOptions window;
   const std::size_t colon = text.find(':');
   const auto number = [&](std::size_t first, std::size_t last, std::uint64_t& to) {
-    if (first == last) return true;  // as it is
+    if (first == last) return true;  // unchanged
     const auto [end, error] = std::from_chars(text.data() + first, text.data() + last, to);
     return error == std::errc() && end == text.data() + last;
   };
   if (colon == std::string::npos || text.size() == 1 || !number(0, colon, window.from) ||
       !number(colon + 1, text.size(), window.to) || window.from > window.to)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} is no window of clocks; FROM:TO, FROM: and :TO are, FROM not above "
-                            "TO, e.g. 1000:1200",
-                            in_quotes(text)));
+    throw Error(ErrorCode::kUsage, fmt::format("{} is no window of cycles; expected FROM:TO, FROM: "
+                                               "or :TO with FROM not above TO, e.g. 1000:1200",
+                                               in_quotes(text)));
   return window;
 }
 
@@ -48,13 +47,13 @@ TraceOptions TraceRequest::options() const {
 void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what) {
   CLI::Option* trace = file_value(verb.add_option("--trace", request.file, what), "FILE.fst");
   text_value(verb.add_option("--trace-window", request.window,
-                             "Waves of these clocks alone, FROM:TO, counted from where waves "
-                             "without it begin; outside of them nothing is written"),
+                             "Write waves of these cycles only, FROM:TO, counted from where the "
+                             "waves would begin without this option"),
              "FROM:TO", [](const std::string& text) { (void)window_of(text); })
       ->needs(trace);
-  verb.add_option("--trace-scope", request.scopes,
-                  "Waves of the scopes and signals alone that a pattern of * and ? names; may be "
-                  "given more than once")
+  verb.add_option(
+          "--trace-scope", request.scopes,
+          "Write waves only of scopes and signals that match a pattern with * and ?; repeatable")
       ->type_name("GLOB")
       ->allow_extra_args(false)
       ->needs(trace);

@@ -8,18 +8,18 @@
 
 namespace cde::cli {
 
-/// What verbs that simulate are asked about waves.
+/// The options about waves of a verb that simulates.
 struct TraceRequest {
   std::string file, window;
   std::vector<std::string> scopes;
 
   [[nodiscard]] bool wanted() const { return !file.empty(); }
-  /// Error kUsage if the name of the file is not that of waves.
+  /// Error kUsage if the file's name does not end in .fst.
   void check() const;
   [[nodiscard]] TraceOptions options() const;
 };
 
-/// Says that a signal stopped the run, and until when there are waves.
+/// Prints that a signal stopped the run, and the time of the last waves.
 void say_stopped(const std::string& file);
 
 /// --trace, --trace-window and --trace-scope; `what` is the help of --trace.

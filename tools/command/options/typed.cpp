@@ -42,7 +42,7 @@ bool is_question(const CLI::App& app, const CLI::Option* option) {
          option == app.get_version_ptr();
 }
 
-/// Reads along the words; the first that is wrong is an Error.
+/// Reads the words in order. Throws an Error at the first invalid word.
 class Reader {
  public:
   Reader(const CLI::App& app, const std::vector<std::string>& words) : app_(app), words_(words) {}
@@ -52,7 +52,7 @@ class Reader {
       while (at_ < words_.size()) word();
       end();
     } catch (const Error&) {
-      // Whoever asks for help in the same breath gets it.
+      // A question for help on the same command line is answered instead.
       if (!find_question()) throw;
     }
     if (!question_.empty()) {
@@ -71,7 +71,7 @@ class Reader {
   [[nodiscard]] const CLI::App& owner() const { return verb_ != nullptr ? *verb_ : app_; }
   [[nodiscard]] std::string called() const { return command_name(owner()); }
 
-  /// Behind the word that is wrong, of the verb if there is one.
+  /// Looks for a question for help after the invalid word; it is about the verb, if there is one.
   bool find_question() {
     for (; question_.empty() && at_ < words_.size(); ++at_) {
       const CLI::Option* o = option_named(owner(), words_[at_]);
@@ -111,8 +111,8 @@ class Reader {
       positional_.push_back(word);
       return;
     }
-    throw_usage(fmt::format("{} does not know what to do with {}; `{} --help` says what it takes",
-                            called(), in_quotes(word), called()));
+    throw_usage(fmt::format("{} takes no argument {}; `{} --help` lists its arguments", called(),
+                            in_quotes(word), called()));
   }
 
   void long_option(const std::string& word) {
@@ -142,11 +142,11 @@ class Reader {
   const CLI::Option* known(const std::string& word) {
     const std::string name = word.substr(0, word.find('='));
     if (const CLI::Option* o = option_named(owner(), name)) return o;
-    if (verb_ == nullptr) {  // perhaps of the verb that follows
+    if (verb_ == nullptr) {  // may belong to the verb that follows
       for (const std::string& later : words_)
         for (const CLI::App* one : shown_verbs(app_))
           if (one->get_name() == later && option_named(*one, name) != nullptr)
-            throw_usage(fmt::format("{} is an option of `{}`: it stands behind the verb",
+            throw_usage(fmt::format("{} is an option of `{}`; put it after the verb",
                                     in_quotes(name), command_name(*one)));
     }
     std::vector<std::string> others;
@@ -162,7 +162,7 @@ class Reader {
     throw_usage(fmt::format("{} has no option {}; {}", called(), in_quotes(name),
                             near ? fmt::format("did you mean {}?", *near)
                             : name.find_first_of(" <>=+*/&|?") != std::string::npos
-                                ? "a value that begins with - and a letter stands behind --"
+                                ? "put -- before a value that begins with - and a letter"
                                 : fmt::format("`{} --help` lists them", called())));
   }
 
@@ -183,7 +183,7 @@ class Reader {
       throw_usage(fmt::format("{} is given twice", name));
     }
     if (!takes_value(*o)) {
-      // One that may have a value has it behind = alone.
+      // An option with an optional value takes it only after =.
       const bool may_have = value && takes(*o).check;
       if (value && !may_have)
         throw_usage(fmt::format("{} takes no value; it is '{}'", name, printable_name(*value)));
@@ -241,8 +241,8 @@ class Reader {
   const CLI::App* verb_ = nullptr;
   bool positional_only_ = false;
   std::string question_;
-  std::map<const CLI::Option*, std::string> seen_;  ///< each as it was typed first
-  std::vector<const CLI::Option*> order_;           ///< in which they were typed
+  std::map<const CLI::Option*, std::string> seen_;  ///< by option: how it was typed first
+  std::vector<const CLI::Option*> order_;           ///< the options, as typed
   std::vector<std::string> options_, positional_;
 };
 

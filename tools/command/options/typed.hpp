@@ -6,23 +6,23 @@
 
 #include "options/cli_fwd.hpp"
 
-/// The words of a command line, held against what the parser knows.
+/// Checks the words of a command line against the parser.
 namespace cde::cli {
 
-/// The words as CLI11 reads them in one way only: the verb, its options as --name=value, what has
-/// no name behind them. A question for help is that question alone. Error kUsage about the first
-/// word, in the order typed, that is invalid: no such verb or option, a value that is missing,
-/// empty or does not fit, an option or flag given twice, or one that another option excludes. What
-/// is missing is said after that.
+/// Returns the words in one unambiguous form for CLI11: the verb, its options as --name=value, then
+/// the positional arguments. A question for help is returned alone. Error kUsage about the first
+/// invalid word, in the order typed. Invalid are an unknown verb or option, a missing, empty or
+/// unfit value, an option or flag given twice, and an option that another one excludes. Missing
+/// arguments are reported after that.
 [[nodiscard]] std::vector<std::string> understood(const CLI::App& app,
                                                   const std::vector<std::string>& words);
 
-/// Error kUsage: "--bits cannot be combined with --output x.npy; CSV alone has them". `why` may be
+/// Error kUsage: "--bits cannot be combined with --output x.npy; only CSV has them". `why` may be
 /// empty.
 [[noreturn]] void cannot_combine(std::string_view option, std::string_view other,
                                  std::string_view why = {});
 
-/// The first option excludes those of the others that the verb has.
+/// Makes the first option exclude each of the others that the verb has.
 void excludes(CLI::App& verb, const std::string& option, const std::vector<std::string>& others);
 
 }  // namespace cde::cli

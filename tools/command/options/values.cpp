@@ -23,7 +23,7 @@
 namespace cde::cli {
 namespace {
 
-/// What options take, where it is more than CLI11 keeps. Options live as long as the program.
+/// What an option takes, where CLI11 does not keep it. Options live as long as the program.
 std::map<const CLI::Option*, Takes>& registered() {
   static std::map<const CLI::Option*, Takes> all;
   return all;
@@ -45,7 +45,7 @@ std::string called(const CLI::Option* option) {
   return all.empty() ? option->get_name() : "--" + all.front();
 }
 
-/// On the text, before CLI11 makes a number of it, so that there is one message.
+/// Checks the text before CLI11 converts it to a number, so that there is one message.
 template <class Fits>
 CLI::Option* check(CLI::Option* option, const std::string& must_be, Fits fits) {
   registered()[option].check = [option, must_be, fits](const std::string& text) {
@@ -58,7 +58,7 @@ CLI::Option* check(CLI::Option* option, const std::string& must_be, Fits fits) {
 
 template <class Number>
 bool reads_as(const std::string& text, Number least, Number most) {
-  // CLI11 would take a number that begins with 0 for an octal one.
+  // CLI11 would read a number that begins with 0 as octal.
   if (std::is_integral_v<Number> && text.size() > 1 && text.front() == '0') return false;
   Number value{};
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -66,7 +66,7 @@ bool reads_as(const std::string& text, Number least, Number most) {
          value <= most;
 }
 
-/// A clock with or without a unit, if it is in its range.
+/// A clock with or without a unit, or nothing if it is not in the allowed range.
 std::optional<double> megahertz(const std::string& text) {
   double value = 0;
   const char* const last = text.data() + text.size();
@@ -186,11 +186,11 @@ void scene_option(CLI::App& verb, std::string& file) {
 
 CLI::Option* clock_option(CLI::App& verb, double& mhz) {
   const std::string range = fmt::format("{:g} to {:g} MHz", kLeastClockMhz, kMostClockMhz);
-  CLI::Option* option = verb.add_option(
-      "--clock", mhz,
-      fmt::format("Core clock assumed for modelled times ({}); 1GHz, 250MHz or 5000kHz, and MHz "
-                  "without a unit",
-                  range));
+  CLI::Option* option =
+      verb.add_option("--clock", mhz,
+                      fmt::format("Core clock assumed for modelled times ({}), as 1GHz, 250MHz or "
+                                  "5000kHz; the unit is MHz if none is given",
+                                  range));
   option->capture_default_str();
   label(option, {Takes::Kind::kAnything, {}, "CLOCK", {}});
   check(option, range, [](const std::string& text) { return megahertz(text).has_value(); });
@@ -213,7 +213,7 @@ void quiet_flag(CLI::App& verb, bool* quiet) {
 
 void exact_card_option(CLI::App& verb, bool& exact) {
   verb.add_flag("--exact-card", exact,
-                "The planned card, even if it must be built and another one would do");
+                "Use the planned card, even if it must be built first and a built card would do");
 }
 
 void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
@@ -222,12 +222,12 @@ void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
   whole_number_in(
       verb.add_option(
               "--deadline", clocks,
-              fmt::format("Device clocks that a {} may take; 0: several times what it should",
+              fmt::format("Device cycles that a {} may take; 0: several times the expected number",
                           pass))
           ->capture_default_str(),
       0, kMost, "clocks");
   number_in(verb.add_option("--timeout", seconds,
-                            fmt::format("Time of simulation that a {} may take", pass))
+                            fmt::format("Wall time that the simulation of a {} may take", pass))
                 ->capture_default_str(),
             0.001, 1e6, "s");
 }

@@ -7,15 +7,15 @@
 namespace cde::cli {
 namespace {
 
-/// What a verb does, as far as its exit status and the environment depend on it.
+/// What a verb does. Its exit statuses and environment variables depend on it.
 enum Does : unsigned {
   kNothing = 0,
-  kModels = 1,   ///< looks for bitstreams, and builds those that are missing
-  kSources = 2,  ///< reads the RTL, and keeps what it learns in the cache
+  kModels = 1,   ///< looks for simulation models, and builds missing ones
+  kSources = 2,  ///< reads the RTL, and keeps results in the cache
   kCards = 4,    ///< opens whole cards
   kMeshes = 8,   ///< imports meshes
-  kPrices = 16,  ///< reads measured prices
-  kWidth = 32,   ///< draws text as wide as the terminal
+  kPrices = 16,  ///< reads measured costs
+  kWidth = 32,   ///< prints text as wide as the terminal
   kAnything = kModels | kSources | kCards | kMeshes | kPrices | kWidth,
   kCompares = 64,   ///< compares the card with the reference
   kSimulates = 128  ///< waits for a card, which may fail
@@ -26,21 +26,22 @@ struct Variable {
   unsigned read_for;  ///< any of these bits
 };
 constexpr Variable kVariables[] = {
-    {"CDE_CACHE", "folder where bitstreams and figures of the RTL are kept [~/.cache/cde]",
+    {"CDE_CACHE", "folder for simulation models and figures of the RTL [~/.cache/cde]",
      kModels | kSources},
-    {"CDE_BITSTREAMS", "folder that is searched for bitstreams before all others", kModels},
+    {"CDE_BITSTREAMS", "folder that is searched first for simulation models", kModels},
     {"CDE_SHARE",
-     "folder with rtl/, verilator/, docs/ and host/include/, instead of this project's",
+     "folder with rtl/, verilator/, docs/ and host/include/, in place of this project's",
      kModels | kSources | kPrices},
-    {"CDE_PRICES", "table of measured prices [docs/prices.json]", kPrices},
-    {"CDE_CLANG", "compiler of bitstreams [clang++]", kModels},
-    {"CDE_MARCH", "processor that bitstreams are compiled for, as in -march [native]", kModels},
-    {"CDE_ASSERT", "1: bitstreams with the assertions of the RTL", kModels},
-    {"CDE_MESH_MEMORY", "MB that importing a mesh may take [512 and 64 times the file, up to 2048]",
+    {"CDE_PRICES", "table of measured costs [docs/prices.json]", kPrices},
+    {"CDE_CLANG", "compiler of simulation models [clang++]", kModels},
+    {"CDE_MARCH", "processor for which simulation models are compiled, as in -march [native]",
+     kModels},
+    {"CDE_ASSERT", "1: simulation models with the assertions of the RTL", kModels},
+    {"CDE_MESH_MEMORY", "MB for importing a mesh [512 plus 64 times the file, at most 2048]",
      kMeshes},
-    {"CDE_MESH_SECONDS", "seconds that importing a mesh may take [30]", kMeshes},
+    {"CDE_MESH_SECONDS", "seconds for importing a mesh [30]", kMeshes},
     {"CDE_WAVES", "folder: every card that is opened writes waves, board-N.fst", kCards},
-    {"COLUMNS", "width of the text where stdout is no terminal [80]", kWidth},
+    {"COLUMNS", "width of text where stdout is no terminal [80]", kWidth},
     {"NO_COLOR", "not empty: no colours, on a terminal either", kAnything},
 };
 
@@ -53,8 +54,8 @@ constexpr unsigned kCast = kModels | kCards | kMeshes | kPrices | kCompares | kS
 constexpr unsigned kBench = kModels | kCards | kCompares | kSimulates;
 constexpr VerbFacts kFacts[] = {
     {"", kAnything | kCompares | kSimulates,
-     "doctor found something wrong; wave find, wave tx or advise found nothing; or wave diff found "
-     "a difference"},
+     "doctor found a fault; wave find, wave tx or advise found nothing; or wave diff found a "
+     "difference"},
     {"cast", kCast},
     {"render", kCast},
     {"query", kModels | kCompares | kSimulates},
@@ -62,7 +63,7 @@ constexpr VerbFacts kFacts[] = {
     {"plan", kModels | kMeshes | kPrices},
     {"fp", kModels | kSimulates},
     {"merge", kModels | kMeshes | kPrices | kCompares},
-    {"doctor", kModels | kCards, "something is wrong"},
+    {"doctor", kModels | kCards, "a fault was found"},
     {"help", kWidth},
     {"explain", kModels | kSources | kCards | kMeshes | kCompares | kSimulates},
     {"accuracy", kModels | kSources | kMeshes | kPrices | kCompares | kSimulates},
@@ -79,7 +80,7 @@ constexpr VerbFacts kFacts[] = {
     {"wave tx", kNothing, "no transaction was found"},
     {"wave why", kSources}};
 
-/// A verb that is not listed does nothing of the kind.
+/// The facts of a verb; a verb that is not listed has none.
 VerbFacts facts(std::string_view verb) {
   const auto* const found = std::find_if(std::begin(kFacts), std::end(kFacts),
                                          [&](const VerbFacts& f) { return f.verb == verb; });
@@ -91,8 +92,9 @@ using ExampleTable = std::map<std::string_view, std::vector<Example>>;
 ExampleTable examples_of_cde() {
   return {
       {"",
-       {{"cde render bunny.ply", "Draw a mesh, every pixel a ray through the simulated card"},
-        {"cde run meshes/scenes/mixed.toml --report page.html", "Play a scene and see it"}}},
+       {{"cde render bunny.ply", "Draw a mesh; every pixel is a ray through the simulated card"},
+        {"cde run meshes/scenes/mixed.toml --report page.html",
+         "Run a scene and write a page about it"}}},
       {"cast",
        {{"cde cast bunny.ply --grid 64x64 -o hits.csv", "A grid of rays straight down"},
         {"cde cast terrain --ray 1450,2000,900,0,0,-1 --ray 100,100,900,0,0,-1 -o -",
@@ -105,29 +107,31 @@ ExampleTable examples_of_cde() {
       {"query",
        {{"echo '0,0,0,1, 1.5,0,0,1' | cde query sphere-sphere", "Two spheres: centre and radius"},
         {"cde query ray-triangle --algorithm watertight --bits < pairs.csv",
-         "Pairs from a text by another algorithm, answers as bits"},
-        {"cde query obb-obb pairs.npy -o answers.csv", "Pairs of an array, 30 numbers each"}}},
+         "Pairs from a text file with another algorithm, answers as bits"},
+        {"cde query obb-obb pairs.npy -o answers.csv", "Pairs from an array, 30 numbers each"}}},
       {"run",
        {{"cde run meshes/scenes/spheres.toml --frames 0..3 -o spheres.run",
          "Four frames of a scene"},
-        {"cde run meshes/scenes/mixed.toml --report page.html", "A page about the run"}}},
+        {"cde run meshes/scenes/mixed.toml --report page.html", "Write a page about the run"}}},
       {"plan",
-       {{"cde plan meshes/scenes/spheres.toml", "What the card of a scene has, and why"},
+       {{"cde plan meshes/scenes/spheres.toml", "Show which card a scene needs, and why"},
         {"cde plan meshes/scenes/flight.toml --json", "The same for programs"}}},
       {"fp",
        {{"echo '3F800000 40000000' | cde fp add", "1 + 2 in binary32"},
         {"testfloat_gen f16_mul | cde fp f16_mul | testfloat_ver f16_mul",
-         "Half precision, judged by Berkeley TestFloat"}}},
+         "Half precision, checked by Berkeley TestFloat"}}},
       {"merge",
        {{"cde merge part1.journal part2.journal part3.journal",
-         "What three runs with --shard 1/3, 2/3 and 3/3 come to"},
-        {"cde merge shards/*", "Of as many as there are, in any order"}}},
+         "Merge three runs with --shard 1/3, 2/3 and 3/3"},
+        {"cde merge shards/*", "Any number of journals, in any order"}}},
       {"doctor",
-       {{"cde doctor", "See whether everything is here that the command needs"},
-        {"CDE_CLANG=clang++-16 cde doctor", "The same for another compiler of bitstreams"}}},
+       {{"cde doctor", "Check everything that the command needs"},
+        {"CDE_CLANG=clang++-16 cde doctor",
+         "The same with another compiler of simulation models"}}},
       {"version",
-       {{"cde version", "The same as cde --version"}, {"cde version | head -n 1", "That of cde"}}},
-      {"help", {{"cde help cast", "One verb"}, {"cde --help-all | less", "All of them"}}},
+       {{"cde version", "The same as cde --version"},
+        {"cde version | head -n 1", "The version of cde only"}}},
+      {"help", {{"cde help cast", "One verb"}, {"cde --help-all | less", "All verbs"}}},
   };
 }
 
@@ -135,28 +139,29 @@ ExampleTable examples_of_programs() {
   return {
       {"explain",
        {{"cde explain sphere-sphere '0 0 0 1 | 1.5 0 0 1'",
-         "Every operator of the pipe beside the reference's, with its clock and line"},
+         "Compare every operator of the pipe with the reference, with its cycle and line"},
         {"cde explain --from-record meshes/scenes/mixed.toml:seen:0:7",
-         "How the record of a primary of a scene came about, in query seen of frame 0"}}},
+         "Explain the record of primary 7 of a scene, in query seen of frame 0"}}},
       {"accuracy",
        {{"cde accuracy --pair obb-obb,ray-triangle --formats fp16,fp32 --by-family",
          "Errors and wrong decisions of two pairs in two formats, family by family"},
         {"cde accuracy --cases 100000 --resume accuracy.journal --json -o accuracy.json",
-         "Everything, in a run that may be stopped and started again"}}},
+         "All pairs and formats, in a run that can be stopped and continued"}}},
       {"advise",
        {{"cde advise --max-error 1e-3 --no-leaks --max-wrong 1000 --time 10ms",
-         "The cheapest ray-triangle pipe that is as good and takes a million tests in 10 ms"},
+         "The cheapest ray-triangle pipe that is accurate enough and runs a million tests in 10 "
+         "ms"},
         {"cde advise --pair obb-obb --max-error 1e-2 --time 10ms --target assumed:200MHz --from "
          "accuracy.json",
-         "Of a sweep of one's own, at a clock that no device is asked for"}}},
+         "The same from another measurement, at an assumed clock"}}},
       {"bench",
        {{"cde bench --quick", "All sections, small"},
         {"cde bench rays bus --json", "Two sections for programs"}}},
       {"reproduce",
-       {{"cde reproduce -o figures.html", "The figures of the paper on this machine"},
+       {{"cde reproduce -o figures.html", "Measure the figures of the paper on this machine"},
         {"cde reproduce --quick --json", "A small run for programs"}}},
       {"inventory",
-       {{"cde inventory sphere-sphere obb-obb", "Two pairs"},
+       {{"cde inventory sphere-sphere obb-obb", "Operators and latency of two pairs"},
         {"cde inventory --markdown > inventory.md", "All pipes as tables for a document"}}},
   };
 }
@@ -165,11 +170,11 @@ ExampleTable examples_of_wave() {
   return {
       {"wave",
        {{"cde cast terrain:3,3,1 --grid 4x4 --trace waves.fst",
-         "Waves of a small cast, for the examples of the verbs"},
+         "Write waves of a small cast, for the examples of the verbs"},
         {"cde wave show waves.fst clk_i 'ddr_data_i[2]:fp32' --around cyc:100 --window 5",
-         "Waves of a clock and a word of memory as text, five cycles before and behind cycle 100"},
+         "Draw a clock and a word of memory as text, five cycles before and after cycle 100"},
         {"cde wave find waves.fst irq_o --on 'posedge clk_i' --first",
-         "The first clock edge at which the card asks for an interrupt"}}},
+         "The first clock edge at which the card requests an interrupt"}}},
       {"wave info",
        {{"cde wave info waves.fst", "Time unit, size, clock and comments"},
         {"cde wave info waves.fst --json", "The same for programs"}}},

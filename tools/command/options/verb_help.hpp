@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-/// The end of the help and of the manual page of each verb. A verb is named by its words: "cast",
-/// "wave show". The empty name is the whole command.
+/// The last sections of the help and of the manual page of each verb. A verb is named by its words:
+/// "cast", "wave show". The empty name is the whole command.
 namespace cde::cli {
 
 struct Example {
