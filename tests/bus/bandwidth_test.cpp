@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the bus gives: peak, the published figures that the profile of 2001 is fitted to, and a
-// table.
+// Bandwidth of the bus: the peak, the published figures that the profile of 2001 is fitted to, and
+// a table.
 #include <cstdio>
 #include <cstdlib>
 
@@ -10,10 +10,10 @@
 namespace cde::testing {
 namespace {
 
-constexpr double kPeak = 8 / 15e-9;  // bytes a second
+constexpr double kPeak = 8 / 15e-9;  // bytes per second
 constexpr std::uint32_t kData = BusCard::kFirstFree * 4096;
 
-/// Seconds from the write of the tail to the interrupt.
+/// Seconds from the write of the tail register to the interrupt.
 double seconds(BusCard& card, std::uint32_t bytes, bool to_host) {
   card.stage(BusCard::descriptor(kData, bytes, card::kSpaceDdr, 0, to_host));
   const std::uint64_t start = card.api().time_ps(card.handle());
@@ -32,7 +32,7 @@ struct Link : BusCard {
     map_range(0, kFirstFree + 1023);
     start_ring(16, burst);
   }
-  /// Bytes a second of the data alone: descriptor, record and accesses of the host cancel out.
+  /// Bytes per second of the data alone: descriptor, record and host accesses cancel out.
   double rate(bool to_host) {
     const double less = seconds(*this, 16'384, to_host), more = seconds(*this, 212'992, to_host);
     return (212'992 - 16'384) / (more - less);
@@ -44,7 +44,7 @@ TEST(PciBandwidth, IdealHostReachesNineTenthsOfThePeak) {
   EXPECT_GE(link.rate(false), 0.9 * kPeak);
   EXPECT_GE(link.rate(true), 0.9 * kPeak);
   EXPECT_GE(4'194'304 / seconds(link, 4'194'304, false), 0.9 * kPeak)
-      << "with descriptor and record";
+      << "including descriptor and record";
 }
 
 /// Published: 147 MB/s with 256-byte read bursts, 315 MB/s with 512-byte write bursts.
@@ -73,7 +73,7 @@ TEST(PciBandwidth, Table) {
                    write = bytes / seconds(*links[i], bytes, true);
       std::printf("  %*s%5.1f  %5.1f ", static_cast<int>(kHostProfiles[i].name.size()), "",
                   read * 1e-6, write * 1e-6);
-      EXPECT_GT(read, before[i]) << "larger transfers are not slower";
+      EXPECT_GT(read, before[i]) << "larger bursts must not be slower";
       EXPECT_LT(std::max(read, write), kPeak);
       before[i] = read;
     }
@@ -81,7 +81,7 @@ TEST(PciBandwidth, Table) {
   }
 }
 
-/// The card's own clocks in a burst, beside those of the host: what docs/reference/pci.md says.
+/// The card's own cycles per burst, without those of the host. docs/reference/pci.md states them.
 TEST(PciBandwidth, OverheadOfABurst) {
   for (const HostProfile& p : kHostProfiles)
     for (const bool to_host : {false, true}) {
@@ -90,7 +90,7 @@ TEST(PciBandwidth, OverheadOfABurst) {
       const double own = clocks - (to_host ? p.write_latency : p.read_latency);
       std::printf("%s, %s: %.1f clocks a burst beside its data, %.1f of them the card's\n",
                   std::string(p.name).c_str(), to_host ? "write" : "read", clocks, own);
-      // And three a page, of which this burst is an eighth, for looking it up.
+      // A page lookup takes three cycles, and this burst is an eighth of a page.
       EXPECT_NEAR(own - 3.0 / 8, to_host ? 9 : 8, 0.05);
     }
 }

@@ -59,7 +59,7 @@ void PrintTo(Ending a, std::ostream* out) {
       result << text;
     }
   };
-  result << "they differ from offset " << at << " on, ";
+  result << "first difference at offset " << at << " on, ";
   show("got", got);
   result << ", ";
   show("wanted", wanted);
@@ -77,7 +77,7 @@ cde_pci_profile profile(const std::string& name) {
 
 namespace {
 
-/// Looking one up takes a third of a second, and each test has a card.
+/// Looking up a model takes a third of a second, and each test opens a card.
 Bitstream bitstream(const BusOptions& options) {
   static std::map<std::pair<std::string, std::vector<std::string>>, Bitstream> known;
   const auto key = std::pair(options.kind, options.parameters);
@@ -154,7 +154,7 @@ void BusCard::fault(std::uint32_t kind, std::uint32_t count, std::uint32_t value
 
 void BusCard::map(std::uint32_t entry, std::uint32_t page, bool writable, bool valid) const {
   const std::uint64_t frame = api_->frame(handle_, page);
-  ASSERT_NE(static_cast<std::uint32_t>(frame), ~0u) << "host memory is smaller";
+  ASSERT_NE(static_cast<std::uint32_t>(frame), ~0u) << "no page of host memory at this address";
   write(pci::kPageTable + 8 * entry, frame << pci::kPageFrame |
                                          std::uint64_t{valid} << pci::kPageValid |
                                          std::uint64_t{writable} << pci::kPageWritable);
@@ -261,8 +261,7 @@ Result BusCard::wait(double microseconds) {
     api_->run(handle_, std::min<std::uint64_t>(end - now, 2'000'000), 1);
     if (api_->interrupt(handle_) != 0) {
       write(pci::kRegIrqStatus, 1u << pci::kIrqCompletion);
-      over =
-          halted() && status_where() != pci::kWhereData;  // but for a record that is there already
+      over = halted() && status_where() != pci::kWhereData;  // a pending record is still written
       if (halted()) write(pci::kRegIrqStatus, 1u << pci::kIrqHalted);
     }
   }

@@ -14,7 +14,7 @@
 #include "cde/contract/pci.hpp"
 #include "cde/contract/registers.hpp"
 
-/// What tests print of a code: its name.
+/// GoogleTest prints a code by its name.
 namespace cde::pci {
 void PrintTo(Code code, std::ostream* out);
 void PrintTo(Where where, std::ostream* out);
@@ -22,7 +22,7 @@ void PrintTo(Where where, std::ostream* out);
 
 namespace cde::testing {
 
-/// Hosts by name; docs/reference/pci.md says where the figures come from.
+/// A host profile by name; docs/reference/pci.md lists the sources of its figures.
 cde_pci_profile profile(const std::string& name);
 
 struct BusOptions {
@@ -35,10 +35,10 @@ struct BusOptions {
   std::uint64_t seed = 1;
 };
 
-/// Of a Result: there was no record in time.
+/// Code of a Result if no record arrived in time.
 inline constexpr auto kNoRecord = static_cast<pci::Code>(~0u);
 
-/// What the driver finds in the completion ring.
+/// A completion record that the driver reads.
 struct Result {
   unsigned number = 0;
   pci::Code code = pci::kCodeOk;
@@ -47,21 +47,21 @@ struct Result {
   std::uint16_t pci_status = 0;
 };
 
-/// How an access of the host ended, CDE_PCI_*; printed by name.
+/// Result of a host access, CDE_PCI_*; printed by name.
 struct Ending {
   int code;
   friend bool operator==(Ending a, int code) { return a.code == code; }
   friend void PrintTo(Ending a, std::ostream* out);
 };
 
-/// Equal, or where the first difference is.
+/// Success, or the position of the first difference.
 ::testing::AssertionResult same_bytes(std::span<const std::uint8_t> got,
                                       std::span<const std::uint8_t> wanted);
 
-/// A card in its host, enumerated, with its descriptor ring, as a minimal driver would have them.
-/// Host pages are mapped one to one by default: page n of host memory is entry n of the page table;
-/// ring and completion records lie in the first two pages. Fails the test if the bus ever broke a
-/// rule.
+/// An enumerated card in its host with a descriptor ring, in the state that a minimal driver sets
+/// up. By default host pages are mapped one to one: entry n of the page table is page n of host
+/// memory. Descriptors and completion records lie in the first two pages. A violated bus rule fails
+/// the test.
 class BusCard {
  public:
   static constexpr std::uint32_t kBar = 0xF0000000;
@@ -75,7 +75,7 @@ class BusCard {
   const cde_pci_api& api() const { return *api_; }
   void* handle() const { return handle_; }
 
-  /// BAR0 placed, memory and mastering enabled, parity reported, latency timer set.
+  /// Places BAR0, enables memory, mastering and parity reports, and sets the latency timer.
   void enumerate(std::uint32_t command = 0x146, std::uint8_t latency_timer = 64);
   std::uint32_t config(std::uint32_t offset) const;
   void set_config(std::uint32_t offset, std::uint32_t value) const;
@@ -85,26 +85,27 @@ class BusCard {
   std::uint32_t read32(std::uint32_t offset) const;
   void write32(std::uint32_t offset, std::uint32_t value) const;
   Ending transact(cde_pci_transaction& t) const { return {api_->transact(handle_, &t)}; }
-  /// Time goes by, interrupts or not.
+  /// Lets time pass, with or without interrupts.
   void pass(std::uint64_t ps) const { api_->run(handle_, ps, 0); }
   cde_pci_counters counters() const;
   void fault(std::uint32_t kind, std::uint32_t count, std::uint32_t value = 0) const;
 
-  /// A page-table entry: where it points, and how.
+  /// Sets a page-table entry: its page and its flags.
   void map(std::uint32_t entry, std::uint32_t page, bool writable = true, bool valid = true) const;
-  /// Entries first to last one to one, in bursts.
+  /// Maps entries `first` to `last` one to one, in bursts.
   void map_range(std::uint32_t first, std::uint32_t last) const;
-  /// Host memory at a one-to-one mapped address, byte by byte through its pages.
+  /// Writes host memory at a one-to-one mapped address, page by page.
   void put(std::uint32_t mapped, std::span<const std::uint8_t> bytes) const;
   std::vector<std::uint8_t> get(std::uint32_t mapped, std::uint32_t bytes) const;
   std::span<std::uint8_t> local(card::Space space) const;
 
-  /// Ring of `size` descriptors in the first page, running; interrupts for completions and halts.
+  /// Starts a ring of `size` descriptors in the first page, with interrupts for completions and
+  /// halts.
   void start_ring(unsigned size = 16, std::uint32_t burst = 4096);
-  void submit(const pci::Descriptor& descriptor);  ///< into the ring, and the tail behind it
+  void submit(const pci::Descriptor& descriptor);  ///< stages a descriptor and publishes the tail
   void stage(const pci::Descriptor& descriptor);   ///< into the ring only
-  void publish() const;                            ///< the tail
-  /// The next record, within a time in microseconds, or kNoRecord.
+  void publish() const;                            ///< writes the tail register
+  /// The next record, or kNoRecord after a timeout in microseconds.
   Result wait(double microseconds = 20'000);
   Result transfer(std::uint32_t mapped, std::uint32_t bytes, card::Space space,
                   std::uint32_t offset, bool to_host) {
@@ -114,7 +115,7 @@ class BusCard {
   void clear();  ///< after a halt: empty ring, still set up, not running
   static pci::Descriptor descriptor(std::uint32_t mapped, std::uint32_t bytes, card::Space space,
                                     std::uint32_t offset, bool to_host, bool irq = true);
-  pci::Code status_code() const;  ///< of the halted ring
+  pci::Code status_code() const;  ///< reason why the ring halted
   pci::Where status_where() const;
   bool halted() const { return (read(pci::kRegStatus) >> pci::kStatusHalted & 1) != 0; }
 
@@ -126,7 +127,7 @@ class BusCard {
   bool lap_ = true;
 };
 
-/// Numbers that are the same everywhere.
+/// Random numbers that are the same on every platform.
 class Numbers {
  public:
   explicit Numbers(std::uint32_t seed) : engine_(seed) {}

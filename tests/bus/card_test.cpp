@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole card over PCI: what the driver of the functional bus gets, bit for bit and clock for
-// clock.
+// The whole card over PCI equals the card on the functional bus, bit for bit and cycle for cycle.
 #include <cstring>
 #include <utility>
 
@@ -45,7 +44,7 @@ struct PciCard : BusCard {
     write(card::kRegPrimCount, scene.rays.size());
     write(card::kRegSecCount, scene.triangles.size());
   }
-  /// Records of a pass, fetched by DMA whenever the card asks.
+  /// Records of a pass; a DMA fetches them whenever the card requests it.
   std::vector<Record> cast(Mode mode) {
     write(card::kRegCommand, static_cast<std::uint64_t>(mode));
     write(pci::kRegIrqMask, 1u << pci::kIrqCard);
@@ -53,7 +52,7 @@ struct PciCard : BusCard {
     std::vector<Record> records;
     for (bool done = false; !done;) {
       api().run(handle(), 1'000'000'000, 1);
-      EXPECT_EQ(read(pci::kRegIrqStatus) >> pci::kIrqCard & 1, 1u) << "the card is silent";
+      EXPECT_EQ(read(pci::kRegIrqStatus) >> pci::kIrqCard & 1, 1u) << "no interrupt from the card";
       const std::uint64_t status = read(card::kRegStatus);
       EXPECT_EQ(status & (1u << card::kStatusCommandError | 1u << card::kStatusBusError), 0u);
       done = (status >> card::kStatusDone & 1) != 0;
@@ -68,7 +67,7 @@ struct PciCard : BusCard {
   }
 
  private:
-  /// Whole beats.
+  /// Size in whole beats.
   static std::uint32_t bytes_of(std::uint32_t records) {
     return (card::kRecordWords * records + 1) / 2 * 8;
   }
@@ -135,7 +134,7 @@ TEST(PciCardTest, SameRecordsAndClocksAsTheFunctionalBus) {
   }
 }
 
-/// Each domain leaves the reset by its own clock (rtl/bus/reset_sync.sv).
+/// Each clock domain leaves the reset with its own clock (rtl/bus/reset_sync.sv).
 TEST(PciCardTest, SameWithResetSynchronisers) {
   Board board = Board::open(small_config());
   std::vector<std::string> parameters = small_config().parameters();
@@ -144,7 +143,7 @@ TEST(PciCardTest, SameWithResetSynchronisers) {
   expect_same(board, card);
 }
 
-/// What the board refuses of a DMA shows in its status, as on the functional bus.
+/// A DMA that the board refuses shows in its status, as on the functional bus.
 TEST(PciCardTest, TransferOutsideASpaceIsReported) {
   PciCard card("ideal");
   EXPECT_EQ(card.transfer(PciCard::kTriangles, 64, card::kSpaceDdr, 36'000 - 32, false).code,
@@ -155,8 +154,7 @@ TEST(PciCardTest, TransferOutsideASpaceIsReported) {
             card::kFaultSpace(card::kSpaceDdr) | card::kFaultAddr(36'000));
 }
 
-/// The bridge knows no spaces: a number that the card does not have comes to the card, which
-/// refuses it.
+/// The bridge does not check space numbers. An unknown number reaches the card, which refuses it.
 TEST(PciCardTest, SpacesThatTheCardDoesNotHave) {
   PciCard card("ideal");
   const std::vector<std::uint8_t> before(64, 0xC3);

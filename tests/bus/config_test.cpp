@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Configuration space and BAR0 as a host sees them: identity, sizing, every width of access,
+// Configuration space and BAR0 as a host sees them: identity, sizing, every access width, and
 // refusals.
 #include <algorithm>
 
@@ -35,7 +35,7 @@ cde_pci_transaction wide(std::uint32_t command, std::uint32_t address, std::uint
 TEST(PciConfig, Identity) {
   const BusCard card;
   EXPECT_EQ(card.config(0x00), pci::kDeviceId << 16 | pci::kVendorId);
-  EXPECT_EQ(card.config(0x04), 0x02200000u) << "66 MHz, medium DEVSEL#, everything off";
+  EXPECT_EQ(card.config(0x04), 0x02200000u) << "66 MHz, medium DEVSEL#, all commands off";
   EXPECT_EQ(card.config(0x08), pci::kClass);
   EXPECT_EQ(card.config(0x08) >> 8, 0x0B4000u);
   EXPECT_EQ(card.config(0x0C), 0u);
@@ -66,7 +66,7 @@ TEST(PciConfig, WritableBitsAndByteEnables) {
       << "memory, master, parity, SERR#, interrupt disable";
   cde_pci_transaction t = single(kConfigWrite, 0x0C, 0x11223344, 0b0010);
   EXPECT_EQ(card.transact(t), CDE_PCI_OK);
-  EXPECT_EQ(card.config(0x0C), 0x3300u) << "the latency timer's byte only";
+  EXPECT_EQ(card.config(0x0C), 0x3300u) << "only the byte of the latency timer";
   t = single(kConfigWrite, 0x3C, 0xFFFFFFAA, 0b1111);
   EXPECT_EQ(card.transact(t), CDE_PCI_OK);
   EXPECT_EQ(card.config(0x3C), 0x1AAu);
@@ -75,7 +75,7 @@ TEST(PciConfig, WritableBitsAndByteEnables) {
   EXPECT_EQ(card.config(0x00), pci::kDeviceId << 16 | pci::kVendorId);
 }
 
-/// Every set of byte enables on every register that can be written: bytes without theirs stay.
+/// Every set of byte enables on every writable register: disabled bytes keep their value.
 TEST(PciConfig, ByteEnablesOfEveryRegister) {
   struct Register {
     std::uint32_t offset, writable;
@@ -96,7 +96,7 @@ TEST(PciConfig, ByteEnablesOfEveryRegister) {
     }
 }
 
-/// Bits of the status register are cleared by a 1 in a byte that is enabled.
+/// A 1 in an enabled byte clears a bit of the status register.
 TEST(PciConfig, ByteEnablesOfTheStatusRegister) {
   BusCard card;
   card.enumerate();
@@ -121,7 +121,7 @@ TEST(PciConfig, BurstsAreCutAndOtherFunctionsAreNotThere) {
   t.dwords = 3;
   EXPECT_EQ(card.transact(t), CDE_PCI_OK);
   EXPECT_EQ(t.done, 1u);
-  EXPECT_EQ(t.stopped, 1u) << "disconnect with the first data";
+  EXPECT_EQ(t.stopped, 1u) << "disconnect with the first data phase";
   EXPECT_EQ(t.devsel, 2u) << "medium";
   for (const std::uint32_t address : {0x100u, 0x700u, 0x001u}) {
     t = single(kConfigRead, address);
@@ -172,13 +172,13 @@ TEST(PciBar, ReadNobodyFetchesIsDropped) {
   cde_pci_transaction other = wide(kMemoryRead, BusCard::kBar + pci::kRegBurst);
   card.pass(32000ull * 15'000);
   EXPECT_EQ(card.transact(other), CDE_PCI_OK);
-  EXPECT_EQ(other.done, 0u) << "the place is taken";
+  EXPECT_EQ(other.done, 0u) << "another read is pending";
   card.pass(1000ull * 15'000);
   EXPECT_EQ(card.transact(other), CDE_PCI_OK);
   EXPECT_EQ(card.read(pci::kRegBurst), 4096u);
 }
 
-/// A register of the card, over the local bus, of the bridge, and of the page table.
+/// A register of the card over the local bus, one of the bridge, and one of the page table.
 TEST(PciBar, EveryWidthReadsAndWritesARegister) {
   for (const bool narrow : {false, true}) {
     SCOPED_TRACE(narrow);
@@ -196,7 +196,8 @@ TEST(PciBar, EveryWidthReadsAndWritesARegister) {
         EXPECT_EQ(card.read32(offset + 4), (value & mask) >> 32);
       }
       card.write32(offset, 0x4321);
-      EXPECT_EQ(card.read(offset), 0x4321 & mask) << "a lone low half writes 0 above it";
+      EXPECT_EQ(card.read(offset), 0x4321 & mask)
+          << "writing only the low half clears the high half";
     }
     card.write(0x028, 0x1122334455667788);
     EXPECT_EQ(card.read(0x028), 0x1122334455667788u);
@@ -253,13 +254,13 @@ TEST(PciBar, PostedBursts) {
         t.enable[i] = 0xF;
       }
       EXPECT_EQ(card.transact(t), CDE_PCI_OK);
-      EXPECT_GT(t.done, 16u) << "posted, not a word at a time";
+      EXPECT_GT(t.done, 16u) << "more than one word per transaction";
       EXPECT_EQ(t.took_wide, !narrow);
       for (unsigned i = 0; i < t.done; ++i) EXPECT_EQ(card.read32(0x100 + 4 * i), t.data[i]) << i;
     }
 }
 
-/// Longer than the FIFO, and up to the end of BAR0.
+/// Bursts longer than the FIFO, and bursts up to the end of BAR0.
 TEST(PciBar, LongBurstsAreFollowedUp) {
   for (const bool narrow : {false, true}) {
     BusCard card({.narrow = narrow});
@@ -277,8 +278,8 @@ TEST(PciBar, LongBurstsAreFollowedUp) {
   }
 }
 
-/// A core so slow that the FIFO of posted writes is full most of the time: bursts get in as far as
-/// there is room, and no word of what got in is lost.
+/// A core so slow that the FIFO of posted writes is mostly full. Bursts write as far as there is
+/// space, and no accepted word is lost.
 TEST(PciBar, PostedWritesThatFillTheFifo) {
   constexpr std::uint32_t kBursts = 40, kRegisters = 512;
   for (const bool narrow : {false, true}) {
@@ -287,14 +288,14 @@ TEST(PciBar, PostedWritesThatFillTheFifo) {
     card.enumerate();
     std::uint32_t cut = 0, first = 0;
     for (std::uint32_t burst = 0; burst < kBursts; ++burst) {
-      // Of every length, so that the last places are reached in every phase of a burst.
+      // Bursts of every length, so that the last FIFO entries fill in every phase of a burst.
       const std::uint32_t qwords = 2 + 7 * burst % 19;
       cde_pci_transaction t{};
       t.command = kMemoryWrite;
       t.wide = !narrow;
       std::fill(std::begin(t.enable), std::end(t.enable), std::uint8_t{0xF});
       for (std::uint32_t done = 0, tries = 0; done < 2 * qwords; done += t.done, ++tries) {
-        ASSERT_LT(tries, 1000u) << "burst " << burst << " does not get in";
+        ASSERT_LT(tries, 1000u) << "burst " << burst << " is never accepted";
         t.address = BusCard::kBar + 8 * first + 4 * done;
         t.dwords = 2 * qwords - done;
         for (std::uint32_t i = 0; i < t.dwords; ++i) t.data[i] = 2 * first + done + i;
@@ -304,14 +305,14 @@ TEST(PciBar, PostedWritesThatFillTheFifo) {
       first += qwords;
     }
     ASSERT_LE(first, kRegisters);
-    EXPECT_GT(cut, kBursts) << "the FIFO was not full";
+    EXPECT_GT(cut, kBursts) << "the FIFO was never full";
     for (std::uint64_t q = 0; q < first; ++q)
       ASSERT_EQ(card.read(8 * static_cast<std::uint32_t>(q)), (2 * q + 1) << 32 | 2 * q)
           << "register " << q;
   }
 }
 
-/// A burst that runs past the end of BAR0 ends there: what follows is not written to its beginning.
+/// A burst past the end of BAR0 ends there and does not wrap to the beginning.
 TEST(PciBar, BurstsEndWithTheBar) {
   constexpr std::uint32_t kInside = 4, kEnd = 0x10000;
   for (const bool narrow : {false, true}) {
@@ -387,7 +388,7 @@ TEST(PciBar, DataParity) {
     EXPECT_EQ(card.read(0x100), 1ull << 32);
     EXPECT_EQ(card.read(0x108), 1001u) << "the bad word is not written";
     EXPECT_EQ(card.read(0x110), 4 | 5ull << 32);
-    card.set_config(4, 0xFFFF0006);  // parity response off: seen, not reported
+    card.set_config(4, 0xFFFF0006);  // parity response off: detected, not reported
     t.bad_data_parity = 1;
     EXPECT_EQ(card.transact(t), CDE_PCI_OK);
     EXPECT_EQ(card.config(4) & kDetectedParity, kDetectedParity);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// DMA both ways: sizes, alignments, page boundaries, the ring's laps, the address check.
+// DMA in both directions: sizes, alignments, page boundaries, ring wraps, the address check.
 #include <algorithm>
 
 #include "bus_card.hpp"
@@ -38,13 +38,15 @@ TEST(PciDma, BothWaysEverySizeAndPlace) {
         ASSERT_EQ(out.code, pci::kCodeOk);
         ASSERT_EQ(out.bytes, bytes);
         ASSERT_TRUE(same_bytes(card.get(down, bytes), data));
-        ASSERT_TRUE(same_bytes(card.get(down - 8, 8), beside)) << "before";
-        ASSERT_TRUE(same_bytes(card.get(down + bytes, 8), beside)) << "behind";
+        ASSERT_TRUE(same_bytes(card.get(down - 8, 8), beside))
+            << "bytes before the transfer changed";
+        ASSERT_TRUE(same_bytes(card.get(down + bytes, 8), beside))
+            << "bytes after the transfer changed";
       }
   }
 }
 
-/// A card with its ring running and pages 0 to 63 mapped.
+/// A card with a running ring and pages 0 to 63 mapped.
 struct Running : BusCard {
   explicit Running(const BusOptions& options = {}, unsigned ring = 16, std::uint32_t burst = 4096)
       : BusCard(options) {
@@ -60,7 +62,7 @@ TEST(PciDma, BurstsKeepToTheRegister) {
     Running card({}, 16, burst);
     const std::uint64_t before = card.read(pci::kRegBursts);
     ASSERT_EQ(card.transfer(kData, 16384, kSpaceDdr, 0, false).code, pci::kCodeOk);
-    // Pages end bursts too; a descriptor and a record are a burst each.
+    // Bursts also end with pages; a descriptor and a record take a burst each.
     const std::uint64_t in_page = (4096 + burst - 1) / burst;
     EXPECT_EQ(card.read(pci::kRegBursts) - before, 4 * in_page + 2);
     EXPECT_EQ(card.counters().bytes_read, 16384u + pci::kDescriptorBytes);
@@ -76,7 +78,7 @@ TEST(PciDma, BurstsKeepToTheRegister) {
   }
 }
 
-/// Several laps, several descriptors at a time, the ring full, records in order.
+/// Several laps, several descriptors together, a full ring, records in order.
 TEST(PciDma, RingWraps) {
   for (const unsigned size : {2u, 3u, 16u, 128u}) {
     SCOPED_TRACE(size);
@@ -112,7 +114,7 @@ TEST(PciDma, SpacesAndScatteredPages) {
   card.map(40, 10);
   card.map(41, 7);
   card.map(42, 10);
-  // The bridge hands on every number that the bus has; each is a memory of its own here.
+  // The bridge passes on every space number of the bus; here each is a memory of its own.
   for (std::uint32_t number = 0; number < 1u << card::kSpaceBits; ++number) {
     const auto space = static_cast<card::Space>(number);
     const auto a = numbers.bytes(4096), b = numbers.bytes(4096);
@@ -154,7 +156,7 @@ TEST(PciDma, RefusedDescriptors) {
   for (const Case& c : cases) {
     const std::uint64_t bursts = card.read(pci::kRegBursts);
     card.submit(c.descriptor);
-    card.submit(make(kData, 64));  // is not served: the ring has halted
+    card.submit(make(kData, 64));  // not served: the ring has halted
     const Result r = card.wait();
     EXPECT_EQ(r.code, c.code);
     EXPECT_EQ(r.bytes, 0u);
@@ -162,10 +164,11 @@ TEST(PciDma, RefusedDescriptors) {
     EXPECT_TRUE(card.halted());
     EXPECT_EQ(card.status_code(), c.code);
     EXPECT_EQ(card.read(pci::kRegFaultAddr), c.fault);
-    EXPECT_EQ(card.read(pci::kRegBursts), bursts + 2) << "descriptor and record, no data";
+    EXPECT_EQ(card.read(pci::kRegBursts), bursts + 2)
+        << "one burst for the descriptor, one for the record, none for data";
     EXPECT_EQ(card.wait(100).code, kNoRecord);
     card.write(pci::kRegControl, 1u << pci::kControlRun);
-    EXPECT_EQ(card.wait(100).code, kNoRecord) << "a halted ring does not run";
+    EXPECT_EQ(card.wait(100).code, kNoRecord) << "a halted ring must not run";
     card.clear();
     card.write(pci::kRegControl, 1u << pci::kControlRun);
     EXPECT_EQ(card.transfer(kData, 64, kSpaceDdr, 0, false).code, pci::kCodeOk);
@@ -175,7 +178,8 @@ TEST(PciDma, RefusedDescriptors) {
   }
 }
 
-/// The address check: refused before any data moves, wherever in the range the bad page is.
+/// The address check refuses a transfer before any data moves, wherever in the range the bad page
+/// is.
 TEST(PciDma, AddressCheck) {
   Running card({}, 16, 512);
   const std::vector<std::uint8_t> untouched(20 * 4096, 0x5A);
@@ -203,7 +207,7 @@ TEST(PciDma, AddressCheck) {
         card.clear();
         card.write(pci::kRegControl, 1u << pci::kControlRun);
       }
-  // Beyond the table, and over its end.
+  // Beyond the table, and across its end.
   card.map_range(20, 25);
   for (const std::uint32_t at : {0x01000000u, 0xFFFFF000u, 0x00FFF000u}) {
     const Result r = card.transfer(at, 8192, kSpaceDdr, 0, false);
@@ -214,8 +218,8 @@ TEST(PciDma, AddressCheck) {
   }
 }
 
-/// Transfers that end a word before their page's end, with it, and a word behind it, from several
-/// places in the page. The page that follows is looked at if and only if data lies in it.
+/// Transfers that end one word before the end of their page, at it, and one word after it. They
+/// start at several places in the page. The next page is checked if and only if data lies in it.
 TEST(PciDma, EndsAtAPage) {
   constexpr std::uint32_t kPage = 4096, kFirst = 20 * kPage;
   for (const bool to_host : {false, true})
@@ -242,7 +246,7 @@ TEST(PciDma, EndsAtAPage) {
             const Result r = card.transfer(kFirst + start, bytes, kSpaceDdr, 0, to_host);
             if (beyond > 0 && !next_mapped) {
               EXPECT_EQ(r.code, pci::kCodeUnmapped);
-              EXPECT_EQ(r.bytes, 0u) << "refused before any data moves";
+              EXPECT_EQ(r.bytes, 0u) << "refused before any data moved";
               EXPECT_EQ(r.fault, next * kPage);
               continue;
             }
@@ -254,7 +258,7 @@ TEST(PciDma, EndsAtAPage) {
           }
 }
 
-/// A core so slow that the FIFO towards it fills up: bursts wait for room, and no word is lost.
+/// A core so slow that the FIFO towards it fills up: bursts wait for space, and no word is lost.
 TEST(PciDma, BurstsWaitForRoom) {
   constexpr std::uint32_t kBytes = 32768;
   Running card({.core_period_ps = 400'000});
@@ -266,7 +270,7 @@ TEST(PciDma, BurstsWaitForRoom) {
   EXPECT_TRUE(same_bytes(card.local(kSpaceDdr).first(kBytes), data));
 }
 
-/// Rings are addressed through the same table; what cannot be reported by a record is in the
+/// Ring addresses go through the same table. An error that no record can report is in the
 /// registers.
 TEST(PciDma, RingsOutsideTheTable) {
   for (const bool descriptors : {true, false}) {
@@ -274,7 +278,7 @@ TEST(PciDma, RingsOutsideTheTable) {
     const std::uint32_t page = descriptors ? BusCard::kRingPage : BusCard::kCompletionPage;
     card.map(page, page, false, descriptors ? false : true);
     card.submit(BusCard::descriptor(kData, 64, kSpaceDdr, 0, false));
-    EXPECT_LT(card.api().run(card.handle(), 50'000'000, 1), 50'000'000u) << "an interrupt";
+    EXPECT_LT(card.api().run(card.handle(), 50'000'000, 1), 50'000'000u) << "no interrupt";
     EXPECT_EQ(card.read(pci::kRegIrqStatus), 1u << pci::kIrqHalted);
     EXPECT_EQ(card.wait().code, kNoRecord);
     EXPECT_TRUE(card.halted());
@@ -313,12 +317,12 @@ TEST(PciDma, SettingsAreChecked) {
        {pci::kRegRingBase, pci::kRegRingSize, pci::kRegCompletionBase, pci::kRegBurst}) {
     EXPECT_TRUE(go(0, 4096, 16, 0));
     card.write(offset, 64);
-    EXPECT_TRUE(card.halted()) << "written while it runs";
+    EXPECT_TRUE(card.halted()) << "written while the ring runs";
     EXPECT_EQ(card.status_code(), pci::kCodeSettings);
   }
   EXPECT_TRUE(go(0, 4096, 16, 0));
   card.write(pci::kRegRingTail, 16);
-  EXPECT_TRUE(card.halted()) << "a tail outside the ring";
+  EXPECT_TRUE(card.halted()) << "tail outside the ring";
 }
 
 TEST(PciDma, MasteringOffHaltsTheRing) {
@@ -347,21 +351,21 @@ TEST(PciDma, InterruptsAndPolling) {
   Running card;
   card.write(pci::kRegIrqMask, 0);
   card.submit(BusCard::descriptor(kData, 64, kSpaceDdr, 0, false));
-  EXPECT_EQ(card.wait().code, pci::kCodeOk) << "polling";
+  EXPECT_EQ(card.wait().code, pci::kCodeOk) << "found by polling";
   EXPECT_EQ(card.api().interrupt(card.handle()), 0);
   EXPECT_EQ(card.read(pci::kRegIrqStatus), 1u << pci::kIrqCompletion);
   card.write(pci::kRegIrqMask, 7);
   card.pass(1'000'000);
   EXPECT_EQ(card.api().interrupt(card.handle()), 1);
-  EXPECT_EQ(card.config(4) >> 19 & 1, 1u) << "interrupt status";
+  EXPECT_EQ(card.config(4) >> 19 & 1, 1u) << "the interrupt status bit";
   card.set_config(4, 0x546);
   card.pass(100'000);
-  EXPECT_EQ(card.api().interrupt(card.handle()), 0) << "interrupt disable";
+  EXPECT_EQ(card.api().interrupt(card.handle()), 0) << "the interrupt disable bit masks INTA#";
   card.set_config(4, 0x146);
   card.write(pci::kRegIrqStatus, 1u << pci::kIrqCompletion);
   card.pass(1'000'000);
   EXPECT_EQ(card.api().interrupt(card.handle()), 0);
-  // The card's own line: up and down, not to be cleared here.
+  // The card's own line rises and falls; this register cannot clear it.
   card.api().local_irq(card.handle(), 1);
   card.pass(1'000'000);
   EXPECT_EQ(card.api().interrupt(card.handle()), 1);
@@ -370,14 +374,14 @@ TEST(PciDma, InterruptsAndPolling) {
   card.api().local_irq(card.handle(), 0);
   card.pass(1'000'000);
   EXPECT_EQ(card.api().interrupt(card.handle()), 0);
-  // One that the host does not see: the record is there all the same.
+  // The host loses an interrupt; the record is there anyway.
   card.fault(CDE_PCI_FAULT_LOST_INTERRUPT, 1);
   card.submit(BusCard::descriptor(kData, 64, kSpaceDdr, 0, false));
   EXPECT_EQ(card.api().run(card.handle(), 50'000'000, 1), 50'000'000u);
   EXPECT_EQ(card.wait(1).code, pci::kCodeOk);
 }
 
-/// Skipping idle clocks changes neither bits nor time, whatever the ratio of the clocks.
+/// Skipping idle cycles changes neither bits nor times, for any ratio of the clocks.
 TEST(PciDma, SkippedClocksChangeNothing) {
   for (const std::uint32_t core : {3'000u, 7'001u, 10'000u, 15'000u, 40'000u}) {
     std::vector<std::uint64_t> seen[2];
@@ -413,7 +417,7 @@ TEST(PciDma, SkippedClocksChangeNothing) {
   }
 }
 
-/// RST# at any time of a transfer: nothing of it is left, and everything works again.
+/// RST# at any time of a transfer: no state survives, and everything works again.
 TEST(PciDma, ResetInMidTransfer) {
   for (const std::uint64_t when : {0u, 200'000u, 1'000'000u, 5'000'000u, 12'345'678u}) {
     Running card;
@@ -429,7 +433,8 @@ TEST(PciDma, ResetInMidTransfer) {
     card.enumerate();
     EXPECT_EQ(card.read(pci::kRegStatus), 0u);
     for (std::uint32_t entry = 0; entry < pci::kPages; entry += 7)
-      ASSERT_EQ(card.read(pci::kPageTable + 8 * entry), 0u) << "the page table is empty";
+      ASSERT_EQ(card.read(pci::kPageTable + 8 * entry), 0u)
+          << "the reset must empty the page table";
     card.map_range(0, 63);
     card.start_ring();
     std::ranges::fill(card.local(kSpaceDdr), 0);

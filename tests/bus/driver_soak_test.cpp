@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver under random faults of every kind: random scenes, motions and modes, every record
-// against the reference; each pass ends in right records or in one clear error, and then in right
-// records. 40 faults of every kind by default, CDE_FULL=1: 10,000.
+// The driver under random faults of every kind, with random scenes, motions and modes. Every record
+// is compared with the reference. Each pass ends in correct records, or in one clear error and then
+// correct records. 40 faults of every kind by default, 10,000 with CDE_FULL=1.
 #include <fmt/format.h>
 
 #include <array>
@@ -15,7 +15,7 @@
 namespace cde::testing {
 namespace {
 
-/// Those of BusFault, and wrong bits in DDR.
+/// The kinds of BusFault, and flipped bits in DDR.
 enum Kind : std::uint32_t { kOneBit = kBusFaults, kCheckBit, kTwoBits, kKinds };
 std::string name_of_kind(std::uint32_t kind) {
   static constexpr const char* kFlips[] = {"one bit", "check bit", "two bits"};
@@ -23,8 +23,8 @@ std::string name_of_kind(std::uint32_t kind) {
 }
 
 struct Tally {
-  std::array<std::uint64_t, kKinds> faults{};  ///< that happened; kHang and kNoGrant: orders;
-                                               ///< bits: that the card noticed
+  std::array<std::uint64_t, kKinds> faults{};  ///< faults that happened. kHang and kNoGrant count
+                                               ///< orders; bits count when the card noticed them
   std::map<std::string, std::uint64_t> errors;
   std::uint64_t passes = 0, records = 0, corrected = 0, resets = 0;
   BusCounters bus;  ///< sums of retries
@@ -39,7 +39,7 @@ class DriverSoak {
         tally_(tally),
         board_(Board::open(rich_config(Bus::kCycle), options(host, narrow))) {}
 
-  /// Until so many faults of every kind happened on this board.
+  /// Runs rounds until `each` faults of every kind happened on this board.
   void run(std::uint64_t each) {
     while (!enough(each)) {
       round(each);
@@ -79,7 +79,7 @@ class DriverSoak {
       if (happened(kind) < each) return false;
     return true;
   }
-  /// One of those there are too few of, most often in a number that is got over.
+  /// Injects a fault whose kind is still rare, mostly in a number that the driver recovers from.
   void hurt(std::uint64_t each) {
     std::uint32_t kind = random_.below(kKinds);
     for (std::uint32_t n = 0; n < kKinds && happened(kind) >= each; ++n) kind = (kind + 1) % kKinds;
@@ -98,7 +98,7 @@ class DriverSoak {
       case BusFault::kNoAnswer:
         count = random_.below(8) == 0 ? kUntilReset : count;
         break;
-      case BusFault::kNoGrant:  // clocks
+      case BusFault::kNoGrant:  // cycles
         count = random_.below(1024) == 0 ? kUntilReset : 1 + random_.below(1000);
         break;
       case BusFault::kHang:
@@ -111,7 +111,7 @@ class DriverSoak {
     ++ordered_[kind];
   }
 
-  /// In a triangle that the next pass sweeps; undone after it.
+  /// Flips bits in a triangle of the next pass; the flip is undone after the pass.
   void flip(Kind kind) {
     if (flipped_ || (stage_ != Stage::kUploaded && stage_ != Stage::kLoaded)) return;
     if (kind == kTwoBits && query_.mode == Mode::kAny) return;  // may end before it reads the word
@@ -155,7 +155,7 @@ class DriverSoak {
     }
   }
 
-  /// Everything again from the start as long as it ends in an error; never for long.
+  /// Repeats the whole sequence while it ends in an error, a limited number of times.
   void round(std::uint64_t each) {
     choose();
     query_ = {.mode = static_cast<Mode>(random_.below(5)), .pair = Pair::kRayTriangle};
@@ -163,10 +163,10 @@ class DriverSoak {
     query_.deadline_clocks = 150'000;
     for (unsigned attempt = 0; !whole(attempt == 0, each); ++attempt) {
       if (::testing::Test::HasFatalFailure()) return;
-      ASSERT_LT(attempt, 30u) << "errors without end";
+      ASSERT_LT(attempt, 30u) << "still errors after 30 attempts";
     }
   }
-  /// Upload, objects, rays, pass; with new faults among them or with what is left of those.
+  /// Upload, objects, rays, pass; with new faults, or with the remaining ones only.
   bool whole(bool faults, std::uint64_t each) {
     const auto reached = [&](Stage stage) {
       stage_ = stage;
@@ -195,15 +195,15 @@ class DriverSoak {
     const bool twice = flipped_ == kTwoBits;
     const auto check = [&](std::span<const Record> some) {
       tally_.records += some.size();
-      if (!twice) checker.check(some);  // records of that triangle are bad
+      if (!twice) checker.check(some);  // records of that triangle are wrong
       reached();
     };
     const Counters c = board_.run(query_, check);
     ++tally_.passes;
     checker.finish();
-    ASSERT_FALSE(twice) << "two wrong bits were not noticed";
+    ASSERT_FALSE(twice) << "no error for two wrong bits";
     if (flipped_ && c.corrected_words > 0) ++ordered_[*flipped_];
-    // Mode any may have ended before it read the word.
+    // Mode kAny may have ended before it read the word.
     EXPECT_TRUE(!flipped_ || c.corrected_words > 0 || query_.mode == Mode::kAny);
     tally_.corrected += c.corrected_words;
     undo_flip();
@@ -228,7 +228,7 @@ class DriverSoak {
     if (bits) {
       ASSERT_EQ(flipped_, kTwoBits) << what;
       ++ordered_[kTwoBits];
-      // A memory that hangs while the driver looks for the word keeps its place to itself.
+      // A memory that hangs during the driver's search leaves the search without a result.
       if (error.code() != ErrorCode::kTimeout) {
         EXPECT_EQ(error.fault()->address, 36 * (word_ / 9)) << what;
       }
@@ -236,7 +236,7 @@ class DriverSoak {
     undo_flip();
     if (lost) come_back();
   }
-  /// A reset fails as long as the card stays away: its faults are used up by attempts.
+  /// A reset fails while the card does not answer; each attempt uses up faults.
   void come_back() {
     for (unsigned attempt = 0; attempt < 100; ++attempt) {
       ++tally_.resets;
@@ -247,7 +247,7 @@ class DriverSoak {
             << error.what();
       }
     }
-    FAIL() << "the card does not come back";
+    FAIL() << "the card did not recover";
   }
 
   Random random_;

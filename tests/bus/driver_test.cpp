@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver on the PCI card: the records of the functional bus, faults and all.
+// The driver on the PCI card gives the records of the functional bus, also under faults.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <ostream>
@@ -49,8 +49,8 @@ struct Fault {
 };
 class PciFaults : public ::testing::TestWithParam<Fault> {};
 
-/// Faults before an upload, before a load and in the middle of a pass: right records, or one clear
-/// error and right records after it.
+/// Faults before an upload, before a load and during a pass: correct records, or one clear error
+/// and correct records after it.
 TEST_P(PciFaults, EndInRightRecordsOrOneClearError) {
   Board board = Board::open(pci_config(), options("good", 256));
   Random random;
@@ -89,7 +89,7 @@ TEST_P(PciFaults, EndInRightRecordsOrOneClearError) {
       static_cast<unsigned long long>(c.pass_retries),
       static_cast<unsigned long long>(c.access_retries),
       static_cast<unsigned long long>(c.lost_interrupts));
-  EXPECT_EQ(errors, 0u) << "one or two faults in a row are less than the driver repeats";
+  EXPECT_EQ(errors, 0u) << "the driver must recover from two faults in a row";
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, PciFaults,
                          ::testing::Values(Fault{"retry", BusFault::kRetry, 1},
@@ -103,9 +103,9 @@ INSTANTIATE_TEST_SUITE_P(Kinds, PciFaults,
                                            Fault{"grant", BusFault::kGrant, 1}),
                          [](const auto& info) { return info.param.name; });
 
-/// Fault after fault while the records of one pass come, at every stage of it: the pass is run
-/// again, and each record is delivered once, in order. With a ring for all of them records come in
-/// pieces of many thousands, with a small one a few at a time.
+/// Repeated faults at every stage of one pass while its records arrive. The driver repeats the pass
+/// and delivers each record once, in order. A large ring delivers many thousands of records
+/// together, a small ring only a few.
 TEST(PciDriverErrors, ARepeatedPassDeliversEachRecordOnce) {
   constexpr std::size_t kRays = 256, kTriangles = 100;
   for (const bool small_ring : {true, false}) {
@@ -142,7 +142,7 @@ TEST(PciDriverErrors, ARepeatedPassDeliversEachRecordOnce) {
   }
 }
 
-/// A transfer that fails in the middle of its data is taken up where it ended, in the card, too.
+/// A transfer that fails in the middle of its data continues where it ended, also on the card.
 TEST(PciDriverErrors, ATransferIsTakenUpWhereItEnded) {
   Board board = Board::open(pci_config(), options("ideal", 256));
   Random random;
@@ -158,7 +158,7 @@ TEST(PciDriverErrors, ATransferIsTakenUpWhereItEnded) {
     ASSERT_TRUE(same_bits(records[i], expected[i])) << "record " << i;
 }
 
-/// More failures in a row than the driver repeats are an error that says what the device said.
+/// More consecutive failures than the driver retries are an error with the device's status.
 TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
   Board board = Board::open(pci_config(), options("ideal"));
   Random random;
@@ -166,7 +166,7 @@ TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
   board.inject(BusFault::kTargetAbort, 1000, 0);
   try {
     board.upload(scene.triangles);
-    FAIL() << "nothing can have been uploaded";
+    FAIL() << "the upload must fail";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kDevice);
     ASSERT_TRUE(error.fault());
@@ -179,7 +179,7 @@ TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
   (void)cast_and_compare(board, scene, {});
 }
 
-// ---- Bits of DDR ----
+// ---- Flipped bits in DDR ----
 
 class PciEcc : public ::testing::Test {
  protected:
@@ -188,7 +188,7 @@ class PciEcc : public ::testing::Test {
     board_.load(scene_.rays);
     expected_ = board_.run(query_);
   }
-  /// Flips of `mask` in a byte, or in the check bits of a word, and back again.
+  /// Flips `mask` in a byte, or in the check bits of a word, and flips it back afterwards.
   template <class F>
   void with_flip(bool check, std::uint64_t at, unsigned mask, const F& then) {
     const auto flip = [&] {
@@ -232,7 +232,7 @@ TEST_F(PciEcc, TwoBitsAreAnErrorThatSaysWhere) {
     with_flip(false, 36 * slot + random_.below(36), 3u << bit, [&] {
       try {
         (void)board_.run(query_);
-        FAIL() << "two wrong bits were not noticed";
+        FAIL() << "no error for two wrong bits";
       } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::kDevice);
         ASSERT_TRUE(error.fault());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a host can do to the card in the middle of a transfer: each fault in both directions, 32 and
-// 64 bits. Those PCI recovers from must not show in the data; the others end in a record that says
-// how much was moved, and a halted ring.
+// Faults of a host in the middle of a transfer: each fault in both directions, with 32 and 64 bits.
+// Faults that PCI recovers from must not change the data. The others end in a record with the
+// number of bytes moved, and in a halted ring.
 #include <algorithm>
 
 #include "bus_card.hpp"
@@ -47,15 +47,15 @@ class PciFault : public ::testing::TestWithParam<FaultSetting> {
     return GetParam().to_host ? card.get(kData, kBytes)
                               : std::vector<std::uint8_t>(local.begin(), local.end());
   }
-  /// Clock by clock, no longer than the longest transfer takes.
+  /// Runs cycle by cycle, at most as long as the longest transfer.
   template <class F>
   void pass_until(F&& over) {
     for (unsigned clock = 0; !over(); ++clock) {
-      ASSERT_LT(clock, 100'000u) << "the card does not get on";
+      ASSERT_LT(clock, 100'000u) << "the transfer makes no progress";
       card.pass(15'000);
     }
   }
-  /// The descriptor's fetch is a transaction too: faults come after it.
+  /// Fetching the descriptor is a transaction as well; the fault comes after it.
   template <class F>
   void after_fetch(F&& fault) {
     card.submit(BusCard::descriptor(kData, kBytes, card::kSpaceDdr, 0, GetParam().to_host));
@@ -68,7 +68,7 @@ class PciFault : public ::testing::TestWithParam<FaultSetting> {
     EXPECT_TRUE(same_bytes(moved(), source));
     EXPECT_FALSE(card.halted());
   }
-  /// `exact`: nothing beyond what the record says has been touched.
+  /// `exact`: no byte beyond the recorded count has changed.
   void fails(pci::Code code, bool exact = true) {
     const Result r = card.wait();
     EXPECT_EQ(r.code, code);
@@ -80,7 +80,7 @@ class PciFault : public ::testing::TestWithParam<FaultSetting> {
         card.api().frame(card.handle(), BusCard::kFirstFree + r.bytes / 4096);
     EXPECT_EQ(r.fault & ~7u, (page << 12) + r.bytes % 4096) << "bus address of the fault";
     if (exact) {
-      // A word whose first half has moved counts as not moved.
+      // If only the first half of a word moved, the word counts as not moved.
       for (std::uint32_t i = r.bytes + 8; i < kBytes; ++i) ASSERT_EQ(got[i], 0xCC) << i;
     }
     EXPECT_TRUE(card.halted());
@@ -142,7 +142,7 @@ TEST_P(PciFault, Parity) {
     fails(pci::kCodeParity, !GetParam().to_host);
     EXPECT_EQ(card.config(4) >> 24 & 1, 1u) << "master data parity error";
     EXPECT_EQ(card.config(4) >> 31, GetParam().to_host ? 0u : 1u)
-        << "detected by the card in a read";
+        << "the card must detect the error in a read";
     EXPECT_EQ(card.read(pci::kRegParityErrors), before + (GetParam().to_host ? 0 : 1));
     card.set_config(4, 0xFFFF0146);
   }
@@ -166,7 +166,7 @@ TEST_P(PciFault, MasterAbort) {
   EXPECT_EQ(card.config(4) >> 29 & 1, 1u) << "received master abort";
 }
 
-/// The frame is that of a page, but nobody has memory there.
+/// The frame is a valid page, but no memory answers there.
 TEST_P(PciFault, PageWithoutMemory) {
   card.write(pci::kPageTable + 8 * 50, 0xE0000003);
   const Result r = card.transfer(50 * 4096 + 80, 64, card::kSpaceDdr, 0, GetParam().to_host);
@@ -175,7 +175,7 @@ TEST_P(PciFault, PageWithoutMemory) {
   EXPECT_EQ(r.bytes, 0u);
 }
 
-/// Without GNT# the latency timer ends the burst, and the card comes back.
+/// Without GNT# the latency timer ends the burst, and the card resumes it later.
 TEST_P(PciFault, GrantTakenAway) {
   for (const std::uint32_t timer : {0u, 8u, 40u, 255u}) {
     SCOPED_TRACE(timer);
@@ -187,7 +187,7 @@ TEST_P(PciFault, GrantTakenAway) {
     EXPECT_TRUE(same_bytes(moved(), source));
     card.fault(CDE_PCI_FAULT_GRANT, 0);
     const std::uint64_t bursts = card.read(pci::kRegBursts) - before;
-    const std::uint64_t whole = 2 + 20;  // descriptor, record, bursts of 512 bytes in pages
+    const std::uint64_t whole = 2 + 20;  // descriptor, record, bursts of 512 bytes within pages
     if (timer == 255)
       EXPECT_EQ(bursts, whole);
     else

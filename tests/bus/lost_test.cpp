@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cards that do not answer and engines that hang, through the public interface: right records after
-// a retry, or one clear error, and right records after reset().
+// Cards that do not answer and engines that hang, through the public interface. Results are correct
+// records after a retry, or one clear error and correct records after reset().
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -60,7 +60,7 @@ class Lost : public ::testing::Test {
     board.set_objects(objects);
     board.set_primary_objects(primary_objects);
   }
-  /// Every call that needs the card.
+  /// Every call that accesses the card.
   std::vector<std::pair<const char*, std::function<void()>>> calls() {
     const Query query{.pair = Pair::kRayTriangle};
     return {
@@ -86,7 +86,7 @@ class Lost : public ::testing::Test {
   }
   void expect_right_after_reset() {
     board.reset();
-    EXPECT_THROW((void)board.run({.pair = Pair::kRayTriangle}), Error) << "rays are gone";
+    EXPECT_THROW((void)board.run({.pair = Pair::kRayTriangle}), Error) << "the rays were dropped";
     (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
     fill();
     EXPECT_EQ(board.run({.pair = Pair::kRayTriangle}).size(), scene.rays.size());
@@ -101,14 +101,15 @@ class Lost : public ::testing::Test {
   std::vector<std::uint64_t> beats{1, 2, 3};
 };
 
-/// On either bus.
+/// Runs on either bus.
 class LostCard : public Lost, public ::testing::WithParamInterface<Bus> {
  protected:
   LostCard() : Lost(GetParam()) {}
 };
 
-/// Whichever call meets it, and all others from then on. (wait(), the last of them, asks the card
-/// nothing if it sees an interrupt, so it does not always meet it.)
+/// Any call may detect the loss, and all later calls then report the same error. The last call,
+/// wait(), does not access the card when it sees an interrupt, so it does not always detect the
+/// loss.
 TEST_P(LostCard, EveryCallIsTheSameErrorUntilReset) {
   const std::size_t all = calls().size();
   for (std::size_t first = 0; first + 1 < all; ++first) {
@@ -126,7 +127,7 @@ TEST_P(LostCard, EveryCallIsTheSameErrorUntilReset) {
     EXPECT_GE(met->fault->clock, before);
     expect_in("lost until reset()", met->what);
     expect_in(fmt::format("clock {}", met->fault->clock), met->what);
-    board.inject(BusFault::kNoAnswer, 0);  // it would answer again, but who knows what it has seen
+    board.inject(BusFault::kNoAnswer, 0);  // the card answers again, but its state is unknown
     for (const auto& [name, other] : call) {
       const auto again = raised(other);
       ASSERT_TRUE(again) << name;
@@ -162,7 +163,7 @@ TEST_P(LostCard, ACardThatStaysAwayStaysLostOverAReset) {
     ASSERT_LT(++resets, 1000u);
     ASSERT_TRUE(raised([&] { board.load(scene.rays); }));
   }
-  EXPECT_GT(resets, 100u) << "an attempt is no more than six transactions";
+  EXPECT_GT(resets, 100u) << "each attempt takes at most six transactions";
   (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
 }
 
@@ -171,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(Buses, LostCard, ::testing::Values(Bus::kFunctional, Bu
                            return info.param == Bus::kCycle ? "Cycle" : "Functional";
                          });
 
-/// Accesses that are repeated are counted, on either bus.
+/// Retried accesses are counted on either bus.
 TEST_P(LostCard, ShortOnesEndRight) {
   const std::uint64_t before = board.bus_counters().access_retries;
   for (unsigned round = 0; round < 10; ++round) {
@@ -186,7 +187,7 @@ TEST_P(LostCard, ShortOnesEndRight) {
 
 // ---- Interrupts ----
 
-/// A pass of one pair by hand, up to its interrupt.
+/// Starts a pass of one pair by hand and waits for its interrupt.
 void one_pair(Board& board) {
   board.write_register(card::kRegCommand, 0);
   board.write_register(card::kRegPrimCount, 1);
@@ -196,25 +197,25 @@ void one_pair(Board& board) {
   EXPECT_LT(board.wait(100'000), 100'000u);
 }
 
-/// The clear is a posted write: it may still be on its way when the driver begins to wait.
+/// The clear is a posted write: it may still be under way when the driver starts to wait.
 TEST_P(LostCard, AnInterruptBeforeAClearDoesNotCount) {
   board.set_objects({});
   board.set_primary_objects({});
   for (const bool lost : {false, true}) {
-    SCOPED_TRACE(lost ? "and was found by asking" : "and was seen");
+    SCOPED_TRACE(lost ? "interrupt lost, found by polling" : "and was seen");
     if (lost && GetParam() == Bus::kCycle) board.inject(BusFault::kLostInterrupt, 1);
     one_pair(board);
-    EXPECT_LT(board.wait(5000), 5000u) << "nobody has cleared it";
+    EXPECT_LT(board.wait(5000), 5000u) << "the interrupt was not cleared";
     board.write_register(card::kRegControl, card::kControlClear);
     EXPECT_GE(board.wait(5000), 5000u);
-    one_pair(board);  // and the next one does count
+    one_pair(board);  // the next one does count
     board.write_register(card::kRegControl, card::kControlClear);
   }
   EXPECT_EQ(board.bus_counters().lost_interrupts, GetParam() == Bus::kCycle ? 1u : 0u);
 }
 
-/// A descriptor that the card cannot even read leaves no completion record: the ring halts, and the
-/// interrupt that says so can be lost as any other.
+/// If the card cannot read a descriptor, it writes no completion record. The ring halts, and the
+/// interrupt of the halt can also be lost.
 TEST_F(Lost, TheInterruptOfAHaltedRingIsCountedToo) {
   for (const unsigned lost : {0u, 1u}) {
     const BusCounters before = board.bus_counters();
@@ -254,7 +255,7 @@ TEST_F(Lost, GrantGivenLate) {
   (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
 }
 
-/// Host memory that retries for ever: the card's retry limit ends it, and nothing is lost.
+/// Host memory that retries forever: the card's retry limit ends it, and nothing is lost.
 TEST_F(Lost, NothingButRetries) {
   board.inject(BusFault::kRetry, kUntilReset);
   const auto met = raised([&] { board.upload(scene.triangles); });
@@ -267,14 +268,14 @@ TEST_F(Lost, NothingButRetries) {
   (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
 }
 
-/// More retries than the card's limit, fewer than the driver's patience.
+/// More retries than the card's limit, fewer than the driver's limit.
 TEST_F(Lost, RetryStorm) {
   board.inject(BusFault::kRetry, 40'000);
   (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
   EXPECT_GE(board.bus_counters().transfer_retries, 2u);
 }
 
-/// A target that inserts wait states for ever: the host itself does not get the bus any more.
+/// A target that inserts wait states forever: the host itself no longer gets the bus.
 TEST_F(Lost, TheBusHangs) {
   board.inject(BusFault::kSlow, 1, ~0u);
   const auto met = raised([&] { board.upload(scene.triangles); });
@@ -336,7 +337,7 @@ TEST_P(Hang, ShortOnesAreWaitedFor) {
   }
 }
 
-/// The deadline in modelled time ends the pass; the abort waits for memory, and ends with it.
+/// The deadline in modelled time ends the pass. The abort waits for memory and ends with it.
 TEST_P(Hang, TheDeadlineEndsThePass) {
   Query hasty = query;
   hasty.deadline_clocks = 20'000;
@@ -350,7 +351,7 @@ TEST_P(Hang, TheDeadlineEndsThePass) {
   expect_same();
 }
 
-/// Only a reset ends this one: rays and objects are in the card again with the next pass.
+/// Only a reset ends this hang. The next pass loads rays and objects again.
 TEST_P(Hang, AnAbortThatDoesNotEndBecomesAReset) {
   board.move_object(0, {.translation = {0.125f, 0, 0}});
   expected = board.run(query);
@@ -376,10 +377,10 @@ TEST_P(Hang, TheWatchdogEndsThePass) {
   expect_same();
 }
 
-/// On a bus that can fail as well.
+/// The tests of buses that can also fail.
 class HangAndBus : public Hang {};
 
-/// Nothing of what is restored may be lost if the bus fails while it is.
+/// A bus fault during recovery must not lose any restored state.
 TEST_P(HangAndBus, AnInterruptedRecoveryIsTakenUpAgain) {
   board.inject(BusFault::kHang, kUntilReset);
   ASSERT_TRUE(raised([&] { (void)board.run(query); }));
@@ -396,7 +397,7 @@ INSTANTIATE_TEST_SUITE_P(Buses, Hang, ::testing::Values(Bus::kFunctional, Bus::k
 INSTANTIATE_TEST_SUITE_P(Buses, HangAndBus, ::testing::Values(Bus::kCycle),
                          [](const auto&) { return "Cycle"; });
 
-// ---- Names ----
+// ---- Names of faults ----
 
 TEST(BusFaults, NamesAreReadBack) {
   for (std::uint32_t kind = 0; kind < kBusFaults; ++kind) {

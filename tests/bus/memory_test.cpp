@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// DDR with the timing of banks, rows and refresh: the records of ideal memory, in nearly its time.
+// DDR with the timing of banks, rows and refresh: the records of ideal memory in nearly the same
+// time.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ class MemoryTimes : public ::testing::TestWithParam<MemorySetting> {
     std::uint64_t ps;
     MemoryCounters memory;
   };
-  /// Sixteen rays on sixteen lanes: a slot a clock, as fast as a card reads.
+  /// Sixteen rays on sixteen lanes: one slot per cycle, the fastest rate of a card.
   static Ran run(Memory memory, std::uint32_t period_ps, std::span<const Triangle> triangles,
                  std::span<const Ray> rays) {
     BoardConfig config = host_config();
@@ -54,7 +55,8 @@ TEST_P(MemoryTimes, AreNearlyThoseOfIdealMemory) {
     const Eigen::Vector3f at(random.in(0, 1), random.in(0, 1), 1.1f);
     rays.push_back({.o = box.min() + box.sizes().cwiseProduct(at), .d = {0, 0, -1}});
   }
-  // At 200 MHz the card asks for all that the modules have; uploads over PCI signals take long.
+  // At 200 MHz the card needs the whole bandwidth of the modules. Uploads over PCI signals are
+  // slow.
   std::vector<std::uint32_t> periods = {10'000};
   if (GetParam().bus == Bus::kFunctional) periods.push_back(5'000);
   for (const std::uint32_t period_ps : periods)
@@ -77,12 +79,12 @@ TEST_P(MemoryTimes, AreNearlyThoseOfIdealMemory) {
       EXPECT_NEAR(static_cast<double>(ideal.ps), static_cast<double>(cycle.ps),
                   0.05 * static_cast<double>(cycle.ps));
       EXPECT_EQ(ideal.memory.bursts, 0u);
-      // Two triangles of 36 bytes a burst of 72; rows of 36,864 bytes, opened again by a refresh.
+      // Two triangles of 36 bytes per burst of 72 bytes. A refresh reopens rows of 36,864 bytes.
       EXPECT_EQ(cycle.memory.bursts, (count + 1) / 2);
       EXPECT_GE(cycle.memory.row_misses, count * 36 / 36'864 + 1);
       EXPECT_LE(cycle.memory.row_misses, count * 36 / 36'864 + 1 + cycle.memory.refreshes * 2);
       if (count > 1000) {
-        // A refresh every 7.8125 us of the time in which DDR is read.
+        // One refresh per 7.8125 us of the time in which DDR is read.
         const double passes = static_cast<double>(count * period_ps) / 7'812'500;
         EXPECT_NEAR(static_cast<double>(cycle.memory.refreshes), passes, 0.05 * passes + 1);
       }

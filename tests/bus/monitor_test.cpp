@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The protocol checker itself: legal transactions pass, and each rule broken in one of them is
-// named.
+// The protocol checker itself: legal transactions pass, and each broken rule is named.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -17,7 +16,7 @@ using pci::Drive;
 struct Clock {
   Drive master, target;
   bool granted = true;
-  bool spoil = false;  // PAR
+  bool spoil = false;  // wrong PAR
 };
 using Trace = std::vector<Clock>;
 
@@ -59,7 +58,7 @@ Trace transaction(bool write, bool wide) {
   return t;
 }
 
-/// The first data phase is the last: disconnected with data.
+/// A disconnect with data in the first phase, which is then the last.
 Trace disconnected(bool write) {
   Trace t = transaction(write, false);
   drive(t[5].target, pci::kStop, true);
@@ -77,7 +76,7 @@ std::string check(const Trace& trace) {
     for (int i = 0; i < 2; ++i) {
       if (ad[i]) d[i].enable |= pci::kPar;
       if (ad64[i]) d[i].enable |= pci::kPar64;
-      d[i].set(pci::kPar, par == clock.spoil);  // low is 0
+      d[i].set(pci::kPar, par == clock.spoil);  // signals are active low
       d[i].set(pci::kPar64, !par64);
       ad[i] = d[i].drives(pci::kAd);
       ad64[i] = d[i].drives(pci::kAd64);

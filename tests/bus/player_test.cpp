@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes on the card behind PCI while its bus goes wrong: right records, or one clear error.
+// Scenes on the card behind PCI with bus faults: correct records, or one clear error.
 #include "cde/scene/player.hpp"
 
 #include <fmt/format.h>
@@ -33,7 +33,7 @@ mode = "all"
 
 class PlayerFaults : public ::testing::Test {
  protected:
-  /// The bitstream of the driver's tests: a small DDR, a ring of 64 records.
+  /// The model of the driver's tests: a small DDR, a ring of 64 records.
   static Plan planned(const Scene& scene) {
     Plan p = plan(scene);
     p.board = pci_config();
@@ -65,7 +65,7 @@ TEST_F(PlayerFaults, OfEveryKindAndTheRecordsAreRight) {
   play(5);
   std::vector<bool> injected(10, true);
   injected[9] = false;
-  EXPECT_EQ(player.injected(), injected) << "frame 5 is still to come";
+  EXPECT_EQ(player.injected(), injected) << "frame 5 has not run yet";
   play(6);
   EXPECT_EQ(player.injected(), std::vector<bool>(10, true));
   const BusCounters c = player.board().bus_counters();
@@ -78,7 +78,7 @@ TEST_F(PlayerFaults, ThatStayAreOneError) {
   play(2);
   try {
     (void)player.play(2);
-    FAIL() << "nothing can have been uploaded";
+    FAIL() << "the upload must fail";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kDevice);
     EXPECT_EQ(exit_status(error.code()), 4);

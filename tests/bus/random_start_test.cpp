@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cards as power leaves them: every register random and inputs random before the reset
-// (verilator/models/random_start.h). What comes out is what a card that starts as zeros gives,
-// clock for clock, on both buses.
+// Cards after power-up: every register is random, and inputs are random before the reset
+// (verilator/models/random_start.h). Results equal those of a card that starts with zeros, cycle
+// for cycle, on both buses.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ std::vector<Pair> every_pair() {
   return all;
 }
 
-/// Every shape and every mode: a query of each pair, or of few pairs one in each mode.
+/// Every shape and every mode: one query per pair, or one per mode if there are few pairs.
 std::string scene_of(const BoardConfig& card) {
   const bool few = card.pairs.size() < 5;
   const unsigned count = few ? 40 : 7;
@@ -60,7 +60,7 @@ std::string scene_of(const BoardConfig& card) {
   return text;
 }
 
-/// A card and the bus that it is on.
+/// A card and its bus.
 struct Start {
   const char* name;
   Bus bus;
@@ -85,7 +85,7 @@ BoardConfig card_of(const Start& start) {
           .ecc = true};
 }
 
-/// Clocks of every query, when every record was right; with what the bus took.
+/// Cycles of every query and the bus time, after a check of every record.
 struct Played {
   std::vector<std::tuple<std::uint64_t, std::uint64_t, std::uint64_t>> clocks;
   std::uint64_t hits = 0, compared = 0;

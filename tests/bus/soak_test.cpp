@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random traffic, random faults, and a scoreboard: every byte of host memory, of the card's memory,
-// of its registers and of the page table is where it should be, none lost, doubled or wrong;
-// nothing hangs. 20,000 bus transactions by default, CDE_FULL=1: 1,000,000 and 10,000 faults.
+// Random traffic and random faults with a scoreboard. Every byte of host memory, card memory,
+// registers and page table is in its place: none lost, repeated or wrong, and no hang. 20,000 bus
+// transactions by default; 1,000,000 transactions and 10,000 faults with CDE_FULL=1.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -32,7 +32,7 @@ class Soak {
     while ((card_.counters().transactions + accesses_ < transactions || faults_ < faults) &&
            !::testing::Test::HasFatalFailure()) {
       batch();
-      ASSERT_LT(batches_, transactions) << "no transactions, or no faults";
+      ASSERT_LT(batches_, transactions) << "too few transactions or faults";
       if (++batches_ % 64 == 0) compare_all();
       if (batches_ % 500 == 0) restart_with_other_settings();
     }
@@ -66,7 +66,7 @@ class Soak {
     restart();
   }
 
-  /// A few descriptors at a time, with accesses of the host and faults in between.
+  /// A few descriptors together, with host accesses and faults in between.
   void batch() {
     std::vector<Move> moves(1 + numbers_.below(4));
     for (Move& m : moves) {
@@ -76,7 +76,7 @@ class Soak {
       m.to_host = numbers_.below(2) != 0;
       card_.stage(BusCard::descriptor(kBase + m.at, m.bytes, card::kSpaceDdr, m.offset, m.to_host));
     }
-    // Before the descriptor is fetched, or anywhere in its transfer.
+    // The fault comes before the fetch of the descriptor, or anywhere in its transfer.
     const bool faulty = numbers_.below(3) == 0, early = numbers_.below(4) == 0;
     if (faulty && early) fault();
     card_.publish();
@@ -88,7 +88,7 @@ class Soak {
     for (std::uint32_t n = numbers_.below(4); n > 0; --n) access();
     for (const Move& m : moves) {
       const Result r = card_.wait(5'000);
-      if (r.code == kNoRecord) {  // the ring halted without a record for this one
+      if (r.code == kNoRecord) {  // the ring halted without a record for this move
         ASSERT_TRUE(card_.halted()) << "hang";
         ASSERT_NE(card_.status_code(), pci::kCodeOk);
         ++failed_;
@@ -118,7 +118,8 @@ class Soak {
       std::copy_n(host_.begin() + m.at, bytes, local_.begin() + m.offset);
   }
 
-  /// What an unfinished write may have left behind: each byte old or new. Taken over once checked.
+  /// Bytes of an unfinished write: each is old or new. The scoreboard takes them over after the
+  /// check.
   void uncertain(const Move& m) {
     card_.pass(5'000'000);
     const auto now = m.to_host ? card_.get(kBase + m.at, m.bytes)
@@ -158,7 +159,7 @@ class Soak {
     }
   }
 
-  /// Registers of the card, entries of the page table that nothing uses, bad parity.
+  /// Accesses to registers of the card, unused page-table entries, and bad parity.
   void access() {
     ++accesses_;
     const std::uint32_t i = numbers_.below(64);
@@ -190,7 +191,7 @@ class Soak {
         t.waits = numbers_.below(3);
         t.enable[0] = t.enable[1] = 0xF;
         const Ending result = card_.transact(t);
-        // One half bad: neither is written. Retried for want of room: no data phase at all.
+        // If one half is bad, neither is written. A retry for lack of space has no data phase.
         ASSERT_TRUE(result == CDE_PCI_PARITY ||
                     (result == CDE_PCI_OK && t.done < t.bad_data_parity))
             << ::testing::PrintToString(result);
@@ -206,10 +207,10 @@ class Soak {
     const auto local = card_.local(card::kSpaceDdr).first(kLocal);
     ASSERT_EQ(std::ranges::mismatch(host, host_).in1 - host.begin(),
               static_cast<std::ptrdiff_t>(host.size()))
-        << "host memory differs from there on";
+        << "first difference in host memory";
     ASSERT_EQ(std::ranges::mismatch(local, local_).in1 - local.begin(),
               static_cast<std::ptrdiff_t>(local.size()))
-        << "the card's memory differs from there on";
+        << "first difference in card memory";
     for (std::uint32_t i = 0; i < 64; ++i) {
       ASSERT_EQ(card_.read(kRegister + 8 * i), registers_[i]);
       ASSERT_EQ(card_.read(pci::kPageTable + 8 * (kEntry + i)), table_[i]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Modelled time of the functional bus, which computes what PCI takes, against that of the card
-// whose PCI signals are simulated clock by clock: the same records, and times within 5 %.
+// Modelled time of the functional bus, compared with a card whose PCI signals are simulated cycle
+// by cycle. Records are the same, and times agree within 5 %.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ class Twins {
   Twins(const BoardConfig& config, const TimeSetting& s)
       : functional_(open(config, Bus::kFunctional, s)), cycle_(open(config, Bus::kCycle, s)) {}
 
-  /// Modelled picoseconds of what `f` does to a board: on both.
+  /// Modelled picoseconds of `f` on both boards.
   struct Times {
     double functional, cycle;
     [[nodiscard]] double ratio() const { return functional / cycle; }
@@ -68,7 +68,7 @@ void expect_close(const Twins::Times& t, const std::string& what) {
   EXPECT_NEAR(t.functional, t.cycle, kTolerance * t.cycle) << what;
 }
 
-/// Uploads a scene and runs it in every mode; returns the smallest and largest ratio seen.
+/// Uploads a scene and runs it in every mode; checks that the times agree.
 void compare(Twins& twins, const RayScene& scene, const std::string& name) {
   Twins::Times total = twins.time([&](Board& b) { b.upload(scene.triangles, false); });
   expect_close(total, "upload, " + name);
@@ -81,8 +81,9 @@ void compare(Twins& twins, const RayScene& scene, const std::string& name) {
       records.push_back(b.run({.mode = mode}, &counters[records.size()]));
     });
     expect_close(t, fmt::format("load and run, mode {}, {}", name_of(mode), name));
-    EXPECT_DOUBLE_EQ(static_cast<double>(counters[0].time.total()), t.functional) << "its parts";
-    EXPECT_DOUBLE_EQ(static_cast<double>(counters[1].time.total()), t.cycle) << "its parts";
+    EXPECT_DOUBLE_EQ(static_cast<double>(counters[0].time.total()), t.functional)
+        << "sum of its parts";
+    EXPECT_DOUBLE_EQ(static_cast<double>(counters[1].time.total()), t.cycle) << "sum of its parts";
     EXPECT_EQ(counters[0].pairs, counters[1].pairs);
     ASSERT_EQ(records[0].size(), records[1].size());
     for (std::size_t i = 0; i < records[0].size(); ++i)
@@ -115,7 +116,7 @@ TEST_P(BusTimes, AreThoseOfTheSignals) {
 }
 INSTANTIATE_TEST_SUITE_P(CorePeriods, BusTimes, ::testing::Values(20'000u, 10'000u, 5'000u));
 
-/// Whenever the ring of records is full the pass waits for the host, again and again.
+/// Whenever the record ring is full, the pass waits for the host.
 TEST(BusTimesOfAFullRing, AreThoseOfTheSignals) {
   Random random;
   const RayScene scene = cloud(random, 60, 100);

@@ -1,19 +1,21 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# cde fp: TestFloat's line format, names and errors. Usage: cli.sh CDE fp32|formats; `formats` builds units of the other formats, too.
+# cde fp: TestFloat's line format, names and errors. Usage: cli.sh CDE fp32|formats; `formats` also builds units of the
+# other formats.
 set -euo pipefail
 cde=$1
 failures=0
-# expect WANT_STATUS WANT_OUTPUT INPUT ARGUMENTS...; of stderr only the first line counts, and only when the status is not 0
+# expect WANT_STATUS WANT_OUTPUT INPUT ARGUMENTS... On stderr only the first line counts, and only if the status is not
+# 0.
 expect() {
   local status=0 got want_status=$1 want=$2 input=$3
   shift 3
   got=$(printf '%b' "$input" | "$cde" fp "$@" 2>/tmp/cde-fp-err.$$) || status=$?
   [[ $status == 0 ]] || got=$(head -1 /tmp/cde-fp-err.$$)
   rm -f /tmp/cde-fp-err.$$
-  # shellcheck disable=SC2053  # what is wanted may be a pattern
+  # shellcheck disable=SC2053  # the expected output may be a pattern
   if [[ $status != "$want_status" || $got != $want ]]; then
-    printf 'cde fp %s: status %s, wanted %s\n  got    %s\n  wanted %s\n' "$*" "$status" "$want_status" "$got" "$want" >&2
+    printf 'cde fp %s: status %s, expected %s\n  got      %s\n  expected %s\n' "$*" "$status" "$want_status" "$got" "$want" >&2
     failures=$((failures + 1))
   fi
 }
@@ -29,11 +31,13 @@ for arith in rtl host; do
   expect 0 '' '' add "${unit[@]}" $arith
 done
 
-# The lines of testfloat_gen and testfloat_ver (Berkeley TestFloat 3, doc/testfloat_ver.html and its writeHex.c): operands,
-# result and flags, one space between, upper case, as many digits as the type has: 4 for f16, 8 for f32, i32 and ui32, 16 for
-# f64, i64 and ui64; comparisons answer 0 or 1; flags are two digits; the line ends with a line feed. Input may be lower case,
-# and end with carriage return and line feed. lt and le signal on a quiet NaN, eq does not.
-# line LANES OPERATION OPERANDS RESULT_AND_FLAGS
+# The line format of testfloat_gen and testfloat_ver (Berkeley TestFloat 3, doc/testfloat_ver.html and its writeHex.c):
+# - A line holds operands, result and flags, with one space between them, in upper case, and ends with a line feed.
+# - Words have the digits of their type: 4 for f16; 8 for f32, i32 and ui32; 16 for f64, i64 and ui64.
+# - Comparisons answer 0 or 1. Flags are two digits.
+# - Input may be lower case, and may end with carriage return and line feed.
+# - lt and le signal on a quiet NaN, eq does not.
+# Usage: line LANES OPERATION OPERANDS RESULT_AND_FLAGS
 line() {
   local arith
   for arith in rtl host; do expect 0 "$3 $4" "$3\n" "$2" --lanes "$1" --arith $arith; done
@@ -43,7 +47,7 @@ line 8 f32_to_bf16 '3F818000' '3F82 01'
 line 8 f32_to_i32_rx_minMag '3FC00000' '00000001 01'
 line 8 f32_to_i32_r_minMag '3FC00000' '00000001 00'
 if [[ $2 == formats ]]; then
-  # Formats whose 32-bit container has no room beside the significand: a product, a carry, an overflow.
+  # Formats that fill their 32-bit container: a product, a carry, an overflow.
   for arith in rtl host; do
     expect 0 'D3920869 D3920869 683BAF35 01' 'D3920869 D3920869\n' mul -f e7m24 --lanes 2 --arith $arith
     expect 0 '6FFFFFFF 6FFFFFFF 70000000 05' '6FFFFFFF 6FFFFFFF\n' add -f e3m28 --lanes 2 --arith $arith
@@ -71,7 +75,7 @@ expect 0 $'3F80ABCE 40000000 404055E7 00' '3f80abce 40000000\r\n' f32_add "${uni
 [[ $(printf '3F800000 40000000\n' | "$cde" fp f32_add "${unit[@]}" rtl | od -An -c | tr -d ' \n') == '3F800000400000004040000000\n' ]] ||
   { echo "cde fp: a line does not end with a line feed alone" >&2; failures=$((failures + 1)); }
 expect 2 "*operation 'f32_add_rx_minMag'*" '' f32_add_rx_minMag "${unit[@]}" host
-# As a coprocess: every line is answered while the pipe stays open, also one that comes in two parts.
+# As a coprocess: every line is answered while the pipe stays open, also a line that arrives in two parts.
 coproc FP { exec "$cde" fp f32_add "${unit[@]}" host; }
 answered=''
 for sum in '3F800000 40000000 40400000 00' '40000000 40000000 40800000 00'; do
@@ -86,7 +90,7 @@ in=${FP[1]}
 exec {in}>&-
 wait "$pid"
 [[ -z $answered ]] || { echo "cde fp as a coprocess answers$answered" >&2; failures=$((failures + 1)); }
-# What stands before a bad line is answered, what comes after it is not.
+# Lines before a bad line are answered, lines after it are not.
 good=$(printf '3F800000 40000000\nx 1\n40000000 40000000\n' | "$cde" fp add "${unit[@]}" host 2>/dev/null) && failures=$((failures + 1))
 [[ $good == '3F800000 40000000 40400000 00' ]] || { echo "cde fp: before a bad line: '$good'" >&2; failures=$((failures + 1)); }
 expect 2 "*stdin line 2: operand 1 is not hexadecimal: 'x 1'*" '1 1\nx 1\n' add "${unit[@]}" host

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every operand of the tiny formats, every fp16 square root and conversion, all special values
-// crossed, rounding boundaries.
+// Every operand of the tiny formats, every fp16 square root and conversion, all pairs of special
+// values, and rounding boundaries.
 #include "operands.hpp"
 #include "unit_check.hpp"
 
@@ -80,7 +80,7 @@ TEST_P(Unit, SpecialValuesCrossed) {
     }
   }
   check.finish();
-  EXPECT_EQ(check.other_nans() > 0, GetParam().any_nan()) << "CANON reaches the back end";
+  EXPECT_EQ(check.other_nans() > 0, GetParam().any_nan()) << "the back end must follow CANON";
 }
 
 TEST_P(Unit, RoundingBoundaries) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The latency is exact: a unit that streams different operands every clock gives each result that
-// many clocks later. apply() reads a result LAT clocks after its operands and not a clock before or
-// after, so one slip would give a neighbour's result.
+// The latency is exact. A unit gets different operands every cycle, and each result must appear
+// exactly LAT cycles later. apply() reads a result only in that cycle, so an error of one cycle
+// would return a neighbour's result.
 #include "cde/support/error.hpp"
 #include "operands.hpp"
 #include "unit_check.hpp"

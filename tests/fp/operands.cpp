@@ -63,17 +63,17 @@ std::vector<std::pair<uint64_t, uint64_t>> boundary_pairs(FpFormat f, std::mt199
     const uint64_t x = random(), y = random();
     const int e = static_cast<int>(random() % static_cast<uint64_t>(largest + 1));
     for (int below = 0; below <= 3;
-         below++) {  // y is about half of the last place of x, and a hair more or less
+         below++) {  // y is about half an ulp of x, or slightly more or less
       const int half = e - f.man_bits - 1 + below;
       if (half > 0)
         for (const uint64_t hair : {uint64_t{0}, uint64_t{1}, f.fraction_mask()})
           add(word(e, x), word(half, hair));
     }
     for (int edge = -f.man_bits - 3; edge <= 3;
-         edge++)  // products and quotients around the smallest normal and subnormal
+         edge++)  // products and quotients near the smallest normal and subnormal numbers
       add(word(e, x), word(edge + f.bias() + 1 - e, y)),
           add(word(e, x), word(e + f.bias() - 1 - edge, y));
-    for (int edge = -2; edge <= 2; edge++)  // and around overflow
+    for (int edge = -2; edge <= 2; edge++)  // and near overflow
       add(word(e, x), word(largest + f.bias() + edge - e, y)),
           add(word(e, x), word(e - f.bias() - 1 + edge, y));
     add(word(largest, f.fraction_mask()),

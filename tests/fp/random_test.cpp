@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random operands on every bitstream against the reference: results and flags of both back ends.
+// Random operands on every simulation model: results and flags of both back ends equal the
+// reference.
 #include "operands.hpp"
 #include "unit_check.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference itself: against the host's FPU with its flags, and against a search for the nearest
+// The reference itself, against the host's FPU with its flags, and against a search for the nearest
 // word in the tiny formats.
 #include "cde/fp/fp_reference.hpp"
 
@@ -73,7 +73,7 @@ void compare_with_host(FpFormat f) {
     const auto [a, b] = random_pair(f, random);
     check(a, b);
   }
-  EXPECT_GT(flagged, 10000);  // the edges were met
+  EXPECT_GT(flagged, 10000);  // the edges were reached
 }
 
 TEST(FpReference, Fp32IsTheHosts) {
@@ -83,9 +83,9 @@ TEST(FpReference, Fp64IsTheHosts) {
   compare_with_host<double>({11, 52});
 }
 
-/// The word of a tiny format nearest to x (which double holds exactly, or nearly so and never next
-/// to a tie), found by looking at all of them; the value after the largest finite one stands for
-/// infinity.
+/// The nearest word of a tiny format to x, from a search over all words. The value after the
+/// largest finite one stands for infinity. A double holds x exactly, or so closely that ties are
+/// not affected.
 uint64_t nearest_by_search(FpFormat f, double x, bool minus) {
   const double magnitude = std::fabs(x);
   uint64_t best = 0;

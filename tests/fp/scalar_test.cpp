@@ -93,7 +93,7 @@ TYPED_TEST(Scalar, BitsMoveOnWires) {
     const TypeParam x = of<TypeParam>(word);
     EXPECT_EQ((-x).bits(), word ^ f.sign_bit());
     EXPECT_EQ(abs(x).bits(), word & ~f.sign_bit());
-    // Operators give positive NaN only.
+    // Operators give positive NaNs only.
     EXPECT_EQ(reference::move_sign(x, TypeParam(-1)).bits(),
               f.encode(-1) ^ (f.is_nan(word) ? 0 : word & f.sign_bit()));
     EXPECT_EQ(isnan(x), f.is_nan(word));
@@ -118,7 +118,7 @@ TYPED_TEST(Scalar, LimitsAreThoseOfTheFormat) {
             std::ldexp(2 - std::ldexp(1.0, -f.man_bits), Limits::max_exponent - 1));
 }
 
-/// float and double have min and max of the operators too.
+/// min and max of float and double equal those of the operators.
 TEST(ScalarOps, MinAndMaxOfNativeTypesAreTheUnits) {
   const FpFormat f{8, 23};
   int zeros = 0;

@@ -12,18 +12,18 @@
 
 namespace cde::testing {
 
-/// A bitstream that the build made for these tests.
+/// A simulation model that the build made for these tests.
 struct TestUnit {
   std::string label;
   FpFormat format;
   std::string arith;
   std::string path;
-  std::string parameters;  ///< those beyond format, lanes and back end: NAME=VALUE;...
+  std::string parameters;  ///< parameters besides format, lanes and back end: NAME=VALUE;...
 
   [[nodiscard]] bool gives(const char* parameter) const {
     return parameters.find(parameter) != std::string::npos;
   }
-  /// Arithmetic may give any NaN where the reference gives the canonical one.
+  /// Whether arithmetic may return any NaN where the reference returns the canonical NaN.
   [[nodiscard]] bool any_nan() const { return gives("CANON=0"); }
 };
 inline void PrintTo(const TestUnit& u, std::ostream* out) {
@@ -31,8 +31,8 @@ inline void PrintTo(const TestUnit& u, std::ostream* out) {
 }
 const std::vector<TestUnit>& test_units();
 
-/// The units that the predicate holds for. Tests are instantiated with these alone, so that a skip
-/// always means that something was not checked.
+/// The units for which the predicate holds. Tests are instantiated with these alone, so a skipped
+/// test always means a missing check.
 template <class Predicate>
 std::vector<TestUnit> units_where(Predicate holds) {
   std::vector<TestUnit> units;
@@ -47,8 +47,8 @@ FpUnit load(const TestUnit& unit);
 const char* op_name(FpOp op);
 
 /// Runs operations on a unit and compares every result and every flag with the reference. A
-/// mismatch prints the operands and the command that repeats it. Units that may give any NaN owe a
-/// NaN where the reference has one, and the reference's bits everywhere else.
+/// mismatch prints the operands and the command that repeats it. Units that may return any NaN must
+/// return a NaN where the reference does, and the reference's bits elsewhere.
 class UnitCheck {
  public:
   explicit UnitCheck(const TestUnit& unit) : test_(unit), unit_(load(unit)) {}
@@ -57,9 +57,9 @@ class UnitCheck {
   [[nodiscard]] bool has(FpOp op) const;
   [[nodiscard]] FpUnit& unit() { return unit_; }
   void add(FpOp op, uint64_t a, uint64_t b = 0);
-  /// Compares what was added; called for full batches and by finish().
+  /// Compares the queued operations; called for full batches and by finish().
   void finish();
-  /// NaNs so far that were not the canonical one.
+  /// Number of NaNs so far that were not canonical.
   [[nodiscard]] uint64_t other_nans() const { return other_nans_; }
 
  private:

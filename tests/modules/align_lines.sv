@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Delay lines as synthesis has them, of memories, beside those of registers that everything else is simulated with.
+// Delay lines in memories, as in synthesis, next to the register delay lines that all other simulations use.
 module align_lines (
     input logic clk_i,
     input logic [36:0] d_i,
-    output logic [6:0] differ_o  // after 5, 6, 9, 17, 18, 22 and 61 clocks: the least, all of one memory, and several
+    output logic [6:0] differ_o  // after 5, 6, 9, 17, 18, 22 and 61 cycles: the shortest, one memory, and several memories
 );
   localparam logic [6:0][31:0] CLOCKS = {32'd61, 32'd22, 32'd18, 32'd17, 32'd9, 32'd6, 32'd5};
   for (genvar i = 0; i < 7; i++) begin : line

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Delay lines of memories against those of registers.
+// Delay lines in memories against delay lines in registers.
 #include <gtest/gtest.h>
 
 #include "AlignLines.h"
@@ -8,7 +8,7 @@
 namespace cde::testing {
 namespace {
 
-// A line has no reset: what it starts with comes out first, and may cost the first word.
+// A line has no reset: its start values come out first and may hide the first word.
 TEST(Align, LinesOfMemoriesDelayAsLinesOfRegisters) {
   constexpr int kLongest = 61;
   Clocked<AlignLines> lines;
@@ -18,11 +18,11 @@ TEST(Align, LinesOfMemoriesDelayAsLinesOfRegisters) {
     lines->d_i = engine() >> 27;  // 37 bits
     lines.clock();
     if (clock > kLongest)
-      ASSERT_EQ(lines->differ_o, 0) << "clock " << clock;
+      ASSERT_EQ(lines->differ_o, 0) << "cycle " << clock;
     else
       differed |= unsigned{lines->differ_o};
   }
-  EXPECT_EQ(differed, 0x7fu);  // what they start with does
+  EXPECT_EQ(differed, 0x7fu);  // the start values differ
 }
 
 }  // namespace

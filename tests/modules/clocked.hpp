@@ -7,7 +7,7 @@
 
 namespace cde::testing {
 
-/// A module by itself: registers start with random values, and a clock is one call.
+/// A module alone: registers start with random values, and one call is one cycle.
 template <class Module>
 class Clocked {
  public:
@@ -17,7 +17,7 @@ class Clocked {
     module_ = std::make_unique<Module>(&context_);
   }
   ~Clocked() {
-    // Verilator takes a module's scopes off the context of whatever the thread ran last.
+    // Verilator removes a module's scopes from the last context of the thread.
     Verilated::threadContextp(&context_);
     module_->final();
   }
@@ -25,7 +25,7 @@ class Clocked {
   Clocked& operator=(const Clocked&) = delete;
   Module* operator->() { return module_.get(); }
 
-  /// Outputs to these inputs.
+  /// Settles the outputs for the current inputs.
   void settle() {
     module_->clk_i = 0;
     module_->eval();
@@ -43,7 +43,7 @@ class Clocked {
   std::unique_ptr<Module> module_;
 };
 
-/// Small numbers, the same in every run.
+/// Small random numbers, the same in every run.
 class Dice {
  public:
   unsigned below(unsigned n) { return static_cast<unsigned>(engine_() % n); }

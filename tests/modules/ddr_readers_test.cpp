@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Readers that share DDR's read port: random requests that are held or taken back, and a memory
-// that answers when it likes.
+// Readers share the read port of DDR. Requests are random, held or withdrawn, and memory answers
+// after random delays.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kReaders = 4, kNobody = 2, kUsed = 0b1011, kDepth = 8;  // as CMakeLists.txt has
 
-/// Requests as the module has them, card_pkg::ddr_request_t: 33 bits each, whether it asks on top.
+/// Packs a request as card_pkg::ddr_request_t: 33 bits each, with the valid bit on top.
 template <class Words>
 void put(Words& words, unsigned reader, bool asks, std::uint32_t word) {
   for (unsigned bit = 0; bit < 33; ++bit) {
@@ -33,17 +33,18 @@ std::uint32_t word(std::uint64_t request) {
   return static_cast<std::uint32_t>(request);
 }
 
-/// A request that DDR owes an answer to.
+/// An outstanding request to DDR.
 struct Asked {
   unsigned reader;
   std::uint32_t word;
   unsigned due;
 };
 
-/// Readers and memory around the module, and what must be true of it in every clock.
+/// Readers and memory around the module, with checks in every cycle.
 class Traffic {
  public:
-  /// Of 16 clocks a reader begins to ask in `asks`; DDR answers an old enough request in `answers`.
+  /// A reader starts a request in `asks` of 16 cycles. DDR answers an old enough request in
+  /// `answers` of 16 cycles.
   void run(unsigned clocks, unsigned asks, unsigned answers) {
     for (const unsigned end = clock_ + clocks; clock_ < end; ++clock_) one(asks, answers);
   }
@@ -55,7 +56,7 @@ class Traffic {
     asked_.clear();
     waited_ = {};
   }
-  /// Nobody asks, all answers come.
+  /// No reader starts a request, and all responses arrive.
   void drain() {
     wanted_ = {};
     for (unsigned i = 0; !asked_.empty() && i < 1000; ++i, ++clock_) one(0, 16);
@@ -101,7 +102,7 @@ class Traffic {
       return;
     }
     const Asked oldest = asked_.front();
-    EXPECT_EQ(readers_->valid_o, 1u << oldest.reader) << "clock " << clock_;
+    EXPECT_EQ(readers_->valid_o, 1u << oldest.reader) << "cycle " << clock_;
     EXPECT_EQ(readers_->words_o, words_.at(oldest.reader));
     ++answered_.at(oldest.reader);
     popped_ = true;
@@ -113,7 +114,7 @@ class Traffic {
     full_ += !room;
     idle_ += asking == 0;
     contended_ += (asking & (asking - 1)) != 0;
-    EXPECT_EQ(asks(readers_->request_o), asking != 0 && room) << "clock " << clock_;
+    EXPECT_EQ(asks(readers_->request_o), asking != 0 && room) << "cycle " << clock_;
     if (!asks(readers_->request_o)) {
       EXPECT_EQ(readers_->ready_o, 0u);
     } else {
@@ -136,7 +137,8 @@ class Traffic {
   Clocked<DdrReaders> readers_;
   Dice dice_;
   std::array<std::optional<std::uint32_t>, kReaders> wanted_;
-  std::array<unsigned, kReaders> waited_ = {}, words_ = {};  // requests of others taken meanwhile
+  std::array<unsigned, kReaders> waited_ = {},
+                                 words_ = {};  // requests of other readers taken meanwhile
   std::deque<Asked> asked_;
   std::uint32_t next_ = 0x1000;
   unsigned clock_ = 0, asking_ = 0;
@@ -157,7 +159,8 @@ TEST(DdrReaders, NothingIsLostAndNobodyStarves) {
       continue;
     }
     EXPECT_GT(traffic.taken_.at(r), 2000u);
-    EXPECT_EQ(traffic.longest_.at(r), 2u) << "requests of others before one of this reader";
+    EXPECT_EQ(traffic.longest_.at(r), 2u)
+        << "requests of other readers served before one of this reader";
   }
   EXPECT_GT(traffic.contended_, 10'000u);
   EXPECT_GT(traffic.full_, 1000u);
@@ -165,7 +168,7 @@ TEST(DdrReaders, NothingIsLostAndNobodyStarves) {
   EXPECT_GT(traffic.idle_, 100u);
 }
 
-/// What was owed before a reset is nobody's after it.
+/// Responses outstanding at a reset reach no reader.
 TEST(DdrReaders, ResetForgetsWhatIsOwed) {
   Traffic traffic;
   for (int i = 0; i < 20; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box rule of triangles, boxes and solids in hardware, part by part: pipes are so seldom below
-// the bound that pairs alone do not try it.
+// The box rule of triangles, boxes and solids in hardware, part by part. Pipe results are so rarely
+// below the bound that tests of pairs alone do not reach it.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -28,12 +28,12 @@ namespace {
 
 using namespace hard;
 
-constexpr unsigned kClocks = 60;  // more than any of them takes
+constexpr unsigned kClocks = 60;  // longer than the latency of every module
 std::uint32_t word(float x) {
   return std::bit_cast<std::uint32_t>(x);
 }
 
-/// Of a triangle, or with others the box `First`, and a solid.
+/// A solid against a triangle, or against another `First`.
 template <class Module, class Solid, class First = Triangle>
 void expect_bounds(std::size_t count) {
   Clocked<Module> module;

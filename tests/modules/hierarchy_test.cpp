@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and nodes of a hierarchy in gates against the reference, bit by bit: one of each a clock.
+// Rays and BVH nodes in gates against the reference, bit by bit: one of each per cycle.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -24,7 +24,7 @@ using reference::RootBounds;
 class Draw {
  public:
   float unit() { return static_cast<float>(dice_.below(1u << 24)) * 0x1p-23f - 1; }
-  /// Sizes from 2^low to 2^high.
+  /// Values from 2^low to 2^high.
   float number(int low, int high) {
     return std::ldexp(unit(),
                       low + static_cast<int>(dice_.below(static_cast<unsigned>(high - low + 1))));
@@ -32,7 +32,7 @@ class Draw {
   Vector3f vector(int low, int high) {
     return {number(low, high), number(low, high), number(low, high)};
   }
-  /// Zeros of either sign among the components.
+  /// A direction with zeros of either sign among its components.
   Vector3f direction() {
     Vector3f d = vector(-20, 20);
     for (float& x : d)
@@ -101,13 +101,13 @@ void test_rays(unsigned latency, Shape leaf = Shape::kTriangle) {
       ASSERT_EQ(module->r_o[i], expected.front()[i]) << clock << ", word " << i;
     expected.pop_front();
   }
-  // Of rays that meet spheres some are of sizes that are not known.
+  // For rays against spheres, some reach limits are infinite.
   EXPECT_EQ(infinite > 100, leaf == Shape::kSphere);
   EXPECT_LT(infinite, 10'000u);
 }
 
 TEST(RayFront, IsThatOfTheReference) {
-  test_rays<RayFrontShort>(7);                     // all operators one clock
+  test_rays<RayFrontShort>(7);                     // all operators take one cycle
   test_rays<RayFrontLong>(4 + 3 * 2 + 3 + 4 + 4);  // 4 add, 3 mul, 2 compare, 12 div
   test_rays<RayFrontSpheres>(9, Shape::kSphere);   // 3 mul
 }
@@ -120,7 +120,7 @@ TEST(NodeBoxes, AreThoseOfTheReference) {
     std::array<std::uint32_t, 8> near, far;
   };
   std::deque<Expected> expected;
-  constexpr unsigned kLatency = 2 * 3 + 2 * 2 + 2 * 1;  // as CMakeLists.txt has
+  constexpr unsigned kLatency = 2 * 3 + 2 * 2 + 2 * 1;  // as in CMakeLists.txt
   for (int clock = 0; clock < 20'000; ++clock) {
     const RayFront<float> ray =
         reference::ray_front<float>(draw.vector(-10, 38), draw.direction(), draw.root());

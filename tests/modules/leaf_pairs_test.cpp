@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Leaves through the pipes of ray-triangle: two triangles a ray, a leaf a clock. How long a pipe
-// takes is asserted in the module, so operators of several clocks try that, too.
+// Leaves through the pipes of ray-triangle: two triangles per ray, one leaf per cycle. The module
+// asserts the pipe latency, and operators of several cycles cover that assertion.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,7 +20,7 @@ std::uint32_t word(float x) {
   return std::bit_cast<std::uint32_t>(x);
 }
 
-/// What was asked, in its order.
+/// The leaves in the order of their requests.
 struct Leaf {
   std::uint32_t at;
   bool two;
@@ -35,7 +35,7 @@ void check(Module& m, const Leaf& leaf) {
   for (unsigned l = 0; l < 1u + leaf.two; ++l) {
     const Record& should = leaf.should.at(l);
     ASSERT_EQ(static_cast<std::uint32_t>(m.index_o >> 32 * l), leaf.index.at(l));
-    if (should.bad) continue;  // whose rays go no further than ray_queue.sv
+    if (should.bad) continue;  // ray_queue.sv drops these rays earlier
     ASSERT_EQ(m.f_o >> l & 1, should.f) << "leaf " << leaf.at << ", lane " << l;
     if (!should.f) continue;
     ASSERT_EQ(static_cast<std::uint32_t>(m.t_o >> 32 * l), word(should.t));
@@ -88,7 +88,7 @@ void expect_reference(Algorithm algorithm, std::size_t count) {
       ++taken;
       patience = 0;
     }
-    EXPECT_EQ(taken, count) << "leaves that never came back";
+    EXPECT_EQ(taken, count) << "some leaves have no result";
     EXPECT_GT(hits, 0u);
   }
 }

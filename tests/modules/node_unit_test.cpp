@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node's children in order, in gates and by the function that the host's arithmetic has for all
-// of it: the same group for any words, NaNs and infinities too.
+// The order of a node's children: gates and the function of the host's arithmetic give the same
+// group. Words are arbitrary, with NaNs and infinities.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,8 @@ struct Visit {
   bool farthest, solid;
 };
 
-/// Places, kinds, how many are met, and of these numbers and keys (hierarchy_pkg::group_t).
+/// The group: places, kinds and number of hit children, with their numbers and keys
+/// (hierarchy_pkg::group_t).
 template <class Module>
 std::vector<std::uint32_t> group_of(Clocked<Module>& module, const Visit& visit) {
   std::copy(visit.ray.begin(), visit.ray.end(), &module->ray_i[0]);
@@ -61,7 +62,7 @@ TEST(NodeUnit, IsTheSameInGatesAndByTheHost) {
   std::array<unsigned, 9> met{};
   for (unsigned i = 0; i < 20'000; ++i) {
     Visit visit{};
-    // Children in a cube of 256, rays from around it; few planes, so that there are ties.
+    // Children in a cube of 256, rays from around it. Few distinct planes, so that ties occur.
     for (unsigned k = 0; k < 3; ++k) {
       const std::uint32_t from = number(-300, 600);
       visit.ray[k] = visit.ray[3 + k] = from;
@@ -72,7 +73,7 @@ TEST(NodeUnit, IsTheSameInGatesAndByTheHost) {
     visit.node[3] &= 0xff00'0000;
     for (unsigned w = 6; w < 12; ++w)
       if (dice.once_in(2)) visit.node[w] &= 0x1010'1010, visit.node[w + 6] |= 0xf0f0'f0f0;
-    if (i % 8 == 0) {  // met, most of them
+    if (i % 8 == 0) {  // most of these are hit
       for (unsigned w = 3; w < 6; ++w) visit.node[w] |= 0xaa00'0000;
       for (unsigned w = 6; w < 12; ++w)
         visit.node[w] &= 0x0303'0303, visit.node[w + 6] |= 0xfcfc'fcfc;
@@ -81,7 +82,7 @@ TEST(NodeUnit, IsTheSameInGatesAndByTheHost) {
     visit.limit = number(0, 1000);
     visit.farthest = dice.once_in(2);
     visit.solid = dice.once_in(3);
-    if (visit.solid && dice.once_in(2))  // as those of solids are: gaps
+    if (visit.solid && dice.once_in(2))  // keys of solids are signed distances
       for (unsigned k = 0; k < 3; ++k) visit.ray[6 + k] = std::bit_cast<std::uint32_t>(1.0f);
     const auto anything = [&](std::uint32_t& word) {
       if (dice.once_in(8)) word = dice.once_in(2) ? kSpecial[dice.below(8)] : engine();

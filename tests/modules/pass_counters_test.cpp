@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counters that units bring: random events, read at the registers of the table in the middle of it.
+// Counters of units: random events, and reads at the table's registers in between.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace card;
 
-constexpr unsigned kFirst = 2, kHere = 5;  // of the table, as CMakeLists.txt has
+constexpr unsigned kFirst = 2, kHere = 5;  // of the table in CMakeLists.txt
 constexpr unsigned kBits = 4;              // card_pkg::COUNT_BITS
 
 TEST(PassCounters, EveryCounterIsAtItsRegister) {
@@ -44,7 +44,7 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
       const auto c = static_cast<std::size_t>(found - ours.begin());
       const bool there = c < kHere && counters.there_i != 0;
       ASSERT_EQ(counters.rdata_o, there ? counts.at(c) : 0u)
-          << "clock " << clock << ", offset " << counters.offset_i;
+          << "cycle " << clock << ", offset " << counters.offset_i;
       if (there) ++reads.at(c);
       refused += c < kHere && !there;
       elsewhere += c == kHere;
@@ -66,7 +66,7 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
   EXPECT_GT(resets, 3u);
 }
 
-/// A counter has one register, and what is not in the table is no counter.
+/// A counter has one register, and only counters of the table have registers.
 TEST(PassCounters, NoRegisterIsListedTwice) {
   std::array<std::uint32_t, kCounters> offsets = {};
   std::copy(std::begin(kCounterRegisters), std::end(kCounterRegisters), offsets.begin());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Passes handed to units: three units that are ready when they like, take their time, and some
-// passes aborted before or after they began.
+// Passes handed to three units with random ready times and durations. Some passes are aborted
+// before or after they began.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -12,16 +12,17 @@
 namespace cde::testing {
 namespace {
 
-constexpr unsigned kUnits = 3;  // as CMakeLists.txt has
+constexpr unsigned kUnits = 3;  // as in CMakeLists.txt
 
 TEST(PassDispatch, EveryPassIsDoneOnceByItsUnit) {
   Clocked<PassDispatch> dispatch;
   Dice dice;
   struct Unit {
-    unsigned left = 0, started = 0, done = 0, aborted = 0;  // clocks of the pass; passes
+    unsigned left = 0, started = 0, done = 0,
+             aborted = 0;  // remaining cycles of the pass; numbers of passes
   };
   std::array<Unit, kUnits> units;
-  unsigned waiting = 0;  // bit of the unit whose pass is asked for and not begun
+  unsigned waiting = 0;  // bit of the unit whose pass is requested but not begun
   unsigned asked = 0, dones = 0, dropped = 0, at_once = 0, waited = 0, idle_aborts = 0;
   dispatch->rst_i = 1;
   dispatch->go_i = 0;
@@ -44,17 +45,17 @@ TEST(PassDispatch, EveryPassIsDoneOnceByItsUnit) {
     dispatch->done_i = static_cast<CData>(done);
     dispatch.settle();
 
-    // An abort is for what was asked before it.
+    // An abort applies to earlier requests.
     if (abort && waiting != 0) {
       waiting = 0;
       ++dropped;
       ASSERT_EQ(dispatch->busy_o, 1u);
     } else {
-      ASSERT_EQ(dispatch->busy_o, unsigned{!free}) << "clock " << clock;
+      ASSERT_EQ(dispatch->busy_o, unsigned{!free}) << "cycle " << clock;
     }
     idle_aborts += abort && free;
     if (go) waiting = 1u << dispatch->unit_i, ++asked;
-    ASSERT_EQ(dispatch->valid_o, waiting) << "clock " << clock;
+    ASSERT_EQ(dispatch->valid_o, waiting) << "cycle " << clock;
     ASSERT_EQ(dispatch->done_o, unsigned{done != 0});
     ASSERT_EQ(dispatch->abort_o, abort ? (1u << kUnits) - 1 : 0u);
     for (unsigned u = 0; u < kUnits; ++u) {
@@ -90,7 +91,7 @@ TEST(PassDispatch, EveryPassIsDoneOnceByItsUnit) {
   EXPECT_GT(idle_aborts, 50u);
 }
 
-/// As every card has it today: no clock and no state between the registers and the engine.
+/// With one unit there is no delay and no state between the registers and the engine.
 TEST(PassDispatch, OneUnitIsWired) {
   Clocked<PassDispatchOne> dispatch;
   Dice dice;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes anew in hardware: every word of every node is that of the reference, whenever memory
-// answers and in whatever order.
+// Refits in hardware: every word of every node equals the reference, for any timing and order of
+// memory responses.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@ namespace {
 
 using hierarchy::Node;
 
-/// How memory answers.
+/// Timing of memory responses.
 enum class Way {
-  kSteady,  ///< a triangle a clock, 20 clocks later, in order; a few requests wait
-  kLate,    ///< ready now and then, or not for long, after any time, in any order
-  kAtOnce,  ///< always ready, a leaf a clock
+  kSteady,  ///< one triangle per cycle, in order, 20 cycles later; a few requests wait
+  kLate,    ///< ready at random, answers after any time, in any order
+  kAtOnce,  ///< always ready, one leaf per cycle
 };
 
 template <class Module>
@@ -58,7 +58,7 @@ class Bench {
     clocks = free_ = asked_ = 0;
   }
 
-  /// To the end; false if there is none.
+  /// Runs to the end; false after a timeout.
   bool run() {
     start();
     const std::size_t most = 2000 + 200 * (nodes.size() + triangles_.size());
@@ -67,7 +67,7 @@ class Bench {
     return false;
   }
 
-  /// A clock; whether it was the last.
+  /// Runs one cycle; returns whether it was the last.
   bool step() {
     if (read_) {
       std::copy(read_words_.begin(), read_words_.end(), &module_->node_i[0]);
@@ -99,10 +99,10 @@ class Bench {
   [[nodiscard]] bool busy() { return module_->busy_o != 0; }
 
   std::vector<Node> nodes;
-  unsigned first = 0;  ///< node of those that are made anew
+  unsigned first = 0;  ///< the first node that is refitted
   unsigned clocks = 0, writes = 0;
-  unsigned held_from = ~0u, held_to = 0;  ///< requests that memory takes before it is not ready,
-                                          ///< and the clock from which it is again
+  unsigned held_from = ~0u,
+           held_to = 0;  ///< memory takes this many requests, then stalls until cycle held_to
 
  private:
   struct Asked {
@@ -153,7 +153,7 @@ class Bench {
   Clocked<Module> module_;
   std::deque<Asked> waiting_;
   unsigned asked_ = 0;
-  unsigned free_ = 0;  // memory: from this clock on
+  unsigned free_ = 0;  // memory is free from this cycle on
   bool read_ = false;
   std::array<std::uint32_t, Node::kWords> read_words_{};
 };
@@ -171,8 +171,8 @@ void expect_reference(const std::vector<Node>& nodes, const std::vector<std::uin
   const auto should = reference::refit(nodes, order, triangles);
   for (const Way way : {Way::kSteady, Way::kLate, Way::kAtOnce}) {
     Bench<Module> bench(nodes, order, triangles, way, seed);
-    for (int times = 0; times < 2; ++times) {  // again from there
-      ASSERT_TRUE(bench.run()) << "no end";
+    for (int times = 0; times < 2; ++times) {  // the second run starts from the result of the first
+      ASSERT_TRUE(bench.run()) << "the refit did not end";
       ASSERT_EQ(bench.bad(), should.bad.has_value());
       if (should.bad) {
         ASSERT_EQ(bench.bad_slot(), *should.bad);
@@ -202,7 +202,7 @@ void expect_reference_of_scenes() {
         const Triangles before = scene.make(count, dice);
         const Tree tree = built(before, leaf);
         expect_reference<Module>(tree.nodes, tree.order, before);
-        // Moved: anything else in the same tree.
+        // Moved: arbitrary other triangles in the same BVH.
         expect_reference<Module>(tree.nodes, tree.order, scene.make(count, dice));
         if (::testing::Test::HasFatalFailure()) return;
       }
@@ -218,7 +218,7 @@ TEST(RefitModule, IsTheReferenceWithTwoContexts) {
   expect_reference_of_scenes<RefitTwo>();
 }
 
-/// Where children are close behind their parents, and of any kind.
+/// Children close behind their parents, and of any kind.
 TEST(RefitModule, IsTheReferenceInAnyTree) {
   RefitDice dice(2);
   for (unsigned i = 0; i < 400; ++i) {
@@ -238,7 +238,7 @@ TEST(RefitModule, IsTheReferenceInAnyTree) {
   }
 }
 
-/// From any node on; those before it stay, and take no time.
+/// A refit from any node on leaves the nodes before it unchanged and takes no time for them.
 TEST(RefitModule, LeavesWhatComesBefore) {
   RefitDice dice(3);
   for (const RefitScene& scene : kRefitScenes) {
@@ -253,7 +253,7 @@ TEST(RefitModule, LeavesWhatComesBefore) {
         bench.nodes = tree.nodes;
         bench.first = first;
         bench.writes = 0;
-        ASSERT_TRUE(bench.run()) << "no end";
+        ASSERT_TRUE(bench.run()) << "the refit did not end";
         if (all.bad) continue;
         reference::Refitted should{tree.nodes, {}};
         std::copy(all.nodes.begin() + first, all.nodes.end(), should.nodes.begin() + first);
@@ -268,7 +268,7 @@ TEST(RefitModule, OfNothing) {
   expect_reference<Refit>(std::vector<Node>(1), {}, {});
   const std::vector<std::uint32_t> order;
   const Triangles triangles;
-  Bench<Refit> none({}, order, triangles, Way::kSteady);  // nor a root
+  Bench<Refit> none({}, order, triangles, Way::kSteady);  // without a root
   ASSERT_TRUE(none.run());
   EXPECT_FALSE(none.bad());
   EXPECT_EQ(none.writes, 0u);
@@ -290,7 +290,7 @@ TEST(RefitModule, EndsAtATriangleWithoutABox) {
       }
     }
   }
-  // And is as good as new.
+  // The module still works.
   const Tree tree = built(good, 2);
   Triangles some = good;
   some[77].v2.x() = INFINITY;
@@ -303,7 +303,7 @@ TEST(RefitModule, EndsAtATriangleWithoutABox) {
   expect_same(bench.nodes, reference::refit(tree.nodes, tree.order, good));
 }
 
-/// Whenever memory takes what was to be asked for next.
+/// At any stage of the next requests.
 TEST(RefitModule, EndsWithNothingUnderWay) {
   std::vector<Node> nodes(2);
   nodes[0].set_first_node(1);
@@ -325,7 +325,7 @@ TEST(RefitModule, EndsWithNothingUnderWay) {
   }
 }
 
-/// Nothing that a reset cuts off is left in it.
+/// No state survives a reset during a refit.
 TEST(RefitModule, StartsAnewAfterAReset) {
   RefitDice dice(4);
   const Triangles triangles = kRefitScenes[1].make(200, dice);
@@ -340,14 +340,14 @@ TEST(RefitModule, StartsAnewAfterAReset) {
       EXPECT_FALSE(bench.busy());
       if (at % 7 != 0) continue;
       bench.nodes = tree.nodes;
-      ASSERT_TRUE(bench.run()) << "a reset in clock " << at;
+      ASSERT_TRUE(bench.run()) << "reset in cycle " << at;
       expect_same(bench.nodes, should);
       if (::testing::Test::HasFatalFailure()) return;
     }
   }
 }
 
-/// Of any nodes, also those that no refit makes.
+/// Arbitrary nodes, including nodes that no refit makes.
 TEST(RefitModule, BoxOfANode) {
   constexpr std::size_t kLatency = 5;
   RefitDice dice(5);
@@ -387,7 +387,6 @@ TEST(RefitModule, BoxOfANode) {
   }
 }
 
-/// docs/tables/bvh.md has the clocks.
 TEST(RefitModule, OfTheTerrain) {
   const Mesh mesh = make_terrain();
   Triangles triangles;

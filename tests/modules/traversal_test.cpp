@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays, and solids, through a hierarchy in hardware: records, nodes read and secondaries tested are
-// those of the reference, whatever rays wait for, in whatever order memory gives what is asked for.
+// Rays and solids against a BVH in hardware. Records, nodes read and secondaries tested equal the
+// reference, for any stalls and any order of memory responses.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::uint32_t word(float x) {
   return std::bit_cast<std::uint32_t>(x);
 }
 
-/// Answers what is asked of memory after a while, not in order.
+/// Answers memory requests after a random delay, out of order.
 struct Memory {
   struct Asked {
     std::uint32_t slot, tag;
@@ -65,7 +65,7 @@ class Bench {
     module_->rst_i = 0;
   }
 
-  /// Records by the rays' numbers. `patient`: memory and whoever takes records are always ready.
+  /// Records by ray number. `patient`: memory and the record output are always ready.
   template <class P>
   std::vector<Record> cast(const std::vector<P>& rays, unsigned goal, bool patient) {
     std::vector<Record> records(rays.size());
@@ -75,7 +75,7 @@ class Bench {
     module_->ahead_i = ahead;
     for (clocks = 0; got < rays.size(); ++clocks) {
       if (clocks > 1000 * rays.size() + 1'000'000) {
-        ADD_FAILURE() << "no end: " << got << " of " << rays.size();
+        ADD_FAILURE() << "timeout: " << got << " of " << rays.size();
         break;
       }
       const bool ray = sent < rays.size() && (patient || !dice_.once_in(3));
@@ -95,7 +95,7 @@ class Bench {
                                    clocks + 1 + (patient ? 0 : dice_.below(40))});
       if (module_->record_valid_o != 0 && module_->record_ready_i != 0) {
         Record& r = records.at(module_->number_o);
-        EXPECT_EQ(r.primary, 0u) << "a record twice";
+        EXPECT_EQ(r.primary, 0u) << "duplicate record";
         r = record();
         ++got;
       }
@@ -118,14 +118,14 @@ class Bench {
   }
 
   bool ahead = false;        ///< rays do not wait for their leaves
-  std::vector<Record> hits;  ///< of goal hits
+  std::vector<Record> hits;  ///< records of the goal "hits"
 
   unsigned clocks = 0;
   [[nodiscard]] std::uint64_t nodes() const { return nodes_; }
   [[nodiscard]] std::uint64_t secondaries() const { return secondaries_; }
 
-  /// Of a patient cast of so many rays that there are always others to go on with: a unit reads a
-  /// node a clock, and of rays that come and leaves that were tested there is one a clock.
+  /// Expected cycles of a `patient` cast with enough rays to hide latency. Each unit reads one node
+  /// per cycle. All units together accept one ray and one tested leaf per cycle.
   void expect_clocks(std::size_t rays) const {
     const double bound =
         std::max(static_cast<double>(nodes_) / kUnits, static_cast<double>(rays + leaves_));
@@ -137,7 +137,7 @@ class Bench {
   static constexpr unsigned kUnits =
       sizeof(Module::node_i) / sizeof(std::array<std::uint32_t, hierarchy::Node::kWords>);
 
-  /// Of the node that a unit asks for, 28 bits each.
+  /// Address of the node that a unit requests, 28 bits each.
   std::uint32_t place(unsigned unit) {
     const auto* words = reinterpret_cast<const IData*>(&module_->node_at_o);
     std::uint32_t place = 0;
@@ -150,7 +150,7 @@ class Bench {
 
   Record record() {
     Record r;
-    r.primary = ~0u;  // seen
+    r.primary = ~0u;  // marks the record as seen
     r.f = module_->f_o != 0;
     if (module_->found_o == 0) return r;
     r.t = std::bit_cast<float>(module_->t_o);
@@ -197,14 +197,14 @@ class Bench {
   Dice dice_;
 };
 
-constexpr std::size_t kStream = 20'000;  // rays, many times the contexts
+constexpr std::size_t kStream = 20'000;  // rays, many times the number of contexts
 
 struct Scene {
   std::vector<Triangle> triangles;
   std::vector<Ray> rays;
 };
 
-/// A terrain with every third triangle twice, so that there are ties.
+/// A terrain with every third triangle twice, so that ties occur.
 Scene scene(std::size_t rays) {
   const Mesh mesh = make_terrain({.quads_x = 24, .quads_y = 24});
   Scene s;
@@ -276,7 +276,7 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
           ++hits;
           ASSERT_TRUE(same_bits(records[i], should))
               << name_of(goal.mode) << " ray " << i << ": T " << records[i].t << " of "
-              << records[i].index << ", should be " << should.t << " of " << should.index;
+              << records[i].index << "; expected " << should.t << " of " << should.index;
         }
         EXPECT_GT(hits, count / 10);
         EXPECT_LT(hits, count);
@@ -302,7 +302,7 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
   }
 }
 
-/// By the algorithm that takes longest; a card has moller in gates.
+/// With the algorithm of the longest latency; a card has moller in gates.
 TEST(Traversal, IsThatOfTheReferenceInGates) {
   expect_reference<TraversalGates>(300, Algorithm::kWatertight);
 }
@@ -311,8 +311,7 @@ TEST(Traversal, IsThatOfTheReferenceWithHostArithmetic) {
   expect_reference<TraversalHost>(kStream);
 }
 
-/// A packet, and rays in a stream, from within the terrain in any direction.
-/// docs/tables/bvh.md has the clocks.
+/// One packet, then a stream of rays from within the terrain in any direction.
 TEST(Traversal, OfTheTerrain) {
   const Mesh mesh = make_terrain();
   std::vector<Triangle> triangles;
@@ -349,12 +348,12 @@ TEST(Traversal, OfTheTerrain) {
   }
 }
 
-/// One unit and no more than two rays at a time.
+/// One unit and at most two rays in flight.
 TEST(Traversal, IsThatOfTheReferenceWithTwoContexts) {
   expect_reference<TraversalOne>(1000);
 }
 
-/// Spheres: records, and what is read for them.
+/// Spheres: records, nodes read and secondaries tested.
 template <class Module>
 void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
   hard::Solids draws(triangles, 3);
@@ -375,7 +374,7 @@ void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
         if (should.index == ~0u) continue;
         ASSERT_TRUE(same_bits(records[i], should))
             << name_of(goal.mode) << ' ' << hard::text(solids[i]) << ": T " << records[i].t
-            << " of " << records[i].index << ", should be " << should.t << " of " << should.index;
+            << " of " << records[i].index << "; expected " << should.t << " of " << should.index;
       }
       EXPECT_GT(touching, count / 10);
       EXPECT_LT(touching, count);
@@ -410,8 +409,8 @@ TEST(Traversal, OfSpheresIsThatOfTheReference) {
   }
 }
 
-/// Passes of a few that do not wait for their leaves, one after the other in the same contexts: the
-/// same records, and no less is read. `clocks` are those that they take.
+/// Passes of few primaries that do not wait for their leaves, one after the other in the same
+/// contexts. Records are the same, and no fewer nodes are read. `clocks` is the expected duration.
 template <class Module, class P>
 void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& primaries,
                   bool patient, bool ahead, unsigned& clocks) {
@@ -449,7 +448,8 @@ void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& 
     }
     const std::uint64_t nodes = walk.counts().nodes - before.nodes,
                         secondaries = walk.counts().secondaries - before.secondaries;
-    if (!ahead || goal == 2 || goal == kHits) {  // all that is met is read, whatever is known of it
+    if (!ahead || goal == 2 ||
+        goal == kHits) {  // every node that is hit is read, whatever is known of its hits
       EXPECT_EQ(bench.nodes(), nodes);
       EXPECT_EQ(bench.secondaries(), secondaries);
     } else {
@@ -474,7 +474,7 @@ TEST(Traversal, AheadOfItsLeaves) {
   }
 }
 
-/// The same module, of other pairs.
+/// The same module with other pairs.
 TEST(Traversal, OfRaysBesideSolids) {
   expect_reference<TraversalSolids>(500);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pipes whose facet units take turns, a row in three clocks: every result against the mirror
-// reference bit for bit, and every clock.
+// Pipes whose candidate-axis (SAT) units are shared, with one row per three cycles. Every result is
+// bit-identical to the mirror reference, and every cycle is checked.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ struct Operands {
   std::vector<std::uint64_t> a, b;
 };
 
-/// Half of the pairs near the decision; in every sixteenth some words are any bits at all.
+/// Half of the pairs are near the decision. Every sixteenth pair has some random words.
 Operands operands(Pair pair, std::size_t count) {
   Operands o;
   std::mt19937_64 random(kSeed);
@@ -48,9 +48,9 @@ Operands operands(Pair pair, std::size_t count) {
 struct Parameter {
   Pair pair;
   Arithmetic arithmetic;
-  unsigned latency;  ///< clocks of the pipe, at one an operator
+  unsigned latency;  ///< cycles of the pipe with operators of one cycle
 
-  /// With those that bring the pair to the size of one and its answer back.
+  /// Including the cycles that scale the pair and its result.
   [[nodiscard]] unsigned clocks() const { return latency + 3; }
   [[nodiscard]] bool gates() const { return arithmetic == Arithmetic::kRtl; }
   friend void PrintTo(const Parameter& p, std::ostream* out) { *out << name(p.pair); }
@@ -82,10 +82,10 @@ TEST_P(FacetInterval, TakesARowInThreeClocks) {
   EXPECT_EQ(unit.test(o.a, o.b, got), (rows - 1) * kInterval + p.clocks());
   const auto differs = static_cast<std::size_t>(
       std::mismatch(got.begin(), got.end(), expected.begin()).first - got.begin());
-  EXPECT_EQ(differs, count) << "the first pair that differs\n"
+  EXPECT_EQ(differs, count) << "first pair that differs:\n"
                             << testing::told_and_packed({config, o.a, o.b, differs});
 
-  // Rows that come too early wait at the mouth, late ones make a pause.
+  // Rows that come too early wait at the input port; late rows leave idle cycles.
   std::mt19937 random(1);
   std::vector<unsigned> gaps(rows);
   for (unsigned& gap : gaps) gap = random() % 3 == 0 ? 0 : random() % 7;
@@ -95,9 +95,9 @@ TEST_P(FacetInterval, TakesARowInThreeClocks) {
   std::vector<PairResult> spaced(count);
   std::size_t next = 0;
   EXPECT_EQ(unit.test(o.a, o.b, spaced, [&] { return gaps.at(next++); }), entered + p.clocks());
-  EXPECT_EQ(spaced == expected, true) << "gaps between rows change results";
+  EXPECT_EQ(spaced == expected, true) << "gaps between rows must not change results";
 
-  // One row alone, after a reset in mid-stream.
+  // One row alone, after a reset during a stream.
   unit.reset();
   const std::span<const std::uint64_t> a(o.a), b(o.b);
   std::vector<PairResult> one(config.lanes);
@@ -113,8 +113,8 @@ std::string test_name(const ::testing::TestParamInfo<Parameter>& info) {
   return text;
 }
 
-// One clock more than with an interval of 1 to take the pair. Two boxes wait two for the last edge
-// of three; of a triangle, they all wait longer for its own face.
+// Taking a pair costs one cycle more than with an interval of 1. Two boxes wait two cycles for the
+// last of three edges. With a triangle, every edge waits longer, for the triangle's own face.
 INSTANTIATE_TEST_SUITE_P(
     Fp32, FacetInterval,
     ::testing::Values(Parameter{Pair::kObbObb, Arithmetic::kHost, 107 + 3},
@@ -156,7 +156,7 @@ TEST(FacetIntervalConfig, IsOneOrThreeOfPairsWithFacets) {
     EXPECT_EQ(listed(BoardConfig{.pairs = {Pair::kRayTriangle, pair}, .facet_interval = kInterval}
                          .parameters()),
               1);
-    // What an interval of 1 was built as, it still is.
+    // An interval of 1 adds no parameter, so existing models stay valid.
     for (const std::string& parameter : PairConfig{.pair = pair}.parameters())
       EXPECT_FALSE(parameter.starts_with("FACET_II")) << parameter;
   }

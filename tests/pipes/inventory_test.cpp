@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The operators of a pipe, counted in the elaborated design, against those of its mirror reference
-// and the paper's Table 2.
+// and Table 2 of the paper.
 #include "cde/netlist/elaborate.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ const std::filesystem::path kRtl = std::filesystem::path(CDE_SOURCE_DIR) / "rtl"
 const Operators kPaper{
     .multipliers = 27, .dividers = 1, .adders = 12, .subtractors = 15, .comparators = 8};
 
-/// The ANDs are not the paper's: it does not say how wide its own are.
+/// The ANDs are not compared with the paper, which does not state their width.
 Operators without_ands(Operators o) {
   o.mask_ands = 0;
   return o;
@@ -48,15 +48,15 @@ TEST(Inventory, MoreLanesAreTheSameOperatorsWider) {
 }
 
 TEST(Inventory, CountsWhatIsThere) {
-  // A part alone: a count that always gave the paper's figures would fail here.
+  // Counts a part alone, so that a count that always returned the paper's figures would fail.
   const Elaboration design(kRtl, "ray_triangle_moller");
   const Operators cross{.multipliers = 6, .subtractors = 3};
   EXPECT_EQ(design.operators("ray_triangle_moller.cross_p"), cross);
   EXPECT_EQ(design.operators("ray_triangle_moller.no_such_part"), Operators{});
 }
 
-/// What the box rule adds, as reference/pipes/ray_box.hpp states it: in gates, as the host asks it
-/// of the lanes that are met by a call. The triangle's part is there once for all lanes.
+/// The operators that the box rule adds, as reference/pipes/ray_box.hpp states them: in gates, and
+/// as calls per lane with host arithmetic. All lanes share the triangle's part.
 TEST(Inventory, TheBoxRuleAddsItsOperators) {
   const Elaboration design(kRtl, "ray_triangle_moller",
                            {"ARITH=rtl", "BOX=1", "LANES=4", "B_LANES=1"});
@@ -70,7 +70,7 @@ TEST(Inventory, TheBoxRuleAddsItsOperators) {
   EXPECT_EQ(design.constant("ray_triangle_moller", "LATENCY"), 13u);
 }
 
-/// A pipe that takes a pair a clock, and what it is of.
+/// A pipe that accepts one pair per cycle, with its parameters.
 struct Pipe {
   std::string module;
   Pair pair;
@@ -97,7 +97,7 @@ std::vector<Pipe> pipes() {
   return all;
 }
 
-/// What the mirror reference computes with.
+/// Operators of the mirror reference.
 Operators counted(Pair pair, Algorithm algorithm = Algorithm::kMoller) {
   const cde::testing::Tally n = cde::testing::operators(pair, algorithm);
   const auto count = [](int k) { return static_cast<unsigned>(k); };
@@ -113,7 +113,7 @@ Operators counted(Pair pair, Algorithm algorithm = Algorithm::kMoller) {
 class PipeInventory : public ::testing::TestWithParam<Pipe> {};
 
 TEST_P(PipeInventory, IsWhatTheReferenceComputesWith) {
-  // Host arithmetic has the same operators and is sooner elaborated.
+  // Host arithmetic has the same operators and elaborates faster.
   const Elaboration design(kRtl, GetParam().module, {"ARITH=host"});
   EXPECT_EQ(without_ands(design.operators(GetParam().module)),
             counted(GetParam().pair, GetParam().algorithm));
@@ -122,12 +122,12 @@ TEST_P(PipeInventory, IsWhatTheReferenceComputesWith) {
 INSTANTIATE_TEST_SUITE_P(Pipes, PipeInventory, ::testing::ValuesIn(pipes()),
                          [](const auto& info) { return info.param.module; });
 
-/// The gates of pipes whose facets take turns, and the clocks they answer in.
+/// Operators of pipes whose candidate-axis units are shared, and their latency in cycles.
 struct Turns {
   const char* module;
   Pair pair;
   Operators stated;
-  unsigned latency, latency_of_one;  ///< with an interval of 3, of 1
+  unsigned latency, latency_of_one;  ///< with an interval of 3, and of 1
 
   friend void PrintTo(const Turns& t, std::ostream* out) { *out << t.module; }
 };
@@ -172,7 +172,7 @@ TEST_P(FacetsInTurn, AreFewerUnits) {
   const Elaboration gates(kRtl, module, {"ARITH=rtl", "FACET_II=3"});
   EXPECT_EQ(without_ands(gates.operators(module)), GetParam().stated);
   EXPECT_EQ(gates.constant(module, "LATENCY"), GetParam().latency);
-  // Host arithmetic is that of all facets at once, on the clocks of the gates.
+  // The host's arithmetic computes all candidate axes at once, with the latency of the gates.
   const Elaboration host(kRtl, module, {"ARITH=host", "FACET_II=3"});
   EXPECT_EQ(without_ands(host.operators(module)), counted(GetParam().pair));
   EXPECT_EQ(host.constant(module, "LATENCY"), GetParam().latency);
@@ -194,8 +194,8 @@ TEST(Inventory, BehindThePairsMouthNothingIsAddedOrLost) {
   }
 }
 
-// Which result is the last one depends on the operators: no delay may come out negative. Rings take
-// minutes to elaborate so often, and facets as long unless they take turns.
+// The last result depends on the latencies of operators: no delay may become negative. Iterative
+// pipelines take minutes to elaborate this often, and so do candidate axes unless they are shared.
 TEST(Inventory, SlowComparisonsElaborate) {
   for (unsigned p = 0; p < cde::kPairs; ++p) {
     if ((cde::contract::kRingPairs >> p & 1) != 0) continue;
@@ -216,7 +216,7 @@ TEST(Inventory, HiddenBodies_LeaveTheConstantsOfTheTop) {
   EXPECT_GT(whole.operators("obb_plane").adders, 0u);
 }
 
-/// What rtl/pipes/cylinder_pair.sv states in its header.
+/// The figures in the header of rtl/pipes/cylinder_pair.sv.
 struct Ring {
   const char* pair;
   const char* parameter;
@@ -276,7 +276,7 @@ INSTANTIATE_TEST_SUITE_P(Cylinders, RingInventory, ::testing::ValuesIn(kRings),
 TEST(Inventory, WhatCannotBeElaboratedSaysWhy) {
   try {
     const Elaboration design(kRtl, "pair_pipe", {"PAIR=" + std::to_string(cde::kPairs)});
-    FAIL() << "this code is no pair's";
+    FAIL() << "expected an error: no pair has this code";
   } catch (const ElaborationError& error) {
     EXPECT_NE(std::string(error.what()).find("no pipe for this pair"), std::string::npos)
         << error.what();

@@ -42,7 +42,7 @@ TEST_P(Throughput, OneRowAClockWithoutBubbles) {
   EXPECT_EQ(counters.rows, kTriangles * rows);
   EXPECT_LE(counters.cycles, kTriangles * rows + 200);
   EXPECT_EQ(counters.stalls, 0u);
-  EXPECT_LE(counters.bubbles, 30u) << "only until the first triangle is there";
+  EXPECT_LE(counters.bubbles, 30u) << "idle only until the first triangle arrives";
 }
 
 INSTANTIATE_TEST_SUITE_P(Rays, Throughput, ::testing::Values(1u, 16u, 17u, 255u, 256u),

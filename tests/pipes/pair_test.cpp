@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every pipe against its mirror reference, bit for bit: cases of the oracle's generators (half of
-// them near the decision), random words, and bad input; rows with and without gaps; both back ends,
-// every format, operators of one clock and of several.
+// Every pipe against its mirror reference, bit for bit. Inputs are cases of the oracle's generators
+// (half of them near the decision), random words, and bad input. Rows come with and without gaps.
+// Runs cover both back ends, every format, and operators of one and of several cycles.
 //
-// Each pair is run in every format with the host's arithmetic, and in gates in fp32. CDE_FULL=1
-// (tools/test --full) runs more cases, and what says so where it is skipped: other budgets and
-// operators of several clocks in gates, fp64 with operators of one clock.
+// Each pair runs in every format with the host's arithmetic, and with gates in fp32. CDE_FULL=1
+// (tools/test --full) runs more cases. It also runs tests that are skipped otherwise: other
+// budgets, operators of several cycles in gates, and fp64 with operators of one cycle.
 // CDE_PAIRS restricts the run to pairs whose name contains it, CDE_CASES sets the number of cases,
 // CDE_LANES the number of lanes.
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ using cde::testing::query_line;
 
 constexpr std::uint64_t kSeed = 20261121;
 
-/// As in a test's name: "obb_plane_half_space_fp32_host".
+/// The configuration in a test's name: "obb_plane_half_space_fp32_host".
 std::string label(const PairConfig& config) {
   std::ostringstream text;
   text << name(config.pair);
@@ -61,7 +61,7 @@ struct Operands {
   std::vector<std::uint64_t> a, b;
 };
 
-/// The plane turned over, in the words of the last pair, if the box's centre is under it.
+/// Turns the plane of the last pair over if the centre of the box is below it.
 void face_the_box(const cde::oracle::Case& c, cde::FpFormat f, Operands& o) {
   double height = -c.b[3];
   for (std::size_t k = 0; k < 3; ++k) height += c.a[k] * c.b[k];
@@ -70,8 +70,8 @@ void face_the_box(const cde::oracle::Case& c, cde::FpFormat f, Operands& o) {
     o.b.end()[-1 - static_cast<std::ptrdiff_t>(k)] ^= f.sign_bit();
 }
 
-/// Operand words in the format, `count` of them from case `first` on: the generators' cases, every
-/// sixteenth with the format's specials and full range in some of its slots.
+/// Operand words in the format: `count` generator cases, starting with case `first`. In every
+/// sixteenth case some words are special values of the format or cover its full range.
 Operands operands(const PairConfig& config, std::size_t first, std::size_t count,
                   std::mt19937_64& random) {
   Operands o;
@@ -91,7 +91,7 @@ Operands operands(const PairConfig& config, std::size_t first, std::size_t count
     return all[random() % std::size(all)];
   };
   for (std::size_t i = first; i < first + count; ++i) {
-    // Every eighth is one of those that people build, all families of them in turn.
+    // Every eighth case comes from a family of everyday shapes, each family in turn.
     const auto make = i % 8 == 7 ? cde::oracle::everyday : cde::oracle::generate;
     const cde::oracle::Case c =
         make(static_cast<cde::oracle::Pair>(config.pair), kSeed, i % 8 == 7 ? i / 8 : i,
@@ -107,7 +107,7 @@ Operands operands(const PairConfig& config, std::size_t first, std::size_t count
     };
     push(o.a, c.a);
     push(o.b, c.b);
-    // Of the boxes under a plane, half of the separated pairs, a half-space keeps a quarter.
+    // A half-space keeps half of the separated boxes below a plane, so a quarter of the pairs.
     if (config.plane == cde::PlaneSide::kHalfSpace && i % 4 != 0) face_the_box(c, f, o);
   }
   return o;
@@ -123,8 +123,8 @@ std::string describe(const PairResult& r) {
   return text;
 }
 
-/// What is said of pair i, which differs: how to ask again, which fields, where, and how to have it
-/// explained.
+/// Text about pair i, which differs: a command that repeats it, the fields, the place, and the
+/// input of `cde explain`.
 std::string difference(cde::PairUnit& unit, const Operands& o, std::size_t i, const PairResult& got,
                        const PairResult& expected, const cde::PairBudget& budget = {}) {
   const FailedPair pair{unit.config(), o.a, o.b, i, budget};
@@ -133,18 +133,18 @@ std::string difference(cde::PairUnit& unit, const Operands& o, std::size_t i, co
          "\n  where     " + place_in_unit(unit, o.a, o.b, i) + "\n  " + explain_line(pair) + "\n";
 }
 
-/// The same of a test that fails, with what is packed of it.
+/// The same text for a failing test, with a line about the failure package.
 std::string failure(cde::PairUnit& unit, const Operands& o, std::size_t i, const PairResult& got,
                     const PairResult& expected, const cde::PairBudget& budget = {}) {
   return difference(unit, o, i, got, expected, budget) +
          pack_failure({unit.config(), o.a, o.b, i, budget});
 }
 
-/// Clocks of the pipe with operators of one clock, as the references have them; 0 of rings.
+/// Cycles of the pipe with operators of one cycle, from the references; 0 for iterative pipelines.
 unsigned pipe_latency(const PairConfig& config) {
-  constexpr unsigned kBoxRule[] = {3, 0, 0, 2};  // clocks that it adds, by Algorithm
-  // Beside the depth in operators: the output register, and what parts of a facet wait for each
-  // other where a triangle meets a box or a triangle.
+  constexpr unsigned kBoxRule[] = {3, 0, 0, 2};  // cycles added, by Algorithm
+  // Besides the depth in operators: the output register, and waits between the parts of a candidate
+  // axis where a triangle meets a box or a triangle.
   constexpr unsigned kOutput = 1, kMeet = 4;
   const bool one_clock = config.latency_add == 1 && config.latency_mul == 1 &&
                          config.latency_div == 1 && config.latency_sqrt == 1 &&
@@ -156,12 +156,13 @@ unsigned pipe_latency(const PairConfig& config) {
   const bool ray = config.pair == Pair::kRayTriangle;
   const unsigned rule = !config.box ? 0
                         : ray       ? kBoxRule[static_cast<unsigned>(config.algorithm)]
-                                    : 1;  // of solids a comparison behind the pipe
+                                    : 1;  // for solids, a comparison after the pipe
   return static_cast<unsigned>(cde::testing::operators(config.pair, config.algorithm).depth) +
          kOutput + (meets ? kMeet : 0) + rule;
 }
 
-/// That and, where the pair is scaled, three clocks for the largest exponent and the two shifts.
+/// That latency, plus three cycles for the largest exponent and the two shifts if the pair is
+/// scaled.
 unsigned stated_latency(const PairConfig& config) {
   const unsigned pipe = pipe_latency(config);
   const bool scaled = cde::reference::is_scaled(
@@ -169,19 +170,19 @@ unsigned stated_latency(const PairConfig& config) {
   return pipe == 0 || !scaled ? pipe : pipe + 3;
 }
 
-/// A configuration and how much of it is run.
+/// A configuration and its number of cases.
 struct Parameter : PairConfig {
   std::size_t cases = 20000, full_cases = 1000000;  ///< by default, and with CDE_FULL
-  /// Why it is left to CDE_FULL; nothing if it is not.
+  /// Why the test runs only with CDE_FULL; empty if it always runs.
   const char* left_out = nullptr;
 
-  /// What ctest shows beside a test's name.
+  /// ctest shows this text beside a test's name.
   friend void PrintTo(const Parameter& p, std::ostream* out) {
     for (const std::string& word : p.parameters()) *out << word << ' ';
   }
 };
 
-/// Passes of a pair round the ring of a cylinder pipe.
+/// Loops of a pair through the iterative pipeline of a cylinder pair.
 unsigned passes(Pair pair, const cde::PairBudget& budget) {
   using cde::reference::cylinder::Body;
   const Body body = pair == Pair::kCylinderCylinder ? Body::kCylinder
@@ -192,7 +193,7 @@ unsigned passes(Pair pair, const cde::PairBudget& budget) {
              static_cast<int>(budget.free)}));
 }
 
-/// Rows in flight in a cylinder pipe: the clocks that one more pass adds to the latency.
+/// Rows in flight in a cylinder pipe: the cycles that one more loop adds to the latency.
 unsigned ring(cde::PairUnit& unit) {
   const Pair pair = unit.config().pair;
   const cde::PairBudget less{4, 0, 0}, more{4, 3, 0};
@@ -203,9 +204,9 @@ unsigned ring(cde::PairUnit& unit) {
   return added == 0 ? 0 : (unit.latency() - start) / added;
 }
 
-/// Clocks from the first row in to the last result out when rows follow each other without gaps.
-/// Pipes take a row a clock. A cylinder pipe's ring takes a row a clock until it is full, and again
-/// when those have done their passes.
+/// Cycles from the first input row to the last result, for rows without gaps. A pipelined pair unit
+/// accepts one row per cycle. An iterative pipeline accepts one row per cycle until it is full, and
+/// again when these rows have finished.
 std::uint64_t stated_clocks(cde::PairUnit& unit, std::uint64_t rows,
                             const cde::PairBudget& budget) {
   const std::uint64_t in_flight = cde::has_budget(unit.config().pair) ? ring(unit) : 0;
@@ -220,7 +221,7 @@ bool full() {
   return value != nullptr && std::string(value) != "0";
 }
 
-/// Why the test is not to run, if so.
+/// The reason to skip the test, if any.
 std::optional<std::string> reason_to_skip(const Parameter& parameter) {
   const char* only = std::getenv("CDE_PAIRS");
   if (only != nullptr && std::string(name(parameter.pair)).find(only) == std::string::npos)
@@ -232,7 +233,7 @@ std::optional<std::string> reason_to_skip(const Parameter& parameter) {
 
 class PairPipe : public ::testing::TestWithParam<Parameter> {
  protected:
-  /// Pairs in a block: what is held in memory at a time.
+  /// Pairs per block, which are in memory together.
   static constexpr std::size_t kBlock = 20000;
 
   void compare(cde::PairUnit& unit, std::size_t first, std::size_t count);
@@ -242,7 +243,7 @@ class PairPipe : public ::testing::TestWithParam<Parameter> {
   std::mt19937 gaps_{1};
 };
 
-/// One block of cases, in rows without gaps and again with gaps at random.
+/// One block of cases, in rows without gaps and again with random gaps.
 void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count) {
   const PairConfig& config = unit.config();
   const Operands o = operands(config, first, count, words_);
@@ -260,11 +261,11 @@ void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count
       ADD_FAILURE() << "case " << first + i << "\n" << failure(unit, o, i, got[i], expected[i]);
   }
   (void)unit.test(o.a, o.b, stalled, [this] { return gaps_() % 3 == 0 ? gaps_() % 4 : 0u; });
-  EXPECT_TRUE(stalled == got) << "gaps between rows change results";
+  EXPECT_TRUE(stalled == got) << "gaps between rows must not change results";
 }
 
-/// Witness points that are so near that fp16 has no direction between them: the card and the
-/// reference went on from NaN each in its own way.
+/// Witness points so close that fp16 has no direction between them. The card and the reference must
+/// then agree on the result.
 TEST(PairRegression, PointsTooNearForADirection) {
   struct Line {
     cde::Pair pair;
@@ -302,7 +303,7 @@ TEST(PairRegression, PointsTooNearForADirection) {
   }
 }
 
-/// The line of a failure as a user types it: what it prints, status first.
+/// Runs the line of a failure as a user would type it. Returns the exit status, then the output.
 std::string typed(std::string line) {
   const std::string command = "cde query", end = "; echo $?";
   line.replace(line.find(command), command.size(), "'" CDE_COMMAND "' query");
@@ -314,8 +315,8 @@ std::string typed(std::string line) {
   return text;
 }
 
-/// What a failing test says is true: `cde query` reads the line and answers what the reference
-/// does, the fields are those that differ, and the place is the pair's.
+/// The failure text of a test is correct: `cde query` repeats the pair and prints the reference's
+/// answer, and the text names the differing fields and the pair's place.
 TEST(PairFailure, SaysWhatAndWhereAndHowToAskAgain) {
   const std::vector<std::pair<PairConfig, cde::PairBudget>> all = {
       {{.pair = Pair::kSphereSphere}, {}},
@@ -355,7 +356,7 @@ TEST(PairFailure, SaysWhatAndWhereAndHowToAskAgain) {
                   static_cast<unsigned long long>(expected[i].t));
     EXPECT_NE(answer.find(t), std::string::npos) << answer;
     EXPECT_EQ(answer.substr(answer.size() - 2), "0\n") << answer;
-    EXPECT_FALSE(expected[i].bad) << "or there is little to answer";
+    EXPECT_FALSE(expected[i].bad) << "the pair must be valid input";
     EXPECT_NE(text.find("\n  explain: cde explain " + std::string(name(config.pair))),
               std::string::npos);
   }
@@ -422,11 +423,11 @@ TEST_P(CylinderBudget, SetsTheWorkOfAPair) {
     EXPECT_EQ(unit.test(o.a, o.b, got), stated);
     if (const auto [g, e] = std::mismatch(got.begin(), got.end(), expected.begin()); g != got.end())
       ADD_FAILURE() << failure(unit, o, static_cast<std::size_t>(g - got.begin()), *g, *e, budget);
-    EXPECT_FALSE(got == before) << "another budget finds other gaps";
+    EXPECT_FALSE(got == before) << "another budget must give other signed distances";
     std::mt19937 random(1);
     (void)unit.test(o.a, o.b, stalled,
                     [&random] { return random() % 9 == 0 ? random() % 99 : 0u; });
-    EXPECT_TRUE(stalled == expected) << "gaps between rows change results";
+    EXPECT_TRUE(stalled == expected) << "gaps between rows must not change results";
     before = got;
   }
 }
@@ -450,7 +451,7 @@ std::vector<PairConfig> pipes() {
   return all;
 }
 
-/// Box and cylinder pairs: several times the operators of the others.
+/// Box and cylinder pairs, which have several times the operators of other pairs.
 bool is_large(Pair pair) {
   return cde::has_budget(pair) || pair == Pair::kObbObb || pair == Pair::kTriangleAabb ||
          pair == Pair::kTriangleObb || pair == Pair::kTriangleTriangle;
@@ -482,8 +483,8 @@ std::vector<Parameter> cylinder_pairs() {
   return all;
 }
 
-/// The other formats, on the back end that builds and runs fast. One lane: words that are no float
-/// are computed lane by lane, and what clang makes of eight such lanes takes it minutes.
+/// The other formats, with the back end that builds and runs fast. One lane: words that are not
+/// floats are computed lane by lane, and clang needs minutes for eight such lanes.
 std::vector<Parameter> other_formats() {
   std::vector<Parameter> all;
   unsigned turn = 0;
@@ -499,14 +500,14 @@ std::vector<Parameter> other_formats() {
         other.left_out = "two of bf16, tf32 and fp24 a pipe";
       all.push_back(other);
     }
-    // The next pipe is seen in another one of the three.
+    // The next pipe runs in another of the three formats.
     ++turn;
   }
   return all;
 }
 
-/// Operators of several clocks, all different: every operand must still meet its partner. Of the
-/// host's arithmetic in fp64, so that every pipe is seen in that format too; gates in fp32.
+/// Operators of several cycles, all different: every operand must still meet its partner. The
+/// host's arithmetic runs in fp64, so that every pipe runs in that format; gates run in fp32.
 std::vector<Parameter> slow_operators() {
   std::vector<Parameter> all;
   for (const PairConfig& pipe : pipes())
@@ -527,8 +528,8 @@ std::vector<Parameter> slow_operators() {
   return all;
 }
 
-/// The box rule in each of the four algorithms, and of triangles and solids: both back ends, words
-/// wider than a vector's lane, and operators of several clocks.
+/// The box rule in each of the four algorithms, and for triangles and solids: both back ends, words
+/// wider than a vector's lane, and operators of several cycles.
 std::vector<Parameter> box_rule() {
   std::vector<Parameter> all;
   for (unsigned a = 0; a < 4; ++a) {

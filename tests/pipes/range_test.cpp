@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pipes at every size that the contract allows, and one step beyond: against their references, with
+// Pipes at every size that the contract allows, and one step beyond, against their references with
 // both back ends.
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ class Range : public ::testing::TestWithParam<PairConfig> {
         static_cast<oracle::Pair>(config.pair), kSeed, i,
         {.exp_bits = config.format.exp_bits, .man_bits = config.format.man_bits});
   }
-  /// What the pipe answers, which must be what the reference does.
+  /// Results of the pipe, which must equal the reference.
   static std::vector<PairResult> answers(const Operands& o) {
     const PairConfig& config = GetParam();
     PairUnit unit(config);
@@ -86,7 +86,7 @@ TEST_P(Range, PipesAnswerAtEverySize) {
   std::printf("%zu pairs, %zu hits, %zu bad\n", got.size(), hits, bad);
   EXPECT_GT(got.size(), 1000u);
   EXPECT_GT(hits, got.size() / 4);
-  EXPECT_LT(bad, got.size() / 20);  // boxes whose corners fall together in a coarse format
+  EXPECT_LT(bad, got.size() / 20);  // boxes whose corners coincide in a coarse format
 }
 
 TEST_P(Range, BeginsAndEndsWhereItIsStated) {
@@ -125,7 +125,7 @@ TEST_P(Range, BeginsAndEndsWhereItIsStated) {
         o.b.insert(o.b.end(), y.begin(), y.end());
         bad.push_back(t.bad);
         if (of != Kind::kDirection) continue;
-        for (const bool below : {false, true}) {  // all of a direction small
+        for (const bool below : {false, true}) {  // all components of a direction are small
           std::vector<std::uint64_t> ray = x;
           for (std::size_t d = 3; d < 6; ++d) ray[d] = word(low) - 1;
           if (!below) ray[k] = word(low) | f.sign_bit();
@@ -147,8 +147,9 @@ TEST_P(Range, BeginsAndEndsWhereItIsStated) {
   }
 }
 
-/// The fp32 host pipes, and what else is quick to build of each way of scaling: solids and rays,
-/// rings, gates, slow operators, facets in turn, a container of 64 bits.
+/// The fp32 pipes with host arithmetic, and others that build quickly for each way of scaling:
+/// solids and rays, iterative pipelines, gates, slow operators, shared candidate axes, and a 64-bit
+/// container.
 std::vector<PairConfig> configurations() {
   constexpr FpFormat kFp16{5, 10}, kFp24{7, 16}, kFp64{11, 52};
   std::vector<PairConfig> all;
@@ -186,7 +187,7 @@ std::string label(const ::testing::TestParamInfo<PairConfig>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Pipes, Range, ::testing::ValuesIn(configurations()), label);
 
-/// Two boxes of fp16 that touch. T is below the normal numbers at size one, so F is 1.
+/// Two touching boxes in fp16. At size one, T is below the normal numbers, so F is 1.
 TEST(Touching, PipesSayIt) {
   const PairConfig config{.pair = Pair::kObbObb, .format = FpFormat{5, 10}, .lanes = 1};
   std::vector<std::uint64_t> a, b;

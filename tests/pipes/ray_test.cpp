@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray pipes bit for bit where random operands hardly come: ties of the dominant axis, and hits that
-// would lie at infinity or at -0.
+// Ray pipes bit for bit where random operands rarely occur: ties of the dominant axis, and hits at
+// infinity or at -0.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ void expect_equal(const PairConfig& config, const Words& a, const Words& b) {
                                    << cde::testing::told_and_packed({config, a, b, i});
 }
 
-/// The same pairs with axes j and k exchanged in every vector but the interval.
+/// The same pairs with axes j and k exchanged in every vector except the interval.
 Words exchanged(Words words, std::size_t stride, std::size_t vectors, std::size_t j,
                 std::size_t k) {
   for (std::size_t i = 0; i < words.size(); i += stride)
@@ -63,9 +63,9 @@ Words exchanged(Words words, std::size_t stride, std::size_t vectors, std::size_
 
 class Ties : public ::testing::TestWithParam<Algorithm> {};
 
-/// Triangles in x + y = 1 and its like for every pair of axes, against rays as steep along both.
-/// With the two axes exchanged the reference takes the other one, and some of its answers have
-/// other bits: a pipe that took it would be found out.
+/// Triangles in x + y = 1, and the same for every pair of axes, against rays that are equally steep
+/// along both axes. With the two axes exchanged the reference selects the other one, and some
+/// answers differ in bits. A pipe that selects the wrong axis would fail.
 TEST_P(Ties, GoToTheLowestAxis) {
   const PairConfig config{.algorithm = GetParam()};
   std::mt19937 random(kSeed);
@@ -77,7 +77,8 @@ TEST_P(Ties, GoToTheLowestAxis) {
     for (int i = 0; i < 4000; ++i) {
       std::array<std::array<float, 3>, 3> v{};
       for (auto& p : v) {
-        // Multiples of 2^-20, so that 1 - p is exact, the edges, too, and the normal ties.
+        // Multiples of 2^-20, so that 1 - p and the edges are exact, and the components of the
+        // normal tie.
         const auto grid = [&] { return std::round(std::ldexp(4 * unit() - 2, 20)) * 0x1p-20f; };
         p[j] = grid(), p[k] = 1 - p[j], p[l] = grid();
       }
@@ -85,7 +86,7 @@ TEST_P(Ties, GoToTheLowestAxis) {
       std::array<float, 3> d{}, o{};
       d[j] = s * (1 + unit()), d[k] = random() % 4 != 0 ? d[j] : -d[j];
       d[l] = (2 * unit() - 1) * std::abs(d[j]);
-      // Half of the rays go through an edge, where the roundings decide.
+      // Half of the rays pass through an edge, where rounding decides.
       const float x = i % 2 == 0 ? 0 : 1.2f * unit(), y = (1.2f - x) * unit(), t = 1 + 3 * unit();
       for (std::size_t m = 0; m < 3; ++m)
         o[m] = v[0][m] * (1 - x - y) + v[1][m] * x + v[2][m] * y - t * d[m];
@@ -100,7 +101,7 @@ TEST_P(Ties, GoToTheLowestAxis) {
     std::printf("%s, axes %zu and %zu: seed %u, %zu pairs, %zu hits, %zu differ by the tie\n",
                 std::string(name(GetParam())).c_str(), j, k, kSeed, here.size(), hits, other);
     EXPECT_GT(hits, here.size() / 4);
-    EXPECT_GT(other, 20u) << "the choice is seen in no answer";
+    EXPECT_GT(other, 20u) << "the choice of the axis changes no answer";
     all_a.insert(all_a.end(), a.begin(), a.end());
     all_b.insert(all_b.end(), b.begin(), b.end());
   }
@@ -111,8 +112,8 @@ INSTANTIATE_TEST_SUITE_P(Algorithms, Ties,
                          ::testing::Values(Algorithm::kBadouel, Algorithm::kWatertight),
                          [](const auto& info) { return std::string(name(info.param)); });
 
-/// Rays down the z axis from anywhere at something in z = 0, directions of any size: T and CP
-/// beyond the format are misses, T = 0 has no sign.
+/// Rays along the z axis from anywhere towards a shape in z = 0, with directions of any size. T and
+/// CP beyond the format are misses, and T = 0 has no sign.
 struct RayPipe : PairConfig {
   friend void PrintTo(const RayPipe& p, std::ostream* out) { *out << name(p.pair); }
 };
@@ -142,13 +143,12 @@ TEST_P(Extremes, HitsAreFiniteAndNeverAtMinusZero) {
     EXPECT_NE(r.t, std::bit_cast<std::uint32_t>(-0.0f));
   }
   EXPECT_GT(hits, 600u);
-  EXPECT_LT(hits, 5400u) << "none is out of range";
+  EXPECT_LT(hits, 5400u) << "no hit is out of range";
   EXPECT_GT(zeros, 100u);
   expect_equal(config, a, b);
 }
 
-/// Every tilt from a cylinder's axis down to nothing, where r^2 / A overflows long before 1 / A
-/// does.
+/// Every angle from a cylinder's axis down to zero. r^2 / A overflows long before 1 / A does.
 TEST(AllButAlongTheAxis, RaysHitWhatTheyGoThrough) {
   const PairConfig config{.pair = Pair::kRayCylinder};
   std::mt19937 random(kSeed);
