@@ -3,7 +3,7 @@
 // Latency: LAT cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none, runs free.
-// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Flags: {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_add #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lane of fp_add: swap | difference of exponents | align | add | count zeros | normalise | round | pack. The carry
-// of the sum lies at bit CARRY, the hidden bit of an operand below it, guard and sticky bits fill what is left.
+// One lane of fp_add: swap | exponent difference | align | add | count zeros | normalise | round | pack.
+// The sum's carry lies at bit CARRY, and an operand's hidden bit lies below it. Guard and sticky bits fill the rest.
 // Latency: CUTS cycles, 0..7.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_add_lane #(
     parameter int EXP   = 8,
@@ -43,7 +43,7 @@ module fp_add_lane #(
   fp_cut #(CW, D_SWAP) cut_x (.clk_i, .d_i(x_s), .q_o(x));
   fp_cut #(CW, D_SWAP) cut_y (.clk_i, .d_i(y_s), .q_o(y));
 
-  // Difference of exponents; significands. The hidden bit is 1 unless the exponent is 0.
+  // Difference of exponents, and significands. The hidden bit is 1 unless the exponent is 0.
   logic [EW-1:0] ex_d, ey_d, hx_d, hy_d, e_d, n_d, n, e_a;
   logic [CW-1:0] xmag_d, xs_d, ys_d, sub_d, sign_d, inf_d, nan_d, xs_a, yl_a, sub_a, sign_a, inf_a, nan_a;
   always_comb begin
@@ -70,7 +70,7 @@ module fp_add_lane #(
   fp_cut #(CW, D_DIFF) cut_inf_a (.clk_i, .d_i(inf_d), .q_o(inf_a));
   fp_cut #(CW, D_DIFF) cut_nan_a (.clk_i, .d_i(nan_d), .q_o(nan_a));
 
-  // Align: y is shifted right, what falls off is kept as a sticky bit.
+  // Align: y is shifted right. The sticky bit keeps whether a lost bit was 1.
   logic [CW-1:0] ys_a, xs, ys, sub, sign_al, inf_al, nan_al;
   logic [EW-1:0] e_al;
   assign ys_a = (yl_a >> n[AB-1:0]) | (lost(yl_a, n[AB-1:0]) & ONE);
@@ -82,7 +82,7 @@ module fp_add_lane #(
   fp_cut #(CW, D_ALIGN) cut_inf_al (.clk_i, .d_i(inf_a), .q_o(inf_al));
   fp_cut #(CW, D_ALIGN) cut_nan_al (.clk_i, .d_i(nan_a), .q_o(nan_al));
 
-  // Add. In gates the one that completes a negative comes in as the carry of a bit below the lowest.
+  // Add. In gates, the +1 of the two's complement enters as the carry of a bit below the lowest.
   logic [CW-1:0] sum_s, sum, sub_sum, sign_sum, inf_sum, nan_sum;
   logic [EW-1:0] e_sum;
   if (LEAST) begin : g_carry_in
@@ -101,13 +101,13 @@ module fp_add_lane #(
   fp_cut #(CW, D_SUM) cut_inf_sum (.clk_i, .d_i(inf_al), .q_o(inf_sum));
   fp_cut #(CW, D_SUM) cut_nan_sum (.clk_i, .d_i(nan_al), .q_o(nan_sum));
 
-  // Count the zeros to shift out: 0 after a carry, and never more than the exponent allows. An exact zero has the sign
-  // of both operands if they agree, and is +0 if they differ.
+  // Count the zeros to shift out: 0 after a carry, and never more than the exponent allows.
+  // An exact zero has the sign of both operands if they agree, else it is +0.
   logic [EW-1:0] lim_c, e_c;
   logic [CW-1:0] k_c, k, sum_c, zero_c, zero_n, sign_c, sign_n, inf_c, nan_c;
   assign lim_c = e_sum + E_ONE;
   if (LEAST) begin : g_stop
-    // A one where the exponent is used up ends the count.
+    // A one at the place where the exponent is used up ends the count.
     logic [CW-1:0] stop_c;
     assign stop_c = ((ONE << (CW - 1)) >> lim_c[AB-1:0]) & ~{CW{|(lim_c >> AB)}};
     assign k_c = lzc((sum << (CW - 1 - CARRY)) | stop_c);
@@ -126,7 +126,8 @@ module fp_add_lane #(
   fp_cut #(CW, D_COUNT) cut_inf_c (.clk_i, .d_i(inf_sum), .q_o(inf_c));
   fp_cut #(CW, D_COUNT) cut_nan_c (.clk_i, .d_i(nan_sum), .q_o(nan_c));
 
-  // Normalise: hidden bit to CARRY. ef is the biased exponent less one, so that adding the hidden bit completes it.
+  // Normalise: the hidden bit moves to CARRY. ef is the biased exponent less one, so adding the hidden bit completes
+  // it.
   logic [CW-1:0] norm, zero, sign, inf, nan;
   logic [EW-1:0] ef;
   fp_cut #(CW, D_SHIFT) cut_norm (.clk_i, .d_i(sum_c << k[AB-1:0]), .q_o(norm));
@@ -145,7 +146,7 @@ module fp_add_lane #(
       .clk_i, .norm_i(norm), .ef_i(ef), .sign_i(sign), .zero_i(zero), .inf_i(inf), .nan_i(nan), .r_o, .past_o(past),
       .inexact_o(inexact));
 
-  // A sum is never inexact and tiny at once: what lies below the normal range is exact.
+  // A sum is never both inexact and tiny: a sum below the normal range is exact.
   if (FLAGS) begin : g_flags
     logic [CW-1:0] nv_d, nv, specials, nx;
     assign nv_d = snan(x) | snan(y) | (~is_nan(xmag_d) & nan_d);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Class of a word as a lane mask, without arithmetic: formats_pkg::CLASS_*.
+// Class of a word (formats_pkg::CLASS_*) as a lane mask, without arithmetic.
 // Latency: 0.
 // Throughput: one result per lane per cycle.
 // Stall: none.

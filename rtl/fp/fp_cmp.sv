@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Comparison as a lane mask: all ones or all zeros, zeros when an operand is NaN.
+// Comparison as a lane mask: all ones if true, all zeros if false. A NaN operand gives all zeros.
 // Latency: LAT cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none, runs free.
-// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Flags: {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_cmp #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52

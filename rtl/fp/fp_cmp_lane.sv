@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // One lane of fp_cmp and fp_minmax. Combinational.
-// Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below
-// +0, two NaNs give the canonical NaN, a signalling NaN raises NV.
+// Minimum and maximum are minimumNumber and maximumNumber of IEEE 754-2019. A NaN loses against a number, and -0 is
+// below +0.
+// Two NaNs give the canonical NaN. A signalling NaN raises NV.
 module fp_cmp_lane #(
-    parameter int OP    = formats_pkg::FP_LT,  // to FP_MAX
+    parameter int OP    = formats_pkg::FP_LT,  // FP_LT to FP_MAX
     parameter int EXP   = 8,
     parameter int MAN   = 23,
     parameter bit LEAST = 0,
@@ -26,7 +27,7 @@ module fp_cmp_lane #(
     bs = neg(b_i << (CW - 1 - EXP - MAN));
     below = neg(am - bm);
     above = neg(bm - am);
-    less = sel(as, ~bs | above, below & ~bs);  // total order, -0 below +0
+    less = sel(as, ~bs | above, below & ~bs);  // total order: -0 is below +0
     a_nan = is_nan(am);
     b_nan = is_nan(bm);
   end

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// A conversion on LANES lanes with the back end that ARITH names: what fp_cvt, fp_from_int and fp_to_int have in
-// common.
+// A conversion on LANES lanes, with the back end that ARITH names. fp_cvt, fp_from_int and fp_to_int are built on it.
 // Latency: LAT cycles.
 // Throughput: one result per lane per cycle.
 // Stall: none, runs free.
 module fp_convert #(
     parameter  int KIND  = formats_pkg::CONVERT_FORMAT,  // CONVERT_*
-    parameter  int EXP   = 8,      // 3..11; the format; with CONVERT_FORMAT that of the operand
+    parameter  int EXP   = 8,      // 3..11; the floating-point format, with CONVERT_FORMAT the operand's
     parameter  int MAN   = 23,     // 2..52
     parameter  int P     = 5,      // CONVERT_FORMAT: EXP of the result; else bits of the integer, 32 or 64
     parameter  int Q     = 10,     // CONVERT_FORMAT: MAN of the result; else bit 0: unsigned, bit 1: truncate
-    parameter  int CI    = 32,     // containers of operand and result
+    parameter  int CI    = 32,     // container bits of operand and result
     parameter  int CO    = 32,
     parameter  int LANES = 1,      // >= 1
-    parameter  int LAT   = 1,      // >= 1; up to 3 (to integer: 2) as register cuts, the rest as delay at the output
+    parameter  int LAT   = 1,      // >= 1; up to 3 register cuts (to integer: 2), the rest is delay at the output
     parameter      ARITH = "rtl",  // "rtl" or "host"
     parameter  bit FLAGS = 0
 ) (

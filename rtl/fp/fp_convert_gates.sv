@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gate back end of the conversions: lanes behind their input registers. Parameters as in fp_convert.
+// Gate back end of the conversions: lanes with input registers. Parameters as in fp_convert.
 // Latency: 1 + CUTS cycles.
 // Throughput: one result per lane per cycle.
-// Stall: none. Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do
-// not alias.
+// Stall: none.
+// Not inlined: the lanes must access one C++ object, so that the compiler sees that their data do not alias.
 module fp_convert_gates #(
     parameter  int KIND  = formats_pkg::CONVERT_FORMAT,
     parameter  int EXP   = 8,
@@ -24,7 +24,7 @@ module fp_convert_gates #(
   /*verilator no_inline_module*/
   logic [LANES-1:0][CI-1:0] a_q;
   always_ff @(posedge clk_i) a_q <= a_i;
-  // Words of a lane (fp_mask.svh); integers are as wide as their container.
+  // Words of a lane (fp_mask.svh). An integer is as wide as its container.
   localparam int LI = (KIND == formats_pkg::CONVERT_FROM_INT) ? P : formats_pkg::lane_word(EXP, MAN, 0);
   localparam int LO = (KIND == formats_pkg::CONVERT_TO_INT) ? P : (KIND == formats_pkg::CONVERT_FROM_INT) ?
       formats_pkg::lane_word(EXP, MAN, 0) : formats_pkg::lane_word(P, Q, 0);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conversion from one format to another, to nearest even.
+// Conversion from one format to another, rounded to nearest even.
 // Latency: LAT cycles.
 // Throughput: one result per lane per cycle.
 // Stall: none, runs free.
-// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Flags: {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_cvt #(
     parameter  int EXP_I = 8,      // 3..11, format of the operand
     parameter  int MAN_I = 23,     // 2..52

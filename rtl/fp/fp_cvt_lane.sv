@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lane of fp_cvt: normalise | shift | round. EXP, MAN is the format of the operand, EXP_O, MAN_O that of the
-// result.
+// One lane of fp_cvt: normalise | shift | round. EXP and MAN are the operand's format, EXP_O and MAN_O the result's.
 // Latency: CUTS cycles, 0..2.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_cvt_lane #(
     parameter int EXP   = 8,
@@ -41,12 +40,12 @@ module fp_cvt_lane #(
 
   logic [CW-1:0] rebias_n;
   logic [CO-1:0] m_n, e_n, m, e_r, sign, zero, inf, nan, nv;
-  // Far beyond the result's range the exponent stops at the first that overflows, so that it fits its place in
+  // Far beyond the result's range, the exponent stops at the first value that overflows. So it fits its field in
   // fp_round.
   localparam logic [CW-1:0] LIMIT = ONE << EXP_O;
   assign rebias_n = sel(neg(LIMIT - e - REBIAS), LIMIT, e + REBIAS);
   if (CW == CO) begin : g_same
-    assign m_n = s >> 1;  // what leaves is zero: a container has at least EXP spare bits
+    assign m_n = s >> 1;  // the lost bit is zero: a container has at least EXP spare bits
     assign e_n = rebias_n;
   end else if (CW > CO) begin : g_narrow
     logic [CW-1:0] high;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Delay line of lane words.
-// Latency: DEPTH cycles (0 = a wire).
-// Throughput: one per cycle.
+// Latency: DEPTH cycles; 0 is a wire.
+// Throughput: one word per lane per cycle.
 // Stall: none.
 module fp_delay #(
     parameter  int LANES = 1,

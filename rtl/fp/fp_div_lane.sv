@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One lane of fp_div: count zeros | normalise | MAN + 3 steps of restoring division | count | shift | round | pack.
-// The quotient digit of a step is 1 unless the trial subtraction goes negative. Digits start at weight 1 of x / y in
-// (1/2, 2), so that twice the quotient fills the word that fp_round wants.
-// Latency: CUTS cycles, 0..MAN + 8, spread evenly over the MAN + 8 places where a cut may lie.
-// Throughput: one per cycle.
+// The quotient digit of a step is 1 unless the trial subtraction is negative.
+// Digits start at weight 1 of x / y in (1/2, 2). So twice the quotient fills the word that fp_round takes.
+// Latency: CUTS cycles, 0..MAN + 8, spread evenly over the MAN + 8 possible places.
+// Throughput: one result per cycle.
 module fp_div_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
@@ -24,7 +24,8 @@ module fp_div_lane #(
   localparam logic [EW-1:0] BIAS = EW'(EMAX >> 1);
   localparam int STEPS = MAN + 3;
   localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
-  // Places of cuts: between count and shift of the operands, before each step, after the last, and three in fp_round.
+  // Places of cuts: between count and shift of the operands, before each step, after the last step, and three in
+  // fp_round.
   localparam int PLACES = STEPS + 5;
   localparam int D_LZC = formats_pkg::cuts_at(CUTS, PLACES, 0);
   localparam int D_LAST = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 1);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work on the exponents of words, without arithmetic on their significands: how a pair is scaled by a power of two. A
-// shift is a number that is added to the bits of a word: k << MAN, negative ones in two's complement.
-//   EXPONENT_MAX  the larger exponent of a and b, where a word has it
-//   EXPONENT_DOWN the shift by 2^-k, k the exponent of a, at least LEAST
-//   EXPONENT_UP   the shift by 2^k
-//   EXPONENT_MOVE a shifted by b; what is below the normal numbers, before or after, becomes a zero of its sign. With
-//                 KEEP a normal number becomes the smallest normal number of its sign instead.
+// Operations on the exponents of words, without arithmetic on significands. They scale a pair by a power of two.
+// A shift is a number added to the bits of a word: k << MAN, in two's complement if negative.
+//   EXPONENT_MAX   the larger exponent of a and b, in its place in the word.
+//   EXPONENT_DOWN  the shift by 2^-k. k is the exponent of a, at least LEAST.
+//   EXPONENT_UP    the shift by 2^k.
+//   EXPONENT_MOVE  a shifted by b. A number below the normal range, before or after, becomes a zero of its sign.
+//                  With KEEP, a normal number becomes the smallest normal number of its sign instead.
 // Latency: 0.
 // Throughput: one result per lane per cycle.
 // Stall: none.
@@ -19,9 +19,9 @@ module fp_exponent #(
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input logic on_i,  // 0: nobody looks at the result of ARITH = "host"
+    input logic on_i,  // 0: no reader uses the result, with ARITH = "host" it is 0
     input logic [LANES-1:0][CW-1:0] a_i,
-    input logic [LANES-1:0][CW-1:0] b_i,  // EXPONENT_MAX, EXPONENT_MOVE
+    input logic [LANES-1:0][CW-1:0] b_i,  // used by EXPONENT_MAX and EXPONENT_MOVE
     output logic [LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
@@ -46,14 +46,14 @@ module fp_exponent #(
   if (1) begin : g_gates
     logic unused_on;
     assign unused_on = on_i;
-    // exponents in EW bits with their sign: a sum of two, and one less, fits, or wraps as it does in a word
+    // Signed exponents in EW bits: a sum of two, and one less, fits, or wraps as it does in a word.
     localparam int EW = (CW - MAN < EXP + 2) ? CW - MAN : EXP + 2;
     localparam logic [CW-1:0] FRACTION = (CW'(1) << MAN) - 1;
     localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
     function automatic logic signed [EW-1:0] larger(input logic signed [EW-1:0] a, input logic signed [EW-1:0] b);
       larger = b ^ ((a ^ b) & negative(b - a));
     endfunction
-    function automatic logic signed [EW-1:0] negative(input logic signed [EW-1:0] v);  // as a mask
+    function automatic logic signed [EW-1:0] negative(input logic signed [EW-1:0] v);  // sign as a mask
       negative = {EW{v[EW-1]}};
     endfunction
     function automatic logic [CW-1:0] in_place(input logic signed [EW-1:0] v);  // with its sign
@@ -70,7 +70,7 @@ module fp_exponent #(
         assign r[l] = in_place(larger(ea, EW'(STORED)) - EW'(BIAS));
       end else begin : g_move
         logic [EW-1:0] moved;
-        logic below;  // the normal numbers, before or after
+        logic below;  // below the normal numbers, before or after
         logic [CW-1:0] least;
         assign moved = ea + b_i[l][MAN+:EW];
         assign below = &(negative(ea - EW'(1)) | negative(moved - EW'(1)));

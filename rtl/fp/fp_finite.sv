@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether all three components of a vector are finite, as a lane mask, without arithmetic.
+// Lane mask: all three components of a vector are finite. No arithmetic.
 // Latency: 0.
 // Throughput: one result per lane per cycle.
 // Stall: none.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One lane of fp_from_int: magnitude, count zeros, normalise | shift | round.
 // Latency: CUTS cycles, 0..2.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_from_int_lane #(
     parameter int EXP      = 8,
@@ -23,7 +23,7 @@ module fp_from_int_lane #(
 `include "fp_mask.svh"
   localparam int D_NORM = (CUTS >= 1) ? 1 : 0;
   localparam int TOP = (1 << (EXP - 1)) + CW - 3;
-  localparam logic [CO-1:0] TOP_EXPONENT = CO'(TOP);  // biased exponent less one of the top bit
+  localparam logic [CO-1:0] TOP_EXPONENT = CO'(TOP);  // the top bit's biased exponent, less one
   logic [CW-1:0] minus, mag, s, n, zero_n;
   always_comb begin
     minus = UNSIGNED ? ONE - ONE : neg(a_i);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gate back end of the binary units: lanes of one operation behind their input registers. CW is the word of a lane
-// (fp_mask.svh).
+// Gate back end of the binary units: lanes of one operation with input registers.
+// CW is the word of a lane (fp_mask.svh).
 // Latency: 1 + CUTS cycles.
 // Throughput: one result per lane per cycle.
-// Stall: none. Not inlined: all that the lanes touch must lie in one C++ object for the compiler to see that they do
-// not alias. The inputs are public so that they stay variables of this object too: then all instances run one function.
+// Stall: none.
+// Not inlined: the lanes must access one C++ object, so that the compiler sees that their data do not alias.
+// The inputs are public so that they stay variables of this object. Then all instances run one function.
 module fp_gates #(
     parameter  int OP    = formats_pkg::FP_ADD,
     parameter  int EXP   = 8,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One operation on LANES lanes with the back end that ARITH names: what fp_add, fp_mul and their like have in common.
+// One operation on LANES lanes, with the back end that ARITH names. fp_add, fp_mul and the other units are built on it.
 // Latency: LAT cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none, runs free.
@@ -11,14 +11,14 @@ module fp_lanes #(
     parameter  int B_LANES = LANES,  // LANES, or 1: b is one value for all lanes
     // >= 1; register cuts while the operation has stages to cut, then delay at the output
     parameter  int LAT   = 1,
-    parameter      ARITH = "rtl",  // "rtl", or "host": combinational, whatever LAT is
+    parameter      ARITH = "rtl",  // "rtl", or "host": combinational for any LAT
     parameter  bit CANON = 1,    // 0: the host back end may give any NaN; for results that only arithmetic reads
     parameter  bit FLAGS = 0,
-    parameter  bit LEAST = formats_pkg::LEAST_WORDS,  // of gates, 1: words no wider than the format needs
+    parameter  bit LEAST = formats_pkg::LEAST_WORDS,  // gates only, 1: words no wider than the format needs
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input  logic                     clk_i,
-    input  logic                     on_i,   // 0: nobody looks at the result of ARITH = "host"
+    input  logic                     on_i,   // 0: no reader uses the result, with ARITH = "host" it is 0
     input  logic [LANES-1:0][CW-1:0] a_i,
     input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
@@ -30,7 +30,7 @@ module fp_lanes #(
   if (ARITH == "rtl") begin : g_rtl
     logic unused_on;
     assign unused_on = on_i;
-    // comparisons have nothing to cut
+    // comparisons have no places for cuts
     localparam int MOST = (OP <= formats_pkg::FP_SUB) ? 7 : (OP == formats_pkg::FP_MUL) ? 10 :
         (OP == formats_pkg::FP_DIV) ? MAN + 8 : (OP == formats_pkg::FP_SQRT) ? MAN + 6 : 0;
     localparam int CUTS = (LAT - 1 > MOST) ? MOST : LAT - 1;
@@ -67,8 +67,7 @@ module fp_lanes #(
       logic unused_high;
       assign unused_high = &{1'b0, r_lane, flags_lane};
     end
-    // At most 32 lanes in one object: wider ones spill registers when they are simulated (fp32 add on AVX2, ns a clock:
-    // 16 lanes 91, 32 lanes 140, 64 lanes in one 390).
+    // At most 32 lanes in one object: wider objects spill registers in simulation.
     localparam int GROUP = (LANES % 32 == 0) ? 32 : LANES;
     localparam int B_GROUP = (B_LANES == 1) ? 1 : GROUP;
     for (genvar g = 0; g < LANES / GROUP; g++) begin : group

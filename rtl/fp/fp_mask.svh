@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words and helpers that every lane module shares; include inside a module with parameters EXP, MAN, LEAST, CW and EW.
-// CW is the word of a lane, EW that of an exponent on its way (formats_pkg::lane_word, lane_exponent). With LEAST = 0,
-// for simulation, both are the format's container, but 64 bits from 24 fraction bits on: in 32 bits there is then no
-// room for the carry, guard and sticky bits beside the significand, nor for exponents past the largest. With LEAST = 1,
-// for synthesis, they are as narrow as the format allows. The bits of all results are the same.
-// The masked style: a condition is a word of all ones or all zeros, made from the sign bit of a subtraction, and a
-// choice is a select by mask. Nothing branches and nothing is narrower than a lane, so that a simulator's compiler can
-// turn lanes into vector code; in gates the masks fold to one bit. Where gates want another form than that (a tree of
-// ORs, not the carry of a subtraction), a helper has two bodies.
+// Words and helpers of all lane modules. Include this file in a module with parameters EXP, MAN, LEAST, CW and EW.
+// CW is the word of a lane, EW the width of an exponent in a datapath (formats_pkg::lane_word, lane_exponent).
+// LEAST = 0 is for simulation: both are the format's container, but 64 bits from 24 fraction bits on. In 32 bits the
+// carry, guard and sticky bits would not fit beside the significand, nor would exponents past the largest.
+// LEAST = 1 is for synthesis: both are as narrow as the format allows. Results are the same in every bit.
+// The masked style: a condition is a word of all ones or all zeros, made from the sign bit of a subtraction. A choice
+// is
+// a select by mask. The code has no branch and no word narrower than a lane, so a simulator's compiler can vectorise
+// the
+// lanes. In gates, the masks fold to one bit. A helper has two bodies where gates need another form, such as a tree of
+// ORs instead of a subtraction's carry.
   localparam int AB = $clog2(CW);  // bits of a shift amount
   localparam logic [CW-1:0] ONE = 1;
   localparam logic [CW-1:0] SHIFT_MAX = (ONE << AB) - 1;
@@ -20,9 +22,10 @@
   localparam logic [CW-1:0] QNAN = INF | QUIET;
   localparam logic [EW-1:0] E_ONE = EW'(ONE);
   localparam logic [EW-1:0] E_SHIFT_MAX = EW'(SHIFT_MAX);
-  localparam logic unused_constants = (&{FRAC, EMAX, QNAN, E_SHIFT_MAX}) & E_ONE[0];  // not every module uses each
+  // a module need not use all of them
+  localparam logic unused_constants = (&{FRAC, EMAX, QNAN, E_SHIFT_MAX}) & E_ONE[0];
 
-  // All ones if v is negative. neg(a - b) is a < b as long as the difference fits.
+  // All ones if v is negative. neg(a - b) is a < b if the difference fits.
   function automatic [CW-1:0] neg(input [CW-1:0] v);
     neg = {CW{v[CW-1]}};
   endfunction
@@ -30,7 +33,7 @@
     negative = {EW{e[EW-1]}};
   endfunction
 
-  // All ones if v is not zero; v must not have its top bit set unless it is the only one.
+  // All ones if v is not zero. The top bit of v may be set only if it is the only one.
   function automatic [CW-1:0] some(input [CW-1:0] v);
     if (LEAST) some = {CW{|v}};
     else some = neg(ONE - ONE - v);
@@ -40,7 +43,7 @@
     sel = f ^ ((f ^ t) & m);
   endfunction
 
-  // Masks of a magnitude: infinity or a NaN, a NaN; of a word: a signalling NaN.
+  // Masks of a magnitude: infinity or NaN; NaN. Mask of a word: signalling NaN.
   function automatic [CW-1:0] special(input [CW-1:0] mag);
     if (LEAST) special = {CW{(mag >> MAN) == EMAX}};
     else special = ~neg(mag - INF);
@@ -53,24 +56,24 @@
     snan = is_nan(v & MAG) & neg((v & QUIET) - ONE);
   endfunction
 
-  // The hidden bit, 1 unless the exponent e, as it stands in a word, is 0.
+  // The hidden bit: 1 unless the stored exponent e is 0.
   function automatic [EW-1:0] hidden(input [EW-1:0] e);
     if (LEAST) hidden = {{EW - 1{1'b0}}, |e};
     else hidden = (e + EW'(EMAX)) >> EXP;
   endfunction
 
-  // A shift amount n >= 0 that is too large becomes the largest.
+  // Limits a shift amount n >= 0 to the largest that AB bits hold.
   function automatic [EW-1:0] at_most(input [EW-1:0] n);
     if (LEAST) at_most = (n | {EW{|(n >> AB)}}) & E_SHIFT_MAX;
     else at_most = (n | negative(E_SHIFT_MAX - n)) & E_SHIFT_MAX;
   endfunction
 
-  // Whether v >> n loses a bit that is 1.
+  // Mask: v >> n loses a bit that is 1.
   function automatic [CW-1:0] lost(input [CW-1:0] v, input [AB-1:0] n);
     lost = some(v & ~(~(ONE - ONE) << n));
   endfunction
 
-  // Leading zeros of v, 2^AB - 1 of zero. In gates a tree: the higher half counts unless it is zero.
+  // Leading zeros of v; 2^AB - 1 for zero. In gates a tree: the higher half counts unless it is zero.
   function automatic [CW-1:0] zeros_by_halves(input [CW-1:0] v);
     integer i, j;
     logic [(1<<AB)-1:0] zero;

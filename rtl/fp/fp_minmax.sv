@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// minimumNumber or maximumNumber of IEEE 754-2019: a NaN loses against a number, -0 is below +0, two NaNs give the
-// canonical NaN, a signalling NaN raises NV.
+// minimumNumber or maximumNumber of IEEE 754-2019. A NaN loses against a number, and -0 is below +0.
+// Two NaNs give the canonical NaN. A signalling NaN raises NV.
 // Latency: LAT cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none, runs free.
-// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Flags: {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_minmax #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52

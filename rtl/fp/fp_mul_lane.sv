@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lane of fp_mul: swap | count zeros | normalise | partial products | sum | count | shift | round | pack. x is the
-// operand of larger magnitude; only y needs normalising when two subnormals multiply to less than half of the smallest
-// subnormal (bias >= MAN + 2). Significands are multiplied as halves of H bits: so nothing is wider than the container,
-// and in gates than a multiplier block.
+// One lane of fp_mul: swap | count zeros | normalise | partial products | sum | count | shift | round | pack.
+// x is the operand of larger magnitude. Only y needs normalising: two subnormals multiply to less than half of the
+// smallest subnormal (bias >= MAN + 2).
+// Significands are multiplied as halves of H bits. So no word is wider than the container, and in gates no factor is
+// wider than a multiplier block.
 // Latency: CUTS cycles, 0..10.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_mul_lane #(
     parameter int EXP   = 8,
@@ -25,16 +26,14 @@ module fp_mul_lane #(
 `include "fp_mask.svh"
   localparam logic [EW-1:0] BIAS = EW'(EMAX >> 1);
   localparam bit NORMALISE_X = (1 << (EXP - 1)) - 1 < MAN + 2;
-  // In gates one multiplier takes 18 bits.
+  // In gates, one multiplier block takes 18 bits.
   localparam bit WHOLE = LEAST ? MAN < 18 : 2 * MAN + 2 <= CW;
-  // Half of a significand. 12 bits at least in 32-bit words: with halves of 9 the multiplier of 1-7-16 does not
-  // vectorise (measured at 64 lanes: 58 against 209 M operations/s).
+  // Half of a significand. In 32-bit words it has at least 12 bits: narrower halves of 1-7-16 do not vectorise.
   localparam int H = (CW == 32 && !LEAST) ? 12 : (MAN + 2) / 2;
   localparam int D_SWAP = (CUTS >= 5) ? 1 : 0;
   localparam int D_LZC = (CUTS >= 8) ? 1 : 0;
-  // Blocks of multipliers lie apart, so wires from them have a second register. With a third one a block is all that a
-  // word of up to 24 bits takes: 18 by 18 of them, and what the other six have part in is made of adders (a lane of
-  // ray-triangle in fp32 with four blocks a product, 108 of 156: 73 MHz, of 13.6 ns 9.2 wires to one and from it).
+  // Multiplier blocks lie apart, so their output wires get a second register. With a third register, a word of up to 24
+  // bits takes one block of 18 by 18 bits. Adders make the products with the remaining six bits.
   localparam int D_NORM = (CUTS >= 2) ? 1 : 0;
   localparam int D_PART = (CUTS >= 10) ? 3 : (CUTS >= 9) ? 2 : (CUTS == 1 || CUTS >= 3) ? 1 : 0;
   localparam bit ONE_BLOCK = LEAST && !WHOLE && MAN < 24 && D_PART == 3;
@@ -56,8 +55,9 @@ module fp_mul_lane #(
   fp_cut #(CW, D_SWAP) cut_y (.clk_i, .d_i(y_s), .q_o(y));
   fp_cut #(CW, D_SWAP) cut_sign_n (.clk_i, .d_i(sign_s), .q_o(sign_n));
 
-  // Normalise: significands with their leading one at the top; e is the biased exponent of the product less one, for a
-  // product in [1, 2). A zero y is caught by its own mask.
+  // Normalise: significands have their leading one at the top. e is the biased exponent, less one, of a product in [1,
+  // 2).
+  // A zero y has its own mask.
   logic [CW-1:0] sx_n, sy_n, inf_n, nan_n, zero_n, sx, sy, sign_p, inf_p, nan_p, zero_p;
   logic [EW-1:0] ex_n, ey_n, e_p;
   fp_normalise #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .COUNT(NORMALISE_X), .CUT(D_LZC)) norm_x (
@@ -80,7 +80,8 @@ module fp_mul_lane #(
   logic unused_bits;
   assign unused_bits = &{1'b0, sx, sy};
 
-  // Product in [1, 4), its top bit (weight 2) where fp_round wants it, what does not fit as a sticky bit.
+  // Product in [1, 4): the top bit (weight 2) is where fp_round takes it. The sticky bit holds the bits that do not
+  // fit.
   logic [CW-1:0] prod_m, prod, sign_m, sign_r, inf_m, inf_r, nan_m, nan_r, zero_m, zero_r;
   logic [EW-1:0] e_m, e_r;
   if (WHOLE && !LEAST) begin : g_word
@@ -109,7 +110,7 @@ module fp_mul_lane #(
     assign full = {hh, ll} + ((48'(xl_yh) + 48'(yl_xh)) << 6);
     assign prod_m = CW'({full[47-:MAN+3], |full[44-MAN:0]});
   end else if (LEAST) begin : g_blocks
-    // Halves as wide as they are; the lower one has a zero at its end if the significand is of odd length.
+    // Halves of H bits. The lower half ends in a zero if the significand has an odd number of bits.
     logic [2*H-1:0] xw, yw, hh_p, hl_p, lh_p, ll_p, hh, hl, lh, ll;
     logic [4*H-1:0] full;
     assign xw = (2 * H)'(sx[CW-1-:MAN+1]) << (2 * H - MAN - 1);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Magnitude to a significand with its leading one at the top of the word and the biased exponent less one, which goes
-// below zero for subnormals: count | shift. COUNT = 0: subnormals stay as they are.
+// Magnitude to a significand with its leading one at the top of the word: count | shift. e_o is the biased exponent
+// less
+// one; it is negative for subnormals. COUNT = 0 leaves subnormals unnormalised.
 // Latency: CUT cycles, 0..1.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_normalise #(
     parameter int EXP   = 8,

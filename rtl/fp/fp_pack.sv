@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The end of every rounding of one lane: round to nearest even | the word of the result.
-// norm_i has its hidden bit at MAN + DROP and DROP bits below the last place, the lowest of them sticky; ef_i is the
-// biased exponent less one if the hidden bit is 1, else 0. Masks: zero, infinity, NaN, in rising priority.
-// past_o: a mask of results that are, or round, past the largest number and not special; inexact_o: bits are lost.
+// Last step of a lane's rounding: round to nearest even | assemble the word of the result.
+// norm_i has its hidden bit at MAN + DROP, and DROP bits below the last place; the lowest is sticky.
+// ef_i is the biased exponent less one if the hidden bit is 1, else 0.
+// The masks zero, infinity and NaN have rising priority.
+// past_o is a mask: the result is, or rounds, past the largest number and is not special. inexact_o: bits were lost.
 // Latency: CUT cycles, 0..1.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_pack #(
     parameter int EXP   = 8,
@@ -28,7 +29,7 @@ module fp_pack #(
 );
   /*verilator inline_module*/
 `include "fp_mask.svh"
-  // The hidden bit completes the exponent, a carry of the significand runs into it, and overflow stops at infinity.
+  // The hidden bit completes the exponent. A rounding carry runs into the exponent, and overflow stops at infinity.
   logic [CW-1:0] over, sign, inf, nan, special_p, inexact_s;
   fp_cut #(CW, CUT) cut_sign (.clk_i, .d_i(sign_i), .q_o(sign));
   fp_cut #(CW, CUT) cut_inf (.clk_i, .d_i(inf_i), .q_o(inf));
@@ -38,7 +39,7 @@ module fp_pack #(
   assign inexact_s = some(norm_i & ((ONE << DROP) - ONE));
   assign past_o = over & ~special_p;
   if (LEAST) begin : g_gates
-    // Exponent and fraction in one chain of carries.
+    // Exponent and fraction share one carry chain.
     logic [EW+MAN-1:0] p_s, p;
     logic up_s;
     always_comb begin

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the size of a word lies between two powers of two, 2^LOW <= |a| <= 2^HIGH, or with SIGNED 2^LOW <= a <=
-// 2^HIGH, as a lane mask; false for a NaN.
+// Lane mask: 2^LOW <= |a| <= 2^HIGH, or with SIGNED 2^LOW <= a <= 2^HIGH. It is false for a NaN.
 // Latency: 0.
 // Throughput: one result per lane per cycle.
 // Stall: none.
@@ -10,18 +9,18 @@ module fp_range #(
     parameter int LANES = 1,
     parameter bit SIGNED = 0,
     parameter bit ZERO = 0,  // 1: no lower limit
-    parameter int LOW = 0,   // both of normal numbers
+    parameter int LOW = 0,   // LOW and HIGH are exponents of normal numbers
     parameter int HIGH = 0,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input logic on_i,  // 0: nobody looks at the result of ARITH = "host"
+    input logic on_i,  // 0: no reader uses the result, with ARITH = "host" it is 0
     input logic [LANES-1:0][CW-1:0] a_i,
     output logic [LANES-1:0][CW-1:0] m_o
 );
   /*verilator inline_module*/
   localparam int BIAS = (1 << (EXP - 1)) - 1;
-  localparam int LEAST = ZERO ? 0 : LOW + BIAS;  // exponents as they stand in a word
+  localparam int LEAST = ZERO ? 0 : LOW + BIAS;  // stored exponents
   localparam int MOST = HIGH + BIAS;
   if (LEAST < 0 || (!ZERO && LEAST == 0) || MOST > 2 * BIAS)
       $error("fp_range: LOW and HIGH must be exponents of normal numbers");

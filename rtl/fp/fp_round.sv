@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounding of one lane, shared by product, quotient, root and conversions: count | shift right | round to nearest even
-// | pack.
-// m_i: significand with weights 2 (bit TOP), 1, 1/2, ... and a sticky bit at the bottom, value in [1, 4) or anything if
-// a mask says so. e_i: biased exponent of that value less one, two's complement. Masks: zero, infinity, NaN, in rising
-// priority.
+// |
+// pack.
+// m_i is a significand with weights 2 (bit TOP), 1, 1/2, ... and a sticky bit at the bottom. Its value is in [1, 4), or
+// arbitrary if a mask is set. e_i is that value's biased exponent less one, in two's complement.
+// The masks zero, infinity and NaN have rising priority.
 // Latency: CUT_COUNT + CUT + CUT_PACK cycles, each 0..1.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_round #(
     parameter int EXP   = 8,
@@ -25,7 +26,7 @@ module fp_round #(
     input  logic [CW-1:0] zero_i,
     input  logic [CW-1:0] inf_i,
     input  logic [CW-1:0] nan_i,
-    input  logic [CW-1:0] nv_i,   // masks of the flags that are known before rounding
+    input  logic [CW-1:0] nv_i,   // masks of flags known before rounding
     input  logic [CW-1:0] dz_i,
     output logic [CW-1:0] r_o,
     output logic [CW-1:0] flags_o
@@ -35,7 +36,8 @@ module fp_round #(
   localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
   localparam int DROP = TOP - 1 - MAN;  // bits below the last place
 
-  // Count: how far right, so that the leading one gets to TOP - 1, and below the normal range further, so that the
+  // Count the right shift that moves the leading one to TOP - 1. Below the normal range the shift is larger, so that
+  // the
   // hidden bit becomes 0.
   logic [EW-1:0] top_c, e_c, tiny_c, n_c, n, ef_c, ef_s, ef;
   logic [CW-1:0] m, sign_s, zero_s, inf_s, nan_s, norm_s, norm, sign, zero, inf, nan;
@@ -71,8 +73,9 @@ module fp_round #(
       .clk_i, .norm_i(norm), .ef_i(ef), .sign_i(sign), .zero_i(zero), .inf_i(inf), .nan_i(nan), .r_o, .past_o(past),
       .inexact_o(inexact));
 
-  // Tiny after rounding: below the smallest normal even if rounded at full precision, that is, with the significand
-  // shifted by top_c only and no carry out of the value just below the normal range.
+  // Tiny after rounding: the result is below the smallest normal even if rounded at full precision. Then the
+  // significand is
+  // shifted by top_c only, and rounding just below the normal range gives no carry.
   if (FLAGS) begin : g_flags
     localparam logic [CW-1:0] HALF = (ONE << (DROP - 1)) - 1;
     localparam int DELAY = CUT_COUNT + CUT + CUT_PACK;

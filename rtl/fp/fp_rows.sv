@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A product with a factor of six bits, of adders alone: pairs of rows | two of the three sums | all of them.
+// Product with a 6-bit factor, made of adders alone: sums of two rows each | two of the three sums | all three.
 // Latency: 3 cycles.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_rows #(
     parameter int W = 18

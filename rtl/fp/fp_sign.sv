@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sign of a word, free of gates: formats_pkg::SIGN_*. NaN is not special.
+// Sign operations on a word (formats_pkg::SIGN_*), without logic beyond the sign bit. NaN is not special.
 // Latency: 0.
 // Throughput: one result per lane per cycle.
 // Stall: none.
@@ -13,7 +13,7 @@ module fp_sign #(
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input  logic [LANES-1:0][CW-1:0] a_i,
-    input  logic [B_LANES-1:0][CW-1:0] b_i,  // SIGN_COPY and SIGN_XOR
+    input  logic [B_LANES-1:0][CW-1:0] b_i,  // used by SIGN_COPY and SIGN_XOR
     output logic [LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
@@ -25,8 +25,8 @@ module fp_sign #(
     assign unused_b = &{1'b0, b_i};
   end
 `ifdef VERILATOR
-  // A call a lane, as the arithmetic around it: Verilator would join bit operations of neighbouring lanes, which then
-  // vectorise no more.
+  // One call per lane, like the arithmetic around it: Verilator would merge bit operations of neighbouring lanes, which
+  // then do not vectorise.
   if (ARITH != "rtl" && CW == 32) begin : g_32
     always_comb begin
       r = '0;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Square root; of a negative number NaN, of -0 the -0.
+// Square root. A negative number gives NaN, and -0 gives -0.
 // Latency: LAT cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none, runs free.
-// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Flags: {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_sqrt #(
     parameter  int EXP   = 8,    // 3..11
     parameter  int MAN   = 23,   // 2..52

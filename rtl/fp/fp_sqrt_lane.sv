@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One lane of fp_sqrt: count zeros | normalise | MAN + 1 steps of the restoring root | count | shift | round | pack.
-// Invariant after step i: r = 2^i (s - root^2), with s in [1, 4) and the root so far; d holds twice the root. Both have
+// Invariant after step i: r = 2^i (s - root^2), for s in [1, 4) and the current root; d holds twice the root. Both have
 // MAN + 1 fraction bits. The root in [1, 2) is never tiny and never overflows.
-// Latency: CUTS cycles, 0..MAN + 6, spread evenly over the MAN + 6 places where a cut may lie.
-// Throughput: one per cycle.
+// Latency: CUTS cycles, 0..MAN + 6, spread evenly over the MAN + 6 possible places.
+// Throughput: one result per cycle.
 module fp_sqrt_lane #(
     parameter int EXP   = 8,
     parameter int MAN   = 23,
@@ -23,7 +23,8 @@ module fp_sqrt_lane #(
   localparam logic [EW-1:0] BIAS = EW'(EMAX >> 1);
   localparam int STEPS = MAN + 1;
   localparam int TOP = formats_pkg::round_top(EXP, MAN, LEAST);
-  // Places of cuts: between count and shift of the operand, before each step, after the last, and three in fp_round.
+  // Places of cuts: between count and shift of the operand, before each step, after the last step, and three in
+  // fp_round.
   localparam int PLACES = STEPS + 5;
   localparam int D_LZC = formats_pkg::cuts_at(CUTS, PLACES, 0);
   localparam int D_LAST = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 1);
@@ -31,7 +32,7 @@ module fp_sqrt_lane #(
   localparam int D_SHIFT = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 3);
   localparam int D_PACK = formats_pkg::cuts_at(CUTS, PLACES, STEPS + 4);
 
-  // The exponent is halved downwards; an odd one leaves a factor of 2 in s. An even offset keeps it positive.
+  // Halving rounds the exponent down; an odd exponent leaves a factor of 2 in s. An even offset keeps it positive.
   localparam logic [EW-1:0] OFFSET = E_ONE << $clog2(MAN + 4);
   logic [CW-1:0] mag_n, s_n, sign_n, minus_n, zero_n, inf_n, nan_n, nv_n;
   logic [EW-1:0] e_n, v_n, half_n;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Floating point to integer. Out of range saturates and NaN gives the largest integer, with NV.
+// Floating point to integer. A value out of range saturates with NV. A NaN gives the largest integer with NV.
 // Latency: LAT cycles.
 // Throughput: one result per lane per cycle.
 // Stall: none, runs free.
-// Flags {NV,DZ,OF,UF,NX} when FLAGS = 1.
+// Flags: {NV,DZ,OF,UF,NX} when FLAGS = 1.
 module fp_to_int #(
     parameter  int EXP   = 8,      // 3..11
     parameter  int MAN   = 23,     // 2..52

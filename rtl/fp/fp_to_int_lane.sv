@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// One lane of fp_to_int: normalise, shift | round, saturate. Out of range saturates and NaN gives the largest integer,
-// with NV alone; an inexact result raises NX. Works in the wider of the two containers, WW bits.
+// One lane of fp_to_int: normalise, shift | round, saturate. A value out of range saturates, and NaN gives the largest
+// integer; both raise NV alone. An inexact result raises NX. CW is the wider of the two containers.
 // Latency: CUTS cycles, 0..1.
-// Throughput: one per cycle.
+// Throughput: one result per cycle.
 // Stall: none.
 module fp_to_int_lane #(
     parameter int EXP      = 8,
@@ -21,12 +21,12 @@ module fp_to_int_lane #(
     output logic [INT-1:0] flags_o
 );
   /*verilator inline_module*/
-  localparam int CW = (INT > CI) ? INT : CI;  // the work width
+  localparam int CW = (INT > CI) ? INT : CI;  // the working width
   localparam int EW = CW;
 `include "fp_mask.svh"
   localparam int D_SHIFT = (CUTS >= 1) ? 1 : 0;
   localparam int TOP_EXPONENT = (1 << (EXP - 1)) + CW - 3;
-  localparam logic [CW-1:0] TOP = CW'(TOP_EXPONENT);  // biased exponent less one that needs no shift
+  localparam logic [CW-1:0] TOP = CW'(TOP_EXPONENT);  // biased exponent less one of a value that needs no shift
   logic [CI-1:0] s_i, e_i;
   logic [CW-1:0] a, s, e, nan_n, minus_n, n, far_n, whole_n, high_n, q_n, tail_n, over_n;
   fp_normalise #(.EXP(EXP), .MAN(MAN)) norm (
@@ -40,7 +40,7 @@ module fp_to_int_lane #(
     assign s = {s_i, {CW - CI{1'b0}}};
     assign e = {{CW - CI{e_i[CI-1]}}, e_i};
   end
-  // q: the integer part; tail: the half bit and a sticky bit below it.
+  // q is the integer part. tail holds the half bit and a sticky bit below it.
   always_comb begin
     nan_n = is_nan(a & MAG);
     minus_n = neg(a << (CW - 1 - EXP - MAN)) & ~nan_n;

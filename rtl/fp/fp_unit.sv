@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every operation of one format on LANES lanes, for tests, measurements and the `cde fp` command. Each operation has a
-// clock of its own, as behind a clock gate, so that idle operations cost nothing.
-// Latency: LAT_* cycles of the operation.
+// Every operation of one format on LANES lanes, for tests, measurements and the `cde fp` command.
+// Each operation has its own clock, as behind a clock gate, so that idle operations cost no simulation time.
+// Latency: the operation's LAT_*.
 // Throughput: one result per lane per cycle.
 // Stall: none.
 module fp_unit #(
@@ -10,10 +10,10 @@ module fp_unit #(
     parameter  int LANES    = 16,     // >= 1
     parameter  int B_LANES  = LANES,  // LANES, or 1: b is one value for all lanes
     parameter      ARITH    = "rtl",  // "rtl" or "host"
-    parameter  int CANON    = 1,      // 0 or 1, of arithmetic as in fp_lanes
+    parameter  int CANON    = 1,      // 0 or 1, for arithmetic as in fp_lanes
     parameter  int FLAGS    = 1,      // 0 or 1
-    parameter  int LEAST    = 0,      // 0 or 1, of arithmetic as in fp_lanes
-    parameter  int OPS      = -1,     // bit k: clock k's operation is there
+    parameter  int LEAST    = 0,      // 0 or 1, for arithmetic as in fp_lanes
+    parameter  int OPS      = -1,     // bit k: operation k is present
     parameter  int LAT_ADD  = 1,      // add, sub
     parameter  int LAT_MUL  = 1,
     parameter  int LAT_DIV  = 1,
@@ -23,20 +23,20 @@ module fp_unit #(
     localparam int CW       = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int CONVERSIONS = formats_pkg::FP_OPS - formats_pkg::FP_TO_FORMAT
 ) (
-    input  logic [formats_pkg::FP_OPS-1:0]  clk_i,  // bit k: of operation k, formats_pkg::FP_*
+    input  logic [formats_pkg::FP_OPS-1:0]  clk_i,  // bit k: clock of operation k, formats_pkg::FP_*
     input  logic [LANES-1:0][CW-1:0]       a_i,
     input  logic [B_LANES-1:0][CW-1:0]     b_i,
     input  logic [LANES-1:0][63:0]         n_i,   // integer operands
     output logic [formats_pkg::FP_ARITHMETIC-1:0][LANES-1:0][CW-1:0]  r_o,
     output logic [formats_pkg::FP_ARITHMETIC-1:0][LANES-1:0][CW-1:0]  f_o,   // their flags
-    // Conversions, from FP_TO_FORMAT on.
+    // Conversions, starting at FP_TO_FORMAT.
     output logic [CONVERSIONS-1:0][LANES-1:0][63:0]  x_o,
     output logic [CONVERSIONS-1:0][LANES-1:0][31:0]  g_o    // their flags
 );
   if (formats_pkg::FP_FROM_I32 != formats_pkg::FP_TO_FORMAT + formats_pkg::FORMATS) begin : g_codes
     $error("fp_unit: conversions from integers must follow those to formats");
   end
-  logic unused_inputs;  // of operations that OPS leaves out
+  logic unused_inputs;  // inputs of operations that OPS omits
   assign unused_inputs = &{1'b0, clk_i, a_i, b_i, n_i};
   for (genvar k = 0; k < formats_pkg::FP_ARITHMETIC; k++) begin : g_op
     localparam int LAT = (k <= formats_pkg::FP_SUB) ? LAT_ADD : (k == formats_pkg::FP_MUL) ? LAT_MUL :
@@ -47,7 +47,7 @@ module fp_unit #(
           .CANON(CANON != 0),
           .FLAGS(FLAGS != 0), .LEAST(LEAST != 0)) lanes (
           .clk_i(clk_i[k]), .on_i(1'b1), .a_i, .b_i, .r_o(r), .flags_o(f));
-      // The host back end is combinational; here it gets the timing of the gates.
+      // The host back end is combinational. Here it gets the timing of the gates.
       fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0))
           delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));
       fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0))
@@ -62,7 +62,7 @@ module fp_unit #(
     localparam int OP = formats_pkg::FP_TO_FORMAT + k;
     localparam int EXP_O = formats_pkg::format_exp(k % formats_pkg::FORMATS), MAN_O =
         formats_pkg::format_man(k % formats_pkg::FORMATS);
-    // Those with integers are in groups of four: i32, ui32, i64, ui64.
+    // Conversions from and to integers are in groups of four: i32, ui32, i64, ui64.
     localparam int GROUP = k - formats_pkg::FORMATS;
     localparam int INT = ((GROUP / 2) % 2 == 1) ? 64 : 32;
     localparam bit UNSIGNED = GROUP % 2 == 1;

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipe of a pair (scaled_pipe.sv), behind which with BOUND the signed gap is at least that of the boxes
-// (gap_bound.sv); without it the pipe alone. The bound is of the pair as it comes: it needs no scaling.
-// With BOUND its operators, 1 compare and 1 max.
-// Latency: that of the pipe, and with BOUND LAT.cmp, latency_o; 0 with ARITH = "host".
-// Throughput: LANES pairs in FACET_II cycles.
+// The pipe of a pair (scaled_pipe.sv). With BOUND, a signed distance below the box distance is raised to it
+// (gap_bound.sv).
+// The bound comes from the unscaled pair. With BOUND, also its operators, 1 compare and 1 max.
+// Latency: latency_o: the pipe's latency, and with BOUND LAT.cmp; 0 with ARITH = "host".
+// Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.
 `include "gap_bound.svh"
 module bounded_pipe #(
     `DF_PARAMETERS,
     parameter int PAIR = 0,
-    parameter int ALGORITHM = 0,  // these are those of pair_pipe.sv
+    parameter int ALGORITHM = 0,  // as in pair_pipe.sv, with the following parameters
     parameter int BOX = 0,
     parameter int HALF_SPACE = 0,
     parameter int FACET_II = 1,
     parameter int B_LANES = LANES,
-    parameter int BOUND = 0,  // 1: of config_pkg::BOUND_PAIRS
+    parameter int BOUND = 0,  // 1: apply the bound; for config_pkg::BOUND_PAIRS
     localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
     localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
@@ -36,7 +36,7 @@ module bounded_pipe #(
     if (!pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR)) $error("bounded_pipe: PAIR has no BOUND");
     localparam int A_SHAPE = pairs_pkg::primary_shape(PAIR);
     localparam int B_SHAPE = pairs_pkg::secondary_shape(PAIR);
-    logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // one a lane
+    logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // one secondary per lane
     for (genvar k = 0; k < B_WORDS; k++) begin : word
       if (B_LANES == LANES) begin : g_own
         assign b_own[k] = b_i[k];
@@ -47,7 +47,7 @@ module bounded_pipe #(
     logic [LANES-1:0][CW-1:0] bound_now, bound_late;
     gap_bound #(`DF_SAME, .A_SHAPE(A_SHAPE), .B_SHAPE(B_SHAPE)) of_boxes (
         .clk_i, .a_i, .b_i(b_own), .bound_o(bound_now));
-    if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter
+    if (ARITH == "rtl") begin : g_late  // the pipe's latency is a port value, not a parameter
       localparam int SLOWEST = latency_pkg::mean(LAT);
       logic unused_valid;
       issue_history #(.W(LW), .DEPTH(256 << $clog2(SLOWEST))) history (

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of the convex pipes as operators of the dataflow notation. A part is a module that takes its inputs at stage
-// time 0 of its own and gives its outputs at one time, the LATENCY_* below; what needs another time says so. Each part
-// refuses to elaborate if its own stage times do not add up to that. The parts beyond these lines are instantiated by
-// hand, because they belong to generate loops.
+// Parts of the convex pipes as operators of the dataflow notation. A part is a module that takes its inputs at its own
+// stage time 0 and gives all outputs at one time, LATENCY_* below. A part says where an input or output needs another
+// time. Each part refuses to elaborate if its stage times do not add up to that latency. Parts in generate loops are
+// not
+// listed here: the pipes instantiate them directly.
 `ifndef CDE_CONVEX_SVH
 `define CDE_CONVEX_SVH
 `include "pipe.svh"
 
-// ---- Facet units that take turns: FACET_II = 1 or 3 cycles from pair to pair, pair_hold.sv ----
+// ---- Shared units for candidate axes (`facet` in names): FACET_II = 1 or 3 cycles from pair to pair, pair_hold.sv
+// ----
 `define FACET_TURNS ((ARITH == "rtl") ? FACET_II : 1)
 `define FACET_T_IN ((FACET_II != 1) ? 1 : 0)
 `define FACET_WAIT (FACET_II - 1)
@@ -17,8 +19,8 @@
 `define LATENCY_PERPENDICULAR (`DF_LAT_DOT + 2 * LAT.mul + LAT.add)
 `define LATENCY_FACE_FACET (2 * LAT.cmp + LAT.add + `DF_LAT_DOT)
 `define LATENCY_EDGE_NORMAL (LAT.mul + LAT.add + `DF_MAX2(LAT.cmp, LAT.sqrt + LAT.div) + LAT.mul)
-// The critical path: across, t, s, rest, t for that s; then the vector of nearest points and its square, or whether
-// that t is at an end.
+// The critical path: across, t, s, rest, t for that s. Then the vector between the nearest points and its square, or
+// whether that t is at an end.
 `define LATENCY_EDGE_FACET ((LAT.add + LAT.mul + LAT.add) + (LAT.mul + 2 * LAT.cmp) + \
   (LAT.mul + LAT.add + 2 * LAT.cmp) + LAT.add + \
   (2 * LAT.mul + LAT.add + 2 * LAT.cmp) + `DF_MAX2(LAT.mul + LAT.add + `DF_LAT_DOT, LAT.cmp))
@@ -44,28 +46,29 @@
   `DF_ADD(R``_xy, R``_x, R``_y) `DF_ADD(R, R``_xy, R``_z)
 // a.|n|: half the width along n of a box with half extents a.
 `define DF_BOX_RADIUS(R, N, A) `DF_VABS(R``_n, N) `DF_DOT(R, A, R``_n)
-// Can a squared length be divided by? Not if it is subnormal.
+// Mask: a squared length can be a divisor, because it is not subnormal.
 `define DF_USABLE(M, SQUARED) `DF_CONST(M``_least, CW'(1) << MAN) `DF_LE(M, M``_least, SQUARED)
 // 1 / X where the mask is set, else 0.
 `define DF_RECIPROCAL_OR_ZERO(R, M, X) `DF_CONST(R``_one, ((CW'(1) << (EXP - 1)) - 1) << MAN) `DF_CONST(R``_zero, 0) \
   `DF_DIV(R``_quotient, R``_one, X) `DF_SELECT(R, M, R``_quotient, R``_zero)
-// Q moved by F against the sign of X.
+// Q moved by F, against the sign of X.
 `define DF_AGAINST(R, Q, X, F) `DF_VFLIP(R``_f, X, F) `DF_VSUB(R, Q, R``_f)
-// The vector with A on axis I, B and C on the next two.
+// The vector with A on axis I, and B and C on the next two axes.
 `define DF_VAXES(R, I, A, B, C) `DF_VEC(R``_cycle, A, B, C) localparam int T_``R = T_``R``_cycle; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : axis_``R assign R[(I+k)%3] = R``_cycle[k]; end
-// The length D and the direction N of V, and whether they can be used: V.V is a normal number.
+// Length D and direction N of V. Mask M: they are usable, because V.V is a normal number.
 `define DF_DIRECTION(N, D, M, V) `DF_DOT(N``_squared, V, V) `DF_USABLE(M, N``_squared) `DF_SQRT(D, N``_squared) \
   `DF_CONST(N``_one, ((CW'(1) << (EXP - 1)) - 1) << MAN) `DF_DIV(N``_inverse, N``_one, D) `DF_VSCALE(N, V, N``_inverse)
-// Which component of the unit vector N leads, M_x, M_y or else z: the first beyond 5/16. And that component of V.
+// Leading component of the unit vector N: M_x, M_y or else z, the first beyond 5/16. Also that component of V.
 `define DF_LEADING(M, N) `DF_CONST(M``_least, CW'(`DF_POWER_OF_TWO(-2)) | (CW'(1) << (MAN - 2))) \
   `DF_PICK(M``_n_x, N, 0) `DF_PICK(M``_n_y, N, 1) \
   `DF_ABS(M``_size_x, M``_n_x) `DF_ABS(M``_size_y, M``_n_y) `DF_LT(M``_x, M``_least, M``_size_x) \
     `DF_LT(M``_y, M``_least, M``_size_y)
 `define DF_LEAD(R, M, V) `DF_PICK(R``_v_x, V, 0) `DF_PICK(R``_v_y, V, 1) `DF_PICK(R``_v_z, V, 2) \
   `DF_SELECT3(R, M``_x, M``_y, R``_v_x, R``_v_y, R``_v_z)
-// The side on which a pair of opposite facets has its gap: the sign of the height H or, where that is noise, of
-// ORIENTATION.
+// The side of a candidate axis that has the larger signed distance: the sign of the height H. Where H is within TIE, it
+// is
+// the sign of ORIENTATION.
 `define DF_SIDE_OF(R, H, TIE, ORIENTATION) `DF_ABS(R``_size, H) `DF_LE(R``_ties, R``_size, TIE) \
   `DF_SELECT(R, R``_ties, ORIENTATION, H)
 // Three vectors as rows of a matrix.
@@ -81,14 +84,14 @@
 // ---- Parts ----
 `define DF_TURNED(R, X) localparam int T_``R = T_``X + `LATENCY_TURNED; `DF_VECTOR R; \
   turned #(`DF_SAME) turned_``R (.clk_i, .x_i(X), .r_o(R));
-// V less its part along F; INVERSE is 1 / F.F or 0.
+// V less its part along F. INVERSE is 1 / F.F or 0.
 `define DF_PERPENDICULAR(R, V, F, INVERSE) localparam int T_``R = `DF_MAX3(T_``V, T_``F, T_``INVERSE) + \
   `LATENCY_PERPENDICULAR; \
   `DF_VECTOR R; \
   perpendicular #(`DF_SAME, .T_V(T_``V), .T_F(T_``F), .T_INVERSE(T_``INVERSE)) \
     perpendicular_``R ( \
       .clk_i, .v_i(V), .f_i(F), .inverse_ff_i(INVERSE), .r_o(R));
-// The points x = (v, p): NEAR_V, NEAR_P and FAR_V, FAR_P give R_V, R_P, and SLACK of NEAR.
+// The points are x = (v, p). NEAR_V, NEAR_P and FAR_V, FAR_P give R_V, R_P, and the SLACK of NEAR.
 `define DF_POLISH(R_V, R_P, SLACK, NEAR_V, NEAR_P, FAR_V, FAR_P, TIE) \
   localparam int T_``R_V = `DF_MAX2(`DF_MAX3(T_``NEAR_V, T_``NEAR_P, T_``TIE), `DF_MAX2(T_``FAR_V, T_``FAR_P)) + \
     `LATENCY_POLISH, T_``R_P = T_``R_V, T_``SLACK = T_``R_V; \
@@ -97,28 +100,30 @@
       .T_TIE(T_``TIE)) polish_``R_V ( \
       .clk_i, .near_v_i(NEAR_V), .near_p_i(NEAR_P), .far_v_i(FAR_V), .far_p_i(FAR_P), .tie_i(TIE), .v_o(R_V), \
         .p_o(R_P), .slack_o(SLACK));
-// The second step of polishing stands if it makes the slack no more than it was, FAR_V being farthest against it.
+// The second polishing step counts if it does not raise the slack. FAR_V is farthest against it.
 `define DF_NEARER(V, P, SLACK, ONCE_V, ONCE_P, ONCE_SLACK, TWICE_V, TWICE_P, FAR_V) \
   `DF_VSUB(SLACK``_e, FAR_V, TWICE_V) `DF_DOT(SLACK``_minus, TWICE_V, SLACK``_e) \
   `DF_NEG(SLACK``_after, SLACK``_minus) `DF_LT(SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_SELECT(SLACK, SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_VSELECT(V, SLACK``_worse, ONCE_V, TWICE_V) `DF_VSELECT(P, SLACK``_worse, ONCE_P, TWICE_P)
-// What the nearest point, of length D, direction N and SLACK, says of the distance: the GAP along N, and S, halfway
-// from D down to the larger of that gap and the facets', which the distance is between.
+// Distance from the nearest point with length D, direction N and SLACK: GAP is the signed distance along N. The
+// distance
+// lies between D and the larger of GAP and FACET_S; S is the middle of the two.
 `define DF_POINT_GAP(GAP, S, N, D, SLACK, FACET_S) `DF_MUL(GAP``_less, SLACK, N``_inverse) `DF_SUB(GAP, D, GAP``_less) \
   `DF_MAX(S``_low, FACET_S, GAP) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
   `DF_MUL(S, S``_twice, S``_half)
 
-// The facets' witness FROM: the same point of B, and the point of box A nearest to where it would be S N away. 9 add, 3
-// mul, 6 min/max.
+// Witness points of the chosen axis FROM: the same point of B, and the point of box A nearest to its ideal place, S N
+// away. 9 add, 3 mul, 6 min/max.
 `define DF_SETTLE(V, P, FROM_V, FROM_P, S, N, HALF) `DF_VADD(V``_q, FROM_P, FROM_V) `DF_VSCALE(V``_apart, N, S) \
   `DF_VSUB(V``_ideal, V``_q, V``_apart) \
   `DF_VNEG(V``_low, HALF) `DF_VCLAMP(P, V``_ideal, V``_low, HALF) `DF_VSUB(V, V``_q, P)
 
-// ---- Choice between two answers of a pair (S, N, V, P): FACET_* of the facets, and POINT_*, of the polished
-// nearest point of B - A. The point stands if the bodies are apart, D is FIT and the gap ALONG
-// its direction is not less than the facets' by more than TIE; so when the distance is so small that the point has no
-// direction left, the facets decide. ----
+// ---- Choice between two results (S, N, V, P): FACET_* of the axes, POINT_* of the polished nearest point of B - A
+// ----
+// The point counts if the bodies are apart, D is FIT, and the distance ALONG its direction is at most TIE below
+// FACET_S.
+// So the axes decide when the distance is too small for the point to have a direction.
 `define DF_DECIDE(S, N, V, P, FACET_S, FACET_N, FACET_V, FACET_P, POINT_S, POINT_N, POINT_V, POINT_P, FIT, ALONG, TIE) \
   `DF_CONST(S``_zero, 0) `DF_LT(S``_apart, S``_zero, FACET_S) `DF_SUB(S``_tied, FACET_S, TIE) \
     `DF_LE(S``_confirmed, S``_tied, ALONG) \

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the parts of the cylinder pairs share: phases of a pass, latencies of parts, parts as operators. Each part takes
-// its inputs at stage time 0 of its own and gives its outputs at the latency named here; it refuses to elaborate if its
-// stage times do not fit.
+// Shared by the parts of the cylinder pairs: phases of a pass, latencies, and parts as operators. Each part takes its
+// inputs at its own stage time 0 and gives its outputs at the latency named here. It refuses to elaborate if its stage
+// times do not fit.
 `ifndef CDE_CYLINDER_SVH
 `define CDE_CYLINDER_SVH
 `include "pipe.svh"
 
-// ---- BODY: what the primary is ----
+// ---- BODY: shape of the primary ----
 `define BODY_CYLINDER 0
 `define BODY_BOX 1
 `define BODY_TRIANGLE 2
@@ -33,9 +33,9 @@
 `define PASS_TRACK(P) P[5:4]
 `define PASS_INDEX(P) P[13:6]
 `define PASS_INDEX_LOW(P) P[7:6]
-// Witness points: projections between what n touches, then between what it nearly touches, of those the last two
-// between the solids. From UNSHIFTED on solids that are clearly apart stay where they are, and after that a pass tries
-// the normal that the one before found.
+// Witness points: first projections between the features that n touches, then between those that it nearly touches. The
+// last two are between the solids. From UNSHIFTED on, solids that are clearly apart are not moved. After that, a pass
+// tries the normal that the previous pass found.
 `define PROJECTIONS 8'd4
 `define WIDE_PROJECTIONS 8'd7
 `define UNSHIFTED (`WIDE_PROJECTIONS - 8'd4)
@@ -46,14 +46,15 @@
 `define LATENCY_RIM (`DF_LAT_CROSS + `DF_LAT_DOT + LAT.sqrt + `DF_MAX2(LAT.cmp, LAT.div) + 2 * LAT.mul)
 `define LATENCY_REACH (formats_pkg::larger(`LATENCY_RIM, `DF_LAT_DOT + 2 * LAT.cmp) + LAT.add)
 `define LATENCY_EVALUATOR (`LATENCY_REACH + 2 * LAT.add)
-// The front's raw normal: cross products and the test for a usable one; of a polyhedron, from a vertex, or the test for
-// a flat triangle.
+// The front's raw normal: cross products and the test for a usable normal. For a polyhedron: from a vertex, or the test
+// for a flat triangle.
 `define LATENCY_CYLINDER_RAW (`DF_LAT_CROSS + `DF_MAX2(`DF_LAT_CROSS, `DF_LAT_DOT + LAT.cmp))
 `define LATENCY_POLYHEDRON_RAW (((BODY == `BODY_BOX) ? 3 : 1) * LAT.add + `DF_LAT_DOT + `DF_MAX2( \
   `DF_LAT_CROSS + LAT.sqrt + LAT.add + LAT.mul + `DF_MAX3(LAT.mul, LAT.add, LAT.cmp), 2 * LAT.mul + 2 * LAT.cmp))
 `define LATENCY_FRONT (((BODY == `BODY_CYLINDER) ? `LATENCY_CYLINDER_RAW : `LATENCY_POLYHEDRON_RAW) + \
   `LATENCY_NORMALISE)
-// Circle: the slope of the new normal, which may become an end of the bracket; then Newton's normal and whether it
+// Circle: the slope of the new normal, which may become an end of the bracket. Then Newton's normal and the test that
+// it
 // stays in the bracket, or the tie.
 `define LATENCY_SLOPE (`DF_LAT_CROSS + `DF_LAT_DOT)
 `define LATENCY_TIE (LAT.add + `DF_LAT_DOT + LAT.add + 2 * LAT.mul + 2 * LAT.cmp + LAT.add)
@@ -79,14 +80,14 @@
   `DF_MAX2(2 * LAT.cmp, LAT.div + `DF_MAX2(LAT.cmp, LAT.mul + LAT.add)))
 
 // ---- Operators ----
-// V of unit length; NaN where its square drowns among the subnormal numbers. 6 mul, 2 add, 1 div, 1 sqrt, 1 compare.
+// V of unit length; NaN if its square is lost among the subnormals. 6 mul, 2 add, 1 div, 1 sqrt, 1 compare.
 `define DF_NORMALISE(R, V) `DF_DOT(R``_square, V, V) `DF_CONST(R``_least, CW'(3) << MAN) \
   `DF_CONST(R``_one, `DF_POWER_OF_TWO(0)) \
   `DF_CONST(R``_nan, (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1))) `DF_LE(R``_usable, R``_least, R``_square) \
   `DF_SQRT(R``_length, R``_square) `DF_DIV(R``_inverse, R``_one, R``_length) \
     `DF_SELECT(R``_factor, R``_usable, R``_inverse, R``_nan) \
   `DF_VSCALE(R, V, R``_factor)
-// A vector perpendicular to V: V x (1 0 0) or V x (0 1 0), whichever is longer. 2 compare.
+// A vector perpendicular to V: the longer of V x (1 0 0) and V x (0 1 0). 2 compare.
 `define DF_ACROSS(R, V) `DF_VABS(R``_size, V) `DF_PICK(R``_x, R``_size, 0) `DF_PICK(R``_y, R``_size, 1) \
   `DF_PICK(R``_z, R``_size, 2) \
   `DF_LE(R``_over_y, R``_y, R``_x) `DF_LE(R``_over_z, R``_z, R``_x) `DF_AND(R``_along_x, R``_over_y, R``_over_z) \
@@ -94,7 +95,7 @@
     `DF_CONST(R``_zero, 0) \
   `DF_VEC(R``_if, R``_mz, R``_zero, R``_vx) `DF_VEC(R``_else, R``_zero, R``_vz, R``_my) \
     `DF_VSELECT(R, R``_along_x, R``_if, R``_else)
-// The rim of a cylinder with axis A and radius RADIUS as N sees it; OFF: its support is the cap's centre.
+// The rim of a cylinder with axis A and radius RADIUS, for the normal N. OFF: its support is the cap's centre.
 `define DF_RIM(R, A, RADIUS, N, OFF) \
   localparam int T_``R``_width = T_``N + `LATENCY_RIM, T_``R``_side = T_``R``_width, T_``R``_kappa = T_``R``_width, \
     T_``R``_v = T_``R``_width; \
@@ -102,7 +103,8 @@
   cylinder_rim #(`DF_SAME) rim_``R ( \
       .clk_i, .off_i(OFF), .a_i(A), .radius_i(RADIUS), .n_i(N), .width_o(R``_width), .side_o(R``_side), \
         .kappa_o(R``_kappa), .v_o(R``_v));
-// The point of a cylinder that is nearest to X: centre C, axis A, half height HALF, radius; the others as in
+// The point of a cylinder nearest to X: centre C, axis A, half height HALF and the radius. The other arguments are as
+// in
 // project_cylinder.sv.
 `define DF_PROJECT_CYLINDER(R, X, C, A, HALF, RADIUS, SIDE, ALONGSIDE, END, RIM) localparam int T_``R = \
   `DF_MAX2(T_``X, T_``C) + `LATENCY_PROJECT_CYLINDER; \

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A step on a circle of normals perpendicular to e (reference/pipes/cylinder/search.hpp): the bracket lo, hi that the
-// pass leaves behind, and the next normal, Newton's where that stays in the bracket, else the tie of the support points
-// of both ends. The pass has evaluated
-// (n, y, g) and the opposite normal (-n, minus_y, minus_g).
-//   beside   (cylinders) last and best make the bracket, in whichever order
-// sample (polyhedra) the sample before and this one make it, or their opposites, if both slopes point inward and no
-// bracket so far
-//            has a better end
-//   refine   n replaces the end whose slope has its sign
+// One step on a circle of normals perpendicular to e (reference/pipes/cylinder/search.hpp).
+// It gives the new bracket lo, hi and the next normal. That is Newton's normal if it stays in the bracket, else the tie
+// of both ends' support points. The pass has evaluated (n, y, g) and the opposite normal (-n, minus_y, minus_g).
+//   beside   (cylinders) last and best make the bracket, in either order.
+//   sample   (polyhedra) the previous and this sample, or their opposites, make the bracket.
+//            Condition: both slopes point inward, and no earlier bracket has a better end.
+//   refine   n replaces the end whose slope has the same sign.
 // 40 add, 62 mul, 1 div, 5 compare, 3 min/max (cylinder); 34 add, 51 mul, 1 div, 10 compare, 5 min/max (box, triangle).
 // Latency: LATENCY_STEP cycles, the slopes LATENCY_SLOPE; 0 with ARITH = "host".
 // Throughput: one step per lane per cycle.
@@ -30,9 +28,9 @@ module cylinder_circle #(
     input logic [2:0][LANES-1:0][CW-1:0] b_v_i,
     input logic [LANES-1:0][CW-1:0] minus_g_i,
     input logic [2:0][LANES-1:0][CW-1:0] minus_y_i,
-    input logic [2:0][LANES-1:0][CW-1:0] best_n_i,  // cylinders: of the better orientation
+    input logic [2:0][LANES-1:0][CW-1:0] best_n_i,  // cylinders: from the better orientation
     input logic [2:0][LANES-1:0][CW-1:0] best_y_i,
-    input logic [2:0][LANES-1:0][CW-1:0] lo_n_i,  // state
+    input logic [2:0][LANES-1:0][CW-1:0] lo_n_i,  // the pair's state, with the following inputs
     input logic [2:0][LANES-1:0][CW-1:0] lo_y_i,
     input logic [2:0][LANES-1:0][CW-1:0] hi_n_i,
     input logic [2:0][LANES-1:0][CW-1:0] hi_y_i,
@@ -44,8 +42,8 @@ module cylinder_circle #(
     input logic [LANES-1:0][CW-1:0] back_g_i,
     input logic [2:0][LANES-1:0][CW-1:0] back_y_i,
     input logic [LANES-1:0][CW-1:0] back_slope_i,
-    output logic [LANES-1:0][CW-1:0] slope_o,  // of n
-    output logic [LANES-1:0][CW-1:0] minus_slope_o,  // of -n
+    output logic [LANES-1:0][CW-1:0] slope_o,  // slope of n
+    output logic [LANES-1:0][CW-1:0] minus_slope_o,  // slope of -n
     output logic [2:0][LANES-1:0][CW-1:0] lo_n_o,
     output logic [2:0][LANES-1:0][CW-1:0] lo_y_o,
     output logic [2:0][LANES-1:0][CW-1:0] hi_n_o,
@@ -60,8 +58,8 @@ module cylinder_circle #(
   `undef DF_ON
   `define DF_ON on
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
-  // sqrt(16 times the smallest normal number), rounded down to a power of two; weights below it would drown when
-  // squared.
+  // sqrt(16 times the smallest normal number), rounded down to a power of two. The square of a smaller weight would
+  // underflow.
   localparam int LEAST_WEIGHT = (EXP > 3) ? -(((1 << (EXP - 1)) - 5) / 2) : 0;
   `DF_CONTROL(refine, `PASS_PHASE(pass_i) == `PHASE_REFINE, 0)
   `DF_CONTROL(first, `PASS_INDEX(pass_i) == 0, 0)
@@ -126,7 +124,7 @@ module cylinder_circle #(
     `DF_DOT(minus_along, minus_y, t)
     `DF_NEG(minus_slope, minus_along)
     assign minus_slope_o = minus_slope;
-    // The arc from the sample before to this one, and the opposite arc.
+    // The arc from the previous sample to this one, and the opposite arc.
     `DF_MAX(arc_score, last_g, g)
     `DF_LT(arc_up, zero, last_slope)
     `DF_LT(arc_down, slope, zero)
@@ -167,7 +165,7 @@ module cylinder_circle #(
 
   `undef DF_ON
   `define DF_ON refine_next_i
-  // ---- Newton; e x n and its slope are those of n in a refinement ----
+  // ---- Newton. In a refinement, e x n and its slope are those of n ----
   `DF_DOT(vb, b_v, t)
   `DF_MUL(vbvb, vb, vb)
   `DF_MUL(curve_b, b_kappa, vbvb)
@@ -181,7 +179,7 @@ module cylinder_circle #(
     `DF_MUL(curve_a, a_kappa, vava)
     `DF_ADD(sum, curve_a, curve_b)
     assign curve_ab = sum;
-  end else begin : g_flat  // + 0 of a body without curvature changes nothing
+  end else begin : g_flat  // adding 0 for a body without curvature changes nothing
     logic unused;
     assign unused = &{1'b0, a_kappa_i, a_v_i};
     `DF_AT(late, curve_b, T_curve_ab)
@@ -201,8 +199,8 @@ module cylinder_circle #(
   `DF_AND(between, beyond_lo, before_hi)
   `DF_AND(holds, convex, between)
 
-  // ---- The tie: an end that is it already, or support points that are one, leave a sixteenth of the weight to
-  // either side ----
+  // ---- The tie: if an end is already a tie, or both support points are one, each side keeps a sixteenth of the weight
+  // ----
   `DF_CONST(sixteenth, `DF_POWER_OF_TWO(-4))
   `DF_CONST(least_weight, `DF_POWER_OF_TWO(LEAST_WEIGHT))
   `DF_VSUB(apart, lo_y, hi_y)

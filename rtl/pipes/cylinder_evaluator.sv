@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// One evaluation of a cylinder pair (reference/pipes/cylinder/evaluator.hpp): for a unit normal n and for -n the gap g
-// of the projections of A and B and a point y of B - A with n.y = g, the rims of the cylinders, and A's support point.
-// Everything is relative to A's origin.
+// One evaluation of a cylinder pair (reference/pipes/cylinder/evaluator.hpp), for a unit normal n and for -n. It gives
+// the
+// signed distance g of the projections of A and B, and a point y of B - A with n.y = g. It also gives the cylinders'
+// rims
+// and A's support point. All positions are relative to A's origin.
 // 46 add, 56 mul, 2 div, 2 sqrt, 2 compare (cylinder); 46 add, 39 mul, 1 div, 1 sqrt, 1 compare (box); 36 add, 36 mul,
 // 1 div, 1 sqrt, 5 compare, 4 min/max (triangle).
 // Latency: LATENCY_EVALUATOR cycles; 0 with ARITH = "host".
@@ -34,7 +36,7 @@ module cylinder_evaluator #(
     output logic [LANES-1:0][CW-1:0] b_kappa_o,
     output logic [2:0][LANES-1:0][CW-1:0] b_v_o,
     output logic [2:0][LANES-1:0][CW-1:0] b_side_o,
-    output logic [LANES-1:0][CW-1:0] b_along_o,  // b.n
+    output logic [LANES-1:0][CW-1:0] b_along_o,  // dot product b.n
     output logic [2:0][LANES-1:0][CW-1:0] pa_o  // support point of A
 );
   /*verilator inline_module*/

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A step of a free track between two cylinders (reference/pipes/cylinder/search.hpp), from the normal that the pass has
-// evaluated, (n, y, g): beside a cap axis (pole), along the steepest ascent t = y - g n by the Newton step of the
-// one-sided derivative, t taken from the other's nearer end or from between parallel axes; else Newton's step on the
-// sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n, damped. A step that does not raise g is undone and a
-// quarter of it tried. lo_n is the base, lo_y the step from it, score its g.
+// One step of a free track between two cylinders (reference/pipes/cylinder/search.hpp), from the evaluated normal
+// (n, y, g). Pole, beside a cap axis: along the steepest ascent t = y - g n, by the Newton step of the one-sided
+// derivative. There t comes from the other cylinder's nearer end, or from between parallel axes.
+// Otherwise: a damped Newton step on the sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n.
+// A step that does not raise g is undone, and a quarter of it tried. The base is lo_n, the step from it lo_y, and its g
+// is
+// score.
 // 63 add, 91 mul, 2 div, 3 sqrt, 6 compare, 7 min/max.
 // Latency: LATENCY_STEP cycles; 0 with ARITH = "host".
 // Throughput: one step per lane per cycle.
@@ -15,7 +17,7 @@ module cylinder_free #(
     input logic clk_i,
     input logic [`PASS_W-1:0] pass_i,
     input logic [2:0][LANES-1:0][CW-1:0] d_i,  // centre of B
-    input logic [2:0][LANES-1:0][CW-1:0] a_i,  // axes, half heights times axes, radii
+    input logic [2:0][LANES-1:0][CW-1:0] a_i,  // A and B: axes, half heights times axes, radii
     input logic [2:0][LANES-1:0][CW-1:0] b_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_reach_i,
     input logic [2:0][LANES-1:0][CW-1:0] b_reach_i,
@@ -28,7 +30,7 @@ module cylinder_free #(
     input logic [2:0][LANES-1:0][CW-1:0] a_v_i,
     input logic [LANES-1:0][CW-1:0] b_kappa_i,
     input logic [2:0][LANES-1:0][CW-1:0] b_v_i,
-    input logic [2:0][LANES-1:0][CW-1:0] lo_n_i,  // state
+    input logic [2:0][LANES-1:0][CW-1:0] lo_n_i,  // the pair's state, with the following inputs
     input logic [2:0][LANES-1:0][CW-1:0] lo_y_i,
     input logic [LANES-1:0][CW-1:0] score_i,
     output logic [2:0][LANES-1:0][CW-1:0] lo_n_o,
@@ -58,7 +60,7 @@ module cylinder_free #(
   `DF_CONST(zero, 0)
   `DF_CONST(one, `DF_POWER_OF_TWO(0))
 
-  // ---- Beside a cap axis; axis, reach, kappa and v of the other cylinder ----
+  // ---- Beside a cap axis: axis, reach, kappa and v of the other cylinder ----
   `DF_IN(radius_own, on_a ? a_radius_i : b_radius_i, 0)
   `DF_IN(radius_other, on_a ? b_radius_i : a_radius_i, 0)
   `DF_IN(kappa, on_a ? b_kappa_i : a_kappa_i, 0)
@@ -70,7 +72,7 @@ module cylinder_free #(
   `DF_CONST(near, `DF_POWER_OF_TWO(-13))
   `DF_CONST(aslant, `DF_POWER_OF_TWO(-10))
   `DF_CONST(straight, `DF_POWER_OF_TWO(-15))
-  // The other's end on the side of d, and the part of it across n.
+  // The other cylinder's end on the side of d, and its part across n.
   `DF_DOT(tilt, axis, n)
   `DF_DOT(d_axis, d, axis)
   `DF_DOT(d_n, d, n)
@@ -118,7 +120,7 @@ module cylinder_free #(
 
   `undef DF_ON
   `define DF_ON on_newton
-  // ---- Newton on the sphere; `more` of the identity makes the matrix' smaller eigenvalue the slope ----
+  // ---- Newton on the sphere. `more` of the identity makes the matrix' smaller eigenvalue the slope ----
   `DF_CONST(half, `DF_POWER_OF_TWO(-1))
   `DF_NEG(minus_half, half)
   `DF_EQ(swap, a_kappa, zero)
@@ -173,7 +175,7 @@ module cylinder_free #(
   `DF_VSCALE(step2, v1_t, s2)
   `DF_VADD(newton, step1, step2)
 
-  // ---- Kept or undone ----
+  // ---- Step kept or undone ----
   `DF_VIN(old_n, lo_n_i, 0)
   `DF_VIN(old_step, lo_y_i, 0)
   `DF_IN(old_score, score_i, 0)

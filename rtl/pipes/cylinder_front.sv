@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Front of a pass between two cylinders: the unit normal that the pass evaluates (front() of
-// reference/pipes/cylinder/search.hpp). The phases that need c x x or (c x x) x c, a step on a circle among them, share
-// the cross products. 13 add, 24 mul, 1 div, 1 sqrt, 4 compare.
+// reference/pipes/cylinder/search.hpp). Phases that need c x x or (c x x) x c share the cross products; a step on a
+// circle
+// is one of them. 13 add, 24 mul, 1 div, 1 sqrt, 4 compare.
 // Latency: LATENCY_FRONT cycles; 0 with ARITH = "host".
 // Throughput: one normal per lane per cycle.
 // Stall: none, runs free.
@@ -14,7 +15,7 @@ module cylinder_front #(
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // axes
     input logic [2:0][LANES-1:0][CW-1:0] b_i,
     input logic [2:0][LANES-1:0][CW-1:0] d_i,  // centre of B
-    input logic [2:0][LANES-1:0][CW-1:0] q_i,  // state
+    input logic [2:0][LANES-1:0][CW-1:0] q_i,  // the pair's state, with the following inputs
     input logic [2:0][LANES-1:0][CW-1:0] last_n_i,
     input logic [2:0][LANES-1:0][CW-1:0] next_i,
     input logic [2:0][LANES-1:0][CW-1:0] best_n_i,
@@ -41,7 +42,7 @@ module cylinder_front #(
   `DF_VIN(q, q_i, 0)
   `DF_VIN(last_n, last_n_i, 0)
   `DF_VIN(best_n, best_n_i, 0)
-  `DF_CONST(step, `DF_POWER_OF_TWO(-((MAN + 2) / 2)))  // sqrt(u) or the next power of two below
+  `DF_CONST(step, `DF_POWER_OF_TWO(-((MAN + 2) / 2)))  // sqrt(u), rounded down to a power of two
   `DF_CONST(tiny, `DF_POWER_OF_TWO(2 * (3 - MAN)))  // (16 u)^2
 
   `undef DF_ON
@@ -66,7 +67,7 @@ module cylinder_front #(
   `undef DF_ON
   `define DF_ON unit_wanted
   `DF_NORMALISE(unit, raw)
-  // A direction between witness points that are too near for one is no trial.
+  // A direction between witness points that are too near each other is not tried.
   `DF_CONTROL(trial, phase == `PHASE_PROJECT && `PASS_TRIAL(pass_i), 0)
   `DF_VSELECT(tried, unit_usable, unit, best_n)
   `DF_VCHOOSE(unit_or_best, trial, tried, unit)

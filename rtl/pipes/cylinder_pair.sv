@@ -1,30 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cylinder, box or triangle against a cylinder: s_K, the largest gap g(n) over the normals that the budget pays for,
-// at most the signed gap s, so that F = 0 is a proof (host/include/cde/reference/pipes/cylinder/). F = (s_K <= 0), T =
-// |s_K|, n the normal, CP between the witness points. One pipeline, which a row of pairs goes round once a pass: a
-// normal
-// (front), g for it and its opposite (evaluator), what the pair keeps of that (circle, free), and at the end the
-// witness points. RING rows are in flight, one a stage; what a row keeps lies in memories with a slot a row, read and
-// written by the stages that use it.
+// Cylinder, box or triangle against a cylinder (host/include/cde/reference/pipes/cylinder/).
+// It computes s_K, the largest signed distance g(n) over the normals that the iterations allow. s_K is at most the
+// signed
+// distance s, so F = 0 is a proof. F = (s_K <= 0), T = |s_K|, n is the normal, CP is halfway between the witness
+// points.
+// The module is an iterative pipeline: a row of pairs circulates once per pass. A pass makes a normal (front),
+// evaluates g
+// for it and its opposite (evaluator) and updates the pair's state (circle, free). The last passes find witness points.
+// RING rows are in flight, one per stage. A row's state lies in memories with one slot per row, at the stages that use
+// it.
 // 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 203 add, 215 mul, 5 div, 4 sqrt, 35 compare, 16
-// min/max (box); 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max (triangle). RING, latency at one cycle an
-// operator and the default budget: 64, 4,298; 64, 5,066; 70, 5,260.
-// Latency: ENTRY + passes * RING + FINISH cycles, latency_o, passes set by budget_i (schedule.hpp).
-// Throughput: RING rows in passes * RING cycles, a row per cycle while slots are free.
-// Stall: ready_o, low while the slot that comes by is not about to be free; results come in the order of entry. With
-// ARITH = "host" a whole pass is computed in the clock in which its row could leave, on the same schedule.
+// min/max (box); 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max (triangle). RING and latency at one cycle per
+// operator and the default iterations: 64, 4,298; 64, 5,066; 70, 5,260.
+// Latency: ENTRY + passes * RING + FINISH cycles, latency_o. budget_i sets the number of passes (schedule.hpp).
+// Throughput: RING rows per passes * RING cycles; one row per cycle while slots are free.
+// Stall: ready_o is low unless the slot at the input port is about to be free. Results leave in the order of entry.
+// With ARITH = "host", a whole pass is computed in the cycle in which its row could leave, on the same schedule.
 `include "cylinder.svh"
 module cylinder_pair #(
     `DF_PARAMETERS,
     parameter int BODY = `BODY_CYLINDER,
     parameter int AHEAD = 0,  // 0 or 1: cycles from valid_i and ready_o to the row's operands
-    // cycles from a row's entry to its first pass: at least scale_latency and LAT.add or LAT.mul
+    // cycles from a row's entry to its first pass: at least scale_latency, and at least LAT.add and LAT.mul
     parameter int ENTRY = 5,
     localparam int A_WORDS = (BODY == `BODY_CYLINDER) ? 8 : (BODY == `BODY_BOX) ? 15 : 9
 ) (
     input logic clk_i,
     input logic rst_i,
-    // {K2, K1, M}, a byte each: M 4, 8 or 16, K1 and K2 to 64; constant while anything is in flight,
+    // {K2, K1, M}, one byte each: M is 4, 8 or 16, K1 and K2 are at most 64. Constant while a row is in flight,
     input logic [23:0] budget_i,
                                   // and from the cycle before a row enters
     input logic valid_i,
@@ -32,7 +35,7 @@ module cylinder_pair #(
     input logic [31:0] tag_i,
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,  // cylinder, box or triangle
     input logic [7:0][LANES-1:0][CW-1:0] b_i,  // cylinder: c x y z, axis x y z, half height, radius
-    // lane mask that goes with the row, ENTRY cycles after it; with it if ARITH = "host"
+    // the row's lane mask, ENTRY cycles after the row; with the row if ARITH = "host"
     input logic [LANES-1:0][CW-1:0] bad_i,
     output logic valid_o,
     output logic [31:0] tag_o,
@@ -55,7 +58,7 @@ module cylinder_pair #(
   localparam int RING = T_END + 1;
   localparam int RESULT = formats_pkg::larger(2 * LAT.mul + 2 * LAT.add, LAT.cmp);
   localparam int FINISH = RESULT + pairs_pkg::unscale_latency(0, LAT.mul, LAT.cmp);
-  // passes with M = K1 = K2 = 8
+  // passes for M = K1 = K2 = 8
   localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;
   localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
   localparam int AW = $clog2(RING);
@@ -63,15 +66,16 @@ module cylinder_pair #(
   localparam logic [CW-1:0] INFINITY = ((CW'(1) << EXP) - 1) << MAN;
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
 
-  // ---- Slots. now_q is the slot at the end of its pass; the one at stage t will be there T_END - t cycles later. ----
+  // ---- Slots: now_q is the slot at the end of its pass. The slot at stage t arrives there T_END - t cycles later ----
   logic [AW-1:0] now_q;
   function automatic logic [AW-1:0] after(input logic [AW-1:0] now, input logic [AW:0] clocks);
     logic [AW:0] sum;
     sum = (AW + 1)'(now) + clocks;
     after = AW'((sum >= (AW + 1)'(RING)) ? sum - (AW + 1)'(RING) : sum);
   endfunction
-  `define SLOT(TIME) (GATES ? after(now_q, (AW + 1)'(GATES ? T_END - (TIME) : 0)) : now_q)  // no call of every cycle
-  localparam int MOUTH = (GATES ? ENTRY : 0) + AHEAD;  // cycles from ready_o to the first pass' beginning
+  // avoids a call in every cycle
+  `define SLOT(TIME) (GATES ? after(now_q, (AW + 1)'(GATES ? T_END - (TIME) : 0)) : now_q)
+  localparam int MOUTH = (GATES ? ENTRY : 0) + AHEAD;  // cycles from ready_o to the begin of the first pass
 
   // ---- Control: which pass each slot is in ----
   logic [RING-1:0] valid_q;
@@ -87,7 +91,7 @@ module cylinder_pair #(
   logic [`PASS_W-1:0] first_pass, next_pass, unused_first, unused_next;
   logic [15:0] unused_passes;
   logic [31:0] entered_tag;
-  // A register: what depends on inputs is simulated on both edges of the clock.
+  // A register, because Verilator evaluates logic on inputs at both clock edges.
   logic [23:0] budget_q;
   always_ff @(posedge clk_i) budget_q <= budget_i;
   cylinder_schedule #(.BODY(BODY)) schedule (
@@ -129,7 +133,7 @@ module cylinder_pair #(
     end
   end
 
-  // ---- Operands, brought to the size of one and relative to A's origin ----
+  // ---- Operands, scaled to the size of one and relative to A's origin ----
   localparam int SHAPE_A = (BODY == `BODY_CYLINDER) ? pairs_pkg::SHAPE_CYLINDER : (BODY == `BODY_BOX) ?
       pairs_pkg::SHAPE_OBB : pairs_pkg::SHAPE_TRIANGLE;
   localparam int T_SCALED = pairs_pkg::scale_latency(0, LAT.mul, LAT.cmp);
@@ -174,7 +178,7 @@ module cylinder_pair #(
     assign operands[A_RADIUS] = a_in[7];
     assign operands[A_AXIS+:9] = {{(6 * LW) {1'b0}}, a_in[5:3]};
   end else if (BODY == `BODY_BOX) begin : g_operands
-    `DF_MATRIX_IN(rotation, a[8:6], a[11:9], a[14:12], T_SCALED)  // by rows; columns are the axes
+    `DF_MATRIX_IN(rotation, a[8:6], a[11:9], a[14:12], T_SCALED)  // by rows; the columns are the axes
     `DF_VIN(half, a[5:3], T_SCALED)
     `DF_TRANSPOSE(axes, rotation)
     `DF_MSCALE(reach, axes, half)
@@ -211,15 +215,15 @@ module cylinder_pair #(
       witness_mem[RING];
   // A's axes, or the triangle's edges, of unit length
   logic [2:0][2:0][LANES-1:0][CW-1:0] axes_start, axes_better, axes_witness;
-  logic [2:0][LANES-1:0][CW-1:0] face_start, face_witness;  // the triangle's normal
-  logic [2:0][LANES-1:0][CW-1:0] n;  // of this pass (front)
+  logic [2:0][LANES-1:0][CW-1:0] face_start, face_witness;  // normal of the triangle
+  logic [2:0][LANES-1:0][CW-1:0] n;  // normal of this pass (front)
   logic [3:0] phase_evaluate;
   if (BODY == `BODY_CYLINDER) begin : g_axes
     assign axes_start = `OPERAND9(A_AXIS, 0);
     assign axes_better = `OPERAND9(A_AXIS, T_BETTER);
     assign axes_witness = `OPERAND9(A_AXIS, T_EVALUATED);
     assign {face_start, face_witness} = '0;
-  end else begin : g_axes  // written by the first passes: the face is word 3
+  end else begin : g_axes  // the first passes write them: the face is word 3
     logic [2:0][LANES-1:0][CW-1:0] axis_mem[4][RING];
     logic [1:0] place;
     assign place = `PASS_INDEX_LOW(pass_mem[`SLOT(T_EVALUATE)]) - ((BODY == `BODY_TRIANGLE) ? 2'd1 : 2'd0);
@@ -303,8 +307,8 @@ module cylinder_pair #(
       back_y_mem[`SLOT(T_BETTER)] <= late_minus_y;
     end
 
-  // ---- The best so far. Between cylinders the first of equals stays; else, of what is equal up to rounding, that of
-  // the least slope ----
+  // ---- Best normal so far. Cylinders: the first of equal ones. Else: the least slope of those equal up to rounding
+  // ----
   `DF_SCALAR slope_now, minus_slope_now;
   `DF_IN(slope, slope_now, T_SLOPE)
   `DF_IN(minus_slope, minus_slope_now, T_SLOPE)
@@ -315,7 +319,7 @@ module cylinder_pair #(
   assign phase_raised = `PASS_PHASE(pass_mem[`SLOT(T_RAISED)]);
   assign pass_slope = pass_mem[`SLOT(T_SLOPE)];
   assign pass_best = pass_mem[`SLOT(T_BEST)];
-  // The first pass finds nothing to beat.
+  // The first pass has no best normal to beat.
   `DF_CONTROL(fresh, pass_better == first_pass, T_BETTER)
   `DF_CONTROL(fresh_slope, pass_slope == first_pass, T_SLOPE)
   `DF_CONTROL(fresh_best, pass_best == first_pass, T_BEST)
@@ -506,7 +510,7 @@ module cylinder_pair #(
     end
   end
 
-  // ---- The way out; its stage times begin at the end of the last pass ----
+  // ---- Result; its stage times begin at the end of the last pass ----
   `undef DF_ON
   `define DF_ON leave
   `DF_IN(s, witness_g, 0)
@@ -534,7 +538,7 @@ module cylinder_pair #(
         .clk_i, .rst_i, .latency_i(16'(FINISH)), .valid_i(leave), .d_i({bad_end, tag_mem[now_q]}), .valid_o,
         .q_o({bad_o, tag_o}));
     assign {f_o, t_o, cp_o, n_o} = {f_end, t_end, cp_end, n_end};
-  end else begin : g_exit  // the results are there at once, and wait
+  end else begin : g_exit  // results are present at once, and wait
     issue_history #(.W(32 + 9 * LW), .DEPTH(HISTORY)) history (
         .clk_i, .rst_i, .latency_i(16'(ENTRY + FINISH)), .valid_i(leave),
         .d_i({f_end, t_end, cp_end, n_end, bad_end, tag_mem[now_q]}), .valid_o,

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Largest and smallest n.x over the primary of a cylinder pair, relative to its origin, and where: the support points.
-// Signs and choices of a vertex are wires. 3 mul, 6 add (cylinder); 9 mul, 14 add (box); 6 mul, 4 add, 4 compare, 4
+// Support points of the primary of a cylinder pair: the largest and the smallest n.x, relative to its origin, and
+// where.
+// Signs, and the choice of a vertex, are wires. 3 mul, 6 add (cylinder); 9 mul, 14 add (box); 6 mul, 4 add, 4 compare,
+// 4
 // min/max (triangle).
-// Latency: LATENCY_REACH cycles from n, the rim is given LATENCY_RIM after it; 0 with ARITH = "host".
-// Throughput: one per lane per cycle.
+// min/max (triangle).
+// Latency: LATENCY_REACH cycles from n; the rim comes LATENCY_RIM after n; 0 with ARITH = "host".
+// Throughput: one normal per lane per cycle.
 // Stall: none.
 `include "cylinder.svh"
 module cylinder_reach #(
@@ -12,7 +15,7 @@ module cylinder_reach #(
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] n_i,
-    // [0] half height times axis; half extents times axes; v1 - v0, v2 - v0, not used
+    // cylinder: [0] is half height times axis; box: half extents times axes; triangle: v1 - v0, v2 - v0, unused
     input logic [2:0][2:0][LANES-1:0][CW-1:0] reach_i,
     input logic [LANES-1:0][CW-1:0] width_i,  // the cylinder's rim
     input logic [2:0][LANES-1:0][CW-1:0] side_i,

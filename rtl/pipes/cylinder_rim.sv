@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cylinder's rim as a unit normal sees it: x = a x n, m = |x|; width r m, side r x/m x a (from the axis to the
-// support point), radius of curvature of the support function kappa = r/m, across n in the direction v = x/m. a x n,
-// never n - (a.n) a, which loses all its digits beside the axis. Where m <= u, or the rim is switched off, kappa, side
-// and v are 0; switched off, so is the width.
+// A cylinder's rim for a unit normal: x = a x n, m = |x|. Width is r m, and side is r x/m x a, from the axis to the
+// support point. kappa = r/m is the support function's radius of curvature, across n in the direction v = x/m.
+// The product is a x n and never n - (a.n) a, which loses all its digits beside the axis.
+// Where m <= u, or the rim is off, kappa, side and v are 0. If the rim is off, the width is also 0.
 // 8 add, 23 mul, 1 div, 1 sqrt, 1 compare.
 // Latency: LATENCY_RIM cycles; 0 with ARITH = "host".
 // Throughput: one rim per lane per cycle.

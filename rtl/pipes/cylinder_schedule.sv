@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pass after a pass of a cylinder pair (pass() of reference/pipes/cylinder/schedule.hpp), stepped instead of
-// counted.
+// Next pass of a cylinder pair (pass() of reference/pipes/cylinder/schedule.hpp), by steps instead of by count.
 // Combinational.
 `include "cylinder.svh"
 module cylinder_schedule #(
     parameter int BODY = `BODY_CYLINDER
 ) (
-    input logic [23:0] budget_i,  // {K2, K1, M}, a byte each
+    input logic [23:0] budget_i,  // {K2, K1, M}, one byte each
     input logic [`PASS_W-1:0] pass_i,
     output logic [`PASS_W-1:0] first_o,
     output logic [`PASS_W-1:0] next_o,
-    output logic last_o,  // pass_i is the pair's last
-    output logic [15:0] passes_o  // of a pair
+    output logic last_o,  // pass_i is the pair's last pass
+    output logic [15:0] passes_o  // passes per pair
 );
   /*verilator inline_module*/
   localparam bit CYLINDER = BODY == `BODY_CYLINDER;
@@ -30,7 +29,7 @@ module cylinder_schedule #(
   assign passes_o = CYLINDER ? 16'd14 + 2 * 16'(circle) + 3 * 16'(free) + WITNESS
       : 16'(FRAMES) + 16'd7 + 16'(VERTICES) + 3 * (16'(samples) + 16'(circle)) + WITNESS;
 
-  // `count` more of this phase, or on to another.
+  // `count` more passes of this phase, or the next phase.
   logic more, circle_done, track_done;
   logic [7:0] count;
   always_comb begin
@@ -46,7 +45,7 @@ module cylinder_schedule #(
     endcase
   end
   assign more = index + 1 < count;
-  // A track of no steps ends where they would begin.
+  // A track without steps ends where its steps would begin.
   assign circle_done = phase == `PHASE_REFINE || ((phase == `PHASE_BESIDE || phase == `PHASE_SAMPLE) && circle == 0);
   assign track_done = phase == `PHASE_NEWTON || (phase == `PHASE_START && free == 0);
   always_comb begin

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A witness pass of a cylinder pair (reference/pipes/cylinder/witness.hpp): the point q of A that is, moved by s n, a
-// point of B, by alternating projection, between the features that n touches (track 0), those that it nearly touches,
-// then the solids. Touch starts from that body's support point which is nearer to the other body, or from the middle of
-// a cap; project goes to B moved by -s n and back to A and on to where flat faces would cross. Solids that are clearly
-// apart are projected on where they stand at the end, and the direction between their nearest points becomes n if g
-// does not fall. w is the best point so far, off how far it is from B, squared.
+// A witness pass of a cylinder pair (reference/pipes/cylinder/witness.hpp): finds the point q of A with q + s n in B.
+// It projects alternately between the features that n touches (track 0), then those that n nearly touches, then the
+// solids. Touch starts at the support point that is nearer to the other body, or at the middle of a cap.
+// Project goes to B moved by -s n and back to A, then on to where flat faces would cross.
+// If the solids are clearly apart, the last projections are on the unmoved solids. The direction between their nearest
+// points becomes n if g does not fall. w is the best point so far, and off is its squared distance from B.
 // 86 add, 78 mul, 3 div, 2 sqrt, 14 compare, 8 min/max (cylinder); 83 add, 77 mul, 2 div, 1 sqrt, 13 compare, 11
 // min/max (box); 145 add, 137 mul, 5 div, 1 sqrt, 21 compare, 12 min/max (triangle).
 // Latency: LATENCY_CYLINDER_WITNESS cycles; 0 with ARITH = "host".
@@ -28,7 +28,7 @@ module cylinder_witness #(
     input logic [LANES-1:0][CW-1:0] b_radius_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_reach_i,  // half heights times axes
     input logic [2:0][LANES-1:0][CW-1:0] b_reach_i,
-    input logic [2:0][LANES-1:0][CW-1:0] tried_n_i,  // the normal of this pass, n but for a trial, and its evaluation
+    input logic [2:0][LANES-1:0][CW-1:0] tried_n_i,  // the normal of this pass (n unless a trial) and its evaluation
     input logic [LANES-1:0][CW-1:0] tried_g_i,
     input logic [LANES-1:0][CW-1:0] minus_g_i,
     input logic [2:0][LANES-1:0][CW-1:0] y_i,
@@ -38,12 +38,12 @@ module cylinder_witness #(
     input logic [2:0][LANES-1:0][CW-1:0] b_side_i,
     input logic [LANES-1:0][CW-1:0] b_along_i,
     input logic [2:0][LANES-1:0][CW-1:0] pa_i,
-    input logic [LANES-1:0][CW-1:0] g_i,  // state: s and n
+    input logic [LANES-1:0][CW-1:0] g_i,  // the pair's state: s and n
     input logic [2:0][LANES-1:0][CW-1:0] n_i,
     input logic [2:0][LANES-1:0][CW-1:0] q_i,
     input logic [2:0][LANES-1:0][CW-1:0] w_i,
     input logic [LANES-1:0][CW-1:0] off_i,
-    input logic [2:0][LANES-1:0][CW-1:0] from_i,  // where the pass before began, and how far it went
+    input logic [2:0][LANES-1:0][CW-1:0] from_i,  // where the previous pass began, and how far it went
     input logic [2:0][LANES-1:0][CW-1:0] move_i,
     output logic [LANES-1:0][CW-1:0] g_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
@@ -52,14 +52,15 @@ module cylinder_witness #(
     output logic [LANES-1:0][CW-1:0] off_o,
     output logic [2:0][LANES-1:0][CW-1:0] from_o,
     output logic [2:0][LANES-1:0][CW-1:0] move_o,
-    output logic [2:0][LANES-1:0][CW-1:0] next_o  // to try in the next pass
+    output logic [2:0][LANES-1:0][CW-1:0] next_o  // normal to try in the next pass
 );
   /*verilator inline_module*/
   logic on;
   assign on = `PASS_PHASE(pass_i) == `PHASE_TOUCH || `PASS_PHASE(pass_i) == `PHASE_PROJECT;
   `undef DF_ON
   `define DF_ON on
-  // How far off a normal still touches all of an edge, face, cap or line of a side: 64 u, and where n may be off 2^14 u
+  // A normal within this angle touches all of an edge, face, cap or line of a side: 64 u. Where n may be off, it is
+  // 2^14 u
   // radian.
   localparam int TOUCHING = 5 - MAN, WIDE = 13 - MAN;
   logic [7:0] index;
@@ -113,7 +114,7 @@ module cylinder_witness #(
   `DF_FILL(lines_all, with_lines)
   `DF_FILL(rims_all, with_rims)
 
-  // ---- Clearly apart: the solids stay where they are. Else features, and B moved by -s n. ----
+  // ---- Clearly apart: the solids are not moved. Else: features, and B moved by -s n ----
   `DF_ABS(plus_size, tried_g)
   `DF_ABS(minus_size, minus_g)
   `DF_ADD(sum, plus_size, minus_size)
@@ -128,7 +129,7 @@ module cylinder_witness #(
   `DF_VSUB(b_moved, d, shift)
   `DF_VSELECT(b_centre, clear, d, b_moved)
 
-  // ---- How n touches a cylinder: along a line of its side, all of a cap, or the cap's rim ----
+  // ---- Contact of n with a cylinder: a line of its side, all of a cap, or the cap's rim ----
   `define TOUCHED(C, KAPPA, RADIUS) `DF_ABS(C``_tilt, C``_along) `DF_LE(C``_level, C``_tilt, near) \
     `DF_AND(C``_alongside, C``_level, lines) \
     `DF_EQ(C``_centred, KAPPA, zero) `DF_MUL(C``_width, KAPPA, near) `DF_LE(C``_inside, RADIUS, C``_width) \
@@ -142,7 +143,7 @@ module cylinder_witness #(
   `DF_VNEG(b_line, b_side)
   `DF_AND(b_flat_first, b_flat, first_all)
 
-  // ---- To B from pa or q, to A from B's support point or from there ----
+  // ---- To B from pa or q; to A from B's support point or from there ----
   localparam int T_a_cap = (BODY == `BODY_CYLINDER) ? `DF_LAT_DOT : `DF_CONSTANT;
   localparam int T_cap_a = (BODY == `BODY_CYLINDER) ? `DF_MAX2(T_b_rim, LAT.mul + LAT.cmp) : `DF_CONSTANT;
   localparam int T_cap_b = (BODY == `BODY_CYLINDER) ? `DF_MAX3(T_rims, T_b_flat_first, `DF_LAT_DOT + LAT.cmp) :
@@ -195,7 +196,7 @@ module cylinder_witness #(
   end
   `undef TOUCHED
 
-  // ---- How far each is from where it came: the best, and with it n if the solids are clearly apart ----
+  // ---- Distance of each point from its origin: the best point, and with it n if the solids are clearly apart ----
   `DF_VSUB(step, on_b, from)
   `DF_DOT(away, step, step)
   `DF_VSUB(apart, to_a, on_a)
@@ -232,7 +233,7 @@ module cylinder_witness #(
   `DF_SELECT(best_g, turn, higher, g)
   `DF_VSELECT(next, clear, apart, best_n)
 
-  // ---- How to go on: to the crossing, or if clearly apart on from the last two steps ----
+  // ---- Next start: the crossing, or if clearly apart, from the last two steps ----
   `DF_VSUB(move, on_a, from)
   `DF_VSUB(bend, move, old_move)
   `DF_VSELECT(against, clear, bend, step)

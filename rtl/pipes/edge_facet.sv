@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet of a box's edge along axis I and an edge q + t f of the other body, low <= t <= 1. n is the edge normal
-// (edge_normal.sv) turned by the sign of `side`; `sign_k` and `sign_l` choose the box's edge, on the side that n points
-// to. Nearest points: solve t in the plane perpendicular to the axis, then s on the box's edge, then t again for that
-// s. gap = -inf where there is no normal. If s is not at an end, v_I is 0; inverse_ff_o is 0 where t is at an end. 11
-// add, 12 mul, 2 compare, 6 min/max.
+// Candidate axis (SAT): a box's edge along axis I and an edge q + t f of the other body, low <= t <= 1.
+// n is the edge normal (edge_normal.sv), turned by the sign of `side`. `sign_k` and `sign_l` choose the box's edge on
+// the
+// side that n points to. Nearest points: solve t in the plane perpendicular to the axis, then s on the box's edge, then
+// t
+// again for that s. gap = -inf if there is no normal. If s is not at an end, v_I is 0.
+// The output inverse_ff_o is 0 where t is at an end. 11 add, 12 mul, 2 compare, 6 min/max.
 // Latency: LATENCY_EDGE_FACET cycles; 0 with ARITH = "host".
-// Throughput: one facet per lane per cycle.
+// Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "convex.svh"
 module edge_facet #(
     `DF_PARAMETERS,
     parameter int I = 0,         // axis, 0..2
-    parameter bit CENTRED = 0,   // low: 0 by default, else -1
+    parameter bit CENTRED = 0,   // 1: low is -1; else 0
     parameter int T_GAP = 0     // stage time of gap_i, at most LATENCY_EDGE_FACET
 ) (
     input logic clk_i,
@@ -32,7 +34,7 @@ module edge_facet #(
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
     output logic [LANES-1:0][CW-1:0] d2_o,
-    output logic [2:0][LANES-1:0][CW-1:0] f_o,  // of the other body's edge
+    output logic [2:0][LANES-1:0][CW-1:0] f_o,  // f of the other body's edge
     output logic [LANES-1:0][CW-1:0] inverse_ff_o
 );
   /*verilator inline_module*/
@@ -87,7 +89,7 @@ module edge_facet #(
   `DF_NEG(t2, minus_t2)
   `DF_CLAMP(t, t2, low, one)
 
-  // ---- What belongs to the nearest points ----
+  // ---- Results for the nearest points ----
   `DF_MUL(t_f_i, t, f_i_axis)
   `DF_ADD(v_along, rest, t_f_i)
   `DF_EQ(s_inside, s_free, s)

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet of a box's face I (see obb_obb.sv for the frame): the face on the side of `side`'s sign and the vertex q of the
-// other body. n is the face's normal, p the point of the face nearest to q, v = q - p, d2 = v.v. 5 add, 3 mul, 4
-// min/max.
+// Candidate axis (SAT): face I of a box (frame as in obb_obb.sv) on the side of `side`'s sign, and the vertex q of the
+// other body. n is the face's normal. p is the face's point nearest to q, v = q - p, d2 = v.v. 5 add, 3 mul, 4 min/max.
 // Latency: LATENCY_FACE_FACET cycles; 0 with ARITH = "host".
-// Throughput: one facet per lane per cycle.
+// Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "convex.svh"
 module face_facet #(

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The signed gap from the COUNT facets of a pair, before polishing. `s` is the largest gap of all. `witness` is the
-// facet whose vector v is nearest to s n, n its own normal if its gap ties with the largest, else the normal of the
-// largest gap: its n, v, p belong to s where the bodies penetrate. Gaps within tie are ties, within wide_tie where the
-// normals are opposite. `start` is the facet nearest the origin, v made perpendicular to the edge that it ends on:
-// where the bodies are apart, the point of B - A to polish. A tree over facets carries only what is used of its result.
-// 5 COUNT + 7 add, 6 COUNT + 7 mul, 4 COUNT - 1 compare. With FACET_II = 3 three facets take turns at the key of the
-// witness.
+// The signed distance from the COUNT candidate axes (SAT; `facet` in names) of a pair, before polishing.
+// `s` is the largest distance of all axes. `witness` is the axis whose vector v is nearest to s n. There n is the axis'
+// own
+// normal if its distance ties with the largest, else the normal of the largest. If the bodies penetrate, n, v and p of
+// `witness` belong to s. Distances within tie are ties; where normals are opposite, within wide_tie.
+// `start` is the axis nearest the origin, with v perpendicular to the edge that it ends on. If the bodies are apart, it
+// is
+// the point of B - A to polish. The tree over axes carries only used results. 5 COUNT + 7 add, 6 COUNT + 7 mul,
+// 4 COUNT - 1 compare. With FACET_II = 3, three axes share one unit for the witness key.
 // Latency: s and witness LATENCY_WITNESS(COUNT) cycles, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host".
-// Throughput: one pair a lane in FACET_II cycles.
+// Throughput: one pair per lane per FACET_II cycles.
 // Stall: none.
 `include "convex.svh"
 module facet_choice #(
@@ -16,7 +18,7 @@ module facet_choice #(
     parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
-    input logic [1:0] phase_i,  // facets and tie are there in phase 0
+    input logic [1:0] phase_i,  // axes and tie are valid in phase 0
     input logic [COUNT-1:0][LANES-1:0][CW-1:0] gap_i,
     input logic [COUNT-1:0][2:0][LANES-1:0][CW-1:0] n_i,
     input logic [COUNT-1:0][2:0][LANES-1:0][CW-1:0] v_i,
@@ -37,7 +39,7 @@ module facet_choice #(
   localparam int TURNS = `FACET_TURNS;
   localparam int T_TREE = `LATENCY_LEAST(COUNT);
 
-  // ---- The largest gap ----
+  // ---- The largest distance ----
   logic [COUNT-1:0][LANES-1:0][CW-1:0] minus_gap;
   logic [LANES-1:0][CW-1:0] minus_largest;
   logic [2:0][LANES-1:0][CW-1:0] largest_normal;
@@ -56,7 +58,7 @@ module facet_choice #(
   `DF_LEADING(leading, largest_n)
   `DF_LEAD(lead, leading, largest_n)
 
-  // ---- The facet that it is witnessed on ----
+  // ---- The axis of the witness points ----
   localparam int T_OFF2 = T_TREE + `DF_MAX2(LAT.add, LAT.cmp) + LAT.cmp + LAT.mul + LAT.add + `DF_LAT_DOT;
   logic [COUNT-1:0][LANES-1:0][CW-1:0] off2;
   logic [COUNT-1:0][8:0][LANES-1:0][CW-1:0] candidate;  // n, v, p
@@ -124,7 +126,7 @@ module facet_choice #(
   `DF_AT(s_out, s, `LATENCY_WITNESS(COUNT))
   assign s_o = s_out;
 
-  // ---- The facet nearest the origin ----
+  // ---- The axis nearest the origin ----
   logic [COUNT-1:0][9:0][LANES-1:0][CW-1:0] nearest;  // v, p, f, 1 / f.f
   logic [2:0][LANES-1:0][CW-1:0] nearest_v, nearest_p, nearest_f;
   logic [LANES-1:0][CW-1:0] nearest_inverse;

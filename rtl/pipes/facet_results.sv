@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The TURNS facets that a unit made in turn, side by side when the last one is there (after_turns.sv).
-// Latency: TURNS - 1 cycles from the first facet; 0 with ARITH = "host".
-// Throughput: one set in TURNS cycles.
+// The TURNS candidate axes (`facet` in names) that a shared unit made in turn, together when the last is ready
+// (after_turns.sv).
+// Latency: TURNS - 1 cycles from the first axis; 0 with ARITH = "host".
+// Throughput: one set per TURNS cycles.
 // Stall: none.
 module facet_results #(
     parameter int EXP = 8,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A signed gap, as a pipe answers it, is made the bound where it is less (reference/pipes/gap_bound.hpp).
+// Raises a pipe's signed distance to the bound if it is below it (reference/pipes/gap_bound.hpp).
 // 1 compare, 1 max.
 // Latency: LAT.cmp cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
@@ -11,7 +11,7 @@ module gap_at_least #(
     input logic clk_i,
     input logic [LANES-1:0][CW-1:0] bound_i,
     input logic [LANES-1:0][CW-1:0] f_i,  // lane mask
-    input logic [LANES-1:0][CW-1:0] t_i,  // the gap's size
+    input logic [LANES-1:0][CW-1:0] t_i,  // size of the signed distance
     input logic [2:0][LANES-1:0][CW-1:0] cp_i,
     input logic [2:0][LANES-1:0][CW-1:0] n_i,
     output logic [LANES-1:0][CW-1:0] f_o,

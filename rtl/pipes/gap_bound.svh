@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage times of the box rule of pairs that have a signed gap (reference/pipes/gap_bound.hpp).
+// Stage times of the box rule for pairs with a signed distance (reference/pipes/gap_bound.hpp).
 `ifndef CDE_GAP_BOUND_SVH
 `define CDE_GAP_BOUND_SVH
 `include "convex.svh"
 
-// Of solid_half.sv.
+// Outputs of solid_half.sv.
 `define SOLID_T_HALF(SHAPE) ((SHAPE == pairs_pkg::SHAPE_OBB) ? `DF_LAT_DOT : 0)
 `define SOLID_HALF(R, OF, WORDS) \
   localparam int T_``R = `SOLID_T_HALF(OF); \
   `DF_VECTOR R; \
   solid_half #(`DF_SAME, .SHAPE(OF)) half_``R (.clk_i, .a_i(WORDS), .half_o(R));
-// Of shape_hull.sv.
+// Outputs of shape_hull.sv.
 `define SHAPE_T_HULL(SHAPE) ((SHAPE == pairs_pkg::SHAPE_TRIANGLE) ? 2 * LAT.cmp : 0)
 `define SHAPE_HULL(LOW, HIGH, OF, WORDS) \
   localparam int T_``LOW = `SHAPE_T_HULL(OF), T_``HIGH = `SHAPE_T_HULL(OF); \
   `DF_VECTOR LOW, HIGH; \
   shape_hull #(`DF_SAME, .SHAPE(OF)) hull_``LOW (.clk_i, .a_i(WORDS), .low_o(LOW), .high_o(HIGH));
-// Of gap_bound.sv: half sizes of both, the gap's and the reach's time, and the whole.
+// Stage times of gap_bound.sv: half sizes of both shapes, distance, extent, and the result.
 `define SHAPE_IS_SOLID(SHAPE) (SHAPE == pairs_pkg::SHAPE_SPHERE || SHAPE == pairs_pkg::SHAPE_OBB)
 `define GAP_T_HALF(A, B) (`DF_MAX2(`SOLID_T_HALF(A), `SOLID_T_HALF(B)) + \
   ((`SHAPE_IS_SOLID(A) && `SHAPE_IS_SOLID(B)) ? LAT.add : 0))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Way out of a convex pipe: F = (s <= 0), T = |s|, a NaN in n made the canonical one (a wire may have flipped its
-// sign), all outputs registered together. 1 compare.
+// Output stage of a convex pipe: F = (s <= 0), T = |s|. A NaN in n becomes the canonical NaN, since a wire may have
+// flipped its sign. All outputs are registered together. 1 compare.
 // Latency: to stage time LATENCY; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.
@@ -10,7 +10,7 @@ module gap_result #(
     parameter int T_S = 0,  // stage times of the inputs
     parameter int T_CP = 0,
     parameter int T_N = 0,
-    parameter int LATENCY = 1  // of the outputs: at least T_S + LAT.cmp
+    parameter int LATENCY = 1  // stage time of the outputs: at least T_S + LAT.cmp
 ) (
     input logic clk_i,
     input logic [LANES-1:0][CW-1:0] s_i,

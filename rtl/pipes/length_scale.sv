@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pair brought to the size of one by an exact power of two, so that products of four lengths neither overflow nor
-// underflow, whatever size its operands have: every length times 2^-k, k the largest exponent of the lengths of both. A
-// ray's direction has an exponent kd of its own, and its interval is multiplied by 2^(kd - k). length_unscale.sv brings
-// the answer back. host/include/cde/reference/pipes/scale.hpp.
-// Latency: LAT.cmp for the largest exponent and LAT.cmp for the shift, with a ray the larger of that and LAT.mul; 0
-// with ARITH = "host".
+// Scales a pair to the size of one by an exact power of two. So products of four lengths neither overflow nor
+// underflow,
+// for operands of any size. Every length is multiplied by 2^-k, where k is the largest exponent of both shapes'
+// lengths.
+// A ray's direction has its own exponent kd, and its interval is multiplied by 2^(kd - k).
+// length_unscale.sv scales the result back. Reference: host/include/cde/reference/pipes/scale.hpp.
+// Latency: LAT.cmp for the largest exponent plus LAT.cmp for the shift; with a ray, the larger of that and LAT.mul; 0
+// with
+// ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.
 `include "dataflow.svh"
@@ -16,13 +19,13 @@ module length_scale #(
     localparam int B_WORDS = pairs_pkg::shape_words(SHAPE_B)
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: nobody looks at the result
+    input logic on_i,  // 0: no reader uses the result
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_i,
     output logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_o,
     output logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_o,
-    output logic [LANES-1:0][CW-1:0] back_o,  // the shift by 2^k (fp_exponent.sv)
-    output logic [LANES-1:0][CW-1:0] t_back_o  // of a ray, the number 2^(k - kd)
+    output logic [LANES-1:0][CW-1:0] back_o,  // shift by 2^k (fp_exponent.sv)
+    output logic [LANES-1:0][CW-1:0] t_back_o  // rays: the number 2^(k - kd)
 );
   /*verilator inline_module*/
   localparam bit RAY = SHAPE_A == pairs_pkg::SHAPE_RAY;
@@ -30,8 +33,8 @@ module length_scale #(
   localparam int LW = LANES * CW;
   localparam int LEAST = formats_pkg::length_low(EXP, MAN);
 
-  // ---- The largest exponent, a tree: node i of 2i and 2i + 1, the words from N_LENGTHS on; LAT.cmp cycles, dealt out
-  // over its levels ----
+  // ---- The largest exponent, by a tree: node i takes 2i and 2i + 1; words start at N_LENGTHS; LAT.cmp cycles in all
+  // ----
   localparam int N_A = pairs_pkg::lengths(SHAPE_A);
   localparam int N_LENGTHS = N_A + pairs_pkg::lengths(SHAPE_B);
   localparam int LEVELS = $clog2(N_LENGTHS);
@@ -42,7 +45,7 @@ module length_scale #(
     align #(.W(LW), .FROM(FROM), .TO(LAT.cmp * (LEVELS - LEVEL) / LEVELS), .ARITH(ARITH)) align_size (
         .clk_i, .d_i(size), .q_o(late));
     if (i >= N_LENGTHS + N_A) begin : g_b
-      localparam int WORD = pairs_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // not a call of every cycle
+      localparam int WORD = pairs_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // avoids a call in every cycle
       assign size = b_i[WORD];
     end else if (i >= N_LENGTHS) begin : g_a
       localparam int WORD = pairs_pkg::length_word(SHAPE_A, i - N_LENGTHS);
@@ -92,7 +95,7 @@ module length_scale #(
     assign unused = &{1'b0, ray_down, t_scale};
   end
 
-  // ---- The words: moved a cycle after the shift is known, where there are two ----
+  // ---- The words: moved one cycle after the shift is known, if there are two cycles ----
   localparam int MOVE = (LATENCY - LAT.cmp > 1) ? LAT.cmp + 1 : LAT.cmp;
   logic [LANES-1:0][CW-1:0] down_late, ray_down_late;
   align #(.W(2 * LW), .FROM(LAT.cmp), .TO(MOVE), .ARITH(ARITH)) align_down (

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The answer to a pair that length_scale.sv brought to the size of one, at the pair's own size: T and CP times 2^k; a
-// ray's T times 2^(k - kd), rounded once. A ray whose T or CP overflows misses. Solids touch, F = 1, where T is below
-// the normal numbers at size one. No other T becomes zero, so F and T agree.
+// Scales a pair's result back to the pair's own size (length_scale.sv): T and CP times 2^k. A ray's T is multiplied by
+// 2^(k - kd) and rounded once. A ray whose T or CP overflows misses. Solids touch (F = 1) if T, at size one, is below
+// the
+// normal numbers. No other T becomes zero, so F and T agree.
 // Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.
@@ -11,8 +12,8 @@ module length_unscale #(
     parameter bit RAY = 0
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: nobody looks at the result
-    input logic [LANES-1:0][CW-1:0] back_i,  // of length_scale.sv, with the answer
+    input logic on_i,  // 0: no reader uses the result
+    input logic [LANES-1:0][CW-1:0] back_i,  // from length_scale.sv, together with the result
     input logic [LANES-1:0][CW-1:0] t_back_i,
     input logic [LANES-1:0][CW-1:0] f_i,
     input logic [LANES-1:0][CW-1:0] t_i,
@@ -26,7 +27,7 @@ module length_unscale #(
   /*verilator inline_module*/
   localparam int LATENCY = pairs_pkg::unscale_latency(RAY, LAT.mul, LAT.cmp);
   localparam int LW = LANES * CW;
-  // Lengths are moved two clocks after the shift came out of its memory, which takes one register into itself.
+  // Lengths are moved two cycles after the shift left its memory, so one register can merge into the memory.
   localparam int MOVE = (LATENCY > 2) ? 2 : LATENCY - 1;
   logic [LANES-1:0][CW-1:0] f, t, back;
   logic [2:0][LANES-1:0][CW-1:0] cp_in, cp, cp_late;

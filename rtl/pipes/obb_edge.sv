@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet of edge I of box A and edge J of box B, in A's frame (see obb_face.sv), from their edge normal n = e_I x f_J /
-// |e_I x f_J|. `sign_k` is component K of B's turned axis r_J, and so on: with K, L the axes after I and M, O those
-// after J, the support edges follow from n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI; `sign_first` and
-// `sign_second` are those of the latter two, in the order of B's axes. The side is that of n.t or, if |n.t| <= tie, the
-// one where t has the sign of n's leading component. The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|), every
-// term projected, also n.f_J, which should be 0.
+// Candidate axis (SAT): edge I of box A and edge J of box B, in A's frame (see obb_face.sv). The edge normal is
+// n = e_I x f_J / |e_I x f_J|. `sign_k` is component K of B's turned axis r_J, and so on. K, L are the axes after I,
+// and
+// M, O those after J. The support edges follow from n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI.
+// The inputs `sign_first` and `sign_second` belong to the last two, in the order of B's axes.
+// The side is that of n.t. If |n.t| <= tie, t has the sign of n's leading component on that side.
+// The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|). Every term is projected, also n.f_J, which should be 0.
 // 26 add, 22 mul, 4 compare, 6 min/max.
 // Latency: LATENCY_OBB_EDGE cycles; 0 with ARITH = "host".
-// Throughput: one facet per lane per cycle.
+// Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "convex.svh"
 module obb_edge #(
@@ -19,7 +20,7 @@ module obb_edge #(
     input logic [2:0][LANES-1:0][CW-1:0] t_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,
     input logic [2:0][LANES-1:0][CW-1:0] edge_i,    // f_J
-    input logic [2:0][LANES-1:0][CW-1:0] first_i,   // the other two, in order
+    input logic [2:0][LANES-1:0][CW-1:0] first_i,   // the other two edges, in order
     input logic [2:0][LANES-1:0][CW-1:0] second_i,
     input logic [LANES-1:0][CW-1:0] sign_k_i,
     input logic [LANES-1:0][CW-1:0] sign_l_i,
@@ -106,7 +107,7 @@ module obb_edge #(
   `DF_AGAINST(q_first, t, towards_first, f_first)
   `DF_AGAINST(q, q_first, towards_second, f_second)
 
-  // ---- The facet ----
+  // ---- The candidate axis ----
   `DF_VAT(a_q, a, T_q)
   `DF_AT(sign_k_q, sign_k, T_q)
   `DF_AT(sign_l_q, sign_l, T_q)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet of face I of box A, on the side of `side`'s sign, and the corner of box B nearest to it, in A's frame: A's
-// centre is 0, its axes are e_i, B has centre t and half edges f_j, and `signs` is component I of B's turned axes. The
-// gap is |t_I| - a_I - sum of |f_jI|. 18 add, 3 mul, 4 min/max.
+// Candidate axis (SAT): face I of box A, on the side of `side`'s sign, and the nearest corner of box B.
+// In A's frame, A's centre is 0 and its axes are e_i; B has centre t and half edges f_j. `signs` is component I of B's
+// turned axes. The gap is |t_I| - a_I - sum of |f_jI|. 18 add, 3 mul, 4 min/max.
 // Latency: LATENCY_OBB_FACE cycles; 0 with ARITH = "host".
-// Throughput: one facet per lane per cycle.
+// Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "convex.svh"
 module obb_face #(

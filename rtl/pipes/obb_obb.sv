@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Oriented box against oriented box, in A's frame: A's centre is 0, its axes are e_i, B has centre t, axes r_j and half
 // edges f_j = b_j r_j.
-// The difference B - A has 15 pairs of facets, whose normals are the 15 axes of the separating-axis test: 3 faces of A,
-// 3 faces of B, 9 pairs of edges. The depth is the least overlap on them, the distance the least distance to the 15
-// facets that face the origin; the nearest point is polished twice. Support features come from axes turned by 16 u, as
-// if no face or edge of one box were parallel to one of the other. F = (s <= 0), T = |s|. 638 add, 568 mul, 15 div, 10
-// sqrt, 123 compare, 91 min/max.
-// With FACET_II = 3 the edges of B take turns in a unit an edge of A, a face of A and one of B do in a unit, and the
-// facets three by three at the key of the witness: 372 add, 335 mul, 7 div, 4 sqrt, 81 compare, 43 min/max.
+// The difference B - A has 15 pairs of facets, and their normals are the 15 candidate axes (SAT): 3 faces of A, 3 faces
+// of B, 9 pairs of edges. The depth is the least overlap on them. The distance is the least distance to the 15 facets
+// that face the origin. The nearest point is polished twice. Axes turned by 16 u choose the support features, as if no
+// face or edge of one box were parallel to one of the other. F = (s <= 0), T = |s|. 638 add, 568 mul, 15 div, 10 sqrt,
+// 123 compare, 91 min/max.
+// With FACET_II = 3, the edges of B share one unit per edge of A. A face of A and one of B share a unit, and three axes
+// share the unit of the witness key: 372 add, 335 mul, 7 div, 4 sqrt, 81 compare, 43 min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
-// Throughput: LANES pairs in FACET_II cycles.
+// Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.
 `include "convex.svh"
 module obb_obb #(
@@ -17,7 +17,7 @@ module obb_obb #(
     parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
-    input logic enter_i,  // a pair comes; used with FACET_II = 3
+    input logic enter_i,  // a pair enters; used with FACET_II = 3
     input logic [14:0][LANES-1:0][CW-1:0] a_i,  // OBB: c x y z, half extents, rotation by rows
     input logic [14:0][LANES-1:0][CW-1:0] b_i,
     `GAP_OUTPUTS
@@ -55,7 +55,7 @@ module obb_obb #(
   `DF_APPLY(r0, a_axes, b_axis0)
   `DF_APPLY(r1, a_axes, b_axis1)
   `DF_APPLY(r2_given, a_axes, b_axis2)
-  // One box may be given by a reflection. The turned axes need a rotation, and the box is the same.
+  // A box may be given by a reflection. The turned axes need a rotation, and the box is the same.
   `DF_CROSS(r01, r0, r1)
   `DF_DOT(handedness, r01, r2_given)
   `DF_VFLIP(r2, handedness, r2_given)
@@ -72,7 +72,7 @@ module obb_obb #(
   `DF_MAT(f, f0, f1, f2)
   `DF_MAT(turned_axes, turned0, turned1, turned2)
 
-  // Gaps closer than `tie` are equal.
+  // Distances closer than `tie` are equal.
   `DF_PICK(a0, a, 0)
   `DF_PICK(a1, a, 1)
   `DF_PICK(a2, a, 2)
@@ -86,13 +86,13 @@ module obb_obb #(
   `DF_MUL(tie, four_u, size)
   `DF_MUL(wide_tie, four, tie)
 
-  // ---- Stage times of the facets ----
-  // slow adders can make what edges need besides their normals later than these
+  // ---- Stage times of the candidate axes ----
+  // Slow adders can make the edges' other inputs later than their normals.
   localparam int T_LATEST = `DF_MAX2(T_t, `DF_MAX2(T_turned_axes, T_tie));
   localparam int T_EARLY = `DF_MAX2(T_f, T_LATEST - `LATENCY_EDGE_NORMAL);
   localparam int T_EDGES = T_EARLY + `LATENCY_EDGE_NORMAL;
   localparam int T_FACETS = T_EDGES + `LATENCY_OBB_EDGE + `FACET_WAIT;
-  // as late as they can, so that inputs wait, not facets
+  // As late as possible, so that inputs are delayed, not axes.
   localparam int T_FACES_B = T_FACETS - `DF_LAT_DOT - `LATENCY_OBB_FACE;
   localparam int T_FACES_A = T_FACETS - `LATENCY_OBB_FACE;
   `DF_VAT(a_edges, a, T_EDGES)
@@ -112,7 +112,8 @@ module obb_obb #(
   logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
   logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p, along;
 
-  // ---- Faces: of B the pair as B sees it, roles exchanged; a facet's vector and normal turned back into A's frame
+  // ---- Faces. For B: the pair in B's frame, roles exchanged; the axis' vector and normal are turned back into A's
+  // frame
   `DF_APPLY(t_from_b, r, t)
   `DF_VNEG(t_back, t_from_b)
   `DF_TRANSPOSE(columns, r)
@@ -133,7 +134,7 @@ module obb_obb #(
   `DF_MAT_AT(r_facets, r_faces_b, T_FACETS)
   `DF_MAT_AT(turned_facets, turned_faces_b, T_FACETS)
   `DF_VAT(a_facets, a_faces_a, T_FACETS)
-  // Face units: B's face first, whose vector has farther to go, then A's.
+  // Face units: first B's face, whose vector takes longer, then A's.
   `DF_PHASE_AT(phase_faces, phase, T_FACES_B)
   `DF_VTURN(half_extents, 0, phase_faces, b_back_faces_b, a_faces_b, a_faces_b)
   `DF_VTURN(centre, 0, phase_faces, t_back_faces_b, t_faces_b, t_faces_b)
@@ -142,7 +143,7 @@ module obb_obb #(
   for (genvar j = 0; j < 3; j++) begin : g_face
     logic [LANES-1:0][CW-1:0] gap_b, d2_b;
     logic [2:0][LANES-1:0][CW-1:0] n_b, v_b, p_b;
-    // Where A is, as B sees it: the normal goes the other way.
+    // A's position in B's frame: the normal is reversed.
     `DF_ROW(axis_b, r, j)
     `DF_LEADING(leading, axis_b)
     `DF_LEAD(axis_lead, leading, axis_b)
@@ -211,7 +212,7 @@ module obb_obb #(
     assign inverse_ff[3+j] = '0;
   end
 
-  // ---- Edges of A and edges of B, of each edge of B what the facets need ----
+  // ---- Edges of A and edges of B; for each edge of B, the inputs of its axes ----
   `DF_PHASE_AT(phase_f, phase, T_EARLY)
   `DF_MAT_AT(f_normals, f, T_EARLY)
   `DF_PHASE_AT(phase_edges, phase_f, T_EDGES)
@@ -264,7 +265,7 @@ module obb_obb #(
     end
   end
 
-  // ---- The answer of the facets ----
+  // ---- Result of the candidate axes ----
   localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
   localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
   `DF_AT(tie_facets, tie_edges, T_FACETS)
@@ -287,7 +288,7 @@ module obb_obb #(
   `DF_VIN(v_start, choice_start_v, T_START)
   `DF_VIN(p_start, choice_start_p, T_START)
 
-  // ---- The nearest point, polished twice, and by how much its gap is less than its length ----
+  // ---- The nearest point, polished twice, and the difference between its length and its distance ----
   `DF_VAT(a_start, a_facets, T_START)
   `DF_VAT(t_start, t_faces_a, T_START)
   `DF_MAT_AT(f_start, f_faces_a, T_START)
@@ -315,7 +316,7 @@ module obb_obb #(
   logic unused_polished;
   assign unused_polished = &{1'b0, slack_start, support3_p};
 
-  // ---- The gap along its direction, and the choice ----
+  // ---- The distance along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
   `DF_POINT_GAP(gap_along, s_between, n_point, d_point, slack, s_facets)
   `DF_DECIDE(s, n_local, v_local, p_local, s_facets, n_facets, v_facets, p_facets, s_between, n_point, v_point, p_point,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Oriented box against plane, which has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box to
-// the plane. With HALF_SPACE the plane is the solid n.x <= d: s = H - R, n into it. The box's support point takes
-// sign(0) = 0, which is the centroid of the touching edge or face; CP is s/2 beyond it.
+// Oriented box against plane. The plane has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box
+// to
+// the plane. With HALF_SPACE the plane is the solid n.x <= d: s = H - R, n points into it. The box's support point uses
+// sign(0) = 0, so it is the centroid of the touching edge or face. CP is s/2 beyond it.
 // F = (s <= 0), T = |s|. 24 add, 28 mul, 4 compare.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
@@ -39,7 +40,7 @@ module obb_plane #(
   `DF_PICK(h_z, h, 2)
   `DF_ADD(h_xy, h_x, h_y)
   `DF_ADD(radius, h_xy, h_z)
-  // Which side of the plane the box is on: its sign. A half-space is always below.
+  // The box's side of the plane, as a sign. A half-space is always below.
   localparam int T_up = HALF_SPACE ? `DF_CONSTANT : T_height;
   `DF_SCALAR up;
   assign up = HALF_SPACE ? {LANES{ONE}} : height;

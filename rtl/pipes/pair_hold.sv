@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mouth of a pipe whose facet units take turns: with FACET_II = 3 it holds a pair's operands for three cycles and
-// counts them, so that whatever is computed from operands alone stands for three cycles, at every stage. With FACET_II
-// = 1, or ARITH = "host", wires.
+// Input port of a pipe whose candidate axes share units. With FACET_II = 3 it holds a pair's operands for three cycles
+// and
+// counts them. So every value computed from operands alone is stable for three cycles, at every stage.
+// With FACET_II = 1 or ARITH = "host" it is wires.
 // Latency: FACET_T_IN cycles (convex.svh); 0 with ARITH = "host".
-// Throughput: one pair a lane in FACET_II cycles.
+// Throughput: one pair per lane per FACET_II cycles.
 // Stall: none.
 module pair_hold #(
     parameter int FACET_II = 1,  // 1 or 3
@@ -12,12 +13,12 @@ module pair_hold #(
     parameter ARITH = "rtl"
 ) (
     input logic clk_i,
-    input logic enter_i,  // at least FACET_II cycles after the last one
+    input logic enter_i,  // at least FACET_II cycles after the previous pair
     input logic [A_BITS-1:0] a_i,
     input logic [B_BITS-1:0] b_i,
     output logic [A_BITS-1:0] a_o,
     output logic [B_BITS-1:0] b_o,
-    output logic [1:0] phase_o  // 0, 1, 2, which stays until the next pair
+    output logic [1:0] phase_o  // 0, 1, 2, then stable until the next pair
 );
   /*verilator inline_module*/
   if (FACET_II != 1 && FACET_II != 3) $error("pair_hold: FACET_II must be 1 or 3");

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipe of a pair (pairs_pkg::PAIR_*) behind one kind of mouth.
-// Latency: that of the pipe, latency_o; 0 with ARITH = "host".
-// Throughput: LANES pairs in FACET_II cycles.
+// The pipe of a pair (pairs_pkg::PAIR_*) with one kind of input port.
+// Latency: latency_o, the pipe's latency; 0 with ARITH = "host".
+// Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.
 `include "pipe.svh"
 module pair_pipe #(
     `DF_PARAMETERS,
     parameter int PAIR = 0,
-    parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
-    parameter int BOX = 0,  // of ray-triangle, 1: a hit must lie in the triangle's box (ray_box.sv)
-    parameter int HALF_SPACE = 0,  // of pairs with a plane, 1: the plane is the solid n.x <= d
-    parameter int FACET_II = 1,  // of pairs with facets: cycles from one pair of a lane to the next, 1 or 3
-    parameter int B_LANES = LANES,  // secondaries a clock: 1 (broadcast to all lanes) or LANES
+    parameter int ALGORITHM = 0,  // ray-triangle: pairs_pkg::ALGORITHM_*
+    parameter int BOX = 0,  // ray-triangle, 1: a hit must lie in the triangle's box (ray_box.sv)
+    parameter int HALF_SPACE = 0,  // pairs with a plane, 1: the plane is the solid n.x <= d
+    parameter int FACET_II = 1,  // pairs with candidate axes: cycles between pairs of a lane, 1 or 3
+    parameter int B_LANES = LANES,  // secondaries per cycle: 1 (broadcast to all lanes) or LANES
     localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
     localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
     input logic clk_i,
-    input logic enter_i,  // a pair comes; used with FACET_II = 3
+    input logic enter_i,  // a pair enters; used with FACET_II = 3
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
     `GAP_OUTPUTS
@@ -31,7 +31,7 @@ module pair_pipe #(
     logic unused_enter;
     assign unused_enter = enter_i;
   end
-  logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;  // a secondary a lane
+  logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;  // one secondary per lane
   for (genvar k = 0; k < B_WORDS; k++) begin : word
     if (B_LANES == LANES) begin : g_own
       assign b[k] = b_i[k];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A vector made perpendicular to an edge f that it ends on: v - (v.f / f.f) f, with 0 for 1 / f.f where it ends on no
+// A vector made perpendicular to the edge f that it ends on: v - (v.f / f.f) f. The input 1 / f.f is 0 if v ends on no
 // edge.
 // 5 add, 7 mul.
 // Latency: LATENCY_PERPENDICULAR cycles from the latest input; 0 with ARITH = "host".

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the pipes of all pairs have in common: inputs, outputs, and the way out.
+// Shared by the pipes of all pairs: inputs, outputs and the result stage.
 `ifndef CDE_PIPE_SVH
 `define CDE_PIPE_SVH
 `include "dataflow.svh"
@@ -11,15 +11,15 @@
     output logic [LANES-1:0][CW-1:0] t_o, \
     output logic [2:0][LANES-1:0][CW-1:0] cp_o, \
     output logic [15:0] latency_o
-// B_LANES: triangles that differ: LANES, or 1, all lanes have the same. BOX: 1: a hit must lie in the triangle's box
-// (ray_box.sv).
+// B_LANES is the number of different triangles: LANES, or 1 if all lanes have the same. BOX = 1: a hit must lie in the
+// triangle's box (ray_box.sv).
 `define RAY_TRIANGLE_PARAMETERS \
     `DF_PARAMETERS, \
     parameter int B_LANES = LANES, \
     parameter int BOX = 0
 // The ray's words: o x y z, d x y z, tmin, tmax.
 `define RAY_IN `DF_VIN(o, a_i[2:0], 0) `DF_VIN(d, a_i[5:3], 0) `DF_IN(tmin, a_i[6], 0) `DF_IN(tmax, a_i[7], 0)
-// Registered after the last of HIT and CP; ray_result.sv says what FINITE is.
+// Registered after the later of HIT and CP. ray_result.sv defines FINITE.
 `define RAY_RESULT(HIT, T, CP, LOOK) \
   localparam int LATENCY = `DF_MAX2(T_``HIT, T_``CP) + 1; \
   assign latency_o = 16'(LATENCY); \
@@ -33,7 +33,7 @@
     output logic [2:0][LANES-1:0][CW-1:0] cp_o, \
     output logic [2:0][LANES-1:0][CW-1:0] n_o, \
     output logic [15:0] latency_o
-// F and T of the signed gap S, registered with CP and N.
+// F and T of the signed distance S, registered with CP and N.
 `define GAP_RESULT(S, CP, N) \
   localparam int LATENCY = `DF_MAX3(T_``CP, T_``N, T_``S + LAT.cmp) + 1; \
   assign latency_o = 16'(LATENCY); \

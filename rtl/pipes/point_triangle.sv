@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vector v from the closest point of a triangle (triangle_parts.sv) to a point, |v|^2, and the point's signed
 // distance h from the plane.
-// The three segments, and the face if the point lies over its inside; the regions are selected at the end, ties to the
-// lowest edge.
-// Over a needle the signs that say "inside" are noise when the point is in line with it, so the point must also lie
-// between the ends of the longest edge. 43 add, 71 mul, 9 compare, 6 min/max.
-// Latency: to POINT_TRIANGLE_T_V of triangle.svh, h_o LAT.mul + 2*LAT.add after the later of w and m; 0 with ARITH =
-// "host".
+// It takes the three segments, and the face if the point lies over its inside. The region is selected at the end, ties
+// to
+// the lowest edge. Over a needle, the signs that say "inside" are noise when the point is in line with it. So the point
+// must also lie between the ends of the longest edge. 43 add, 71 mul, 9 compare, 6 min/max.
+// Latency: to POINT_TRIANGLE_T_V of triangle.svh. h_o comes LAT.mul + 2*LAT.add after the later of w and m. 0 with
+// ARITH = "host".
 // Throughput: one point per lane per cycle.
 // Stall: none.
 `include "triangle.svh"
@@ -19,13 +19,13 @@ module point_triangle #(
     parameter int T_M = 0
 ) (
     input logic clk_i,
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] w_i,  // point - vertex, a row a vertex
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] w_i,  // point - vertex, one row per vertex
     input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,
     input logic [2:0][LANES-1:0][CW-1:0] inverse_ff_i,
     input logic [LANES-1:0][CW-1:0] longest0_i,
     input logic [LANES-1:0][CW-1:0] longest1_i,
     input logic [2:0][LANES-1:0][CW-1:0] m_i,
-    input logic [LANES-1:0][CW-1:0] flat_i,  // with m_i
+    input logic [LANES-1:0][CW-1:0] flat_i,  // at the time of m_i
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [LANES-1:0][CW-1:0] d2_o,
     output logic [LANES-1:0][CW-1:0] h_o

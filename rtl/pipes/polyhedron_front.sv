@@ -18,8 +18,8 @@ module polyhedron_front #(
 ) (
     input logic clk_i,
     input logic [`PASS_W-1:0] pass_i,
-    input logic [7:0] samples_i,  // M: 4, 8 or 16; constant while anything is in flight
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] axis_i,  // of the box; edges of the triangle, of unit length
+    input logic [7:0] samples_i,  // M: 4, 8 or 16; constant while a row is in flight
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] axis_i,  // axes of the box, or edges of the triangle, of unit length
     input logic [2:0][2:0][LANES-1:0][CW-1:0] reach_i,  // half extents times axes; v1 - v0, v2 - v0, v2 - v1
     input logic [2:0][LANES-1:0][CW-1:0] face_i,  // unit normal of the triangle
     input logic [2:0][LANES-1:0][CW-1:0] frame_i,  // box: the axis of this pass, not yet of unit length
@@ -27,13 +27,13 @@ module polyhedron_front #(
     input logic [2:0][LANES-1:0][CW-1:0] b_i,
     input logic [LANES-1:0][CW-1:0] b_half_i,
     input logic [LANES-1:0][CW-1:0] b_radius_i,
-    input logic [2:0][LANES-1:0][CW-1:0] q_i,  // state
+    input logic [2:0][LANES-1:0][CW-1:0] q_i,  // the pair's state, with the following inputs
     input logic [2:0][LANES-1:0][CW-1:0] next_i,
     input logic [2:0][LANES-1:0][CW-1:0] best_n_i,
     output logic [2:0][LANES-1:0][CW-1:0] n_o
 );
   /*verilator inline_module*/
-  // n/8, 1 to 7.
+  // n/8, for n from 1 to 7.
   function automatic logic [CW-1:0] eighths(input logic [2:0] n);
     case (n)
       1: eighths = CW'(`DF_POWER_OF_TWO(-3));
@@ -46,7 +46,7 @@ module polyhedron_front #(
     endcase
   endfunction
 
-  // ---- What the pass is about ----
+  // ---- Decoded pass ----
   logic [3:0] phase;
   logic [1:0] track, arc_now;
   logic [7:0] index;
@@ -125,7 +125,7 @@ module polyhedron_front #(
   `DF_VCHOOSE(z_b, vertex, w, z_b0)
   `DF_DOT(z, z_a, z_b)
 
-  // ---- From a vertex ----
+  // ---- Normal from a vertex ----
   `undef DF_ON
   `define DF_ON (phase == `PHASE_VERTEX)
   `DF_SQRT(rho, xx)
@@ -138,8 +138,8 @@ module polyhedron_front #(
   `DF_MUL(axial_size, above, rho)
   `DF_MOVE_SIGN(axial, z, axial_size)
 
-  // ---- A sample: the arcs' ends are u, f, w, f2, -u, f the one of +-q, +-c between u and w, or the middle where that
-  // is u or w ----
+  // ---- A sample. The ends of the arcs are u, f, w, f2, -u. f is the one of +-q, +-c between u and w, or else the
+  // middle ----
   `DF_NEGATIVE(qu_negative, z)
   `DF_NEGATIVE(qw_negative, xx)
   `DF_LOGIC(differ, qu_negative, qw_negative, formats_pkg::WIRE_XOR)
@@ -184,7 +184,7 @@ module polyhedron_front #(
   `DF_VCHOOSE(sample_n, reverse, minus_sum, sum)
   `DF_VCHOOSE(combined_n, vertex, vertex_n, sample_n)
 
-  // ---- Cross products that may vanish ----
+  // ---- Cross products that may be zero ----
   `undef DF_ON
   `define DF_ON searching
   localparam int T_vanish = `DF_MAX2(T_xx, T_z + 2 * LAT.mul) + LAT.cmp, T_framed = `LATENCY_POLYHEDRON_RAW;
@@ -201,7 +201,7 @@ module polyhedron_front #(
     assign vanish = drowned_late;
     assign framed = late;
   end else begin : g_face
-    // Flat is a triangle whose normal drowns in rounding: (e1 x e2)^2 <= tiny e1^2 e2^2.
+    // A triangle is flat if its normal is lost in rounding: (e1 x e2)^2 <= tiny e1^2 e2^2.
     `DF_CONTROL(first, frame && index == 0, 0)
     `DF_VIN(e1, reach_i[0], 0)
     `DF_VIN(e2, reach_i[1], 0)
@@ -212,7 +212,7 @@ module polyhedron_front #(
     `DF_LE(drowned, xx, bound)
     `DF_LT(shorter, z, e22)
     `DF_VSELECT(longer, shorter, e2, e1)
-    // A point has no edge, and needs a normal of B's axis.
+    // A triangle that is a point has no edge, and needs a normal of B's axis.
     `DF_CONST(least, CW'(3) << MAN)
     `DF_LT(e1_none, z, least)
     `DF_LT(e2_none, e22, least)
@@ -228,7 +228,7 @@ module polyhedron_front #(
   end
 
   `DF_NORMALISE(unit, framed)
-  // A direction between witness points that are too near for one is no trial.
+  // A direction between witness points that are too near each other is not tried.
   `DF_CONTROL(trial, phase == `PHASE_PROJECT && `PASS_TRIAL(pass_i), 0)
   `DF_VSELECT(tried, unit_usable, unit, best_n)
   `DF_VCHOOSE(unit_or_best, trial, tried, unit)

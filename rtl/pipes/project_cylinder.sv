@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nearest point of a solid cylinder, or where masks say so of the rim of a cap or of a line of its side: a round side
-// and a plane that touches it part so slowly that every projection merely halves the error. 19 add, 24 mul, 1 div, 1
-// sqrt, 1 compare, 3 min/max.
-// Latency: LATENCY_PROJECT_CYLINDER cycles from the later of x and c, the others are early; 0 with ARITH = "host".
+// Nearest point of a solid cylinder or, by masks, of a cap's rim or a line of its side. The masks matter because a
+// round
+// side and a plane that touches it separate slowly: every projection merely halves the error.
+// 19 add, 24 mul, 1 div, 1 sqrt, 1 compare, 3 min/max.
+// Latency: LATENCY_PROJECT_CYLINDER cycles from the later of x and c; other inputs are early; 0 with ARITH = "host".
 // Throughput: one point per lane per cycle.
 // Stall: none, runs free.
 `include "cylinder.svh"
@@ -15,7 +16,7 @@ module project_cylinder #(
     parameter int T_RIM = 0
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: nobody looks at the result
+    input logic on_i,  // 0: no reader uses the result
     input logic [2:0][LANES-1:0][CW-1:0] x_i,
     input logic [2:0][LANES-1:0][CW-1:0] c_i,  // centre
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // axis, half height, radius
@@ -23,8 +24,8 @@ module project_cylinder #(
     input logic [LANES-1:0][CW-1:0] radius_i,
     // from the axis to the line of the side, or to where n touches the rim
     input logic [2:0][LANES-1:0][CW-1:0] side_i,
-    input logic [LANES-1:0][CW-1:0] alongside_i,  // the side is that line instead of round
-    input logic [LANES-1:0][CW-1:0] end_i,  // height of a cap, whose rim alone is the cylinder
+    input logic [LANES-1:0][CW-1:0] alongside_i,  // use that line instead of the round side
+    input logic [LANES-1:0][CW-1:0] end_i,  // height of a cap; the cylinder is reduced to its rim
     input logic [LANES-1:0][CW-1:0] rim_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
@@ -54,7 +55,7 @@ module project_cylinder #(
   `DF_MIN(inward, one, ratio)
   `DF_SELECT(f, rim, ratio, inward)
   `DF_VSCALE(round, l, f)
-  // From the axis all of the rim is as near, and l has no direction: the point that n touches serves.
+  // On the axis, all points of the rim are equally near and l has no direction. Then it is the point that n touches.
   `DF_CONST(least, CW'(3) << MAN)
   `DF_LT(central, ll, least)
   `DF_AND(rim_from_axis, rim, central)

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nearest point of the box around the origin, or of the triangle with v0 at the origin: of its plane if that lies
-// inside and is no farther, else of an edge; an edge or a triangle without length or area is selected away by its NaN,
-// and v0 remains. Or, where `feature` is set, nearest point of the vertex, edge or face that n touches, up to `near`
-// radian.
+// Nearest point of the box around the origin, or of the triangle with v0 at the origin. For the triangle it is a point
+// of
+// the plane if that lies inside and is no farther, else of an edge. An edge or triangle without length or area drops
+// out
+// by its NaN, and v0 remains. Where `feature` is set, it is the nearest point of the vertex, edge or face that n
+// touches,
+// up to `near` radian.
 // 18 add, 27 mul, 3 compare, 6 min/max (box); 80 add, 88 mul, 3 div, 13 compare, 7 min/max (triangle).
 // Latency: LATENCY_PROJECT cycles from x; 0 with ARITH = "host".
 // Throughput: one point per lane per cycle.
@@ -11,11 +14,11 @@
 module project_polyhedron #(
     `DF_PARAMETERS,
     parameter int BODY = `BODY_BOX,
-    parameter int T_X = 0,  // stage time of x and feature; the others have stage time 0
+    parameter int T_X = 0,  // stage time of x and feature; other inputs have stage time 0
     parameter int T_FEATURE = 0
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: nobody looks at the result
+    input logic on_i,  // 0: no reader uses the result
     input logic [2:0][LANES-1:0][CW-1:0] x_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] axis_i,  // box: axes, half extents; triangle: edges of unit length
     input logic [2:0][LANES-1:0][CW-1:0] half_i,
@@ -120,7 +123,7 @@ module project_polyhedron #(
     `DF_VSELECT(v1_or_v2, second, e2, e1)
     `DF_VSELECT(touched, beyond_v0, v1_or_v2, v0)
 
-    // ---- The nearest of that vertex, or v0, and the edges, the first of equals ----
+    // ---- The nearest of that vertex, or v0, and the edges; the first of equals ----
     localparam int T_p0 = T_p, T_p1 = T_p, T_p2 = T_p;
     `DF_VECTOR p0, p1, p2;
     assign {p2, p1, p0} = p;
@@ -141,7 +144,7 @@ module project_polyhedron #(
     `DF_VSELECT(best1, nearer1, p1, best0)
     `DF_VSELECT(best2, nearer2, p2, best1)
 
-    // ---- The plane, strictly inside, which nothing is without area; v0 v2 runs against the other two edges ----
+    // ---- The plane, strictly inside (never without area); v0 v2 runs against the other two edges ----
     `DF_PICK(side0, side, 0)
     `DF_PICK(side1, side, 1)
     `DF_PICK(side2, side, 2)
@@ -154,7 +157,7 @@ module project_polyhedron #(
     `DF_DOT(height, x, face)
     `DF_VSCALE(drop, face, height)
     `DF_VSUB(plane, x, drop)
-    // No farther than the best of edges and vertex, as the plane of a sliver may be, whose normal is off.
+    // No farther than the best of edges and vertex: a sliver's plane may be farther, because its normal is inexact.
     `DF_MUL(drop_squared, height, height)
     `DF_LE(no_farther1, drop_squared, least1)
     `DF_LE(no_farther2, drop_squared, rr2)

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Box rule of ray and triangle (reference/pipes/ray_box.hpp): what is met counts only if P = o + t d lies in the
-// triangle's box, (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside, and nothing is
-// in the box of a triangle without area; an infinite |t d|_1 makes no margin. The triangle's part is computed once for
-// all lanes if it is broadcast. Without BOX: a wire.
-// 1 mul, 2 add, 6 sub, 3 compare a ray, and those of triangle_bounds.sv a triangle.
+// Box rule of ray and triangle (reference/pipes/ray_box.hpp). A hit counts only if P = o + t d lies in the triangle's
+// box:
+// (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside. The box of a triangle without
+// area
+// holds no point. An infinite |t d|_1 gives no margin. The triangle's part is computed once for all lanes if the
+// triangle
+// is broadcast. Without BOX the module is a wire. Per ray: 1 mul, 2 add, 6 sub, 3 compare; per triangle, the operators
+// of
+// triangle_bounds.sv.
 // Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.
 `include "ray_box.svh"
 module ray_box #(
     `DF_PARAMETERS,
-    parameter int B_LANES = LANES,  // triangles a clock: 1 (broadcast to all lanes) or LANES
-    parameter int BOX = 0,          // 1: the rule
-    parameter int T_MET = 0,        // stage times of the inputs; triangles come at 0
+    parameter int B_LANES = LANES,  // triangles per cycle: 1 (broadcast to all lanes) or LANES
+    parameter int BOX = 0,          // 1: apply the rule
+    parameter int T_MET = 0,        // stage times of the inputs; triangles have time 0
     parameter int T_TD = 0,
     parameter int T_P = 0
 ) (
@@ -31,7 +35,7 @@ module ray_box #(
     assign hit_o = met_i;
   end
 `ifdef VERILATOR
-  // Hits are rare, and what nobody asks costs no simulation: one call for a lane that is met.
+  // Hits are rare, so simulation makes one call per lane that hits.
   else if (ARITH != "rtl") begin : g_host
     logic unused_clk;
     assign unused_clk = clk_i;
@@ -76,7 +80,7 @@ module ray_box #(
         .a_i(scaled), .m_o(bounded));
     `DF_IN(margin, scaled & bounded, T_scaled)
 
-    // ---- How far outside the point is; the triangle's words are one or LANES, so the operators are named ----
+    // ---- Distance of the point outside; operators are named, since the triangle has 1 or LANES lanes ----
     localparam int T_AWAY = `RAY_T_AWAY(T_P);
     localparam int T_OUT = `RAY_T_OUT(T_P);
     logic [2:0][B_LANES-1:0][CW-1:0] centre, half, centre_p, half_p;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage times of the box rule of ray and triangle (ray_box.sv), and its place in a pipe. What is in scope: BOX,
-// B_LANES, LAT_* and what dataflow.svh needs; b_i has the triangles, all lanes the same one if B_LANES is 1.
+// Stage times of the box rule of ray and triangle (ray_box.sv), and its place in a pipe. In scope: BOX, B_LANES, LAT_*
+// and
+// the names that dataflow.svh needs. b_i has the triangles; if B_LANES is 1, all lanes share one.
 `ifndef CDE_RAY_BOX_SVH
 `define CDE_RAY_BOX_SVH
 `include "pipe.svh"
 
-// Of what triangle_bounds.sv says of a triangle that comes at stage time 0: centre and half size of its box.
+// Outputs of triangle_bounds.sv for a triangle at stage time 0: centre and half size of its box.
 `define RAY_T_CENTRE (2 * LAT.cmp + LAT.add + LAT.mul)
 `define RAY_T_HALF (4 * LAT.cmp + 4 * LAT.add + 2 * LAT.mul)
-// Of the rule on a point P = o + TD: of P - c, of how far it is outside, of the decision.
+// The rule on a point P = o + TD: stage times of P - c, of the distance outside, and of the decision.
 `define RAY_T_AWAY(P) (`DF_MAX2(P, `RAY_T_CENTRE) + LAT.add)
 `define RAY_T_OUT(P) (`DF_MAX2(`RAY_T_AWAY(P), `RAY_T_HALF) + LAT.add)
 `define RAY_T_IN_BOX(TD, P) (`DF_MAX2(`RAY_T_OUT(P), TD + 2 * LAT.add + LAT.mul) + LAT.cmp)

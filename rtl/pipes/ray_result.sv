@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Way out of a ray pipe: T and CP of a hit, T = +inf and CP = 0 of a miss, all outputs registered together. A hit has a
-// finite T and CP, or it is none; its T is never -0.
+// Output stage of a ray pipe: T and CP of a hit; T = +inf and CP = 0 for a miss. All outputs are registered together.
+// A hit needs a finite T and CP. Its T is never -0.
 // Latency: to stage time LATENCY; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.
@@ -10,8 +10,8 @@ module ray_result #(
     parameter int T_HIT = 0,  // stage times of the inputs
     parameter int T_T = 0,
     parameter int T_CP = 0,
-    parameter int LATENCY = 1,  // of the outputs: after all inputs
-    parameter int FINITE = 1    // 0: hits are known to be finite; 1: cp is o + t d, and looked at; 2: cp and t are
+    parameter int LATENCY = 1,  // stage time of the outputs: after all inputs
+    parameter int FINITE = 1  // 0: hits are known to be finite; 1: cp is o + t d, and checked; 2: cp and t are checked
 ) (
     input logic clk_i,
     input logic [LANES-1:0][CW-1:0] hit_i,  // lane mask

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against the surface of a sphere, the discriminant from the centre's distance to the line (Haines et al., Ray
-// Tracing Gems 2019): f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a); the
-// roots are (f.f - r^2)/a/q, no larger than q, and q, in this order when b > 0; no product has more than two lengths. T
-// is the first root in [tmin, tmax]; D < 0 is a miss.
+// Ray against the surface of a sphere. The discriminant comes from the centre's distance to the line (Haines et al.,
+// Ray
+// Tracing Gems 2019). f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a).
+// The roots are (f.f - r^2)/a/q, no larger than q, and q, in this order when b > 0. No product has more than two
+// lengths.
+// T is the first root in [tmin, tmax]. D < 0 is a miss.
 // 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare, 1 min/max.
 // Latency: latency_o cycles (20 when every operator takes one); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
@@ -36,7 +38,7 @@ module ray_sphere #(
   `DF_MUL(rr, r, r)
   `DF_DIV(i, one, a)
 
-  // ---- The point of the line nearest to the centre, as seen from there ----
+  // ---- The line's point nearest to the centre, relative to the centre ----
   `DF_MUL(foot, b, i)
   `DF_VSCALE(foot_d, d, foot)
   `DF_VADD(l, f, foot_d)

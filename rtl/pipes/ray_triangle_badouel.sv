@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against triangle after Badouel 1990, the paper's equations (1) and (2): N = E1 x E2, t = (N.V0 - N.O)/N.D, P = O
-// + t D, and two barycentric coordinates of P in the plane's dominant projection, compared with N_k unscaled.
-// Two-sided; N.D = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 22 mul, 1 div, 10 add, 14 sub, 8 compare.
-// Latency: LATENCY cycles (16 when every operator takes one, with BOX too); 0 with ARITH = "host".
+// Ray against triangle after Badouel 1990, the paper's equations (1) and (2): N = E1 x E2, t = (N.V0 - N.O)/N.D,
+// P = O + t D. Two barycentric coordinates of P in the plane's dominant projection are compared with N_k unscaled.
+// Two-sided. N.D = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 22 mul, 1 div, 10 add, 14 sub, 8 compare.
+// Latency: LATENCY cycles (16 when every operator takes one, also with BOX); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
 `include "ray_box.svh"
@@ -36,7 +36,7 @@ module ray_triangle_badouel #(
   `DF_VSCALE(td, d, t)
   `DF_VADD(p, o, td)
 
-  // ---- Dominant projection: components 1 and 2 are those of the plane, 0 is across it ----
+  // ---- Dominant projection: components 1 and 2 are in the plane, 0 is across it ----
   `DF_DOMINANT(kz, n)
   `DF_CYCLE(n_k, kz, n)
   `DF_CYCLE(v0_k, kz, v0)

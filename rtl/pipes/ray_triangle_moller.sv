@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against triangle, Möller and Trumbore 1997, the paper's equation (3): E1 = V1-V0, E2 = V2-V0, S = O-V0, P = D x
-// E2, Q = S x E1, det = P.E1, u = P.S, v = Q.D, t = (Q.E2)/det, CP = O + t D. u, v and u+v are compared with det
-// unscaled, so the one division is off the hit decision. Two-sided; det = 0 (parallel or degenerate) is a miss: T =
-// +inf, CP = 0.
+// Ray against triangle, Möller and Trumbore 1997, the paper's equation (3): E1 = V1-V0, E2 = V2-V0, S = O-V0,
+// P = D x E2, Q = S x E1, det = P.E1, u = P.S, v = Q.D, t = (Q.E2)/det, CP = O + t D.
+// The hit decision compares u, v and u+v with det unscaled, so it does not wait for the one division.
+// Two-sided. det = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0.
 // 27 multipliers, 1 divider, 12 adders, 15 subtractors, 8 comparators.
-//
-// Latency: LATENCY cycles (10 when every operator takes one); 0 with ARITH = "host". Throughput: LANES pairs per cycle.
+// Latency: LATENCY cycles (10 when every operator takes one); 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
 `include "ray_box.svh"
 module ray_triangle_moller #(
@@ -51,7 +51,7 @@ module ray_triangle_moller #(
   `DF_AT(in_edges_uv, in_edges, T_in_uv)
   `DF_IN(in_triangle, in_edges_uv & in_uv, T_in_uv)
 
-  // ---- Distance and point; a hit has a finite CP, so that its T is finite, too, and BOX accepts nothing else ----
+  // ---- Distance and point. A hit has a finite CP, so its T is also finite; BOX accepts nothing else ----
   `DF_DIV(t, tn, det)
   `DF_BETWEEN(in_range, tmin, t, tmax)
   `DF_AND(met, in_triangle, in_range)

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against triangle by Pluecker coordinates, the paper's equations (4) to (6): w_ij = D.(p_ij x V_i) + (D x O).p_ij
-// tells on which side of the ray the edge p_ij = V_j - V_i runs; W = w01 + w12 + w20, t = (N.(O - V0))/W with N = p20 x
-// p01, CP = O + t D. Two-sided; W = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0. 54 mul, 1 div, 22 add, 27
-// sub, 6 compare.
+// Ray against triangle by Pluecker coordinates, the paper's equations (4) to (6). The sign of
+// w_ij = D.(p_ij x V_i) + (D x O).p_ij says on which side of the ray the edge p_ij = V_j - V_i runs.
+// W = w01 + w12 + w20, t = (N.(O - V0))/W with N = p20 x p01, CP = O + t D. Two-sided. W = 0 (parallel or degenerate)
+// is a
+// miss: T = +inf, CP = 0. 54 mul, 1 div, 22 add, 27 sub, 6 compare.
 // Latency: LATENCY cycles (13 when every operator takes one); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
@@ -58,7 +59,7 @@ module ray_triangle_pluecker #(
   `DF_DOT(tn, n, s)
   logic [LANES-1:0][CW-1:0] numerator, denominator;
   localparam int T_DENOMINATOR = (BOX != 0) ? T_n + `DF_LAT_DOT : T_sum;
-  if (BOX != 0) begin : g_normal  // -(N.D), which W is but for rounding
+  if (BOX != 0) begin : g_normal  // -(N.D); W equals it but for rounding
     `DF_NEG(minus_tn, tn)
     `DF_DOT(nd, n, d)
     assign numerator = minus_tn;

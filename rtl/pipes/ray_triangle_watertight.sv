@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against triangle after Woop, Benthin and Wald 2013: space is sheared so that the ray runs along its dominant
-// axis, and the edge functions U, V, W are evaluated in the plane across it, each product rounded, so that both
-// triangles at an edge take the same side of it and closed meshes do not leak. T = (U Az + V Bz + W Cz)/det/D_kz with
-// det = U + V + W, divided by D_kz last so that nothing but lengths is multiplied before; CP is the barycentric point.
-// Two-sided; det = 0, edge-on or without area, is a miss: T = +inf, CP = 0. 30 mul, 3 div, 13 add, 18 sub, 8 compare.
+// Ray against triangle after Woop, Benthin and Wald 2013. Space is sheared so that the ray runs along its dominant
+// axis.
+// The edge functions U, V, W are evaluated in the plane across that axis, and each product is rounded. So both
+// triangles
+// at an edge see the ray on the same side of it, and closed meshes do not leak.
+// T = (U Az + V Bz + W Cz)/det/D_kz with det = U + V + W. D_kz divides last, so only lengths are multiplied before.
+// CP is the barycentric point. Two-sided. det = 0 (edge-on or without area) is a miss: T = +inf, CP = 0.
+// 30 mul, 3 div, 13 add, 18 sub, 8 compare.
 // Latency: LATENCY cycles (17 when every operator takes one); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
@@ -37,7 +40,7 @@ module ray_triangle_watertight #(
   `DF_MUL(sx, dk_x, sz)
   `DF_MUL(sy, dk_y, sz)
 
-  // ---- Vertices from the ray's origin, sheared: (P_kx - Sx P_kz, P_ky - Sy P_kz, P_kz) ----
+  // ---- Vertices relative to the ray's origin, sheared: (P_kx - Sx P_kz, P_ky - Sy P_kz, P_kz) ----
   `define CDE_SHEAR(P, V) \
     `DF_VSUB(P, V, o) \
     `DF_CYCLE(P``_k, kz, P) \
@@ -90,7 +93,7 @@ module ray_triangle_watertight #(
   `DF_VEC(hit_point, hit_x, hit_y, hit_z)
   `DF_VADD(cp, o, hit_point)
 
-  // ---- The rule is on o + t d ----
+  // ---- The box rule applies to o + t d ----
   logic [2:0][LANES-1:0][CW-1:0] step, point;
   localparam int T_STEP = T_t + LAT.mul;
   if (BOX != 0) begin : g_point

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside test of a ray against a triangle, on barycentric coordinates that sum to det: none has the other sign than
-// det, and det is not 0. A NaN is outside. 4 compare.
+// Inside test of a ray against a triangle, on barycentric coordinates that sum to det. Inside: det is not 0 and no
+// coordinate has the opposite sign. A NaN is outside. 4 compare.
 // Latency: LAT.cmp cycles from det; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipe of a pair (pair_pipe.sv), with the pair brought to the size of one in front of it and its answer brought
-// back behind it, where pairs_pkg::scaled says so; elsewhere the pipe alone.
-// Latency: that of the pipe, of length_scale.sv and of length_unscale.sv, latency_o; 0 with ARITH = "host".
-// Throughput: LANES pairs in FACET_II cycles.
+// The pipe of a pair (pair_pipe.sv). Where pairs_pkg::scaled says so, the pair is first scaled to the size of one and
+// the
+// result is scaled back.
+// Latency: latency_o: the pipe's latency plus length_scale.sv's and length_unscale.sv's; 0 with ARITH = "host".
+// Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.
 `include "pipe.svh"
 module scaled_pipe #(
     `DF_PARAMETERS,
     parameter int PAIR = 0,
-    parameter int ALGORITHM = 0,  // these are those of pair_pipe.sv
+    parameter int ALGORITHM = 0,  // as in pair_pipe.sv, with the following parameters
     parameter int BOX = 0,
     parameter int HALF_SPACE = 0,
     parameter int FACET_II = 1,
@@ -38,7 +39,7 @@ module scaled_pipe #(
   if (SCALED) begin : g_scaled
     localparam int SHAPE_A = pairs_pkg::primary_shape(PAIR);
     localparam bit RAY = SHAPE_A == pairs_pkg::SHAPE_RAY;
-    logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // a secondary a lane
+    logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // one secondary per lane
     for (genvar k = 0; k < B_WORDS; k++) begin : word
       if (B_LANES == LANES) begin : g_own
         assign b_own[k] = b_i[k];
@@ -54,7 +55,7 @@ module scaled_pipe #(
         .t_o, .cp_o, .n_o);
     localparam int FRONT = pairs_pkg::scale_latency(RAY, LAT.mul, LAT.cmp);
     assign latency_o = latency + 16'(FRONT + pairs_pkg::unscale_latency(RAY, LAT.mul, LAT.cmp));
-    if (ARITH == "rtl") begin : g_late  // the pipe's own time is a number of its port, not a parameter
+    if (ARITH == "rtl") begin : g_late  // the pipe's latency is a port value, not a parameter
       localparam int SLOWEST = latency_pkg::mean(LAT);
       logic unused_valid;
       align #(.W(1), .FROM(0), .TO(FRONT), .ARITH(ARITH)) align_enter (.clk_i, .d_i(enter_i), .q_o(enter));

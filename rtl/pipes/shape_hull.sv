@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between which points a shape lies, an axis each: of a triangle its least and largest coordinates, of an AABB its
-// corners, of a solid its centre, from where solid_half.sv goes on (reference/pipes/gap_bound.hpp).
-// Of a triangle 12 min/max, else wires.
+// Lowest and highest points of a shape, per axis (reference/pipes/gap_bound.hpp): a triangle's least and largest
+// coordinates, an AABB's corners, or a solid's centre, which solid_half.sv extends. Triangle: 12 min/max; others:
+// wires.
 // Latency: SHAPE_T_HULL cycles (gap_bound.svh); 0 with ARITH = "host".
 // Throughput: LANES shapes per cycle.
 // Stall: none.

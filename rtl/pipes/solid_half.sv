@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Half the size of a solid's own box, an axis each (reference/pipes/gap_bound.hpp): of a sphere r, of an OBB |R| h,
-// of a triangle or an AABB, which are taken from end to end, 0.
-// Of an OBB 9 mul, 6 add.
+// Half size of a solid's own box, per axis (reference/pipes/gap_bound.hpp). It is r for a sphere and |R| h for an OBB.
+// It is 0 for a triangle or an AABB, whose box shape_hull.sv gives. OBB: 9 mul, 6 add.
 // Latency: SOLID_T_HALF cycles (gap_bound.svh); 0 with ARITH = "host".
 // Throughput: LANES solids per cycle.
 // Stall: none.

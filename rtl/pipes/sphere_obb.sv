@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sphere against oriented box, in the box's frame: p is the sphere's centre, q is p limited to the box. Outside, the
-// distance is
-// |p - q|; inside, or so near the surface that |p - q|^2 is subnormal, the face with the least depth counts, ties to
-// the lowest axis.
-// s = distance - r, n from the sphere to the box, CP = q + (s/2) m with m = -n out of the box. F = (s <= 0), T = |s|.
-// 36 add, 37 mul, 1 div, 1 sqrt, 5 compare, 6 min/max.
-// Latency: LATENCY cycles; 0 with ARITH = "host". Throughput: LANES pairs per cycle. Stall: none, runs free.
+// Sphere against oriented box, in the box's frame: p is the sphere's centre, q is p limited to the box.
+// Outside, the distance is |p - q|. Inside, or if |p - q|^2 is subnormal, the face with the least depth counts.
+// Ties go to the lowest axis.
+// The signed distance is s = distance - r, with n from the sphere to the box. CP = q + (s/2) m, m = -n out of the box.
+// F = (s <= 0), T = |s|. 36 add, 37 mul, 1 div, 1 sqrt, 5 compare, 6 min/max.
+// Latency: LATENCY cycles; 0 with ARITH = "host".
+// Throughput: LANES pairs per cycle. Stall: none, runs free.
 `include "pipe.svh"
 module sphere_obb #(
     `DF_PARAMETERS

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sphere against plane, which has two sides: H = n.c - d, s = |H| - r, n from the sphere to the plane. With HALF_SPACE
-// the plane is the solid n.x <= d: s = H - r, n into it. CP = c + (r + s/2) n. F = (s <= 0), T = |s|.
+// Sphere against plane. The plane has two sides: H = n.c - d, s = |H| - r, n from the sphere to the plane. With
+// HALF_SPACE
+// the plane is the solid n.x <= d: s = H - r, n points into it. CP = c + (r + s/2) n. F = (s <= 0), T = |s|.
 // 8 add, 7 mul, 1 compare.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
@@ -27,7 +28,7 @@ module sphere_plane #(
 
   `DF_DOT(on_n, plane_n, c)
   `DF_SUB(height, on_n, plane_d)
-  // Which side of the plane the sphere is on: its sign. A half-space is always below.
+  // The sphere's side of the plane, as a sign. A half-space is always below.
   localparam int T_up = HALF_SPACE ? `DF_CONSTANT : T_height;
   `DF_SCALAR up;
   assign up = HALF_SPACE ? {LANES{ONE}} : height;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle against axis-aligned box, relative to the box's lower corner first and then to its centre, so that the
-// centre is never rounded in world coordinates (triangle_box.sv). s = signed gap, n from the triangle to the box, CP
-// the midpoint of the witness points.
-// F = (s <= 0), T = |s|. 477 add, 534 mul, 16 div, 11 sqrt, 128 compare, 127 min/max.
-// With FACET_II = 3 facets take turns: 335 add, 336 mul, 10 div, 5 sqrt, 102 compare, 79 min/max.
+// Triangle against axis-aligned box. Positions are relative to the box's lower corner first, then to its centre, so the
+// centre is never rounded in world coordinates (triangle_box.sv). s is the signed distance, n points from the triangle
+// to
+// the box, and CP is the midpoint of the witness points. F = (s <= 0), T = |s|. 477 add, 534 mul, 16 div, 11 sqrt, 128
+// compare, 127 min/max.
+// With FACET_II = 3, candidate axes share units: 335 add, 336 mul, 10 div, 5 sqrt, 102 compare, 79 min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
-// Throughput: LANES pairs in FACET_II cycles.
+// Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.
 `include "triangle.svh"
 module triangle_aabb #(
@@ -13,7 +14,7 @@ module triangle_aabb #(
     parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
-    input logic enter_i,  // a pair comes; used with FACET_II = 3
+    input logic enter_i,  // a pair enters; used with FACET_II = 3
     input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle: v0 x y z, v1, v2
     input logic [5:0][LANES-1:0][CW-1:0] b_i,  // AABB: min x y z, max
     `GAP_OUTPUTS

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The signed gap s from a box, half extents a about 0, to a triangle in the box's frame, the unit normal n from box to
-// triangle and the midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the
-// box, the triangle's face, 9 pairs of edges. The depth is the least overlap on them, the distance the least distance
-// to the facets that face the origin; the nearest point is polished twice. Support features come from edges turned by
-// 16 u (turned.sv).
-// 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max. With FACET_II = 3 the edges of the triangle take turns
-// in a unit an edge of the box, and the facets three by three at the key of the witness: 301 add, 329 mul, 10 div, 5
-// sqrt, 100 compare, 78 min/max.
+// Signed distance s from a box, half extents a about 0, to a triangle in the box's frame. Also the unit normal n from
+// box
+// to triangle and the midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the
+// box, the triangle's face, 9 pairs of edges. Their normals are the candidate axes (SAT). The depth is the least
+// overlap
+// on them, the distance the least distance to the facets that face the origin. The nearest point is polished twice.
+// Edges turned by 16 u choose the support features (turned.sv).
+// 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max. With FACET_II = 3, the triangle's edges share one unit
+// per
+// edge of the box, and three axes share the unit of the witness key: 301 add, 329 mul, 10 div, 5 sqrt, 100 compare, 78
+// min/max.
 // Latency: LATENCY_TRIANGLE_BOX cycles; 0 with ARITH = "host".
-// Throughput: one pair a lane in FACET_II cycles, for which its operands stand.
+// Throughput: one pair per lane per FACET_II cycles; its operands must stay stable for them.
 // Stall: none.
 `include "triangle.svh"
 module triangle_box #(
@@ -16,7 +19,7 @@ module triangle_box #(
     parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
-    input logic [1:0] phase_i,  // of the pair, used with FACET_II = 3
+    input logic [1:0] phase_i,  // phase of the pair, used with FACET_II = 3
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices
     output logic [LANES-1:0][CW-1:0] s_o,
@@ -33,7 +36,7 @@ module triangle_box #(
   `DF_CONST(four_u, CW'(`DF_POWER_OF_TWO(1 - MAN)))
   `DF_CONST(four, CW'(`DF_POWER_OF_TWO(2)))
 
-  // ---- What the facets share ----
+  // ---- Values that the candidate axes share ----
   `DF_TRIANGLE(t, p)
   `DF_ROW(f0, t_f, 0)
   `DF_ROW(f1, t_f, 1)
@@ -53,7 +56,7 @@ module triangle_box #(
   `DF_MUL(tie, four_u, size)
   `DF_MUL(wide_tie, four, tie)
 
-  // ---- The facets, each as late as it can, so that inputs wait, not facets ----
+  // ---- The candidate axes, each as late as possible, so that inputs are delayed, not axes ----
   localparam int T_FACETS = `TRIANGLE_BOX_T_FACETS;
   localparam int T_EDGES = T_FACETS - `FACET_WAIT - `LATENCY_TRIANGLE_BOX_EDGE;
   localparam int T_FACES = T_FACETS - `LATENCY_TRIANGLE_BOX_FACE;
@@ -134,7 +137,7 @@ module triangle_box #(
   assign along[3] = '0;
   assign inverse_ff[3] = '0;
 
-  // ---- The answer of the facets ----
+  // ---- Result of the candidate axes ----
   localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
   localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
   `DF_AT(tie_facets, tie_faces, T_FACETS)
@@ -179,7 +182,7 @@ module triangle_box #(
   logic unused_slack;
   assign unused_slack = &{1'b0, slack_start};
 
-  // ---- The gap along its direction, and the choice ----
+  // ---- The distance along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
   `DF_POINT_GAP(gap_along, s_between, n_point, d_point, slack, s_facets)
   if (T_gap_along != `TRIANGLE_BOX_T_ALONG) $error("triangle_box: stage time");

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet of edge I of a box, half extents a about 0, and edge f from vertex J of a triangle, with TURNS = 3 each in its
-// turn. The normal e_I x f is turned so that the triangle lies behind its edge, which is where the difference of the
-// two bodies has this facet: (e_I x f_J).(third vertex - edge) has the sign of component I of f_J x f_J+1, which is
-// side_i. 17 add, 25 mul, 1 div, 1 sqrt, 3 compare, 8 min/max.
-// Latency: LATENCY_TRIANGLE_BOX_EDGE cycles; 0 with ARITH = "host".
+// Candidate axis (SAT): edge I of a box, half extents a about 0, and edge f from vertex J of a triangle. With TURNS = 3
+// three edges f share the unit. The normal e_I x f is turned so that the triangle lies behind its edge: there the
+// difference of the two bodies has this facet. (e_I x f_J).(third vertex - edge) has the sign of component I of
+// f_J x f_J+1, which is side_i. 17 add, 25 mul, 1 div, 1 sqrt, 3 compare, 8 min/max.
 // Throughput: one facet per lane per cycle.
-// Stall: none.
+// Throughput: one axis per lane per cycle.
 `include "triangle.svh"
 module triangle_box_edge #(
     `DF_PARAMETERS,
@@ -81,7 +80,7 @@ module triangle_box_edge #(
   `DF_MIN(low, on_triangle0, lower)
   `DF_SUB(gap, low, on_box)
 
-  // ---- The facet ----
+  // ---- The candidate axis ----
   `DF_NEG(minus_l, turned_l)
   `DF_MOVE_SIGN(sign_k, side, minus_l)
   `DF_MOVE_SIGN(sign_l, side, turned_k)

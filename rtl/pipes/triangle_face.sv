@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet of a triangle's face and the corner of a box, half extents a about 0, that is nearest to it, on the side with
-// the larger gap, ties the side where the leading component of the normal is positive. m1 is the face's normal by
-// turned edges: the corner is chosen by its signs.
+// Candidate axis (SAT): a triangle's face and the nearest corner of a box, half extents a about 0. It is on the side
+// with
+// the larger distance. Ties go to the side where the normal's leading component is positive. m1 is the face's normal by
+// turned edges; its signs choose the corner.
 // 63 add, 83 mul, 12 compare, 11 min/max.
-// Latency: inputs at the stage times that triangle.svh gives, the facet at TRIANGLE_FACE_T; 0 with ARITH = "host".
-// Throughput: one facet per lane per cycle.
+// Latency: inputs at the stage times of triangle.svh, the axis at TRIANGLE_FACE_T; 0 with ARITH = "host".
+// Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "triangle.svh"
 module triangle_face #(
@@ -14,7 +15,7 @@ module triangle_face #(
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // stage time 0
     input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices, 0
     input logic [2:0][LANES-1:0][CW-1:0] m1_i,  // TRIANGLE_BOX_T_M1
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,  // these as triangle_parts.sv gives them
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,  // as from triangle_parts.sv, with the following inputs
     input logic [2:0][LANES-1:0][CW-1:0] inverse_ff_i,
     input logic [LANES-1:0][CW-1:0] longest0_i,
     input logic [LANES-1:0][CW-1:0] longest1_i,

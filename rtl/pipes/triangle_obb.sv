@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle against oriented box, in the box's frame (triangle_box.sv). s = signed gap, n from the triangle to the box,
-// CP the midpoint of the witness points. F = (s <= 0), T = |s|. 492 add, 576 mul, 16 div, 11 sqrt, 128 compare, 127
-// min/max.
-// With FACET_II = 3 facets take turns: 350 add, 378 mul, 10 div, 5 sqrt, 102 compare, 79 min/max.
+// Triangle against oriented box, in the box's frame (triangle_box.sv). s is the signed distance, n points from the
+// triangle to the box, and CP is the midpoint of the witness points. F = (s <= 0), T = |s|. 492 add, 576 mul, 16 div,
+// 11
+// sqrt, 128 compare, 127 min/max.
+// With FACET_II = 3, candidate axes share units: 350 add, 378 mul, 10 div, 5 sqrt, 102 compare, 79 min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
-// Throughput: LANES pairs in FACET_II cycles.
+// Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.
 `include "triangle.svh"
 module triangle_obb #(
@@ -12,7 +13,7 @@ module triangle_obb #(
     parameter int FACET_II = 1  // 1 or 3
 ) (
     input logic clk_i,
-    input logic enter_i,  // a pair comes; used with FACET_II = 3
+    input logic enter_i,  // a pair enters; used with FACET_II = 3
     input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle: v0 x y z, v1, v2
     input logic [14:0][LANES-1:0][CW-1:0] b_i,  // OBB: c x y z, half extents, rotation by rows
     `GAP_OUTPUTS

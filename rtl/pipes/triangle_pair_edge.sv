@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet of edge I of triangle A, from p along e, and edge J of triangle B, from q along f. A's first vertex is 0.
-// The normal is e x f without f's part along e, perpendicular to both edges whatever their angle. It is on the side
-// where A is behind its edge and B before its own, by the third vertices; where both are in one plane, on that with the
-// larger gap, ties the one that e x f is on. gap = -inf where there is no normal. Nearest
-// points: solve t across e, then s on A's edge, then t again for that s. Where neither is at an end v is along the
-// normal; else v ends on the edge f_o, and inverse_ff_o is 1 / f.f of it, or 0 if on none.
+// Candidate axis (SAT): edge I of triangle A, from p along e, and edge J of triangle B, from q along f. A's first
+// vertex
+// is 0. The normal is e x f, with f less its part along e: perpendicular to both edges at any angle. The third vertices
+// choose its side: A is behind its edge and B before its own. If both are in one plane, it is the side with the larger
+// distance, ties the side of e x f. gap = -inf if there is no normal. Nearest points: solve t across e, then s on A's
+// edge, then t again for that s. If neither is at an end, v is along the normal. Else v ends on the edge f_o, and
+// inverse_ff_o is 1 / f.f of that edge, or 0 if v ends on no edge.
 // 53 add, 64 mul, 1 div, 1 sqrt, 7 compare, 14 min/max; 47 add with I = 0.
 // Latency: LATENCY_TRIANGLE_PAIR_EDGE cycles; 0 with ARITH = "host".
-// Throughput: one facet per lane per cycle.
+// Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "triangle_pair.svh"
 module triangle_pair_edge #(
@@ -16,8 +17,8 @@ module triangle_pair_edge #(
     parameter int J = 0  // edge of B, 0..2
 ) (
     input logic clk_i,
-    input logic [2:1][2:0][LANES-1:0][CW-1:0] p_i,  // vertices of A but the first
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] q_i,  // and of B
+    input logic [2:1][2:0][LANES-1:0][CW-1:0] p_i,  // vertices of A except the first
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] q_i,  // vertices of B
     input logic [2:0][LANES-1:0][CW-1:0] e_i,
     input logic [2:0][LANES-1:0][CW-1:0] unit_e_i,  // e of unit length
     input logic [LANES-1:0][CW-1:0] inverse_e_i,  // 1 / |e|
@@ -114,7 +115,7 @@ module triangle_pair_edge #(
   `DF_NEG(t_free, minus_t)
   `DF_CLAMP(t, t_free, zero, one)
 
-  // ---- What belongs to the nearest points ----
+  // ---- Results for the nearest points ----
   `DF_VSCALE(f_t, f, t)
   `DF_VADD(v_ends, r, f_t)
   `DF_EQ(s_kept, s, s_free)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facet of the face of one triangle, A or B (OF_B), and the vertex of the other that is nearest to it, on the side with
-// the larger gap, ties the one that the normal is on. A's first vertex is 0.
-// 70 add, 86 mul, 13 compare, 15 min/max; 67 add of B.
-// Latency: inputs at the stage times that triangle.svh gives, the facet at TRIANGLE_PAIR_FACE_T; 0 with ARITH = "host".
-// Throughput: one facet per lane per cycle.
+// Candidate axis (SAT): the face of one triangle, A or B (OF_B), and the nearest vertex of the other. It is on the side
+// with the larger distance, ties the side of the normal. A's first vertex is 0.
+// 70 add, 86 mul, 13 compare, 15 min/max; 67 add for B.
+// Latency: inputs at the stage times of triangle.svh, the axis at TRIANGLE_PAIR_FACE_T; 0 with ARITH = "host".
+// Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "triangle_pair.svh"
 module triangle_pair_face #(
@@ -12,8 +12,9 @@ module triangle_pair_face #(
 ) (
     input logic clk_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices of A, stage time 0
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] q_i,  // of B
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,  // of the face, as triangle_parts.sv gives them
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] q_i,  // vertices of B
+    // the face's parts as from triangle_parts.sv, with the following inputs
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,
     input logic [2:0][LANES-1:0][CW-1:0] inverse_ff_i,
     input logic [LANES-1:0][CW-1:0] longest0_i,
     input logic [LANES-1:0][CW-1:0] longest1_i,
@@ -38,7 +39,7 @@ module triangle_pair_face #(
   `DF_IN(tie, tie_i, `TRIANGLE_T_M)
   `DF_CONST(up, ((CW'(1) << (EXP - 1)) - 1) << MAN)
 
-  // ---- The gap; n from the face to the other triangle ----
+  // ---- The distance; n from the face to the other triangle ----
   `DF_MAT_AT(p, p_early, T_t_m)
   `DF_MAT_AT(q, q_early, T_t_m)
   `DF_ALONG_ZERO(on_a, p, t_m)

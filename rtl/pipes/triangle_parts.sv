@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A triangle prepared: edges f_j = p_(j+1) - p_j and 1 / f.f, 0 for an edge without length; the longest edge, 0, else
-// 1, else 2; the unit normal m, in the orientation of f_0 x f_1, from i = e / e.e of the longest edge e and the next
-// edge less its part along e, which is perpendicular to e whatever the triangle's angles, and as long as its height
-// over e whatever its size. A triangle without area
-// (flat_o clear) takes the coordinate axis nearest to perpendicular to e instead, one without length m = (0, 0, 1).
+// Prepares a triangle. Edges f_j = p_(j+1) - p_j and 1 / f.f, 0 for an edge without length. The longest edge: 0, else
+// 1,
+// else 2. The unit normal m has the orientation of f_0 x f_1. It comes from i = e / e.e of the longest edge e, and the
+// next
+// edge less its part along e. That part is perpendicular to e at any angle, and as long as the height over e at any
+// size.
+// A triangle without area (flat_o clear) takes the coordinate axis nearest to perpendicular to e instead.
+// A triangle without length has m = (0, 0, 1).
 // 27 add, 33 mul, 4 div, 1 sqrt, 10 compare, 2 min/max.
-// Latency: each output at a time of its own, TRIANGLE_T_* of triangle.svh, flat_o with m_o; 0 with ARITH = "host".
+// Latency: TRIANGLE_T_* of triangle.svh, one per output, flat_o with m_o; 0 with ARITH = "host".
 // Throughput: one triangle per lane per cycle.
 // Stall: none.
 `include "triangle.svh"
@@ -13,9 +16,9 @@ module triangle_parts #(
     `DF_PARAMETERS
 ) (
     input logic clk_i,
-    input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices, a row each
+    input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices, one per row
     output logic [2:0][2:0][LANES-1:0][CW-1:0] f_o,
-    output logic [2:0][LANES-1:0][CW-1:0] inverse_ff_o,  // one an edge
+    output logic [2:0][LANES-1:0][CW-1:0] inverse_ff_o,  // one per edge
     output logic [LANES-1:0][CW-1:0] longest0_o,
     output logic [LANES-1:0][CW-1:0] longest1_o,
     output logic [2:0][LANES-1:0][CW-1:0] m_o,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triangle against sphere, relative to the sphere's centre: the closest point of the triangle over all seven regions,
-// polished twice. The triangle is flat and two-sided: s = distance - r, and when the centre is so near the plane that
-// the direction to it is lost, n is the plane's normal. n points from the triangle to the sphere; CP = pA + (s/2) n, pA
-// the closest point. F = (s <= 0), T = |s|.
+// polished twice. The triangle is flat and two-sided, and s = distance - r. If the centre is so near the plane that the
+// direction to it is lost, n is the plane's normal. n points from the triangle to the sphere. CP = pA + (s/2) n, where
+// pA
+// is the closest point. F = (s <= 0), T = |s|.
 // 146 add, 171 mul, 7 div, 2 sqrt, 33 compare, 16 min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
@@ -26,7 +27,7 @@ module triangle_sphere #(
   `DF_CONST(half, HALF)
   `DF_CONST(tie_width, TIE)
 
-  // ---- The centre as seen from the vertices, and the vector from it to the closest point ----
+  // ---- The centre relative to the vertices, and the vector to it from the closest point ----
   `DF_MSUB(p, centres, vertices)
   `DF_MNEG(w, p)
   `DF_TRIANGLE(t, p)
@@ -36,7 +37,7 @@ module triangle_sphere #(
   `DF_VNEG(start, closest_v)
   `DF_VNEG(start_p, start)
 
-  // ---- Gaps closer than `tie` are equal ----
+  // ---- Distances closer than `tie` are equal ----
   `DF_REACH(reach, p)
   `DF_ADD(size, reach, r)
   `DF_MUL(tie, tie_width, size)
@@ -53,7 +54,7 @@ module triangle_sphere #(
   logic unused_slack;
   assign unused_slack = &{1'b0, start_slack, once_slack};
 
-  // ---- The plane's answer, and the point's if its gap is not less than that ----
+  // ---- The plane's result, and the point's if its distance is not less ----
   `DF_VFLIP(plane_up, closest_h, t_m)
   `DF_VNEG(plane_n, plane_up)
   `DF_ABS(plane_gap, closest_h)

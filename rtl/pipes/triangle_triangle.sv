@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle against triangle, both flat and two-sided, relative to the first vertex of A. The difference of the two has
-// 11 pairs of facets: a face each and 9 pairs of edges. The depth is the least overlap on them, the distance the least
-// distance to them; the nearest point is polished twice. Of triangles in one plane the difference is flat, and no facet
-// tells whether the origin is in it or beside it: so the gap along the nearest vector is proof enough that they are
-// apart. s = signed gap, n from A to B, CP the midpoint of the witness points. F = (s <= 0), T = |s|.
+// Triangle against triangle, both flat and two-sided, relative to the first vertex of A. Their difference has 11 pairs
+// of
+// facets, whose normals are the candidate axes (SAT): each face and 9 pairs of edges. The depth is the least overlap on
+// them, the distance the least distance to them. The nearest point is polished twice. For triangles in one plane the
+// difference is flat, and no axis shows whether the origin is in it or beside it. So a positive distance along the
+// nearest
+// vector proves that they are apart. s is the signed distance, n points from A to B, and CP is the midpoint of the
+// witness
+// points. F = (s <= 0), T = |s|.
 // 824 add, 983 mul, 20 div, 15 sqrt, 176 compare, 172 min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
@@ -33,7 +37,7 @@ module triangle_triangle #(
   `DF_MATRIX_IN(p, p0, p1, p2, T_p1)
   `DF_MSUB(q, b_vertices, a_corners)
 
-  // ---- What the facets share ----
+  // ---- Values that the candidate axes share ----
   `DF_TRIANGLE(a, p)
   `DF_TRIANGLE(b, q)
   `DF_PICK(inverse_aa0, a_inverse_ff, 0)
@@ -52,7 +56,7 @@ module triangle_triangle #(
   `DF_MUL(tie, two_u, size)
   `DF_MUL(wide_tie, two, tie)
 
-  // ---- The facets, each as late as it can, so that inputs wait, not facets ----
+  // ---- The candidate axes, each as late as possible, so that inputs are delayed, not axes ----
   localparam int T_FACETS = T_p + `TRIANGLE_PAIR_T_FACETS;
   localparam int T_EDGES = T_FACETS - `LATENCY_TRIANGLE_PAIR_EDGE;
   logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
@@ -108,7 +112,7 @@ module triangle_triangle #(
     assign inverse_ff[i] = '0;
   end
 
-  // ---- The answer of the facets ----
+  // ---- Result of the candidate axes ----
   localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
   localparam int FACET_II = 1;
   localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
@@ -150,7 +154,7 @@ module triangle_triangle #(
   logic unused_slack;
   assign unused_slack = &{1'b0, slack_start};
 
-  // ---- The gap along its direction, and the choice ----
+  // ---- The distance along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
   `DF_POINT_GAP(gap_along, s_between, n_point, d_point, slack, s_facets)
   `DF_SUB(tied, s_facets, tie_facets)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A vector turned by 16 u, x + w x x: the turn that puts the shapes of a pair in general position. Only the signs of
-// the result may be used, to choose support features. 6 add, 6 mul.
+// A vector turned by 16 u, x + w x x. The turn puts the shapes of a pair in general position. Only the signs of the
+// result
+// may be used, to choose support features. 6 add, 6 mul.
 // Latency: LATENCY_TURNED cycles; 0 with ARITH = "host".
 // Throughput: one vector per lane per cycle.
 // Stall: none.
@@ -13,8 +14,9 @@ module turned #(
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
-  localparam int SHIFT = 3 - MAN + (2 ** (EXP - 1) - 1) - 1023;  // of exponents
-  // A binary64 word times 16 u = 2^(3-MAN), rounded to nearest even; the result must be a normal number of the format.
+  // exponent shift: 16 u, and the change of bias from binary64
+  localparam int SHIFT = 3 - MAN + (2 ** (EXP - 1) - 1) - 1023;
+  // A binary64 word times 16 u = 2^(3-MAN), rounded to nearest even. The result must be a normal number of the format.
   function automatic logic [CW-1:0] times_angle(input logic [63:0] x);
     logic [63:0] fraction, half, rest, magnitude;
     fraction = {12'd0, x[51:0]} >> (52 - MAN);

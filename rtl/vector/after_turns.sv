@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results that a unit gave in TURNS successive cycles (df_turn.sv), to the first USERS of its users, together when the
-// last turn is over.
+// Collects the results that a shared unit gave in TURNS successive cycles (df_turn.sv). The first USERS results appear
+// together when the last turn is over.
 // Latency: TURNS - 1 cycles from the first result; 0 with ARITH = "host".
-// Throughput: one set in TURNS cycles.
+// Throughput: one set per TURNS cycles.
 // Stall: none.
 module after_turns #(
     parameter int W = 1,

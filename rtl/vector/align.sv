@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Carries a value from stage time FROM to stage time TO: the delay line of a datapath, with its depth derived, not
-// counted. Datapaths of the host back end have no stages, so there it is a wire.
+// Delay line of a datapath: carries a value from stage time FROM to stage time TO, so the depth is derived, not
+// counted.
+// The host back end has no stages: there it is a wire.
 // Latency: TO - FROM cycles; 0 with ARITH = "host".
 // Throughput: one value per cycle.
 // Stall: none.
@@ -10,7 +11,7 @@ module align #(
     parameter int TO = 0,    // stage time of q_o, >= FROM
     parameter ARITH = "rtl",
 `ifdef SYNTHESIS
-    parameter int MEMORY = 5  // cycles from which the line is a memory: 4 bits take 6 LUTs then, not 4 FFs a clock
+    parameter int MEMORY = 5  // from this depth on the line is a memory: 4 bits take 6 LUTs, not 4 FFs per cycle
 `else
     parameter int MEMORY = 0  // never
 `endif
@@ -21,7 +22,7 @@ module align #(
 );
   /*verilator inline_module*/
   localparam int DEPTH = (ARITH != "rtl") ? 0 : TO - FROM;
-  localparam int MOST = 17;  // cycles of one memory: 16 slots, and a register
+  localparam int MOST = 17;  // depth of one memory: 16 slots and a register
   if (TO < FROM) begin : g_illegal
     $error("align: TO must not be before FROM");
   end
@@ -34,7 +35,7 @@ module align #(
     align #(.W(W), .TO(MOST), .MEMORY(MEMORY)) first (.clk_i, .d_i, .q_o(q));
     align #(.W(W), .TO(DEPTH - MOST), .MEMORY(MEMORY)) others (.clk_i, .d_i(q), .q_o);
   end else if (MEMORY != 0 && DEPTH >= MEMORY) begin : g_memory
-    // A slot is read and then written, so what it held comes out as late as there are slots, and a register is behind.
+    // A slot is read, then written. So its word leaves after as many cycles as there are slots, through a register.
     localparam int SLOTS = DEPTH - 1;
     localparam int AW = $clog2(SLOTS);
     (* ram_style = "distributed" *) logic [W-1:0] mem[SLOTS];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A value of stage time T_A at stage time T: align, but constants (T_A < 0) fit any time.
-// Latency: T - T_A cycles, 0 for constants and with ARITH = "host".
+// Delays a value from stage time T_A to stage time T, as align does. Constants (T_A < 0) fit any time.
+// Latency: T - T_A cycles; 0 for constants and with ARITH = "host".
 // Throughput: one value per cycle.
 // Stall: none.
 module df_align #(

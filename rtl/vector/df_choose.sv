@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Choice of a datapath (dataflow.svh) that is the same in every lane: a where the control bit is set, else b.
+// Choice of a datapath (dataflow.svh), the same in every lane: a if the control bit is set, else b.
 // Latency: 0 from the latest operand.
 // Throughput: one result per cycle.
 // Stall: none.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dominant axis of a datapath (dataflow.svh): the largest component by magnitude, ties the lowest index, as two masks:
-// m_o[1] says z, else m_o[0] says y, else x. A NaN dominates nothing. 2 compare.
+// Dominant axis of a datapath (dataflow.svh): the largest component by magnitude, ties to the lowest index.
+// Two masks say which: z if m_o[1], else y if m_o[0], else x. A NaN never dominates. 2 compare.
 // Latency: 2*LAT.cmp cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A number of one format in another, rounded to nearest even, as a part of a datapath (dataflow.svh).
+// Converts a number to another format in a datapath (dataflow.svh), rounded to nearest even.
 // Latency: LAT cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none.

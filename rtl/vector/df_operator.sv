@@ -8,7 +8,7 @@ module df_operator #(
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter int B_LANES = LANES,  // 1: b is one for all lanes
-    parameter int OP = formats_pkg::FP_ADD,  // FP_* up to FP_MAX; FP_SQRT of a_i
+    parameter int OP = formats_pkg::FP_ADD,  // FP_* up to FP_MAX; FP_SQRT takes a_i
     parameter int T_A = 0,
     parameter int T_B = 0,
     parameter int LAT = 1,
@@ -29,9 +29,9 @@ module df_operator #(
   df_align #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
   df_align #(.W(B_LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
   if (OP < 0 || OP >= formats_pkg::FP_ARITHMETIC) $error("df_operator: unknown OP");
-  // What fp_add, fp_mul and their like are made of. One cell here and not one a branch: Verilator links the whole tree
-  // below an operator, all branches, before it knows which of them it needs
-  // (measured on one edge facet: lint takes 53 MB instead of 300 MB).
+  // fp_add, fp_mul and the other units are built on fp_lanes. One cell instead of one per branch saves memory:
+  // Verilator
+  // links all branches below an operator before it knows which one it needs.
   fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON))
       cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o, .flags_o());
 endmodule

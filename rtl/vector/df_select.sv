@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Choice of a datapath (dataflow.svh): a where the lane mask is set, else b.
+// Choice of a datapath (dataflow.svh): a if the lane mask is set, else b.
 // Latency: 0 from the latest operand.
 // Throughput: one result per lane per cycle.
 // Stall: none.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operand of a unit of a datapath (dataflow.svh) that TURNS users share: that of user 0, 1 or 2, whose turn it is by
-// the phase. Operands stand for all phases, or with PASSING are there in phase 0 only, whence b and c wait 1 and 2
-// cycles. With TURNS = 1 the unit is its user's own.
+// Operand of a datapath's unit (dataflow.svh) that TURNS users share: the phase selects the operand of user 0, 1 or 2.
+// Operands are stable in all phases. With PASSING they are valid in phase 0 only, so b and c are delayed by 1 and 2
+// cycles. With TURNS = 1 the unit has one user.
 // Latency: 0.
 // Throughput: one operand per cycle.
 // Stall: none.
@@ -10,7 +10,7 @@ module df_turn #(
     parameter int TURNS = 1,    // 1 or 3
     parameter int USER = 0,     // with TURNS = 1
     parameter int PASSING = 0,
-    parameter int T_PHASE = 0,  // stage times, all the same
+    parameter int T_PHASE = 0,  // stage times, all equal
     parameter int T_A = 0,
     parameter int T_B = 0,
     parameter int T_C = 0,

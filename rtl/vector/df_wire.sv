@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bit operation of a datapath (dataflow.svh): a sign moved or masks combined: formats_pkg::WIRE_*.
+// Bit operation of a datapath (dataflow.svh): moves a sign or combines masks, formats_pkg::WIRE_*.
 // Latency: 0 from the later operand.
 // Throughput: one result per lane per cycle.
 // Stall: none.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// a where the lane mask is set, else b: one multiplexer of W bits a lane, for scalars (WORDS = 1) and vectors.
+// a if the lane mask is set, else b: one multiplexer of W bits per lane, for scalars (WORDS = 1) and vectors.
 // Latency: 0.
 // Throughput: one result per lane per cycle.
 // Stall: none.

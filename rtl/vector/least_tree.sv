@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The payload with the least key: a balanced tree over neighbours, (0,1), (2,3), ..., where an odd last one goes up
-// unchanged; ties, and comparisons with a NaN key, go to the lower index. COUNT - 1 compare.
+// The payload with the least key, by a balanced tree over neighbours (0,1), (2,3), ...; an odd last one goes up
+// unchanged.
+// Ties, and comparisons with a NaN key, go to the lower index. COUNT - 1 compare.
 // Latency: $clog2(COUNT) * LAT.cmp cycles; 0 with ARITH = "host".
 // Throughput: one choice per lane per cycle.
 // Stall: none.
@@ -9,7 +10,7 @@ module least_tree #(
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter int COUNT = 2,  // >= 2
-    parameter int WORDS = 1,  // of a payload, >= 1
+    parameter int WORDS = 1,  // words of a payload, >= 1
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sum of two 3-vectors, a + b, or difference, a - b, one rounding a component (3 adders or subtractors).
+// Sum a + b or difference a - b of two 3-vectors, one rounding per component (3 adders or subtractors).
 // Latency: LAT.add cycles; 0 with ARITH = "host".
 // Throughput: one vector per lane per cycle.
 // Stall: none.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Dot product, (x*u + y*v) + z*w with one rounding an operation (3 multipliers, 2 adders).
+// Dot product (x*u + y*v) + z*w, one rounding per operation (3 multipliers, 2 adders).
 // Latency: LAT.mul + 2*LAT.add cycles; 0 with ARITH = "host".
 // Throughput: one value per lane per cycle.
 // Stall: none.
