@@ -152,7 +152,7 @@ std::string pack_failure(const FailedPair& p) {
              query_line(p) + "\n";
     const Packed packed = pack((failures_folder() / test).string(), *failure);
     return "  packed in:   " + packed.folder.string() +
-           (packed.missing.empty() ? "" : ", not all of it: " + packed.missing) + "\n";
+           (packed.missing.empty() ? "" : ", incomplete: " + packed.missing) + "\n";
   } catch (const Error& e) {
     return std::string("  not packed: ") + e.what() + "\n";
   }

@@ -52,10 +52,11 @@ TEST_F(Cast, BuiltCardStandsIn) {
                  "--lanes", "4",       "--json"};
   const Ran ran = cde(words, environment);
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_EQ(ran.err.find("cde: card board ARITH=host LANES=4 BOX=1 TRACE=1 is built and stands in "
-                         "for board ARITH=host LANES=4 BOX=1, estimated at 1.10 times its time; "
-                         "--exact-card builds that one\n"),
-            0u)
+  EXPECT_EQ(
+      ran.err.find("cde: the built card board ARITH=host LANES=4 BOX=1 TRACE=1 replaces the "
+                   "planned card board ARITH=host LANES=4 BOX=1, at an estimated 1.10 times its "
+                   "time; --exact-card builds the planned one\n"),
+      0u)
       << ran.err;
   EXPECT_FALSE(exists("cache")) << "nothing was built";
   const auto j = nlohmann::json::parse(ran.out);

@@ -276,7 +276,7 @@ TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
   std::istringstream words(text.out);  // wherever lines end
   std::string all, word;
   while (words >> word) all += word + " ";
-  EXPECT_TRUE(has(all, "through a hierarchy in about")) << text.out;
+  EXPECT_TRUE(has(all, "through a BVH in about")) << text.out;
   EXPECT_TRUE(has(all, "sweeps of 128 lanes take")) << text.out;
   write("bad.toml", flight("hierarchy = \"yes\""));
   const Ran bad = cde({"plan", "bad.toml"});

@@ -145,7 +145,7 @@ TEST_F(Outputs, DashIsStdoutAndStdin) {
   EXPECT_EQ(page.status, 0) << page.err;
   EXPECT_TRUE(page.out.starts_with("<!DOCTYPE html>")) << page.out.substr(0, 100);
   EXPECT_TRUE(page.out.ends_with("</html>\n"));
-  refused_saying({"run", "scene.toml", "--out", "-"}, "--output is a folder; it cannot be stdout");
+  refused_saying({"run", "scene.toml", "--out", "-"}, "--output is -; it must be a folder");
   const Ran rays = shell("\"$CDE\" cast one.obj --rays - --lanes 4 -q -o - < rays.csv");
   EXPECT_EQ(rays.out, kCsv) << rays.err;
   EXPECT_EQ(shell("echo 0,0,x | \"$CDE\" cast one.obj --rays - -q -o -").err.find("cde: stdin:1:5"),

@@ -134,7 +134,7 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
     bad = journal;
     bad.insert(bad.find(words) + words.size(), other);
     write("bad", bad);
-    refused({"merge", "bad"}, "bad: \"words\" are not those of a run");
+    refused({"merge", "bad"}, "bad: \"words\" is not the command of a run");
   }
   refused(cast("x.csv", {"--resume", "x.csv"}), "-o and --resume both write to x.csv");
   for (const char* text : {"something else\n", "\n", "{}\n", "{\"schema\":\"other\"}\n", "[1]\n"}) {
@@ -147,7 +147,7 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
     refused({"merge", file}, file);
   }
   refused({"merge", "nowhere"}, "nowhere");
-  refused(cast("x.csv", {"--resume", "-"}), "--resume is read and written");
+  refused(cast("x.csv", {"--resume", "-"}), "--resume is -; it must be a file");
   EXPECT_FALSE(exists("x.csv"));
 }
 
@@ -209,9 +209,9 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
   write("s2", half);
   refused({"merge", "s1", "other", "s3"}, "s1 and other are of runs with different inputs");
   write("empty", "");
-  refused({"merge", "s1", "empty", "s3"}, "empty is not finished: its command has not begun it");
+  refused({"merge", "s1", "empty", "s3"}, "empty is not finished; its command has not begun");
   write("torn", half.substr(0, 100));
-  refused({"merge", "torn"}, "torn is not finished: its command has not begun it");
+  refused({"merge", "torn"}, "torn is not finished; its command has not begun");
   std::string rays;
   for (int i = 0; i < 10; ++i) rays += fmt::format("{},1,9,0,0,-1\n", i);
   write("rays", rays);

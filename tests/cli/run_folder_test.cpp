@@ -155,8 +155,8 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
   Ran ran = run({"--out", "d"});
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err,
-            "cde: d is not empty and not the folder of a run, which has a run.json: it is left as "
-            "it is; --output names another\n");
+            "cde: d is not empty and has no run.json of a run; it stays unchanged; name another "
+            "folder with --output\n");
   write("d/run.json", "{\"scripts\": {\"test\": \"jest\"}}");
   EXPECT_EQ(run({"--out", "d"}).status, 2) << "somebody else's run.json";
   EXPECT_EQ(in("d"), (Words{"run.json", "thesis.tex"}));
@@ -168,8 +168,8 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
   ran = run({"--out", "d", "--frames", "0"});
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err,
-            "cde: d/notes.txt is not of the run that d holds: take it away, or let --output name "
-            "another folder\n");
+            "cde: d/notes.txt does not belong to the run in d; move it elsewhere, or name another "
+            "folder with --output\n");
   EXPECT_EQ(in("d"), (Words{"hit.csv", "notes.txt", "run.json"}));
   fs::rename(folder_ / "d/notes.txt", folder_ / "d/notes.csv");
   EXPECT_EQ(run({"--out", "d", "--frames", "0"}).status, 2) << "no table of that run";
@@ -185,11 +185,11 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
 TEST_F(Folders, WhatTheSceneReadsIsNotRemoved) {
   Ran ran = cde({"run", "scene.toml", "--out", "."});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err, "cde: --output is ., where the scene scene.toml is\n");
+  EXPECT_EQ(ran.err, "cde: --output is ., which contains the scene scene.toml\n");
   for (const std::string name : {"d/hit.000000.csv", "d/hit.csv", "d/run.json"}) {
     ran = run({"--out", "d", "--report", name});
     EXPECT_EQ(ran.status, 2);
-    EXPECT_EQ(ran.err, "cde: " + name + " has the name of a file that --output is for\n");
+    EXPECT_EQ(ran.err, "cde: " + name + " has the name of a file that --output writes\n");
   }
   EXPECT_EQ(files(), Words{"scene.toml"});
 }
@@ -254,9 +254,10 @@ TEST_F(Folders, AFolderIsOneRunsAtATime) {
   for (const std::string folder : {"d", "./d", "link"}) {
     const Ran second = run({"--out", folder});
     EXPECT_EQ(second.status, 2);
-    EXPECT_EQ(second.err, "cde: " + folder +
-                              " is the folder of a run that goes on: wait for its end, or let "
-                              "--output name another folder\n");
+    EXPECT_EQ(second.err,
+              "cde: " + folder +
+                  " is the folder of a run that is still going on; wait for its end, or "
+                  "name another folder with --output\n");
   }
   EXPECT_EQ(run({"--out", "other"}).status, 0);
   ::kill(child, SIGKILL);
@@ -279,11 +280,11 @@ TEST_F(Folders, RunsThatStartAtATimeDoNotMix) {
     const std::string status = read(fmt::format("status.{}", i));
     const bool refused = status == "2\n";
     EXPECT_EQ(status, refused ? "2\n" : "0\n");
-    EXPECT_EQ(read(fmt::format("err.{}", i)),
-              refused
-                  ? "cde: d is the folder of a run that goes on: wait for its end, or let --output "
-                    "name another folder\n"
-                  : "");
+    EXPECT_EQ(
+        read(fmt::format("err.{}", i)),
+        refused ? "cde: d is the folder of a run that is still going on; wait for its end, or name "
+                  "another folder with --output\n"
+                : "");
     played += refused ? 0 : 1;
   }
   EXPECT_GE(played, 1);

@@ -404,14 +404,15 @@ normals = true
   EXPECT_LE(planned["stands_in_for"]["estimated_times"], 1.3);
   const Ran text = cde({"plan", "s.toml"}, none);
   EXPECT_TRUE(has(text.out, "PAIRS=6145"));
-  EXPECT_TRUE(has(text.out, "is built and stands in"));
+  EXPECT_TRUE(has(text.out, "replaces the planned card"));
 
   const Ran ran = cde({"run", "s.toml"}, none);
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_FALSE(exists("cache")) << "nothing was built";
-  EXPECT_EQ(ran.err.find("cde: card board ARITH=host LANES=8 PAIRS=6145 BOX=1 SWAP=1 NORMALS=1 is "
-                         "built and stands in for board ARITH=host LANES=8 PAIRS=6144"),
-            0u)
+  EXPECT_EQ(
+      ran.err.find("cde: the built card board ARITH=host LANES=8 PAIRS=6145 BOX=1 SWAP=1 NORMALS=1 "
+                   "replaces the planned card board ARITH=host LANES=8 PAIRS=6144"),
+      0u)
       << ran.err;
   EXPECT_TRUE(has(ran.err, "100 of 100 records compared with the reference, 0 differ"));
   const auto j = run_json("s.run");
@@ -426,7 +427,7 @@ TEST_F(RunScene, PlanSaysWhatAndWhy) {
   ASSERT_EQ(text.status, 0) << text.err;
   for (const char* line :
        {"pipes", "ray-triangle", "lanes", "asked for in [card]", "transformer",
-        "no secondary moves as a rigid body", "left out", "bitstream  board ARITH=host", ".so"})
+        "no secondary moves as a rigid body", "left out", "model      board ARITH=host", ".so"})
     EXPECT_TRUE(has(text.out, line));
   const Ran ran = cde({"plan", "flight.toml", "--json"});
   const auto j = nlohmann::json::parse(ran.out);

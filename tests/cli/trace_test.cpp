@@ -117,9 +117,10 @@ TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {
        {"7:5", "7", ":", "a:b", "1:2:3", "-1:5", "1.5:7", "99999999999999999999:"})
     refused_saying(
         {"query", "sphere-sphere", "--trace", "w.fst", fmt::format("--trace-window={}", bad)},
-        fmt::format("'{}' is no window of clocks; FROM:TO, FROM: and :TO are, FROM not above "
-                    "TO, e.g. 1000:1200",
-                    bad));
+        fmt::format(
+            "'{}' is no window of cycles; expected FROM:TO, FROM: or :TO with FROM not above "
+            "TO, e.g. 1000:1200",
+            bad));
   refused_saying({"query", "sphere-sphere", "--trace-window", "5:7"},
                  "--trace-window needs --trace");
   refused_saying({"cast", "terrain:3,3,1", "--trace-window", "5:7"},

@@ -12,8 +12,8 @@ namespace cde::cli {
 
 void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
   pair_value(verb.add_option("pair", o.pair,
-                             "ray-triangle, sphere-sphere, obb-obb, ...; with the shapes in the "
-                             "other order, too, and then the words in that order; box is obb")
+                             "ray-triangle, sphere-sphere, obb-obb, ...; the shapes may come in "
+                             "the other order, with the words in that order; box is obb")
                  ->required(),
              "PAIR");
   begin_group(verb, "Test");

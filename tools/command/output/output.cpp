@@ -23,7 +23,7 @@ bool terminal = false;
 
 extern "C" void remove_unfinished(int signal) {
   OutputFile::remove_unfinished();
-  if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // behind ^C and a line of progress
+  if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // after ^C and a line of progress
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -61,7 +61,7 @@ void rewrite_line(std::string_view text) {
     while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;  // whole UTF-8
     line = line.substr(0, end) + "...";
   }
-  // Not by say(), which would show what moves the cursor.
+  // Not with say(), which would print control characters as text.
   std::fputs(("\r\033[K" + line).c_str(), stderr);
   std::fflush(stderr);
 }

@@ -10,12 +10,11 @@
 /// Signals while files are written, and the terminal.
 namespace cde::cli {
 
-/// From now on SIGINT, SIGTERM and SIGHUP remove the files that are not finished, and end the
-/// process.
+/// From now on SIGINT, SIGTERM and SIGHUP remove the unfinished files and end the process.
 void remove_unfinished_on_signals();
 
-/// While it lives, the first SIGINT, SIGTERM or SIGHUP is only noted, so that what is done can be
-/// written; a second one ends the process as without it. One at a time.
+/// While an object lives, the first SIGINT, SIGTERM or SIGHUP is only noted, so that finished work
+/// can be written. A second one ends the process as usual. At most one object may live at a time.
 class Interrupts {
  public:
   Interrupts();
@@ -23,19 +22,19 @@ class Interrupts {
   Interrupts(const Interrupts&) = delete;
   Interrupts& operator=(const Interrupts&) = delete;
 
-  /// The signal that came, or 0; stays after the object's end.
+  /// The signal that came, or 0. The value stays after the object's end.
   [[nodiscard]] static int signal();
 };
 
-/// Rewrites the line of stderr, which is a terminal: cut where it would wrap, and names in it
-/// printable. An empty text clears it.
+/// Rewrites the current line of stderr, which is a terminal. The text is cut where it would wrap,
+/// and names in it are made printable. An empty text clears the line.
 void rewrite_line(std::string_view text);
 
 /// Draws the progress of library tasks on stderr, if it is a terminal.
 void show_progress_on_terminal();
 
-/// Whether somebody looks at a stream: a terminal, but not the one that Open MPI puts between rank
-/// 0 and where its output goes.
+/// Whether a stream is a terminal that a person reads. The pseudo-terminal that Open MPI gives rank
+/// 0 does not count.
 [[nodiscard]] bool on_terminal(int stream);
 
 }  // namespace cde::cli

@@ -10,7 +10,7 @@
 namespace cde::cli {
 namespace {
 
-/// Text in columns of at most this width, lines after the first indented.
+/// Prints text wrapped to the width of the terminal; lines after the first are indented.
 void print_wrapped(const std::string& text, std::size_t indent) {
   constexpr std::size_t kWidth = 100;
   std::size_t column = indent;
@@ -32,11 +32,11 @@ std::string sentence(const Effect& e) {
   return e.cost.empty() ? e.why : fmt::format("{} [{}]", e.why, e.cost);
 }
 
-/// How the primaries of a query meet its secondaries.
+/// How a query tests its primaries and secondaries: with a BVH or by brute force.
 std::string way_text(const QueryWork& w) {
   const std::string all = counted(w.tests, "test") + " in " + counted(w.rows, "row");
   if (!w.hierarchy) return all;
-  return fmt::format("through a hierarchy in about {} instead of {}",
+  return fmt::format("through a BVH in about {} instead of {}",
                      counted(*w.hierarchy_clocks, "clock"), all);
 }
 
@@ -54,8 +54,8 @@ nlohmann::ordered_json stand_in_json(const std::optional<BuiltCard>& planned) {
 
 std::string stand_in_text(const BoardConfig& used, const BuiltCard& planned) {
   return fmt::format(
-      "card {} is built and stands in for {}, estimated at {:.2f} times its time; --exact-card "
-      "builds that one",
+      "the built card {} replaces the planned card {}, at an estimated {:.2f} times its time; "
+      "--exact-card builds the planned one",
       card_text(used), card_text(planned.board), planned.times);
 }
 
@@ -114,12 +114,12 @@ void print_plan(const Scene& scene, const Plan& plan) {
       }
     }
   }
-  put("\na frame\n");
+  put("\nper frame\n");
   for (const QueryWork& w : plan.queries) {
     put("  {:<{}}", w.name, kName - 2);
     print_wrapped(
-        fmt::format("{} primar{} in {}, {} secondar{}: {}; {} of primaries, {} of "
-                    "secondaries that changed, of {}",
+        fmt::format("{} primar{} in {}, {} secondar{}: {}; {} for primaries, {} for changed "
+                    "secondaries, of {}",
                     w.primaries, w.primaries == 1 ? "y" : "ies", counted(w.packets, "packet"),
                     w.secondaries, w.secondaries == 1 ? "y" : "ies", way_text(w),
                     counted(w.primary_words, "word"),
@@ -127,7 +127,7 @@ void print_plan(const Scene& scene, const Plan& plan) {
         kName);
   }
   const BitstreamFile file = bitstream_file(plan.board.top(), plan.board.parameters());
-  put("\nbitstream  {}\n           {} ({})\n", card_text(plan.board),
+  put("\nmodel      {}\n           {} ({})\n", card_text(plan.board),
       printable_name(file.path.string()),
       file.built ? "built" : "not built; the first run builds it");
   if (!plan.stands_in_for) return;

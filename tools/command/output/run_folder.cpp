@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kMarker = "run.json";
-/// Keys of run.json for names of files in the folder: tables of records, and others.
+/// Keys of run.json that list files in the folder: tables of records, and other files.
 constexpr std::array kListed = {"files", "files_beside"};
 
 std::string_view ending(Results results) {
@@ -52,7 +52,7 @@ bool is_record_name(std::string_view name) {
          (frame.size() == 6 || frame.size() == 7) && only(frame, kDigits);
 }
 
-/// Whether a file is directly in the folder; false if its own folder is not there.
+/// Whether a file is directly in the folder; false if the file's own folder does not exist.
 bool is_in(const fs::path& file, const fs::path& folder) {
   std::error_code error;
   return fs::equivalent(file.has_parent_path() ? file.parent_path() : fs::path("."), folder,
@@ -64,7 +64,7 @@ bool is_in(const fs::path& file, const fs::path& folder) {
 
 RunFolder::RunFolder(fs::path path, const Scene& scene, const std::vector<std::string>& beside)
     : path_(std::move(path)) {
-  if (path_ == "-") throw Error(ErrorCode::kUsage, "--output is a folder; it cannot be stdout");
+  if (path_ == "-") throw Error(ErrorCode::kUsage, "--output is -; it must be a folder");
   make_and_lock();
   check_names(scene, beside);
   if (!made_->made()) look();
@@ -76,16 +76,17 @@ void RunFolder::make_and_lock() {
   };
   for (;;) {
     made_.emplace(path_);
-    // Not inherited, or a compiler that outlives the command would hold it.
+    // Child processes do not inherit it: a compiler that outlives the command would keep the lock.
     lock_.folder = ::openat(made_->descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (lock_.folder < 0 && errno == ENOENT) continue;  // another run has just taken it back
+    if (lock_.folder < 0 && errno == ENOENT) continue;  // another run has just removed it
     if (lock_.folder < 0) fail(std::strerror(errno));   // NOLINT(concurrency-mt-unsafe)
-    // File systems that lock no folders have no other lock to offer either.
+    // On a file system that cannot lock folders the run goes on without a lock.
     if (::flock(lock_.folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      made_->keep();  // it is that run's
-      throw Error(ErrorCode::kUsage, fmt::format("{} is the folder of a run that goes on: wait for "
-                                                 "its end, or let --output name another folder",
-                                                 printable_name(path_.string())));
+      made_->keep();  // it belongs to the other run
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is the folder of a run that is still going on; wait for its end, "
+                              "or name another folder with --output",
+                              printable_name(path_.string())));
     }
     struct stat locked {
     }, named{};
@@ -93,7 +94,7 @@ void RunFolder::make_and_lock() {
     const bool there = ::stat(path_.c_str(), &named) == 0;
     if (!there && errno != ENOENT) fail(std::strerror(errno));
     if (there && locked.st_dev == named.st_dev && locked.st_ino == named.st_ino) return;
-    made_->keep();  // it was taken back and perhaps made again, by another run
+    made_->keep();  // another run removed it, and may have made it again
     lock_.release();
   }
 }
@@ -109,9 +110,9 @@ void RunFolder::Lock::release() {
 void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& beside) {
   const auto inside = [&](const fs::path& file, const char* what) {
     if (!file.empty() && is_in(file, path_))
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("--output is {}, where {} {} is", printable_name(path_.string()),
-                              what, printable_name(file.filename().string())));
+      throw Error(ErrorCode::kUsage, fmt::format("--output is {}, which contains {} {}",
+                                                 printable_name(path_.string()), what,
+                                                 printable_name(file.filename().string())));
   };
   inside(scene.file, "the scene");
   for (const SceneObject& object : scene.objects) {
@@ -125,7 +126,7 @@ void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& 
       return name == record_name(query.name, std::nullopt, scene.results);
     });
     if (name == kMarker || is_table || is_record_name(name))
-      throw Error(ErrorCode::kUsage, fmt::format("{} has the name of a file that --output is for",
+      throw Error(ErrorCode::kUsage, fmt::format("{} has the name of a file that --output writes",
                                                  printable_name(file)));
     beside_.push_back(name);
   }
@@ -142,24 +143,22 @@ void RunFolder::look() {
     const std::string name = entry.path().filename();
     if (is_unfinished_name(name)) continue;
     if (marker.is_null())
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is not empty and not the folder of a run, which has a {}: it is "
-                              "left as it is; --output names another",
-                              printable_name(path_.string()), kMarker));
+      throw Error(ErrorCode::kUsage, fmt::format("{} is not empty and has no {} of a run; it stays "
+                                                 "unchanged; name another folder with --output",
+                                                 printable_name(path_.string()), kMarker));
     const bool ours = name == kMarker || is_record_name(name) ||
                       std::find(listed.begin(), listed.end(), name) != listed.end();
     if (!ours || entry.is_directory())
-      throw Error(
-          ErrorCode::kUsage,
-          fmt::format("{} is not of the run that {} holds: take it away, or let --output name "
-                      "another folder",
-                      printable_name((path_ / name).string()), printable_name(path_.string())));
+      throw Error(ErrorCode::kUsage, fmt::format("{} does not belong to the run in {}; move it "
+                                                 "elsewhere, or name another folder with --output",
+                                                 printable_name((path_ / name).string()),
+                                                 printable_name(path_.string())));
     old_.push_back(name);
   }
 }
 
 void RunFolder::begin(Json json) {
-  // run.json stays until it is replaced: a folder without it is nobody's.
+  // run.json stays until it is replaced. It marks the folder as that of a run.
   for (const std::string& name : old_)
     if (name != kMarker && ::unlinkat(lock_.folder, name.c_str(), 0) != 0 && errno != ENOENT)
       throw Error(ErrorCode::kFile,

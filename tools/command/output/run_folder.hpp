@@ -13,57 +13,58 @@
 
 namespace cde::cli {
 
-/// The folder of `cde run`: it holds the run.json and the records of one run, and nothing else but
-/// a page and waves that the run was told to put there. run.json is there from the first frame on
-/// and tells such a folder from others. It is locked while the object lives; the system lets go of
-/// the lock when the process ends, however it does.
+/// The folder of `cde run`. It holds the run.json and the records of one run, and optionally the
+/// run's page and waves. run.json is there from the first frame on, and marks the folder as that of
+/// a run. The folder is locked while the object lives. The system releases the lock when the
+/// process ends, in any way.
 class RunFolder {
  public:
-  /// Makes it if it is not there. Error kUsage, naming what is there, unless it is empty or a
-  /// run's and no other process runs into it; kUsage if something of the scene is in it, or if one
-  /// of the `beside` (--report,
-  /// --trace) would have the name of a file of the run.
+  /// Makes the folder if it does not exist. Error kUsage if it is neither empty nor the folder of a
+  /// run, or if another process uses it; the message names what is there. Error kUsage if it
+  /// contains a file of the scene. Error kUsage if one of `beside` (--report, --trace) has the name
+  /// of a file of the run.
   RunFolder(std::filesystem::path path, const Scene& scene, const std::vector<std::string>& beside);
 
-  /// Removes the run that was there, and from now on there is this one.
+  /// Removes the earlier run in the folder and begins this one.
   void begin(nlohmann::ordered_json json);
   [[nodiscard]] bool begun() const { return begun_; }
 
-  /// run.json. Once the run has begun.
+  /// Writes run.json, once the run has begun.
   void write(const nlohmann::ordered_json& json) const;
 
-  /// Error kFile if its name leads elsewhere by now.
+  /// Error kFile if the path now leads to another folder.
   void check() const { made_->check(); }
 
-  /// run.json of a folder; null if it is not that of a run.
+  /// run.json of a folder; null if it is not the folder of a run.
   [[nodiscard]] static nlohmann::ordered_json run_in(const std::filesystem::path& folder);
-  /// The file of a query's records of a frame, or its table of all frames.
+  /// The name of the file with a query's records of a frame, or of its table of all frames.
   [[nodiscard]] static std::string record_name(std::string_view query,
                                                std::optional<std::uint32_t> frame, Results results);
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The folder as it was locked, whatever lies under its name now: where its files are opened.
+  /// A path to the locked folder itself, whatever its name leads to now. Files are opened through
+  /// it.
   [[nodiscard]] std::filesystem::path inside() const;
   /// The names of --report and --trace if they are in the folder: `files_beside` in run.json.
   [[nodiscard]] const std::vector<std::string>& beside() const { return beside_; }
 
  private:
-  /// Held by the process that runs into the folder.
+  /// The lock of the process that uses the folder.
   struct Lock {
     Lock() = default;
     ~Lock() { release(); }
     Lock(const Lock&) = delete;
     Lock& operator=(const Lock&) = delete;
     void release();
-    int folder = -1;  ///< opened, or -1
+    int folder = -1;  ///< descriptor, or -1
   };
   void make_and_lock();
   void check_names(const Scene& scene, const std::vector<std::string>& beside);
   void look();
   std::filesystem::path path_;
-  std::vector<std::string> beside_;   ///< names in this folder that are the run's, too
-  std::vector<std::string> old_;      ///< names of the files of the run that was there
+  std::vector<std::string> beside_;   ///< names of --report and --trace in this folder
+  std::vector<std::string> old_;      ///< names of the files of the earlier run
   Lock lock_;                         ///< outlives made_
-  std::optional<OutputFolder> made_;  ///< taken away again if no run begins
+  std::optional<OutputFolder> made_;  ///< removed again if no run begins
   bool begun_ = false;
 };
 

@@ -20,7 +20,7 @@ namespace {
 
 bool pipe_signal_ignored = false;
 
-/// A handler and not SIG_IGN: commands that are started get the default again.
+/// A handler, not SIG_IGN: child processes then get the default action again.
 extern "C" void note_broken_pipe(int) {}
 
 void write(std::string_view text) {
@@ -30,7 +30,8 @@ void write(std::string_view text) {
 }
 
 void flush_stdout() {
-  if (!std::cout.fail() && std::ferror(stdout) == 0) errno = 0;  // else it says why already
+  if (!std::cout.fail() && std::ferror(stdout) == 0)
+    errno = 0;  // otherwise errno already has the reason
   if (!std::cout.flush() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw StdoutError(errno != 0 ? errno : EIO);
 }
@@ -44,7 +45,8 @@ void warn(const std::vector<std::string>& warnings) {
 void prepare_streams() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(fd, F_GETFD) >= 0) continue;
-    // The lowest that is free is this one. What cannot be read or written says so when it is.
+    // open() takes the lowest free descriptor, which is this one. Errors show at the first read or
+    // write.
     (void)!::open("/dev/null", fd == STDOUT_FILENO ? O_RDONLY : O_WRONLY);
   }
   if (std::signal(SIGPIPE, note_broken_pipe) == SIG_IGN) {
@@ -70,7 +72,7 @@ int exit_status_of(const std::function<int()>& work,
     complain(e.what());
     return exit_status(e);
   } catch (const std::bad_alloc&) {
-    complain("there is not enough memory for this");
+    complain("out of memory");
     return 2;
   } catch (const std::exception& e) {
     complain(fmt::format("internal error: {}", e.what()));

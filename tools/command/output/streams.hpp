@@ -11,25 +11,25 @@
 #include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
 
-/// What the command prints: results on stdout, messages on stderr. Nothing else writes to either,
-/// but OutputFile to stdout.
+/// Output of the command: results on stdout, messages on stderr. Only these functions write there,
+/// except OutputFile to stdout.
 namespace cde::cli {
 
-/// A descriptor among 0, 1 and 2 that is closed is taken, so that no file gets its number: reading
-/// and writing fail as before, messages are lost. A reader of stdout that has gone is noticed when
-/// something is written.
+/// Opens each of the descriptors 0, 1 and 2 that is closed, so that no file gets its number.
+/// Reading and writing still fail, and messages are lost. From now on a closed pipe on stdout is
+/// noticed at the next write.
 void prepare_streams();
 
-/// What `work` returns, or the exit status of what it throws, of which `complain` tells; 2 if not
-/// all of stdout could be written. Ends as by SIGPIPE, in silence, if the reader of stdout has
-/// gone.
+/// Returns the result of `work`, or the exit status of the exception that it throws, after
+/// `complain` has printed its message. Returns 2 if stdout could not be written completely. If
+/// stdout is a closed pipe, the process ends quietly as by SIGPIPE.
 [[nodiscard]] int exit_status_of(const std::function<int()>& work,
                                  const std::function<void(const std::string&)>& complain);
 
-/// Text on stdout, made printable. StdoutError if it cannot be written.
+/// Prints text on stdout, made printable. StdoutError if it cannot be written.
 void put(std::string_view text);
 
-/// JSON on stdout, with the end of the line.
+/// Prints JSON and a line end on stdout.
 void put_json(const nlohmann::ordered_json& json, int indent = 2);
 
 /// A message on stderr.
@@ -38,14 +38,14 @@ template <class First, class... Args>
 void say(fmt::format_string<First, Args...> format, First&& first, Args&&... args) {
   cde::say(fmt::format(format, std::forward<First>(first), std::forward<Args>(args)...));
 }
-/// Warnings on stderr, a line each.
+/// Prints warnings on stderr, one per line.
 void warn(const std::vector<std::string>& warnings);
 template <class First, class... Args>
 void put(fmt::format_string<First, Args...> format, First&& first, Args&&... args) {
   put(fmt::format(format, std::forward<First>(first), std::forward<Args>(args)...));
 }
 
-/// Figures for people: results, and so on stdout, unless --json has that.
+/// Figures as text. They are results and go to stdout, unless --json uses it.
 class Figures {
  public:
   static void beside_json() { on_stdout_ = false; }

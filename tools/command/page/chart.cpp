@@ -15,7 +15,7 @@ using namespace chart;
 
 namespace {
 
-/// Lines over the x of the first.
+/// Lines as CSV, over the x of the first line.
 std::string lines_csv(std::string_view x_name, const std::vector<Line>& lines,
                       std::string_view unit) {
   std::vector<std::string> fields = {std::string(x_name)};

@@ -17,7 +17,7 @@
 namespace cde::cli {
 namespace {
 
-/// "'sha256-...'", as a content security policy names what it allows.
+/// "'sha256-...'": the name of an allowed script or style sheet in a content security policy.
 std::string policy_hash(const PageAsset& asset) {
   std::vector<std::uint8_t> bytes(asset.sha256.size() / 2);
   for (std::size_t i = 0; i < bytes.size(); ++i)

@@ -20,11 +20,11 @@ namespace {
 constexpr double kTall = 1.5 * kHeight;
 constexpr int kMostTicks = 8;
 
-/// A logarithmic axis from and to 1, 2 or 5 times a power of ten; from and to such a power if it
-/// has more than two decades.
+/// A logarithmic axis. Its ends are 1, 2 or 5 times a power of ten, or powers of ten if it has more
+/// than two decades.
 class Axis {
  public:
-  /// Of what is > 0 and finite among the values.
+  /// Extends the axis to a value; ignores a value that is not finite and > 0.
   void add(double value) {
     if (!(value > 0) || !std::isfinite(value)) return;
     least_ = std::min(least_, value), most_ = std::max(most_, value);
@@ -51,7 +51,7 @@ class Axis {
   [[nodiscard]] std::string range() const {
     return fmt::format("{} {}", ticks_.front(), ticks_.back());
   }
-  /// Every how many of them there is a label.
+  /// Every step()-th tick has a label.
   [[nodiscard]] std::size_t step() const { return (ticks_.size() + kMostTicks - 1) / kMostTicks; }
 
  private:
@@ -59,14 +59,14 @@ class Axis {
   std::vector<double> ticks_;
 };
 
-/// Of 1, 2 or 5 times a power of ten.
+/// The text of 1, 2 or 5 times a power of ten.
 std::string round_number(double value) {
   if (value >= 0.99 && value < 9999) return fmt::format("{:g}", value);
   const int power = static_cast<int>(std::floor(std::log10(value) + 1e-9));
   return fmt::format("{:.0f}e{}", value / std::pow(10, power), power);
 }
 
-/// Lines up and down with labels at `y`.
+/// Vertical grid lines, with labels at `y`.
 std::string columns(const Axis& axis, double top, double bottom, double y, bool seconds) {
   std::string svg;
   const auto& ticks = axis.ticks();
@@ -93,7 +93,7 @@ std::string frame(const Axis& x, const Axis& y, const ScatterAxes& axes, AtY at_
   return svg + label_below(50, kTop + kTall + 34, axes.x_name);
 }
 
-/// The entry of the page's data that a mark is of, as an attribute.
+/// The number of the mark's entry in the page's data, as an attribute.
 std::string entry_of(const Mark& m) {
   return m.of ? fmt::format(" data-of=\"{}\"", *m.of) : "";
 }
@@ -125,7 +125,7 @@ std::string keys(const std::vector<std::pair<int, std::string>>& legend) {
   return html + "</ul>\n";
 }
 
-/// Those that no other is better than in one figure and as good in the other, by x.
+/// The Pareto-optimal marks, by x: no other mark is better in one figure and as good in the other.
 std::vector<const Mark*> best_of(const std::vector<Mark>& marks, bool hollow) {
   std::vector<const Mark*> sorted;
   for (const Mark& m : marks)
@@ -173,7 +173,7 @@ std::string log_scatter(std::string_view label, const ScatterAxes& axes,
         "<line class=\"{}\" x1=\"{:.5g}%\" y1=\"{:.2f}\" x2=\"{:.5g}%\" y2=\"{:.2f}\"/>", looks, x1,
         y1, x2, y2);
   };
-  // What is estimated is held against what is estimated.
+  // Estimates are compared only with estimates.
   for (const bool hollow : {true, false}) {
     const std::string looks = hollow ? "pareto dashed" : "pareto";
     const std::vector<const Mark*> best = best_of(marks, hollow);

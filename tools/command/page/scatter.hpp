@@ -5,24 +5,25 @@
 #include <string_view>
 #include <vector>
 
-/// Charts of what is compared by two figures, or a row each. As those of chart.hpp; a mark that is
-/// of an entry of the page's data has its number, for the page's script to show.
+/// Charts of marks by two figures, or in rows by one figure. They are drawn like those of
+/// chart.hpp. A mark may carry the number of an entry of the page's data, which the page's script
+/// shows.
 namespace cde::cli {
 
-/// A figure that charts mark with a dot.
+/// A dot in a chart, with its figures.
 struct Mark {
   std::string name;
   int colour = 0;
-  std::string letter = {};  ///< in the dot
-  bool ring = false;        ///< around it
+  std::string letter = {};  ///< drawn in the dot
+  bool ring = false;        ///< draws a ring around the dot
   bool hollow = false;
-  double x = 0, y = 0;       ///< > 0; y alone in rows
-  double low = 0, high = 0;  ///< of y, a line through the dot, if high > 0
+  double x = 0, y = 0;       ///< > 0; rows use only y
+  double low = 0, high = 0;  ///< range of y: a line through the dot, if high > 0
   std::optional<std::size_t> of = {};
 };
 
-/// Marks by two logarithmic axes, and the line of those that nothing is better than in both: hollow
-/// ones, which are estimates, have a line of their own, dashed. `x_seconds`: x is a time.
+/// Marks on two logarithmic axes, and the line through the Pareto-optimal ones. Hollow marks are
+/// estimates, with a dashed line of their own. `x_seconds`: x is a time.
 struct ScatterAxes {
   std::string x_name, y_name;
   bool x_seconds = false;
@@ -31,7 +32,7 @@ struct ScatterAxes {
                                       const std::vector<Mark>& marks,
                                       const std::vector<std::pair<int, std::string>>& legend);
 
-/// A row with its marks on a logarithmic axis; a y of 0 is set to the axis' left end.
+/// A row of marks on a logarithmic axis. A y of 0 is drawn at the left end of the axis.
 struct MarkRow {
   std::string name, value;
   std::vector<Mark> marks;
@@ -41,7 +42,8 @@ struct MarkRow {
                                    const std::vector<std::pair<int, std::string>>& legend);
 
 struct Line;
-/// Lines on two logarithmic axes of whole decades; what is not > 0 and finite is a hole.
+/// Lines on two logarithmic axes of whole decades. A value that is not finite and > 0 leaves a
+/// hole.
 [[nodiscard]] std::string log_log_lines(std::string_view label, std::string_view x_name,
                                         std::string_view y_name, const std::vector<Line>& lines);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde merge: a run from the journals of its shards.
+// cde merge: makes a run from the journals of its shards.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -24,13 +24,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Words = std::vector<std::string>;
 
-/// A shard's command without what made it one.
+/// A shard's command without the options that make it a shard.
 Words words_of_whole(const Journal& journal) {
   Words whole;
   const auto words = journal.run().at("words").get<Words>();
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto is = [&](const std::string& option) {
-      if (words[i] == option) return ++i, true;  // and its value
+      if (words[i] == option) return ++i, true;  // skips its value
       return words[i].starts_with(option + "=");
     };
     if (!is("--shard") && !is("--resume")) whole.push_back(words[i]);
@@ -38,13 +38,13 @@ Words words_of_whole(const Journal& journal) {
   return whole;
 }
 
-/// They are run: a verb that is dealt, and no other.
+/// The words of a journal are run as a command, so only verbs that work in shards are allowed.
 void check_words(const Journal& journal) {
   const Json words = journal.run().value("words", Json());
   const bool all_text = words.is_array() && !words.empty() &&
                         std::ranges::all_of(words, [](const Json& w) { return w.is_string(); });
   if (all_text && journal.run().value("verb", Json()) == words[0] && is_dealt(words[0])) return;
-  throw Error(ErrorCode::kFile, fmt::format("cde merge: {}: \"words\" are not those of a run",
+  throw Error(ErrorCode::kFile, fmt::format("cde merge: {}: \"words\" is not the command of a run",
                                             printable_name(journal.path())));
 }
 
@@ -54,7 +54,7 @@ void run(const std::vector<std::string>& files, const CommandRun& again) {
     auto journal = std::make_unique<Journal>("cde merge", file, Journal::Use::kRead);
     if (!journal->run().is_object())
       throw Error(ErrorCode::kUsage,
-                  fmt::format("cde merge: {} is not finished: its command has not begun it",
+                  fmt::format("cde merge: {} is not finished; its command has not begun",
                               printable_name(file)));
     for (const auto& [number, place] : journal->chunks()) (void)journal->read(number);
     journals.push_back(std::move(journal));
@@ -73,7 +73,7 @@ void run(const std::vector<std::string>& files, const CommandRun& again) {
     exit_code = other_program(*entry, merge);
     return;
   }
-  OutputFile::hold_stdout();  // what was written to it cannot be taken back
+  OutputFile::hold_stdout();  // written output cannot be undone
   Dealing::here().merge(std::move(journals));
   exit_code = again(words);
 }
@@ -84,9 +84,9 @@ void add_merge(CLI::App& app, const CommandRun& again) {
   auto files = std::make_shared<std::vector<std::string>>();
   CLI::App* verb = app.add_subcommand(
       "merge",
-      "Finish a run whose shards (--shard) have run elsewhere: from their journals come the files "
-      "and the summary that the whole command would have given. In the folder of that command: its "
-      "meshes and rays are read again, rays of - from stdin; nothing is simulated");
+      "Merge the journals of shards (--shard) into the whole run: write the files and the summary "
+      "that the whole command would have written. Run it in the folder of that command: it reads "
+      "the meshes and rays again, and rays of - from stdin. It simulates nothing");
   file_value(verb->add_option("journal", *files, "Journals (--resume) of all shards, in any order")
                  ->required(),
              "JOURNAL");

@@ -19,7 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Answers {"rerun": FILE, "which": OPTIONS} until the child says {"folder": ..., "missing": ...}.
+/// Answers requests {"rerun": FILE, "which": OPTIONS} until the child sends {"folder": ...,
+/// "missing": ...}.
 Json converse(process::Conversation& child, const Failure& failure) {
   child.write(json_text(to_json(failure), -1));
   while (const auto line = child.read()) {
@@ -44,16 +45,15 @@ void BundleRequest::check(bool compares, const std::string& option) const {
 }
 
 void add_bundle_options(CLI::App& verb, BundleRequest& request) {
-  folder_value(
-      verb.add_option("--bundle", request.folder,
-                      "Where an answer that differs is packed: waves around it, the line of RTL "
-                      "where card and reference part, commands. One that is there stays, the next "
-                      "is FOLDER-2")
-          ->capture_default_str()
-          ->each([&request](const std::string&) { request.named = true; }),
-      "FOLDER");
+  folder_value(verb.add_option("--bundle", request.folder,
+                               "Where a wrong answer is packed: waves around it, the line of RTL "
+                               "where card and reference first differ, commands that repeat it. An "
+                               "existing folder stays; the next one is FOLDER-2")
+                   ->capture_default_str()
+                   ->each([&request](const std::string&) { request.named = true; }),
+               "FOLDER");
   verb.add_flag_callback(
-      "--no-bundle", [&request] { request.wanted = false; }, "An answer that differs is only told");
+      "--no-bundle", [&request] { request.wanted = false; }, "Do not pack a wrong answer");
   excludes(verb, "--bundle", {"--no-bundle"});
 }
 
@@ -68,7 +68,7 @@ std::string packed(const BundleRequest& request, bool quiet, const Failure& fail
       return fmt::format("\nnot packed:  {}", answer["error"].get<std::string>());
     const auto missing = answer["missing"].get<std::string>();
     return fmt::format("\npacked in:   {}{}", shell_word(answer["folder"].get<std::string>()),
-                       missing.empty() ? "" : fmt::format(", not all of it: {}", missing));
+                       missing.empty() ? "" : fmt::format(", incomplete: {}", missing));
   } catch (const Error& e) {
     return fmt::format("\nnot packed:  {}", e.what());
   }

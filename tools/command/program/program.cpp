@@ -22,14 +22,14 @@
 namespace cde::cli {
 namespace {
 
-/// "cde: message" on stderr; the message may have text of files.
+/// Prints "cde: message" on stderr. The message may contain text from files.
 void complain(const std::string& message) {
   std::fputs(may_colour(STDERR_FILENO) ? "\033[1;31mcde:\033[0m " : "cde: ", stderr);
   say(message + "\n");
 }
 
-/// The help of the program and of its verbs, and then that of the other programs if this is cde. A
-/// program that is not there is named, with status 2.
+/// Prints the help of the program and of its verbs and, if this is cde, that of the other programs.
+/// A missing program is named, with status 2.
 int print_all_help(const Program& program, CLI::App& app) {
   const bool is_cde = this_program() == "cde";
   std::string text;
@@ -57,14 +57,15 @@ int run_program(const Program& program, const std::vector<std::string>& words) {
   app.set_version_flag("--version", version_text(), "Versions of cde and its tools");
   program.add_verbs(app);
   add_write_manual(app);
-  app.set_help_all_flag("--help-all", "Help of every verb");  // not one of the verbs
+  app.set_help_all_flag("--help-all",
+                        "Help of every verb");  // only for the program, not for its verbs
   if (words.empty()) {
     say(app.help());
     return 2;
   }
   std::vector<std::string> args = understood(app, words);
   if (args == std::vector<std::string>{"--help-all"}) return print_all_help(program, app);
-  std::reverse(args.begin(), args.end());  // CLI11 takes them from the back
+  std::reverse(args.begin(), args.end());  // CLI11 takes the words from the end
   try {
     app.parse(args);
   } catch (const CLI::ParseError& e) {
@@ -75,7 +76,7 @@ int run_program(const Program& program, const std::vector<std::string>& words) {
 }
 
 int program_main(const Program& program, int argc, char** argv) {
-  // A file that may not grow is an error of the write, with a message.
+  // A write beyond the limit of file size is then an error with a message.
   std::signal(SIGXFSZ, SIG_IGN);
   prepare_streams();
   remove_unfinished_on_signals();

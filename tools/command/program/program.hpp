@@ -6,10 +6,10 @@
 
 #include "options/cli_fwd.hpp"
 
-/// The main function that all programs of the command share.
+/// The main function of all programs of the command.
 namespace cde::cli {
 
-/// The exit status of a verb that ran but found a difference or nothing; a verb sets it to 1
+/// The exit status of a verb that ran but found a difference, or found nothing. A verb sets it to 1
 /// instead of throwing.
 inline int exit_code = 0;
 
@@ -19,7 +19,7 @@ struct Program {
   std::function<void(CLI::App&)> add_verbs;
 };
 
-/// Runs the words of a command line; its exit status.
+/// Runs the words of a command line; returns the exit status.
 using CommandRun = std::function<int(const std::vector<std::string>&)>;
 
 /// Adds the verb that merges shards; `again` runs the merged command.
@@ -30,7 +30,7 @@ void add_write_manual(CLI::App& app);
 /// Parses and runs the words in this program.
 int run_program(const Program& program, const std::vector<std::string>& words);
 
-/// The whole of main(): streams, signals, ranks, errors as messages on stderr, exit status.
+/// The work of main(): streams, signals, ranks, errors as messages on stderr, exit status.
 int program_main(const Program& program, int argc, char** argv);
 
 }  // namespace cde::cli

@@ -31,9 +31,9 @@ constexpr std::array kVerbs = {
     VerbEntry{"merge", "cde", false, "Merge the journals of shards into the whole run"},
     VerbEntry{"doctor", "cde", false, "Check tools, caches and both arithmetic back ends"},
     VerbEntry{"help", "cde", false, "Show the help of a verb"},
-    VerbEntry{"wave", "cde-wave", true, "Ask a wave file (FST, VCD)"},
+    VerbEntry{"wave", "cde-wave", true, "Answer questions about a wave file (FST, VCD)"},
     VerbEntry{"explain", "cde-explain", false, "Find the operator and RTL line of a wrong answer"},
-    VerbEntry{"accuracy", "cde-accuracy", false, "Measure errors and wrong decisions, and costs"},
+    VerbEntry{"accuracy", "cde-accuracy", false, "Measure errors, wrong decisions and costs"},
     VerbEntry{"advise", "cde-accuracy", false, "Name the cheapest pipe that meets demands"},
     VerbEntry{"bench", "cde-bench", false, "Measure simulation speed beside software"},
     VerbEntry{"reproduce", "cde-bench", false, "Measure the paper's figures again, as a page"},
@@ -49,7 +49,7 @@ std::string target_of(std::string_view program) {
   return target;
 }
 
-/// What exec takes: pointers into `words`, and a null.
+/// Arguments for exec: pointers into `words`, and a null pointer.
 std::vector<char*> pointers(std::vector<std::string>& words) {
   std::vector<char*> all;
   for (std::string& word : words) all.push_back(word.data());
@@ -61,7 +61,7 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
   throw Error(ErrorCode::kFile, fmt::format("{}: {}", file, std::strerror(error)));
 }
 
-/// The status of `work`, or 2 with a message if that fails.
+/// The status that `work` returns, or 2 with a message if it throws.
 template <class Work>
 int status_of(Work work) {
   try {
@@ -81,7 +81,7 @@ std::span<const VerbEntry> all_verbs() {
 void need_proc() {
   if (::access("/proc/self/exe", F_OK) != 0)
     throw Error(ErrorCode::kFile,
-                "/proc is not mounted; cde finds its programs there, and loads through it the very "
+                "/proc is not mounted; cde needs it to find its programs and to load exactly the "
                 "files that it has checked");
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hidden verb with which the build writes manual pages and completions.
+// The hidden verb that the build calls to write manual pages and completions.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -27,14 +27,14 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 void write(const fs::path& path, const std::string& text) {
-  std::error_code failed;  // the file says what comes of it
+  std::error_code failed;  // opening the file reports the failure
   fs::create_directories(path.parent_path(), failed);
   OutputFile file(path);
   file.write(text);
   file.commit();
 }
 
-/// Two programs that are built at a time write one after the other.
+/// Makes programs that are built at the same time write one after the other.
 class Lock {
  public:
   explicit Lock(const fs::path& folder) {
