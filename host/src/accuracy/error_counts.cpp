@@ -9,7 +9,7 @@
 namespace cde::accuracy {
 namespace {
 
-constexpr int kBins = 32;  // in an octave
+constexpr int kBins = 32;  // per octave
 
 int bin_of(double size) {
   int exponent = 0;
@@ -79,7 +79,7 @@ ErrorCounts ErrorCounts::from_json(const nlohmann::ordered_json& json) {
 
 Interval95 wilson(std::uint64_t found, std::uint64_t all) {
   if (all == 0) return {0, 1};
-  constexpr double kZ = 1.959963984540054;  // 97.5 % of the normal distribution lies below
+  constexpr double kZ = 1.959963984540054;  // 97.5 % quantile of the normal distribution
   const auto n = static_cast<double>(all);
   const double p = static_cast<double>(found) / n, z2 = kZ * kZ / n;
   const double middle = (p + z2 / 2) / (1 + z2);

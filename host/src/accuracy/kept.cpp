@@ -148,7 +148,7 @@ std::string KeptSweep::command(const AccuracyPipe& pipe) const {
                         pipe.budget.free);
   if (pipe.variant != Variant::kCard) text += fmt::format(" --variants {}", name(pipe.variant));
   const std::vector<std::string> known = family_names({pipe});
-  std::string own;  // of the families those that this pair has
+  std::string own;  // the families that this pair has
   for (const std::string& family : families)
     if (std::ranges::find(known, family) != known.end()) own += (own.empty() ? "" : ",") + family;
   if (!own.empty()) text += " --families " + own;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays from inside a closed mesh, aimed at where its triangles meet.
+// Casts rays from inside a closed mesh at the edges and vertices of its triangles.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +24,7 @@ struct ClosedMesh {
   std::vector<std::array<std::size_t, 3>> faces;
 };
 
-/// Of radius 1: an icosahedron, each face of it cut into four twice, 320 in all.
+/// A mesh of 320 triangles and radius 1: an icosahedron whose faces are cut into four twice.
 const ClosedMesh& icosphere() {
   static const ClosedMesh sphere = [] {
     constexpr double kGolden = std::numbers::phi;
@@ -60,7 +60,7 @@ const ClosedMesh& icosphere() {
   return sphere;
 }
 
-/// A ray and the mesh about it, as numbers of the format.
+/// A ray and the mesh around it, as numbers of the format.
 struct LeakCase {
   oracle::Ray ray;
   std::vector<Vec> vertices;
@@ -133,7 +133,7 @@ Tally measured_leaks(const AccuracyPipe& pipe, const std::string& family, std::u
     }
     ++tally.leak_rays;
     if (std::any_of(results.begin(), results.end(), [](const auto& r) { return r.f; })) continue;
-    // Of the triangles that are met, the one that is met most clearly.
+    // Choose the triangle that is hit by the largest margin.
     std::optional<std::size_t> met;
     double margin = -1;
     for (std::size_t k = 0; k < triangles.size(); ++k) {

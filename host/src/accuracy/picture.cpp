@@ -17,7 +17,7 @@ namespace {
 using oracle::Vec;
 constexpr std::uint32_t kNone = ~0u;
 
-/// Mesh and rays as numbers of a format, and as its words.
+/// Mesh and rays as numbers of a format and as its words.
 struct Scene {
   std::vector<oracle::Triangle> triangles;
   std::vector<oracle::Ray> rays;
@@ -27,7 +27,7 @@ struct Scene {
 
 constexpr std::size_t kTriangleWords = 9, kRayWords = 8;
 
-/// The power of two that brings all coordinates into the format's range, 0 if they are there.
+/// The power of two that scales all coordinates into the format's range; 0 if they are within it.
 int scaling_into(FpFormat format, double largest) {
   const int high = LengthRange::of(format.exp_bits, format.man_bits).high;
   return largest <= std::ldexp(1, high) ? 0 : high - 1 - std::ilogb(largest);
@@ -53,7 +53,7 @@ Scene scene_in(FpFormat format, const Mesh& mesh, std::span<const Ray> rays) {
     append(scene.triangle_words, oracle::to_words(oracle::Shape(scene.triangles.back()), rounds));
   }
   for (const Ray& ray : rays) {
-    // T counts in units of d, which is no length here.
+    // T counts in units of d, which is not a length here.
     scene.rays.push_back(
         {rounded(ray.o, true), rounded(ray.d, false), 0, std::numeric_limits<double>::infinity()});
     append(scene.ray_words, oracle::to_words(scene.rays.back(), rounds));
@@ -68,7 +68,7 @@ struct Seen {
   [[nodiscard]] bool hit() const { return index != kNone; }
 };
 
-/// Exact: binary64 sorts out what is clearly missed.
+/// The exact answer. Binary64 rejects clear misses first.
 Seen truth(const Scene& scene, const oracle::Ray& ray) {
   Seen seen;
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
@@ -77,7 +77,7 @@ Seen truth(const Scene& scene, const oracle::Ray& ray) {
     const Vec p = ray.d.cross(e2), q = f.cross(e1);
     const double det = p.dot(e1), size = std::abs(det);
     const double u = std::copysign(1, det) * p.dot(f), v = std::copysign(1, det) * q.dot(ray.d);
-    // Of products of three lengths; a thousand times what their rounding can be.
+    // A bound for products of three lengths: a thousand times their largest rounding error.
     const double slack = 1e-12 * ray.d.norm() * (f.norm() + e1.norm() + e2.norm()) *
                          (e1.norm() + e2.norm() + f.norm());
     if (u < -slack || v < -slack || u + v > size + slack) continue;
@@ -97,8 +97,9 @@ std::vector<Seen> truths(const Scene& scene, Progress& progress, double from, do
   return all;
 }
 
-/// Triangles that the pipe may say it meets: all without the box rule, which may take noise for a
-/// hit anywhere in a triangle's plane; with it those whose widened box the ray comes near.
+/// Triangles that the pipe may report as hit. Without the box rule these are all triangles: noise
+/// may look like a hit anywhere in a triangle's plane. With the rule they are the triangles whose
+/// widened box the ray comes near.
 std::vector<std::uint32_t> candidates(const Scene& scene, const oracle::Ray& ray, bool box,
                                       double u) {
   std::vector<std::uint32_t> all;
@@ -111,8 +112,8 @@ std::vector<std::uint32_t> candidates(const Scene& scene, const oracle::Ray& ray
       const double radius = (high - low).norm() / 2;
       const double reach = (middle - ray.o).norm() + radius;
       const double world = high.cwiseAbs().cwiseMax(low.cwiseAbs()).maxCoeff();
-      // docs/reference/pairs_rays.md, the box rule: less than 64 u |T d|_1 and 12 u W, along each
-      // of three axes.
+      // The box rule (docs/reference/pairs_rays.md) widens by less than 64 u |T d|_1 and 12 u W
+      // along each of three axes.
       const double widened = 2 * u * (3 * 64 * reach + 12 * world);
       if ((middle - ray.o).cross(ray.d).norm() > length * (radius + 2 * widened)) continue;
     }
@@ -143,7 +144,7 @@ Seen pipe_sees(const Scene& scene, const AccuracyPipe& pipe, std::size_t ray) {
   return seen;
 }
 
-/// `saw` has T in units of the scene's own ray.
+/// `saw` holds T in units of the scene's ray.
 PixelKind compare(PixelCounts& counts, const Scene& scene, std::size_t ray, const Seen& is,
                   const Seen& saw, double u) {
   if (is.hit() != saw.hit()) {

@@ -17,8 +17,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using oracle::Vec;
 
-constexpr int kValues = 13;       // of an axis, evenly on a logarithmic scale
-constexpr std::size_t kFew = 10;  // fewer rays than these say nothing
+constexpr int kValues = 13;       // per axis, evenly on a logarithmic scale
+constexpr std::size_t kFew = 10;  // fewer rays give no reliable value
 
 double value_at(const ProfileAxis& axis, int k) {
   return axis.first * std::pow(axis.last / axis.first, static_cast<double>(k) / (kValues - 1));
@@ -29,8 +29,8 @@ struct RayAtTriangle {
   oracle::Triangle triangle;
 };
 
-/// A ray of length 1 from its origin to a triangle of its size, from well above, about the world's
-/// origin; but for what the axis changes.
+/// A ray of length 1 aimed steeply at a triangle near the world's origin. The axis changes one of
+/// these properties to x.
 RayAtTriangle make(std::size_t axis, double x, std::uint64_t seed, std::uint64_t index) {
   oracle::Random random(seed, 3000 + axis, index);
   const Eigen::Matrix3d turn = random.rotation();

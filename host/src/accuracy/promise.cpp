@@ -11,7 +11,7 @@
 namespace cde::accuracy {
 namespace {
 
-constexpr double kSolids = 16;  // u S (oracle/certificate.hpp)
+constexpr double kSolids = 16;  // in u S (oracle/certificate.hpp)
 
 Promise of_triangle(const AccuracyPipe& pipe) {
   switch (pipe.algorithm) {
@@ -53,7 +53,7 @@ std::string kept(const Promise& promise, const Tally& found) {
   if (wrong != 0) return fmt::format("{} wrong", wrong);
   if (promise.t && found.t.largest() > *promise.t)
     return fmt::format("T by {:.3g} u S", found.t.largest());
-  // What is promised in other units is not seen here, nor what is less than the oracle can tell.
+  // Bounds in other units are not checked here. Neither are bounds below the oracle's own error.
   if (promise.t && found.oracle.quantile(0.99) > *promise.t) return "-";
   return promise.hits || promise.misses || promise.t ? "yes" : "-";
 }

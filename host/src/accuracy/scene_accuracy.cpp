@@ -51,7 +51,7 @@ Words words_in(FpFormat format, const std::vector<Shapes>& objects) {
   return words;
 }
 
-/// A primary's answers to all secondaries in a format.
+/// Tests one primary with all secondaries in a format.
 class Tester {
  public:
   Tester(const SceneQuery& query, const SceneCard& card, FpFormat format,
@@ -78,12 +78,12 @@ class Tester {
   [[nodiscard]] std::size_t secondaries() const { return results_.size(); }
   [[nodiscard]] std::size_t primaries() const { return primaries_.all.size() / primaries_.each; }
   [[nodiscard]] const PairResult& result(std::size_t s) const { return results_[s]; }
-  /// T, of solids the signed gap.
+  /// T; for solids this is the signed distance.
   [[nodiscard]] double gap(std::size_t s) const {
     const double t = format_.decode(results_[s].t);
     return is_solid(query_.pair) && results_[s].f ? -t : t;
   }
-  /// The secondary that a mode with one record a primary keeps.
+  /// The secondary that a mode with one record per primary keeps.
   [[nodiscard]] std::uint32_t kept() const {
     std::uint32_t best = kNone;
     for (std::uint32_t s = 0; s < results_.size(); ++s) {
@@ -140,7 +140,7 @@ class Judge {
   }
 
  private:
-  /// Nothing of the primary could be tested.
+  /// Whether every pair of the primary was refused.
   [[nodiscard]] bool refused() const {
     for (std::size_t s = 0; s < seen_.secondaries(); ++s)
       if (!seen_.result(s).bad) return false;

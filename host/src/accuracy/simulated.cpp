@@ -32,7 +32,8 @@ Simulated simulated(const AccuracyPipe& pipe, Arithmetic arithmetic, std::uint64
                     .box = pipe.box,
                     .format = pipe.format,
                     .arithmetic = arithmetic};
-  // Facets in words of 64 bits take clang minutes a lane, and so do gates.
+  // Pipes with candidate axes (SAT) in 64-bit words take minutes per lane to compile, and so do
+  // gates.
   if (has_facets(pipe.pair) && pipe.format.width() > 32) config.lanes = 1;
   PairUnit unit(config);
   if (has_budget(pipe.pair)) unit.set_budget(pipe.budget);

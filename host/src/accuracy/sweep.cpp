@@ -14,17 +14,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Some cases of a family of a pipe.
+/// Some cases of one family of a pipe.
 struct FamilyPart {
   std::string name;
-  std::optional<oracle::Family> family;  ///< none: rays of a mesh
+  std::optional<oracle::Family> family;  ///< none: rays at a mesh
   std::uint64_t first = 0, cases = 0;
 };
 
-/// Cases of a chunk: a second or two of a core, and of rays against a whole mesh as much.
+/// Cases per chunk: a second or two of one core. Rays at a whole mesh take longer each, so their
+/// chunks are smaller.
 constexpr std::uint64_t kChunkCases = 50'000, kChunkRays = 5'000;
 
-/// All of a pipe, in chunks.
+/// Cuts all cases of a pipe into chunks.
 std::vector<FamilyPart> parts_of(const AccuracyPipe& pipe, const SweepOptions& o) {
   std::vector<FamilyPart> parts;
   const auto wanted = [&](const std::string& name) {
@@ -70,7 +71,7 @@ Tally Measured::all() const {
 }
 
 std::optional<std::vector<Measured>> sweep(const SweepOptions& o) {
-  std::vector<std::pair<std::size_t, FamilyPart>> chunks;  // of pipe number so and so
+  std::vector<std::pair<std::size_t, FamilyPart>> chunks;  // pipe number and chunk
   for (std::size_t i = 0; i < o.pipes.size(); ++i)
     for (FamilyPart& part : parts_of(o.pipes[i], o)) chunks.emplace_back(i, std::move(part));
   Dealing::here().begin(

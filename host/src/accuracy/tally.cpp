@@ -18,7 +18,8 @@
 namespace cde::accuracy {
 namespace {
 
-// Fractions of binary64; its exponents would be beyond the contract of all other formats.
+// Binary64 fractions with the exponents of fp32: larger exponents exceed the contract of all other
+// formats.
 constexpr oracle::Format kDrawnIn{8, 52};
 constexpr double kOracleRounding = 4 * 0x1p-53;
 
@@ -34,7 +35,7 @@ oracle::Vec vector(FpFormat format, const std::uint64_t (&words)[3]) {
   return {format.decode(words[0]), format.decode(words[1]), format.decode(words[2])};
 }
 
-/// Whether the decision is wrong.
+/// Counts the decision, and returns whether it is wrong.
 bool decide(Tally& tally, bool f, bool certain_hit, bool certain_miss, bool nearer_hit) {
   if (certain_hit) {
     tally.false_misses += f ? 0 : 1;
@@ -53,14 +54,14 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
   const double u = format.u();
   const oracle::Result result{answer.f, pipe.format.decode(answer.t),
                               vector(pipe.format, answer.cp), vector(pipe.format, answer.n)};
-  // The interval is a 64th of u S wide where binary64 can tell, and wider where that takes too
-  // long.
+  // The interval is u S / 64 wide where binary64 can resolve that and does so fast enough; else it
+  // is wider.
   oracle::CheckOptions options{.u = u,
                                .gap = {std::max(1e-13, u / 64), 30000},
                                .lower_bound = oracle::has_cylinder(pipe.pair)};
   const oracle::Verdict v = oracle::check(words.shape_a(), words.shape_b(), result, options);
-  // The oracle computes in binary64, and far from the world's origin no middle of a box or triangle
-  // is exact there.
+  // The oracle computes in binary64. Far from the world's origin it cannot represent the middle of
+  // a box or triangle exactly.
   const double slack =
       kOracleRounding * oracle::largest_coordinate(words.shape_a(), words.shape_b());
   const double tolerance = v.tolerance_t + slack, unit = u * v.scale;
@@ -68,7 +69,7 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
   Judged judged;
   if (decide(tally, answer.f, certain_hit, certain_miss, v.gap.middle() <= 0))
     judged.decision = (certain_hit ? -v.gap.hi : v.gap.lo) / unit;
-  // Where all corners are one point, S is 0, and so is an error that is none.
+  // S is 0 if all corners coincide; a zero error then stays zero.
   const auto in_units = [unit](double error) { return error == 0 ? 0 : error / unit; };
   if (unit > 0) tally.oracle.add(((v.gap.hi - v.gap.lo) / 2 + slack) / unit);
   if (!says_distance(pipe.pair, pipe.variant)) return judged;
@@ -100,7 +101,8 @@ Judged judge_ray(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& wor
   if (decide(tally, answer.f, exact.hit && !v.in_band, !exact.hit && !v.in_band, exact.hit))
     judged.decision = exact.margin / u;
   tally.not_numbers += answer.f && !std::isfinite(t) ? 1 : 0;
-  // Of another crossing, or at a tangent, T is no matter of rounding.
+  // If the answer is another crossing, or the ray is tangent, the error of T is not a rounding
+  // error.
   if (!answer.f || !exact.hit || exact.margin_t <= band || exact.cosine * exact.cosine <= band)
     return judged;
   judged.t = v.error_t / u;
@@ -110,7 +112,7 @@ Judged judge_ray(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& wor
   return judged;
 }
 
-/// Counters and error counts with the names that files of sweeps have for them.
+/// Passes every counter and error count to `use`, with its name in files of accuracy runs.
 template <class Use>
 void each_count(Use use) {
   use("cases", &Tally::cases), use("refused", &Tally::refused);
@@ -160,7 +162,7 @@ std::string AccuracyPipe::repeat_command(std::span<const std::uint64_t> a,
 }
 
 nlohmann::ordered_json WorstCase::to_json() const {
-  // An infinite size is null: JSON has no word for it.
+  // JSON cannot represent an infinite size: it becomes null.
   return {{"family", family}, {"index", index}, {"size", size}, {"a", a}, {"b", b}};
 }
 

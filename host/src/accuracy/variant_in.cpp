@@ -21,8 +21,8 @@ S value_of(Fused<S> x) {
   return x.value();
 }
 
-/// Every pair of words through a test of shapes A and B; R is the scalar it computes in, S the
-/// format's.
+/// Tests every pair of words of shapes A and B. The test computes in the scalar R; S is the
+/// format's scalar.
 template <class S, class R, class A, class B, class Test>
 void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
            std::span<PairResult> results, Test test) {

@@ -7,7 +7,7 @@
 
 namespace cde::accuracy {
 
-/// The variants in the scalar S. variant_in.cpp is compiled for a few scalars at a time.
+/// The variants in the scalar S. Each build of variant_in.cpp compiles a few scalars.
 template <class S>
 struct VariantIn {
   static void textbook(Pair pair, std::span<const std::uint64_t> a,

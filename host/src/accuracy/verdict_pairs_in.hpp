@@ -6,7 +6,7 @@ namespace cde::accuracy {
 
 using Words = std::span<const std::uint64_t>;
 
-/// test_certain in the scalar N. verdict_pairs_in.cpp is compiled for a few scalars at a time.
+/// test_certain() in the scalar N. Each build of verdict_pairs_in.cpp compiles a few scalars.
 template <class N>
 struct CertainIn {
   static void test(Pair pair, const PairBudget& budget, Words a, Words b,

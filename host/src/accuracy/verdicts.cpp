@@ -20,7 +20,8 @@ using reference::verdict::Certain;
 
 constexpr std::uint64_t kAtOnce = 4096;
 
-/// The truth is looked for no more closely than it takes: an oracle's interval on one side of zero.
+/// Counts a case. The oracle's interval need only lie on one side of zero, so its tolerance is
+/// wide.
 void count(VerdictCounts& counts, const oracle::Case& pair, Certain certain) {
   const oracle::Shape a = pair.shape_a(), b = pair.shape_b();
   const oracle::Gap gap = oracle::signed_gap(a, b, {.tolerance = 1e-7});

@@ -42,7 +42,8 @@ void require_waves(std::string_view parameters) {
 void open_waves(const std::filesystem::path& file, const TraceOptions& which,
                 std::optional<std::uint64_t> ddr_word, std::uint64_t clock,
                 const std::function<int(const cde_trace*)>& open) {
-  // A clock of the axis begins with its low half, and its last time is before the next one.
+  // A cycle on the time axis begins with the clock's low half. Its last time precedes the next
+  // cycle.
   const auto time = [&](std::uint64_t clocks) {
     return clocks > std::numeric_limits<std::uint64_t>::max() / clock - 1
                ? std::numeric_limits<std::uint64_t>::max()

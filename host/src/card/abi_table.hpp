@@ -13,12 +13,12 @@
 
 namespace cde {
 
-/// Error kConfiguration unless a bitstream's table of functions is the one that this driver was
-/// built with: version and size.
+/// Checks the version and size of a simulation model's function table against the driver's. Error
+/// kConfiguration if they differ.
 void check_table(const Bitstream& bitstream, const cde_abi_head& head, const cde_abi_head& built);
 
-/// The table of functions of a bitstream, `Entry` being the type of the only function that it
-/// exports. Error kConfiguration if it exports no such function, or another table.
+/// The function table of a simulation model. `Entry` is the type of the only function that the
+/// model exports. Error kConfiguration if it exports no such function or another table.
 template <class Entry>
 [[nodiscard]] auto abi_table(const Bitstream& bitstream, const char* entry, std::uint32_t version) {
   const auto* const table = reinterpret_cast<Entry>(bitstream.symbol(entry))();
@@ -26,16 +26,17 @@ template <class Entry>
   return table;
 }
 
-/// Errors of a card's models, the same whichever bus they are behind.
+/// Errors of a card's models, on either bus.
 [[noreturn]] void no_memory_for_models();
-/// Error kUsage if the bitstream has no waves, by its parameters.
+/// Error kUsage if the simulation model cannot write waves, according to its parameters.
 void require_waves(std::string_view parameters);
-/// Asks a model for waves; `clock` is the length of one on the time axis, `open` its trace_open.
-/// Error kFile if the file cannot be written, kUsage if there is no such signal.
+/// Asks a model for waves. `clock` is the length of a cycle on the time axis, and `open` is the
+/// model's trace_open. Error kFile if the file cannot be written, kUsage if there is no such
+/// signal.
 void open_waves(const std::filesystem::path& file, const TraceOptions& which,
                 std::optional<std::uint64_t> ddr_word, std::uint64_t clock,
                 const std::function<int(const cde_trace*)>& open);
-/// What a bitstream's trace_close answers: 0, or the errno of what could not be written.
+/// Checks the result of a model's trace_close: 0, or the errno of a failed write.
 void require_whole_waves(int error);
 
 }  // namespace cde

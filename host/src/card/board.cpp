@@ -24,7 +24,7 @@
 namespace cde {
 namespace {
 
-/// The file for the waves of the next board of this process, if $CDE_WAVES asks for any.
+/// The waves file for the next board of this process, if $CDE_WAVES asks for waves.
 std::optional<std::filesystem::path> next_waves() {
   static std::atomic<unsigned> boards = 0;
   const char* folder = std::getenv("CDE_WAVES");
@@ -268,7 +268,7 @@ void Board::update_words(Shape shape, std::size_t first, std::size_t count, cons
   for (std::size_t i = 0; i < count; ++i)
     if (const auto why = defect(i)) throw_defect(shape, i, *why);
   const std::uint64_t start = clocks();
-  const std::uint32_t there = std::exchange(card().secondaries, 0);  // none if this fails
+  const std::uint32_t there = std::exchange(card().secondaries, 0);  // no secondaries if this fails
   card().outdate_hierarchy(first, count);
   card().write_slots(shape, first, count, words);
   card().upload_clocks = clocks() - start;
@@ -295,7 +295,7 @@ void Board::Impl::write_slots(Shape shape, std::size_t first, std::size_t count,
   constexpr std::size_t kChunk = 1024;
   const std::size_t slot_words = cde::words(shape);
   const bool odd = slot_words % 2 != 0;
-  // Where a chunk begins or ends within a beat, the other word of that beat goes along.
+  // If a chunk begins or ends within a beat, the other word of that beat is written too.
   std::vector<std::uint32_t> buffer((kChunk + 1) * slot_words + 2);
   std::array<float, contract::kMostWords> shape_numbers{};
   for (std::size_t done = 0; done < count;) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where in DDR a word is wrong in more bits than its check bits correct: the card only counts them.
+// Finds the DDR word with an uncorrectable error. The card only counts such words.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,20 +10,19 @@
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kClocksASecondary = 2048;  // at most: that of a cylinder pipe
+constexpr std::uint64_t kClocksASecondary = 2048;  // the most, of a cylinder pipe
 constexpr std::uint64_t kClocksAPass = 100'000;
 
 }  // namespace
 
-/// A pass of no primary over these.
+/// Whether a pass with no primary over these secondaries finds an uncorrectable error.
 bool Board::Impl::uncorrectable(std::uint32_t first, std::uint32_t count) {
   write_register(card::kRegControl, card::kControlClear);
   write_register(card::kRegSecFirst, first);
   write_register(card::kRegSecCount, count);
   write_register(card::kRegControl, card::kControlGo);
   const std::uint64_t end = clocks() + kClocksAPass + count * kClocksASecondary;
-  // The interrupt of the pass before may still be on its way to the host: what counts is the
-  // status.
+  // An interrupt of the previous pass may still arrive, so this loop checks the status.
   do {
     link->run(std::min(end - clocks(), kClocksAPass));
     (void)link->interrupt();

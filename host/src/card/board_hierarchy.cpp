@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hierarchy in the card: into its memory, and whether a query can take it.
+// Loads a BVH into the card, and decides whether a query can traverse it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace cde {
 namespace {
 
-/// Whether something has a way through a hierarchy over them.
+/// Whether a BVH over this shape can be traversed.
 bool is_leaf(Shape shape) {
   for (unsigned p = 0; p < kPairs; ++p)
     for (const bool swap : {false, true}) {
@@ -61,7 +61,7 @@ std::array<std::uint32_t, 8> root_words(const Eigen::AlignedBox3f& box) {
   return words;
 }
 
-/// Which secondary, and of which object, is at each place of those of all objects.
+/// A secondary and its object.
 struct Place {
   std::uint32_t index, object;
 };
@@ -73,11 +73,11 @@ std::vector<Place> places_of(const std::vector<Object>& objects) {
   return places;
 }
 
-/// Nodes that passing over takes less time than another pass.
+/// Nodes that take less time to skip than another pass takes.
 constexpr std::uint32_t kNodesOfAPass = 256;
 
-/// Ranges of nodes from the first one on up to an end, those of objects that have moved and what is
-/// above them, the last ones first.
+/// Ranges [first, end) of nodes that need a refit, last range first: nodes of moved objects and all
+/// nodes above objects.
 std::vector<std::array<std::uint32_t, 2>> outdated(const LoadedHierarchy& tree) {
   if (tree.parts.empty() || tree.moved.size() != tree.parts.size()) return {{0, tree.nodes}};
   std::vector<std::array<std::uint32_t, 2>> ranges = {{0, tree.parts.front().first_node}};
@@ -134,7 +134,8 @@ void Board::Impl::write_hierarchy(const Hierarchy& tree) {
     check_object(objects, i, objects.objects[i]);
   hierarchy = {};
   constexpr std::size_t kChunk = 4096;
-  constexpr unsigned kFront = 16;  // words of a node that lie together, the others behind all
+  constexpr unsigned kFront =
+      16;  // the first words of a node lie together; the rest lies behind all nodes
   const auto nodes = tree.nodes();
   std::vector<std::uint32_t> front, rest;
   for (std::size_t first = 0; first < nodes.size(); first += kChunk) {
@@ -243,7 +244,7 @@ Counters Board::refit() {
   return counters;
 }
 
-/// Of objects as they lie in the card now.
+/// Checks the card's current objects against the BVH.
 std::optional<std::string> Board::Impl::no_way_through_objects() const {
   const auto& all = objects.objects;
   if (hierarchy.firsts.size() != all.size()) {
@@ -253,7 +254,8 @@ std::optional<std::string> Board::Impl::no_way_through_objects() const {
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (all[k].first != hierarchy.firsts[k] || all[k].count != hierarchy.counts[k])
       return fmt::format("the hierarchy has another object {} than the card", k);
-    // Of equal T the one that is met first counts in a sweep, the least number in a hierarchy.
+    // For equal T a brute-force pass keeps the first pair it tests, and traversal keeps the lowest
+    // index. Ascending objects make these the same.
     if (k > 0 && all[k].first < std::uint64_t{all[k - 1].first} + all[k - 1].count)
       return fmt::format("object {} does not lie behind object {}", k, k - 1);
   }
@@ -261,7 +263,7 @@ std::optional<std::string> Board::Impl::no_way_through_objects() const {
 }
 
 std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
-  (void)name_of(q.mode);  // or it is none
+  (void)name_of(q.mode);  // throws for an unknown mode
   if (node_units == 0) return "the card has no node units";
   if (hierarchy.nodes == 0) return "no hierarchy was uploaded";
   if (auto why = no_way_through_objects()) return why;

@@ -15,14 +15,14 @@ namespace cde {
 
 /// An object table of the card, and what the driver wrote into it.
 struct ObjectTable {
-  const char* slots;     ///< what the ranges are of, for messages
+  const char* slots;     ///< the side of the ranges, for messages
   std::uint32_t offset;  ///< in kSpaceReg
-  unsigned entries = 0;  ///< 0: the card has none
+  unsigned entries = 0;  ///< 0: the card has no such table
   std::vector<Object> objects = {};
-  std::vector<std::uint32_t> placed = {};  ///< first slot of each range, as written; ~0: not yet
-  std::vector<bool> posed = {};            ///< whose transform has been written
+  std::vector<std::uint32_t> placed = {};  ///< first slot of each range as written; ~0 before
+  std::vector<bool> posed = {};            ///< whether each transform has been written
 
-  /// These, of which nothing has been written.
+  /// Takes these objects. Nothing of them is written yet.
   void assign(std::vector<Object> all) {
     objects = std::move(all);
     placed.assign(objects.size(), ~0u);
@@ -30,15 +30,15 @@ struct ObjectTable {
   }
 };
 
-/// The hierarchy in a card's memory.
+/// The BVH in a card's memory.
 struct LoadedHierarchy {
-  std::uint32_t nodes = 0, slots = 0;   ///< 0: none
-  std::array<std::uint32_t, 8> root{};  ///< as kRegRoot has it
-  std::vector<Hierarchy::Part> parts;   ///< of objects
-  std::vector<std::uint32_t> firsts;    ///< secondaries that the objects begin with
+  std::uint32_t nodes = 0, slots = 0;   ///< 0: no BVH
+  std::array<std::uint32_t, 8> root{};  ///< as in kRegRoot
+  std::vector<Hierarchy::Part> parts;   ///< one per object
+  std::vector<std::uint32_t> firsts;    ///< first secondary of each object
   std::vector<std::uint32_t> counts;
-  bool stale = false;       ///< secondaries have changed since
-  std::vector<bool> moved;  ///< of which objects; meant only while it is stale
+  bool stale = false;       ///< secondaries have changed since the upload
+  std::vector<bool> moved;  ///< by object; valid only while stale
 };
 
 /// State of a Board, and single accesses to its card. Private to the driver.
@@ -55,99 +55,98 @@ class Board::Impl {
         ddr_latency(options.ddr_latency),
         pass_retry_limit(options.bus_retries) {}
 
-  /// Over the link, and counted if it is shapes or objects.
+  /// Writes over the link, and counts words of shapes and objects.
   void write(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
   [[nodiscard]] std::uint64_t read_register(std::uint32_t offset);
   void write_register(std::uint32_t offset, std::uint64_t value);
   [[nodiscard]] std::uint64_t clocks() const { return link->clocks(); }
 
-  /// Hardware reset: what is not in DDR is gone.
+  /// Hardware reset: keeps only DDR.
   void reset();
-  /// The same, but the next pass writes primaries and objects again.
+  /// Also makes the next pass write primaries and objects again.
   void recover();
 
-  /// Throws kDevice with the fault address if an access was refused, after clearing it.
+  /// Throws kDevice with the fault address if the card refused an access, and clears the fault.
   void check_bus(const char* during);
 
-  /// Primaries into the register file from slot `first` on. Error kUsage if they do not fit.
+  /// Loads primaries into the register file from slot `first` on. Error kUsage if they do not fit.
   void load(std::uint32_t first, Shape shape, std::size_t count,
             const std::function<void(std::size_t, float*)>& words);
-  /// Slot of the second pair's first primary: rows are not shared.
+  /// Slot of the second pair's first primary. The two pairs share no row.
   [[nodiscard]] std::uint32_t split() const { return (loaded + lanes - 1) / lanes * lanes; }
 
-  /// Shapes into DDR from slot `first` on, through a small buffer.
+  /// Writes shapes into DDR from slot `first` on, through a small buffer.
   void write_slots(Shape shape, std::size_t first, std::size_t count,
                    const std::function<void(std::size_t, float*)>& words);
   void set_objects(ObjectTable& table, std::span<const Object> all);
   void move_object(ObjectTable& table, std::size_t number, const Transform& transform);
-  /// What a pass needs: primaries and objects as they were given, if a fault kept them from the
-  /// card; objects that fit, ranges of primaries where these lie.
+  /// Prepares a pass. Writes primaries and objects again if a fault kept them from the card. Checks
+  /// that objects fit, and writes the ranges of primaries.
   void prepare();
-  void prepare_objects();  ///< the part of it that is of objects
-  /// Byte of DDR where a secondary begins that has a word with more wrong bits than check bits
-  /// correct, found by passes over half of what is left at a time; `command` as the pass that met
-  /// it had. Nothing if it is not met again.
+  void prepare_objects();  ///< the objects' part of prepare()
+  /// The DDR byte where a secondary with an uncorrectable word begins. Halves the range with a pass
+  /// each time. `command` is that of the failed pass. Nothing if no pass finds the error again.
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
-  /// Nodes and slots into their memories.
+  /// Writes nodes and slots into their memories.
   void write_hierarchy(const Hierarchy& hierarchy);
-  /// A word of each slot, of what its place in the order is.
+  /// Writes one word per slot: the word of the secondary at that place of the order.
   void write_slots_of(std::span<const std::uint32_t> order, std::uint64_t byte,
                       const std::function<std::uint32_t(std::uint32_t)>& word);
-  /// The registers that passes through it and refits share; of the nodes from the first one on up
-  /// to the end.
+  /// Writes the registers that traversal and refit share, for the nodes [first, end).
   void configure_hierarchy(std::uint32_t first, std::uint32_t end);
-  /// Secondaries have changed, or objects have moved: the hierarchy's boxes are not theirs.
+  /// Marks the BVH as stale: secondaries have changed, or an object has moved.
   void outdate_hierarchy(std::uint64_t first, std::uint64_t count);
   void outdate_hierarchy(std::size_t object);
   [[nodiscard]] std::optional<std::string> no_way_through_objects() const;
-  /// Why the pass cannot go through a hierarchy; nothing if it can.
+  /// Why the pass cannot traverse a BVH; nothing if it can.
   [[nodiscard]] std::optional<std::string> no_way_through(const Query& query) const;
   /// The words of a loaded primary.
   [[nodiscard]] const std::uint32_t* loaded_words(std::uint32_t primary) const {
     return &packets_[0].words[primary * ((slot_words + 1) / 2 * 2)];
   }
-  /// Secondaries of a pass.
+  /// Number of secondaries that a brute-force pass tests.
   [[nodiscard]] std::uint64_t swept(const Query& query) const;
 
-  /// Numbers of a slot as words of the card; what is left of `slot` stays. A shape's number is for
-  /// messages: error kBadInput for an end of an interval that is finite and beyond the format, as
-  /// the card would not flag it.
+  /// Encodes a slot's numbers as words of the card; other words of `slot` keep their value. Error
+  /// kBadInput for a finite end of an interval beyond the format, which the card would not flag.
+  /// The shape's number is for messages.
   void encode(Shape shape, std::size_t number, std::span<const float> numbers,
               std::uint32_t* slot) const;
 
   FpFormat format;
-  FloatWords coding;  ///< of the format
+  FloatWords coding;  ///< of the card's format
   std::unique_ptr<CardLink> link;
   std::filesystem::path bitstream;
-  BusTime bus;              ///< of either kind of link, for deadlines
+  BusTime bus;              ///< timing of either link, for deadlines
   std::uint64_t period_ps;  ///< of the core clock
   unsigned ddr_latency;
   unsigned pass_retry_limit;
   unsigned lanes = 0, primaries = 0, pipe_latency = 0;
-  std::uint64_t capacity = 0, sram_records = 0;  ///< bytes of DDR
-  std::uint32_t secondaries = 0;                 ///< uploaded
-  std::uint32_t loaded = 0;                      ///< primaries in the register file
-  std::uint32_t second_loaded = 0;  ///< those of the second pair, behind them on the next full row
+  std::uint64_t capacity = 0, sram_records = 0;  ///< capacity: bytes of DDR
+  std::uint32_t secondaries = 0;                 ///< number of uploaded secondaries
+  std::uint32_t loaded = 0;                      ///< number of primaries in the register file
+  std::uint32_t second_loaded =
+      0;  ///< number of the second pair's primaries, which follow on the next full row
   Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay, second_shape = Shape::kRay;
   std::vector<Pair> pairs;
   bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;      ///< of a primary
-  unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets
+  unsigned facet_interval = 1;  ///< cycles between rows for pairs with candidate axes
   bool verdicts = false;        ///< BoardConfig::verdicts
   bool box = false;             ///< BoardConfig::box
-  bool passing = false;         ///< in Board::run, which its sink and progress may not ask for more
+  bool passing = false;  ///< inside Board::run, whose sink and progress must not start a pass
   std::uint64_t pass_retries = 0;
-  std::uint64_t register_ps = 0;  ///< spent in read_register() and write_register()
+  std::uint64_t register_ps = 0;  ///< spent in register accesses
   std::uint64_t load_ps = 0;      ///< spent in the last load of primaries
   std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
   unsigned node_units = 0, node_capacity = 0, ray_places = 0;
-  std::uint64_t slot_capacity = 0;  ///< of leaves
+  std::uint64_t slot_capacity = 0;  ///< leaf slots that the card can hold
   LoadedHierarchy hierarchy;
   ObjectTable objects{"secondaries", card::kObjectTable};
   ObjectTable primary_objects{"primaries", card::kPrimObjectTable};
 
  private:
-  /// Primaries as the card has them, or is to have them.
+  /// Primaries as they are, or should be, in the card.
   struct Packet {
     std::uint32_t offset = 0;  ///< in kSpacePrim
     std::vector<std::uint32_t> words = {};
@@ -155,18 +154,18 @@ class Board::Impl {
   };
   void write_packet(Packet& packet);
   [[nodiscard]] bool uncorrectable(std::uint32_t first, std::uint32_t count);
-  std::array<Packet, 2> packets_;  ///< of the first and of the second pair
-  /// Error kUsage if the object does not fit what lies in the card, as far as something does.
+  std::array<Packet, 2> packets_;  ///< of the first and the second pair
+  /// Error kUsage if the object does not fit the shapes in the card.
   void check_object(const ObjectTable& table, std::size_t number, const Object& object) const;
-  void write_object(ObjectTable& table, std::size_t number);  ///< its range, if it changed
+  void write_object(ObjectTable& table, std::size_t number);  ///< writes a changed range
   void write_transform(ObjectTable& table, std::size_t number);
-  /// Shapes of an odd number of words share beats of DDR, which is written by whole beats: the last
-  /// word of an even slot and the first one of the next, for every such two slots.
+  /// Last and first word of each two neighbouring slots. Shapes with an odd number of words share
+  /// DDR beats, and DDR is written in whole beats.
   std::vector<std::array<std::uint32_t, 2>> seams_;
 };
 
-/// Error kUsage unless it is a time; infinity is one. Comparisons with NaN are false, so a watchdog
-/// of NaN would never bite.
+/// Error kUsage unless the watchdog is a time; infinity is valid. A NaN would never expire, since
+/// all comparisons with it are false.
 inline void check_watchdog(std::chrono::duration<double> watchdog) {
   if (!(watchdog.count() >= 0))
     throw Error(ErrorCode::kUsage,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects: ranges of shapes that move by a rigid transform in the card's object tables.
+// Objects: ranges of shapes that the card's object tables move by rigid transforms.
 #include <fmt/format.h>
 
 #include <array>
@@ -73,7 +73,7 @@ void Board::Impl::write_transform(ObjectTable& table, std::size_t number) {
 void Board::Impl::write_object(ObjectTable& table, std::size_t number) {
   const Object& object = table.objects[number];
   std::uint32_t first = object.first;
-  // Primaries of the second pair begin on a row of their own.
+  // Primaries of the second pair begin on their own row.
   if (&table == &primary_objects && second_loaded != 0 && first >= loaded)
     first += split() - loaded;
   if (table.placed[number] == first) return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pass: invokeCDE and downloadSRAM.
+// Runs a pass: invokeCDE and downloadSRAM.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,18 +26,18 @@ class Pass : private CardPass {
     slots_ = second != 0 ? split_ + second : card.loaded;
     stencil_ = query.stencil;
     for (unsigned p = card.loaded; p < card.primaries; ++p) {
-      // Slots between the two pairs' primaries are empty; the query's bits count without them.
+      // Slots between the two pairs' primaries are empty. The query's bits do not count them.
       const unsigned number = p - split_ + card.loaded;
       stencil_[p] = p < split_ || number >= card.primaries || query.stencil[number];
     }
     for (unsigned p = 0; p < slots_; ++p) active_ += stencil_[p] ? 0u : 1u;
     const std::uint64_t rows = (std::max(card.loaded, second) + card.lanes - 1) / card.lanes;
-    // A ring takes a row in as many clocks as a pair takes passes, each of which takes its length.
+    // An iterative pipeline takes a row in as many cycles as the pair needs passes.
     const std::uint64_t passes =
         std::max(reference::passes(*query.pair, query.budget),
                  query.second ? reference::passes(query.second->pair, query.budget) : 0u);
     const bool facets = has_facets(*query.pair) || (query.second && has_facets(query.second->pair));
-    // Behind narrow lanes a row takes a clock a pair that they leave open.
+    // Behind the certified filter, a row takes up to one cycle per lane.
     const bool verdicts = card.verdicts && (has_verdicts(*query.pair) ||
                                             (query.second && has_verdicts(query.second->pair)));
     const std::uint64_t clocks_a_row = passes != 0 ? passes
@@ -48,8 +48,8 @@ class Pass : private CardPass {
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
     expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
-    // Twice the worst: every row, every record written and read back, the memory's latency a slot,
-    // and whatever the accesses to registers take.
+    // Twice the worst case: all rows, writing and reading back all records, memory latency per
+    // slot, and register accesses.
     constexpr std::uint64_t kAccessesPs = 100'000'000;
     const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_clocks()) * records +
                                 swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
@@ -58,7 +58,7 @@ class Pass : private CardPass {
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
 
-  /// Core clocks that a record takes over the bus, in transfers as short as they may be.
+  /// Core cycles that a record takes over the bus, in transfers of the least size.
   [[nodiscard]] std::uint64_t record_clocks() const {
     const std::uint64_t together =
         std::min<std::uint64_t>({off_full_ring(), card_.sram_records, 1024});
@@ -107,17 +107,17 @@ class Pass : private CardPass {
     }
   }
 
-  /// Its part of the command.
+  /// The second pair's part of the command.
   [[nodiscard]] std::uint64_t second() const {
     if (!query_.second) return 0;
     return card::kCommandSecond | (query_.second->swap ? card::kCommandSecondSwap : 0) |
            card::kCommandSecondPair(query_.second->pair);
   }
 
-  /// In the streaming modes records are taken while the engine works, as soon as there are enough
-  /// for long bursts.
+  /// Waits for the end of the pass. In the streaming modes it takes records meanwhile, once they
+  /// fill long bursts.
   void wait_until_done() {
-    // Short enough to notice the watchdog and to find records, long enough not to matter.
+    // Slices are short enough for the watchdog and for records, and long enough to cost little.
     constexpr std::uint64_t kSlice = 16384, kStreamSlice = 4096, kEnough = 1024;
     for (;;) {
       const std::uint64_t spent = card_.clocks() - started_;
@@ -139,7 +139,7 @@ class Pass : private CardPass {
     }
   }
 
-  /// Takes as many ring entries, which are there. With normals a record is two.
+  /// Takes this many ring entries, which the ring must hold. A record with normals is two entries.
   void drain(std::uint64_t wanted) {
     constexpr std::uint64_t kChunk = 8192;
     while (wanted != 0) {
@@ -165,7 +165,8 @@ class Pass : private CardPass {
       return;
     }
     Record r = decode(entry, card_.coding);
-    if (r.index != ~0u) r.index += query_.first_secondary;  // the card counts from there
+    if (r.index != ~0u)
+      r.index += query_.first_secondary;  // the card counts from the first secondary
     if (query_.second && r.primary >= split_) r.primary -= split_ - card_.loaded;
     if (query_.normals) {
       half_ = r;
@@ -174,7 +175,7 @@ class Pass : private CardPass {
     }
   }
 
-  /// Words of a format narrower than the card's have nothing above it.
+  /// A format narrower than the card's words leaves the upper bits zero.
   void check_numbers(const std::uint32_t* entry) {
     const auto width = static_cast<unsigned>(card_.format.width());
     if (width == kCardWord) return;
@@ -227,11 +228,11 @@ class Pass : private CardPass {
   }
 
   const RecordSink& sink_;
-  std::uint64_t swept_;  // secondaries
+  std::uint64_t swept_;  // number of secondaries
   std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
-  unsigned active_ = 0, slots_ = 0, split_ = 0;  // of primaries
+  unsigned active_ = 0, slots_ = 0, split_ = 0;  // numbers of primaries
   Stencil stencil_;
-  std::uint64_t ring_entries_ = 1;  // of a record
+  std::uint64_t ring_entries_ = 1;  // per record
   bool streaming_ = false;
   std::vector<Record> records_;
   std::optional<Record> half_;  // waits for its normal
@@ -268,13 +269,13 @@ void check_second(const Board::Impl& card, const Query& q) {
   check_shapes(card, pair, q.second->swap, card.second_shape);
 }
 
-/// The query with its pair, which must be one of the card's and fit what was uploaded and what is
-/// loaded.
+/// Completes the query with its pair. The card must have that pair, and it must fit the uploaded
+/// secondaries and the loaded primaries.
 Query complete(const Board::Impl& card, const Query& query, Shape loaded) {
   if (card.secondaries == 0)
     throw Error(ErrorCode::kUsage, "no secondaries were uploaded to the board");
   Query q = query;
-  (void)name_of(q.mode);  // or it is none
+  (void)name_of(q.mode);  // throws for an unknown mode
   check_watchdog(q.watchdog);
   if (q.first_secondary != 0 || q.secondary_count != 0) {
     if (!card.objects.objects.empty())
@@ -308,7 +309,7 @@ void require_sink(const RecordSink& sink) {
   if (!sink) throw Error(ErrorCode::kUsage, "records need a sink, and this one is empty");
 }
 
-/// Sets a flag for as long as it lives.
+/// Sets a flag during its lifetime.
 class Passing {
  public:
   explicit Passing(bool& flag) : flag_(flag) { flag_ = true; }
@@ -320,7 +321,7 @@ class Passing {
   bool& flag_;
 };
 
-/// Whether the query takes the hierarchy. Error kUsage if it has to and cannot.
+/// Whether the query traverses the BVH. Error kUsage if it must and cannot.
 bool through_hierarchy(const Board::Impl& card, const Query& query) {
   if (query.through > Through::kSweep)
     throw Error(ErrorCode::kUsage, fmt::format("there is no way {} through secondaries",
@@ -332,7 +333,7 @@ bool through_hierarchy(const Board::Impl& card, const Query& query) {
   return !why;
 }
 
-/// A pass gives the same records every time: if some are lost on the bus it is run again.
+/// Runs a pass again if the bus lost records: every run gives the same records.
 template <class Attempt>
 Counters with_retries(Board::Impl& card, const Attempt& attempt) {
   for (unsigned failures = 0;;) {
@@ -355,7 +356,7 @@ Counters walk(Board::Impl& card, const Query& query, std::span<const std::uint32
   });
 }
 
-/// What mode occluded leaves of a record of mode any.
+/// Reduces a record of mode any to the record of mode occluded.
 Record f_alone(const Record& any) {
   Record r;
   r.f = any.f;
@@ -367,7 +368,7 @@ Record f_alone(const Record& any) {
   return r;
 }
 
-/// The pass over all secondaries. `present` throws if the board is gone.
+/// A brute-force pass over all secondaries. `present` throws if the board is gone.
 Counters sweep(Board::Impl& card, const Query& query, const RecordSink& sink,
                const std::function<void()>& present) {
   Query asked = query;
@@ -381,7 +382,7 @@ Counters sweep(Board::Impl& card, const Query& query, const RecordSink& sink,
       sink(blank);
     };
   }
-  // If the pass is run again those that `sink` has are left out.
+  // A repeated pass skips the records that `sink` already has.
   std::uint64_t delivered = 0;
   return with_retries(card, [&] {
     std::uint64_t known = delivered;
@@ -398,9 +399,8 @@ Counters sweep(Board::Impl& card, const Query& query, const RecordSink& sink,
   });
 }
 
-/// Primaries of a pass through the hierarchy, at most: the more, the less the last ones matter.
-/// Records of a pass are kept until it is over, and in mode hits a ray may have many, a solid as
-/// many as there are triangles.
+/// Most primaries per traversal pass. A large pass hides the latency of its last primaries. But the
+/// driver keeps a pass's records until it ends, and mode hits has up to one record per pair.
 std::size_t most_of_a_pass(const Board::Impl& card, Shape shape, Mode mode) {
   if (mode != Mode::kHits) return 65'536;
   return shape == Shape::kRay ? 4096 : card.primaries;
@@ -411,7 +411,8 @@ std::size_t most_of_a_pass(const Board::Impl& card, Shape shape, Mode mode) {
 Counters Board::run(const Query& query, const RecordSink& sink) {
   idle_card().link->alive();
   require_sink(sink);
-  const std::shared_ptr<Impl> kept = impl_;  // whatever becomes of this board meanwhile
+  const std::shared_ptr<Impl> kept =
+      impl_;  // keeps the state alive if the callback destroys the board
   Impl& it = *kept;
   const auto present = [&kept] {
     if (kept.use_count() == 1)

@@ -9,25 +9,26 @@
 namespace cde {
 namespace {
 
-// PCI clocks of rtl/bus and of the host bridge that no profile changes: states of their machines
-// along the way, in sums that were read off Bus::kCycle, where tests/bus/time_test.cpp looks again.
-constexpr std::uint64_t kAccess = 6;     // of the CPU: around the data phases of a write
-constexpr std::uint64_t kBetween = 4;    // of any access, with nobody on the bus
-constexpr std::uint64_t kReadBurst = 8;  // the card's own, from burst to burst
+// PCI clocks of rtl/bus and of the host bridge that no profile changes. They are sums of states of
+// the bus state machines, read off Bus::kCycle; tests/bus/time_test.cpp checks them.
+constexpr std::uint64_t kAccess = 6;     // CPU write: clocks around the data phases
+constexpr std::uint64_t kBetween = 4;    // any access: clocks with an idle bus
+constexpr std::uint64_t kReadBurst = 8;  // card's reads: clocks between bursts
 constexpr std::uint64_t kWriteBurst = 9;
-constexpr std::uint64_t kPage = 3;      // looking a page up before the transfer
-constexpr std::uint64_t kHandOver = 2;  // from one master to the other, with the arbitration
+constexpr std::uint64_t kPage = 3;      // page lookup before the transfer
+constexpr std::uint64_t kHandOver = 2;  // from one master to the other, with arbitration
 constexpr std::uint64_t kDescriptor = 4, kRecord = 2;  // words
-constexpr double kUpload = 36;         // of a transfer to the card beside what is named here,
-constexpr double kDownload = 37.5;     // and of one to the host,
-constexpr double kDownloadCore = 4.5;  // which also crosses into the core's clock and back
+constexpr double kUpload = 36;                         // fixed clocks of a transfer to the card,
+constexpr double kDownload = 37.5;                     // and of one to the host,
+constexpr double kDownloadCore = 4.5;  // which also crosses into the core's clock domain and back
 constexpr double kRequests = 16;       // words between the DMA engine's FIFO and the local bus
-constexpr double kDrain = 4.3;         // from the last word there to the end of the transfer
-constexpr double kSlice = 64;          // latency timer: a burst is cut when the CPU wants the bus
-constexpr double kCut = 6;             // of a burst that goes on later, beside the latency
-constexpr double kStep = 5;            // what a poll takes that cuts no burst
-constexpr std::uint64_t kLead = 14;    // from the tail to the data, beside descriptor and pages
-// Of a read of the card's registers: PCI clocks, and core clocks, until the data are back.
+constexpr double kDrain = 4.3;  // from the last word on the local bus to the end of the transfer
+constexpr double kSlice = 64;   // latency timer: a request of the CPU may cut a burst after this
+constexpr double kCut = 6;      // to resume a cut burst, without the latency
+constexpr double kStep = 5;     // cost of a poll that cuts no burst
+constexpr std::uint64_t kLead =
+    14;  // from the tail write to the data, without descriptor and pages
+// Clocks of PCI and of the core until a read of the card's registers has its data.
 constexpr double kReadPci = 3.8, kReadCore = 5;
 
 constexpr std::uint64_t kPageBytes = 4096;
@@ -63,7 +64,7 @@ BusTime::Clocks BusTime::read(std::uint64_t count) const {
 
 BusTime::Clocks BusTime::read_after(std::uint64_t retries, std::uint64_t count) const {
   const std::uint64_t attempt = 7 + phases_, last = kAccess + 2 * phases_;
-  // All but the last register are disconnected in the middle of a burst.
+  // All registers but the last disconnect in the middle of a burst.
   const std::uint64_t all = count * (retries * attempt + last) + (count - 1) * (3 - phases_);
   return {.all = all, .busy = all - count * (retries + 1) * kBetween, .data = phases_ * count};
 }
@@ -85,11 +86,11 @@ double BusTime::data_clocks(const Bursts& b, bool to_host, double stolen) const 
   const auto more = static_cast<double>(b.number - 1);
   const auto words = static_cast<double>(b.words);
   if (!to_host) {
-    // The local bus may be the slower one; what it has not taken yet waits in the FIFO.
+    // A slower local bus leaves words waiting in the FIFO.
     return std::max(data + more * (kReadBurst + host_.read_latency) + stolen,
                     (words - kRequests) * core_ + kDrain);
   }
-  // A burst starts when all of it is in the card; the next words are fetched meanwhile.
+  // A burst starts once the card holds all of it. The card fetches the next words meanwhile.
   const double fetch = std::max(1.0, core_);
   return std::max(static_cast<double>(b.first) * fetch + data +
                       more * (kWriteBurst + host_.write_latency) + stolen,
@@ -98,11 +99,11 @@ double BusTime::data_clocks(const Bursts& b, bool to_host, double stolen) const 
 
 double BusTime::stolen(const Bursts& b, bool to_host, double since) const {
   const double latency = to_host ? host_.write_latency : host_.read_latency;
-  if (since < 0) return to_host ? kStep : latency + kCut + kStep;  // the descriptor is being read
+  if (since < 0) return to_host ? kStep : latency + kCut + kStep;  // during the descriptor read
   const auto beats = static_cast<double>(b.first * phases_);
   const auto own = static_cast<double>(to_host ? kWriteBurst : kReadBurst);
-  // The CPU cannot have the bus before the card's time slice is over. It wants it twice, and each
-  // time cuts the burst of that moment if there is more of it.
+  // The CPU gets the bus only after the card's time slice. It needs the bus twice. Each time it
+  // cuts the current burst, if the burst has words left.
   const double at = std::fmod(since, own + latency + beats);
   const double left = std::min(latency + beats - std::max(at, kSlice), beats);
   unsigned cuts = left > 0 ? 1 : 0;
@@ -133,7 +134,7 @@ BusTime::Transfer BusTime::transfer(std::uint32_t bytes, bool to_host) const {
       kLead + host_.arbitration + host_.read_latency + kDescriptor * phases_ + kPage * b.pages;
   t.lead = 2 * write().all + lead;
 
-  // The driver waits for the interrupt, and asks now and then whether it was lost.
+  // The driver waits for the interrupt, and polls now and then in case it was lost.
   const double begun = static_cast<double>(lead) +
                        (to_host ? static_cast<double>(b.first) * std::max(1.0, core_) : 0);
   const double fixed = fixed_clocks(b, to_host);

@@ -113,7 +113,7 @@ void CardPass::abort() noexcept {
   try {
     if (!card_.link->lost() && !stopped()) card_.recover();
   } catch (const Error&) {
-    // Lost, and every later call says so.
+    // The device is lost, and every later call reports it.
   }
 }
 

@@ -10,7 +10,7 @@
 
 namespace cde {
 
-/// Of so many ring entries: two share their middle beat.
+/// Beats of this many ring entries. Two entries share their middle beat.
 constexpr std::uint64_t beats_of(std::uint64_t entries) {
   return (card::kRecordWords * entries + 1) / 2;
 }
@@ -19,11 +19,11 @@ constexpr bool bit(std::uint64_t status, unsigned number) {
   return (status >> number & 1) != 0;
 }
 
-/// A record as the ring has it. Private to the driver.
+/// Decodes a record of the ring. Private to the driver.
 [[nodiscard]] Record decode(const std::uint32_t* word, const FloatWords& numbers);
 
-/// What all passes share: their clocks, how a card that works is waited for, how one is stopped,
-/// and what is said of one that fails. Private to the driver.
+/// Common code of all passes: their clocks, waiting for a working card, stopping it, and messages
+/// about a failed pass. Private to the driver.
 class CardPass {
  public:
   CardPass(Board::Impl& card, const Query& query);
@@ -32,38 +32,37 @@ class CardPass {
 
  protected:
   ~CardPass() = default;
-  /// What the card has done so far, for messages.
+  /// The card's progress, for messages.
   [[nodiscard]] virtual std::string state() = 0;
 
-  /// Lets the card work for so many clocks or until its interrupt; its status then, else 0. Throws
-  /// if it refused the command or an access, and what Query::progress throws meanwhile.
+  /// Lets the card work for this many clocks or until its interrupt. Returns its status if it
+  /// interrupted, else 0. Throws if the card refused the command or an access, and passes on what
+  /// Query::progress throws.
   [[nodiscard]] std::uint64_t work(std::uint64_t clocks);
-  /// Query::drain_records, an even number of them: the beat that two records share is there when
-  /// both are.
+  /// Query::drain_records, rounded up to even: two records share a beat, which needs both.
   [[nodiscard]] std::uint64_t off_full_ring() const {
     return std::max<std::uint64_t>(2, query_.drain_records + query_.drain_records % 2ull);
   }
-  /// So many entries of the ring, which are there, into words_.
+  /// Reads this many ring entries into words_. The ring must hold them.
   void fetch(std::uint64_t entries);
-  /// Errors of the bus or of DDR behind a pass that is done; clears its state, and returns what it
-  /// was.
+  /// Reports errors of the bus or of DDR after a pass, clears the card's status and returns it.
   std::uint64_t check_end(Counters& counters);
   void check_watchdog();
-  /// Calls Query::progress, and again with this share while the card works.
+  /// Calls Query::progress now, and again with this share while the card works.
   void tell_progress(double share);
 
   [[noreturn]] void timeout(const std::string& what);
   [[noreturn]] void device_error(const std::string& what, std::uint64_t status,
                                  std::uint64_t address = 0);
-  /// Leaves the card idle and its ring empty. A card that does not come to an end is reset, and the
-  /// next pass writes again what that takes; one that is lost stays so.
+  /// Leaves the card idle with an empty ring. Resets a card that does not end, so the next pass
+  /// writes everything again. A lost card stays lost.
   void abort() noexcept;
   /// Times of the pass so far.
   [[nodiscard]] ModelledTime times() const;
 
   Board::Impl& card_;
   const Query& query_;
-  std::uint64_t started_;  ///< clock
+  std::uint64_t started_;  ///< first clock of the pass
   std::vector<std::uint32_t> words_;
 
  private:
@@ -73,7 +72,7 @@ class CardPass {
 
   std::uint64_t registers_before_, waited_ps_ = 0, download_ps_ = 0;
   std::chrono::steady_clock::time_point wall_start_;
-  std::function<void()> pause_;  // tells the last share again
+  std::function<void()> pause_;  // reports the last share again
 };
 
 }  // namespace cde

@@ -9,7 +9,7 @@
 
 namespace cde {
 
-/// An error of a device with its fault, the same in words.
+/// An Error with a device fault. Its message also describes the fault.
 [[nodiscard]] inline Error device_error(ErrorCode code, const std::string& what,
                                         const DeviceFault& fault) {
   return {code,
@@ -18,8 +18,8 @@ namespace cde {
           fault};
 }
 
-/// Whether a device is lost, and what it was lost by: thrown then and by every later access, until
-/// reset(). Private to the driver.
+/// Whether a device is lost. Every access then throws the first reason, until reset(). Private to
+/// the driver.
 class DeviceLoss {
  public:
   /// Throws if the device is lost.

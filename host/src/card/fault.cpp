@@ -24,7 +24,7 @@ std::vector<std::string_view> split(std::string_view text, char at) {
   return parts;
 }
 
-/// Whether a fault says more than how often: `value` of Board::inject.
+/// Whether a fault has a `value` in Board::inject besides its count.
 bool has_value(BusFault fault) {
   switch (fault) {
     case BusFault::kSlow:

@@ -91,7 +91,8 @@ double FpUnit::measure(FpOp op, double seconds) {
   const auto number = static_cast<uint32_t>(op);
   uint64_t clocks = 1000;
   double spent = state().api->measure(state().unit, number, clocks);
-  while (spent < seconds / 10) {  // until the rate is known well enough to fill the time
+  while (spent <
+         seconds / 10) {  // until the speed is known well enough to plan the rest of the time
     clocks *= 4;
     spent = state().api->measure(state().unit, number, clocks);
   }

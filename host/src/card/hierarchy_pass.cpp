@@ -16,8 +16,8 @@ constexpr unsigned kPlaceWords = 8;
 unsigned words_of(const Query& query) {
   return words(query.swap ? secondary_shape(*query.pair) : primary_shape(*query.pair));
 }
-/// Rays that are written at a time behind go, enough for long transfers; before it as many as there
-/// are places for, so that what the card counts of few rays is its own time.
+/// Rays written at a time after go, enough for long transfers. Before go, the driver fills all
+/// places, so that small passes measure only the card's own time.
 constexpr std::uint32_t kMoreRays = 1024;
 
 }  // namespace
@@ -102,7 +102,7 @@ bool HierarchyPass::provide(std::uint32_t most) {
 std::uint32_t HierarchyPass::taken() const {
   const auto now =
       static_cast<std::uint32_t>(card::kRaysTaken.of(card_.read_register(card::kRegRays)));
-  return std::max(now, taken_);  // a pass that has ended since says 0
+  return std::max(now, taken_);  // after its end a pass reports 0
 }
 
 void HierarchyPass::write_rays(std::uint32_t count) {
@@ -131,7 +131,7 @@ void HierarchyPass::wait_until_done() {
       all = provide(kMoreRays);
       wrote = provided_ != before;
     }
-    // Rays that are written leave the card no less time; what it wants is looked at in between.
+    // After it wrote rays, the driver gives the card only one clock before it checks again.
     const std::uint64_t status = work(until_deadline(wrote  ? 1
                                                      : !all ? kRaySlice
                                                      : hits ? kStreamSlice
@@ -160,7 +160,7 @@ void HierarchyPass::wait_until_done() {
   }
 }
 
-/// So many clocks, or those that are left.
+/// The smaller of `clocks` and the clocks until the deadline.
 std::uint64_t HierarchyPass::until_deadline(std::uint64_t clocks) const {
   if (query_.deadline_clocks == 0) return clocks;
   const std::uint64_t gone = card_.clocks() - started_;
@@ -175,7 +175,7 @@ void HierarchyPass::check_progress() {
       timeout(fmt::format("deadline of {} clocks", query_.deadline_clocks));
     return;
   }
-  // The card itself ends what comes to no end; it is memory that may never answer.
+  // The card always ends by itself, unless the memory never answers.
   const std::uint64_t still = 1'000'000 + 1'000 * std::uint64_t{card_.ddr_latency};
   if (now - last_progress_ < still / 2) return;
   const std::uint64_t nodes = card_.read_register(card::kRegNodes) +
@@ -276,7 +276,7 @@ Counters RefitPass::execute(std::uint32_t first, std::uint32_t end) {
   try {
     card_.write_register(card::kRegControl, card::kControlGo);
     std::uint64_t status = 0;
-    // The card ends by itself, but for a memory that never answers.
+    // The card ends by itself, unless the memory never answers.
     const std::uint64_t most =
         1'000'000 + (64 + card_.ddr_latency) * std::uint64_t{card_.hierarchy.slots};
     while (!bit(status, card::kStatusDone)) {

@@ -15,11 +15,11 @@
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kAccessClocks = 1000;  // no single access takes this long
+constexpr std::uint64_t kAccessClocks = 1000;  // more than any single access takes
 
-/// Beats go over the local bus as fast as the card takes them; what they would take on PCI is
-/// added to the modelled time. While a pass runs, its clocks go on in that time; clocks in which
-/// the card has nothing to do are not simulated.
+/// Transfers beats over the local bus as fast as the card takes them, and adds PCI's time to the
+/// modelled time. A running pass continues during that time. Idle cycles of the card are not
+/// simulated.
 class LocalLink final : public CardLink {
  public:
   LocalLink(Bitstream bitstream, const OpenOptions& options)
@@ -82,11 +82,11 @@ class LocalLink final : public CardLink {
     }
   }
 
-  /// As the driver of a card behind PCI waits.
+  /// Waits like the driver of a card behind PCI.
   std::uint64_t run(std::uint64_t max_clocks, const std::function<void()>& pause) override {
     loss_.alive();
     const std::uint64_t start = now_, end = now_ + max_clocks * period_ps_;
-    std::uint64_t status = 0;  // read behind a write that may clear what is seen now
+    std::uint64_t status = 0;  // pushes a posted write through, which may clear this interrupt
     if (posted_ && interrupt()) read(card::kSpaceReg, card::kRegStatus, &status, 1);
     for (std::uint64_t slice = kFirstAskClocks; now_ < end && !interrupt(); slice *= 2) {
       const std::uint64_t left = (end - now_ + period_ps_ - 1) / period_ps_;
@@ -157,7 +157,7 @@ class LocalLink final : public CardLink {
  private:
   // ---- Time ----
 
-  /// Time of the bus, in which a pass goes on.
+  /// Spends bus time, in which a running pass continues.
   void charge(const BusTime::Clocks& bus) {
     counters_.pci_busy += bus.busy;
     counters_.pci_data += bus.data;
@@ -171,15 +171,15 @@ class LocalLink final : public CardLink {
     api_->advance(card_, clocks);
     core_ += clocks * period_ps_;
   }
-  /// Calls that clock the core: time that a pass has had.
+  /// Wraps calls that clock the core: a running pass has had this time.
   template <class F>
   void clocked(const F& call) {
     const std::uint64_t before = api_->clocks(card_);
     call();
     if (running_) core_ += (api_->clocks(card_) - before) * period_ps_;
   }
-  /// What a card that does not answer does to an access of the host, or to the first one of a
-  /// transfer: repeated as behind PCI, then the card is lost.
+  /// Simulates a card that does not answer an access, or the first access of a transfer. Retries as
+  /// on PCI, then loses the card.
   void answered(std::uint32_t offset, const char* what) {
     loss_.alive();
     for (unsigned i = 0; unanswering_ != 0; ++i) {
@@ -206,7 +206,7 @@ class LocalLink final : public CardLink {
     return bus_.poll();
   }
 
-  /// A pass begins with a control write and is over when the status says so.
+  /// Follows control writes: they start a pass, and the status shows its end.
   void follow(std::uint32_t offset, const std::uint8_t* data, std::uint64_t beats) {
     if (offset > card::kRegControl || offset + 8 * beats <= card::kRegControl) return;
     std::uint64_t value = 0;
@@ -222,7 +222,7 @@ class LocalLink final : public CardLink {
     running_ = running_ && (status >> card::kStatusBusy & 1) != 0;
   }
 
-  /// A transfer in as many pieces as the driver of a card behind PCI makes of it.
+  /// Splits a transfer into the pieces that the PCI driver would use.
   template <class F>
   void in_pieces(std::uint64_t beats, bool to_host, const F& move) {
     constexpr std::uint64_t kPiece = kMappedBytes / 8;
@@ -256,13 +256,14 @@ class LocalLink final : public CardLink {
   unsigned retries_;
   BusTime bus_;
   Pace pace_;
-  std::uint64_t now_ = 0;   // modelled time
-  std::uint64_t core_ = 0;  // up to which a pass has been simulated; now and then a little ahead
-  bool running_ = false;    // a pass
-  bool posted_ = false;     // a register was written, and none read since
+  std::uint64_t now_ = 0;  // modelled time
+  std::uint64_t core_ =
+      0;                  // a pass has been simulated up to here; sometimes slightly ahead of now_
+  bool running_ = false;  // a pass is running
+  bool posted_ = false;   // a register was written and none read since
   DeviceLoss loss_;
-  std::uint32_t unanswering_ = 0;  // transactions of the host that the card will not answer
-  std::uint64_t unanswered_ = 0;   // those that it did not
+  std::uint32_t unanswering_ = 0;  // host transactions that the card will not answer
+  std::uint64_t unanswered_ = 0;   // host transactions without an answer so far
   BusCounters counters_;
   const cde_board_api* api_ = nullptr;
   void* card_ = nullptr;

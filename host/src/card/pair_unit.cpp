@@ -60,8 +60,8 @@ std::vector<std::string> PairConfig::parameters() const {
 }
 
 namespace {
-/// Operands and results in the unit's own width. They are kept between tests: fresh ones would be
-/// fresh pages of the system each time.
+/// Operands and results in the unit's word width. Tests reuse the buffers: new ones would be new
+/// pages of memory each time.
 template <class Word>
 struct Buffers {
   std::vector<Word> a, b, out;
@@ -153,7 +153,7 @@ namespace {
       fault);
 }
 
-/// Words between the driver's 64 bits and the unit's own width.
+/// Converts between the driver's 64-bit words and the unit's width.
 template <class Word>
 std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, Buffers<Word>& words,
                   std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
@@ -202,7 +202,7 @@ std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const s
     kept->testing = false;
     return clocks;
   } catch (...) {
-    api.reset(kept->unit);  // rows in flight would be taken for the next test's
+    api.reset(kept->unit);  // else rows in flight would count for the next test
     kept->testing = false;
     throw;
   }
@@ -226,7 +226,8 @@ std::uint64_t PairUnit::watch(std::span<const std::uint64_t> a, std::span<const 
   State& s = idle();
   if (!s.config.tap)
     throw Error(ErrorCode::kConfiguration, "the pair_unit was built without taps of its operators");
-  // Nothing may be thrown through the model: what `seen` throws is kept until it is done.
+  // No exception may pass through the model: an exception from `seen` waits until the model
+  // returns.
   struct Watch {
     const std::function<void(const OperatorWords&)>& seen;
     std::exception_ptr failed = nullptr;
@@ -253,7 +254,7 @@ std::uint64_t PairUnit::watch(std::span<const std::uint64_t> a, std::span<const 
 void PairUnit::open_trace(const std::string& path, const TraceOptions& which) {
   if (!state().config.trace)
     throw Error(ErrorCode::kConfiguration, "the pair_unit was built without trace");
-  constexpr std::uint64_t kClock = 2;  // both halves of a clock are times of their own
+  constexpr std::uint64_t kClock = 2;  // each half of a cycle is a time of its own
   open_waves(path, which, std::nullopt, kClock, [this](const cde_trace* wanted) {
     return state().api->trace_open(state().unit, wanted);
   });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A card behind PCI: what a kernel driver does with it.
+// Drives a card behind PCI, as a kernel driver would.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,16 +17,15 @@ namespace {
 
 static_assert(kBusFaults == CDE_PCI_FAULTS && kUntilReset == CDE_PCI_UNTIL_RESET);
 
-constexpr std::uint32_t kBar =
-    0xF0000000;                            // where the card's registers lie in the host's addresses
-constexpr std::uint32_t kCommand = 0x146;  // memory, bus master, parity, SERR
+constexpr std::uint32_t kBar = 0xF0000000;  // the card's registers in the host's address space
+constexpr std::uint32_t kCommand = 0x146;   // memory, bus master, parity, SERR
 constexpr std::uint32_t kPageBytes = 1u << pci::kPageBits;
-// Pages by their entry in the card's page table: descriptors, completion records, data.
+// Entries of the card's page table: descriptors, completion records, data.
 constexpr std::uint32_t kRingPage = 0, kCompletionPage = 1, kDataPage = 2;
 constexpr std::uint32_t kDataBytes = kMappedBytes, kDataPages = kDataBytes / kPageBytes;
 constexpr unsigned kDescriptors = 16;
-constexpr std::uint64_t kLastAskClocks = 65536;  // at most so long without an interrupt
-// Retries in a row until a transfer fails: 2 ms where a retry takes 8 clocks, a fifth of the time
+constexpr std::uint64_t kLastAskClocks = 65536;  // longest interval between polls
+// Retries in a row until a transfer fails: 2 ms at 8 clocks per retry. That is a fifth of the time
 // after which the engine counts as hung.
 constexpr std::uint32_t kRetryLimit = 1u << 14;
 
@@ -88,8 +87,8 @@ class PciLink final : public CardLink {
     }
   }
 
-  /// An interrupt that is lost is found by asking, at intervals that double up to kLastAskClocks:
-  /// late by no more than the card worked.
+  /// Polls for a lost interrupt, at intervals that double up to kLastAskClocks. So the delay is at
+  /// most the time that the card worked.
   std::uint64_t run(std::uint64_t max_clocks, const std::function<void()>& pause) override {
     port_.alive();
     const std::uint64_t start = time_ps(), end = start + max_clocks * period_ps_;
@@ -169,7 +168,7 @@ class PciLink final : public CardLink {
 
  private:
   [[nodiscard]] const cde_pci_api& api() const { return port_.api(); }
-  /// Until the interrupt.
+  /// Waits for the interrupt, for at most `ps`.
   void pass(std::uint64_t ps, const std::function<void()>& pause = {}) {
     const std::uint64_t clocks = (ps + period_ps_ - 1) / period_ps_, end = time_ps() + ps;
     const auto step = [&](std::uint64_t some) {
@@ -183,11 +182,11 @@ class PciLink final : public CardLink {
   [[nodiscard]] std::uint64_t longer(std::uint64_t slice) const {
     return std::min(2 * slice, kLastAskClocks * period_ps_);
   }
-  /// An interrupt from before a write that may be on its way to clear it is looked for again behind
-  /// that write.
+  /// Checks a pending interrupt again after posted writes, since one of them may clear it.
   void settle() {
     if (!port_.posted() || !(pending_ || interrupted())) return;
-    (void)port_.load(card::kRegStatus);  // from the card itself, so the write is there before
+    (void)port_.load(
+        card::kRegStatus);  // a read from the card itself pushes the posted writes through
     pending_ = bit(port_.load(pci::kRegIrqStatus), pci::kIrqCard) && !interrupted();
   }
   bool flip(std::uint32_t space, std::uint64_t byte, std::uint8_t mask) {
@@ -207,9 +206,9 @@ class PciLink final : public CardLink {
       throw Error(ErrorCode::kConfiguration,
                   fmt::format("PCI device {:08x} is no card of cde", id));
     port_.config_write(0x10, kBar);
-    port_.config_write(0x0C, 0x4008);  // latency timer, line size
+    port_.config_write(0x0C, 0x4008);  // latency timer, cache line size
     port_.config_write(0x04, kCommand);
-    // Its 4,096 entries are cleared one a clock; an access takes longer than that.
+    // The card clears 4,096 entries, one per cycle. The polls take longer than that.
     for (std::uint32_t asked = 0; bit(port_.load(pci::kRegStatus), pci::kStatusClearing); ++asked)
       if (asked == pci::kPages) port_.fail("the page table is not cleared after reset", {});
     std::vector<std::uint64_t> entries;
@@ -259,7 +258,8 @@ class PciLink final : public CardLink {
     std::uint16_t pci_status;
   };
 
-  /// Between the data pages and a space of the card, in as many descriptors as faults make of it.
+  /// Moves bytes between the data pages and a space of the card. Faults may split it into several
+  /// descriptors.
   void move(card::Space space, std::uint32_t offset, std::uint32_t bytes, bool to_host) {
     unsigned failures = 0;
     for (std::uint32_t done = 0; done < bytes;) {
@@ -270,7 +270,7 @@ class PciLink final : public CardLink {
       done += e.bytes;
       const bool passing = e.code == pci::kCodeMasterAbort || e.code == pci::kCodeTargetAbort ||
                            e.code == pci::kCodeParity || e.code == pci::kCodeRetryLimit;
-      // Records that had left the ring when the transfer failed are gone.
+      // A failed transfer loses the records that had left the ring.
       const bool stream = space == card::kSpaceSram;
       start_ring();
       if (!passing || stream || failures > retries_) {
@@ -312,14 +312,14 @@ class PciLink final : public CardLink {
     try {
       return wait(number, mapped, bytes);
     } catch (const Error& error) {
-      port_.lose(error);  // the engine may go on moving data, whenever that may be
+      port_.lose(error);  // the engine may still move data at any later time
     }
   }
 
-  /// The completion record, or what the registers say if there can be none. An engine that does
-  /// not end is one that only a reset gets back.
+  /// The completion record, or the registers' state if there can be none. An engine that does not
+  /// end needs a reset.
   Ending wait(unsigned number, std::uint32_t mapped, std::uint32_t bytes) {
-    // No host is slower than a burst of 8 bytes in 10 microseconds.
+    // No host is slower than 8 bytes per 10 microseconds.
     const std::uint64_t limit = 10'000'000'000 + std::uint64_t{bytes} * 1'250'000;
     const std::uint64_t deadline = time_ps() + limit;
     const Watchdog dog = port_.watchdog();
@@ -350,7 +350,7 @@ class PciLink final : public CardLink {
   [[nodiscard]] std::optional<Ending> completion(unsigned number) {
     std::uint64_t record[2];
     std::memcpy(record, page(kCompletionPage) + number * pci::kCompletionBytes, sizeof record);
-    // Either word may have been lost to a parity error.
+    // A parity error may have lost either word.
     if (bit(record[1], pci::kCompletionLap) != lap_ ||
         bit(record[0], 32 + pci::kCompletionLapFirst) != lap_)
       return std::nullopt;

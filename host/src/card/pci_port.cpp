@@ -66,8 +66,8 @@ void PciPort::config_write(std::uint32_t offset, std::uint32_t value) {
          "write of configuration space");
 }
 
-/// Reads have no side effects, the card drops what is written with bad parity, and what nobody
-/// claims nobody takes: all of it can be repeated.
+/// Repeats failed accesses, which is always safe: reads have no side effects, the card drops writes
+/// with bad parity, and unclaimed accesses have no effect.
 void PciPort::access(const std::function<int()>& once, std::uint32_t offset, const char* what) {
   alive();
   const Watchdog dog = watchdog();

@@ -13,7 +13,7 @@
 
 namespace cde {
 
-/// A limit in wall time from its construction on, so that a simulation that makes no headway ends.
+/// A wall-time limit from construction on. It ends a simulation that makes no progress.
 class Watchdog {
  public:
   explicit Watchdog(std::chrono::duration<double> limit)
@@ -24,14 +24,14 @@ class Watchdog {
   std::chrono::time_point<std::chrono::steady_clock, std::chrono::duration<double>> end_;
 };
 
-/// The simulated host with its card, and the CPU's accesses to that. Accesses that fail for a
-/// passing reason are repeated up to OpenOptions::bus_retries times. When the card answers none of
-/// these, or the bus or the card's DMA engine hangs, the device is lost: what happened is thrown
-/// now and by every later access, until reset(). Private to the driver.
+/// The simulated host with its card, and the CPU's accesses to the card. Accesses that fail for a
+/// transient reason are repeated up to OpenOptions::bus_retries times. If the card answers none of
+/// them, or the bus or DMA engine hangs, the device is lost. The error is thrown then and by every
+/// later access, until reset(). Private to the driver.
 class PciPort {
  public:
-  /// Errors: kConfiguration if the bitstream speaks another interface, kDevice if there is no
-  /// memory for the card. `memory_bytes` of the host.
+  /// Error kConfiguration if the simulation model has another interface, kDevice if there is no
+  /// memory for the card. The host gets `memory_bytes` of memory.
   PciPort(Bitstream bitstream, const OpenOptions& options, std::uint64_t memory_bytes);
   PciPort(const PciPort&) = delete;
   PciPort& operator=(const PciPort&) = delete;
@@ -40,10 +40,10 @@ class PciPort {
   [[nodiscard]] const cde_pci_api& api() const { return *api_; }
   [[nodiscard]] void* host() const { return host_; }
 
-  /// RST#. The card answers again, with nothing set up.
+  /// Asserts RST#. The card answers again, but is not set up.
   void reset();
 
-  /// Registers: offsets in BAR0, whole multiples of 8 bytes.
+  /// Accesses registers. Offsets are in BAR0; sizes are multiples of 8 bytes.
   void store(std::uint32_t offset, const void* data, std::uint64_t bytes);
   void fetch(std::uint32_t offset, void* data, std::uint64_t bytes);
   void set(std::uint32_t offset, std::uint64_t value) { store(offset, &value, 8); }
@@ -54,20 +54,20 @@ class PciPort {
   /// Throws if the device is lost.
   void alive() const { loss_.alive(); }
   [[nodiscard]] bool lost() const { return loss_.lost(); }
-  /// Throws kDevice with the fault, to which PCI status and clock are added, and the same in words.
+  /// Throws kDevice with the fault, and adds PCI status and clock. The message describes them too.
   [[noreturn]] void fail(const std::string& what, const DeviceFault& fault);
-  /// The same, and the device is lost.
+  /// Also marks the device as lost.
   [[noreturn]] void lose(ErrorCode code, const std::string& what, const DeviceFault& fault);
-  /// After an error that leaves the card in a state nobody knows: it is lost because of that.
+  /// Marks the device as lost after an error that leaves the card in an unknown state.
   [[noreturn]] void lose(const Error& error) { loss_.lose(error); }
 
-  /// Whether something was written that the card need not have got yet: writes are posted, and a
-  /// read pushes them through.
+  /// Whether a write may not have reached the card yet. Writes are posted, and a read pushes them
+  /// through.
   [[nodiscard]] bool posted() const { return posted_; }
 
   [[nodiscard]] std::uint64_t time_ps() const { return api_->time_ps(host_); }
   [[nodiscard]] std::uint64_t clocks() const { return time_ps() / period_ps_; }
-  /// Status register of the configuration space; all ones if the card does not answer.
+  /// Status register of configuration space; all ones if the card does not answer.
   [[nodiscard]] std::uint16_t pci_status();
   [[nodiscard]] Watchdog watchdog() const { return Watchdog(watchdog_); }
   [[nodiscard]] std::uint64_t accesses() const { return accesses_; }

@@ -16,9 +16,9 @@
 namespace cde {
 namespace {
 
-/// The largest budget of at most so many evaluations, split evenly: K1 and K2 of two cylinders as
-/// equal as they can be; M = 8 of a box or triangle once K1 can be 8 too, else 4, and 16
-/// where M = 8 and the largest K1 leave more.
+/// The largest iterations of at most `evaluations` evaluations, split evenly. For two cylinders, K1
+/// and K2 are as equal as possible. For a box or triangle, M is 8 if K1 can also be 8, else 4. M is
+/// 16 if more evaluations remain with M = 8 and the largest K1.
 PairBudget split(unsigned evaluations, Pair pair) {
   constexpr unsigned kMost = card::kBudgetMost;
   const bool cylinders = pair == Pair::kCylinderCylinder;
@@ -40,8 +40,8 @@ PairBudget split(unsigned evaluations, Pair pair) {
   return budget;
 }
 
-/// Lanes if nobody says how many. Words of 64 bits fill vectors sooner, and clang takes minutes to
-/// build facets of more than one such lane.
+/// The default number of lanes. 64-bit words fill vectors with fewer lanes. Pipes with candidate
+/// axes (SAT) take minutes to compile with more than one such lane.
 unsigned default_lanes(Pair pair, FpFormat format) {
   const bool large = has_facets(pair) || pair == Pair::kTriangleTriangle;
   return large && format.width() > 32 ? 1 : PairConfig{}.lanes;
@@ -49,8 +49,8 @@ unsigned default_lanes(Pair pair, FpFormat format) {
 
 }  // namespace
 
-// M,K1,K2: directions sampled on a circle, steps on each circle, steps on each free track; or the
-// evaluations in all.
+// Reads M,K1,K2 or the total number of evaluations. M: directions sampled on a circle; K1: steps on
+// each circle; K2: steps on each free track.
 PairBudget budget_named(const std::string& text, Pair pair, std::string_view option) {
   if (!has_budget(pair))
     throw Error(ErrorCode::kUsage, fmt::format("{} is of cylinder-cylinder, obb-cylinder and "
@@ -69,7 +69,7 @@ PairBudget budget_named(const std::string& text, Pair pair, std::string_view opt
       try {
         budget.check();
       } catch (const Error& e) {
-        constexpr std::string_view kBudget = "budget";  // it begins so
+        constexpr std::string_view kBudget = "budget";  // the message begins with this
         throw Error(e.code(),
                     fmt::format("{}{}", option, std::string_view(e.what()).substr(kBudget.size())));
       }
@@ -99,7 +99,7 @@ PairConfig configuration(const PairOptions& o) {
   config.lanes = o.lanes.value_or(default_lanes(config.pair, config.format));
   config.arithmetic = o.arithmetic == "rtl" ? Arithmetic::kRtl : Arithmetic::kHost;
   if (!o.budget.empty()) (void)budget_named(o.budget, config.pair);
-  (void)config.parameters();  // complains about values before anything slow
+  (void)config.parameters();  // throws for bad values before slow work
   return config;
 }
 

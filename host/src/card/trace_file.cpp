@@ -37,7 +37,7 @@ void TraceFile::close() {
     file_.reset();
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path_), e.what()));
   }
-  // Asked of the file that was written: its name may lead elsewhere as soon as it has it.
+  // Read the written file itself: once committed, its name may lead elsewhere.
   const auto times = trace_times(file_->by_name());
   try {
     file_->commit();
@@ -46,14 +46,14 @@ void TraceFile::close() {
     throw;
   }
   file_.reset();
-  // A window that the run did not reach leaves a file whose start time is its end time.
+  // If the run does not reach the window, the file's start time equals its end time.
   if (times && times->first == times->second)
     say(fmt::format("cde: {} has no clock of the run: nothing ran while waves were written\n",
                     printable_name(path_)));
 }
 
-/// The header block of an FST has its type (1 byte), its length, its first and its last time (8
-/// bytes each, the highest first).
+/// The header block of an FST holds its type (1 byte), its length, and its first and last time (8
+/// bytes each, highest byte first).
 std::optional<std::pair<std::uint64_t, std::uint64_t>> trace_times(
     const std::filesystem::path& file) {
   constexpr std::size_t kStart = 9, kEnd = 17, kTime = 8;

@@ -33,14 +33,14 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr unsigned kMostFolders = 1000;
-constexpr std::uint64_t kCauses = 400, kMostNodes = 3000;  // lines of why.txt, and that are read
-constexpr unsigned kDepth = 16;  // registers, most of which hand on a word
-constexpr std::size_t kMostOperators = 3, kMostNear = 24;  // whose operands are looked at
+constexpr std::uint64_t kCauses = 400, kMostNodes = 3000;  // lines of why.txt; nodes to read
+constexpr unsigned kDepth = 16;  // registers on a path, most of which only pass a word on
+constexpr std::size_t kMostOperators = 3, kMostNear = 24;  // operators whose operands are followed
 constexpr unsigned kSteps = 3;
 constexpr std::size_t kMostPlaces = 6;
 constexpr std::size_t kMostLines = 10, kMostCauses = 24;  // lines of fail.txt
 
-/// FOLDER, or the first of FOLDER-2, FOLDER-3, ... that is not there.
+/// FOLDER, or the first of FOLDER-2, FOLDER-3, ... that does not exist.
 fs::path new_folder(const std::string& wanted, std::optional<OutputFolder>& made) {
   std::string name = wanted;
   while (name.size() > 1 && name.ends_with('/')) name.pop_back();
@@ -48,7 +48,7 @@ fs::path new_folder(const std::string& wanted, std::optional<OutputFolder>& made
     const fs::path folder = n == 1 ? name : fmt::format("{}-{}", name, n);
     if (fs::exists(fs::symlink_status(folder))) continue;
     made.emplace(folder);
-    const bool ours = made->made();  // or another process has just made it
+    const bool ours = made->made();  // false if another process has just made it
     made->keep();
     if (ours) return folder;
   }
@@ -56,7 +56,7 @@ fs::path new_folder(const std::string& wanted, std::optional<OutputFolder>& made
                                             printable_name(wanted), kMostFolders));
 }
 
-/// Lines of the operators that part first, each with how many it has.
+/// Lines of the operators that differ first, with the number of operators per line.
 std::string lines_of(const explain::Explanation& e) {
   std::vector<std::pair<std::string, unsigned>> lines;
   for (const explain::Finding& f : e.findings) {
@@ -78,7 +78,7 @@ std::string lines_of(const explain::Explanation& e) {
   return text;
 }
 
-/// What a line of dataflow is made of, and what is around a pipe.
+/// Whether the file holds parts of a dataflow line or the surroundings of a pipe.
 bool is_wiring(const std::string& file) {
   static const std::set<std::string> kAround = {"align.sv",       "lane_select.sv", "fp_lanes.sv",
                                                 "fp_host.sv",     "fp_delay.sv",    "fp_gates.sv",
@@ -91,7 +91,7 @@ std::string name_of(const wave::Place& place) {
   return fs::path(place.file).filename().string();
 }
 
-/// The cell of an operator in the design of a unit; empty if it is in none.
+/// The operator's cell in the design of a unit; empty if it has none.
 std::string cell_of(const explain::Explanation& e, std::int32_t which) {
   const std::string& path = e.operators[static_cast<std::size_t>(which)].path;
   const std::size_t top = path.find("pair_unit.", 1);  // behind Verilator's own name
@@ -102,18 +102,18 @@ const explain::Step& step_of(const explain::Explanation& e, const explain::Compa
   return e.recording.steps[static_cast<std::size_t>(e.recording.operators[c.operation])];
 }
 
-/// What computes in a pipe, below the parts of a line of dataflow.
+/// Whether the file holds the operators of a pipe, below the parts of a dataflow line.
 bool is_operator(const std::string& file) {
   return file == "fp_lanes.sv" || file == "fp_host.sv" || file == "fp_gates.sv";
 }
 
-/// The check of operands, about which both sides agree where answers are compared.
+/// Whether the file holds the check of operands. Both sides agree about it if they compare answers.
 bool is_check(const std::string& file) {
   return file == "shape_check.sv";
 }
 
-/// Signals of an operator that parts which may have come to it wrong: the operand that is another,
-/// both of one that is not certain.
+/// Operand signals of a differing operator that may have arrived wrong: the operand that differs,
+/// or both for an uncertain match.
 std::vector<std::string> operands(const explain::Explanation& e, const explain::Compared& c) {
   std::vector<std::string> signals;
   const auto add = [&](std::int32_t which, const char* port) {
@@ -132,8 +132,8 @@ std::vector<std::string> operands(const explain::Explanation& e, const explain::
   return signals;
 }
 
-/// The result of an operator that does the right operation with the right operands: its inside is
-/// wrong then. Nothing for others.
+/// The result signal of an operator with the right operation and operands, whose inside is then
+/// wrong. Empty for other operators.
 std::vector<std::string> results(const explain::Explanation& e, const explain::Compared& c) {
   if (c.seat.which < 0 || c.verdict != explain::Verdict::kResult) return {};
   const explain::Step& wanted = step_of(e, c);
@@ -142,8 +142,8 @@ std::vector<std::string> results(const explain::Explanation& e, const explain::C
   return {cell + ".r_o"};
 }
 
-/// Lines that what is wrong at the first operators comes from, a few statements far: between them
-/// and the operators before, which are right, or inside of them.
+/// Lines a few statements upstream of the first wrong operators: between them and the correct
+/// operators before them, or inside them.
 Json near_lines(const explain::Explanation& e) {
   std::vector<std::string> before, inside;
   for (std::size_t i = 0; i < e.findings.size() && i < kMostOperators; ++i) {
@@ -171,9 +171,9 @@ Json near_lines(const explain::Explanation& e) {
   return lines;
 }
 
-/// Lines of the statements of a cone, the nearest to its root first. Those that hand on what
-/// another signal has are no step, nor are the parts that a line of dataflow is made of. Operators
-/// that are known to be right end it.
+/// Lines of a cone's statements, nearest to the root first. Statements that only pass a signal on
+/// are no step, and neither are the parts of a dataflow line. Operators known to be right end the
+/// cone.
 Json lines_of(const Json& cone, bool operators) {
   struct Waiting {
     const Json* node;
@@ -210,8 +210,9 @@ Json lines_of(const Json& cone, bool operators) {
   return lines;
 }
 
-/// What a reader looks at first, the likeliest lines first: of a pipe that is wrong by itself where
-/// it parts and what feeds that; of the card, or if no operator parts, what made the signal wrong.
+/// Places to look at first, likeliest first. For a pipe that is wrong on its own: its first
+/// differing operators and the lines that feed them. For the card, or if no operator differs: the
+/// lines that made the signal wrong.
 Json places_to_look_at(const Json& j) {
   Json places = Json::array();
   const auto add = [&](const Json& line, const char* reason) {
@@ -227,19 +228,19 @@ Json places_to_look_at(const Json& j) {
   if (j.value("differs_alone", false)) {
     for (const Json& difference : j["first_differences"]) {
       if (difference["sources"].empty()) continue;
-      // The line in the text of a pipe, not of what all pipes are made of.
+      // The line in the pipe's own text, not in the parts that all pipes use.
       const Json* own = nullptr;
       for (const Json& line : difference["sources"][0])
         if (own == nullptr || !is_wiring(line["file"])) own = &line;
       if (own != nullptr) add(*own, "an operator that parts");
-      // What is next to the first stands before other operators.
+      // Lines that feed the first operator precede other operators.
       for (const Json& line : j["near_lines"])
         if (places.size() == 1) add(line, "feeds it");
     }
     for (const Json& line : j["near_lines"]) add(line, "feeds it");
   }
   if (!places.empty() || !j.contains("cause_lines")) return places;
-  // Wires and what only hands a word on come last.
+  // Wires and lines that only pass a word on come last.
   for (const bool wires : {false, true})
     for (const Json& line : j["cause_lines"])
       if (line["is_wire"] == wires) add(line, "made the signal wrong");
@@ -312,7 +313,7 @@ Packed pack(const std::string& folder, const Failure& f) {
       bundle_card(bundle, f);
     else
       bundle_hang(bundle, f);
-  } catch (const Error& e) {  // the rest stays
+  } catch (const Error& e) {  // keep the parts that are complete
     bundle.json()["error"] = e.what();
     bundle.add("What is missing", e.what());
     packed.missing = e.what();
@@ -339,7 +340,7 @@ void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window)
   for (const std::string& word : window.shown) {
     try {
       for (wave::View& v : wave::views(trace, word, wave::Form{})) shown.push_back(std::move(v));
-    } catch (const Error&) {  // not in these waves
+    } catch (const Error&) {  // this signal is not in the waves
     }
   }
   wave::write_gtkw(
@@ -396,7 +397,7 @@ wave::Origin made_at(const fs::path& file, const std::string& signal, std::uint6
     const wave::Design design = wave::Design::of(trace, "");
     const wave::Slice slice = wave::slice_named(trace, design, signal, signal, wave::Form{});
     return wave::origin_of(trace, times, design, slice, time);
-  } catch (const Error&) {  // its causes are not found either, and that is told
+  } catch (const Error&) {  // the causes are then not found either, and the bundle says so
     return {signal, time};
   }
 }
@@ -415,7 +416,7 @@ void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin
     request.json = true;
     request.max = kMostNodes;
     const Json why = Json::parse(wave::why_text(request));
-    // Of a pipe no operator of which parts it is the wires in between.
+    // If no operator of a pipe differs, the wires in between are wrong.
     const bool wires = j.value("differs_alone", false) && j["first_differences"].empty();
     j["cause_lines"] = lines_of(why["cone"], !wires);
     j["made_signal"] = why["cone"]["name"];

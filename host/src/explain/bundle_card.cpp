@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A record that a card and its reference differ in: from the primary that was sent to the record
-// that came back, the first thing in the waves that is not as it should be.
+// Explains a record that differs between a card and its reference. Follows the primary from its
+// load to the record, and finds the first wrong transaction in the waves.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -27,11 +27,12 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using wave::Transaction;
 
-/// Passes up to so many clocks are traced as a whole, with what their primaries and records take.
+/// Shorter passes are traced whole, with their primaries and records.
 constexpr std::uint64_t kWhole = 6000;
 constexpr std::uint64_t kWindow = 600;
-constexpr std::uint64_t kAhead = 200;   // clocks of waves before what is wrong was made
-constexpr std::uint64_t kEnd = 12'000;  // from the least clock at which a sweep can end
+constexpr std::uint64_t kAhead = 200;  // cycles of waves before the error
+constexpr std::uint64_t kEnd =
+    12'000;  // cycles from the earliest possible end of a brute-force pass
 
 struct Waves {
   std::vector<Transaction> all;
@@ -51,7 +52,7 @@ std::optional<std::uint64_t> number_of(const Transaction& t, std::string_view na
   return n;
 }
 
-/// Numbers of "{1 0 0.5}".
+/// The numbers of "{1 0 0.5}".
 std::vector<float> numbers_in(std::string_view text) {
   std::vector<float> all;
   while (!text.empty()) {
@@ -78,7 +79,7 @@ std::optional<std::size_t> differing_word(std::span<const float> sent,
   return std::nullopt;
 }
 
-/// Where the card left the right way, with a signal that shows it.
+/// The stage at which the card went wrong, with a signal that shows it.
 struct Stage {
   std::string name, text, signal;
   std::uint64_t time = 0;
@@ -89,7 +90,7 @@ class Tracker {
   Tracker(const CardFailure& f, const PairConfig& pipe, const PairBudget& budget, Waves waves)
       : f_(f), pipe_(pipe), budget_(budget), waves_(std::move(waves)) {}
 
-  /// Lines about each stage, and the first that is wrong.
+  /// Writes lines about each stage, and returns the first wrong stage.
   std::optional<Stage> follow(std::string& text) {
     primary(text);
     for (const auto& [index, words] : f_.difference.secondaries) {
@@ -135,7 +136,7 @@ class Tracker {
                        "secondaries.slot_o");
   }
 
-  /// Whether a list of primaries has this one; nothing if it does not say.
+  /// Whether a list of primaries contains this one; nothing if it does not say.
   [[nodiscard]] std::optional<bool> listed(const Transaction& t, const char* field) const {
     const std::string who = fmt::format(" {} ", field_of(t, field));
     if (who.find(fmt::format(" {} ", f_.place)) != std::string::npos) return true;
@@ -173,7 +174,8 @@ class Tracker {
           fmt::format("  --> primary {} was not tested against secondary {}\n", f_.place, index);
   }
 
-  /// The reference's winner is better than all before it, and nothing behind it is better.
+  /// Whether the record of this index must be kept. The reference's winner is better than all
+  /// before it and no later one is better.
   [[nodiscard]] std::optional<bool> to_be_kept(std::uint32_t index) const {
     if (f_.mode == Mode::kAll || f_.mode == Mode::kHits || !f_.difference.reference)
       return std::nullopt;
@@ -191,7 +193,7 @@ class Tracker {
       if (wanted && wanted->f && index != "none" && number_of(t, "index") != wanted->index &&
           waves_.all.size() > 1 && field_of(t, "normal") == "0" && many_records() &&
           !is_of_no_pair(t))
-        continue;  // of another secondary
+        continue;  // record of another secondary
       const std::vector<float> distance = numbers_in(field_of(t, "T"));
       const bool same =
           wanted && !distance.empty() && !differing_word(std::span(&wanted->t, 1), distance) &&
@@ -205,7 +207,7 @@ class Tracker {
     if (waves_.whole && wanted)
       text += fmt::format("  --> no record of primary {} was written\n", f_.place);
   }
-  /// Whether its secondary is one whose pair has another distance than the record.
+  /// Whether the record's distance differs from the distance of its secondary's pair.
   [[nodiscard]] bool is_of_no_pair(const Transaction& record) const {
     const std::vector<float> distance = numbers_in(field_of(record, "T"));
     const auto index = number_of(record, "index");
@@ -246,9 +248,9 @@ Waves transactions_of(const fs::path& file, bool whole) {
           whole};
 }
 
-/// Windows to look at in turn: all of a short pass; of a long one where the secondary whose pair
-/// the pipe answers wrong is fetched, or that of the reference and that of the card; then where
-/// records are written, behind the sweep.
+/// Windows to trace in turn. A short pass is traced whole. For a long pass they are: the fetch of
+/// the secondary that the pipe answers wrong, or of the reference's and the card's secondary, then
+/// the writing of records after the brute-force pass.
 std::vector<TraceOptions> windows_of(const CardFailure& f, std::optional<std::uint32_t> wrong) {
   if (f.clocks <= kWhole) return {{.to = 3 * kWhole}};
   std::vector<TraceOptions> windows;
@@ -265,7 +267,7 @@ std::vector<TraceOptions> windows_of(const CardFailure& f, std::optional<std::ui
   return windows;
 }
 
-/// Explains the pairs of the records until one is wrong; that one, if any.
+/// Explains the pairs of the records until one is wrong, and returns that secondary, if any.
 std::optional<std::uint32_t> explained(Bundle& bundle, const CardFailure& f, const PairOptions& o,
                                        const PairConfig& pipe) {
   std::optional<explain::Explanation> kept;
@@ -291,7 +293,7 @@ Json hexfloats(std::span<const float> words) {
   return all;
 }
 
-/// Does it again and follows the primary; the waves that show it are left in `file`.
+/// Runs the pass again and follows the primary. Leaves the waves that show the error in `file`.
 std::optional<Stage> followed(Bundle& bundle, const Failure& failure, const CardFailure& f,
                               const PairBudget& budget, std::optional<std::uint32_t> wrong,
                               const fs::path& file, std::string& text) {
@@ -348,7 +350,7 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
   {
     wave::Trace trace(whole_file);
     window.fail = stage ? stage->time : trace.start() + (trace.end() - trace.start()) / 2;
-    // A word that was made long before is in the waves, too.
+    // The waves also include a word that was made long before.
     wave::Times times(trace, "");
     if (made && made->time < window.fail && times.clock_if_any() != nullptr)
       window.before += *times.cycle(window.fail) - times.cycle(made->time).value_or(0);

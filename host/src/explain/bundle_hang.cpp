@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A card that did not end what it was asked: the last things that happened on it.
+// Explains a card that did not finish a command: the last transactions on it.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The card is looked at now and then: where it stopped is within so many clocks.
+// The card is polled, so it stopped within this many cycles.
 constexpr std::uint64_t kAheadOfHang = 400, kBehind = 20'000;
-constexpr std::size_t kLast = 16;  // transactions that are listed
+constexpr std::size_t kLast = 16;  // number of transactions listed
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
     lines("The last that ended:", last);
     lines("What had not ended:", open);
     if (f.unit) {
-      // Rising edges are at odd times; after so many an answer stands there.
+      // Rising edges are at odd times. The answer is visible after this many edges.
       const std::uint64_t edges = std::max<std::uint64_t>(f.clock - from, 1);
       fail = std::min((trace.start() | 1) + 2 * (edges - 1), trace.end());
     }

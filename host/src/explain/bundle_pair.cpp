@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pair that a pipe by itself answers otherwise than its reference.
+// Explains a pair whose answer differs between a pipe alone and its reference.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -20,13 +20,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kRowsAround = 4;
 
-/// Rows that go through the unit once more, with the pair among them.
+/// Rows to run through the unit again, including the pair.
 struct Again {
   std::size_t first = 0, count = 0;  ///< pairs
   TraceOptions window = {};
 };
 
-/// The time at which answer `row` stands at the outputs, or the last one.
+/// The time at which answer `row` is at the outputs; without `row`, the last answer.
 std::uint64_t answer_time(const fs::path& file, std::optional<std::uint64_t> row) {
   wave::Trace trace(file);
   const std::uint32_t clock = wave::find_signal(trace, "pair_unit.clk_i").handle,
@@ -54,7 +54,7 @@ std::uint64_t answer_time(const fs::path& file, std::optional<std::uint64_t> row
   return found;
 }
 
-/// The pair's part of the output of the first field that differs.
+/// The pair's part of the output that carries the first differing field.
 std::string differing_signal(const PairFailure& f) {
   const std::size_t lane = f.at % f.config.lanes;
   const auto of = [lane](const char* name) { return fmt::format("pair_unit.{}[{}]", name, lane); };
@@ -71,7 +71,7 @@ std::string differing_signal(const PairFailure& f) {
   return of("t_o");
 }
 
-/// What of the unit is looked at first: its handshake, and the pair's lane.
+/// Signals of the unit to show first: its handshake and the pair's lane.
 std::vector<std::string> shown_signals(const PairFailure& f) {
   const std::size_t lane = f.at % f.config.lanes;
   const std::string form = fmt::format(":{}", f.config.format.name());
@@ -96,7 +96,7 @@ class Rerun {
   explicit Rerun(const PairFailure& f)
       : f_(f), aw_(primary_words(f.config.pair)), bw_(secondary_words(f.config.pair)) {}
 
-  /// Whether the pair is answered as it was; the waves are in `file`.
+  /// Whether the pair gives the same answer again. Writes waves to `file`.
   bool run(const Again& again, const fs::path& file) {
     PairConfig config = f_.config;
     config.trace = true;
@@ -129,7 +129,7 @@ void bundle_waves(Bundle& bundle, const PairFailure& f) {
   bool same = rerun.run(some, whole);
   std::optional<std::uint64_t> answer = row - first;
   if (!same && first > 0) {
-    // What came long before matters: all of it again, with waves of the end alone.
+    // Earlier rows matter: runs all of them again, with waves of the end only.
     const Again all{0, std::min(pairs, (row + 1) * lanes)};
     std::error_code none;
     Again last = all;

@@ -104,7 +104,7 @@ class Report {
     return is_comparison(op) ? word != 0 ? "yes" : "no" : value(word);
   }
 
-  /// As the card has it, or the reference.
+  /// The operation as the card or the reference did it.
   [[nodiscard]] std::string operation(const Compared& c, bool reference) const {
     const Step& step = step_of(c);
     const bool card = !reference && c.seat.which >= 0;
@@ -120,7 +120,7 @@ class Report {
     return e_.recording.steps[static_cast<std::size_t>(e_.recording.operators[c.operation])];
   }
 
-  /// Units in the last place between two words of a format; nothing for NaN.
+  /// Units in the last place between two words of a format; empty for NaN.
   [[nodiscard]] std::string ulps(const Compared& c) const {
     const Step& step = step_of(c);
     const FpFormat& f = e_.config.format;
@@ -137,7 +137,7 @@ class Report {
     return fmt::format("{} ulp apart", apart);
   }
 
-  /// Operands are compared without their order, as sums and products have none.
+  /// Whether the operands are exchanged. Sums and products have no operand order.
   [[nodiscard]] bool exchanged(const Compared& c) const {
     const Step& step = step_of(c);
     return step.operation != FpOp::kSqrt && c.card.a == step.b && c.card.b == step.a &&
@@ -240,7 +240,7 @@ class Report {
   unsigned most_;
   WordText text_;
   std::string all_;
-  std::vector<std::size_t> order_;  ///< operations by their clock
+  std::vector<std::size_t> order_;  ///< operations by cycle
 };
 
 }  // namespace

@@ -16,20 +16,20 @@
 namespace cde::explain {
 namespace {
 
-// Pairs before and behind the one to be explained. They are what seats are learnt from, and without
-// neighbours an operand of another row would not be seen: inputs stay on the port.
-// Together they are fewer than a ring has slots, so that one enters a clock.
+// Pairs before and after the explained one. Seats are learnt from them. They also show operands of
+// another row: without neighbours the inputs would stay at the port. Their sum is below the slots
+// of an iterative pipeline, so that one enters per cycle.
 constexpr std::size_t kBefore = 32, kBehind = 16;
 constexpr std::uint64_t kSeed = 20261123;
 
-/// A pipe of one lane whose operators tell what they do.
+/// A pipe of one lane whose operators report their work.
 PairConfig tapped(PairConfig config) {
   config.lanes = 1;
   config.tap = true;
   return config;
 }
 
-/// The words of random pairs in the format, with the asked one in their midst.
+/// Words of random pairs in the format, with the explained pair in the middle.
 struct Rows {
   std::vector<std::uint64_t> a, b;
 };
@@ -51,7 +51,7 @@ Rows rows_around(const PairConfig& config, std::span<const std::uint64_t> a,
   return rows;
 }
 
-/// The RTL as it is elaborated for the configuration.
+/// The RTL, elaborated for the configuration.
 netlist::Elaboration design_of(const PairConfig& config) {
   PairConfig plain = config;
   plain.tap = plain.trace = false;
@@ -63,8 +63,8 @@ netlist::Elaboration design_of(const PairConfig& config) {
   }
 }
 
-/// Lines of an operator, from inside the pipe on. The cell of an operator that a line of dataflow
-/// makes (df_operator.sv, fp_add.sv, ...) says nothing.
+/// Lines of an operator, from inside the pipe on. The operator's own cell in a dataflow line
+/// (df_operator.sv, fp_add.sv, ...) is left out.
 Source source_of(const netlist::Elaboration& design, std::string path) {
   const std::size_t top = path.find("pair_unit.", 1);  // Verilator's own name comes first
   path.erase(0, top == std::string::npos ? 0 : top);
@@ -94,8 +94,8 @@ Source from_json(const Json& list) {
   return source;
 }
 
-/// Lines of the card's operators, from the cache if the RTL was elaborated for them before, which
-/// takes a second or more.
+/// Lines of the card's operators. They come from the cache if the RTL was elaborated before, which
+/// takes seconds.
 std::vector<Source> sources_of(const PairConfig& config,
                                const std::vector<PairOperator>& operators) {
   const auto name = netlist::kept_name("pair_unit", config.parameters(), ".places.json");
@@ -120,8 +120,8 @@ std::vector<Source> sources_of(const PairConfig& config,
   return sources;
 }
 
-/// Operators that check operands do no operation of the reference, though they have its operands:
-/// they are no candidates if there are others.
+/// Removes operators of the operand check, if other candidates remain. They see the reference's
+/// operands but do none of its operations.
 void leave_out_checks(std::vector<std::int32_t>& operators, const std::vector<Source>& sources) {
   const auto checks = [&sources](std::int32_t which) {
     const auto& places = sources[static_cast<std::size_t>(which)].places;
@@ -130,9 +130,10 @@ void leave_out_checks(std::vector<std::int32_t>& operators, const std::vector<So
   if (!std::all_of(operators.begin(), operators.end(), checks)) std::erase_if(operators, checks);
 }
 
-/// Findings that say most first. Operations that were not found say nothing if the answers are the
-/// same, nor does anything of a ring then; otherwise those for which no operator of the card is
-/// left go if there is anything else: the box rule of host arithmetic is no operators, for one.
+/// Orders findings, most informative first. If the answers agree, drops operations that were not
+/// found and all findings of an iterative pipeline. Otherwise drops operations for which no
+/// operator of the card remains, if other findings exist. For example, the box rule of host
+/// arithmetic has no operators.
 void rank(Explanation& e) {
   const auto missing = [](const Finding& f) { return f.compared.verdict == Verdict::kMissing; };
   const auto nowhere = [](const Finding& f) { return f.sources.empty(); };
@@ -187,12 +188,13 @@ Explanation Explainer::explain(std::span<const std::uint64_t> a, std::span<const
   const std::size_t count = card.results.size();
   recordings_.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    if (i != kBefore && !recordings_[i].steps.empty()) continue;  // the others are the same again
+    if (i != kBefore && !recordings_[i].steps.empty())
+      continue;  // the other recordings are unchanged
     const std::size_t aw = primary_words(pair), bw = secondary_words(pair);
     recordings_[i] = record(e.config, std::span(rows.a).subspan(i * aw, aw),
                             std::span(rows.b).subspan(i * bw, bw), budget_);
   }
-  // References are straight-line code, or go by the budget alone.
+  // The reference is straight-line code, or depends on the iterations alone.
   std::vector<std::size_t> learnt;
   for (std::size_t i = 0; i < count; ++i)
     if (i != kBefore && !recordings_[i].result.bad &&

@@ -12,11 +12,11 @@
 namespace cde::explain {
 namespace {
 
-constexpr unsigned kEnough = 60;   // percent of the pairs that make a seat
-constexpr std::size_t kSeeds = 3;  // pairs whose operands of an operation are looked for everywhere
-constexpr std::size_t kAlike = 200;      // operations of a pair with the same operands, at most
-constexpr std::size_t kCandidates = 96;  // seats that are tried for an operation
-constexpr std::size_t kSought = 20;      // missing operations for which others are looked at
+constexpr unsigned kEnough = 60;     // percent of the pairs that must agree for a seat
+constexpr std::size_t kSeeds = 3;    // pairs per operation whose operands are searched everywhere
+constexpr std::size_t kAlike = 200;  // most operations of a pair with the same operands
+constexpr std::size_t kCandidates = 96;  // seats tried per operation
+constexpr std::size_t kSought = 20;      // missing operations for which other operators are tried
 
 bool compares(FpOp op) {
   return op == FpOp::kLt || op == FpOp::kLe || op == FpOp::kEq;
@@ -26,7 +26,7 @@ std::uint64_t canonical_word(const FpFormat& format, std::uint64_t word) {
   return format.is_nan(word) ? format.canonical_nan() : word;
 }
 
-/// The operands of an operation, in no order.
+/// The operands of an operation, unordered.
 struct Operands {
   std::uint64_t low, high;
   Operands(std::uint64_t a, std::uint64_t b) : low(std::min(a, b)), high(std::max(a, b)) {}
@@ -38,7 +38,7 @@ struct Hash {
   }
 };
 
-/// An operation of the reference in the words that a track has.
+/// An operation of the reference, in the words of a track.
 Operation expected(const Observed& card, const PairRecording& pair, std::size_t k) {
   const Step& step = pair.steps[static_cast<std::size_t>(pair.operators[k])];
   const auto word = [&card](std::uint64_t w) { return canonical_word(card.format, w); };
@@ -46,7 +46,7 @@ Operation expected(const Observed& card, const PairRecording& pair, std::size_t 
           compares(step.operation) ? step.result : word(step.result)};
 }
 
-/// What an operator did with the operands of a clock; nothing if its result came after the end.
+/// What an operator did with its operands in a cycle; nothing if its result comes after the end.
 std::optional<Operation> done(const Observed& card, std::int32_t which, std::size_t clock) {
   const auto w = static_cast<std::size_t>(which);
   const Track& track = card.tracks[w];
@@ -62,12 +62,13 @@ Verdict judge(const Operation& card, const Operation& reference) {
              : Verdict::kResult;
 }
 
-/// Whether operands are ones that few other operations have.
+/// Whether the operands are specific: neither is zero.
 bool tells(const Operation& o) {
   return (o.a << 1) != 0 && (o.b << 1) != 0;
 }
 
-/// Whether an operation has operands that would have been found: other ones for most pairs.
+/// Whether the operation's operands would be found: they are specific, and differ between most
+/// pairs.
 bool tells(const Observed& card, std::size_t operation, std::span<const PairRecording> pairs,
            std::span<const std::size_t> rows) {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> seen;
@@ -80,8 +81,7 @@ bool tells(const Observed& card, std::size_t operation, std::span<const PairReco
   return seen.size() * 100 >= kEnough * rows.size();
 }
 
-/// Where the operands of these operations of a pair stand, as long as there are not too many
-/// places.
+/// Finds the places of these operations' operands for one pair, up to a limit per operation.
 using Places = std::vector<std::vector<std::pair<std::int32_t, unsigned>>>;
 void find_places(const Observed& card, const PairRecording& pair, std::size_t row,
                  std::span<const std::size_t> sought, Places& places) {
@@ -113,8 +113,8 @@ enum class Clue : std::uint8_t {
   kBoth,    ///< no other pair gives these operands; both are finite and not zero
 };
 
-/// The clue that each row's pair gives for an operation. The last pair stays on the input port, so
-/// its words are in many cycles: it is a poor clue.
+/// The clue from each row's pair for an operation. The last pair stays at the input port, so its
+/// words appear in many cycles: it is a poor clue.
 std::vector<Clue> clues(const Observed& card, std::span<const PairRecording> pairs,
                         std::span<const std::size_t> rows, std::size_t operation) {
   std::map<std::pair<std::uint64_t, std::uint64_t>, unsigned> seen;
@@ -142,16 +142,15 @@ std::vector<Clue> clues(const Observed& card, std::span<const PairRecording> pai
   return list;
 }
 
-/// Where each operation may be done. Its operands are looked for after the pairs with the best
-/// clue.
+/// Possible places of each operation. Searches for the operands of the pairs with the best clue.
 Places possible_places(const Observed& card, std::span<const PairRecording> pairs,
                        std::span<const std::size_t> rows) {
   const std::size_t count = pairs[rows[0]].operators.size();
-  // Rows that are far from each other come first.
+  // Distant rows come first.
   std::vector<std::size_t> order;
   for (std::size_t s = 0; s < kSeeds; ++s)
     for (std::size_t i = s; i < rows.size(); i += kSeeds) order.push_back(i);
-  std::vector<std::vector<std::size_t>> sought(rows.size());  // operations
+  std::vector<std::vector<std::size_t>> sought(rows.size());  // operations per row
   for (std::size_t k = 0; k < count; ++k) {
     const std::vector<Clue> clue = clues(card, pairs, rows, k);
     const Clue best = *std::max_element(clue.begin(), clue.end());
@@ -180,8 +179,8 @@ void parents(const std::vector<Step>& steps, std::int32_t step, std::vector<std:
   }
 }
 
-/// Steps that the answer depends on: those behind T, CP and n, and behind comparisons that nobody
-/// asks, one of which is F.
+/// Steps that the answer depends on: inputs of T, CP and n, and of comparisons without a reader,
+/// one of which is F.
 std::vector<char> that_matter(const PairRecording& pair) {
   const auto index = [](std::int32_t step) { return static_cast<std::size_t>(step); };
   std::vector<char> used(pair.steps.size()), matter(pair.steps.size());
@@ -200,8 +199,8 @@ std::vector<char> that_matter(const PairRecording& pair) {
   return matter;
 }
 
-/// Clocks behind a pair's entry at which an operator has one of its operands, and not of zeros
-/// alone, after most pairs; the best of them.
+/// The best cycle offset from a pair's entry at which the operator has one of the operation's
+/// nonzero operands for most pairs.
 std::optional<unsigned> half_seat(const Observed& card, std::size_t which, std::size_t operation,
                                   std::span<const PairRecording> pairs,
                                   std::span<const std::size_t> rows) {
@@ -221,8 +220,8 @@ std::optional<unsigned> half_seat(const Observed& card, std::size_t which, std::
   return best->first;
 }
 
-/// Operators of the card that may be one which was not found: of no seat, with one of its operands
-/// at the same time after most pairs. Those of its kind first, then by their clocks.
+/// Unmatched operators that may do a missing operation: for most pairs they have one of its
+/// operands at the same offset. Operators of its kind come first, then those with lower offsets.
 std::vector<std::int32_t> strangers(const Observed& card, std::size_t operation,
                                     const std::vector<bool>& seated,
                                     std::span<const PairRecording> pairs,
@@ -275,7 +274,8 @@ std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pai
     };
     for (const auto& [which, offset] : places[k]) {
       Seat seat{which, offset, 0, 0};
-      std::size_t telling = 0, told = 0;  // pairs whose operands are no zeros, and those with them
+      std::size_t telling = 0,
+                  told = 0;  // pairs with nonzero operands, and pairs with the right ones
       for (const std::size_t row : rows) {
         const auto did = done(card, which, row * card.interval + offset);
         if (!did) continue;
@@ -293,8 +293,9 @@ std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pai
     }
     if (seats[k].which >= 0) taken[static_cast<std::size_t>(seats[k].which)] = true;
   }
-  // Who has the operands but another result is no seat if another operation agrees about it: both
-  // take the same operands, as a difference and the smaller of two corners do.
+  // An operator with the right operands but another result is no seat if another operation matches
+  // it there. Both operations take the same operands, such as a difference and the smaller of two
+  // corners.
   std::set<std::pair<std::int32_t, unsigned>> agreed;
   for (const Seat& s : seats)
     if (s.agree * 100 >= kEnough * rows.size()) agreed.insert({s.which, s.offset});
@@ -311,7 +312,7 @@ std::vector<Compared> compare(const Observed& card, std::span<const PairRecordin
   for (const Seat& seat : seats)
     if (seat.which >= 0) seated[static_cast<std::size_t>(seat.which)] = true;
   std::vector<Compared> all(pair.operators.size());
-  std::vector<char> same(pair.steps.size(), 1);  // of steps; those of the input check are taken so
+  std::vector<char> same(pair.steps.size(), 1);  // by step; steps of the input check count as same
   const std::vector<char> matter = that_matter(pair);
   std::size_t sought = 0;
   for (std::size_t k = 0; k < all.size(); ++k) {

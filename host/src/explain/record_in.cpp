@@ -19,7 +19,7 @@ P shape(const std::uint64_t* words) {
   return p;
 }
 
-/// Steps are recorded while it lives.
+/// Records steps during its lifetime.
 class Recorder {
  public:
   explicit Recorder(Recording& to) { Recording::now = &to; }

@@ -4,7 +4,7 @@
 
 namespace cde::explain {
 
-/// record() in the scalar S. record_in.cpp is compiled for a few scalars at a time.
+/// record() in the scalar S. Each build of record_in.cpp compiles a few scalars.
 template <class S>
 struct RecordIn {
   static PairRecording record(const PairConfig& config, std::span<const std::uint64_t> a,

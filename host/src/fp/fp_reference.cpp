@@ -19,9 +19,9 @@ int bit_length(Wide v) {
   return high != 0 ? 64 + std::bit_width(high) : std::bit_width(static_cast<uint64_t>(v));
 }
 
-/// A finite number: (-1)^minus * magnitude * 2^exponent. The last bit may stand for any nonzero
-/// rest below it, as long as the magnitude has at least two more bits than the format that it is
-/// rounded to.
+/// A finite number: (-1)^minus * magnitude * 2^exponent. The last bit may be sticky: it may stand
+/// for any nonzero remainder below it. The magnitude then needs at least two bits more than the
+/// format that it is rounded to.
 struct Value {
   bool minus = false;
   Wide magnitude = 0;
@@ -72,7 +72,7 @@ FpResult nan(FpFormat f, bool invalid) {
   return {f.canonical_nan(), invalid ? kFpInvalid : uint8_t{0}};
 }
 
-/// The one rounding: to the format's precision, or to its smallest unit if the value is that small.
+/// Rounds once: to the format's precision, or to its smallest unit for a value that small.
 FpResult round_to(FpFormat f, const Value& v) {
   if (v.magnitude == 0) return zero(f, v.minus);
   const int leading = bit_length(v.magnitude) - 1 + v.exponent;
@@ -115,8 +115,8 @@ FpResult add(FpFormat f, const Operand& a, const Operand& b) {
     sum.magnitude = high.magnitude << distance;
     sum.exponent = low.exponent;
     addend = low.magnitude;
-  } else {  // the lower operand is less than one unit at 2^-60 of the higher one: only that it is
-            // there counts
+  } else {  // the lower operand is below one unit at 2^-60 of the higher one: only its presence
+            // counts
     sum.magnitude = high.magnitude << 60;
     sum.exponent = high.exponent - 60;
     addend = 1;

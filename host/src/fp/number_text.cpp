@@ -26,17 +26,17 @@ double rounded(const std::string& text, int direction) {
   return value;
 }
 
-/// The value of a text without sign in binary64, rounded to odd: what is inexact has its last bit
-/// set, so that it lies on no boundary of a shorter format, and rounding it again is as good as
-/// rounding the text.
+/// The value of an unsigned text in binary64, rounded to odd: an inexact value gets its last bit
+/// set. It thus lies on no boundary of a shorter format, and rounding it again equals rounding the
+/// text.
 double rounded_to_odd(const std::string& text) {
   const double down = rounded(text, FE_TOWARDZERO);
   if (rounded(text, FE_UPWARD) == down) return down;
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(down) | 1);
 }
 
-/// `nearest` is the binary64 number nearest to the text. If its neighbours round to the same word
-/// no boundary is near; else only the text can tell.
+/// `nearest` is the binary64 number nearest to the text. If its neighbours round to the same word,
+/// no boundary is near. Otherwise the text decides.
 template <class S>
 S narrow(double nearest, const std::string_view text) {
   const S word(nearest);
@@ -67,7 +67,7 @@ WordText::Found WordText::number(std::string_view text, std::uint64_t& word) {
     text.remove_prefix(1);
   }
   const bool hex = has_hex_prefix(text);
-  // 0x and digits alone is a word, which has its sign among its bits.
+  // 0x followed by digits alone is a word, which includes the sign bit.
   if (negative && hex && is_word(text.substr(2))) return Found::kMalformed;
   const std::string_view digits = hex ? text.substr(2) : text;
   // from_chars takes a minus sign by itself; a second one after ours is malformed.
@@ -77,7 +77,7 @@ WordText::Found WordText::number(std::string_view text, std::uint64_t& word) {
   const auto [stop, error] = std::from_chars(
       digits.data(), end, read, hex ? std::chars_format::hex : std::chars_format::general);
   if (stop != end || error == std::errc::invalid_argument) return Found::kMalformed;
-  if (error == std::errc::result_out_of_range) {  // too large or too small: strtod says which
+  if (error == std::errc::result_out_of_range) {  // too large or too small: strtod decides which
     const std::string copy(text);
     if constexpr (std::is_same_v<S, float>)
       read = std::strtof(copy.c_str(), nullptr);

@@ -13,7 +13,7 @@ constexpr double gamma(int roundings) {
   return roundings * kU / (1 - roundings * kU);
 }
 
-/// |a| x |b| with sums for differences.
+/// |a| x |b| with sums instead of differences.
 Eigen::Vector3d permanent_cross(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return {a.y() * b.z() + a.z() * b.y(), a.z() * b.x() + a.x() * b.z(),
           a.x() * b.y() + a.y() * b.x()};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// reference::bad decides; what stands here finds the words for it.
+// reference::bad() decides. This file finds the words for the message.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,8 @@ namespace {
 
 using Defect = std::optional<std::string>;
 
-/// A primitive of a scene or file and an operand of a pipe say the same in other words.
+/// Names of a primitive of a scene or file. An operand of a pipe has other names for the same
+/// defects.
 struct OfPrimitive {
   using Number = float;
   static constexpr bool kOperand = false;
@@ -28,14 +29,15 @@ struct OfOperand {
   static constexpr bool kOperand = true;
 };
 
-/// "origin.x", "rotation[1][2]", "radius".
+/// The name of a word: "origin.x", "rotation[1][2]", "radius".
 std::string word_name(std::string_view field, Eigen::Index words, Eigen::Index k) {
   if (words == 1) return std::string(field);
   if (words == 3) return fmt::format("{}.{}", field, "xyz"[k]);
   return fmt::format("{}[{}][{}]", field, k / 3, k % 3);
 }
 
-/// look(number of the word in its field, word) for every word of a field, while there is no defect.
+/// Calls look(number of the word in its field, word) for the words of a field, until one has a
+/// defect.
 template <class Field, class Look>
 Defect first_of(const Field& field, Look look) {
   if constexpr (requires { field.size(); }) {
@@ -54,7 +56,7 @@ constexpr Eigen::Index words_of(const Field& field) {
     return 1;
 }
 
-/// The first field in slot order with a defect: look(name, kind, field).
+/// Calls look(name, kind, field) for the fields in slot order, until one has a defect.
 template <class P, class Look>
 Defect first_field(const P& primitive, Look look) {
   Defect why;
@@ -64,7 +66,7 @@ Defect first_field(const P& primitive, Look look) {
   return why;
 }
 
-/// A word that must be another by itself.
+/// The defect of a single word.
 template <class Wording, class S>
 Defect bad_word(const std::string& name, WordKind kind, S word) {
   using std::isnan;
@@ -81,7 +83,7 @@ Defect bad_word(const std::string& name, WordKind kind, S word) {
   return reference::kLengths<S>.not_coordinate(name, value);
 }
 
-/// a.b, unless it is 0 or 1 as it must be.
+/// The defect if a.b is not the required 0 or 1.
 template <class Wording, class S>
 Defect bad_product(const std::string& what, const Vector3<S>& a, const Vector3<S>& b,
                    int expected) {
@@ -91,7 +93,7 @@ Defect bad_product(const std::string& what, const Vector3<S>& a, const Vector3<S
                      reference::kUnitTolerance<S>);
 }
 
-/// A direction or unit vector; other fields have no more than their words.
+/// The defect of a direction or unit vector as a whole; other fields have defects of words only.
 template <class Wording, class S>
 Defect bad_whole(std::string_view name, WordKind kind, const Vector3<S>& v) {
   if (kind == WordKind::kPure)

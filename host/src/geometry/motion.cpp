@@ -27,9 +27,9 @@ Eigen::Quaterniond turned(const Eigen::Vector3d& axis, double angle) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis));
 }
 
-/// x mirrored at both ends of low to high as often as it takes.
+/// x mirrored at low and high until it lies between them.
 double mirrored(double x, double low, double high) {
-  if (low <= x && x <= high) return x;  // as it is, every bit
+  if (low <= x && x <= high) return x;  // keeps every bit
   const double width = high - low;
   if (!(width > 0)) return low;
   const double phase = std::fmod(std::fabs(x - low), 2 * width);
@@ -48,7 +48,7 @@ Eigen::Quaterniond spun(const RandomMotion& m, std::uint64_t member, double seco
   return turned(random_direction(m.seed, 1, member), m.spin * seconds);
 }
 
-/// The points as knots: with `loop` the first again at the end.
+/// The path's points as knots. With `loop` the first point follows the last.
 Eigen::Vector3d on_path(const Path& path, double seconds) {
   const std::size_t n = path.points.size();
   if (n == 0) return Eigen::Vector3d::Zero();
@@ -66,7 +66,7 @@ Eigen::Vector3d on_path(const Path& path, double seconds) {
   const double u = span > 0 ? (s - knots[i]) / span : 0;
   if (!path.smooth) return point(i) + u * (point(i + 1) - point(i));
 
-  // Tangents by the difference of the neighbours, at an open end by that of the end itself.
+  // A tangent is the difference of the neighbours. At an open end it uses the end itself.
   const auto tangent = [&](std::size_t k) -> Eigen::Vector3d {
     const bool first = k == 0, last = k == segments;
     if (path.loop && (first || last)) {
@@ -118,7 +118,8 @@ double random_unit(std::uint64_t seed, std::uint64_t stream, std::uint64_t n) {
 
 Eigen::Vector3d random_direction(std::uint64_t seed, std::uint64_t stream, std::uint64_t n) {
   const std::uint64_t own = random_bits(seed, stream, n);
-  // Points of the cube until one lies in the ball: operations that round alike everywhere.
+  // Draws points of the cube until one lies in the ball. These operations round the same on all
+  // machines.
   for (std::uint64_t k = 0;; k += 3) {
     Eigen::Vector3d v;
     for (int i = 0; i < 3; ++i)

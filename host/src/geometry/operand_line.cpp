@@ -15,8 +15,8 @@ namespace {
 
 using text::TableText;
 
-/// "center.x", "rotation[0][1]", "half_height": as messages about operands name words, but for the
-/// blanks.
+/// Word names as in messages about operands, without blanks: "center.x", "rotation[0][1]",
+/// "half_height".
 std::vector<std::string> word_names(Shape shape, char operand) {
   return with_shape<float>(shape, [operand]<class P>() {
     std::vector<std::string> names;
@@ -94,11 +94,11 @@ struct OperandText::Table {
   WordText text;
   text::TableForm form;
   TableText rows;
-  std::vector<std::uint64_t> none;  ///< words of a row that has none
+  std::vector<std::uint64_t> none;  ///< defaults of optional words
   std::vector<std::uint64_t> found;
   std::vector<text::Field> fields;  // of a line with a blank between A and B
 
-  /// Fields in front of what stands between A and B, if anything does.
+  /// The fields, and the number of fields before the separator of A and B, if there is one.
   struct Parts {
     std::span<const text::Field> fields;
     std::size_t before = text::kNoBar;
@@ -108,8 +108,9 @@ struct OperandText::Table {
   [[nodiscard]] bool read(std::string& why, const std::string& where);
 };
 
-/// A blank may stand between A and B as a | may, where commas or semicolons separate the words:
-/// "0,0,0,1 1.5,0,0,1", but not more of them, as decimal commas would look the same.
+/// Finds the separator of A and B. A blank may stand for the | if commas or semicolons separate the
+/// words: "0,0,0,1 1.5,0,0,1". More blanks are no separators, as decimal commas would look the
+/// same.
 OperandText::Table::Parts OperandText::Table::parts() {
   const Parts as_they_are{rows.fields(), rows.bar()};
   if (rows.separator() == text::Separator::kBlank || rows.bar() != text::kNoBar) return as_they_are;
@@ -139,14 +140,14 @@ std::string OperandText::Table::wrong_count(std::size_t count) const {
                      words_text(first_shape(named)), words_text(second_shape(named)));
 }
 
-/// The row's words, in the order of the form's names.
+/// Reads the row's words, in the order of the form's names.
 bool OperandText::Table::read(std::string& why, const std::string& where) {
   const Parts parts = this->parts();
   const std::size_t count = parts.fields.size(), most = form.names.size();
   const bool ray = has_ray(named.pair), short_ray = !rows.named() && ray && count == most - 2;
   if (rows.named() ? count != rows.columns() : count != most && !short_ray) {
     why = fmt::format("{}: {}", where, wrong_count(count));
-    // Two separators in one line may be why there are too few or too many.
+    // Two kinds of separators in a line may explain a wrong number of words.
     for (std::size_t i = 0; i < count; ++i) {
       const std::string_view word = parts.fields[i].text;
       if (std::none_of(word.begin(), word.end(),
@@ -158,7 +159,7 @@ bool OperandText::Table::read(std::string& why, const std::string& where) {
     }
     return false;
   }
-  // A ray without an interval has all of it: tmin = 0, tmax = +inf.
+  // A ray without an interval gets tmin = 0, tmax = +inf.
   found = none;
   const std::size_t a_words = words(first_shape(named));
   const std::size_t interval = named.exchanged ? most - 2 : 6;
@@ -210,7 +211,7 @@ OperandLine OperandText::read(std::string_view line, const std::string& where,
                               std::string& why) {
   why.clear();
   if (!has_pair(line)) {
-    (void)take_header(line, where);  // a comment may be one
+    (void)take_header(line, where);  // a comment may be a header
     return OperandLine::kNothing;
   }
   if (take_header(line, where)) return OperandLine::kNothing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Building: a tree of two children a node by surface area, collapsed into one of eight.
+// Builds a binary tree by surface area and collapses it into a BVH with nodes of eight children.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 namespace cde {
 namespace {
 
-using Corner = Eigen::Array4f;  // of which three count: one vector register
+using Corner = Eigen::Array4f;  // x, y, z and an unused fourth: one vector register
 constexpr unsigned kBins = 16;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
@@ -39,8 +39,8 @@ struct Box {
   }
 };
 
-/// A secondary: its box, and its number in the place of a fourth coordinate (32 bytes; of a tree of
-/// millions they are a quarter of what building it takes). As a float it is a normal one.
+/// A secondary in 32 bytes: its box, with its number in the fourth coordinate. kOffset makes the
+/// number a normal float.
 class Reference {
  public:
   Reference(const Eigen::AlignedBox3f& of, std::uint32_t index) {
@@ -50,22 +50,22 @@ class Reference {
   [[nodiscard]] std::uint32_t index() const {
     return std::bit_cast<std::uint32_t>(box.lo[3]) - kOffset;
   }
-  [[nodiscard]] Corner centre() const { return box.lo + box.hi; }  // twice
+  [[nodiscard]] Corner centre() const { return box.lo + box.hi; }  // twice the centre
   Box box;
 
  private:
   static constexpr std::uint32_t kOffset = 1u << 29;  // numbers have 28 bits
 };
 
-/// Of the tree of two children. Without: a leaf.
+/// A node of the binary tree. A leaf has no children.
 struct Pairing {
   Box box;
-  std::uint32_t children = 0;  ///< number of the first, the other is behind it; 0: none
+  std::uint32_t children = 0;  ///< number of the first; the second one follows; 0: none
   std::uint32_t first = 0, count = 0;
   unsigned height = 0;
 };
 
-/// Levels below a node that so many secondaries need at least.
+/// The least number of levels that so many secondaries need below a node.
 unsigned least_height(std::size_t count, unsigned leaf) {
   unsigned height = 0;
   for (std::size_t held = leaf; held < count; held *= 2) ++height;
@@ -74,7 +74,7 @@ unsigned least_height(std::size_t count, unsigned leaf) {
 
 class Pairings {
  public:
-  /// Of so many levels of eights at most, each of which is three of pairs.
+  /// At most `depth` levels of nodes of eight children: each is three levels of the binary tree.
   Pairings(std::vector<Reference>& references, unsigned leaf, unsigned threads, unsigned depth)
       : references_(references), leaf_(leaf), room_(2 * references.size()) {
     nodes_ = {std::allocator<Pairing>().allocate(room_), Free{room_}};
@@ -91,9 +91,9 @@ class Pairings {
   struct Split {
     float cost = kInfinite;
     int axis = -1;
-    unsigned bin = 0;  ///< the first one on the right
+    unsigned bin = 0;  ///< the first bin on the right side
   };
-  /// Which bin a centre is in, on each axis.
+  /// Gives the bin of a centre on each axis.
   struct Binning {
     Corner origin, scale;
     [[nodiscard]] Eigen::Array4i bin(const Corner& centre) const {
@@ -101,7 +101,7 @@ class Pairings {
     }
   };
 
-  /// Makes node `at` of the references from `first` on, which has `height` levels left.
+  /// Makes node `at` from the references from `first` on. `height` levels are available.
   void split(std::uint32_t at, std::size_t first, std::size_t count, unsigned height,
              unsigned forks) {
     Pairing& node = *std::construct_at(nodes_.get() + at);
@@ -127,7 +127,7 @@ class Pairings {
     node.height = 1 + std::max((*this)[children].height, (*this)[children + 1].height);
   }
 
-  /// Brings the references of the left child to the front; how many there are.
+  /// Moves the references of the left child to the front and returns their number.
   std::size_t divided(std::size_t first, std::size_t count, unsigned height, const Box& centres) {
     if (least_height(count, leaf_) < height) {
       const Corner extent = centres.hi - centres.lo;
@@ -161,7 +161,7 @@ class Pairings {
     }
     Split best;
     for (unsigned k = 0; k < 3; ++k) {
-      std::array<float, kBins> right;  // costs of all from a bin on
+      std::array<float, kBins> right;  // costs of all bins from this one on
       Bin sum;
       for (unsigned b = kBins - 1; b > 0; --b) {
         sum.box.extend(bins[k][b].box);
@@ -180,7 +180,8 @@ class Pairings {
     return best;
   }
 
-  /// By the median of the longest axis; ties by index, so that it does not depend on the order.
+  /// Splits at the median of the longest axis. Ties go by index, so the result does not depend on
+  /// the order.
   std::size_t halved(std::size_t first, std::size_t count, const Box& centres) {
     int axis = 0;
     (centres.hi - centres.lo).head<3>().maxCoeff(&axis);
@@ -196,7 +197,8 @@ class Pairings {
 
   std::vector<Reference>& references_;
   unsigned leaf_, forks_ = 0;
-  /// Room for as many as there can be; what is not used is never touched, and so takes no memory.
+  /// Room for the largest possible number of nodes. Unused room is never touched and takes no
+  /// memory.
   struct Free {
     std::size_t room;
     void operator()(Pairing* all) const { std::allocator<Pairing>().deallocate(all, room); }
@@ -219,7 +221,7 @@ void check_count(std::size_t count) {
 void check_box(std::size_t i, const Eigen::AlignedBox3f& b) {
   constexpr float kMost = 0x1p40f;
   const float most = std::max(b.min().cwiseAbs().maxCoeff(), b.max().cwiseAbs().maxCoeff());
-  // Written so that a NaN is refused.
+  // A NaN fails this test.
   if (!((b.min().array() <= b.max().array()).all() && most <= kMost))
     throw Error(ErrorCode::kBadInput,
                 fmt::format("secondary {}: its box is from {},{},{} to {},{},{}; it must not be "
@@ -228,8 +230,7 @@ void check_box(std::size_t i, const Eigen::AlignedBox3f& b) {
                             b.max().z()));
 }
 
-/// The largest number that c - r, exactly, is not below; with -r the least one that c + r is not
-/// above, turned round.
+/// c - r, rounded down. c + r rounded up is -below(-c, r).
 float below(float c, float r) {
   const float rounded = c - r, part = rounded - c;
   const float error = (c - (rounded - part)) + (-r - part);  // exact: Knuth's sum
@@ -249,13 +250,14 @@ Eigen::AlignedBox3f box_of(const Aabb& box) {
   return {box.min, box.max};
 }
 
-/// The largest number that is not above, -x turned round the least one that is not below.
+/// x, rounded down. x rounded up is -rounded_down(-x).
 float rounded_down(double x) {
   const auto rounded = static_cast<float>(x);
   return rounded > x ? std::nextafter(rounded, -kInfinite) : rounded;
 }
 
-/// Products of two numbers are exact in double, and what rounds their sums is made up for.
+/// Products of two floats are exact in double. kUp and the relative margins bound the rounding of
+/// the sums, so the box contains the solid.
 Eigen::AlignedBox3f box_of(const Obb& solid) {
   constexpr double kUp = 1 + 0x1p-48;
   Eigen::AlignedBox3f box;
@@ -271,13 +273,13 @@ Eigen::AlignedBox3f box_of(const Obb& solid) {
 
 Eigen::AlignedBox3f box_of(const Triangle& t) {
   Eigen::AlignedBox3f box(t.v0.cwiseMin(t.v1).cwiseMin(t.v2), t.v0.cwiseMax(t.v1).cwiseMax(t.v2));
-  // Of a NaN the other number may be what is left.
+  // min and max may drop a NaN, so it is put back.
   for (const Eigen::Vector3f* v : {&t.v0, &t.v1, &t.v2})
     if (v->hasNaN()) box.min() = *v;
   return box;
 }
 
-/// The box of each. Error kBadInput for a solid that no pipe would take: a sweep leaves it out.
+/// The boxes of all secondaries. Error kBadInput for a solid that no pipe accepts.
 template <class P>
 auto boxes_of(std::span<const P> all) {
   return [all](std::size_t i) {
@@ -292,7 +294,7 @@ auto boxes_of(const TriangleView& triangles) {
 
 }  // namespace
 
-/// Nodes of eight children, level by level.
+/// Makes nodes of eight children, level by level.
 class HierarchyBuilder {
  public:
   HierarchyBuilder(Hierarchy& to, const Pairings& from, const std::vector<Reference>& references,
@@ -310,8 +312,8 @@ class HierarchyBuilder {
   }
 
  private:
-  /// Children of a node: those of its pair, of which the tallest that would not fit below are
-  /// opened first, then the largest.
+  /// Children of a node: starts from the binary node and opens children until there are eight.
+  /// Opens first the tallest child that would not fit below, then the largest one.
   [[nodiscard]] std::vector<std::uint32_t> opened(std::uint32_t node) const {
     std::vector<std::uint32_t> list = {node};
     const unsigned below = 3 * (most_ - to_.depth_ - 1);
@@ -410,8 +412,7 @@ Hierarchy Hierarchy::build(std::span<const Obb> boxes, const HierarchyOptions& o
 
 namespace {
 
-/// Levels of the tree over the boxes of parts, and how many these can be (a card has up to 2,048
-/// objects).
+/// Levels of the tree over the boxes of parts, and the most parts. A card has up to 2,048 objects.
 constexpr unsigned kTopDepth = 5;
 constexpr std::size_t kMostParts = std::size_t{1} << (3 * kTopDepth);
 
@@ -460,8 +461,8 @@ Hierarchy Hierarchy::build(std::size_t count, const BoxOf& box,
   return joined(trees);
 }
 
-/// The tree over the boxes and the roots of all trees first, each behind its parent; behind these
-/// what is below the roots, tree by tree.
+/// Puts the top tree first, together with the roots of all trees, each behind its parent. The nodes
+/// below the roots follow, tree by tree.
 Hierarchy Hierarchy::joined(std::span<const Hierarchy> trees) {
   using hierarchy::Child;
   const Hierarchy top = build(
@@ -469,7 +470,7 @@ Hierarchy Hierarchy::joined(std::span<const Hierarchy> trees) {
       kTopDepth);
   struct Entry {
     bool of_top;
-    std::uint32_t number;  ///< of its node, or of the tree
+    std::uint32_t number;  ///< its node's number, or its tree's
   };
   std::vector<Entry> entries = {{true, 0}};
   std::vector<std::size_t> roots(trees.size());
@@ -522,7 +523,7 @@ void Hierarchy::refit(std::span<const Eigen::AlignedBox3f> boxes) {
                 fmt::format("{} secondaries for a hierarchy of {}", boxes.size(), order_.size()));
   for (std::size_t i = 0; i < boxes.size(); ++i) check_box(i, boxes[i]);
   std::vector<Eigen::AlignedBox3f> of_nodes(nodes_.size());
-  for (std::size_t n = nodes_.size(); n-- > 0;) {  // children are behind their parents
+  for (std::size_t n = nodes_.size(); n-- > 0;) {  // children follow their parents
     hierarchy::Node& node = nodes_[n];
     std::array<Eigen::AlignedBox3f, hierarchy::Node::kChildren> children;
     for (unsigned i = 0; i < children.size(); ++i) {

@@ -18,9 +18,10 @@ namespace {
 
 using hierarchy::Node;
 
-/// A file: this line, then words of 32 bits, least byte first: how many nodes, secondaries and
-/// parts, the box (lower corner, upper corner), nodes, order, of each part its first node, nodes
-/// and secondaries; and the sha256 of all before it in hexadecimal digits.
+/// A file has this line, then 32-bit words, least byte first. They hold the numbers of nodes,
+/// secondaries and parts; the box (lower corner, upper corner); the nodes; the order; and for each
+/// part its first node and its numbers of nodes and secondaries. The SHA-256 of all these bytes
+/// ends the file, in hexadecimal digits.
 constexpr std::string_view kMagic = "cde.hierarchy.2\n";
 constexpr std::size_t kHeadWords = 9, kDigits = 64, kPartWords = 3;
 
@@ -53,7 +54,8 @@ double area(const Eigen::Vector3d& extent) {
 
 Hierarchy::Hierarchy() : nodes_(1) {}
 
-/// A line through a convex body meets one within it with the ratio of their surfaces.
+/// A line that crosses a convex body crosses a convex body within it with the ratio of their
+/// surface areas as its probability.
 Hierarchy::Visits Hierarchy::expected_visits() const {
   Visits visits{.nodes = 1};
   const double whole = box_.isEmpty() ? 0 : area(box_.sizes().cast<double>());
@@ -138,7 +140,7 @@ Hierarchy Hierarchy::load(const std::filesystem::path& path) {
   } catch (const Error& e) {
     fail(e.what());
   }
-  // What a ray's margin follows from.
+  // The margin of a ray follows from this box.
   if (slots != 0 && (!read.box_.max().allFinite() || read.box_.min() != read.nodes_[0].origin()))
     fail("its box is not that of its root");
   return read;

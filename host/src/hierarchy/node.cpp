@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes in bytes that contain what they are made from, and whether nodes are a tree.
+// Child boxes in bytes, rounded outwards, and the check that nodes form a tree.
 #include "cde/hierarchy/node.hpp"
 
 #include <fmt/format.h>
@@ -13,17 +13,18 @@
 namespace cde::hierarchy {
 namespace {
 
-/// a - b of floats, as the nearest double and what is missing.
+/// a - b of floats, exactly: the nearest double and the remainder.
 struct Difference {
   double nearest, rest;
 };
 Difference difference(float a, float b) {
-  const double x = a, y = -static_cast<double>(b);  // the sum of two doubles (Knuth)
+  const double x = a, y = -static_cast<double>(b);  // the error-free sum of two doubles (Knuth)
   const double sum = x + y, z = sum - x;
   return {sum, (x - (sum - z)) + (y - z)};
 }
 
-/// Units of 2^exponent from origin up to a corner that is not below it, rounded away from the box.
+/// The distance from origin up to a corner in units of 2^exponent, rounded away from the box. The
+/// corner is not below the origin.
 double units(bool upper, float corner, float origin, int exponent) {
   const Difference d = difference(corner, origin);
   const double length = std::ldexp(d.nearest, -exponent);
@@ -42,7 +43,7 @@ void set_boxes(Node& node, std::span<const Eigen::AlignedBox3f> children) {
   for (int k = 0; k < 3; ++k) {
     int exponent = Node::kLeastExponent;
     while (units(true, all.max()[k], all.min()[k], exponent) > 255) {
-      // Nearly there at once, then one by one: rounding up may take one more.
+      // The first step nearly reaches the exponent. Rounding up may need one more.
       const double length = static_cast<double>(all.max()[k]) - all.min()[k];
       exponent = std::max(exponent + 1, std::ilogb(length) - 7);
     }
@@ -60,7 +61,7 @@ void set_boxes(Node& node, std::span<const Eigen::AlignedBox3f> children) {
 
 namespace {
 
-/// Walks over all nodes, in order, and counts what it meets.
+/// Checks all nodes in order and marks every child and slot that it meets.
 class Check {
  public:
   Check(std::span<const Node> nodes, std::size_t slots)

@@ -14,7 +14,7 @@
 namespace cde {
 namespace {
 
-constexpr std::uint32_t kMostPixels = 32768;  // along one side
+constexpr std::uint32_t kMostPixels = 32768;  // per side
 
 void check(Resolution resolution) {
   if (resolution.width < 1 || resolution.width > kMostPixels || resolution.height < 1 ||
@@ -40,8 +40,8 @@ Frame frame_of(const Camera& camera) {
   f.forward = (camera.target.cast<double>() - camera.eye.cast<double>()).normalized();
   f.right = f.forward.cross(camera.up.cast<double>());
   if (f.right.norm() <= 1e-6 * camera.up.cast<double>().norm()) {
-    // Straight up or down, or no up at all: north (+y) is up in the picture, or +z if that is the
-    // view.
+    // Looking straight up or down, or without an up vector: north (+y) is up in the picture. If
+    // that is the view direction, +z is up.
     f.right = f.forward.cross(Eigen::Vector3d::UnitY());
     if (f.right.norm() <= 1e-6) f.right = f.forward.cross(Eigen::Vector3d::UnitZ());
   }
@@ -113,7 +113,7 @@ Camera camera_for(std::span<const Eigen::Vector3f> points, Resolution resolution
     throw Error(ErrorCode::kUsage, "camera: there is nothing to look at");
   constexpr double kMargin = 1.03;
   const Eigen::Vector3d centre = 0.5 * (box.min().cast<double>() + box.max().cast<double>());
-  // The long side of the box runs away from the viewer, a little turned.
+  // The long side of the box points away from the viewer, slightly turned.
   const bool deep = box.sizes().y() >= box.sizes().x();
   const Eigen::Vector3d towards =
       (deep ? Eigen::Vector3d(-0.42, -1.0, 0.72) : Eigen::Vector3d(-1.0, -0.42, 0.72)).normalized();
@@ -123,9 +123,9 @@ Camera camera_for(std::span<const Eigen::Vector3f> points, Resolution resolution
   const Frame f = frame_of(camera);
   const double half_y = half_height(camera.fov_degrees) / kMargin;
   const double half_x = half_y * resolution.width / resolution.height;
-  // A point at (x, y, z) of the view frame, from a place `shift` of the plane through the centre,
-  // is in the picture from distance d if |x| <= half_x (d + z), and so in y. The shift that centres
-  // the picture depends on d, so both are iterated; a pass halves what is left, and more.
+  // A point (x, y, z) of the view frame, seen from distance d and `shift` off the centre, is in the
+  // picture if |x| <= half_x (d + z), and likewise for y. The centring shift depends on d, so both
+  // are iterated. Each step at least halves the remaining error.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   double distance = 0.0;
   const auto view = [&](const Eigen::Vector3f& point) -> Eigen::Vector3d {

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// Colours are linear light until the very end.
+/// Colours are linear light until the image is written.
 Vector3f linear(float r, float g, float b) {
   const auto decode = [](float c) {
     return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
@@ -37,8 +37,7 @@ float smoothstep(float low, float high, float x) {
   return t * t * (3.0f - 2.0f * t);
 }
 
-/// Bends highlights instead of clipping them (Narkowicz's fit of the ACES curve), channel by
-/// channel.
+/// Compresses highlights instead of clipping them, per channel (Narkowicz's fit of the ACES curve).
 Vector3f tone_map(const Vector3f& c) {
   const auto x = c.array().max(0.0f) * 0.8f;
   return (x * (2.51f * x + 0.03f) / (x * (2.43f * x + 0.59f) + 0.14f)).matrix();
@@ -53,7 +52,8 @@ void check_span(const Row& span, const PixelHits& hits, const char* field) {
   }
 }
 
-/// Area-weighted vertex normals, in binary64 because areas of small far triangles underflow.
+/// Area-weighted vertex normals. They use binary64, because areas of small far triangles underflow
+/// in binary32.
 std::vector<Vector3f> vertex_normals(const Mesh& mesh) {
   std::vector<Eigen::Vector3d> sums(mesh.vertices.size(), Eigen::Vector3d::Zero());
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
@@ -76,12 +76,12 @@ Vector3f face_normal(const Mesh& mesh, std::uint32_t face) {
       .cast<float>();
 }
 
-/// Interpolated normal at a point of a face; across edges sharper than about 40 degrees the face
-/// keeps its own.
+/// The interpolated normal at a point of a face. At edges sharper than about 40 degrees the face
+/// keeps its own normal.
 Vector3f smooth_normal(const Mesh& mesh, const std::vector<Vector3f>& normals, std::uint32_t face,
                        const Vector3f& point) {
   constexpr float kCrease =
-      0.94f;  // cosine of half of 40 degrees: the vertex normal lies between its faces
+      0.94f;  // cosine of half of 40 degrees: the vertex normal lies between the two face normals
   const Triangle t = mesh.triangle(face);
   Vector3f own = face_normal(mesh, face);
   const Eigen::Vector3d a = t.v0.cast<double>(), b = t.v1.cast<double>(), c = t.v2.cast<double>(),
@@ -100,7 +100,7 @@ Vector3f smooth_normal(const Mesh& mesh, const std::vector<Vector3f>& normals, s
   return sum.normalized();
 }
 
-/// Cheap value noise to break up bands of one colour.
+/// Cheap value noise that breaks up bands of one colour.
 float grain(const Vector3f& p) {
   const auto lattice = [](std::int64_t x, std::int64_t y) {
     auto h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u ^
@@ -117,7 +117,7 @@ float grain(const Vector3f& p) {
   return low + (high - low) * v;
 }
 
-/// Meadows below, forest, rock where it is steep or high, snow on top.
+/// Meadows at the bottom, forest, rock on steep or high ground, snow at the top.
 Vector3f landscape(float height, float flatness, float noise) {
   static const Vector3f kSand = linear(172, 156, 112), kMeadow = linear(118, 130, 76),
                         kForest = linear(62, 86, 52);
@@ -171,7 +171,7 @@ void draw_marker(Image& image, std::array<std::uint32_t, 2> centre) {
       if (x < 0 || y < 0 || x >= image.size.width || y >= image.size.height) continue;
       const float off =
           std::fabs(std::hypot(static_cast<float>(dx), static_cast<float>(dy)) - kRadius);
-      // A red ring with a white rim is seen on grass, rock and snow alike.
+      // A red ring with a white rim stands out on grass, rock and snow.
       const float white = std::clamp(2.9f - off, 0.0f, 1.0f),
                   red = std::clamp(1.7f - off, 0.0f, 1.0f);
       auto& pixel =

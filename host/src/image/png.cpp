@@ -16,7 +16,7 @@ static void append_bytes(png_structp png, png_bytep data, png_size_t size) {
   static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
 }
 static void no_flush(png_structp /*png*/) {}
-// libpng's error callback must not return. It throws, through C frames that Debian builds with
+// libpng's error callback must not return, so it throws through C frames, which Debian builds with
 // unwind tables.
 [[noreturn]] static void throw_error(png_structp /*png*/, png_const_charp message) {
   throw Error(ErrorCode::kFile, fmt::format("PNG: {}", message));

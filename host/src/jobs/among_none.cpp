@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For a command that is built without MPI.
+// Used in a command that is built without MPI.
 #include <cstdlib>
 
 #include "cde/jobs/among.hpp"

@@ -29,7 +29,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Results that may wait for one before them, for each rank.
+/// Results per rank that may wait for an earlier one.
 constexpr std::uint64_t kWindow = 16;
 
 const std::vector<std::string> kDealt = {"accuracy", "cast", "query", "render", "run"};
@@ -59,10 +59,10 @@ bool is_dealt(const std::string& verb) {
   return std::ranges::find(kDealt, verb) != kDealt.end();
 }
 
-/// Fingerprints of a part's inputs, as they come, as one.
+/// Combines the fingerprints of a part's inputs, in their order, into one.
 class Inputs {
  public:
-  /// That of one.
+  /// Adds an input and returns its own fingerprint.
   std::string add(const std::string& input) {
     std::string print = fingerprint(input);
     all_ = fingerprint(all_ + print);
@@ -74,7 +74,7 @@ class Inputs {
   std::string all_;
 };
 
-/// The results of a part in their order: takes those that are next, keeps the others.
+/// Passes on the results of a part in their order, and keeps those that come early.
 class Dealing::Order {
  public:
   Order(const Part& part, bool quiet, std::optional<std::uint64_t> chunks)
@@ -94,7 +94,7 @@ class Dealing::Order {
 
  private:
   const Part& part_;
-  const std::optional<std::uint64_t> chunks_;  ///< of the part, if it is known
+  const std::optional<std::uint64_t> chunks_;  ///< number of the part's chunks, if it is known
   Progress bar_;
   std::uint64_t taken_ = 0;
   std::map<std::uint64_t, std::string> waiting_;
@@ -103,7 +103,7 @@ class Dealing::Order {
 Dealing::Dealing() : among_(Ranks::if_started()) {
   the_one = this;
   if (leads()) return;
-  // Results are rank 0's to print.
+  // Only rank 0 prints results.
   const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   if (nowhere >= 0) {
     ::dup2(nowhere, STDOUT_FILENO);
@@ -171,7 +171,7 @@ void Dealing::begin(const DealOptions& options, Json run, bool quiet) {
                                        Json{{"words", words_}});
 }
 
-/// Every rank has what rank 0 has.
+/// Checks that all ranks agree with rank 0.
 void Dealing::check_ranks(const Json& run) const {
   const std::vector<std::string> all = among_->all_of(json_text(run, -1));
   const Json first = Json::parse(all[0]);
@@ -204,7 +204,7 @@ void Dealing::deal_all(const Part& part) {
   Order order(part, quiet_, part.chunks);
   const std::uint64_t window = kWindow * ranks();
   Inputs all;
-  std::map<std::uint64_t, std::string> inputs;  // fingerprints of what is dealt
+  std::map<std::uint64_t, std::string> inputs;  // fingerprints of the dealt inputs
   std::uint64_t number = 0;
   bool ended = false;
   const auto next = [&]() -> std::optional<DealtChunk> {
@@ -242,7 +242,7 @@ void Dealing::deal_all(const Part& part) {
   ++parts_;
 }
 
-/// Chunks of this shard, into the journal.
+/// Works on the chunks of this shard and writes them into the journal.
 bool Dealing::deal_shard(const Part& part) {
   Progress bar(part.what, quiet_);
   Inputs all;
@@ -284,7 +284,7 @@ bool Dealing::deal_merged(const Part& part) {
   return true;
 }
 
-/// All chunks of all parts are there, once.
+/// Checks that the journals hold every chunk of every part exactly once.
 void Dealing::check_merged() const {
   const auto name = [](const Journal& journal) { return printable_name(journal.path()); };
   std::map<ChunkNumber, const Journal*> from;
@@ -316,7 +316,7 @@ void Dealing::check_merged() const {
   }
 }
 
-/// All journals have come to the end of a part, and of the same.
+/// Checks that all journals have reached the end of the same part.
 void Dealing::check_ends(unsigned part) const {
   const auto name = [](const Journal& journal) { return printable_name(journal.path()); };
   const Journal& first = *merged_.front();
@@ -356,7 +356,7 @@ void Dealing::start(const std::vector<std::string>& words) {
     throw Error(ErrorCode::kUsage, "CDE_WAVES is of one process: ranks would write the same files");
 }
 
-/// Every rank was asked the same.
+/// Checks that every rank got the same command line.
 void Dealing::check_words() const {
   const std::vector<std::string> all = among_->all_of(json_text(Json(words_), -1));
   const auto first = Json::parse(all[0]).get<std::vector<std::string>>();
@@ -379,7 +379,7 @@ void Dealing::end() {
     say(fmt::format("cde: shard {}/{} is whole: {} in {}; cde merge puts the shards together\n",
                     shard_, shards_, chunks_text(journal_->size()),
                     printable_name(journal_->path())));
-  if (among_ && !released_) (void)among_->broadcast({});  // of a verb that deals nothing, on all
+  if (among_ && !released_) (void)among_->broadcast({});  // for a verb that deals no work
 }
 
 std::string Dealing::place() const {

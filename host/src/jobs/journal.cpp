@@ -23,10 +23,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "cde.journal.1";
-constexpr std::uint64_t kMostOfAnything = std::uint64_t{1} << 40;  ///< that a journal counts
-constexpr std::size_t kLongestLine = 1 << 20;  ///< of JSON; words of a command are the most of it
+constexpr std::uint64_t kMostOfAnything = std::uint64_t{1} << 40;  ///< largest number in a journal
+constexpr std::size_t kLongestLine =
+    1 << 20;  ///< bytes of a line of JSON; the words of the command take most of it
 
-/// Bytes from a place of a file; fewer at its end, nothing if it cannot be read.
+/// Bytes from a place of a file on: fewer at the end of the file, nothing if it cannot be read.
 std::optional<std::string> bytes_at(int file, std::uint64_t at, std::size_t count) {
   std::string bytes(count, '\0');
   std::size_t got = 0;
@@ -74,7 +75,7 @@ Journal::~Journal() {
 }
 
 void Journal::open(Use use) {
-  // Of a FIFO nobody writes to, opening would wait.
+  // Without O_NONBLOCK, opening a FIFO would wait for a writer.
   if (use == Use::kRead) {
     file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (file_ < 0) fail("cannot open");
@@ -99,7 +100,7 @@ void Journal::open(Use use) {
               fmt::format("{}: another process works on {}", what_, printable_name(path_)));
 }
 
-/// The command of a journal is run, and names the files that are written.
+/// A journal's command is run, and it names files that are written. So the owner must be trusted.
 void Journal::check_owner(const struct stat& status) {
   const bool ours = status.st_uid == ::geteuid() || status.st_uid == 0;
   if (ours && (status.st_mode & S_IWOTH) == 0) return;
@@ -122,7 +123,7 @@ void Journal::damaged(std::uint64_t at, std::string_view why) const {
               fmt::format("{}: {}, byte {}: {}", what_, printable_name(path_), at, why));
 }
 
-/// A line without its end; nothing if the file ends within it.
+/// A line without its line end; nothing if the file ends within the line.
 std::optional<std::string> Journal::line_at(std::uint64_t at) const {
   std::string line;
   while (line.size() < kLongestLine) {
@@ -136,13 +137,13 @@ std::optional<std::string> Journal::line_at(std::uint64_t at) const {
   damaged(at, "not a journal of a run");
 }
 
-/// Bytes that are whole.
+/// Reads the whole entries and returns the number of bytes that they take.
 std::uint64_t Journal::scan() {
   std::uint64_t at = 0;
   while (at < bytes_) {
     const auto line = line_at(at);
     if (!line) {
-      // The first line may itself be what was not written to its end.
+      // The first line may be cut off.
       const std::string begin = "{\"schema\":\"cde.journal.";
       if (at == 0 &&
           !begin.starts_with(*bytes_at(file_, 0, std::min<std::uint64_t>(begin.size(), bytes_))))
@@ -168,7 +169,7 @@ std::uint64_t Journal::scan() {
   return at;
 }
 
-/// Where a line of an entry begins behind this byte.
+/// The place after this byte where an entry's line begins.
 std::optional<std::uint64_t> Journal::entry_within(std::uint64_t from) const {
   const auto rest = bytes_at(file_, from, bytes_ - from);
   if (!rest) fail("cannot read");
@@ -184,7 +185,7 @@ std::optional<std::uint64_t> Journal::entry_within(std::uint64_t from) const {
   return std::nullopt;
 }
 
-/// False if the file ends within it. `next` is behind its line, and then behind its bytes.
+/// Sets `next` to the byte behind the entry. False if the file ends within the entry.
 bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& next) {
   const auto count = [&](const char* key) {
     const Json& number = entry.at(key);
@@ -202,7 +203,8 @@ bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& nex
                          .fingerprint = entry.at("fingerprint").get<std::string>(),
                          .input = entry.at("input").get<std::string>()};
   if (place.bytes >= bytes_ || next + place.bytes + 1 > bytes_) {
-    // Only the last entry can be unfinished. With another one behind it, its number is damaged.
+    // Only the last entry may be unfinished. If another entry begins within it, its byte count is
+    // wrong.
     if (const auto another = entry_within(next))
       damaged(at, fmt::format("the chunk is said to have {} bytes, but another entry begins at "
                               "byte {}",

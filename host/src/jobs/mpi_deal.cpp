@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work dealt by rank 0. Each rank has a second chunk waiting while it works on one, so that it does
-// not wait for rank 0 in between.
+// Rank 0 deals the work. Each rank holds a second chunk while it works on one, so that it does not
+// wait for rank 0 between chunks.
 #include <fmt/format.h>
 #include <mpi.h>
 
@@ -20,7 +20,7 @@ namespace cde::mpi {
 namespace {
 
 enum Tag { kChunk = 1, kResult, kFailure, kEnd };
-constexpr unsigned kInFlight = 2;  ///< chunks of a rank that have no result yet
+constexpr unsigned kInFlight = 2;  ///< chunks per rank without a result yet
 constexpr std::size_t kLongest = (1u << 31) - 64;
 
 struct Failure {
@@ -45,7 +45,7 @@ Failure failure_of(const std::string& message) {
   return {static_cast<ErrorCode>(take_number<int>(message, 0)), message.substr(sizeof(int))};
 }
 
-/// What `work` throws.
+/// The failure that `work` throws, if any.
 template <class F>
 std::optional<Failure> failure_in(const F& work) {
   try {
@@ -62,7 +62,7 @@ struct Message {
   int from = 0, tag = 0;
   std::string bytes;
 };
-/// One that has come.
+/// A message that has arrived, if any.
 std::optional<Message> receive(int from) {
   int is_there = 0, size = 0;
   MPI_Status status;
@@ -85,7 +85,7 @@ void answer(const std::string& bytes, Tag tag) {
   finish(request);
 }
 
-/// A rank that is not 0: works until it is told to end.
+/// Runs a rank other than 0: works until rank 0 ends it.
 void obey(const Work& work) {
   Patience patience;
   bool failed = false;
@@ -117,7 +117,7 @@ void obey(const Work& work) {
   }
 }
 
-/// Rank 0. The dealer is a thread of its own and the only one that calls MPI meanwhile.
+/// Runs rank 0. The dealer is a thread of its own, and only that thread calls MPI meanwhile.
 class Dealer {
  public:
   Dealer(const Ranks& ranks, const Work& work)
@@ -141,7 +141,7 @@ class Dealer {
   }
 
  private:
-  /// This rank's own share.
+  /// Works on this rank's own share.
   void labour() {
     for (;;) {
       std::unique_lock lock(mutex_);
@@ -206,7 +206,7 @@ class Dealer {
     return true;
   }
 
-  /// A chunk to whose it is, or to whoever has fewest.
+  /// Gives a chunk to the rank that it belongs to, or to the rank with the fewest chunks.
   bool hand_out() {
     for (unsigned rank = 0; rank < ranks_.size(); ++rank) {
       if (in_flight_[rank] >= kInFlight || held_[rank].empty()) continue;
@@ -254,7 +254,7 @@ class Dealer {
     });
   }
 
-  /// Tells everybody; results that are still on their way are taken and dropped.
+  /// Ends all ranks. Receives and drops results that are still on their way.
   void end_all(const std::string& why) {
     {
       const std::lock_guard lock(mutex_);
@@ -276,17 +276,18 @@ class Dealer {
 
   const Ranks& ranks_;
   const Work& work_;
-  std::vector<unsigned> in_flight_;      ///< by rank
-  std::uint64_t dealt_ = 0;              ///< their sum
-  std::vector<std::deque<Chunk>> held_;  ///< by rank, those that are its own and wait for it
+  std::vector<unsigned> in_flight_;  ///< by rank
+  std::uint64_t dealt_ = 0;          ///< sum of in_flight_
+  std::vector<std::deque<Chunk>>
+      held_;  ///< by rank: chunks that belong to the rank and wait for it
   std::uint64_t held_count_ = 0;
   std::list<Sent> sent_;
-  std::exception_ptr thrown_;  ///< by the dealer, read behind its end
+  std::exception_ptr thrown_;  ///< by the dealer; read after it ends
 
-  std::mutex mutex_;  ///< of all below
+  std::mutex mutex_;  ///< guards everything below
   std::condition_variable changed_;
   bool over_ = false;
-  std::deque<Chunk> mine_, mine_done_;  ///< the latter's inputs are results
+  std::deque<Chunk> mine_, mine_done_;  ///< in mine_done_, `input` holds the result
   std::optional<Failure> own_failure_;
 };
 

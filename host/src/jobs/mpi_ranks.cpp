@@ -14,9 +14,9 @@
 namespace cde::mpi {
 namespace {
 
-constexpr std::size_t kMostAtOnce = 1 << 30;  ///< bytes of a call, whose counts are ints
+constexpr std::size_t kMostAtOnce = 1 << 30;  ///< bytes per call, whose counts are ints
 
-/// Bytes that are there on rank 0, and room for them on the others.
+/// Sends bytes from rank 0 to the same room on all other ranks.
 void broadcast_bytes(char* bytes, std::size_t count) {
   for (std::size_t at = 0; at < count; at += kMostAtOnce) {
     MPI_Request request;
@@ -132,7 +132,7 @@ std::string Ranks::scatter(const std::function<std::string(unsigned)>& of) const
 }
 
 std::vector<std::string> Ranks::all_of(const std::string& bytes) const {
-  // Each in turn: texts of a line, once a run.
+  // One rank after the other: each sends a line, once per run.
   std::vector<std::string> all(size_);
   for (unsigned from = 0; from < size_; ++from) {
     std::uint64_t size = bytes.size();

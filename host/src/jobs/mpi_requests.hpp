@@ -9,7 +9,7 @@
 
 namespace cde::mpi {
 
-/// Open MPI waits by asking again and again, which takes a core from whoever computes on it.
+/// Open MPI busy-waits, which takes a core away from computation. This class sleeps between polls.
 class Patience {
  public:
   void wait() {
@@ -28,8 +28,8 @@ inline void finish(MPI_Request& request) {
   for (int done = 0; MPI_Test(&request, &done, MPI_STATUS_IGNORE), done == 0;) patience.wait();
 }
 
-/// Numbers at the head of a message, the same on all machines of a run: they have one version of
-/// one program.
+/// Puts a number at the head of a message. All machines of a run have the same version of the same
+/// program, so the layout is the same.
 template <class T>
 void put_number(std::string& to, T number) {
   to.append(reinterpret_cast<const char*>(&number), sizeof number);

@@ -29,8 +29,8 @@
 extern "C" void __gcov_dump();  // NOLINT(bugprone-reserved-identifier): libgcov's
 #endif
 
-// Every format that has no reader of its own. assimp runs in a child process, because it dies,
-// hangs or takes all memory on some damaged files; the mesh comes back through a pipe.
+// Reads every format that has no reader of its own. assimp runs in a child process, because it
+// crashes, hangs or takes all memory on some damaged files. The mesh comes back through a pipe.
 namespace cde::mesh_readers {
 namespace {
 
@@ -85,7 +85,7 @@ void append_array(std::string& out, const std::vector<T>& items) {
 
 void append_parts(std::string& out, const std::vector<MeshPart>& parts) {
   std::vector<std::uint32_t> first_faces;
-  std::vector<char> names;  // each with a zero behind it
+  std::vector<char> names;  // each ends with a zero byte
   for (const MeshPart& part : parts) {
     first_faces.push_back(part.first_face);
     names.insert(names.end(), part.name.begin(), part.name.end());
@@ -122,9 +122,9 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
   return name == names.end();
 }
 
-/// Keeps the names of the files that an importer opens, and opens regular files alone: of a FIFO it
-/// would wait for ever. assimp takes the URIs of glTF for names;
-/// where no file is called so, the one that the URI means is opened.
+/// Keeps the names of the files that an importer opens. Opens regular files only: a FIFO would
+/// block for ever. assimp takes the URIs of glTF for file names, so if no file has that name, this
+/// class opens the file that the URI means.
 class NotingFiles : public Assimp::DefaultIOSystem {
  public:
   explicit NotingFiles(std::vector<std::string>& names) : names_(names) {}
@@ -139,7 +139,7 @@ class NotingFiles : public Assimp::DefaultIOSystem {
     refused_ = names_.back();
     return nullptr;
   }
-  /// What an importer wanted and is no regular file; empty if there was none.
+  /// The file that an importer wanted and that is no regular file; empty if there was none.
   [[nodiscard]] const std::string& refused() const { return refused_; }
 
  private:
@@ -147,7 +147,7 @@ class NotingFiles : public Assimp::DefaultIOSystem {
     const std::string meant = text::percent_decoded(name);
     return !is_there(name) && is_there(meant) ? meant : name;
   }
-  /// assimp's own would open it.
+  /// assimp's own version would open the file.
   static bool is_there(const std::string& name) {
     std::error_code none;
     return std::filesystem::exists(name, none);
@@ -156,7 +156,7 @@ class NotingFiles : public Assimp::DefaultIOSystem {
   std::string refused_;
 };
 
-/// Textures, which are not opened. What is in the file itself has the name "*N".
+/// Notes textures without opening them. An embedded texture has the name "*N".
 void note_textures(const aiScene& scene, const std::string& path, std::vector<std::string>& names) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
@@ -172,7 +172,7 @@ void note_textures(const aiScene& scene, const std::string& path, std::vector<st
 }
 
 void append_names(std::string& out, const std::vector<std::string>& names) {
-  std::vector<char> all;  // each with a zero behind it
+  std::vector<char> all;  // each ends with a zero byte
   for (const std::string& name : names) {
     all.insert(all.end(), name.begin(), name.end());
     all.push_back('\0');
@@ -191,7 +191,7 @@ bool take_names(std::string_view& in, std::vector<std::string>& names) {
   return true;
 }
 
-/// The last warning or error of assimp.
+/// Keeps the last warning or error of assimp.
 class LastRemark final : public Assimp::LogStream {
  public:
   explicit LastRemark(std::string& text) : text_(text) {}
@@ -206,7 +206,7 @@ class LastRemark final : public Assimp::LogStream {
   std::string& text_;
 };
 
-/// Why assimp has read nothing. It does not say why none of its readers takes a file.
+/// Why assimp read nothing. assimp does not say why none of its readers accepts a file.
 std::string refusal(const Assimp::Importer& importer, const std::string& path) {
   std::string why = importer.GetErrorString();
   if (why.starts_with("No suitable reader"))
@@ -215,7 +215,7 @@ std::string refusal(const Assimp::Importer& importer, const std::string& path) {
   return why;
 }
 
-/// In the child: what to send to the parent.
+/// Runs in the child and returns the bytes for the parent.
 std::string import(const std::string& path) {
   try {
     std::vector<std::string> files;
@@ -225,7 +225,7 @@ std::string import(const std::string& path) {
                                                Assimp::Logger::Warn | Assimp::Logger::Err);
     Assimp::Importer importer;
     auto* const noting = new NotingFiles(files);
-    importer.SetIOHandler(noting);  // which is the importer's from now on
+    importer.SetIOHandler(noting);  // the importer owns it from now on
     const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
     if (!noting->refused().empty())
       return kMessageFollows + fmt::format("names {}, which is no regular file", noting->refused());
@@ -234,7 +234,7 @@ std::string import(const std::string& path) {
       if (why.find("bad_alloc") != std::string::npos) return std::string(1, kTooLarge);
       return kMessageFollows + why;
     }
-    // The flag is what importers say of files without meshes; some make one of the skeleton then.
+    // Importers set the flag for files without meshes. Some make a mesh from the skeleton then.
     if (scene->mNumMeshes == 0 || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0)
       return kMessageFollows + std::string("has no meshes") +
              (remark.empty() ? "" : "; assimp says: " + remark);
@@ -266,7 +266,7 @@ std::uint64_t memory_of(const std::filesystem::path& path, const MeshLimits& lim
   return error ? kLeast : std::min(kMost, kLeast + kPerByte * std::min<std::uint64_t>(size, kMost));
 }
 
-/// Bytes of data that this process has. A child begins with them.
+/// Bytes of data that this process holds. A child starts with as many.
 std::uint64_t data_bytes() {
   std::ifstream file("/proc/self/statm");
   std::uint64_t pages[6] = {};  // size, resident, shared, text, 0, data
@@ -280,13 +280,13 @@ void limit_child(std::chrono::seconds time, std::uint64_t memory) {
   const auto seconds = static_cast<rlim_t>(std::max<std::chrono::seconds::rep>(time.count(), 1));
   const rlimit processor{seconds, seconds + 1};
   ::setrlimit(RLIMIT_CPU, &processor);
-  if (kSanitizer) return;  // its shadow alone takes terabytes of address space
+  if (kSanitizer) return;  // the sanitizer's shadow alone takes terabytes of address space
   const rlim_t bytes = data_bytes() + memory;
   const rlimit data{bytes, bytes};
   ::setrlimit(RLIMIT_DATA, &data);
 }
 
-/// Ends the child without what the parent has registered for its own end.
+/// Ends the child without running the parent's exit handlers.
 [[noreturn]] void leave(int status) {
 #ifdef CDE_COVERAGE
   __gcov_dump();
@@ -300,8 +300,8 @@ std::uint64_t most_resident_bytes() {
   return static_cast<std::uint64_t>(used.ru_maxrss) * 1024;
 }
 
-/// Where an importer fails with much of its memory taken, too little memory may be why: some do not
-/// look at what malloc returns, and tell of a file without meshes.
+/// If an importer fails with much of its memory used, a lack of memory may be the reason. Some
+/// importers do not check malloc and report a file without meshes.
 std::string with_memory(std::string answer, std::uint64_t before, std::uint64_t memory) {
   const std::uint64_t most = most_resident_bytes(), taken = most - std::min(most, before);
   if (answer.front() != kMessageFollows || taken < memory / 2) return answer;
@@ -314,7 +314,7 @@ std::string with_memory(std::string answer, std::uint64_t before, std::uint64_t 
                             std::uint64_t memory) {
   const std::uint64_t before = most_resident_bytes();
   limit_child(time, memory);
-  // The C library's last words on a broken heap would only confuse.
+  // The C library's message about a broken heap would only confuse.
   const int null = ::open("/dev/null", O_WRONLY);
   ::dup2(null, 2);
   leave(process::write_all(out, with_memory(import(path), before, memory)) ? 0 : 1);

@@ -18,7 +18,7 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// The corners of all faces, one number for vertices of equal coordinates; +0 and -0 are equal.
+/// The corners of all faces. Vertices with equal coordinates share one number; +0 and -0 are equal.
 std::vector<std::uint32_t> welded(const Mesh& mesh) {
   std::vector<Eigen::Vector3f> vertices;
   mesh_readers::VertexPool pool(vertices);

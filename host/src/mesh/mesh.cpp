@@ -75,7 +75,7 @@ std::string to_stl(const Mesh& mesh) {
   out.reserve(84 + 50 * mesh.faces.size());
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     const Triangle t = mesh.triangle(i);
-    // Eigen leaves a zero vector as it is, which is what STL wants for a facet without area.
+    // Eigen keeps a zero vector, which is what STL wants for a facet without area.
     const Eigen::Vector3d normal =
         (t.v1 - t.v0).cast<double>().cross((t.v2 - t.v0).cast<double>()).normalized();
     append_raw(out, Eigen::Vector3f(normal.cast<float>()));
@@ -163,7 +163,8 @@ std::optional<std::string> without_area(const Mesh& mesh, std::string_view what)
 void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file,
                                   const std::string& name) {
   const auto add = [&](const std::string& one) {
-    const std::filesystem::path file = mesh_file.parent_path() / one;  // an absolute one replaces
+    const std::filesystem::path file =
+        mesh_file.parent_path() / one;  // an absolute path replaces the folder
     std::error_code none;
     if (!std::filesystem::is_regular_file(file, none)) return;
     if (std::filesystem::equivalent(file, mesh_file, none)) return;
@@ -180,12 +181,13 @@ void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_
 
 namespace {
 
-/// A library of materials, which says nothing about shapes, and the textures that it names.
+/// Adds a material library, which has no shapes, and the textures that it names.
 void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std::string& name) {
   const std::size_t before = mesh.files.size();
   mesh_readers::add_named_file(mesh, mesh_file, name);
   if (mesh.files.size() == before) return;
-  const std::filesystem::path library = mesh.files[before];  // the name as it stands comes first
+  const std::filesystem::path library =
+      mesh.files[before];  // the name exactly as written comes first
   std::ifstream in(library);
   for (std::string line; std::getline(in, line);) {
     std::string_view rest = line;
@@ -193,7 +195,7 @@ void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std
     if (!keyword.starts_with("map_") && keyword != "bump" && keyword != "disp" &&
         keyword != "decal" && keyword != "refl" && keyword != "norm")
       continue;
-    // Options stand before the name, which may have blanks.
+    // Options precede the name, which may contain blanks.
     for (rest = text::trim(rest); !rest.empty(); rest = text::trim(rest)) {
       mesh_readers::add_named_file(mesh, library, std::string(rest));
       (void)text::next_word(rest);

@@ -6,9 +6,9 @@
 #include "mesh/readers.hpp"
 #include "support/text.hpp"
 
-// Wavefront OBJ: v, f, l and p statements. Normals, texture coordinates, materials, groups and
-// smoothing say nothing about where the surface is and are skipped; free-form surfaces (curv, surf)
-// are an error, because leaving them out would lose geometry silently.
+// Reads Wavefront OBJ: v, f, l and p statements. Normals, texture coordinates, materials, groups
+// and smoothing do not change the surface and are skipped. Free-form surfaces (curv, surf) are an
+// error: skipping them would lose geometry silently.
 namespace cde::mesh_readers {
 namespace {
 
@@ -69,14 +69,14 @@ class ObjReader {
     return joined_;
   }
 
-  /// What follows belongs to this object or group. One without faces is none.
+  /// The faces that follow belong to this object or group. An object without faces is no part.
   void part(std::string_view rest) {
     const std::size_t faces = mesh_.faces.size();
     if (!mesh_.parts.empty() && mesh_.parts.back().first_face == faces) mesh_.parts.pop_back();
     mesh_.parts.push_back({std::string(text::trim(rest)), static_cast<std::uint32_t>(faces)});
   }
 
-  /// Several names, or one with blanks: which it is, the folder will tell.
+  /// The text holds several names or one name with blanks. add_materials() finds out which.
   void library(std::string_view rest) {
     libraries_.emplace_back(text::trim(rest));
     for (auto word = text::next_word(rest); !word.empty(); word = text::next_word(rest))
@@ -93,7 +93,7 @@ class ObjReader {
         fail(fmt::format("{} overflows a float", in_quotes(word)));
       if (result != text::Number::kOk) fail(fmt::format("{} is not a number", in_quotes(word)));
     }
-    mesh_.vertices.push_back(v);  // what may follow is a weight or a colour
+    mesh_.vertices.push_back(v);  // a weight or a colour may follow
   }
 
   void face(std::string_view rest) {
@@ -108,7 +108,7 @@ class ObjReader {
       fail(fmt::format("concave polygon of {} corners (limit 1024)", corners_.size()));
   }
 
-  /// Numbers count from 1; negative ones backwards from the last vertex so far.
+  /// Corners count from 1; negative numbers count backwards from the last vertex so far.
   std::uint32_t corner(std::string_view word) const {
     std::int64_t number = 0;
     if (!text::parse_int(word, number))

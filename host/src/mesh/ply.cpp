@@ -11,9 +11,9 @@
 #include "mesh/readers.hpp"
 #include "support/text.hpp"
 
-// PLY 1.0, ascii and binary of either byte order. Elements other than vertex, face and tristrips,
-// and properties other than x, y, z and vertex_indices, are read past. Every count of the header is
-// held against the bytes there are before memory is taken.
+// Reads PLY 1.0: ascii, and binary of either byte order. Elements other than vertex, face and
+// tristrips are skipped, and so are properties other than x, y, z and vertex_indices. Every count
+// of the header is checked against the file size before memory is taken.
 namespace cde::mesh_readers {
 namespace {
 
@@ -45,7 +45,7 @@ constexpr bool is_float(Type type) {
   return type == Type::kFloat32 || type == Type::kFloat64;
 }
 
-/// What a property of the file is to us.
+/// What the reader does with a property.
 enum class Role { kSkip, kX, kY, kZ, kCorners };
 
 struct Property {
@@ -72,7 +72,7 @@ struct Element {
     for (const auto& p : properties) bytes += size_of(p.is_list ? p.count_type : p.type);
     return bytes;
   }
-  /// Whether the properties that are not skipped come before the others.
+  /// Whether all used properties precede the skipped ones.
   [[nodiscard]] bool wanted_come_first() const {
     return std::is_partitioned(properties.begin(), properties.end(),
                                [](const Property& p) { return p.role != Role::kSkip; });
@@ -96,7 +96,7 @@ class PlyReader {
   }
 
  private:
-  /// Bytes are counted from the front of the file, a byte order mark included.
+  /// The place in the file. Bytes count from its front, including a byte order mark.
   [[nodiscard]] std::string here() const {
     if (body_.data() == nullptr || ascii_) return fmt::format("{}:{}", name_, lines_.number());
     return fmt::format("{}: byte {}", name_, file_bytes_ - body_.size());
@@ -108,8 +108,7 @@ class PlyReader {
     mesh_.warnings.push_back(fmt::format("{}: {}", here(), what));
   }
 
-  /// Where the lines of the header end in CR alone, an LF behind them is the first byte of the
-  /// body.
+  /// If the header's lines end in CR alone, a following LF is the first byte of the body.
   [[nodiscard]] std::string_view binary_body() const {
     const std::string_view rest = lines_.rest();
     const std::size_t end = bytes_.find_first_of("\r\n");
@@ -213,7 +212,7 @@ class PlyReader {
   }
 
   void read_element(const Element& e) {
-    // A row takes at least two characters per property in ascii, but for the last of the file.
+    // An ascii row takes at least two characters per property, except for the last row of the file.
     const std::size_t smallest = ascii_ ? 2 * e.properties.size() : e.smallest_binary_row();
     if (e.count > (body_.size() + 1) / smallest) {
       fail(fmt::format(
@@ -281,8 +280,8 @@ class PlyReader {
       fail(fmt::format("face {}: concave polygon of {} corners (limit 1024)", row, c.size()));
   }
 
-  /// Each corner from the third makes a triangle with the two before it, every other one turned
-  /// round. A repeated corner, which joins strips, makes none.
+  /// Each corner from the third on makes a triangle with the two before it; every second triangle
+  /// is turned round. A repeated corner, which joins strips, makes none.
   void append_strip() {
     const std::vector<std::uint32_t>& c = corners_;
     for (std::size_t i = 2; i < c.size(); ++i) {
@@ -385,8 +384,8 @@ class PlyReader {
   std::vector<Element> elements_;
   std::uint64_t vertex_count_ = 0;
   std::uint64_t row_ = 0;
-  std::string_view body_;  // what is not yet read, behind the header
-  std::string_view line_;  // what is not yet read of an ascii row
+  std::string_view body_;  // the unread part behind the header
+  std::string_view line_;  // the unread part of an ascii row
   std::vector<std::uint32_t> corners_;
   std::vector<Polygon> waiting_;  // faces that stand before the vertices
   std::uint64_t too_long_ = 0;    // rows of the element with too many values

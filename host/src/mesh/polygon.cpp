@@ -91,7 +91,8 @@ bool append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners) {
       tried = 0;
     }
   }
-  // What is left is convex, or flat or crossing itself, where no triangulation is right.
+  // The remaining polygon is convex, or it is flat or crosses itself and has no right
+  // triangulation.
   for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
     mesh.faces.push_back({corners[ring[0]], corners[ring[i]], corners[ring[i + 1]]});
   }

@@ -11,9 +11,9 @@
 
 #include "cde/mesh/mesh.hpp"
 
-/// One reader per format. Private to the library. `name` is the path as messages show it; `bytes`
-/// the whole file. Readers throw Error(kFile) on what they cannot read; load_mesh then checks
-/// vertices and face count.
+/// One reader per format, private to the library. `name` is the path as messages show it, and
+/// `bytes` is the whole file. A reader throws Error(kFile) for a file that it cannot read.
+/// load_mesh then checks vertices and face count.
 namespace cde::mesh_readers {
 
 /// `libraries`: the names of mtllib statements.
@@ -23,23 +23,25 @@ namespace cde::mesh_readers {
 [[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits);
 
-/// Adds a file that the mesh `mesh_file` names, if it is there and not in mesh.files yet: a path of
-/// its own, or relative to the mesh's folder, also with Windows' separators, or as a URI (%20).
+/// Adds a file that the mesh file names, if it exists and is not in mesh.files yet. The name is a
+/// path as written, or relative to the mesh's folder. It may have Windows' separators or be a URI
+/// (%20).
 void add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file, const std::string& name);
 
-/// Triangles of the terrain that load_mesh_or_builtin() makes of "terrain[:QX,QY,SEED]". Error
-/// kUsage if it makes none.
+/// Number of triangles of the terrain that load_mesh_or_builtin() makes from
+/// "terrain[:QX,QY,SEED]". Error kUsage if the text names no terrain.
 [[nodiscard]] std::uint64_t builtin_triangles(std::string_view spec);
 
 /// Whether assimp knows this extension (".glb").
 [[nodiscard]] bool assimp_knows(const std::string& extension);
 
-/// Appends a polygon as triangles that cover it once, concave ones too (ear clipping in the plane
-/// of largest area; the polygon must not cross itself). One or two corners only count as dropped.
-/// Corner numbers must be in range. Returns false for a concave polygon of more than 1024 corners.
+/// Appends a polygon as triangles that cover it once. Concave polygons are cut by ear clipping in
+/// the plane of largest area; the polygon must not cross itself. A polygon of one or two corners
+/// only counts as dropped. Corner numbers must be in range. Returns false for a concave polygon of
+/// more than 1024 corners.
 [[nodiscard]] bool append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners);
 
-/// Appends vertices, using one again where all 96 bits agree.
+/// Appends vertices, and uses a vertex again if all 96 bits agree.
 class VertexPool {
  public:
   explicit VertexPool(std::vector<Eigen::Vector3f>& vertices) : vertices_(vertices) {}

@@ -11,8 +11,9 @@
 #include "mesh/readers.hpp"
 #include "support/text.hpp"
 
-// STL, binary (80-byte header, little-endian count, 50 bytes per facet) or ascii, whose keywords
-// are in any case. Facet normals are skipped: they follow from the corners and are often wrong.
+// Reads STL: binary (80-byte header, little-endian count, 50 bytes per facet) or ascii, whose
+// keywords may have any case. Facet normals are skipped: they follow from the corners and are often
+// wrong.
 namespace cde::mesh_readers {
 namespace {
 
@@ -99,7 +100,7 @@ class AsciiReader {
   void facet() {
     if (!open_) fail("'facet' outside of a solid");
     expect("normal");
-    for (int i = 0; i < 3; ++i) {  // not read as numbers: writers put "-nan(ind)" and the like
+    for (int i = 0; i < 3; ++i) {  // not read as numbers: some writers put "-nan(ind)"
       if (word().empty()) fail("the file ends in a facet normal: it is truncated");
     }
     expect("outer");
@@ -124,9 +125,8 @@ class AsciiReader {
   VertexPool pool_{mesh_.vertices};
 };
 
-/// Whether the first word is "solid" and what follows is text: the headers of many binary files
-/// begin with the word too, but the count behind the header has a byte that is 0, as does the
-/// padding of most headers.
+/// Whether the first word is "solid" and text follows. The headers of many binary files begin with
+/// that word too. But their facet count, and most padding of headers, contains a zero byte.
 bool is_text(std::string_view bytes) {
   std::string_view rest = text::without_mark(bytes);
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n\v\f"), rest.size()));

@@ -11,14 +11,14 @@
 
 #include "cde/support/error.hpp"
 
-// Broad shapes come from gradient noise, ridges and valleys from a landscape evolution model:
-// uplift against rivers that cut by stream power (slope times the square root of the drained area),
-// after Braun and Willett 2013, with lakes filled by a priority flood, after Barnes et al. 2014.
-// Only + - * / and sqrt of binary64, so every compiler makes the same bits.
+// Makes a terrain. Gradient noise gives the broad shapes. A landscape evolution model gives ridges
+// and valleys: uplift against rivers that cut by stream power, which is slope times the square root
+// of the drained area (Braun and Willett 2013). A priority flood fills the lakes (Barnes et al.
+// 2014). The code uses only + - * / and sqrt of binary64, so every compiler gets the same bits.
 namespace cde {
 namespace {
 
-constexpr double kSpacing = 10.0;  // metres a quad
+constexpr double kSpacing = 10.0;  // metres per quad
 constexpr double kTop = 360.0;     // metres, the highest vertex
 constexpr std::uint32_t kMostQuads = 4096;
 
@@ -30,20 +30,20 @@ std::uint64_t scramble(std::uint64_t h) {
   return h ^ (h >> 31);
 }
 
-/// Gradient noise in about -1 to 1, one lattice cell a unit; x and y not negative. Points that
-/// follow each other are near each other, so that the gradients around the last one are kept.
+/// Gradient noise of about -1 to 1, with one lattice cell per unit; x and y are not negative.
+/// Successive points are close together, so the gradients around the last point are kept.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : seed_(scramble(seed)) {}
 
-  /// Octaves of twice the frequency and half the height, at most kMost.
+  /// Sums octaves of twice the frequency and half the height each; at most kMost.
   [[nodiscard]] double fractal(double x, double y, int octaves) {
     double sum = 0.0;
     double height = 1.0;
     for (int octave = 0; octave < octaves; ++octave) {
       sum += height * at(x, y, cells_[static_cast<std::size_t>(octave)]);
       height *= 0.5;
-      // An offset, so that the lattice points of the octaves do not fall together.
+      // The offset keeps lattice points of the octaves apart.
       x = 2.0 * x + 17.37;
       y = 2.0 * y + 41.83;
     }
@@ -55,7 +55,7 @@ class Noise {
   struct Gradient {
     double x, y;
   };
-  /// A cell of the lattice and the gradients of its corners.
+  /// A cell of the lattice with the gradients of its corners.
   struct Cell {
     std::uint64_t i = ~std::uint64_t{0}, j = ~std::uint64_t{0};
     Gradient corner[2][2] = {};  // [j][i]
@@ -96,8 +96,9 @@ class Noise {
   Cell cells_[kMost];
 };
 
-/// Cells by their height, the lowest first; of equal ones whichever. What comes out never gets
-/// lower, so that heights are sorted roughly into buckets, and exactly only in the current one.
+/// A queue of cells by height, lowest first; equal heights come in any order. The heights taken
+/// never decrease. So cells are sorted roughly into buckets, and exactly only in the current
+/// bucket.
 class Shore {
  public:
   Shore(double lowest, double highest)
@@ -112,7 +113,7 @@ class Shore {
     else
       buckets_[bucket].emplace_back(height, cell);
   }
-  /// False if there is none left.
+  /// False if no cell remains.
   bool take(std::uint32_t& cell) {
     while (sorted_.empty()) {
       if (sorting_ && ++current_ == kBuckets) return false;
@@ -158,17 +159,17 @@ class Landscape {
   [[nodiscard]] const std::vector<double>& heights() const { return height_; }
 
  private:
-  // The model drains at its edges, so they lie low and straight. An apron keeps them out of the
-  // mesh.
+  // The model drains at its edges, so they lie low and straight. An apron keeps the edges out of
+  // the mesh.
   static constexpr std::uint32_t kApron = 40;
   static constexpr int kSteps = 16;
-  static constexpr double kUplift = 30.0;  // metres a step where the ground rises fastest
+  static constexpr double kUplift = 30.0;  // metres per step where the ground rises fastest
   static constexpr double kCutting =
       1.35;  // erodibility times step length, per metre of sqrt(drained area)
 
-  static constexpr double kRepose = 0.65;  // steepest slope that stands
+  static constexpr double kRepose = 0.65;  // steepest stable slope
 
-  using Index = std::uint32_t;  // of a cell; there are at most 4177 x 4177
+  using Index = std::uint32_t;  // number of a cell; at most 4177 x 4177 cells
 
   template <typename Visit>
   void for_each_edge(Visit visit) const {
@@ -204,10 +205,9 @@ class Landscape {
     }
   }
 
-  /// Raises hollows to their outlets: a cell that is no edge gets as high as its lowest neighbour
-  /// and a little more, if it was lower. Nearly all cells are that high already: they are found by
-  /// climbing from cells that are finished, in any order; only the shores of hollows wait in a
-  /// queue, the lowest first.
+  /// Raises hollows to their outlets. An inner cell below its lowest neighbour is raised to just
+  /// above that neighbour. Climbing from finished cells finds all cells that are high enough
+  /// already, in any order. Only the shores of hollows wait in a queue, lowest first.
   void flood() {
     constexpr double kLeastFall = 0.002;  // metres, so that water crosses a filled lake
     const auto [low, high] = std::minmax_element(height_.begin(), height_.end());
@@ -234,7 +234,7 @@ class Landscape {
         });
         if (is_doubtful) doubtful.push_back(cell);
       }
-      // Most lower neighbours were climbed to from elsewhere since.
+      // Most lower neighbours have been reached from elsewhere since.
       for (const Index cell : doubtful) {
         bool is_shore = false;
         neighbours(cell, offsets, [&](Index other) { is_shore |= finished_[other] == 0; });
@@ -254,18 +254,18 @@ class Landscape {
     }
   }
 
-  /// Those that are not edges: an edge is finished from the start.
+  /// Visits the neighbours that are not edges: edges are finished from the start.
   template <typename Visit>
   void neighbours(Index cell, const std::array<std::int64_t, 8>& offsets, Visit visit) const {
     for (const std::int64_t offset : offsets) {
       const std::int64_t other = std::int64_t{cell} + offset;
-      // Beyond the left or right edge lies an edge of the next row, which is finished, too.
+      // Beyond the left or right edge lies an edge cell of another row, which is also finished.
       if (other >= 0 && other < static_cast<std::int64_t>(cells_)) visit(static_cast<Index>(other));
     }
   }
 
-  /// Steepest way down from each cell, the area that drains through it, and in order_ the cells
-  /// with those upstream before those downstream.
+  /// Finds the steepest descent from each cell and the area that drains through it. Puts upstream
+  /// cells before downstream cells into order_.
   void drain() {
     constexpr double kDiagonal = 1.4142135623730951;
     const auto offsets = around();
@@ -289,7 +289,7 @@ class Landscape {
         ++springs[down];
       }
     }
-    // Areas are whole, so that their sums are exact in any order.
+    // Areas are integers, so their sums are exact in any order.
     area_.assign(cells_, kSpacing * kSpacing);
     order_.clear();
     for (Index start = 0; start < cells_; ++start) {
@@ -305,8 +305,8 @@ class Landscape {
     }
   }
 
-  /// One implicit step of uplift and river cutting, from the outlets upwards; stable for any step
-  /// length.
+  /// One implicit step of uplift and river cutting, from the outlets upwards. It is stable for any
+  /// step length.
   void erode() {
     for (auto at = order_.rbegin(); at != order_.rend(); ++at) {
       const Index cell = *at, down = downstream_[cell];
@@ -334,7 +334,7 @@ class Landscape {
     }
   }
 
-  /// Boulders and gullies too small for the model.
+  /// Adds boulders and gullies that are too small for the model.
   void roughen(std::uint64_t seed) {
     Noise fine(3 * seed + 2);
     std::size_t cell = 0;
@@ -373,7 +373,7 @@ class Landscape {
   std::vector<double> scratch_;
   std::vector<char> finished_;
   std::vector<Index> order_;
-  std::vector<Index> downstream_;  // itself at the edge
+  std::vector<Index> downstream_;  // a cell at the edge drains into itself
 };
 
 }  // namespace
@@ -404,8 +404,8 @@ Mesh make_terrain(const TerrainOptions& options) {
       const std::uint32_t se = sw + 1;
       const std::uint32_t nw = sw + columns;
       const std::uint32_t ne = nw + 1;
-      // Along the diagonal that falls less, so that ridges and valley floors are edges and not saw
-      // teeth.
+      // Cuts along the diagonal that falls less, so that ridges and valley floors become edges, not
+      // saw teeth.
       if (std::fabs(heights[sw] - heights[ne]) <= std::fabs(heights[se] - heights[nw])) {
         mesh.faces.push_back({sw, se, ne});
         mesh.faces.push_back({sw, ne, nw});

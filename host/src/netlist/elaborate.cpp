@@ -30,8 +30,8 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Copies the hidden modules of a folder, without their bodies. Verilator finds the copies first.
-/// It links all branches of every body before it knows which branches it needs.
+/// Copies the hidden modules of a folder without their bodies. Verilator finds the copies first. It
+/// would link all branches of every body before it knows which branches it needs.
 void write_heads(const fs::path& from, const fs::path& to, const std::string& top,
                  const Hidden& hidden) {
   for (const auto& entry : fs::directory_iterator(from)) {
@@ -44,7 +44,7 @@ void write_heads(const fs::path& from, const fs::path& to, const std::string& to
   }
 }
 
-/// Text values in quotes, numbers as they are.
+/// The switch for a parameter: text values in quotes, numbers as they are.
 std::string parameter_switch(const std::string& parameter) {
   const std::size_t equals = parameter.find('=');
   const std::string value =
@@ -57,7 +57,7 @@ std::string parameter_switch(const std::string& parameter) {
   return number ? text : text.append("\"");
 }
 
-/// A parameter's value as unsigned; nothing if it has unknown bits or is no number.
+/// A parameter's value as unsigned; nothing if it has unknown bits or is not a number.
 std::optional<unsigned> constant_value(const Element& element) {
   const std::string bits = constant_bits(element);
   if (bits.empty() || bits.find_first_not_of("01") != std::string::npos) return std::nullopt;
@@ -66,8 +66,8 @@ std::optional<unsigned> constant_value(const Element& element) {
   return static_cast<unsigned>(value);
 }
 
-/// The name of an instance behind those of the generate blocks that it is in. A loop is a block of
-/// its name, with one of its name and number in it.
+/// The name of an instance after the names of its generate blocks. A loop is a block with the
+/// loop's name, which contains a block with the name and the iteration's number.
 std::string scoped(const std::vector<std::string>& blocks, std::string_view name) {
   std::string all;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -82,14 +82,14 @@ bool is_within(const std::string& path, const std::string& instance) {
          (path.size() == instance.size() || path[instance.size()] == '.');
 }
 
-/// Verilator ends a file's name at a space: what has one is read through a link.
+/// Verilator ends a file name at a space, so a name with a space is read through a link.
 fs::path without_space(const fs::path& path, const fs::path& link) {
   if (path.native().find(' ') == std::string::npos) return path;
   fs::create_symlink(fs::absolute(path), link);
   return link;
 }
 
-/// Names of files below the link as they are.
+/// Replaces file names below the link by the original names.
 std::string named(std::string text, const fs::path& link, const fs::path& source) {
   if (link == source) return text;
   const std::string from = link.string() + "/", to = source.string() + "/";
@@ -128,7 +128,7 @@ std::string elaborated(const fs::path& source, const std::string& top,
     command.push_back(rtl / "contract" / package);
   command.insert(command.end(), {"-y", xml.parent_path()});
   std::vector<fs::path> folders = {rtl};
-  std::error_code missing;  // Verilator names what it does not find
+  std::error_code missing;  // Verilator reports missing files
   for (const auto& entry : fs::directory_iterator(rtl, missing))
     if (entry.is_directory()) folders.push_back(entry.path());
   std::sort(folders.begin(), folders.end());
@@ -137,7 +137,7 @@ std::string elaborated(const fs::path& source, const std::string& top,
     command.insert(command.end(), {"-y", folder.string(), "-I" + folder.string()});
   }
   command.push_back(top + ".sv");
-  // Newer versions have the one, older ones the other, and some have both.
+  // Newer versions have one option, older ones the other, and some have both.
   std::string log;
   const auto written = [&](std::initializer_list<std::string> form) {
     std::vector<std::string> all = {"verilator"};
@@ -213,7 +213,8 @@ Operators Elaboration::operators(const std::string& instance) const {
     if (!is_within(path, instance) || found == modules_.end()) continue;
     const Module& module = found->second;
     const std::string& what = module.source_name;
-    // Every operator is an fp_lanes of some OP, alone or inside fp_add, fp_mul and their like.
+    // Every operator is an fp_lanes with some OP, alone or inside fp_add, fp_mul and similar
+    // modules.
     if (what == "fp_lanes") {
       const auto at = module.constants.find("OP");
       switch (static_cast<FpOp>(at == module.constants.end() ? 0 : at->second)) {

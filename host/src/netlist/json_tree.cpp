@@ -18,17 +18,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr unsigned kMostNodeDepth = 2000;  // of nodes in each other
+constexpr unsigned kMostNodeDepth = 2000;  // of nested nodes
 
-/// Tags that are not the name of the node in small letters.
+/// Tags that differ from the node's name in small letters.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kTags = {
     {{"ASSIGNW", "contassign"}, {"GENBLOCK", "begin"}, {"CELL", "instance"}, {"PIN", "port"}}};
 
-/// Lists of a node that are no children of the element.
+/// Lists of a node that are not children of the element.
 constexpr std::array<std::string_view, 6> kLeftOut = {"childDTypep", "attrsp", "genforp",
                                                       "inlinesp",    "delayp", "timingControlp"};
 
-/// Bits of types that are declared by their names alone.
+/// Widths of types that are declared by name alone.
 constexpr std::array<std::pair<std::string_view, int>, 5> kWidths = {
     {{"byte", 8}, {"shortint", 16}, {"int", 32}, {"integer", 32}, {"longint", 64}}};
 
@@ -86,7 +86,7 @@ class Writer {
         for (const Json& child : list) note(child, depth + 1);
   }
 
-  /// Instances below a module, without the generate blocks that they are in.
+  /// Writes the instances below a module, without their generate blocks.
   void cell(const Json& module, const std::string& name, const std::string& path,
             const std::string& location, unsigned depth) {
     if (depth > kMostNodeDepth / 10 || out_.size() > (std::size_t{1} << 30))
@@ -110,7 +110,7 @@ class Writer {
     });
   }
 
-  /// c,12:7,12:19 as c,12,7,12,19.
+  /// Converts c,12:7,12:19 to c,12,7,12,19.
   static std::string place(std::string location) {
     std::replace(location.begin(), location.end(), ':', ',');
     return xml_text(location);
@@ -136,7 +136,7 @@ class Writer {
     if (type == "ALWAYS" && text(node, "keyword") == "cont_assign") {
       write_children(node);
     } else if (type == "VAR" && text(node, "varType") == "GENVAR") {
-      // has become the numbers of its loop
+      // replaced by the iteration numbers of its loop
     } else if (type == "LOOP") {
       write_loop(node);
     } else {
@@ -201,7 +201,7 @@ class Writer {
       }
   }
 
-  /// The condition, what is done if it holds, and what is done if not, each in a block.
+  /// Writes the condition, the branch if it holds and the branch if not, each in a block.
   void write_branches(const Json& node) {
     for (const char* key : {"condp", "thensp", "elsesp"}) {
       const auto list = node.find(key);
@@ -214,7 +214,7 @@ class Writer {
     }
   }
 
-  /// A loop is while: nothing, its condition, its body and its step, each in a block.
+  /// Writes a loop as while: an empty block, its condition, its body and its step, each in a block.
   void write_loop(const Json& node) {
     const Json statements = node.value("stmtsp", Json::array());
     const bool tested = !statements.empty() && text(statements.front(), "type") == "LOOPTEST";
@@ -236,7 +236,8 @@ class Writer {
   std::string out_;
 };
 
-/// Deeper brackets than a design has would be taken apart by calls in each other.
+/// Limits the nesting of brackets: the recursive parser would overflow the stack. Designs never
+/// nest so deep.
 void check_depth(const std::string& text) {
   unsigned depth = 0;
   bool quoted = false;

@@ -10,8 +10,8 @@
 namespace cde::netlist {
 namespace {
 
-constexpr std::size_t kMostOpen = 4000;    // elements in each other
-constexpr unsigned kMostTypeDepth = 1000;  // of types
+constexpr std::size_t kMostOpen = 4000;    // nested elements
+constexpr unsigned kMostTypeDepth = 1000;  // nested types
 constexpr std::uint64_t kMostBits = 1u << 30;
 
 struct Entity {
@@ -39,7 +39,7 @@ int signed_number(std::string_view text) {
   return value;
 }
 
-/// A constant of at most 32 bits, as a range has.
+/// A constant of at most 32 bits, as used in ranges.
 int small_constant(const Element* constant) {
   if (constant == nullptr) return 0;
   std::uint32_t value = 0;
@@ -119,7 +119,7 @@ Netlist::Netlist(std::string xml) : text_(std::make_unique<const std::string>(st
 }
 
 Line Netlist::line(const Element& element) const {
-  // c,12,7,12,19: the file's letters, the line and the column that it begins in, those of its end
+  // c,12,7,12,19: letters of the file, first line and column, last line and column
   const std::string_view location = element.attribute("loc");
   const std::size_t comma = std::min(location.find(','), location.size());
   const auto file = files_.find(location.substr(0, comma));
@@ -166,13 +166,13 @@ void Netlist::read_types(const Element& table) {
       type.kind = Type::Kind::kStructure;
       for (const Element* member : e->children())
         type.members.push_back({member->text("name"), member->number("sub_dtype_id")});
-    } else if (!e->attribute("sub_dtype_id").empty()) {  // an enumeration, or a name of a type
+    } else if (!e->attribute("sub_dtype_id").empty()) {  // an enumeration, or a name for a type
       aliases_.emplace(id, e->number("sub_dtype_id"));
       continue;
     }
     types_.emplace(id, std::move(type));
   }
-  // A type may stand before the type of its elements.
+  // A type may precede the type of its elements.
   for (const auto& [id, type] : types_) (void)width(id, 0);
   measured_.clear();
 }
@@ -182,7 +182,7 @@ std::uint64_t Netlist::width(unsigned id, unsigned depth) {
   const auto found = types_.find(id);
   if (found == types_.end()) return 0;
   Type& type = found->second;
-  // One that is met again while it is looked at is part of itself, and is not known.
+  // A type that contains itself has no known width.
   if (type.width != 0 || depth > kMostTypeDepth || !measured_.insert(id).second) return type.width;
   if (type.kind == Type::Kind::kPacked || type.kind == Type::Kind::kUnpacked) {
     const std::uint64_t one = width(type.element, depth + 1), n = length(type.left, type.right);
@@ -201,7 +201,7 @@ std::uint64_t Netlist::width(unsigned id, unsigned depth) {
 }
 
 std::string constant_bits(const Element& constant) {
-  // 32'sh1f, 4'b1x0z, 8'h00; an x or z of a digit that is not binary is all of its bits.
+  // 32'sh1f, 4'b1x0z, 8'h00. An x or z digit that is not binary stands for all bits of the digit.
   const std::string text = constant.text("name");
   const std::size_t quote = text.find('\'');
   if (constant.tag() != "const" || quote == std::string::npos || quote == 0) return {};

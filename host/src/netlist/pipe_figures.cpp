@@ -19,8 +19,8 @@
 namespace cde::netlist {
 namespace {
 
-/// The top module that the pipe is elaborated in. It is the pipe's own module once that is known.
-/// A cylinder pipe, which is a ring, stays in the unit that sets its parameters.
+/// The top module for elaborating the pipe: the pipe's own module, once it is known. An iterative
+/// pipeline with cylinders stays inside the unit that sets its parameters.
 std::string top(const Pipe& pipe) {
   if (has_budget(pipe.pair)) return "pair_unit";
   return pipe.module.empty() ? "pair_pipe" : pipe.module;
@@ -34,8 +34,8 @@ std::string path(const Pipe& pipe) {
 Elaboration elaborate(const Pipe& pipe, const Profile& p, const Hidden& hidden) {
   const std::filesystem::path folder = bitstream_builder().parent_path().parent_path() / "rtl";
   const bool alone = top(pipe) == pipe.module;
-  // Host arithmetic has the same operators and states the same latency, and is sooner elaborated;
-  // but only gates share facet units, and have operators of the box rule.
+  // Host arithmetic has the same operators and latency, and elaborates faster. But only gates share
+  // SAT units and have operators of the box rule.
   std::vector<std::string> parameters = {
       fmt::format("ARITH={}", pipe.facet_interval == 1 && !pipe.box ? "host" : "rtl")};
   if (!alone) parameters.push_back(fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)));
@@ -55,10 +55,10 @@ Elaboration elaborate(const Pipe& pipe, const Profile& p, const Hidden& hidden) 
   return {folder, top(pipe), parameters, hidden};
 }
 
-/// The module that every ray pipe of a solid ends in.
+/// The last module of every ray pipe for a solid.
 constexpr std::string_view kCrossing = "ray_crossing";
 
-/// The pipe's own, or that of its crossing.
+/// The pipe's own latency, or that of its crossing module.
 std::optional<unsigned> latency(const Elaboration& e, const Pipe& pipe) {
   const auto own = e.constant(path(pipe), "LATENCY");
   return own ? own : e.constant(path(pipe) + ".crossing", "LATENCY");
@@ -70,16 +70,17 @@ unsigned required(const std::optional<unsigned>& value, const Pipe& pipe, const 
   return *value;
 }
 
-/// Three elaborations: which module the pipe is, its operators, and its latency in the profile,
-/// which is a constant of the module. Each hides what it does not ask about: Verilator takes a
-/// second for all pipes behind pair_pipe, whichever is chosen. Adds 2 to `done`. Error kBuild if
-/// the RTL cannot be elaborated for any other reason than that there is no pipe.
+/// Runs three elaborations: for the pipe's module, for its operators, and for its latency in the
+/// profile, which is a constant of the module. Each hides modules that it does not need, because
+/// Verilator takes a second for all pipes behind pair_pipe. Adds 2 to `done`. Error kBuild if the
+/// RTL cannot be elaborated, except if there is no such pipe.
 void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done) {
   try {
     pipe.module.clear();
     pipe.module = elaborate(pipe, {}, [](std::string_view) { return true; }).module_of(path(pipe));
     const Elaboration e = elaborate(pipe, {}, [](std::string_view module) {
-      return is_gates(module) || module == "bounded_pipe";  // pair_unit's way to other pipes
+      return is_gates(module) ||
+             module == "bounded_pipe";  // through it, pair_unit instantiates other pipes
     });
     ++done;
     const auto words = [&](const char* port) { return e.bits(path(pipe), port).value_or(0) / 32; };
@@ -105,9 +106,9 @@ void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done)
   ++done;
 }
 
-// ---- Figures of earlier times ----
+// ---- Cached figures ----
 
-/// Figures of pipes, kept in the cache for as long as neither the RTL nor what reads it changes.
+/// Figures of pipes in the cache. They stay valid until the RTL or the code that reads it changes.
 class Kept {
  public:
   Kept() {
@@ -118,7 +119,7 @@ class Kept {
     if (!all_.is_object()) all_ = Json::object();
   }
 
-  /// Whether the pipe's figures were there.
+  /// Fills in the pipe's figures from the cache; false if they are not there.
   bool fill(Pipe& pipe, const Profile& profile) const {
     const auto at = all_.find(key(pipe, profile));
     if (at == all_.end()) return false;

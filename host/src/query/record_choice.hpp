@@ -6,17 +6,19 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/query/record.hpp"
 
-/// How one record of a primary is chosen among those of its pairs, as the card's update engine
+/// Chooses one record of a primary among the records of its pairs, as the card's update engine
 /// does. Private to the library.
 namespace cde {
 
-/// Whether a record of a pair may be kept: of rays hits, of solids, but for mode any, every pair.
+/// Whether a pair's record may be kept: hits for rays, and every pair for solids except in mode
+/// any.
 [[nodiscard]] inline bool is_candidate(Pair pair, Mode mode, const Record& r) {
   return !r.bad && r.index != ~0u && (r.f || (is_solid(pair) && mode != Mode::kAny));
 }
 
-/// Whether a record of a pair replaces the best one so far (index ~0: there is none) of the same
-/// primary, in ascending order of secondaries: of solids the signed gap decides. The two zeros tie.
+/// Whether a pair's record replaces the best record so far of the same primary; index ~0 means
+/// none. Records come in ascending order of secondaries. For solids the signed distance decides. +0
+/// and -0 tie.
 [[nodiscard]] inline bool better(Pair pair, Mode mode, const Record& r, const Record& best) {
   if (!is_candidate(pair, mode, r)) return false;
   if (best.index == ~0u) return true;
@@ -26,7 +28,7 @@ namespace cde {
   return mode == Mode::kFarthest && gap(r) > gap(best);
 }
 
-/// The record of a primary that no pair has answered.
+/// The record of a primary without any answered pair.
 template <class P>
 [[nodiscard]] Record unanswered(const P& primary, std::uint32_t number, bool normals,
                                 FpFormat format) {

@@ -11,15 +11,15 @@
 namespace cde {
 namespace {
 
-/// Microseconds of simulation. Building a hierarchy takes 1 us per triangle and simulating it 4 us
-/// per ray; brute force on 64 lanes takes 4.6 ns per test (cde bench).
+/// Estimated microseconds of simulation. Building a BVH takes 1 us per triangle, and traversing it
+/// 4 us per ray. Brute force on 64 lanes takes 4.6 ns per test (cde bench).
 tree_choice::Cost cost(std::uint64_t triangles, std::uint64_t rays) {
   const auto t = static_cast<double>(triangles), r = static_cast<double>(rays);
   return {t + 4 * r, 4.6e-3 * t * r};
 }
 
-/// The same per ray, with a tree that is built: boxes that overlap cull little. Simulating a cycle
-/// takes 0.4 us.
+/// The same per ray, once the BVH is built: overlapping boxes cull little. Simulating a cycle takes
+/// 0.4 us.
 tree_choice::Cost cost(const Hierarchy& tree, std::uint64_t triangles) {
   const Hierarchy::Visits visits = tree.expected_visits();
   return {2 + 0.4 * tree_choice::cycles(visits.nodes, visits.secondaries),
@@ -35,15 +35,14 @@ bool traverses(const CastRequest& r, std::uint64_t triangles,
   return tree_choice::traverses(must_traverse(r), Shape::kTriangle, triangles, cost);
 }
 
-/// Wide cards simulate nearly twice as many tests per second (217 M, not 117 M, on one core). Their
-/// gates take minutes to compile, their waves are four times as large, and few rays do not fill
-/// them.
+/// Wide cards simulate more tests per second. But their gates take minutes to compile, their waves
+/// are larger, and few rays do not fill their lanes.
 unsigned lanes_of(const CastRequest& r, std::uint64_t rays) {
   if (r.lanes) return *r.lanes;
   return r.arithmetic == Arithmetic::kHost && !r.trace && rays > 16 ? 64 : 16;
 }
 
-/// The tree, or nothing where brute force is as good; `warning` says why it cannot be built.
+/// The BVH, or nothing where brute force is as good. `warning` says why a BVH cannot be built.
 std::shared_ptr<const Hierarchy> built_tree(const CastRequest& r, const Mesh& mesh,
                                             std::string& warning) {
   std::shared_ptr<const Hierarchy> tree;
@@ -58,8 +57,8 @@ std::shared_ptr<const Hierarchy> built_tree(const CastRequest& r, const Mesh& me
   return traverses(r, triangles, cost(*tree, triangles)) ? tree : nullptr;
 }
 
-/// Replaces a card that is not built by one that is, if that costs at most 0.3 times a minute or so
-/// of simulation.
+/// Replaces a card that is not built by a built one, if this adds at most 0.3 minutes or so of
+/// simulation.
 void use_built_card(const CastRequest& r, CastPlan& plan, std::uint64_t rays,
                     std::uint64_t triangles) {
   constexpr double kMostTests = 1e10;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene file as a whole: run options, [card], [[query]], and how objects refer to each other.
+// Reads a whole scene file: run options, [card], [[query]], and references between objects.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -98,7 +98,7 @@ SceneCard read_card(Table t) {
   return card;
 }
 
-/// Objects by name, and the places where they stand in the file.
+/// The objects' numbers by name, and their places in the file.
 struct Names {
   std::map<std::string, std::size_t> numbers;
 
@@ -112,7 +112,7 @@ struct Names {
   }
 };
 
-/// Follows parents up; what a parent asks of the objects below it is checked here.
+/// Follows the parents of an object upwards, and checks their demands on the objects below them.
 void check_ancestors(const Scene& scene, std::size_t number, const Table& t) {
   std::set<std::size_t> seen = {number};
   const SceneObject& object = scene.objects[number];
@@ -153,7 +153,7 @@ void read_objects(Scene& scene, Tables tables, const std::filesystem::path& fold
   for (std::size_t i = 0; i < parents.size(); ++i) check_ancestors(scene, i, tables[i]);
 }
 
-/// The one shape of these objects.
+/// The shape that all these objects share.
 Shape common_shape(const Scene& scene, const std::vector<std::size_t>& objects, const Table& t,
                    const char* key) {
   const SceneObject& first = scene.objects[objects.front()];
@@ -241,7 +241,8 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   return q;
 }
 
-/// Objects that no query uses, nor moves with: perhaps a name was forgotten.
+/// Warns of objects that no query uses and that no used object moves with: perhaps a name is
+/// missing.
 void warn_of_unused(Scene& scene) {
   std::vector<bool> used(scene.objects.size());
   for (const SceneQuery& query : scene.queries)
@@ -280,7 +281,7 @@ Scene parse_scene(std::string_view text, const std::string& name) {
   t.also_known({"object", "query"});
   for (const char* key : {"object", "query"}) {
     if (!t.has(key)) {
-      t.finish();  // a misspelt one is worth its own message
+      t.finish();  // a misspelt key gets its own message
       t.fail(ErrorCode::kFile, "", fmt::format("there is no [[{}]]", key));
     }
   }

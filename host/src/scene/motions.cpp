@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [object.motion].
+// Reads [object.motion].
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using toml_reader::kNotNegative;
 using toml_reader::kPositive;
 using toml_reader::Table;
 
-/// quaternion = [w, x, y, z], or axis and degrees; the identity without either.
+/// Reads quaternion = [w, x, y, z], or axis and degrees. Without either it is the identity.
 Eigen::Quaterniond read_rotation(Table& t) {
   if (t.has("quaternion")) {
     if (t.has("axis")) t.fail(ErrorCode::kFile, "axis", "excludes 'quaternion'");
@@ -39,7 +39,7 @@ Eigen::Quaterniond read_rotation(Table& t) {
 Pose read_place(Table& t) {
   Pose place = Pose::Identity();
   place.translation() = t.vector("position", Eigen::Vector3d(0, 0, 0));
-  // A rotation that is none stays exactly none.
+  // An identity rotation stays exact.
   place.linear() = read_rotation(t).toRotationMatrix();
   return place;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [[object]]: where its shapes come from, and how they deform.
+// Reads [[object]]: the source of its shapes, and their deformation.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ Eigen::Vector3f narrow(const Eigen::Vector3d& v) {
   return v.cast<float>();
 }
 
-/// A direction of any length, made one of unit length.
+/// A direction of any length, normalised.
 Eigen::Vector3d unit(Table& t, const char* key,
                      const std::optional<Eigen::Vector3d>& fallback = {}) {
   const Eigen::Vector3d v = t.vector(key, fallback);
@@ -48,14 +48,14 @@ Eigen::Matrix3f read_axes(Table& t) {
   return Eigen::AngleAxisd(degrees * kDegree, axis).toRotationMatrix().cast<float>();
 }
 
-/// The key of a field: "half height" is half_height.
+/// The key of a field, such as half_height for "half height".
 std::string key_of(std::string field) {
   if (field == "half extent") return "half";
   std::replace(field.begin(), field.end(), ' ', '_');
   return field;
 }
 
-/// tmin and tmax may be missing and keep their defaults. Unit vectors may be given with any length.
+/// tmin and tmax keep their defaults if they are missing. Directions may have any length.
 template <class P>
 void read(Table& t, P& shape) {
   visit_fields(shape, [&t](const char* name, WordKind kind, auto& field) {
@@ -283,7 +283,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     t.fail(ErrorCode::kUsage, "deform", "moves the vertices of a mesh; this object has none");
 }
 
-/// Of fp32 they are checked where they are read.
+/// Shapes of fp32 are checked where they are read.
 void check_shapes(const Table& t, const Shapes& shapes, FpFormat format) {
   std::visit(
       [&](const auto& list) {
@@ -294,7 +294,7 @@ void check_shapes(const Table& t, const Shapes& shapes, FpFormat format) {
       shapes);
 }
 
-/// The file, what is posed, what lies on either side of the card and what the reference has of it.
+/// Copies of a shape: the file, the posed shapes, both sides of the card, and the reference.
 constexpr std::uint64_t kCopies = 5;
 
 }  // namespace
@@ -315,7 +315,7 @@ void Memory::add(const Table& t, const char* key, Shape shape, std::uint64_t cou
 }
 
 void Memory::add_poses(const Table& t, std::uint64_t count) {
-  // A pose in use, the one before, and the centre that it is made from.
+  // The current pose, the last pose, and the centre that they start from.
   add(t, "motion", fmt::format("poses of {} shapes", count),
       (2 * sizeof(Transform) + sizeof(Eigen::Vector3d)) * count);
 }

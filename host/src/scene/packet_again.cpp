@@ -13,7 +13,7 @@
 namespace cde {
 namespace {
 
-/// Plays the frames with waves of the packet; whether the record is the same.
+/// Plays the frames and traces the packet. Returns whether the record is the same.
 bool play(const RunFailure& f, std::uint32_t first, const std::string& file,
           const TraceOptions& which) {
   const auto& wanted = f.difference.card;

@@ -11,18 +11,17 @@
 /// Parts of a scene file. Private to the library.
 namespace cde::scene_parts {
 
-inline constexpr double kDegree = std::numbers::pi / 180;  ///< in radians
+inline constexpr double kDegree = std::numbers::pi / 180;  ///< radians per degree
 
-/// What playing a scene will take of memory, counted before its shapes are made: a few lines of a
-/// file can ask for any number of them.
+/// Adds up the memory that a scene will take, before its shapes are made. A few lines of a file can
+/// ask for any number of shapes.
 class Memory {
  public:
   static constexpr std::uint64_t kMost = std::uint64_t{2} << 30;  ///< bytes
 
-  /// So many more shapes. Error kCapacity at the key, with the size and the limit, if that is too
-  /// much.
+  /// Adds shapes. Error kCapacity at the key, with the size and the limit, if the sum is too large.
   void add(const toml_reader::Table& table, const char* key, Shape shape, std::uint64_t count);
-  /// The same for shapes that are there, each with a pose of its own.
+  /// Adds a pose for each of so many existing shapes.
   void add_poses(const toml_reader::Table& table, std::uint64_t count);
 
  private:
@@ -31,16 +30,16 @@ class Memory {
   std::uint64_t bytes_ = 0;
 };
 
-/// Reads [[object]]; its parent is resolved by the caller. Paths are relative to `folder`. Shapes
-/// that have a defect in the card's format are errors.
+/// Reads [[object]]; the caller resolves its parent. Paths are relative to `folder`. Shapes with a
+/// defect in the card's format are errors.
 [[nodiscard]] SceneObject read_object(toml_reader::Table& table,
                                       const std::filesystem::path& folder, Memory& memory,
                                       FpFormat format);
 
-/// Reads [object.motion]; `object` has its shapes.
+/// Reads [object.motion]. The shapes of `object` must be read already.
 [[nodiscard]] Motion read_motion(toml_reader::Table& table, const SceneObject& object);
 
-/// Where each shape is: what it moves from when it moves on its own.
+/// The centre of each shape, from which it moves when it moves on its own.
 [[nodiscard]] std::vector<Eigen::Vector3d> centres(const Shapes& shapes);
 
 }  // namespace cde::scene_parts

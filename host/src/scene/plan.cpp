@@ -21,17 +21,16 @@ namespace cde {
 namespace {
 
 constexpr unsigned kMostLanes = 128;
-/// Lanes of planned cards are few, so that scenes share cards: a build takes longer than what a row
-/// of 16 lanes costs a scene that fills one of them (twice the time of one lane).
+/// Planned cards use few lane counts, so that scenes share cards. Building a card takes longer than
+/// a scene loses with idle lanes.
 constexpr unsigned kLaneSteps[] = {16, 64, kMostLanes};
-/// Of facets and rings, which take longest to build: one vector of the host's. A card of 16 lanes
-/// takes 50 s of processor time to build and one of 8 lanes 30 s, and both simulate 200 boxes among
-/// each other in 1.7 s (40 frames).
+/// Lanes of pipes with candidate axes (SAT) and iterative pipelines, which take longest to build:
+/// one vector register of the host.
 constexpr unsigned kLanesOfLargePipes = 8;
 constexpr unsigned kMostLanesOfGates = 16;
 
-/// What effects cost a simulation: how many times as long a frame of rays and triangles takes.
-/// Medians of `cde bench effects`, which prints them beside its own.
+/// How many times as long a frame of rays and triangles takes to simulate with an effect: medians
+/// of `cde bench effects`, which prints them beside its own.
 struct Cost {
   std::string_view effect;
   double times;
@@ -56,7 +55,7 @@ std::uint64_t count(const Scene& scene, const std::vector<std::size_t>& objects)
   return n;
 }
 
-/// What the passes of a query test, and the rows that takes.
+/// Counts the tests of a query's passes, and their rows.
 void add_passes(const Scene& scene, const SceneQuery& q, unsigned lanes, QueryWork& w) {
   const SelfPairs self(scene, q);
   for (std::uint64_t first = 0; first < w.primaries; first += card::kMostPrimaries) {
@@ -91,7 +90,7 @@ QueryWork work_of(const Scene& scene, const SceneQuery& q, unsigned lanes) {
   return w;
 }
 
-/// Clocks that the pipes are fed in a frame.
+/// Cycles per frame in which the pipes get a row.
 std::uint64_t rows_of(const Scene& scene, unsigned lanes) {
   std::uint64_t sum = 0;
   for (const SceneQuery& q : scene.queries) sum += work_of(scene, q, lanes).rows;
@@ -123,8 +122,8 @@ std::vector<Pair> pairs_of(const Scene& scene) {
   return asked;
 }
 
-/// Enough lanes for the largest packet in one row, of a few steps, and no more than can be built
-/// soon. Gates take minutes and eleven times as long: of them no more than there are primaries.
+/// Enough lanes for the largest packet in one row, in steps, but few enough to build soon. Gates
+/// take minutes to build and are slow to simulate, so they get no more lanes than primaries.
 unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
   if (scene.card.lanes) return *scene.card.lanes;
   std::uint64_t most = 1;
@@ -161,7 +160,7 @@ BoardConfig board_of(const Scene& scene) {
   b.latency_div = scene.card.latency_div;
   b.latency_sqrt = scene.card.latency_sqrt;
   b.latency_compare = scene.card.latency_compare;
-  (void)b.parameters();  // complains about values
+  (void)b.parameters();  // throws for bad values
   return b;
 }
 
@@ -413,7 +412,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
   return effects;
 }
 
-/// The transformer and its tables.
+/// Adds the transformer and its tables to the plan.
 void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan) {
   plan.card_moves = movers.secondaries;
   plan.card_moves_primaries = movers.primaries;
@@ -433,8 +432,8 @@ void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan
   }
 }
 
-/// Node units where rays go through a hierarchy: they are written on their way, as the host has
-/// moved them. Where all do, lanes have nothing to do.
+/// Adds traversal units if queries traverse a BVH. Their primaries are streamed in as the host
+/// moved them. If every query traverses, the lanes are idle and few suffice.
 Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan) {
   const plan_hierarchy::Choice choice = plan_hierarchy::choose(scene, plan);
   if (choice.nodes == 0) return choice.effect;

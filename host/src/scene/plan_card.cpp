@@ -18,17 +18,15 @@ double cost(const char* effect) {
   return simulation_cost(effect).value_or(1);
 }
 
-/// Of pipes that stand idle beside one that works. The first brings the registers of operands
-/// (measured: 1.15 times the time of one pipe alone, 1.3 with the exchange of roles).
+/// Cost of idle pipes beside a working one. The first idle pipe adds the operand registers.
 double pipes_cost(std::size_t pipes) {
   constexpr double kFirst = 1.15;
   if (pipes <= 1) return 1;
   return kFirst + (cost("pipes") - kFirst) * static_cast<double>(pipes - 2) / (kPairs - 2);
 }
 
-/// Simulating a row of the planned card's pipes: the card around them takes as long as so many
-/// lanes (10 spheres that meet 60,000: 11, 13, 22, 26, 44 and 80 ms with 1, 4, 16, 32, 64 and 128
-/// lanes in one row of each).
+/// Cost of simulating a row of the planned card. Without large pipes, the rest of the card costs as
+/// much as 20 lanes.
 double row_cost(const BoardConfig& planned, unsigned lanes) {
   const double around = std::any_of(planned.pairs.begin(), planned.pairs.end(), is_large) ? 1 : 20;
   return around + lanes;
@@ -95,12 +93,12 @@ std::optional<BuiltCard> built_card(const BoardConfig& planned, const SceneCard&
   for (const std::vector<std::string>& parameters : kept_bitstreams(planned.top())) {
     std::optional<BoardConfig> card = BoardConfig::of(parameters);
     if (!card) continue;
-    card->bus = planned.bus;  // the kind of bitstream
+    card->bus = planned.bus;  // only the simulation model depends on it
     if (!plan_card::serves(*card, planned, asked)) continue;
     const double t = plan_card::times(*card, planned, rows);
     if (t <= plan_card::kMostTimes) some.push_back({*card, t});
   }
-  // Equal ones stay in the order of their parameters: the choice does not depend on the folder.
+  // Equal cards keep the order of their parameters, so the choice does not depend on the folder.
   std::stable_sort(some.begin(), some.end(),
                    [](const BuiltCard& a, const BuiltCard& b) { return a.times < b.times; });
   for (const BuiltCard& card : some)

@@ -2,22 +2,23 @@
 #pragma once
 #include "cde/scene/plan.hpp"
 
-/// Which cards do a scene's work, and what they cost beside the planned one.
+/// Which built cards can do a scene's work, and their cost relative to the planned card.
 namespace cde::plan_card {
 
-/// Pipes of facets or rings: a lane takes as long to simulate, and to build, as tens of others'.
+/// Whether the pipe tests candidate axes (SAT) or is an iterative pipeline. Each of its lanes takes
+/// as long to simulate and to build as tens of other lanes.
 [[nodiscard]] bool is_large(Pair pair);
 
-/// More than this many times the planned card's time is not worth what its building takes.
+/// A card that takes more times as long as this is not worth using: building the planned one is.
 inline constexpr double kMostTimes = 1.3;
 
-/// Whether a card gives the records and, lanes apart, the clocks of the planned one. What the
-/// scene's [card] asks for is kept as it is.
+/// Whether a card gives the records of the planned one and, apart from lanes, the same cycles.
+/// Settings of the scene's [card] must be kept.
 [[nodiscard]] bool serves(const BoardConfig& card, const BoardConfig& planned,
                           const SceneCard& asked);
 
-/// How many times as long a frame takes as on the planned card, estimated from what was measured:
-/// by the simulation or by the device's clocks, whichever is more.
+/// Estimates how many times as long a frame takes as on the planned card: by simulation or by the
+/// card's cycles, whichever is more.
 [[nodiscard]] double times(const BoardConfig& card, const BoardConfig& planned, const Rows& rows);
 
 }  // namespace cde::plan_card

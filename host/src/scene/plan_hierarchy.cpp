@@ -17,28 +17,28 @@
 namespace cde::plan_hierarchy {
 namespace {
 
-/// Clocks that the last rays of a packet take for a level of the tree, when no others are left.
+/// Cycles per level of the BVH for the last rays of a packet, when no other rays remain.
 constexpr double kClocksALevel = 30;
-/// Those of a solid for a secondary that it is tested with, nodes above it included, where it waits
-/// for each leaf: of a sphere and triangles 63, of an OBB 78; of two spheres 25.
+/// Cycles of a solid per secondary that it is tested with, including the nodes above it, if it
+/// waits for each leaf.
 constexpr double kClocksASolid = 75, kClocksTwoSpheres = 25;
-/// As many in a pass go ahead of their leaves (hierarchy_pkg::AHEAD) and take these clocks until
-/// the first one is tested, and for each (cde bench hierarchy, solids that are alone).
+/// In a pass of at most kAhead solids, traversal does not wait for leaves (hierarchy_pkg::AHEAD).
+/// It takes kClocksToTheFirst cycles until the first test, then kClocksAhead cycles per test.
 constexpr std::uint64_t kAhead = 16;
 constexpr double kClocksToTheFirst = 250, kClocksAhead = 4.5;
-/// A node of a tree that is not over triangles over the bus, with its share of slots.
+/// Cycles to write a node over the bus, with its share of slots, for a BVH that is not over
+/// triangles.
 constexpr std::uint64_t kClocksANode = 18;
-/// Of a query, whose ways are counted.
+/// Solids of a query whose traversal is sampled.
 constexpr std::size_t kSampledSolids = 32;
-/// Visits that a ray makes in vain for each thing that has moved anywhere among the others (8, 40
-/// and 200 of them: 0, 5.6 and 34 nodes more than in a tree that is built anew, which
-/// cde_numerics_tests prints: HierarchyOfObjects).
+/// Extra visits per ray for each independently moving part in the BVH, relative to a BVH that is
+/// built anew.
 constexpr double kVisitsAMovingPart = 1.0 / 6;
 
 bool is_ray(const SceneQuery& q) {
   return !is_solid(q.pair);
 }
-/// What the query's primaries meet.
+/// The shape of the secondaries in the leaves.
 Shape leaf_of(const SceneQuery& q) {
   return q.swap ? primary_shape(q.pair) : secondary_shape(q.pair);
 }
@@ -46,7 +46,7 @@ bool meets_triangles(const SceneQuery& q) {
   return leaf_of(q) == Shape::kTriangle;
 }
 
-/// Why the query meets all secondaries; nothing if it need not.
+/// Why the query must test all secondaries; nothing if it can traverse.
 std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, const Plan& plan) {
   if (!way_through(q.pair, q.swap))
     return fmt::format("{}{} has no way through one", name(q.pair),
@@ -61,7 +61,7 @@ std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, c
   return std::nullopt;
 }
 
-/// Why the card cannot have one; nothing if it can.
+/// Why the card cannot have a BVH; nothing if it can.
 std::optional<std::string> against(const Scene& scene, BoardConfig board, unsigned nodes) {
   board.box = scene.card.box && std::any_of(board.pairs.begin(), board.pairs.end(), has_box_rule);
   board.node_units = tree_choice::kNodeUnits;
@@ -74,7 +74,7 @@ std::optional<std::string> against(const Scene& scene, BoardConfig board, unsign
   return std::nullopt;
 }
 
-/// The tree that the player builds in the first frame; nothing, and why, if there is none.
+/// The BVH that the player builds in the first frame. If there is none, `why` says so.
 std::optional<Hierarchy> tree_of(const Scene& scene, const Plan& plan, std::string& why) {
   player::Row row(scene, plan.card_moves, player::Table::kAll);
   (void)row.show(scene.queries.front().secondaries, 0);
@@ -86,7 +86,7 @@ std::optional<Hierarchy> tree_of(const Scene& scene, const Plan& plan, std::stri
   }
 }
 
-/// Things that move by themselves, and so away from those that they are beside in the tree.
+/// Number of parts that move on their own, and so away from their neighbours in the BVH.
 std::uint64_t moving_parts(const Scene& scene) {
   std::uint64_t sum = 0;
   for (const std::size_t i : scene.queries.front().secondaries) {
@@ -96,18 +96,18 @@ std::uint64_t moving_parts(const Scene& scene) {
   return sum;
 }
 
-/// Visits of a primary, and clocks that the last ones of a packet take when no others are left.
+/// Visits per primary, and the cycles of a packet's last primaries when no others remain.
 struct Way {
   double nodes = 0, secondaries = 0, last = 0;
 };
 
-/// Of rays as the tree's boxes let expect.
+/// For rays: expected values from the tree's boxes.
 Way way_of_rays(const Hierarchy& tree) {
   const Hierarchy::Visits visits = tree.expected_visits();
   return {visits.nodes, visits.secondaries, kClocksALevel * tree.depth()};
 }
 
-/// Of solids as some of the first frame's take it.
+/// For solids: from sampled solids of the first frame.
 Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, const Hierarchy& tree,
                   bool ahead) {
   player::Row met(scene, plan.card_moves, player::Table::kAll),
@@ -152,8 +152,8 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, con
   return way;
 }
 
-/// Clocks of a frame of packets: what is read and tested by as many as there are, and the way of
-/// the last ones. A tree over triangles stays as it was in the first frame.
+/// Cycles per frame: visits of all primaries, plus the last primaries of each packet. A BVH over
+/// triangles keeps the structure of the first frame.
 std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, const Scene& scene,
                      const Hierarchy& tree) {
   const std::uint64_t primaries = w.primaries - w.masked;
@@ -166,8 +166,8 @@ std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, 
       std::ceil(each * static_cast<double>(primaries) + way.last * static_cast<double>(w.packets)));
 }
 
-/// Clocks of boxes anew in a frame: of triangles one each that moves, and 1.2 a node above it; a
-/// tree over others goes over the bus.
+/// Cycles per frame to refit the BVH. Over triangles: one per moving triangle and 1.2 per node
+/// above it. Any other BVH is written over the bus.
 std::uint64_t refit_clocks(const QueryWork& w, const Scene& scene, const Plan& plan,
                            const Hierarchy& tree) {
   std::uint64_t moving = 0;
@@ -225,19 +225,19 @@ Choice choose(const Scene& scene, Plan& plan) {
   std::string why;
   const auto tree = tree_of(scene, plan, why);
   if (!tree) return none("there is no tree: " + why);
-  // Room for what other poses make of it is not needed: a tree stays as it is.
+  // A BVH keeps its structure, so other poses need no extra room.
   choice.nodes = tree_choice::node_memory(*tree, work.secondaries);
   if (const auto reason = against(scene, plan.board, choice.nodes)) return none(*reason);
 
   const std::uint64_t refit = refit_clocks(work, scene, plan, *tree);
   std::uint64_t rows = 0, through = refit;
-  std::string least;  // of the first query that a sweep is sooner for
+  std::string least;  // cost of the first query for which brute force is faster
   for (std::size_t q = 0; q < scene.queries.size(); ++q) {
     if (!choice.queries[q]) continue;
     plan.queries[q].hierarchy_clocks =
         clocks(scene.queries[q], plan.queries[q], plan, scene, *tree);
     if (!traverses(*plan.queries[q].hierarchy_clocks, plan.queries[q].rows)) {
-      choice.queries[q] = false;  // by itself a sweep is sooner
+      choice.queries[q] = false;  // this query alone is faster with brute force
       least = least.empty() ? fmt::format("about {} clocks a frame; sweeps of {} lanes take {}",
                                           *plan.queries[q].hierarchy_clocks, plan.board.lanes,
                                           plan.queries[q].rows)

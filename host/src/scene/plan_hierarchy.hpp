@@ -5,19 +5,18 @@
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
 
-/// Whether rays and solids of a scene go through a hierarchy of its triangles. Private to the
-/// planner.
+/// Whether queries of a scene traverse a BVH of their secondaries. Private to the planner.
 namespace cde::plan_hierarchy {
 
 struct Choice {
-  std::vector<bool> queries;  ///< which of them
-  unsigned nodes = 0;         ///< words of node memory that the card needs; 0: none do
+  std::vector<bool> queries;  ///< by query: whether it traverses
+  unsigned nodes = 0;         ///< words of node memory that the card needs; 0 without a BVH
   Effect effect;
 };
 
-/// For the card as it is planned so far, with who moves secondaries (Plan::card_moves). Sets
-/// QueryWork::hierarchy_clocks of the queries that could. Error kUsage if the scene asks for one,
-/// and no query can have it.
+/// Decides for the card as planned so far, including which secondaries the card moves
+/// (Plan::card_moves). Sets QueryWork::hierarchy_clocks of the queries that could traverse. Error
+/// kUsage if the scene asks for a BVH and no query can use one.
 [[nodiscard]] Choice choose(const Scene& scene, Plan& plan);
 
 }  // namespace cde::plan_hierarchy

@@ -13,12 +13,12 @@
 namespace cde::plan_mover {
 namespace {
 
-constexpr unsigned kMostEntries = 2048;  // that an object table can have
+constexpr unsigned kMostEntries = 2048;  // limit of an object table
 
 using Group = std::vector<std::size_t>;  // numbers of objects
 using Side = Group SceneQuery::*;
 
-/// Every object that is on this side of some query, ascending.
+/// All objects on this side of some query, ascending.
 Group used(const Scene& scene, Side side) {
   Group all;
   for (const SceneQuery& q : scene.queries)
@@ -39,12 +39,13 @@ std::uint64_t slot_words(const SceneObject& object) {
   return words(shape_of(object.shapes));
 }
 
-/// Entries of an object table: one, or one a shape where every shape moves on its own.
+/// Entries of an object table: one, or one per shape if every shape moves on its own.
 std::uint64_t entries(const SceneObject& object) {
   return has_member_poses(object) ? size(object.shapes) : 1;
 }
 
-/// Of a query that sweeps these: those that the card does not move have an entry too.
+/// Entries of a query with these secondaries. Objects that the card does not move have one entry
+/// each.
 std::uint64_t entries(const Scene& scene, const Group& objects, const std::vector<bool>& by_card) {
   std::uint64_t sum = 0;
   for (const std::size_t i : objects) sum += by_card[i] ? entries(scene.objects[i]) : 1;
@@ -56,8 +57,8 @@ std::string objects(std::uint64_t n) {
 }
 
 struct Sums {
-  std::uint64_t host = 0, card = 0, chosen = 0;  ///< words a frame of objects that move
-  std::uint64_t entries = 0;                     ///< of all that move
+  std::uint64_t host = 0, card = 0, chosen = 0;  ///< words per frame for the moving objects
+  std::uint64_t entries = 0;                     ///< of all moving objects
 };
 
 Sums sums_of(const Scene& scene, const Group& moving, const std::vector<bool>& by_card) {
@@ -72,8 +73,8 @@ Sums sums_of(const Scene& scene, const Group& moving, const std::vector<bool>& b
   return sums;
 }
 
-/// Whether a query keeps a record a primary and leaves out pairs: its passes sweep what lies
-/// before, among and behind the packet's own shapes, which objects of the card do not allow.
+/// Whether a query keeps one record per primary and leaves out pairs. Its passes then test ranges
+/// of secondaries around the packet's own shapes, which card objects do not allow.
 bool sweeps_ranges(const Scene& scene) {
   return std::any_of(scene.queries.begin(), scene.queries.end(), [&](const SceneQuery& q) {
     return q.mode != Mode::kAll && q.mode != Mode::kHits && SelfPairs(scene, q).any();
@@ -134,7 +135,7 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
   movers.effects.push_back(e);
 }
 
-/// Why primaries do not stay in the register file from frame to frame; empty if they do.
+/// Why primaries do not stay in the register file between frames; empty if they do.
 std::string against_staying(const Scene& scene) {
   const Group& all = scene.queries.front().primaries;
   std::uint64_t count = 0;
@@ -147,7 +148,7 @@ std::string against_staying(const Scene& scene) {
   return "";
 }
 
-/// The same of moving them on the card, which is 12 words each of `objects`.
+/// Why the card does not move primaries, at 12 words for each of `objects`; empty if it does.
 std::string against_moving(const Scene& scene, std::uint64_t objects, std::uint64_t load) {
   const unsigned most = BoardConfig{}.primary_objects;
   if (objects == 0) return "no primary moves as a rigid body";

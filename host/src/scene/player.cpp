@@ -31,7 +31,7 @@ std::string words_of(const Shapes& shapes, std::size_t i) {
   return words;
 }
 
-/// A command that asks a pair of the same pipe alone.
+/// A command that tests one pair on the same pipe.
 std::string question(const SceneQuery& query, const BoardConfig& card, const std::string& primary,
                      const std::string& secondary) {
   std::string options = fmt::format("cde query {}", name(query.pair));
@@ -48,7 +48,7 @@ std::string question(const SceneQuery& query, const BoardConfig& card, const std
                      query.swap ? primary : secondary, options);
 }
 
-/// Some of the shapes.
+/// The shapes with these numbers.
 Shapes picked(const Shapes& shapes, const std::vector<std::uint32_t>& numbers) {
   return std::visit(
       [&](const auto& list) -> Shapes {
@@ -59,14 +59,14 @@ Shapes picked(const Shapes& shapes, const std::vector<std::uint32_t>& numbers) {
       shapes);
 }
 
-/// Which pairs count; empty if all do.
+/// A predicate for the pairs that count; empty if all count.
 std::function<bool(std::uint32_t, std::uint32_t)> counting(const SelfPairs& self) {
   if (!self.any()) return nullptr;
   return [&self](std::uint32_t p, std::uint32_t s) { return self.counts(p, s); };
 }
 
-/// Compares the records of one packet with the reference as they arrive. Records of primaries
-/// outside the sample are not compared.
+/// Compares the records of one packet with the reference as they arrive. Only records of sampled
+/// primaries are compared.
 class PassCheck {
  public:
   PassCheck(const SceneQuery& query, const BoardConfig& card, const Board& board,
@@ -134,7 +134,7 @@ class PassCheck {
   reference::RecordCheck check_;
 };
 
-/// One record a primary, chosen among the records of several passes.
+/// Chooses one record per primary from the records of several passes.
 class Chosen {
  public:
   Chosen(const SceneQuery& query, FpFormat format, const Shapes& primaries,
@@ -147,7 +147,7 @@ class Chosen {
         },
         primaries);
   }
-  /// Records in ascending order of secondaries.
+  /// Takes a record. Records come in ascending order of secondaries.
   void take(const Record& record) {
     const auto best =
         std::lower_bound(best_.begin(), best_.end(), record.primary,
@@ -243,14 +243,14 @@ class Player::Impl {
     return result;
   }
 
-  /// What one packet is about.
+  /// The work of one packet.
   struct Packet {
     std::uint32_t frame;
     std::size_t query, number;
     const SelfPairs& self;
     const std::function<void(double)>& progress;
     const Sink& sink;
-    std::size_t active = 0;  // primaries that are not masked
+    std::size_t active = 0;  // number of primaries that are not masked
   };
 
   void run_packet(Packet packet, QueryFrame& result) {
@@ -273,7 +273,8 @@ class Player::Impl {
     }
     if (active.empty()) return;  // no work for the card
     packet.active = active.size();
-    const bool streams = through(packet, query);  // on their way, so nothing is loaded
+    const bool streams =
+        through(packet, query);  // they are written during the pass, so nothing is loaded
     if (through_[packet.query] && !streams)
       result.swept_as = secondaries_.no_tree().value_or(*board_.no_way_through(query));
     std::optional<PassCheck> check;
@@ -333,8 +334,8 @@ class Player::Impl {
     return through_[packet.query] && !board_.no_way_through(query);
   }
 
-  /// One pass of the packet, which is loaded unless it goes through a hierarchy; `take` gets the
-  /// records of pairs that count.
+  /// One pass of the packet, loaded before unless it traverses. `take` gets the records of pairs
+  /// that count.
   void pass(const Packet& packet, Query query, const SelfPairs::Sweep& sweep,
             const RecordSink& take, QueryFrame& result) {
     const bool streams = through(packet, query);
@@ -362,7 +363,8 @@ class Player::Impl {
       renumbered.clear();
       for (Record r : records) {
         r.primary += first;
-        // A bad secondary's number is not in its record, but all records are there, in order.
+        // A bad secondary's number is not in its record. But all records arrive in order, so it can
+        // be counted.
         const std::uint64_t secondary =
             query.mode == Mode::kAll ? sweep.first + seen++ / packet.active : r.index;
         if (pairwise && !packet.self.counts(r.primary, static_cast<std::uint32_t>(secondary)))
@@ -374,7 +376,7 @@ class Player::Impl {
     };
     Counters c = streams ? stream(packet, query, receive) : board_.run(query, receive);
     result.pass_seconds += seconds_since(start) - host;
-    // The board counts its last load in every pass, and the records that it wrote.
+    // The board counts its last load in every pass, and also the records that it wrote.
     c.total_clocks -= c.upload_clocks;
     c.upload_clocks = 0;
     c.records = 0;
@@ -383,7 +385,7 @@ class Player::Impl {
     result.download_clocks += c.total_clocks - std::min(c.total_clocks, c.cycles + c.writeback);
   }
 
-  /// Through the hierarchy.
+  /// Runs the pass through the BVH.
   Counters stream(const Packet& packet, const Query& query, const RecordSink& receive) {
     return std::visit(
         [&](const auto& list) {
@@ -396,7 +398,7 @@ class Player::Impl {
         primaries_.placed());
   }
 
-  /// The primaries whose records are compared, ascending.
+  /// The sampled primaries, whose records are compared, ascending.
   [[nodiscard]] std::vector<std::uint32_t> sampled(std::vector<std::uint32_t> active,
                                                    std::uint32_t frame) const {
     if (options_.check != Check::kSample || active.size() <= kSampledPrimaries) return active;
@@ -413,7 +415,7 @@ class Player::Impl {
   PlayOptions options_;
   BoardConfig card_;
   Board board_;
-  std::vector<bool> through_;  ///< queries whose rays go through a hierarchy
+  std::vector<bool> through_;  ///< by query: whether its primaries traverse the BVH
   player::Secondaries secondaries_;
   player::Primaries primaries_;
   player::Faults faults_;

@@ -6,7 +6,7 @@
 #include "cde/card/board.hpp"
 #include "cde/card/fault.hpp"
 
-/// Faults at their time. Private to the player.
+/// Applies faults at their time. Private to the player.
 namespace cde::player {
 
 class Faults {
@@ -14,9 +14,10 @@ class Faults {
   Faults(Board& board, std::vector<ScheduledFault> all)
       : board_(&board), all_(std::move(all)), done_(all_.size(), false) {}
 
-  /// Those on the bus, at the start of a frame.
+  /// Starts the bus faults of a frame.
   void start(std::uint32_t frame);
-  /// Those in DDR, of which passes read this many words. Error kUsage if that is too few.
+  /// Flips the DDR bits of a frame, whose passes read this many words. Error kUsage if that is too
+  /// few.
   void flip(std::uint32_t frame, std::uint64_t words);
 
   [[nodiscard]] const std::vector<bool>& done() const { return done_; }

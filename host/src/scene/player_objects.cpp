@@ -18,13 +18,13 @@ bool same_bits(const Transform& a, const Transform& b) {
   return std::bit_cast<Bits>(to_words(a)) == std::bit_cast<Bits>(to_words(b));
 }
 
-/// No shapes, of the same kind.
+/// An empty list of the same shape.
 Shapes cleared(const Shapes& shapes) {
   return std::visit([](const auto& list) -> Shapes { return std::decay_t<decltype(list)>(); },
                     shapes);
 }
 
-/// Shapes of `range` from one list into the other, `base` further on, rounded to a format.
+/// Copies the shapes of `range` into another list, moved up by `base` and rounded to a format.
 void copy(const Shapes& from, const Range& range, Shapes& to, std::size_t base,
           FpFormat format = {}) {
   std::visit(
@@ -69,7 +69,7 @@ ObjectState& Row::state(std::size_t number) {
       .first->second;
 }
 
-/// What changed of an object into the row, where the object begins at `base`.
+/// Writes the changes of an object into the row, from place `base` on.
 void Row::write(const ObjectState& object, std::size_t base, Change& change) {
   std::vector<Range> changed = object.changed();
   if (change.all) changed = {{0, size(object.shapes())}};
@@ -89,7 +89,7 @@ void Row::enter(const ObjectState& object, std::size_t base, std::vector<Object>
                        rounded(transforms[k], scene_->card.format)});
 }
 
-/// What the card makes of the shapes of an entry.
+/// Computes the placed shapes of an entry, as the card does.
 void Row::place(const Object& entry) {
   std::visit(
       [&](const auto& written) {
@@ -155,7 +155,7 @@ void Secondaries::show(const std::vector<std::size_t>& objects, std::uint32_t fr
     write(change);
     if (has_tree_) fit_tree(change, objects);
   } catch (...) {
-    row_.forget();  // who knows what the card has now
+    row_.forget();  // the card's state is now unknown
     throw;
   }
 }
@@ -173,9 +173,9 @@ void Secondaries::write(const Row::Change& change) {
   for (const std::size_t k : change.entries) board_->move_object(k, row_.entries()[k].transform);
 }
 
-/// A tree over triangles is that of the first frame, whichever is shown first, and where something
-/// moves its boxes are the card's; one over solids is built for each frame. So what a frame reads
-/// does not depend on the frames before it.
+/// A BVH over triangles is built for the first frame, whichever frame is shown first. If something
+/// moves, the card refits its boxes. A BVH over solids is built for each frame. So the reads of a
+/// frame do not depend on earlier frames.
 void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::size_t>& objects) {
   if (!change.all && change.shapes.empty() && change.entries.empty()) return;
   no_tree_.reset();
@@ -196,7 +196,7 @@ void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::siz
       board_->refit();
     }
   } catch (const Error& e) {
-    // Secondaries beyond what boxes hold: they are swept.
+    // Some secondaries exceed the range of boxes: brute force.
     if (e.code() != ErrorCode::kBadInput) throw;
     no_tree_ = e.what();
   }
@@ -230,7 +230,7 @@ void Primaries::show(const std::vector<std::size_t>& objects, std::uint32_t fram
 
 void Primaries::load(std::size_t first, std::size_t count) {
   const bool there = loaded_ && loaded_->first == first && loaded_->count == count;
-  loaded_.reset();  // until it is done
+  loaded_.reset();  // until the load is complete
   if (!there) {
     std::visit(
         [&](const auto& list) {

@@ -10,23 +10,22 @@
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
 
-/// How objects get onto the card, and how they move there. Private to the player.
+/// Brings objects onto the card and moves them there. Private to the player.
 namespace cde::player {
 
-/// An object of the scene in one frame: its shapes as they are written to the card, in its own
-/// frame if the card moves it and posed by the host otherwise, and the transforms that are left to
-/// the card.
+/// An object of the scene in one frame. If the card moves it, its shapes are in its own frame and
+/// have transforms for the card. Otherwise the host has posed them.
 class ObjectState {
  public:
   ObjectState(const Scene& scene, const SceneObject& object, bool by_card);
 
-  /// Other frames may come in any order; the same one again changes nothing.
+  /// Frames may come in any order. The same frame again changes nothing.
   void show(std::uint32_t frame);
 
   [[nodiscard]] const Shapes& shapes() const { return shapes_; }
-  /// Shapes that the last show() changed, ascending.
+  /// The shapes that the last show() changed, ascending.
   [[nodiscard]] const std::vector<Range>& changed() const { return changed_; }
-  /// One for all shapes, or one each.
+  /// One transform for all shapes, or one per shape.
   [[nodiscard]] const std::vector<Transform>& transforms() const { return transforms_; }
   [[nodiscard]] bool by_card() const { return by_card_; }
 
@@ -41,33 +40,32 @@ class ObjectState {
   std::optional<std::uint32_t> frame_;
 };
 
-/// What an object table has to hold.
+/// What an object table must hold.
 enum class Table {
-  kMoved,  ///< objects that the card moves; other shapes stay as they are
-  kAll,    ///< every object if the card moves any of them
+  kMoved,  ///< only objects that the card moves
+  kAll,    ///< every object, if the card moves any
 };
 
-/// Objects one after the other, on one side of the card: what lies there, and the object table that
-/// moves it.
+/// The objects on one side of the card, one after the other, and the object table that moves them.
 class Row {
  public:
   Row(const Scene& scene, const std::vector<bool>& by_card, Table table)
       : scene_(&scene), by_card_(by_card), table_(table) {}
 
-  /// What differs from the frame shown before.
+  /// Differences from the frame shown before.
   struct Change {
-    bool all = false;                  ///< these are other objects
-    std::vector<Range> shapes;         ///< unless all: ascending
-    std::vector<std::size_t> entries;  ///< unless all: that have another transform
+    bool all = false;                  ///< all objects are new
+    std::vector<Range> shapes;         ///< changed shapes, ascending; unused if `all`
+    std::vector<std::size_t> entries;  ///< entries with a changed transform; unused if `all`
   };
   [[nodiscard]] Change show(const std::vector<std::size_t>& objects, std::uint32_t frame);
-  /// The next frame counts as one of other objects.
+  /// Makes the next show() report all objects as new.
   void forget() { objects_.clear(); }
 
-  /// As written: in numbers of the card's format.
+  /// The shapes as written, in the card's number format.
   [[nodiscard]] const Shapes& shapes() const { return shapes_; }
   [[nodiscard]] const std::vector<Object>& entries() const { return entries_; }
-  /// As a pass meets them.
+  /// The shapes as a pass tests them.
   [[nodiscard]] const Shapes& placed() const { return entries_.empty() ? shapes_ : placed_; }
 
  private:
@@ -85,24 +83,24 @@ class Row {
   std::vector<Object> entries_;
 };
 
-/// Over triangles that passes meet, with the objects that the card moves as its parts, or over
-/// solids. Error kUsage for other shapes, beside those of Hierarchy::build.
+/// Builds a BVH over triangles, whose parts are the objects that the card moves, or over solids.
+/// Error kUsage for other shapes, and the errors of Hierarchy::build.
 [[nodiscard]] Hierarchy tree_of(const Row& row);
 
-/// What lies in the card's DDR.
+/// The secondaries in the card's DDR.
 class Secondaries {
  public:
   Secondaries(Board& board, const Scene& scene, const Plan& plan);
 
-  /// The passes that follow meet these objects. Writes what changed since the last call, and makes
-  /// the hierarchy one of it, where the plan has one; where it has a box of none it is not used.
+  /// Makes the following passes test these objects. Writes what changed since the last call. Fits
+  /// the BVH to it if the plan has one. The BVH is unused if a secondary has no box.
   void show(const std::vector<std::size_t>& objects, std::uint32_t frame);
 
-  /// All of them as a pass meets them.
+  /// All secondaries as a pass tests them.
   [[nodiscard]] const Shapes& placed() const { return row_.placed(); }
-  /// Why there is no hierarchy of them as they are now; nothing if none is missing.
+  /// Why these secondaries have no BVH; nothing if they have one or need none.
   [[nodiscard]] const std::optional<std::string>& no_tree() const { return no_tree_; }
-  /// Whether passes sweep objects, and so cannot sweep ranges.
+  /// Whether passes test whole objects, and so cannot test ranges.
   [[nodiscard]] bool moved_by_card() const { return !row_.entries().empty(); }
 
  private:
@@ -116,19 +114,19 @@ class Secondaries {
   Row row_;
 };
 
-/// What lies in the card's register file.
+/// The primaries in the card's register file.
 class Primaries {
  public:
   Primaries(Board& board, const Scene& scene, const Plan& plan);
 
-  /// The passes that follow have these objects. Writes nothing yet.
+  /// Makes the following passes use these objects. Writes nothing yet.
   void show(const std::vector<std::size_t>& objects, std::uint32_t frame);
 
-  /// Loads the shapes [first, first + count) and moves their objects, unless they lie there as they
-  /// are to be.
+  /// Loads the shapes [first, first + count) and moves their objects, unless the register file
+  /// already holds them in this state.
   void load(std::size_t first, std::size_t count);
 
-  /// All of them, packet after packet, as passes meet them.
+  /// All primaries, packet after packet, as passes test them.
   [[nodiscard]] const Shapes& placed() const { return row_.placed(); }
 
  private:
@@ -136,7 +134,7 @@ class Primaries {
   bool has_table_;
   Row row_;
   std::optional<Range> loaded_;
-  std::vector<std::size_t> moved_;  ///< entries that the card does not have yet
+  std::vector<std::size_t> moved_;  ///< entries that are not yet on the card
 };
 
 }  // namespace cde::player

@@ -59,8 +59,8 @@ std::vector<Triangle> deformed(const Mesh& mesh, const Deformation& d, std::vect
   return shapes;
 }
 
-/// Eigen::Quaterniond::FromTwoVectors(UnitZ(), axis), bit for bit unless they are nearly opposite:
-/// its singular value decomposition for that case takes twelve seconds and 500 MB to compile.
+/// Equals Eigen::Quaterniond::FromTwoVectors(UnitZ(), axis), bit for bit unless they are nearly
+/// opposite. Eigen's singular value decomposition for that case takes very long to compile.
 Eigen::Quaterniond from_z(const Eigen::Vector3d& axis) {
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ(), to = axis.normalized();
   const Eigen::Vector3d normal = z.cross(to);
@@ -103,7 +103,7 @@ Shapes posed_each(const Shapes& shapes, Pick pick) {
   return std::visit(
       [&](auto list) -> Shapes {
         for (std::size_t i = 0; i < list.size(); ++i) {
-          // A shape that is left where it is keeps all its bits, signs of zeros too.
+          // An unmoved shape keeps all its bits, including signs of zeros.
           const Transform& t = pick(i);
           if (!is_identity(t)) list[i] = reference::transformed(t, list[i]);
         }
@@ -163,7 +163,7 @@ Shapes local_shapes(const Scene& scene, const SceneObject& object, std::uint32_t
 std::vector<Range> deforming(const SceneObject& object) {
   if (object.rays && object.rays->redraw) return {{0, size(object.shapes)}};
   if (!object.deform) return {};
-  // Ranges nearer than this are cheaper as one than with what starting another costs.
+  // Nearer ranges are cheaper to write as one.
   constexpr std::size_t kGap = 4;
   const Deformation& d = *object.deform;
   std::vector<Range> ranges;

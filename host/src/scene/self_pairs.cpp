@@ -52,10 +52,11 @@ std::uint64_t SelfPairs::left_out() const {
   return shapes + (once_ && shapes != 0 ? shapes * (shapes - 1) / 2 : 0);
 }
 
-/// The first secondary that some primary of the packet needs a record of, in order.
+/// The first secondary for which some primary of the packet needs a record. Records are pairwise.
 std::uint64_t SelfPairs::first_needed(std::uint64_t first, std::uint64_t count) const {
   if (!mask_.empty()) return 0;
-  std::uint64_t covered = first;  // primaries with a twin: the others need all secondaries
+  std::uint64_t covered = first;  // end of the leading primaries that have twins; any other primary
+                                  // needs all secondaries
   for (const Shared& s : shared_)
     if (s.primary <= covered && covered < s.primary + s.count) covered = s.primary + s.count;
   if (covered < first + count) return 0;

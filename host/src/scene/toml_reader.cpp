@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/toml_reader.hpp"
 
-// toml++ asserts of a few bad files what its next lines report as their error; in a build with
-// assertions such a file would end the program.
+// For some bad files toml++ asserts what it then reports as an error. With assertions enabled such
+// a file would end the program.
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #include <fmt/format.h>
 #include <toml++/toml.h>

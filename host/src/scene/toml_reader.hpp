@@ -13,7 +13,7 @@
 #include "cde/scene/scene.hpp"
 #include "cde/support/error.hpp"
 
-// toml++ is included by toml_reader.cpp alone: it takes three seconds and 300 MB to compile.
+// Only toml_reader.cpp includes toml++, which is slow to compile.
 namespace toml {
 inline namespace v3 {
 class node;
@@ -22,21 +22,20 @@ struct source_position;
 }  // namespace v3
 }  // namespace toml
 
-/// A TOML document read key by key, where whatever nobody asked for is an error. Private to the
+/// Reads a TOML document key by key. Keys that no getter asked for are errors. Private to the
 /// library.
 namespace cde::toml_reader {
 
-/// " (did you mean 'x'?)" with the candidate nearest to the word by edit distance; empty if none is
-/// near.
+/// " (did you mean 'x'?)" with the nearest candidate by edit distance; empty if none is near.
 [[nodiscard]] std::string suggestion(std::string_view word,
                                      const std::vector<std::string>& candidates);
 
-/// Where a number must lie.
+/// The allowed range of a number.
 struct Limits {
   double min = -static_cast<double>(std::numeric_limits<float>::max());
   double max = static_cast<double>(std::numeric_limits<float>::max());
   bool above = false;     ///< min itself is not allowed
-  bool infinite = false;  ///< infinities are
+  bool infinite = false;  ///< infinities are allowed
 };
 inline constexpr Limits kPositive{.min = 0, .above = true};
 inline constexpr Limits kNotNegative{.min = 0};
@@ -44,17 +43,17 @@ inline constexpr Limits kNotNegative{.min = 0};
 class Table;
 using Tables = std::vector<Table>;
 
-/// One table of the document. Getters take a key, and fail with file, line, column and path;
-/// finish() fails for the first key that no getter was asked about.
+/// One table of the document. Getters take a key, and their errors name file, line, column and
+/// path. finish() fails for the first key that no getter asked for.
 class Table {
  public:
-  /// `where` says what the table is ("object 'ball'"), for messages.
+  /// `where` describes the table in messages ("object 'ball'").
   Table(const std::string& file, const toml::table& table, std::string where)
       : file_(&file), table_(&table), where_(std::move(where)) {}
 
   [[nodiscard]] bool has(const char* key) const;
 
-  // With a fallback a key may be missing, without one it must be there.
+  // A key with a fallback may be missing; a key without one must exist.
   [[nodiscard]] std::string text(const char* key, std::optional<std::string> fallback = {});
   [[nodiscard]] bool flag(const char* key, bool fallback);
   [[nodiscard]] double number(const char* key, std::optional<double> fallback = {},
@@ -68,20 +67,20 @@ class Table {
   [[nodiscard]] Eigen::Vector3d vector(const char* key,
                                        std::optional<Eigen::Vector3d> fallback = {});
   [[nodiscard]] std::vector<double> numbers(const char* key, std::size_t count);
-  /// At least one of them.
+  /// At least one vector.
   [[nodiscard]] std::vector<Eigen::Vector3d> vectors(const char* key);
-  /// One text or an array of them, at least one.
+  /// One text or an array of at least one text.
   [[nodiscard]] std::vector<std::string> texts(const char* key);
-  /// Numbers, and ranges as "3..7": ascending, with gaps between; empty without the key.
+  /// Numbers, and ranges such as "3..7", ascending with gaps between; empty without the key.
   [[nodiscard]] std::vector<Range> number_ranges(const char* key, std::int64_t max);
-  /// Number of the word among those allowed.
+  /// The position of the word in the list of allowed words.
   [[nodiscard]] std::size_t choice(const char* key, const std::vector<std::string>& words,
                                    std::optional<std::size_t> fallback = {});
   [[nodiscard]] std::optional<Table> table(const char* key);
-  /// One table or an array of them, at least one; none without the key.
+  /// One table or an array of at least one; empty without the key.
   [[nodiscard]] Tables tables(const char* key);
 
-  /// Of several keys exactly one is there: which.
+  /// Exactly one of these keys must exist: returns its name.
   [[nodiscard]] std::string one_of(const std::vector<std::string>& keys);
 
   void finish() const;
@@ -91,14 +90,14 @@ class Table {
     fail(ErrorCode::kBadInput, key, why);
   }
   [[noreturn]] void fail(const std::string& why) const { fail(ErrorCode::kBadInput, "", why); }
-  /// The same table under another name in messages.
+  /// The same table with another name in messages.
   [[nodiscard]] Table named(std::string where) const {
     Table t = *this;
     t.where_ = std::move(where);
     return t;
   }
   [[nodiscard]] std::string place() const;  ///< "file:line:column"
-  /// A note for the message if a key turns out to be unknown after all.
+  /// Keys for the suggestion in the message about an unknown key.
   void also_known(const std::vector<std::string>& keys);
 
  private:
@@ -119,7 +118,7 @@ class Table {
   std::vector<std::string> known_;
 };
 
-/// Throws kFile with the place if the text is not TOML.
+/// Error kFile with the place if the text is not TOML.
 [[nodiscard]] std::shared_ptr<const toml::table> parse(std::string_view text,
                                                        const std::string& file);
 

@@ -9,14 +9,14 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/hierarchy/hierarchy.hpp"
 
-/// The choice between brute force and a BVH, for scenes and for casts. Private to the planners.
+/// Chooses between brute force and a BVH, for scenes and for casts. Private to the planners.
 namespace cde::tree_choice {
 
 constexpr unsigned kNodeUnits = 2;
-/// Lanes of a card all of whose primaries traverse: more would stand idle.
+/// Lanes of a card whose queries all traverse: more would be idle.
 constexpr unsigned kLanes = 4;
 
-/// What primaries take each way, in one unit.
+/// Cost of both methods, in the same unit.
 struct Cost {
   double traversal, brute_force;
 };
@@ -26,19 +26,19 @@ constexpr std::uint64_t fewest(Shape leaf) {
   return leaf == Shape::kTriangle ? 2048 : 256;
 }
 
-/// Whether primaries traverse a tree over so many secondaries: where it is asked for, or where it
-/// can win and, once the cost is known, does.
+/// Whether primaries traverse a BVH over so many secondaries: if it is asked for, or if it can win.
+/// Once the cost is known, the BVH must be cheaper.
 inline bool traverses(bool asked, Shape leaf, std::uint64_t secondaries,
                       const std::optional<Cost>& cost = {}) {
   return asked || (secondaries >= fewest(leaf) && (!cost || cost->traversal < cost->brute_force));
 }
 
-/// Cycles that one primary takes of the traversal units, which also test the secondaries.
+/// Cycles of the traversal units per primary. They also test the secondaries.
 inline double cycles(double nodes, double secondaries) {
   return std::max(nodes / kNodeUnits, secondaries);
 }
 
-/// Words of node memory for a tree over so many secondaries.
+/// Words of node memory for a BVH over so many secondaries.
 inline unsigned node_memory(const Hierarchy& tree, std::uint64_t secondaries) {
   return static_cast<unsigned>(
       std::max<std::uint64_t>({BoardConfig{}.nodes, std::bit_ceil(tree.nodes().size()),
