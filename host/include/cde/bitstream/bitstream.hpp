@@ -13,113 +13,115 @@
 
 namespace cde {
 
-/// Arithmetic of the simulated card; results and clocks are the same bit for bit.
+/// Arithmetic of the simulated card. Results and cycles are identical.
 enum class Arithmetic {
-  kHost,  ///< the host's FPU called from the pipeline: fast to simulate
+  kHost,  ///< the host's FPU, called from the pipeline: fast to simulate
   kRtl,   ///< the gates of rtl/fp
 };
 
-/// Error kUsage if it is neither.
+/// Error kUsage if the value is not one of these.
 void check(Arithmetic arithmetic);
 
 /// Error kUsage, with the reason, if no card has the format.
 void check_card_format(FpFormat format);
 
-/// Error kUsage, with the rule, if lanes of `narrow` cannot stand before one of `wide`
-/// (BoardConfig::verdicts): they have no more exponent bits and fewer fraction bits.
+/// Error kUsage, with the rule, if a certified filter in `narrow` cannot precede lanes of `wide`
+/// (`BoardConfig::verdicts`). Its format must have no more exponent bits and fewer fraction bits.
 void check_narrow_format(FpFormat narrow, FpFormat wide);
 
-/// What the card's transformer moves before a pass meets it.
+/// Objects that the card's transformer moves before a pass tests them.
 enum class Transformer : unsigned { kNone, kSecondaries, kBoth };
 
 /// One elaborated configuration of rtl/board.sv, or of rtl/card.sv around it.
 struct BoardConfig {
-  unsigned lanes = 16;  ///< pairs a clock: a power of two, 1 to 256
+  unsigned lanes = 16;  ///< pairs per cycle: a power of two, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;
   FpFormat format = {};  ///< of all numbers on the card: fp16, bf16, tf32, fp24 or fp32
-                         ///< (is_card_format). The driver takes and gives floats all the same
+                         ///< (is_card_format). The driver takes and returns floats
   std::vector<Pair> pairs = {Pair::kRayTriangle};  ///< the pipes of the card, at least one
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
-  bool box = false;             ///< of ray-triangle: a hit must lie in the triangle's box
-                                ///< (reference/pipes/ray_box.hpp); of the other pairs that
-                                ///< has_box_rule() says: a gap is at least that of the boxes
-                                ///< (reference/pipes/gap_bound.hpp)
-  bool swap = false;            ///< passes can exchange the roles of primary and secondary
-  bool normals = false;         ///< passes can give normals
-  bool parallel = false;        ///< a pass can use two pipes at a time (Query::second)
-  unsigned facet_interval = 1;  ///< clocks from row to row of pairs with facets, 1 or 3: with 3 the
-                                ///< gates of three facets are one unit's (has_facets)
+  bool box = false;   ///< box rule. Ray-triangle: a hit must lie in the triangle's box
+                      ///< (reference/pipes/ray_box.hpp). Other pairs of has_box_rule(): the signed
+                      ///< distance is at least that of the boxes (reference/pipes/gap_bound.hpp).
+  bool swap = false;  ///< passes can exchange the roles of primary and secondary
+  bool normals = false;         ///< passes can return normals
+  bool parallel = false;        ///< a pass can use two pipes at once (Query::second)
+  unsigned facet_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
+                                ///< tests three candidate axes in turn (has_facets)
   std::optional<FpFormat> verdicts =
-      std::nullopt;         ///< narrow lanes prove misses of pairs of solids
-                            ///< (has_verdicts) in modes any and hits, and one lane of
-                            ///< `format` tests what they leave open: the same records
-  unsigned node_units = 0;  ///< of a hierarchy: 0 (none), 1, 2 or 4; of fp32 cards with a pair
-                            ///< that has a way through one (way_through())
-  unsigned nodes = 65'536;  ///< that its memory holds, a power of two, up to 2^22; and eight slots
-                            ///< of leaves each
+      std::nullopt;  ///< certified filter: narrow lanes prove misses of pairs of solids
+                     ///< (`has_verdicts`) in modes any and hits. One lane of `format` tests the
+                     ///< uncertain pairs. Records are the same
+  unsigned node_units = 0;  ///< BVH traversal units: 0 (none), 1, 2 or 4. Only fp32 cards with a
+                            ///< pair that can traverse a BVH (way_through())
+  unsigned nodes = 65'536;  ///< nodes in its memory, a power of two up to 2^22; with eight slots of
+                            ///< leaves per node
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
-  unsigned objects = 1024;                     ///< that the card's table holds, 2 to 2,048
-  unsigned primary_objects = 64;               ///< likewise
-  unsigned latency_add = 1;                    ///< clocks of an operator, at least 1
+  unsigned objects = 1024;                     ///< size of the card's object table, 2 to 2,048
+  unsigned primary_objects = 64;               ///< the same for primaries
+  unsigned latency_add = 1;                    ///< cycles of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
   unsigned latency_sqrt = 1;
   unsigned latency_compare = 1;
   unsigned ddr_slots =
-      55'555'555;  ///< DDR in triangles (36 bytes); the default is two 1 GB modules
-  unsigned sram_records = 524'288;  ///< ring of records, a power of two; seven 2 MB chips
-  Bus bus = Bus::kFunctional;       ///< kCycle: the card with its PCI bridge
-  bool ecc = false;  ///< check bits in DDR: one wrong bit of a word is corrected, more are an error
-  bool trace = false;  ///< waves can be written (and everything runs slower)
+      55'555'555;  ///< DDR size in triangles (36 bytes each); the default is two 1 GB modules
+  unsigned sram_records = 524'288;  ///< record ring, a power of two; seven 2 MB chips
+  Bus bus = Bus::kFunctional;       ///< kCycle: the card with its PCI bridge.
+  bool ecc = false;  ///< check bits in DDR: one wrong bit per word is corrected, more are an error.
+  bool trace = false;  ///< waves can be written; the simulation is slower
 
-  /// Whether the card has the box rule of a pair: not where narrow lanes prove misses.
+  /// Whether the card has the box rule for a pair. It does not for pairs of the certified filter.
   [[nodiscard]] bool box_rule(Pair pair) const;
-  /// Which primaries go through a hierarchy over what, with node units; nothing where they sweep.
+  /// Shapes with which a pair traverses a BVH on this card; nothing if it has brute-force passes
+  /// only.
   [[nodiscard]] std::optional<WayThrough> way_through(Pair pair, bool swap) const;
-  /// NAME=VALUE for the builder, without what the RTL has as default. Error kUsage if a value is
-  /// out of range, naming it.
+  /// NAME=VALUE for the builder, without values that are the RTL's defaults. Error kUsage, naming
+  /// it, if a value is out of range.
   [[nodiscard]] std::vector<std::string> parameters() const;
-  /// The configuration that these parameters make; nothing if a parameter is unknown, given twice
-  /// or out of range.
+  /// The configuration with these parameters. Nothing if a parameter is unknown, given twice or out
+  /// of range.
   [[nodiscard]] static std::optional<BoardConfig> of(const std::vector<std::string>& parameters);
   /// Top module: "board", or "card" with its PCI bridge.
   [[nodiscard]] const char* top() const { return bus == Bus::kCycle ? "card" : "board"; }
 };
 
-/// A loaded bitstream: one elaborated configuration as a shared library. Copies share the library.
+/// A loaded simulation model: one elaborated configuration as a shared library. Copies share the
+/// library.
 ///
-/// Bitstreams are called <cache key>.so, the key covering parameters, RTL, harness, tools and CPU;
-/// <cache key>.so.sha256 beside it has its checksum. They are searched for in $CDE_BITSTREAMS, in
-/// the folder of the installation, or of the build where the program is not an installed one, and
-/// in the user's cache ($CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else, or if that
-/// cannot be written, /tmp/cde-UID). One that is nowhere, or whose file is damaged, is built into
-/// the cache by the script `verilator/bitstream` (of $CDE_SHARE, else of the installation or source
-/// tree): see usual_build_seconds(), with progress on stderr. Processes that want the same one wait
-/// for each other. While one is built, SIGINT, SIGTERM and SIGHUP end the build before they do what
-/// else they would (which is their handler's or the end of the process; error kInterrupted where
-/// the process goes on).
+/// Models are named <cache key>.so. The key covers parameters, RTL, harness, tools and CPU. Beside
+/// it <cache key>.so.sha256 has its checksum. They are first searched for in $CDE_BITSTREAMS. Next
+/// is the folder of the installation, or of the build if the program is not installed. Last is the
+/// user's cache: $CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else (also if that cannot
+/// be written) /tmp/cde-UID
 ///
-/// Folders and files that are loaded belong to the user or to root and can be written by nobody
-/// else; others are passed over with a message on stderr that names them, or, of the cache itself,
-/// error kFile.
+/// A missing or damaged model is built into the cache by the script `verilator/bitstream` of
+/// $CDE_SHARE, else of the installation or source tree. Function usual_build_seconds() estimates
+/// the time; progress goes to stderr. Processes that need the same model wait for each other.
+/// During a build, SIGINT, SIGTERM and SIGHUP first end the build. Then they take their usual
+/// effect: a handler, or the end of the process. Error kInterrupted if the process continues.
+///
+/// Loaded folders and files must belong to the user or to root, and no other user may write them.
+/// Others are skipped with a message on stderr that names them; for the cache itself it is error
+/// kFile.
 class Bitstream {
  public:
-  /// `kind` is a top module, e.g. "board". Errors: kBuild with the builder's last lines (or what is
-  /// missing); kUsage if the builder refuses a parameter.
+  /// `kind` is a top module, e.g. "board". Error kBuild with the builder's last lines, or with what
+  /// is missing. Error kUsage if the builder refuses a parameter.
   [[nodiscard]] static Bitstream open(const std::string& kind,
                                       const std::vector<std::string>& parameters);
 
-  /// A file, of which nothing is assumed but that it is a shared library; its configuration hash is
-  /// taken as `config_hash`. Errors: kConfiguration if it cannot be loaded, or is not what the
-  /// checksum beside it says; kFile if it, or its folder, can be written by somebody else.
+  /// Loads a file that may be any shared library. Its configuration hash is taken as `config_hash`.
+  /// Error kConfiguration if it cannot be loaded, or differs from the checksum beside it. Error
+  /// kFile if another user can write it or its folder.
   [[nodiscard]] static Bitstream load(const std::filesystem::path& file, std::uint64_t config_hash);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// What the configuration asked for hashes to; the card must show the same.
+  /// Hash of the requested configuration; the card must show the same.
   [[nodiscard]] std::uint64_t config_hash() const { return config_hash_; }
 
-  /// Address of an exported function. Error kConfiguration if there is none of that name.
+  /// Address of an exported function. Error kConfiguration if it is missing.
   [[nodiscard]] void* symbol(const char* name) const;
 
  private:
@@ -131,38 +133,37 @@ class Bitstream {
   std::uint64_t config_hash_ = 0;
 };
 
-/// Seconds that a build of a bitstream with such parameters takes on two cores, roughly.
+/// Rough number of seconds to build a simulation model with these parameters on two cores.
 [[nodiscard]] double usual_build_seconds(const std::vector<std::string>& parameters);
 
-/// Whether a bitstream that is built says so on stderr, with its phases. It does unless told
-/// otherwise.
+/// Whether builds report themselves and their phases on stderr. The default is true.
 void tell_builds(bool tell);
 
-/// Where the file of a configuration is, building it if need be; Bitstream::open without the
-/// loading.
+/// File of a configuration, built if necessary: Bitstream::open without loading.
 [[nodiscard]] std::filesystem::path bitstream_path(const std::string& kind,
                                                    const std::vector<std::string>& parameters);
 
-/// The file of a configuration as it is: where it lies, or where it would be built.
+/// Where the file of a configuration is, or would be built.
 struct BitstreamFile {
   std::filesystem::path path;
   bool built = false;
 };
-/// Builds nothing. Error kBuild as above.
+/// Builds nothing. Error kBuild as for Bitstream::open.
 [[nodiscard]] BitstreamFile bitstream_file(const std::string& kind,
                                            const std::vector<std::string>& parameters);
 
-/// Parameters of the bitstreams of a kind that lie in the folders that are asked, as the comments
-/// beside them say; sorted, each once. Nothing is known of the files but that: bitstream_file says
-/// whether the one of a configuration is there and whole, under the name that its key gives it.
+/// Parameters of the existing simulation models of a kind, in all searched folders. They come from
+/// the comments beside the files; sorted, without duplicates. Nothing else is checked:
+/// bitstream_file() tells whether a configuration's file exists and is intact under its key.
 [[nodiscard]] std::vector<std::vector<std::string>> kept_bitstreams(const std::string& kind);
 
-/// Hash that the card of a configuration shows. Error kBuild as above.
+/// Hash that the card of a configuration shows. Error kBuild as for Bitstream::open.
 [[nodiscard]] std::uint64_t bitstream_hash(const std::string& kind,
                                            const std::vector<std::string>& parameters);
 
 /// Folders for messages and `cde doctor`.
-[[nodiscard]] std::filesystem::path bitstream_cache();  ///< made, 0700, if it does not exist; kFile
-[[nodiscard]] std::filesystem::path bitstream_builder();  ///< the script; error kBuild if nowhere
+[[nodiscard]] std::filesystem::path
+bitstream_cache();  ///< created with mode 0700 if missing; error kFile
+[[nodiscard]] std::filesystem::path bitstream_builder();  ///< the script; error kBuild if not found
 
 }  // namespace cde

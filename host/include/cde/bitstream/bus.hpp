@@ -7,16 +7,15 @@
 
 namespace cde {
 
-/// How the way between host and card is simulated. Records are the same.
+/// How the connection between host and card is simulated. Records are the same.
 enum class Bus {
-  kFunctional,  ///< transfers are beats on the card's local bus; what they would take on PCI is
-                ///< computed
-  kCycle,       ///< PCI signals clock by clock, and the card's DMA engine (docs/reference/pci.md)
+  kFunctional,  ///< transfers are beats on the card's local bus; their PCI time is computed
+  kCycle,       ///< PCI signals cycle by cycle, and the card's DMA engine (docs/reference/pci.md)
 };
 
-/// What can go wrong between host and card and in its memory, for tests (Board::inject). `count`
-/// transactions of the card get it, unless another unit is named; kUntilReset: all of them until
-/// Board::reset(). Bus::kFunctional has kNoAnswer and kHang only (on_functional_bus).
+/// Faults between host and card and in the card's memory, for tests (Board::inject). They affect
+/// `count` transactions of the card, unless another unit is named below. kUntilReset: all of them
+/// until Board::reset(). Bus::kFunctional supports only kNoAnswer and kHang (on_functional_bus).
 enum class BusFault : std::uint32_t {
   kRetry = 0,            ///< retried
   kSlow = 1,             ///< `value` wait states before every data phase
@@ -25,11 +24,11 @@ enum class BusFault : std::uint32_t {
   kParity = 4,           ///< wrong parity in data phase `value`, from 1
   kTargetAbort = 5,      ///< aborted after `value` data phases
   kMasterAbort = 6,      ///< not answered
-  kLostInterrupt = 7,    ///< `count` interrupts are not seen
-  kGrant = 8,            ///< the grant is taken away `value` clocks after FRAME#
+  kLostInterrupt = 7,    ///< `count` interrupts are lost
+  kGrant = 8,            ///< the grant is removed `value` cycles after FRAME#
   kNoAnswer = 9,         ///< the card does not answer `count` transactions of the host
-  kNoGrant = 10,  ///< the card is not given the bus for `count` PCI clocks in which it asks for it
-  kHang = 11,     ///< DDR gives no data for `count` core clocks, so a pass hangs
+  kNoGrant = 10,  ///< the card gets no grant for `count` PCI cycles in which it requests the bus
+  kHang = 11,     ///< DDR gives no data for `count` core cycles, so a pass hangs
 };
 inline constexpr std::uint32_t kBusFaults = 12;
 inline constexpr std::uint32_t kUntilReset = ~std::uint32_t{0};
@@ -42,21 +41,22 @@ inline constexpr std::uint32_t kUntilReset = ~std::uint32_t{0};
   return fault == BusFault::kNoAnswer || fault == BusFault::kHang;
 }
 
-/// What happened on the way to the card since it was opened.
+/// Traffic between host and card since it was opened.
 struct BusCounters {
   std::uint64_t register_accesses = 0;
   std::uint64_t transfers = 0;      ///< DMA descriptors served
   std::uint64_t bytes_to_card = 0;  ///< by DMA, retries not counted
   std::uint64_t bytes_to_host = 0;
-  std::uint64_t transfer_retries = 0;  ///< descriptors, or their rest, given to the card again
-  std::uint64_t access_retries = 0;    ///< accesses repeated after a parity error or no answer
-  std::uint64_t pass_retries = 0;      ///< passes run again because records were lost on their way
-  std::uint64_t lost_interrupts = 0;   ///< found by polling
-  std::uint64_t pci_clocks = 0;        ///< of modelled time; of them ...
-  std::uint64_t pci_busy = 0;          ///< ... with a transaction on the bus,
-  std::uint64_t pci_data = 0;          ///< ... in which data moved
-  /// Faults of Board::inject that happened, by BusFault (kNoGrant, kHang: clocks);
-  /// Bus::kFunctional counts kNoAnswer only.
+  std::uint64_t transfer_retries =
+      0;                              ///< descriptors, or their remainders, given to the card again
+  std::uint64_t access_retries = 0;   ///< accesses repeated after a parity error or no answer
+  std::uint64_t pass_retries = 0;     ///< passes repeated because records were lost in transfer
+  std::uint64_t lost_interrupts = 0;  ///< detected by polling
+  std::uint64_t pci_clocks = 0;       ///< modelled PCI cycles. Among them:
+  std::uint64_t pci_busy = 0;         ///< cycles with a transaction on the bus
+  std::uint64_t pci_data = 0;         ///< cycles in which data moved.
+  /// Faults of Board::inject that happened, by BusFault (kNoGrant, kHang: in cycles).
+  /// Bus::kFunctional counts only kNoAnswer.
   std::array<std::uint64_t, kBusFaults> faults = {};
 };
 

@@ -7,12 +7,12 @@
 
 namespace cde {
 
-/// What `cde explain` prints: operations by their clock, both answers, where they part first.
-/// `words` name the pipe; at most `most` operations, 0 for all.
+/// The output of `cde explain`: operations by cycle, both results, and their first differences.
+/// `words` name the pipe. Shows at most `most` operations; 0: all.
 [[nodiscard]] std::string explanation_text(const std::string& words,
                                            const explain::Explanation& explanation, unsigned most);
 
-/// Where they part first, as docs/reference/json.md has it.
+/// The first differences as JSON (docs/reference/json.md).
 [[nodiscard]] nlohmann::ordered_json explanation_differences(
     const explain::Explanation& explanation);
 

@@ -13,25 +13,25 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
-/// A scalar that writes down what a mirror reference computes: every operator becomes a step with
-/// its operands, its result and where the operands came from.
+/// A scalar that records what a mirror reference computes. Each operator becomes a step with its
+/// operands, its result and the origin of its operands.
 namespace cde::explain {
 
-/// A step of a reference. Wires (selections, signs, logic of masks) are steps as well, so that what
-/// an operand depends on can be followed; they compute nothing that hardware has an operator for.
+/// A step of a reference. Wires (selections, signs, mask logic) are also steps, so that the origin
+/// of an operand can be followed. They compute nothing for which hardware has an operator.
 struct Step {
   bool is_operator = false;
-  FpOp operation = FpOp::kAdd;               ///< of an operator, up to kMax
-  std::uint64_t a = 0, b = 0, result = 0;    ///< words; 0 or 1 of a comparison. sqrt: b is a
-  std::array<std::int32_t, 2> from{-1, -1};  ///< steps that it depends on, -1: none
+  FpOp operation = FpOp::kAdd;               ///< for an operator, up to kMax
+  std::uint64_t a = 0, b = 0, result = 0;    ///< words; 0 or 1 for a comparison. sqrt: b equals a
+  std::array<std::int32_t, 2> from{-1, -1};  ///< steps that it depends on; -1: none
 };
 
-/// The steps of one call, in the order in which they were computed.
+/// The steps of one call, in order of computation.
 class Recording {
  public:
   std::vector<Step> steps;
 
-  /// The recording that steps go to, of this thread; steps are lost while it is null.
+  /// Recording of this thread that receives steps; null: steps are lost.
   static inline thread_local Recording* now = nullptr;
 
   static std::int32_t add(const Step& step) {
@@ -45,7 +45,7 @@ class Recording {
   }
 };
 
-/// The outcome of a comparison.
+/// Result of a comparison.
 class RecordedMask {
  public:
   RecordedMask() = default;

@@ -11,12 +11,13 @@
 #include "cde/geometry/primitives.hpp"
 
 /// The input contract, `bad(primitive)`: a primitive that breaks it is flagged, and its pairs
-/// answer bad_outcome(). The check stands beside the pipe, not in it. Tests of one word (finite,
-/// NaN, in range) look at its bits and are wires in hardware; the operator counts are of the rest.
+/// return bad_outcome(). The check stands beside the pipe, not in it. Tests of one word (finite,
+/// NaN, in range) look at its bits and are wires in hardware. The operator counts below cover all
+/// other tests.
 namespace cde::reference {
 
-/// How far |a|^2 of a unit vector, and every entry of R^T R - 1 of a rotation, may be off: 2^-20,
-/// which lets pass whatever was normalised in fp32, or 16 u in formats too coarse for that.
+/// Tolerance for |a|^2 of a unit vector, and for every entry of R^T R - 1 of a rotation. It is
+/// 2^-20, which accepts whatever was normalised in fp32, or 16 u in formats too coarse for that.
 template <typename S>
 inline constexpr double kUnitTolerance = std::max(0x1p-20, 16 * kUnitRoundoff<S>);
 
@@ -71,7 +72,7 @@ template <typename S>
   return static_cast<bool>(magnitude(dot<S>(a, b) - S(expected)) <= S(kUnitTolerance<S>));
 }
 
-/// Whether a field of one word is within the contract. No operators.
+/// Whether a one-word field is within the contract. No operators.
 template <typename S>
 [[nodiscard]] bool is_legal(WordKind kind, S x) {
   using std::isnan;
@@ -99,7 +100,7 @@ template <typename S>
   return true;  // an entry that is not finite makes its column's product infinite or NaN
 }
 
-/// The operators of its fields; of an AABB 3 cmp.
+/// Operators: those of its fields; 3 cmp for an AABB.
 template <typename P>
 [[nodiscard]] bool bad(const P& primitive) {
   using S = typename P::Scalar;

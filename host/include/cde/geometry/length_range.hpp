@@ -8,12 +8,12 @@
 
 namespace cde {
 
-/// The lengths that the input contract allows in a number format, as exponents of two: no
-/// coordinate or size is above 2^high; no size, nor the largest component of a ray's direction, is
-/// below 2^low. The same as formats_pkg::length_low and length_high.
+/// The lengths that the input contract allows in a number format, as exponents of two. No
+/// coordinate or size is above 2^high. No size is below 2^low, nor is the largest component of a
+/// ray's direction. The same as formats_pkg::length_low and length_high.
 ///
 /// Rays and triangles multiply three lengths, and two of their differences. Formats of fewer than 8
-/// exponent bits scale every pair (reference/pipes/scale.hpp), so that only a size over the largest
+/// exponent bits scale every pair (reference/pipes/scale.hpp). There only a size over the largest
 /// coordinate has to be a normal number.
 struct LengthRange {
   int low = 0, high = 0;
@@ -25,18 +25,21 @@ struct LengthRange {
     return {-((half - 3 - fraction_bits) / 3), (half - 8) / 3};
   }
 
-  /// How many times the largest component of a ray's direction its solid's lengths may be, as
-  /// exponents of two: no size below 2^low times it, no coordinate or size above 2^high times it.
-  /// 2^-60 to 2^38 in fp32. T is about such a ratio. Its square must be a normal number, and of a
-  /// cylinder's radius over the direction's part across the axis too, unless that part is below
-  /// the rounding. Not checked: it is a pair's, not an operand's. Formats of fewer than 8 exponent
-  /// bits bring both to the size of one and have no such limit.
+  /// Range of a solid's lengths over the largest component of a ray's direction, as exponents of
+  /// two. No size is below 2^low times that component; no coordinate or size is above 2^high times
+  /// it. In fp32: 2^-60 to 2^38.
+  ///
+  /// T is about such a ratio. Its square must be a normal number. The same holds for a cylinder's
+  /// radius over the direction's part across the axis, unless that part is below the rounding. This
+  /// is not checked: it depends on the pair, not on one operand. Formats of fewer than 8 exponent
+  /// bits scale both to about 1 and have no such limit.
   [[nodiscard]] static constexpr LengthRange ray_ratio(int exponent_bits, int fraction_bits) {
     const int root = 1 << (exponent_bits - 2);  // of the largest number, as an exponent
     return {4 - root, root - fraction_bits - 3};
   }
 
-  /// Whether numbers can be coordinates and sizes: what follows says nothing then.
+  /// Whether numbers can be coordinates and sizes; if so, not_coordinate() and not_size() return
+  /// nothing.
   [[nodiscard]] constexpr bool is_coordinate(double value) const {
     return -power(high) <= value && value <= power(high);
   }

@@ -9,21 +9,21 @@
 #include "cde/fp/fp.hpp"
 #include "cde/geometry/primitives.hpp"
 
-/// The operators that the pipes are made of. The mirror references use nothing else: +, -, *, / of
+/// The operators of the pipes. The mirror references use nothing else. They are +, -, *, / of
 /// scalars (rtl/fp/fp_add.sv, fp_mul.sv, fp_div.sv), the comparisons <, <=, == (fp_cmp.sv, false
-/// when an operand is NaN), and what follows. Each of them rounds once. What is called a wire costs
-/// no operator: it moves, flips or selects bits.
+/// when an operand is NaN), and the functions below. Each operator rounds once. A function marked
+/// as a wire costs no operator: it moves, flips or selects bits.
 ///
-/// Whoever includes a mirror must compile without contraction (-ffp-contract=off): an FMA rounds
-/// once where the hardware rounds twice. The scalar S is float, double or Fp<E, M>; a test may
-/// bring a scalar of its own that counts, found by argument-dependent look-up.
+/// Code that includes a mirror must be compiled without contraction (-ffp-contract=off): an FMA
+/// rounds once where the hardware rounds twice. The scalar S is float, double or Fp<E, M>. A test
+/// may use its own counting scalar, found by argument-dependent look-up.
 namespace cde::reference {
 
 template <typename S>
 using Vector = Vector3<S>;
 
-/// What a comparison of S gives: bool, or a counting scalar's own type. Combine with && || !, which
-/// are wires on lane masks; both sides are always computed.
+/// Result type of a comparison of S: bool, or a counting scalar's own type. Combine masks with &&
+/// || !, which are wires on lane masks. Both sides are always computed.
 template <typename S>
 using Mask = decltype(std::declval<S>() < std::declval<S>());
 
@@ -38,37 +38,37 @@ template <typename S>
   return std::numeric_limits<S>::quiet_NaN();
 }
 
-/// Wire on the way out of a pipe: any NaN becomes the canonical one (the operators of RTL do it
-/// themselves when CANON = 1).
+/// Wire at the output of a pipe: any NaN becomes the canonical one. The operators of the RTL do
+/// this themselves when CANON = 1.
 template <typename S>
 [[nodiscard]] constexpr S canonical(S x) {
   return x == x ? x : canonical_nan<S>();
 }
 
-/// Wire: +0 instead of -0, everything else as it is.
+/// Wire: +0 instead of -0, other values unchanged.
 template <typename S>
 [[nodiscard]] constexpr S no_minus_zero(S x) {
   return x == S(0) ? S(0) : x;
 }
 
-/// What a pipe answers for one pair. A miss of a ray is T = +inf, CP = 0. Rays have no normal.
+/// Result of a pipe for one pair. A miss of a ray is T = +inf, CP = 0. Rays have no normal.
 template <typename S>
 struct Outcome {
-  bool f = false;                            ///< they meet
+  bool f = false;                            ///< the shapes meet
   bool bad = false;                          ///< an operand is out of contract (check.hpp)
   S t = std::numeric_limits<S>::infinity();  ///< ray parameter, or distance or depth
   Vector<S> cp = Vector<S>::Zero();          ///< contact point, world frame
   Vector<S> n = Vector<S>::Zero();           ///< unit normal from A to B, world frame
 };
 
-/// The answer to bad input: F = 0, everything else the canonical NaN.
+/// The result for bad input: F = 0, every other field the canonical NaN.
 template <typename S>
 [[nodiscard]] Outcome<S> bad_outcome() {
   const S nan = canonical_nan<S>();
   return {false, true, nan, Vector<S>::Constant(nan), Vector<S>::Constant(nan)};
 }
 
-/// Wire: a where the mask is set, else b. The other one may be anything, NaN included.
+/// Wire: a where the mask is set, else b. The value not selected may be anything, NaN included.
 template <typename S>
 [[nodiscard]] constexpr S select(Mask<S> mask, S a, S b) {
   return mask ? a : b;
@@ -85,15 +85,16 @@ template <typename S>
   return abs(x);
 }
 
-/// Wire: the sign bit as a mask, set for -0 too.
+/// Wire: the sign bit as a mask, also set for -0.
 template <typename S>
 [[nodiscard]] constexpr Mask<S> is_negative(S x) {
   using std::signbit;
   return signbit(x);
 }
 
-/// Wire: y with the sign bit of x moved onto it by exclusive or; also of zeros. x is what an
-/// operator gives, so a NaN is positive, whatever the host's own arithmetic makes of its sign.
+/// Wire: y with its sign bit exclusive-ored with that of x, also for zeros. The operand x is the
+/// result of an operator, so a NaN counts as positive, whatever sign the host's arithmetic gives
+/// it.
 template <typename S>
 [[nodiscard]] constexpr S move_sign(S x, S y) {
   using std::signbit;

@@ -22,18 +22,18 @@ enum class PlaneSide : unsigned {
 [[nodiscard]] std::string_view name(Algorithm algorithm);
 [[nodiscard]] std::optional<Pair> pair_named(std::string_view text);
 
-/// A pair as people name it, and whether they name its shapes in the other order.
+/// A pair as a user names it, possibly with its shapes in the other order.
 struct PairName {
   Pair pair;
   bool exchanged = false;
 };
-/// Takes the names of pair_named, those with the shapes exchanged ("triangle-ray"), and "box" for
-/// "obb". Error kUsage for others: of shapes that no pair has together it lists the pairs of each.
+/// Parses the names of pair_named, the same with the shapes exchanged ("triangle-ray"), and "box"
+/// for "obb". Error kUsage otherwise. For two shapes that form no pair it lists the pairs of each.
 [[nodiscard]] PairName pair_in_any_order(std::string_view text);
 [[nodiscard]] std::optional<Algorithm> algorithm_named(std::string_view text);
 
 [[nodiscard]] std::string_view name(Shape shape);
-/// Words of a slot.
+/// Number of words of a slot.
 [[nodiscard]] unsigned words(Shape shape);
 
 [[nodiscard]] Shape primary_shape(Pair pair);
@@ -44,7 +44,8 @@ struct PairName {
 [[nodiscard]] inline unsigned secondary_words(Pair pair) {
   return words(secondary_shape(pair));
 }
-/// Two solids: T is the size of a signed gap. Otherwise a ray is the primary.
+/// Whether both shapes are solids, so that T is the absolute value of a signed distance. Otherwise
+/// the primary is a ray.
 [[nodiscard]] inline bool is_solid(Pair pair) {
   return primary_shape(pair) != Shape::kRay;
 }
@@ -52,8 +53,9 @@ struct PairName {
 template <class P>
 inline constexpr Shape kShapeOf = P::kShape;
 
-/// How much work a pair of cylinder-cylinder, obb-cylinder or triangle-cylinder gets; the others
-/// always take the same. More finds more of the gap (docs/reference/pairs_cylinder.md).
+/// Iterations of the pairs cylinder-cylinder, obb-cylinder and triangle-cylinder. The work of other
+/// pairs is fixed. More iterations find more of the signed distance
+/// (docs/reference/pairs_cylinder.md).
 struct PairBudget {
   unsigned samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
   unsigned circle = 8;   ///< K1: steps on each circle, at most 64
@@ -64,29 +66,30 @@ struct PairBudget {
   bool operator==(const PairBudget&) const = default;
 };
 
-/// Whether the pair takes a budget.
+/// Whether the pair takes a number of iterations.
 [[nodiscard]] bool has_budget(Pair pair);
 
-/// Whether the pair's pipe is made of facet units, which can take turns: obb-obb, triangle-aabb,
-/// triangle-obb.
+/// Whether the pair is tested on candidate axes (SAT), whose units can be shared: obb-obb,
+/// triangle-aabb, triangle-obb.
 [[nodiscard]] bool has_facets(Pair pair);
 
-/// Whether the box rule is of the pair: those of triangles (not of cylinders), sphere-obb, obb-obb.
+/// Whether the pair can have the box rule: triangle pairs without cylinder, sphere-obb, obb-obb.
 [[nodiscard]] bool has_box_rule(Pair pair);
 
-/// Primaries of a pair that meet secondaries in a hierarchy.
+/// Primary and secondary shape of a pair that traverses a BVH.
 struct WayThrough {
   Shape primary, secondary;
 };
-/// `swap`: Query::swap, so that shape A is in the hierarchy. Nothing where the pair sweeps: those
-/// of cylinders and planes do, and rays and shapes that are the same have no roles to swap. Pairs
-/// that have the box rule need it.
+/// The shapes of a pair that can traverse a BVH. `swap` is Query::swap: shape A is in the BVH.
+/// Nothing for a pair that only has brute-force passes. These are pairs with a cylinder or plane,
+/// and `swap` for rays and for equal shapes. A pair with an optional box rule needs that rule.
 [[nodiscard]] std::optional<WayThrough> way_through(Pair pair, bool swap);
 
-/// Whether narrow lanes can prove misses of a pair on a card (BoardConfig::verdicts).
+/// Whether the certified filter can prove misses of a pair in narrow lanes
+/// (`BoardConfig::verdicts`).
 [[nodiscard]] bool has_verdicts(Pair pair);
-/// `interval`: clocks from one row of such pairs to the next, 1 or 3. Error kUsage if it is
-/// neither, or 3 where none of the pairs has facets.
+/// `interval`: cycles from one row of such pairs to the next, 1 or 3. Error kUsage for another
+/// value, or for 3 if none of the pairs has candidate axes.
 void check_facet_interval(unsigned interval, std::span<const Pair> pairs);
 
 /// Names of all pairs and of the ray-triangle algorithms, in the order of their codes.

@@ -17,24 +17,22 @@
 #include "cde/contract/pairs.hpp"
 #include "cde/fp/fp_format.hpp"
 
-/// Geometric primitives as the card takes them: coordinates in one right-handed world frame, in
-/// whatever length unit the scene uses. Every primitive is a plain value, a template over its
-/// scalar (float, double, Fp<E, M>); the aliases without "Basic" are binary32. `defect` says
-/// whether the card would refuse a primitive.
+/// Geometric primitives as the card takes them: coordinates in one right-handed world frame, in the
+/// length unit of the scene. Each primitive is a plain value, a template over its scalar (float,
+/// double, Fp<E, M>). The aliases without "Basic" are binary32. `defect` tells whether the card
+/// would refuse a primitive.
 ///
-/// A primitive is also a sequence of kWords words, in the order in which a slot of the card and a
-/// command line hold it: `visit` names the fields in that order, vectors x y z, matrices row by
-/// row. The words of a field are of one kind, that of the contract's table.
+/// A primitive is also a sequence of kWords words, in the order of a card slot and of the command
+/// line. `visit` names the fields in that order: vectors x y z, matrices row by row. All words of a
+/// field have the same kind, given by the contract's table.
 ///
 /// The struct of a shape holds everything about it, and ShapeList lists the structs. Beside its
-/// fields a shape has
-///   kShape    its code
-///   middle()  the point that it turns about where it moves by itself
-///   random()  one of some size somewhere, made of what `draws` draws (point, around(c), direction,
-///             size, rotation), in the order of the calls
-///   kReach    how far such a one reaches from its middle, in the mean over directions; a shape
-///             without it has no size
-///   kDrawn    what a picture draws: then it has placed() or triangles()
+/// fields a shape has these members:
+/// `kShape` is its code. `middle()` is the point about which it turns when it moves by itself.
+/// `random()` is a random shape, made from calls of `draws` in a fixed order (point, around(c),
+/// direction, size, rotation). `kReach` says how far a random shape reaches from its middle, in the
+/// mean over directions; shapes without a size lack it. `kDrawn` says how a picture draws it, with
+/// placed() or triangles().
 namespace cde {
 
 template <class S>
@@ -42,18 +40,18 @@ using Vector3 = Eigen::Matrix<S, 3, 1>;
 template <class S>
 using Matrix3 = Eigen::Matrix<S, 3, 3>;
 
-/// What a picture draws of a shape. Solids are a unit solid that has been placed: a ball of radius
-/// 1, a cube from -1 to 1, a square from -1 to 1 in z = 0 (it stands for all of a plane), a
-/// cylinder of radius 1 from z = -1 to 1.
+/// How a picture draws a shape. Solids are a placed unit solid. That is a ball of radius 1, a cube
+/// from -1 to 1, or a cylinder of radius 1 from z = -1 to 1. A square from -1 to 1 in z = 0
+/// represents a whole plane.
 enum class Drawn : unsigned { kRays, kSurface, kBall, kBox, kPlane, kCylinder };
 
-/// x -> m x + t of a unit solid.
+/// Placement x -> m x + t of a unit solid.
 struct Placement {
   Eigen::Matrix3f m = Eigen::Matrix3f::Identity();
   Eigen::Vector3f t = Eigen::Vector3f::Zero();
 };
 
-/// Columns of an orthonormal frame whose third one is `axis`.
+/// An orthonormal frame whose third column is `axis`.
 template <class S>
 [[nodiscard]] Matrix3<S> frame_around(const Vector3<S>& axis) {
   const Vector3<S> z = axis.normalized(), x = z.unitOrthogonal();
@@ -69,12 +67,12 @@ struct BasicRay {
   static constexpr Shape kShape = Shape::kRay;
   static constexpr std::size_t kWords = contract::words(kShape);
   static constexpr Drawn kDrawn = Drawn::kRays;
-  Vector3<S> o;   ///< origin, finite
-  Vector3<S> d;   ///< direction, finite and not zero; need not be of unit length, so t counts
-                  ///< in units of |d|
+  Vector3<S> o;  ///< origin, finite
+  Vector3<S>
+      d;  ///< direction, finite and not zero; its length is free, and t counts in units of |d|
   S tmin = S{0};  ///< start of the interval; may be negative or infinite, never NaN
-  S tmax = std::numeric_limits<S>::infinity();  ///< end, likewise; tmin > tmax is legal: an empty
-                                                ///< interval that meets nothing
+  S tmax = std::numeric_limits<S>::infinity();  ///< end, likewise. tmin > tmax is legal: an empty
+                                                ///< interval that never hits
 
   template <class Self, class Visit>
   static void visit(Self& self, Visit&& field) {
@@ -89,8 +87,8 @@ struct BasicRay {
   }
 };
 
-/// Two-sided triangle; front and back hit alike. Any finite corners are legal: to a ray a triangle
-/// without area is never hit, to the other primitives it is the segment or point that it covers.
+/// Two-sided triangle: front and back hit alike. Any finite corners are legal. A ray never hits a
+/// triangle without area. To the other primitives it is the segment or point that it covers.
 template <class S>
 struct BasicTriangle {
   using Scalar = S;
@@ -156,7 +154,7 @@ struct BasicAabb {
     field("min", self.min), field("max", self.max);
   }
 
-  /// The first axis on which max is not above min.
+  /// The first axis for which max is not above min.
   [[nodiscard]] std::optional<int> first_disordered_axis() const {
     for (int k = 0; k < 3; ++k)
       if (!static_cast<bool>(min[k] < max[k])) return k;
@@ -227,7 +225,7 @@ struct BasicCylinder {
 };
 
 /// Oriented box: x_world = c + R x_local with |x_local| <= half on every axis. The columns of R are
-/// the box axes; the words are row by row, so that axis i is words 6+i, 9+i, 12+i.
+/// the box axes. The words of R are row by row, so axis i is words 6+i, 9+i, 12+i.
 template <class S>
 struct BasicObb {
   using Scalar = S;
@@ -273,7 +271,7 @@ static_assert(
     }(std::make_index_sequence<kShapes>()),
     "in the order of the codes");
 
-/// use.operator()<P>() with the shape of the code in the scalar S.
+/// Calls use.operator()<P>() with the shape of the code in the scalar S.
 template <class S, std::size_t I = 0, class Use>
 decltype(auto) with_shape(Shape shape, const Use& use) {
   using P = std::tuple_element_t<I, ShapeList::In<S>>;
@@ -291,7 +289,7 @@ using Plane = BasicPlane<float>;
 using Cylinder = BasicCylinder<float>;
 using Obb = BasicObb<float>;
 
-/// What the words of a primitive or transform are, one letter per word as in contract::kShapeTable.
+/// Kinds of the words of a primitive or transform, one letter per word as in contract::kShapeTable.
 template <class P>
 inline constexpr std::string_view kKindsOf = [] {
   if constexpr (requires { P::kKinds; })
@@ -344,7 +342,7 @@ template <class P>
   return words;
 }
 
-/// The primitive of words in slot order; nothing is checked.
+/// The primitive with these words in slot order. Nothing is checked.
 template <class P>
 [[nodiscard]] P from_words(std::span<const typename P::Scalar, P::kWords> words) {
   P primitive;
@@ -353,7 +351,7 @@ template <class P>
   return primitive;
 }
 
-/// The primitive in another scalar, every word rounded once.
+/// The primitive in another scalar, each word rounded once.
 template <class T, template <class> class P, class S>
 [[nodiscard]] P<T> primitive_cast(const P<S>& primitive) {
   std::array<T, P<S>::kWords> words;
@@ -364,10 +362,10 @@ template <class T, template <class> class P, class S>
 }
 
 /// Why a card would flag this primitive as bad input ("direction is zero"), or nothing if it is
-/// valid. Says the same as reference::bad (geometry/check.hpp), in words. Cards of another number
-/// format get the nearest numbers of it: what is looked at are those, and a finite number that the
-/// format has none for is a defect, too ("tmax is 70000, beyond the largest number, 65504 in
-/// fp16"). Error kUsage for a format that is none of kPairFormats (fp/scalars.hpp).
+/// valid. It agrees with reference::bad (geometry/check.hpp). For another number format the words
+/// are first rounded to nearest. A finite number that is too large for the format is also a defect:
+/// "tmax is 70000, beyond the largest number, 65504 in fp16". Error kUsage for a format not in
+/// kPairFormats (fp/scalars.hpp).
 [[nodiscard]] std::optional<std::string> defect(Shape shape, std::span<const float> words,
                                                 FpFormat format = {});
 template <class P>
@@ -378,7 +376,7 @@ requires requires {
   return defect(P::kShape, to_words(primitive), format);
 }
 
-/// Throws Error(kBadInput, "WHAT: reason") if the primitive has a defect.
+/// Error kBadInput "WHAT: reason" if the primitive has a defect.
 void check(Shape shape, std::span<const float> words, std::string_view what);
 template <class P>
 requires requires {

@@ -7,8 +7,8 @@
 
 namespace cde {
 
-/// A primitive or transform as a card of a number format has it: every word the nearest of the
-/// format, ties to even. The formats of cards are no wider than fp32, so that floats hold them.
+/// A primitive or transform in the number format of a card: each word rounded to nearest, ties to
+/// even. Card formats are no wider than fp32, so floats hold them.
 template <class P>
 [[nodiscard]] P rounded(const P& primitive, FpFormat format) {
   P nearest = primitive;

@@ -9,7 +9,7 @@
 
 namespace cde {
 
-/// Shapes of one kind in a row; the alternatives are in the order of Shape.
+/// A list of shapes of one kind. The alternatives are in the order of Shape.
 using Shapes = ShapeList::Lists<float>;
 
 [[nodiscard]] inline Shape shape_of(const Shapes& shapes) {

@@ -6,8 +6,8 @@
 
 namespace cde {
 
-/// Rigid transform x -> R x + t, as the card's object tables hold it: kWords words, the rotation
-/// row by row, then the translation.
+/// Rigid transform x -> R x + t as in the card's object tables: kWords words, the rotation row by
+/// row, then the translation.
 template <class S>
 struct BasicTransform {
   using Scalar = S;
@@ -23,19 +23,19 @@ struct BasicTransform {
 };
 using Transform = BasicTransform<float>;
 
-/// Whether R is the identity, zeros of either sign.
+/// Whether R is the identity; zeros of either sign are equal.
 template <class S>
 [[nodiscard]] bool is_translation(const BasicTransform<S>& transform) {
   return transform.rotation == Matrix3<S>::Identity();
 }
 
-/// Why the card would refuse the transform: a word that is not finite, or a rotation that is not
-/// orthonormal within the tolerance of an OBB's; in another format as of a primitive.
+/// Why the card would refuse the transform: a word is not finite, or the rotation is not
+/// orthonormal within the tolerance for an OBB. Other formats are treated as for primitives.
 [[nodiscard]] std::optional<std::string> defect(const Transform& transform, FpFormat format = {});
 
-/// A range of slots that moves as one. Ranges may overlap.
+/// A range of slots that moves as one object. Ranges may overlap.
 struct Object {
-  std::uint32_t first = 0;  ///< of secondaries: in upload order; of primaries: in load order
+  std::uint32_t first = 0;  ///< secondaries: in upload order; primaries: in load order
   std::uint32_t count = 0;  ///< at least 1
   Transform transform = {};
 };

@@ -13,26 +13,26 @@
 namespace cde {
 
 struct HierarchyOptions {
-  unsigned leaf = 2;     ///< secondaries a leaf, 1 or 2
-  unsigned threads = 0;  ///< 0: as many as there are processors
+  unsigned leaf = 2;     ///< secondaries per leaf, 1 or 2
+  unsigned threads = 0;  ///< 0: one per processor
 };
 
-/// A tree of boxes over secondaries, eight wide, whose nodes are those of the card. Boxes contain
-/// what is below them exactly, whatever they were rounded from: a query that leaves out boxes it
-/// cannot meet answers as one of all secondaries.
+/// A BVH over secondaries, eight wide, whose nodes have the card's format. A box contains
+/// everything below it exactly, whatever rounding produced it. Thus a query that culls boxes
+/// returns the same results as brute force.
 class Hierarchy {
  public:
-  /// Levels of nodes at most, which is what a card's stack is for.
+  /// Most levels of nodes: the depth of a card's stack.
   static constexpr unsigned kMostDepth = 16;
 
-  /// None: of no secondaries.
+  /// The BVH of no secondaries.
   Hierarchy();
 
-  /// By binned surface area (Wald, IRT 2007), two wide, of which each node of eight is collapsed
-  /// (Wald, Benthin, Boulos, IRT 2008); split at medians where a tree of kMostDepth would not hold
-  /// it otherwise. The same for every number of threads. Errors: kUsage (a leaf of 0 or more than
-  /// 2), kBadInput (a box that is empty, not finite or beyond 2^40, or a solid with a defect, by
-  /// its number), kCapacity (more than 2^28 secondaries).
+  /// Builds a binary BVH by binned surface area (Wald, IRT 2007) and collapses it to nodes of eight
+  /// (Wald, Benthin, Boulos, IRT 2008). Where it would become deeper than kMostDepth it splits at
+  /// medians. The result does not depend on the number of threads.
+  /// Error kUsage: leaf is 0 or above 2. Error kBadInput, with the number: a box is empty, not
+  /// finite or beyond 2^40, or a solid has a defect. Error kCapacity: more than 2^28 secondaries.
   [[nodiscard]] static Hierarchy build(std::span<const Eigen::AlignedBox3f> boxes,
                                        const HierarchyOptions& options = {});
   [[nodiscard]] static Hierarchy build(const TriangleView& triangles,
@@ -44,11 +44,12 @@ class Hierarchy {
   [[nodiscard]] static Hierarchy build(std::span<const Obb> boxes,
                                        const HierarchyOptions& options = {});
 
-  /// One of parts, which have so many of the secondaries one behind the other: a tree each
-  /// (parts()), below one over their boxes, so that each stays a good one wherever it goes.
-  /// hierarchy_of() in board.hpp makes one of objects. Errors beside those above: kUsage if there
-  /// is no part, one is empty, or they are not all secondaries; kCapacity for more than 32,768;
-  /// what is said of a box names its part.
+  /// Builds a BVH of parts. `parts` holds the number of secondaries of each part, which are
+  /// consecutive. Each part has its own tree (parts()), and a top tree is built over their boxes. A
+  /// part's tree thus stays good wherever the part moves. Function hierarchy_of() in board.hpp
+  /// builds one from objects.
+  /// Errors beside those above: kUsage if there is no part, a part is empty, or the parts do not
+  /// add up. Error kCapacity for more than 32,768 parts. Messages about a box name its part.
   [[nodiscard]] static Hierarchy build(const TriangleView& triangles,
                                        std::span<const std::uint32_t> parts,
                                        const HierarchyOptions& options = {});
@@ -62,42 +63,42 @@ class Hierarchy {
                                        std::span<const std::uint32_t> parts,
                                        const HierarchyOptions& options = {});
 
-  /// Boxes anew for secondaries that have moved; the tree stays. Error kUsage if there are more or
-  /// fewer, and as build().
+  /// Refits the boxes after secondaries have moved; the tree stays. Errors as for build(), and
+  /// kUsage if their number has changed.
   void refit(std::span<const Eigen::AlignedBox3f> boxes);
   void refit(const TriangleView& triangles);
   void refit(std::span<const Sphere> spheres);
   void refit(std::span<const Aabb> boxes);
   void refit(std::span<const Obb> boxes);
 
-  /// The root first, and each node before those below it; one node at least.
+  /// The root first, each node before its descendants; at least one node.
   [[nodiscard]] std::span<const hierarchy::Node> nodes() const { return nodes_; }
-  /// A part's nodes but for its root, which lie together, and how many secondaries it has. Those of
-  /// all parts fill nodes() and order() to their ends, one behind the other.
+  /// Nodes of a part, which are consecutive and exclude its root, and its number of secondaries.
+  /// The parts fill nodes() and order() to their ends, one after another.
   struct Part {
     std::uint32_t first_node = 0, nodes = 0, secondaries = 0;
     bool operator==(const Part&) const = default;
   };
-  /// Those that it was built of, in their order.
+  /// The parts that it was built from, in their order.
   [[nodiscard]] std::span<const Part> parts() const { return parts_; }
-  /// Which secondary is in each slot.
+  /// Index of the secondary in each slot.
   [[nodiscard]] std::span<const std::uint32_t> order() const { return order_; }
-  /// Of all secondaries; empty without.
+  /// Box of all secondaries; empty without any.
   [[nodiscard]] const Eigen::AlignedBox3f& box() const { return box_; }
-  /// Levels of nodes.
+  /// Number of levels of nodes.
   [[nodiscard]] unsigned depth() const { return depth_; }
-  /// What a random line that meets the root is expected to visit: nodes, and secondaries of leaves
-  /// that it enters.
+  /// Expected visits of a random line that hits the root: nodes, and secondaries in the leaves it
+  /// enters.
   struct Visits {
     double nodes = 0, secondaries = 0;
   };
   [[nodiscard]] Visits expected_visits() const;
 
-  /// A file that load() reads on any machine. Error kFile.
+  /// Writes a file that load() reads on any machine. Error kFile.
   void save(const std::filesystem::path& path) const;
-  /// Error kFile, which names the file and what is wrong with it: not a hierarchy, of another
-  /// version, cut off, damaged (a checksum), or not a tree. Whether boxes are those of some
-  /// secondaries it cannot say: refit() makes them so.
+  /// Error kFile, naming the file and the problem: not a BVH, another version, truncated, damaged
+  /// (checksum), or not a tree. It cannot check that the boxes fit given secondaries; refit() makes
+  /// them fit.
   [[nodiscard]] static Hierarchy load(const std::filesystem::path& path);
 
  private:
@@ -120,17 +121,17 @@ class Hierarchy {
 
 namespace hierarchy {
 
-/// Levels of the nodes. Error kBadInput, which names node and child, unless they are a tree over
-/// `slots` slots: every node behind its parent and below one parent, every slot in one leaf, no
-/// deeper than Hierarchy::kMostDepth, with exponents in range, origins finite and no lower corner
-/// above its upper one.
+/// Checks that the nodes are a tree over `slots` slots and returns its levels. Every node must come
+/// after its only parent, and every slot must be in one leaf. The tree must not be deeper than
+/// Hierarchy::kMostDepth. Exponents must be in range, origins finite, and lower corners not above
+/// upper ones. Error kBadInput, naming node and child.
 unsigned check(std::span<const Node> nodes, std::size_t slots);
 
-/// Error kBadInput unless the parts are those of such a tree: what is below a node of a part is of
-/// the same one.
+/// Error kBadInput unless the parts partition such a tree: all descendants of a part's node belong
+/// to the same part.
 void check(std::span<const Node> nodes, std::size_t slots, std::span<const Hierarchy::Part> parts);
 
-/// Gives the node the children's boxes; those of kNone are not looked at. Boxes are within 2^40.
+/// Sets the boxes of the node's children. Those of kNone are ignored. Boxes are within 2^40.
 void set_boxes(Node& node, std::span<const Eigen::AlignedBox3f> children);
 
 }  // namespace hierarchy

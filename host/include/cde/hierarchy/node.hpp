@@ -7,15 +7,15 @@
 
 namespace cde::hierarchy {
 
-/// What a node has at one of its eight places.
+/// Type of one of a node's eight children.
 enum class Child : std::uint8_t { kNone, kNode, kLeafOfOne, kLeafOfTwo };
 
-/// Secondaries of a leaf.
+/// Number of secondaries of a leaf.
 [[nodiscard]] constexpr unsigned slots_of(Child child) {
   return child == Child::kLeafOfOne ? 1 : child == Child::kLeafOfTwo ? 2 : 0;
 }
 
-/// A node as the card has it: 18 words, 72 bytes, which is one burst of its DDR.
+/// A node in the card's format: 18 words, 72 bytes, one burst of the DDR.
 ///
 ///     words    bits
 ///     0..2     origin, fp32: the lower corner of all its children
@@ -25,14 +25,15 @@ enum class Child : std::uint8_t { kNone, kNode, kLeafOfOne, kLeafOfTwo };
 ///     6..11    lower corners, a byte each: x of children 0 to 7, then y, then z
 ///     12..17   upper corners likewise
 ///
-/// A child is two bits (Child). A corner is origin + byte 2^exponent, and the box of a child
-/// contains what it has, exactly. Nodes and secondaries of a node's children lie one behind the
-/// other in the order of the children (compressed wide nodes: Ylitie, Karras, Laine, HPG 2017).
+/// A child's type has two bits (Child). A corner is origin + byte 2^exponent. The box of a child
+/// contains everything below the child, exactly. Child nodes and secondaries of a node are stored
+/// consecutively, in the order of the children (compressed wide nodes: Ylitie, Karras, Laine, HPG
+/// 2017).
 struct Node {
   static constexpr unsigned kChildren = 8, kWords = 18;
   static constexpr std::uint32_t kMostNumber = (1u << 28) - 1;
-  /// Of two, in units of which bytes count. With lengths up to 2^40 nothing that is computed from
-  /// them and a ray within the contract leaves the normal numbers.
+  /// Exponents of the units of the corner bytes. With lengths up to 2^40, everything computed from
+  /// them and a ray within the contract is a normal number.
   static constexpr int kLeastExponent = -80, kMostExponent = 40;
 
   std::array<std::uint32_t, kWords> words{};
@@ -55,7 +56,7 @@ struct Node {
   [[nodiscard]] std::uint8_t lower(unsigned i, int axis) const { return byte(6, i, axis); }
   [[nodiscard]] std::uint8_t upper(unsigned i, int axis) const { return byte(12, i, axis); }
 
-  /// Where child i lies: the number of a node, or the slot of a leaf's first secondary.
+  /// Position of child i: the number of a node, or the slot of a leaf's first secondary.
   [[nodiscard]] std::uint32_t place(unsigned i) const {
     const bool node = child(i) == Child::kNode;
     std::uint32_t at = node ? first_node() : first_slot();

@@ -26,9 +26,10 @@ struct MeshPart {
 struct Mesh {
   std::vector<Eigen::Vector3f> vertices;  ///< world frame, finite
   std::vector<std::array<std::uint32_t, 3>>
-      faces;                         ///< corner numbers, each less than vertices.size()
-  std::string name;                  ///< for messages: the file's name without folder, or "terrain"
-  std::size_t dropped = 0;           ///< for messages: file name without folder, or "terrain"
+      faces;         ///< corner numbers, each less than vertices.size()
+  std::string name;  ///< for messages: file name without folder, or "terrain".
+  std::size_t dropped =
+      0;  ///< points and lines of the file; they have no area and are not among the faces.
   std::vector<MeshPart> parts = {};  ///< ascending; objects and groups of OBJ, nodes of what assimp
                                      ///< reads; empty if the file names none
   /// What was skipped or reinterpreted, with its place in the file: one line each, without line

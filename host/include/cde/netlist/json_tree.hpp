@@ -4,9 +4,9 @@
 
 namespace cde::netlist {
 
-/// What Verilator writes with --json-only, `tree` and `meta`, in the form of --xml-only, which
-/// older versions write: elements, attributes and their order are what Netlist reads, without what
-/// it does not. NetlistError if it is none.
+/// Converts Verilator's --json-only output, `tree` and `meta`, to the form of --xml-only, which
+/// older versions write. It has the elements and attributes that Netlist reads, in their order, and
+/// no others. NetlistError if the input is not such output.
 [[nodiscard]] std::string xml_of_json(const std::string& tree, const std::string& meta);
 
 }  // namespace cde::netlist

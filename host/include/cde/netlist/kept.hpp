@@ -7,9 +7,10 @@
 
 namespace cde::netlist {
 
-/// Name in the cache for what this very program reads out of the elaborated RTL: it covers the RTL,
-/// Verilator and how it is run, as the file name of the bitstream of `kind` and `parameters` does,
-/// and the program's own code. Nothing if that cannot be known; elaboration then says why.
+/// Cache name of what this program reads from the elaborated RTL. Like the file name of the
+/// simulation model of `kind` and `parameters`, it covers the RTL, Verilator and its switches. It
+/// also covers the program's own code. Nothing if it cannot be determined; elaboration then reports
+/// why.
 [[nodiscard]] std::optional<std::string> kept_name(const std::string& kind,
                                                    const std::vector<std::string>& parameters,
                                                    std::string_view suffix);

@@ -13,22 +13,22 @@
 
 namespace cde::netlist {
 
-/// What is no structure of a design as Verilator writes it.
+/// The input is not a design as Verilator writes it.
 class NetlistError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// An element of Verilator's XML. It lives as long as the netlist that it is of.
+/// An element of Verilator's XML. It lives as long as its netlist.
 class Element {
  public:
   [[nodiscard]] std::string_view tag() const { return tag_; }
-  /// As it is written, with entities; empty if there is none.
+  /// As written, with entities; empty if missing.
   [[nodiscard]] std::string_view attribute(std::string_view name) const;
-  [[nodiscard]] std::string text(std::string_view name) const;  ///< without entities
-  [[nodiscard]] unsigned number(std::string_view name) const;   ///< decimal; 0 if there is none
+  [[nodiscard]] std::string text(std::string_view name) const;  ///< with entities decoded
+  [[nodiscard]] unsigned number(std::string_view name) const;   ///< decimal; 0 if missing
   [[nodiscard]] const std::vector<const Element*>& children() const { return children_; }
-  /// Child `index`; null if there are not as many.
+  /// Child `index`; null if there are fewer.
   [[nodiscard]] const Element* child(std::size_t index) const {
     return index < children_.size() ? children_[index] : nullptr;
   }
@@ -44,38 +44,38 @@ struct Type {
   enum class Kind { kBits, kPacked, kUnpacked, kStructure, kOther };
   struct Member {
     std::string name;
-    unsigned type = 0, low = 0;  ///< low: of its bits, the last member's being 0
+    unsigned type = 0, low = 0;  ///< lowest bit; 0 for the last member
   };
   Kind kind = Kind::kOther;
-  std::uint64_t width = 0;      ///< of all elements; 0: not known
+  std::uint64_t width = 0;      ///< of all elements; 0: unknown
   unsigned element = 0;         ///< type of the elements of an array
-  int left = 0, right = 0;      ///< range of an array, as it is declared
+  int left = 0, right = 0;      ///< range of an array, as declared
   std::vector<Member> members;  ///< of a structure
 };
 
 /// A line of a source.
 struct Line {
-  std::string file;  ///< as Verilator was given it
+  std::string file;  ///< as passed to Verilator
   unsigned line = 0;
-  unsigned column = 0, length = 0;  ///< of an element's first word, in its line; 0: not known
+  unsigned column = 0, length = 0;  ///< of an element's first word, in its line; 0: unknown
 };
 
-/// A design as Verilator elaborates it and writes it as XML: modules with their parameters set, not
-/// yet inlined. The one reader of that form.
+/// A design as Verilator elaborates it and writes it as XML: modules with parameters set, not yet
+/// inlined. Only this class reads that form.
 class Netlist {
  public:
-  /// NetlistError if it is none.
+  /// NetlistError if the text is not such a design.
   explicit Netlist(std::string xml);
 
-  /// <netlist>, whose modules are its children, and <cells>, the instances.
+  /// <netlist>, whose children are the modules, and <cells>, the instances.
   [[nodiscard]] const Element& netlist() const { return *netlist_; }
   [[nodiscard]] const Element& cells() const { return *cells_; }
   [[nodiscard]] const std::map<std::string, std::string, std::less<>>& files() const {
     return files_;
   }
-  /// Where an element begins; no file if it does not say so.
+  /// Where an element begins; without a file if the element does not say.
   [[nodiscard]] Line line(const Element& element) const;
-  /// One that is none is of kind kOther and of no width.
+  /// An unknown type has kind kOther and no width.
   [[nodiscard]] const Type& type(unsigned id) const;
   [[nodiscard]] const Type& type_of(const Element& element) const {
     return type(element.number("dtype_id"));
@@ -91,11 +91,12 @@ class Netlist {
   const Element* cells_ = nullptr;
   std::map<std::string, std::string, std::less<>> files_;  ///< letters -> name
   std::unordered_map<unsigned, Type> types_;
-  std::unordered_set<unsigned> measured_;           ///< types, while their widths are found
-  std::unordered_map<unsigned, unsigned> aliases_;  ///< types that are other names
+  std::unordered_set<unsigned> measured_;           ///< types whose widths are being computed
+  std::unordered_map<unsigned, unsigned> aliases_;  ///< types that are aliases of others
 };
 
-/// Bits of a constant, 8'h1f, the most significant first, 0, 1, x or z; empty if it is none.
+/// Bits of a constant such as 8'h1f, most significant first: 0, 1, x or z. Empty if the element is
+/// not one.
 [[nodiscard]] std::string constant_bits(const Element& constant);
 
 }  // namespace cde::netlist

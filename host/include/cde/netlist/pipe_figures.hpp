@@ -8,10 +8,10 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/netlist/elaborate.hpp"
 
-/// What the elaborated RTL says of whole pipes, kept in the cache.
+/// Figures of whole pipes from the elaborated RTL, cached.
 namespace cde::netlist {
 
-/// Clocks of an operator.
+/// Latencies of operators in cycles.
 struct Profile {
   unsigned add = 1, mul = 1, div = 1, sqrt = 1, cmp = 1;
   bool operator==(const Profile&) const = default;
@@ -20,19 +20,19 @@ struct Profile {
   }
 };
 
-/// A pipe as it is elaborated with one lane in fp32.
+/// A pipe, elaborated with one lane in fp32.
 struct Pipe {
   Pair pair;
   Algorithm algorithm;
-  std::string absent;           ///< why there is none; the rest is empty then
-  unsigned facet_interval = 1;  ///< that was asked for
+  std::string absent;           ///< why there is no pipe; the other fields are then empty
+  unsigned facet_interval = 1;  ///< requested interval
   bool box = false;             ///< it has the box rule
   std::string module = {};
   Operators operators = {};
-  unsigned a_words = 0, b_words = 0, outputs = 0;  ///< words of 32 bits, F as one
-  unsigned latency = 0, latency_profile = 0;       ///< clocks; the first at one an operator
-  unsigned interval = 1;                           ///< clocks from a row to the next
-  unsigned ring = 0;                               ///< rows in flight in a pipe that is a ring
+  unsigned a_words = 0, b_words = 0, outputs = 0;  ///< 32-bit words; F counts as one
+  unsigned latency = 0, latency_profile = 0;  ///< cycles; the first with one cycle per operator
+  unsigned interval = 1;                      ///< cycles from one row to the next
+  unsigned ring = 0;                          ///< rows in flight in an iterative pipeline
 
   [[nodiscard]] std::string name() const {
     return pair == Pair::kRayTriangle ? fmt::format("{}, {}", cde::name(pair), cde::name(algorithm))
@@ -40,9 +40,8 @@ struct Pipe {
   }
 };
 
-/// Fills in the figures of all of them: those that are kept from earlier times, and the others by
-/// elaboration, as many at a time as there are processors. Error kBuild if the RTL cannot be
-/// elaborated for any other reason than that there is no pipe.
+/// Fills in the figures of all pipes. Those not in the cache are elaborated, one job per processor.
+/// Error kBuild if the RTL cannot be elaborated for any reason other than a missing pipe.
 void examine_all(std::vector<Pipe>& wanted, const Profile& profile);
 
 }  // namespace cde::netlist

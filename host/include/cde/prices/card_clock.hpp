@@ -6,7 +6,7 @@
 
 #include "cde/prices/price_table.hpp"
 
-/// Latency and operators of pipes, and the clock of a card on a device.
+/// Latency and operators of pipes, and the clock frequency of a card on a device.
 namespace cde {
 
 /// A pipe of the card.
@@ -21,29 +21,30 @@ struct PipeChoice {
   [[nodiscard]] std::string name() const;
 };
 
-/// Figures of a pipe with one lane, elaborated with operators that take one cycle each.
-/// A figure that was not measured is empty.
+/// Figures of a one-lane pipe, elaborated with operators that take one cycle each. A figure that
+/// was not measured is empty.
 struct PipeFigures {
-  std::optional<unsigned> latency;   ///< clocks from operands to the answer
-  std::optional<unsigned> interval;  ///< clocks from a row of pairs to the next
+  std::optional<unsigned> latency;   ///< cycles from operands to the result
+  std::optional<unsigned> interval;  ///< cycles from one row of pairs to the next
   std::optional<OperatorCounts> operators;
 
-  /// Clocks of a million tests on one lane.
+  /// Cycles for a million tests on one lane.
   [[nodiscard]] std::optional<double> clocks_per_million() const;
 };
 
-/// Figures of the elaborated RTL: seconds per pipe the first time, kept in the cache.
+/// Figures of the elaborated RTL. They take seconds per pipe the first time and are then cached.
 [[nodiscard]] std::vector<PipeFigures> figures_of(const std::vector<PipeChoice>& pipes);
 
-/// The pipe with its operators, as the price table takes it.
+/// The pipe with its operators, as the cost table takes it.
 [[nodiscard]] PricedPipe priced(const PipeChoice& pipe, const PipeFigures& figures);
 
-/// The clock of a card: the least of its pipes' lanes on the target, at these clocks of operators.
+/// The clock frequency of a card: that of the slowest lane of its pipes on the target, with the
+/// given operator latencies.
 struct CardClock {
   double mhz = 100;
-  std::string is;  ///< where it is from
+  std::string is;  ///< its source, as text
 };
-/// Error kUsage if a pipe is not priced, naming what there is.
+/// Error kUsage if the table has no cost for a pipe, naming the rows that exist.
 [[nodiscard]] CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,
                                  const OperatorClocks& clocks);
 

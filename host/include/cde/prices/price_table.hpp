@@ -9,39 +9,40 @@
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
 
-/// What operators and lanes were measured to take: docs/prices.json (docs/background/costs.md).
+/// Measured costs of operators and lanes: docs/prices.json (docs/background/costs.md).
 namespace cde {
 
-/// Cells of a design; of what a target does not have, none.
+/// Cells of a design. Kinds that a target lacks are 0.
 struct CellCounts {
   double lut = 0, carry = 0, ff = 0, dsp = 0, ram = 0, lutram = 0;
   void add(const CellCounts& other, double times);
 };
 
-/// Of one operator or one lane, as tools/synthesis measured it.
+/// Cost of one operator or one lane, measured by tools/synthesis.
 struct PriceRow {
   std::string what, algorithm, format, lat, target;
   CellCounts cells;
-  std::optional<double> mhz;  ///< median over the seeds; none of a target whose area alone is known
+  std::optional<double>
+      mhz;  ///< median over the seeds; none if only the area is known for the target
 };
 
-/// Where a clock or a price is of: a device that was measured, or a clock that is assumed.
+/// Target of a clock or a cost: a measured device, or an assumed clock.
 struct Target {
   std::string name = "assumed:100MHz";
   std::optional<double> assumed_mhz = 100;
 };
-inline constexpr const char* kDefaultTarget = "ecp5-85";  ///< of prices
+inline constexpr const char* kDefaultTarget = "ecp5-85";  ///< for costs
 
-/// "ecp5-85", "hx8k" or "assumed:NUMBERMHz"; error kUsage for anything else, naming these.
+/// Parses "ecp5-85", "hx8k" or "assumed:NUMBERMHz". Error kUsage for anything else, naming these.
 [[nodiscard]] Target parse_target(const std::string& text);
 [[nodiscard]] std::vector<std::string> target_words();
 
-/// How many of a lane a device has place for, and what runs out first: at most 85 % of logic and
-/// registers, all multipliers and memories.
+/// How many copies of a lane fit on a device, and which resource limits them. A design may use 85 %
+/// of logic and registers, and all multipliers and memories.
 struct LanesThatFit {
   unsigned lanes = 0;
   std::string limit;
-  double share = 0;  ///< of what runs out first, that one lane takes; 1: all that may be used
+  double share = 0;  ///< of the limiting resource, used by one lane; 1: all that may be used
 };
 [[nodiscard]] LanesThatFit lanes_that_fit(const CellCounts& lane, const std::string& target);
 
@@ -50,30 +51,30 @@ struct OperatorCounts {
   unsigned add = 0, mul = 0, div = 0, sqrt = 0, cmp = 0;  ///< cmp: comparisons, minima and maxima
   [[nodiscard]] unsigned total() const { return add + mul + div + sqrt + cmp; }
 };
-/// Clocks of operators, in the same order as a card's parameters.
+/// Latencies of operators in cycles, in the order of a card's parameters.
 struct OperatorClocks {
   unsigned add = 1, mul = 1, div = 1, sqrt = 1, cmp = 1;
 };
 
-/// A pipe, as far as its price goes.
+/// A pipe, reduced to what its cost depends on.
 struct PricedPipe {
   Pair pair = Pair::kRayTriangle;
   Algorithm algorithm = Algorithm::kMoller;
   bool box = false;
   FpFormat format = {};
-  std::optional<OperatorCounts> operators = {};  ///< none: nobody counted them
+  std::optional<OperatorCounts> operators = {};  ///< none: not counted
 };
 
-/// What one lane takes on a target.
+/// Cost of one lane on a target.
 struct LanePrice {
-  bool estimated = false;  ///< the sum of its operators, and the least of their clocks
+  bool estimated = false;  ///< the sum of its operators, and the lowest of their clock frequencies
   CellCounts cells = {};
   double mhz = 0;
   LanesThatFit fit = {};
-  unsigned longest = 1;  ///< clocks of the operator that has the most
+  unsigned longest = 1;  ///< latency of the slowest operator in cycles
   std::string of = {};   ///< the rows, as text
 };
-/// A price, or why there is none.
+/// A cost, or why there is none.
 struct LanePriceOr {
   std::optional<LanePrice> price;
   std::string why_not;
@@ -81,16 +82,16 @@ struct LanePriceOr {
 
 class PriceTable {
  public:
-  /// $CDE_PRICES, or docs/prices.json beside the RTL; no rows if that is not there. Error kFile
-  /// for one that cannot be read, with the number of the row.
+  /// The table of $CDE_PRICES, or docs/prices.json beside the RTL; without that file no rows. Error
+  /// kFile for an unreadable table, with the row number.
   static PriceTable of_project();
 
-  /// The whole lane where it was measured, at the clocks of operators that are fastest; else the
-  /// sum of its operators, each at its fastest. `clocks`: only rows of these.
+  /// The cost of a whole lane if it was measured, at the fastest operator latencies. Otherwise the
+  /// sum of its operators, each at its fastest. `clocks`: use only rows with these latencies.
   [[nodiscard]] LanePriceOr lane(const PricedPipe& pipe, const std::string& target,
                                  const std::optional<OperatorClocks>& clocks = {}) const;
 
-  /// "there are: add fp32 LAT 8, ...": rows of a target that have a clock.
+  /// "there are: add fp32 LAT 8, ...": rows of a target that have a clock frequency.
   [[nodiscard]] std::string rows_of(const std::string& target) const;
 
  private:
