@@ -155,7 +155,7 @@ TEST(PlayerMoves, QueriesOfDifferentObjects) {
                             query("two", "\"a\"", "mode = \"hits\"\nmask = [\"0..250\"]\n") +
                             query("three", "\"a\"", "mode = \"any\"\n");
   EXPECT_EQ(plan(parse_scene("frames = 9\n" + scene, "s.toml")).board.transform, Transformer::kNone)
-      << "the test saves no words";
+      << "transforms on the card would save no words";
   Played played("[card]\nmover = \"card\"\n" + scene);
   for (const std::uint32_t f : {0u, 1u, 2u}) {
     const auto results = played.frame(f);

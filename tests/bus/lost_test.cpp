@@ -202,7 +202,7 @@ TEST_P(LostCard, AnInterruptBeforeAClearDoesNotCount) {
   board.set_objects({});
   board.set_primary_objects({});
   for (const bool lost : {false, true}) {
-    SCOPED_TRACE(lost ? "interrupt lost, found by polling" : "and was seen");
+    SCOPED_TRACE(lost ? "interrupt lost, found by polling" : "interrupt seen");
     if (lost && GetParam() == Bus::kCycle) board.inject(BusFault::kLostInterrupt, 1);
     one_pair(board);
     EXPECT_LT(board.wait(5000), 5000u) << "the interrupt was not cleared";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The price list of cde accuracy, and the prices in it.
+// The cost table of cde accuracy --price, and the costs on its page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ const Words kSome = {"--pair",       "ray-triangle,sphere-sphere",
                      "--formats",    "fp16,bf16,fp32",
                      "--cases",      "120"};
 
-/// Measured and estimated prices are what the rows say, and no sum has both.
+/// Measured and estimated costs come from the rows, and no sum mixes both.
 TEST_F(AccuracyPage, PricesAreOfTheTable) {
   Words words = kSome;
   words.emplace_back("--json");
@@ -62,7 +62,7 @@ TEST_F(AccuracyPage, PricesAreOfTheTable) {
       const bool small = format == "fp16";
       EXPECT_EQ(price.at("luts"), small ? 20000 : 90000);
       EXPECT_EQ(price.at("fmax_mhz"), small ? 110 : 100) << "the median of three seeds";
-      // 85 % of 83,640 logic cells, of which a carry takes two.
+      // 85 % of 83,640 logic cells; a carry takes two.
       EXPECT_EQ(price.at("lanes_that_fit"), small ? 3 : 0);
       EXPECT_EQ(price.at("lanes_limit"), "logic");
       kinds.insert(small ? "measured" : "too large");
@@ -73,7 +73,7 @@ TEST_F(AccuracyPage, PricesAreOfTheTable) {
     const double luts = 300 * n.at("add").get<double>() + 200 * n.at("mul").get<double>() +
                         900 * n.at("div").get<double>() + 700 * n.at("sqrt").get<double>() +
                         60 * n.at("compare").get<double>();
-    EXPECT_EQ(price.at("luts"), luts) << "the fastest rows";
+    EXPECT_EQ(price.at("luts"), luts) << "luts of the fastest rows";
     EXPECT_EQ(price.at("dsps"), n.at("mul"));
     const double fit =
         std::floor(0.85 * 83640 /
@@ -136,8 +136,8 @@ TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {
   EXPECT_EQ(html, read("q.html"));
   expect_sound(html, 3);
   EXPECT_LT(html.size(), 3u << 20);
-  // Two charts of accuracy against time, decisions and families a pair; four profiles a format.
-  // Decisions of which none was wrong are a chart of their own, folded.
+  // Per pair: two charts of accuracy against time, for decisions and for families. Per format: four
+  // profiles. Decisions that were never wrong have a folded chart of their own.
   const std::size_t folded = count(html, "without an observed wrong decision</summary>");
   EXPECT_GT(folded, 0u);
   const std::size_t decided = count(html, ": wrong decisions a million\"") + folded;
@@ -153,7 +153,7 @@ TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {
 }
 
 TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
-  if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the page were not run";
+  if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the page";
   Words words = kSome;
   words.insert(words.end(), {"--profiles", "30", "--page", "p.html"});
   ASSERT_EQ(priced(words).status, 0);
@@ -168,13 +168,13 @@ TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
   }
   ASSERT_EQ(told["choices"].size(), 2u);
   EXPECT_EQ(told["choices"][0]["options"], json({"ray-triangle", "sphere-sphere"}));
-  EXPECT_EQ(told["choices"][0]["before"], json({"ray-triangle", "fp32"})) << "one of each";
+  EXPECT_EQ(told["choices"][0]["before"], json({"ray-triangle", "fp32"})) << "one choice per table";
   EXPECT_EQ(told["choices"][0]["after"], json({"sphere-sphere", "fp32"}));
 }
 
-/// The best line follows the chosen formats, and a chart can be zoomed.
+/// The line of best trade-offs follows the chosen formats, and a chart can be zoomed.
 TEST_F(AccuracyPage, FilterAndZoom_ChangeChartsTablesAndTheBestLine) {
-  if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the page were not run";
+  if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the page";
   Words words = kSome;
   words.insert(words.end(), {"--page", "p.html"});
   ASSERT_EQ(priced(words).status, 0);
@@ -217,7 +217,7 @@ addEventListener("load", () => {
   const json &before = told["before"], &without = told["without"], &closer = told["closer"];
   EXPECT_TRUE(has(before["formats"].dump(), "bf16"));
   EXPECT_LT(without["at"].size(), before["at"].size());
-  EXPECT_NE(without["best"], before["best"]) << "a dot of bf16 was on it";
+  EXPECT_NE(without["best"], before["best"]) << "the line had a dot of bf16";
   const std::string dots = without["at"].dump();
   for (const json& corner : without["best"]) {  // at a dot, or above one
     const auto at = corner.get<std::string>();
@@ -245,10 +245,10 @@ TEST_F(AccuracyPage, WrongPixelsOfAMesh) {
     const json& pixels = picture.at("of_scene").at("wrong_pixels");
     wrong += pixels.get<int>();
     EXPECT_GE(count(html, ": " + pixels.dump() + " of 256 pixels wrong"), 2u)
-        << "in words and as alt";
+        << "in the text and as alt text";
   }
   EXPECT_GT(wrong, 0);
-  // The view in 3-D has each of them once, and the mesh.
+  // The 3-D view holds each wrong pixel once, and the mesh.
   const json space = json::parse(plain(between(html, "id=\"data\">", "</script>").at(0)));
   const auto size_of = [](const json& base64) {
     const std::string text = base64.get<std::string>();
@@ -321,14 +321,14 @@ TEST_F(AccuracyPage, WorstCases) {
   EXPECT_EQ(worst.at("a_words").size(), 8u);
   EXPECT_EQ(worst.at("b_words").size(), 9u);
   ASSERT_FALSE(all.at("worst_decision").is_null());
-  // The words as the command has them are those of the list.
+  // The words in the command are those of the list.
   const std::string command = worst.at("repeat_command");
   for (const json& word : worst.at("a_words")) EXPECT_TRUE(has(command, word.get<std::string>()));
   EXPECT_TRUE(
       has(command, "' | cde query ray-triangle --algorithm badouel --no-box --format fp32"));
 }
 
-/// A modelled clock is that of the rows of a card's operators, or it is refused.
+/// A modelled clock comes from the rows of a card's operators, or is refused.
 TEST_F(AccuracyPage, ClocksOfCards) {
   json rows = some_prices();
   for (const char* what : {"add", "mul", "div", "lt"})
@@ -346,7 +346,7 @@ TEST_F(AccuracyPage, ClocksOfCards) {
   const json a = json::parse(usual.out), b = json::parse(measured.out),
              c = json::parse(assumed.out);
   EXPECT_EQ(a["clock_hz"], 100e6);
-  EXPECT_EQ(b["clock_hz"], 40e6) << "the quotient's";
+  EXPECT_EQ(b["clock_hz"], 40e6) << "the clock of the divider";
   EXPECT_EQ(c["clock_hz"], 50e6);
   EXPECT_TRUE(has(b["clock_is"].get<std::string>(), "ecp5-85, estimated"));
   EXPECT_NEAR(b["modelled_pass_seconds"].get<double>(),
@@ -359,7 +359,7 @@ TEST_F(AccuracyPage, ClocksOfCards) {
   EXPECT_TRUE(has(both.err, "cannot be combined with"));
 }
 
-/// A scene has latencies of its own, so rows of deep operators give its clock.
+/// A scene has its own latencies, so rows of deep operators give its clock.
 TEST_F(AccuracyPage, ClocksOfScenes) {
   json rows = some_prices();
   rows["rows"].push_back(
@@ -396,7 +396,7 @@ TEST_F(AccuracyPage, ClocksOfScenes) {
   write("bf16.toml", scene("format = \"bf16\"\n"));
   EXPECT_TRUE(has(plan({"bf16.toml", "--target", "ecp5-85"}).err,
                   "no clock of ray-triangle moller box bf16"))
-      << "a card's format is what it is priced in";
+      << "the cost is that of the card's format";
   EXPECT_TRUE(has(plan({"plain.toml", "--target", "ecp5-85"}).out, "\nclock      90 MHz, of ray-"));
   const Ran both = plan({"clock.toml", "--target", "ecp5-85"}),
             none = plan({"plain.toml", "--target", "hx8k"});

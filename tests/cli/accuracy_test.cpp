@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde accuracy: the same figures for the same seed, sweeps that go on, and what it refuses.
+// cde accuracy: repeatable figures per seed, runs that continue, and refusals.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 class Accuracy : public Cli {
  protected:
-  /// Without operators, which only sweeps count.
+  /// Without the count of operators, which only sweeps need.
   static Words command(const Words& words) {
     Words all = {"accuracy", "-q"};
     bool sweeps = true;
@@ -29,7 +29,7 @@ class Accuracy : public Cli {
     return all;
   }
   Ran accuracy(const Words& words) { return cde(command(words)); }
-  /// The pipes that it says something of.
+  /// The pipes in the JSON output.
   Json pipes(Words words) {
     words.emplace_back("--json");
     const Ran ran = accuracy(words);
@@ -75,12 +75,12 @@ TEST_F(Accuracy, MoreBitsAreNearerTheTruth) {
     for (const Json& family : pipe.at("families")) cases += family.at("cases").get<int>();
     EXPECT_EQ(cases, 200);
     EXPECT_TRUE(pipe.at("price").at("luts").is_null() || pipe.at("price").at("luts") > 0);
-    EXPECT_TRUE(pipe.at("price").at("latency_levels").is_null()) << "nobody asked";
+    EXPECT_TRUE(pipe.at("price").at("latency_levels").is_null()) << "no price table was given";
   }
 }
 
-/// A run that was ended anywhere, in the middle of a line too, goes on to the same file and table.
-/// What no card has, to be compared with: worse quadratics, separating axes that say F alone.
+/// Variants that no card has, for comparison: worse quadratic formulas, and separating axes that
+/// give F only.
 TEST_F(Accuracy, VariantsStandBesideTheCard) {
   const Json rays = pipes({"--pair", "ray-sphere", "--formats", "fp32", "--cases", "2800",
                            "--variants", "card,fused,textbook"});
@@ -112,7 +112,7 @@ TEST_F(Accuracy, VariantsStandBesideTheCard) {
   EXPECT_EQ(none.err, "cde: none of the pairs is one of --variants textbook\n");
 }
 
-/// Two triangles that are one point, which coarse formats make of small ones far away.
+/// Triangles that are single points: coarse formats round small triangles far away to them.
 TEST_F(Accuracy, PointsHaveErrorsOfNumbers) {
   const Json all = pipes({"--pair", "triangle-triangle", "--formats", "bf16", "--cases", "2400"})
                        .at(0)
@@ -149,7 +149,7 @@ TEST_F(Accuracy, WhatIsCertainIsTrue) {
     EXPECT_GT(sum["certain_misses"], 300);
     EXPECT_GT(sum["certain_hits"], 300);
     EXPECT_GT(sum["uncertain_in_band"],
-              100);  // exact contact: nothing of binary32 is certain there
+              100);  // exact contact: no certified filter of binary32 decides there
     for (const Json& family : row["families"])
       for (auto& [key, value] : sum.items()) value = value.get<long>() - family.at(key).get<long>();
     for (const auto& [key, value] : sum.items()) EXPECT_EQ(value, 0) << key;
@@ -170,6 +170,7 @@ TEST_F(Accuracy, VerdictsThatThereAreNotAreRefused) {
   refused({"--verdicts", "--pair", "obb-obb", "--budgets", "4,2,2"}, "--budgets is of");
 }
 
+/// A run that ended anywhere, even within a line, continues to the same file and table.
 TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
   const Words some = {"--pair", "sphere-plane,ray-sphere", "--formats", "bf16,fp32", "--cases",
                       "90"};
@@ -235,7 +236,7 @@ TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
     refused({"--pair", "sphere-sphere", "--resume", device}, "is not a regular file");
 }
 
-/// A budget that is given twice is measured once.
+/// A repeated budget is measured once.
 TEST_F(Accuracy, EachBudgetOnce) {
   const Json all = pipes({"--pair", "obb-cylinder", "--formats", "fp16", "--cases", "20",
                           "--budgets", "4,0,0:4,2,2:4,0,0"});
@@ -252,7 +253,7 @@ TEST_F(Accuracy, EachFamilyOnce) {
   EXPECT_EQ(all.at("only_families"), (Json{"random", "deep"}));
 }
 
-/// Where an option would change nothing, it is refused, and nothing is measured or written.
+/// An option without effect is refused, and nothing is measured or written.
 TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
   const Words mesh = {"--mesh", "terrain:8,8,1", "--grid", "4x4"};
   for (const Words& more : std::initializer_list<Words>{{"--check", "10"},
@@ -278,7 +279,8 @@ TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
   refused({"--by-family", "--json"}, "--by-family cannot be combined with --json");
   refused({"--by-family", "--promises"}, "--by-family cannot be combined with --promises");
   refused({"--target", "hx8k", "--promises"}, "--target cannot be combined with --promises");
-  refused({"--resume", "-"}, "--resume is -; it must be a file, because the journal is read and written");
+  refused({"--resume", "-"},
+          "--resume is -; it must be a file, because the journal is read and written");
   refused({"--page", "-", "--json"}, "--json and --page");
   refused({"--grid", "3x3"}, "--grid needs --mesh");
   refused({"--camera", "auto"}, "--camera needs --mesh");
@@ -289,7 +291,8 @@ TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
   refused({"--pair", "sphere-plane", "--page", "-", "--json"}, "--page");
 }
 
-/// What the judge cannot tell grows with the quantile, and so do the bounds that it sets.
+/// The share of cases that the reference cannot decide grows with the quantile, and so do its
+/// bounds.
 TEST_F(Accuracy, BoundsOfTheJudgeGrow) {
   const Json all = pipes({"--pair", "obb-obb", "--formats", "fp64", "--cases", "1400", "--short"});
   const Json& oracle = all.at(0).at("all_families").at("oracle_u");
@@ -306,7 +309,7 @@ TEST_F(Accuracy, BoundsOfTheJudgeGrow) {
   EXPECT_GT(bounds.back(), bounds[bounds.size() - 2]);
 }
 
-/// A mesh whose picture is known: few bits see it otherwise.
+/// A mesh with a known picture: formats with few bits give other pixels.
 TEST_F(Accuracy, PixelsOfAPicture) {
   const Ran ran = accuracy({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on",
                             "--algorithms", "badouel", "--formats", "bf16,fp64", "--json"});

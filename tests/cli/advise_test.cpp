@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde advise: what it names, what it says is in the way, and the table that it reads.
+// cde advise: its choices, the reasons for refusals, and the table that it reads.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -41,13 +41,12 @@ TEST_F(Advise, TheCheapestThatMeetsTheDemands) {
                            "cde accuracy --pair ray-triangle --algorithms watertight",
                            "| cde query ray-triangle --algorithm watertight"})
     EXPECT_TRUE(has(ran.out, text));
-  // Without the demand on leaks there are cheaper ones, and the whole lane that was measured is
-  // one.
+  // Without the limit on leaks cheaper configurations qualify, among them the whole measured lane.
   const Ran leaky = advise({"--max-error", "0.1", "--time", "10ms"});
   EXPECT_EQ(leaky.status, 0);
   EXPECT_NE(first_line(leaky), first_line(ran));
   EXPECT_EQ(advise({"--max-error", "0.1", "--time", "10ms"}).out, leaky.out);
-  // More tests in the same time take more lanes.
+  // More tests in the same time need more lanes.
   const Ran slow = advise({"--pair", "sphere-sphere", "--time", "10ms"}),
             fast = advise({"--pair", "sphere-sphere", "--time", "3ms"});
   EXPECT_TRUE(has(slow.out, "on 1 lane,"));
@@ -67,7 +66,8 @@ TEST_F(Advise, JsonHasAllOfThemInTheSameOrder) {
   bool meets = true;
   for (const auto& c : j["advised"]) {
     EXPECT_EQ(c["meets"].get<bool>(), c["lacks"].empty());
-    EXPECT_TRUE(meets || !c["meets"].get<bool>()) << "one that does not meet them is before it";
+    EXPECT_TRUE(meets || !c["meets"].get<bool>())
+        << "sorted after a configuration that does not meet the demands";
     meets = c["meets"];
     EXPECT_TRUE(!meets || (c["leaks"]["count"] == 0 && c["error_over_size"] <= 0.1)) << c.dump(1);
   }
@@ -88,11 +88,11 @@ TEST_F(Advise, WhatIsInTheWay) {
   EXPECT_TRUE(has(sure.out, "it takes 384,143 cases without one"));
   const Ran unsure = advise({"--pair", "sphere-sphere", "--max-wrong", "10"});
   EXPECT_EQ(unsure.status, 0) << unsure.out;
-  // Nobody measured anything of this device.
+  // The table has no measurements for this device.
   const Ran other = advise({"--target", "hx8k", "--time", "1s"});
   EXPECT_EQ(other.status, 1);
   EXPECT_TRUE(has(other.out, "whether a lane fits in hx8k is not known: no row of "));
-  EXPECT_EQ(advise({"--target", "hx8k"}).status, 1) << "whatever is asked";
+  EXPECT_EQ(advise({"--target", "hx8k"}).status, 1) << "for any demand";
   const Ran assumed = advise({"--target", "assumed:100MHz", "--time", "1ms", "--max-error", "0.1"});
   EXPECT_EQ(assumed.status, 0) << assumed.out;
   EXPECT_TRUE(has(assumed.out, "on 16 lanes"));
@@ -126,7 +126,7 @@ TEST_F(Advise, DemandsThatMakeNoSense) {
   refused({}, "kept.json: not a sweep of cde.accuracy.2");
 }
 
-/// A pipe whose area nobody knows is not the cheapest on a device that the others do not fit in.
+/// A pipe of unknown area is not the cheapest choice on a device that is too small for the others.
 TEST_F(Advise, WhatMayNotFitIsNoAdvice) {
   const Ran ran = cde({"advise", "--pair", "obb-obb", "--max-error", "1e-2"});
   EXPECT_EQ(ran.status, 1) << ran.out;
@@ -134,7 +134,7 @@ TEST_F(Advise, WhatMayNotFitIsNoAdvice) {
   EXPECT_TRUE(has(ran.out, "; one lane, "));
 }
 
-/// The commands measure what is said: these families alone, priced on this target.
+/// The printed commands repeat the figures: with these families alone, and costs for this target.
 TEST_F(Advise, CommandsRepeatTheFigures) {
   const Ran swept = cde({"accuracy", "--pair", "ray-sphere", "--formats", "bf16", "--families",
                          "anywhere", "--cases", "300", "-q", "--json", "-o", "some.json"});
@@ -147,8 +147,8 @@ TEST_F(Advise, CommandsRepeatTheFigures) {
                   "--target assumed:50MHz --cases 300 --seed 1 --by-family\n"));
 }
 
-/// Of several pairs each has its own families in its command, and where nothing was judged nothing
-/// is said to be good.
+/// With several pairs, each command has the families of its own pair. Without judged cases, no
+/// result is called good.
 TEST_F(Advise, FamiliesOfSeveralPairs) {
   const Ran swept =
       cde({"accuracy", "--pair", "sphere-sphere,ray-triangle", "--algorithms", "moller", "--box",
@@ -167,7 +167,7 @@ TEST_F(Advise, FamiliesOfSeveralPairs) {
   EXPECT_TRUE(has(ray.at("lacks").dump(), "no decision was judged")) << ray;
 }
 
-/// Counts that contradict each other are told, with the configuration that has them.
+/// Contradicting counts are reported with their configuration.
 TEST_F(Advise, SweepsThatContradictThemselves) {
   const json kept = json::parse(read("kept.json"));
   const auto refused = [&](const char* pointer, const json& value, const std::string& text) {
@@ -185,7 +185,8 @@ TEST_F(Advise, SweepsThatContradictThemselves) {
   refused("/seed", "one", "seed is \"one\"");
 }
 
-/// docs/accuracy.json says what this command measures: two of its configurations again.
+/// docs/accuracy.json matches the output of its command: two of its configurations are measured
+/// again.
 TEST_F(Advise, TheKeptTableIsNotStale) {
   std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/accuracy.json");
   const json kept = json::parse(in, nullptr, false);

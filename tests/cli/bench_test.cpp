@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde bench: the figures are there and make sense; how large they are is the machine's affair.
+// cde bench: the figures exist and are plausible; their size depends on the machine.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -22,7 +22,7 @@ TEST_F(Bench, QuickRays) {
   ASSERT_EQ(rates["card"].size(), 2u);
   for (const auto& card : rates["card"]) {
     EXPECT_EQ(card["device_cycles"], rates["card"][0]["device_cycles"])
-        << "both arithmetics take the same clocks";
+        << "both arithmetic back ends take the same cycles";
     EXPECT_GT(card["tests_per_second_simulated"], 1e4);
     EXPECT_NEAR(card["cycles_per_row"].get<double>(), 1.0, 0.001);
   }
@@ -71,7 +71,7 @@ TEST_F(Bench, QuickPairs) {
   EXPECT_GT(fcl["collide_per_second"], 1e4);
   EXPECT_GT(fcl["distance_per_second"], 1e4);
   EXPECT_EQ(fcl["hits_compared"], j["cases"]);
-  EXPECT_GE(fcl["hits_agreeing"], j["cases"].get<int>() - 2) << "fp32 against binary64";
+  EXPECT_GE(fcl["hits_agreeing"], j["cases"].get<int>() - 2) << "fp32 compared with binary64";
 }
 
 TEST_F(Bench, QuickHierarchy) {
@@ -82,7 +82,7 @@ TEST_F(Bench, QuickHierarchy) {
   EXPECT_EQ(j[0]["triangles"], 12'800);
   ASSERT_EQ(j[0]["card"].size(), 2u);
   for (const auto& card : j[0]["card"]) {
-    // Ahead of a sweep of 16 lanes by far: 16 rows of 12,800 triangles.
+    // Much faster than brute force with 16 lanes: 16 rows of 12,800 triangles.
     EXPECT_LT(card["packet_cycles"], 16 * 12'800 / 20);
     EXPECT_GT(card["rays_per_second_device"], 1e7);
     EXPECT_GT(card["rays_per_second_with_bus"], 5e6);
@@ -90,13 +90,13 @@ TEST_F(Bench, QuickHierarchy) {
     EXPECT_LT(card["refit_cycles"], 4 * 12'800);
     EXPECT_GT(card["rays_per_second_simulated"], 1e3);
   }
-  ASSERT_EQ(j[0]["solids"].size(), 2u) << "spheres, small and large";
+  ASSERT_EQ(j[0]["solids"].size(), 2u) << "small spheres and large spheres";
   for (const auto& solids : j[0]["solids"]) {
     EXPECT_GT(solids["touching_share"], 0.1);
     EXPECT_LT(solids["touching_share"], 1);
     ASSERT_EQ(solids["by_question"].size(), 2u);
     for (const auto& asked : solids["by_question"]) {
-      // A sweep of 4 lanes tests all 12,800 triangles in 3,200 clocks.
+      // Brute force with 4 lanes tests all 12,800 triangles in 3,200 cycles.
       EXPECT_LT(asked["seconds_of_a_stream"], 1600 * 1e-8);
       EXPECT_LT(asked["seconds_of_a_packet"], asked["seconds_alone"]);
       EXPECT_LT(asked["triangles_each"], 12'800 / 20);
@@ -108,25 +108,25 @@ TEST_F(Bench, QuickBus) {
   const Ran ran = cde({"bench", "bus", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out)["bus"];
-  ASSERT_EQ(j["transfers"].size(), 3u) << "a host each";
+  ASSERT_EQ(j["transfers"].size(), 3u) << "one entry per host";
   double above = 2;
   for (const auto& host : j["transfers"]) {
     EXPECT_EQ(host["bus"], "functional");
     double before = 0;
     for (const auto& point : host["modelled"]) {
       const double share = point["to_card_share"];
-      EXPECT_GE(share, before) << "larger transfers are not slower";
+      EXPECT_GE(share, before) << "larger transfers must not be slower";
       EXPECT_LT(share, 1);
       before = share;
     }
-    EXPECT_LT(before, above) << "from the best host to the worst";
+    EXPECT_LT(before, above) << "hosts are sorted from best to worst";
     above = before;
   }
-  EXPECT_GT(j["transfers"][0]["modelled"].back()["to_card_share"], 0.9) << "ideal, 4 MB";
+  EXPECT_GT(j["transfers"][0]["modelled"].back()["to_card_share"], 0.9) << "ideal host, 4 MB";
   ASSERT_EQ(j["paper_frame"].size(), 1u);
   const auto& frame = j["paper_frame"][0];
   EXPECT_EQ(frame["tests"], 1014 * 256);
-  // 16 lanes at 100 MHz, and what p64-2001 adds.
+  // 16 lanes at 100 MHz, plus the bus time of p64-2001.
   const auto& s = frame["modelled_seconds"];
   EXPECT_GT(s["compute"], 1014 * 16 * 10e-9);
   EXPECT_LT(s["compute"], 1.05 * 1014 * 16 * 10e-9);
@@ -136,7 +136,7 @@ TEST_F(Bench, QuickBus) {
 TEST_F(Bench, QuickEffects) {
   const Ran ran = cde({"bench", "effects", "--quick", "--json", "--markdown"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  // The figures for people are beside the JSON, on stderr.
+  // The table for people goes to stderr, beside the JSON.
   EXPECT_TRUE(has(ran.err,
                   "| card | times the planned card | least to most | clocks of the pass |\n"
                   "| --- | --- | --- | --- |\n| planned | 1.00 | 1.00 to 1.00 | "));
@@ -152,7 +152,8 @@ TEST_F(Bench, QuickEffects) {
   EXPECT_EQ(cards[0]["name"], "planned");
   EXPECT_EQ(cards[0]["slower"], 1.0);
   EXPECT_EQ(cards[1]["name"], "pipe alone");
-  EXPECT_EQ(cards[1]["parameters"], cards[0]["parameters"]) << "the plan adds nothing to the pipe";
+  EXPECT_EQ(cards[1]["parameters"], cards[0]["parameters"])
+      << "the planned card must add nothing to the pipe";
   EXPECT_EQ(cards[2]["effect"], "gates");
   EXPECT_GT(cards[2]["slower"], 1.5);
   EXPECT_GT(cards[2]["slower_in_plans"], 1.5);
@@ -162,9 +163,9 @@ TEST_F(Bench, QuickEffects) {
     EXPECT_GE(card["slower"], card["slower_least"]);
     EXPECT_LE(card["slower"], card["slower_most"]);
     EXPECT_GT(card["wall_seconds"], 0);
-    EXPECT_GT(card["frame_over_pass_clocks"], 0) << "rays and records cross the bus";
+    EXPECT_GT(card["frame_over_pass_clocks"], 0) << "rays and records must cross the bus";
   }
-  ASSERT_EQ(j["promises"].size(), 2u) << "the card with everything takes minutes to build";
+  ASSERT_EQ(j["promises"].size(), 2u) << "--quick leaves out the card with everything";
   EXPECT_NEAR(j["promises"][0]["figure"].get<double>() * cards[1]["slower"].get<double>(), 1, 1e-9);
   EXPECT_EQ(j["promises"][1]["figure"], cards[0]["frame_over_pass"]);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a failure leaves: a folder with waves around it and the line where both sides part.
+// The package of a failure: a folder with waves around it, and the line where card and reference
+// differ.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -56,7 +57,8 @@ TEST_F(Bundles, APairThatAPipeAnswersWrong) {
   EXPECT_EQ(place["line"], fault.line());
   EXPECT_FALSE(j["near_lines"].empty());
   EXPECT_TRUE(has(read("cde-failure/fail.txt"), "ray_triangle_moller.sv:"));
-  // The wrong answer stands at the time that the waves call fail, and the command in it runs.
+  // At the failing time in the waves the signal holds the wrong answer, and the command in the
+  // package runs.
   const std::string signal = j["wrong_signal"];
   const Ran at =
       cde({"wave", "at", "cde-failure/waves.fst", "fail", signal, "pair_unit.valid_o", "--json"},
@@ -65,7 +67,7 @@ TEST_F(Bundles, APairThatAPipeAnswersWrong) {
   const json values = json::parse(at.out)["values"];
   EXPECT_EQ(values[0]["value"], j["card_answer"]["F"] == true ? "true" : "0");
   EXPECT_EQ(values[1]["value"], "1");
-  // What is there stays.
+  // An existing folder stays.
   EXPECT_EQ(shell_in(fault, query + " --bundle cde-failure").status, 3);
   EXPECT_TRUE(exists("cde-failure-2/fail.txt"));
   EXPECT_EQ(shell_in(fault, query + " --no-bundle").status, 3);
@@ -110,7 +112,7 @@ TEST_F(Bundles, ACardThatHangs) {
   EXPECT_TRUE(has(page, "record of primary 0"));
 }
 
-/// A pipe that keeps its last row's answer for itself, and one that answers another row first.
+/// A pipe that never returns its last row, and a pipe that answers a later row first.
 TEST_F(Bundles, APipeThatHangs) {
   write("rows", "0,0,0,1,0,0,0,1\n0,0,0,1,1.5,0,0,1\nno pair\n0,0,0,1,5,0,0,1\n");
   const std::string query = "\"$CDE\" query sphere-sphere --lanes 1 -q ";
@@ -118,7 +120,7 @@ TEST_F(Bundles, APipeThatHangs) {
                       "valid_mem[then_q] && q_o != W'(2);");
   const Ran ran = shell_in(fault, query + "< rows");
   EXPECT_EQ(ran.status, 4) << ran.err;
-  EXPECT_EQ(ran.out, "") << "no answer was compared, so none is written, and no header";
+  EXPECT_EQ(ran.out, "") << "no answer was compared, so neither answers nor header are written";
   EXPECT_TRUE(has(ran.err,
                   "lines 1 to 4: pair_unit: 3 of 3 rows of 1 pairs were taken and 2 "
                   "answered, the last at clock 12; nothing went on for 1000000 clocks"));
@@ -128,8 +130,7 @@ TEST_F(Bundles, APipeThatHangs) {
   EXPECT_EQ(shell_in(fault, "cd cde-failure && " + query + "--no-bundle < pairs.txt").status, 4);
   const Ran at = cde({"wave", "at", "cde-failure/waves.fst", "fail", "pair_unit.tag_o", "--json"},
                      fault.environment());
-  EXPECT_EQ(json::parse(at.out)["values"][0]["value"], "00000001")
-      << "the last row that was answered";
+  EXPECT_EQ(json::parse(at.out)["values"][0]["value"], "00000001") << "the last answered row";
 
   const Planted other(folder_, "rtl/pair_unit.sv", ".d_i(tag)", ".d_i(tag ^ 32'd1)");
   const Ran exchanged = shell_in(other, query + "--no-bundle < rows");
@@ -137,7 +138,7 @@ TEST_F(Bundles, APipeThatHangs) {
   EXPECT_TRUE(has(exchanged.err, "and 0 answered, the last at clock 2; then came an answer that"));
 }
 
-/// A deadline that was asked for is no failure of the card.
+/// A deadline that the user set is not a failure of the card.
 TEST_F(Bundles, ADeadlineIsNotPacked) {
   write("twice.obj", kTwice);
   EXPECT_EQ(

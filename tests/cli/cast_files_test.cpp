@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files of cde cast: pictures and records in all their formats, rays from arrays.
+// The files of cde cast: pictures and records in all formats, rays from arrays.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-/// Two triangles that share an edge, in objects of their own; corners of the second go the other
-/// way round.
+/// Two triangles that share an edge, each in its own object. The corners of the second have the
+/// opposite order.
 const char* const kTwoObjects =
     "v 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\no left\nf 1 2 3\no right, \"side\"\nf 2 3 4\n";
 
@@ -60,14 +60,14 @@ TEST_F(CastFiles, AMeshAloneShowsItself) {
   write("one.obj", kTwoObjects);
   const Ran ran = render({"one.obj"});
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_EQ(ran.out, "") << "stdout is no terminal";
+  EXPECT_EQ(ran.out, "") << "no picture, because stdout is not a terminal";
   EXPECT_EQ(files(), (Words{"one.obj", "one.render.png"}));
   EXPECT_EQ(read("one.render.png").substr(1, 3), "PNG");
   EXPECT_TRUE(has(ran.err, "one.render.png, 640 x 480"));
   EXPECT_EQ(render({"one.obj", "--size", "8x8", "-q"}).err, "");
 }
 
-/// T of the same picture as PNG, PFM and NumPy array; a hit is at the height of the triangle.
+/// of the same picture as PNG, PFM and NumPy array; hits lie at the height of the triangle.
 TEST_F(CastFiles, DepthsNormalsAndIndices) {
   write("one.obj", kTwoObjects);
   const Ran ran = render({"one.obj", "--grid", "4x2", "--image", "d.npy", "--normals", "n.pfm",
@@ -77,7 +77,7 @@ TEST_F(CastFiles, DepthsNormalsAndIndices) {
   EXPECT_TRUE(has(depth.header, "'<f4', 'fortran_order': False, 'shape': (2, 4)"));
   EXPECT_TRUE(has(index.header, "'<u4', 'fortran_order': False, 'shape': (2, 4)"));
   ASSERT_EQ(depth.data.size(), 32u);
-  // The pixels are squares: a square mesh fills the middle of a picture twice as wide as high.
+  // Pixels are square: a square mesh fills the middle of a picture that is twice as wide as high.
   const std::vector<bool> hit = {false, true, true, false, false, true, true, false};
   for (std::size_t i = 0; i < 8; ++i) {
     EXPECT_EQ(std::isfinite(at<float>(depth.data, 4 * i)), hit[i]) << i;
@@ -88,7 +88,7 @@ TEST_F(CastFiles, DepthsNormalsAndIndices) {
   const std::string pfm = read("n.pfm"), head = "PF\n4 2\n-1.0\n";
   ASSERT_EQ(pfm.substr(0, head.size()), head);
   ASSERT_EQ(pfm.size(), head.size() + 4 * 2 * 12);
-  // Bottom row first; whatever the order of corners, a normal points to the eye above.
+  // The bottom row comes first. For any order of corners, a normal points up to the camera.
   for (std::size_t i = 0; i < 8; ++i)
     EXPECT_EQ(at<float>(pfm, head.size() + 12 * i + 8), hit[i] ? 1.0f : 0.0f) << i;
   for (const char* option : {"--image", "--normals", "--indices"}) {
@@ -98,7 +98,7 @@ TEST_F(CastFiles, DepthsNormalsAndIndices) {
   }
 }
 
-/// The output of `cde render` is its picture, or records by another suffix.
+/// The output of `cde render` is its picture, or records with another suffix.
 TEST_F(CastFiles, OutputOfRenderIsThePicture) {
   write("one.obj", kTwoObjects);
   ASSERT_EQ(render({"one.obj", "--grid", "4x2", "-o", "a.png", "-q"}).status, 0);
@@ -119,7 +119,7 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
     return words;
   };
   EXPECT_EQ(cast({"one.obj", "--grid", "4x2", "-o", "x.CSV", "-q"}).status, 0);
-  EXPECT_TRUE(read("x.CSV").starts_with("ray,F,T,")) << "in capitals it is the same suffix";
+  EXPECT_TRUE(read("x.CSV").starts_with("ray,F,T,")) << "suffixes ignore case";
   std::filesystem::remove(folder_ / "x.CSV");
   refused(with("--image", "x.jpg"), "--image is 'x.jpg'; its name must end in .png, .pfm or .npy",
           "render");
@@ -145,7 +145,7 @@ TEST_F(CastFiles, ControlCharactersOfNamesAreShownAsNumbers) {
   EXPECT_TRUE(has(ran.out, ",\\x1b[31mred\\x07\n")) << ran.out;
 }
 
-/// What the host adds to a record, in all three formats.
+/// Fields that the host adds to a record, in all three formats.
 TEST_F(CastFiles, FieldsOfRecords) {
   write("one.obj", kTwoObjects);
   const Words words = {"one.obj",           "--ray",
@@ -184,7 +184,7 @@ TEST_F(CastFiles, FieldsOfRecords) {
   EXPECT_EQ(at<float>(array.data, kRow + 25), 0.5f) << "u of ray 1";
 }
 
-/// Files of scenes that hold no mesh: of formats whose reader makes none, and one of the skeleton.
+/// Scene files without a mesh: formats whose reader finds none, and a file with a skeleton only.
 TEST_F(CastFiles, AFileWithoutMeshesSaysSo) {
   write("none.gltf",
         R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"name":"n"}]})");
@@ -206,7 +206,7 @@ TEST_F(CastFiles, NodesOfBoxes) {
   EXPECT_TRUE(has(ran.out, ",3,near\n"));
 }
 
-/// Whether a ray starts within a closed mesh, beside its record. A mesh with a hole has no inside.
+/// Each record tells whether its ray starts within a closed mesh. A mesh with a hole has no inside.
 TEST_F(CastFiles, InsideOfAClosedMesh) {
   const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
   write("closed.obj", corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
@@ -223,7 +223,7 @@ TEST_F(CastFiles, InsideOfAClosedMesh) {
   refused(words, "cde: open.obj: is not closed: an edge of triangle");
 }
 
-/// Hits alone are not known in number before they come.
+/// The number of hits is unknown before the cast ends.
 TEST_F(CastFiles, ArrayOfHits) {
   write("one.obj", kTwoObjects);
   ASSERT_EQ(cast({"one.obj", "--grid", "4x2", "--mode", "hits", "-o", "h.npy", "-q"}).status, 0);
@@ -261,8 +261,8 @@ TEST_F(CastFiles, RaysFromArrays) {
             head + "1,1,1,0.5,0.75,1,1\n");
   EXPECT_EQ(cast({"one.obj", "--rays", "r8.npy", "-o", "-", "-q"}).out,
             head + "1,0,inf,0,0,0,4294967295\n")
-      << "tmin is beyond the triangle";
-  // Records of an array have the axes of the rays.
+      << "tmin lies beyond the triangle";
+  // Records for an array keep the axes of its rays.
   write("r3.npy", array_of("<f4", "(2, 1, 6)",
                            bytes<float>({.25f, .5f, .5f, .75f, 0, 2, 0, 0, 0, 0, 1, -1}), "True"));
   ASSERT_EQ(cast({"one.obj", "--rays", "r3.npy", "-o", "r.npy", "-q"}).status, 0);
@@ -291,7 +291,7 @@ TEST_F(CastFiles, RaysFromArrays) {
   bad(array_of("<f4", "(1, 6)", "").substr(0, 40), "is cut short in its header");
 }
 
-/// With y up, the picture of a mesh whose y is up is the one of the same mesh with z up.
+/// A mesh with y up gives the same picture as the mesh with z up.
 TEST_F(CastFiles, AxisThatIsUp) {
   write("z.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 3\nf 1 2 4\nf 2 3 4\nf 1 3 2\n");
   write("y.obj", "v 0 0 0\nv 2 0 0\nv 0 0 -1\nv 0 3 0\nf 1 2 4\nf 2 3 4\nf 1 3 2\n");
@@ -314,7 +314,7 @@ TEST_F(CastFiles, AxisThatIsUp) {
   }
 }
 
-/// Shadows are a second pass: more records, checked like the first, and another picture.
+/// Shadows are a second pass: more records, checked like the first pass, and another picture.
 TEST_F(CastFiles, ShadowsAreASecondPass) {
   const auto shaded = [&](bool shadows) {
     Words words = {"terrain:24,24,1", "--size", "48x32", "--shaded", "s.png", "--json", "-q"};
@@ -330,11 +330,11 @@ TEST_F(CastFiles, ShadowsAreASecondPass) {
   EXPECT_EQ(plain["records"], 48 * 32);
   EXPECT_EQ(dark["records"], 48 * 32 + plain["hits"].get<int>());
   EXPECT_EQ(dark["records_matching"], dark["records"]);
-  EXPECT_EQ(dark["hits"], plain["hits"]) << "of pixels";
+  EXPECT_EQ(dark["hits"], plain["hits"]) << "hits count pixels only";
 }
 
-/// What does not fit the address space is refused by its size before anything is cast, and not by
-/// an allocation that fails.
+/// A picture beyond the address space is refused by its size before the cast. No allocation fails
+/// first.
 TEST_F(CastFiles, APictureTooLargeForTheMemoryNamesItsSize) {
   const auto limited = [&](const std::string& words) {
     return shell("ulimit -v 4000000 && \"$CDE\" render terrain:3,3,1 -q " + words);
@@ -352,7 +352,7 @@ TEST_F(CastFiles, APictureTooLargeForTheMemoryNamesItsSize) {
   }
 }
 
-/// Another algorithm is another card and another reference; what is hit is the same.
+/// Another algorithm uses another card and another reference, and finds the same hits.
 TEST_F(CastFiles, Algorithms) {
   const auto hits = [&](const std::string& algorithm, const std::string& mode) {
     const Ran ran = cast({"terrain:6,6,1", "--grid", "20x15", "--algorithm", algorithm, "--mode",

@@ -44,7 +44,7 @@ TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
   EXPECT_EQ(files(), Words{"one.obj"});
 }
 
-/// No card of 4 lanes without waves is built, but one with them.
+/// No card with 4 lanes exists without waves, but one with waves does.
 TEST_F(Cast, BuiltCardStandsIn) {
   write("one.obj", kOneTriangle);
   const Words environment = {"CDE_CACHE=" + (folder_ / "cache").string()};
@@ -58,7 +58,7 @@ TEST_F(Cast, BuiltCardStandsIn) {
                    "time; --exact-card builds the planned one\n"),
       0u)
       << ran.err;
-  EXPECT_FALSE(exists("cache")) << "nothing was built";
+  EXPECT_FALSE(exists("cache")) << "no model was built";
   const auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["parameters"], (Words{"ARITH=host", "LANES=4", "BOX=1", "TRACE=1"}));
   EXPECT_EQ(j["stands_in_for"]["parameters"], (Words{"ARITH=host", "LANES=4", "BOX=1"}));
@@ -67,14 +67,14 @@ TEST_F(Cast, BuiltCardStandsIn) {
   EXPECT_EQ(j["hits"], 1);
   words.emplace_back("-q");
   EXPECT_EQ(cde(words, environment).err, "");
-  // A cache that is none shows that a card is to be built.
+  // A file in the place of the cache shows that a card would be built.
   write("cache", "");
   words.back() = "--exact-card";
   const Ran exact = cde(words, environment);
   EXPECT_EQ(exact.status, 2);
   EXPECT_EQ(exact.out, "");
   EXPECT_TRUE(has(exact.err, "is not a folder"));
-  // What is asked for is kept: algorithm, box rule, and lanes where they are said.
+  // Explicit requests are kept: algorithm, box rule, and lanes if given.
   for (const Words& other : {Words{"--no-box"}, Words{"--algorithm", "badouel"}}) {
     words.pop_back();
     words.insert(words.end(), other.begin(), other.end());
@@ -82,12 +82,12 @@ TEST_F(Cast, BuiltCardStandsIn) {
     EXPECT_EQ(built.status, 2) << built.err;
     EXPECT_FALSE(has(built.err, "stands in"));
   }
-  // Where nobody says how many lanes, the default card is there.
+  // Without a number of lanes the default card is used.
   const Ran standard = cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--json"}, environment);
   EXPECT_EQ(nlohmann::json::parse(standard.out)["stands_in_for"], nullptr);
 }
 
-/// A ray in a sliver's plane: the plain pipe's hit is in empty space.
+/// A ray in the plane of a sliver: the pipe without the box rule reports a hit in empty space.
 TEST_F(Cast, SaysWhetherItHasTheBoxRule) {
   write("one.obj", kOneTriangle);
   const Words ray = {"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--json"};
@@ -193,8 +193,8 @@ TEST_F(Cast, MoreCardsGiveTheSameFile) {
       2);
 }
 
-/// Cards beside each other keep records that have to wait, and each a mesh: refused with the sizes
-/// before anything is built or cast. One card keeps none.
+/// Parallel cards buffer records that have to wait, and each holds a mesh. Excess memory is refused
+/// with the sizes before anything is built or cast. One card buffers none.
 TEST_F(Cast, TheMemoryOfManyCardsIsLimited) {
   const Ran ran = cde({"cast", "terrain:64,64,1", "--grid", "8192x8192", "--mode", "all",
                        "--boards", "64", "-o", "x.csv"});
@@ -203,8 +203,8 @@ TEST_F(Cast, TheMemoryOfManyCardsIsLimited) {
   ASSERT_TRUE(std::regex_search(
       ran.err, match,
       std::regex(
-          "cde: 64 cards take (\\d+) MB, and records that wait for those of the cards before "
-          "them (\\d+) MB; the limit on this machine is (\\d+) MB")))
+          "cde: 64 cards take (\\d+) MB, and records that wait for earlier cards "
+          "(\\d+) MB; the limit on this machine is (\\d+) MB")))
       << ran.err;
   EXPECT_EQ(match[1], "18") << "64 times 8192 triangles of 36 bytes";
   const double records = 63.0 / 64 * 8192 * 8192 * 8192 * 40 / (1 << 20);
@@ -249,8 +249,8 @@ TEST_F(Cast, Waves) {
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_GT(read("waves.fst").size(), 10'000u);
   EXPECT_EQ(files(), (Words{"one.obj", "waves.fst"}));
-  // Every signal of the pipe, lane by lane, of control and of the bus; of parameters, memories and
-  // the insides of operators none.
+  // Waves hold every signal of the pipe (lane by lane), of control and of the bus. They hold no
+  // parameters, memories or internals of operators.
   const std::map<std::string, unsigned> signals = wave::signals(folder_ / "waves.fst");
   const std::string pipe =
       "board.board.engine.group[0].lanes.pair[0].g_there.g_free.pipe.pipe.pipe.g_pipe.pipe.";
@@ -263,7 +263,7 @@ TEST_F(Cast, Waves) {
     for (const char* part : {"LAT_ADD", ".T_", "cell_u", "mem["}) EXPECT_FALSE(has(name, part));
   const std::string one = fmt::format("{:032b}", 0x3f800000);
   EXPECT_TRUE(wave::values(folder_ / "waves.fst", signals.at(pipe + "t_o[0]")).count(one));
-  // They are wanted most when the cast fails.
+  // A failing cast keeps its waves.
   fs::remove(folder_ / "waves.fst");
   ran = cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", "waves.fst",
              "--deadline", "10"});
@@ -348,8 +348,8 @@ TEST_F(Cast, TimeoutIsStatus4AndKeepsTheOldFile) {
   EXPECT_EQ(read("hits.csv"), "old");
 }
 
-/// The signal comes at once when the file is there. A command that made its file before it could
-/// remove it on a signal, once left a file behind on a busy machine.
+/// The signal comes as soon as the file exists. The command must then already be able to remove the
+/// file.
 TEST_F(Cast, InterruptLeavesNothing) {
   for (int i = 0; i < 15; ++i) {
     const int signal = std::array{SIGINT, SIGTERM, SIGHUP}.at(i % 3);
@@ -358,7 +358,7 @@ TEST_F(Cast, InterruptLeavesNothing) {
     const bool began = wait_for_file(child);
     ::kill(child, signal);
     const Ran ran = finish(child);
-    ASSERT_TRUE(began) << "ended before it wrote: " << ran.err;
+    ASSERT_TRUE(began) << "ended before it wrote a file: " << ran.err;
     ASSERT_EQ(ran.status, 128 + signal) << ran.err;
     ASSERT_EQ(files(), Words{});
   }
@@ -371,13 +371,13 @@ TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
   ::usleep(500'000);
   ::kill(child, SIGTERM);
   const Ran ran = finish(child);
-  ASSERT_TRUE(began) << "ended before it wrote: " << ran.err;
+  ASSERT_TRUE(began) << "ended before it wrote a file: " << ran.err;
   EXPECT_EQ(ran.status, 128 + SIGTERM) << ran.err;
   EXPECT_EQ(files(), Words{});
 }
 
-/// A card with a fault: without the third edge's comparison, hits lie outside triangles. The cast
-/// ends with status 3, keeps no file, and the command that it names finds the same difference.
+/// A faulty card: without the comparison of the third edge, hits lie outside triangles. The cast
+/// ends with status 3 and keeps no file. The printed command finds the same difference.
 TEST_F(Cast, FaultyCardIsFoundOut) {
   const Words environment = faulty_card(folder_);
   const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--algorithm",
@@ -393,7 +393,7 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
                                        j["records_matching"].get<int>())));
   EXPECT_TRUE(has(ran.err, "differs from the reference"));
   std::smatch match;
-  // A ray through an edge that two triangles share meets the one of them that it should miss.
+  // A ray through an edge of two triangles hits the triangle that it should miss.
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("differ in (.*)\n"))) << ran.err;
   EXPECT_EQ(match[1], "index") << ran.err;
   ASSERT_TRUE(std::regex_search(
@@ -401,7 +401,7 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
       std::regex("where     clock ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
                  "(?:.*\n)*  ray ([0-9]+):")))
       << ran.err;
-  EXPECT_GT(std::stoul(match[1]), 18u * 21) << "18 triangles meet 21 rows of 4 rays before";
+  EXPECT_GT(std::stoul(match[1]), 18u * 21) << "18 triangles times 21 rows of 4 rays come before";
   EXPECT_LT(std::stoul(match[1]), 5000u);
   EXPECT_EQ(4 * std::stoul(match[3]) + std::stoul(match[2]), std::stoul(match[4])) << ran.err;
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("repeat with: cde (.*)"))) << ran.err;
@@ -409,15 +409,15 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
   Words again{std::istream_iterator<std::string>(words), {}};
   again.push_back("--no-bundle");
   EXPECT_EQ(cde(again, environment).status, 3);
-  EXPECT_EQ(cde(again).status, 0) << "the right card";
+  EXPECT_EQ(cde(again).status, 0) << "the correct card";
   Words unchecked = again;
   unchecked.push_back("--no-check");
   EXPECT_EQ(cde(unchecked, environment).status, 0);
 }
 
-/// Waves on a file that may not grow, from 100 bytes to all but one: an error in one line, and no
-/// file. The writer of Verilator says nothing of it, and ends with SIGBUS where a temporary file of
-/// its own does not fit.
+/// Waves into a file with a size limit, from 100 bytes to all bytes except one: one error line and
+/// no file. Verilator's writer reports no such error, and its own temporary file can end it with
+/// SIGBUS.
 TEST_F(Cast, WavesThatDoNotFitAreAnError) {
   write("one.obj", kOneTriangle);
   const Words words = {"cast", "one.obj", "--ray",     "0,0,0,0,0,1", "--lanes",
@@ -436,7 +436,7 @@ TEST_F(Cast, WavesThatDoNotFitAreAnError) {
   }
 }
 
-/// The same on a disk that is full: a small one in memory.
+/// The same on a full disk: a small one in memory.
 TEST_F(Cast, WavesOnAFullDiskAreAnError) {
   write("one.obj", kOneTriangle);
   const auto cast_to = [&](const std::string& file) {
@@ -449,9 +449,9 @@ TEST_F(Cast, WavesOnAFullDiskAreAnError) {
     SCOPED_TRACE(fmt::format("{} bytes for waves of {}", pages * 4096, whole));
     fs::create_directory(disk);
     if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, fmt::format("size={}", pages * 4096).c_str()))
-      GTEST_SKIP() << "no disk of this size can be made here: " << std::strerror(errno);
+      GTEST_SKIP() << "cannot create a disk of this size: " << std::strerror(errno);
     const bool fits = pages * 4096 > whole;
-    // Its temporary files are there, too.
+    // Verilator's temporary files are also on this disk.
     const Ran ran = cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace",
                          "disk/waves.fst", "-q"},
                         {"TMPDIR=" + disk.string()});
@@ -463,7 +463,7 @@ TEST_F(Cast, WavesOnAFullDiskAreAnError) {
                             : "cde: disk/waves.fst: the waves are not whole: No space left on "
                               "device\n");
     EXPECT_EQ(kept, fits);
-    EXPECT_EQ(empty, !fits) << "what is not whole was left";
+    EXPECT_EQ(empty, !fits) << "an incomplete file was left behind";
   }
 }
 
@@ -483,7 +483,7 @@ TEST_F(Doctor, AllIsWell) {
 TEST_F(Doctor, BuildsNothingUnlessAsked) {
   const Ran ran = cde({"doctor"}, {"CDE_CACHE=" + (folder_ / "cache").string(),
                                    "CDE_BITSTREAMS=" + (folder_ / "none").string(),
-                                   "CDE_MARCH=x86-64-v2"});  // of which nothing is built
+                                   "CDE_MARCH=x86-64-v2"});  // no model exists for this processor
   EXPECT_EQ(ran.status, 0) << ran.out << ran.err;
   EXPECT_TRUE(has(ran.out,
                   "--   card, host host arithmetic: the card is not built; cde doctor "
@@ -496,7 +496,7 @@ TEST_F(Doctor, SaysWhatIsWrongAndWhatToDo) {
   EXPECT_EQ(ran.status, 1);
   EXPECT_TRUE(has(ran.out, "no-such-compiler is missing"));
   EXPECT_TRUE(has(ran.out, "apt-get install clang"));
-  // A home that cannot be made is as good as none.
+  // A home directory that cannot be created counts as none.
   const fs::path spare = fmt::format("/tmp/cde-{}", ::geteuid());
   for (const std::string home : {"/dev/null/home", "/proc/home"}) {
     ran = cde({"doctor"}, {"CDE_CACHE=", "XDG_CACHE_HOME=", "HOME=" + home});

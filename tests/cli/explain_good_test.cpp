@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Explanations of right RTL name no place. Pipes find all operators, rings of cylinders most.
+// For correct RTL the explanation names no place. It finds all operators of pipes, and most
+// operators of iterative pipelines.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -43,8 +44,8 @@ std::vector<Pipe> pipes() {
   return all;
 }
 
-/// Every second case is a random pair. The others are in turn a pair of a directed family, near the
-/// decision, and a pair of an everyday scene.
+/// Every second case is a random pair. The others alternate between a directed family near the
+/// decision and an everyday scene.
 struct Operands {
   std::vector<float> a, b;
 };
@@ -66,7 +67,7 @@ std::vector<std::uint64_t> words(const std::vector<float>& values) {
   return all;
 }
 
-/// The first operations that no operator of the card was found for.
+/// The first operations for which no operator of the card was found.
 std::string missing(const explain::Explanation& e) {
   std::string text;
   unsigned lines = 0;
@@ -89,7 +90,7 @@ TEST_P(ExplainGood, FindsEveryOperatorAndNamesNoPlace) {
   options.pair = name(pipe.pair);
   options.algorithm = name(pipe.algorithm);
   options.arithmetic = pipe.arithmetic;
-  options.box = false;  // no operators of host arithmetic do it
+  options.box = false;  // host arithmetic has no operators for it
   explain::Explainer explainer(configuration(options), budget_of(options));
   unsigned explained = 0;
   for (unsigned i = 0; i < kCases; ++i) {
@@ -99,7 +100,7 @@ TEST_P(ExplainGood, FindsEveryOperatorAndNamesNoPlace) {
     ASSERT_TRUE(e.same());
     if (e.reference.bad) continue;
     ++explained;
-    // A ring repeats its work for every direction, so many words repeat.
+    // An iterative pipeline repeats its work for every direction, so many words repeat.
     const std::size_t least = has_budget(pipe.pair) ? kFoundOfRings : 100;
     ASSERT_GE(e.found * 100, e.operations.size() * least) << missing(e);
     ASSERT_TRUE(e.findings.empty())

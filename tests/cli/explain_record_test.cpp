@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde explain --from-record and --from-test: how a record came about, and the line of a failing
+// cde explain --from-record and --from-test: how a record was computed, and the line of a failing
 // test.
 #include <filesystem>
 #include <fstream>
@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Rays go down on triangles at z 1, 3, 2 and again 3; the last one is elsewhere.
+/// Rays point down at triangles at z = 1, 3, 2 and again 3; the last triangle is elsewhere.
 const char* const kStack =
     "v 0 0 1\nv 4 0 1\nv 0 4 1\nf 1 2 3\n"
     "v 0 0 3\nv 4 0 3\nv 0 4 3\nf 4 5 6\n"
@@ -25,7 +25,7 @@ const char* const kStack =
     "f 4 5 6\n"
     "v 9 9 0\nv 10 9 0\nv 9 10 0\nf 10 11 12\n";
 
-/// The second ray begins between them, the third one misses, the fourth is masked.
+/// The second ray starts between them, the third misses, the fourth is masked.
 std::string scene(const std::string& mode) {
   return "frames = 2\n[card]\nlanes = 4\n"
          "[[object]]\nname = \"stack\"\nmesh = \"stack.obj\"\n"
@@ -47,7 +47,7 @@ class ExplainRecord : public Cli {
     for (const char* mode : {"nearest", "farthest", "any", "hits", "all"})
       write(std::string(mode) + ".toml", scene(mode));
   }
-  /// JSON of a record that is explained.
+  /// JSON of the explanation of a record.
   json told(const std::string& record, int status = 0,
             const std::vector<std::string>& environment = {}) {
     const Ran ran = cde({"explain", "--from-record", record, "--json"}, environment);
@@ -96,7 +96,7 @@ TEST_F(ExplainRecord, EveryCandidateIsThereWithWhatItWasHeldAgainst) {
     EXPECT_EQ(c["card_side"], c["reference_side"]);
     EXPECT_TRUE(c["reference_otherwise"].is_null());
   }
-  // A row of four rays and a secondary enter the pipe in every clock.
+  // A row of four rays and a secondary enter the pipe in every cycle.
   const List clocks = column(all, "pass_clock");
   for (std::size_t i = 1; i < clocks.size(); ++i) EXPECT_EQ(clocks[i], clocks[i - 1] + 1);
   EXPECT_EQ(j["pairs_tested"], 5);
@@ -157,7 +157,8 @@ TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
   EXPECT_TRUE(has(manual, indented));
 }
 
-/// Waves of a way through a hierarchy say little of pairs; the sweep has the same record.
+/// Waves of a BVH traversal show few pairs. The explanation uses brute force, which has the same
+/// record.
 TEST_F(ExplainRecord, WhatGoesThroughAHierarchyIsSwept) {
   std::string tree = scene("nearest");
   tree.insert(tree.find("[card]\n") + 7, "hierarchy = \"on\"\n");
@@ -187,7 +188,7 @@ TEST_F(ExplainRecord, WhatTheUpdateEngineKeepsWrongIsNamed) {
   EXPECT_EQ(j["reference_records_of_it"][0]["index"], 1);
   EXPECT_EQ(j["explained"]["index"], 3);
   EXPECT_EQ(j["explained"]["same"], true);
-  // The same by the folder of the run that found it.
+  // The same with the folder of the run that found it.
   std::string traced = scene("nearest");
   traced.insert(traced.find("lanes"), "trace = true\n");
   write("traced.toml", traced);
@@ -265,7 +266,7 @@ TEST_F(ExplainLine, ThatCannotBeReadIsRefused) {
     const Ran ran = cde({"explain", "--from-test", line});
     EXPECT_EQ(ran.status, 2) << line;
     EXPECT_EQ(ran.out, "");
-    if (*line == '\0') continue;  // an empty value is none
+    if (*line == '\0') continue;  // an empty value counts as none
     EXPECT_TRUE(has(ran.err, "the line must have \"cde explain PAIR"));
   }
   const Ran words = cde({"explain", "--from-test", "cde explain sphere-sphere '0 0 0 1'"});
@@ -273,7 +274,7 @@ TEST_F(ExplainLine, ThatCannotBeReadIsRefused) {
   EXPECT_TRUE(has(words.err, "4 words, must be 8"));
 }
 
-/// A test of a pipe that fails leaves what `cde query` does, and its line is read.
+/// A failing pipe test leaves the same package as `cde query`, and its line can be read.
 TEST_F(ExplainLine, AFailingTestOfAPipeLeavesABundle) {
   const Planted fault(folder_, "rtl/pipes/sphere_sphere.sv", "`DF_VSUB(", "`DF_VADD(");
   std::string exports;
@@ -288,7 +289,7 @@ TEST_F(ExplainLine, AFailingTestOfAPipeLeavesABundle) {
       "failures/Fp32_PairPipe.EqualsItsReferenceBitForBit_sphere_sphere_fp32_host";
   EXPECT_TRUE(has(ran.out, "packed in:   "));
   EXPECT_TRUE(exists(folder + "/waves.fst"));
-  EXPECT_FALSE(exists(folder + "-2")) << "one a test";
+  EXPECT_FALSE(exists(folder + "-2")) << "one folder per test";
   const json j = json::parse(read(folder + "/fail.json"));
   EXPECT_EQ(j["pair"], "sphere-sphere");
   EXPECT_EQ(j["happened_again"], true);

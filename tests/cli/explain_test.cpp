@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde explain: from a pair to the line of RTL where a pipe parts from its reference.
+// cde explain: from a pair to the line of RTL where a pipe differs from its reference.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -19,7 +19,7 @@ using nlohmann::json;
 
 class Explain : public Cli {
  protected:
-  /// Plants a fault in moller's pipe: the first place that is named is its line.
+  /// Plants a fault in moller's pipe and expects its line as the first named place.
   void expect_found(const std::string& from, const std::string& to) {
     const Planted fault(folder_, "rtl/pipes/ray_triangle_moller.sv", from, to);
     const Ran ran = cde({"explain", "ray-triangle", "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0",
@@ -47,7 +47,8 @@ TEST_F(Explain, AGoodPipeIsFoundWholeAndTheSame) {
   EXPECT_TRUE(j["first_differences"].empty());
 }
 
-/// The box rule is no operators there, and some of it has the operands of moller's own.
+/// With host arithmetic the box rule has no operators, and some of its operands equal those of
+/// moller.
 TEST_F(Explain, HostArithmeticWithTheBoxRuleIsNoDifference) {
   const Ran ran = cde({"explain", "ray-triangle", "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0",
                        "--arith", "host", "--json"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde cast, cde plan and cde run on cards of other number formats than fp32.
+// cde cast, cde plan and cde run on cards with other number formats than fp32.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// Rays from within a sphere that moves.
+/// Rays from inside a moving sphere.
 std::string scene(const std::string& card, const std::string& ball) {
   return "frames = 3\n[card]\nlanes = 4\nmover = \"host\"\n" + card +
          "\n[[object]]\nname = \"ball\"\n" + ball + R"(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the command says of itself: help, versions, suggestions, manual pages, completions.
+// Texts about the command itself: help, versions, suggestions, manual pages, completions.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -37,14 +37,14 @@ std::set<std::string> long_options(const std::string& text) {
   return {std::sregex_token_iterator(text.begin(), text.end(), option), {}};
 }
 
-/// What stands under a heading of a help page.
+/// The text under a heading of a help page.
 std::string section(const std::string& text, const std::string& heading) {
   const std::size_t start = text.find("\n\n" + heading + "\n");
   if (start == std::string::npos) return "";
   return text.substr(start + 2, text.find("\n\n", start + 2) - start - 2);
 }
 
-/// What stands in a section of a manual page.
+/// The text of a section of a manual page.
 std::string section_of_page(const std::string& page, const std::string& heading) {
   const std::size_t start = page.find(".SH " + heading + "\n");
   return start == std::string::npos ? "" : page.substr(start, page.find("\n.SH ", start) - start);
@@ -56,7 +56,7 @@ Words matches(const std::string& text, const std::string& pattern) {
   return {std::sregex_token_iterator(text.begin(), text.end(), entry, 1), {}};
 }
 
-/// Words of all verbs: {"cast"}, {"wave", "show"}.
+/// The words of all verbs: {"cast"}, {"wave", "show"}.
 std::vector<Words> all_verbs() {
   std::vector<Words> all;
   for (const std::string& verb : kVerbs) all.push_back({verb});
@@ -66,12 +66,12 @@ std::vector<Words> all_verbs() {
 
 class Help : public Cli {
  protected:
-  /// What the build makes each program write.
-  /// The help of a verb, in lines that are not broken.
+  /// The help of a verb without line breaks.
   std::string page_of(Words verb) {
     verb.emplace_back("--help");
     return cde(verb, {"COLUMNS=120"}).out;
   }
+  /// Writes the manual pages of all programs, as the build does.
   void write_manuals() {
     for (const char* program : {"", "-wave", "-explain", "-accuracy", "-bench"}) {
       const Ran ran = shell(fmt::format("\"$CDE{}\" write-manual share", program));
@@ -112,7 +112,7 @@ TEST_F(Help, AllHasEveryVerbOfEveryProgram) {
     EXPECT_NE(ran.out.find("\n" + page_of(verb)), std::string::npos)
         << fmt::format("{}", fmt::join(verb, " "));
   const Ran alone = shell("cp \"$CDE\" cde && ./cde --help-all");
-  EXPECT_EQ(alone.status, 2) << "programs are missing";
+  EXPECT_EQ(alone.status, 2) << "the other programs are missing";
   EXPECT_TRUE(has(alone.out, "cde cast MESH"));
   for (const char* program : {"cde-wave", "cde-explain", "cde-accuracy", "cde-bench"})
     EXPECT_TRUE(has(alone.err, fmt::format("cde: {} is not installed", program)));
@@ -125,7 +125,7 @@ TEST_F(Help, OfAVerbOfAVerb) {
   EXPECT_TRUE(has(ran.out, "cde wave info"));
 }
 
-/// The help of a verb lists its own exit statuses and variables. The manual page lists the same.
+/// The help of a verb lists its own exit statuses and variables, and so does its manual page.
 TEST_F(Help, EndsWithStatusesAndVariablesOfTheVerb) {
   write_manuals();
   const std::string status = "\n  ([0-9]+(?: \\+ N)?) ", variable = "\n  ([A-Z_]+) ",
@@ -159,8 +159,8 @@ TEST_F(Help, EndsWithStatusesAndVariablesOfTheVerb) {
   EXPECT_TRUE(has(section(page_of({"cast"}), "Environment"), "CDE_MESH_MEMORY"));
 }
 
-/// A verb has all options under "Options", or under headings of their own. Manual pages have the
-/// same headings.
+/// Options of a verb stand under "Options" or under other headings. Manual pages have the same
+/// headings.
 TEST_F(Help, NoHeadingHasMoreThanEightOptions) {
   write_manuals();
   constexpr std::size_t kMost = 8;
@@ -186,7 +186,7 @@ TEST_F(Help, NoHeadingHasMoreThanEightOptions) {
   }
 }
 
-/// Defaults stand in brackets of one kind, behind the text.
+/// Defaults stand in square brackets after the text.
 TEST_F(Help, DefaultsStandInSquareBrackets) {
   const std::regex other(
       "\\((?:on|off|all|default [^)]*|stdout|[0-9,.]+|the terminal's|[A-Z]+\\.run)\\)|"
@@ -199,10 +199,10 @@ TEST_F(Help, DefaultsStandInSquareBrackets) {
   }
   const std::string cast = std::regex_replace(page_of({"cast"}), std::regex("\\s+"), " ");
   EXPECT_TRUE(has(cast, "none is far from its triangle [on]"));
-  EXPECT_TRUE(has(cast, "in the reference, too [on, rays:64]"));
+  EXPECT_TRUE(has(cast, "checked against every triangle [on, rays:64]"));
 }
 
-/// Lines are not longer than the terminal, but for examples, which are there to be copied.
+/// Lines fit the terminal, except examples, which stay whole so that users can copy them.
 TEST_F(Help, FitsTheTerminal) {
   for (const unsigned columns : {60u, 80u, 100u}) {
     std::size_t longest = 0;
@@ -219,11 +219,11 @@ TEST_F(Help, FitsTheTerminal) {
         longest = std::max(longest, line.size());
       }
     }
-    EXPECT_GT(longest, columns - 10) << "lines are broken too early";
+    EXPECT_GT(longest, columns - 10) << "lines break too early";
   }
 }
 
-/// Every verb has two examples or more, and their options exist.
+/// Every verb has at least two examples, and their options exist.
 TEST_F(Help, ExamplesHaveOptionsThatExist) {
   for (const Words& words : all_verbs()) {
     const std::string verb = fmt::format("{}", fmt::join(words, " "));
@@ -293,11 +293,11 @@ TEST_F(Help, SuggestsWhatWasMeant) {
   says({}, "cde VERB");
 }
 
-/// Every option of every verb is in its manual page and in the completions of the three shells,
-/// which are made by the command itself.
+/// Every option of every verb is in its manual page and in the completions of the three shells. The
+/// command itself writes these files.
 TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
   write_manuals();
-  EXPECT_FALSE(has(cde({"--help"}).out, "write-manual")) << "is hidden";
+  EXPECT_FALSE(has(cde({"--help"}).out, "write-manual")) << "write-manual is hidden";
   const fs::path share = folder_ / "share";
   const std::string bash = contents(share / "bash-completion/completions/cde"),
                     zsh = contents(share / "zsh/site-functions/_cde"),
@@ -320,7 +320,7 @@ TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
   }
 }
 
-/// What bash offers for words that somebody has begun to type.
+/// Completions of bash for partly typed words.
 TEST_F(Help, BashCompletes) {
   write_manuals();
   write("mesh.ply", "");
@@ -351,9 +351,9 @@ TEST_F(Help, BashCompletes) {
   EXPECT_EQ(offers("cde cast mesh.ply --size ''"), " ");
 }
 
-/// groff has nothing to complain about. Skipped where it is not installed.
+/// groff reports no problem. Skipped if groff is not installed.
 TEST_F(Help, ManualPagesAreWellFormed) {
-  if (std::system("command -v groff >/dev/null 2>&1") != 0) GTEST_SKIP() << "no groff here";
+  if (std::system("command -v groff >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs groff";
   write_manuals();
   for (const auto& page : fs::directory_iterator(folder_ / "share/man/man1")) {
     const std::string log = folder_ / "log";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde cast through a hierarchy: the same records, said what it is, and refused where it cannot be.
+// cde cast with a BVH: the same records, messages about the choice, and refusals.
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -45,9 +45,9 @@ TEST_F(CastHierarchy, IsTakenWhereItIsWorthIt) {
   EXPECT_EQ(j["records_matching"], 1024);
   EXPECT_GT(j["nodes"], 1024);
   EXPECT_LT(j["tests"], 1024 * 20);
-  EXPECT_TRUE(has(ran.err, "; 9 of the rays met all triangles, too"));
-  EXPECT_TRUE(has(ran.err, "2 node units"));
-  // Too few triangles, too few rays.
+  EXPECT_TRUE(has(ran.err, "; 9 rays also checked against every triangle"));
+  EXPECT_TRUE(has(ran.err, "2 traversal units"));
+  // Too few triangles, then too few rays.
   ran = cde({"cast", "terrain:40,40,3", "--grid", "8x8", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
@@ -62,8 +62,8 @@ TEST_F(CastHierarchy, IsTakenWhereItIsWorthIt) {
   EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "hierarchy");
 }
 
-/// Another algorithm takes it like Moller's: every record is the reference's way through the tree,
-/// and of some rays what all triangles say.
+/// Another algorithm also uses the BVH. Every record equals the reference traversal, and some rays
+/// are also checked against every triangle.
 TEST_F(CastHierarchy, OfWatertight) {
   for (const std::string mode : {"nearest", "hits", "occluded"}) {
     SCOPED_TRACE(mode);
@@ -76,7 +76,7 @@ TEST_F(CastHierarchy, OfWatertight) {
     EXPECT_EQ(j["swept_rays"], 40);
     EXPECT_EQ(j["records_matching"], j["records_compared"]);
     EXPECT_EQ(j["records_compared"], j["records"]);
-    EXPECT_GE(j["hits"], 1024);  // one of each ray at least
+    EXPECT_GE(j["hits"], 1024);  // at least one hit per ray
     EXPECT_LT(j["tests"], 1024 * 20);
   }
 }
@@ -92,7 +92,7 @@ TEST_F(CastHierarchy, SaysWhyNot) {
     refused({"--check=" + checks}, "--check is '" + checks + "'");
 }
 
-/// A triangle that no box holds is swept with all others, and said; asked for, it is an error.
+/// A triangle without a bounding box forces brute force, with a message. With --bvh it is an error.
 TEST_F(CastHierarchy, WhatNoBoxHolds) {
   std::string text = "v 0 0 1\nv 1e20 0 1\nv 0 1 1\n";
   for (int i = 0; i < 3000; ++i) text += "f 1 2 3\n";
@@ -100,16 +100,16 @@ TEST_F(CastHierarchy, WhatNoBoxHolds) {
   const std::vector<std::string> words = {"cast", "far.obj", "--grid", "32x32", "--json"};
   Ran ran = cde(words);
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_TRUE(has(ran.err, "all triangles are swept"));
+  EXPECT_TRUE(has(ran.err, "every ray is tested with every triangle"));
   EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
   ran = cde({"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--bvh"});
   EXPECT_NE(ran.status, 0);
-  EXPECT_TRUE(has(ran.err, "far.obj: no hierarchy: "));
+  EXPECT_TRUE(has(ran.err, "far.obj: cannot build a BVH: "));
   ran = cde({"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--mode", "occluded"});
-  EXPECT_TRUE(has(ran.err, "far.obj: no hierarchy: "));
+  EXPECT_TRUE(has(ran.err, "far.obj: cannot build a BVH: "));
 }
 
-/// Shadows go the same way as what casts them, and draw the same.
+/// Shadow rays use the same method as the other rays, and the picture is the same.
 TEST_F(CastHierarchy, ShadowsGoThroughIt) {
   for (const std::string way : {"bvh", "no-bvh"}) {
     const Ran ran = cde({"render", "terrain:40,40,3", "--size", "64x48", "--shaded", way + ".png",
@@ -135,7 +135,7 @@ TEST_F(CastHierarchy, OccludedSaysNoTriangle) {
   EXPECT_EQ(cde(words).status, 2);
 }
 
-/// Boxes that all overlap leave nothing out: what is sooner is a sweep.
+/// Boxes that all overlap cull nothing: brute force is faster.
 TEST_F(CastHierarchy, OneHeapIsSwept) {
   std::string text = "v 0 0 1\nv 1 0 1\nv 0 1 1\n";
   for (int i = 0; i < 3000; ++i) text += "f 1 2 3\n";
@@ -147,7 +147,7 @@ TEST_F(CastHierarchy, OneHeapIsSwept) {
 
 // ---- Scenes ----
 
-/// A terrain, and a torus above it that turns and is a band of a deforming mesh, too.
+/// A terrain, and a torus above it that turns and deforms in a band.
 std::string flight(const std::string& card) {
   return "frames = 4\n[card]\n" + card + R"(
 [[object]]
@@ -187,7 +187,7 @@ mode = "hits"
 
 class SceneHierarchy : public Cli {
  protected:
-  /// Runs it, and gives its run.json and the bytes of its records.
+  /// Runs the scene; returns its run.json and the bytes of its records.
   nlohmann::json run(const std::string& name, const std::string& card, std::string& records) {
     write(name + ".toml", flight(card));
     const Ran ran = cde({"run", name + ".toml", "-q"});
@@ -199,7 +199,7 @@ class SceneHierarchy : public Cli {
   }
 };
 
-/// Whoever moves the objects: the same bytes as those of sweeps.
+/// Transforms on the host and on the card give the bytes of brute force.
 TEST_F(SceneHierarchy, SameRecordsAsSweeps) {
   std::string swept, through, posed;
   const auto off = run("off", "hierarchy = \"off\"\nlanes = 16\nmover = \"card\"", swept);
@@ -213,7 +213,7 @@ TEST_F(SceneHierarchy, SameRecordsAsSweeps) {
   EXPECT_LT(on["totals"]["tests"].get<double>(), off["totals"]["tests"].get<double>() / 100);
 }
 
-/// A frame whose triangles no box holds is swept, and said to be.
+/// A frame with a triangle that has no bounding box uses brute force, and the run reports it.
 TEST_F(SceneHierarchy, FramesWithoutATreeAreSwept) {
   const auto scene = [](const std::string& card) {
     return "frames = 4\nrate = 1\n[card]\n" + card + R"(
@@ -255,7 +255,7 @@ secondaries = ["ball", "ring"]
   EXPECT_EQ(read("on.run/hit.csv"), read("off.run/hit.csv"));
 }
 
-/// What a frame reads is the same in a run that begins with it.
+/// Node counts of a frame are the same in a run that begins with it.
 TEST_F(SceneHierarchy, FramesDoNotDependOnThoseBefore) {
   write("s.toml", flight("mover = \"card\""));
   ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "all"}).status, 0);
@@ -273,7 +273,7 @@ TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
   write("s.toml", flight(""));
   const Ran text = cde({"plan", "s.toml"});
   ASSERT_EQ(text.status, 0) << text.err;
-  std::istringstream words(text.out);  // wherever lines end
+  std::istringstream words(text.out);  // at any line breaks
   std::string all, word;
   while (words >> word) all += word + " ";
   EXPECT_TRUE(has(all, "through a BVH in about")) << text.out;
@@ -285,7 +285,7 @@ TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
   EXPECT_TRUE(has(bad.err, "hierarchy"));
 }
 
-/// Spheres that fall onto a terrain: the same bytes as swept, normals too.
+/// Spheres that fall onto a terrain: the same bytes as brute force, including normals.
 TEST_F(SceneHierarchy, OfSpheres) {
   const auto scene = [](const std::string& card) {
     return "frames = 3\n[card]\n" + card + R"(
@@ -334,8 +334,8 @@ mode = "hits"
   EXPECT_GT(records["on"].size(), 10'000u);
 }
 
-/// Rays and spheres that meet spheres which fly about, each by itself: the tree is built anew for
-/// each frame. Records are compared with those of all spheres.
+/// Rays and spheres against spheres that move separately: the BVH is rebuilt for each frame.
+/// Records are compared with brute force.
 TEST_F(SceneHierarchy, OverSpheres) {
   write("cloud.toml", R"(
 frames = 3

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A signal while a bitstream is built: the build ends with the command, whoever it was sent to.
+// A signal during the build of a simulation model: the build ends with the command, whichever
+// process got the signal.
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,7 +24,7 @@ class Building : public Cli {
     return start({"cast", "terrain:3,3,1", "--grid", "4x4", "--lanes", "2", "-o", "hits.csv"},
                  {"CDE_CACHE=" + (folder_ / "cache").string()});
   }
-  /// Waits until the compiler works at the model, and a little longer.
+  /// Waits until the compiler works on the model, and a little longer.
   bool wait_for_compiler(pid_t child) {
     for (int i = 0; i < 600; ++i) {
       if (commands().find("all.cpp") != std::string::npos) return true;
@@ -75,7 +76,7 @@ TEST_F(Building, SignalToTheCommandAlone) {
     ASSERT_TRUE(began) << ran.err;
     EXPECT_EQ(ran.status, 128 + signal) << ran.err;
     expect_nothing_left();
-    EXPECT_EQ(files(), std::vector<std::string>{"cache"}) << "an output was left";
+    EXPECT_EQ(files(), std::vector<std::string>{"cache"}) << "an output was left behind";
   }
 }
 
@@ -111,7 +112,7 @@ TEST_F(Building, SignalToTheBuilderAlone) {
   }
 }
 
-/// Nothing can be done in time here; what it started sees that it is gone.
+/// SIGKILL leaves no time to clean up; the child processes notice that the command is gone.
 TEST_F(Building, KilledCommandLeavesNoCompiler) {
   const pid_t child = start_building();
   const bool began = wait_for_compiler(child);
@@ -139,7 +140,7 @@ TEST_F(Building, IgnoredSignalsStayIgnored) {
   EXPECT_TRUE(exists("hits.csv"));
 }
 
-/// The same while it writes and plays: `cde run` notes signals of its own.
+/// The same during a run: `cde run` handles signals itself.
 TEST_F(Building, IgnoredSignalsStayIgnoredInARun) {
   ::signal(SIGHUP, SIG_IGN);
   const pid_t child =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde inventory: its figures, what it keeps of earlier times, and when it does not trust that.
+// cde inventory: its figures, its cache, and when it distrusts the cache.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-/// With a cache of its own and a Verilator that notes the top modules that it elaborates.
+/// A cache of its own, and a Verilator that logs the top modules that it elaborates.
 class InventoryCache : public Cli {
  protected:
   void SetUp() override {
@@ -59,7 +59,8 @@ TEST_F(InventoryCache, TheSameRtlIsElaboratedOnce) {
   const Ran first = inventory({"sphere-sphere"});
   ASSERT_EQ(first.status, 0) << first.err;
   const Words tops = {"pair_pipe", "sphere_sphere", "sphere_sphere"};
-  EXPECT_EQ(elaborated(), tops) << "which pipe, at one clock an operator, at the profile's";
+  EXPECT_EQ(elaborated(), tops)
+      << "one run for the pipe, one with operators of one cycle, one with the profile's latencies";
   const Ran again = inventory({"sphere-sphere"});
   EXPECT_EQ(again.out, first.out);
   EXPECT_EQ(again.err, "");
@@ -102,7 +103,7 @@ TEST_F(Inventory, JsonHasThePapersFiguresAndOurs) {
   EXPECT_EQ(spheres["pair"], "sphere-sphere");
   EXPECT_FALSE(spheres.contains("paper"));
   EXPECT_EQ(spheres["operators"]["square_roots"], 1);
-  EXPECT_EQ(spheres["output_words"], 8) << "and a normal";
+  EXPECT_EQ(spheres["output_words"], 8) << "with a normal";
   EXPECT_EQ(spheres["initiation_interval"], 1);
 }
 
@@ -119,20 +120,19 @@ TEST_F(Inventory, EveryKindOfPipeHasALatencyAndAnInterval) {
   }
 }
 
-/// Pairs without facets take a row a clock whatever the interval.
+/// Pairs without candidate axes accept one row per cycle with any interval.
 TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
   const Ran ran = cde({"inventory", "obb-obb", "sphere-sphere", "--facet-interval", "3", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["pipes"][0]["pair"], "obb-obb");
   EXPECT_EQ(j["pipes"][0]["initiation_interval"], 3);
-  EXPECT_EQ(j["pipes"][0]["operators"]["square_roots"], 4) << "of nine edge normals, three units";
+  EXPECT_EQ(j["pipes"][0]["operators"]["square_roots"], 4) << "three units for nine edge normals";
   EXPECT_EQ(j["pipes"][0]["latency_levels"], 107 + 3);
   EXPECT_EQ(j["pipes"][1]["initiation_interval"], 1);
 }
 
-/// The figures are those of the RTL that is there: one with an operator more, and one without its
-/// pipe.
+/// The figures follow the present RTL: once with an additional operator, once without its pipe.
 TEST_F(Inventory, FollowsTheRtl) {
   Planted rtl(folder_, "rtl/pipes/sphere_sphere.sv", "`DF_ADD(reach, a_r, b_r)",
               "`DF_ADD(reach0, a_r, b_r)\n`DF_MUL(reach, reach0, one)");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON of the verbs: one key for a quantity in all of them, and each key explained.
+// JSON of the verbs: one key per quantity in all of them, and each key explained.
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 class JsonKeys : public Cli {};
 
-/// A key stands in one first column, once; and the sources still have it.
+/// Each key is in the first column of one table, once, and the sources still use it.
 TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
   std::string sources;
   for (const char* folder : {"tools", "host/src"})
@@ -31,7 +31,7 @@ TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
     for (std::sregex_iterator at(column.begin(), column.end(), key), end; at != end; ++at) {
       const std::string name = (*at)[1];
       EXPECT_TRUE(first.insert(name).second) << name << " is explained twice";
-      const bool numbered = name.starts_with("figure_");  // made of a number
+      const bool numbered = name.starts_with("figure_");  // its name contains a number
       EXPECT_TRUE(numbered || sources.find('"' + name + '"') != std::string::npos)
           << "no verb has " << name;
     }
@@ -39,8 +39,8 @@ TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
   EXPECT_GT(first.size(), 100u);
 }
 
-/// What several verbs count has one name. (All tests that run a verb with --json hold its keys
-/// against the table.)
+/// Quantities of several verbs have one name. Each test that runs a verb with --json compares its
+/// keys with the table.
 TEST_F(JsonKeys, TheSameQuantityHasTheSameKey) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n0,0,0,1,9,0,0,1\n");
   write("s.toml",

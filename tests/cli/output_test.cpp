@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the command writes: devices, pipes, links, stdout; what it does not write over; what a
-// killed one leaves behind.
+// Outputs of the command: devices, pipes, links, stdout. Inputs are not overwritten. A killed
+// command leaves nothing that stays.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/stat.h>
@@ -43,7 +43,7 @@ class Outputs : public Cli {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  /// What the input files hold is what they held.
+  /// The input files are unchanged.
   void expect_inputs() {
     EXPECT_EQ(read("one.obj"), kOneTriangle);
     EXPECT_EQ(read("rays.csv"), "0.25,0.25,0,0,0,2\n");
@@ -57,11 +57,11 @@ std::string last_line(const std::string& text) {
   return text.substr(begin, end - begin);
 }
 
-/// As root the device became a file once.
+/// Root must not replace a device by a file.
 TEST_F(Outputs, DevicesStayDevices) {
   const fs::path device = folder_ / "null";
   if (::mknod(device.c_str(), S_IFCHR | 0666, makedev(1, 3)) != 0)
-    GTEST_SKIP() << "no device can be made here: " << std::strerror(errno);
+    GTEST_SKIP() << "cannot create a device: " << std::strerror(errno);
   const Words picture = {"render", "one.obj", "--grid", "4x4", "--lanes", "4", "-q"};
   std::vector<Words> all = {cast({"-o", "null"}),
                             cast({"--trace", "null"}),
@@ -78,7 +78,7 @@ TEST_F(Outputs, DevicesStayDevices) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-/// Waves for a pipe are collected in a file of $TMPDIR first, whose disk may be full.
+/// Waves for a pipe first go to a file in $TMPDIR, whose disk may be full.
 TEST_F(Outputs, OnADiskThatIsFull) {
   fs::create_directory(folder_ / "small");
   const auto on_small = [&](const std::string& command) {
@@ -87,7 +87,7 @@ TEST_F(Outputs, OnADiskThatIsFull) {
         " && " +
         command + "; status=$?; ls small; exit $status'");
   };
-  if (on_small("true").status != 0) GTEST_SKIP() << "no file system can be mounted here";
+  if (on_small("true").status != 0) GTEST_SKIP() << "cannot mount a file system";
   const std::string cast = "\"$CDE\" cast terrain:20,20,1 --grid 40x40 --lanes 4 -q ";
   Ran ran = on_small(cast + "--trace - > piped");
   EXPECT_EQ(ran.status, 2);
@@ -96,15 +96,14 @@ TEST_F(Outputs, OnADiskThatIsFull) {
   ran = on_small(cast + "-o small/hits.csv");
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(last_line(ran.err), "cde: small/hits.csv: cannot write: No space left on device");
-  EXPECT_EQ(ran.out, "") << "nothing is left in the folder";
+  EXPECT_EQ(ran.out, "") << "the folder must be empty";
 }
 
-/// What is loaded is what was checked, by /proc/self/fd; programs are found by /proc/self/exe.
+/// The checked file is loaded through /proc/self/fd; programs are found through /proc/self/exe.
 TEST_F(Outputs, WithoutProcNothingIsDone) {
   const Ran ran =
       shell("unshare -m bash -c 'mount -t tmpfs none /proc && \"$CDE\" cast one.obj -o x'");
-  if (ran.err.find("cde: ") == std::string::npos)
-    GTEST_SKIP() << "no file system can be mounted here";
+  if (ran.err.find("cde: ") == std::string::npos) GTEST_SKIP() << "cannot mount a file system";
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err.substr(0, 25), "cde: /proc is not mounted");
   EXPECT_FALSE(exists("x"));
@@ -114,7 +113,7 @@ TEST_F(Outputs, PipesAndDescriptorsAreWrittenTo) {
   const std::string cast = "\"$CDE\" cast one.obj --rays rays.csv --lanes 4 -q ";
   EXPECT_EQ(shell(cast + "-o /dev/stdout").out, kCsv);
   EXPECT_EQ(shell("echo head; " + cast + "-o /dev/stdout").out, "head\n" + std::string(kCsv))
-      << "what a file had before stays";
+      << "earlier content of the file stays";
   EXPECT_EQ(shell(cast + "-o >(cat >&2); wait $!").err, kCsv);
   const Ran ran = shell("mkfifo f; cat f & " + cast + "-o f; wait; test -p f");
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -192,7 +191,7 @@ TEST_F(Outputs, TwoOutputsAreNotOneFile) {
   EXPECT_EQ(cde(cast({"-o", "/dev/null", "--trace", "/dev/null"})).status, 0);
 }
 
-/// What can be found out before the work is.
+/// Errors that can be found before the work starts.
 TEST_F(Outputs, WhatCannotBeWrittenIsFoundOutBefore) {
   fs::create_directory(folder_ / "folder");
   const Words big = {"render", "terrain", "--grid", "512x512", "-q"};
@@ -212,13 +211,13 @@ TEST_F(Outputs, WhatAKilledOneLeavesIsSweptAway) {
                                option == "--trace" ? "4" : "16", "-q", option, out});
     bool began = false;
     for (int i = 0; i < 1200 && !began; ++i, ::usleep(10'000)) began = files().size() > 3;
-    // Another one that writes the same name meanwhile does not harm it, and the other way round.
+    // A second command that writes the same name does not disturb the first one, and vice versa.
     EXPECT_EQ(cde(cast({option, out})).status, 0);
     ASSERT_TRUE(began);
     EXPECT_EQ(files().size(), 5u) << fmt::format("{}", fmt::join(files(), " "));
     ::kill(child, SIGKILL);
     (void)finish(child);
-    EXPECT_EQ(files().size(), 5u) << "nobody could remove it";
+    EXPECT_EQ(files().size(), 5u) << "the killed command could not remove its file";
     EXPECT_EQ(cde(cast({option, out})).status, 0);
     EXPECT_EQ(files(), (Words{"one.obj", out, "rays.csv", "scene.toml"}));
     fs::remove(folder_ / out);

@@ -15,7 +15,7 @@ namespace cde::testing {
 
 using nlohmann::json;
 
-/// The first line that a command prints.
+/// The first line of a command's output.
 static std::string output_of(const std::string& command) {
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(::popen(command.c_str(), "r"), ::pclose);
   std::array<char, 4096> part{};
@@ -55,8 +55,8 @@ std::string browser() {
 
 namespace {
 
-/// Clicks on every button that saves something and tells what was offered: names, texts, and of
-/// pictures how much of them is drawn when they are opened without the page.
+/// Clicks on every button that saves a file and reports the offered files: names, texts, and for
+/// pictures how much is drawn when they are opened alone.
 const char* const kClicks = R"(
 const made = [], taken = new Map(), failed = [];
 addEventListener("error", (e) => failed.push(String(e.message)));
@@ -144,7 +144,7 @@ void Pages::expect_fits_a_phone(const std::string& html) {
 addEventListener("load", () => {
   for (const folded of document.querySelectorAll("details, [data-choice]")) { folded.open = true; folded.hidden = false; }
   const root = document.documentElement, cut = [], broken = [];
-  root.style.width = "400px";  // a window has 500 at least
+  root.style.width = "400px";  // a browser window is at least 500 wide
   for (const box of document.querySelectorAll(".scroll")) {
     const caption = box.querySelector("caption").firstElementChild || box.querySelector("caption");
     if (caption.getBoundingClientRect().right > box.getBoundingClientRect().right + 1) cut.push(caption.textContent);
@@ -181,11 +181,11 @@ void Pages::expect_saved(const json& told, std::size_t charts) {
     }
     ASSERT_TRUE(name.ends_with(".svg")) << name;
     EXPECT_EQ(file["root"], "http://www.w3.org/2000/svg svg") << name;
-    EXPECT_EQ(file["classes"], 0) << "looks that are in the page's style sheet";
+    EXPECT_EQ(file["classes"], 0) << "styles from the page's style sheet";
     for (const char* needs : {"var(", "NaN", "undefined", "%\"", "href"})
       EXPECT_FALSE(has(text, needs)) << name << needs;
     EXPECT_EQ(file["drawn"]["width"], 760);
-    EXPECT_EQ(file["drawn"]["ground"], json({255, 255, 255, 255})) << "as print has it";
+    EXPECT_EQ(file["drawn"]["ground"], json({255, 255, 255, 255})) << "white, as in print";
     EXPECT_GT(file["drawn"]["ink"], 1000) << name;
     EXPECT_GT(file["drawn"]["colours"], 20) << name;
   }

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 Planted::Planted(const fs::path& folder, const std::string& file, const std::string& from,
                  const std::string& to)
     : share_(folder / "share"),
-      // With assertions gates are built sooner.
+      // with assertions gates build faster
       environment_{"CDE_SHARE=" + share_.string(), "CDE_WERROR=0", "CDE_ASSERT=1"} {
   copy_rtl(CDE_SOURCE_DIR, share_);
   change(file, from, to);

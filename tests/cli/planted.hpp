@@ -6,17 +6,17 @@
 
 namespace cde::testing {
 
-/// A copy of what bitstreams are made of, with one text of one file replaced.
+/// A copy of the sources of simulation models, with one text in one file replaced.
 class Planted {
  public:
-  /// In `folder`/share. A text that is not there is a failure of the test.
+  /// The copy is in `folder`/share. A missing text fails the test.
   Planted(const std::filesystem::path& folder, const std::string& file, const std::string& from,
           const std::string& to);
   /// Replaces another text of the copy.
   void change(const std::string& file, const std::string& from, const std::string& to);
-  /// In which `cde` builds from the copy; warnings of Verilator are none.
+  /// Environment in which `cde` builds from the copy; Verilator's warnings are not errors.
   [[nodiscard]] const std::vector<std::string>& environment() const { return environment_; }
-  /// Line of its file at which the last text that was replaced begins.
+  /// The line at which the last replaced text begins.
   [[nodiscard]] int line() const { return line_; }
 
  private:
@@ -25,8 +25,8 @@ class Planted {
   int line_ = 0;
 };
 
-/// A card with a fault, as an environment with a cache of its own: a hit needs to lie within two
-/// edges of three.
+/// The environment of a faulty card, with its own cache: a hit needs to lie within only two of
+/// three edges.
 [[nodiscard]] std::vector<std::string> faulty_card(const std::filesystem::path& folder);
 
 }  // namespace cde::testing

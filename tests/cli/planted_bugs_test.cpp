@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether what a failure leaves leads to the line that is wrong: faults of
-// tools/mutants/explain.txt, one at a time. Minutes each, so they are of the full tier; the table
-// itself is checked in both.
+// Checks that the package of a failure leads to the wrong line, for each fault of
+// tools/mutants/explain.txt. Each fault takes minutes, so these tests belong to the full tier. The
+// table itself is checked in both tiers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,8 +30,8 @@ using nlohmann::json;
 
 constexpr unsigned kPairs = 400;
 constexpr std::uint64_t kSeed = 20261124;
-constexpr std::size_t kPlaces = 3;  // that a reader looks at
-constexpr unsigned kDrivers = 3;    // statements behind them
+constexpr std::size_t kPlaces = 3;  // places that a reader looks at
+constexpr unsigned kDrivers = 3;    // statements between a place and the fault
 constexpr std::size_t kBugs = 24, kFiles = 22, kLines = 20;
 
 const fs::path kFolder = fs::path(CDE_SOURCE_DIR) / "tests/cli";
@@ -50,7 +50,7 @@ struct Bug {
     return found == fields.end() ? kNone : found->second;
   }
   [[nodiscard]] std::string file() const { return (*this)["file"]; }
-  /// Place in kFinds of what the table says.
+  /// Index in kFinds of the table's entry.
   [[nodiscard]] std::size_t finds() const {
     return static_cast<std::size_t>(std::find(kFinds.begin(), kFinds.end(), (*this)["finds"]) -
                                     kFinds.begin());
@@ -73,7 +73,7 @@ const std::vector<Bug>& bugs() {
   return kAll;
 }
 
-/// Lines of the words of random pairs.
+/// Lines with the words of random pairs.
 std::string random_pairs(const std::string& pair) {
   RandomPairs random(kSeed);
   std::string text;
@@ -85,19 +85,19 @@ std::string random_pairs(const std::string& pair) {
   return text;
 }
 
-/// A line that a bundle names.
+/// A line that a package names.
 struct Named {
   std::string file;
   int line = 0;
   std::string how;
-  unsigned drivers = 0;  ///< statements between it and an operator or a signal that is named
+  unsigned drivers = 0;  ///< statements between the line and a named operator or signal
 
   [[nodiscard]] bool is(const std::string& other, int number) const {
     return file == other && line == number;
   }
 };
 
-/// All of them in the order of fail.txt.
+/// All named lines, in the order of fail.txt.
 std::vector<Named> named(const json& bundle) {
   std::vector<Named> all;
   const auto add = [&](const json& place, const char* how) {
@@ -106,7 +106,7 @@ std::vector<Named> named(const json& bundle) {
       all.push_back(std::move(n));
   };
   for (const json& place : bundle.value("places", json::array())) add(place, "place");
-  // What feeds the operators that part; the causes of an answer where none does.
+  // The inputs of the differing operators; the causes of an answer if no operator differs.
   const bool operators = !bundle.value("near_lines", json::array()).empty() ||
                          !bundle.value("first_differences", json::array()).empty();
   for (const json& line : bundle.value(operators ? "near_lines" : "cause_lines", json::array()))
@@ -114,7 +114,7 @@ std::vector<Named> named(const json& bundle) {
   return all;
 }
 
-/// Place in kFinds of what they lead to.
+/// Index in kFinds of the best result for these lines.
 std::size_t found(const std::vector<Named>& all, const std::string& file, int line) {
   std::size_t best = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -154,7 +154,7 @@ TEST_P(PlantedBugs, AreFoundFromTheBundle) {
   fmt::print("{}: planted in {}:{}, named{}: {}\n", bug["mutant"], file, fault.line(), places,
              kFinds[how]);
   RecordProperty("finds", kFinds[how]);
-  EXPECT_GE(how, bug.finds()) << "the table says " << bug["finds"] << "\n"
+  EXPECT_GE(how, bug.finds()) << "the table expects " << bug["finds"] << "\n"
                               << read("cde-failure/fail.txt");
   if (const char* keep = std::getenv("CDE_KEEP_BUNDLES"))
     fs::copy(folder_ / "cde-failure", fs::path(keep) / bug["mutant"], fs::copy_options::recursive);
@@ -167,7 +167,7 @@ INSTANTIATE_TEST_SUITE_P(Table, PlantedBugs, ::testing::Range(std::size_t{0}, bu
                            return name;
                          });
 
-/// How many faults of a kind are found how well.
+/// Counts of faults by how well they are found.
 struct Count {
   std::size_t bugs = 0;
   std::array<std::size_t, kFinds.size()> finds{};  ///< at least so well
@@ -176,15 +176,15 @@ struct Count {
     ++bugs;
     for (std::size_t i = 0; i <= bug.finds(); ++i) ++finds[i];
   }
-  /// A row of the manual's table.
+  /// A row of the table in the manual.
   [[nodiscard]] std::string row(const char* kind) const {
     return fmt::format("| {} | {} | {} | {} | {} | {} |\n", kind, bugs, finds[4], finds[3],
                        finds[2], finds[1]);
   }
 };
 
-/// Each fault is held to what the table says of it; here the table is held to what is promised, and
-/// the manual to the table.
+/// Each fault test checks the table's entry. This test checks the table against the promised
+/// totals, and the manual against the table.
 TEST(PlantedBugsTable, FindsEnough) {
   Count pipes, around, all;
   for (const Bug& bug : bugs()) {
@@ -196,9 +196,10 @@ TEST(PlantedBugsTable, FindsEnough) {
     const std::string text = bytes_of(fs::path(CDE_SOURCE_DIR) / bug.file());
     const std::size_t at = text.find(bug["from"]);
     EXPECT_NE(at, std::string::npos) << bug["from"];
-    EXPECT_EQ(text.find(bug["from"], at + 1), std::string::npos) << "there twice";
+    EXPECT_EQ(text.find(bug["from"], at + 1), std::string::npos) << "the text occurs twice";
     EXPECT_FALSE(bug["what"].empty());
-    EXPECT_EQ(bug["why"].empty(), bug.finds() >= 2) << "what is not found says why";
+    EXPECT_EQ(bug["why"].empty(), bug.finds() >= 2)
+        << "a fault that is not found must give a reason";
   }
   EXPECT_EQ(all.bugs, kBugs);
   EXPECT_GE(all.finds[1], kFiles);

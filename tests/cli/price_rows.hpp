@@ -5,7 +5,7 @@
 
 namespace cde::testing {
 
-/// A row of a table of prices, as tools/synthesis writes it, with three seeds.
+/// A row of a cost table, as tools/synthesis writes it, with three seeds.
 inline nlohmann::json price_row(const std::string& what, const std::string& format,
                                 const std::string& lat, double lut, double dsp, double mhz,
                                 const std::string& algorithm = "") {

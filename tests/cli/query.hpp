@@ -34,7 +34,7 @@ class Query : public Cli {
     return ran;
   }
 
-  /// Refused before anything is answered.
+  /// Expects a refusal before the first answer.
   void refused(const Words& words, const std::string& text) {
     const Ran ran = query(words, "0,0,0,1,2,0,0,1\n");
     SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));

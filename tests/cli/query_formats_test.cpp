@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde query in every format: numbers as they are read and written.
+// cde query in every format: how it reads and writes numbers.
 #include <array>
 #include <bit>
 #include <cmath>
@@ -20,7 +20,7 @@ void PrintTo(const Format& format, std::ostream* out) {
 
 class QueryFormat : public Query, public ::testing::WithParamInterface<Format> {};
 
-/// The exact value of a word, from its bits alone.
+/// The exact value of a word, computed from its bits alone.
 long double value_of(const Format& f, std::uint64_t word) {
   const std::uint64_t fraction = word & ((std::uint64_t{1} << f.fraction_bits) - 1);
   const auto exponent = static_cast<int>((word >> f.fraction_bits) & ((1u << f.exponent_bits) - 1));
@@ -30,16 +30,16 @@ long double value_of(const Format& f, std::uint64_t word) {
   return std::ldexp(significand, std::max(exponent, 1) - bias - f.fraction_bits);
 }
 
-/// A number with all its decimal digits.
+/// The number with all its decimal digits.
 std::string exact_decimal(long double value) {
   std::string text(2000, ' ');
   text.resize(static_cast<std::size_t>(std::snprintf(text.data(), text.size(), "%.1200Lf", value)));
   return text;
 }
 
-/// Decimals half-way between two words, 1e-1200 above and 1e-1200 below. Concentric spheres of one
-/// radius have CP at their centre, so that its words can be seen: up to the largest coordinate that
-/// the contract allows, and in formats that scale their pairs those that stay normal numbers.
+/// Decimals halfway between two words, and 1e-1200 above and below. Concentric spheres of one
+/// radius have CP at their centre, so CP shows the word. Values go up to the largest coordinate of
+/// the contract. In formats that scale their pairs, only values that stay normal are used.
 TEST_P(QueryFormat, DecimalsAreRoundedOnceToNearestEven) {
   const Format f = GetParam();
   std::mt19937_64 random(7);
@@ -63,7 +63,7 @@ TEST_P(QueryFormat, DecimalsAreRoundedOnceToNearestEven) {
     const long double low = value_of(f, word), middle = (low + value_of(f, word + 1)) / 2;
     std::string above = exact_decimal(middle), below = above;
     above.back() = '1';
-    // One unit less in the last place: borrow through the zeros behind the last digit.
+    // One less in the last place: borrow through the zeros after the last digit.
     std::size_t at = below.size() - 1;
     while (below[at] == '0' || below[at] == '.') {
       if (below[at] == '0') below[at] = '9';
@@ -85,7 +85,7 @@ TEST_P(QueryFormat, DecimalsAreRoundedOnceToNearestEven) {
         << lines[i + 1];
 }
 
-/// What is printed, fed back in, is the same word; decimals, bits and --no-check alike.
+/// Printed numbers read back as the same word: as decimals, as bits and with --no-check.
 TEST_P(QueryFormat, DecimalsReadBackAsTheSameWord) {
   const Format f = GetParam();
   std::mt19937_64 random(11);
@@ -105,7 +105,7 @@ TEST_P(QueryFormat, DecimalsReadBackAsTheSameWord) {
   ASSERT_EQ(decimals.status, 0) << decimals.err;
   ASSERT_EQ(bits.status, 0) << bits.err;
   EXPECT_EQ(query(unchecked, input).out, decimals.out);
-  // As centres of concentric spheres, words come back as CP (the offset along z is 0).
+  // Concentric spheres return their centre as CP (the offset along z is 0).
   const auto concentric = [](const std::string& csv) {
     std::string text;
     const auto lines = lines_of(csv);
@@ -134,7 +134,7 @@ TEST_P(QueryFormat, TheLargestNumberAndBeyond) {
   EXPECT_EQ(ran.status, 2);
   const auto lines = lines_of(ran.out);
   ASSERT_EQ(lines.size(), 4u) << ran.err;
-  EXPECT_EQ(fields_of(lines[1])[8], "bad") << "a number of the format, and no length";
+  EXPECT_EQ(fields_of(lines[1])[8], "bad") << "a number of the format that is not a valid length";
   EXPECT_TRUE(has(ran.err, "line 1: sphere B: center.x is"));
   EXPECT_EQ(fields_of(lines[2])[8], "bad");
   EXPECT_EQ(std::stoull(fields_of(lines[2])[1], nullptr, 16), nan);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What cde query reads: texts and arrays, from stdin and from files.
+// Inputs of cde query: texts and arrays, from stdin and from files.
 #include <filesystem>
 
 #include "query.hpp"
@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A text of the same pairs, whatever its header, quotes and ends of lines.
+/// Texts of the same pairs with different headers, quotes and line ends.
 TEST_F(Query, TextsAsOthersWriteThem) {
   const std::string answers = kHeader + "1,0.5,0.75,0,0,1,0,0,\n0,2.5,2.25,0,0,1,0,0,\n";
   const std::string a = "A.center.x,A.center.y,A.center.z,A.radius",
@@ -23,7 +23,7 @@ TEST_F(Query, TextsAsOthersWriteThem) {
     const Ran ran = query({"sphere-sphere", "-q"}, text);
     EXPECT_EQ(ran.status, 0) << ran.err;
     EXPECT_EQ(ran.out, answers);
-    // In a file, and dealt.
+    // From a file, and with --cards.
     write("pairs.txt", text);
     EXPECT_EQ(cde({"query", "sphere-sphere", "pairs.txt", "-q"}).out, answers);
     EXPECT_EQ(query({"sphere-sphere", "-q", "--resume", "j"}, text).out, answers);

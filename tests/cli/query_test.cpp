@@ -44,7 +44,7 @@ TEST_F(Query, AnswersInOrderWhateverTheSpelling) {
   EXPECT_TRUE(has(ran.err, "4 of 4 answers match the reference"));
 }
 
-/// As tests and `cde run` print a pair.
+/// The form in which tests and `cde run` print a pair.
 TEST_F(Query, ABarBetweenAAndB) {
   const Ran ran = query({"sphere-sphere", "-q"},
                         "0,0,0,1 | 1.5,0,0,1\n"
@@ -67,7 +67,7 @@ TEST_F(Query, ABarBetweenAAndB) {
   EXPECT_EQ(ray.out, kHeader + "1,2,0,0,0,,,,\n0,inf,0,0,0,,,,\n");
 }
 
-/// A builder that fails says first what was wrong, and then much else.
+/// A failing builder prints its cause first, then much else.
 TEST_F(Query, AFailedBuildNamesItsCauseAndItsLog) {
   std::filesystem::create_directories(folder_ / "share/verilator");
   std::filesystem::create_directories(folder_ / "share/rtl");
@@ -117,11 +117,12 @@ TEST_F(Query, EmptyInputIsAnEmptyTable) {
 
 TEST_F(Query, RaysOfSixAndEightWordsWithoutANormal) {
   const std::string triangle = ",-1,-1,0,1,-1,0,0,1,0\n";
-  const Ran ran = query({"ray-triangle"}, "0,0,2,0,0,-1" + triangle +          // all of the ray
-                                              "0,0,2,0,0,-1,0,1" + triangle +  // ends before it
-                                              "0,0,2,0,0,-1,0,inf" + triangle + "0,0,-2,0,0,-1" +
-                                              triangle +  // behind
-                                              "0,0,-2,0,0,-1,-inf,inf" + triangle);
+  const Ran ran =
+      query({"ray-triangle"}, "0,0,2,0,0,-1" + triangle +          // the whole ray
+                                  "0,0,2,0,0,-1,0,1" + triangle +  // ends before the triangle
+                                  "0,0,2,0,0,-1,0,inf" + triangle + "0,0,-2,0,0,-1" +
+                                  triangle +  // the triangle lies behind
+                                  "0,0,-2,0,0,-1,-inf,inf" + triangle);
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, kHeader +
                          "1,2,0,0,0,,,,\n"
@@ -131,7 +132,7 @@ TEST_F(Query, RaysOfSixAndEightWordsWithoutANormal) {
                          "1,-2,0,0,0,,,,\n");
 }
 
-/// A triangle without area, which the plain pipe hits 3.4 away from it, at T = -0 once.
+/// A triangle without area. The pipe without the box rule reports a hit 3.4 away from it.
 TEST_F(Query, TheBoxRuleMissesTrianglesWithoutArea) {
   const std::string line = "0.2 2.8 -2.3 -0.1 -0.9 0.7 0.1 0.7 -0.4 0.2 -0.4 0.9 0.2 -0.4 0.9\n";
   Ran ran = query({"ray-triangle", "--algorithm", "pluecker"}, line);
@@ -146,7 +147,7 @@ TEST_F(Query, TheBoxRuleMissesTrianglesWithoutArea) {
   refused({"sphere-sphere", "--box"}, "sphere-sphere has no box rule");
 }
 
-/// Neither T nor CP of a hit is infinite, and T is never -0.
+/// and CP of a hit are finite, and T is never -0.
 TEST_F(Query, ARaysHitIsFinite) {
   const Ran ran = query({"ray-triangle", "-q"},
                         "0 0 20 0 0 -1e-38 -1 -1 0 2 -1 0 -1 2 0\n"
@@ -226,7 +227,7 @@ TEST_F(Query, BadOperandsAreNamedAndFlagged) {
   }
 }
 
-// A box deep below a plane: apart from the surface, inside the half-space.
+// A box deep below a plane: separated from the surface, inside the half-space.
 TEST_F(Query, APlaneMayBeAHalfSpace) {
   const std::string below = "0,0,-5,1,1,1,1,0,0,0,1,0,0,0,1,0,0,1,0\n";
   EXPECT_EQ(query({"obb-plane", "-q"}, below).out, kHeader + "0,4,0,0,-2,0,0,1,\n");
@@ -297,27 +298,28 @@ TEST_F(Query, BudgetSetsTheWorkOfACylinderPair) {
   };
   const int whole = clocks({}), none = clocks({"--budget", "4,0,0"});
   EXPECT_EQ(clocks({"--budget", "8,8,8"}), whole);
-  // 54 and 14 evaluations, 9 passes each for the witness points: a pass more costs a ring.
+  // 54 and 14 evaluations, plus 9 loops each for the witness points: one more loop costs one trip
+  // through the pipeline.
   const int ring = (whole - none) / 40;
   EXPECT_EQ(whole - none, 40 * ring);
   EXPECT_EQ(clocks({"--budget", "14"}), none);
   EXPECT_EQ(clocks({"--budget", "54"}), whole);
-  EXPECT_EQ(clocks({"--budget", "58"}), whole + 3 * ring) << "K2 takes three evaluations of four";
+  EXPECT_EQ(clocks({"--budget", "58"}), whole + 3 * ring) << "K2 takes three of four evaluations";
 }
 
-// ---- The whole ----
+// ---- Complete runs ----
 
 TEST_F(Query, FacetsOfLongWordsHaveOneLane) {
-  const std::string box = "1,1,1,1,0,0,0,1,0,0,0,1";  // unit half extents, not turned
+  const std::string box = "1,1,1,1,0,0,0,1,0,0,0,1";  // unit half extents, not rotated
   const Ran ran = query({"obb-obb", "--format", "fp64", "--json"},
                         "0,0,0," + box + ",3.5,0,0," + box + "\n" +  //
                             "0,0,0," + box + ",1.5,0.25,0," + box + "\n");
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto json = nlohmann::json::parse(lines_of(ran.out).back());
-  EXPECT_EQ(json["lanes"], 1) << "clang takes minutes to build more";
+  EXPECT_EQ(json["lanes"], 1) << "clang takes minutes to build more lanes";
   EXPECT_EQ(json["records_matching"], 2);
   const auto lines = lines_of(ran.out);
-  ASSERT_EQ(lines.size(), 4u) << "the last is the summary";
+  ASSERT_EQ(lines.size(), 4u) << "the last line is the summary";
   EXPECT_TRUE(lines[1].starts_with("0,1.5,")) << lines[1];
   EXPECT_TRUE(lines[2].starts_with("1,0.5,")) << lines[2];
 }
@@ -361,7 +363,7 @@ TEST_F(Query, AMillionPairsInOrder) {
   EXPECT_GE(j["device_cycles"], kPairs / 8);
 }
 
-/// What a running child has written to its file so far.
+/// The output of a running child so far.
 std::string stdout_of(pid_t child) {
   const fs::path link = fmt::format("/proc/{}/fd/1", child);
   std::error_code none;
@@ -371,7 +373,7 @@ std::string stdout_of(pid_t child) {
   return text.str();
 }
 
-/// A line is answered when it is there, not when the input ends.
+/// A line is answered as soon as it is complete, not when the input ends.
 TEST_F(Query, AnswersWhileTheInputIsOpen) {
   int in[2];
   ASSERT_EQ(::pipe(in), 0);
@@ -387,8 +389,8 @@ TEST_F(Query, AnswersWhileTheInputIsOpen) {
     ::usleep(100'000);
     seen = stdout_of(child);
   }
-  EXPECT_EQ(seen, kHeader) << "whoever waits for the header before asking has it";
-  const std::string line = "0,0,0,1,2,0,0,1\n0,0,0";  // and part of a line
+  EXPECT_EQ(seen, kHeader) << "the header must come before the first input line";
+  const std::string line = "0,0,0,1,2,0,0,1\n0,0,0";  // and a part of a line
   ASSERT_EQ(::write(in[1], line.data(), line.size()), static_cast<ssize_t>(line.size()));
   for (int tenths = 0; tenths < 1200 && lines_of(seen).size() < 2; ++tenths) {
     ::usleep(100'000);
@@ -403,8 +405,8 @@ TEST_F(Query, AnswersWhileTheInputIsOpen) {
   EXPECT_EQ(ran.out, kHeader + "1,0,1,0,0,1,0,0,\n0,2,2,0,0,1,0,0,\n");
 }
 
-/// A card whose sphere-sphere pipe puts CP on the wrong side. The query ends with status 3, and
-/// the command that it names finds the same difference.
+/// A card whose sphere-sphere pipe puts CP on the wrong side. The query ends with status 3, and the
+/// printed command finds the same difference.
 TEST_F(Query, FaultyPipeIsFoundOut) {
   const Planted fault(folder_, "rtl/pipes/sphere_sphere.sv", "`DF_VADD(cp, a_c, offset)",
                       "`DF_VSUB(cp, a_c, offset)");
@@ -415,10 +417,10 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
   const std::string input = "# the first has CP = cA\n0,0,0,1,0,0,0,1\n\n0,0,0,1,1.5,0,0,1\n";
   const Ran ran = query(words, input, environment);
   EXPECT_EQ(ran.status, 3) << ran.err;
-  EXPECT_EQ(ran.out, "") << "no answer is right, so none is written, and no header";
+  EXPECT_EQ(ran.out, "") << "no answer is right, so neither answers nor header are written";
   EXPECT_TRUE(has(ran.err, "line 4: the card's answer differs from the reference"));
   EXPECT_TRUE(has(ran.err, "CP -0x1.8p-1,0x0p+0,0x0p+0"));
-  // The second pair of the first row, which came out when the pipe's 11 clocks were over.
+  // The second pair of the first row, which leaves the pipe after its 11 cycles.
   EXPECT_TRUE(has(ran.err, "\n  differ in CPx\n  where     clock 11, lane 1, row 0\n"));
   std::string later = input;
   for (int i = 0; i < 4; ++i) later.insert(0, "0,0,0,1,0,0,0,1\n");
@@ -435,14 +437,14 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
   again.push_back("--no-bundle");
   const std::string pairs = match[1].str() + "\n" + match[1].str() + "\n";
   EXPECT_EQ(query(again, pairs, environment).status, 3);
-  EXPECT_EQ(query({"sphere-sphere"}, pairs).status, 0) << "the right pipe";
+  EXPECT_EQ(query({"sphere-sphere"}, pairs).status, 0) << "the correct pipe";
   Words going = {"sphere-sphere", "--lanes", "2", "-k", "--json"};
   for (const bool dealt : {false, true}) {
     if (dealt) going.insert(going.end(), {"--resume", (folder_ / "journal").string()});
     const Ran all = query(going, input + "0,0,0,1,0,0,0,-1\n", environment);
-    EXPECT_EQ(all.status, 3) << "ahead of the status of a bad pair";
+    EXPECT_EQ(all.status, 3) << "takes precedence over the status of a bad pair";
     ASSERT_EQ(lines_of(all.out).size(), 5u) << all.out;
-    EXPECT_EQ(lines_of(all.out)[1], "1,2,0,0,0,0,0,1,") << "as it should be";
+    EXPECT_EQ(lines_of(all.out)[1], "1,2,0,0,0,0,0,1,") << "the correct answer";
     EXPECT_EQ(lines_of(all.out)[2], "1,0.5,-0.75,0,0,1,0,0,differs");
     EXPECT_TRUE(lines_of(all.out)[3].ends_with(",bad")) << all.out;
     const auto summary = nlohmann::json::parse(lines_of(all.out)[4]);
@@ -452,7 +454,7 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
                     "cde: line 4: the card's answer differs from the reference in CPx\n"
                     "repeat with: " +
                         match[0].str().substr(std::string("repeat with: ").size()) + "\n"));
-    EXPECT_FALSE(fs::exists("cde-failure")) << "only the command that repeats one packs it";
+    EXPECT_FALSE(fs::exists("cde-failure")) << "only the command that repeats a failure packs it";
   }
   std::string many;
   for (int i = 0; i < 103; ++i) many += "0,0,0,1,1.5,0,0,1\n";
@@ -470,7 +472,7 @@ TEST_F(Query, FaultyPipeIsFoundOut) {
 
 // ---- Waves ----
 
-/// Words of a port, [word][lane], at a time of the waves.
+/// Words of a port, [word][lane], at a time in the waves.
 class Ports {
  public:
   explicit Ports(fs::path file) : file_(std::move(file)), signals_(wave::signals(file_)) {}
@@ -495,8 +497,8 @@ class Ports {
   std::map<std::string, std::map<std::uint64_t, std::string>> seen_;
 };
 
-/// The operands of every row at the clock it enters, and its results as many clocks later as the
-/// pipe has, where docs/reference/pairs.md says that they are.
+/// Each row shows its operands in the cycle in which it enters, and its results one pipe latency
+/// later. docs/reference/pairs.md states these times.
 TEST_F(Query, WavesShowOperandsAndResults) {
   constexpr unsigned kLanes = 8, kLatency = 11, kRows = 3;
   std::string text;
@@ -522,10 +524,10 @@ TEST_F(Query, WavesShowOperandsAndResults) {
     }
   }
   EXPECT_EQ(ports.at("valid_o", 9 + 2 * (kLatency - 1) - 2), 0u) << "before the first row";
-  EXPECT_EQ(ports.at("valid_o", 9 + 2 * (kLatency - 1 + kRows)), 0u) << "behind the last one";
+  EXPECT_EQ(ports.at("valid_o", 9 + 2 * (kLatency - 1 + kRows)), 0u) << "after the last row";
 }
 
-/// Answers come when all pairs are known; their number, and the file, are checked first.
+/// Answers are written when all pairs are known. Their number and the file are checked first.
 TEST_F(Query, WavesAreWholeOrAnError) {
   const std::string pair = "0,0,0,1,3,0,0,1\n";
   std::string many = "# a line that is none\n";
@@ -544,7 +546,7 @@ TEST_F(Query, WavesAreWholeOrAnError) {
   EXPECT_EQ(ran.err, "cde: line 4098: --trace takes at most 4096 pairs\n");
   EXPECT_FALSE(exists("w.fst"));
   {
-    ASSERT_GT(whole / 2, many.size()) << "the limit is the waves', not stdin's";
+    ASSERT_GT(whole / 2, many.size()) << "the limit must apply to the waves, not to stdin";
     const FileLimit limit(whole / 2);
     ran = query(traced, many);
     EXPECT_EQ(ran.status, 2);

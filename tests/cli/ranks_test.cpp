@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs in chunks: journals, shards, and ranks under mpirun where there is one. Outputs are byte by
-// byte those of the plain run.
+// Runs in chunks: journals, shards, and ranks under mpirun if it is installed. Outputs are
+// byte-identical to those of the plain run.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -31,17 +31,17 @@ class Ranks : public Cli {
     const Ran plain = cde(cast("plain.csv"));
     ASSERT_EQ(plain.status, 0) << plain.err;
   }
-  /// Three chunks.
+  /// A cast of three chunks.
   static Words cast(const std::string& records, const Words& more = {}) {
     Words words = {"cast", "square.obj", "--grid", "420x420", "-o", records, "-q"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  /// Whether files have the same bytes; they are long.
+  /// Whether two files have the same bytes; a failure does not print them.
   [[nodiscard]] bool same(const std::string& a, const std::string& b) const {
     return exists(a) && exists(b) && read(a) == read(b);
   }
-  /// Where chunks end in a journal: before each line of a chunk, and the end.
+  /// Positions in a journal before each chunk's line, and the end.
   static std::vector<std::size_t> ends(const std::string& journal) {
     std::vector<std::size_t> at;
     for (std::size_t i = 0; (i = journal.find("{\"part\":", i)) != std::string::npos; ++i)
@@ -49,14 +49,14 @@ class Ranks : public Cli {
     at.push_back(journal.size());
     return at;
   }
-  /// So many rays squared at a mesh that is worth a hierarchy.
+  /// A cast of `side` x `side` rays at a mesh that is large enough for a BVH.
   static Words through(const std::string& records, unsigned side, const Words& more = {}) {
     Words words = {"cast", "terrain:40,40,3", "--grid", fmt::format("{}x{}", side, side),
                    "-o",   records,           "--json", "-q"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  /// What a summary counts of rays on their way, whichever chunks they are of.
+  /// The traversal counters of a summary, which do not depend on chunks.
   static std::string counted(const Ran& ran) {
     const auto json = nlohmann::json::parse(ran.out);
     std::string text;
@@ -72,7 +72,7 @@ TEST_F(Ranks, ACastGoesOnFromAnyByteOfItsJournal) {
   EXPECT_TRUE(same("whole.csv", "plain.csv"));
   const std::string journal = read("journal");
   const std::vector<std::size_t> at = ends(journal);
-  ASSERT_EQ(at.size(), 5u) << "three chunks, and their number";
+  ASSERT_EQ(at.size(), 5u) << "three chunks, and the line with their number";
   for (const std::size_t end :
        {std::size_t{7}, at[0], at[1] - 1, at[1] + 40, at[2] + 5000, at[3], at[3] + 3, at[4]}) {
     write("journal", journal.substr(0, end));
@@ -94,7 +94,7 @@ TEST_F(Ranks, AJournalOfSomethingElseIsRefused) {
   refused(other, "journal is of a run with another input: chunk 0 of it differs");
   write("square.obj", "v 0 0 0\nv 4 0 1\nv 4 3 0\nv 0 3 2\nf 1 2 3\nf 1 3 4\n");
   refused(cast("x.csv", {"--resume", "journal"}), "journal is of a run with mesh \"square.obj ");
-  EXPECT_EQ(read("journal"), journal) << "what was refused is left as it was";
+  EXPECT_EQ(read("journal"), journal) << "a refused journal must stay unchanged";
   EXPECT_FALSE(exists("x.csv"));
 }
 
@@ -103,7 +103,7 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
   const std::string journal = read("journal");
   const std::vector<std::size_t> at = ends(journal);
   std::string bad = journal;
-  bad[at[1] + 3000] ^= 1;  // in the second chunk's records
+  bad[at[1] + 3000] ^= 1;  // in the records of the second chunk
   write("bad", bad);
   refused(cast("x.csv", {"--resume", "bad"}), "the chunk is not what was written");
   refused({"merge", "bad"}, "the chunk is not what was written");
@@ -119,7 +119,7 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
   write("bad", bad);
   refused(cast("x.csv", {"--resume", "bad"}),
           fmt::format("but another entry begins at byte {}", at[1] + 1));
-  EXPECT_EQ(read("bad"), bad) << "nothing of it is cut";
+  EXPECT_EQ(read("bad"), bad) << "the journal must not be truncated";
   for (const char* key : {"\"bytes\":", "\"chunk\":", "\"part\":", "\"chunks\":"}) {
     for (const char* number : {"-", "0.5e1", "99999999999999", "\"1\","}) {
       bad = journal;
@@ -151,7 +151,7 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
   EXPECT_FALSE(exists("x.csv"));
 }
 
-/// merge runs the command of a journal, which names outputs.
+/// `merge` runs the command of a journal, and the command names outputs.
 TEST_F(Ranks, AJournalThatOthersCouldWriteIsNotRun) {
   ASSERT_EQ(cde(cast("x.csv", {"--resume", "journal"})).status, 0);
   fs::remove(folder_ / "x.csv");
@@ -190,7 +190,7 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
     const Ran ran = cde(
         cast("merged.csv", {"--resume", fmt::format("s{}", i), fmt::format("--shard={}/3", i)}));
     EXPECT_EQ(ran.status, 0) << ran.err;
-    EXPECT_FALSE(exists("merged.csv")) << "a part is no result";
+    EXPECT_FALSE(exists("merged.csv")) << "a part must not be written as a result";
   }
   const Ran merged = cde({"merge", "s2", "s3", "s1"});
   EXPECT_EQ(merged.status, 0) << merged.err;
@@ -225,12 +225,12 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
   const Ran printed = cde({"merge", "printed"});
   EXPECT_EQ(printed.out, read("rays.csv")) << printed.err;
   write("rays", rays + "7,7,7,0,0,-1\n");
-  EXPECT_EQ(cde({"merge", "printed"}).out, "") << "not a part of it";
+  EXPECT_EQ(cde({"merge", "printed"}).out, "") << "no part may be printed";
   refused({"merge", "whole"}, "whole is of a run with another input: chunk 0 of it differs");
   refused(cast("x.csv", {"--shard", "1/2"}), "--shard needs --resume");
   refused(cast("x.csv", {"--shard", "0/2", "--resume", "x"}), "--shard is '0/2'; it must be I/N");
   refused(cast("x.csv", {"--shard", "1/2", "--resume", "x", "--boards", "2"}),
-          "--boards is of one process");
+          "--boards works only in one process");
 }
 
 TEST_F(Ranks, ChunksGoThroughAHierarchy) {
@@ -247,7 +247,7 @@ TEST_F(Ranks, ChunksGoThroughAHierarchy) {
   EXPECT_EQ(counted(whole), counted(one));
   const std::string journal = read("journal");
   const std::vector<std::size_t> at = ends(journal);
-  ASSERT_EQ(at.size(), 5u) << "three chunks, and their number";
+  ASSERT_EQ(at.size(), 5u) << "three chunks, and the line with their number";
   for (const std::size_t end : {at[0], at[1] + 5000, at[3]}) {
     write("journal", journal.substr(0, end));
     const Ran rest = cde(through("rest.csv", kSide, {"--resume", "journal"}));
@@ -272,7 +272,7 @@ TEST_F(Ranks, ChunksGoThroughAHierarchy) {
   EXPECT_EQ(counted(merged), counted(unchecked));
 }
 
-/// Killed as soon as a chunk is in the journal, of eight.
+/// The run is killed as soon as one of eight chunks is in the journal.
 TEST_F(Ranks, AKilledRunGoesOnThroughAHierarchy) {
   const auto words = [](const char* records) {
     return through(records, 512, {"--no-check", "--resume", "journal"});
@@ -288,8 +288,8 @@ TEST_F(Ranks, AKilledRunGoesOnThroughAHierarchy) {
     kept = ends(read("journal")).size() - 1;
   }
   ASSERT_GE(kept, 1u);
-  ASSERT_LE(kept, 7u) << "it was not killed in the middle";
-  EXPECT_FALSE(exists("r.csv")) << "half an output";
+  ASSERT_LE(kept, 7u) << "the run was not killed before its end";
+  EXPECT_FALSE(exists("r.csv")) << "a partial output";
   const Ran rest = cde(words("r.csv"));
   EXPECT_EQ(rest.status, 0) << rest.err;
   const Ran one = cde(through("one.csv", 512, {"--no-check"}));
@@ -314,14 +314,14 @@ TEST_F(Ranks, ShardsOfAQueryMakeUpTheWhole) {
   lines.close();
   const std::string query = "\"$CDE\" query sphere-sphere -q ";
   const Ran plain = shell(query + "< pairs");
-  EXPECT_EQ(plain.status, 2) << "some lines are malformed";
+  EXPECT_EQ(plain.status, 2) << "status for malformed lines";
   const Ran slow = shell(
       "for p in 1 2 3; do head -c $((p * 1000000)) pairs | tail -c +$(((p - 1) * "
       "1000000 + 1)); sleep 0.05; done | cat - <(tail -c +3000001 pairs) | " +
       query + "--resume journal");
   EXPECT_EQ(slow.status, 2);
   EXPECT_EQ(slow.out, plain.out);
-  EXPECT_EQ(slow.err, plain.err) << "messages, too, in their order";
+  EXPECT_EQ(slow.err, plain.err) << "messages come in the same order";
   for (int i = 1; i <= 2; ++i)
     EXPECT_EQ(shell(query + fmt::format("--shard {}/2 --resume q{} < pairs", i, i)).status, 0);
   const Ran merged = shell("\"$CDE\" merge q1 q2");
@@ -380,7 +380,7 @@ TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
     EXPECT_TRUE(has(with({"--resume", "x", more[0], more[1]}).err, "are of one process"));
 }
 
-/// Whatever the mode: ties between parts stay with the lower index.
+/// In every mode the lower index wins ties between parts of a mesh.
 TEST_F(Ranks, PartsOfAMeshGiveTheRecordsOfOneCard) {
   // Two squares in one plane, each triangle four times: every hit is a tie.
   std::string twice = "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\n";
@@ -400,7 +400,7 @@ TEST_F(Ranks, PartsOfAMeshGiveTheRecordsOfOneCard) {
       }
     }
   }
-  // Where nothing is asked for there is a picture, which takes the mesh.
+  // Without an output option the command writes a picture, which needs the mesh.
   ASSERT_EQ(cde({"render", "tied.obj", "--size", "32x24", "-q"}).status, 0);
   const std::string picture = read("tied.render.png");
   std::filesystem::remove(folder_ / "tied.render.png");
@@ -410,7 +410,7 @@ TEST_F(Ranks, PartsOfAMeshGiveTheRecordsOfOneCard) {
           "--partition 9: tied.obj has 8 triangles");
 }
 
-/// As many ranks as the test asks for, on this machine.
+/// Starts as many ranks as the test requests, on this machine.
 class MpiRanks : public Ranks {
  protected:
   void SetUp() override {
@@ -436,7 +436,7 @@ TEST_F(MpiRanks, GiveTheOutputOfOne) {
   for (const unsigned ranks : {1u, 2u, 3u}) {
     const Ran ran = shell(run(ranks) + words(cast("ranks.csv")));
     EXPECT_EQ(ran.status, 0) << ran.err;
-    EXPECT_EQ(ran.err, "") << "nothing is said twice, or at all";
+    EXPECT_EQ(ran.err, "") << "no rank may print a message";
     EXPECT_TRUE(same("ranks.csv", "plain.csv")) << ranks;
     const Ran parts = shell(run(ranks) + words(cast("parts.csv", {"--partition", "2"})));
     EXPECT_EQ(parts.status, 0) << parts.err;
@@ -494,7 +494,7 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
   const Ran shard = shell(run(2) + words(cast("x.csv", {"--shard", "1/2", "--resume", "j"})));
   EXPECT_EQ(shard.status, 2);
   EXPECT_TRUE(has(shard.err, "--shard is for processes that are not ranks"));
-  // Ranks that disagree: the second is started with another option.
+  // Ranks that disagree: the second one starts with another option.
   const Ran differ = shell(run(1) + words(cast("x.csv")) + " : -n 1 \"$CDE\"" +
                            words(cast("x.csv", {"--no-check"})));
   EXPECT_EQ(differ.status, 2) << differ.err;
@@ -506,7 +506,7 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
   EXPECT_FALSE(exists("x.csv"));
 }
 
-/// A rank, or mpirun, killed at any time: no rank is left, and the next run goes on.
+/// A rank or mpirun is killed at any time: no rank survives, and the next run continues.
 TEST_F(MpiRanks, AKilledRunGoesOn) {
   const unsigned kills = std::getenv("CDE_FULL") != nullptr ? 100 : 6;
   const std::string cast = " cast square.obj --grid 1300x1300 -q -o ";
@@ -525,7 +525,7 @@ TEST_F(MpiRanks, AKilledRunGoesOn) {
         "exit $status",
         command, after / 1000, after % 1000, victim));
     if (ran.status != 0) ++killed;
-    // It had come to its end, if not to that of mpirun.
+    // The command had finished, but mpirun had not.
     if (ran.status == 0 || exists("r.csv")) {
       EXPECT_TRUE(same("r.csv", "whole.csv"));
       std::filesystem::remove(folder_ / "r.csv");
@@ -536,7 +536,7 @@ TEST_F(MpiRanks, AKilledRunGoesOn) {
   EXPECT_EQ(shell(command).status, 0);
   EXPECT_TRUE(same("r.csv", "whole.csv"));
   EXPECT_EQ(files(), (Words{"journal", "plain.csv", "r.csv", "square.obj", "whole.csv"}))
-      << "what killed runs left is swept away";
+      << "files of killed runs are removed";
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs every `$ build/cde ...` example of a document and compares its output with the document, line by line in any order (data and
-# summary go to different streams). Lines with wall time or build progress are left out. Where the document has a line `...`, the
-# command may print further lines.
+# Runs every `$ build/cde ...` example of a document and compares the output with the document. Lines match in any
+# order, because data and summary go to different streams. Lines with wall time or build progress are ignored. A line
+# `...` in the document stands for any further lines.
 #
-#   readme.sh CDE DOCUMENT      run in the root of the source tree; examples run beside its meshes/ and write to a temporary folder
+# readme.sh CDE DOCUMENT      run in the root of the source tree; examples run next to its meshes/ and write to a
+# temporary folder
 set -euo pipefail
 cde=$1 document=$PWD/$2 examples=0 failures=0
 scratch=$(mktemp -d)
@@ -18,7 +19,7 @@ while IFS= read -r number; do
   wanted=$(awk -v after="$number" 'NR <= after || over { next } /^    [^$]/ { print substr($0, 5); next } { over = 1 }' "$document")
   got=$(eval "\"$cde\" $command" 2>&1 </dev/null)
   examples=$((examples + 1))
-  # Of two lists diff shows both sides, of a shortened one comm the lines that the command did not print.
+  # For complete output diff shows both sides. For shortened output comm shows the lines that the command did not print.
   if grep -qx '\.\.\.' <<<"$wanted"; then
     difference=$(LC_ALL=C comm -23 <(comparable <<<"$wanted") <(comparable <<<"$got"))
   else

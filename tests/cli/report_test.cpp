@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pages: cde run --report and cde reproduce.
+// The pages of cde run --report and cde reproduce.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -39,10 +39,10 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
   EXPECT_TRUE(has(html, "src=\"data:image/png;base64,iVBORw0KGgo"));
   EXPECT_TRUE(has(html, "id=\"show-rays\"") && has(html, "Rays that hit are orange"));
   EXPECT_FALSE(has(html, "contacts of solids"));
-  EXPECT_TRUE(has(html, "The above copyright notice")) << "three.js's licence";
+  EXPECT_TRUE(has(html, "The above copyright notice")) << "licence of three.js";
   const auto sections = between(html, "<section id=\"split\">", "</section>");
   ASSERT_EQ(sections.size(), 1u);
-  EXPECT_EQ(count(sections[0], "<g class=\"bar\">"), 4u) << "one bar a frame";
+  EXPECT_EQ(count(sections[0], "<g class=\"bar\">"), 4u) << "one bar per frame";
 
   const auto texts = between(html, "id=\"data\">", "</script>");
   ASSERT_EQ(texts.size(), 1u);
@@ -62,17 +62,17 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
     EXPECT_NEAR(sum, query["modelled_seconds"]["total"].get<double>(), 1e-12);
     EXPECT_DOUBLE_EQ(shown["modelled_seconds"][0], query["modelled_seconds"]["upload"]);
     EXPECT_EQ(data["views"][i]["frame"], played["frame"]);
-    // Two words a hit, four bytes a word, three bytes in four characters.
+    // Two words per hit, four bytes per word, four characters per three bytes.
     const auto hits = query["hits"].get<std::size_t>();
     EXPECT_EQ(data["views"][i]["queries"][0]["numbers"].get<std::string>().size(),
               (8 * hits + 2) / 3 * 4);
   }
   EXPECT_GT(run["totals"]["hits"], 20);
-  EXPECT_NE(data["views"][0]["objects"][0], data["views"][1]["objects"][0]) << "it deforms";
+  EXPECT_NE(data["views"][0]["objects"][0], data["views"][1]["objects"][0]) << "the mesh deforms";
   EXPECT_EQ(data["objects"][0]["count"], 216);
 }
 
-/// What a chart offers as CSV is in the page, with or without scripts.
+/// The page holds the CSV data of a chart, with or without scripts.
 TEST_F(Pages, ChartsCarryTheirFigures) {
   write("scene.toml", kReportScene);
   const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "1..4"});
@@ -81,7 +81,7 @@ TEST_F(Pages, ChartsCarryTheirFigures) {
   const json run = json::parse(read("scene.run/run.json"));
   const auto figures = between(html, "<pre class=\"figures\" hidden>\n", "</pre>");
   ASSERT_EQ(figures.size(), count(html, "<figure class=\"plot\">"));
-  ASSERT_EQ(figures.size(), 3u) << "gap of the query, modelled time, wall time";
+  ASSERT_EQ(figures.size(), 3u) << "signed distance of the query, modelled time, wall time";
   const auto lines_of = [](const std::string& text) {
     std::vector<std::string> lines;
     std::istringstream in(text);
@@ -110,7 +110,7 @@ TEST_F(Pages, ChartsCarryTheirFigures) {
 }
 
 TEST_F(Pages, ChartsAreSaved) {
-  if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the pages were not run";
+  if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the pages";
   write("scene.toml", kReportScene);
   ASSERT_EQ(cde({"run", "scene.toml", "--report", "page.html", "--frames", "0..3"}).status, 0);
   const std::string html = read("page.html");
@@ -154,7 +154,7 @@ TEST_F(Pages, ReportOfTheMixedScene) {
   for (const json& object : data["objects"]) kinds.push_back(object["kind"]);
   EXPECT_EQ(kinds, (std::vector<std::string>{"surface", "rays", "box", "sphere", "rays"}));
   EXPECT_EQ(data["queries"][1]["normals"], true);
-  // Of the three balls those that the box does not touch: seven words each to their closest points.
+  // For each of the three balls that the box does not touch: seven words to the closest points.
   const auto apart = data["views"][0]["queries"][1]["apart"].get<std::string>().size();
   const json run = json::parse(read("out/run.json"));
   const std::size_t hits = run["played"][0]["queries"][1]["hits"];
@@ -175,7 +175,7 @@ TEST_F(Pages, ReportOfTheMixedScene) {
   for (const char* part : {"ground, 38,400 × triangle", "balls, 3 × sphere", "id=\"scale\"",
                            "id=\"axes\"", "<select id=\"up\">"})
     EXPECT_EQ(count(html, part), 1u) << part;
-  EXPECT_FALSE(has(html, "/meshes/")) << "no path of this machine";
+  EXPECT_FALSE(has(html, "/meshes/")) << "the page must contain no path of this machine";
 }
 
 TEST_F(Pages, ReportThatCannotBeWritten) {
@@ -183,10 +183,10 @@ TEST_F(Pages, ReportThatCannotBeWritten) {
   const Ran ran = cde({"run", "scene.toml", "--frames", "0", "--report", "none/page.html"});
   EXPECT_EQ(ran.status, 2);
   EXPECT_TRUE(has(ran.err, "none/page.html: cannot create"));
-  EXPECT_FALSE(exists("scene.run")) << "nothing was played";
+  EXPECT_FALSE(exists("scene.run")) << "no frame may run";
 }
 
-/// The chapter on hierarchies: a smaller terrain, and that of Figure 5.
+/// The chapter on BVHs: a smaller terrain, and the terrain of Figure 5.
 void expect_hierarchy(const json& j, const std::string& html) {
   ASSERT_EQ(j["hierarchy"].size(), 2u);
   for (const json& mesh : j["hierarchy"]) {
@@ -250,7 +250,7 @@ TEST_F(Pages, QuickReproduction) {
   EXPECT_EQ(one["tests"], 4000);
   if (!browser().empty()) expect_saved(clicked(html), 5);
   expect_hierarchy(j, html);
-  // The paper's times are of another terrain than a quick run has.
+  // The times in the paper are for the full terrain, not for that of a quick run.
   EXPECT_EQ(j["paper"]["card_seconds"], 0.031);
   EXPECT_EQ(j["paper"]["software_seconds"], 2.1);
   for (const auto* figure : {"figure_5", "figure_6", "figure_7"}) {
@@ -276,15 +276,15 @@ TEST_F(Pages, QuickReproduction) {
     }
   }
   const json all = find(one, "as in the paper"), reduced = find(one, "1 lane, reduction");
-  // 4,000 records of 28 bytes with at most 533 MB/s, and one record.
+  // 4,000 records of 28 bytes at no more than 533 MB/s, and one record.
   EXPECT_GT(all["seconds"].get<double>(), 4000 * 28 / 533e6);
-  EXPECT_GE(reduced["seconds"], 4000 / 100e6) << "a triangle a clock at most";
+  EXPECT_GE(reduced["seconds"], 4000 / 100e6) << "at most one triangle per cycle";
   double sum = 0;
   for (const char* part : {"upload", "compute", "write_back", "download", "registers"})
     sum += all["modelled_seconds"][part].get<double>();
   EXPECT_NEAR(sum, all["seconds"].get<double>(), 1e-12);
   EXPECT_NEAR(sum, all["modelled_seconds"]["total"].get<double>(), 1e-12);
-  // 16 lanes take 256 rays in a sixteenth of the clocks.
+  // 16 lanes take 256 rays in a sixteenth of the cycles.
   const json &narrow = find(j["figure_5"][1], "1 lane"), &wide = find(j["figure_5"][1], "best");
   EXPECT_GT(narrow["seconds"], 10 * wide["seconds"].get<double>());
   EXPECT_EQ(j["figure_7"].size(), 2u);

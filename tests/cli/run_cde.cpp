@@ -62,7 +62,7 @@ std::set<std::string> keys_of(const std::string& text) {
     if (event == nlohmann::json::parse_event_t::key) keys.insert(value.get<std::string>());
     return true;
   };
-  // One object over several lines, or a line of its own behind others.
+  // One object over several lines, or one last line after other lines.
   const std::size_t begin = text.starts_with('{') ? 0 : text.rfind("\n{");
   if (begin == std::string::npos) return keys;
   if (nlohmann::json::parse(text.substr(begin), note, false).is_discarded()) keys.clear();
@@ -128,7 +128,7 @@ Ran Cli::finish(pid_t child) {
 
 bool Cli::wait_for_file(pid_t child) const {
   while (files().empty()) {
-    siginfo_t info{};  // WNOWAIT: finish() still wants the status
+    siginfo_t info{};  // WNOWAIT: finish() still needs the status
     ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT);
     if (info.si_pid == child) return !files().empty();
   }

@@ -13,25 +13,25 @@
 namespace cde::testing {
 
 struct Ran {
-  int status = -1;  ///< exit status, 128 + signal
+  int status = -1;  ///< exit status, or 128 + signal
   std::string out, err;
 };
 
-/// All of a file; nothing if it cannot be read.
+/// The content of a file; empty if it cannot be read.
 [[nodiscard]] std::string bytes_of(const std::filesystem::path& path);
 
 /// A mesh of one triangle, as OBJ.
 inline constexpr const char* kOneTriangle = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
 
-/// The end of a scene's text: a query of an object "rays" for what another one has.
+/// The end of a scene's text: a query of the object "rays" against `secondaries`.
 [[nodiscard]] std::string hit_query(const std::string& secondaries);
 
-/// Keys of JSON that docs/reference/json.md explains.
+/// JSON keys that docs/reference/json.md explains.
 [[nodiscard]] const std::set<std::string>& documented_keys();
-/// All keys of the objects in a text of JSON, the last line of what may have others before it.
+/// All keys in JSON text: one object, or one per line. The last line may follow other text.
 [[nodiscard]] std::set<std::string> keys_of(const std::string& text);
 
-/// While it lives, no file that the command writes grows beyond this.
+/// Limits the size of every file that the command writes, while this object lives.
 class FileLimit {
  public:
   explicit FileLimit(std::uint64_t bytes);
@@ -43,28 +43,27 @@ class FileLimit {
   rlimit before_{};
 };
 
-/// A folder of the test's own in which the command runs.
+/// A temporary folder in which the command runs.
 class Cli : public ::testing::Test {
  protected:
   void SetUp() override;
   void TearDown() override;
 
-  /// Runs `cde` with these words, and these NAME=VALUE added to the environment. With --json, the
-  /// keys that it prints must be documented.
+  /// Runs `cde` with these words and additional environment variables NAME=VALUE. With --json the
+  /// printed keys must be documented.
   [[nodiscard]] Ran cde(const std::vector<std::string>& words,
                         const std::vector<std::string>& environment = {});
-  /// The command ends with this status and says this, and writes nothing else.
+  /// Expects that the command ends with this status and message, and writes no file.
   void refused(const std::vector<std::string>& words, const std::string& text, int status = 2);
-  /// The same where "cde: " and the text is all that it says.
+  /// The same, where the whole message is "cde: " and the text.
   void refused_saying(const std::vector<std::string>& words, const std::string& text);
-  /// Runs a script of bash, in which "$CDE" is the command.
+  /// Runs a bash script in which "$CDE" is the command.
   [[nodiscard]] Ran shell(const std::string& script);
-  /// Starts it and does not wait.
+  /// Starts the command and does not wait.
   [[nodiscard]] pid_t start(const std::vector<std::string>& words,
                             const std::vector<std::string>& environment = {});
   [[nodiscard]] Ran finish(pid_t child);
-  /// Waits until a file is in the folder, without a pause in between; false if the command ends
-  /// first.
+  /// Waits, without pauses, until a file is in the folder; false if the command ends first.
   [[nodiscard]] bool wait_for_file(pid_t child) const;
 
   std::string write(const std::string& name, const std::string& text) const;

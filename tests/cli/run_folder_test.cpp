@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The folder of `cde run` holds one run and is nobody else's.
+// The folder of `cde run` holds one run and belongs to its user.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
@@ -45,7 +45,7 @@ class Folders : public Cli {
     std::sort(names.begin(), names.end());
     return names;
   }
-  /// Bytes of the unfinished file of a name in a folder.
+  /// Size of the unfinished file of a name in a folder.
   [[nodiscard]] std::uintmax_t written(const std::string& folder, const std::string& name) const {
     for (const auto& entry : fs::directory_iterator(folder_ / folder)) {
       std::error_code gone;
@@ -61,8 +61,8 @@ class Folders : public Cli {
   }
 };
 
-/// The owner of the folder above swaps the folder for a link, again and again. Files are removed
-/// and written in the folder that was locked, or nowhere.
+/// The owner of the parent folder replaces the run folder by a link, again and again. Files are
+/// removed and written only in the locked folder.
 TEST_F(Folders, AFolderThatIsSwappedForALink) {
   fs::create_directory(folder_ / "victim");
   write("victim/shadow", "secret");
@@ -93,9 +93,9 @@ TEST_F(Folders, AFolderThatIsSwappedForALink) {
   }
 }
 
-/// Another user's link leads to a run of ours.
+/// A link of another user leads to one of our runs.
 TEST_F(Folders, AnotherUsersLinkLeadsToNoRunOfOurs) {
-  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   ASSERT_EQ(run({"-o", "d"}).status, 0);
   const std::string before = read("d/run.json");
   fs::create_directory_symlink("d", folder_ / "link");
@@ -108,7 +108,7 @@ TEST_F(Folders, AnotherUsersLinkLeadsToNoRunOfOurs) {
   EXPECT_EQ(read("d/run.json"), before);
 }
 
-/// Folders are made where the system says that they are.
+/// Folders are created exactly where the system resolves their names.
 TEST_F(Folders, NamesThatAreTooLongOrGoUp) {
   std::string deep;
   for (int i = 0; i < 2060; ++i) deep += "d/";
@@ -137,7 +137,7 @@ TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
   renamed.replace(renamed.find("\"hit\""), 5, "\"seen\"");
   write("renamed.toml", renamed);
   ASSERT_EQ(cde({"run", "renamed.toml", "-q", "--out", "d"}).status, 0);
-  EXPECT_EQ(in("d"), (Words{"run.json", "seen.csv"})) << "the page was the run's, too";
+  EXPECT_EQ(in("d"), (Words{"run.json", "seen.csv"})) << "the page belongs to the run";
   std::string binary = kFolderScene;
   binary += "[report]\nresults = \"binary\"\n";
   write("scene.toml", binary);
@@ -158,13 +158,13 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
             "cde: d is not empty and has no run.json of a run; it stays unchanged; name another "
             "folder with --output\n");
   write("d/run.json", "{\"scripts\": {\"test\": \"jest\"}}");
-  EXPECT_EQ(run({"--out", "d"}).status, 2) << "somebody else's run.json";
+  EXPECT_EQ(run({"--out", "d"}).status, 2) << "run.json of another program";
   EXPECT_EQ(in("d"), (Words{"run.json", "thesis.tex"}));
   EXPECT_EQ(read("d/run.json"), "{\"scripts\": {\"test\": \"jest\"}}");
   fs::remove_all(folder_ / "d");
-  // Something beside a run.
+  // Another file beside a run.
   ASSERT_EQ(run({"--out", "d"}).status, 0);
-  write("d/notes.txt", "mine");
+  write("d/notes.txt", "a note");
   ran = run({"--out", "d", "--frames", "0"});
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err,
@@ -172,9 +172,9 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
             "folder with --output\n");
   EXPECT_EQ(in("d"), (Words{"hit.csv", "notes.txt", "run.json"}));
   fs::rename(folder_ / "d/notes.txt", folder_ / "d/notes.csv");
-  EXPECT_EQ(run({"--out", "d", "--frames", "0"}).status, 2) << "no table of that run";
+  EXPECT_EQ(run({"--out", "d", "--frames", "0"}).status, 2) << "not a table of that run";
   EXPECT_EQ(in("d"), (Words{"hit.csv", "notes.csv", "run.json"}));
-  // A file of that name.
+  // A file with the name of the folder.
   write("f", "x");
   EXPECT_EQ(run({"--out", "f"}).status, 2);
   EXPECT_EQ(read("f"), "x");
@@ -194,7 +194,7 @@ TEST_F(Folders, WhatTheSceneReadsIsNotRemoved) {
   EXPECT_EQ(files(), Words{"scene.toml"});
 }
 
-/// What fails before the first frame leaves the run that was there.
+/// A failure before the first frame keeps the previous run.
 TEST_F(Folders, ARunThatDoesNotBeginChangesNothing) {
   ASSERT_EQ(run({"--out", "d"}).status, 0);
   const std::string before = read("d/run.json");
@@ -228,7 +228,7 @@ TEST_F(Folders, KillInTheMiddle_LeavesNoTable) {
   EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "run.json"}));
 }
 
-/// Killed in the middle: its folder is known as a run's, and the next run takes all of it away.
+/// After a kill the folder is recognised as a run's, and the next run removes its content.
 TEST_F(Folders, AfterAKill) {
   std::string scene = kFolderScene;
   write("long.toml", scene.replace(0, 10, "frames = 100000"));
@@ -242,8 +242,8 @@ TEST_F(Folders, AfterAKill) {
   EXPECT_EQ(in("d"), (Words{"hit.csv", "run.json"}));
 }
 
-/// Two runs at a time do not mix their files: the second one is refused and the first one goes on.
-/// The lock ends with the process that has it, also when that is killed.
+/// Two runs at the same time do not mix their files: the second is refused, and the first
+/// continues. The lock ends with its process, also after a kill.
 TEST_F(Folders, AFolderIsOneRunsAtATime) {
   std::string scene = kFolderScene;
   write("long.toml", scene.replace(0, 10, "frames = 100000"));
@@ -263,13 +263,13 @@ TEST_F(Folders, AFolderIsOneRunsAtATime) {
   ::kill(child, SIGKILL);
   EXPECT_EQ(finish(child).status, 128 + SIGKILL);
   EXPECT_EQ(nlohmann::json::parse(read("d/run.json"))["scene"], "long.toml");
-  EXPECT_TRUE(exists("d/hit.000000.csv")) << "nobody took away what the first one had written";
+  EXPECT_TRUE(exists("d/hit.000000.csv")) << "the files of the first run must stay";
   EXPECT_EQ(run({"--out", "d", "--frames", "1"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.csv", "run.json"}));
 }
 
-/// Of runs that start at the same time into a folder that is not there yet, at least one plays, and
-/// each one that does not says why.
+/// Runs that start simultaneously into a new folder: at least one runs, and each of the others
+/// gives a reason.
 TEST_F(Folders, RunsThatStartAtATimeDoNotMix) {
   const Ran ran = shell(
       "for i in 1 2 3 4; do (\"$CDE\" run scene.toml --out d -q --frames 0..1 2>err.$i; echo $? "

@@ -7,7 +7,7 @@
 
 namespace cde::testing {
 
-/// Rays that are drawn again, terrain vertices that move: 16 lanes, the bitstream of other tests.
+/// New rays per frame, moving terrain vertices: 16 lanes, the model of other tests.
 inline const std::string kFlight = R"(frames = 4
 [card]
 lanes = 16
@@ -24,7 +24,7 @@ points = [[20, 20, 300], [90, 60, 250]]
 duration = 0.1
 )" + hit_query("terrain");
 
-/// kFlight with another [card] and more text at its end.
+/// kFlight with another [card] section and more text at its end.
 inline std::string flight(const std::string& card, const std::string& more = "") {
   std::string text = kFlight;
   return text.replace(text.find("lanes = 16"), 10, card) + more;

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-/// Files per frame, one behind the other, with the frame before each line.
+/// Concatenates files per frame, with the frame number before each line.
 std::string joined(const Words& files) {
   std::string all = "frame,";
   for (std::size_t frame = 0; frame < files.size(); ++frame) {
@@ -66,8 +66,8 @@ only_hits = true
   EXPECT_TRUE(has(other.err, "with file_per_frame false, this one has true")) << other.err;
 }
 
-/// The same records as words and as an array, hits alone among them, whose number is not known
-/// before.
+/// The same records as words and as an array. One table has hits only, so its length is unknown at
+/// first.
 TEST_F(RunScene, TablesAsWordsAndArrays_HaveTheRecordsOfCsv) {
   const auto scene = [](const std::string& results) {
     return flight("lanes = 16", "[report]\nonly_hits = true\nresults = \"" + results + "\"\n");
@@ -132,7 +132,7 @@ TEST_F(RunScene, NoResults_WritesRunJsonAlone) {
   }
 }
 
-/// What ends a run early leaves no tables.
+/// An early end of a run leaves no tables.
 TEST_F(RunScene, StoppedEarly_LeavesNoTable) {
   write("ecc.toml", flight("lanes = 4\necc = true"));
   EXPECT_EQ(cde({"run", "ecc.toml", "--fault", "ddr:1:2@2", "-q"}).status, 4);

@@ -41,7 +41,7 @@ TEST_F(RunScene, PlaysChecksAndWrites) {
     EXPECT_EQ(q["counters"]["tests"], 300 * 216);
     EXPECT_EQ(q["counters"]["rows"], 216 * (16 + 3));
     const auto& s = q["modelled_seconds"];
-    // The wait for two passes: their clocks, and a little for go and interrupt to arrive.
+    // The compute time: the cycles of two passes, plus the time of go and interrupt.
     EXPECT_NEAR(s["compute"].get<double>(), q["counters"]["device_cycles"].get<double>() / 1e8,
                 2 * 1e-6);
     EXPECT_NEAR(s["total"].get<double>(),
@@ -49,7 +49,7 @@ TEST_F(RunScene, PlaysChecksAndWrites) {
                     s["write_back"].get<double>() + s["download"].get<double>() +
                     s["registers"].get<double>(),
                 1e-15);
-    // PCI takes 8 bytes in 15 ns at best.
+    // PCI takes at least 15 ns per 8 bytes.
     EXPECT_GT(s["download"].get<double>(), 300 * 4 * 15e-9);
     EXPECT_GT(s["upload"].get<double>(), 300 * 4 * 15e-9);
     EXPECT_GT(s["registers"].get<double>(), 0);
@@ -61,7 +61,7 @@ TEST_F(RunScene, PlaysChecksAndWrites) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 4 * 300);
   EXPECT_GT(hits, 120u);
   EXPECT_LT(hits, 1080u);
-  // The first frame uploads everything, the others only what moved.
+  // The first frame uploads everything, the others only the moved objects.
   const auto words = [&](int frame) {
     return j["played"][frame]["queries"][0]["counters"]["secondary_words"].get<int>();
   };
@@ -70,7 +70,7 @@ TEST_F(RunScene, PlaysChecksAndWrites) {
   EXPECT_LT(words(1), 216 * 9 * 2 / 3);
 }
 
-/// A frame is the same whatever came before it, and with the other arithmetic.
+/// A frame does not depend on earlier frames or on the arithmetic back end.
 TEST_F(RunScene, FramesAreReproducible) {
   write("flight.toml", kFlight);
   std::string gates = kFlight;
@@ -90,7 +90,7 @@ TEST_F(RunScene, FramesAreReproducible) {
   EXPECT_FALSE(exists("one/hit.000002.csv"));
 }
 
-/// A mesh that moves while it deforms, in the words of its vertices and one transform.
+/// A mesh that moves and deforms costs the words of its vertices and one transform.
 TEST_F(RunScene, TheCardMovesObjects) {
   const std::string motion =
       "[object.motion]\nkind = \"velocity\"\nlinear = [30, 0, 0]\nangular = [0, 0, 5]\n";
@@ -111,9 +111,9 @@ TEST_F(RunScene, TheCardMovesObjects) {
   EXPECT_EQ(words(0), 216u * 9 + 14);
   for (const std::size_t frame : {1u, 2u, 3u}) {
     EXPECT_GE(words(frame), moved);
-    EXPECT_LE(words(frame), moved + 40) << "rounded to whole beats";
+    EXPECT_LE(words(frame), moved + 40) << "rounded up to whole beats";
   }
-  // Whoever moves it, the records are the same.
+  // Transforms on the host give the same records.
   write("host.toml",
         std::string(scene).replace(scene.find("lanes = 16"), 10, "lanes = 16\nmover = \"host\""));
   ASSERT_EQ(cde({"run", "host.toml", "-q"}).status, 0);
@@ -122,7 +122,8 @@ TEST_F(RunScene, TheCardMovesObjects) {
   EXPECT_EQ(read("moving.run/hit.csv"), read("host.run/hit.csv"));
 }
 
-// A ray that starts beyond the range is bad input, and its record is no hit: a run says so, once.
+// A ray that starts beyond the range is bad input, and its record is no hit. A run reports this
+// once.
 TEST_F(RunScene, SaysWhatHasLeftTheRange) {
   std::string text = flight("lanes = 16");
   const std::string points = "[90, 60, 250]";
@@ -179,7 +180,7 @@ TEST_F(RunScene, FaultsOfTheBusAreRepeatedOrOneError) {
   EXPECT_EQ(run_json("cycle.run")["played"].size(), 1u);
 }
 
-/// Several pairs, roles exchanged, normals, masks, a different set of secondaries for every query.
+/// Several pairs, swapped roles, normals, masks, and other secondaries for every query.
 TEST_F(RunScene, MixedSceneOfTheRepository) {
   const std::string scene = std::string(CDE_SOURCE_DIR) + "/meshes/scenes/mixed.toml";
   const Ran ran = cde({"run", scene, "--out", "out", "--frames", "0..5"});
@@ -198,7 +199,7 @@ TEST_F(RunScene, MixedSceneOfTheRepository) {
   EXPECT_EQ(j["files"].size(), 3u);
   const std::string csv = read("out/nearest_ball.csv");
   EXPECT_EQ(csv.find("frame,primary,F,bad,T,CPx,CPy,CPz,index,nx,ny,nz,T_bits"), 0u) << csv;
-  EXPECT_FALSE(has(read("out/scan.csv"), "\n0,3,")) << "masked";
+  EXPECT_FALSE(has(read("out/scan.csv"), "\n0,3,")) << "ray 3 is masked";
 }
 
 TEST_F(RunScene, SamplesAndSkippedChecksSaySo) {
@@ -306,7 +307,7 @@ TEST_F(RunScene, Waves) {
   ASSERT_EQ(cde({"run", "small.toml", "--frames", "0", "--trace", "w.fst", "-q"}).status, 0);
   const std::uint64_t whole = fs::file_size(folder_ / "w.fst");
   EXPECT_GT(whole, 10'000u);
-  // Waves that do not fit: what the run found is kept, they are not.
+  // Waves that do not fit are removed; the results of the run are kept.
   fs::remove(folder_ / "w.fst");
   ASSERT_GT(whole / 2, fs::file_size(folder_ / "small.run/run.json"));
   fs::remove_all(folder_ / "small.run");
@@ -318,8 +319,8 @@ TEST_F(RunScene, Waves) {
   EXPECT_EQ(run_json("small.run")["played"].size(), 1u);
 }
 
-/// A card with a fault: hits lie outside triangles. The run stops after the frame with status 3,
-/// run.json counts the mismatches, and the command that is named finds the same again.
+/// A faulty card: hits lie outside triangles. The run stops after the frame with status 3, and
+/// run.json counts the mismatches. The printed command finds them again.
 TEST_F(RunScene, FaultyCardIsFoundOut) {
   const Words environment = faulty_card(folder_);
   std::string scene = kFlight;
@@ -332,7 +333,7 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
   const auto j = run_json("small.run");
   EXPECT_EQ(j["played"].size(), 1u);
   EXPECT_GT(j["totals"]["mismatches"], 0);
-  EXPECT_FALSE(exists("small.run/hit.csv")) << "frames are missing";
+  EXPECT_FALSE(exists("small.run/hit.csv")) << "no table, because frames are missing";
   EXPECT_LT(j["totals"]["mismatches"], 300);
   std::smatch match;
   EXPECT_TRUE(std::regex_search(
@@ -346,7 +347,7 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
       << ran.err;
   EXPECT_GT(std::stoul(match[1]), 100u);
   EXPECT_EQ(4 * std::stoul(match[3]) + std::stoul(match[2]), std::stoul(match[4]) % 256);
-  // The pairs alone, in the wrong pipe and in the right one: the reference's, and the card's.
+  // The pairs alone, in the faulty pipe and in the correct one.
   const std::string wrong_pipe = fmt::format("export {}; ", fmt::join(environment, " "));
   const std::regex alone("(echo .* \\| )cde (query .*)");
   std::vector<int> in_wrong_pipe;
@@ -362,11 +363,11 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
   Words again{std::istream_iterator<std::string>(words), {}};
   again.push_back("--no-bundle");
   EXPECT_EQ(cde(again, environment).status, 3);
-  EXPECT_EQ(cde(again).status, 0) << "the right card";
+  EXPECT_EQ(cde(again).status, 0) << "the correct card";
   EXPECT_EQ(cde({"run", "small.toml", "--check", "none"}, environment).status, 0);
 }
 
-/// The card of mixed.toml, which has a pipe more than this scene needs.
+/// The card of mixed.toml, which has one pipe more than this scene needs.
 TEST_F(RunScene, BuiltCardStandsIn) {
   write("s.toml", R"(frames = 2
 [card]
@@ -408,7 +409,7 @@ normals = true
 
   const Ran ran = cde({"run", "s.toml"}, none);
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_FALSE(exists("cache")) << "nothing was built";
+  EXPECT_FALSE(exists("cache")) << "no model was built";
   EXPECT_EQ(
       ran.err.find("cde: the built card board ARITH=host LANES=8 PAIRS=6145 BOX=1 SWAP=1 NORMALS=1 "
                    "replaces the planned card board ARITH=host LANES=8 PAIRS=6144"),
@@ -434,8 +435,8 @@ TEST_F(RunScene, PlanSaysWhatAndWhy) {
   EXPECT_EQ(j["queries"][0]["tests"], 300 * 216);
   EXPECT_GT(j["queries"][0]["moved_words"], 0);
   EXPECT_EQ(j["built"], true);
-  EXPECT_EQ(files(), Words{"flight.toml"}) << "nothing ran";
-  // Of a bitstream that nobody has built, the file that would be.
+  EXPECT_EQ(files(), Words{"flight.toml"}) << "no run may start";
+  // For a model that does not exist, the plan names the file that would be built.
   const Ran empty =
       cde({"plan", "flight.toml", "--json"},
           {"CDE_SHARE=" + std::string(CDE_SOURCE_DIR), "CDE_BITSTREAMS=/nowhere",

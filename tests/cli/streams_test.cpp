@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes to stdout and what to stderr, and what happens when one of them cannot be written.
+// Uses of stdout and stderr, and errors while writing to one of them.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -26,12 +26,12 @@ name = "rays"
 random_rays = { count = 3, seed = 7 }
 )" + hit_query("triangles");
 
-/// A script, and the status of it when nothing is in its way.
+/// A script, and its status when every stream works.
 struct Command {
   const char* words;
   int status = 0;
 };
-/// The exact card: what else is built stands in for it, and says so.
+/// --exact-card: otherwise another model stands in, with a message.
 const Command kPrinting[] = {{"cast one.obj --ray 0,0,0,0,0,1 --lanes 4 --exact-card --json"},
                              {"cast one.obj --ray 0,0,0,0,0,1 --lanes 4 --exact-card -o -"},
                              {"render one.obj --grid 4x4 --lanes 4 --exact-card --image -"},
@@ -65,7 +65,7 @@ class Streams : public Cli {
 
 TEST_F(Streams, AStdoutThatCannotBeWrittenIsStatus2AndOneLine) {
   for (const Command& command : kPrinting) {
-    // Bitstreams that are built now would say so on stderr.
+    // Building models now keeps their messages out of the test.
     (void)shell(fmt::format("\"$CDE\" {} > /dev/null 2>&1", command.words));
     for (const auto& [to, why] : {std::pair{"> /dev/full", "No space left on device"},
                                   std::pair{">&-", "Bad file descriptor"}}) {
@@ -77,13 +77,13 @@ TEST_F(Streams, AStdoutThatCannotBeWrittenIsStatus2AndOneLine) {
   }
 }
 
-/// Nothing is written to stdout: it may be what it likes.
+/// The command writes nothing to stdout, so any stdout will do.
 TEST_F(Streams, AStdoutThatIsNotNeeded) {
   const Ran ran =
       shell("\"$CDE\" cast one.obj --ray 0.25,0.25,0,0,0,2 --lanes 4 -q -o hits.csv >&- 2>&- <&-");
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(read("hits.csv"), "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n")
-      << "and no file got its number";
+      << "no file may get the number of stdout";
 }
 
 TEST_F(Streams, WithoutAStderrTheCommandGoesOn) {
@@ -111,7 +111,7 @@ TEST_F(Streams, WithoutAStderrTheCommandGoesOn) {
   EXPECT_EQ(ran.out, "ray,F,T,CPx,CPy,CPz,index\n0,1,0.5,0.25,0.25,1,0\n");
 }
 
-/// As with any other tool, `| head` ends it in silence, by SIGPIPE, and no file is left behind.
+/// On a closed pipe (`| head`) the command exits quietly with SIGPIPE, and leaves no file.
 TEST_F(Streams, AReaderThatHasEnough) {
   const Ran ran = shell(
       "\"$CDE\" render terrain:60,60,1 --grid 300x300 --lanes 16 -o - --shaded x.png | head -1;"
@@ -123,7 +123,8 @@ TEST_F(Streams, AReaderThatHasEnough) {
       "trap '' PIPE; \"$CDE\" cast terrain:60,60,1 --grid 300x300 --lanes 16 -o - | head -1;"
       "echo ${PIPESTATUS[0]}");
   EXPECT_EQ(heard.out, "ray,F,T,CPx,CPy,CPz,index\n2\n");
-  EXPECT_EQ(heard.err, "cde: stdout: cannot write: Broken pipe\n") << "the signal is ignored";
+  EXPECT_EQ(heard.err, "cde: stdout: cannot write: Broken pipe\n")
+      << "the signal is ignored, so the error is reported";
 }
 
 TEST_F(Streams, ResultsAreOnStdout) {
@@ -162,7 +163,7 @@ TEST_F(Streams, NamesThatAreNoUtf8) {
   EXPECT_EQ(plan.status, 0) << plan.err;
 }
 
-/// Names and texts of files, with what would clear a terminal, change its title, or fake a line.
+/// Names and texts in files that would clear a terminal, change its title or fake a line.
 TEST_F(Streams, ControlCharactersOfFilesAreShownAsNumbers) {
   const auto quiet = [](const std::string& text) {
     return std::none_of(text.begin(), text.end(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// --trace-window, --trace-scope and a signal while waves are written.
+// --trace-window, --trace-scope, and a signal while waves are written.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <signal.h>
@@ -19,7 +19,7 @@ using Words = std::vector<std::string>;
 
 class TraceWindow : public Cli {
  protected:
-  /// What `cde wave info` says of a file.
+  /// Output of `cde wave info` for a file.
   nlohmann::json info(const std::string& file) {
     const Ran ran = cde({"wave", "info", file, "--json"});
     EXPECT_EQ(ran.status, 0) << ran.err;
@@ -27,7 +27,7 @@ class TraceWindow : public Cli {
   }
 };
 
-/// 64 pairs in 8 lanes; both halves of a clock are times of a unit's waves.
+/// 64 pairs in 8 lanes; each half of a cycle is one time in a unit's waves.
 TEST_F(TraceWindow, OfAQueryIsItsClocks) {
   std::string text;
   for (int i = 0; i < 64; ++i) text += fmt::format("0,0,0,1,{},0,0,1\n", 3 + i);
@@ -67,7 +67,7 @@ TEST_F(TraceWindow, OfACastIsItsClocks) {
     EXPECT_EQ(ran.status, 0) << ran.err;
     return info("w.fst");
   };
-  constexpr std::uint64_t kClock = 10000;  // ps, of 100 MHz
+  constexpr std::uint64_t kClock = 10000;  // ps, at 100 MHz
   const nlohmann::json all = traced({}), window = traced({"--trace-window", "20:29"});
   const auto from = window["from"].get<std::uint64_t>(), to = window["to"].get<std::uint64_t>();
   EXPECT_EQ(window["cycles"], 10);
@@ -76,7 +76,7 @@ TEST_F(TraceWindow, OfACastIsItsClocks) {
   EXPECT_LT(window["file_bytes"], all["file_bytes"]);
 }
 
-/// Ports of what is inside are other names of signals around it, which are not written.
+/// Ports of a scope are aliases of signals around it, which are not written.
 TEST_F(TraceWindow, AScopeIsWrittenAsWithAllAroundIt) {
   const auto traced = [&](const std::string& file, const Words& more) {
     Words words = {"cast", "terrain:3,3,1", "--grid", "4x4",     "--lanes",
@@ -129,18 +129,18 @@ TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {
                  "--trace-scope needs --trace");
 }
 
-/// Waves are wanted most when something takes too long. What was not written when the signal came
-/// is little (a block), so the command ends at once.
+/// A signal during a long run must leave readable waves. At most one block is unwritten then, so
+/// the command ends at once.
 class WavesAndSignal : public TraceWindow, public ::testing::WithParamInterface<int> {
  protected:
-  /// The bytes that are in the folder's waves, under whatever name.
+  /// Size of the waves in the folder, under any name.
   std::uint64_t bytes_of_waves() const {
     std::uint64_t bytes = 0;
     for (const std::string& name : files())
       if (name.starts_with("w.fst")) bytes += fs::file_size(folder_ / name);
     return bytes;
   }
-  /// Starts a command that takes minutes. Sends the signal when two blocks are written. The wave
+  /// Starts a command that takes minutes and sends the signal after two written blocks. The wave
   /// file must be readable.
   void stop(const Words& words) {
     const pid_t child = start(words);
@@ -155,7 +155,7 @@ class WavesAndSignal : public TraceWindow, public ::testing::WithParamInterface<
     EXPECT_TRUE(has(ran.err, "stopped; w.fst has the waves until ")) << ran.err;
     const nlohmann::json waves = info("w.fst");
     EXPECT_GT(waves["cycles"], 10);
-    EXPECT_GE(waves["blocks"], 3) << "blocks are small";
+    EXPECT_GE(waves["blocks"], 3) << "at least three blocks";
     EXPECT_TRUE(has(ran.err, fmt::format("until {} ps", waves["to"].get<std::uint64_t>())))
         << ran.err;
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tutorial, as it is written: its commands in one shell, what they print, where they end.
+// The tutorial as it is written: its commands in one shell, their output, and the line that they
+// find.
 #include <fstream>
 #include <regex>
 #include <string>
@@ -11,7 +12,7 @@ namespace cde::testing {
 namespace {
 
 struct Step {
-  std::string command, shown;  ///< with the lines below it; `...` stands for any that follow
+  std::string command, shown;  ///< with the lines below it; `...` stands for any further lines
 };
 
 std::vector<Step> steps_of(const std::string& document) {
@@ -38,7 +39,7 @@ class Tutorial : public Cli {};
 TEST_F(Tutorial, LeadsFromAWrongAnswerToItsLine) {
   const std::vector<Step> steps = steps_of(CDE_SOURCE_DIR "/docs/start/tutorial.md");
   ASSERT_GE(steps.size(), 8u);
-  // A line that no command prints stands between what two of them print.
+  // A separator line that no command prints.
   const std::string mark = "\x01\n";
   std::string script =
       "source='" CDE_SOURCE_DIR "'\ncde() { \"$CDE\" \"$@\"; }\nCOLUMNS=100\nexec 2>&1\n";
@@ -50,7 +51,7 @@ TEST_F(Tutorial, LeadsFromAWrongAnswerToItsLine) {
     ASSERT_NE(end, std::string::npos) << out;
     std::string got = out.substr(0, end), shown = step.shown;
     out.erase(0, end + mark.size());
-    // How long a card takes to build is not shown.
+    // The tutorial does not show how long a card takes to build.
     static const std::regex building(
         "cde: (building|built in|reading the structure|[0-9]+ s,) [^\n]*\n");
     got = std::regex_replace(got, building, "");

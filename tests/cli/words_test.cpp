@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the command line may say: values, their ranges, names, and the order in which it is refused.
+// Arguments of the command line: values, their ranges, names, and the order of refusals.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ using Words = std::vector<std::string>;
 
 class CommandLine : public Cli {};
 
-/// The first word that makes no sense, in words of our own.
+/// The first invalid argument is reported.
 TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
   struct Case {
     Words words;
@@ -88,7 +88,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
   for (const Case& c : cases) refused_saying(c.words, c.text);
 }
 
-/// Options and flags that would change nothing are refused before any file is read.
+/// Options and flags without effect are refused before any file is read.
 TEST_F(CommandLine, OptionsWithoutMeaning_AreRefused) {
   struct Case {
     std::string words, text;
@@ -108,7 +108,7 @@ TEST_F(CommandLine, OptionsWithoutMeaning_AreRefused) {
       {ray + "--bundle f --no-bundle", "--no-bundle cannot be combined with --bundle"},
       {rays + "--check=rays:4 --no-bvh", "--check=rays:4 cannot be combined with --no-bvh"},
       {rays + "--trace t.fst --boards 2",
-       "--trace cannot be combined with --boards; waves show one card"},
+       "--trace cannot be combined with --boards; waves can show only one card"},
       {rays + "--trace-scope a", "--trace-scope needs --trace"},
       {rays + "--box --no-box", "--no-box cannot be combined with --box"},
       {rays + "--json --json", "--json is given twice"},
@@ -150,7 +150,7 @@ TEST_F(CommandLine, OptionsWithoutMeaning_AreRefused) {
   }
 }
 
-/// Whoever asks gets help, whatever else is wrong.
+/// A request for help always succeeds, whatever other mistakes the line has.
 TEST_F(CommandLine, HelpIsGivenBesideMistakes) {
   const std::string text = cde({"help", "cast"}).out;
   for (const Words& words :
@@ -162,8 +162,9 @@ TEST_F(CommandLine, HelpIsGivenBesideMistakes) {
   }
 }
 
-/// The ranges that the help tells are those that are checked: its ends are taken, what lies beyond
-/// is refused with the same range. A mistake behind the value tells whether it was taken.
+/// The help states the ranges that are checked. Both ends of a range are accepted, and values
+/// beyond it are refused with the same range. A mistake after the value tells whether the value was
+/// accepted.
 TEST_F(CommandLine, NumbersAreCheckedAsTheHelpSays) {
   static const std::regex option(
       R"(\n  (?:-[a-z], )?(--[a-z-]+) (?:NUMBER|CLOCK)((?:\n? {3,}[^\n]*)+))");
@@ -202,7 +203,7 @@ TEST_F(CommandLine, NumbersAreCheckedAsTheHelpSays) {
   EXPECT_GE(checked, 10u);
 }
 
-/// The same of words: each that the help lists is taken, another is refused.
+/// The same for words: each word in the help is accepted, and another one is refused.
 TEST_F(CommandLine, WordsAreCheckedAsTheHelpSays) {
   static const std::regex option(R"(\n  (?:-[a-z], )?(--[a-z-]+) ((?:[a-z0-9]+\|)+[a-z0-9]+))");
   unsigned checked = 0;
@@ -234,14 +235,13 @@ TEST_F(CommandLine, ACardThatFailsLeavesStdoutEmpty) {
 
 class NamedFiles : public Cli {};
 
-/// Materials, buffers and textures that a mesh names are inputs, whether the reader opens them or
-/// not.
+/// Materials, buffers and textures of a mesh are inputs, even if the reader does not open them.
 TEST_F(NamedFiles, AreNotWrittenOver) {
   write("one.obj", "mtllib one.mtl\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
   write("one.mtl", "newmtl a\nmap_Kd -bm 0.5 skin.png\n");
   write("skin.png", "pixels");
   write("wood.png", "pixels");
-  // Three corners of 12 bytes and three numbers of 2.
+  // Three corners of 12 bytes and three numbers of 2 bytes.
   const std::string corners(
       "\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\0\0\0\0\x80\x3f"
       "\0\0\0\0\0\0\x80\x3f\0\0\x80\x3f\0\0\1\0\2\0",

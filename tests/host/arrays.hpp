@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-/// Files as numpy.save, numpy.savez and numpy.savez_compressed write them, byte by byte.
+/// Files of numpy.save, numpy.savez and numpy.savez_compressed, byte by byte.
 namespace cde::testing {
 
-/// `type` as descr has it, with its quotes.
+/// `type` in the form of descr, with its quotes.
 inline std::string npy(const std::string& type, const std::string& shape, const std::string& data,
                        const std::string& fortran = "False", int version = 1) {
   std::string header =
@@ -47,7 +47,7 @@ struct ZipFile {
   std::string name, contents;
 };
 
-/// The sizes of each file stand in its 64 bit field ahead of the contents, as numpy asks for.
+/// Each file's sizes are in its 64-bit field before the content, as numpy requires.
 inline std::string npz(const std::vector<ZipFile>& files, bool deflated = false) {
   std::string archive, list;
   for (const ZipFile& file : files) {

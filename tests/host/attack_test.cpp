@@ -9,8 +9,8 @@
 #include "cde/mesh/mesh.hpp"
 #include "testing.hpp"
 
-// Damaged, hostile and absent files: every one is an error that names the file, or a mesh that
-// keeps its contract.
+// Damaged, hostile and missing files: each gives an error that names the file, or a mesh that keeps
+// its contract.
 namespace cde {
 namespace {
 
@@ -23,7 +23,7 @@ constexpr const char* kMeshes[] = {"cube.obj",  "icosphere.ply",   "awkward.ply"
                                    "torus.stl", "tetrahedron.stl", "boxes.glb"};
 constexpr MeshLimits kShort{.time = std::chrono::seconds(2)};
 
-/// Loads; true for a mesh that keeps its contract, false for an Error that names the file.
+/// Loads a file; true for a mesh that keeps its contract, false for an Error that names the file.
 bool load_survives(const std::filesystem::path& path) {
   try {
     const Mesh mesh = load_mesh(path, kShort);
@@ -55,7 +55,7 @@ TEST_P(EveryMesh, RandomDamage) {
     std::string bytes = whole;
     const std::size_t changes = 1 + random() % 8;
     for (std::size_t i = 0; i < changes; ++i) {
-      // Half of the damage goes to the first bytes, where the counts are.
+      // Half of the damage goes to the first bytes, which hold the counts.
       const std::size_t reach =
           random() % 2 != 0 ? bytes.size() : std::min<std::size_t>(bytes.size(), 300);
       bytes[random() % reach] = static_cast<char>(random());
@@ -80,8 +80,8 @@ TEST_P(EveryMesh, TruncatedAnywhere) {
                                                                           : whole.size();
   for (std::size_t size = 0; size < whole.size(); size += step) {
     const bool loaded = load_survives(folder.write(GetParam(), whole.substr(0, size)));
-    // OBJ has no count and can end after any face; the others know that something is missing, but
-    // for the line end of the last row and the name behind endsolid.
+    // OBJ has no count and may end after any face. Other formats detect missing data, except the
+    // line end of the last row and the name after endsolid.
     if (!std::string(GetParam()).ends_with(".obj") && size < complete) {
       EXPECT_FALSE(loaded) << "cut at " << size << " of " << whole.size();
     }
@@ -209,7 +209,7 @@ TEST(AttackTest, PlyHeaders) {
   expect_error(ErrorCode::kFile, "has no 'end_header'", [&] { load(binary); });
   expect_error(ErrorCode::kFile, "begins with the line 'ply'", [&] { load("plyx\n"); });
   expect_error(ErrorCode::kFile, "unknown format 'pdp'", [&] { load("ply\nformat pdp 1.0\n"); });
-  // A list as long as 32 bits count, with nothing behind it.
+  // A list with the largest 32-bit count, and no data.
   expect_error(ErrorCode::kFile, "truncated", [&] {
     load(binary + "element vertex 0\n" + vertex +
          "element face 1\nproperty list uint int x\nproperty list uchar int "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts in the cache beside the bitstreams: what is read back, and what is not.
+// Text entries in the cache beside the simulation models: which are read back, and which are not.
 #include "cde/bitstream/cache_entry.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ class CacheEntry : public ::testing::Test {
   [[nodiscard]] fs::path file(const char* suffix = "") const {
     return folder_ / "cache" / (std::string("entry") + suffix);
   }
-  /// Nothing is read, the reason is said, and what is written then is read again.
+  /// The entry is not read, a reason is printed, and a new entry can be read.
   static void expect_refused(const std::string& why) {
     ::testing::internal::CaptureStderr();
     EXPECT_FALSE(read_cache_entry("entry"));
@@ -45,7 +45,7 @@ class CacheEntry : public ::testing::Test {
 
 TEST_F(CacheEntry, IsReadBackAsItWasWritten) {
   EXPECT_FALSE(read_cache_entry("entry"));
-  EXPECT_FALSE(fs::exists(folder_ / "cache")) << "reading makes nothing";
+  EXPECT_FALSE(fs::exists(folder_ / "cache")) << "reading must create no folder";
   const mode_t before = ::umask(0);
   const std::string text("a\0b\n", 4);
   write_cache_entry("entry", text);
@@ -77,7 +77,7 @@ TEST_F(CacheEntry, DamagedOrForeignIsNotRead) {
   EXPECT_FALSE(read_cache_entry("entry"));
   EXPECT_TRUE(
       has(::testing::internal::GetCapturedStderr(), "cache is not used: it can be written"));
-  write_cache_entry("entry", "other\n");  // no error, and nothing is kept
+  write_cache_entry("entry", "other\n");  // no error, and the entry is not stored
   ::chmod((folder_ / "cache").c_str(), 0700);
   EXPECT_EQ(read_cache_entry("entry"), "text\n");
 }

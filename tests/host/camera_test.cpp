@@ -100,10 +100,11 @@ TEST_P(CameraFor, ShowsAllOfTheBoxAndFillsThePicture) {
   }
   EXPECT_LT(widest, 1.0);
   EXPECT_GT(widest, 0.9);
-  EXPECT_NEAR(left, -right_most, 0.05) << "not centred";
+  EXPECT_NEAR(left, -right_most, 0.05) << "the view is not centred";
 }
 
-/// What is seen is centred, not the box around it: a long thing across the box's diagonal.
+/// The camera centres the visible points, not their box: for example a long object along the box's
+/// diagonal.
 TEST(CameraTest, PointsAreCentred) {
   const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 0, 4}, {2, 9, 1}, {3, 2, 0}};
   const Resolution size{640, 480};

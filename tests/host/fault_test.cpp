@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Faults that are ordered for a frame of a scene, as text.
+// Text of faults that are ordered for a frame of a scene.
 #include "cde/card/fault.hpp"
 
 #include "testing.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A library that has the entries of every kind of bitstream, and tables with no more than a head
-// and a `create` that finds no memory: what a driver meets that was built from other sources.
+// A library with the entry points of every kind of model, tables with only a head, and a `create`
+// that reports no memory. A driver meets such a library when it was built from other sources.
 #include <cstdint>
 
 #include "cde/abi/abi.h"

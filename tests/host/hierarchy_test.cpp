@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Trees: what their boxes contain, how deep they are, files, and nodes that are no tree. What rays
-// meet in them is tests/numerics/hierarchy_test.cpp.
+// BVHs: contents of their boxes, depth, files, and malformed nodes.
+// tests/numerics/hierarchy_test.cpp tests which secondaries rays meet.
 #include "cde/hierarchy/hierarchy.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using hierarchy::Child;
 using hierarchy::Node;
 using Boxes = std::vector<AlignedBox3f>;
 
-/// A box of a node's child, in numbers in which it is exact.
+/// A box of a node's child, in numbers that represent it exactly.
 struct Exact {
   long double lower, upper;
 };
@@ -37,7 +37,7 @@ Exact side(const Node& node, unsigned child, int axis) {
   return {at(node.lower(child, axis)), at(node.upper(child, axis))};
 }
 
-/// Every box is within all that lead to it, and the nodes are a tree.
+/// Every box lies within all boxes above it, and the nodes form a tree.
 void expect_sound(const Hierarchy& h, const Boxes& boxes) {
   ASSERT_EQ(h.order().size(), boxes.size());
   EXPECT_EQ(hierarchy::check(h.nodes(), boxes.size()), h.depth());
@@ -54,7 +54,7 @@ void expect_sound(const Hierarchy& h, const Boxes& boxes) {
         const Exact e = side(node, i, k);
         ASSERT_LE(e.lower, box.min()[k]) << "node " << n << " child " << i;
         ASSERT_GE(e.upper, box.max()[k]) << "node " << n << " child " << i;
-        // And not much more: a byte is a 127th of the node at most, rounded outwards.
+        // The box is not much larger: a byte is at most a 127th of the node, rounded outwards.
         ASSERT_LE(e.upper - e.lower, static_cast<long double>(box.sizes()[k]) +
                                          2 * std::ldexp(1.0L, node.exponent(k)));
       }
@@ -63,7 +63,7 @@ void expect_sound(const Hierarchy& h, const Boxes& boxes) {
     for (int k = 0; k < 3 && !below[n].isEmpty(); ++k) {
       const long double extent = static_cast<long double>(below[n].max()[k]) - below[n].min()[k];
       if (node.exponent(k) > Node::kLeastExponent) {
-        ASSERT_GT(extent, std::ldexp(126.0L, node.exponent(k))) << "a finer unit would do";
+        ASSERT_GT(extent, std::ldexp(126.0L, node.exponent(k))) << "a smaller unit would suffice";
       }
     }
   }
@@ -96,7 +96,7 @@ TEST(Hierarchy, BoxesContainWhatIsBelow) {
       expect_sound(Hierarchy::build(boxes, {.leaf = leaf}), boxes);
     }
   }
-  for (const int most : {-90, -30, 0, 39}) {  // from the least numbers to the largest lengths
+  for (const int most : {-90, -30, 0, 39}) {  // from the smallest numbers to the largest lengths
     const Boxes boxes = random_boxes(1000, 5, -140, most);
     expect_sound(Hierarchy::build(boxes), boxes);
   }
@@ -110,7 +110,7 @@ TEST(Hierarchy, NoSecondaries) {
   expect_sound(none, {});
 }
 
-/// What a binary tree of the least surface would make a chain of.
+/// Secondaries for which a binary tree of least surface area would be a chain.
 TEST(Hierarchy, NoTreeIsTooDeep) {
   Boxes doubling, same(100'000, point(1, 2, 3)), nested;
   for (int i = 0; i < 4000; ++i) doubling.push_back(point(std::ldexp(1.0f, i % 190 - 149)));
@@ -154,7 +154,7 @@ TEST(Hierarchy, RefitFollowsWhatMoves) {
   Hierarchy h = Hierarchy::build(boxes);
   const std::vector<Node> before(h.nodes().begin(), h.nodes().end());
   h.refit(boxes);
-  EXPECT_TRUE(std::ranges::equal(h.nodes(), before)) << "nothing has moved";
+  EXPECT_TRUE(std::ranges::equal(h.nodes(), before)) << "no triangle has moved";
   for (std::size_t i = 0; i < boxes.size(); ++i)
     boxes[i].translate(Vector3f(std::sin(static_cast<float>(i)), 2, -0.25f));
   h.refit(boxes);
@@ -179,7 +179,7 @@ TEST(Hierarchy, WhatCannotBeBuiltIsSaid) {
                    (void)Hierarchy::build(Boxes{point(0), b});
                  });
   EXPECT_THROW((void)Hierarchy::build(Boxes{point(large)}), Error);
-  // A NaN in any word of a triangle, which the least of two may leave out.
+  // A NaN in any word of a triangle: a minimum of two numbers may drop it.
   for (unsigned word = 0; word < 9; ++word) {
     std::vector<Triangle> two(2, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
     Hierarchy tree = Hierarchy::build(two);
@@ -237,10 +237,10 @@ TEST(Hierarchy, DamagedFilesAreRefused) {
     one[at] = static_cast<char>(one[at] ^ 4);
     EXPECT_NE(refused(one), "nothing") << at;
   }
-  std::string many = whole;  // as many nodes as there can be
+  std::string many = whole;  // the largest possible node count
   for (std::size_t at = 16; at < 24; ++at) many[at] = static_cast<char>(0xff);
   EXPECT_NE(refused(many), "nothing");
-  // Files that somebody made: the checksum is right, what it is of is not.
+  // Forged files: the checksum is right, the content is not.
   const auto sealed = [&](std::string bytes) {
     bytes.resize(bytes.size() - 64);
     folder.write("y", bytes);
@@ -249,12 +249,12 @@ TEST(Hierarchy, DamagedFilesAreRefused) {
     EXPECT_EQ(std::system(command.c_str()), 0);
     return bytes + bytes_of(folder / "sum").substr(0, 64);
   };
-  EXPECT_EQ(refused(sealed(whole)), "nothing") << "it is taken";
+  EXPECT_EQ(refused(sealed(whole)), "nothing") << "the file must be accepted";
   std::string other = whole;
-  other[16 + 4 * 3 + 2] ^= 1;  // the box's first number
+  other[16 + 4 * 3 + 2] ^= 1;  // first number of the box
   EXPECT_EQ(refused(sealed(other)), ": its box is not that of its root");
   other = whole;
-  other[16 + 4 * 9 + 4 * 3] = 127;  // the root's first exponent
+  other[16 + 4 * 9 + 4 * 3] = 127;  // first exponent of the root
   EXPECT_EQ(refused(sealed(other)), ": node 0 has the exponent 127, must be -80 to 40");
   std::string none =
       whole.substr(0, 16) + std::string(4, '\0') + "\1" + std::string(3 + 4 + 24 + 4, '\0');
@@ -277,7 +277,7 @@ std::vector<Triangle> random_triangles(std::size_t count) {
   return all;
 }
 
-/// Ranges one behind the other, in poses of their own.
+/// Consecutive ranges, each with its own pose.
 std::vector<Object> objects_of(std::size_t count, std::uint32_t each) {
   std::vector<Object> all;
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -376,7 +376,7 @@ TEST(HierarchyOfObjects, PartsAreCheckedToBeThoseOfTheTree) {
       has(defect([](auto& p) { p[1].secondaries -= 1, p[2].secondaries += 1; }), "has in node"));
 }
 
-// ---- Nodes that are no tree ----
+// ---- Malformed nodes ----
 
 std::string defect_in(std::vector<Node> nodes, std::size_t slots) {
   try {
@@ -426,7 +426,7 @@ TEST(HierarchyNodes, AreCheckedToBeATree) {
   chain.resize(16);
   chain[15] = {};
   EXPECT_EQ(defect_in(chain, 0), "");
-  std::mt19937 bits(1);  // words at random: an error or a tree, and an end
+  std::mt19937 bits(1);  // random words: an error or a tree, in finite time
   for (int i = 0; i < 2000; ++i) {
     std::vector<Node> random = good;
     for (int k = 0; k < 3; ++k)

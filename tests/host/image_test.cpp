@@ -18,7 +18,7 @@ using testing::expect_error;
 using testing::Folder;
 using testing::small_mesh;
 
-/// Answers as the card would give them, by brute force in binary64.
+/// The card's answers, computed by brute force in binary64.
 struct Answers {
   Resolution size;
   std::vector<Ray> rays;
@@ -90,12 +90,12 @@ TEST(ImageTest, ColourPngDecodesToTheSamePixels) {
     image.pixels.push_back(
         {i, static_cast<std::uint8_t>(255 - i), static_cast<std::uint8_t>(17 * i)});
   write_png(image, folder / "a.png");
-  write_png(image, folder / "a.png");  // replaces
+  write_png(image, folder / "a.png");  // replaces the file
   const Decoded back = decode(folder / "a.png", PNG_FORMAT_RGB);
   EXPECT_EQ(back.width, 5u);
   EXPECT_EQ(back.height, 3u);
   for (std::size_t i = 0; i < 45; ++i) ASSERT_EQ(back.bytes[i], image.pixels[i / 3][i % 3]) << i;
-  EXPECT_EQ(folder.files(), 1u) << "a temporary file was left";
+  EXPECT_EQ(folder.files(), 1u) << "a temporary file was left behind";
 }
 
 TEST(ImageTest, GreyPngKeepsSixteenBits) {
@@ -108,7 +108,7 @@ TEST(ImageTest, GreyPngKeepsSixteenBits) {
   const Decoded back = decode(folder / "g.png", PNG_FORMAT_LINEAR_Y);
   std::uint16_t values[3];
   std::memcpy(values, back.bytes.data(), 6);
-  // Without a gAMA chunk libpng takes 16-bit samples as linear, so they come back as they are.
+  // Without a gAMA chunk libpng treats 16-bit samples as linear, so they come back unchanged.
   EXPECT_EQ(values[0], 0);
   EXPECT_EQ(values[1], 0x1234);
   EXPECT_EQ(values[2], 65535);
@@ -136,7 +136,7 @@ TEST(ImageTest, DepthIsBrighterNearby) {
 }
 
 TEST(ImageTest, SlopesTowardsTheSunAreBrighter) {
-  // A roof: two slopes of 45 degrees, the ridge along y.
+  // A roof: two slopes of 45 degrees, with the ridge along y.
   Mesh roof;
   roof.vertices = {{-1, 0, 0}, {0, 0, 1}, {0, 2, 1}, {-1, 2, 0}, {1, 0, 0}, {1, 2, 0}};
   roof.faces = {{0, 1, 2}, {0, 2, 3}, {4, 5, 2}, {4, 2, 1}};  // windings disagree: two-sided
@@ -157,7 +157,7 @@ TEST(ImageTest, SlopesTowardsTheSunAreBrighter) {
 }
 
 TEST(ImageTest, SunRaysFindShadows) {
-  // A plate over a floor, sun straight above.
+  // A plate over a floor, with the sun straight above.
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0},
                    {0, 0, 2}, {4, 0, 2}, {4, 8, 2}, {0, 8, 2}};
@@ -168,8 +168,8 @@ TEST(ImageTest, SunRaysFindShadows) {
   const Answers other = cast(mesh, {8, 8}, sun_rays(a.pixels(), mesh, sun, 1e-3f));
   for (std::size_t x = 0; x < 8; ++x) {
     EXPECT_EQ(a.hit[x], 1);
-    // The plate's shadow falls two to the east, on cells 4 and 5; with the sun in the east nothing
-    // is shaded.
+    // The plate's shadow falls two cells to the east, on cells 4 and 5. With the sun in the east no
+    // cell is shaded.
     EXPECT_EQ(s.hit[x], x == 4 || x == 5 ? 1 : 0) << x;
     EXPECT_EQ(other.hit[x], 0) << x;
   }
@@ -222,7 +222,7 @@ TEST(ImageTest, TerrainPictureIsALandscape) {
   EXPECT_GT(mean, 70.0);
   EXPECT_LT(mean, 190.0);
   EXPECT_GT(deviation, 15.0) << "flat lighting";
-  EXPECT_LT(clipped / count, 0.02) << "burnt out or drowned";
+  EXPECT_LT(clipped / count, 0.02) << "too many white or black pixels";
 }
 
 }  // namespace

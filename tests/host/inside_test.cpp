@@ -46,7 +46,7 @@ TEST(InsideTest, ATurnedBodyCountsFromTheOtherSide) {
 }
 
 TEST(InsideTest, AHoleIsOutside) {
-  const Inside torus(load_mesh(small_mesh("torus.stl")));  // vertices are of each facet its own
+  const Inside torus(load_mesh(small_mesh("torus.stl")));  // each facet has its own vertices
   std::mt19937 random(2);
   const Mesh mesh = load_mesh(small_mesh("torus.stl"));
   const Eigen::AlignedBox3f box = bounds(mesh);

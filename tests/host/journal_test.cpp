@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Journals of runs: what a kill leaves is cut, what is damaged is named.
+// Journals of runs: an unfinished entry is cut, a damaged entry is named.
 #include "cde/jobs/journal.hpp"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ class Journals : public ::testing::Test {
     folder_.write("journal", bytes);
     return Journal("--resume", path(), Journal::Use::kGoOn, {{"command", "query"}}).size();
   }
-  /// The journal with another number of bytes in the line of a chunk.
+  /// The journal with another byte count in the line of a chunk.
   [[nodiscard]] std::string claiming(std::size_t chunk, const std::string& number) const {
     std::string damaged = whole_;
     const std::string key = "\"bytes\":";
@@ -57,7 +57,7 @@ TEST_F(Journals, WholeEntriesBehindADamagedOneAreNotDropped) {
                                "begins at byte ",
                                starts_[chunk], number),
                    [&] { (void)chunks_of(damaged); });
-      EXPECT_EQ(bytes(), damaged) << "nothing of it is cut";
+      EXPECT_EQ(bytes(), damaged) << "the journal must not be truncated";
     }
   }
 }

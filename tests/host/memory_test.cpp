@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small inputs that ask for much: counted before anything is allocated, and refused with the size
-// and the limit, or never held in memory as a whole.
+// Small inputs that request much memory. They are counted before any allocation and refused with
+// size and limit, or are never held in memory as a whole.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -16,14 +16,14 @@
 namespace cde::testing {
 namespace {
 
-/// The most memory that the process has had so far, MB.
+/// Peak memory of the process so far, in MB.
 double peak_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-/// That it has become no more than so many MB greater.
+/// Expects that the peak has grown by at most `most` MB.
 void expect_grown(double before, double most) {
 #ifdef __SANITIZE_THREAD__
   std::printf("not looked at: ThreadSanitizer takes several times the memory (%g and %g MB)\n",
@@ -53,7 +53,7 @@ void expect_refused(const std::string& text, const std::vector<std::string>& par
     EXPECT_EQ(error.code(), ErrorCode::kCapacity) << error.what();
     for (const std::string& part : parts) EXPECT_TRUE(has(error.what(), part));
   }
-  expect_grown(before, 700);  // what comes before may be made
+  expect_grown(before, 700);  // objects before the limit may be allocated
 }
 
 TEST(SceneMemory, ALargeCameraIsRefusedWithItsSize) {
@@ -89,7 +89,7 @@ TEST(SceneMemory, OtherSourcesToo) {
       {"33554432 triangles take 5760 MB"});
 }
 
-/// Two hundred ranges of four million: 3 GB as numbers.
+/// Two hundred ranges of four million: 3 GB as single numbers.
 TEST(SceneMemory, MasksAreRanges) {
   std::string mask = "mask = [7";
   for (unsigned i = 0; i < 200; ++i) mask += ", \"10..3999998\"";
@@ -103,7 +103,7 @@ TEST(SceneMemory, MasksAreRanges) {
   const SceneQuery& q = scene.queries[0];
   ASSERT_EQ(q.mask.size(), 2u);
   EXPECT_EQ(q.mask[0].first, 6u);
-  EXPECT_EQ(q.mask[0].count, 3u) << "6 to 8 in one";
+  EXPECT_EQ(q.mask[0].count, 3u) << "6 to 8 is one range";
   EXPECT_EQ(q.mask[1].first, 10u);
   EXPECT_EQ(count(q.mask), 3u + 3'999'989);
   EXPECT_FALSE(contains(q.mask, 5));

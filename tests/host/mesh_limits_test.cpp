@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small mesh files that hang an importer or take gigabytes.
+// Small mesh files that hang an importer or request gigabytes.
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 constexpr MeshLimits kShort{.time = std::chrono::seconds(2)};
 
-/// A glTF of one triangle, whose data lie in `buffer`. Each of `depth` nodes has the next one
-/// twice.
+/// A glTF file with one triangle whose data lie in `buffer`. Each of `depth` nodes contains the
+/// next node twice.
 std::string gltf(const std::string& buffer, unsigned depth) {
   std::string nodes;
   for (unsigned i = 0; i < depth; ++i)
@@ -132,7 +132,7 @@ TEST_F(MeshAttack, MemoryFollowsTheSizeOfTheFile) {
   EXPECT_LT(used.ru_maxrss, 1 << 20) << "KB";
 }
 
-/// An accessor without data that claims 3.6 GB of zeros, in 500 bytes.
+/// An accessor without data, of 500 bytes, that claims 3.6 GB of zeros.
 TEST_F(MeshAttack, AGlbThatClaimsGigabytes) {
   const auto file = [&](unsigned count) {
     std::string json = fmt::format(
@@ -151,7 +151,7 @@ TEST_F(MeshAttack, AGlbThatClaimsGigabytes) {
                [&] { (void)load_mesh(large); });
 }
 
-/// XML of one line a million times over: 80 kB, and half a gigabyte as a tree.
+/// XML that repeats one line a million times: 80 kB, and half a gigabyte as a tree.
 TEST_F(MeshAttack, A3mfThatUnpacksToGigabytes) {
   EXPECT_EQ(load_mesh(folder_.write("good.3mf", file_of_3mf(2))).faces.size(), 2u);
   const std::string bytes = file_of_3mf(1'000'000);
@@ -161,7 +161,7 @@ TEST_F(MeshAttack, A3mfThatUnpacksToGigabytes) {
                [&] { (void)load_mesh(large, {.memory = 100u << 20}); });
 }
 
-/// What assimp does not take is refused with assimp's reason, or with one if assimp has none.
+/// A file that assimp refuses is refused with assimp's reason, or with ours if assimp gives none.
 TEST_F(MeshAttack, AssimpsReasonIsTold) {
   std::string json = R"({"asset":{"version":"2.0"}})";
   json.resize(28, ' ');
@@ -175,7 +175,8 @@ TEST_F(MeshAttack, AssimpsReasonIsTold) {
                "unknown.3mf: has no meshes; assimp says: ", [&] { (void)load_mesh(unknown); });
 }
 
-/// The readers of OBJ, PLY and STL are in this process. None takes memory for what a header claims.
+/// The readers of OBJ, PLY and STL run in this process. They allocate no memory for counts in a
+/// header.
 TEST_F(MeshAttack, OwnReadersBelieveNoCount) {
   const auto ply = [](const char* format, const char* vertices) {
     return fmt::format(
@@ -205,7 +206,7 @@ TEST_F(MeshAttack, OwnReadersBelieveNoCount) {
   }
 }
 
-/// One that reads for ever: nodes that double for longer than the limit, within much memory.
+/// A file that takes forever: doubling nodes that exceed the time limit before the memory limit.
 TEST_F(MeshAttack, TimeIsLimited) {
   const fs::path mesh = folder_.write("slow.gltf", gltf("b.bin", 40));
   const auto began = std::chrono::steady_clock::now();
@@ -215,7 +216,7 @@ TEST_F(MeshAttack, TimeIsLimited) {
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
 }
 
-/// Importers of a process that was killed end with it.
+/// Importers of a killed process end with it.
 TEST_F(MeshAttack, NoImporterOutlivesTheProcess) {
   const fs::path mesh = folder_.write("slow.gltf", gltf("b.bin", 40));
   const pid_t child = ::fork();

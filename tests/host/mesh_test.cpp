@@ -31,7 +31,7 @@ double area(const Mesh& mesh) {
   return sum;
 }
 
-/// Volume enclosed, positive if faces wind counter-clockwise seen from outside.
+/// Enclosed volume, positive if faces wind counter-clockwise seen from outside.
 double volume(const Mesh& mesh) {
   double sum = 0.0;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
@@ -106,7 +106,8 @@ TEST(MeshTest, GlbNodesAreApplied) {
   const Mesh boxes = load_mesh(small_mesh("boxes.glb"));
   ASSERT_EQ(boxes.faces.size(), 24u);
   EXPECT_DOUBLE_EQ(volume(boxes), 8.0 + 64.0);
-  // The near box stands about (10, 20, 30); the far one, four along x, is turned to four along y.
+  // The near box is at about (10, 20, 30). The far box is four away along x, rotated to four along
+  // y.
   const auto box = bounds(boxes);
   EXPECT_TRUE(box.min().isApprox(Eigen::Vector3f(8, 19, 28))) << box.min().transpose();
   EXPECT_TRUE(box.max().isApprox(Eigen::Vector3f(12, 26, 32))) << box.max().transpose();
@@ -139,7 +140,7 @@ TEST(MeshTest, AwkwardFacesAreKept) {
   Mesh pentagon = mesh;
   pentagon.faces.erase(pentagon.faces.begin(), pentagon.faces.begin() + 12);
   EXPECT_EQ(pentagon.faces.size(), 3u);
-  EXPECT_DOUBLE_EQ(area(pentagon), 16.0 - 6.0) << "the notch is covered, or a part twice";
+  EXPECT_DOUBLE_EQ(area(pentagon), 16.0 - 6.0) << "triangles cover the notch, or overlap";
 }
 
 TEST(MeshTest, ObjRelativeNumbersSlashesAndContinuation) {
@@ -164,7 +165,7 @@ TEST(MeshTest, ObjMaterialsDoNotReorderFaces) {
 
 TEST(MeshTest, ConcavePolygonsAreCoveredOnce) {
   const Folder folder;
-  // A comb: ten teeth of area 1 on a back of area 20; seen in each plane and from either side.
+  // A comb: ten teeth of area 1 on a back of area 20, in each plane and from either side.
   for (const char* order : {"xyz", "yzx", "zxy", "yxz"}) {
     std::string text, face = "f";
     int count = 0;
@@ -189,7 +190,7 @@ TEST(MeshTest, ConcavePolygonsAreCoveredOnce) {
       const Triangle t = comb.triangle(i);
       turned += 0.5 * (t.v1 - t.v0).cast<double>().cross((t.v2 - t.v0).cast<double>());
     }
-    EXPECT_NEAR(turned.norm(), area(comb), 1e-9) << "some triangle is turned over: " << order;
+    EXPECT_NEAR(turned.norm(), area(comb), 1e-9) << "a triangle is flipped: " << order;
   }
 }
 
@@ -232,7 +233,7 @@ TEST(MeshTest, SavedMeshesReadBackToTheSameBits) {
       expect_same_triangles(mesh, load_mesh(folder / name));
     }
   }
-  EXPECT_EQ(folder.files(), 3u) << "a temporary file was left";
+  EXPECT_EQ(folder.files(), 3u) << "a temporary file was left behind";
 }
 
 TEST(MeshTest, SaveErrors) {
@@ -245,7 +246,7 @@ TEST(MeshTest, SaveErrors) {
   std::filesystem::create_directory(folder / "d.obj");
   expect_error(ErrorCode::kFile, "Is a directory", [&] { save_mesh(cube, folder / "d.obj"); });
   expect_error(ErrorCode::kBadInput, "no triangles", [&] { save_mesh(Mesh{}, folder / "e.obj"); });
-  EXPECT_EQ(folder.files(), 1u) << "a temporary file was left";
+  EXPECT_EQ(folder.files(), 1u) << "a temporary file was left behind";
 }
 
 TEST(MeshTest, Builtin) {
@@ -270,7 +271,7 @@ TEST(MeshTest, ScannedMesh) {
   const int status = std::system(command.c_str());  // NOLINT(cert-env33-c): a path of this build
   ASSERT_TRUE(WIFEXITED(status));
   if (WEXITSTATUS(status) == 2)
-    GTEST_SKIP() << "the scanned mesh cannot be fetched here (tools/fetch_mesh says why)";
+    GTEST_SKIP() << "cannot fetch the scanned mesh (tools/fetch_mesh prints why)";
   ASSERT_EQ(WEXITSTATUS(status), 0);
   const Mesh dragon = load_mesh(std::filesystem::path(CDE_FETCHED) / "dragon-202520.ply");
   EXPECT_EQ(dragon.vertices.size(), 100250u);

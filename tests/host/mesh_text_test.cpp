@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ, STL and PLY as other programs write them.
+// OBJ, STL and PLY files as other programs write them.
 #include <fmt/format.h>
 
 #include <array>
@@ -56,7 +56,7 @@ void expect_square_without_warning(const Mesh& mesh) {
   EXPECT_EQ(mesh.warnings, std::vector<std::string>{});
 }
 
-/// Every other line ends in the one, the others in the other.
+/// Odd lines end in `odd`, even lines in `even`.
 std::string mixed(const std::string& text, const std::string& odd, const std::string& even) {
   std::string out;
   bool is_odd = true;
@@ -121,7 +121,7 @@ TEST(MeshText, StlKeywordsInAnyCaseAndBlanksInFront) {
     SCOPED_TRACE(text.substr(0, 60));
     expect_square_without_warning(load_mesh(folder.write("a.stl", text)));
   }
-  // Long before the first facet.
+  // A name that is much longer than a buffer before the first facet.
   expect_square_without_warning(load_mesh(
       folder.write("a.stl", replaced(kStl, "solid a square", "solid " + std::string(3000, 'n')))));
 }
@@ -203,7 +203,7 @@ TEST(MeshText, PlyValuesThatItsHeaderDoesNotAnnounce) {
       vertices.warnings[0].ends_with("a.ply:11: vertex row 1 has more values than the "
                                      "header announces; they are left out"))
       << vertices.warnings[0];
-  // Where a value could have moved the corners, nothing is guessed.
+  // If a value could shift the corners, the reader refuses the file.
   const std::string before = replaced(kPly, "property list", "property uchar red\nproperty list");
   expect_error(ErrorCode::kFile, "a.ply:15: face row 0 has too many values", [&] {
     (void)load_mesh(folder.write(
@@ -239,7 +239,7 @@ TEST(MeshText, PlyElementsAndPropertiesInAnyOrder) {
         head + vertices + others + faces + "end_header\n" + vertex_rows + "1\n0.5\n" + face_rows,
         head + others + faces + vertices + "end_header\n1\n0.5\n" + face_rows + vertex_rows})
     expect_square_without_warning(load_mesh(folder.write("a.ply", text)));
-  // A concave polygon in front of its corners is divided as one behind them is.
+  // A concave polygon before its corners in the file is triangulated like one after them.
   const std::string corners = "0 0 0\n4 0 0\n4 4 0\n2 1 0\n";
   const std::string square = "element vertex 4\nproperty int x\nproperty int y\nproperty int z\n";
   const std::string polygon = "element face 1\nproperty list uchar int vertex_indices\n";

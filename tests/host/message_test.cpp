@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text that may come from files, before it is shown.
+// Text from files, before it is printed.
 #include "cde/support/message.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ TEST(Message, BytesThatAreNoUtf8) {
   for (const char* bad : {"\xc0\x80", "\xc1\xbf", "\xf5\x80", "\xff\xfe"})
     EXPECT_EQ(replaced(bad), mark + mark) << bad;
   EXPECT_EQ(replaced("\xed\xa0\x80"), mark + mark + mark) << "a surrogate";
-  EXPECT_EQ(replaced("\xe0\x9f\xbf"), mark + mark + mark) << "too long a form";
+  EXPECT_EQ(replaced("\xe0\x9f\xbf"), mark + mark + mark) << "overlong form";
   EXPECT_EQ(replaced("\xf4\x90\x80\x80"), mark + mark + mark + mark) << "beyond U+10FFFF";
   for (const char* good : {"\xc2\x80", "\xdf\xbf", "\xe0\xa0\x80", "\xed\x9f\xbf", "\xee\x80\x80",
                            "\xf0\x90\x80\x80", "\xf4\x8f\xbf\xbf"})

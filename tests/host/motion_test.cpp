@@ -65,7 +65,7 @@ std::vector<std::pair<const char*, Motion>> all_motions() {
           {"random", random_motion()}};
 }
 
-/// What the card demands of a rotation, after rounding to fp32.
+/// The card's conditions on a rotation, after rounding to fp32.
 TEST(Motion, RotationsAreOrthonormal) {
   for (const auto& [name, motion] : all_motions()) {
     for (int i = 0; i <= 1000; ++i) {
@@ -82,7 +82,7 @@ TEST(Motion, RotationsAreOrthonormal) {
   }
 }
 
-/// Small steps in time are small steps in space: nothing jumps, at corners and walls neither.
+/// Small steps in time are small steps in space, also at corners and walls.
 TEST(Motion, IsContinuous) {
   constexpr double kStep = 1e-3, kFastest = 12, kFastestTurn = 4;
   for (const auto& [name, motion] : all_motions()) {
@@ -162,7 +162,8 @@ TEST(Motion, RandomStaysInItsBoxAndRepeats) {
     differ += a.isApprox(pose(Motion(other), t), 1e-9) ? 0 : 1;
   }
   EXPECT_GT(differ, 1900);
-  EXPECT_GT(((most - least).array() / (m.max - m.min).array()).minCoeff(), 0.9) << "it gets about";
+  EXPECT_GT(((most - least).array() / (m.max - m.min).array()).minCoeff(), 0.9)
+      << "the motion must fill its box";
 }
 
 TEST(Motion, MembersMoveFromTheirPlaces) {
@@ -171,17 +172,17 @@ TEST(Motion, MembersMoveFromTheirPlaces) {
   const Eigen::Vector3d centre(0.25, -1, 2);
   EXPECT_LE((member_pose(m, centre, 3, 0) * centre - centre).norm(), 1e-15);
   const Eigen::Vector3d one = member_pose(m, centre, 3, 0.1) * centre;
-  EXPECT_NEAR((one - centre).norm(), 0.3, 1e-12) << "0.1 s at 3 units a second";
+  EXPECT_NEAR((one - centre).norm(), 0.3, 1e-12) << "0.1 s at 3 units per second";
   EXPECT_GT((one - member_pose(m, centre, 4, 0.1) * centre).norm(), 1e-3);
   ASSERT_NE(m.spin, 0);
   const auto turn = [&](std::uint64_t member) {
     return Eigen::Matrix3d(member_pose(m, centre, member, 0.1).linear());
   };
   for (std::uint64_t member = 1; member < 5; ++member)
-    EXPECT_GT((turn(member) - turn(0)).norm(), 1e-3) << "each about an axis of its own";
+    EXPECT_GT((turn(member) - turn(0)).norm(), 1e-3) << "each member needs its own axis";
 }
 
-/// The same with every compiler: golden values.
+/// Golden values: the same with every compiler.
 TEST(Motion, RandomNumbersAreFixed) {
   EXPECT_EQ(random_bits(1, 2, 3), random_bits(1, 2, 3));
   EXPECT_NE(random_bits(1, 2, 3), random_bits(1, 3, 2));

@@ -32,7 +32,7 @@ struct Lines {
     a.clear(), b.clear();
     return text.read(line, "line 7", a, b, why);
   }
-  /// The words of A and of B, or why there are none.
+  /// Expects these words of A and B.
   void expect(const std::string& line, std::vector<float> want_a, std::vector<float> want_b) {
     SCOPED_TRACE(line);
     EXPECT_EQ((*this)(line), OperandLine::kPair) << why;
@@ -75,7 +75,7 @@ TEST(OperandText, WrongLines_AreMalformed) {
   lines.expect_malformed("0,0,0|1,1.5,0,0,1", "line 7: 3 words before the |, of 8 in all; A has 4");
   lines.expect_malformed("0,0|0,1|1.5,0,0,1", "line 7, column 8: a second |");
   lines.expect_malformed("|", "line 7: 0 words, must be 8");
-  // Decimal commas between blanks would have 8 words more.
+  // Decimal commas between blanks would give 8 words more.
   lines.expect_malformed("0,5 0,5 0,5 1,5 2,5 0,5 0,5 1,5",
                          "line 7, word 2: '5 0' is not a number; commas separate the fields");
   lines.expect_malformed("0;1.5;0;1;1,5;0;0;1", "line 7, column 12: '1,5' has a decimal comma");
@@ -114,7 +114,7 @@ TEST(OperandText, HeaderNamesTheColumns) {
           "A.direction.x A.direction.y A.direction.z"),
       OperandLine::kNothing);
   ray.expect("1 2 3 4 9 5 6 7 0 0 1", {5, 6, 7, 0, 0, 1, 0, 9}, {1, 2, 3, 4});
-  Lines exchanged("sphere-triangle");  // named A first
+  Lines exchanged("sphere-triangle");  // names A first
   EXPECT_EQ(exchanged("B.v0.x B.v0.y B.v0.z B.v1.x B.v1.y B.v1.z B.v2.x B.v2.y B.v2.z A.center.x "
                       "A.center.y A.center.z A.radius"),
             OperandLine::kNothing);
@@ -190,7 +190,7 @@ Words words_of(const std::string& pair, FpFormat format, const std::string& file
   std::string why;
   for (std::uint64_t i = 0; i < array.size(); ++i) {
     EXPECT_EQ(array.read(i, "pair", a, b, why), OperandLine::kPair) << why;
-    // The line has the same words.
+    // The same words in a line give the same result.
     Words line_a, line_b;
     EXPECT_EQ(OperandText(pair_in_any_order(pair), WordText(format))
                   .read(array.line(i), "line", line_a, line_b, why),
@@ -223,7 +223,7 @@ TEST(PairArrays, LastAxisOrFields_HaveTheWords) {
 }
 
 TEST(PairArrays, NumbersAreRoundedOnce) {
-  // Halfway between two words of fp32, and just above it.
+  // Halfway between two words of fp32, and just above.
   const double tie = 1 + 0x1p-24, above = tie + 0x1p-52;
   const Words words =
       words_of("sphere-sphere", FpFormat{},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that are written: whole or not at all, and nothing beside them is harmed.
+// Output files: complete or absent, without harm to other files.
 #include "cde/support/output_file.hpp"
 
 #include <fcntl.h>
@@ -31,7 +31,7 @@ TEST(OutputFile, ReplacesWhatIsThereWhenItIsWhole) {
     EXPECT_EQ(folder.files(), 2u);
   }
   EXPECT_EQ(bytes_of(folder / "a"), "old");
-  EXPECT_EQ(folder.files(), 1u) << "nothing is left of it";
+  EXPECT_EQ(folder.files(), 1u) << "no unfinished file may be left";
   const std::string mode_before =
       fmt::format("{:o}", static_cast<unsigned>(fs::status(folder / "a").permissions()));
   OutputFile file(folder / "a");
@@ -72,7 +72,7 @@ TEST(OutputFile, WhatIsNoRegularFileIsWrittenTo) {
   std::string got;
   std::thread reader([&] { got = bytes_of(folder / "fifo"); });
   {
-    // By name, as waves are: somebody needs a file that can be sought in.
+    // By name, as for waves: some writers need a seekable file.
     OutputFile file(folder / "fifo", OutputFile::Use::kByName);
     std::ofstream(file.by_name()) << "by name";
     file.commit();
@@ -91,7 +91,7 @@ TEST(OutputFile, WhatIsNoRegularFileIsWrittenTo) {
                [&] { write_file("/dev/full", "x"); });
 }
 
-/// A descriptor that a shell hands over goes on where it is, even in a file.
+/// A descriptor from the shell continues at its position, even in a file.
 TEST(OutputFile, DescriptorsAreContinued) {
   const Folder folder;
   const int fd = ::open((folder / "log").c_str(), O_WRONLY | O_CREAT, 0600);
@@ -121,8 +121,8 @@ TEST(OutputFile, WhatCannotBeWrittenIsNamed) {
   EXPECT_EQ(bytes_of(folder / longest), "fits");
 }
 
-/// What a killed process leaves is swept away by the next that writes the name; not what belongs
-/// to others or is in use.
+/// The next writer of a name removes the unfinished file of a killed process. Files of other users
+/// and files in use stay.
 TEST(OutputFile, WhatWasLeftBehindIsSweptAway) {
   const Folder folder;
   const auto die_writing = [&](const std::string& name) {
@@ -139,19 +139,20 @@ TEST(OutputFile, WhatWasLeftBehindIsSweptAway) {
   ASSERT_TRUE(die_writing("a"));
   ASSERT_TRUE(die_writing("a"));
   ASSERT_TRUE(die_writing("b"));
-  ASSERT_EQ(folder.files(), 2u) << "the second has swept away what the first left";
+  ASSERT_EQ(folder.files(), 2u) << "the second writer must remove the first one's unfinished file";
   folder.write("a.cde-1-abcdef", "in use: process 1 lives");
   folder.write("a.cde-x-abcdef", "no number");
   folder.write("a.cde-999999999-abcdefg", "too long");
   folder.write("a.abcdef", "of somebody");
-  std::optional<OutputFile> used(folder / "a");  // by this process, and locked
+  std::optional<OutputFile> used(folder / "a");  // in use by this process, and locked
   write_file(folder / "a", "whole");
-  EXPECT_EQ(folder.files(), 4u + 1 + 1 + 1) << "those, one of b, the one in use, and a";
+  EXPECT_EQ(folder.files(), 4u + 1 + 1 + 1)
+      << "expected: those files, one of b, the one in use, and a";
   used->write("later");
   used->commit();
   EXPECT_EQ(bytes_of(folder / "a"), "later");
   sweep_unfinished(folder / "");
-  EXPECT_EQ(folder.files(), 5u) << "b's, too";
+  EXPECT_EQ(folder.files(), 5u) << "the unfinished file of b must also be gone";
 }
 
 TEST(OutputFile, WhatAZombieLeftIsSweptAway) {
@@ -181,8 +182,7 @@ TEST(OutputFile, SignalsRemoveWhatIsUnfinished) {
   EXPECT_EQ(folder.files(), 1u);
 }
 
-/// Another user owns the folder and puts a link to a file of ours in the place of the unfinished
-/// one.
+/// Another user owns the folder and replaces the unfinished file by a link to one of our files.
 class ForeignFolder : public ::testing::Test {
  protected:
   static constexpr uid_t kOther = 65534;
@@ -192,7 +192,7 @@ class ForeignFolder : public ::testing::Test {
     ASSERT_EQ(::chmod((mine_ / "secret").c_str(), 0600), 0);
     theirs_.write("out", "old");
     ASSERT_EQ(::chmod((theirs_ / "out").c_str(), 0666), 0);
-    if (::geteuid() != 0) return;  // one user plays both
+    if (::geteuid() != 0) return;  // one user plays both roles
     ASSERT_EQ(::chown((theirs_ / "").c_str(), kOther, kOther), 0);
     ASSERT_EQ(::chown((theirs_ / "out").c_str(), kOther, kOther), 0);
   }
@@ -232,7 +232,7 @@ TEST_F(ForeignFolder, DoesNotChooseWhatIsWrittenByName) {
 }
 
 TEST_F(ForeignFolder, HasLinksOnlyToWhatBelongsToItsOwner) {
-  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   fs::create_symlink(mine_ / "secret", theirs_ / "to_secret");
   fs::create_symlink(mine_ / "new", theirs_ / "to_new");
   fs::create_symlink("out", theirs_ / "to_out");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Another user of a folder swaps what lies there between the look at an output and its opening.
+// Another user of a folder replaces an entry between the check of an output and its opening.
 #include "support/output_target.hpp"
 
 #include <fcntl.h>
@@ -54,7 +54,7 @@ TEST_F(Swapped, AFifoThatHasBecomeALinkOrAFile) {
   EXPECT_EQ(bytes_of(mine_ / "out"), "secret");
 }
 
-/// A folder of ours that has the same name as one that was made in a folder of theirs.
+/// A folder of ours with the same name as one that was created in a folder of theirs.
 class SwappedOutputs : public Swapped {
  protected:
   SwappedOutputs() { fs::create_directory(mine_ / "made"); }
@@ -111,10 +111,10 @@ TEST_F(SwappedOutputs, AFolderThatWasMovedIsNotWhereItWasWanted) {
   expect_error(ErrorCode::kFile, "made: the folder was moved or replaced", [&] { made.check(); });
 }
 
-/// A folder of ours behind a link of theirs, in whatever way its name ends, and behind a link of
-/// ours to that link.
+/// Our folder behind a link of theirs, with all endings of its name, and behind our link to that
+/// link.
 TEST_F(Swapped, AFolderBehindTheirLinkIsRefused) {
-  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   constexpr uid_t kOther = 65534;
   fs::create_directory_symlink(mine_ / "", theirs_ / "link");
   fs::create_directory_symlink(theirs_ / "link", mine_ / "indirect");
@@ -131,9 +131,9 @@ TEST_F(Swapped, AFolderBehindTheirLinkIsRefused) {
   EXPECT_FALSE(OutputFolder(theirs_ / "link/.").made()) << "a link to a folder of their own";
 }
 
-/// The owner of a link must still own what it leads to.
+/// The owner of a link must still own its target.
 TEST_F(Swapped, ATargetThatIsNoLongerTheLinksOwners) {
-  if (::geteuid() != 0) GTEST_SKIP() << "needs two users, which root alone can be";
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   constexpr uid_t kOther = 65534;
   std::ofstream(theirs_ / "sub/out") << "old";
   fs::create_symlink("sub/out", theirs_ / "link");

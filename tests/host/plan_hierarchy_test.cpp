@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which scenes have their rays go through a hierarchy, and what the plan says of it.
+// Which scenes use a BVH for their rays, and what the plan prints about it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -38,14 +38,14 @@ TEST(PlanHierarchy, WhereItTakesLess) {
   EXPECT_TRUE(hierarchy(p).used);
   EXPECT_EQ(p.board.node_units, 2u);
   EXPECT_EQ(p.board.nodes, BoardConfig{}.nodes);
-  EXPECT_EQ(p.board.lanes, 4u) << "nothing is swept";
+  EXPECT_EQ(p.board.lanes, 4u) << "no query uses brute force";
   EXPECT_TRUE(p.queries[0].hierarchy);
   ASSERT_TRUE(p.queries[0].hierarchy_clocks);
   EXPECT_LT(*p.queries[0].hierarchy_clocks, p.queries[0].rows / 2);
   EXPECT_TRUE(has(hierarchy(p).why, "rays of hit go through a tree of"));
   EXPECT_TRUE(
       has(hierarchy(p).cost, fmt::format("sweeps of 128 lanes take {}", p.queries[0].rows)));
-  EXPECT_EQ(p.board.transform, Transformer::kNone) << "rays are moved by the host";
+  EXPECT_EQ(p.board.transform, Transformer::kNone) << "the host moves rays";
 
   const Plan small = of(ground(20) + kManyRays + query());
   EXPECT_FALSE(hierarchy(small).used);
@@ -80,7 +80,7 @@ TEST(PlanHierarchy, AsIsAskedFor) {
   with("box = false\n", "box rule");
 }
 
-/// Another query of the same triangles sweeps: the card has lanes for it.
+/// Another query of the same triangles uses brute force: the card has lanes for it.
 TEST(PlanHierarchy, BesideQueriesThatSweep) {
   const Plan p = of(ground(40) + kManyRays + query() +
                     "[[query]]\nname = \"b\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\n"
@@ -91,7 +91,7 @@ TEST(PlanHierarchy, BesideQueriesThatSweep) {
   EXPECT_EQ(p.board.lanes, 128u);
 }
 
-/// Rays that the card moves in its register file have no way through the tree.
+/// Rays that the card moves in its register file cannot use the BVH.
 TEST(PlanHierarchy, RaysAreMovedByTheHostWhereAnyGoThroughIt) {
   const std::string ray = "{ origin = [0, 0, 0], direction = [0, 0, -1] }";
   const std::string rays = "[[object]]\nname = \"rays\"\nray = [" + ray + ", " + ray +
@@ -138,14 +138,16 @@ TEST(PlanHierarchy, OfSolids) {
     const Plan p = of(ground(60) + solids(shape, "normals = true\nmode = \"hits\"\n"));
     EXPECT_TRUE(hierarchy(p).used) << hierarchy(p).why;
     EXPECT_EQ(hierarchy(p).why.find("primaries of touch go through a tree"), 0u);
-    EXPECT_TRUE(p.board.box) << "the tree needs the rule";
-    EXPECT_EQ(p.board.lanes, shape == std::string("sphere") ? 4u : 8u) << "nothing is swept";
+    EXPECT_TRUE(p.board.box) << "the BVH needs the box rule";
+    EXPECT_EQ(p.board.lanes, shape == std::string("sphere") ? 4u : 8u)
+        << "no query uses brute force";
     EXPECT_LT(*p.queries[0].hierarchy_clocks, p.queries[0].rows / 2);
     EXPECT_NO_THROW((void)p.board.parameters());
     const Plan off = of("[card]\nhierarchy = \"off\"\n" + ground(60) + solids(shape));
-    EXPECT_TRUE(off.board.box) << "the same records, whichever way";
+    EXPECT_TRUE(off.board.box) << "records must not depend on the BVH";
     EXPECT_EQ(off.board.node_units, 0u);
-    // What meets most of the ground is swept, and beside it what meets little is not.
+    // Primaries that meet most of the ground use brute force, and others in the same scene use the
+    // BVH.
     if (shape == std::string("sphere")) {
       const std::string giants =
           "[[object]]\nname = \"giants\"\nrandom = { shape = \"sphere\", count = 200, min = [0, 0, "
@@ -173,7 +175,7 @@ TEST(PlanHierarchy, OfSolids) {
   }
 }
 
-/// A mesh against a mesh, and spheres that fly about among each other, whose tree is built anew.
+/// A mesh against a mesh, and spheres that move among each other, with a BVH that is rebuilt.
 TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
   const Plan meshes =
       of(ground(60) +
@@ -195,19 +197,19 @@ TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
   };
   const Plan spheres = cloud("4000", "probes");
   EXPECT_TRUE(hierarchy(spheres).used) << hierarchy(spheres).why << hierarchy(spheres).cost;
-  EXPECT_FALSE(spheres.board.box) << "no pair has it";
+  EXPECT_FALSE(spheres.board.box) << "no pair of this card has the rule";
   EXPECT_TRUE(has(hierarchy(spheres).cost, "of them for boxes of what moves"));
   EXPECT_EQ(hierarchy(cloud("200", "probes")).why,
             "a tree wins from about 256 spheres on, there are 200");
   EXPECT_TRUE(has(hierarchy(cloud("4000", "cloud")).why, "no shape meets itself"));
   const Plan boxes = cloud("4000", "probes", "obb");
   EXPECT_TRUE(hierarchy(boxes).used) << hierarchy(boxes).why << hierarchy(boxes).cost;
-  EXPECT_TRUE(boxes.board.box) << "the pair needs the rule";
+  EXPECT_TRUE(boxes.board.box) << "the pair needs the box rule";
   EXPECT_EQ(hierarchy(cloud("200", "probes", "obb")).why,
             "a tree wins from about 256 obbs on, there are 200");
 }
 
-/// The other role of a pair: the triangles of a mesh among boxes.
+/// The swapped roles of a pair: the triangles of a mesh among boxes.
 TEST(PlanHierarchy, OfAMeshAmongBoxes) {
   for (const char* shape : {"obb", "aabb"}) {
     SCOPED_TRACE(shape);
@@ -222,7 +224,7 @@ TEST(PlanHierarchy, OfAMeshAmongBoxes) {
   }
 }
 
-/// Many things that move among each other leave little of a tree that stays.
+/// Many shapes that move among each other leave little of a BVH valid.
 TEST(PlanHierarchy, NotOfADustThatMoves) {
   const auto dust = [](const char* each) {
     return of(std::string("[[object]]\nname = \"ground\"\nrandom = { shape = \"triangle\", count = "

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The input contract of every primitive, in words (defect) and as the card decides it (bad), and
-// the order of the words in a slot.
+// The input contract of every primitive: defect() in words, and bad() as on the card. Also the
+// order of the words in a slot.
 #include "cde/geometry/primitives.hpp"
 
 #include <cmath>
@@ -88,7 +88,7 @@ TEST(Contract, HoldsForPlainPrimitives) {
   EXPECT_EQ(defect(kObb), std::nullopt);
   Obb mirrored = kObb;
   mirrored.rotation.col(1) *= -1;
-  EXPECT_EQ(defect(mirrored), std::nullopt) << "a reflection is the same box";
+  EXPECT_EQ(defect(mirrored), std::nullopt) << "a reflected box is the same box";
 }
 
 TEST(Contract, SaysWhichFieldAndWhatWasExpected) {
@@ -130,7 +130,7 @@ TEST(Contract, ToleranceOfUnitVectorsIsTwoToTheMinusTwenty) {
             "axis has squared length 1.0000012, must be 1 within 9.54e-07");
 }
 
-/// defect and bad agree, whatever the words.
+/// defect() and bad() agree for all words.
 template <typename P>
 void expect_agreement(const P& plain, std::mt19937& random, int& flagged, int& clean) {
   constexpr float kValues[] = {

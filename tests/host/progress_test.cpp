@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The line that tells how long a task will take.
+// The progress line with the remaining time of a task.
 #include "cde/support/progress.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace cde {
 namespace {
 
-/// Lines that are drawn while it lives.
+/// The lines that are drawn while this object lives.
 class Lines {
  public:
   Lines() {
@@ -45,12 +45,12 @@ TEST(Progress, ShareAndStep_TellTheTimeLeft) {
     Progress progress("fp");
     progress(0, "add");
     wait(700);
-    progress(0.1, "mul");  // and no call any more, as in a long step
+    progress(0.1, "mul");  // no further call, as in a long step
     wait(500);
   }
   ASSERT_EQ(lines.all().size(), 2u);
   EXPECT_EQ(lines.all()[0], "fp, mul  10 %, 1 s, about 6 s left");
-  EXPECT_EQ(lines.all()[1], "") << "cleared";
+  EXPECT_EQ(lines.all()[1], "") << "the line must be cleared";
 }
 
 TEST(Progress, UnknownShare_TellsTheTimePassed) {

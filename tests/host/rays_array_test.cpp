@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays from arrays of NumPy, .npy and .npz.
+// Rays from NumPy arrays, .npy and .npz.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -26,7 +26,7 @@ RayList read(const std::string& file) {
 
 using Axes = std::vector<std::uint64_t>;
 
-/// Two rays: 1, 2, ..., 6 and 7, 8, ..., 12.
+/// Expects two rays: 1, 2, ..., 6 and 7, 8, ..., 12.
 void expect_two(const RayList& list, const Axes& shape = {2}) {
   EXPECT_EQ(list.shape, shape);
   ASSERT_EQ(list.rays.size(), 2u);
@@ -115,7 +115,7 @@ TEST(RayArrays, Structures_NameTheirFields) {
   const std::string c = bytes(twelve<float>());
   expect_two(read(npy("[('o', '<f4', (3,)), ('d', '<f4', (3,))]", "(2,)", c)));
   expect_two(read(npy("[('o', '<f4', 3), ('d', '<f4', (1, 3))]", "(2, 1)", c)), {2, 1});
-  // As pandas.DataFrame.to_records(index=False).
+  // The form of pandas.DataFrame.to_records(index=False).
   expect_two(
       read(npy("[('ox', '<f4'), ('oy', '<f4'), ('oz', '<f4'), ('dx', '<f4'), ('dy', '<f4'), "
                "('dz', '<f4')]",

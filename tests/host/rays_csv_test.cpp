@@ -64,7 +64,7 @@ TEST(RaysCsvTest, HeaderNamesTheColumns) {
   EXPECT_EQ(read("dx,dy,dz,ox,oy,oz,tmin,tmax\n4,5,6,1,2,3,7")[0].tmin, 7.0f);
 }
 
-/// The ray 0.5, 1, -2 towards 0, 0.25, -1 in the text's first line, and as many as there should be.
+/// Expects the ray 0.5, 1, -2 towards 0, 0.25, -1 in the first line, and `count` rays.
 void expect_rays(const std::string& text, std::size_t count = 1, float tmax = kInfinity) {
   SCOPED_TRACE(text);
   const auto rays = read(text);
@@ -81,7 +81,7 @@ TEST(RaysCsvTest, AnySeparator_ReadsTheSame) {
   expect_rays("0.5\t1\t-2\t0\t0.25\t-1\n");
   expect_rays("  0.5 1  -2 0 0.25 -1 \n");
   expect_rays("0.5 ;\t1; -2;0 ;0.25;-1\r1;1;1;1;1;1\r\n", 2);
-  // As numpy.savetxt writes it, with and without a header.
+  // The form of numpy.savetxt, with and without a header.
   const std::string savetxt =
       "5.000000000000000000e-01 1.000000000000000000e+00 -2.000000000000000000e+00 "
       "0.000000000000000000e+00 2.500000000000000000e-01 -1.000000000000000000e+00\n";
@@ -136,7 +136,7 @@ TEST(RaysCsvTest, EmptyFieldsShiftNothing) {
   bad("1\t2 3\t4\t5\t6\t7", "rays.csv:1:3: oy: '2 3' is not a number; tabs separate the fields");
 }
 
-/// As pandas.DataFrame writes them.
+/// The form of pandas.DataFrame.
 TEST(RaysCsvTest, RowNumbersAreLeftOut) {
   expect_rays(",ox,oy,oz,dx,dy,dz\n0,.5,1,-2,0,.25,-1\n1,1,1,1,1,1,1\n", 2);
   expect_rays("Unnamed: 0,ox,oy,oz,dx,dy,dz\n1,.5,1,-2,0,.25,-1\n2,1,1,1,1,1,1\n", 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of records: the column of frames, and arrays whose length is not known before.
+// Files of records: the frame column, and arrays of initially unknown length.
 #include "cde/io/record_file.hpp"
 
 #include <fmt/format.h>
@@ -69,7 +69,7 @@ TEST(Npy, HeaderOfAGrowingArray_HasOneLength) {
   }
 }
 
-/// In a regular file, in a FIFO, and with the count told before: the same data.
+/// A regular file, a FIFO and a known count give the same data.
 TEST(RecordFile, ArrayOfUnknownLength_HasItsCount) {
   const Folder folder;
   const RecordFormat format{.kind = Kind::kNpy, .frame = true, .only_hits = true};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card that a scene is planned to have.
+// The card that `plan` chooses for a scene.
 #include "cde/scene/plan.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@ TEST(Plan, TakesWhatTheSceneNeeds) {
   const Scene s = parse_scene(kGood, "s.toml");
   const Plan p = plan(s);
   EXPECT_EQ(p.board.pairs, std::vector<Pair>{Pair::kRaySphere});
-  EXPECT_EQ(p.board.lanes, 16u) << "one primary: the smallest of the sizes that scenes share";
+  EXPECT_EQ(p.board.lanes, 16u) << "one primary: the smallest shared size";
   EXPECT_FALSE(p.board.swap || p.board.normals || p.board.trace || p.board.parallel);
   EXPECT_FALSE(effect(p, "transformer").used);
   EXPECT_EQ(effect(p, "transformer").why, "no secondary moves as a rigid body");
@@ -36,11 +36,11 @@ TEST(Plan, WhatSimulationsCostIsMeasured) {
                            "two pairs at a time", "bus timing", "memory timing", "ecc", "trace"}) {
     const std::optional<double> times = simulation_cost(name);
     ASSERT_TRUE(times) << name;
-    EXPECT_GT(*times, 0.8) << name << ": nothing makes a simulation much faster";
+    EXPECT_GT(*times, 0.8) << name << ": no option makes a simulation much faster";
     EXPECT_LT(*times, 100) << name;
     EXPECT_TRUE(has(effect(p, name).cost, fmt::format("takes {:.1f} times as long", *times)));
   }
-  EXPECT_FALSE(simulation_cost("lanes")) << "counted from the scene";
+  EXPECT_FALSE(simulation_cost("lanes")) << "computed from the scene";
 }
 
 TEST(Plan, LanesGrowWithThePrimaries) {
@@ -62,7 +62,7 @@ TEST(Plan, LanesGrowWithThePrimaries) {
   EXPECT_EQ(lanes(3, "[card]\narithmetic = \"rtl\"\n"), 4u) << "gates take minutes to build";
 }
 
-/// What one query needs the card has, whichever query it is.
+/// The card has everything that any query needs, in any order of queries.
 TEST(Plan, TakesWhatAnyQueryNeeds) {
   const std::string objects =
       "[[object]]\nname = \"balls\"\nsphere = { center = [1, 2, 3], radius = 0.5 }\n"
@@ -96,7 +96,8 @@ TEST(Plan, CountsWork) {
   EXPECT_EQ(w.packets, 4u);
   EXPECT_EQ(w.passes, 4u);
   EXPECT_TRUE(w.self_pairs);
-  EXPECT_EQ(w.tests, 256u * (999 + 743 + 487) + 232 * 231) << "each packet sweeps what is behind";
+  EXPECT_EQ(w.tests, 256u * (999 + 743 + 487) + 232 * 231)
+      << "each packet meets the secondaries after it";
   EXPECT_EQ(w.most_records, 499'500u);
   EXPECT_EQ(p.board.lanes, 128u);
   EXPECT_EQ(w.rows, 2u * (999 + 743 + 487 + 231)) << "232 in the last packet";
@@ -156,7 +157,8 @@ TEST(Plan, MovesObjectsWhereThatTakesFewerWords) {
 
   EXPECT_EQ(of(all).board.transform, Transformer::kNone) << "one frame";
   const std::string two = objects + query("q", "\"a\"") + query("r", "\"b\"");
-  EXPECT_EQ(of("frames=2\n" + two).board.transform, Transformer::kNone) << "always uploaded";
+  EXPECT_EQ(of("frames=2\n" + two).board.transform, Transformer::kNone)
+      << "uploaded in every frame";
   EXPECT_EQ(of("frames=2\n[card]\nmover=\"card\"\n" + two).card_moves, moved);
 }
 
@@ -211,7 +213,7 @@ TEST(Plan, TablesOfObjectsHaveAnEnd) {
                [&] { (void)of(2049, "card"); });
 }
 
-/// A range that the host writes again is one entry, however many shapes in it move.
+/// A range that the host writes again is one entry, however many of its shapes move.
 TEST(Plan, WhatTheHostMovesIsOneEntry) {
   const Plan p = plan(parse_scene(
       "frames=2\n" + kRays +
@@ -292,7 +294,7 @@ TEST(Plan, TakesTheVerdictsThatAreAskedFor) {
   refused("verdicts = \"fp16\"\nlanes = 64", "with verdicts it must be 1 to 32");
   try {
     (void)plan(parse_scene("[card]\nverdicts = \"fp16\"\n" + kGood, "s.toml"));
-    ADD_FAILURE() << "rays have no verdicts";
+    ADD_FAILURE() << "rays have no certified filter";
   } catch (const Error& e) {
     EXPECT_TRUE(has(e.what(), "of which the card has none"));
   }
@@ -326,7 +328,8 @@ TEST(Plan, SaysWhoseTimesAreModelled) {
 
 TEST(Plan, RefusesMoreThanTheMemoryHolds) {
   Scene s = parse_scene(kGood, "s.toml");
-  // 2^24 spheres a group, more groups than DDR holds; built by hand, as a file would take minutes.
+  // 2^24 spheres per group, more groups than DDR holds. Built by hand, because a file would take
+  // minutes.
   SceneObject big = s.objects[0];
   big.shapes = std::vector<Sphere>(1 << 22, {Eigen::Vector3f::Zero(), 1});
   for (int i = 0; i < 30; ++i) {

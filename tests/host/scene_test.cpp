@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene files: what they say, and that whatever is wrong is named with its line and key.
+// Scene files: their values, and errors that name the line and key.
 #include "cde/scene/scene.hpp"
 
 #include <fmt/format.h>
@@ -55,7 +55,7 @@ TEST(SceneFile, ObjectsThatNoQueryUses_AreNamed) {
       "[[object]]\nname = \"idle\"\nsphere = { center = [0, 0, 0], radius = 1 }\n";
   EXPECT_EQ(parse_scene(kBall + kRays + idle + kHit, "s.toml").warnings,
             std::vector<std::string>{"s.toml: no query uses object 'idle'"});
-  // The one that another moves with is used.
+  // An object that is the parent of another one is used.
   const std::string child =
       "[[object]]\nname = \"ball\"\nsphere = { center = [1, 2, 3], radius = 0.5 }\nparent = "
       "\"idle\"\n";
@@ -140,7 +140,7 @@ TEST(SceneFile, TruncatedAtEveryByte) {
       ASSERT_EQ(std::string(e.what()).rfind("s.toml:", 0), 0u) << e.what();
     }
   }
-  EXPECT_GE(errors, static_cast<int>(text.size()) - 30) << "only the tail can be missing";
+  EXPECT_GE(errors, static_cast<int>(text.size()) - 30) << "only a cut in the tail may be accepted";
   EXPECT_NO_THROW((void)parse_scene(text, "s.toml"));
 }
 
@@ -350,7 +350,7 @@ TEST(SceneShapes, ChainsOfParents) {
   EXPECT_TRUE(is_still(s, s.objects[2]));
 }
 
-/// Only triangles at the moving vertices change, and the ranges name all of them.
+/// Only triangles at moving vertices change, and the ranges contain all of them.
 TEST(SceneShapes, DeformationStaysInItsRanges) {
   for (const char* kind : {"kind=\"random\"", "kind=\"wave\",period=1,wavelength=30"}) {
     const Scene s = parse_scene(fmt::format("[[object]]\nname=\"t\"\nmesh=\"terrain:10,10,1\"\n"
@@ -382,7 +382,7 @@ TEST(SceneShapes, DeformationStaysInItsRanges) {
   }
 }
 
-/// Posing by binary32 against binary64.
+/// Poses in binary32 compared with binary64.
 TEST(SceneShapes, PosesAreRigid) {
   std::string text = "rate = 30\n";
   for (const char* shape : {"ray", "triangle", "sphere", "plane", "cylinder", "obb"}) {

@@ -5,7 +5,7 @@
 #include "cde/scene/scene.hpp"
 #include "testing.hpp"
 
-/// Parts of scene files that several tests have.
+/// Parts of scene files that several tests use.
 namespace cde::testing {
 
 inline const std::string kBall =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bitstreams whose table of functions is not the driver's are refused before any of it is called.
+// A model with another function table than the driver's is refused before any function is called.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -28,7 +28,7 @@ const Openers& openers() {
   return all;
 }
 
-/// What opening a file as each kind of bitstream is refused with.
+/// Errors for opening a file as each kind of model.
 void expect_errors(const std::string& file, const std::map<std::string, std::string>& texts,
                    ErrorCode code) {
   for (const auto& [kind, text] : texts) {
@@ -56,7 +56,7 @@ TEST(Tables, OfAnotherSize) {
                 ErrorCode::kConfiguration);
 }
 
-/// The same library with the driver's own numbers is taken, and called.
+/// The same library with the driver's own numbers is accepted and called.
 TEST(Tables, OfTheSameVersionAndSizeAreCalled) {
   expect_errors(CDE_OWN_TABLES,
                 {{"board", "no memory for the card's models"},

@@ -37,14 +37,14 @@ TEST(TerrainTest, DefaultShape) {
     const Eigen::Vector3f n = (t.v1 - t.v0).cross(t.v2 - t.v0);
     ASSERT_GT(n.z(), 0.0f) << "face " << i << " does not face up";
     ASSERT_FLOAT_EQ(0.5f * n.z(), 50.0f);
-    steep += n.z() < 0.5f * n.norm() ? 1 : 0;  // beyond 60 degrees
+    steep += n.z() < 0.5f * n.norm() ? 1 : 0;  // steeper than 60 degrees
   }
   EXPECT_LT(steep / static_cast<double>(mesh.faces.size()), 0.02)
-      << "cliffs everywhere: not a landscape";
+      << "too many cliffs for a landscape";
 }
 
 // Every compiler, optimisation level and processor must make the same bits. A change of the
-// generator is a change of every figure measured on the terrain: acknowledge it here.
+// generator changes every figure measured on the terrain: acknowledge it here.
 TEST(TerrainTest, GoldenBits) {
   const std::uint64_t whole = hash(make_terrain());
   const std::uint64_t small = hash(make_terrain({17, 5, 42}));

@@ -12,7 +12,7 @@
 
 namespace cde::testing {
 
-/// A folder of the test's own, gone at the end.
+/// A temporary folder, removed at the end.
 class Folder {
  public:
   Folder() {

@@ -101,7 +101,7 @@ void test_rays(unsigned latency, Shape leaf = Shape::kTriangle) {
       ASSERT_EQ(module->r_o[i], expected.front()[i]) << clock << ", word " << i;
     expected.pop_front();
   }
-  // For rays against spheres, some reach limits are infinite.
+  // Only a BVH over spheres gives infinite bounds, for some rays.
   EXPECT_EQ(infinite > 100, leaf == Shape::kSphere);
   EXPECT_LT(infinite, 10'000u);
 }
