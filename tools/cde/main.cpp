@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde: the verbs of rays, pairs and scenes; it starts the programs of the other verbs.
+// cde: the verbs of rays, pairs and scenes. It starts the programs of the other verbs.
 #include <string>
 #include <vector>
 
@@ -26,7 +26,7 @@ const cde::cli::Program kProgram = {
       cde::cli::add_doctor(app);
       cde::cli::add_other_verbs(app);
       cde::cli::add_version(app);
-      cde::cli::add_help(app);  // knows the verbs before it
+      cde::cli::add_help(app);  // lists the verbs that are added before it
     }};
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde cast on its cards: one, or several that share the rays.
+// cde cast on its cards: one card, or several that share the rays.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// load_mesh has checked it.
+/// Uploads the triangles. load_mesh has checked the mesh.
 void upload(Board& board, const CastJob& job) {
   if (job.hierarchy)
     board.upload(job.mesh, *job.hierarchy, false);
@@ -34,7 +34,7 @@ void upload(Board& board, const CastJob& job) {
     board.upload(job.mesh, false);
 }
 
-/// A card with waves, which has the mesh.
+/// A card with waves, with the mesh uploaded.
 Board traced_board(const CastJob& job) {
   BoardConfig config = job.config;
   config.trace = true;
@@ -90,11 +90,11 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
   std::optional<Interrupts> interrupts;
   if (o.trace.wanted()) interrupts.emplace();
   const std::uint64_t began = board.clocks();
-  std::uint64_t seen = 0, before = 0;  // since when the card was not seen to go on
+  std::uint64_t seen = 0, before = 0;  // cycles at which the card last made progress
   double seen_share = 0;
   const std::function<void(double)> noting = [&](double share) {
     if (o.trace.wanted() && Interrupts::signal() != 0) throw CastStopped();
-    if (share != seen_share) {  // the same share comes several times, and says nothing
+    if (share != seen_share) {  // a repeated share is no progress
       seen = before;
       seen_share = share;
       before = board.clocks() - began;
@@ -137,7 +137,7 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
 
 namespace {
 
-/// These rays on a card of their own; `take` gets the checked records in order.
+/// Casts these rays on a card of their own. `take` gets the checked records in order.
 CastOutcome cast_on_card(const CastTask& o, const CastJob& job, const RayView& rays,
                          const std::function<void(double)>& progress, const RecordSink& take) {
   Board board = [&] {
@@ -147,9 +147,9 @@ CastOutcome cast_on_card(const CastTask& o, const CastJob& job, const RayView& r
   return cast_on(board, o, job, job.mode, rays, progress, take);
 }
 
-/// What several cards take: each a DDR with the mesh, and all but the first one keep their records
-/// until it is their turn. Where nobody knows how many there will be, they are counted as they
-/// come.
+/// Memory that several cards take. Each card has a DDR with the mesh. All cards but the first keep
+/// their records until it is their turn. If the number of records is not known in advance, they are
+/// counted as they arrive.
 class SharedMemory {
  public:
   SharedMemory(const CastTask& o, const CastJob& job, std::size_t boards, std::size_t waiting)
@@ -157,15 +157,16 @@ class SharedMemory {
     const std::uint64_t triangles = job.mesh.faces.size();
     cards_ = boards * triangles * 4 * words(Shape::kTriangle);
     if (o.check && !job.hierarchy &&
-        !reference::sweeps_fast(job.config.algorithm, job.config.format))  // the check's copy
+        !reference::sweeps_fast(job.config.algorithm,
+                                job.config.format))  // the copy that the check makes
       cards_ += boards * triangles * sizeof(Triangle);
-    // 2^32 rays and 2^26 triangles of 64 bytes: their product may leave 64 bits, its size does not.
+    // In double: 2^32 rays times 2^26 triangles of 64 bytes may exceed 64 bits.
     const double each = job.mode == Mode::kHits  ? 0.0
                         : job.mode == Mode::kAll ? static_cast<double>(triangles)
                                                  : 1.0;
     check(static_cast<double>(waiting) * each * sizeof(Record));
   }
-  /// So many more records wait. Error kCapacity if they are too many.
+  /// Adds waiting records. Error kCapacity if there are too many.
   void add(std::size_t records) {
     check(static_cast<double>(bytes_ += records * sizeof(Record) * spare_));
   }
@@ -174,20 +175,21 @@ class SharedMemory {
   void check(double waiting) const {
     const double all = static_cast<double>(cards_) + waiting;
     if (all <= static_cast<double>(memory_limit())) return;
-    throw Error(ErrorCode::kCapacity,
-                fmt::format("{} cards take {} MB, and records that wait for those of the cards "
-                            "before them {:.0f} MB; the limit on this machine is {} MB (fewer "
-                            "--boards take less, of one card no records wait)",
-                            boards_, cards_ >> 20, waiting / (1 << 20), memory_limit() >> 20));
+    throw Error(
+        ErrorCode::kCapacity,
+        fmt::format(
+            "{} cards take {} MB, and records that wait for earlier cards {:.0f} MB; the limit on "
+            "this machine is {} MB; use fewer --boards (with one card no records wait)",
+            boards_, cards_ >> 20, waiting / (1 << 20), memory_limit() >> 20));
   }
   std::size_t boards_;
-  unsigned spare_;  // a list that grows without being told how long it will be has room to spare
+  unsigned spare_;  // a list of unknown final length reserves up to this many times its size
   std::uint64_t cards_ = 0;
   std::atomic<std::uint64_t> bytes_ = 0;
 };
 
-/// Whole packets of the rays shared out over `o.boards` cards, each in a thread; records in the
-/// order of one card.
+/// Shares whole packets of rays among `o.boards` cards, each in a thread. Records come in the order
+/// of one card.
 CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
                           const std::function<void(double)>& progress, const RecordSink& take) {
   const std::size_t packets = (job.rays.size() + card::kMostPrimaries - 1) / card::kMostPrimaries;
@@ -207,7 +209,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
   CastTask of_share = o;
   of_share.swept_rays = (o.swept_rays + shares.size() - 1) / shares.size();
   (void)Bitstream::open(job.config.top(),
-                        job.config.parameters());  // built once, before all want it
+                        job.config.parameters());  // built once, before all cards need it
   for (std::size_t i = 0; i < shares.size(); ++i) {
     Share& share = shares[i];
     if (i != 0 && job.mode != Mode::kHits)
@@ -216,7 +218,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
       memory.add(records.size());
       share.records.insert(share.records.end(), records.begin(), records.end());
     };
-    // It is the first card's turn from the beginning, and nobody else's before it has ended.
+    // The first card hands on its records at once. The others keep theirs until it has ended.
     const RecordSink sink = i == 0 ? take : RecordSink(keep);
     share.outcome = std::async(std::launch::async, [&, i, sink] {
       return cast_on_card(of_share, job, job.rays.subview(share.first, share.size),
@@ -249,7 +251,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
   return all;
 }
 
-/// Casts one packet on a card with waves; its records of one primary.
+/// Casts one packet on a card with waves. Returns the records of one primary.
 std::vector<Record> cast_traced(const CastTask& o, const CastJob& job, std::size_t packet,
                                 std::uint32_t primary, const std::string& file,
                                 const TraceOptions& which) {

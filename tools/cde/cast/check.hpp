@@ -12,10 +12,10 @@
 namespace cde::cli {
 
 /// Compares the records of a cast with the reference of its card: brute force, or the traversal of
-/// its hierarchy. Some rays of a traversal are also compared with brute force.
+/// its BVH. With a BVH, some rays are also compared with brute force.
 class CastCheck {
  public:
-  /// All must outlive the check.
+  /// All arguments must outlive the check.
   CastCheck(const CastTask& task, const CastJob& job, Mode mode, const RayView& rays,
             const Board& board);
 
@@ -34,11 +34,11 @@ class CastCheck {
   Mode mode_;
   RayView rays_;
   unsigned packet_;
-  std::optional<reference::Sweep> sweep_;  ///< or a traversal
+  std::optional<reference::Sweep> sweep_;  ///< brute force; empty with a BVH
   std::optional<reference::Traversal> traversal_;
   std::vector<Record> traversed_;
   std::uint64_t swept_rays_ = 0, swept_ = 0;
-  std::size_t first_ = 0;  ///< ray of the next packet
+  std::size_t first_ = 0;  ///< first ray of the next packet
   reference::RecordCheck check_;
 };
 

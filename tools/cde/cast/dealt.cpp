@@ -21,10 +21,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Tests of a chunk, half a second of a core: long beside what dealing it takes, short beside a
-/// run.
+/// Tests of a chunk, about half a second of a core. That is long compared with dealing a chunk and
+/// short compared with a run.
 constexpr double kChunkTests = 3e7;
-/// Of rays through a hierarchy, which take some microseconds each whatever the mesh.
+/// Packets of a chunk with a BVH: a ray takes some microseconds for any mesh.
 constexpr std::size_t kChunkPackets = 128;
 
 std::size_t rays_of_chunk(const CastTask& o, const CastJob& job) {
@@ -34,8 +34,8 @@ std::size_t rays_of_chunk(const CastTask& o, const CastJob& job) {
   return card::kMostPrimaries * static_cast<std::size_t>(std::clamp(packets, 1.0, 256.0));
 }
 
-/// What is before a chunk's rays: the mode, which a picture's shadows have another of, and how many
-/// of the rays meet all triangles in the reference, too, which follows from all rays of the run.
+/// The data before a chunk's rays. A picture's shadows have a mode of their own. The number of rays
+/// that are also checked by brute force depends on all rays of the run.
 struct InputHead {
   std::uint64_t mode = 0, swept_rays = 0;
 };
@@ -65,14 +65,14 @@ std::vector<Ray> rays_in(const std::string& input) {
   return rays;
 }
 
-/// Of the rays that meet all triangles in the reference, evenly spread, those before this one.
+/// How many rays before this one are also checked by brute force; these are spread evenly.
 std::uint64_t swept_before(std::size_t ray, const CastTask& o, const CastJob& job) {
   if (!job.hierarchy || !o.check) return 0;
   return std::min<std::uint64_t>(o.swept_rays, job.rays.size()) * ray / job.rays.size();
 }
 
-/// The head of a chunk's result; behind it the bitstream's name and the records. Ranks and
-/// journals are of one build.
+/// The head of a chunk's result. The name of the simulation model and the records follow. Ranks and
+/// journals must come from one build.
 struct Head {
   Counters counters;
   std::uint64_t hits = 0, compared = 0, matching = 0, swept_rays = 0, upload_clocks = 0,
@@ -100,7 +100,7 @@ std::string as_bytes(const CastOutcome& r, std::span<const Record> records) {
   return bytes.append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
 }
 
-/// Numbers of the chunk's records count through all rays.
+/// Reads a chunk's result. The numbers in its records count through all rays.
 CastOutcome outcome_in(const std::string& bytes, std::size_t first, std::vector<Record>& records) {
   Head head;
   std::memcpy(&head, bytes.data(), sizeof head);
@@ -122,12 +122,13 @@ CastOutcome outcome_in(const std::string& bytes, std::size_t first, std::vector<
   return r;
 }
 
-/// The network between cards and the host that has the outputs, for modelled times: results come
-/// over one link, one behind the other.
+/// For modelled times: the network between the cards and the host with the outputs. Results come
+/// over one link, one after the other.
 constexpr double kBytesPerSecond = 1.25e9, kLatencySeconds = 50e-6;
 
-/// The chunks' outcomes as one. Without parts each chunk goes to the card that would be free first,
-/// with parts to the card that has its part; the time is that until the last result has come.
+/// The outcomes of all chunks as one. Without parts, each chunk goes to the card that would be free
+/// first; with parts, to the card with its part. The modelled time ends when the last result has
+/// arrived.
 class Sum {
  public:
   Sum(unsigned cards, unsigned parts) : parts_(parts), free_at_(parts > 1 ? parts : cards, 0.0) {}
@@ -135,7 +136,7 @@ class Sum {
   void add(CastOutcome one, unsigned part) {
     const std::uint64_t records = all.counters.records, bad = all.counters.bad_primaries;
     all.counters += one.counters;
-    all.counters.records = records;  // those that are left are counted behind the reduction
+    all.counters.records = records;  // only records after the reduction count
     if (part != 0) all.counters.bad_primaries = bad;
     all.compared += one.compared;
     all.matching += one.matching;
@@ -164,7 +165,7 @@ class Sum {
   double link_ = 0;
 };
 
-/// The card of a part, and the job that it is of.
+/// The cards of parts, each with its job.
 class Cards {
  public:
   Cards(const CastTask& o, const CastJob& job) : o_(o), job_(job) {}
@@ -200,7 +201,7 @@ std::shared_ptr<const CastJob> job_of_part(const CastJob& job, Mesh mesh) {
   return part;
 }
 
-/// Each rank has every so-manieth part.
+/// Rank R of N gets the parts R, R + N, R + 2 N and so on.
 void share_parts(const CastTask& o, CastJob& job) {
   const Dealing& dealing = Dealing::here();
   const unsigned parts = o.partition, ranks = dealing.ranks();
@@ -213,7 +214,8 @@ void share_parts(const CastTask& o, CastJob& job) {
     }
     return all;
   });
-  // What is computed from records and triangles, files and pictures, needs all of it on rank 0.
+  // Rank 0 needs the whole mesh for fields and pictures, which are computed from records and
+  // triangles.
   if (o.fields.empty() && !o.picture.any()) job.mesh = Mesh{};
   std::size_t at = 0;
   for (unsigned p = dealing.rank(); p < parts; p += ranks)
@@ -232,7 +234,7 @@ void share_job(const CastTask& o, CastJob& job) {
     share_parts(o, job);
   else
     dealing.share(job.mesh);
-  // Sooner built than sent, and the same on all ranks.
+  // Each rank builds the BVH: that is faster than sending it, and all get the same.
   if (job.config.node_units != 0 && !job.hierarchy)
     job.hierarchy = std::make_shared<const Hierarchy>(Hierarchy::build(job.mesh));
 }
@@ -241,11 +243,12 @@ void check_dealt(const CastTask& o) {
   if (o.partition == 1 && !Dealing::here().asked(o.deal)) return;
   if (o.trace.wanted() || o.boards > 1)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} is of one process: not with ranks, --partition, --resume or "
-                            "--shard",
+                fmt::format("{} works only in one process; it cannot be combined with ranks, "
+                            "--partition, --resume or --shard",
                             o.boards > 1 ? "--boards" : "--trace"));
   if (o.picture.shadows && o.deal.shard != "1/1")
-    throw Error(ErrorCode::kUsage, "--shadows cannot be combined with --shard; they need all hits");
+    throw Error(ErrorCode::kUsage,
+                "--shadows cannot be combined with --shard; shadows need all hits");
 }
 
 void begin_dealt(const CastTask& o, const CastJob& job) {

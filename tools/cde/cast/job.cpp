@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a task to rays, a card and a hierarchy.
+// Makes rays, a card and a BVH from a task.
 #include "cast/job.hpp"
 
 #include <fmt/format.h>
@@ -35,8 +35,8 @@ void collect_rays(const RaySource& source, CastJob& job) {
         fmt::format("{}: no rays", source.file == "-" ? "stdin" : printable_name(source.file)));
 }
 
-/// Meshes and rays of fp32 files may have what the card flags; what another format makes of them is
-/// an error before anything runs.
+/// In fp32, a mesh may have coordinates that the card flags as bad: a warning. In another format
+/// they are an error before any work starts.
 void check_mesh(const Mesh& mesh, const std::string& what, FpFormat format) {
   const auto why = out_of_range(mesh, what, format);
   if (why && format != FpFormat{}) throw Error(ErrorCode::kBadInput, *why);
@@ -53,7 +53,7 @@ void warn_of_side(const CastTask& t, const Mesh& mesh) {
       box.max().z() > much)
     warn(
         {fmt::format("{}: stands on y = 0 and reaches to both sides of z = 0; it seems to lie on "
-                     "its side, which --up y mends",
+                     "its side; try --up y",
                      printable_name(t.mesh))});
 }
 
@@ -72,17 +72,18 @@ void check_size(const CastTask& t, const CastJob& job) {
                             counted(job.triangles, "triangle")));
   if (job.triangles > std::uint64_t{t.partition} * slots)
     throw Error(ErrorCode::kCapacity,
-                fmt::format("{}: {} triangles do not fit the card's DDR, which holds {}; "
-                            "--partition shares them out to several cards",
+                fmt::format("{}: {} triangles do not fit into the card's DDR, which holds {}; "
+                            "split the mesh with --partition",
                             printable_name(t.mesh), job.triangles, slots));
 }
 
 CastPlan planned(const CastTask& t, const CastRequest& request, const CastJob& job) {
   try {
-    const Progress busy("building a hierarchy", t.quiet || job.config.node_units == 0);
+    const Progress busy("building a BVH", t.quiet || job.config.node_units == 0);
     return plan_cast(request, job.mesh, job.rays.size());
   } catch (const Error& e) {
-    throw Error(e.code(), fmt::format("{}: no hierarchy: {}", printable_name(t.mesh), e.what()));
+    throw Error(e.code(),
+                fmt::format("{}: cannot build a BVH: {}", printable_name(t.mesh), e.what()));
   }
 }
 
@@ -110,10 +111,11 @@ CastJob job_of(const CastTask& t) {
   check_size(t, job);
   CastPlan plan = planned(t, t.request, job);
   if (!plan.warning.empty())
-    say("cde: warning: {}: {}; all triangles are swept\n", printable_name(t.mesh), plan.warning);
+    say("cde: warning: {}: {}; every ray is tested with every triangle\n", printable_name(t.mesh),
+        plan.warning);
   if (!plan.hierarchy && job.config.node_units != 0 && job.picture && !t.source.size &&
       !t.source.grid) {
-    // Brute force takes a smaller picture.
+    // With brute force the picture is smaller.
     job.config.node_units = 0;
     aim(t.source, job);
     CastRequest request = t.request;

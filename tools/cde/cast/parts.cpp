@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::uint32_t kNone = ~0u;
 
-/// Whether a later part's record takes the place of an earlier one's: ties stay with the lower
-/// index, and so with the earlier part.
+/// Whether the record of a later part replaces that of an earlier part. On a tie the lower index
+/// wins, so the earlier part.
 bool is_better(Mode mode, const Record& later, const Record& earlier) {
   if (!later.f || later.bad) return false;
   if (!earlier.f) return true;
   if (mode == Mode::kNearest) return later.t < earlier.t;
   if (mode == Mode::kFarthest) return later.t > earlier.t;
-  return false;  // any: the first in stream order
+  return false;  // mode any keeps the first record in stream order
 }
 
 template <class List>
@@ -90,7 +90,7 @@ std::vector<Record> reduced(Mode mode, std::vector<std::vector<Record>> parts,
   std::vector<std::size_t> next(parts.size(), 0);
   for (bool more = true; more;) {
     more = false;
-    // The packet that is next is the least of those that some part still has records of.
+    // The next packet is the lowest one with records in any part.
     std::uint64_t packet = kNone;
     for (std::size_t p = 0; p < parts.size(); ++p)
       if (next[p] < parts[p].size())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde cast: where the rays of a picture come from, and what becomes of its records.
+// cde render: rays of a picture, and pictures from its records.
 #include "cast/picture.hpp"
 
 #include <fmt/format.h>
@@ -27,8 +27,8 @@ namespace {
 
 using Eigen::Vector3f;
 
-/// The frame in which z is up; x, y and z of the world in it are exact: they only change places and
-/// signs. What looks at the viewer stays in front: with y up, +z comes towards the viewer.
+/// Converts to the frame in which z is up. It is exact: coordinates only change places and signs.
+/// The front stays in front: with y up, +z points towards the viewer.
 Vector3f to_z_up(const Vector3f& v, char up) {
   if (up == 'y') return {v.x(), -v.z(), v.y()};
   if (up == 'x') return {-v.z(), v.y(), v.x()};
@@ -41,7 +41,7 @@ Vector3f from_z_up(const Vector3f& v, char up) {
   return v;
 }
 
-/// Bounds in the frame where z is up.
+/// Bounds in the frame in which z is up.
 Eigen::AlignedBox3f upright_bounds(const Mesh& mesh, char up) {
   const Eigen::AlignedBox3f box = bounds(mesh);
   Eigen::AlignedBox3f turned;
@@ -51,7 +51,7 @@ Eigen::AlignedBox3f upright_bounds(const Mesh& mesh, char up) {
   return turned;
 }
 
-/// 4:3, as large as about two thousand million tests of pairs allow, 128x96 to 640x480.
+/// 4:3, from 128x96 to 640x480, for at most about two thousand million tests.
 Resolution size_for(std::size_t triangles) {
   constexpr double kTests = 2e9;
   const double pixels = kTests / static_cast<double>(std::max<std::size_t>(triangles, 1));
@@ -60,7 +60,7 @@ Resolution size_for(std::size_t triangles) {
   return {64 * steps, 48 * steps};
 }
 
-/// The box grown in the plane so that cells of the grid are squares.
+/// The box, enlarged in the plane so that the grid's cells are squares.
 Eigen::AlignedBox3f with_square_cells(const Eigen::AlignedBox3f& box, Resolution grid) {
   const Eigen::Vector3d size = (box.max().cast<double>() - box.min().cast<double>());
   const double cell = std::max(size.x() / grid.width, size.y() / grid.height);
@@ -71,7 +71,7 @@ Eigen::AlignedBox3f with_square_cells(const Eigen::AlignedBox3f& box, Resolution
 
 enum class Format { kPng, kPfm, kNpy, kOther };
 
-/// What has no name to go by is a PNG.
+/// A name without a known suffix is a PNG.
 Format format_of(const std::string& path) {
   const Suffix name = suffix_of(path);
   if (name.nameless || name.text == ".png") return Format::kPng;
@@ -83,7 +83,7 @@ std::string_view bytes_of(std::span<const float> numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes()};
 }
 
-/// Portable float map, little endian: rows from the bottom up.
+/// Portable float map, little endian, rows from the bottom up.
 std::string pfm(std::span<const float> numbers, Resolution size, unsigned channels) {
   std::string text =
       fmt::format("{}\n{} {}\n-1.0\n", channels == 3 ? "PF" : "Pf", size.width, size.height);
@@ -107,7 +107,7 @@ void aim(const RaySource& o, CastJob& job) {
     if (up != 'z') job.rays = job.rays.turned([up](const Vector3f& v) { return from_z_up(v, up); });
     return;
   }
-  // Through a hierarchy triangles cost next to nothing.
+  // With a BVH the number of triangles hardly matters.
   const std::size_t met = job.config.node_units != 0 ? 1 : job.mesh.faces.size();
   job.picture = o.size.value_or(size_for(met));
   Camera camera;
@@ -162,8 +162,8 @@ CastPicture::CastPicture(const CastTask& task, const CastJob& job)
   if (each * pixels > most) {
     throw Error(
         ErrorCode::kCapacity,
-        fmt::format("a picture of {} x {} pixels takes {} MB for what was asked for; the "
-                    "limit here is {} MB (records with -o take none)",
+        fmt::format("a picture of {} x {} pixels takes {} MB with these outputs; the limit on this "
+                    "machine is {} MB (records of -o take none)",
                     job_.picture->width, job_.picture->height, (each * pixels) >> 20, most >> 20));
   }
   hit_.reserve(pixels);
@@ -196,11 +196,11 @@ void CastPicture::look_at_sun(const CastAgain& cast) {
               .mode = job_.hierarchy ? Mode::kOccluded : Mode::kAny,
               .config = job_.config,
               .hierarchy = job_.hierarchy};
-  // A shadow that starts on its own triangle would be noise of the last bit.
+  // The offset keeps a shadow ray from hitting its own triangle by rounding.
   const float offset = 1e-4f * bounds(job_.mesh).sizes().norm();
   const Vector3f sun = from_z_up(ShadeOptions{}.sun, o_.source.up);
   const std::vector<Ray> all = sun_rays(hits(), job_.mesh, sun, offset);
-  std::vector<std::size_t> pixels;  // the sky needs no shadow
+  std::vector<std::size_t> pixels;  // pixels with a hit
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (hit_[i] == 0) continue;
     job.listed.push_back(all[i]);
@@ -283,7 +283,7 @@ void CastPicture::write_indices() const {
                           std::string(reinterpret_cast<const char*>(index_.data()),
                                       index_.size() * sizeof(std::uint32_t)));
   }
-  Image image{size, {}};  // a colour of its own for each triangle, black where there is none
+  Image image{size, {}};  // a colour per triangle, black without a hit
   for (std::size_t i = 0; i < size.pixels(); ++i) {
     std::uint32_t h = (index_[i] + 1) * 0x9e3779b1u;
     h = (h ^ h >> 15) * 0x85ebca77u;

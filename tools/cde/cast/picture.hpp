@@ -10,35 +10,35 @@
 
 namespace cde::cli {
 
-/// Rays of the picture that --camera, --grid, --size and --up ask for, or of one that shows the
-/// mesh; of a size that the triangles allow if none is given. Error kUsage.
+/// Sets the rays of the picture that --camera, --grid, --size and --up name, or of a picture that
+/// shows the whole mesh. Without a given size the number of triangles limits it. Error kUsage.
 void aim(const RaySource& source, CastJob& job);
 
-/// Complains about suffixes of pictures before anything slow.
+/// Error kUsage for an unknown suffix of a picture, before any work starts.
 void check_picture_names(const PictureFiles& files);
 
-/// "bunny.ply" shows itself as bunny.render.png in the folder where the command runs. No file of
-/// another program is called so.
+/// The default name of a picture in the current folder: bunny.render.png for "bunny.ply". Other
+/// programs do not use such names.
 [[nodiscard]] std::string own_picture_name(const std::string& mesh);
 
-/// Casts the rays of a picture's second look.
+/// Casts the rays of a picture's second pass.
 using CastAgain = std::function<void(const CastJob& job, const RecordSink& take)>;
 
-/// Records become the pictures that were asked for.
+/// Makes the requested pictures from records.
 class CastPicture {
  public:
   /// Error kCapacity if the machine has no memory for pictures of that size.
   CastPicture(const CastTask& task, const CastJob& job);
   void add(std::span<const Record> records);
-  /// From each hit a ray to the sun, with --shadows.
+  /// With --shadows: casts a ray from each hit to the sun.
   void look_at_sun(const CastAgain& cast);
-  /// Writes the files. On a terminal, one of its own accord shows itself there, too.
+  /// Writes the files. A picture with the default name is also shown on the terminal.
   void write() const;
 
  private:
   [[nodiscard]] PixelHits hits() const;
   [[nodiscard]] Image sunlit() const;
-  /// Unit normal of the triangle that pixel i shows, towards the eye.
+  /// Unit normal towards the eye, of the triangle that pixel i shows.
   [[nodiscard]] Eigen::Vector3f normal(std::size_t i) const;
   void write_depth() const;
   void write_normals() const;
@@ -46,14 +46,15 @@ class CastPicture {
 
   const CastTask& o_;
   const CastJob& job_;
-  bool shaded_, faces_;  // what pixels need: all of a hit, its triangle
+  bool shaded_, faces_;  // data that pixels need: the whole record, the triangle
   std::vector<std::uint8_t> hit_, shadow_;
   std::vector<float> t_;
   std::vector<std::uint32_t> index_;
   std::vector<Eigen::Vector3f> point_;
 };
 
-/// A picture of characters for a terminal: two pixels each in colour, else light as letters.
+/// A picture in characters for a terminal. In colour a character shows two pixels; otherwise
+/// letters show brightness.
 [[nodiscard]] std::string as_text(const Image& image, unsigned columns, bool colour);
 
 }  // namespace cde::cli

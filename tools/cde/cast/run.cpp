@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cast from its task to its outputs.
+// Runs a cast from its task to its outputs.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -15,27 +15,27 @@
 namespace cde::cli {
 namespace {
 
-/// The job's rays, in chunks where that was asked for.
+/// Casts the job's rays, in chunks if the options ask for that.
 CastOutcome cast_rays(const CastTask& o, const CastJob& job, const std::string& what,
                       const RecordSink& take) {
   const bool dealt = o.partition > 1 || Dealing::here().asked(o.deal);
   return dealt ? deal_rays(o, job, what, take) : cast_here(o, job, what, take);
 }
 
-/// Records that come of the job, where the mode says so.
+/// The number of records, if the mode determines it.
 std::optional<std::uint64_t> records_of(const CastJob& job) {
   if (job.mode == Mode::kHits) return std::nullopt;
   return job.rays.size() * (job.mode == Mode::kAll ? job.triangles : 1);
 }
 
-/// An array of records has the axes of the rays where each ray has one.
+/// An array of records has the axes of the rays if each ray has one record.
 RecordFormat format_of(const CastTask& o, const CastJob& job) {
   RecordFormat format = RecordFormat::of_cast(o.records, o.bits, o.fields);
   if (job.mode != Mode::kAll && job.mode != Mode::kHits) format.shape = job.shape;
   return format;
 }
 
-/// The second pass of a picture, to the sun. The totals include its clocks and records, but not its
+/// The second pass of a picture, to the sun. The totals include its cycles and records, but not its
 /// hits.
 void cast_shadows(const CastTask& o, CastPicture& picture, CastOutcome& all) {
   picture.look_at_sun([&](const CastJob& job, const RecordSink& take) {
@@ -76,7 +76,7 @@ void run_cast(const CastTask& asked) {
     if (picture) picture->add(some);
   });
   if (picture && result.difference.empty()) cast_shadows(o, *picture, result);
-  if (result.difference.empty()) {  // wrong records leave neither files nor pictures
+  if (result.difference.empty()) {  // with a wrong record no file and no picture is written
     if (picture) picture->write();
     if (records) records->commit();
   }

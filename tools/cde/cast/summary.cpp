@@ -15,12 +15,12 @@
 namespace cde::cli {
 namespace {
 
-/// Cards that share the work: of this process, of the ranks, or of the parts of the mesh.
+/// Cards that share the work: in this process, in the ranks, or one per part of the mesh.
 unsigned cards_of(const CastTask& o) {
   return o.partition > 1 ? o.partition : std::max(o.boards, Dealing::here().ranks());
 }
 
-/// Whether modelled times have records of several cards come over a network.
+/// Whether modelled times include a network between several cards.
 bool has_network(const CastTask& o) {
   return std::max(o.partition, Dealing::here().ranks()) > 1;
 }
@@ -90,7 +90,7 @@ void warn_of_misses(const CastTask& o, const CastJob& job, const CastOutcome& r)
 
 void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) {
   const Counters& c = r.counters;
-  // Shadow rays are counted, too.
+  // Includes shadow rays.
   const std::uint64_t rays = job.mode == Mode::kHits ? job.rays.size() : c.records;
   const auto row = [](const char* name, const std::string& value) {
     say("{:<16} {}\n", name, value);
@@ -109,14 +109,14 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
     const auto a_ray = [&](std::uint64_t n) {
       return static_cast<double>(n) / static_cast<double>(rays);
     };
-    row("hierarchy",
-        fmt::format("{}, {}, {}; a ray reads {:.1f} and meets {:.1f} triangles",
-                    counted(job.hierarchy->nodes().size(), "node"),
-                    counted(job.hierarchy->depth(), "level"),
-                    counted(job.config.node_units, "node unit"), a_ray(c.nodes), a_ray(c.pairs)));
+    row("BVH", fmt::format("{}, {}, {}; per ray {:.1f} nodes read, {:.1f} triangles tested",
+                           counted(job.hierarchy->nodes().size(), "node"),
+                           counted(job.hierarchy->depth(), "level"),
+                           counted(job.config.node_units, "traversal unit"), a_ray(c.nodes),
+                           a_ray(c.pairs)));
   }
-  row("device cycles", fmt::format("{} and {} of write-back, {}, {}", c.cycles, c.writeback,
-                                   counted(c.stalls, "stall"), counted(c.bubbles, "bubble")));
+  row("device cycles", fmt::format("{}, {} for write-back; {}, {}", c.cycles, c.writeback,
+                                   counted(c.stalls, "stall"), counted(c.bubbles, "idle cycle")));
   row("modelled time",
       fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers{}", 1e3 * r.modelled_seconds,
                   o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is,
@@ -128,11 +128,12 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                                       static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
   row("hits", fmt::format("{} in {}", r.hits, counted(c.records, "record")));
   row("check",
-      o.check ? fmt::format("{} of {} {} the reference{}", r.matching,
-                            counted(r.compared, "record"), r.compared == 1 ? "matches" : "match",
-                            job.hierarchy ? fmt::format("; {} of the rays met all triangles, too",
-                                                        r.swept_rays)
-                                          : "")
+      o.check ? fmt::format(
+                    "{} of {} {} the reference{}", r.matching, counted(r.compared, "record"),
+                    r.compared == 1 ? "matches" : "match",
+                    job.hierarchy
+                        ? fmt::format("; {} rays also checked against every triangle", r.swept_rays)
+                        : "")
               : "off");
 }
 

@@ -28,7 +28,7 @@ RaySource source_of(const CastWords& w) {
   if (!w.grid.empty()) s.grid = parse_resolution(w.grid, "--grid");
   if (!w.size.empty()) s.size = parse_resolution(w.size);
   const std::string extension = std::filesystem::path(w.mesh).extension().string();
-  const bool is_gltf = extension == ".glb" || extension == ".gltf";  // whose y is up
+  const bool is_gltf = extension == ".glb" || extension == ".gltf";  // y is up in glTF
   s.up = w.up == "auto" ? (is_gltf ? 'y' : 'z') : w.up.front();
   s.up_is_asked = is_gltf || w.up != "auto";
   if (!w.renders && !s.listed() && !s.camera && !s.grid && !s.size)
@@ -54,7 +54,7 @@ CastRequest request_of(const CastWords& w) {
   return r;
 }
 
-/// Whether the output of `cde render` is its picture and not records.
+/// Whether --output of `cde render` names its picture, not records.
 bool output_is_picture(const CastWords& w) {
   return w.renders && suffix_of(w.records).text == ".png";
 }
@@ -74,7 +74,7 @@ PictureFiles picture_of(const CastWords& w) {
   return p;
 }
 
-/// Options that would change nothing.
+/// Refuses options that would have no effect.
 void check_options(const CastWords& w, const CastTask& t) {
   struct OfRecords {
     const char* option;
@@ -88,12 +88,12 @@ void check_options(const CastWords& w, const CastTask& t) {
   t.bundle.check(t.check, "--no-check");
   if (w.checks.starts_with("rays:") && w.bvh < 0) cannot_combine("--check=" + w.checks, "--no-bvh");
   if (t.trace.wanted() && t.boards > 1)
-    cannot_combine("--trace", "--boards", "waves show one card");
+    cannot_combine("--trace", "--boards", "waves can show only one card");
   if (t.request.mode != Mode::kOccluded) return;
   if (w.bvh < 0) cannot_combine("--mode occluded", "--no-bvh");
   if (std::any_of(t.fields.begin(), t.fields.end(),
                   [](const std::string& f) { return f != "inside"; }))
-    cannot_combine("--fields", "--mode occluded", "it does not say which triangle is hit");
+    cannot_combine("--fields", "--mode occluded", "this mode does not return the triangle");
 }
 
 }  // namespace
@@ -112,7 +112,7 @@ CastTask task_of(const CastWords& w) {
   t.records = output_is_picture(w) ? "" : w.records, t.fields = w.fields, t.bits = w.bits;
   if (w.inside && std::find(t.fields.begin(), t.fields.end(), "inside") == t.fields.end())
     t.fields.push_back("inside");
-  // A few rays are asked for their answers.
+  // Up to so many rays, the user wants to see the records.
   constexpr std::size_t kFewRays = 16;
   const bool few = w.rays_file.empty() && !w.rays.empty() && w.rays.size() <= kFewRays;
   if (t.records.empty() && !w.renders && !w.json && (few || w.inside)) t.records = "-";

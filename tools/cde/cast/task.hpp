@@ -9,27 +9,27 @@
 #include "cde/image/camera.hpp"
 #include "cde/scene/cast_plan.hpp"
 
-/// The words of `cde cast` or `cde render` as typed values, checked against each other.
+/// The options of `cde cast` or `cde render` as typed values, checked against each other.
 namespace cde::cli {
 
-/// Where rays come from: a file, the command line, or the pixels of a picture.
+/// The source of rays: a file, the command line, or the pixels of a picture.
 struct RaySource {
   std::string file;
   std::vector<Ray> given;
   std::optional<Camera> camera;
   std::optional<Resolution> grid, size;
   char up = 'z';             ///< the axis that is up in pictures
-  bool up_is_asked = false;  ///< or follows from the format of the mesh
+  bool up_is_asked = false;  ///< false: the format of the mesh decides
 
-  /// Rays one by one, not of a picture.
+  /// Whether rays are listed, not made for a picture.
   [[nodiscard]] bool listed() const { return !file.empty() || !given.empty(); }
 };
 
-/// Files of a picture; empty: not wanted.
+/// Files of a picture; an empty name: not wanted.
 struct PictureFiles {
   std::string shaded, depth, normals, indices;
   bool shadows = false;
-  bool shows_itself = false;  ///< `shaded` has a name of the program's own, and a terminal shows it
+  bool shows_itself = false;  ///< `shaded` has the default name; a terminal also shows it
 
   [[nodiscard]] bool any() const {
     return !depth.empty() || !shaded.empty() || !normals.empty() || !indices.empty();
@@ -40,8 +40,8 @@ struct CastTask {
   std::string verb = "cast", mesh;
   RaySource source;
   CastRequest request;
-  std::string records;              ///< file, "-" for stdout, empty for none
-  std::vector<std::string> fields;  ///< more columns of the records
+  std::string records;              ///< file name, "-" for stdout, or empty
+  std::vector<std::string> fields;  ///< additional columns of the records
   PictureFiles picture;
   TraceRequest trace;
   BundleRequest bundle;
@@ -49,18 +49,19 @@ struct CastTask {
   unsigned boards = 1;
   unsigned partition = 1;  ///< parts of the mesh, each on a card of its own
   ClockOptions clock;
-  std::string clock_is;  ///< where the clock is from
+  std::string clock_is;  ///< source of the clock
   double timeout = 3600;
   std::uint64_t deadline = 0;
   bool bits = false, json = false, quiet = false;
   bool check = true;              ///< every record is compared with the reference
-  std::uint64_t swept_rays = 64;  ///< through a hierarchy: also compared with brute force
+  std::uint64_t swept_rays = 64;  ///< with a BVH: rays also compared with brute force
 };
 
-/// Error kUsage for values that do not go together, before anything slow.
+/// Error kUsage for options that cannot be combined, before any work starts.
 [[nodiscard]] CastTask task_of(const CastWords& words);
 
-/// Error kUsage if an output is an input, or another output. `more` are files that the mesh names.
+/// Error kUsage if an output is also an input or another output. `more` are files that the mesh
+/// names.
 void check_files(const CastTask& task, const std::vector<std::string>& more = {});
 
 /// "host" or "rtl".

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde cast and cde render: rays at a mesh on the simulated card, records or pictures.
+// cde cast and cde render: cast rays at a mesh on the simulated card, for records or pictures.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -40,8 +40,8 @@ void add_render(CLI::App& app) {
   auto words = std::make_shared<CastWords>();
   CLI::App* verb = app.add_subcommand(
       "render",
-      "Draw pictures of a mesh, each pixel a ray through the simulated card. With nothing but the "
-      "mesh, the picture is NAME.render.png in this folder, and is shown if stdout is a terminal");
+      "Draw pictures of a mesh; every pixel is a ray through the simulated card. Without options "
+      "the picture is NAME.render.png in this folder, and is also shown if stdout is a terminal");
   add_render_options(*verb, *words);
   verb->callback([words] { run(*words); });
 }

@@ -27,35 +27,37 @@ void add_mesh(CLI::App& verb, CastWords& o) {
 }
 
 void add_listed_rays(CLI::App& verb, CastWords& o) {
-  file_value(verb.add_option(
-                 "--rays", o.rays_file,
-                 "Rays from a file (- is stdin, any form): text, ox,oy,oz,dx,dy,dz[,tmin[,tmax]] a "
-                 "line, or in the order of a header with these names, separated by commas, "
-                 "semicolons, tabs or blanks; or a NumPy array, .npy or .npz, of shape (..., 6), "
-                 "(..., 7) or (..., 8), or of structures o, d and, if wanted, tmin, tmax"),
-             "FILE");
-  text_value(
-      verb.add_option("--ray", o.rays, "One ray, same fields; repeatable")->allow_extra_args(false),
-      "RAY",
-      [](const std::string& text) { (void)parse_ray(text, "--ray " + printable_name(text)); });
+  file_value(
+      verb.add_option("--rays", o.rays_file,
+                      "Rays from a file; - is stdin. Text: ox,oy,oz,dx,dy,dz[,tmin[,tmax]] per "
+                      "line, or the order of a header with these names; commas, semicolons, tabs "
+                      "or blanks separate them. NumPy array (.npy, .npz): shape (..., 6), (..., 7) "
+                      "or (..., 8), or structures with o, d and optionally tmin, tmax"),
+      "FILE");
+  text_value(verb.add_option("--ray", o.rays, "One ray, with the same fields; repeatable")
+                 ->allow_extra_args(false),
+             "RAY", [](const std::string& text) {
+               (void)parse_ray(text, "--ray " + printable_name(text));
+             });
 }
 
 void add_pixels(CLI::App& verb, CastWords& o) {
-  text_value(verb.add_option("--camera", o.camera,
-                             "Picture: ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field of "
-                             "view, above 0 and below 180 degrees, 40 if left out")
-                 ->default_str("one that shows the mesh"),
-             "VIEW", [](const std::string& text) { (void)parse_camera(text, "--camera"); });
-  text_value(verb.add_option("--grid", o.grid, "Picture straight down, of square pixels"), "WxH",
+  text_value(
+      verb.add_option("--camera", o.camera,
+                      "Camera of the picture, ex,ey,ez,tx,ty,tz[,fov]: eye, target, vertical field "
+                      "of view in degrees, above 0 and below 180; without it, 40")
+          ->default_str("a view of the whole mesh"),
+      "VIEW", [](const std::string& text) { (void)parse_camera(text, "--camera"); });
+  text_value(verb.add_option("--grid", o.grid, "Picture straight down, with square pixels"), "WxH",
              [](const std::string& text) { (void)parse_resolution(text, "--grid"); });
-  text_value(verb.add_option("--size", o.size, "Size of a picture")
-                 ->default_str("640x480; without a hierarchy the smaller the more triangles, down "
-                               "to 128x96"),
-             "WxH", [](const std::string& text) { (void)parse_resolution(text, "--size"); });
-  one_of(
-      verb.add_option("--up", o.up, "Axis that is up in pictures: auto is y for glTF, z for others")
-          ->capture_default_str(),
-      {"auto", "x", "y", "z"});
+  text_value(
+      verb.add_option("--size", o.size, "Size of the picture in pixels")
+          ->default_str("640x480; without a BVH smaller for more triangles, at least 128x96"),
+      "WxH", [](const std::string& text) { (void)parse_resolution(text, "--size"); });
+  one_of(verb.add_option("--up", o.up,
+                         "Axis that points up in pictures; auto is y for glTF, z for others")
+             ->capture_default_str(),
+         {"auto", "x", "y", "z"});
   excludes(verb, "--camera", {"--rays", "--ray"});
   excludes(verb, "--grid", {"--rays", "--ray", "--camera"});
   excludes(verb, "--size", {"--rays", "--ray", "--grid"});
@@ -65,39 +67,38 @@ void add_pixels(CLI::App& verb, CastWords& o) {
 void add_records(CLI::App& verb, CastWords& o) {
   file_value(verb.add_option(
                  "-o,--output", o.records,
-                 std::string(o.renders ? "The picture in sunlight (.png), or records" : "Records") +
-                     ": ray,F,T,CPx,CPy,CPz,index as .csv (- is stdout, as CSV), "
-                     ".npy or .jsonl; index is 4294967295 (null in .jsonl) without a hit; in .npy "
-                     "records have the axes of the rays where each ray has one"),
+                 std::string(o.renders ? "Picture in sunlight (.png), or records" : "Records") +
+                     ": ray,F,T,CPx,CPy,CPz,index as .csv (- is stdout, as CSV), .npy or .jsonl; "
+                     "without a hit, index is 4294967295 (null in .jsonl). An array has the axes "
+                     "of the rays if each ray has one record"),
              "FILE");
-  verb.add_flag("--bits", o.bits, "CSV also shows T and CP as hexadecimal bits");
+  verb.add_flag("--bits", o.bits, "Also print T and CP as hexadecimal bits in CSV");
   named(verb.add_option("--fields", o.fields,
-                        "More of each record, separated by commas, computed by the host and "
-                        "not by the card: u and v (barycentric), normal (of the triangle), "
-                        "side (1 front, -1 back), node (of the mesh file), inside (see --inside)")
+                        "Additional columns, separated by commas, which the host computes: u and v "
+                        "(barycentric), normal (of the triangle), side (1 front, -1 back), node "
+                        "(of the mesh file), inside (see --inside)")
             ->delimiter(',')
             ->allow_extra_args(false),
         field_names(), "LIST", "field");
   verb.add_flag("--inside", o.inside,
-                "Column inside: whether the ray starts inside the mesh, which must be closed; the "
-                "host computes it (winding number). Distances to a mesh do not tell: it is a "
-                "surface");
+                "Column inside: whether the ray starts inside the mesh, which must be closed. The "
+                "host computes it (winding number)");
 }
 
 void add_pictures(CLI::App& verb, CastWords& o) {
   file_value(verb.add_option("--shaded", o.shaded, "Picture in sunlight, .png"), "FILE");
   verb.add_flag("--shadows", o.shadows,
-                "With --shaded: a second pass, from every hit to the sun, draws shadows");
-  file_value(verb.add_option("--image", o.depth,
-                             "Depths: .png (16 bits, near is bright), .pfm or .npy (T, inf is no "
-                             "hit)"),
+                "With --shaded: cast a second pass from every hit to the sun, and draw shadows");
+  file_value(verb.add_option(
+                 "--image", o.depth,
+                 "Depths: .png (16 bits, near is bright), .pfm or .npy (T; inf without a hit)"),
              "FILE");
-  file_value(verb.add_option("--normals", o.normals, "Normals towards the eye: .png, .pfm or .npy"),
-             "FILE");
-  file_value(verb.add_option("--indices", o.indices,
-                             "Numbers of triangles: .png (a colour each) "
-                             "or .npy"),
-             "FILE");
+  file_value(
+      verb.add_option("--normals", o.normals, "Normals, towards the eye: .png, .pfm or .npy"),
+      "FILE");
+  file_value(
+      verb.add_option("--indices", o.indices, "Triangle indices: .png (one colour each) or .npy"),
+      "FILE");
 }
 
 void add_messages(CLI::App& verb, CastWords& o) {
@@ -107,58 +108,60 @@ void add_messages(CLI::App& verb, CastWords& o) {
 
 void add_mode(CLI::App& verb, CastWords& o) {
   one_of(verb.add_option("--mode", o.mode,
-                         "Records to keep: one a ray, or all pairs, or all hits; occluded: whether "
-                         "anything is hit, and no more, by a hierarchy")
+                         "Records to keep: one per ray (nearest, farthest or any hit), all pairs, "
+                         "or all hits; occluded: only whether a ray hits anything, with a BVH")
              ->capture_default_str(),
          {"nearest", "farthest", "any", "all", "hits", "occluded"});
 }
 
 void add_card(CLI::App& verb, CastWords& o) {
-  one_of(verb.add_option("--algorithm", o.algorithm, "Test of a ray and a triangle")
+  one_of(verb.add_option("--algorithm", o.algorithm, "Algorithm of the ray-triangle test")
              ->capture_default_str(),
          algorithm_names());
   one_of(verb.add_option("--format", o.format,
-                         "Number format of the card, to which mesh and rays are rounded; a "
-                         "coordinate that it has not is an error")
+                         "Number format of the card; mesh and rays are rounded to it, and "
+                         "coordinates outside its range are an error")
              ->capture_default_str(),
          card_formats());
-  lanes_value(
-      verb.add_option("--lanes", o.lanes,
-                      "Pairs a clock of a sweep, a power of two to 256; auto is 64, but 16 with "
-                      "rtl arithmetic, waves, or at most 16 rays")
+  lanes_value(verb.add_option("--lanes", o.lanes,
+                              "Pairs per cycle of a brute-force pass, a power of two up to 256; "
+                              "auto is 64, or 16 with rtl arithmetic, waves or at most 16 rays")
+                  ->capture_default_str(),
+              {"auto"});
+  one_of(
+      verb.add_option(
+              "--arith", o.arithmetic,
+              "host computes with this processor, fast; rtl simulates gates; same bits and cycles")
           ->capture_default_str(),
-      {"auto"});
-  one_of(verb.add_option("--arith", o.arithmetic,
-                         "The processor's arithmetic, fast, or gates; same bits, same clocks")
-             ->capture_default_str(),
-         {"host", "rtl"});
-  verb.add_flag("--box,!--no-box", o.box,
-                "A hit must lie in the triangle's box, so that none is far from its triangle")
+      {"host", "rtl"});
+  verb.add_flag(
+          "--box,!--no-box", o.box,
+          "Box rule: a hit must lie in the triangle's box, so that none is far from its triangle")
       ->default_str("on");
-  verb.add_flag("--bvh,!--no-bvh", o.bvh,
-                "Rays traverse a hierarchy of boxes, or meet all triangles; the records are the "
-                "same. If neither is given, rays traverse a hierarchy where that is faster, from "
-                "2,048 triangles on");
+  verb.add_flag(
+      "--bvh,!--no-bvh", o.bvh,
+      "--bvh: rays traverse a BVH. --no-bvh: brute force. The records are the same. Without "
+      "either, rays traverse a BVH where that is faster, from 2,048 triangles on");
   exact_card_option(verb, o.exact);
 }
 
 void add_checks(CLI::App& verb, CastWords& o) {
   begin_group(verb, "Checks and limits");
   flag_value(verb.add_flag("--check,!--no-check", o.checks,
-                           "Compare every record with the reference. With --check=rays:N, N of the "
-                           "rays through a hierarchy meet all triangles in the reference, too")
+                           "Compare every record with the reference. With a BVH, N rays of "
+                           "--check=rays:N are also checked against every triangle")
                  ->default_str("on, rays:64"),
              [](const std::string& text) { (void)parse_check(text); });
   add_bundle_options(verb, o.bundle);
   deadline_options(verb, o.deadline, o.timeout, "packet");
 }
 
-/// How many cards and processes share the work.
+/// Adds the options that share the work among cards and processes.
 void add_shares(CLI::App& verb, CastWords& o) {
   begin_group(verb, "Several cards and machines");
   whole_number_in(
       verb.add_option("--boards", o.boards,
-                      "Cards that share the rays, each simulated in a thread; clocks are summed")
+                      "Cards that share the rays, each simulated in a thread; cycles are summed")
           ->capture_default_str(),
       1, 64, "");
   whole_number_in(
@@ -171,7 +174,7 @@ void add_shares(CLI::App& verb, CastWords& o) {
   add_deal_options(verb, o.deal);
 }
 
-/// The options of both verbs behind those of rays, pictures and records.
+/// Adds the options that both verbs have after those of rays, pictures and records.
 void add_card_and_run(CLI::App& verb, CastWords& o) {
   begin_group(verb, "Card");
   add_card(verb, o);
@@ -196,9 +199,10 @@ std::uint64_t parse_check(const std::string& text) {
     const auto [stop, error] = std::from_chars(text.data() + kRays.size(), end, rays);
     if (error == std::errc() && stop == end) return rays;
   }
-  throw Error(ErrorCode::kUsage,
-              fmt::format("--check is '{}'; it must be rays:N, a number of rays, or nothing",
-                          printable_name(text)));
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("--check is '{}'; it must be rays:N with a number of rays, or have no value",
+                  printable_name(text)));
 }
 
 void add_cast_options(CLI::App& verb, CastWords& words) {

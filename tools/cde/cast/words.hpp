@@ -10,7 +10,7 @@
 #include "options/trace_options.hpp"
 #include "program/pack_failure.hpp"
 
-/// What was typed behind `cde cast` and `cde render`. Only task.cpp reads it.
+/// The options of `cde cast` and `cde render` as typed. Only task.cpp reads them.
 namespace cde::cli {
 
 struct CastWords {
@@ -31,7 +31,7 @@ struct CastWords {
   bool renders = false;
 };
 
-/// Adds the options of `cde cast` to `verb`; they write into `words`, which must outlive it.
+/// Adds the options of `cde cast` to `verb`. They write into `words`, which must outlive `verb`.
 void add_cast_options(CLI::App& verb, CastWords& words);
 /// Adds the options of `cde render`, likewise.
 void add_render_options(CLI::App& verb, CastWords& words);
