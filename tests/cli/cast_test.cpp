@@ -202,9 +202,8 @@ TEST_F(Cast, TheMemoryOfManyCardsIsLimited) {
   std::smatch match;
   ASSERT_TRUE(std::regex_search(
       ran.err, match,
-      std::regex(
-          "cde: 64 cards take (\\d+) MB, and records that wait for earlier cards "
-          "(\\d+) MB; the limit on this machine is (\\d+) MB")))
+      std::regex("cde: 64 cards take (\\d+) MB, and records that wait for earlier cards "
+                 "(\\d+) MB; the limit on this machine is (\\d+) MB")))
       << ran.err;
   EXPECT_EQ(match[1], "18") << "64 times 8192 triangles of 36 bytes";
   const double records = 63.0 / 64 * 8192 * 8192 * 8192 * 40 / (1 << 20);
@@ -487,7 +486,7 @@ TEST_F(Doctor, BuildsNothingUnlessAsked) {
   EXPECT_EQ(ran.status, 0) << ran.out << ran.err;
   EXPECT_TRUE(has(ran.out,
                   "--   card, host host arithmetic: the card is not built; cde doctor "
-                  "--build builds and tries it"));
+                  "--build builds and checks it"));
   EXPECT_TRUE(has(ran.out, "--   card, rtl  rtl arithmetic: the card is not built"));
 }
 
@@ -503,7 +502,7 @@ TEST_F(Doctor, SaysWhatIsWrongAndWhatToDo) {
     EXPECT_EQ(ran.err, fmt::format("cde: bitstream cache {}/.cache/cde cannot be written; {} is "
                                    "used instead (CDE_CACHE names another)\n",
                                    home, spare.string()));
-    EXPECT_TRUE(has(ran.out, "bitstream cache " + spare.string() + ":"));
+    EXPECT_TRUE(has(ran.out, "model cache " + spare.string() + ":"));
   }
   std::error_code not_empty;
   fs::remove(spare, not_empty);

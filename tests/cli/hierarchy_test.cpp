@@ -243,7 +243,7 @@ secondaries = ["ball", "ring"]
   const Ran ran = cde({"run", "on.toml"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.err,
-                  "frame 2, query 'hit': it meets all secondaries instead of a hierarchy: "
+                  "frame 2, query 'hit': brute force instead of a BVH: "
                   "the triangle in slot"));
   ASSERT_EQ(cde({"run", "off.toml", "-q"}).status, 0);
   const auto on = nlohmann::json::parse(read("on.run/run.json"))["played"];

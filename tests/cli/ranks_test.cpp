@@ -377,7 +377,7 @@ TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
   EXPECT_TRUE(has(other.err, "1 is of a run with frames [3,7], this one has [3,8]"));
   for (const Words& more : std::initializer_list<Words>{
            {"--trace", "w.fst"}, {"--report", "r.html"}, {"--fault", "parity@3"}})
-    EXPECT_TRUE(has(with({"--resume", "x", more[0], more[1]}).err, "are of one process"));
+    EXPECT_TRUE(has(with({"--resume", "x", more[0], more[1]}).err, "work only in one process"));
 }
 
 /// In every mode the lower index wins ties between parts of a mesh.

@@ -37,7 +37,7 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
   EXPECT_LT(html.size(), 8u << 20);
   EXPECT_TRUE(has(html, "<h1>A &lt;/script&gt; &amp; &lt;b&gt;title&lt;/b&gt;"));
   EXPECT_TRUE(has(html, "src=\"data:image/png;base64,iVBORw0KGgo"));
-  EXPECT_TRUE(has(html, "id=\"show-rays\"") && has(html, "Rays that hit are orange"));
+  EXPECT_TRUE(has(html, "id=\"show-rays\"") && has(html, "Orange: rays that hit"));
   EXPECT_FALSE(has(html, "contacts of solids"));
   EXPECT_TRUE(has(html, "The above copyright notice")) << "licence of three.js";
   const auto sections = between(html, "<section id=\"split\">", "</section>");
@@ -125,7 +125,7 @@ TEST_F(Pages, ChartsAreSaved) {
     else
       EXPECT_TRUE(has(file["text"].get<std::string>(), "A &lt;/script&gt; &amp; &lt;b&gt;title"));
   }
-  EXPECT_EQ(told["files"][0]["label"], "hit, gap against time");
+  EXPECT_EQ(told["files"][0]["label"], "hit, signed distance or T over time");
 }
 
 TEST_F(Pages, SceneWithoutRays_HasNoLegendOfRays) {
@@ -137,7 +137,7 @@ TEST_F(Pages, SceneWithoutRays_HasNoLegendOfRays) {
   const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "0..0"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("page.html");
-  EXPECT_FALSE(has(html, "id=\"show-rays\"") || has(html, "Rays that hit are orange"));
+  EXPECT_FALSE(has(html, "id=\"show-rays\"") || has(html, "Orange: rays that hit"));
   EXPECT_TRUE(has(html, "contacts of solids"));
   if (!browser().empty()) expect_fits_a_phone(html);
 }

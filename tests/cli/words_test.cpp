@@ -37,7 +37,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
       {{"--bogus", "cast"}, "cde has no option '--bogus'; `cde --help` lists them"},
       {{"--"}, "a verb is missing; `cde --help` lists them"},
       {{"cast", "m.obj", "--shaded"}, "cde cast has no option '--shaded'; `cde render` has it"},
-      {{"help", "cast", "info"}, "cde cast has no verbs of its own, so no 'info'"},
+      {{"help", "cast", "info"}, "cde cast has no inner verbs; remove 'info'"},
       {{"cast", "m.obj", "--lanes", "4", "--lanes", "8"}, "--lanes is given twice"},
       {{"cast", "m.obj", "--output=a.csv", "-o", "b.csv"}, "-o is given twice"},
       {{"bench", "--quick", "--full"}, "--full cannot be combined with --quick"},

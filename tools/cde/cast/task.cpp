@@ -112,7 +112,7 @@ CastTask task_of(const CastWords& w) {
   t.records = output_is_picture(w) ? "" : w.records, t.fields = w.fields, t.bits = w.bits;
   if (w.inside && std::find(t.fields.begin(), t.fields.end(), "inside") == t.fields.end())
     t.fields.push_back("inside");
-  // Up to so many rays, the user wants to see the records.
+  // Without --output, records of at most so many --ray go to stdout.
   constexpr std::size_t kFewRays = 16;
   const bool few = w.rays_file.empty() && !w.rays.empty() && w.rays.size() <= kFewRays;
   if (t.records.empty() && !w.renders && !w.json && (few || w.inside)) t.records = "-";

@@ -13,15 +13,15 @@
 namespace cde::cli {
 namespace {
 
-constexpr std::size_t kMostHits = 4'096;           // of a query in a frame of the view
-constexpr std::size_t kMostApart = 64;             // closest pairs that miss, likewise
-constexpr std::size_t kMostViewBytes = 4'000'000;  // of all frames of the view
+constexpr std::size_t kMostHits = 4'096;           // per query and frame of the view
+constexpr std::size_t kMostApart = 64;             // closest pairs that miss, per query and frame
+constexpr std::size_t kMostViewBytes = 4'000'000;  // for all frames of the view
 
-/// Names in pages/report.js, in the order of Drawn.
+/// Names used in pages/report.js, in the order of Drawn.
 constexpr std::array kDrawnNames = {"rays", "surface", "sphere", "box", "plane", "cylinder"};
 static_assert(kDrawnNames.size() == static_cast<std::size_t>(Drawn::kCylinder) + 1);
 
-/// sRGB of an object: rays, then surfaces and solids in turn.
+/// sRGB colour of an object: one for rays, others in turn for surfaces and solids.
 std::string_view colour_of(Drawn drawn, std::size_t number) {
   constexpr std::array<std::string_view, 4> kColours = {"#9aa9b8", "#c2a57e", "#86b39b", "#ab97bd"};
   return drawn == Drawn::kRays ? "#6f9bd1" : kColours[number % kColours.size()];
@@ -41,7 +41,7 @@ void append(std::vector<float>& to, const Eigen::Vector3f& v) {
   to.insert(to.end(), {v.x(), v.y(), v.z()});
 }
 
-/// Of unit shapes: the matrix row by row, then the translation; of balls centre and radius.
+/// For unit shapes: the matrix row by row, then the translation. For balls: centre and radius.
 std::string placements_text(const std::vector<Placement>& placements, Drawn drawn) {
   std::vector<float> words;
   for (const Placement& p : placements) {
@@ -66,7 +66,7 @@ nlohmann::ordered_json hits_json(const std::vector<ShownHit>& hits, bool normals
   return {{"words", base64_of(words)}, {"numbers", base64_of(numbers)}};
 }
 
-/// A plane reaches over the whole scene, in the middle of it.
+/// A plane, cut to the size of the scene and centred in it.
 Placement fitted(const Placement& plane, const Eigen::AlignedBox3f& box) {
   const Eigen::Vector3f n = plane.m.col(2), c = box.center();
   return {0.5f * box.diagonal().norm() * plane.m, c - n * n.dot(c - plane.t)};
@@ -226,8 +226,8 @@ void Report::thin_out() {
   views_ = std::move(half);
 }
 
-/// All points in the first view; in others those from the first to the last that are elsewhere than
-/// there.
+/// In the first view all points. In other views the range from the first to the last point that has
+/// moved since the first view.
 Report::Json Report::points_json(std::size_t number, const std::vector<Eigen::Vector3f>& points) {
   first_points_.resize(scene_.objects.size());
   std::vector<Eigen::Vector3f>& before = first_points_[number];
@@ -376,18 +376,18 @@ std::vector<std::string> Report::notes() const {
   std::vector<std::string> notes = geometry_.notes();
   if (stride_ > 1)
     notes.push_back(
-        fmt::format("The view has every {}th frame, {} of {}, so that the page stays "
-                    "small; the charts have all.",
+        fmt::format("The view has every {}th frame, {} of {}, to keep the page small; the charts "
+                    "have all frames.",
                     stride_, views_.size(), played_.size()));
   if (hits_left_out_ > 0)
     notes.push_back(
-        fmt::format("{} hits beyond {} a query and frame are not drawn; run.json and "
-                    "the records beside it have all.",
+        fmt::format("{} hits beyond {} per query and frame are not drawn; run.json and the records "
+                    "beside it have all.",
                     hits_left_out_, kMostHits));
   if (with_itself_)
     notes.emplace_back(
-        "Where a query asks objects of themselves, the hit of each with itself is "
-        "not drawn.");
+        "In a query of objects against themselves, the hit of each object with itself is not "
+        "drawn.");
   return notes;
 }
 
@@ -395,10 +395,9 @@ std::string Report::html(const Json& run) const {
   const std::string file = std::filesystem::path(scene_.file).filename();
   const std::string title = scene_.title.empty() ? file : scene_.title;
   std::string body = fmt::format("<main>\n<header><h1>{}</h1>\n", escaped(title));
-  body +=
-      fmt::format("<p class=\"lead\">{}</p></header>\n",
-                  escaped(fmt::format("{}: frames {} to {}, played on the simulated card of cde.",
-                                      file, run["frames"][0].dump(), run["frames"][1].dump())));
+  body += fmt::format("<p class=\"lead\">{}</p></header>\n",
+                      escaped(fmt::format("{}: frames {} to {}, run on the simulated card of cde.",
+                                          file, run["frames"][0].dump(), run["frames"][1].dump())));
   body += view_html() + (played_.empty() ? "" : gaps_html()) + charts_html() + tables_html(run);
   body += fmt::format(
       "<footer><details><summary>Software in this page</summary><pre>{}</pre>"

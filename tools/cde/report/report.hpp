@@ -12,13 +12,14 @@
 #include "report/report_picture.hpp"
 #include "report/report_scene.hpp"
 
-/// `cde run --report`: one page about a run (docs/reference/scenes.md).
+/// `cde run --report`: a page about a run (docs/reference/scenes.md).
 namespace cde::cli {
 
 inline constexpr Resolution kPictureSize = {1200, 600};
 
-/// Takes the frames of a run as they are played, and writes the page. Its size is bounded: of long
-/// runs the 3-D view has every 2nd, 4th, ... frame, the charts have means of some frames.
+/// Takes the frames of a run as they are played, and writes the page. The size of the page is
+/// bounded: for a long run, the 3-D view has every 2nd, 4th, ... frame, and the charts have means
+/// of several frames.
 class Report {
  public:
   using Json = nlohmann::ordered_json;
@@ -26,26 +27,27 @@ class Report {
   /// The scene must outlive the report.
   explicit Report(const Scene& scene);
 
-  /// Records of a query in the frame that is being played.
+  /// Takes records of a query in the current frame.
   void records(std::size_t query, std::span<const Record> records);
-  /// That frame is finished: what the queries answered, wall time without the reference.
+  /// Ends the current frame with the answers of its queries.
   void frame(std::uint32_t number, const std::vector<QueryFrame>& answers);
-  /// `run` is what run.json says.
+  /// The page. `run` is the content of run.json.
   [[nodiscard]] std::string html(const Json& run) const;
 
  private:
   struct Kept {
     std::vector<ShownHit> hits;
-    std::vector<ShownHit> apart;  ///< misses of solids with a normal: a heap, the farthest on top
+    std::vector<ShownHit>
+        apart;  ///< misses of solids with a normal, as a heap with the farthest on top
     std::uint64_t left_out = 0;
-    float least = NAN, most = NAN;  ///< gap of solids, negative: depth; T of the hits of rays
+    float least = NAN, most = NAN;  ///< signed distance of solids; T of the hits of rays
   };
   struct Played {
     std::uint32_t number = 0;
     TimeSplit modelled;
     double card_seconds = 0, reference_seconds = 0;  ///< wall time
     std::uint64_t records = 0, hits = 0;
-    std::vector<std::array<float, 2>> gaps;  ///< a query each: the least and the most
+    std::vector<std::array<float, 2>> gaps;  ///< per query: the least and the most
   };
   struct View {
     Json json;
@@ -55,12 +57,12 @@ class Report {
   void measure(const SceneQuery& query, const Record& record, Kept& kept) const;
   [[nodiscard]] bool keeps(const SceneQuery& query, const Record& record) const;
   [[nodiscard]] std::size_t stride_of_primaries(const SceneQuery& query) const;
-  /// T of the farthest hit shown of every ray in the frame, by object; NaN: none.
+  /// T of the farthest shown hit of every ray in the frame, by object; NaN without a hit.
   [[nodiscard]] std::vector<std::vector<float>> last_hits() const;
-  /// Box and camera, from the first frame.
+  /// Sets box and camera from the first frame.
   void frame_scene(const std::vector<ShownObject>& shown);
   void look(std::uint32_t frame, const std::vector<ShownObject>& shown);
-  void thin_out();  ///< every other view goes
+  void thin_out();  ///< drops every other view
   [[nodiscard]] Json object_json(std::size_t object, const ShownObject& shown,
                                  const std::vector<float>& last);
   [[nodiscard]] Json points_json(std::size_t object, const std::vector<Eigen::Vector3f>& points);
@@ -77,13 +79,13 @@ class Report {
 
   const Scene& scene_;
   SceneGeometry geometry_;
-  std::vector<Kept> kept_;  ///< a query each, of the frame being played
+  std::vector<Kept> kept_;  ///< per query, of the current frame
   std::vector<Played> played_;
-  std::vector<View> views_;  ///< of played frames 0, stride_, 2 stride_, ...
+  std::vector<View> views_;  ///< of the played frames 0, stride_, 2 stride_, ...
   std::vector<std::vector<Eigen::Vector3f>> first_points_;  ///< of meshes that deform, by object
   std::size_t stride_ = 1, view_bytes_ = 0;
   std::uint64_t hits_left_out_ = 0;
-  bool with_itself_ = false;  ///< hits of objects with themselves were left out
+  bool with_itself_ = false;  ///< whether hits of objects with themselves were left out
   Eigen::AlignedBox3f box_;   ///< of the first frame
   Camera camera_;
   std::optional<std::string> picture_;  ///< PNG

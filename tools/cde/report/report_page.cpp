@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of a report's page that people read: view, charts, tables.
+// The visible parts of a report's page: view, charts, tables.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -27,7 +27,7 @@ Cell figure(std::uint64_t number) {
   return Cell::figure(grouped(number));
 }
 
-/// Everything the modelled times rest on.
+/// The assumptions of the modelled times.
 std::vector<std::vector<Cell>> assumptions(const Scene& scene, const Json& run) {
   const SceneCard& card = scene.card;
   const Json& board = run["plan"];
@@ -38,10 +38,10 @@ std::vector<std::vector<Cell>> assumptions(const Scene& scene, const Json& run) 
       {"memory of the card", text_of(run["memory"])},
       {"number format", "fp32 (IEEE 754 binary32), round to nearest even"},
       {"arithmetic", card.arithmetic == Arithmetic::kHost
-                         ? "computed by this processor, bit for bit what the gates give"
+                         ? "computed by this processor, with the same bits as the gates"
                          : "gates"},
       {"latency of operators",
-       fmt::format("add {}, mul {}, div {}, sqrt {}, compare {} clocks", card.latency_add,
+       fmt::format("add {}, mul {}, div {}, sqrt {}, compare {} cycles", card.latency_add,
                    card.latency_mul, card.latency_div, card.latency_sqrt, card.latency_compare)}};
   for (const Json& effect : board.value("effects", Json::array())) {
     const std::string name = effect.value("name", "");
@@ -52,7 +52,7 @@ std::vector<std::vector<Cell>> assumptions(const Scene& scene, const Json& run) 
   return rows;
 }
 
-/// The wall times are this machine's, and say nothing about the card.
+/// Rows about this machine. Its wall times say nothing about the card.
 std::vector<std::vector<Cell>> machine_rows(const Json& run) {
   std::vector<std::vector<Cell>> rows;
   for (const auto& [key, value] : run["machine"].items()) rows.push_back({key, text_of(value)});
@@ -64,7 +64,7 @@ std::vector<std::vector<Cell>> machine_rows(const Json& run) {
 }  // namespace
 
 std::string Report::view_html() const {
-  if (!picture_) return "<p>No frame was played.</p>\n";
+  if (!picture_) return "<p>No frame was run.</p>\n";
   const bool rays = std::ranges::any_of(
       geometry_.objects(), [](const auto& object) { return object.drawn == Drawn::kRays; });
   const bool solids =
@@ -96,13 +96,13 @@ std::string Report::view_html() const {
   html += "<figcaption>";
   if (rays)
     html +=
-        "Rays that hit are orange up to the last hit found; of others only the start is drawn, "
-        "blue. Red: hits of rays. ";
+        "Orange: rays that hit, up to their last hit. Blue: the start of rays that miss. Red: hits "
+        "of rays. ";
   if (solids)
     html +=
-        "Green: contacts of solids, with the normal where the query asked for it; there white "
-        "lines join the closest points of the nearest pairs that miss. ";
-  html += "Drag turns, Shift and drag moves, the wheel zooms.";
+        "Green: contacts of solids, with the normal if the query asks for normals; white lines "
+        "then join the closest points of the nearest pairs that miss. ";
+  html += "Drag to turn, Shift and drag to move, wheel to zoom.";
   for (const std::string& note : notes()) html.append(" ").append(escaped(note));
   return html + "</figcaption></figure>\n</section>\n";
 }
@@ -131,23 +131,24 @@ std::string Report::charts_html() const {
   const std::string means =
       group == 1 ? "" : fmt::format(" Each bar is the mean of {} frames.", group);
   return fmt::format(
-      "<section id=\"split\"><h2>Modelled time of a frame</h2>\n<p>What the card would take, from "
-      "its clocks at {:g} MHz; the assumptions are in the table below.{}</p>\n{}</section>\n"
-      "<section><h2>Wall time of the simulation</h2>\n<p>What this machine took to simulate the "
-      "card and to compute the reference. It says nothing about the card.{}</p>\n{}</section>\n",
+      "<section id=\"split\"><h2>Modelled time per frame</h2>\n<p>Time that the card would take: "
+      "its cycles at {:g} MHz. The table below lists the "
+      "assumptions.{}</p>\n{}</section>\n<section><h2>Wall time of the simulation</h2>\n<p>Time "
+      "that this machine took to simulate the card and to compute the reference. It says nothing "
+      "about the speed of the card.{}</p>\n{}</section>\n",
       scene_.card.clock_hz / 1e6, means,
       stacked_bars("Modelled time of every frame by part", "frame", numbers, modelled), means,
       stacked_bars("Wall time of every frame", "frame", numbers, wall));
 }
 
-/// Over the frames: of solids the signed gap, of rays T.
+/// The chart over the frames: the signed distance of solids, or T of rays.
 std::string Report::gaps_html() const {
   const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
   std::string html =
-      "<section id=\"gaps\"><h2>Gap against time</h2>\n<p>Of solids the distance, or below 0 the "
-      "depth; of "
-      "rays T of the hits, in lengths of the ray's direction. Least and most of the records of a "
-      "frame; where there is none the line has a hole.</p>\n";
+      "<section id=\"gaps\"><h2>Signed distance or T over time</h2>\n<p>For solids, the signed "
+      "distance: below 0 it is the depth. For rays, T of the hits, in lengths of the ray's "
+      "direction. The lines are the least and the most of a frame's records; a frame without a "
+      "value leaves a hole.</p>\n";
   for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
     const SceneQuery& query = scene_.queries[q];
     Line least{.name = "least", .colour = 1, .x = {}, .y = {}};
@@ -164,8 +165,9 @@ std::string Report::gaps_html() const {
       any = any || std::isfinite(low);
     }
     html += fmt::format("<h3>{} ({})</h3>\n", escaped(query.name), name(query.pair));
-    html += any ? linear_lines(query.name + ", gap against time", "seconds", {most, least})
-                : std::string("<p>No record has a gap.</p>\n");
+    html += any ? linear_lines(query.name + ", signed distance or T over time", "seconds",
+                               {most, least})
+                : std::string("<p>No record has a signed distance or T.</p>\n");
   }
   return html + "</section>\n";
 }
@@ -188,13 +190,13 @@ std::string Report::tables_html(const Json& run) const {
   }
   std::string html = "<section><h2>Answers and checks</h2>\n";
   if (run["check"] == "none") html += "<p>The check was skipped: no record was compared.</p>\n";
-  html += table("All frames that were played",
+  html += table("All frames of the run",
                 {"query", "pair", "mode", "tests", "records", "hits", "compared with the reference",
                  "differ"},
                 queries);
   html += "</section>\n<section><h2>Assumptions</h2>\n";
-  html += table("Modelled times rest on", {}, assumptions(scene_, run));
-  html += table("Wall times are of", {}, machine_rows(run));
+  html += table("Assumptions of the modelled times", {}, assumptions(scene_, run));
+  html += table("Machine of the wall times", {}, machine_rows(run));
   std::vector<std::vector<Cell>> frames;
   for (std::size_t i = 0; i < std::min(played_.size(), kMostRows); ++i) {
     const Played& p = played_[i];

@@ -8,7 +8,7 @@
 namespace cde::cli {
 namespace {
 
-constexpr int kFine = 2;  // subpixels along a side
+constexpr int kFine = 2;  // subpixels per pixel along a side
 constexpr Colour kStage = {0.0052f, 0.0080f, 0.0120f};
 
 std::uint8_t srgb(float linear) {
@@ -17,7 +17,7 @@ std::uint8_t srgb(float linear) {
   return static_cast<std::uint8_t>(std::lround(255 * y));
 }
 
-/// Rows of points around the z axis, joined to a closed or open surface.
+/// A surface of revolution: rows of points around the z axis, joined to a closed or open surface.
 Surface turned(const std::vector<Eigen::Vector2f>& profile, std::uint32_t around) {
   Surface s;
   for (const Eigen::Vector2f& p : profile) {
@@ -97,7 +97,7 @@ void Picture::triangle(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const
   const Eigen::Vector3f n = (b - a).cross(c - a).normalized();
   if (!n.allFinite()) return;
   const Eigen::Vector3f sun = Eigen::Vector3f(-0.55f, 0.35f, 0.62f).normalized();
-  const float towards = n.dot(eye_ - a) < 0 ? -1.0f : 1.0f;  // the side that is seen
+  const float towards = n.dot(eye_ - a) < 0 ? -1.0f : 1.0f;  // the visible side
   const float light = 0.22f + 0.78f * std::max(0.0f, towards * n.dot(sun));
   const Colour lit = {light * colour[0], light * colour[1], light * colour[2]};
   const Seen p = project(va), q = project(vb), r = project(vc);

@@ -4,12 +4,12 @@
 #include "cde/image/image.hpp"
 #include "report/report_scene.hpp"
 
-/// The still picture of a report: what the 3-D view shows first, for readers without scripts.
+/// The still picture of a report: the first view of the 3-D scene, for readers without scripts.
 namespace cde::cli {
 
 using Colour = std::array<float, 3>;  ///< linear light, 0 to 1
 
-/// Draws triangles, lines and dots into a depth buffer, twice as fine as the picture.
+/// Draws triangles, lines and dots with a depth buffer that is twice as fine as the picture.
 class Picture {
  public:
   Picture(const Camera& camera, Resolution size);
@@ -40,7 +40,8 @@ class Picture {
   std::vector<float> depths_;
 };
 
-/// Ball of radius 1, cube from -1 to 1, cylinder, square: what a Placement makes a shape of.
+/// Unit shapes, which a Placement transforms: ball of radius 1, cube from -1 to 1, cylinder,
+/// square.
 [[nodiscard]] Surface unit_surface(Drawn drawn);
 
 }  // namespace cde::cli

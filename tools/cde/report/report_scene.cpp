@@ -14,8 +14,9 @@
 namespace cde::cli {
 namespace {
 
-constexpr std::size_t kMostTriangles = 120'000;  // of all objects in the page, half of it of one
-constexpr std::size_t kMostShapes = 4'096;       // of an object, rays and solids
+constexpr std::size_t kMostTriangles =
+    120'000;  // for all objects in the page; one object gets at most half of them
+constexpr std::size_t kMostShapes = 4'096;  // per object of rays or solids
 
 struct WordsHash {
   std::size_t operator()(const std::array<std::uint32_t, 3>& w) const {
@@ -49,7 +50,7 @@ Shapes in_frame(const Scene& scene, const SceneObject& object, std::uint32_t fra
                                   : posed(local, pose(scene, object, frame));
 }
 
-/// Three corners of its own for every triangle.
+/// The triangles as a surface, without shared corners.
 Surface soup(const std::vector<Triangle>& triangles) {
   Surface surface;
   for (const Triangle& t : triangles) {
@@ -68,7 +69,7 @@ Surface surface_of(const Mesh& mesh) {
   return surface;
 }
 
-/// Triangles when the grid has cells of this size, and what is left.
+/// The surface after clustering its points in grid cells of this size.
 Surface clustered(const Surface& surface, const Eigen::Vector3f& origin, float cell) {
   PointNumbers cells;
   Surface coarse;
@@ -117,7 +118,8 @@ Surface simplified(const Surface& surface, std::size_t most) {
   Eigen::AlignedBox3f box;
   for (const Eigen::Vector3f& p : surface.points) box.extend(p);
   const float extent = box.sizes().maxCoeff();
-  // As many cells as the triangles of a surface would fill, then fewer until it is enough.
+  // Begins with about as many cells as the triangles of a surface would fill, then takes fewer
+  // until the result is small enough.
   auto cells = static_cast<float>(std::sqrt(static_cast<double>(most)));
   Surface coarse;
   do {
@@ -146,7 +148,7 @@ SceneGeometry::SceneGeometry(const Scene& scene) : scene_(scene) {
       object.still = object.still && deforming(source).empty();
       object.stride = (object.count + kMostShapes - 1) / kMostShapes;
       if (object.stride > 1)
-        notes_.push_back(fmt::format("Of the {} shapes of “{}” every {}th is drawn.",
+        notes_.push_back(fmt::format("“{1}” has {0} shapes; every {2}th is drawn.",
                                      grouped(object.count), object.name, object.stride));
     }
     objects_.push_back(std::move(object));
@@ -164,12 +166,12 @@ void SceneGeometry::add_surface(Object& object, const SceneObject& source) {
   if (fits) return;
   object.surface = simplified(object.surface, most_triangles_);
   notes_.push_back(fmt::format(
-      "“{}” has {} triangles; it is drawn with {} (corners within a cell of a grid become one). "
-      "The card met all of them.",
+      "“{}” has {} triangles; it is drawn with {} (corners in one grid cell are merged). The card "
+      "tested all of them.",
       object.name, grouped(triangles.size()), grouped(object.surface.corners.size() / 3)));
   if (object.deforms) {
     object.deforms = false;
-    notes_.push_back(fmt::format("“{}” deforms; it is drawn as in its file.", object.name));
+    notes_.push_back(fmt::format("“{}” deforms; it is drawn as it is in its file.", object.name));
   }
 }
 

@@ -9,27 +9,28 @@
 
 #include "cde/scene/scene.hpp"
 
-/// What a report shows of a scene: geometry as it lay in the frames, in the world's frame.
+/// The geometry that a report shows: its position in each frame, in world coordinates.
 namespace cde::cli {
 
 /// Triangles with shared corners.
 struct Surface {
   std::vector<Eigen::Vector3f> points;
-  std::vector<std::uint32_t> corners;  ///< three a triangle
+  std::vector<std::uint32_t> corners;  ///< three per triangle
 };
 
-/// Corners of the triangles, those with the same coordinates as one point.
+/// The surface of the triangles. Corners with equal coordinates become one point.
 [[nodiscard]] Surface welded(const std::vector<Triangle>& triangles);
 
-/// The same with at most about `most` triangles: points in a cell of a cubic grid become their
-/// mean, and triangles that lose a corner go. Unchanged if there are no more than `most`.
+/// The surface with at most about `most` triangles. The points in a cell of a cubic grid become
+/// their mean, and triangles that lose a corner are removed. A surface with no more than `most`
+/// triangles stays unchanged.
 [[nodiscard]] Surface simplified(const Surface& surface, std::size_t most);
 
-/// One object of a frame as the page has it.
+/// One object in a frame, as the page shows it.
 struct ShownObject {
-  std::vector<Placement> placements;    ///< of solids and planes, one a shape
-  std::optional<Transform> pose;        ///< of a surface that moves as a whole
-  std::vector<Eigen::Vector3f> points;  ///< of a surface that deforms; its points, posed
+  std::vector<Placement> placements;    ///< of solids and planes, one per shape
+  std::optional<Transform> pose;        ///< of a rigid surface
+  std::vector<Eigen::Vector3f> points;  ///< points of a deforming surface, in world coordinates
   std::vector<Ray> rays;                ///< of rays
 };
 
@@ -37,10 +38,10 @@ struct ShownObject {
 struct ShownHit {
   std::uint32_t primary = 0, index = 0;
   float t = 0;
-  Eigen::Vector3f cp, n;  ///< n zero without normals
+  Eigen::Vector3f cp, n;  ///< n is zero without normals
 };
 
-/// The scene's objects, and what of them is left out of the page.
+/// The scene's objects, simplified for the page.
 class SceneGeometry {
  public:
   explicit SceneGeometry(const Scene& scene);
@@ -52,11 +53,11 @@ class SceneGeometry {
     std::size_t count = 0;   ///< shapes
     std::size_t stride = 1;  ///< every stride-th shape is shown
     bool still = false;      ///< the same in every frame
-    bool deforms = false;    ///< points differ from frame to frame
-    Surface surface;         ///< of triangles, the object's frame, as in the first frame shown
+    bool deforms = false;    ///< its points change from frame to frame
+    Surface surface;         ///< triangles in object coordinates, as in the first shown frame
   };
   [[nodiscard]] const std::vector<Object>& objects() const { return objects_; }
-  /// Sentences about what is shown otherwise than it was simulated.
+  /// Sentences about differences between the page and the simulation.
   [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
   [[nodiscard]] ShownObject show(std::size_t object, std::uint32_t frame) const;
@@ -64,7 +65,7 @@ class SceneGeometry {
  private:
   void add_surface(Object& object, const SceneObject& source);
   const Scene& scene_;
-  std::size_t most_triangles_ = 0;  ///< of one object
+  std::size_t most_triangles_ = 0;  ///< per object
   std::vector<Object> objects_;
   std::vector<std::string> notes_;
 };

@@ -10,7 +10,7 @@ namespace cde::cli {
 namespace {
 
 constexpr std::uint64_t kChunkLines = 65536;
-// What a piece holds, the first character of its text.
+// The first character of a piece's text: whether it holds text or pairs of an array.
 constexpr char kText = 't', kArray = 'a';
 
 int opened(const std::string& file) {
@@ -85,11 +85,11 @@ void QueryChunks::begin(std::uint64_t number, char kind) {
 }
 
 void QueryChunks::take(std::uint64_t number, std::string_view line) {
-  // A header goes with every piece, and keeps its line in the first.
+  // Every piece begins with the header. In the first piece it keeps its line number.
   if (!begun_ && header_reader_.take_header(line, place_of(o_, false, number))) {
     header_ = line;
     line = {};
-    if (lines_ > 0) {  // blank lines and comments came before
+    if (lines_ > 0) {  // blank lines and comments before the header
       chunk_.clear();
       lines_ = 0;
     }

@@ -10,7 +10,7 @@
 #include "options/line_input.hpp"
 #include "verbs/query_pipe.hpp"
 
-/// The input of `cde query`: stdin or a file, text or an array.
+/// The input of `cde query`: stdin or a file, with text or an array.
 namespace cde::cli {
 
 class QueryInput {
@@ -21,9 +21,9 @@ class QueryInput {
   QueryInput& operator=(const QueryInput&) = delete;
   ~QueryInput();
 
-  /// Whether reading would wait for whoever writes.
+  /// Whether a read would wait for the writer.
   [[nodiscard]] bool waits() const { return LineInput::waits(descriptor_); }
-  /// The array if the input is one; waits for the first bytes.
+  /// The array, if the input is one. Waits for the first bytes.
   [[nodiscard]] std::optional<PairArray> array(PairName named, const WordText& text);
   /// LineInput::next without a byte order mark.
   template <class Line>
@@ -32,7 +32,7 @@ class QueryInput {
       line(number, number == 1 ? OperandText::first_line(text, name_) : text);
     });
   }
-  /// How much of a file has been read, from 0 to 1; nothing for other inputs.
+  /// The share of a file that has been read, from 0 to 1; nothing for other inputs.
   [[nodiscard]] std::optional<double> share() const;
 
  private:
@@ -42,10 +42,11 @@ class QueryInput {
   LineInput lines_;
 };
 
-/// The input in pieces of so many pairs or lines, however it comes, each a text for answers_to().
+/// The input in pieces with a fixed number of pairs or lines. Each piece is a text for
+/// answers_to().
 class QueryChunks {
  public:
-  /// The options must outlive it. The input is opened when the first piece is asked for.
+  /// The options must outlive the object. The input is opened at the first piece.
   QueryChunks(const QueryOptions& options, const PairConfig& config);
   std::optional<std::string> next();
 
@@ -63,13 +64,13 @@ class QueryChunks {
   OperandText header_reader_;
   std::string header_;
   bool begun_ = false, more_ = true;
-  std::uint64_t pairs_ = 0;  ///< so far
+  std::uint64_t pairs_ = 0;  ///< read so far
   std::deque<std::string> ready_;
   std::string chunk_;
   std::uint64_t lines_ = 0;
 };
 
-/// The pairs of a piece through a pipe.
+/// The answers of a pipe to the pairs of a piece.
 [[nodiscard]] QueryAnswers answers_to(QueryPipe& pipe, const std::string& chunk);
 
 }  // namespace cde::cli

@@ -51,7 +51,7 @@ QueryPipe::QueryPipe(const QueryOptions& o, const PairConfig& config)
   }
   if (o_.check && !reference::has_pair(config_.pair, config_.algorithm))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} has no reference to compare with: use --no-check", o_.pair));
+                fmt::format("{} has no reference to compare with; use --no-check", o_.pair));
 }
 
 void QueryPipe::begin(std::string_view header, std::uint64_t pairs, bool array) {
@@ -110,7 +110,7 @@ QueryAnswers QueryPipe::answer() {
   }
   answers.totals.simulation_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  waves.close();  // whole, whatever the answers are
+  waves.close();  // the waves are whole even if an answer differs
   if (o_.check) compare(answers);
   std::size_t pair = 0, unread = 0;
   for (const Row& row : rows_) {
@@ -147,7 +147,7 @@ std::string QueryPipe::place_of_pair(std::size_t i) const {
   return place(rows_[k - 1].line);
 }
 
-/// All lanes get the pair, whichever it was in.
+/// The command repeats the pair in all lanes.
 std::string QueryPipe::repeat(std::size_t i) const {
   return fmt::format(
       "yes {},{} | head -n {} | cde query {}", listed(operand(a_, i, primary_words(config_.pair))),
@@ -170,7 +170,7 @@ void QueryPipe::report(std::size_t i) {
                         place_of_pair(i), a, b, shown(results_[i]), shown(expected_[i]),
                         differing_fields(results_[i], expected_[i]),
                         place_in_unit(unit_, a_, b_, i), again, options, a, b);
-  // Rows behind the pair's row and its neighbours play no part.
+  // Rows well after the pair's row do not matter.
   const std::size_t rows = i / config_.lanes + 5,
                     pairs = std::min(results_.size(), rows * config_.lanes);
   const auto first = [pairs](const std::vector<std::uint64_t>& words, std::size_t each) {
@@ -190,7 +190,7 @@ void QueryPipe::report(std::size_t i) {
                                 .repeat = again}));
 }
 
-/// The unit stopped in the middle of these pairs.
+/// Reports that the unit stopped during these pairs.
 void QueryPipe::report(const Error& stuck) {
   const std::string message =
       o_.file == "-" && !array_
@@ -245,7 +245,7 @@ void QueryPipe::write(QueryAnswers& to, std::uint64_t line, std::size_t i) const
                        operand(b_, i, secondary_words(config_.pair)));
     to.messages += fmt::format(
         "cde: {}: {}\n", place(line),
-        why.empty() ? "the card refuses the pair, and the reference sees no reason" : why);
+        why.empty() ? "the card refuses the pair, but the reference finds no reason" : why);
   }
   const bool differs = o_.check && !(r == expected_[i]);
   write(to, r, differs ? "differs" : r.bad ? "bad" : "");

@@ -19,12 +19,12 @@
 #include "options/trace_options.hpp"
 #include "program/pack_failure.hpp"
 
-/// The pairs of `cde query`: from lines of text to lines of text.
+/// The pairs of `cde query`, from input lines to answer lines.
 namespace cde::cli {
 
-inline constexpr std::size_t kQueryBatch = 65536;  ///< pairs, at most, between two runs of the unit
-inline constexpr std::size_t kQueryTraced = 4096;  ///< and of all, where there are waves of them
-inline constexpr std::size_t kQueryFailures = 100;  ///< told one by one, with --keep-going
+inline constexpr std::size_t kQueryBatch = 65536;   ///< most pairs per run of the unit
+inline constexpr std::size_t kQueryTraced = 4096;   ///< most pairs of all with waves
+inline constexpr std::size_t kQueryFailures = 100;  ///< most failures that --keep-going prints
 
 struct QueryOptions : PairOptions {
   TraceRequest trace;
@@ -34,8 +34,8 @@ struct QueryOptions : PairOptions {
   bool bits = false, check = true, keep_going = false, json = false, quiet = false;
 };
 
-/// "line 7", "pairs.csv:7", "pair 7" or "pairs.npy: pair 7": a pair of an array or a line of a
-/// text.
+/// "line 7", "pairs.csv:7", "pair 7" or "pairs.npy: pair 7": the place of a line of text or of a
+/// pair in an array.
 [[nodiscard]] std::string place_of(const QueryOptions& options, bool array, std::uint64_t number);
 
 struct QueryTotals {
@@ -44,31 +44,34 @@ struct QueryTotals {
   QueryTotals& operator+=(const QueryTotals& other);
 };
 
-/// What comes of some lines.
+/// The answers to some lines.
 struct QueryAnswers {
   QueryTotals totals;
-  std::string messages;  ///< about lines, each with its end
-  /// About the first kQueryFailures answers that differ from the reference, and how to repeat each.
+  std::string messages;  ///< messages about lines, each with a line end
+  /// The first kQueryFailures answers that differ from the reference, with the command that repeats
+  /// each.
   std::vector<std::string> failures;
   std::string rows;  ///< CSV
 };
 
-/// One pipe and lines for it.
+/// One pipe and the lines for it.
 class QueryPipe {
  public:
-  /// Error kUsage if answers are to be compared with a reference that there is not. The options
-  /// must outlive it.
+  /// Error kUsage if answers should be compared but the pair has no reference. The options must
+  /// outlive the object.
   QueryPipe(const QueryOptions& options, const PairConfig& config);
 
-  /// Lines behind this header, or none, and so many pairs of the same input; or pairs of an array.
+  /// Begins a piece: lines after this header (which may be empty) and after `pairs` pairs of the
+  /// same input, or pairs of an array.
   void begin(std::string_view header, std::uint64_t pairs, bool array);
-  /// A line of the input. True once no more must come before answer(). Error kFile for a header
-  /// that cannot be read.
+  /// Reads a line of the input. Returns true if answer() must be called before the next line. Error
+  /// kFile for a header that cannot be read.
   [[nodiscard]] bool read(std::uint64_t number, std::string_view line);
-  /// A pair of an array.
+  /// Reads a pair of an array.
   [[nodiscard]] bool read(std::uint64_t number, PairArray& array);
-  /// Runs what was read. Where an answer differs from the reference: a failure if the options say
-  /// so, else error kMismatch, with a command that repeats it. And whatever the unit throws.
+  /// Runs the pairs that were read. An answer that differs from the reference is a failure with
+  /// --keep-going, else error kMismatch, with a command that repeats it. Errors of the unit pass
+  /// through.
   [[nodiscard]] QueryAnswers answer();
 
  private:
@@ -88,14 +91,14 @@ class QueryPipe {
 
   struct Row {
     std::uint64_t line;
-    bool valid;  ///< the next pair of the batch; else a line that could not be read
+    bool valid;  ///< true: the next pair of the batch; false: a line that could not be read
   };
 
   const QueryOptions& o_;
   PairConfig config_;
   WordText text_;
   OperandText operands_;
-  bool array_ = false;  ///< numbers are those of pairs, not of lines
+  bool array_ = false;  ///< numbers count pairs, not lines
   PairUnit unit_;
   PairBudget budget_;
   std::vector<std::uint64_t> a_, b_;

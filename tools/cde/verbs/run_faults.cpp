@@ -19,9 +19,9 @@ std::vector<ScheduledFault> faults_of(const std::vector<std::string>& texts, con
     check_fault(faults.back(), plan.board);
     const std::uint32_t frame = faults.back().frame;
     if (frame < first || frame > last)
-      throw Error(ErrorCode::kUsage, fmt::format("--fault {}: frame {} is not among {}..{}, which "
-                                                 "are played",
-                                                 in_quotes(text), frame, first, last));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--fault {}: frame {} is not among the frames of the run, {}..{}",
+                              in_quotes(text), frame, first, last));
   }
   return faults;
 }
@@ -44,8 +44,8 @@ nlohmann::ordered_json faults_json(const std::vector<ScheduledFault>& faults, co
 std::string faults_text(const nlohmann::ordered_json& json) {
   const auto n = [&](const char* key) { return json[key].get<std::uint64_t>(); };
   return fmt::format(
-      "{} of {} injected; repeated {} transfers, {} accesses, {} passes; {} interrupts lost; {} "
-      "words of DDR corrected",
+      "{} of {} injected; repeated: {} transfers, {} accesses, {} passes; lost interrupts: {}; "
+      "corrected words of DDR: {}",
       n("injected"), json["scheduled"].size(), n("transfer_retries"), n("access_retries"),
       n("pass_retries"), n("lost_interrupts"), n("corrected_words"));
 }

@@ -9,18 +9,18 @@
 /// `cde run --fault`.
 namespace cde::cli {
 
-/// Faults for frames first to last of a run. Error kUsage if one of them is for another frame, or
-/// the planned board has none like it.
+/// The faults for the frames first to last of a run. Error kUsage if a fault is for another frame,
+/// or is not possible on the planned board.
 [[nodiscard]] std::vector<ScheduledFault> faults_of(const std::vector<std::string>& texts,
                                                     const Plan& plan, std::uint32_t first,
                                                     std::uint32_t last);
 
-/// What was injected so far, and what the driver did about it.
+/// The faults injected so far, and how the driver handled them.
 [[nodiscard]] nlohmann::ordered_json faults_json(const std::vector<ScheduledFault>& faults,
                                                  const Player& player,
                                                  std::uint64_t corrected_words);
 
-/// The same in a line.
+/// The same in one line of text.
 [[nodiscard]] std::string faults_text(const nlohmann::ordered_json& json);
 
 }  // namespace cde::cli

@@ -43,7 +43,8 @@ Json query_json(const std::string& name, const QueryFrame& f) {
           {"reference_seconds", f.check_seconds}};
 }
 
-/// A frame on a rank: a line of JSON, its own and how long the texts are, and the texts of records.
+/// Plays a frame on a rank. Returns a line of JSON with the lengths of the texts, then the texts of
+/// the records.
 std::string played(Player& player, const DealtFrames& f, std::uint32_t frame) {
   const Scene& scene = f.scene;
   std::vector<std::string> texts(scene.results == Results::kNone ? 0 : scene.queries.size());
@@ -70,7 +71,7 @@ std::string played(Player& player, const DealtFrames& f, std::uint32_t frame) {
   return all;
 }
 
-/// What a scene and the files that it names are.
+/// A digest of a scene and of the files that it names.
 std::string contents(const Scene& scene) {
   std::string all = fingerprint(read_file(scene.file));
   for (const SceneObject& object : scene.objects) {
@@ -106,7 +107,8 @@ std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t q
       "\n{}the frame again: {}",
       frame, scene.queries[query].name, answer.mismatches, counted(answer.compared, "record"),
       answer.mismatches == 1 ? "differs" : "differ", answer.first_mismatch,
-      faults ? "faults were injected; that pair by itself has none of them\n" : "", repeat);
+      faults ? "faults were injected; the command above repeats the pair without them\n" : "",
+      repeat);
 }
 
 void begin_frames(const DealOptions& options, const DealtFrames& f, bool quiet) {

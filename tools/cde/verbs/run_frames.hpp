@@ -14,7 +14,7 @@
 /// Frames of `cde run` as text: records and JSON.
 namespace cde::cli {
 
-/// A frame of run.json.
+/// The entry of a frame in run.json.
 [[nodiscard]] nlohmann::ordered_json frame_json(const Scene& scene, std::uint32_t frame,
                                                 double wall_seconds,
                                                 const std::vector<std::string>& files,
@@ -22,12 +22,12 @@ namespace cde::cli {
 
 /// The command that plays a frame again.
 [[nodiscard]] std::string repeat_of(const Scene& scene, std::uint32_t frame, Check check);
-/// What is said of a query whose records differ from the reference.
+/// The message about a query whose records differ from the reference.
 [[nodiscard]] std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t query,
                                         const QueryFrame& answer, const std::string& repeat,
                                         bool faults);
 
-/// Frames that are dealt.
+/// Frames that ranks or shards share.
 struct DealtFrames {
   const Scene& scene;
   const Plan& plan;
@@ -37,13 +37,13 @@ struct DealtFrames {
   double timeout = 3600;
   std::uint64_t deadline = 0;
 };
-/// Takes a frame, in their order: its JSON and, by query, the text of its records.
+/// Takes the frames in order: JSON and, by query, the text of the records.
 using FrameSink = std::function<void(std::uint32_t frame, const nlohmann::ordered_json& json,
                                      const std::vector<std::string>& records)>;
 
-/// Begins a run that is dealt, one chunk per frame (Dealing::begin).
+/// Begins a shared run with one chunk per frame (Dealing::begin).
 void begin_frames(const DealOptions& options, const DealtFrames& frames, bool quiet);
-/// Dealing::deal of them. Error kMismatch where a record differs from the reference.
+/// Runs Dealing::deal on the frames. Error kMismatch if a record differs from the reference.
 [[nodiscard]] bool deal_frames(const DealtFrames& frames, const FrameSink& take);
 
 }  // namespace cde::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde doctor: is everything here that the command needs, and does the card compute?
+// cde doctor: checks everything that the command needs, and whether the card computes correctly.
 #include <fmt/format.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
@@ -26,13 +26,13 @@
 namespace cde::cli {
 namespace {
 
-/// Finding of one examination; `advice` is empty if all is well, or if something was left out.
+/// Result of one check. `advice` is empty if nothing is wrong, or if the check was skipped.
 struct Finding {
   std::string what, advice;
   bool examined = true;
 };
 
-/// The first line that a program prints, or nothing.
+/// The first line that a program prints; empty if there is none.
 std::string first_line(const std::vector<std::string>& command) {
   try {
     const process::Result ran = process::run(command);
@@ -42,7 +42,7 @@ std::string first_line(const std::vector<std::string>& command) {
   }
 }
 
-/// How models are built: verilator/bitstream decides it by the same list.
+/// How models are built. verilator/bitstream decides with the same list.
 std::string mode_of(const std::string& version) {
   const char* plain = std::getenv("CDE_PLAIN");  // NOLINT(concurrency-mt-unsafe)
   if (plain != nullptr && std::string_view(plain) == "1") return "models are plain (CDE_PLAIN)";
@@ -52,7 +52,7 @@ std::string mode_of(const std::string& version) {
       if (!line.empty() && line.front() != '#' && version.starts_with("Verilator " + line + " "))
         return "models are accelerated";
   } catch (const Error&) {
-    return "no builder";  // which a finding of its own says
+    return "no builder";  // another check reports it
   }
   return "models are plain, so slower: the accelerator does not know this version";
 }
@@ -61,9 +61,9 @@ Finding verilator() {
   const std::string version = first_line({"verilator", "--version"});
   if (version.empty()) return {"verilator is missing", "apt-get install verilator"};
   const bool numbered = version.starts_with("Verilator");
-  return {
-      fmt::format("{}{}; {}", numbered ? "" : "Verilator of no number,", version, mode_of(version)),
-      ""};
+  return {fmt::format("{}{}; {}", numbered ? "" : "Verilator without a version,", version,
+                      mode_of(version)),
+          ""};
 }
 
 Finding compiler() {
@@ -97,16 +97,16 @@ Finding cache() {
   try {
     const std::filesystem::path folder = bitstream_cache();
     if (::access(folder.c_str(), W_OK) != 0) {
-      return {fmt::format("bitstream cache {} cannot be written", printable_name(folder.string())),
+      return {fmt::format("model cache {} cannot be written", printable_name(folder.string())),
               "set CDE_CACHE to a folder of yours"};
     }
     std::uintmax_t files = 0, bytes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      std::error_code gone;  // another process may have removed it
+      std::error_code gone;  // another process may have removed the file
       const std::uintmax_t size = entry.file_size(gone);
       if (entry.path().extension() == ".so" && !gone) ++files, bytes += size;
     }
-    return {fmt::format("bitstream cache {}: {}, {:.1f} MB", printable_name(folder.string()),
+    return {fmt::format("model cache {}: {}, {:.1f} MB", printable_name(folder.string()),
                         counted(files, "bitstream"), static_cast<double>(bytes) / 1e6),
             ""};
   } catch (const std::exception& e) {
@@ -122,21 +122,21 @@ Finding builder() {
   }
 }
 
-/// `builds`: a card that is not built is built first.
+/// Casts a few rays. `builds`: builds a missing card first.
 Finding small_cast(Arithmetic arithmetic, bool builds) {
   const bool host = arithmetic == Arithmetic::kHost;
   const char* name = host ? "host" : "rtl";
-  const unsigned quads = host ? 16 : 4;  // gates are simulated a hundred times slower
+  const unsigned quads = host ? 16 : 4;  // simulating gates is a hundred times slower
   try {
     const Mesh mesh = make_terrain({.quads_x = quads, .quads_y = quads});
     const std::vector<Ray> rays = grid_rays(bounds(mesh), {20, 20});
     const BoardConfig card{.arithmetic = arithmetic, .algorithm = kLeakFree, .box = true};
     if (!builds && !bitstream_file(card.top(), card.parameters()).built)
       return {fmt::format("{} arithmetic: the card is not built; cde doctor --build builds and "
-                          "tries it, in about {:.0f} s",
+                          "checks it, in about {:.0f} s",
                           name, usual_build_seconds(card.parameters())),
               "", false};
-    Board board = Board::open(card);  // as cde cast has it
+    Board board = Board::open(card);  // the card of cde cast
     board.upload(mesh);
     reference::Checker checker(
         rays, mesh, Mode::kAll, {}, board.primaries(),
@@ -151,7 +151,8 @@ Finding small_cast(Arithmetic arithmetic, bool builds) {
   } catch (const Error& e) {
     const bool differs = e.code() == ErrorCode::kMismatch;
     return {fmt::format("{} arithmetic: {}", name, e.what()),
-            differs ? "the bitstream computes wrongly: remove it from the cache, or report this"
+            differs ? "the simulation model computes wrong results: remove it from the cache, or "
+                      "report this"
                     : "see the message"};
   }
 }
@@ -196,12 +197,12 @@ void run(bool builds, bool json) {
 }  // namespace
 
 void add_doctor(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand(
-      "doctor",
-      "Examine tools, caches and both arithmetic back ends; exit 1 if something is wrong. A card "
-      "that is not built is left out");
+  CLI::App* verb =
+      app.add_subcommand("doctor",
+                         "Check tools, caches and both arithmetic back ends. Exit status 1 if "
+                         "something is wrong. A card that is not built is skipped");
   auto builds = std::make_shared<bool>(false);
-  verb->add_flag("--build", *builds, "Build cards that are not built, and try them, too");
+  verb->add_flag("--build", *builds, "Also build missing cards and check them");
   auto json = std::make_shared<bool>(false);
   verb->add_flag("--json", *json, "Findings as JSON on stdout");
   quiet_flag(*verb);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde fp: operations of the simulated floating-point units on operands from stdin, in the line
-// format of Berkeley TestFloat.
+// cde fp: runs operands from stdin through the simulated floating-point units, in the line format
+// of Berkeley TestFloat.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -25,8 +25,8 @@ namespace {
 
 struct Request {
   FpOp op = FpOp::kAdd;
-  std::optional<FpFormat> format;  // given by a TestFloat name
-  bool exact = true;               // raises inexact; false by a TestFloat name with `_r_`
+  std::optional<FpFormat> format;  // set by a TestFloat name
+  bool exact = true;               // raises inexact; a TestFloat name with `_r_` sets false
 };
 
 std::optional<FpOp> op_by_name(const std::string& name) {
@@ -43,15 +43,15 @@ std::optional<FpFormat> format_by_name(const std::string& name) {
   }
 }
 
-/// "f16" and "fp16" alike in the names of conversions.
+/// Makes "f16" and "fp16" the same in the names of conversions.
 std::string canonical(std::string name) {
   for (const char* bits : {"16", "32", "64"})
     if (name == fmt::format("to_f{}", bits)) name = fmt::format("to_fp{}", bits);
   return name;
 }
 
-/// Takes TestFloat's rounding off the name of a conversion to integer; "minMag" is truncation. With
-/// "_rx_" the conversion raises inexact, with "_r_" it never does.
+/// Removes TestFloat's rounding from the name of a conversion to integer; "minMag" is truncation.
+/// With "_rx_" the conversion raises inexact, with "_r_" it does not.
 std::string without_rounding(std::string name, bool& exact) {
   struct Suffix {
     std::string_view testfloat, here;
@@ -69,7 +69,7 @@ std::string without_rounding(std::string name, bool& exact) {
   return name;
 }
 
-/// An operation by the names of this command, or TestFloat's: f32_add, f32_to_f16, f32_to_i32,
+/// Parses the name of an operation, or a TestFloat name: f32_add, f32_to_f16, f32_to_i32,
 /// i32_to_f32.
 Request parse_request(const std::string& text) {
   std::string name = text;
@@ -94,7 +94,7 @@ Request parse_request(const std::string& text) {
                           in_quotes(text), fmt::join(kFpOpNames, " ")));
 }
 
-/// Bits of an integer operand or result of the operation; 0 if it is a number of the format.
+/// Bits of an integer operand or result of the operation; 0 for a number of the format.
 int integer_operand_bits(FpOp op) {
   if (op < FpOp::kFromI32 || op > FpOp::kFromUi64) return 0;
   return op <= FpOp::kFromUi32 ? 32 : 64;
@@ -127,7 +127,7 @@ class Stream {
     }
   }
 
-  /// Answers all that a read gave before the next one, and before the error of a bad line.
+  /// Answers all lines of a read before the next read, and before the error of a bad line.
   void run() {
     LineInput input;
     const auto take = [this](std::uint64_t number, std::string_view text) {
@@ -147,7 +147,7 @@ class Stream {
   }
 
  private:
-  static constexpr std::size_t kBatch = 65536;  // operations, at most, between two runs of the unit
+  static constexpr std::size_t kBatch = 65536;  // most operations per run of the unit
 
   [[noreturn]] void malformed(const char* at, const char* stop, const std::string& why) const {
     const std::string_view text(at, static_cast<std::size_t>(stop - at));
@@ -226,7 +226,7 @@ class Stream {
 
 struct Options {
   std::string op, format, arith = "rtl";
-  int lanes = 8;  // streaming text needs no more, and they are built quickly
+  int lanes = 8;  // enough for text input, and built quickly
 };
 
 void run(const Options& options) {
@@ -245,18 +245,15 @@ void run(const Options& options) {
 
 void add_fp(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb =
-      app.add_subcommand("fp",
-                         "Floating-point operations in simulated hardware. Reads operands in "
-                         "hexadecimal from stdin, one operation per line, and prints "
-                         "`operands result flags` as Berkeley TestFloat does (flags: 01 inexact, "
-                         "02 underflow, 04 overflow, 08 divide by zero, 10 invalid). "
-                         "Fields after the operands are ignored, so that the output of "
-                         "testfloat_gen with results can be piped in. Conversions to integers "
-                         "raise inexact, as testfloat_gen and testfloat_ver expect with -exact; "
-                         "by their names with _r_near_even or _r_minMag they do not. Answers what "
-                         "it has read before it waits for more, and what stands before a line "
-                         "that it cannot read, which ends it.");
+  CLI::App* verb = app.add_subcommand(
+      "fp",
+      "Run floating-point operands through simulated hardware. Reads hexadecimal operands from "
+      "stdin, one operation per line, and prints `operands result flags` as Berkeley TestFloat "
+      "does (flags: 01 inexact, 02 underflow, 04 overflow, 08 divide by zero, 10 invalid). Ignores "
+      "further fields, so it also reads the output of testfloat_gen. Conversions to integers raise "
+      "inexact, as testfloat_gen and testfloat_ver expect with -exact; names with _r_near_even or "
+      "_r_minMag do not. Answers all lines that it has read before it waits for more. A line that "
+      "cannot be read ends it, after the answers to earlier lines");
   text_value(
       verb->add_option(
               "op", options->op,

@@ -23,7 +23,7 @@ void print_help(const CLI::App& app, const std::string& verb, const std::string&
   } else {
     const VerbEntry* entry = verb_elsewhere(verb);
     if (!inner.empty() && (entry == nullptr || !entry->own_verbs))
-      throw_usage(fmt::format("cde {} has no verbs of its own, so no {}", verb, in_quotes(inner)));
+      throw_usage(fmt::format("cde {} has no inner verbs; remove {}", verb, in_quotes(inner)));
     if (entry != nullptr) {
       std::vector<std::string> words = {verb};
       if (!inner.empty()) words.push_back(inner);
@@ -48,14 +48,14 @@ void add_version(CLI::App& app) {
 
 void add_help(CLI::App& app) {
   auto verb_name = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("help", "Print what the program or a verb of it does");
+  CLI::App* verb = app.add_subcommand("help", "Print the help of the program or of a verb");
   std::vector<std::string> verbs;
   for (const CLI::App* one : shown_verbs(app)) verbs.push_back(one->get_name());
   named(verb->add_option("verb", *verb_name, "A verb")->default_str("all of the program"), verbs,
         "VERB", "verb");
   auto inner = std::make_shared<std::string>();
-  known_words(verb->add_option("inner", *inner, "A verb of that one: cde help wave info"), {},
-              "VERB");
+  known_words(verb->add_option("inner", *inner, "A verb of that verb, as in cde help wave info"),
+              {}, "VERB");
   verb->callback([&app, verb_name, inner] { print_help(app, *verb_name, *inner); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde plan: what a scene needs of the card, and what it leaves out.
+// cde plan: shows which parts of the card a scene needs, and which it leaves out.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -24,9 +24,9 @@ void add_plan(CLI::App& app) {
     bool json = false, exact = false;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "plan",
-      "Print what a scene needs of the card, what it leaves out and why, and the bitstream");
+  CLI::App* verb = app.add_subcommand("plan",
+                                      "Print which parts of the card a scene needs, which it "
+                                      "leaves out and why, and the simulation model");
   scene_option(*verb, o->scene);
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
   quiet_flag(*verb);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde query: pairs of primitives from stdin through one simulated pipe, every answer checked
-// against the reference.
+// cde query: tests pairs of primitives in one simulated pipe, and compares every answer with the
+// reference.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -29,17 +29,17 @@ namespace {
 
 constexpr const char* kHeader = "F,T,CPx,CPy,CPz,nx,ny,nz,flags\n";
 
-/// Answers to a file or stdout.
+/// Writes answers to a file or stdout.
 class Answers {
  public:
   Answers(const std::string& file, std::string_view first) : out_(first), file_(file) {}
-  /// The first line: ahead of its answers to who waits for it before asking, with them otherwise,
-  /// so that nothing is written where none follow.
+  /// Writes the header. If a process waits for it, it goes out before the answers. Otherwise it
+  /// goes out with them, so that without answers nothing is written.
   void begin() { flush(); }
   void add(const QueryAnswers& answers) {
     totals_ += answers.totals;
     if (answers.rows.empty()) return;
-    flush();  // what cannot be written is known before lines are judged
+    flush();  // a write error comes before errors about lines
     if (!answers.messages.empty()) say(answers.messages);
     for (const std::string& failure : answers.failures)
       if (told_++ < kQueryFailures) say("cde: {}\n", failure);
@@ -60,11 +60,11 @@ class Answers {
   }
   std::string out_;
   QueryTotals totals_;
-  std::size_t told_ = 0;  ///< failures
+  std::size_t told_ = 0;  ///< failures printed so far
   OutputFile file_;
 };
 
-/// Pairs are answered as they come.
+/// Answers pairs as they arrive.
 QueryTotals answer_pairs(const QueryOptions& o, const PairConfig& config) {
   QueryInput input(o.file);
   QueryPipe pipe(o, config);
@@ -85,14 +85,14 @@ QueryTotals answer_pairs(const QueryOptions& o, const PairConfig& config) {
     more = input.next([&](std::uint64_t number, std::string_view line) {
       if (pipe.read(number, line)) answers.add(pipe.answer());
     });
-    // Waves are of one run, whose clocks do not depend on how the lines came.
+    // Waves are of one run, so that their cycles do not depend on the timing of the input.
     if (!config.trace || !more) answers.add(pipe.answer());
     if (const auto share = input.share()) progress(*share);
   }
   return answers.end();
 }
 
-/// Totals as a line of JSON, messages, rows.
+/// The answers as text: totals as a line of JSON, then messages and rows.
 std::string as_text(const QueryAnswers& a) {
   const QueryTotals& t = a.totals;
   return json_text(
@@ -122,7 +122,7 @@ QueryAnswers answers_in(const std::string& text) {
           .rows = text.substr(line + messages)};
 }
 
-/// Pairs are dealt in chunks. Nothing if the answers are not all here.
+/// Answers pairs in chunks. Returns nothing if not all answers are in this process.
 std::optional<QueryTotals> deal_pairs(const QueryOptions& o, const PairConfig& config) {
   Dealing& dealing = Dealing::here();
   nlohmann::ordered_json run = {{"verb", "query"},
@@ -144,7 +144,7 @@ std::optional<QueryTotals> deal_pairs(const QueryOptions& o, const PairConfig& c
       dealing.deal({.what = "query",
                     .chunks = std::nullopt,
                     .input = [&](std::uint64_t) { return pairs.next(); },
-                    .inputs_again = false,  // stdin is gone
+                    .inputs_again = false,  // stdin cannot be read again
                     .run =
                         [&](std::uint64_t, const std::string& chunk) {
                           if (!pipe) pipe.emplace(o, config);
@@ -196,7 +196,7 @@ void print_summary(const QueryOptions& o, const PairConfig& config, const QueryT
       fmt::format("{}, {} bad, and {}", t.pairs, t.bad, counted(t.malformed, "malformed line")));
   row("hits", fmt::to_string(t.hits));
   row("device cycles", fmt::to_string(t.clocks));
-  if (t.pairs != 0)  // none take no time
+  if (t.pairs != 0)  // without pairs there is no rate
     row("simulation", fmt::format("{:.3g} s, {:.4g} M pairs/s", t.simulation_seconds,
                                   static_cast<double>(t.pairs) / t.simulation_seconds / 1e6));
   row("check", o.check ? fmt::format("{} of {} {} the reference", t.compared - t.differ,
@@ -219,8 +219,9 @@ void run(const QueryOptions& o) {
   config.trace = o.trace.wanted();
   const bool dealt = Dealing::here().asked(o.deal);
   if (dealt && o.trace.wanted())
-    throw Error(ErrorCode::kUsage,
-                "--trace is of one process: not with ranks, --resume or --shard");
+    throw Error(
+        ErrorCode::kUsage,
+        "--trace works only in one process; it cannot be combined with ranks, --resume or --shard");
   const auto totals = dealt ? deal_pairs(o, config) : answer_pairs(o, config);
   if (!totals) return;
   if (o.json)
@@ -245,53 +246,46 @@ void add_query(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "query",
       "Test pairs of primitives in one simulated pipe. Reads one pair per line from stdin or a "
-      "file, "
-      "the words of A and then of B, separated by commas, semicolons, tabs or blanks, with a | "
-      "between "
-      "A and B if that helps: ray o d [tmin tmax] 6 or 8, triangle 9, sphere c r 4, aabb min max "
-      "6, "
-      "plane n d 4, cylinder c axis half-height radius 8, obb c "
-      "half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. A header "
-      "may "
-      "name the columns (A.center.x, ...). Prints "
-      "F,T,CP,n,flags as CSV; flags: empty, bad (the card refuses an operand), malformed (the "
-      "line cannot be read) or differs (--keep-going). Blank lines and lines that start with # are "
-      "skipped");
+      "file: the words of A, then those of B, separated by commas, semicolons, tabs or blanks, "
+      "optionally with a | between A and B. Words of each shape: ray o d [tmin tmax] 6 or 8, "
+      "triangle 9, sphere c r 4, aabb min max 6, plane n d 4, cylinder c axis half-height radius "
+      "8, obb c half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. "
+      "A header may name the columns (A.center.x, ...). Skips blank lines and lines that start "
+      "with #. Prints F,T,CP,n,flags as CSV. flags is empty, bad (the card refuses an operand), "
+      "malformed (the line cannot be read) or differs (--keep-going)");
   add_pair_options(*verb, *o);
-  file_value(
-      verb->add_option("file", o->file,
-                       "Pairs as text, or as a NumPy array (.npy, .npz) of shape (..., words of "
-                       "A and of B) or of structures; - is stdin, in either form")
-          ->capture_default_str(),
-      "FILE");
-  begin_group(*verb, "Answers");
-  file_value(verb->add_option("-o,--output", o->output,
-                              "Where the answers go: a file that appears whole or not at all, or "
-                              "- for stdout, line by line")
+  file_value(verb->add_option("file", o->file,
+                              "Pairs as text, or as a NumPy array (.npy, .npz) of shape (..., "
+                              "words of A and B) or of structures; - is stdin, also for arrays")
                  ->capture_default_str(),
              "FILE");
-  verb->add_flag("--bits", o->bits, "Print words as 0x and their bits instead of decimals");
+  begin_group(*verb, "Answers");
+  file_value(verb->add_option(
+                     "-o,--output", o->output,
+                     "File for the answers, written only if all is done; - is stdout, line by line")
+                 ->capture_default_str(),
+             "FILE");
+  verb->add_flag("--bits", o->bits, "Print words as 0x and bits, not as decimals");
   begin_group(*verb, "Checks");
   verb->add_flag("--check,!--no-check", o->check,
                  "Compare every answer with the reference, bit for bit")
       ->default_str("on");
-  CLI::Option* const keep_going = verb->add_flag(
-      "-k,--keep-going", o->keep_going,
-      fmt::format("Go on where an answer differs from the reference: flags say differs, "
-                  "and the first {} are told with the command that repeats and packs each",
-                  kQueryFailures));
+  CLI::Option* const keep_going =
+      verb->add_flag("-k,--keep-going", o->keep_going,
+                     fmt::format("Go on after a wrong answer: its flags say differs, and the first "
+                                 "{} are printed with the command that repeats and packs each",
+                                 kQueryFailures));
   add_bundle_options(*verb, o->bundle);
   keep_going->excludes(verb->get_option("--bundle"));
   begin_group(*verb, "Waves");
   add_trace_options(*verb, o->trace,
-                    fmt::format("Waves of the pipe, FST, while all pairs, at most {}, go "
-                                "through: answers come when stdin has ended. Kept even if an "
-                                "answer differs",
+                    fmt::format("Waves of the pipe with all pairs (at most {}), FST. Answers come "
+                                "after the end of stdin. Kept even if an answer differs",
                                 kQueryTraced));
   begin_group(*verb, "Several machines");
   add_deal_options(*verb, o->deal);
   begin_group(*verb, "Messages");
-  verb->add_flag("--json", o->json, "Summary as a line of JSON, the last on stdout");
+  verb->add_flag("--json", o->json, "Summary as a line of JSON, after the answers on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o, verb] {
     tell_builds(!o->quiet);

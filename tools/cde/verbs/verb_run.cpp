@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde run: plays the frames of a scene on the simulated card and compares what it answers with the
+// cde run: runs the frames of a scene on the simulated card and compares its answers with the
 // reference.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -75,9 +75,9 @@ const char* memory_name(const Scene& scene) {
 
 struct Totals {
   std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
-  std::uint64_t nodes = 0;            // of a hierarchy, read
-  std::uint64_t asked = 0, open = 0;  // of queries whose misses narrow lanes can prove
-  std::uint64_t bad = 0;              // primaries and secondaries, each as often as it was refused
+  std::uint64_t nodes = 0;            // nodes of a BVH that were read
+  std::uint64_t asked = 0, open = 0;  // pairs in queries with the certified filter; uncertain pairs
+  std::uint64_t bad = 0;              // refused primaries and secondaries, counted each time
   double modelled = 0, simulated = 0, checked = 0;
 
   void add(const Json& q, const SceneQuery& query) {
@@ -116,7 +116,7 @@ void check_files(const Options& o, const Scene& scene) {
   o.trace.check();
 }
 
-/// A run: what was played so far, and where it goes.
+/// A run: the frames played so far, and its outputs.
 class Run {
  public:
   Run(const Options& o, Scene& scene, const Plan& plan, Check check, const std::string& clock_is)
@@ -131,7 +131,8 @@ class Run {
     check_files(o, scene);
     json_ = program_json();
     json_.update(card_json(plan.board));
-    json_.update(Json{{"bitstream", nullptr}, {"config_hash", nullptr}});  // until it is loaded
+    json_.update(
+        Json{{"bitstream", nullptr}, {"config_hash", nullptr}});  // until the model is loaded
     json_.update({{"scene", scene.file},
                   {"title", scene.title},
                   {"frames", {frames_.first, frames_.last}},
@@ -153,11 +154,11 @@ class Run {
   }
 
   void play(const Plan& plan) {
-    std::optional<Interrupts> interrupts;  // once there is a card: building one ends at a signal
+    std::optional<Interrupts> interrupts;  // once there is a card; before, a signal ends the build
     std::optional<OutputFile> waves;
     if (o_.trace.wanted()) waves.emplace(o_.trace.file, OutputFile::Use::kByName);
     try {
-      (void)bitstream_path(plan.board.top(), plan.board.parameters());  // which tells of itself
+      (void)bitstream_path(plan.board.top(), plan.board.parameters());  // prints its own progress
       std::optional<Progress> uploading(std::in_place, "uploading the scene", o_.quiet);
       std::optional<Progress> bar;
       Player player(
@@ -209,10 +210,10 @@ class Run {
     if (!waves_defect_.empty()) throw Error(ErrorCode::kFile, waves_defect_);
   }
 
-  /// The frames in chunks, one each.
+  /// Plays the frames in chunks of one frame.
   void deal(const Plan& plan) {
     json_["config_hash"] = Dealing::here().config_hash();
-    if (!Dealing::here().merges())  // rank 0's; each host has its own
+    if (!Dealing::here().merges())  // only on rank 0; each host has its own model
       json_["bitstream"] = bitstream_file(plan.board.top(), plan.board.parameters()).path.string();
     begin();
     (void)deal_frames(
@@ -235,7 +236,7 @@ class Run {
     finish(no_waves);
   }
 
-  /// What was written lies where it was wanted.
+  /// Error kFile if the folder is no longer at its path.
   void check_folder() const {
     if (folder_.begun()) folder_.check();
   }
@@ -251,17 +252,17 @@ class Run {
           fmt::format("{}{}, {}, {}", t.tests, t.nodes == 0 ? "" : ", " + counted(t.nodes, "node"),
                       counted(t.records, "record"), counted(t.hits, "hit")));
       if (scene_.card.verdicts)
-        row("verdicts",
+        row("filter",
             t.asked == 0
-                ? "no query leaves misses out, all pairs went to the wide lane"
-                : fmt::format("{} lanes left {} of {} to the wide one, {:.3g} %",
+                ? "no query leaves out misses; the wide lane tested all pairs"
+                : fmt::format("{} lanes were uncertain about {} of {}, {:.3g} %",
                               scene_.card.verdicts->name(), t.open, counted(t.asked, "pair"),
                               100 * static_cast<double>(t.open) / static_cast<double>(t.asked)));
       row("modelled time",
-          fmt::format("{:.6g} ms a frame at {:g} MHz, bus {}, memory {}",
+          fmt::format("{:.6g} ms per frame at {:g} MHz, bus {}, memory {}",
                       played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
                       scene_.card.clock_hz / 1e6, bus_name(scene_), memory_name(scene_)));
-      // A run that is stopped early has none.
+      // A run that stops early has no tests.
       const double rate = t.tests == 0 ? 0 : static_cast<double>(t.tests) / t.simulated / 1e6;
       row("simulation",
           fmt::format("{:.3g} s{}; reference {:.3g} s", t.simulated,
@@ -272,7 +273,7 @@ class Run {
       report_faults();
       row("results", folder_.begun()
                          ? fmt::format("{}/run.json", printable_name(folder_.path().string()))
-                         : "none, it has not begun");
+                         : "none; the run did not begin");
       if (report_) row("report", printable_name(o_.report));
     }
     if (t.mismatches != 0) throw Error(ErrorCode::kMismatch, mismatch_ + packed_);
@@ -344,7 +345,7 @@ class Run {
     folder_.begin(json_);
     records_.begin(folder_.inside());
   }
-  /// Tables are there if every frame is in them.
+  /// Completes the tables if they have every frame.
   void end_records() {
     if (json_["played"].size() != frames_.last - frames_.first + 1) return;
     records_.commit();
@@ -372,7 +373,7 @@ class Run {
     }
   }
 
-  /// What was played, however it came here.
+  /// Adds a played frame, from this process or from a chunk.
   void add_frame(std::uint32_t frame, const Json& j) {
     for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
       const Json& counters = j["queries"][q]["counters"];
@@ -381,9 +382,8 @@ class Run {
                   counters["bad_secondaries"].get<std::uint64_t>());
       const Json why = j["queries"][q].value("swept_as", Json());
       if (!why.is_null() && swept_.insert(scene_.queries[q].name).second)
-        say("cde: warning: frame {}, query '{}': it meets all secondaries instead of a hierarchy: "
-            "{}\n",
-            frame, scene_.queries[q].name, why.get<std::string>());
+        say("cde: warning: frame {}, query '{}': brute force instead of a BVH: {}\n", frame,
+            scene_.queries[q].name, why.get<std::string>());
     }
     json_["played"].push_back(j);
   }
@@ -394,7 +394,8 @@ class Run {
     return words;
   }
 
-  /// Says once a query what the input contract refuses: a body that has left the range is no miss.
+  /// Warns once per query about bad input, because a body outside the input contract's range is not
+  /// a miss.
   void warn_of_bad(const std::string& query, std::uint32_t frame, std::uint64_t primaries,
                    std::uint64_t secondaries) {
     const std::uint64_t bad = primaries + secondaries;
@@ -402,15 +403,13 @@ class Run {
     if (bad == 0 || !warned_.insert(query).second) return;
     const LengthRange range = LengthRange::of(8, 23);
     say("cde: frame {}, query '{}': {} of its primaries and {} of its secondaries are bad input "
-        "(not "
-        "finite, beyond 2^{} or, a size, below 2^{}, or not of unit length); their records say so "
-        "and "
-        "are no hits\n",
+        "(not finite, beyond 2^{}, a size below 2^{}, or not of unit length); their records have "
+        "the flag bad and are no hits\n",
         frame, query, primaries, secondaries, range.high, range.low);
   }
 
-  /// Whatever came of the run: frames played are kept, waves are wanted most when it failed.
-  /// Waves are kept if they are whole.
+  /// Closes the waves, also after a failure, when they are most useful. They are kept if they are
+  /// whole.
   void end_waves(Player& player) {
     try {
       player.trace_close();
@@ -434,7 +433,7 @@ class Run {
                        {"modelled_seconds", {{"total", t.modelled}}},
                        {"simulation_seconds", t.simulated},
                        {"reference_seconds", t.checked}};
-    if (!folder_.begun()) return;  // what was there stays
+    if (!folder_.begun()) return;  // an earlier run in the folder stays
     folder_.write(json_);
     if (!report_) return;
     page_->write(report_->html(json_));
@@ -463,7 +462,7 @@ class Run {
   std::optional<Report> report_;
   Totals totals_;
   std::string mismatch_, packed_;
-  // Where the card was last seen to go on.
+  // Where the card last made progress.
   const Player* player_ = nullptr;
   std::uint64_t began_ = 0, seen_ = 0, before_ = 0;
   std::uint32_t frame_ = 0;
@@ -474,18 +473,18 @@ class Run {
     std::optional<Difference> difference;
     std::string repeat;
   } failure_;
-  std::set<std::string> warned_, swept_;  // names of queries
+  std::set<std::string> warned_, swept_;  // names of queries with such a warning
   bool waves_whole_ = false;
   std::string waves_defect_;
 };
 
-/// Options that cannot be combined, before the scene is read.
+/// Refuses options that cannot be combined, before the scene is read.
 void check_options(const Options& o) {
   o.bundle.check(o.check != "none", "--check none");
   if (Dealing::here().asked(o.deal) && (o.trace.wanted() || !o.report.empty() || !o.faults.empty()))
     throw Error(ErrorCode::kUsage,
-                "--trace, --report and --fault are of one process: not with ranks, --resume or "
-                "--shard");
+                "--trace, --report and --fault work only in one process; they cannot be combined "
+                "with ranks, --resume or --shard");
 }
 
 void run(const Options& o) {
@@ -538,34 +537,34 @@ void run(const Options& o) {
 
 void add_run(CLI::App& app) {
   auto o = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand(
-      "run", "Play a scene on the simulated card, checked against the reference; writes run.json");
+  CLI::App* verb = app.add_subcommand("run",
+                                      "Run a scene on the simulated card, compare the records with "
+                                      "the reference, and write run.json");
   scene_option(*verb, o->scene);
   begin_group(*verb, "Run");
   frames_option(*verb, o->frames);
-  text_value(verb->add_option("--fault", o->faults,
-                              "KIND[:COUNT[:VALUE]]@FRAME: lets something go wrong; may be given "
-                              "again")
-                 ->allow_extra_args(false),
-             "FAULT", [](const std::string& text) { (void)fault_of(text); });
+  text_value(
+      verb->add_option("--fault", o->faults,
+                       "Inject a bus or memory error, KIND[:COUNT[:VALUE]]@FRAME; repeatable")
+          ->allow_extra_args(false),
+      "FAULT", [](const std::string& text) { (void)fault_of(text); });
   scene_target_option(*verb, o->target);
   exact_card_option(*verb, o->exact);
   begin_group(*verb, "Outputs");
-  folder_value(
-      verb->add_option("-o,--output,--out", o->out,
-                       "Folder for run.json and records: a new or empty one, or that of an earlier "
-                       "run, which is removed")
-          ->default_str("SCENE.run"),
-      "FOLDER");
+  folder_value(verb->add_option("-o,--output,--out", o->out,
+                                "Folder for run.json and records: new, empty, or with an earlier "
+                                "run, which is removed")
+                   ->default_str("SCENE.run"),
+               "FOLDER");
   verb->add_flag("--file-per-frame", o->file_per_frame,
-                 "Write the records of each query and frame to a file. A run that is stopped keeps "
-                 "these files. Without the option each query has one table");
+                 "Write one file of records per query and frame, not one table per query. A run "
+                 "that is stopped keeps these files");
   file_value(verb->add_option("--report", o->report,
-                              "Page about the run, one HTML file that loads nothing (- is stdout)"),
+                              "Page about the run: one HTML file that loads nothing (- is stdout)"),
              "FILE.html");
   begin_group(*verb, "Checks and limits");
   one_of(
-      verb->add_option("--check", o->check, "Records to compare, instead of what the scene says"),
+      verb->add_option("--check", o->check, "Records to compare, in place of the scene's setting"),
       {"all", "sample", "none"});
   add_bundle_options(*verb, o->bundle);
   deadline_options(*verb, o->deadline, o->timeout, "pass");
@@ -574,7 +573,7 @@ void add_run(CLI::App& app) {
   begin_group(*verb, "Several machines");
   add_deal_options(*verb, o->deal);
   begin_group(*verb, "Messages");
-  verb->add_flag("--json", o->json, "run.json on stdout too");
+  verb->add_flag("--json", o->json, "Also print run.json on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] {
     tell_builds(!o->quiet);

@@ -3,8 +3,8 @@
 #include "options/cli_fwd.hpp"
 #include "program/program.hpp"
 
-/// The verbs of the program cde: verbs/verb_NAME.cpp. Each adds itself to the parser; its callback
-/// throws cde::Error. Results go to stdout, everything else to stderr.
+/// The verbs of the program cde, in verbs/verb_NAME.cpp. Each adds itself to the parser. Its
+/// callback throws cde::Error. Results go to stdout, everything else to stderr.
 namespace cde::cli {
 
 void add_cast(CLI::App& app);
