@@ -41,8 +41,8 @@ void say_once(const std::string& message) {
   if (said.insert(message).second) say(message);
 }
 
-/// Whether the file is an ELF library that reaches to its end: loading one that is cut short would
-/// end the process with SIGBUS.
+/// Whether the file is a complete ELF library. Loading a truncated library would end the process
+/// with SIGBUS.
 bool intact(const fs::path& file) {
   std::error_code error;
   const auto size = fs::file_size(file, error);
@@ -63,8 +63,9 @@ std::string last_lines(std::string_view text, int lines) {
   return std::string(text.substr(begin + 1));
 }
 
-/// What a builder's output says of a failure: its first errors, as Verilator and compilers name
-/// them, each with the line that follows; its last lines if it names none.
+/// The reason for a failed build, from the builder's output. These are its first errors, as
+/// Verilator and compilers mark them, each with the following line. Without such errors they are
+/// its last lines.
 std::string causes(const std::string& text) {
   constexpr int kMost = 4;
   const auto names_error = [](const std::string& line) {
@@ -85,21 +86,22 @@ std::string causes(const std::string& text) {
   return errors != 0 ? last_lines(found, 2 * kMost) : last_lines(text, 12);
 }
 
-/// A bitstream under the name that was asked for, and under one that leads to the same file
-/// whatever becomes of the folders above.
+/// A simulation model's file: by the requested name, and by a name that keeps leading to it if the
+/// folders above change.
 struct Place {
   fs::path named, inside;
 
-  /// What lies beside it: its log, its lock.
+  /// A file beside it: its log or its lock.
   [[nodiscard]] Place beside(const char* extension) const {
     return {fs::path(named).replace_extension(extension),
             fs::path(inside).replace_extension(extension)};
   }
 };
 
-/// The output of a build that failed, kept beside where its bitstream would lie; what to say of it.
+/// Keeps the output of a failed build beside the model's file, and returns the note for the
+/// message.
 std::string keep_log(const Place& log, const std::string& output) {
-  // Made anew: what lies under its name may be a link of somebody else.
+  // Create a new file, since the old name may be another user's link.
   ::unlink(log.inside.c_str());
   const Descriptor written(
       ::open(log.inside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
@@ -107,7 +109,7 @@ std::string keep_log(const Place& log, const std::string& output) {
   return fmt::format("\nall of what the builder said: {}", printable_name(log.named.string()));
 }
 
-/// What keeps a bitstream from being loaded; nothing if it is whole and nobody else's.
+/// Why a simulation model cannot be loaded; nothing if it is complete and trusted.
 std::optional<std::string> defect(const Place& place) {
   const fs::path& file = place.inside;
   if (auto why = folders::distrust(file, place.named)) return why;
@@ -137,7 +139,7 @@ std::string joined(const std::string& kind, const std::vector<std::string>& para
 
 struct Key {
   std::uint64_t config_hash;
-  std::string file;  ///< name without folder
+  std::string file;  ///< file name without folder
 };
 
 Key key_of(const std::string& kind, const std::vector<std::string>& parameters) {
@@ -154,7 +156,7 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
   return {hash, fmt::format("{}.so", key)};
 }
 
-/// Holds an exclusive lock on a file while it lives; says what it waits for.
+/// Holds an exclusive lock on a file during its lifetime, and reports what it waits for.
 class FileLock {
  public:
   FileLock(const Place& place, const std::string& what)
@@ -177,7 +179,7 @@ class FileLock {
   int fd_;
 };
 
-/// Builds it where it is named, which the builder puts in place with a rename. The caller holds the
+/// Builds the model under its name. The builder puts it there with a rename. The caller holds the
 /// lock.
 void build(const Place& place, const std::string& kind,
            const std::vector<std::string>& parameters) {
@@ -192,7 +194,7 @@ void build(const Place& place, const std::string& kind,
   progress.end(result.status == 0);
   if (result.status == 0) {
     std::error_code none;
-    fs::remove(place.beside(".log").inside, none);  // of a build that failed before
+    fs::remove(place.beside(".log").inside, none);  // the log of an earlier failed build
   }
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     if (result.status == 128 + signal)
@@ -207,14 +209,14 @@ void build(const Place& place, const std::string& kind,
   }
 }
 
-/// The folders that are asked, the cache last.
+/// The searched folders; the cache comes last.
 std::vector<fs::path> places() {
   std::vector<fs::path> folders = folders::ready_made();
   folders.push_back(folders::cache());
   return folders;
 }
 
-/// The file of a key in the folders that are asked. What is there and not loaded is said.
+/// The file of a key in the searched folders. Reports files that are there but not loaded.
 std::optional<Place> find_whole(const Key& key) {
   for (const fs::path& path : places()) {
     const auto folder = folders::open(path);
@@ -236,13 +238,13 @@ std::optional<Place> find_whole(const Key& key) {
   return std::nullopt;
 }
 
-/// Where it lies in the cache, which is made and opened.
+/// The model's place in the cache, which is created and opened.
 Place place_to_build(const Key& key) {
   const folders::Opened cache = folders::make_cache();
   return {cache.named / key.file, cache.inside / key.file};
 }
 
-/// Builds it in the cache. The caller holds the lock.
+/// Builds the model in the cache. The caller holds the lock.
 void build_kept(const Place& place, const std::string& kind,
                 const std::vector<std::string>& parameters) {
   build(place, kind, parameters);
@@ -267,7 +269,7 @@ Place find_or_build(const Key& key, const std::string& kind,
   return place;
 }
 
-/// The library says what it was built of. One of another key may lie under this one's name.
+/// Whether the library was built for this key. Another key's library may have this file name.
 bool is_of(const Bitstream& bitstream, const Key& key) {
   const auto* hash = static_cast<const std::uint64_t*>(bitstream.symbol("cde_built_config_hash"));
   return *hash == key.config_hash;
@@ -332,9 +334,9 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
     say_once(fmt::format("cde: bitstream {} is not used: it is of another configuration\n",
                          printable_name(place.named.string())));
   } catch (const Error&) {
-    // Damaged in a way that only the loader sees.
+    // damage that only the loader sees
   }
-  // A file in the cache is ours to replace. One there may already stand in for a ready-made file.
+  // Replace files in the cache only. A file there may already replace a ready-made one.
   const Place kept = place_to_build(key);
   const FileLock lock = lock_of(kept, kind, parameters);
   std::error_code none;
@@ -343,7 +345,7 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
     if (is_of(found, key)) return found;
   }
   build_kept(kept, kind, parameters);
-  // The loader has the old one by its name.
+  // The loader still holds the old library under its name, so use another name.
   return link(kept.named, kept.inside.parent_path() / "." / key.file, key.config_hash);
 }
 
@@ -380,8 +382,8 @@ Bitstream Bitstream::link(const fs::path& named, const fs::path& inside,
   if (library == nullptr)
     throw Error(ErrorCode::kConfiguration,
                 printable_name(::dlerror()));  // NOLINT(concurrency-mt-unsafe)
-  // LeakSanitizer does not see what thread-local variables of a closed library hold; Verilator's
-  // runtime keeps one small buffer there.
+  // LeakSanitizer does not see thread-local variables of a closed library, where Verilator's
+  // runtime keeps a small buffer.
   result.library_ = {library, [](void* handle) {
                        if (!kSanitizer) ::dlclose(handle);
                      }};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Configurations of a card: what there can be, and the parameters of the builder.
+// Configurations of a card: their limits, and the builder's parameters.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,12 +16,13 @@
 namespace cde {
 namespace {
 
-/// A number of a configuration, and the builder's name for it.
+/// A number of a configuration, and its name in the builder.
 struct Number {
   const char* name;
   unsigned (*get)(const BoardConfig&);
   void (*set)(BoardConfig&, unsigned);
-  Transformer since = Transformer::kNone;  ///< cards with less than that have none
+  Transformer since =
+      Transformer::kNone;  ///< cards with a lesser transformer do not have this number
 };
 
 template <auto Member>
@@ -44,7 +45,7 @@ void set_pairs(BoardConfig& c, unsigned set) {
     if ((set >> i & 1) != 0) c.pairs.push_back(static_cast<Pair>(i));
 }
 
-/// A number of the format of verdicts, 0 without them.
+/// A number of the certified filter's format; 0 without the filter.
 template <auto Member>
 constexpr Number verdict_field(const char* name) {
   return {name,
@@ -129,7 +130,7 @@ void check_verdicts(const BoardConfig& c) {
     throw Error(ErrorCode::kUsage,
                 "verdicts are of sphere-sphere, sphere-obb, triangle-sphere, triangle-aabb, "
                 "triangle-obb and obb-obb, of which the card has none");
-  constexpr unsigned kMostLanes = 32;  // all of them share the one wide lane
+  constexpr unsigned kMostLanes = 32;  // all share the one wide lane
   if (c.lanes > kMostLanes)
     throw Error(ErrorCode::kUsage,
                 fmt::format("lanes is {}; with verdicts it must be 1 to {}", c.lanes, kMostLanes));

@@ -13,12 +13,12 @@
 namespace cde {
 namespace {
 
-constexpr std::string_view kPhase = "phase ";  // of verilator/bitstream
+constexpr std::string_view kPhase = "phase ";  // as printed by verilator/bitstream
 constexpr const char* kAdvice = "first use of this configuration, kept for the next time";
 
 std::atomic<bool> silent{false};
 
-/// To stderr, which may be closed or full: that is no reason to end.
+/// Prints to stderr. A closed or full stderr does not end the program.
 void print(const std::string& text) {
   if (silent) return;
   std::fputs(text.c_str(), stderr);
@@ -43,7 +43,7 @@ void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::strin
   std::string phase = phase_;
   while (!printed.empty()) {
     const std::string_view line = printed.substr(0, printed.find('\n'));
-    if (line.size() == printed.size()) break;  // not yet whole
+    if (line.size() == printed.size()) break;  // the line is not complete yet
     if (line.starts_with(kPhase)) phase = line.substr(kPhase.size());
     printed.remove_prefix(line.size() + 1);
   }

@@ -9,22 +9,21 @@
 
 namespace cde {
 
-/// Tells on stderr that a bitstream is built, in which phase, and for how long: as Progress where
-/// that has a display, else a line as each phase begins. Private to the library.
+/// Reports on stderr that a simulation model is built, its phase, and the elapsed time. Uses
+/// Progress if that has a display; else prints a line per phase. Private to the library.
 class BuildProgress {
  public:
-  /// `usual`: seconds that such builds take.
+  /// `usual`: seconds that such a build takes.
   BuildProgress(const std::string& what, double usual);
-  /// With what the builder has printed so far.
+  /// Updates with the builder's output so far.
   void operator()(std::chrono::duration<double> elapsed, std::string_view printed);
   void end(bool built);
 
-  /// Whether any of these tells anything; a bitstream that cannot be built is an Error all the
-  /// same.
+  /// Whether progress is silent. Build failures are still an Error.
   static void set_quiet(bool quiet);
   [[nodiscard]] static bool quiet();
 
-  /// What the builder printed, without the lines that tell its phases.
+  /// The builder's output without its phase lines.
   [[nodiscard]] static std::string without_phases(std::string_view printed);
 
  private:

@@ -32,7 +32,7 @@ std::optional<std::string> text_of(const fs::path& file) {
   return std::string(std::istreambuf_iterator<char>(in), {});
 }
 
-/// Whatever the umask: what others may write would not be read.
+/// Writes a file independent of the umask: cde does not read files that others may write.
 void write_private(const fs::path& file, std::string_view text) {
   OutputFile out(file);
   out.set_mode(S_IRUSR | S_IWUSR | S_IRGRP | S_IROTH);
@@ -81,12 +81,12 @@ void write_cache_entry(const std::string& name, std::string_view text) {
   try {
     const fs::path file = folders::make_cache().inside / name;
     std::error_code none;
-    fs::remove(file, none);  // one that was refused keeps neither its owner nor its mode
+    fs::remove(file, none);  // a refused file keeps neither its owner nor its mode
     fs::remove(folders::checksum_file(file), none);
     write_private(folders::checksum_file(file), fmt::format("{}  {}\n", sha256(text), name));
     write_private(file, text);
   } catch (const Error&) {
-    // As it was before: nothing is kept.
+    // Nothing is cached, as before.
   }
 }
 

@@ -20,7 +20,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 
-/// Where cde is installed, in programs that found it by CMake (cdeConfig.cmake); null in others.
+/// The installation folder, in programs that found cde by CMake (cdeConfig.cmake); else null.
 extern "C" __attribute__((weak)) const char* cde_installed_share();
 
 namespace cde::folders {
@@ -34,7 +34,8 @@ std::optional<fs::path> from_environment(const char* name) {
   return fs::path(value);
 }
 
-/// The XDG base directory specification: a path that is not absolute is ignored. So is such a home.
+/// The XDG base directory specification ignores paths that are not absolute. cde treats $HOME
+/// alike.
 std::optional<fs::path> absolute_from_environment(const char* name) {
   const auto path = from_environment(name);
   return path && path->is_absolute() ? path : std::nullopt;
@@ -50,13 +51,13 @@ bool same(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, none);
 }
 
-/// An installation has the versions of the compilers beside its builder, a source tree has not.
+/// An installation keeps the compiler versions beside its builder; a source tree does not.
 bool is_installation(const fs::path& share) {
   std::error_code none;
   return !same(share, CDE_SOURCE_FOLDER) && fs::exists(share / "verilator/toolchain", none);
 }
 
-/// Programs of the build tree have nothing to do with what is installed above or beside it.
+/// Programs of the build tree ignore installations above or beside them.
 std::vector<fs::path> share_places() {
   if (cde_installed_share != nullptr)
     return {cde_installed_share(), CDE_SOURCE_FOLDER, CDE_INSTALLED_SHARE};
@@ -91,8 +92,8 @@ bool ours(const struct stat& status) {
   return status.st_uid == 0 || status.st_uid == ::geteuid();
 }
 
-/// Whoever configured the build ran the source tree's scripts: its owner of then is trusted with
-/// them, and its group, but nobody who made a tree of that name since.
+/// The source tree's owner at configuration time is trusted, as is its group: the user ran the
+/// tree's scripts then. Anyone who made a tree of that name since is not trusted.
 std::optional<std::string> distrust_source(const struct stat& status, const fs::path& path) {
   if (!ours(status) && status.st_uid != CDE_SOURCE_OWNER) return owner(status);
   if (!S_ISLNK(status.st_mode) && (status.st_mode & S_IWOTH) != 0)
@@ -108,8 +109,8 @@ std::optional<std::string> distrust_status(const struct stat& status, const fs::
   return std::nullopt;
 }
 
-/// All that the builder runs, reads or compiles, and the folders that it lies in: links, too, and
-/// what they lead to.
+/// Checks all files that the builder runs, reads or compiles, and their folders. Checks links and
+/// their targets.
 void check_share(const fs::path& share) {
   const auto check = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust_status;
   const auto require = [&](const fs::path& part) {
@@ -132,7 +133,7 @@ void check_share(const fs::path& share) {
   }
 }
 
-/// The home folder that the system knows for the user, if there is one.
+/// The user's home folder in the system's user database, if there is one.
 std::optional<fs::path> home_of_user() {
   std::array<char, 4096> text{};
   passwd entry{};
@@ -149,7 +150,7 @@ fs::path last_resort() {
   return fs::path("/tmp") / fmt::format("cde-{}", ::geteuid());
 }
 
-/// Where bitstreams are kept if nobody says where, for a user who has such a place.
+/// The default cache of simulation models, for a user who has such a place.
 std::optional<fs::path> own_cache() {
   if (auto xdg = absolute_from_environment("XDG_CACHE_HOME")) return *xdg / "cde";
   if (auto home = absolute_from_environment("HOME")) return *home / ".cache/cde";
@@ -157,8 +158,8 @@ std::optional<fs::path> own_cache() {
   return std::nullopt;
 }
 
-/// Whether the folder is there and can be written, or can be made. In /proc and /sys nothing can,
-/// whatever access() says to root.
+/// Whether the folder can be written or created. Nothing can be in /proc and /sys, although
+/// access() tells root otherwise.
 bool can_be_written(fs::path folder) {
   std::error_code none;
   while (!fs::exists(folder, none) && folder.has_relative_path()) folder = folder.parent_path();
@@ -192,7 +193,7 @@ std::optional<std::string> distrust(const fs::path& path, const fs::path& named)
 }
 
 std::optional<Opened> open(const fs::path& named) {
-  // The system follows a link whose name ends with "/" or "/." before anybody looks at it.
+  // The system would follow a link whose name ends with "/" or "/." before this check.
   fs::path folder = named;
   while (folder.has_relative_path() && (!folder.has_filename() || folder.filename() == "."))
     folder = folder.parent_path();
@@ -209,8 +210,8 @@ std::optional<Opened> open(const fs::path& named) {
     if (number == ENOTDIR) return Opened{folder, {}, "is not a folder"};
     return Opened{folder, {}, fmt::format("cannot be opened: {}", std::strerror(number))};
   }
-  // Each is open once. A descriptor is never closed: the loader takes a library of the same name
-  // for the one that it has.
+  // Each folder is opened once and never closed: the loader identifies a library by its name, so a
+  // descriptor's number must not be reused.
   static std::mutex mutex;
   static std::map<std::pair<dev_t, ino_t>, int> opened;
   const std::scoped_lock lock(mutex);

@@ -5,40 +5,41 @@
 #include <string>
 #include <vector>
 
-/// Where bitstreams and their builder are, and whether they are anybody else's. Private to the
-/// library.
+/// Finds simulation models and their builder, and checks that other users cannot change them.
+/// Private to the library.
 namespace cde::folders {
 
-/// Why code of this file is not to run here: it belongs to somebody who is neither root nor this
-/// user, or others may write it. None if it may run, or is not there. `named` is the file's name in
-/// the text.
+/// Why code of this file must not run: its owner is neither root nor this user, or others may write
+/// it. Nothing if it may run or does not exist. `named` is the file's name for the text.
 [[nodiscard]] std::optional<std::string> distrust(const std::filesystem::path& path,
                                                   const std::filesystem::path& named);
 
-/// A folder that stays open to the end of the process. Its path may lead elsewhere later, `inside`
+/// A folder that stays open until the process ends. Its path may later lead elsewhere; `inside`
 /// (/proc/self/fd/N) does not.
 struct Opened {
   std::filesystem::path named, inside;
-  std::optional<std::string> distrust;  ///< why nothing of it is to run; `inside` is empty then
+  std::optional<std::string> distrust;  ///< why its content must not run; `inside` is then empty
 };
-/// Nothing if there is no such folder. A link of another user is not followed.
+/// Opens a folder; nothing if it does not exist. Does not follow another user's link.
 [[nodiscard]] std::optional<Opened> open(const std::filesystem::path& folder);
 
-/// Holds rtl/ and verilator/: $CDE_SHARE, the installation's, or the source tree. Error kBuild if
-/// there is none, kFile if a file or folder that its builder runs or compiles is somebody else's.
+/// The folder with rtl/ and verilator/: $CDE_SHARE, the installation's, or the source tree. Error
+/// kBuild if there is none. Error kFile if another user can change a file that the builder runs or
+/// compiles.
 [[nodiscard]] std::filesystem::path share();
 
-/// Folders that may hold ready-made bitstreams, in the order in which they are asked: that of
-/// $CDE_BITSTREAMS, and that of the installation or that of the build, whichever runs.
+/// Folders with ready-made simulation models, in search order: $CDE_BITSTREAMS, then the folder of
+/// the running installation or build.
 [[nodiscard]] std::vector<std::filesystem::path> ready_made();
 
-/// The user's cache, whether or not it is there. Error kFile if no place for it is known.
+/// The user's cache, which may not exist. Error kFile if no place for it is known.
 [[nodiscard]] std::filesystem::path cache();
 
-/// Beside what is kept in a cache: comments, and a line as of sha256sum.
+/// The checksum file beside a cached file: comments, and a line in the format of sha256sum.
 [[nodiscard]] std::filesystem::path checksum_file(const std::filesystem::path& file);
 
-/// The same, made if need be, for its owner alone. Error kFile if it cannot be, or is not trusted.
+/// The cache, created for its owner alone if necessary. Error kFile if it cannot be created or is
+/// not trusted.
 [[nodiscard]] Opened make_cache();
 
 }  // namespace cde::folders

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Floats as their bits.
+// The bits of floats.
 std::vector<std::uint32_t> bits_of(const std::vector<float>& words) {
   std::vector<std::uint32_t> bits;
   for (const float w : words) bits.push_back(std::bit_cast<std::uint32_t>(w));

@@ -8,7 +8,7 @@
 namespace cde {
 namespace {
 
-/// How far a shape reaches from its middle, in the mean over directions.
+/// The mean extent of a shape from its middle, over all directions.
 float reach(Shape shape) {
   return with_shape<float>(shape, []<class P>() {
     if constexpr (requires { P::kReach; })
@@ -24,8 +24,8 @@ void append(std::vector<float>& to, const P& primitive) {
   to.insert(to.end(), words.begin(), words.end());
 }
 
-/// What random shapes about a point are made of. Draws are in statements or braces of their own:
-/// elsewhere their order is the compiler's.
+/// Draws the parts of random shapes around a point. Each draw is a statement or an element in
+/// braces; otherwise the compiler would choose their order.
 struct Draws {
   std::mt19937_64& random;
   Eigen::Vector3f at = Eigen::Vector3f::Zero();
@@ -60,7 +60,7 @@ struct Draws {
     r.col(2) = z;
     return r.cast<float>();
   }
-  /// Appends a shape about the point and returns its middle.
+  /// Appends a shape around the point and returns its middle.
   Eigen::Vector3f shape(Shape kind, std::vector<float>& to) {
     return with_shape<float>(kind, [&]<class P>() -> Eigen::Vector3f {
       const P drawn = P::random(*this);
@@ -80,7 +80,8 @@ void RandomPairs::pair(Pair pair, std::vector<float>& a, std::vector<float>& b) 
   if (shape_a == Shape::kRay) {
     const Eigen::Vector3f middle = draws.shape(shape_b, b);
     const Eigen::Vector3f from = middle + 5 * draws.direction();
-    // Past the middle of B by up to about twice its size; 4/pi is for what points along the ray.
+    // Aims past the middle of B by up to about twice its size. The factor 4/pi applies to points
+    // along the ray.
     const float size = shape_b == Shape::kTriangle ? 0.25f : reach(shape_b);
     const float aside = draws.uniform(0, 2.5f * size);
     const Eigen::Vector3f at = middle + aside * draws.direction();

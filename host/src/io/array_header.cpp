@@ -14,21 +14,22 @@
 namespace cde::io {
 namespace {
 
-constexpr std::size_t kMostHeader = 65536;  // numpy.load reads 10,000
+constexpr std::size_t kMostHeader = 65536;  // numpy.load accepts 10,000
 
-/// A value as Python writes it.
+/// A value in Python's notation.
 struct Literal {
   enum class Kind { kText, kNumber, kWord, kList, kTuple, kDict } kind = Kind::kWord;
-  std::string text = {};  ///< of kText and kWord
+  std::string text = {};  ///< for kText and kWord
   std::uint64_t number = 0;
-  std::vector<Literal> items = {};  ///< of kDict keys and values by turns
+  std::vector<Literal> items = {};  ///< for kDict: keys and values alternate
 };
 
 struct NotPython {
   std::size_t at;
 };
 
-/// Texts, whole numbers from 0, True, False, None, lists, tuples and dictionaries of them.
+/// Reads texts, whole numbers from 0, True, False, None, and lists, tuples and dictionaries of
+/// them.
 class LiteralReader {
  public:
   explicit LiteralReader(std::string_view text) : text_(text) {}
@@ -95,7 +96,7 @@ class LiteralReader {
       if (peek() != last) take(','), ++commas;
     }
     ++at_;
-    // (3) is the number.
+    // (3) is a number, not a tuple.
     if (kind == Literal::Kind::kTuple && value.items.size() == 1 && commas == 0)
       return Literal(value.items.front());
     return value;

@@ -10,19 +10,19 @@ namespace cde::io {
 
 inline constexpr std::string_view kArrayMark("\x93NUMPY", 6);
 
-/// What a number is: 'f' of 2, 4 or 8 bytes, 'i' or 'u' of 1, 2, 4 or 8.
+/// A number's kind and size: 'f' of 2, 4 or 8 bytes, or 'i' or 'u' of 1, 2, 4 or 8 bytes.
 struct NumberType {
   char kind = 'f';
   unsigned bytes = 4;
   bool big_endian = false;
 };
 
-/// Numbers side by side in an element.
+/// A group of numbers in an element.
 struct ArrayField {
-  std::string name;  ///< empty for an array that is no structure
+  std::string name;  ///< empty if the array has no structure
   NumberType type;
-  std::uint64_t count = 1;   ///< of the numbers
-  std::uint64_t offset = 0;  ///< in the element, bytes
+  std::uint64_t count = 1;   ///< how many numbers
+  std::uint64_t offset = 0;  ///< in the element, in bytes
 };
 
 struct ArrayHeader {
@@ -31,11 +31,12 @@ struct ArrayHeader {
   std::vector<std::uint64_t> shape;
   std::uint64_t element_bytes = 0;
   std::uint64_t elements = 0;  ///< product of the shape
-  std::uint64_t data = 0;      ///< where the elements begin in the file
+  std::uint64_t data = 0;      ///< offset of the elements in the file
 };
 
-/// The header of `bytes`, all of a file. `name` is the file's for messages, `expected` what would
-/// be read. Error kFile for another file, another type and data of another size.
+/// Reads the header; `bytes` is the whole file. `name` is the file's name and `expected` the
+/// accepted content, both for messages. Error kFile for another kind of file, an unsupported type,
+/// or data of the wrong size.
 [[nodiscard]] ArrayHeader read_array_header(std::string_view bytes, const std::string& name,
                                             const std::string& expected);
 

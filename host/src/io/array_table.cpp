@@ -24,7 +24,8 @@ T as(std::uint64_t word) {
   return value;
 }
 
-/// The number at `at`, which is exact but for whole numbers of more than 53 bits: those set `fits`.
+/// The number at `at`. It is exact, except for whole numbers of more than 53 bits, which clear
+/// `fits`.
 double load(const char* at, NumberType type, bool& fits) {
   std::uint64_t word = 0;
   auto* const bytes = reinterpret_cast<char*>(&word);
@@ -51,7 +52,7 @@ double load(const char* at, NumberType type, bool& fits) {
 }  // namespace
 
 bool is_array(std::string_view bytes) {
-  // An archive without files begins with its end.
+  // An archive without files begins with its end record.
   return bytes.starts_with(kArrayMark.front()) || bytes.starts_with(kZipMark) ||
          bytes.starts_with("PK\x05\x06");
 }
@@ -84,7 +85,7 @@ void ArrayTable::take_axis(const ArrayHeader& header) {
     fail("its shape is " + shape_text(shape_));
   shape_.pop_back();
   const NumberType type = header.fields.front().type;
-  // The names of a table with fewer columns are those that it must have, then the optional ones.
+  // A table with fewer columns has the required names first, then optional ones.
   std::vector<std::size_t> names;
   std::size_t left_out = form_.names.size() - columns;
   for (std::size_t name = form_.names.size(); name-- > 0;)

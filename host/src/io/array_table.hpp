@@ -11,26 +11,26 @@
 
 namespace cde::io {
 
-/// Whether a file of these bytes is a NumPy array or an archive of them (.npy, .npz).
+/// Whether these bytes are a NumPy array (.npy) or an archive of arrays (.npz).
 [[nodiscard]] bool is_array(std::string_view bytes);
 
-/// A table of numbers from a NumPy array. Its last axis has the columns, or its elements are
-/// structures whose fields are columns or groups of them. Rows are numbered in C order whatever the
-/// order in memory.
+/// A table of numbers from a NumPy array. The array's last axis holds the columns, or its elements
+/// are structures whose fields are columns or groups of columns. Rows are numbered in C order,
+/// whatever the memory order.
 class ArrayTable {
  public:
-  /// `bytes` are all of a file .npy or .npz, `name` is the file's for messages. Error kFile for an
-  /// array that the form does not describe. The form must outlive it.
+  /// `bytes` is a whole .npy or .npz file, and `name` is the file's name for messages. Error kFile
+  /// if the form does not describe the array. The form must outlive the table.
   ArrayTable(std::string bytes, std::string name, const text::TableForm& form);
 
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
-  /// Axes ahead of the columns.
+  /// Axes before the columns.
   [[nodiscard]] const std::vector<std::uint64_t>& shape() const { return shape_; }
-  /// Whether there is a column of this number in the form's names.
+  /// Whether the table has the form's column of this number.
   [[nodiscard]] bool has(std::size_t column) const { return has_[column]; }
   /// Number of columns.
   [[nodiscard]] std::size_t columns() const { return columns_.size(); }
-  /// Writes the columns that there are into their places among the form's names. Exact; error
+  /// Writes the table's columns to their places among the form's names. Values are exact. Error
   /// kBadInput for a whole number of more than 53 bits.
   void read(std::uint64_t row, std::span<double> values) const;
 

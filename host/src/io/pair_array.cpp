@@ -26,7 +26,7 @@ struct PairArray::Table {
   WordText text;
   text::TableForm form;
   io::ArrayTable array;
-  std::vector<double> none;  ///< numbers of a pair that has none
+  std::vector<double> none;  ///< default numbers of a pair
   std::vector<double> numbers;
   std::vector<std::uint64_t> found;
 };

@@ -11,7 +11,7 @@ namespace cde {
 /// Columns of rays: ox, oy, oz, dx, dy, dz, tmin, tmax.
 [[nodiscard]] const text::TableForm& ray_table();
 
-/// Rays of a text; `name` is the file's for messages.
+/// Reads the rays of a text. `name` is the file's name for messages.
 [[nodiscard]] std::vector<Ray> rays_in_text(std::string_view bytes, std::string_view name);
 
 }  // namespace cde

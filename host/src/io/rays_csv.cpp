@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kFields = 8, kNeeded = 6;
 constexpr std::string_view kExpected = "ox,oy,oz,dx,dy,dz[,tmin[,tmax]]";
 
-/// Where a message points: "rays.csv:12:7" or "--ray:7".
+/// The place in a message: "rays.csv:12:7" or "--ray:7".
 struct CsvPlace {
   std::string_view name;
   std::size_t line;  // 0: the text is a single line without a number
@@ -53,13 +53,13 @@ float parse_number(const text::Field& at, text::Separator separator, std::size_t
   return value;
 }
 
-/// The row that a table has read last.
+/// The row that the table read last.
 Ray ray_of(const text::TableText& table, std::string_view line, const CsvPlace& place) {
   Ray ray;
   std::array<float, kFields> values = {0, 0, 0, 0, 0, 0, ray.tmin, ray.tmax};
   const auto fields = table.fields();
   const std::size_t columns = table.columns();
-  std::size_t direction = 1;  // where the text has dx
+  std::size_t direction = 1;  // the column of dx in the text
   for (std::size_t i = 0; i < fields.size(); ++i) {
     if (i == columns)
       place.fail(ErrorCode::kFile, fields[i].column,
@@ -71,7 +71,7 @@ Ray ray_of(const text::TableText& table, std::string_view line, const CsvPlace& 
   }
   for (std::size_t i = fields.size(); i < columns; ++i) {
     const std::size_t field = table.name_of(i);
-    if (field >= kNeeded) continue;  // tmin and tmax may be left out at the end of a line
+    if (field >= kNeeded) continue;  // tmin and tmax are optional at the end of a line
     place.fail(
         ErrorCode::kFile, line.size() + 1,
         table.named()

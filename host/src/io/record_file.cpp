@@ -39,7 +39,7 @@ struct Hex {
 template <class T>
 constexpr bool kIsVector = std::is_same_v<T, Eigen::Vector3f>;
 
-/// Cells are called with the name and the value of each column. Those of text end with a comma.
+/// Cells are called with the name and the value of each column. Text cells end with a comma.
 struct CsvHead {
   std::string& to;
   template <class T>
@@ -181,7 +181,7 @@ RecordText::RecordText(RecordFormat format, const Mesh* mesh, RayView rays)
 }
 
 bool RecordText::starts_inside(std::uint32_t ray) const {
-  if (ray >= rays_.size()) return false;  // of the header
+  if (ray >= rays_.size()) return false;  // a line of the header
   if (!last_inside_ || last_inside_->first != ray)
     last_inside_ = {ray, inside_->contains(rays_[ray].o)};
   return last_inside_->second;
@@ -290,7 +290,7 @@ std::size_t RecordText::record_bytes() const {
   return bytes.size();
 }
 
-/// Before the first records, so that a card that fails leaves nothing on stdout.
+/// Runs before the first records, so that a failing card leaves nothing on stdout.
 void RecordFile::head() {
   if (!std::exchange(has_head_, true)) file_.write(text_.head(count_.value_or(0), !count_));
 }

@@ -14,14 +14,14 @@
 namespace cde::io {
 namespace {
 
-constexpr std::uint64_t kShort = 0xffff, kLong = 0xffffffff;  // "see the fields of 64 bits"
+constexpr std::uint64_t kShort = 0xffff, kLong = 0xffffffff;  // "see the 64-bit fields"
 
 struct Entry {
   std::string name;
   std::uint64_t flags = 0, method = 0, crc = 0, packed = 0, size = 0, offset = 0;
 };
 
-/// Little-endian fields of the archive, all of them within its bytes.
+/// Little-endian fields of the archive, checked to be within its bytes.
 class Archive {
  public:
   Archive(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {}
@@ -42,7 +42,7 @@ class Archive {
     return value;
   }
 
-  /// The archive's list of its files.
+  /// The archive's central directory.
   [[nodiscard]] std::vector<Entry> entries() const {
     const std::size_t end = bytes_.rfind("PK\x05\x06");
     if (end == std::string_view::npos) fail("the archive is damaged or cut short: it has no end");
@@ -65,7 +65,7 @@ class Archive {
   }
 
  private:
-  /// The entry at `at`, which is set behind it.
+  /// The entry at `at`, which then points behind the entry.
   [[nodiscard]] Entry entry(std::uint64_t& at) const {
     if (part(at, 4) != "PK\x01\x02") fail("the archive's list of files is damaged");
     const std::uint64_t name = number(at + 28, 2), extra = number(at + 30, 2);
@@ -80,7 +80,7 @@ class Archive {
     (void)part(first, extra);
     for (std::uint64_t field = first; field + 4 <= first + extra;
          field += 4 + number(field + 2, 2)) {
-      if (number(field, 2) != 1) continue;  // of 64 bits
+      if (number(field, 2) != 1) continue;  // not the 64-bit field
       std::uint64_t value = field + 4;
       for (std::uint64_t* const small : {&e.size, &e.packed, &e.offset})
         if (*small == kLong) *small = number(value, 8), value += 8;
@@ -94,7 +94,7 @@ class Archive {
 };
 
 std::string inflated(const Archive& archive, std::string_view packed, std::uint64_t size) {
-  // zlib expands at most 1032 times: what claims more is no reason to take the memory.
+  // zlib expands at most 1032 times. So a larger claim is refused before memory is taken.
   if (size / 1032 > packed.size() + 1)
     archive.fail("an array in it claims to be larger than it is");
   std::string bytes(size, '\0');

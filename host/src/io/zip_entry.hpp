@@ -5,11 +5,11 @@
 
 namespace cde::io {
 
-/// What a ZIP archive begins with, and no text of numbers does.
+/// The first bytes of a ZIP archive. No text of numbers begins with them.
 inline constexpr std::string_view kZipMark("PK\x03\x04", 4);
 
-/// The file NAME.npy of a ZIP archive that has no other one (.npz), stored or deflated. `name` is
-/// the archive's for messages, `expected` what would be read. Error kFile for anything else.
+/// The only file NAME.npy of a ZIP archive (.npz), stored or deflated. `name` is the archive's name
+/// and `expected` the accepted content, both for messages. Error kFile for any other archive.
 [[nodiscard]] std::string only_array(std::string_view archive, const std::string& name,
                                      const std::string& expected);
 

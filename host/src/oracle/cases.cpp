@@ -13,7 +13,7 @@ const contract::PairRow& row(Pair pair) {
 }  // namespace
 
 const char* to_string(Pair pair) {
-  return row(pair).name.data();  // a literal
+  return row(pair).name.data();  // points to a literal
 }
 ShapeKind primary(Pair pair) {
   return row(pair).primary;

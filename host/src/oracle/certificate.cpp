@@ -9,8 +9,8 @@
 namespace cde::oracle {
 namespace {
 
-/// A plane has a finite gap along its normal only, so the rounded n of a result is judged by its
-/// distance from the normal and stands for it from there on.
+/// Replaces n by the plane's normal if it is within `angle` of it. A plane has a finite signed
+/// distance only along its normal, so the rounded n stands for the normal.
 Vec snapped_to_plane(const Shape& a, const Shape& b, const Vec& n, double angle) {
   const auto* plane = std::get_if<Plane>(&a);
   if (!plane) plane = std::get_if<Plane>(&b);

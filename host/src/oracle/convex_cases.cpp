@@ -7,8 +7,8 @@
 #include "cde/oracle/cases.hpp"
 #include "cde/oracle/gap.hpp"
 
-// Operands of the convex pairs: build both shapes about the origin in frames that the family
-// chooses, round them, then place B, again by the family's rule.
+// Makes operands of the convex pairs. Builds both shapes around the origin in frames that the
+// family chooses, rounds them, and places B by the family's rule.
 namespace cde::oracle {
 namespace {
 
@@ -17,8 +17,8 @@ double size_of(const Shape& shape) {
   return std::holds_alternative<Plane>(shape) ? 1.0 : scene_size(shape, origin);
 }
 
-/// B moved so that the pair's signed gap is `gap`: approach from far away in the given direction,
-/// then go back along the separating normal.
+/// Moves B so that the pair's signed distance is `gap`: it approaches from far away in the given
+/// direction, then moves back along the separating normal.
 Shape approach(const Shape& a, const Shape& b, const Vec& direction, double gap) {
   const double far = 20 * (size_of(a) + size_of(b));
   const Shape b_far = moved(b, center(a) - center(b) + far * direction);
@@ -26,7 +26,7 @@ Shape approach(const Shape& a, const Shape& b, const Vec& direction, double gap)
   return moved(b_far, (gap - found.middle()) * found.n);
 }
 
-/// B moved so that its projection on n leaves `gap` to A's.
+/// Moves B so that its projection on n lies `gap` from A's.
 Shape against(const Shape& a, const Shape& b, const Vec& n, double gap) {
   if (std::holds_alternative<Plane>(b)) return approach(a, b, n, gap);
   return moved(b, (gap + support(a, n) + support(b, -n)) * n);
@@ -36,17 +36,18 @@ Vec any_axis(Random& random) {
   return random.flipped(Vec::Unit(random.below(3)));
 }
 
-/// A small rotation, by about `angle`.
+/// A small rotation by about `angle`.
 Frame tilt(Random& random, double angle) {
   return Eigen::AngleAxisd(angle, random.direction()).toRotationMatrix();
 }
 
-/// A's frame and B's in A's.
+/// A's frame, and B's frame relative to it.
 struct Frames {
   Frame a, relative;
 };
 
-// Draws are in statements or braces of their own: elsewhere their order is the compiler's.
+// Each draw is a statement or an element in braces; otherwise the compiler would choose their
+// order.
 struct Draft {
   Random random;
   Format format;
@@ -72,8 +73,9 @@ struct Draft {
   [[nodiscard]] bool both_flat() const {
     return kind_a == ShapeKind::kTriangle && kind_b == ShapeKind::kTriangle;
   }
-  /// Two triangles that approach by a vertex slip past each other more often than they meet: an
-  /// edge of B goes through A a little inside of an edge, and the rest of B beyond that edge.
+  /// Makes two triangles cross near their edges. Triangles that approach by a vertex usually slip
+  /// past each other. So an edge of B goes through A slightly inside an edge of A, and the rest of
+  /// B lies beyond that edge.
   void cross() {
     struct OnEdge {
       Vec at, edge, inwards;
@@ -87,7 +89,7 @@ struct Draft {
     const OnEdge of_a = on_edge(std::get<Triangle>(a));
     OnEdge of_b = on_edge(std::get<Triangle>(b));
     const double depth = std::abs(small_offset(random, format));
-    // The part of B in the plane of A goes this way from its edge.
+    // The direction in which B extends from its edge, within the plane of A.
     const Vec up = of_a.edge.cross(of_a.inwards);
     const Vec along = up.dot(of_b.edge) * of_b.inwards - up.dot(of_b.inwards) * of_b.edge;
     if (up.cross(of_a.edge).dot(along) * up.dot(of_b.edge) > 0) {
@@ -101,7 +103,7 @@ struct Draft {
     const double length = random.uniform(least, most) * size();
     b = moved(b, center(a) - center(b) + length * random.direction());
   }
-  /// The frame that an AABB does not have is the world's.
+  /// Sets the frames. An AABB's frame is the world's.
   void frames(const Frames& chosen) {
     frame_a = chosen.a;
     frame_b = chosen.a * chosen.relative;
@@ -142,7 +144,7 @@ const char* aligned(Draft& d) {
   Vec beside{d.random.below(17) - 8., d.random.below(17) - 8., d.random.below(17) - 8.};
   if (d.random.chance(0.3)) beside.setZero();
   if (d.random.chance(0.3)) {
-    // Centre on the other's side plane, or side on side: sliding by half sizes.
+    // A centre on the other shape's side plane, or side on side: move by half sizes.
     beside = 16 * Vec{d.random.below(3) - 1., d.random.below(3) - 1., d.random.below(3) - 1.};
   }
   d.b = moved(d.b, (beside - n.dot(beside) * n) / 16);
@@ -231,7 +233,7 @@ const char* perpendicular_axes(Draft& d) {
   return "perpendicular axes";
 }
 
-/// Normal within two degrees of the cap axis of one of the two, or of a face normal.
+/// The normal is within two degrees of the cap axis of a cylinder, or of a face normal.
 const char* cap_axis(Draft& d) {
   d.build();
   const bool of_b = d.kind_b == ShapeKind::kCylinder && d.random.chance(0.6);
@@ -263,7 +265,7 @@ const char* offset(Draft& d) {
 
 // ---- Hard cases ----
 
-/// Up to a tenth of the scene from contact, where formats of few bits tell hits from misses.
+/// Up to a tenth of the scene from contact, where narrow formats can tell hits from misses.
 const char* close_by(Draft& d) {
   d.build();
   const Vec direction = d.random.direction();
@@ -278,7 +280,7 @@ const char* touching(Draft& d) {
   return "touching";
 }
 
-/// Face to face but for a rotation by 1e-9 to 1e-2.
+/// Face to face, except for a rotation by 1e-9 to 1e-2.
 const char* hair_turn(Draft& d) {
   const double angle = d.random.decades(1e-9, 1e-2);
   const Frame slightly = tilt(d.random, angle);
@@ -305,7 +307,7 @@ const char* huge_and_tiny(Draft& d) {
   return "huge and tiny";
 }
 
-/// So many times their size from the world's origin.
+/// At `distance` times the shapes' size from the world's origin.
 const char* far_off(Draft& d, double distance, const char* family) {
   d.build();
   d.random.chance(0.5) ? d.near_contact() : d.beside(0, 0.6);

@@ -10,20 +10,20 @@
 #include "cde/oracle/cases.hpp"
 #include "cde/oracle/scene.hpp"
 
-// Operands as people write them: whole numbers, equal coordinates, one thing upon another. What is
-// rare among random numbers, ties above all, is the rule here.
+// Makes operands as people write them: whole numbers, equal coordinates, stacked things. Rare
+// events among random numbers, mostly ties, are the rule here.
 namespace cde::oracle {
 namespace {
 
-/// Turned about its own middle.
+/// The shape, turned about its own middle.
 Shape tilted(const Shape& shape, const Frame& by) {
   if (std::holds_alternative<Aabb>(shape)) return shape;
   const Vec c = center(shape);
   return moved(turned(moved(shape, -c), by), c);
 }
 
-/// A pair under construction. Draws are in statements or braces of their own: elsewhere their order
-/// is the compiler's.
+/// A pair under construction. Each draw is a statement or an element in braces; otherwise the
+/// compiler would choose their order.
 struct Pieces : Lengths {
   Format format;
   ShapeKind kind_a, kind_b;
@@ -34,7 +34,7 @@ struct Pieces : Lengths {
     return with_kind(kind, [&]<class S>() -> Shape { return S::whole(*this); });
   }
 
-  /// The middle of what it covers along the axes, and half of that.
+  /// The middle and half size of the shape's extent along the axes.
   static Vec middle(const Shape& s) {
     Vec m;
     for (int k = 0; k < 3; ++k) m[k] = (support(s, Vec::Unit(k)) - support(s, -Vec::Unit(k))) / 2;
@@ -46,8 +46,8 @@ struct Pieces : Lengths {
     return h;
   }
 
-  /// Both, A's middle at the origin or near it and B's `apart` times the sum of the half widths
-  /// away at most, with coordinates equal as often as `equal`.
+  /// Places both shapes. A's middle is at or near the origin. B's middle is at most `apart` times
+  /// the sum of the half widths away. Coordinates are equal with probability `equal`.
   void place(double apart, double equal) {
     whole = random.chance(0.6);
     a = axis_parallel(kind_a);
@@ -68,7 +68,7 @@ struct Pieces : Lengths {
     b = moved(b, middle(a) + to - middle(b));
   }
 
-  /// All of it turned, moved, one of the two tilted by a hair, each now and then.
+  /// Sometimes turns or moves both shapes, and sometimes tilts one slightly.
   void disturb() {
     const double angle = random.decades(1e-7, 1e-2);
     const Vec axis = random.chance(0.5) ? Vec(Vec::Unit(random.below(3))) : random.direction();
@@ -84,7 +84,7 @@ struct Pieces : Lengths {
     if (moves) a = moved(a, by), b = moved(b, by);
   }
 
-  /// All lengths times a power of two, exactly, as far as the format has room for squares.
+  /// Multiplies all lengths by a power of two, exactly, while the squares fit the format.
   void scale(int exponent) {
     const double by = std::ldexp(1, exponent);
     a = scaled(rounded(kind_a, a, format), by);
@@ -108,7 +108,7 @@ const char* tied(Pieces& p) {
   return "tied";
 }
 
-/// Face to face: with no gap, or one that is small, or half a unit, of either sign.
+/// Face to face, with a signed distance of zero, a small value, or half a unit, of either sign.
 const char* stacked(Pieces& p) {
   p.place(0.9, 0.5);
   const Vec n = p.random.flipped(Vec::Unit(p.random.below(3)));
@@ -123,7 +123,7 @@ const char* stacked(Pieces& p) {
   return "stacked";
 }
 
-/// A triangle without area or thinner than its own rounding; a box or a disc that is a plate.
+/// A triangle without area or thinner than its rounding error; a box or disc that is a plate.
 const char* flat(Pieces& p) {
   p.place(1.15, 0.3);
   const double thin = std::ldexp(1, -4 - p.random.below(std::max(1, p.format.man_bits - 8)));
@@ -158,7 +158,7 @@ const char* scaled(Pieces& p) {
 
 // ---- Rays ----
 
-/// A point of the target where things meet: a vertex, an edge's middle, a rim, a pole, the centre.
+/// A special point of the target: a vertex, an edge's middle, a rim, a pole or the centre.
 Vec landmark(Random& random, const Shape& target) {
   if (const auto* t = std::get_if<Triangle>(&target)) {
     const std::array<Vec, 3> v = {t->v0, t->v1, t->v2};
@@ -171,8 +171,8 @@ Vec landmark(Random& random, const Shape& target) {
   return c + support(moved(target, -c), n) * n;
 }
 
-/// Through whole points: along an axis, a diagonal, or to a landmark. A solid is met sooner than a
-/// triangle.
+/// A ray through whole points: along an axis, along a diagonal, or to a landmark. Rays hit solids
+/// more often than triangles, so they aim at solids less often.
 void ray_through(Pieces& p, double at_it) {
   const double share = p.kind_b == ShapeKind::kTriangle ? at_it : 0.6 * at_it;
   const Vec at = p.random.chance(share) ? landmark(p.random, p.b) : Vec(center(p.b) + p.point(6));
@@ -183,7 +183,7 @@ void ray_through(Pieces& p, double at_it) {
   }
   const double back = 1 + p.random.below(16);
   p.ray = {at - back * direction, direction, 0, kInfinity};
-  if (p.random.chance(0.2)) p.ray.tmax = back;  // ends where it arrives
+  if (p.random.chance(0.2)) p.ray.tmax = back;  // ends at the target
 }
 
 void disturb_ray(Pieces& p) {
@@ -213,7 +213,8 @@ const char* ray_tied(Pieces& p) {
   return "tied";
 }
 
-/// In the plane of the triangle, or at one without area; along a face or side of a solid.
+/// A ray in the plane of the triangle, at a triangle without area, or along a face or side of a
+/// solid.
 const char* ray_flat(Pieces& p) {
   whole_target(p);
   if (auto* t = std::get_if<Triangle>(&p.b)) {
@@ -239,7 +240,7 @@ const char* ray_flat(Pieces& p) {
   return "flat";
 }
 
-/// From an eye on the grid: straight down, along the floor, at a landmark or anywhere.
+/// A ray from an eye on the grid: straight down, along the floor, at a landmark or anywhere.
 const char* ray_in_a_scene(Pieces& p) {
   const Scene scene = make_scene(p.random, {p.kind_b});
   p.b = rounded(p.kind_b, any_of(p.random, scene, p.kind_b), p.format);
@@ -278,7 +279,7 @@ Case everyday(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& 
                                                   ray_flat,       ray_scaled};
   static_assert(kConvex.size() == detail::kEverydayFamilies &&
                 kRays.size() == detail::kEverydayFamilies);
-  // A stream of its own for every pair, apart from those of generate().
+  // Every pair has its own random stream, separate from those of generate().
   Pieces p{{Random(seed, 500 + static_cast<std::uint64_t>(pair), index)},
            format,
            primary(pair),
@@ -292,7 +293,7 @@ Case everyday(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& 
   }
   const char* family = kRays[index % kRays.size()](p);
   Case made{pair, seed, index, family, to_words(p.ray, format), to_words(p.b, format)};
-  if (made.ray().d.isZero(0)) made.a[3] = 1;  // rounding has left no direction
+  if (made.ray().d.isZero(0)) made.a[3] = 1;  // rounding has erased the direction
   return made;
 }
 

@@ -7,8 +7,7 @@ namespace cde::oracle {
 
 std::vector<Family> families(Pair pair) {
   std::vector<Family> all;
-  // A family is named by its cases, and may have several places among the indices: the first
-  // counts.
+  // The cases name their family. A family may have several ranges of indices: the first one counts.
   const auto add = [&](const std::string& prefix, Family family) {
     family.name = prefix + family.at(pair, 0, 0, {}).family;
     std::ranges::replace(family.name, ' ', '-');

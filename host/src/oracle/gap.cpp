@@ -11,8 +11,8 @@
 namespace cde::oracle {
 namespace {
 
-// A core is a shape about its own centre, without a sphere's radius: its support point, and the
-// directions of its faces and edges, which only serve as first guesses.
+// A core is a shape around its own centre, without a sphere's radius. It has a support point, and
+// directions of faces and edges that only serve as first guesses.
 
 double sign(double x) {
   return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0;
@@ -60,11 +60,10 @@ struct CylinderCore {
   [[nodiscard]] std::array<Vec, 1> edges() const { return {axis}; }
 };
 
-/// Up to four points of the Minkowski difference and the point of their hull that is nearest to
-/// -shift.
+/// Up to four points of the Minkowski difference, and the point of their hull nearest to -shift.
 class Simplex {
  public:
-  /// Adds y and drops the points that the nearest one no longer needs.
+  /// Adds y and drops the points that the nearest point does not need.
   void add(const Vec& y, const Vec& shift = Vec::Zero()) {
     points_[count_++] = y;
     shift_ = shift;
@@ -82,7 +81,7 @@ class Simplex {
   [[nodiscard]] double norm() const { return norm_; }  ///< of nearest() + shift
 
  private:
-  /// The weights, positive and of sum 1, make a point of the hull however they were rounded.
+  /// The weights are positive and sum to 1, so they make a point of the hull despite rounding.
   void take(unsigned subset, const std::array<Vec, 4>& p, std::size_t n,
             const std::array<double, 4>& weights) {
     Vec point = p[0];
@@ -90,7 +89,7 @@ class Simplex {
     const double norm = n == 4 ? 0 : (point + shift_).norm();
     if (norm < norm_) norm_ = norm, best_subset_ = subset, nearest_ = point;
   }
-  // Considers the interior of the sub-simplex; its sides are subsets of their own.
+  // Considers the interior of the sub-simplex. Its sides are separate subsets.
   void try_subset(unsigned subset) {
     std::array<Vec, 4> p, q;
     std::size_t n = 0;
@@ -127,12 +126,13 @@ class Simplex {
   double norm_ = std::numeric_limits<double>::infinity();
 };
 
-/// A square of a face of the cube [-1, 1]^3, seen from the centre: the directions p with p[axis] =
-/// side and the next two coordinates within w of u and v. Coordinates are dyadic, so exact.
+/// A square on a face of the cube [-1, 1]^3, seen from the centre. It holds the directions p with
+/// p[axis] = side and the next two coordinates within w of u and v. The coordinates are dyadic, so
+/// they are exact.
 struct Cell {
-  double bound;  // no unit n of the cell has a larger g
+  double bound;  // upper bound of g over unit normals n of the cell
   double u, v, w;
-  Vec y;  // the point of the Minkowski difference that proves it
+  Vec y;  // point of the Minkowski difference that proves the bound
   int axis;
   double side;
 
@@ -151,8 +151,8 @@ struct Cap {
   Vec n0;
   double cos_rho, sin_rho;
 
-  /// Every direction of the cell is p + (0, du, dv) with |(du, dv)| <= sqrt(2) w, which is at most
-  /// asin(sqrt(2) w / |p|) away from p.
+  /// Every direction of the cell is p + (0, du, dv) with |(du, dv)| <= sqrt(2) w. Its angle to p is
+  /// at most asin(sqrt(2) w / |p|).
   explicit Cap(const Cell& cell) {
     const Vec p = cell.direction();
     const double length = p.norm();
@@ -160,7 +160,7 @@ struct Cap {
     sin_rho = std::sqrt(2.0) * cell.w / length * (1 + 1e-15);
     cos_rho = std::sqrt((1 - sin_rho) * (1 + sin_rho));
   }
-  /// The largest n.y over the cap, and an n that attains it.
+  /// The largest n.y over the cap. Sets n to a normal that attains it.
   double bound(const Vec& y, Vec& n) const {
     const double p = n0.dot(y);
     const Vec across = y - p * n0;
@@ -170,18 +170,18 @@ struct Cap {
       n = norm > 0 ? Vec(y / norm) : n0;
       return norm;
     }
-    // Normalised: if y is along n0, rounding has left `across` with no right angle to it.
+    // Normalised, because `across` is not exactly perpendicular to n0 if y is nearly along n0.
     n = t > 0 ? Vec((cos_rho * n0 + (sin_rho / t) * across).normalized()) : n0;
     return p * cos_rho + t * sin_rho;
   }
-  /// c n0, where -c n0 is the point from which the normal of bound(y) points at y; 0 if that normal
-  /// is y's own direction.
+  /// The vector c n0 for the point -c n0 from which the normal of bound(y) points at y. It is 0 if
+  /// that normal is y's own direction.
   [[nodiscard]] Vec back_from(const Vec& y) const {
     const double p = n0.dot(y), t = (y - p * n0).norm();
     return std::max(0.0, t * cos_rho / sin_rho - p) * n0;
   }
-  /// The point of the segment y..z with (nearly) the least bound: the zero of the derivative of
-  /// cos_rho p + sin_rho t, t the length of the part across n0.
+  /// The point of the segment y..z with nearly the least bound. It is the zero of the derivative of
+  /// cos_rho p + sin_rho t, where t is the length of the part perpendicular to n0.
   [[nodiscard]] Vec best_between(const Vec& y, const Vec& z) const {
     const Vec e = z - y;
     const double de = n0.dot(e);
@@ -212,8 +212,9 @@ class Search {
   static constexpr int kTightenings = 4;
   static constexpr int kHardTightenings = 20;
   static constexpr int kSeparationSteps = 60;
-  static constexpr long kHard = 300;     // evaluations, after which a pair counts as hard
-  static constexpr double kNear = 0.25;  // of the way down to lo_: not worth another step
+  static constexpr long kHard = 300;  // evaluations after which a pair counts as hard
+  static constexpr double kNear =
+      0.25;  // share of the way down to lo_ below which another step is not worthwhile
 
   /// The point of B - A with the least n.y, which is g(n).
   Vec evaluate(const Vec& n) {
@@ -231,7 +232,7 @@ class Search {
     evaluate(-n / length);
   }
 
-  /// Good lower bounds early; the proof does not depend on them.
+  /// Finds good lower bounds early. The proof does not depend on them.
   void guess() {
     evaluate(Vec::UnitZ());
     guess_both_ways(apart_);
@@ -241,7 +242,8 @@ class Search {
       for (const Vec& f : b_.edges()) guess_both_ways(e.cross(f));
   }
 
-  /// True if the shapes are apart and the distance is found: |y| from above, g(y / |y|) from below.
+  /// True if the shapes are apart and the distance is found. |y| is an upper bound, and g(y / |y|)
+  /// a lower bound.
   bool separate() {
     Simplex simplex;
     simplex.add(evaluate(n_));
@@ -270,15 +272,15 @@ class Search {
       if (of_y < cell.bound) cell.bound = of_y, cell.y = y;
       if (cell.bound <= lo_ + tolerance_) return;
       const Vec z = evaluate(n);
-      // n.z = g(n) bounds what any point of the difference could still prove over this cap.
+      // n.z = g(n) limits what any point of the difference can still prove over this cap.
       if (of_y - n.dot(z) <= kNear * (of_y - lo_)) return;
       y = cap.best_between(y, z);
     }
   }
 
-  /// The same with more memory, for pairs that turn out to be hard. Seen from the point -c n0 on
-  /// the cap's axis from which cap.bound's normal points at y, lowering the bound is finding the
-  /// nearest point of the difference, by the simplex of separate().
+  /// Tightens with more memory, for hard pairs. It views the difference from the point -c n0 on the
+  /// cap's axis, from which the normal of cap.bound() points at y. Lowering the bound then means
+  /// finding the nearest point, by the simplex of separate().
   void tighten(Cell& cell, const Cap& cap) {
     Vec n;
     double of_y = cap.bound(cell.y, n);
@@ -352,7 +354,7 @@ using Core = std::variant<PointCore, TriangleCore, BoxCore, CylinderCore>;
 struct Placed {
   Core core;
   Vec center;
-  double radius;  // of a ball added to the core
+  double radius;  // radius of a ball added to the core
 };
 
 Placed place(const Sphere& s) {
@@ -382,8 +384,8 @@ Placed place(const Shape& shape) {
   return std::visit([](const auto& s) { return place(s); }, shape);
 }
 
-/// s = |H| - R, or H - R for a half-space, which is the one direction or the two in which a plane
-/// has a finite support.
+/// s = |H| - R, or H - R for a half-space. A plane has a finite support in two directions, and a
+/// half-space in one.
 Gap plane_gap(const Shape& a, const Plane& b) {
   const double length = b.n.norm();
   const Vec n = b.n / length;
@@ -393,15 +395,15 @@ Gap plane_gap(const Shape& a, const Plane& b) {
     throw std::invalid_argument("two planes have no signed gap");
   const Shape centred = moved(a, -c);
   const double above =
-      height - support(centred, -n);  // A on the side of the normal, so A to B is -n
+      height - support(centred, -n);  // A is on the side of the normal, so A to B is -n
   const double below = -height - support(centred, n);
   const bool flip = b.half_space || above >= below;
   const double s = flip ? above : below;
   return {s, s, flip ? Vec(-n) : n, true, 2};
 }
 
-/// Cylinders with one axis direction: their difference is the cylinder of the summed heights and
-/// radii about the offset of the centres.
+/// Cylinders with the same axis direction. Their difference is a cylinder with the summed heights
+/// and radii, around the offset of the centres.
 Gap coaxial_gap(const CylinderCore& a, const CylinderCore& b, const Vec& apart) {
   const double along = a.axis.dot(apart);
   const Vec across = a.axis.cross(apart).cross(a.axis);

@@ -8,12 +8,13 @@
 #include "cde/oracle/cases.hpp"
 #include "cde/oracle/rays.hpp"
 
-// Operands of the three ray pairs. The target is built and rounded first, then the ray is aimed at
-// it by the family's rule.
+// Makes operands of the three ray pairs. Builds and rounds the target first, then aims the ray by
+// the family's rule.
 namespace cde::oracle {
 namespace {
 
-// Draws are in statements or braces of their own: elsewhere their order is the compiler's.
+// Each draw is a statement or an element in braces; otherwise the compiler would choose their
+// order.
 struct RayDraft {
   Random random;
   Format format;
@@ -25,7 +26,7 @@ struct RayDraft {
 
   void make_target() { target = rounded(kind, build_shape(random, kind, frame, build), format); }
 
-  /// A point of the target: of the triangle, or inside the solid.
+  /// A point of the triangle, or inside the solid.
   Vec inner_point() {
     if (const auto* s = std::get_if<Triangle>(&target)) {
       const double u = random.unit(), v = random.unit() * (1 - u);
@@ -38,7 +39,8 @@ struct RayDraft {
     const double z = random.uniform(-1, 1) * s.half_height;
     return s.c + z * s.axis + depth * s.radius * n.cross(s.axis).normalized();
   }
-  /// On the silhouette as seen from `eye`, an edge or a rim, and the direction that leads past it.
+  /// A point on the silhouette as seen from `eye`, on an edge or a rim, and the direction that
+  /// leads past the target.
   void rim_point(const Vec& eye, Vec& point, Vec& out);
 
   Vec eye() {
@@ -50,7 +52,7 @@ struct RayDraft {
                           const char* family) const {
     return {pair, seed, index, family, to_words(ray, format), to_words(target, format)};
   }
-  /// The exact answer for the words as they will be.
+  /// The exact answer for the final words.
   [[nodiscard]] RayAnswer answer() const {
     const Ray words = ray_from_words(to_words(ray, format));
     if (const auto* s = std::get_if<Sphere>(&target)) return cast(words, *s);
@@ -85,7 +87,7 @@ void RayDraft::rim_point(const Vec& eye, Vec& point, Vec& out) {
       const double z = random.uniform(-1, 1) * cylinder.half_height;
       point = cylinder.c + z * cylinder.axis + cylinder.radius * out;
     } else {
-      // A rim is on the silhouette where the eye sees just one of the cap and the side.
+      // A rim lies on the silhouette where the eye sees just one of cap and side.
       for (int attempt = 0; attempt < 32; ++attempt) {
         const Vec radial = cylinder.axis.cross(random.direction()).normalized();
         const double cap = random.either_sign(cylinder.half_height);
@@ -130,7 +132,7 @@ const char* from_inside(RayDraft& d) {
   return "from inside";
 }
 
-/// T exactly at, or one ulp to either side of, an end of the interval; of either crossing.
+/// T at an end of the interval or one ulp to either side, for either crossing.
 const char* at_bounds(RayDraft& d) {
   aimed(d);
   if (d.random.chance(0.4) && d.kind != ShapeKind::kTriangle) {
@@ -152,13 +154,13 @@ const char* intervals(RayDraft& d) {
   switch (d.random.below(5)) {
     case 0:
       d.ray.tmin = 2, d.ray.tmax = 0.5;
-      break;  // empty
+      break;  // empty interval
     case 1:
       d.ray.tmin = -kInfinity;
       break;
     case 2:
       d.ray.tmin = -100, d.ray.d = -d.ray.d;
-      break;  // behind the origin
+      break;  // interval behind the origin
     case 3:
       d.ray.tmax = d.random.uniform(0, 2);
       break;
@@ -169,7 +171,7 @@ const char* intervals(RayDraft& d) {
   return "intervals";
 }
 
-/// Direction along one or two axes, with zeros of either sign.
+/// A direction along one or two axes, with zeros of either sign.
 const char* along_axes(RayDraft& d) {
   if (d.random.chance(0.5)) d.frame = d.random.quarter_turns();
   d.build.dyadic = d.random.chance(0.5);
@@ -187,7 +189,7 @@ const char* along_axes(RayDraft& d) {
   return "along axes";
 }
 
-/// Down a cylinder's axis, through a sphere's centre, in a triangle's plane.
+/// Along a cylinder's axis, through a sphere's centre, or in a triangle's plane.
 const char* degenerate_view(RayDraft& d) {
   if (d.random.chance(0.5)) d.frame = d.random.quarter_turns();
   d.build.dyadic = true;
@@ -261,13 +263,13 @@ const char* offset(RayDraft& d) {
   Vec by = far * Vec::Ones();
   by = by.cwiseProduct(d.random.direction());
   if (d.random.chance(0.2) && farthest(d.format) >= 1e5)
-    by = Vec(148376, 1234, -223423);  // where Embree was once watertight
+    by = Vec(148376, 1234, -223423);  // an offset at which Embree once was not watertight
   d.target = rounded(d.kind, moved(d.target, by), d.format);
   d.ray.o += by;
   return "offset";
 }
 
-/// Needles, plates and, for a triangle, no area at all.
+/// Needles and plates; for a triangle also no area.
 const char* thin(RayDraft& d) {
   d.build.thin = d.random.decades(1e-5, 1e-2);
   d.build.plate = d.random.chance(0.5);
@@ -278,8 +280,8 @@ const char* thin(RayDraft& d) {
 
 // ---- Hard cases ----
 
-/// Almost along the surface: in a triangle's plane but for an angle of 1e-6 to 1e-1, or into a
-/// solid that little of its size past the silhouette.
+/// Almost along the surface. In a triangle's plane except for an angle of 1e-6 to 1e-1, or into a
+/// solid by that fraction of its size past the silhouette.
 const char* grazing(RayDraft& d) {
   d.make_target();
   const double slight = d.random.decades(1e-6, 1e-1);
@@ -346,7 +348,7 @@ RayDraft blank(Pair pair, std::uint64_t seed, std::uint64_t stream, std::uint64_
 
 Case made_whole(RayDraft& d, Pair pair, std::uint64_t seed, std::uint64_t index,
                 const char* family) {
-  // Rounding may have left no direction: two points that are one.
+  // Rounding may have merged the two points, which leaves no direction.
   if (d.made(pair, seed, index, family).ray().d.isZero(0)) d.ray.d = Vec::UnitX();
   return d.made(pair, seed, index, family);
 }

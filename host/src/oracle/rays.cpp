@@ -38,13 +38,13 @@ double to_double(const Real& x) {
   return x.convert_to<double>();
 }
 
-/// Where the line crosses one surface.
+/// A crossing of the line with one surface.
 struct Root {
   Real t;
   double cosine;  // of the angle between line and normal
 };
 
-/// Where the line enters or leaves the target: its last entry or first exit over all surfaces.
+/// The line's entry into or exit from the target: its last entry or first exit over all surfaces.
 struct Crossing {
   bool entry;
   std::vector<Root> roots;
@@ -54,8 +54,8 @@ struct Crossing {
     return entry ? *std::ranges::max_element(roots, before)
                  : *std::ranges::min_element(roots, before);
   }
-  /// The displacement, to first order, after which the crossing would be on the other side of the
-  /// bound: one root is enough to pass it one way, the other way all have to.
+  /// The displacement, to first order, that moves the crossing to the other side of the bound. One
+  /// root suffices to pass it one way; the other way needs all roots.
   [[nodiscard]] double margin(double bound, double length) const {
     if (std::isinf(bound)) return kInfinity;
     const Real b(bound);
@@ -79,7 +79,8 @@ bool in_range(const Ray& ray, const Real& t) {
   return t >= Real(ray.tmin) && t <= Real(ray.tmax);
 }
 
-/// Of the active root; at a rim, where another is within `near` of it, the lesser of the two.
+/// The cosine of the active root. At a rim, where another root is within `near`, it is the smaller
+/// of the two cosines.
 double cosine_of(const Crossing& crossing, double near) {
   double cosine = 1;
   for (const Root& root : crossing.roots)
@@ -88,8 +89,8 @@ double cosine_of(const Crossing& crossing, double near) {
   return cosine;
 }
 
-/// The answer for the crossings of a line, ascending in t. line_margin: the displacement, as a
-/// length, after which the line would meet the target no longer, or meet it after all.
+/// The answer for the crossings of a line, ascending in t. line_margin is the displacement, as a
+/// length, that makes the line start or stop hitting the target.
 RayAnswer decide(const Ray& ray, const std::vector<Crossing>& crossings, double line_margin,
                  double scale) {
   RayAnswer answer;
@@ -124,13 +125,13 @@ RayAnswer decide(const Ray& ray, const std::vector<Crossing>& crossings, double 
   return answer;
 }
 
-/// What one surface of a solid leaves of the line.
+/// The part of the line that lies inside one surface of a solid.
 struct Interval {
   bool all = false;    // the whole line
-  bool empty = false;  // nothing of it
+  bool empty = false;  // no part of it
   Real in = 0, out = 0;
   double cosine = 1;          // of the angle between line and normal, at both ends
-  double margin = kInfinity;  // displacement after which all or empty would no longer hold
+  double margin = kInfinity;  // displacement that changes `all` or `empty`
 };
 
 Interval lateral_interval(const Real3& d, const Real3& f, const Real3& axis, const Real& radius) {
@@ -144,7 +145,7 @@ Interval lateral_interval(const Real3& d, const Real3& f, const Real3& axis, con
     found.empty = !found.all;
     return found;
   }
-  const Real apart = abs(dot(f, n)) / sqrt(a);  // between the lines
+  const Real apart = abs(dot(f, n)) / sqrt(a);  // distance between the lines
   found.margin = std::abs(to_double(apart - radius));
   const Real discriminant = b * b - a * c;
   found.empty = discriminant < 0;
@@ -152,7 +153,7 @@ Interval lateral_interval(const Real3& d, const Real3& f, const Real3& axis, con
   const Real root = sqrt(discriminant);
   found.in = (-b - root) / a;
   found.out = (-b + root) / a;
-  // The outward normal is (m + t n) x axis / r, along which d advances by root / (r |axis|).
+  // The outward normal is (m + t n) x axis / r. Along it, d advances by root / (r |axis|).
   found.cosine = to_double(root / (r * length * norm(d)));
   return found;
 }
@@ -174,8 +175,8 @@ Interval slab_interval(const Real3& d, const Real3& f, const Real3& axis, const 
   return found;
 }
 
-/// The displacement after which the line would no longer be inside all surfaces at once, or after
-/// which it would be: moving an end by e needs e times its cosine.
+/// The displacement that ends or begins the overlap of the line with all surfaces at once. Moving
+/// an end by e takes e times its cosine.
 double overlap_margin(const Crossing& in, const Crossing& out, double length) {
   const bool apart = in.active().t > out.active().t;
   double least = kInfinity, most = 0;
@@ -192,7 +193,7 @@ double overlap_margin(const Crossing& in, const Crossing& out, double length) {
 double line_to_segment(const Ray& ray, const Vec& p, const Vec& q) {
   using Long = Eigen::Matrix<long double, 3, 1>;
   const Long d = ray.d.cast<long double>().normalized();
-  // Across the direction the line is a point.
+  // In the projection along d the line is a point.
   const auto across = [&](const Vec& x) -> Long {
     const Long f = x.cast<long double>() - ray.o.cast<long double>();
     return f - d * d.dot(f);
@@ -203,8 +204,8 @@ double line_to_segment(const Ray& ray, const Vec& p, const Vec& q) {
   return static_cast<double>((a + s * e).norm());
 }
 
-/// How far a ray in or parallel to a triangle's plane, or any ray from a triangle without area, is
-/// from meeting it.
+/// The distance by which a ray misses a triangle, for a ray parallel to its plane or a triangle
+/// without area.
 double from_parallel(const Ray& ray, const std::array<Vec, 3>& v, const Vec& normal) {
   const double area = normal.norm();
   const double off_plane = area > 0 ? std::abs(normal.dot(v[0] - ray.o)) / area : 0;
@@ -222,7 +223,7 @@ RayAnswer decide(const Ray& ray, const ExactHit& exact, const std::array<Vec, 3>
                  const Vec& normal, double scale) {
   const double area = normal.norm();
   const double cosine = std::abs(normal.dot(ray.d)) / (area * ray.d.norm());
-  // Barycentric coordinate times height: the distance from an edge, negative outside.
+  // A barycentric coordinate times the height is the distance from an edge, negative outside.
   const double weights[3] = {to_double(ExactHit::Rational(1 - exact.u - exact.v)),
                              to_double(exact.u), to_double(exact.v)};
   double inside = kInfinity;
@@ -285,7 +286,7 @@ RayAnswer cast(const Ray& ray, const Triangle& triangle) {
                        cde::BasicTriangle<double>{v[0], v[1], v[2]});
   double scale = 0;
   for (const Vec& w : v) scale = std::max(scale, (w - ray.o).norm());
-  if (scale == 0) scale = 1;  // all in one point: a miss whatever the unit
+  if (scale == 0) scale = 1;  // all points coincide: a miss in any unit
 
   const Vec normal = (v[1] - v[0]).cross(v[2] - v[0]);
   RayAnswer answer = exact.det == 0 ? decide(ray, {}, from_parallel(ray, v, normal), scale)

@@ -15,20 +15,20 @@ namespace {
 constexpr double k15Degrees = std::numbers::pi / 12;
 
 Frame about(const Vec& axis, int steps_of_15_degrees) {
-  // Quarter turns exactly: nobody writes 6e-17 for 0.
+  // Quarter turns are exact: people write 0, not 6e-17.
   const auto exact = [](double x) { return std::abs(x) < 1e-15 ? 0.0 : x; };
   const Frame turn = Eigen::AngleAxisd(steps_of_15_degrees * k15Degrees, axis).toRotationMatrix();
   return turn.unaryExpr(exact);
 }
 
-/// Lying on one of its sides or standing, then turned about z; leaning now and then.
+/// Lying on a side or standing, then turned about z, and sometimes leaning.
 Frame posture(Random& random) {
   const Frame side = random.chance(0.5) ? Frame(Frame::Identity()) : random.quarter_turns();
   const Frame turn = turn_of_15_degrees(random);
   return turn * side;
 }
 
-/// About the origin.
+/// A body around the origin.
 Shape body(Random& random, ShapeKind kind) {
   const Frame frame = posture(random);
   const double x = grid_length(random), y = grid_length(random), z = grid_length(random);
@@ -46,7 +46,7 @@ Vec grid_point(Random& random, int reach) {
   return {x, y, 0};
 }
 
-/// Where its lowest point is at this height.
+/// The shape with its lowest point at this height.
 Shape at_rest(const Shape& shape, double height) {
   return moved(shape, (height + support(shape, -Vec::UnitZ())) * Vec::UnitZ());
 }
@@ -70,7 +70,8 @@ Shape put(Random& random, const Shape& shape, const Scene& scene) {
     const double top = support(other, Vec::UnitZ());
     return at_rest(moved(shape, across + aside), sinks ? top - sunk : top);
   }
-  const Vec n = random.flipped(Vec::Unit(random.below(2)));  // beside it, on the same ground
+  const Vec n =
+      random.flipped(Vec::Unit(random.below(2)));  // beside the other one, on the same ground
   const double ground = -support(other, -Vec::UnitZ());
   const Shape level = at_rest(moved(shape, across + aside - n.dot(aside) * n), ground);
   const double gap = support(other, n) + support(level, -n) - (sinks ? sunk : 0);

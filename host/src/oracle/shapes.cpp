@@ -123,8 +123,8 @@ Vec Obb::center() const {
 double Obb::support(const Vec& n) const {
   return box_support(c, half, rotation, n);
 }
-/// Clamped in the box's own coordinates; the columns are orthonormal to 1e-6, which makes this the
-/// nearest point up to a relative 1e-12.
+/// Clamps in the box's own coordinates. The columns are orthonormal to 1e-6, so the point is the
+/// nearest one up to a relative 1e-12.
 double Obb::distance(const Vec& p) const {
   const Vec local = rotation.inverse() * (p - c);
   const Vec clamped = local.cwiseMax(-half).cwiseMin(half);
@@ -160,8 +160,9 @@ Vec Triangle::center() const {
 double Triangle::support(const Vec& n) const {
   return std::max({n.dot(v0), n.dot(v1), n.dot(v2)});
 }
-/// The least of the three edges and, if p projects inside, the plane. Every candidate is the
-/// distance to a point of the triangle, so a degenerate one can only be overestimated by rounding.
+/// The least distance to the three edges and, if p projects inside, the plane. Every candidate is a
+/// distance to a point of the triangle. So a degenerate triangle's distance is only overestimated,
+/// by rounding.
 double Triangle::distance(const Vec& point) const {
   const Long p = point.cast<long double>();
   const Long a = v0.cast<long double>(), b = v1.cast<long double>(), c = v2.cast<long double>();
@@ -194,7 +195,7 @@ Triangle Triangle::build(Random& random, const Frame& frame, const Build& build)
   }
   if (build.plate) v[2] = v[0] + build.thin * (v[2] - v[0]);  // one short edge, not one low corner
   if (build.no_area) {
-    // Still a segment, or a point, after rounding.
+    // Remains a segment or a point after rounding.
     const Vec e =
         build.scale * Vec{random.below(5) - 2., random.below(5) - 2., random.below(5) - 2.};
     const double t = 0.25 * (random.below(9) - 2);
@@ -220,7 +221,7 @@ Triangle Triangle::body(Random& random, const Frame& frame, const Vec& h) {
   const Vec a(-h.x(), -h.y(), 0), b(h.x(), -h.y(), 0), c(-h.x() + aside, h.y(), 0);
   return {frame * a, frame * b, frame * c};
 }
-/// Without area, or thinner than its own rounding.
+/// Removes the area, or makes it thinner than its rounding error.
 void Triangle::flatten(Random& random, double, double u) {
   const double along = random.chance(0.7) ? random.below(9) / 4. - 0.5 : random.unit();
   v2 = v0 + along * (v1 - v0);
@@ -294,7 +295,7 @@ Plane Plane::whole(Lengths& lengths) {
   return {any_axis(lengths.random), 0};
 }
 
-// ---- Of any ----
+// ---- Any shape ----
 
 namespace {
 
@@ -336,7 +337,7 @@ std::vector<double> rounded_words(const S& s, const Format& format) {
   return words;
 }
 
-/// The shape after change(field, reference) of each of its fields.
+/// The shape after change(field, reference) of each field.
 template <class Change>
 Shape changed(const Shape& shape, Change change) {
   return std::visit(
@@ -371,7 +372,7 @@ std::vector<double> to_words(const Ray& ray, const Format& format) {
 }
 
 Shape moved(const Shape& shape, const Vec& by) {
-  double along = 0;  // the normal of a plane
+  double along = 0;  // the plane's normal in this direction
   return changed(shape, [&]<class X>(Field field, X& x) {
     if constexpr (kIsVec<X>) {
       if (field == Field::kPoint || field == Field::kCorner) x += by;

@@ -12,8 +12,8 @@
 namespace cde {
 namespace {
 
-/// Clocks in which a pair is brought to the size of one, and its answer back (length_scale.sv,
-/// length_unscale.sv), around the pipe that is the same in all formats. A ring has them in it.
+/// Cycles for scaling a pair to size one and its answer back (length_scale.sv, length_unscale.sv),
+/// around the pipe, which is the same in all formats. An iterative pipeline includes them.
 unsigned scaling_clocks(const PipeChoice& pipe) {
   const bool scaled = pipe.format.exp_bits < 8 || contract::has(contract::kScaledPairs, pipe.pair);
   return scaled && !has_budget(pipe.pair) ? 3 : 0;
@@ -29,7 +29,7 @@ PipeFigures figures_of(const PipeChoice& pipe, const netlist::Pipe& in_rtl) {
                        .cmp = o.comparators + o.min_max};
   figures.latency = in_rtl.latency + scaling_clocks(pipe), figures.interval = in_rtl.interval;
   if (!has_budget(pipe.pair)) return figures;
-  // A row goes round as often as its budget says.
+  // A row makes as many passes as its iterations require.
   const unsigned passes = reference::passes(pipe.pair, pipe.budget),
                  usual = reference::passes(pipe.pair, {});
   figures.interval = passes;

@@ -24,11 +24,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// As tools/prices/targets.py has them.
+/// A device, as in tools/prices/targets.py.
 struct Device {
   const char* name;
   double logic, ff, dsp, ram;
-  bool ecp5;  ///< a carry cell takes the places of two LUTs, a LUT as RAM those of six
+  bool ecp5;  ///< a carry cell takes two LUT places, and a LUT used as RAM takes six
 };
 constexpr std::array kDevices = {Device{"ecp5-85", 83640, 83640, 156, 208, true},
                                  Device{"hx8k", 7680, 7680, 0, 32, false}};
@@ -59,7 +59,7 @@ double cells(const Json& row, const char* key) {
   return count;
 }
 
-/// Clocks of an operator, or of the five kinds of them, between slashes.
+/// Latency of an operator, or of the five kinds of operators, separated by slashes.
 std::string latencies(const Json& row) {
   const std::string text = word(row, "lat");
   const char *at = text.data(), *const end = at + text.size();
@@ -74,7 +74,7 @@ std::string latencies(const Json& row) {
   }
 }
 
-/// The middle one of a row's clock rates, one a seed.
+/// The median of a row's clock rates, one per seed.
 std::optional<double> median_mhz(const Json& row) {
   constexpr const char* kMustBe = "clock rates in MHz, more than 0 and at most 10000, one a seed";
   const auto all = row.find("fmax");
@@ -182,7 +182,7 @@ PriceTable PriceTable::of_project() {
     try {
       const Json& row = (*rows)[i];
       if (!row.is_object()) throw Error(ErrorCode::kFile, "not an object");
-      // Prices are of one lane in the project's own style.
+      // Costs are for one lane in the project's own style.
       if (cells(row, "lanes") < 1) wrong_field("lanes", row, "1 or more");
       if (word(row, "style") == "cde" && cells(row, "lanes") == 1)
         table.rows_.push_back(row_of(row));

@@ -7,7 +7,7 @@
 
 namespace cde::reference {
 
-/// test_pairs in the scalar S. pairs_in.cpp is compiled for a few scalars at a time.
+/// test_pairs() in the scalar S. Each build of pairs_in.cpp compiles a few scalars.
 template <class S>
 struct PairsIn {
   static void test(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,

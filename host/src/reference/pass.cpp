@@ -23,7 +23,7 @@ class Pass::Impl {
 
 namespace {
 
-/// Rays and triangles have a fast reference of their own.
+/// Rays and triangles use their own fast reference.
 class RayPass : public Pass::Impl {
  public:
   RayPass(const PassQuery& query, std::vector<Ray> rays, std::vector<std::uint32_t> numbers,
@@ -47,7 +47,7 @@ class RayPass : public Pass::Impl {
   std::vector<Record> records_;
 };
 
-/// What the pairs of a packet answer. Private to the pass.
+/// Tests the pairs of a packet. Private to the pass.
 class Tester {
  public:
   virtual ~Tester() = default;
@@ -56,7 +56,7 @@ class Tester {
                     std::vector<Outcome<float>>& answers) = 0;
 };
 
-/// P are the primaries' shapes, test(P, S) the pair's reference.
+/// Tests in fp32. P is the primaries' shape, and test(P, S) the pair's reference.
 template <class P, class S, class Test>
 class FloatTester : public Tester {
  public:
@@ -75,7 +75,7 @@ class FloatTester : public Tester {
   Test test_;
 };
 
-/// In another number format: shapes are its words.
+/// Tests in another number format, with shapes as its words.
 class WordTester : public Tester {
  public:
   WordTester(const PassQuery& query, const Shapes& primaries, const Shapes& secondaries)
@@ -118,7 +118,7 @@ class WordTester : public Tester {
   std::vector<PairResult> results_;
 };
 
-/// Any pair. `best` are records of the primaries that nothing has answered yet.
+/// Tests any pair. `best` holds the records of primaries without any answer.
 class AnyPass : public Pass::Impl {
  public:
   AnyPass(const PassQuery& query, std::unique_ptr<Tester> tester, std::vector<Record> best,
@@ -140,7 +140,8 @@ class AnyPass : public Pass::Impl {
   }
 
  private:
-  /// Of a secondary and all primaries that it counts for; of mode any those without a hit.
+  /// Answers of a secondary with all primaries that it counts for. Mode any leaves out primaries
+  /// with a hit.
   const std::vector<Record>& answers_of(std::size_t s) {
     const auto secondary = static_cast<std::uint32_t>(s);
     places_.clear(), outcomes_.clear(), answers_.clear();
@@ -186,7 +187,7 @@ class AnyPass : public Pass::Impl {
   std::unique_ptr<Tester> tester_;
   std::vector<Record> best_;
   std::size_t secondaries_, done_ = 0;
-  std::vector<std::uint32_t> places_;  // of the primaries in answers_
+  std::vector<std::uint32_t> places_;  // places of the primaries in answers_
   std::vector<Outcome<float>> outcomes_;
   std::vector<Record> answers_, records_;
 };
@@ -222,7 +223,7 @@ std::unique_ptr<Tester> tester(const PassQuery& query, Shapes&& primaries,
 
 void check_query(const PassQuery& query, const Shapes& primaries, std::size_t numbers,
                  const Shapes& secondaries) {
-  (void)name_of(query.mode);  // or it is none
+  (void)name_of(query.mode);  // throws for an unknown mode
   if (size(primaries) > card::kMostPrimaries || size(primaries) != numbers)
     throw Error(ErrorCode::kUsage,
                 fmt::format("a pass of {} primaries with {} numbers", size(primaries), numbers));
@@ -237,7 +238,7 @@ void check_query(const PassQuery& query, const Shapes& primaries, std::size_t nu
                             name(shape_of(primaries)), name(shape_of(secondaries))));
 }
 
-/// Of each primary what no pair has answered.
+/// The record of each primary without any answer.
 std::vector<Record> all_unanswered(const PassQuery& query, const Shapes& primaries,
                                    std::span<const std::uint32_t> numbers) {
   std::vector<Record> records;

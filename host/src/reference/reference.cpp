@@ -33,8 +33,8 @@ bool sweeps_fast(Algorithm algorithm, FpFormat format) {
   return format == FpFormat{} && inside_test(algorithm) != nullptr;
 }
 
-/// One packet at a time: a reduction gives all records of the packet at once, a stream those of one
-/// triangle.
+/// Works on one packet at a time. A reduction returns all records of a packet at once; a stream
+/// returns the records of one triangle at a time.
 class Sweep::Impl {
  public:
   Impl(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
@@ -50,7 +50,7 @@ class Sweep::Impl {
         algorithm_(algorithm),
         inside_(inside_test(algorithm)),
         any_(!sweeps_fast(algorithm, format)) {
-    (void)name_of(mode);  // or it is none
+    (void)name_of(mode);  // throws for an unknown mode
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
     for (const Object& object : objects)
@@ -96,7 +96,7 @@ class Sweep::Impl {
 
   [[nodiscard]] bool streaming() const { return mode_ == Mode::kAll || mode_ == Mode::kHits; }
 
-  // ---- Other formats and algorithms: any pair's reference does a packet ----
+  // ---- Other formats and algorithms: the general reference tests a packet ----
 
   void begin_pass() {
     std::vector<Ray> rays;
@@ -128,7 +128,8 @@ class Sweep::Impl {
     return records_;
   }
 
-  /// One record a ray, by the slots of the triangles, which objects may sweep in any order.
+  /// One record per ray. Ties go by the slots of the triangles, which objects may test in any
+  /// order.
   std::span<const Record> reduced() {
     std::vector<std::size_t> places(packet_rays_.size());
     best_.clear();
@@ -152,7 +153,7 @@ class Sweep::Impl {
     return static_cast<std::uint32_t>(first_ + place);
   }
 
-  /// Where the triangle lies that comes at this place of the sweep.
+  /// The slot of the triangle at this place of the brute-force pass.
   [[nodiscard]] std::uint32_t slot(std::uint32_t index) const {
     return swept_.slots.empty() ? index : swept_.slots[index];
   }
@@ -183,7 +184,7 @@ class Sweep::Impl {
     }
   }
 
-  /// Comparisons of numbers, so that the two zeros tie, as the card's do; T of a hit is no NaN.
+  /// Compares numbers, so +0 and -0 tie, as on the card. T of a hit is never NaN.
   [[nodiscard]] bool better(const Record& candidate, const Record& best) const {
     if (!best.f) return true;
     if (mode_ == Mode::kAny) return false;
@@ -211,21 +212,21 @@ class Sweep::Impl {
     }
   }
 
-  RayBlock block_;  // aligned for vectors, so it comes first
+  RayBlock block_;  // first, because it is aligned for vectors
   std::size_t packet_, first_ = 0, triangle_ = 0;
   RayView rays_;
   std::vector<Ray> packet_rays_;
   TriangleView triangles_;
   std::vector<Record> records_;
   Stencil stencil_;
-  Swept<Triangle> swept_;  // of the objects; empty without
+  Swept<Triangle> swept_;  // of the objects; empty without objects
   Mode mode_;
   bool box_;
   FpFormat format_;
   Algorithm algorithm_;
   InsideTest inside_;
-  bool any_;      // by the reference of any pair
-  Shapes words_;  // shapes of swept_, if so
+  bool any_;      // whether the general reference is used
+  Shapes words_;  // shapes of swept_, if any_
   std::optional<Pass> pass_;
   std::vector<Record> best_;
   std::array<std::uint8_t, RayBlock::kRays> mask_{};

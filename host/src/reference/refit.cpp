@@ -17,7 +17,7 @@ using Eigen::AlignedBox3f;
 using hierarchy::Child;
 using hierarchy::Node;
 
-/// A number of fp32 as mantissa 2^(exponent - 151), with a bit below those of fp32.
+/// An fp32 number as mantissa 2^(exponent - 151), with one bit below fp32's.
 struct Number {
   std::int64_t mantissa;
   int exponent;
@@ -29,7 +29,7 @@ Number number(float x) {
   return {2 * (word >> 31 != 0 ? -size : size), std::max(field, 1)};
 }
 
-// By 2^shift; shifts of numbers below zero round down, too.
+// Divides by 2^shift and rounds down, also below zero.
 std::int64_t floored(std::int64_t x, int shift) {
   return x >> std::min(shift, 62);
 }
@@ -37,20 +37,20 @@ std::int64_t ceiled(std::int64_t x, int shift) {
   return -floored(-x, shift);
 }
 
-/// The number x 2^(exponent - 151), rounded up to fp32; the exponent is 54 at least.
+/// x 2^(exponent - 151), rounded up to fp32. The exponent is at least 54.
 float rounded_up(std::int64_t x, int exponent) {
   if (x == 0) return 0;
   const std::uint64_t size = static_cast<std::uint64_t>(x < 0 ? -x : x);
-  const int more = std::bit_width(size) - 24;  // bits than a mantissa has
+  const int more = std::bit_width(size) - 24;  // excess bits over a mantissa
   std::uint64_t mantissa = size;
   if (more < 0) mantissa <<= -more;
   if (more > 0) mantissa = static_cast<std::uint64_t>(x < 0 ? -ceiled(x, more) : ceiled(x, more));
-  // A mantissa of 2^24 is the next exponent's first.
+  // A mantissa of 2^24 carries into the exponent.
   const auto word = (static_cast<std::uint64_t>(exponent + more - 2) << 23) + mantissa;
   return std::bit_cast<float>(static_cast<std::uint32_t>(word) | (x < 0 ? 0x80000000u : 0));
 }
 
-/// One axis of a node: origin, exponent, and from there bytes.
+/// One axis of a node: converts coordinates to bytes from its origin and exponent.
 class Axis {
  public:
   Axis(float lower, float upper)
@@ -78,7 +78,7 @@ class Axis {
     return ceiled(number(x).mantissa, most_ - number(x).exponent);
   }
   int most_, shift_ = 0;
-  std::int64_t down_, up_;  // the origin
+  std::int64_t down_, up_;  // the origin, rounded down and up
 };
 
 void set_boxes(Node& node, const std::array<AlignedBox3f, Node::kChildren>& boxes) {
@@ -107,7 +107,7 @@ AlignedBox3f box_of(const Node& node) {
     for (unsigned i = 0; i < Node::kChildren; ++i)
       if (node.child(i) != Child::kNone) most = std::max(most, node.upper(i, k));
     const Number origin = number(node.origin()[k]);
-    const int byte_exponent = node.exponent(k) + 134;  // most 2^17 is its mantissa
+    const int byte_exponent = node.exponent(k) + 134;  // its mantissa is at most 2^17
     const int exponent = std::max(origin.exponent, byte_exponent);
     const std::int64_t sum = ceiled(origin.mantissa, exponent - origin.exponent) +
                              ceiled(std::int64_t{most} << 17, exponent - byte_exponent);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inside tests of ray_triangle_moller and ray_triangle_watertight for a packet of rays, in a
-// form that compilers turn into vector code: the same operations on every ray, no branch.
-// tests/board holds them against the templates bit for bit.
+// The inside tests of ray_triangle_moller and ray_triangle_watertight for a packet of rays, written
+// for vectorisation: every ray gets the same operations, without branches. The results equal the
+// templates bit for bit.
 #include "reference/sweep.hpp"
 
 #include <algorithm>
@@ -44,7 +44,8 @@ namespace {
 
 using HitMask = std::array<std::uint8_t, RayBlock::kRays>;
 
-/// Nearly every block has no hit at all: its bytes are written once one before or behind has.
+/// Writes a block's hits. Most blocks have no hit, so bytes are written only if this block or an
+/// earlier one has a hit.
 void note(HitMask& mask, unsigned base, const std::uint32_t* hit, std::uint32_t some,
           std::uint32_t any) {
   if (some != 0) {
@@ -89,7 +90,7 @@ bool inside_moller(const RayBlock& r, const Triangle& triangle, HitMask& mask) {
   return any != 0;
 }
 
-/// Of these, the one that belongs to axis 0, 1 or 2.
+/// The value that belongs to this axis.
 inline float picked(std::uint32_t axis, float of_x, float of_y, float of_z) {
   return axis == 2 ? of_z : axis == 1 ? of_y : of_x;
 }

@@ -10,23 +10,23 @@
 
 namespace cde::reference {
 
-/// A packet of rays by component, for vector code. Private to the reference.
+/// A packet of rays by component, for vectorisation. Private to the reference.
 struct RayBlock {
   static constexpr std::size_t kRays = card::kMostPrimaries;
   alignas(64) std::array<float, kRays> ox{}, oy{}, oz{}, dx{}, dy{}, dz{};
-  /// Of watertight: the dominant axis of d, and the shear along it.
+  /// For watertight: the dominant axis of d, and the shear along it.
   alignas(64) std::array<std::uint32_t, kRays> axis{};
   alignas(64) std::array<float, kRays> sx{}, sy{};
-  unsigned count = 0;  ///< rays in use, rounded up to whole vectors of the rest being zero
+  unsigned count = 0;  ///< rays in use, rounded up to whole vectors; the extra rays are zero
 
   void set(std::size_t place, const Ray& ray);
 };
 
-/// Which rays pass the inside test of the triangle, one byte each (the interval is not looked at,
-/// nor whether inputs are bad). Returns whether any does.
+/// Sets one byte per ray that passes the triangle's inside test, and returns whether any ray does.
+/// Does not check the interval or bad inputs.
 using InsideTest = bool (*)(const RayBlock& rays, const Triangle& triangle,
                             std::array<std::uint8_t, RayBlock::kRays>& mask);
-/// moller or watertight; null for the others, which have no such form.
+/// The test for moller or watertight; null for other algorithms.
 [[nodiscard]] InsideTest inside_test(Algorithm algorithm);
 
 }  // namespace cde::reference

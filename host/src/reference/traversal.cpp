@@ -32,17 +32,17 @@ using hierarchy::Child;
 using hierarchy::Node;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
-/// What a card's stack has of a number, 16 bits: one that is not above it, or not below.
+/// A key as the card's stack holds it, in 16 bits: rounded up or down.
 float half(float x, bool up) {
   const auto word = std::bit_cast<std::uint32_t>(x);
   const bool away = (word & 0xffffu) != 0 && std::signbit(x) != up;
   return std::bit_cast<float>((word & 0xffff0000u) + (away ? 0x10000u : 0u));
 }
 
-/// Children of a node that are still to be visited, from the last to the first.
+/// Children of a node that remain to be visited, last one first.
 struct Group {
   struct Entry {
-    float key;  ///< that it is left out by: near, or far downwards
+    float key;  ///< key for culling: near, or far when searching downwards
     std::uint32_t place;
     Child child;
   };
@@ -71,7 +71,7 @@ Record record_from(const Outcome<float>& o, std::uint32_t number, std::uint32_t 
   return r;
 }
 
-// The pairs, by their shapes A and B: those that go as they are, and those that need the rule.
+// The pairs by shapes A and B: plain pairs first, then pairs with the box rule.
 Outcome<float> plain(const Ray& a, const Sphere& b) {
   return ray_sphere<float>(a, b);
 }
@@ -101,7 +101,7 @@ Record answer(const Ray& ray, const Triangle& triangle, std::uint32_t number, st
               Algorithm algorithm) {
   return record_of(ray, triangle, number, index, true, algorithm);
 }
-/// Either shape may be in the tree.
+/// Either shape may be in the BVH.
 template <class P, class L>
 Record answer(const P& primary, const L& secondary, std::uint32_t number, std::uint32_t index,
               Algorithm) {
@@ -116,7 +116,7 @@ Record answer(const P& primary, const L& secondary, std::uint32_t number, std::u
                                                name(kShapeOf<P>), name(kShapeOf<L>)));
 }
 
-/// What mode nearest and the others compare: T, or of solids the signed gap.
+/// The value that modes compare: T, or for solids the signed distance.
 template <class P>
 float gap(const Record& r) {
   return !std::is_same_v<P, Ray> && r.f ? -r.t : r.t;
@@ -124,7 +124,7 @@ float gap(const Record& r) {
 
 }  // namespace
 
-/// One primary's way.
+/// Traverses the BVH for one primary.
 template <class P>
 class Traversal::Walk {
  public:
@@ -145,7 +145,7 @@ class Traversal::Walk {
     while (!over_ && depth_ != 0) {
       Group& top = stack_[depth_ - 1];
       const Group::Entry next = top.entries[--top.count];
-      // Entries come in the order of their keys: where one is too far, so are the others.
+      // Entries are ordered by key: if one is too far, the rest are too.
       const bool whole = excluded(next.key);
       if (whole || top.count == 0) --depth_;
       if (whole) continue;
@@ -161,13 +161,13 @@ class Traversal::Walk {
  private:
   static constexpr bool kSolid = !std::is_same_v<P, Ray>;
 
-  /// Of solids: the largest key that still counts (gap_key()), from anywhere.
+  /// For solids: sets the largest key that still counts (gap_key()), with no lower limit.
   void limit(float key) {
     tmax_ = key;
     tmin_ = -kInfinite;
   }
 
-  /// Whether nothing behind a child with this key counts any more.
+  /// Whether no pair below a child with this key counts.
   [[nodiscard]] bool excluded(float key) const {
     return goal_ == Goal::kFarthest ? key < tmin_ : key > tmax_;
   }
@@ -178,7 +178,7 @@ class Traversal::Walk {
     Group& group = stack_[depth_];
     group.count = 0;
     const bool down = goal_ == Goal::kFarthest;
-    // The last comes first, and of two that are the same the one with the lower number.
+    // The last entry is visited first. Of equal keys, the lower number is visited first.
     for (unsigned i = Node::kChildren; i-- > 0;) {
       if (node.child(i) == Child::kNone) continue;
       const AxisStretch<float> axes = axis_stretch(front, front_, node, i);
@@ -222,7 +222,7 @@ class Traversal::Walk {
     over_ = over_ || goal_ == Goal::kOccluded;
   }
 
-  /// Whatever order the triangles come in: ties have the least index. The two zeros tie.
+  /// Order-independent: ties go to the least index. +0 and -0 tie.
   [[nodiscard]] bool better(const Record& a, const Record& b) const {
     const float x = gap<P>(a), y = gap<P>(b);
     if (goal_ == Goal::kAny || x == y) return a.index < b.index;
@@ -233,9 +233,9 @@ class Traversal::Walk {
   const P& primary_;
   std::uint32_t number_;
   Goal goal_;
-  float tmax_ = 0, tmin_ = 0;  // of what still counts
+  float tmax_ = 0, tmin_ = 0;  // the interval that still counts
   RayFront<float> front_;
-  /// A node's group is gone before the last of its children is visited, or lies below it.
+  /// When a node's last child is visited, its group is already popped. So depth is bounded.
   std::array<Group, Hierarchy::kMostDepth> stack_;
   unsigned depth_ = 0;
   std::vector<Record> records_;
@@ -245,7 +245,7 @@ class Traversal::Walk {
 Traversal::Traversal(Secondaries secondaries, std::size_t count, std::string_view shape,
                      const Hierarchy& hierarchy, Algorithm algorithm)
     : secondaries_(secondaries), hierarchy_(hierarchy), algorithm_(algorithm) {
-  (void)name(algorithm);  // or it is none
+  (void)name(algorithm);  // throws for an unknown algorithm
   if (count != hierarchy.order().size())
     throw Error(ErrorCode::kUsage, fmt::format("{} {}s with a hierarchy of {}", count, shape,
                                                hierarchy.order().size()));

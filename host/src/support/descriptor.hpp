@@ -6,7 +6,7 @@
 
 namespace cde {
 
-/// A file descriptor that is closed with it; below zero: none. Private to the library.
+/// Owns a file descriptor and closes it; negative means none. Private to the library.
 class Descriptor {
  public:
   explicit Descriptor(int number) : number_(number) {}
@@ -22,7 +22,7 @@ class Descriptor {
     return *this;
   }
   [[nodiscard]] int get() const { return number_; }
-  /// It is the caller's to close.
+  /// Releases the descriptor: the caller must close it.
   [[nodiscard]] int release() { return std::exchange(number_, -1); }
   void close() {
     if (number_ >= 0) ::close(std::exchange(number_, -1));

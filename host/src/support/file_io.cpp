@@ -28,7 +28,7 @@ namespace {
 }  // namespace
 
 std::size_t check_regular(const std::filesystem::path& path) {
-  // Not waiting for a writer if it is a pipe: that is refused anyhow.
+  // Does not wait for a FIFO's writer: FIFOs are refused anyway.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.get() < 0) fail_errno(path, "cannot be opened");
   struct stat info {};

@@ -4,15 +4,14 @@
 #include <filesystem>
 #include <string>
 
-/// Whole files in; cde/support/output_file.hpp has the way out. Private to the library.
+/// Reads whole files; cde/support/output_file.hpp writes them. Private to the library.
 namespace cde::file_io {
 
-/// All bytes of a regular file or pipe. Error kFile, naming the file: missing, unreadable, a
-/// directory, a device.
+/// All bytes of a regular file or pipe. Error kFile with the name if it is missing, unreadable, a
+/// directory or a device.
 [[nodiscard]] std::string read(const std::filesystem::path& path);
 
-/// Throws Error kFile unless `path` is a regular file that can be opened; returns its size in
-/// bytes.
+/// The size in bytes of a regular file. Error kFile if it is not regular or cannot be opened.
 std::size_t check_regular(const std::filesystem::path& path);
 
 }  // namespace cde::file_io

@@ -17,8 +17,8 @@ struct Character {
   bool valid = false;
 };
 
-/// The first character of a text that is not empty, as Unicode's table 3-7 has well-formed UTF-8.
-/// One that is not has the length of the longest part that could begin one.
+/// The first character of a nonempty text, by the table of well-formed UTF-8 (Unicode table 3-7).
+/// For a malformed one, the length covers the longest prefix that could begin a character.
 Character first(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const std::uint32_t lead = byte(0);

@@ -35,8 +35,8 @@ constexpr std::string_view kMark = ".cde-";  // NAME.cde-PID-RANDOM
 constexpr std::size_t kRandom = 6;
 constexpr std::string_view kRandomDigits = "abcdefghijklmnopqrstuvwxyz0123456789";
 
-/// What remove_unfinished() takes away. Slots are never freed, so that a handler can walk along
-/// them at any time.
+/// A file or folder that remove_unfinished() removes. Slots are never freed, so a signal handler
+/// can walk them at any time.
 struct Slot {
   std::atomic<const NameInFolder*> entry;
   Slot* next;
@@ -63,7 +63,7 @@ void forget(Slots& slots, const NameInFolder& entry) {
   }
 }
 
-/// NAME of NAME.cde-PID-RANDOM: no longer than leaves room for the rest.
+/// NAME in NAME.cde-PID-RANDOM, shortened to leave room for the suffix.
 std::string_view stem(std::string_view name) {
   constexpr std::size_t kMost = NAME_MAX - kMark.size() - 10 - 1 - kRandom;
   return name.substr(0, kMost);
@@ -88,8 +88,8 @@ std::optional<Unfinished> unfinished(std::string_view file) {
   return Unfinished{file.substr(0, mark), process};
 }
 
-/// Also one that nobody has waited for has ended: in a container whose first process waits for no
-/// orphans they stay until it ends itself.
+/// Whether a process has ended, including a zombie. Zombies can persist in a container whose first
+/// process does not reap orphans.
 bool ended(pid_t process) {
   if (::kill(process, 0) != 0) return errno == ESRCH;
   std::ifstream file(fmt::format("/proc/{}/stat", process));
@@ -98,8 +98,8 @@ bool ended(pid_t process) {
   return name != std::string::npos && stat.compare(name, 3, ") Z") == 0;
 }
 
-/// Removes an unfinished file if it is ours and nobody works on it: its process has ended, and so
-/// has its lock, which also one in another container holds that sees the same folder.
+/// Removes an unfinished file if it is ours and unused. Its process must have ended and its lock
+/// must be free; a process in another container that sees the folder may hold the lock.
 void sweep(int folder, const std::string& name, pid_t process) {
   if (!ended(process)) return;
   const Descriptor file(
@@ -111,7 +111,7 @@ void sweep(int folder, const std::string& name, pid_t process) {
     ::unlinkat(folder, name.c_str(), 0);
 }
 
-/// sweep_unfinished() of a folder that is open.
+/// sweep_unfinished() for an open folder.
 void sweep_all(int folder, std::string_view name) {
   std::error_code error;
   for (fs::directory_iterator entry(fmt::format("/proc/self/fd/{}", folder), error), end;
@@ -139,7 +139,7 @@ OutputTarget target_of(const FileUse& use, int standard) {
   return follow_output(use.path);
 }
 
-/// An input is only looked at: whether it can be read is for its reader to say.
+/// The target of an input. Whether it can be read is left to its reader.
 std::optional<OutputTarget> input_target(const FileUse& use) {
   if (use.path == "-") return target_of(use, STDIN_FILENO);
   struct stat info {};
@@ -173,7 +173,7 @@ OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
   } else if (target.descriptor || (target.info && !S_ISREG(target.info->st_mode))) {
     if ((file_ = ::fdopen(open_output(target, O_WRONLY).release(), "w")) == nullptr) fail("write");
   } else {
-    // A rename asks for no permission of the file that it replaces.
+    // A rename needs no permission for the file that it replaces, so check it here.
     if (target.info && ::access(target_.c_str(), W_OK) != 0) fail("write");
     folder_ = folder_of(target).release();
     make_temporary();
@@ -190,11 +190,11 @@ void OutputFile::make_temporary() {
   sweep_all(folder_, name);
   for (int attempts = 0; attempts < 100; ++attempts) {
     temporary_ = {folder_, fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word())};
-    remember(files, temporary_);  // first, so that no signal comes between
+    remember(files, temporary_);  // first, so that a signal in between still finds the file
     const char* const last = temporary_.name.c_str();
     const int fd = ::openat(folder_, last, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd >= 0) {
-      // Whoever sweeps sees it locked, or has removed it before it was.
+      // A cleaner in another process finds the file locked, or has removed it before the lock.
       struct stat info {};
       (void)::flock(fd, LOCK_EX);
       const bool there = ::fstat(fd, &info) == 0 && info.st_nlink != 0;
@@ -213,7 +213,7 @@ void OutputFile::make_temporary() {
   fail("create");
 }
 
-/// A file without a name, which others open by descriptor.
+/// Makes a nameless file, which others open by its descriptor.
 void OutputFile::make_spool() {
   std::string name = fs::temp_directory_path() / "cde-output-XXXXXX";
   spool_ = ::mkostemp(name.data(), O_CLOEXEC);
@@ -264,7 +264,7 @@ void OutputFile::flush() {
   if (std::fflush(file_) != 0) fail("write");
 }
 
-/// What somebody wrote by name goes to a target that is no regular file.
+/// Copies the spool to a target that is not a regular file.
 void OutputFile::spill() {
   std::array<char, 1 << 16> block;
   off_t at = 0;
@@ -280,7 +280,7 @@ void OutputFile::commit() {
   if (held_ != nullptr && std::fclose(std::exchange(held_, nullptr)) != 0) fail("write");
   if (spool_ >= 0) spill();
   flush();
-  // Some file systems report only when a file is closed that it could not be written.
+  // Some file systems report write errors only when the file is closed.
   const Descriptor written(temporary_.name.empty() ? -1
                                                    : ::fcntl(::fileno(file_), F_DUPFD_CLOEXEC, 0));
   std::FILE* const file = file_;
@@ -289,14 +289,14 @@ void OutputFile::commit() {
   if (!temporary_.name.empty()) put_in_place(written.get());
 }
 
-/// The new file takes mode and owner of the one that it replaces.
+/// Puts the new file in place, with the mode and owner of the replaced file.
 void OutputFile::put_in_place(int fd) {
   const std::string target = target_.filename();
   const char* const name = temporary_.name.c_str();
   struct stat old {
   }, ours{}, named{};
   if (::fstatat(folder_, target.c_str(), &old, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(old.st_mode)) {
-    // Only root can give a file away, and not on every file system.
+    // Only root can change a file's owner, and not on every file system.
     if (::geteuid() == 0) (void)!::fchown(fd, old.st_uid, old.st_gid);
     (void)::fchmod(fd, old.st_mode & 0777);
   }
@@ -320,7 +320,7 @@ void OutputFile::remove_unfinished() noexcept {
   for (const Slot* slot = files.load(); slot != nullptr; slot = slot->next)
     if (const NameInFolder* entry = slot->entry.load())
       ::unlinkat(entry->folder, entry->name.c_str(), 0);
-  // Whatever order they are in: as often as there are some.
+  // Folders may be in any order, so repeat as many times as there are folders.
   for (const Slot* pass = folders.load(); pass != nullptr; pass = pass->next)
     for (const Slot* slot = folders.load(); slot != nullptr; slot = slot->next)
       if (const NameInFolder* entry = slot->entry.load())
@@ -334,18 +334,18 @@ OutputFolder::OutputFolder(const fs::path& path) : path_(path) {
     fail_output(path, "create", number);
   };
   std::error_code none;
-  std::vector<std::string> missing;  // the outermost last
+  std::vector<std::string> missing;  // the outermost is last
   fs::path there = fs::absolute(path);
   for (auto what = fs::status(there, none); !fs::exists(what); what = fs::status(there, none)) {
     if (what.type() == fs::file_type::none) fail(none.value());
     const fs::path name = there.filename();
-    if (name == "..") fail(ENOENT);  // of a folder that is not there
+    if (name == "..") fail(ENOENT);  // ".." below a missing folder
     if (!name.empty() && name != ".") missing.push_back(name);
     there = there.parent_path();
   }
   Descriptor folder(::open(there.c_str(), kFolder));
   if (folder.get() < 0) fail(errno);
-  made_.reserve(missing.size());  // entries stay where handlers look for them
+  made_.reserve(missing.size());  // entries stay in place, since handlers read them
   for (auto name = missing.rbegin(); name != missing.rend(); ++name) {
     const bool made = ::mkdirat(folder.get(), name->c_str(), 0777) == 0;
     if (!made && errno != EEXIST) fail(errno);
@@ -376,7 +376,7 @@ OutputFolder::~OutputFolder() {
   if (folder_ >= 0) ::close(folder_);
 }
 
-/// Not if there is something in it.
+/// Removes the created folders that are empty.
 void OutputFolder::take_back() {
   for (auto one = made_.rbegin(); one != made_.rend(); ++one)
     ::unlinkat(one->folder, one->name.c_str(), AT_REMOVEDIR);

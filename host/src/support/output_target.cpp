@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The folder of /proc/self/fd/FOLDER/NAME, which this process holds open.
+/// The folder's descriptor in /proc/self/fd/FOLDER/NAME, if this process holds it open.
 std::optional<int> held_folder(const fs::path& path) {
   const fs::path folder = path.parent_path();
   if (folder.parent_path() != "/proc/self/fd") return std::nullopt;
@@ -30,7 +30,7 @@ std::optional<int> held_folder(const fs::path& path) {
   return number;
 }
 
-/// A name in a held folder is shown by that folder's name.
+/// The path to show: a name in a held folder is shown with that folder's name.
 std::string shown(const fs::path& path) {
   std::error_code error;
   if (!held_folder(path)) return printable_name(path.string());
@@ -53,8 +53,8 @@ std::optional<struct stat> info_of(int descriptor) {
 
 namespace {
 
-/// A link of another user leads only to what is that user's: otherwise its owner would choose which
-/// file of this user is replaced.
+/// Another user's link may lead only to that user's own files. Otherwise its owner would choose
+/// which of this user's files is replaced.
 void check_link(const OutputTarget& target, const struct stat& owned) {
   if (!target.stranger || owned.st_uid == *target.stranger) return;
   throw Error(ErrorCode::kFile,
@@ -84,7 +84,7 @@ void check_folder_link(const fs::path& named, int folder) {
     if (!S_ISLNK(found.st_mode)) break;
     if (links == kMostLinks) fail_output(named, "write", ELOOP);
     if (found.st_uid != 0 && found.st_uid != ::geteuid()) target.stranger = found.st_uid;
-    std::error_code gone;  // its owner may take it away meanwhile
+    std::error_code gone;  // the link's owner may remove it meanwhile
     const fs::path to = fs::read_symlink(at, gone);
     if (gone) fail_output(named, "write", gone.value());
     at = at.parent_path() / to;
@@ -96,7 +96,7 @@ void check_folder_link(const fs::path& named, int folder) {
 
 OutputTarget follow_output(const fs::path& named) {
   if (const auto folder = held_folder(named)) {
-    // The folder's name may lead elsewhere by now, so nothing is asked by it.
+    // The folder's name may lead elsewhere by now, so the code does not use it.
     OutputTarget target{named, named, std::nullopt, std::nullopt, std::nullopt};
     struct stat info {};
     if (::fstatat(*folder, named.filename().c_str(), &info, AT_SYMLINK_NOFOLLOW) != 0) {
@@ -110,7 +110,7 @@ OutputTarget follow_output(const fs::path& named) {
   }
   constexpr int kMostLinks = 40;
   fs::path path = named;
-  std::optional<uid_t> stranger;  // who owns a link on the way
+  std::optional<uid_t> stranger;  // owner of another user's link on the way
   const auto found = [&](std::optional<struct stat> info) {
     OutputTarget target{named, path, std::nullopt, info, stranger};
     if (struct stat folder{}; info)
@@ -148,7 +148,7 @@ OutputTarget follow_output(const fs::path& named) {
     if (info.st_uid != 0 && info.st_uid != ::geteuid()) stranger = info.st_uid;
     const fs::path link = fs::read_symlink(path, error);
     if (error) fail_output(named, "write", error.value());
-    path = folder / link;  // an absolute one replaces the folder
+    path = folder / link;  // an absolute link replaces the folder
   }
   fail_output(named, "write", ELOOP);
 }

@@ -34,8 +34,8 @@ std::array<int, 2> new_pipe(ErrorCode code = ErrorCode::kBuild) {
   return ends;
 }
 
-/// This process's, in the language that this program reads. A locale that is not installed would
-/// have shells and Perl print a warning.
+/// This process's environment with LC_ALL=C, so that cde can parse messages. Shells and Perl warn
+/// of a locale that is not installed; C is always there.
 std::vector<char*> environment() {
   static char language[] = "LC_ALL=C";
   std::vector<char*> all;
@@ -45,7 +45,8 @@ std::vector<char*> environment() {
   return all;
 }
 
-/// Starts a program with these as its stdin, stdout and, unless `errors` is negative, stderr.
+/// Starts a program with these descriptors as stdin, stdout and, unless `errors` is negative,
+/// stderr.
 pid_t start(const std::vector<std::string>& command, int input, int output, int errors) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -69,7 +70,7 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
   return child;
 }
 
-/// The exit status, as a shell has it; `signal` is the one that ended it, or 0.
+/// The exit status as a shell reports it. `signal` is the signal that ended the child, or 0.
 int wait_for(pid_t child, std::uint64_t* resident_kb = nullptr, int* signal = nullptr) {
   int status = 0;
   rusage used{};
@@ -80,7 +81,7 @@ int wait_for(pid_t child, std::uint64_t* resident_kb = nullptr, int* signal = nu
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/// Reads all that comes; `turn` is called after each read and every 200 ms.
+/// Reads to the end of the stream. Calls `turn` after each read and every 200 ms.
 std::string read_all(int fd, const std::function<void(std::string_view)>& turn) {
   std::string text;
   for (;;) {
@@ -96,8 +97,8 @@ std::string read_all(int fd, const std::function<void(std::string_view)>& turn) 
   }
 }
 
-/// While any of these live, signals that would end the process are noted instead; the last one to
-/// go puts back what was before. Signals that are ignored stay so.
+/// While an instance lives, terminating signals are noted instead. The last instance restores the
+/// previous handlers. Ignored signals stay ignored.
 class Signals {
  public:
   Signals() {
@@ -135,10 +136,10 @@ class Signals {
 
 volatile pid_t forward_to = 0;
 
-/// Hands signals that end a process on to a child, which has something to put back.
+/// Forwards terminating signals to a child, which may have to clean up.
 class Forwarding {
  public:
-  /// Before the child is there: no signal is lost.
+  /// Constructed before the child starts, so that no signal is lost.
   Forwarding() {
     sigset_t all;
     ::sigemptyset(&all);
@@ -173,13 +174,13 @@ class Forwarding {
   bool installed_ = false;
 };
 
-/// This process ends by the signal when its parent does.
+/// Makes this process end with the signal when its parent ends.
 void end_with(pid_t parent, int signal) {
   ::prctl(PR_SET_PDEATHSIG, signal);
   if (::getppid() != parent) std::raise(signal);
 }
 
-/// A byte on `done` tells the parent that `work` has not crashed.
+/// Runs `work` in the child. A byte on `done` tells the parent that it has not crashed.
 void work_as_child(int done, pid_t parent, const std::function<void()>& work) {
   end_with(parent, SIGTERM);
   const rlimit no_core{0, 0};

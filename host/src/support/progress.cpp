@@ -17,9 +17,9 @@ ProgressDisplay& display() {
   return set;
 }
 
-std::mutex mutex;                    // of all tasks: they share the line
-std::vector<const Progress*> tasks;  // that are shown, the innermost last
-bool drawn = false;                  // whether a line is there
+std::mutex mutex;                    // guards all tasks, which share the line
+std::vector<const Progress*> tasks;  // visible tasks, innermost last
+bool drawn = false;                  // whether a line is on the display
 
 void clear() {
   if (std::exchange(drawn, false)) display()("");
@@ -48,7 +48,7 @@ Progress::Progress(std::string what, bool quiet) : what_(std::move(what)) {
   if (quiet || display() == nullptr) return;
   const std::lock_guard lock(mutex);
   tasks.push_back(this);
-  // The thread that works handles signals.
+  // The working thread handles signals, not the display thread.
   sigset_t all, before;
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_BLOCK, &all, &before);

@@ -3,8 +3,8 @@
 
 namespace cde {
 
-/// Whether this is compiled with AddressSanitizer or ThreadSanitizer (of GCC or clang), whose
-/// shadows take terabytes of address space.
+/// Whether the build uses AddressSanitizer or ThreadSanitizer (GCC or clang), whose shadows take
+/// terabytes of address space.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitizer = true;
 #elif defined(__has_feature)

@@ -55,7 +55,7 @@ std::string sha256(std::string_view bytes) {
                  0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   std::size_t at = 0;
   for (; bytes.size() - at >= 64; at += 64) add_block(state, bytes.data() + at);
-  // The rest, a one bit, zeros, and the number of bits.
+  // The remaining bytes, a one bit, zeros, and the number of bits.
   std::array<char, 128> last{};
   const std::size_t rest = bytes.size() - at, size = rest < 56 ? 64 : 128;
   std::memcpy(last.data(), bytes.data() + at, rest);

@@ -18,11 +18,11 @@ Suffix suffix_of(const std::string& path) {
   const auto status = fs::status(path, failed);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
     return {"", true, ""};
-  // Descriptors have no name to go by, whatever they are of; /dev/shm/a.vcd is a file.
+  // Descriptors have no name with a suffix. But /dev/shm/a.vcd is a file.
   for (const char* folder : {"/dev/fd/", "/dev/std", "/proc/"})
     if (path.starts_with(folder)) return {"", true, ""};
   fs::path name(path);
-  // Links one by one: the file that the last one names need not be there yet.
+  // Follows links one by one: the target of the last link need not exist yet.
   for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(name, failed)); ++links)
     name = name.parent_path() / fs::read_symlink(name, failed);
   std::string text = name.extension().string();

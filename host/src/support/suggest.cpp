@@ -26,7 +26,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::optional<std::string> nearest_word(std::string_view typed,
                                         const std::vector<std::string>& known) {
-  constexpr std::size_t kLongest = 64;  // nobody mistypes more than that
+  constexpr std::size_t kLongest = 64;  // longer words are not typing errors
   if (typed.size() < 2 || typed.size() > kLongest) return std::nullopt;
   std::optional<std::string> best;
   std::size_t least = std::max<std::size_t>(1, typed.size() / 3) + 1;

@@ -12,7 +12,7 @@
 namespace cde::text {
 namespace {
 
-constexpr std::string_view kUnnamed = "Unnamed: 0";  // by pandas
+constexpr std::string_view kUnnamed = "Unnamed: 0";  // as written by pandas
 
 char character(Separator separator) {
   constexpr std::string_view kAll = " \t,;";
@@ -42,7 +42,7 @@ Separator separator_of(std::string_view line, const SplitLine& known) {
   return comma ? Separator::kComma : tab ? Separator::kTab : Separator::kBlank;
 }
 
-/// Takes fields off a line, one by one.
+/// Splits fields off the front of a line.
 class Splitter {
  public:
   Splitter(std::string_view line, bool bars, SplitLine& to)
@@ -109,7 +109,7 @@ class Splitter {
   std::size_t start_ = 0, at_ = 0;
 };
 
-/// Whether the text may be a name and is no number.
+/// Whether the text may be a name, and is not a number.
 bool is_name(std::string_view text) {
   if (text.empty()) return false;
   const char c = text.front();
@@ -191,7 +191,7 @@ std::optional<Problem> TableText::take_names(std::string_view line) {
   const auto& fields = line_.fields;
   named_ = true;
   numbered_ = fields[0].text.empty() || fields[0].text == kUnnamed;
-  // An empty first name shows as a blank only.
+  // An empty first name appears only as a blank.
   may_be_numbered_ = !numbered_ && line_.separator == Separator::kBlank && is_blank(line.front());
   names_.clear();
   std::vector<bool> seen(form_.names.size());
@@ -220,7 +220,7 @@ void TableText::take_comment(std::string_view line, Kind& kind) {
     if (std::find(form_.names.begin(), form_.names.end(), field.text) == form_.names.end()) return;
   TableText named(form_);
   named.line_ = line_;
-  if (named.take_names(trim(line))) return;  // a comment about columns, not all of them
+  if (named.take_names(trim(line))) return;  // a comment about some columns, not a header
   named_ = true;
   names_ = std::move(named.names_);
   kind = Kind::kHeader;
@@ -259,10 +259,10 @@ std::optional<Problem> TableText::take_row_number(std::uint64_t row) {
   return std::nullopt;
 }
 
-/// Numbers get a decimal point in place of their comma. Points and commas in one table are an
-/// error, as one of them would mark thousands.
+/// Replaces decimal commas by points. A table with both is an error, since one of them would
+/// separate thousands.
 std::optional<Problem> TableText::take_decimal_commas(std::string_view line) {
-  if (form_.bars) mark_ = 0;  // lines of pairs may come to several readers
+  if (form_.bars) mark_ = 0;  // several readers may share the lines of pairs
   bool copied = false;
   for (Field& field : fields_) {
     const std::size_t mark = field.text.find_first_of(".,");

@@ -9,20 +9,20 @@
 
 #include "support/table_form.hpp"
 
-/// Tables of numbers as text: the lines of rays and of pairs. Private to the library.
+/// Tables of numbers as text: lines of rays and of pairs. Private to the library.
 namespace cde::text {
 
-/// What separates the fields of a line.
+/// The separator of a line's fields.
 enum class Separator { kBlank, kTab, kComma, kSemicolon };
 
-/// A field without the blanks around it and without its quotes.
+/// A field without surrounding blanks and quotes.
 struct Field {
   std::string_view text;
   std::size_t column;  ///< of its first character in the line, from 1
   bool quoted;
 };
 
-/// What is wrong with a line, and where.
+/// A problem in a line, and its place.
 struct Problem {
   std::size_t column;  ///< from 1
   std::string why;
@@ -30,57 +30,58 @@ struct Problem {
 
 inline constexpr std::size_t kNoBar = static_cast<std::size_t>(-1);
 
-/// A line as fields. A line with a semicolon outside of quotes is separated by semicolons, else one
-/// with a comma by commas, else one with a tab by tabs, else it is separated by runs of blanks.
-/// Between two semicolons, commas or tabs is an empty field.
+/// A line split into fields. Outside of quotes, a semicolon makes semicolons the separator.
+/// Otherwise a comma makes it commas, and otherwise a tab makes it tabs. Lines without any of them
+/// are separated by runs of blanks. Two adjacent semicolons, commas or tabs enclose an empty field.
 struct SplitLine {
   Separator separator = Separator::kBlank;
   std::vector<Field> fields;
-  std::size_t bar = kNoBar;  ///< fields before the |
-  /// What no line has need not be looked for.
+  std::size_t bar = kNoBar;  ///< number of fields before the |
+  /// False skips the search, if no line has the character.
   bool may_have_quotes = true, may_have_semicolons = true;
 };
 [[nodiscard]] std::optional<Problem> split(std::string_view line, bool bars, SplitLine& to);
 
-/// "'5 1' is not a number", with what separates the fields of the line if that may be the cause.
+/// "'5 1' is not a number". Adds the line's separator if that may be the cause.
 [[nodiscard]] std::string not_a_number(const Field& field, Separator separator);
 
-/// Takes the lines of a table: comments, a header if there is one, rows.
+/// Reads the lines of a table: comments, an optional header, and rows.
 class TableText {
  public:
   enum class Kind { kNothing, kHeader, kRow };
 
-  /// The form must outlive it.
+  /// The form must outlive this object.
   explicit TableText(const TableForm& form) : form_(form) {}
 
-  /// Says what a line is; fields and the like are then those of a row. A line is
-  /// - nothing if it is empty or a comment (#);
-  /// - a header if no row or header came before and its first field begins with a letter and is no
-  ///   number. It names the columns. So does a comment ahead of the first row that is made of names
-  ///   of columns alone, as numpy.savetxt writes one. A first name that is empty, or "Unnamed: 0",
-  ///   is that of row numbers, as pandas writes them: whole numbers counted from 0 or 1;
-  /// - a row.
+  /// Classifies a line. After a row, fields() and related getters describe it.
+  /// - Nothing: an empty line or a comment (#).
+  /// - A header: the first line of the table, whose first field begins with a letter and is not a
+  /// number. It names the columns.
+  /// A comment before the first row is a header if it consists of column names, as numpy.savetxt
+  /// writes it. A first name that is empty or "Unnamed: 0" marks row numbers, as pandas writes
+  /// them: whole numbers that count from 0 or 1.
+  /// - A row: any other line.
   [[nodiscard]] std::optional<Problem> read(std::string_view line, Kind& kind);
-  /// The same for a line that is a row.
+  /// Reads a line that must be a row.
   [[nodiscard]] std::optional<Problem> read_row(std::string_view line);
-  /// The same for a line ahead of the first row, which is taken only if it is a header.
+  /// Reads a line before the first row, and takes it only if it is a header.
   [[nodiscard]] std::optional<Problem> read_header(std::string_view line, bool& is_header);
-  /// Rows that were taken elsewhere: row numbers go on from there.
+  /// Counts rows that were read elsewhere: row numbers continue after them.
   void skip_rows(std::uint64_t rows) { rows_ = rows; }
 
-  /// No line that follows is a header.
+  /// Declares that no later line is a header.
   void no_header() { begun_ = true; }
-  /// All of the lines: what none of them has is not looked for in each.
+  /// Looks at all lines at once: later calls skip the search for characters that none has.
   void look_at(std::string_view all);
 
   /// Fields of the row, without its row number.
   [[nodiscard]] std::span<const Field> fields() const { return fields_; }
   [[nodiscard]] Separator separator() const { return line_.separator; }
   [[nodiscard]] std::size_t bar() const { return line_.bar; }
-  [[nodiscard]] bool named() const { return named_; }  ///< by a header
-  /// Columns that the header names, or all that there may be.
+  [[nodiscard]] bool named() const { return named_; }  ///< whether a header named the columns
+  /// Number of columns in the header, or else the most that the form allows.
   [[nodiscard]] std::size_t columns() const { return named_ ? names_.size() : form_.names.size(); }
-  /// Which name of the form a field of the row has.
+  /// The form's number for a field of the row.
   [[nodiscard]] std::size_t name_of(std::size_t field) const {
     return named_ ? names_[field] : field;
   }
@@ -97,10 +98,10 @@ class TableText {
   std::span<Field> fields_;
   std::vector<std::size_t> names_;
   bool begun_ = false, named_ = false;
-  bool numbered_ = false, may_be_numbered_ = false;  ///< a column of row numbers
+  bool numbered_ = false, may_be_numbered_ = false;  ///< whether there is a column of row numbers
   std::uint64_t rows_ = 0;
   std::optional<std::uint64_t> first_number_;
-  char mark_ = 0;       ///< of decimals, where semicolons separate
+  char mark_ = 0;       ///< decimal mark, with semicolon separators
   std::string points_;  ///< the line with decimal points
 };
 

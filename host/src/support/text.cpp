@@ -37,7 +37,7 @@ Number parse_float(std::string_view text, float& value) {
   const auto [stop, error] = std::from_chars(text.data(), end, magnitude, format);
   if (stop != end || error == std::errc::invalid_argument) return Number::kMalformed;
   if (error == std::errc::result_out_of_range) {
-    // Too large or too small; only strtof says which.
+    // too large or too small: strtof decides which
     magnitude = std::fabs(std::strtof(std::string(whole).c_str(), nullptr));
   }
   const bool literal_infinity = text.front() == 'i' || text.front() == 'I';

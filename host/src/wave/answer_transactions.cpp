@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a card's engine answers: rows of pair tests, records.
+// Decodes the engine's answers: rows of pair tests, and records.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace cde::wave {
 namespace {
 
-/// Rows enter and leave the pipe of a pair in one order.
+/// Decodes tests. Rows leave a pair's pipe in the order in which they enter it.
 class TestDecoder : public EngineDecoder {
  public:
   TestDecoder(const SignalPlace& place, Take take)
@@ -68,11 +68,11 @@ class TestDecoder : public EngineDecoder {
     std::uint64_t row = 0, index = 0;
   };
   struct Port {
-    std::vector<const Wire*> f, mask, better;  ///< of lanes
+    std::vector<const Wire*> f, mask, better;  ///< one per lane
     std::deque<Issued> issued;
   };
 
-  /// Numbers of primaries, the first 16 as text.
+  /// Numbers of primaries; the first 16 as text.
   struct List {
     std::uint64_t count = 0;
     std::string text;
@@ -98,7 +98,7 @@ class TestDecoder : public EngineDecoder {
   }
   void answer(unsigned k) {
     Port& p = ports_[k];
-    // One that was issued before the file begins is not the oldest that is known.
+    // A row issued before the file begins is not the oldest known row.
     if (p.issued.empty() || p.issued.front().row != row_out_[k]->number() ||
         p.issued.front().index != index_out_[k]->number())
       return;
@@ -161,7 +161,7 @@ class RecordDecoder : public EngineDecoder {
     }
     written_.reset();
     if (!there_.on()) {
-      offered_.reset();  // what waits is dropped by an abort
+      offered_.reset();  // an abort drops waiting records
       return;
     }
     if (!offered_) {

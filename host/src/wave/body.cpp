@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 14> kStatements = {
     "assign",   "assigndly", "if",        "case",      "begin",   "while", "taskref",
     "stmtexpr", "display",   "jumpblock", "jumplabel", "comment", "stop",  "finish"};
 
-/// Line and column that the first element with a place begins at.
+/// Line and column of the first element with a place.
 std::pair<unsigned, unsigned> begin_of(const netlist::Element& e) {
   const std::string_view place = e.attribute("loc");
   std::pair<unsigned, unsigned> at{};
@@ -31,14 +31,14 @@ std::pair<unsigned, unsigned> begin_of(const netlist::Element& e) {
   return at;
 }
 
-/// Whether Verilator has made if (!c) a; else b; an if (c) b; else a;.
+/// Whether Verilator has turned if (!c) a; else b; into if (c) b; else a;.
 bool is_swapped(const netlist::Element& e) {
   if (e.children().size() != 3) return false;
   const auto yes = begin_of(*e.child(1)), no = begin_of(*e.child(2));
   return yes.first != 0 && no.first != 0 && no < yes;
 }
 
-/// Reads one module; its variables first, as statements may stand before them.
+/// Reads one module, variables first, since statements may precede them.
 class Reader {
  public:
   explicit Reader(const netlist::Element& module) {
@@ -65,7 +65,8 @@ class Reader {
     scope.parent = static_cast<int>(parent);
     scope.prefix = body_.scopes[parent].prefix;
     const std::string name = e.text("name");
-    // A loop may be a block of its name, with one of its name and number in it.
+    // A loop may be a block with the loop's name, which contains a block with the name and the
+    // iteration's number.
     const std::string outer = names_.contains(parent) ? names_.at(parent) : "";
     if (!outer.empty() && name.starts_with(outer + "["))
       scope.prefix.resize(scope.prefix.size() - outer.size() - 1);
@@ -145,7 +146,7 @@ class Reader {
     body_.parts.push_back(std::move(p));
   }
 
-  /// An assignment: what is assigned comes last.
+  /// Reads an assignment. Its target is the last child.
   void drive(const netlist::Element& e, const netlist::Element* edges) {
     if (e.children().size() < 2) return;
     add({&e, e.children().back(), e.child(0), edges, scope_, process_, guards_});
@@ -159,7 +160,7 @@ class Reader {
     body_.drives.push_back(std::move(d));
   }
 
-  /// Variables that an expression on the left assigns, wholly or in part.
+  /// Visits the variables that an expression on the left-hand side assigns, wholly or in part.
   void each_target(const netlist::Element& e, std::uint32_t scope,
                    const std::function<void(std::uint32_t)>& visit) const {
     if (is_reference(e)) {
@@ -214,8 +215,8 @@ class Reader {
     }
   }
 
-  /// What precedes the condition, the condition, the body, and the step. The step's variables count
-  /// rounds: they are no signals.
+  /// Reads a loop: the part before the condition, the condition, the body, and the step. The step's
+  /// variables count iterations and are no signals.
   void loop(const netlist::Element& e, const netlist::Element* edges) {
     if (const netlist::Element* step = e.child(3))
       for (const netlist::Element* s : step->children())
@@ -226,7 +227,7 @@ class Reader {
       guarded({Guard::Kind::kUnknown, nullptr, nullptr}, *e.child(2), edges);
   }
 
-  /// Arguments that a task writes are made of all others.
+  /// Reads a task call. Each argument that the task writes depends on all others.
   void call(const netlist::Element& e, const netlist::Element* edges) {
     const auto function = body_.functions.find(e.text("name"));
     if (function == body_.functions.end()) return;
@@ -243,7 +244,7 @@ class Reader {
   }
 
   Body body_;
-  std::map<std::uint32_t, std::string> names_;  ///< of scopes
+  std::map<std::uint32_t, std::string> names_;  ///< by scope
   std::map<const netlist::Element*, std::uint32_t> scopes_;
   std::vector<Guard> guards_;
   std::uint32_t scope_ = 0, process_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transactions of a card's buses: PCI, the local bus, descriptors of DMA.
+// Decodes transactions of a card's buses: PCI, the local bus, and DMA descriptors.
 #include <fmt/format.h>
 
 #include <array>
@@ -19,9 +19,9 @@ struct PciCycle {
        target_abort = false, parity = false;
 };
 
-/// PCI 2.3: the address phase is the first clock with FRAME#; data moves in clocks with IRDY# and
-/// TRDY#; a target ends it by STOP#, without DEVSEL# if it aborts; the last data phase is one
-/// without FRAME#.
+/// Decodes PCI 2.3. The address phase is the first clock with FRAME#. Data move in clocks with
+/// IRDY# and TRDY#. A target ends the transaction with STOP#, and aborts it without DEVSEL#. The
+/// last data phase has no FRAME#.
 class PciDecoder : public Decoder {
  public:
   PciDecoder(const SignalPlace& place, Take take)
@@ -54,7 +54,7 @@ class PciDecoder : public Decoder {
  protected:
   void at_edge(unsigned) override {
     const bool frame = frame_n_.off(), irdy = irdy_n_.off();
-    // PERR# comes two clocks behind its data, when the transaction may be over.
+    // PERR# comes two clocks after its data, when the transaction may be over.
     if (ended_ && (perr_n_.off() || edges_ >= ended_->last_edge + 2)) {
       if (perr_n_.off() && !(now_it_is_ && now_it_is_->words > 0)) ended_->parity = true;
       tell();
@@ -119,7 +119,7 @@ class PciDecoder : public Decoder {
     }
     if (stop && !c.stopped) {
       c.stopped = true;
-      // STOP# with what was the last data phase anyway takes nothing from the master.
+      // STOP# at the last data phase takes nothing from the master.
       c.wanted_more = frame || !moves;
       c.target_abort = !devsel;
     }
@@ -149,7 +149,7 @@ class PciDecoder : public Decoder {
     ended_ = std::move(now_it_is_);
     now_it_is_.reset();
   }
-  /// It ended at an edge that is past.
+  /// Reports the transaction, which ended at an earlier edge.
   void tell() {
     PciCycle c = std::move(*ended_);
     ended_.reset();
@@ -163,9 +163,9 @@ class PciDecoder : public Decoder {
   bool was_frame_ = false;
 };
 
-/// Beats of 64 bits. Those that follow each other in a memory in one direction, with no more than
-/// two clocks between, are one access; a register is one. A beat is served, and perhaps refused, in
-/// a later clock.
+/// Decodes beats of 64 bits. Consecutive beats of a memory in one direction, at most two cycles
+/// apart, are one access. A register beat is an access of its own. A later cycle serves a beat, and
+/// may refuse it.
 class LocalBusDecoder : public Decoder {
  public:
   LocalBusDecoder(const SignalPlace& place, Take take)
@@ -241,7 +241,7 @@ class LocalBusDecoder : public Decoder {
   static bool done(const Access& a) {
     return a.words != 0 && a.served >= a.words && (a.write || a.answered >= a.words);
   }
-  /// An answer, or that a beat is served, is of the oldest access that waits for one.
+  /// Notes an answer or a served beat for the oldest access that waits for one.
   void note(std::uint64_t Access::*what) {
     for (Access& a : open_) {
       if ((what == &Access::answered && a.write) || a.*what >= a.words) continue;
@@ -255,7 +255,7 @@ class LocalBusDecoder : public Decoder {
     const Access& a = open_.back();
     if (a.write != write_.on() || a.space != space_.bits) return false;
     if (a.words == 0) return true;
-    // A read of the record memory takes what is next, whatever its address.
+    // A read of the record memory takes the next record at any address.
     const auto address = addr_.number();
     return space_.number() != 0 && (address == a.next || (address && *address + 8 == a.next));
   }
@@ -280,8 +280,8 @@ class LocalBusDecoder : public Decoder {
   void close(Access& a) { end_at(a.open, a.refused ? "refused" : "done", a.last, a.last_edge); }
 
   const Wire &valid_, &write_, &space_, &addr_, &ready_, &rvalid_, &serving_, &serves_, &allowed_;
-  std::deque<Access> open_;  ///< the oldest first; only the last one grows
-  unsigned gap_ = 0;         ///< clocks without a beat
+  std::deque<Access> open_;  ///< oldest first; only the last one grows
+  unsigned gap_ = 0;         ///< cycles without a beat
   bool growing_ = false;
 };
 
@@ -309,7 +309,7 @@ class DmaDecoder : public Decoder {
   }
   void finish(std::uint64_t time) override {
     if (!open_) return;
-    if (!busy_.on()) {  // its clock stands still since
+    if (!busy_.on()) {  // its clock has stopped
       tell();
       return;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What arrives at the update engine for one primary.
+// Decodes the candidates for one primary at the update engine.
 #include "cde/wave/candidates.hpp"
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 namespace cde::wave {
 namespace {
 
-/// Listens to the lane of its primary alone: a card has many.
+/// Watches only the lane of its primary: a card has many lanes.
 class TestedDecoder : public EngineDecoder {
  public:
   TestedDecoder(const SignalPlace& place, std::uint64_t primary, TakeTested take)

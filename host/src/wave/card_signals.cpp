@@ -124,7 +124,7 @@ std::vector<std::string> tested_scopes() {
 
 namespace {
 
-/// Whether a name is a pattern with # for numbers, which it has then.
+/// Whether a name matches a pattern in which # stands for a number. Collects the numbers.
 bool fits(std::string_view pattern, std::string_view name, std::vector<unsigned>& indices) {
   indices.clear();
   std::size_t at = 0;

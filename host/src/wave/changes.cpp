@@ -12,7 +12,7 @@ struct Settling {
   bool known = false, waits = false, event = false;
 };
 
-/// What happens in an instant, told when it is over.
+/// Collects the changes of an instant and reports them at its end.
 class Instant {
  public:
   Instant(Trace& trace, const Trace::Visit& visit)

@@ -9,9 +9,9 @@ namespace {
 
 constexpr std::size_t kMostNodes = 100000;
 constexpr unsigned kMostWires = 200;
-constexpr unsigned kMostEdges = 256;  // that are looked at for a value that is in the waves
+constexpr unsigned kMostEdges = 256;  // edges to search for a value that is in the waves
 
-/// The time whose values a register takes at an edge.
+/// The time whose values a register samples at an edge.
 std::uint64_t just_before(std::uint64_t edge) {
   return edge == 0 ? 0 : edge - 1;
 }
@@ -29,7 +29,7 @@ Cone::Cone(Trace& trace, Times& times, const Design& design, const Slice& root, 
   (void)lines_.next();
   std::vector<std::size_t> level = {add(root, time, 0)};
   while (!level.empty()) {
-    // What all of the level may look at is read at once.
+    // Reads the signals for a whole level at once.
     std::vector<Waiting> waiting;
     std::map<std::uint64_t, std::vector<Slice>> wanted;
     for (const std::size_t n : level) {
@@ -58,7 +58,7 @@ std::size_t Cone::add(const Slice& slice, std::uint64_t time, unsigned registers
   return nodes_.size() - 1;
 }
 
-/// Follows wires, and finds what drives their end.
+/// Follows wires to their end, and finds its drivers.
 Cone::Waiting Cone::prepare(std::size_t n) {
   Waiting w{n, {}, std::nullopt, false};
   Node& node = nodes_[n];
@@ -84,13 +84,13 @@ std::optional<std::uint64_t> Cone::edge_before(const std::vector<Driver>& driver
       if (at && (!last || *at > *last)) last = at;
     }
   if (there) return last;
-  // The clock is hidden, behind a gate perhaps: that of the waves is near enough.
+  // The clock is hidden, perhaps behind a gate: the waves' clock is near enough.
   if (times_.clock_if_any() == nullptr) return std::nullopt;
   const auto cycle = times_.cycle(time);
   return cycle ? std::optional(times_.edges()[*cycle]) : std::nullopt;
 }
 
-/// The drivers that are at work at a time, or at an edge.
+/// The drivers that are active at a time or an edge.
 std::vector<Driver> Cone::active(const Waiting& w, std::optional<std::uint64_t> edge,
                                  std::uint64_t time) {
   const std::uint64_t at = edge ? just_before(*edge) : time;
@@ -98,15 +98,15 @@ std::vector<Driver> Cone::active(const Waiting& w, std::optional<std::uint64_t> 
   for (const Driver& d : w.all)
     for (const ClockEdge& e : d.edges) clocks.push_back(e.signal);
   const Values values = [&](const Slice& s) {
-    // A reset that is waited for has its new value.
+    // A reset in the sensitivity list has its new value.
     const bool awaited = edge && std::find(clocks.begin(), clocks.end(), s) != clocks.end();
     return waves_.bits(s, awaited ? *edge : at);
   };
   return design_.drivers(nodes_[w.node].driven, &values);
 }
 
-/// No statement was executed last time. The last edge at which one was is looked for edge by edge;
-/// where that is too long ago, the last change of the value is such an edge.
+/// Handles a value that no statement assigned at the last edge. Searches earlier edges one by one
+/// for an assignment. If that is too long ago, uses the value's last change.
 void Cone::hold(Waiting& w, std::vector<Driver>& now, bool& held) {
   const Node& node = nodes_[w.node];
   const std::uint64_t start = waves_.start();
@@ -134,7 +134,7 @@ void Cone::hold(Waiting& w, std::vector<Driver>& now, bool& held) {
   held = !now.empty();
 }
 
-/// Why no statement was executed at the last edge.
+/// Records why no statement was executed at the last edge.
 void Cone::keep(const Waiting& w, std::vector<std::size_t>& next) {
   Node::Statement s;
   s.kept = true;
@@ -197,7 +197,7 @@ void Cone::expand(Waiting& w, std::vector<std::size_t>& next) {
         cause(slice, true);
     s.driver = std::move(d);
     auto& all = nodes_[n].statements;
-    // Ports of several instances that one line makes are one statement.
+    // Ports of several instances on one source line are one statement.
     const bool same = !all.empty() && s.driver.kind == Driver::Kind::kPort &&
                       all.back().driver.kind == Driver::Kind::kPort &&
                       all.back().driver.place.name() == s.driver.place.name();

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostUnits = 1'000'000;
 constexpr unsigned kMostDepth = 200;
 
-/// Instances below a unit, which is there.
+/// Adds the instances below an existing unit.
 void place_parts(Design::Elaborated& all, std::uint32_t unit, unsigned depth,
                  const std::unordered_map<std::string, std::uint32_t>& bodies) {
   if (depth > kMostDepth || all.units.size() > kMostUnits)
@@ -45,7 +45,7 @@ void place_parts(Design::Elaborated& all, std::uint32_t unit, unsigned depth,
   }
 }
 
-/// "[3]" or "[7:4]" at the beginning of a text; takes it away.
+/// Takes "[3]" or "[7:4]" from the beginning of a text.
 std::optional<std::pair<int, int>> take_index(std::string_view& text) {
   const std::size_t end = text.find(']');
   if (!text.starts_with('[') || end == std::string_view::npos) return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<std::pair<int, int>> take_index(std::string_view& text) {
   return std::pair(left, right);
 }
 
-/// Number of an element of an array, or of a bit, from the lowest on: -1 if there is none.
+/// The number of an array element or bit, counted from the lowest; -1 if it does not exist.
 std::int64_t position(const netlist::Type& type, int index) {
   const int low = std::min(type.left, type.right), high = std::max(type.left, type.right);
   if (index < low || index > high) return -1;
@@ -76,7 +76,7 @@ int index_at(const netlist::Type& type, std::int64_t position) {
                                  : std::min(type.left, type.right) + position);
 }
 
-/// Follows [3], [7:4] and .member in a type.
+/// Follows [3], [7:4] and .member into a type.
 bool take_part(const netlist::Netlist& netlist, unsigned type_id, std::string_view rest, Slice& s) {
   while (!rest.empty()) {
     const netlist::Type& type = netlist.type(type_id);
@@ -108,7 +108,7 @@ bool take_part(const netlist::Netlist& netlist, unsigned type_id, std::string_vi
   return true;
 }
 
-/// The part of a type that some bits are, as text behind a name.
+/// The text behind a name that selects these bits of a type.
 std::string part_text(const netlist::Netlist& netlist, unsigned type_id, std::uint64_t low,
                       std::uint64_t width) {
   std::string text;
@@ -226,7 +226,7 @@ std::optional<Slice> Design::find_plainly(std::string_view name) const {
     name.remove_prefix(dot + 1);
     dot = name.find('.');
   }
-  // The longest beginning that is a variable; the rest is a part of it.
+  // The longest prefix that is a variable; the rest selects a part of it.
   const Body& body = all_->body(unit);
   for (std::size_t end = name.size(); end != 0 && end != std::string_view::npos;
        end = end == 0 ? 0 : name.find_last_of(".[", end - 1)) {

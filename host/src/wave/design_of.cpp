@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The design that waves are of: from a file that is named, or from what a card's waves say of
-// themselves, by Verilator or from the cache.
+// Finds the design of the waves: from a named file, or from the comment in a card's waves, by
+// Verilator or from the cache.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kHead = "cde structure 2\n";
 
-/// What the writer of a card's waves says in a comment (verilator/models/wave_file.h).
+/// The comment that the writer of a card's waves adds (verilator/models/wave_file.h).
 struct Origin {
   std::string kind, hash;
   std::vector<std::string> parameters;
@@ -60,7 +60,7 @@ std::optional<Origin> origin_of(Trace& trace) {
   return std::nullopt;
 }
 
-/// A structure that was named, in the form of --xml-only.
+/// The named design in the format of --xml-only.
 std::string structure_text(const std::string& file) {
   constexpr std::string_view kJson = ".json";
   if (!file.ends_with(kJson)) return read_file(file);
@@ -73,8 +73,7 @@ std::string structure_text(const std::string& file) {
   }
 }
 
-/// Sources and XML in one text for the cache: the lines that are shown are those that were
-/// elaborated.
+/// Sources and XML in one cache entry, so that the shown lines are the elaborated ones.
 struct Kept {
   std::map<std::string, std::string> sources;
   std::string xml;
@@ -106,8 +105,8 @@ struct Kept {
   }
 };
 
-/// The design of a bitstream, elaborated once; nothing if it is not in the cache and must not be
-/// elaborated.
+/// The elaborated design of a simulation model. Nothing if it is not cached and `elaborate` is
+/// false.
 std::optional<Design> design_of(const Origin& origin, const std::string& waves, bool elaborate) {
   const std::string name =
       cache_key({std::string(kHead), origin.text(), origin.hash}) + ".structure";
@@ -135,7 +134,7 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
     try {
       kept->xml = netlist::elaborated(rtl, origin.kind, parameters,
                                       host ? netlist::Hidden(netlist::is_gates) : netlist::Hidden(),
-                                      {"-O0"});  // else signals are missing that are in the sources
+                                      {"-O0"});  // optimisation would remove signals of the sources
     } catch (const netlist::ElaborationError& e) {
       throw Error(ErrorCode::kBuild, e.what());
     }
@@ -149,8 +148,8 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
   return design;
 }
 
-/// A parameter of the top module as text; empty if it has none of that name, or it is no number
-/// and no string.
+/// A top module's parameter as text; empty if it does not exist or is neither a number nor a
+/// string.
 std::string parameter_of(const Design::Elaborated& all, const std::string& name) {
   const Body& top = all.body(0);
   const auto v = top.by_path.find(name);
@@ -166,7 +165,7 @@ std::string parameter_of(const Design::Elaborated& all, const std::string& name)
   return fmt::to_string(number);
 }
 
-/// A number as the text that its bytes are, which is how Verilator writes a string.
+/// The text that the bytes of a number make: Verilator writes strings this way.
 std::string as_text(const std::string& number) {
   std::uint64_t value = 0;
   std::from_chars(number.data(), number.data() + number.size(), value);
@@ -175,7 +174,7 @@ std::string as_text(const std::string& number) {
   return text;
 }
 
-/// Error kUsage if a structure that was named is of another bitstream than the waves.
+/// Error kUsage if the named design belongs to another simulation model than the waves.
 void check_origin(const Design::Elaborated& all, const Origin& origin, const std::string& waves) {
   const auto differ = [&](const std::string& of_waves, const std::string& of_structure) {
     throw Error(ErrorCode::kUsage,
@@ -209,7 +208,8 @@ void Design::set_source(const std::string& file, const std::string& text) {
   all_->sources[file] = std::move(lines);
 }
 
-/// The scope with most of the top module's variables and instances; the outermost of several.
+/// Chooses the scope with the most variables and instances of the top module; the outermost of
+/// equals.
 void Design::choose_prefix(Trace& trace) {
   std::map<std::string_view, std::size_t> score;
   std::vector<std::string_view> order;
@@ -243,7 +243,7 @@ void Design::choose_prefix(Trace& trace) {
       best = scope;
     }
   }
-  // All simulators have the ports of a module that they trace.
+  // All simulators write the ports of a module that they trace.
   const auto ports = static_cast<std::size_t>(
       std::count_if(top.variables.begin(), top.variables.end(),
                     [](const Variable& v) { return !v.declared->attribute("pinIndex").empty(); }));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which statements of a design drive some bits of a signal.
+// Finds the statements of a design that drive given bits of a signal.
 #include <algorithm>
 #include <set>
 
@@ -22,7 +22,7 @@ char guard_holds(const Context& c, const Guard& g) {
     case Guard::Kind::kItem:
     case Guard::Kind::kDefault: {
       if (g.what->child(0) == nullptr) return 'x';
-      // The first item that matches is the one, and the default wherever it stands.
+      // The first matching item counts. The default may stand anywhere.
       char before = '0';
       for (const netlist::Element* other : g.what->children()) {
         if (other->tag() != "caseitem" || (g.kind == Guard::Kind::kDefault && other == g.item))
@@ -54,7 +54,7 @@ std::vector<ClockEdge> edges_of(const Context& c, const netlist::Element& sentre
 
 }  // namespace
 
-/// Collects the drivers of some bits.
+/// Collects the drivers of given bits.
 class Drivers {
  public:
   Drivers(const Design& design, const Design::Elaborated& all, const Slice& wanted,
@@ -73,7 +73,7 @@ class Drivers {
   void statements() {
     const Body& body = all_.body(wanted_.unit);
     const Variable& v = all_.variable(wanted_);
-    std::uint32_t settled = 0;  // process whose later statement has the last word
+    std::uint32_t settled = 0;  // process whose later statement decides
     std::vector<Driver> backwards;
     for (auto d = v.drives.rbegin(); d != v.drives.rend(); ++d) {
       const Drive& drive = body.drives[*d];
@@ -122,7 +122,8 @@ class Drivers {
                   std::make_move_iterator(backwards.rend()));
   }
 
-  /// That turn of a loop in which a statement assigns the wanted bits; nothing if it is in none.
+  /// The iteration of a loop in which a statement assigns the wanted bits; nothing if there is
+  /// none.
   [[nodiscard]] std::optional<Turn> turn_of(const Drive& drive) const {
     if (values_ == nullptr) return std::nullopt;
     Context c{all_, wanted_.unit, drive.scope, values_};
@@ -146,15 +147,15 @@ class Drivers {
     return std::nullopt;
   }
 
-  /// Something that is assigned, and where it stands.
+  /// A value that is assigned, and its place.
   struct Piece {
     const netlist::Element* value = nullptr;
     const netlist::Element* at = nullptr;
     std::vector<Overlap> overlaps;
-    std::vector<const netlist::Element*> conditions = {};  ///< under which it is the one
-    bool sure = true;                                      ///< with values: it is
+    std::vector<const netlist::Element*> conditions = {};  ///< conditions for this piece
+    bool sure = true;  ///< with values: whether it is the assigned one
   };
-  /// Whether a piece is known to have another value than the wanted bits have now.
+  /// Whether the piece is known to differ from the current value of the wanted bits.
   [[nodiscard]] bool is_other(const Context& c, const Piece& piece) const {
     if (values_ == nullptr || piece.overlaps.size() != 1) return false;
     const Overlap& o = piece.overlaps[0];
@@ -165,8 +166,7 @@ class Drivers {
     return bits.size() >= o.low + o.width &&
            bits.substr(bits.size() - o.low - o.width, o.width) != characters(now);
   }
-  /// Verilator makes one assignment of several that lie side by side: what is in different lines is
-  /// taken apart again.
+  /// Verilator merges adjacent assignments. This splits them again by source line.
   [[nodiscard]] std::vector<Piece> pieces(const Context& c, const Drive& drive,
                                           const std::vector<Overlap>& overlaps) const {
     const netlist::Element* const value = drive.value != nullptr ? drive.value : drive.statement;
@@ -191,8 +191,8 @@ class Drivers {
     }
     return all;
   }
-  /// Verilator makes one assignment of those of an if and its else, too. With values only the
-  /// branch that is taken.
+  /// Verilator also merges the assignments of an if and its else. With values, this keeps only the
+  /// taken branch.
   void branches(const Context& c, const Piece& piece, std::vector<Piece>& all) const {
     const netlist::Element& e = *piece.value;
     if (e.tag() != "cond" || e.child(2) == nullptr) {
@@ -227,7 +227,7 @@ class Drivers {
     if (o.low < right) take_apart(c, *e.child(1), {o.low, std::min(end, right) - o.low, true}, all);
   }
 
-  /// Outputs of instances that are connected to it.
+  /// Adds the outputs of instances that connect to the signal.
   void outputs() {
     const Body& body = all_.body(wanted_.unit);
     for (const Output& o : body.outputs[wanted_.variable]) {
@@ -253,7 +253,7 @@ class Drivers {
             s.width = std::min(overlap.width, s.width - overlap.low);
           }
           driver.sources.push_back(s);
-        } else {  // what is in there is not known: all that goes in
+        } else {  // unknown inside: all inputs count
           for (const Port& other : part.ports)
             if (other.input && other.expression != nullptr)
               collect_sources(c, *other.expression, driver.sources);
@@ -263,7 +263,7 @@ class Drivers {
     }
   }
 
-  /// What an input is connected to outside.
+  /// Adds the outside connection of an input.
   void input() {
     const Unit& unit = all_.units[wanted_.unit];
     const Variable& v = all_.variable(wanted_);
@@ -284,14 +284,15 @@ class Drivers {
       found_.push_back(std::move(driver));
     }
   }
-  /// An output that is an input of the same module: a delay of no clocks, say.
+  /// Whether an output is an input of the same module, such as a delay of zero cycles.
   [[nodiscard]] bool is_through(const Drive& drive, const Driver& driver, bool covers) const {
     const Variable& v = all_.variable(wanted_);
     return covers && drive.statement->tag() == "contassign" && v.output &&
            driver.sources.size() == 1 && driver.sources[0].width == wanted_.width &&
            all_.variable(driver.sources[0]).input && is_plain(*drive.value);
   }
-  /// What is assigned nothing but a constant, which Verilator makes the value it begins with.
+  /// Adds the constant of a signal that is assigned nothing else. Verilator makes it the initial
+  /// value.
   void constant() {
     const netlist::Element* const value = all_.variable(wanted_).declared->child(0);
     if (value == nullptr || value->tag() != "const") return;
@@ -299,7 +300,7 @@ class Drivers {
     driver.place = place_of(design_, all_.netlist, value);
     found_.push_back(std::move(driver));
   }
-  /// A signal or a part of one, or several of them side by side, and nothing computed.
+  /// Whether this is a signal, a part of one, or a concatenation, without computation.
   static bool is_plain(const netlist::Element& e) {
     if (is_reference(e)) return true;
     if (e.tag() == "sel" || e.tag() == "arraysel")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a card's engine is given: passes, primaries, secondaries.
+// Decodes the engine's inputs: passes, primaries, secondaries.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -114,7 +114,7 @@ class PassDecoder : public EngineDecoder {
   bool aborted_ = false;
 };
 
-/// A primary is told when the pass that it is for has begun and says whether it is in contract.
+/// Decodes primaries. Reports each one when its pass has begun and says whether it is in contract.
 class PrimaryDecoder : public EngineDecoder {
  public:
   PrimaryDecoder(const SignalPlace& place, Take take)
@@ -168,8 +168,8 @@ class PrimaryDecoder : public EngineDecoder {
     coming_.reset();
   }
   void engine_edge() {
-    // The first clock of a pass says which primaries it takes; until then verdicts are of another
-    // pair.
+    // The first cycle of a pass says which primaries it takes. Until then the checks apply to
+    // another pair.
     count_pass();
     if (pose_ != nullptr && posed_ != nullptr && pose_number_ != nullptr && pose_->on() &&
         posed_->on())
@@ -271,12 +271,12 @@ class SecondaryDecoder : public EngineDecoder {
       half_ = begin("a secondary");
       field(half_->t, "pass", pass());
     }
-    if (!asked_.on()) return;  // it has two beats
+    if (!asked_.on()) return;  // a secondary of two beats
     fetched_.push_back({std::move(*half_), number_.decimal()});
     half_.reset();
   }
   void sweep() {
-    if (fetched_.empty()) {  // asked for before the file begins
+    if (fetched_.empty()) {  // requested before the file begins
       fetched_.push_back({begin(), ""});
       field(fetched_.back().open.t, "pass", pass());
     }

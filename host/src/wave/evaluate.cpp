@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluates expressions of a design from the values of its signals in the waves.
+// Evaluates expressions of a design with the signal values of the waves.
 #include <algorithm>
 #include <bit>
 
@@ -11,18 +11,18 @@ namespace {
 
 using Known = std::optional<Evaluated>;
 
-/// What is known whatever its signals are is complete.
+/// A result that does not depend on unknown signals is complete.
 Known result(Value value, bool complete) {
   complete = complete || !value.unknown();
   return Evaluated{std::move(value), complete};
 }
-/// A value whose width alone is known.
+/// A value with a known width only.
 Known nothing_of(std::uint64_t width) {
   if (width == 0 || width > kMostBits) return std::nullopt;
   return Evaluated{unknown_of(static_cast<unsigned>(width)), false};
 }
 
-/// With so many bits: lower ones, or more in front.
+/// Truncates or extends to this many bits.
 Value sized(Value a, std::uint64_t width, bool is_signed) {
   a.is_signed = is_signed;
   if (width == 0 || width > kMostBits || a.width == width) return a;
@@ -30,7 +30,7 @@ Value sized(Value a, std::uint64_t width, bool is_signed) {
   return of_bits(characters(a).substr(a.width - width), is_signed);
 }
 
-/// Bits of a loop's variable, if it is known which turn it is.
+/// Bits of a loop variable, if the iteration is known.
 std::string in_turn(const Context& c, const Slice& slice) {
   if (!c.turn || c.turn->variable != slice.variable) return {};
   std::string bits;
@@ -46,7 +46,7 @@ Known of_signal(const Context& c, const Slice& slice) {
   return Evaluated{of_bits(bits, false), true};
 }
 
-/// A selection whose index is not known, or is outside.
+/// The value of a selection whose index is unknown or out of range.
 Known of_selection(const Context& c, const netlist::Element& e) {
   const std::uint64_t width = width_of(c, e);
   if (e.tag() != "sel") return nothing_of(width);
@@ -71,7 +71,7 @@ Known of_choice(const Context& c, const netlist::Element& e) {
                 condition && condition->complete && a->complete && b->complete);
 }
 
-/// What counts bits, whose answer is one of all of them.
+/// Evaluates bit-counting functions, whose answer depends on all bits.
 Known counted(std::string_view tag, const Evaluated& a, std::uint64_t width) {
   const std::string bits = characters(a.value);
   const bool open = a.value.unknown();
@@ -116,7 +116,7 @@ Known compared(std::string_view tag, const Evaluated& a, const Evaluated& b) {
   const bool complete = a.complete && b.complete;
   if (tag == "eq" || tag == "neq" || tag == "eqcase" || tag == "neqcase" || tag == "eqwild" ||
       tag == "neqwild") {
-    // What is not in the waves may be anything, for === as well.
+    // A signal that is not in the waves may have any value, also for ===.
     const Value same = tag.ends_with("wild") && b.complete
                            ? wild_equality(l, r, Wild::kRight)
                            : equality(l, r, tag.ends_with("case") && complete);
@@ -171,12 +171,12 @@ Known computed(std::string_view tag, const Evaluated& a, const Evaluated& b, std
   if (op == ' ') return nothing_of(width);
   const Value r = sized(b.value, width, is_signed);
   Value value = arithmetic(op, sized(a.value, width, is_signed), r, {n, is_signed, false});
-  // Simulators differ in what a division by zero gives.
+  // Simulators differ about division by zero.
   const bool by_zero = (op == '/' || op == '%') && truth(r) == Truth::kNo;
   return result(std::move(value), complete && !by_zero);
 }
 
-/// {<<N{a}}: parts of N bits, the lowest first.
+/// Evaluates {<<N{a}}: parts of N bits, the lowest first.
 Known streamed(const Evaluated& a, std::uint64_t part) {
   if (part == 0) return std::nullopt;
   const std::string bits = characters(a.value);
@@ -230,7 +230,7 @@ Truth truth_of(const Known& k) {
   return k ? truth(k->value) : Truth::kUnknown;
 }
 
-/// What follows an element's place in its line; empty if the source is not at hand.
+/// The source text from an element's place on; empty without the source.
 std::string_view source_at(const Context& c, const netlist::Element& e) {
   const netlist::Line line = c.all.netlist.line(e);
   const auto& text = c.all.source(line.file);
@@ -239,7 +239,7 @@ std::string_view source_at(const Context& c, const netlist::Element& e) {
   return whole.substr(std::min<std::size_t>(line.column - 1, whole.size()));
 }
 
-/// Whether `inside` stands behind the parentheses of a case statement.
+/// Whether `inside` follows the parentheses of a case statement.
 bool has_inside(const Context& c, const netlist::Element& choice) {
   const netlist::Line line = c.all.netlist.line(choice);
   const auto& text = c.all.source(line.file);
@@ -257,8 +257,8 @@ bool has_inside(const Context& c, const netlist::Element& choice) {
 
 enum class CaseKind { kPlain, kZ, kXZ, kInside };
 
-/// Verilator's XML does not say which kind of case statement one is: its source does, or else the
-/// length of its word and its items.
+/// The kind of a case statement. Verilator's XML omits it, so the source tells it, or else the
+/// length of its keyword and its items.
 CaseKind kind_of(const Context& c, const netlist::Element& choice) {
   std::string_view word = choice.attribute("kwd");
   if (word.empty()) word = source_at(c, choice);
@@ -280,7 +280,7 @@ CaseKind kind_of(const Context& c, const netlist::Element& choice) {
   return x || z ? CaseKind::kInside : CaseKind::kPlain;
 }
 
-/// Of a value and one of the item's. A match that is x in the simulation is none.
+/// Whether an item matches the value. A match that is x in simulation is none.
 Truth item_matches(const Context& c, CaseKind kind, const Evaluated& value,
                    const netlist::Element& e) {
   const auto no_match = [&](Truth t, bool complete) {
@@ -329,7 +329,7 @@ std::optional<Evaluated> evaluate(const Context& c, const netlist::Element& e) {
 std::optional<std::uint64_t> index_value(const Context& c, const netlist::Element* e) {
   const Known k = e == nullptr ? std::nullopt : evaluate(c, *e);
   if (!k || k->value.unknown()) return std::nullopt;
-  // Indices are as wide as an int; leading zeros are no matter.
+  // Indices are as wide as an int; leading zeros are ignored.
   const std::string bits = characters(k->value);
   return word(
       std::string_view(bits).substr(std::min(bits.find_first_not_of('0'), bits.size() - 1)));

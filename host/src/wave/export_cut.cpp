@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A window of waves as an FST of its own.
+// Writes a window of waves as a new FST file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ using Fst = std::unique_ptr<void, void (*)(void*)>;
                                             printable_name(path.string())));
 }
 
-/// The names, and the handles that signals get.
+/// Writes the names and returns the new handles.
 std::vector<fstHandle> copy_names(Trace& trace, const std::vector<bool>& chosen, void* to) {
   std::vector<fstHandle> handles(trace.handles() + std::size_t{1}, 0);
   NameVisit names;
@@ -40,7 +40,7 @@ std::vector<fstHandle> copy_names(Trace& trace, const std::vector<bool>& chosen,
                           a.argument);
   };
   names.signal = [&](const VariableName& v, const Signal& s) {
-    // A port's value has two strengths a bit, and two blanks.
+    // A port's value has a state and two strengths per bit, and two blanks.
     const std::uint32_t length = v.type == FST_VT_VCD_PORT ? 3 * v.width + 2 : v.width;
     const fstHandle made =
         fstWriterCreateVar(to, static_cast<fstVarType>(v.type), static_cast<fstVarDir>(v.direction),
@@ -115,7 +115,7 @@ void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, st
   } catch (const ReaderFailed&) {
     cannot_write(path);
   }
-  // The writer does not say whether all was written.
+  // The FST writer does not report failed writes.
   try {
     Trace written(file.by_name());
     const auto count = static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A save file of GTKWave.
+// Writes a save file of GTKWave.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,16 +15,16 @@
 namespace cde::wave {
 namespace {
 
-// Bits that GTKWave's save files have in front of a signal, in hexadecimal.
+// Flags before a signal in GTKWave's save files, in hexadecimal.
 constexpr unsigned kHex = 0x2, kDec = 0x4, kBin = 0x8, kRight = 0x20, kBlank = 0x200,
                    kSigned = 0x400, kReal = 0x40000, kClosed = 0x400000, kGroupBegin = 0x800000,
                    kGroupEnd = 0x1000000;
 
-/// More signals than this in a file, and more lanes than this of a signal, are closed groups.
+/// Files with more signals, and signals with more lanes, get closed groups.
 constexpr std::size_t kOpenSignals = 60;
 constexpr unsigned kOpenLanes = 8;
 
-/// Bits of a lane, if the view has several.
+/// Bits per lane, if the view has several lanes.
 unsigned lane_of(const View& v) {
   if (v.form.kind != Form::Kind::kFloat) return v.form.lane < v.width ? v.form.lane : 0;
   const auto own = static_cast<unsigned>(v.form.format.width());
@@ -53,7 +53,7 @@ unsigned flags(const View& v, unsigned width) {
   }
 }
 
-/// As GTKWave calls a signal of a file. A line feed in a name would begin a line of its own.
+/// The signal's name in GTKWave. A line feed in a name would begin a new line.
 std::string name_of(const Signal& s) {
   const std::string name = printable_name(s.name);
   return s.ranged ? s.left == s.right ? fmt::format("{}[{}]", name, s.left)
@@ -78,7 +78,7 @@ class SaveFile {
       part(v, v.first, v.width, v.label);
       return;
     }
-    // Lanes, the first of the lowest bits, below the whole.
+    // Lanes below the whole signal, lowest bits first.
     const unsigned closed = v.width / lane > kOpenLanes ? kClosed : closed_;
     group(kGroupBegin | closed, v.label);
     View whole = v;
@@ -101,7 +101,7 @@ class SaveFile {
   void group(unsigned kind, const std::string& name) {
     text_ += fmt::format("@{:x}\n-{}\n", kind | kBlank, printable_name(name));
   }
-  /// Some characters of a signal's value.
+  /// Adds some characters of a signal's value.
   void part(const View& v, unsigned first, unsigned width, const std::string& label) {
     text_ += fmt::format("@{:x}\n", flags(v, width));
     const std::string whole = name_of(v.signal);
@@ -134,13 +134,13 @@ void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& op
   std::string text = "[*] Save file of GTKWave, written by cde wave export\n";
   text += fmt::format("[dumpfile] \"{}\"\n",
                       whole_path(options.waves.empty() ? trace.file() : options.waves));
-  // From where the file was saved GTKWave finds its waves again if both have moved.
+  // If both files have moved, GTKWave finds the waves by the save file's old path.
   if (path != "-") text += fmt::format("[savefile] \"{}\"\n", whole_path(path));
   const std::uint64_t from = options.from.value_or(trace.start()),
                       to = options.to.value_or(trace.end());
   text += fmt::format("[timestart] {}\n[size] 1400 800\n[pos] -1 -1\n", from);
-  // The zoom, as the power of two of the units of 200 pixels, of which the window has a good four;
-  // the marker; and marks A to Z.
+  // The zoom, as the power of two of the units per 200 pixels, of which the window has a little
+  // over four; the marker; and the marks A to Z.
   const double units = std::max(1.0, static_cast<double>(to - from) / 4.2);
   text += fmt::format("*{:.6f}", -std::log2(units));
   for (int mark = 0; mark < 27; ++mark)

@@ -31,7 +31,7 @@ class Walk {
     if (a.subtype == FST_MT_COMMENT || a.subtype == FST_MT_ENVVAR || table) {
       if (visit_.attribute) visit_.attribute(a);
     } else if (a.subtype == FST_MT_ENUMTABLE || a.subtype == FST_MT_SUPVAR) {
-      pending_.push_back(std::move(a));  // of the signal that follows
+      pending_.push_back(std::move(a));  // belongs to the next signal
     }
   }
   void signal(const VariableName& v, std::size_t index) {
@@ -49,7 +49,7 @@ class Walk {
   Trace& trace_;
   const std::vector<bool>& chosen_;
   const NameVisit& visit_;
-  std::vector<ScopeName> waiting_;  ///< scopes around this place that nothing was in yet
+  std::vector<ScopeName> waiting_;  ///< enclosing scopes that have no content yet
   std::vector<Attribute> pending_;
 };
 

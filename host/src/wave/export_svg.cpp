@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Waves as a picture, SVG that needs nothing else.
+// Draws waves as a self-contained SVG picture.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kMostSignals = 500;
 constexpr double kRow = 26, kWave = 16, kScope = 22, kHead = 58, kLetter = 7.25, kEdge = 3;
-/// Closer than this two changes are not told apart.
+/// Changes closer than this are drawn as one.
 constexpr double kNear = 2.5;
 
 constexpr std::string_view kStyle = R"(
@@ -37,13 +37,13 @@ constexpr std::string_view kStyle = R"(
   .busy{fill:#5db0ff}.unknown{fill:#5a2327;stroke:#ff7b7b}.fail{stroke:#ff7b7b}.failed{fill:#ff7b7b}}
 )";
 
-/// Characters, not bytes.
+/// Counts characters, not bytes.
 std::size_t letters(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u;
   }));
 }
-/// At most so many, with a mark for what is left out behind them.
+/// The text with at most this many characters, and a mark if it is cut.
 std::string shortened(const std::string& text, std::size_t most) {
   if (letters(text) <= most) return text;
   if (most < 2) return "";
@@ -56,10 +56,10 @@ std::string shortened(const std::string& text, std::size_t most) {
   return kept + "…";
 }
 
-/// A stretch in which a signal has one value, or changes too often to be drawn.
+/// A time span in which a signal keeps a value, or changes too often to draw.
 struct Stretch {
   double begin = 0;
-  std::string value;  ///< of a signal, whole; of a busy one the last
+  std::string value;  ///< the whole value; the last one if busy
   bool busy = false;
 };
 
@@ -126,7 +126,7 @@ class Picture {
                       tops_[i], options_.width, kRow);
   }
 
-  /// Where the simulation wrote no changes ($dumpoff).
+  /// Marks where the simulation wrote no changes ($dumpoff).
   void dark() {
     for (const Blackout& b : blackouts_in(trace_, w_.from, w_.to))
       text_ += fmt::format(
@@ -141,11 +141,11 @@ class Picture {
                          height_ - 8);
   }
 
-  /// Times at the top, and below them cycles with a line each, if there is room.
+  /// Draws times at the top. Draws cycles with a line each below, if there is room.
   void ruler() {
     const double a_pixel = static_cast<double>(span_) / (right_ - left_);
     std::uint64_t step = 1;
-    // 1, 2, 5, 10, ... so that texts do not touch.
+    // Steps of 1, 2, 5, 10, ... keep texts apart.
     const auto crowded = [&] {
       const std::uint64_t tick = w_.from + (step - w_.from % step) % step;
       const std::size_t letters =
@@ -226,14 +226,14 @@ class Picture {
   void change(std::vector<Stretch>& row, const View& v, std::uint64_t time,
               std::string_view value) const {
     const double at = x(time);
-    if (v.signal.event) {  // marks that would touch are one
+    if (v.signal.event) {  // marks that would touch become one
       if (value == "1" && (row.empty() || at - row.back().begin >= 1))
         row.push_back({at, "1", false});
       return;
     }
     if (!row.empty() && v.bits(value) == v.bits(row.back().value)) return;
     if (!row.empty() && time != w_.from) {
-      // What is too short to be seen is busy, together with what is before it if that is, too.
+      // A stretch that is too short to see is busy. It merges with a busy one before it.
       if (Stretch& last = row.back(); at - last.begin < kNear && row.size() > 1) {
         const std::size_t n = row.size();
         if (row[n - 2].busy) {
@@ -251,7 +251,7 @@ class Picture {
     const bool one = v.width == 1 && !v.signal.real && !v.signal.text;
     const double high = tops_[i] + (kRow - kWave) / 2, low = high + kWave;
     if (v.signal.event) return marks(stretches, high, low);
-    std::string path;  // of a bit, as far as it is one line
+    std::string path;  // the current line of a bit
     const auto end_path = [&] {
       if (!path.empty()) text_ += fmt::format("<path class=\"wave\" d=\"{}\"/>\n", path);
       path.clear();
@@ -280,7 +280,7 @@ class Picture {
     }
     end_path();
   }
-  /// An arrow at each time at which an event is triggered.
+  /// Draws an arrow at each trigger of an event.
   void marks(const std::vector<Stretch>& stretches, double high, double low) {
     std::string path;
     for (const Stretch& s : stretches)
@@ -294,7 +294,7 @@ class Picture {
         "<rect class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", kind,
         begin, high, std::max(0.5, end - begin), low - high);
   }
-  /// A value of a bus: a shape with slanting ends, and its text if there is room for some of it.
+  /// Draws a bus value: a shape with slanted ends, and as much of its text as fits.
   void bus(const View& v, const std::string& value, const std::string& bits,
            std::pair<double, double> across, std::pair<double, double> levels, bool first) {
     const auto [begin, end] = across;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Waves as CSV and WaveDrom.
+// Writes waves as CSV and as WaveDrom.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::string csv_field(const std::string& text) {
   return quoted + "\"";
 }
 
-/// The values of views while their changes come by.
+/// Tracks the values of views as their changes arrive.
 class Values {
  public:
   Values(Trace& trace, std::vector<View> views)
@@ -40,7 +40,7 @@ class Values {
         of_(trace.handles() + std::size_t{1}) {
     for (std::size_t i = 0; i < views_.size(); ++i) of_[views_[i].signal.handle].push_back(i);
   }
-  /// Whether something of it changes. An event does, until it is over.
+  /// Whether a view changes. An event counts as changed until it is over.
   bool set(std::uint32_t handle, std::string_view value) {
     bool changed = false;
     for (const std::size_t i : of_[handle]) {
@@ -55,7 +55,7 @@ class Values {
     }
     return changed;
   }
-  /// Views whose values are others than when this was asked last. Texts are made then: a signal may
+  /// Views with a new value since the last call. Texts are made only now, because signals may
   /// change often in between.
   const std::vector<std::size_t>& refresh() {
     fresh_.swap(stale_);
@@ -67,7 +67,7 @@ class Values {
     }
     return fresh_;
   }
-  /// Events are 0 from now on.
+  /// Sets all events to 0.
   void end_events() {
     for (const std::size_t i : std::exchange(triggered_, {}))
       (void)set(views_[i].signal.handle, "0");
@@ -84,7 +84,7 @@ class Values {
   std::vector<std::vector<std::size_t>> of_;
 };
 
-/// Rows of CSV, written as they come.
+/// Writes rows of CSV as they arrive.
 class Rows {
  public:
   Rows(OutputFile& file, Times& times, Values& values)
@@ -133,7 +133,8 @@ void write_csv(Trace& trace, Times& times, std::span<const View> views,
                const std::optional<Event>& on, std::uint64_t from, std::uint64_t to,
                const std::filesystem::path& path) {
   Values values(trace, views_or_all(trace, views));
-  if (times.clock_if_any() != nullptr) (void)times.edges();  // before the stream: it is another one
+  if (times.clock_if_any() != nullptr)
+    (void)times.edges();  // before the stream, since this is another stream
   OutputFile file(path);
   Rows rows(file, times, values);
   std::vector<std::uint32_t> wanted = handles(values.views());
@@ -151,7 +152,7 @@ void write_csv(Trace& trace, Times& times, std::span<const View> views,
           before = value[0];
         }
       clock = before;
-      if (edge) rows.row(now);  // what was there just before the edge
+      if (edge) rows.row(now);  // values just before the edge
     }
     for (const auto& [handle, value] : waiting) changed = values.set(handle, value) || changed;
     if (!on && changed) rows.row(now);
@@ -165,7 +166,7 @@ void write_csv(Trace& trace, Times& times, std::span<const View> views,
     waiting.emplace_back(handle, value);
     return true;
   };
-  // A clock's edge counts where it is gone within its instant, too: flip-flops see it.
+  // A clock's edge counts even if it vanishes within its instant: flip-flops see it.
   if (on)
     trace.stream(wanted, from, to, visit);
   else
@@ -179,7 +180,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 5000;
 
-/// When the columns of a WaveDrom picture begin.
+/// The times at which the columns of a WaveDrom picture begin.
 std::vector<std::uint64_t> columns_of(Trace& trace, Times& times, const std::vector<View>& views,
                                       std::uint64_t from, std::uint64_t to) {
   std::vector<std::uint64_t> begins = {from};
@@ -193,7 +194,7 @@ std::vector<std::uint64_t> columns_of(Trace& trace, Times& times, const std::vec
   };
   if (times.clock_if_any() != nullptr && !times.edges().empty()) {
     const auto& edges = times.edges();
-    // A cycle that would begin where the window ends is not in it, if the file goes on.
+    // A cycle that begins at the window's end is not in it, unless the file ends there.
     for (auto e = std::upper_bound(edges.begin(), edges.end(), from);
          e != edges.end() && (*e < to || (*e == to && to == trace.end())); ++e)
       add(*e);
@@ -206,13 +207,13 @@ std::vector<std::uint64_t> columns_of(Trace& trace, Times& times, const std::vec
   return begins;
 }
 
-/// A signal as WaveDrom writes it: one character per column, and texts of buses.
+/// A signal in WaveDrom: one character per column, and the texts of buses.
 struct Drawn {
   std::string wave, last;
   Json data = Json::array();
 };
 
-/// What a signal has in a column, unless it is the same as in those before.
+/// Adds a column's value, or a repetition mark if it equals the last one.
 void draw(Drawn& d, const View& v, std::size_t column, const std::string& bits,
           const std::string& text) {
   const bool one = v.width == 1 && !v.signal.real && !v.signal.text;
@@ -234,7 +235,7 @@ void draw(Drawn& d, const View& v, std::size_t column, const std::string& bits,
   }
 }
 
-/// Signals of a scope in a list with its name.
+/// The signals of a scope, as a list with the scope's name.
 std::string wavedrom_text(const std::vector<View>& views, const std::vector<Drawn>& drawn,
                           const Json& head) {
   const auto scope = [&](const View& v) { return v.label.substr(0, v.signal.name.rfind('.') + 1); };

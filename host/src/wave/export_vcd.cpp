@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Waves as VCD.
+// Writes waves as VCD.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 namespace cde::wave {
 namespace {
 
-/// Short names of signals: digits of base 94, all printable characters.
+/// A short name of a signal: base-94 digits of printable characters.
 std::string code(std::uint32_t handle) {
   std::string text;
   for (std::uint32_t rest = handle; rest != 0; rest = (rest - 1) / 94)
@@ -51,7 +51,7 @@ std::string signal_type(const Signal& s) {
   return s.real ? "real" : "wire";
 }
 
-/// Without spaces, of which VCD knows only the one before a range.
+/// Replaces spaces: VCD allows only the space before a range.
 std::string one_word(std::string_view text) {
   std::string word(text);
   for (char& c : word)
@@ -65,7 +65,7 @@ std::string reference(const VariableName& v) {
   return one_word(name.substr(0, range)) + " " + one_word(name.substr(range + 1));
 }
 
-/// Texts of others must not end a section of VCD.
+/// Replaces $end, which would end a section of VCD.
 std::string inside(std::string text) {
   for (std::size_t at = 0; (at = text.find("$end", at)) != std::string::npos;) text[at] = '_';
   return text;
@@ -118,8 +118,8 @@ class VcdText {
         put_all({value, codes_[handle]});
         break;
       default: {
-        // Readers fill up with 0 before 0 and 1, and with x or z before these. They do not before
-        // any other state.
+        // Readers extend 0 and 1 with 0, and x and z with themselves. They do not extend other
+        // states.
         std::size_t first = 0;
         const auto fills = [](char c) { return c == '0' || c == 'x' || c == 'z'; };
         while (first + 1 < value.size() && value[first] == value[first + 1] && fills(value[first]))
@@ -138,7 +138,7 @@ class VcdText {
 
   OutputFile& file_;
   std::vector<char> kinds_;
-  std::vector<std::string> codes_;  ///< with the end of the line
+  std::vector<std::string> codes_;  ///< each with its line end
   std::string text_;
 };
 
@@ -173,7 +173,7 @@ void write_vcd(Trace& trace, std::span<const View> views, std::uint64_t from, st
   put_header(trace, chosen, vcd);
   vcd.put(fmt::format("#{}\n$dumpvars\n", from));
   std::uint64_t now = from;
-  bool section = true;  // $dumpvars and its like, until time goes on
+  bool section = true;  // in $dumpvars and similar sections, until time advances
   const auto end_section = [&] {
     if (section) vcd.put("$end\n");
     section = false;

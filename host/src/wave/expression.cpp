@@ -60,7 +60,8 @@ Value Expression::Parsed::unary(Node& n) {
 }
 
 Value Expression::Parsed::binary(Node& n) {
-  Value a = value(*n.kids[0]), b = value(*n.kids[1]);  // both: what looks back sees every step
+  Value a = value(*n.kids[0]),
+        b = value(*n.kids[1]);  // evaluates both: functions that look back must see every step
   if (is_logical(n.op)) return of_truth(both(n.op == "&&", truth(a), truth(b)));
   if (is_shift(n.op)) return shift(n.op, a, b, {n.width, n.is_signed, n.real});
   if (n.op == "==" || n.op == "===") return equality(a, b, n.op == "===");

@@ -45,7 +45,7 @@ class ExpressionParser {
  private:
   [[noreturn]] void fail(std::size_t at, const std::string& what) const {
     const std::string shown = printable_name(text_);
-    // What is not printable is longer when it is printed.
+    // Printing lengthens unprintable characters.
     const std::size_t column = printable_name(text_.substr(0, at)).size();
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: {}\n  {}\n  {}^", option_, what, shown, std::string(column, ' ')));
@@ -59,7 +59,7 @@ class ExpressionParser {
     at_ += token.size();
     return true;
   }
-  /// The longest operator here that is one of a level.
+  /// The longest operator at this place, if it belongs to the level.
   std::string operator_of(std::initializer_list<std::string_view> level) {
     constexpr std::array<std::string_view, 24> kAll = {
         "===", "!==", ">>>", "&&", "||", "==", "!=", "<=", ">=", "<<", ">>", "~&",
@@ -94,8 +94,8 @@ class ExpressionParser {
     return all;
   }
 
-  /// Width and sign go down to the operands before anything is computed (IEEE 1800, 11.6.1 and
-  /// 11.8.2). An expression by itself gives its own.
+  /// Passes width and sign down to the operands before evaluation (IEEE 1800, 11.6.1 and 11.8.2). A
+  /// self-determined expression passes its own.
   void alone(Node& n) { fit(n, n.width, n.is_signed); }
 
   void fit(Node& n, unsigned width, bool is_signed) {
@@ -143,7 +143,7 @@ class ExpressionParser {
     if (n.text)
       fail(n.at, "a text can only be compared: NAME == \"TEXT\", NAME != \"TEXT\", changed(NAME)");
   }
-  /// Makes it a floating-point number, if it is a signal that the file has such a format for.
+  /// Reads a signal as a floating-point number, if the file gives it such a format.
   void as_number(Node& n) {
     if (!n.may_be_real) return;
     n.may_be_real = false;
@@ -153,7 +153,8 @@ class ExpressionParser {
     to_.numbers[n.view] = 1;
     to_.values[n.view] = unknown_of(1, true);
   }
-  /// Beside a number, or a literal without a base, such a signal is one; bits beside bits.
+  /// A signal with a number format is a number beside a number or a literal without base. Beside
+  /// bits it is bits.
   void as_numbers(const std::string& op, Node& a, Node& b) {
     const bool bits = op == "&" || op == "|" || op == "^" || op == "===" || op == "!==" ||
                       is_logical(op) || is_shift(op);
@@ -162,7 +163,7 @@ class ExpressionParser {
     as_number(a);
     as_number(b);
   }
-  /// A text beside a signal is the word that the signal has for a value, or its own text.
+  /// A text beside a signal is a value's name in the file, or the signal's own text.
   void as_text(const std::string& op, Node& text, Node& other) {
     if (op != "==" && op != "!=" && op != "===" && op != "!==") no_text(text);
     if (text.kind != Node::Kind::kText || other.text) {
@@ -192,7 +193,7 @@ class ExpressionParser {
   Tree binary(std::string op, std::size_t at, Tree a, Tree b) {
     if (a->text) as_text(op, *a, *b);
     if (b->text) as_text(op, *b, *a);
-    if (a->text && op.size() == 2) op += '=';  // a text is the same or not
+    if (a->text && op.size() == 2) op += '=';  // texts are only equal or not
     as_numbers(op, *a, *b);
     const bool real = a->real || b->real, comparison = is_comparison(op);
     const unsigned width = std::max(a->width, b->width);
@@ -375,7 +376,7 @@ class ExpressionParser {
     return n;
   }
 
-  /// 8'hff, 'b01x, 4'sd7, '0, '1.
+  /// Reads 8'hff, 'b01x, 4'sd7, '0, '1.
   Tree sized(std::size_t at, std::size_t digits) {
     std::size_t width = 32;
     if (digits != 0) {
@@ -437,7 +438,7 @@ class ExpressionParser {
     std::string name;
     if (text_[at_] == '\\') {  // an escaped name goes to the next space
       for (++at_; at_ < text_.size() && text_[at_] != ' '; ++at_) name.push_back(text_[at_]);
-      // Some writers leave the backslash in the name.
+      // Some writers keep the backslash in the name.
       std::string index;
       if (at_ + 1 < text_.size() && text_[at_ + 1] == '[') {
         const std::size_t stop = text_.find(']', at_);
@@ -456,7 +457,7 @@ class ExpressionParser {
     if (at_ < text_.size() && text_[at_] == '(') return function(at, name);
     at_ = behind;
     if (name == "inf") return constant(at, of_real(std::numeric_limits<double>::infinity()));
-    // An index, or that of an instance in the middle of a name.
+    // An index, or an instance's index within a name.
     while (at_ < text_.size() && text_[at_] == '[') {
       const std::size_t stop = text_.find(']', at_);
       if (stop == std::string::npos) fail(at_, "the ] of this [ is missing");
@@ -465,7 +466,7 @@ class ExpressionParser {
       if (at_ >= text_.size() || text_[at_] != '.') continue;
       while (at_ < text_.size() && is_of_name(text_[at_])) name.push_back(text_[at_++]);
     }
-    // The : of ? : is none of a form.
+    // The : of ? : does not begin a form.
     bool formed = false;
     if (at_ < text_.size() && text_[at_] == ':') {
       std::size_t stop = at_ + 1;
@@ -483,7 +484,7 @@ class ExpressionParser {
     return signal(at, name, formed);
   }
 
-  /// Whether a format is one of the whole view, and not of several lanes in it.
+  /// Whether a format covers the whole view, not several lanes of it.
   static bool is_one_lane(const View& v) {
     const auto own = static_cast<unsigned>(v.form.format.width());
     return v.width <= 64 &&
@@ -491,7 +492,7 @@ class ExpressionParser {
                                              v.form.format.exp_bits, v.form.format.man_bits)));
   }
 
-  /// `formed`: the name has its form behind it; else it is the one that the file gives it.
+  /// `formed`: the name is followed by its form. Otherwise the file gives the form.
   Tree signal(std::size_t at, const std::string& name, bool formed = false) {
     View v;
     try {

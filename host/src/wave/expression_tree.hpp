@@ -8,7 +8,7 @@
 #include "cde/wave/expression.hpp"
 #include "cde/wave/four_state.hpp"
 
-/// Expressions as trees, which the parser makes and the evaluation walks. Private to both.
+/// Expressions as trees. The parser builds them and the evaluation walks them. Private to both.
 namespace cde::wave {
 namespace expression {
 
@@ -20,19 +20,19 @@ struct Node {
   std::vector<std::unique_ptr<Node>> kids;
   unsigned width = 1;
   bool is_signed = false, real = false;
-  bool text = false;            ///< a text: no bits and no number
+  bool text = false;            ///< a text, neither bits nor a number
   bool plain = false;           ///< a literal without a base
-  bool may_be_real = false;     ///< of a view that the file has a format of numbers for
-  unsigned context = 0;         ///< width and sign that its surroundings give the value, which it
-  bool context_signed = false;  ///< has none of its own operands to give to; 0: none
+  bool may_be_real = false;     ///< the file has a number format for the view
+  unsigned context = 0;         ///< width that the surroundings impose; 0: none
+  bool context_signed = false;  ///< sign that the surroundings impose
   Value constant;
   std::size_t view = 0;
-  Value last;  ///< of what looks back
+  Value last;  ///< last value, for functions that look back
   bool has_last = false;
 };
 using Tree = std::unique_ptr<Node>;
 
-/// Parts of a signal have no sign in SystemVerilog, nor has a range of all its bits.
+/// In SystemVerilog parts of a signal are unsigned, even a range of all its bits.
 inline bool signed_view(const View& v) {
   return v.form.kind == Form::Kind::kSigned ||
          (v.form.kind == Form::Kind::kHex && v.signal.is_signed && !v.indexed);
@@ -54,11 +54,11 @@ inline bool is_shift(std::string_view op) {
 struct Expression::Parsed {
   std::vector<View> views;
   std::vector<Value> values;
-  std::vector<char> numbers;  ///< of views: 1 if it is read as a floating-point number
+  std::vector<char> numbers;  ///< by view: 1 if it is read as a floating-point number
   expression::Tree root;
   bool looks_back = false;
 
-  /// In its context.
+  /// The node's value in its context.
   Value value(expression::Node& n);
   Value own(expression::Node& n);
   Value unary(expression::Node& n);
@@ -68,8 +68,8 @@ struct Expression::Parsed {
 
 namespace expression {
 
-/// The tree of a text. Adds the signals that it names to `to`. Error kUsage, naming the option and
-/// the place.
+/// Parses a text, and adds the signals that it names to `to`. Error kUsage with the option and the
+/// place.
 Tree parse(Trace& trace, const std::string& text, const std::string& option,
            Expression::Parsed& to);
 

@@ -49,7 +49,7 @@ std::optional<double> as_number(std::string_view text) {
     if (read.ec != std::errc() || read.ptr != stop) return std::nullopt;
     return static_cast<double>(whole);
   }
-  // from_chars also takes inf and nan, which T may be.
+  // from_chars also accepts inf and nan, which T may be.
   double value = 0;
   const auto read = std::from_chars(text.data(), stop, value);
   if (text.empty() || read.ec != std::errc() || read.ptr != stop) return std::nullopt;
@@ -61,7 +61,7 @@ struct Filter::Node {
   Kind kind = Kind::kCompare;
   std::unique_ptr<Node> a, b;
   std::string field, op, value;
-  std::optional<double> number;  ///< of the value
+  std::optional<double> number;  ///< the value as a number
 };
 
 namespace {
@@ -166,7 +166,7 @@ class FilterParser {
     n.number = as_number(n.value);
     const bool time = n.field == "begin" || n.field == "end", length = n.field == "latency";
     if (n.number || (!time && !length) || n.op == "~") return;
-    // The numbers of times are units of the file.
+    // Times are in units of the file.
     if (length) {
       n.number = times_.length(n.value);
       if (!n.number) fail(at, "a length of time is expected here: a number, or 100ns");

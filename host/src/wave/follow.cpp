@@ -49,7 +49,7 @@ void Follow::run(Trace& trace, std::uint64_t from, std::uint64_t to, const Found
                    if (!go_on) return false;
                    now_ = time;
                  }
-                 // Where a run goes on it is told again what has not changed.
+                 // When a run resumes, it reports unchanged values again.
                  if (!goes_on || time != from || values_[handle] != value)
                    waiting_.emplace_back(handle, value);
                  return true;
@@ -69,10 +69,10 @@ bool Follow::edge() const {
   return any;
 }
 
-/// All changes of `now_` are there; false: enough was found.
+/// Called when all changes of `now_` have arrived. False to stop.
 bool Follow::step(const Found& found) {
   if (begun_ && waiting_.empty()) return true;
-  // What was there just before the edge; values are still those.
+  // Values from just before the edge: the new ones are not applied yet.
   const bool go_on = edge() && evaluate() ? found(now_) : true;
   for (const auto& [handle, value] : waiting_) {
     values_[handle] = value;
@@ -90,14 +90,14 @@ bool Follow::step(const Found& found) {
   const bool now = evaluate(), begins = now && (!was_ || looks_back());
   was_ = now;
   const bool goes_on = begins ? found(now_) : true;
-  // An event is over behind its instant.
+  // An event ends with its instant.
   const bool events = what_.end_instant(), more = when_ && when_->end_instant();
   if (events || more) was_ = evaluate();
   return goes_on;
 }
 
 bool Follow::evaluate() {
-  // Both are looked at, as either may look back.
+  // Evaluates both, as either may look back.
   const bool a = what_.evaluate(), b = when_ ? when_->evaluate() : true;
   return a && b;
 }

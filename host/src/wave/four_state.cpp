@@ -186,7 +186,7 @@ Value order(const std::string& op, const Value& a, const Value& b) {
   if (a.real || b.real) return by(as_real(a), as_real(b));
   if (!a.wide.empty() && !b.wide.empty()) {
     std::string l = a.wide, r = b.wide;
-    // A one in front is the least of signed numbers, and the most of others.
+    // A leading one makes a signed number the smaller one, and an unsigned one the larger.
     if (a.is_signed && b.is_signed && l[0] != r[0]) std::swap(l[0], r[0]);
     return by(l, r);
   }
@@ -267,7 +267,7 @@ Value arithmetic(char op, const Value& a, const Value& b, const Shape& n) {
     if (n.is_signed) {
       const auto l = static_cast<std::int64_t>(extended(a, 64).v),
                  r = static_cast<std::int64_t>(extended(b, 64).v);
-      // The smallest number by -1 overflows.
+      // The smallest number divided by -1 overflows.
       if (r == -1)
         v.v = op == '/' ? 0 - static_cast<std::uint64_t>(l) : 0;
       else
@@ -282,7 +282,7 @@ Value arithmetic(char op, const Value& a, const Value& b, const Shape& n) {
 
 Value shift(const std::string& op, const Value& a, const Value& by, const Shape& n) {
   if (by.unknown()) return unknown_of(n.width);
-  // Unknown bits move as others do.
+  // Unknown bits are shifted like others.
   std::string bits = characters(a);
   const bool far = by.wide.find('1') < by.wide.size() - std::min<std::size_t>(by.wide.size(), 64);
   const std::uint64_t moved =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reader and writer of FST files are those of Verilator's runtime, compiled as they are, but that
-// what ends the process, prints or waits for the end of a file that has ended throws instead.
+// Compiles the reader and writer of FST files from Verilator's runtime. Calls that end the process,
+// print, or wait at the end of a truncated file throw instead.
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -33,7 +33,7 @@ int reader_print(std::FILE* to, const char* format, ...) {
   return written;
 }
 
-/// The reader looks for the end of a name or a number without looking for the end of the file.
+/// The reader searches the end of a name or number without checking for the end of the file.
 int reader_getc(std::FILE* from) {
   static thread_local unsigned ends = 0;
   const int c = ::getc_unlocked(from);
@@ -120,11 +120,10 @@ std::FILE* stream_of(std::vector<cde::wave::FstPart> parts) {
   return file;
 }
 
-thread_local std::FILE* reader_stream = nullptr;  ///< what the reader opens next
+thread_local std::FILE* reader_stream = nullptr;  ///< the stream that the reader opens next
 
-/// The reader opens the stream, and no other file: NAME.hier beside it may be another's. The
-/// writer's own file of names is NAME.hier, which is in memory instead: beside NAME it would
-/// replace what another user has put there.
+/// The reader opens this stream only: NAME.hier beside the file may belong to another user. The
+/// writer's own NAME.hier is kept in memory instead: on disk it could replace another user's file.
 std::FILE* wave_open(const char* name, const char* mode) {
   if (mode[0] == 'r') return std::exchange(reader_stream, nullptr);
   const std::size_t length = std::strlen(name);

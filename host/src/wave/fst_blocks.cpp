@@ -15,11 +15,11 @@
 namespace cde::wave {
 namespace {
 
-/// zlib expands at most 1032 times, LZ4 and FastLZ less.
+/// zlib expands at most 1032 times; LZ4 and FastLZ expand less.
 constexpr std::uint64_t kMostExpansion = 1100;
 constexpr std::uint64_t kMostNames = std::uint64_t{1} << 32;
 
-/// A file in memory, read only.
+/// A read-only memory-mapped file.
 class Mapped {
  public:
   explicit Mapped(const WaveBytes& file) : file_(file), size_(file.size()) {
@@ -52,7 +52,7 @@ class Mapped {
   std::uint64_t size_ = 0;
 };
 
-/// A number of seven bits a byte, which ends before `stop`.
+/// Reads a number of seven bits per byte, which ends before `stop`.
 std::uint64_t varint(const Mapped& file, std::uint64_t block, std::uint64_t& at,
                      std::uint64_t stop) {
   std::uint64_t value = 0;
@@ -65,7 +65,7 @@ std::uint64_t varint(const Mapped& file, std::uint64_t block, std::uint64_t& at,
   file.corrupt(block, "has a number without an end");
 }
 
-/// Error kFile if the first block is no whole header.
+/// Error kFile if the first block is not a complete header.
 void check_header(const Mapped& file) {
   if (file.size() < kFstHeaderBytes)
     file.fail(fmt::format("is cut off: {} bytes are no whole header of an FST", file.size()));
@@ -78,7 +78,7 @@ void check_header(const Mapped& file) {
     file.fail("is no FST file of this kind of machine: its header is not as it must be");
 }
 
-/// Places and lengths of the signals' changes in a block.
+/// Checks the places and lengths of the signals' changes in a block.
 void check_chains(const Mapped& file, std::uint64_t block, std::uint64_t at, std::uint64_t stop,
                   std::uint64_t most, std::uint64_t room) {
   const bool second = file.bytes()[block] == FST_BL_VCDATA_DYN_ALIAS2;
@@ -180,13 +180,13 @@ std::vector<Blackout> read_blackouts(const Mapped& file, std::uint64_t block, st
   return all;
 }
 
-/// Room that is only touched where something is written into it.
+/// Memory that is only touched where it is written.
 std::unique_ptr<char[]> names_room(const WaveBytes& file, std::uint64_t size) {
   if (size > kMostNames) file.fail("has more than 4 GiB of names");
   return std::unique_ptr<char[]>(new char[size]);
 }
 
-/// One step of LZ4, which must give exactly `size` bytes.
+/// One step of LZ4, which must produce exactly `size` bytes.
 std::unique_ptr<char[]> unpack_names(const WaveBytes& file, std::uint64_t block, const char* from,
                                      std::uint64_t count, std::uint64_t size) {
   if (size > 256 * count + 64 || size > INT32_MAX || count > INT32_MAX)
@@ -227,7 +227,7 @@ FstBlocks find_fst_blocks(const WaveBytes& bytes) {
     }
     const FstBlock b{file.bytes()[at], at, file.word(at + 1)};
     if (b.type == FST_BL_SKIP) {
-      found.closed = false;  // a block that was being written
+      found.closed = false;  // an unfinished block
       break;
     }
     if (b.length < 8 || b.length > file.size() - at - 1) {

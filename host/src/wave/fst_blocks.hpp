@@ -11,49 +11,48 @@ namespace cde::wave {
 
 constexpr std::uint64_t kFstHeaderBytes = 330;
 
-/// A block of an FST file: its kind, where it begins, and the bytes behind its kind.
+/// A block of an FST file: its kind, its place, and the bytes after its kind.
 struct FstBlock {
   int type = 0;
   std::uint64_t at = 0, length = 0;
 };
 
-/// What the blocks of an FST file say of themselves.
+/// The blocks of an FST file, and their contents' description.
 struct FstBlocks {
   std::string header;  ///< the first block
   std::vector<FstBlock> blocks;
-  std::uint64_t whole = 0;  ///< where the last whole block ends
-  bool closed = true;       ///< the writer has come to its end
+  std::uint64_t whole = 0;  ///< end of the last complete block
+  bool closed = true;       ///< whether the writer finished the file
   Structure structure;
   std::vector<Blackout> blackouts;
 
-  /// Of the header; what begins at this byte.
+  /// The 64-bit word of the header at this byte.
   [[nodiscard]] std::uint64_t word(std::size_t at) const;
   [[nodiscard]] std::uint64_t handles() const { return word(57); }
-  /// The first block of one of two kinds; null if there is none.
+  /// The first block of one of these kinds; null if there is none.
   [[nodiscard]] const FstBlock* find(int type, int other = -1, int third = -1) const;
 };
 
-/// Finds the blocks. Error kFile for a file that is no FST or is cut off. Blocks of one that was
-/// not closed are those that are whole.
+/// Finds the blocks. Error kFile for a file that is not FST or is truncated. In a file that was not
+/// closed, only complete blocks count.
 [[nodiscard]] FstBlocks find_fst_blocks(const WaveBytes& file);
 
-/// Reads the frame of every block: the lengths of what is in it, and how large that says to become
-/// when it is decompressed. Error kFile for one that contradicts itself: Verilator's reader
-/// believes all of these numbers. `widths` are bytes of each handle's value, from handle 1; the
-/// file must have values of as many.
+/// Checks the frame of every block: lengths, and sizes after decompression. Error kFile if a block
+/// contradicts itself, because Verilator's reader trusts these numbers. `widths` holds bytes per
+/// value from handle 1 on; the file must have values for as many handles.
 void check_fst_blocks(const WaveBytes& file, FstBlocks& found,
                       const std::vector<std::uint32_t>& widths);
 
-/// Bytes of each handle's value, 0 of texts, and whether it is real, as the file's own block says.
+/// Bytes of each handle's value (0 for texts) and whether it is real, from the file's own block.
 struct FstWidths {
   std::vector<std::uint32_t> bytes;
   std::vector<bool> real;
 };
 [[nodiscard]] FstWidths read_fst_widths(const WaveBytes& file, const FstBlocks& found);
-/// A block that says the same.
+/// Makes a block with these widths.
 [[nodiscard]] std::string fst_widths_block(const FstWidths& widths);
 
-/// The names as they are in a block of the file, unpacked.
+/// The names from a block of the file, unpacked.
 [[nodiscard]] std::string read_fst_names(const WaveBytes& file, const FstBlock& block);
 
 }  // namespace cde::wave

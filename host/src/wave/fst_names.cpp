@@ -11,9 +11,9 @@
 namespace cde::wave {
 namespace {
 
-struct NamesEnd {};  ///< the last entry is cut off
+struct NamesEnd {};  ///< the last entry is truncated
 
-/// Entries of the names, one behind the other.
+/// Reads the consecutive entries of the names.
 class NameBytes {
  public:
   explicit NameBytes(std::string_view text) : text_(text) {}
@@ -50,7 +50,7 @@ bool is_real(int type) {
          type == FST_VT_VCD_REALTIME || type == FST_VT_SV_SHORTREAL;
 }
 
-/// One variable as it is written.
+/// One variable as written in the file.
 struct RawVariable {
   int type = 0, direction = 0;
   std::string_view name;
@@ -67,7 +67,7 @@ RawVariable raw_variable(NameBytes& in, int type) {
   return v;
 }
 
-/// Bits of the value: a port has its state and two strengths a bit, and two blanks.
+/// Bits of a value. A port's length counts a state and two strengths per bit, and two blanks.
 std::uint32_t width_of(const RawVariable& v) {
   if (is_real(v.type)) return 64;
   if (v.type == FST_VT_GEN_STRING) return 0;
@@ -105,7 +105,7 @@ void FstNames::read(std::string_view text, const SourceVisit& visit) const {
         a.subtype = in.byte();
         const std::string_view name = in.name();
         a.argument = in.number();
-        // A number of a file's name is no text.
+        // The number of a source file's name is not text.
         const bool number = a.subtype == FST_MT_SOURCESTEM || a.subtype == FST_MT_SOURCEISTEM;
         a.name = number ? std::string(name) : utf8_text(std::string(name));
         if (visit.attribute) visit.attribute(std::move(a));
@@ -158,7 +158,7 @@ FstWidths FstNames::widths(std::string_view text) const {
       }
     }
   } catch (const NamesEnd&) {
-    // read() says so
+    // read() reports the error
   }
   return all;
 }

@@ -11,8 +11,8 @@
 namespace cde::wave {
 
 /// Reads the names of an FST file, of any length. Error kFile with the byte within the names.
-/// `from` says in messages where they are; handles beyond `most` are an error. A last entry that
-/// is cut off is one, too, but where `cut` says that it was cut: then it is left out.
+/// `from` describes their source in messages. A handle beyond `most` is an error. A truncated last
+/// entry is an error, unless `cut` is set: then it is left out.
 struct FstNames {
   const WaveBytes& file;
   std::string from;
@@ -20,7 +20,7 @@ struct FstNames {
   bool cut = false;
 
   void read(std::string_view text, const SourceVisit& visit) const;
-  /// Widths of all handles that names are given.
+  /// Widths of all handles that have names.
   [[nodiscard]] FstWidths widths(std::string_view text) const;
 };
 

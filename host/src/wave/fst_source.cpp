@@ -22,7 +22,7 @@ void put_word(std::string& header, std::size_t at, std::uint64_t word) {
   for (unsigned i = 0; i < 8; ++i) header[at + i] = static_cast<char>(word >> (8 * (7 - i)));
 }
 
-/// Text of the header, up to its first NUL.
+/// A text of the header, up to its first NUL.
 std::string header_text(const std::string& header, std::size_t at, std::size_t length) {
   std::string text = header.substr(at, length);
   text.resize(std::min(text.find('\0'), text.size()));
@@ -30,7 +30,7 @@ std::string header_text(const std::string& header, std::size_t at, std::size_t l
   return utf8_text(std::move(text));
 }
 
-/// Whether a value has an X or Z; without branches, as it is asked of every change.
+/// Whether a value has an X or Z. It has no branches, because it runs for every change.
 bool has_upper(std::string_view value) {
   unsigned any = 0;
   for (const char c : value)
@@ -38,9 +38,9 @@ bool has_upper(std::string_view value) {
   return any != 0;
 }
 
-struct FstStop {};  ///< ends Verilator's reader from within
+struct FstStop {};  ///< thrown to stop Verilator's reader
 
-/// What Verilator's reader calls for each change.
+/// Receives changes from Verilator's reader.
 struct FstReceiver {
   const WaveSource::Change& visit;
   const FstWidths& widths;
@@ -102,7 +102,7 @@ void FstSource::corrupt() const {
   file_.fail("is corrupt: Verilator's reader of FST cannot make sense of it");
 }
 
-/// A file that is packed in gzip as a whole, as GHDL and NVC write them.
+/// Unpacks a file that is compressed with gzip as a whole, as GHDL and NVC write it.
 void FstSource::unpack() {
   std::string head(17, '\0');
   head.resize(file_.read(0, head.data(), head.size()));
@@ -184,7 +184,7 @@ void FstSource::note_facts() {
 void FstSource::open_reader() {
   std::string header = blocks_.header;
   const std::uint64_t handles = widths_.bytes.size();
-  // A file that begins and ends at 0 is one that was not closed for the reader.
+  // The reader takes a file from 0 to 0 for one that was not closed.
   put_word(header, 9, facts_.start);
   put_word(header, 17, std::max<std::uint64_t>(facts_.end, 1));
   put_word(header, 49, std::max(blocks_.word(49), handles));
@@ -196,7 +196,7 @@ void FstSource::open_reader() {
   parts.push_back({file_.descriptor(), kFstHeaderBytes, rest, {}});
   if (blocks_.find(FST_BL_GEOM) == nullptr) parts.push_back({-1, 0, 0, fst_widths_block(widths_)});
   if (blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO) == nullptr) {
-    // The reader opens no file without names, which it is not asked for.
+    // The reader refuses a file without names, although it is not asked for names.
     std::string none(1, static_cast<char>(FST_BL_HIER));
     none.resize(17, '\0');
     none[8] = 16;
@@ -232,8 +232,8 @@ void FstSource::changes(std::span<const std::uint32_t> handles, std::uint64_t fr
   if (port_.empty()) names({});
   fstReaderClrFacProcessMaskAll(reader_.get());
   for (const std::uint32_t handle : handles) fstReaderSetFacProcessMask(reader_.get(), handle);
-  // The reader begins with the values that signals have where the first block begins that it does
-  // not skip; the block that ends before `from` has them if `from` is between two.
+  // The reader starts with the values at the begin of the first block that it does not skip. If
+  // `from` lies between two blocks, the block before `from` has these values.
   std::uint64_t first = from;
   for (const Section& s : facts_.structure.sections)
     if (s.begin <= from) first = std::min(from, s.end);
@@ -242,7 +242,7 @@ void FstSource::changes(std::span<const std::uint32_t> handles, std::uint64_t fr
   try {
     fstReaderIterBlocks2(reader_.get(), take_bits, take_text, &receiver, nullptr);
   } catch (const FstStop&) {
-    // enough
+    // the visitor has enough
   } catch (const ReaderFailed&) {
     corrupt();
   }

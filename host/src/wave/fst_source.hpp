@@ -11,8 +11,8 @@
 
 namespace cde::wave {
 
-/// FST files: packed as a whole, too, and those that were not closed, with the names that their
-/// writer keeps in FILE.hier until then. Changes are read by Verilator's reader.
+/// FST files, including compressed ones and files that were not closed. The writer keeps an
+/// unclosed file's names in FILE.hier. Verilator's reader reads the changes.
 class FstSource : public WaveSource {
  public:
   FstSource(WaveBytes file, const std::filesystem::path& path);
@@ -31,10 +31,10 @@ class FstSource : public WaveSource {
   WaveBytes file_;
   bool packed_ = false;
   FstBlocks blocks_;
-  std::string names_file_;  ///< where names are; empty: in the file
-  std::string names_;       ///< kept only if they are not in the file
+  std::string names_file_;  ///< the file with the names; empty: this file
+  std::string names_;       ///< kept only if they are in another file
   FstWidths widths_;
-  std::vector<std::uint32_t> port_;  ///< bits, of handles that are ports with strengths
+  std::vector<std::uint32_t> port_;  ///< bits of ports with strengths, by handle
   std::unique_ptr<void, void (*)(void*)> reader_;
 };
 

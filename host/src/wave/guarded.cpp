@@ -14,9 +14,8 @@
 namespace cde::wave {
 namespace {
 
-/// Hands messages of the child on as they come, up to the last line that begins as one of this
-/// command, until it has ended. What is left may be the last word of the C library on a corrupt
-/// heap.
+/// Passes on the child's messages as they arrive, up to the last line that begins like one of this
+/// command. The rest may be the C library's message about a corrupt heap.
 std::string relay(int messages) {
   std::array<char, 4096> part{};
   std::string held = "\n";

@@ -16,7 +16,7 @@
 namespace cde::wave {
 namespace {
 
-/// A name in its parts: what it is called without direction and polarity.
+/// A signal name in parts, without direction and polarity.
 struct Name {
   std::vector<std::string> tokens;
   char direction = ' ';  ///< i, o or none
@@ -46,7 +46,7 @@ Name parts(const Signal& s, std::string_view own) {
     if (stop > at) n.tokens.push_back(text.substr(at, stop - at));
     at = stop + 1;
   }
-  // _i, _o, _n, and _ni, _no of both.
+  // The suffixes _i, _o, _n, and the combined _ni, _no.
   const auto drop = [&](std::string_view end) {
     if (n.tokens.size() < 2 || n.tokens.back() != end) return false;
     n.tokens.pop_back();
@@ -79,8 +79,8 @@ std::string joined(const std::vector<std::string>& tokens, std::size_t from, std
                                      tokens.begin() + static_cast<std::ptrdiff_t>(to), "_"));
 }
 
-/// What a name is beside a word in it: "bus" and "" of bus_valid, and "" and "" with "t" of tvalid,
-/// as AXI has letters before it. Nothing if the word is not in it.
+/// The rest of a name around a word: "bus" and "" for bus_valid, and "" and "" with "t" for tvalid,
+/// as AXI puts letters before it. Nothing if the name does not contain the word.
 struct WordPlace {
   std::string prefix, key;
 };
@@ -104,7 +104,7 @@ struct Candidate {
   [[nodiscard]] HandshakeWire wire() const { return {signal->handle, own, name.low}; }
 };
 
-/// How well two directions fit: the two wires of a handshake run against each other.
+/// How well two directions match: the two wires of a handshake run in opposite directions.
 int fit(char valid, char ready) {
   if (valid != ' ' && ready != ' ') return valid != ready ? 3 : 0;
   return valid == ready ? 2 : 1;
@@ -167,7 +167,7 @@ class Finder {
       for (auto& [key, all] : found[f].first)
         if (const auto ready = found[f].second.find(key); ready != found[f].second.end())
           match(kFamilies[f], all, ready->second);
-    // In the order of the file, which is that of the signals in memory.
+    // In the order of the file, which is the signals' order in memory.
     std::sort(matched_.begin(), matched_.end(),
               [](const Matched& a, const Matched& b) { return a.valid->signal < b.valid->signal; });
     for (const Matched& m : matched_) add(scope, *m.family, *m.valid, *m.ready);
@@ -186,7 +186,7 @@ class Finder {
     for (std::size_t w = 0; w < kWords.size(); ++w) {
       const auto& tokens = c.name.tokens;
       const auto at = std::find(tokens.begin(), tokens.end(), kWords[w]);
-      // What a card drives is not yet what is on the bus, and an enable is neither.
+      // A card's output is not yet on the bus, and neither is an enable.
       if (at == tokens.end() || c.name.direction == 'o' || tokens.back() == "oe") continue;
       const auto i = static_cast<std::size_t>(at - tokens.begin());
       c.prefix = joined(tokens, 0, i);
@@ -198,8 +198,8 @@ class Finder {
     }
   }
 
-  /// Whether the wires themselves, which are active low, stand beside these: then these are what a
-  /// card makes of them, perhaps its own part of the bus alone.
+  /// Whether the active-low bus wires exist beside these signals. Then these are signals inside a
+  /// card, perhaps only its own part of the bus.
   static bool is_low(const std::map<std::string, std::array<std::optional<Candidate>, 3>>& pci,
                      const std::array<std::optional<Candidate>, 3>& three) {
     return std::any_of(pci.begin(), pci.end(), [&](const auto& other) {
@@ -210,7 +210,7 @@ class Finder {
 
   void match(const Family& family, std::vector<Candidate>& valids,
              std::vector<Candidate>& readies) {
-    // The best fitting first, so that valid_i does not take the ready of valid_o.
+    // Best matches first, so that valid_i does not take the ready of valid_o.
     for (int wanted = 3; wanted >= 0; --wanted)
       for (Candidate& v : valids)
         for (Candidate& r : readies)
@@ -290,7 +290,7 @@ class Finder {
     }
   }
 
-  /// Which are behind which, over any number of modules.
+  /// Computes which handshakes follow which, across any number of modules.
   void close() {
     const std::size_t count = flows_.handshakes.size();
     std::vector<std::vector<std::size_t>> next(count);
@@ -315,7 +315,7 @@ class Finder {
   std::map<std::array<std::uint32_t, 3>, std::size_t> known_;
   std::set<std::uint32_t> paired_, pipes_;
   std::vector<Matched> matched_;
-  std::set<std::size_t> inputs_, outputs_;  ///< of the scope that is searched
+  std::set<std::size_t> inputs_, outputs_;  ///< of the searched scope
   std::set<std::pair<std::size_t, std::size_t>> next_;
   const Signal* default_clock_ = nullptr;
   bool forced_ = false;

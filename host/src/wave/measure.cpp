@@ -8,7 +8,7 @@
 namespace cde::wave {
 namespace {
 
-/// 1 if a bit is, x if none is and one is unknown.
+/// 1 if any bit is 1, x if none is 1 and one is unknown.
 char reduced(std::string_view value) {
   char all = '0';
   for (const char own : value) {
@@ -82,13 +82,13 @@ Measure::Domain& Measure::domain(std::uint32_t clock) {
   sample(clock);
   return domains_.emplace_back(Domain{clock, 0, {}, {}});
 }
-/// '0', '1' or 'x' of a wire, whatever its polarity.
+/// '0', '1' or 'x' of a wire, corrected for polarity.
 char Measure::level(const HandshakeWire& w) const {
   const char c = now_[w.handle];
   return !w.low || c == 'x' ? c : c == '1' ? '0' : '1';
 }
 
-/// All changes of a time are there: what a clock samples are the values before them.
+/// Called when all changes of a time have arrived. A clock samples the values before them.
 void Measure::step(std::uint64_t time, bool begins) {
   if (!begins)
     for (Domain& d : domains_) {
@@ -173,7 +173,7 @@ void Measure::pipe(std::size_t i, std::uint64_t time) {
   if (now_[pipes[i].handle] == '1') {
     if (b.valid++ == 0) b.first = time;
     b.last = time;
-    b.empty += b.gap;  // it was not the end
+    b.empty += b.gap;  // not the end of the burst
     if (b.gap > b.longest) {
       b.longest = b.gap;
       b.longest_time = b.gap_time;

@@ -21,7 +21,7 @@ std::vector<Near> fed_by(const Design& design, const std::vector<std::string>& s
   std::deque<Waiting> waiting;
   std::set<Slice> seen;
   std::vector<Near> places;
-  // Slices of one step before those of the next: wires go in front.
+  // Breadth first by step; wires add no step, so they go in front.
   const auto add = [&](const Slice& slice, unsigned step, bool wire) {
     if (seen.size() >= kMostSlices || !seen.insert(slice).second) return;
     if (wire)

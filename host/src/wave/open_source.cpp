@@ -15,8 +15,7 @@
 namespace cde::wave {
 namespace {
 
-/// A format that is not read: how a file of it begins, or how its name ends, and what makes a VCD
-/// or FST of it.
+/// An unsupported format: its first bytes or file suffix, and the converter to VCD or FST.
 struct OtherFormat {
   std::string_view magic, suffix, name, converter;
 };
@@ -44,8 +43,7 @@ std::string lower_suffix(const std::filesystem::path& file) {
   return suffix;
 }
 
-/// Whether a file begins as text does that may be VCD: blanks, perhaps a byte order mark, and a
-/// word with $.
+/// Whether the file may be VCD: blanks, perhaps a byte order mark, and a word with $.
 bool begins_as_vcd(std::string_view head) {
   if (head.starts_with("\xef\xbb\xbf")) head.remove_prefix(3);
   const std::size_t at = head.find_first_not_of(" \t\r\n\f\v");

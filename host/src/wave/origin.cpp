@@ -8,8 +8,8 @@ namespace cde::wave {
 namespace {
 
 constexpr unsigned kMostHops = 200;
-constexpr std::size_t kLeastBits = 8;  // of a word whose way can be told from that of others
-constexpr std::uint64_t kLines = 60;   // of a cone, of which only what is near is looked at
+constexpr std::size_t kLeastBits = 8;  // bits that a word needs for its path to be recognisable
+constexpr std::uint64_t kLines = 60;   // lines of a cone, of which only the near ones are used
 
 /// Whether another signal hardly has the same bits by chance.
 bool tells(const std::string& bits) {
@@ -47,7 +47,7 @@ Origin origin_of(Trace& trace, Times& times, const Design& design, const Slice& 
     const auto& nodes = cone.nodes();
     const std::string bits = nodes.front().value;
     if (!tells(bits)) break;
-    // To the next signal that is in the waves.
+    // To the next signal in the waves.
     std::size_t at = 0;
     do {
       std::optional<std::size_t> before;

@@ -22,7 +22,7 @@ void Packed::add_time(std::uint64_t time) {
 void Packed::add(std::uint64_t time, std::string_view value) {
   if (changes_ != 0 && value == last_) return;
   if (changes_ > 1 && time == last_time_ && value == before_) {
-    // What is gone within its instant is no change.
+    // A change that vanishes within its instant is no change.
     values_.resize(values_.size() - values_.size() / changes_);
     times_.resize(last_length_);
     last_time_ = before_time_;
@@ -31,7 +31,7 @@ void Packed::add(std::uint64_t time, std::string_view value) {
     return;
   }
   if (changes_ != 0 && time == last_time_) {
-    // The last of several values at one time is the one that stays.
+    // The last of several values at one time counts.
     last_ = value;
     values_.resize(values_.size() - values_.size() / changes_);
   } else {
@@ -81,7 +81,7 @@ void Packed::add_text(std::string_view text) {
 std::string deflated(std::string_view bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
   std::string packed(size, '\0');
-  // Level 4 is three times as fast as the usual one, for a few percent of the size.
+  // Level 4 is much faster than the default and compresses slightly less.
   const int status =
       compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
                 reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()), 4);

@@ -7,7 +7,7 @@
 namespace cde::wave {
 namespace {
 
-constexpr unsigned kMostWires = 200;  // one behind the other
+constexpr unsigned kMostWires = 200;  // wires in a chain
 
 }  // namespace
 
@@ -17,7 +17,7 @@ Sampled::Sampled(Trace& trace, const Design& design) : trace_(trace), design_(de
       names_.emplace(s.name, &s);
       if (s.name.ends_with(']')) names_.emplace(without_array_scope(s.name), &s);
     }
-  // Each begins with the values at the end of the one before.
+  // Each section begins with the values at the end of the last one.
   std::uint64_t last = trace.start();
   for (const Section& s : trace.structure().sections) {
     if (s.end < last) continue;
@@ -32,7 +32,7 @@ std::vector<Sampled::Part> Sampled::find_parts(Slice s) {
     const auto pieces =
         design_.pieces(s, [&](const std::string& name) { return names_.contains(name); });
     std::vector<Part> parts;
-    std::uint64_t at = s.low + s.width;  // what is missing ends here
+    std::uint64_t at = s.low + s.width;  // end of the missing bits
     for (auto p = pieces.rbegin(); p != pieces.rend(); ++p) {
       const Signal& signal = *names_.at(p->name);
       if (signal.width != p->slice.width) break;

@@ -13,7 +13,8 @@ std::vector<View> views_in_scopes(const Request& r, Trace& trace, bool once) {
   const FileForms file_forms(trace);
   const Form asked = r.default_form();
   for (const std::string& word : words) {
-    // A plain name is a scope here, or a signal below; so is a pattern with a form behind it.
+    // A plain name is a scope here or a signal below. The same holds for a pattern followed by a
+    // form.
     std::vector<std::string> forms = {word + ".*", "*." + word + ".*"};
     if (word.find_first_of("*?") != std::string::npos) {
       forms.push_back(word);

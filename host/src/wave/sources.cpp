@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which bits of which signals some bits of an expression of a design are made of.
+// Finds the signal bits that determine given bits of a design's expression.
 #include <algorithm>
 
 #include "cde/wave/elaborated.hpp"
@@ -33,7 +33,7 @@ std::optional<Slice> Design::Elaborated::referred(std::uint32_t unit, std::uint3
   if (const auto v = body(unit).variable(scope, name); v >= 0)
     return whole(unit, static_cast<std::uint32_t>(v));
   if (dotted.empty()) return std::nullopt;
-  // Of an instance, seen from this unit or from one that it is in.
+  // Resolves an instance from this unit or from an enclosing one.
   for (std::int64_t at = unit; at >= 0; at = units[static_cast<std::size_t>(at)].parent) {
     auto here = static_cast<std::uint32_t>(at);
     std::string_view rest = name;
@@ -70,7 +70,7 @@ void add(const Context& c, Slice s, std::uint64_t low, std::uint64_t width,
   if (std::find(found.begin(), found.end(), s) == found.end()) found.push_back(s);
 }
 
-/// What a function's body reads beside its arguments.
+/// Adds what a function's body reads besides its arguments.
 void add_globals(const Context& c, const netlist::Element& e, const Body& body, const Function& f,
                  std::vector<Slice>& found) {
   if (is_reference(e)) {
@@ -96,7 +96,7 @@ void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t 
   if (tag == "const" || width == 0) return;
   if (const auto s = selected(c, e)) {
     add(c, *s, low, width, found);
-    // An index that is no constant is a source as well.
+    // An index that is not constant is also a source.
     for (const netlist::Element* at = &e; at != nullptr && !is_reference(*at); at = at->child(0))
       if (at->child(1) != nullptr) collect_sources(c, *at->child(1), found);
     return;

@@ -8,7 +8,7 @@
 namespace cde::wave {
 namespace {
 
-/// Sets of stalls that belong together.
+/// Sets of related stalls.
 class Sets {
  public:
   explicit Sets(std::size_t count) : parent_(count) {
@@ -37,9 +37,9 @@ class Chains {
     return all_[a].leads_to[b] || all_[b].leads_to[a] || alone_[a] || alone_[b];
   }
 
-  /// Stalls of one set.
+  /// Adds a set of related stalls.
   void add(const std::vector<Stall>& stalls) {
-    std::map<std::size_t, std::uint64_t> start;  // of each handshake
+    std::map<std::size_t, std::uint64_t> start;  // by handshake
     std::uint64_t first = stalls.front().first, last = 0;
     for (const Stall& s : stalls) {
       const auto [at, fresh] = start.try_emplace(s.handshake, s.first);
@@ -72,8 +72,8 @@ class Chains {
   }
 
  private:
-  /// Upstream first: what leads to another one stands before it; where that says nothing, what was
-  /// stalled later, then what the file has first.
+  /// Orders handshakes upstream first: a handshake precedes those that it leads to. Otherwise later
+  /// stalls come first, then the order of the file.
   [[nodiscard]] std::vector<std::size_t> ordered(
       const std::map<std::size_t, std::uint64_t>& start) const {
     std::vector<std::size_t> left, order;
@@ -81,7 +81,7 @@ class Chains {
     std::stable_sort(left.begin(), left.end(),
                      [&](std::size_t a, std::size_t b) { return start.at(a) > start.at(b); });
     const auto before = [&](std::size_t a, std::size_t b) {
-      return all_[a].leads_to[b] && !all_[b].leads_to[a];  // not in a ring
+      return all_[a].leads_to[b] && !all_[b].leads_to[a];  // and not in a loop
     };
     while (!left.empty()) {
       const auto next = std::find_if(left.begin(), left.end(), [&](std::size_t candidate) {
@@ -110,7 +110,8 @@ std::vector<Chain> stall_chains(const std::vector<Handshake>& handshakes,
   Sets sets(stalls.size());
   std::vector<std::size_t> active;
   for (std::size_t i = 0; i < stalls.size(); ++i) {
-    // Cycles of two clocks do not compare; those of another clock just stay a little longer.
+    // Cycles of different clocks are not comparable; stalls of another clock just stay slightly
+    // longer.
     std::erase_if(active, [&](std::size_t a) { return stalls[a].last < stalls[i].first; });
     for (const std::size_t a : active)
       if (chains.together(stalls[a].handshake, stalls[i].handshake)) sets.join(a, i);

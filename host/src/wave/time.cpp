@@ -43,7 +43,7 @@ std::string Times::span(std::uint64_t length) const {
   const int top = scale + static_cast<int>(digits.size()) - 1;
   const auto unit = std::find_if(kUnits.begin(), kUnits.end() - 1,
                                  [&](const Unit& u) { return u.exponent <= top; });
-  const int point = unit->exponent - scale;  // digits behind the point
+  const int point = unit->exponent - scale;  // digits after the point
   if (point <= 0)
     return digits + std::string(static_cast<std::size_t>(-point), '0') + std::string(unit->name);
   const auto behind = static_cast<std::size_t>(point);
@@ -64,7 +64,7 @@ std::optional<double> Times::length(const std::string& text) const {
   const auto found =
       std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.name == unit; });
   if (found == kUnits.end()) return std::nullopt;
-  // Powers of ten of up to 22 are exact, so that whole units stay whole.
+  // Powers of ten up to 22 are exact, so whole units stay whole.
   const int power = found->exponent - trace_.scale();
   return power >= 0 ? value * std::pow(10, power) : value / std::pow(10, -power);
 }
@@ -129,7 +129,7 @@ void Times::outside(const std::string& whole) const {
                           text(trace_.start()), text(trace_.end())));
 }
 
-/// What the file counts of a number that people count.
+/// Converts a number as people count to a number of the file.
 std::uint64_t Times::from_zero(bool negative, std::uint64_t magnitude,
                                const std::string& whole) const {
   const std::int64_t zero = trace_.time_zero();
@@ -178,7 +178,7 @@ std::uint64_t Times::base(const std::string& text, const std::string& whole) {
 }
 
 std::uint64_t Times::parse(const std::string& whole) {
-  // A sign behind an e is that of an exponent.
+  // A sign after an e belongs to the exponent.
   std::size_t sign = whole.find_first_of("+-", 1);
   const std::size_t first = whole.starts_with('-') ? 1 : 0;
   if (sign != std::string::npos && (whole[sign - 1] == 'e' || whole[sign - 1] == 'E') &&

@@ -24,7 +24,7 @@ constexpr std::array<const char*, FST_VT_MAX + 1> kKinds = {
 constexpr std::array<const char*, FST_VD_MAX + 1> kDirections = {"",      "input",  "output",
                                                                  "inout", "buffer", "linkage"};
 
-/// "[7:0]" or "[7]" at the end of a name, with or without a space before it.
+/// Reads "[7:0]" or "[7]" at the end of a name, with or without a space before it.
 bool read_range(std::string_view text, Signal& s) {
   if (text.size() < 3 || text.front() != '[' || text.back() != ']') return false;
   const char* at = text.data() + 1;
@@ -42,7 +42,7 @@ bool read_range(std::string_view text, Signal& s) {
 
 void name_signal(Signal& s, const std::string& scope, std::string_view name) {
   while (name.ends_with(' ')) name.remove_suffix(1);
-  // "a [7:0]" is a range; "a[7:0]" is one if it has the width, else an element of an array.
+  // "a [7:0]" is a range. "a[7:0]" is a range if the width matches, else an array element.
   const std::size_t space = name.rfind(" [");
   const std::size_t bracket = space != std::string_view::npos ? space + 1 : name.rfind('[');
   std::string stem(name);
@@ -53,7 +53,7 @@ void name_signal(Signal& s, const std::string& scope, std::string_view name) {
     if (s.ranged) stem.resize(bracket);
   }
   while (stem.ends_with(' ')) stem.pop_back();
-  // "mem [1]" is an element.
+  // "mem [1]" is an array element.
   for (std::size_t at = 0; (at = stem.find(" [", at)) != std::string::npos;) stem.erase(at, 1);
   if (!s.ranged) {
     s.left = static_cast<int>(s.width) - 1;
@@ -64,7 +64,7 @@ void name_signal(Signal& s, const std::string& scope, std::string_view name) {
   s.name += stem;
 }
 
-/// "NAME COUNT name ... bits ...", all escaped; null if it is none.
+/// Parses "NAME COUNT name ... bits ...", all escaped; null if it is not such a table.
 std::shared_ptr<const Names> table_of(const char* text) {
   const std::unique_ptr<fstETab, void (*)(fstETab*)> table(
       fstUtilityExtractEnumTableFromString(text), fstUtilityFreeEnumTable);
@@ -120,7 +120,7 @@ Signal signal_of(const VariableName& v, const std::string& scope) {
   return s;
 }
 
-/// Whether a signal is what follows the one before in a vector that was written in parts.
+/// Whether a signal is the next part of a vector that was written in parts.
 bool follows(const Signal& before, const Signal& now, bool down) {
   return before.ranged && now.ranged && !now.event && before.name == now.name &&
          before.kind == std::string_view(now.kind) &&
@@ -132,14 +132,14 @@ bool follows(const Signal& before, const Signal& now, bool down) {
 
 void Trace::read_names() {
   std::vector<Signal> found;
-  std::vector<bool> begins;  // whether a signal is the first behind a scope
+  std::vector<bool> begins;  // by signal: whether it is the first in its scope
   const std::uint32_t handles = source_->facts().handles;
   widths_.assign(handles + std::size_t{1}, 1);
   events_.assign(widths_.size(), false);
   std::string scope;
   std::vector<std::size_t> outer;
   std::map<std::uint64_t, std::shared_ptr<const Names>> tables;
-  std::shared_ptr<const Names> names;  // of the next signal
+  std::shared_ptr<const Names> names;  // for the next signal
   bool fresh = true;
   SourceVisit visit;
   visit.open = [&](ScopeName&& s) {
@@ -212,7 +212,7 @@ void Trace::join_pieces(std::vector<Signal>& found, const std::vector<bool>& beg
   signals_ = std::move(all);
 }
 
-/// Signals of one name that are not the same thing are told apart by numbers.
+/// Numbers different signals that have the same name.
 void Trace::number_twins() {
   std::unordered_map<std::string_view, std::size_t> first;
   first.reserve(signals_->size());
@@ -256,10 +256,10 @@ void Trace::nested(const NestedVisit& visit) {
   source_->names(plain);
 }
 
-/// Makes the stream of a trace of the changes of its source.
+/// Converts the changes of a source into a trace's stream.
 class Changes {
  public:
-  struct Stop {};  ///< enough
+  struct Stop {};  ///< the visitor has enough
 
   Changes(const Trace& trace, std::span<const std::uint32_t> wanted, std::uint64_t from,
           std::uint64_t to, const Trace::Visit& visit)
@@ -279,7 +279,7 @@ class Changes {
     std::sort(sources_.begin(), sources_.end());
     sources_.erase(std::unique(sources_.begin(), sources_.end()), sources_.end());
   }
-  /// Handles of the file.
+  /// The file's handles.
   [[nodiscard]] std::span<const std::uint32_t> sources() const { return sources_; }
 
   void take(std::uint64_t time, std::uint32_t handle, std::string_view value) {
@@ -334,11 +334,11 @@ class Changes {
   const Trace::Visit& visit_;
   std::span<const std::uint32_t> wanted_;
   std::vector<std::uint32_t> sources_;
-  std::vector<bool> direct_;                      ///< handles that are wanted themselves
-  std::map<std::uint32_t, std::string> vectors_;  ///< values of those written in parts
-  std::vector<std::uint32_t> changed_;            ///< of these, at now_
+  std::vector<bool> direct_;                      ///< by handle: whether it was requested itself
+  std::map<std::uint32_t, std::string> vectors_;  ///< values of vectors written in parts
+  std::vector<std::uint32_t> changed_;            ///< vectors changed at now_
   std::uint64_t now_ = 0;
-  std::vector<std::optional<std::string>> first_;  ///< of each handle, up to from_
+  std::vector<std::optional<std::string>> first_;  ///< by handle: the value at from_
   bool flushed_ = false;
 };
 
@@ -357,7 +357,7 @@ void Trace::stream(std::span<const std::uint32_t> wanted, std::uint64_t from, st
                      });
     changes.finish();
   } catch (const Changes::Stop&) {
-    // enough
+    // the visitor has enough
   }
 }
 

@@ -17,8 +17,8 @@
 namespace cde::wave {
 namespace {
 
-/// Transactions that wait for their turn, all rows of a pass until it ends: what many of them say
-/// is kept once, the rest in one piece.
+/// A compact queue of waiting transactions: up to all rows of a pass. Repeated parts are stored
+/// once, and the rest in one string.
 class Parcels {
  public:
   using Key = std::array<std::uint64_t, 4>;  ///< begin, kind, end, number
@@ -28,7 +28,7 @@ class Parcels {
     std::string& words = parcel.words;
     std::size_t size = t.label.size() + t.outcome.size() + 2;
     for (const auto& [name, value] : t.fields) size += value.size() + 1;
-    words.reserve(size);  // no more than it takes
+    words.reserve(size);  // exactly what is needed
     words.append(t.label).append(1, '\0').append(t.outcome).append(1, '\0');
     Common common{std::move(t.kind), std::move(t.scope), {}};
     for (auto& [name, value] : t.fields) {
@@ -74,7 +74,7 @@ class Parcels {
     Key key;
     std::uint64_t stalls;
     const Common* common;
-    std::string words;  ///< label, outcome, values of the fields, each with a zero behind it
+    std::string words;  ///< label, outcome and field values, each ended by a zero byte
   };
   static bool later(const Parcel& a, const Parcel& b) { return a.key > b.key; }
 
@@ -83,7 +83,7 @@ class Parcels {
   std::uint64_t number_ = 0;
 };
 
-/// Puts transactions into the order of their begins: decoders tell them when they end.
+/// Orders transactions by their begin. Decoders report them at their end.
 class Order {
  public:
   Order(std::uint64_t from, std::uint64_t to, const std::function<bool(const Transaction&)>& take)
@@ -92,7 +92,7 @@ class Order {
   void add(std::size_t kind, Transaction t) {
     if (t.begin <= to_ && t.end >= from_) waiting_.add(kind, std::move(t));
   }
-  /// Gives those that began before a time; nothing that comes later will have.
+  /// Passes on the transactions that began before a time, when no earlier one can follow.
   void give(std::uint64_t before) {
     while (!stopped_ && waiting_.size() != 0 && waiting_.first_begin() < before)
       stopped_ = !take_(waiting_.take_first());
@@ -108,8 +108,8 @@ class Order {
   bool stopped_ = false;
 };
 
-/// Hands the changes of a file to decoders: the edges of a time first, with the values from before
-/// it, as flip-flops see them.
+/// Passes changes of a file to decoders. At each time, clock edges come first, with the values
+/// before them, as flip-flops see them.
 class Conductor {
  public:
   Conductor(Trace& trace, Order& order, std::uint64_t to) : trace_(trace), order_(order), to_(to) {
@@ -162,7 +162,7 @@ class Conductor {
     unsigned clock;
   };
 
-  /// All changes of a time are there; false: enough is known.
+  /// Called when all changes of a time have arrived. False to stop.
   bool step(std::uint64_t time) {
     bool edge = false;
     for (const Change& c : waiting_) {
@@ -189,8 +189,8 @@ class Conductor {
   Order& order_;
   std::uint64_t to_;
   std::vector<std::unique_ptr<Decoder>> decoders_;
-  std::vector<std::vector<Wire*>> wires_;      ///< of each handle
-  std::vector<std::vector<Listener>> clocks_;  ///< likewise
+  std::vector<std::vector<Wire*>> wires_;      ///< by handle
+  std::vector<std::vector<Listener>> clocks_;  ///< by handle
   std::string levels_;
   std::vector<std::uint32_t> handles_;
   std::vector<Change> waiting_;

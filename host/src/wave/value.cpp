@@ -30,7 +30,7 @@ std::string hexadecimal(std::string_view bits) {
     char unknown = 0;
     for (const char own : digit) {
       const char c = four_state(own);
-      // U, W and - are written as the file has them.
+      // U, W and - are shown as the file has them.
       const char shown = c != 'x' || own == 'X' ? c : own;
       if (c != '0' && c != '1') unknown = unknown == 0 || unknown == shown ? shown : 'x';
       value = value << 1 | (c == '1' ? 1u : 0u);
@@ -40,9 +40,9 @@ std::string hexadecimal(std::string_view bits) {
   return text;
 }
 
-/// Of any width, by long division.
+/// Decimal text of any width, by long division.
 std::string decimal(std::string_view bits) {
-  std::vector<std::uint32_t> digits = {0};  // of base 10^9, the lowest first
+  std::vector<std::uint32_t> digits = {0};  // base 10^9, lowest first
   for (const char c : bits) {
     std::uint64_t carry = c == '1' ? 1 : 0;
     for (std::uint32_t& d : digits) {
@@ -57,7 +57,7 @@ std::string decimal(std::string_view bits) {
   return text;
 }
 
-/// Without zeros in front, as Names has them.
+/// The bits without leading zeros, as in Names.
 std::string_view significant(std::string_view bits) {
   return bits.substr(std::min(bits.find_first_not_of('0'), bits.size() - 1));
 }
@@ -66,7 +66,7 @@ bool known(std::string_view bits) {
   return bits.find_first_not_of("01") == std::string_view::npos;
 }
 
-/// The shortest decimal that is this word again.
+/// The shortest decimal that reads back as this word.
 std::string decimal_of(std::string_view bits, const FpFormat& format) {
   const auto w = word(bits);
   if (!w) return "x";
@@ -77,12 +77,12 @@ std::string decimal_of(std::string_view bits, const FpFormat& format) {
     const std::string text = fmt::format("{:.{}g}", value, digits);
     double back = 0;
     std::from_chars(text.data(), text.data() + text.size(), back);
-    if (format.encode(back) == *w) return fmt::format("{}", back);  // 30, not 3e+01
+    if (format.encode(back) == *w) return fmt::format("{}", back);  // gives 30, not 3e+01
   }
   return fmt::format("{}", value);
 }
 
-/// H and L as 1 and 0.
+/// Replaces H and L by 1 and 0.
 std::string as_numbers(std::string_view bits) {
   std::string all(bits);
   std::transform(all.begin(), all.end(), all.begin(), four_state);
@@ -100,7 +100,7 @@ std::string one_text(std::string_view bits, const Form& form) {
     case Form::Kind::kSigned: {
       if (!known(bits)) return "x";
       if (bits.front() == '0') return decimal(bits);
-      // The magnitude is the complement and one.
+      // The magnitude is the complement plus one.
       std::string magnitude(bits);
       std::size_t at = magnitude.rfind('1');
       while (at-- > 0) magnitude[at] = magnitude[at] == '0' ? '1' : '0';
@@ -121,7 +121,7 @@ std::string one_text(std::string_view bits, const Form& form) {
   return hexadecimal(bits);
 }
 
-/// Bits of a lane of such a form in a signal, or 0.
+/// Bits per lane of the form in a signal, or 0.
 unsigned lane_bits(const Form& form, unsigned width) {
   if (form.lane != 0) return form.lane;
   if (form.kind != Form::Kind::kFloat) return 0;
@@ -135,7 +135,7 @@ struct Word {
   std::string name, index, form;
 };
 
-/// NAME[INDEX]:FORM, where index and form may be missing.
+/// Splits NAME[INDEX]:FORM; index and form are optional.
 Word split(const std::string& word) {
   Word w;
   w.name = word;
@@ -156,7 +156,7 @@ unsigned character(const Signal& s, int bit, const std::string& word) {
   return static_cast<unsigned>(std::abs(s.left - bit));
 }
 
-/// Takes the bits or the lane of an index.
+/// Selects the bits or the lane of an index.
 void narrow(View& v, const std::string& index, const std::string& word) {
   int left = 0, right = 0;
   const char* const stop = index.data() + index.size();
@@ -390,7 +390,7 @@ bool matches(std::string_view pattern, std::string_view name) {
 
 namespace {
 
-/// A name as a trace has it: SystemVerilog's escaped names have a blank behind them.
+/// A name as a trace has it: without the blank that ends SystemVerilog's escaped names.
 std::string without_blanks(std::string_view name) {
   std::string own;
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -404,7 +404,7 @@ std::string without_blanks(std::string_view name) {
 /// The outermost signal of a name, or null.
 const Signal* outermost(Trace& trace, std::string_view name) {
   const Signal* found = nullptr;
-  const Signal* other = nullptr;  // another one, as far outside
+  const Signal* other = nullptr;  // another signal at the same depth
   std::ptrdiff_t depth = 0;
   for (const Signal& s : trace.signals()) {
     if (s.name == name) return &s;
@@ -447,7 +447,7 @@ const Signal& find_signal(Trace& trace, std::string_view asked) {
 std::vector<View> views(Trace& trace, const std::string& asked, const Form& form) {
   const std::string text = without_blanks(asked);
   Word w = split(text);
-  // A colon may be one of an escaped name.
+  // A colon may belong to an escaped name.
   if (!w.form.empty() &&
       std::any_of(trace.signals().begin(), trace.signals().end(),
                   [&](const Signal& s) { return s.name == text || s.name.ends_with('.' + text); }))
@@ -461,7 +461,7 @@ std::vector<View> views(Trace& trace, const std::string& asked, const Form& form
     wanted = *own;
   }
   std::vector<const Signal*> found;
-  // Elements of arrays have brackets in their names; else brackets are an index.
+  // An array element has brackets in its name; other brackets are an index.
   const std::string inner = "*." + w.name;
   const auto named = [&](const std::string& name, const std::string& in_a_scope) {
     return std::any_of(trace.signals().begin(), trace.signals().end(), [&](const Signal& s) {
@@ -469,7 +469,7 @@ std::vector<View> views(Trace& trace, const std::string& asked, const Form& form
     });
   };
   bool whole = named(w.name, inner);
-  // An element of a memory that its writer has under an escaped name: mem[1] is \mem[1].
+  // A memory element under an escaped name: mem[1] is \mem[1].
   if (const std::size_t open = w.name.rfind('[');
       !whole && open != std::string::npos &&
       !named(w.name.substr(0, open), inner.substr(0, open + 2))) {
@@ -507,7 +507,7 @@ std::vector<View> views(Trace& trace, const std::string& asked, const Form& form
       v.indexed = true;
       v.label += "[" + w.index + "]";
     }
-    // A form for all is not one for signals that it does not fit.
+    // A form for all signals skips those that it does not fit.
     if (w.form.empty() || wanted.kind == Form::Kind::kFile) {
       v.form = fitting(v.form, v.width);
     } else if (found.size() > 1) {

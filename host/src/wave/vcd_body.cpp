@@ -11,11 +11,11 @@
 namespace cde::wave {
 namespace {
 
-/// Identifiers whose numbers are below this are found in a table.
+/// Identifiers with numbers below this limit are looked up in a table.
 constexpr std::size_t kMostShort = 1u << 22;
 constexpr std::size_t kTooLong = ~std::size_t{0};
 
-/// A number of its own for each identifier of up to four characters.
+/// A unique number for each identifier of up to four characters.
 std::size_t identifier_number(std::string_view identifier) {
   if (identifier.empty() || identifier.size() > 4) return kTooLong;
   std::size_t number = 0;
@@ -108,7 +108,7 @@ bool VcdBody::step(VcdEvents& events) {
 
 bool VcdBody::time(VcdEvents& events, std::string_view digits) {
   std::uint64_t now = 0;
-  // "3.0" of writers that count in floating point.
+  // Accepts "3.0" from writers that count in floating point.
   if (const std::size_t point = digits.find('.');
       point != std::string_view::npos && point + 1 < digits.size() &&
       digits.find_first_not_of('0', point + 1) == std::string_view::npos)
@@ -145,13 +145,14 @@ bool VcdBody::vector(VcdEvents& events, char kind, std::string_view word) {
   value_ = word.substr(1);
   if (value_.starts_with("0b")) value_.erase(0, 2);  // "b0b0101" of PyMTL3
   if (!value_.empty()) return change(events, kind, value_, identifier());
-  // "b 0101 !" of some writers; but "b !" is a value without bits.
+  // Some writers put "b 0101 !". But "b !" is a value without bits.
   value_ = identifier();
   if (identifiers_.find(value_) != 0) return change(events, kind, "", value_);
   return change(events, kind, value_, identifier());
 }
 
-/// A text of some writers has blanks in it: then its identifier is the last word of the line.
+/// Reads a text value. Some writers put blanks in it, so its identifier is the last word of the
+/// line.
 bool VcdBody::text(VcdEvents& events, std::string_view word) {
   value_ = word.substr(1);
   const std::string_view second = identifier();
@@ -169,7 +170,7 @@ bool VcdBody::text(VcdEvents& events, std::string_view word) {
 bool VcdBody::port(VcdEvents& events, std::string_view word) {
   value_ = word.substr(1);
   if (value_.empty()) value_ = identifier();
-  (void)identifier();  // strengths
+  (void)identifier();  // two strengths
   (void)identifier();
   return change(events, 'p', value_, identifier());
 }

@@ -10,7 +10,7 @@
 
 namespace cde::wave {
 
-/// Handles of identifiers.
+/// Maps identifiers to handles.
 class VcdIdentifiers {
  public:
   explicit VcdIdentifiers(const std::vector<std::string>& identifiers);
@@ -24,49 +24,49 @@ class VcdIdentifiers {
     using is_transparent = void;
     std::size_t operator()(std::string_view s) const { return std::hash<std::string_view>()(s); }
   };
-  std::vector<std::uint32_t> short_;  ///< by number, of identifiers of few characters
+  std::vector<std::uint32_t> short_;  ///< by number, for short identifiers
   std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> long_;
   std::vector<std::uint32_t> next_;
 };
 
-/// What the changes of a VCD file are told to.
+/// Receives the changes of a VCD file.
 class VcdEvents {
  public:
   VcdEvents() = default;
   virtual ~VcdEvents() = default;
   VcdEvents(const VcdEvents&) = delete;
   VcdEvents& operator=(const VcdEvents&) = delete;
-  /// False: enough.
+  /// Reports a time. False to stop.
   virtual bool time(std::uint64_t now) = 0;
-  /// `kind` is b, r, s or p; `b` also of a single bit. `dumped`: a section tells what is, not what
-  /// changes. False: enough.
+  /// Reports a value. `kind` is b (also for a single bit), r, s or p. `dumped`: a section lists
+  /// current values, not changes. False to stop.
   virtual bool change(std::uint32_t handle, char kind, std::string_view value, bool dumped) = 0;
   virtual void dumps(bool) {}
   virtual void comment(std::string) {}
 };
 
-/// The file ends within its last word.
+/// thrown if the file ends within its last word
 struct VcdCut {};
 
-/// Reads what is behind $enddefinitions. Errors are kFile with the line; what goes wrong in the
-/// last word of a file that ends there without a line feed is VcdCut.
+/// Reads the part after $enddefinitions. Error kFile with the line. A problem in the last word of a
+/// file that ends without a line feed is VcdCut instead.
 class VcdBody {
  public:
-  /// Times are told multiplied by `factor`.
+  /// Reports times multiplied by `factor`.
   VcdBody(WordReader& words, const VcdIdentifiers& identifiers, std::uint64_t factor)
       : words_(words), identifiers_(identifiers), factor_(factor) {}
 
-  /// To the end, or until the events have enough.
+  /// Reads to the end, or until the events stop it.
   void run(VcdEvents& events) {
     while (step(events)) {
     }
   }
-  /// A word and what belongs to it; false at the end.
+  /// Reads a word and its arguments; false at the end.
   bool step(VcdEvents& events);
-  /// Where the last one begins.
+  /// The begin of the last word.
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
   [[nodiscard]] std::uint64_t line() const { return line_; }
-  /// VcdCut, or error kFile.
+  /// Throws VcdCut, or error kFile.
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
@@ -81,7 +81,7 @@ class VcdBody {
   WordReader& words_;
   const VcdIdentifiers& identifiers_;
   std::uint64_t factor_;
-  std::string value_;  ///< kept while its identifier is read
+  std::string value_;  ///< held while its identifier is read
   bool dumped_ = false;
   std::uint64_t offset_ = 0, line_ = 0;
 };

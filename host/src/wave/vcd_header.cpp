@@ -97,7 +97,7 @@ bool read_whole(std::string_view text, Number& to) {
   return read.ec == std::errc() && read.ptr == stop && !text.empty();
 }
 
-/// "1ns", "10 ps".
+/// Reads "1ns" or "10 ps".
 void read_scale(const WordReader& words, const std::vector<std::string>& section, VcdHeader& to) {
   std::string text;
   for (const std::string& w : section) text += w;
@@ -130,7 +130,7 @@ class HeaderReader {
       if (word.starts_with("\xef\xbb\xbf")) word.remove_prefix(3);
       if (word.empty()) continue;
       std::string name(word);
-      // Some writers leave $enddefinitions out.
+      // Some writers omit $enddefinitions.
       if (!h_.identifiers.empty() && (name[0] == '#' || name.starts_with("$dump"))) {
         words_.again();
         return finish();
@@ -140,7 +140,7 @@ class HeaderReader {
             fmt::format("{} in the header; expected $scope, $var, $enddefinitions or "
                         "another such word",
                         in_quotes(name)));
-      if (name == kEndWord) continue;  // one too many
+      if (name == kEndWord) continue;  // a superfluous one
       if (name == "$enddefinitions" || name == "$enddefinitions$end") {
         optional_end();
         return finish();
@@ -173,7 +173,7 @@ class HeaderReader {
     } else if (name == "$scope") {
       if (section.empty()) words_.fail("$scope without a name; expected its type and name");
       ScopeName s;
-      // A lone word is the type of a scope without a name, or a name.
+      // A lone word is the type of a nameless scope, or a name.
       const int type = type_in(kScopeTypes, section[0], -1);
       s.type = type < 0 ? FST_ST_VCD_MODULE : type;
       s.name = utf8_text(joined(section, section.size() == 1 && type < 0 ? 0 : 1));
@@ -198,10 +198,10 @@ class HeaderReader {
     } else if (name == "$attrbegin") {
       attribute(section);
     }
-    // Other sections are of tools, and say nothing of signals.
+    // Other sections belong to tools and do not describe signals.
   }
 
-  /// "misc 07 NAME ... ARGUMENT", as GTKWave writes it.
+  /// Reads "misc 07 NAME ... ARGUMENT", as GTKWave writes it.
   void attribute(const std::vector<std::string>& section) {
     if (section.size() < 3 || section[0] != "misc") return;
     Attribute a;
@@ -255,7 +255,7 @@ class HeaderReader {
   std::uint32_t width(const std::string& text, std::string& range) {
     std::uint32_t bits = 0;
     if (read_whole(text, bits) && bits <= 1u << 24) return bits;
-    // Extended VCD: [7:0].
+    // Extended VCD writes [7:0].
     int left = 0, right = 0;
     const std::size_t colon = text.find(':');
     if (text.size() > 4 && text.front() == '[' && text.back() == ']' && colon != text.npos &&
@@ -273,7 +273,7 @@ class HeaderReader {
   static std::string name(const std::vector<std::string>& section, const std::string& range) {
     std::string text, index;
     std::size_t end = section.size();
-    // "[7:0]" may have blanks in it.
+    // "[7:0]" may contain blanks.
     for (std::size_t i = 4; i < end; ++i)
       if (section[i].starts_with('[') && section.back().ends_with(']')) {
         for (std::size_t k = i; k < end; ++k) {
@@ -306,7 +306,7 @@ std::vector<std::string> vcd_section(WordReader& words, const std::string& name)
     if (bytes > kMostSection)
       words.fail(fmt::format("{} of line {} has no $end", in_quotes(name), line));
     std::string own(word);
-    // "clk$end": a name may end so, but then an $end follows.
+    // "clk$end": a name may end like this, but then another $end follows.
     if (own.size() > kEndWord.size() && own.ends_with(kEndWord)) {
       const bool more = words.next(word);
       if (more && word == kEndWord) {

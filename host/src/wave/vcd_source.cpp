@@ -16,13 +16,13 @@
 namespace cde::wave {
 namespace {
 
-constexpr std::uint64_t kLeastBetween = 1u << 20;  ///< bytes from a point to the next
+constexpr std::uint64_t kLeastBetween = 1u << 20;  ///< bytes between two points
 constexpr std::uint64_t kMostPoints = 64u << 20;   ///< bytes of all points together
-constexpr std::size_t kMostComments = 1000;        ///< among the changes
+constexpr std::size_t kMostComments = 1000;        ///< comments among the changes
 constexpr std::string_view kStates = "01xzXZUWLHuwlh-";
 
-/// As many bits as the signal is wide, by VCD's rule: 0 in front of 1, else the first again. False
-/// if bits that say something are too many.
+/// Extends or cuts bits to the signal's width by VCD's rule: 0 before 1, else the first bit
+/// repeated. False if significant bits would be cut.
 bool fit_bits(std::string_view value, std::uint32_t width, std::string& to) {
   if (value.empty()) value = "0";
   if (value.size() > width) {
@@ -46,7 +46,7 @@ bool is_real_text(std::string_view value) {
          read.ec != std::errc::invalid_argument;
 }
 
-/// The shortest decimal that is the same number, as of FST.
+/// The shortest decimal of the same number, as for FST.
 std::string real_text(std::string_view value) {
   if (value.starts_with('+')) value.remove_prefix(1);
   double number = 0;
@@ -58,7 +58,7 @@ bool unknown_value(std::string_view value) {
   return value.find_first_of("01") == std::string_view::npos;
 }
 
-/// The first pass: is all of it right, and where is what?
+/// The first pass: checks the whole file and notes the places of values.
 class VcdIndex : public VcdEvents {
  public:
   VcdIndex(const VcdBody& body, const VcdHeader& header) : body_(body), header_(header) {
@@ -94,7 +94,7 @@ class VcdIndex : public VcdEvents {
     else
       ++more_comments;
   }
-  /// The last time is there.
+  /// Called after the last time.
   void finish() {
     if (off_) blackouts.back().to = now_;
     if (more_comments != 0)
@@ -106,7 +106,7 @@ class VcdIndex : public VcdEvents {
   std::vector<VcdSource::Point> points;
   std::vector<Blackout> blackouts;
   std::vector<std::string> comments;
-  std::vector<unsigned char> seen;  ///< VcdSource::Seen, by handles
+  std::vector<unsigned char> seen;  ///< VcdSource::Seen, by handle
 
  private:
   void check(std::uint32_t handle, char kind, std::string_view value) {
@@ -134,7 +134,7 @@ class VcdIndex : public VcdEvents {
     if ((s & VcdSource::kBits) != 0 && (s & VcdSource::kReal) != 0)
       body_.fail("a value of bits and one of a real number for the same signal");
   }
-  /// Every second point is given up.
+  /// Drops every second point.
   void thin() {
     between_ *= 2;
     std::vector<VcdSource::Point> kept;
@@ -150,7 +150,7 @@ class VcdIndex : public VcdEvents {
   bool any_ = false, off_ = false;
 };
 
-/// A window: changes of some handles.
+/// Reads a window: the changes of some handles.
 class VcdWindow : public VcdEvents {
  public:
   VcdWindow(const std::vector<VcdSource::Kind>& kinds, std::span<const std::uint32_t> handles,
@@ -158,13 +158,13 @@ class VcdWindow : public VcdEvents {
       : kinds_(kinds), wanted_(kinds.size(), false), to_(to), visit_(visit) {
     for (const std::uint32_t h : handles) wanted_[h] = true;
   }
-  /// From now on it is `now`, and, unless 0, only this handle counts.
+  /// Sets the current time. If `only` is not 0, only that handle counts.
   void set(std::uint64_t now, std::uint32_t only) {
     now_ = now;
     only_ = only;
   }
   bool time(std::uint64_t now) override {
-    // What is before the first time is of it.
+    // Values before the first time belong to it.
     now_ = std::max(now_, now);
     return now <= to_;
   }
@@ -178,7 +178,7 @@ class VcdWindow : public VcdEvents {
     if (k.text) {
       own_ = value;
       if (kind == 's') {
-        // An escape at the end is read beyond it.
+        // The decoder reads beyond an escape at the end.
         own_.append(4, '\0');
         own_.resize(static_cast<std::size_t>(
             fstUtilityEscToBin(nullptr, reinterpret_cast<unsigned char*>(own_.data()),
@@ -261,7 +261,7 @@ VcdSource::VcdSource(WaveBytes file) : file_(std::move(file)) {
   settle_kinds(index.seen);
 }
 
-/// Some writers declare texts as reals, and reals as bits: what values are counts.
+/// Some writers declare texts as reals, and reals as bits, so the values decide.
 void VcdSource::settle_kinds(const std::vector<unsigned char>& seen) {
   for (std::size_t h = 1; h < kinds_.size(); ++h) {
     Kind& k = kinds_[h];
@@ -274,7 +274,7 @@ void VcdSource::settle_kinds(const std::vector<unsigned char>& seen) {
       k.real = true;
       k.width = 64;
     } else if (k.real && (seen[h] & kBits) != 0) {
-      k.real = false;  // its width is 64
+      k.real = false;  // it keeps its width of 64
     }
   }
   for (VcdName& name : names_)
@@ -328,7 +328,7 @@ void VcdSource::changes(std::span<const std::uint32_t> handles, std::uint64_t fr
       for (const std::uint32_t h : handles)
         if (point.last[h] != 0) places.emplace_back(point.last[h], h);
       std::sort(places.begin(), places.end());
-      // Values are far from each other: little is read at once.
+      // Values are far apart, so read little at a time.
       WordReader few(file_, 4096);
       VcdBody one(few, *identifiers_, factor_);
       for (const auto& [offset, handle] : places) {
@@ -342,7 +342,7 @@ void VcdSource::changes(std::span<const std::uint32_t> handles, std::uint64_t fr
     }
     body.run(window);
   } catch (const VcdCut&) {
-    // the first pass has said so
+    // the first pass has reported it
   }
 }
 

@@ -13,9 +13,9 @@
 
 namespace cde::wave {
 
-/// VCD files. A first pass checks all of the file and notes, every so many bytes, where a time
-/// begins and where each signal had changed last. So a window is read from near its begin, and
-/// memory does not grow with the file.
+/// VCD files. A first pass checks the whole file. At intervals it notes where a time begins and
+/// where each signal changed last. A window is then read from near its begin, and memory does not
+/// grow with the file.
 class VcdSource : public WaveSource {
  public:
   explicit VcdSource(WaveBytes file);
@@ -24,18 +24,18 @@ class VcdSource : public WaveSource {
   void changes(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
                const Change& visit) override;
 
-  /// Kinds of values that a signal was given.
+  /// Kinds of values that a signal has had.
   enum Seen : unsigned char { kBits = 1, kReal = 2, kText = 4, kUnknown = 8 };
-  /// What values of a handle are read as.
+  /// How values of a handle are read.
   struct Kind {
     bool real = false, text = false, event = false;
     std::uint32_t width = 1;
   };
-  /// A place to begin from: the first byte of a time.
+  /// A place to start from: the first byte of a time.
   struct Point {
     std::uint64_t offset = 0, line = 0, time = 0;
-    std::uint64_t before = 0;              ///< the time before this one
-    std::vector<std::uint64_t> last = {};  ///< of each handle, where it had changed last; 0: never
+    std::uint64_t before = 0;              ///< the previous time
+    std::vector<std::uint64_t> last = {};  ///< by handle: place of its last change; 0: never
   };
 
  private:
@@ -43,10 +43,10 @@ class VcdSource : public WaveSource {
 
   WaveBytes file_;
   std::vector<VcdName> names_;
-  std::vector<Kind> kinds_;  ///< by handles
+  std::vector<Kind> kinds_;  ///< by handle
   std::unique_ptr<VcdIdentifiers> identifiers_;
   std::uint64_t factor_ = 1;                ///< of times
-  std::uint64_t body_ = 0, body_line_ = 0;  ///< where the changes begin
+  std::uint64_t body_ = 0, body_line_ = 0;  ///< begin of the changes
   std::vector<Point> points_;
 };
 

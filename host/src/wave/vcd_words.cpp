@@ -11,7 +11,7 @@
 namespace cde::wave {
 namespace {
 
-/// A value of a vector is one word; nothing that is a word is longer.
+/// Longest word; the value of a vector is one word.
 constexpr std::size_t kMostWord = std::size_t{64} << 20;
 
 bool is_blank(char c) {
@@ -34,7 +34,7 @@ void WordReader::seek(std::uint64_t offset, std::uint64_t line) {
   size_ = at_ = begin_ = 0;
 }
 
-/// Reads more behind what is there, of which what is before the last word is given up.
+/// Reads more bytes, and drops those before the last word.
 bool WordReader::refill() {
   if (ended_) return false;
   if (begin_ != 0) {

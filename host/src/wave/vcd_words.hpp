@@ -9,27 +9,27 @@
 
 namespace cde::wave {
 
-/// Words of a text, with their places. Of the file only a part is in memory.
+/// Reads words of a text with their places. Only a part of the file is in memory.
 class WordReader {
  public:
-  /// `part` is how much is read at once.
+  /// `part`: bytes to read at a time.
   explicit WordReader(const WaveBytes& file, std::size_t part = 1u << 20);
 
-  /// Goes on at a byte, which is in this line.
+  /// Continues at a byte, which is in this line.
   void seek(std::uint64_t offset, std::uint64_t line);
   /// The next word, valid until the next call; false at the end.
   bool next(std::string_view& word);
-  /// The word that next() gave last is given again.
+  /// Makes next() return its last word again.
   void again() { at_ = begin_; }
-  /// What is between the word and the end of its line; the line's end is not taken.
+  /// The rest of the line after the word, without the line end.
   [[nodiscard]] std::string_view rest_of_line();
 
-  /// Of the last word: its first byte and its line, from 1.
+  /// The first byte of the last word.
   [[nodiscard]] std::uint64_t offset() const { return base_ + begin_; }
   [[nodiscard]] std::uint64_t line() const { return line_; }
-  /// Whether the file ends with the last word, without a blank or line feed behind it.
+  /// Whether the file ends with the last word, without a following blank or line feed.
   [[nodiscard]] bool cut() const { return ended_ && at_ == size_; }
-  /// Error kFile "FILE:LINE: what", of the last word.
+  /// Error kFile "FILE:LINE: what", for the last word.
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
@@ -37,10 +37,10 @@ class WordReader {
 
   const WaveBytes& file_;
   std::vector<char> text_;
-  std::uint64_t base_ = 0;  ///< of text_ in the file
-  std::size_t size_ = 0;    ///< of text_ that is filled
+  std::uint64_t base_ = 0;  ///< place of text_ in the file
+  std::size_t size_ = 0;    ///< filled bytes of text_
   std::size_t at_ = 0;      ///< behind the last word
-  std::size_t begin_ = 0;   ///< of the last word
+  std::size_t begin_ = 0;   ///< begin of the last word
   std::uint64_t line_ = 1;
   bool ended_ = false;
 };

@@ -20,11 +20,11 @@
 namespace cde::wave {
 namespace {
 
-/// What is read of a pipe: a disk is not to be filled by a program that never ends.
+/// Most bytes to read from a pipe: an endless program must not fill the disk.
 constexpr std::uint64_t kMostSpooled = std::uint64_t{64} << 30;
 constexpr std::size_t kSpoolPart = 1u << 18;
 
-/// A file without a name that ends with this process.
+/// A nameless file that ends with this process.
 int nameless_file() {
   std::error_code none;
   const std::filesystem::path folder = std::filesystem::temp_directory_path(none);
@@ -36,7 +36,7 @@ std::string error_text() {
   return std::strerror(errno);  // NOLINT(concurrency-mt-unsafe)
 }
 
-/// Ends zlib's stream in any case.
+/// Releases zlib's stream in any case.
 struct Inflater {
   z_stream stream{};
   bool begun = ::inflateInit2(&stream, 15 + 16) == Z_OK;

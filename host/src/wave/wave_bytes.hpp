@@ -6,11 +6,11 @@
 
 namespace cde::wave {
 
-/// The bytes of a wave file, by a descriptor: a regular file, or a temporary one without a name for
-/// what came through a pipe or was packed.
+/// The bytes of a wave file, by descriptor. The file is a regular file, or a nameless temporary one
+/// for data from a pipe or a compressed file.
 class WaveBytes {
  public:
-  /// "-" and pipes are read to their end first. Error kFile.
+  /// Reads "-" and pipes to their end first. Error kFile.
   explicit WaveBytes(const std::filesystem::path& file);
   ~WaveBytes();
   WaveBytes(WaveBytes&& other) noexcept;
@@ -18,13 +18,13 @@ class WaveBytes {
   WaveBytes(const WaveBytes&) = delete;
   WaveBytes& operator=(const WaveBytes&) = delete;
 
-  /// What a stream of gzip at `offset` becomes, of which `size` bytes are announced.
+  /// Unpacks a gzip stream at `offset`, which announces `size` bytes.
   [[nodiscard]] WaveBytes inflated(std::uint64_t offset, std::uint64_t size) const;
 
   [[nodiscard]] const std::string& name() const { return name_; }  ///< printable
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] int descriptor() const { return descriptor_; }
-  /// How many bytes were read: fewer at the end of the file.
+  /// Returns the number of bytes read: fewer at the end of the file.
   std::size_t read(std::uint64_t offset, char* to, std::size_t count) const;
   /// Error kFile "NAME: what".
   [[noreturn]] void fail(const std::string& what) const;
@@ -39,7 +39,7 @@ class WaveBytes {
   std::uint64_t size_ = 0;
 };
 
-/// Text that is no UTF-8 is taken for Latin-1.
+/// Text that is not UTF-8 is read as Latin-1.
 [[nodiscard]] std::string utf8_text(std::string text);
 
 }  // namespace cde::wave

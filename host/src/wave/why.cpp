@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave why: what made a signal have its value.
+// cde wave why: explains a signal's value.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -19,18 +19,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostValue = 24;   // characters of a line
-constexpr std::size_t kMostColumn = 56;  // of the names' column
+constexpr std::size_t kMostValue = 24;   // characters per line
+constexpr std::size_t kMostColumn = 56;  // of the column of names
 constexpr const char* kInDoubt = "  (in doubt)";
 
-/// What SIGNAL@TIME asks for.
+/// The parts of SIGNAL@TIME.
 struct Asked {
   Slice slice;
   Form form;
   std::uint64_t time = 0;
 };
 
-/// The design's bits of a signal of the waves, under any of its names.
+/// The design's bits for a signal of the waves, under any of its names.
 std::optional<Slice> slice_of(Trace& trace, const Design& design, const Signal& signal) {
   if (const auto found = design.find(signal.name)) return found;
   for (const Signal& other : trace.signals()) {
@@ -40,7 +40,7 @@ std::optional<Slice> slice_of(Trace& trace, const Design& design, const Signal& 
   return std::nullopt;
 }
 
-/// A signal that the waves do not have, in full or below the top module.
+/// A signal that is not in the waves: by its full name, or by its name below the top module.
 std::optional<Slice> hidden(const Design& design, const std::string& name) {
   const auto found = design.find(name);
   return found ? found : design.find(design.prefix() + "." + name);
@@ -67,7 +67,7 @@ Asked asked(const Request& r, Trace& trace, Times& times, const Design& design) 
   return a;
 }
 
-/// Writes values in the form that was asked for, or as the file says of each signal.
+/// Formats values in the requested form, or in the file's form for each signal.
 class Texts {
  public:
   Texts(Trace& trace, const Design& design, const Form& form)
@@ -110,7 +110,7 @@ std::string shortened(const std::string& text) {
   return text.size() <= kMostValue ? text : text.substr(0, kMostValue - 3) + "...";
 }
 
-/// Scope that all names have in common, with the dot behind it.
+/// The longest scope that all names share, with the dot after it.
 std::string common_scope(const std::vector<std::string>& names) {
   std::string scope = names.front();
   for (const std::string& name : names) {
@@ -122,7 +122,7 @@ std::string common_scope(const std::vector<std::string>& names) {
   return dot == std::string::npos ? "" : scope.substr(0, dot + 1);
 }
 
-/// The tree as lines.
+/// Prints the tree as lines.
 class Picture {
  public:
   Picture(const Cone& cone, const Design& design, const Times& times, const Texts& texts)
@@ -156,7 +156,7 @@ class Picture {
     std::string name, value, clock, place, source;
   };
 
-  /// As the statement calls it; and what it is wired to, if that is in another instance.
+  /// The signal's name in the statement, and its connection if that is in another instance.
   [[nodiscard]] std::string name_of(const Node& node, bool root) const {
     std::string name =
         root ? design_.name(node.slice).substr(scope_.size()) : design_.local_name(node.slice);
@@ -166,7 +166,7 @@ class Picture {
     return there == name ? name : name + " <- " + there;
   }
 
-  /// Of a statement that is not the first: what it is to those before.
+  /// The label of a later statement, relative to the statements before it.
   [[nodiscard]] static const char* label(const Node& node, const Node::Statement& s) {
     if (node.statements.front().kept) return "since";
     return s.driver.sure ? "and" : "or";
@@ -203,7 +203,7 @@ class Picture {
   std::vector<Row> rows_;
 };
 
-/// `handed` are the bits that a node hands on which is not in the waves.
+/// `handed`: the bits that a node passes on if it is not in the waves.
 Json json_of(const Cone& cone, const Design& design, const Times& times, const Texts& texts,
              std::size_t n, const std::string& handed = "") {
   const Node& node = cone.nodes()[n];

@@ -24,7 +24,7 @@ std::string bits_of(const Limbs& limbs, std::size_t width) {
   return bits;
 }
 
-/// a + b + carry, or with `inverted` a + ~b + carry.
+/// a + b + carry; with `inverted`, a + ~b + carry.
 Limbs sum(const Limbs& a, const Limbs& b, bool inverted, std::uint64_t carry) {
   Limbs r(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -52,9 +52,9 @@ bool less(const Limbs& a, const Limbs& b) {
   return std::lexicographical_compare(a.rbegin(), a.rend(), b.rbegin(), b.rend());
 }
 
-/// Quotient and remainder, bit by bit.
+/// Quotient and remainder, by bitwise long division.
 std::pair<Limbs, Limbs> divided(const std::string& a, const Limbs& b) {
-  // The remainder has a bit more than the divisor before it is reduced.
+  // The remainder has one bit more than the divisor before it is reduced.
   Limbs divisor = b, quotient(b.size(), 0);
   divisor.push_back(0);
   Limbs rest(divisor.size(), 0);
