@@ -8,8 +8,8 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
-/// A scalar with which a mirror reference computes what hardware with fused multiply-add would: a
-/// sum or difference one of whose terms is a product rounds once.
+/// A scalar with which a mirror reference computes what hardware with fused multiply-add would. A
+/// sum or difference with a product as a term rounds once.
 namespace cde::accuracy {
 
 template <class S>
@@ -40,7 +40,7 @@ class Fused : public NumberLike<Fused<S>> {
     return f;
   }
   friend Fused operator/(Fused a, Fused b) { return of(a.value_ / b.value_); }
-  /// Of two products the second is the one that is not rounded, as in a row of multiply-adds.
+  /// If both terms are products, the second is not rounded, as in a row of multiply-adds.
   friend Fused operator+(Fused a, Fused b) {
     if (b.product_) return of(fma(b.a_, b.b_, a.value_));
     if (a.product_) return of(fma(a.a_, a.b_, b.value_));
@@ -75,8 +75,8 @@ class Fused : public NumberLike<Fused<S>> {
   friend Fused select(bool mask, Fused a, Fused b) { return mask ? of(a.value_) : of(b.value_); }
 
  private:
-  /// Formats below binary32 go through binary64, which holds their products; the sum then rounds
-  /// twice, which is once in all but a few of 2^29 cases.
+  /// Formats below binary32 use binary64, which holds their products exactly. The sum then rounds
+  /// twice, which differs from one rounding in only a few of 2^29 cases.
   static S fma(S a, S b, S c) {
     if constexpr (std::is_floating_point_v<S>)
       return std::fma(a, b, c);
@@ -85,7 +85,7 @@ class Fused : public NumberLike<Fused<S>> {
           std::fma(static_cast<double>(a), static_cast<double>(b), static_cast<double>(c)));
   }
 
-  S value_{}, a_{}, b_{};  ///< a_ b_ is the product that value_ rounds
+  S value_{}, a_{}, b_{};  ///< a_ b_ is the product that value_ is the rounding of
   bool product_ = false;
 };
 

@@ -8,21 +8,21 @@
 #include "cde/accuracy/tally.hpp"
 #include "cde/prices/card_clock.hpp"
 
-/// What a pipe costs, beside what it is worth.
+/// Cost of a pipe, to compare with its accuracy.
 namespace cde::accuracy {
 
-/// What lanes of a pipe take on a target.
+/// Cost of a pipe's lanes on a target.
 struct Price {
   PipeFigures figures = {};
   Target target = {};
-  std::optional<LanePrice> lane = {};  ///< none of an assumed clock, and where nothing was measured
-  std::string why_not = {};            ///< then why
+  std::optional<LanePrice> lane = {};  ///< none for an assumed clock, or if nothing was measured
+  std::string why_not = {};            ///< reason if there is no cost
 
-  /// Lanes that the times below are of: those that fit; one where the clock is assumed. 0: none.
+  /// Lanes of the times below: those that fit, or one if the clock is assumed. 0: none fits.
   [[nodiscard]] unsigned lanes() const;
   [[nodiscard]] std::optional<double> mhz() const;
-  /// Modelled seconds of so many tests on those lanes, without transfers; none if it is not priced
-  /// or does not fit. The latency counts as if every operator had the clocks of the longest.
+  /// Modelled seconds of this many tests on those lanes, without transfers. None if there is no
+  /// cost or no lane fits. The latency assumes that every operator is as slow as the slowest.
   [[nodiscard]] std::optional<double> seconds(double tests) const {
     return seconds(tests, lanes());
   }
@@ -33,7 +33,7 @@ struct Price {
   [[nodiscard]] nlohmann::ordered_json to_json() const;
 };
 
-/// Read in the RTL if `elaborate` says so: seconds a pipe the first time, kept in the cache.
+/// Figures from the RTL if `elaborate`: seconds per pipe the first time, then cached.
 [[nodiscard]] std::vector<PipeFigures> figures_of(const std::vector<AccuracyPipe>& pipes,
                                                   bool elaborate);
 [[nodiscard]] Price price_of(const AccuracyPipe& pipe, const PipeFigures& figures,

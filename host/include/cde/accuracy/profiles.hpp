@@ -6,10 +6,10 @@
 
 #include "cde/accuracy/tally.hpp"
 
-/// Rays at triangles of which one thing changes at a time.
+/// Rays at triangles with one property varied at a time.
 namespace cde::accuracy {
 
-/// What changes, and its values.
+/// The varied property and its range.
 struct ProfileAxis {
   std::string_view name, title, x_name;
   double first, last;
@@ -19,9 +19,9 @@ struct ProfileAxis {
 
 struct ProfilePoint {
   double x = 0;
-  std::uint64_t met = 0;     ///< rays that meet the triangle exactly, and are not refused
-  std::uint64_t missed = 0;  ///< of them those that the pipe says miss
-  ErrorCounts error = {};    ///< |t - T| / T of the others
+  std::uint64_t met = 0;     ///< rays that hit the triangle exactly, and are not refused
+  std::uint64_t missed = 0;  ///< hits that the pipe reports as misses
+  ErrorCounts error = {};    ///< |t - T| / T of the other hits
 };
 struct Profile {
   AccuracyPipe pipe;
@@ -29,9 +29,9 @@ struct Profile {
   std::vector<ProfilePoint> points;
 };
 
-/// Of each ray-triangle pipe among them without the box rule, which does not change T: so many rays
-/// at each value, the same ones for every pipe but for rounding, each aimed at the inside of its
-/// triangle.
+/// A profile for each ray-triangle pipe without the box rule, which does not change T. Each value
+/// gets `cases` rays, each aimed at the inside of its triangle. All pipes get the same rays, but
+/// for rounding.
 [[nodiscard]] std::vector<Profile> profiles(const std::vector<AccuracyPipe>& pipes,
                                             std::uint64_t seed, std::uint64_t cases, bool quiet);
 

@@ -7,17 +7,17 @@
 
 namespace cde::accuracy {
 
-/// What docs/pairs*.md promise of a pipe, beside which a sweep stands.
+/// Accuracy that docs/pairs*.md promise for a pipe, to compare with a sweep.
 struct Promise {
   std::string text;
-  std::optional<double> t;  ///< most that T may be off, in u S; none: not promised in these units
-  bool hits = false;        ///< F = 1 is right beyond 16 u S
-  bool misses = false;      ///< F = 0 likewise
+  std::optional<double> t;  ///< largest error of T, in u S; none: not promised in these units
+  bool hits = false;        ///< F = 1 is correct beyond 16 u S
+  bool misses = false;      ///< F = 0 is correct beyond 16 u S
 };
-/// Constants are those beside the references (kRaySphereBand, ...).
+/// The constants are those beside the references (kRaySphereBand, ...).
 [[nodiscard]] Promise promise_of(const AccuracyPipe& pipe);
 
-/// "yes", "3 wrong", "T by 16.2 u S", of what was found; "-" of what a sweep does not see.
+/// Outcome of a measurement: "yes", "3 wrong", "T by 16.2 u S"; "-" if a sweep cannot tell.
 [[nodiscard]] std::string kept(const Promise& promise, const Tally& found);
 
 }  // namespace cde::accuracy

@@ -9,29 +9,30 @@
 #include "cde/accuracy/tally.hpp"
 #include "cde/jobs/dealing.hpp"
 
-/// Many pipes, each with all families of cases.
+/// Accuracy of many pipes, each with all families of cases.
 namespace cde::accuracy {
 
 struct SweepOptions {
   std::vector<AccuracyPipe> pipes;
   std::vector<std::string> families;  ///< empty: all
   std::uint64_t seed = 1, cases = 2400;
-  DealOptions deal;  ///< a chunk is a family of a pipe
+  DealOptions deal;  ///< a chunk is one family of a pipe
   bool quiet = false;
 };
 
-/// Names of all families of these pairs, in the order of the oracles.
+/// Names of all families of the pipes' pairs, in the order of the oracles.
 [[nodiscard]] std::vector<std::string> family_names(const std::vector<AccuracyPipe>& pipes);
 
-/// One pipe, its families in order.
+/// One pipe, with its families in order.
 struct Measured {
   AccuracyPipe pipe;
   std::vector<std::pair<std::string, Tally>> families;
   [[nodiscard]] Tally all() const;
 };
 
-/// Measures them, dealt in chunks; nothing if the results are not all here (Dealing::deal). The
-/// cases of a pipe are shared out to its families evenly, the first ones getting one more.
+/// Measures the pipes, distributed in chunks. Nothing if the results are not all here
+/// (Dealing::deal). A pipe's cases are divided evenly among its families; the first families get
+/// the remainder.
 [[nodiscard]] std::optional<std::vector<Measured>> sweep(const SweepOptions& options);
 
 }  // namespace cde::accuracy

@@ -6,9 +6,9 @@
 #include "cde/reference/pipes/ray_outcome.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
-/// Pairs as textbooks have them, to be compared with the pipes: what these leave out is what a pipe
-/// spends on being right. Same operators, same formats, same scaling to size one; each operator
-/// rounds once. There is no RTL of them.
+/// Textbook versions of pairs, for comparison with the pipes. What they leave out is the cost of a
+/// pipe's guarantees. They use the same operators, formats and scaling; each operator rounds once.
+/// There is no RTL of them.
 namespace cde::accuracy::textbook {
 
 using reference::add;
@@ -42,8 +42,8 @@ struct Roots {
   }
 };
 
-/// Glassner (ed.), "An Introduction to Ray Tracing", 1989, chapter 2: the quadratic of |o + t d -
-/// c| = r. 18 mul, 2 div, 1 sqrt, 10 add, 6 sub, 5 cmp.
+/// Ray-sphere: the quadratic of |o + t d - c| = r. Source: Glassner (ed.), "An Introduction to Ray
+/// Tracing", 1989, chapter 2. 18 mul, 2 div, 1 sqrt, 10 add, 6 sub, 5 cmp.
 template <class S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_sphere(const BasicRay<S>& ray, const BasicSphere<S>& sphere) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, sphere, ray_sphere<S, true>);
@@ -55,8 +55,8 @@ template <class S, bool AtSizeOne = false>
   return ray_outcome<S>(roots.real && (near_in || far_in), t, point_at(ray, t));
 }
 
-/// The same for a cylinder: the quadratic of the distance from the axis, and the planes of the
-/// caps. A ray along the axis has no quadratic; then, and beyond the caps, it is they that count.
+/// Ray-cylinder: the quadratic of the distance from the axis, and the planes of the caps. A ray
+/// along the axis has no quadratic. In that case, and beyond the caps, only the planes count.
 template <class S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_cylinder(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, cylinder, ray_cylinder<S, true>);
@@ -102,14 +102,14 @@ struct Box {
   }
 };
 
-/// Separating axes as they are usually tested: apart if the projections on one of them are, no
-/// tolerance, no lengths made one. Says F alone.
+/// Separating axes as usually tested: the shapes are apart if their projections on one axis are.
+/// There is no tolerance, and axes are not normalised. Computes F alone.
 template <class S>
 class Axes {
  public:
   template <class Gap>
   void test(const Vector<S>& n, Gap gap) {
-    // An edge parallel to another one has no axis; its rounding is one all the same.
+    // Parallel edges have no common axis. Their rounding error is treated as one nevertheless.
     apart_ = apart_ || static_cast<bool>(S(0) < gap(n));
   }
   [[nodiscard]] Outcome<S> outcome() const {
@@ -122,7 +122,7 @@ class Axes {
   bool apart_ = false;
 };
 
-/// Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996: 15 axes.
+/// OBB-OBB: 15 axes (Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996).
 template <class S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
   if constexpr (!AtSizeOne) return at_size_one<S>(a, b, obb_obb<S, true>);
@@ -139,7 +139,7 @@ template <class S, bool AtSizeOne = false>
   return axes.outcome();
 }
 
-/// Akenine-Moeller, "Fast 3D Triangle-Box Overlap Testing", 2001: 13 axes.
+/// Triangle-box: 13 axes (Akenine-Moeller, "Fast 3D Triangle-Box Overlap Testing", 2001).
 template <class S, class B, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> triangle_box(const BasicTriangle<S>& triangle, const B& box) {
   if constexpr (!AtSizeOne) return at_size_one<S>(triangle, box, triangle_box<S, B, true>);

@@ -11,21 +11,22 @@
 
 namespace cde::accuracy {
 
-/// What is measured of a pair: the card's pipe, or something to compare it with that no card has.
+/// What is measured for a pair: the card's pipe, or a variant that no card has.
 enum class Variant {
   kCard,
   kFused,     ///< the pipe with fused multiply-add (fused.hpp)
-  kTextbook,  ///< as textbooks have it (textbook.hpp): quadratics, plain separating axes
+  kTextbook,  ///< textbook version (textbook.hpp): quadratics, plain separating axes
 };
 [[nodiscard]] std::string_view name(Variant variant);
 [[nodiscard]] const std::vector<Variant>& variants();
 
-/// Whether there is one of the pair. Of textbooks: rays against solids, and boxes.
+/// Whether the pair has this variant. Textbook versions exist for rays against solids, and for
+/// boxes.
 [[nodiscard]] bool has_variant(Pair pair, Variant variant);
-/// Whether it says T, CP and n, too, and not F alone.
+/// Whether the variant computes T, CP and n in addition to F.
 [[nodiscard]] bool says_distance(Pair pair, Variant variant);
 
-/// As reference::test_pairs, of one that is not the card's.
+/// As reference::test_pairs, for a variant other than the card's.
 void test_variant(Variant variant, Pair pair, Algorithm algorithm, FpFormat format,
                   std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                   std::span<PairResult> results, const PairBudget& budget, bool box);

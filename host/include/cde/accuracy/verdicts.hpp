@@ -8,16 +8,16 @@
 
 #include "cde/accuracy/verdict_pairs.hpp"
 
-/// What a narrow first test is certain of (docs/background/certified_filters.md), family by family,
-/// beside the truth.
+/// Decisions of the certified filter (docs/background/certified_filters.md) by family, compared
+/// with the truth.
 namespace cde::accuracy {
 
 struct VerdictCounts {
   std::uint64_t cases = 0;
-  std::uint64_t misses = 0, hits = 0;  ///< certain
+  std::uint64_t misses = 0, hits = 0;  ///< certain results
   std::uint64_t uncertain = 0;
-  std::uint64_t near = 0;   ///< uncertain ones with |s| <= 16 u S, where binary32 may err, too
-  std::uint64_t wrong = 0;  ///< certain, and the oracle says otherwise
+  std::uint64_t near = 0;   ///< uncertain cases with |s| <= 16 u S, where binary32 may also err
+  std::uint64_t wrong = 0;  ///< certain, but contradicted by the oracle
 
   void add(const VerdictCounts& other);
 };
@@ -25,7 +25,7 @@ struct VerdictCounts {
 struct VerdictRow {
   Pair pair = Pair::kObbObb;
   FpFormat narrow;
-  PairBudget budget;  ///< of the narrow pipe
+  PairBudget budget;  ///< iterations of the narrow pipe
   std::vector<std::pair<std::string, VerdictCounts>> families;
   [[nodiscard]] VerdictCounts all() const;
 };
@@ -36,7 +36,7 @@ struct VerdictOptions {
   bool quiet = false;
 };
 
-/// Fills the rows, each with as many cases shared out to its families evenly.
+/// Fills the rows. Each has the same number of cases, divided evenly among its families.
 void count_verdicts(std::vector<VerdictRow>& rows, const VerdictOptions& options);
 
 [[nodiscard]] std::string verdict_table(const std::vector<VerdictRow>& rows, bool by_family,

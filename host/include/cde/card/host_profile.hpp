@@ -7,12 +7,12 @@
 
 namespace cde {
 
-/// What a host adds to the card's own clocks on the PCI bus. All in PCI clocks; a latency is
-/// counted from the address phase to the first data phase. The card itself takes about 9 clocks
-/// more for a burst (docs/reference/pci.md).
+/// What a host adds to the card's own cycles on the PCI bus. All values are PCI cycles. A latency
+/// is counted from the address phase to the first data phase. The card itself takes about 9 cycles
+/// more per burst (docs/reference/pci.md).
 struct HostProfile {
   std::string_view name;
-  std::uint32_t arbitration;    ///< from REQ# to GNT# when another master had the bus
+  std::uint32_t arbitration;    ///< from REQ# to GNT# if another master had the bus
   std::uint32_t read_latency;   ///< of host memory read by the card
   std::uint32_t write_latency;  ///< of host memory written by the card
   std::string_view source;

@@ -5,26 +5,26 @@
 
 #include "cde/card/board.hpp"
 
-/// What several verbs say in JSON, under the same keys in all of them.
+/// JSON output that several verbs share, under the same keys.
 namespace cde {
 
-/// "version" and "commit" of this command, before the others.
+/// "version" and "commit" of this command, as the first keys.
 [[nodiscard]] nlohmann::ordered_json program_json();
 
-/// "lanes", "arithmetic", "format", "algorithm", "box", and "parameters": what the card is.
+/// Configuration of the card: "lanes", "arithmetic", "format", "algorithm", "box", "parameters".
 [[nodiscard]] nlohmann::ordered_json card_json(const BoardConfig& config);
 
-/// "bitstream", "config_hash": which one was loaded.
+/// The loaded simulation model: "bitstream", "config_hash".
 [[nodiscard]] nlohmann::ordered_json bitstream_json(const std::filesystem::path& file,
                                                     std::uint64_t config_hash);
 
-/// What the card counted: "tests", "rows", "device_cycles" of the passes, "stall_cycles" and
-/// "bubble_cycles" in them, "writeback_cycles" behind them, "open_pairs", "secondaries",
+/// Counters of the card: "tests", "rows", "device_cycles" of the passes, "stall_cycles" and
+/// "bubble_cycles" in them, "writeback_cycles" after them. Also "open_pairs", "secondaries",
 /// "bad_primaries", "bad_secondaries", "corrected_words".
 [[nodiscard]] nlohmann::ordered_json counters_json(const Counters& counters);
 
-/// Modelled seconds, parts of a whole: "upload", "compute", "write_back", "download", "registers",
-/// "total"; `before` is time of uploads that `time` has not.
+/// Modelled seconds: "upload", "compute", "write_back", "download", "registers", and their sum
+/// "total". `before` is upload time that `time` does not include.
 [[nodiscard]] nlohmann::ordered_json time_json(const ModelledTime& time, std::uint64_t before = 0);
 
 }  // namespace cde

@@ -5,12 +5,12 @@
 
 namespace cde {
 
-/// The processor and system that this runs on, for files that hold wall times.
+/// Processor and system of this machine, for files that hold wall times.
 [[nodiscard]] nlohmann::ordered_json machine_json();
 
-/// Bytes that a command takes at most: three quarters of the machine's memory, and of what a limit
-/// on the address space (ulimit -v) leaves beside a card's models, which reserve their DDR and
-/// SRAM. What needs more is refused before it is begun.
+/// Most bytes that a command may use; larger requests are refused at the start. It is three
+/// quarters of the machine's memory. A limit on the address space (ulimit -v) counts likewise, less
+/// what a card's models reserve for DDR and SRAM.
 [[nodiscard]] std::uint64_t memory_limit();
 
 }  // namespace cde

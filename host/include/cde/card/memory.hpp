@@ -4,21 +4,20 @@
 
 namespace cde {
 
-/// When the card's DDR answers. Records are the same.
+/// Timing of the card's DDR. Records are the same.
 enum class Memory : std::uint32_t {
-  kIdeal,  ///< a beat a clock, each OpenOptions::ddr_latency clocks after its request
-  kCycle,  ///< as two modules of DDR-400 do: banks, rows, refresh (docs/background/architecture.md)
+  kIdeal,  ///< one beat per cycle, each OpenOptions::ddr_latency cycles after its request
+  kCycle,  ///< two modules of DDR-400: banks, rows, refresh (docs/background/architecture.md)
 };
 
-/// Address space that the models of a card reserve for its DDR and SRAM. What is not written takes
-/// no memory.
+/// Address space that a card's models reserve for DDR and SRAM. Unwritten parts take no memory.
 inline constexpr std::uint64_t kModelBytes = 55'555'555ull * 36 + 524'288ull * 28;
 
-/// What Memory::kCycle did since the card was opened; Memory::kIdeal counts nothing.
+/// Counted by Memory::kCycle since the card was opened. Memory::kIdeal counts nothing.
 struct MemoryCounters {
-  std::uint64_t bursts = 0;      ///< of 72 bytes, read
+  std::uint64_t bursts = 0;      ///< bursts of 72 bytes read
   std::uint64_t row_misses = 0;  ///< bursts that had to open their row
-  std::uint64_t refreshes = 0;   ///< that a read had to wait for
+  std::uint64_t refreshes = 0;   ///< refreshes that a read had to wait for
 };
 
 }  // namespace cde

@@ -6,7 +6,7 @@
 
 #include "cde/card/pair_unit.hpp"
 
-/// A pipe as text: the options of the command that name it.
+/// A pipe as text: the command options that select it.
 namespace cde {
 
 struct PairOptions {
@@ -15,24 +15,24 @@ struct PairOptions {
   std::optional<bool> box;
   unsigned facet_interval = PairConfig{}.facet_interval;
   bool half_space = false;
-  bool exchanged = false;  ///< a line has the words of B first
+  bool exchanged = false;  ///< lines have the words of B first
 };
 
-/// `pair` in any order (pair_in_any_order) becomes its own name; the order becomes `exchanged`.
+/// Replaces `pair`, given in any order (pair_in_any_order), by its own name. Sets `exchanged`.
 void settle_pair(PairOptions& options);
 
-/// The pipe that they are of. Error kUsage for what does not fit together.
+/// The pipe that the options select. Error kUsage for options that cannot be combined.
 [[nodiscard]] PairConfig configuration(const PairOptions& options);
 
-/// --budget, or what a pair takes without it. Error kUsage if it cannot be read, or the pair takes
-/// none.
+/// Iterations from --budget, or the pair's default. Error kUsage if the text cannot be read, or the
+/// pair takes none.
 [[nodiscard]] PairBudget budget_of(const PairOptions& options);
 
-/// M,K1,K2, or the evaluations in all, as `option` has it.
+/// Parses M,K1,K2, or the total number of evaluations. `option` names it in messages.
 [[nodiscard]] PairBudget budget_named(const std::string& text, Pair pair,
                                       std::string_view option = "--budget");
 
-/// PAIR and options as a command line has them, for another run of the same pipe.
+/// PAIR and options of a command line that runs the same pipe again.
 [[nodiscard]] std::string words_of(const PairOptions& options, const PairConfig& config,
                                    bool lanes = true);
 

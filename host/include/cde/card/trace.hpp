@@ -8,16 +8,15 @@
 
 namespace cde {
 
-/// Which waves are written. What is left out costs nothing but the model's being able to.
+/// Which waves are written. Signals that are left out cost only what the ability to trace costs.
 struct TraceOptions {
-  std::uint64_t from =
-      0;  ///< first clock of the card's core, counted from when waves are asked for
-  std::uint64_t to = std::numeric_limits<std::uint64_t>::max();  ///< last one
-  /// Waves begin where the card fetches this secondary from its DDR, instead of `from`, ...
+  std::uint64_t from = 0;  ///< first core cycle, counted from the request for waves
+  std::uint64_t to = std::numeric_limits<std::uint64_t>::max();  ///< last core cycle
+  /// Waves begin when the card fetches this secondary from DDR, instead of at `from`.
   std::optional<std::uint32_t> secondary = {};
-  std::uint64_t clocks = 400;  ///< ... and last for so many clocks, instead of until `to`
-  /// Patterns of * and ? that name signals or scopes, as `cde wave ls` lists them, with or without
-  /// the scopes around them. Nothing else is written; none: all.
+  std::uint64_t clocks = 400;  ///< With `secondary`: number of cycles, instead of `to`
+  /// Patterns with * and ? of signals or scopes as `cde wave ls` lists them, with or without outer
+  /// scopes. Only these are written; empty: all.
   std::vector<std::string> scopes = {};
 };
 

@@ -11,14 +11,14 @@
 
 namespace cde {
 
-/// First and last time of a wave file (FST) of a card, in ps; nothing if it has no header.
+/// First and last time of a card's wave file (FST), in ps; nothing if it has no header.
 [[nodiscard]] std::optional<std::pair<std::uint64_t, std::uint64_t>> trace_times(
     const std::filesystem::path& file);
 
-/// The wave file (FST) of a run. It is kept if it is whole, also when the run fails.
+/// The wave file (FST) of a run. A complete file is kept even if the run fails.
 class TraceFile {
  public:
-  /// No file if `path` is empty. `open` and `close` are the model's, which must outlive this
+  /// An empty `path` means no file. `open` and `close` belong to the model, which must outlive this
   /// object.
   TraceFile(std::string path, const std::function<void(const std::string&)>& open,
             std::function<void()> close);
@@ -26,7 +26,7 @@ class TraceFile {
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
 
-  /// Error kFile if the file is not whole; then nothing of it is left.
+  /// Error kFile if the file is incomplete; it is then removed.
   void close();
 
  private:

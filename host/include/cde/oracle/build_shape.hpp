@@ -8,21 +8,21 @@
 
 namespace cde::oracle {
 
-/// How the proportions of a random shape are drawn.
+/// Proportions of a random shape.
 struct Build {
-  double scale = 1;  ///< of all dimensions, which are 0.25 to 1.5 of it
+  double scale = 1;  ///< of all dimensions, which are 0.25 to 1.5 times this
   double thin = 1;   ///< factor of one dimension (plate) or of all but one (needle)
   bool plate = false;
   bool dyadic = false;   ///< dimensions are multiples of scale / 16
-  bool no_area = false;  ///< a triangle is a segment or a point, still so after rounding
+  bool no_area = false;  ///< a triangle is a segment or a point, also after rounding
 };
 
-/// Draws lengths: whole numbers if `whole`, else real numbers.
+/// Draws lengths: integers if `whole`, else real numbers.
 struct Lengths {
   Random random;
   bool whole = true;
 
-  /// From about `least` to `most`.
+  /// A length from about `least` to `most`.
   double length(double least, double most) {
     const double x = random.uniform(least, most);
     return whole ? std::max(1.0, std::round(x)) : x;
@@ -37,22 +37,23 @@ struct Lengths {
   }
 };
 
-/// About the origin; the frame's last column is a cylinder's axis and a plane's normal, the first
-/// two span a triangle. Throws std::invalid_argument for a ray.
+/// A random shape about the origin. The frame's last column is a cylinder's axis or a plane's
+/// normal; the first two span a triangle. Throws std::invalid_argument for a ray.
 [[nodiscard]] Shape build_shape(Random& random, ShapeKind kind, const Frame& frame,
                                 const Build& build);
 
-/// Each word rounded to the format.
+/// The shape with each word rounded to the format.
 [[nodiscard]] Shape rounded(ShapeKind kind, const Shape& shape, const Format& format);
 
-/// How far from the decision, in units of the scene, with a sign: 1e-7 to 1e-3 in binary32, that is
-/// from the rounding error of a coordinate upwards. Other formats start at as many times their unit
-/// roundoff u (below that both sides round to contact, a hit), but not under 1e-11, where the
-/// signed gap that placed the shapes ends; and go up to thirtyfold at least.
+/// Signed distance from the decision, relative to the scene. In binary32 it is 1e-7 to 1e-3, that
+/// is, from the rounding error of a coordinate upwards. Other formats start at the same multiple of
+/// their unit roundoff u; below it both sides round to contact, a hit. They start at 1e-11 or more,
+/// the accuracy of the signed distance that placed the shapes. Their range spans at least a factor
+/// of thirty.
 [[nodiscard]] double small_offset(Random& random, const Format& format);
 
-/// No scene is moved farther from the world's origin than 1e5 in binary32, and others so far that
-/// the rounding of coordinates spoils the shapes as little.
+/// Largest distance of a scene from the world's origin: 1e5 in binary32. In other formats the
+/// rounding of coordinates distorts shapes equally little.
 [[nodiscard]] double farthest(const Format& format);
 
 }  // namespace cde::oracle

@@ -6,7 +6,7 @@
 
 namespace cde::oracle {
 
-/// What a pipe says about a convex pair.
+/// Result of a pipe for a convex pair.
 struct Result {
   bool f;  ///< contact: s <= 0
   double t;
@@ -16,51 +16,51 @@ struct Result {
 struct CheckOptions {
   double u = 0x1p-24;  ///< unit roundoff of the format under test
   GapOptions gap = {};
-  /// The result is s_K <= s, the best g of a bounded list of normals: a shortfall, a false hit and
-  /// the distances of the witness points are figures to publish, not failures. Everything else is
-  /// checked as ever, so F = 0 stays a proof.
+  /// The result is a lower bound s_K <= s, the best g of a bounded list of normals. A shortfall, a
+  /// false hit and the distances of the witness points are then figures to publish, not failures.
+  /// All other checks stay, so F = 0 is still a proof.
   bool lower_bound = false;
 };
 
-/// Why a result fails; kNone if it does not.
+/// Why a result fails; kNone if it passes.
 enum class Failure {
   kNone,
-  kNotFinite,      ///< T, CP or n is NaN or infinite
-  kNegativeT,      ///< T < 0
-  kNotUnit,        ///< ||n| - 1| > 16 u
-  kFlag,           ///< F is wrong although |s| > tolT
-  kCertificate,    ///< |g(n) - s| > tolT (c1)
-  kOutside,        ///< s is farther than tolT from the oracle's interval (c2); for a lower bound:
-                   ///< above it
-  kWitness,        ///< a witness point is farther than tolP from its shape (c3)
-  kOracleTooWide,  ///< hi - lo > tolT: the oracle cannot judge this pair
+  kNotFinite,    ///< T, CP or n is NaN or infinite
+  kNegativeT,    ///< T < 0
+  kNotUnit,      ///< ||n| - 1| > 16 u
+  kFlag,         ///< F is wrong and |s| > tolT
+  kCertificate,  ///< |g(n) - s| > tolT (c1)
+  kOutside,      ///< s is outside the oracle's interval by more than tolT (c2); for a lower bound:
+                 ///< above it
+  kWitness,      ///< a witness point is farther than tolP from its shape (c3)
+  kOracleTooWide,  ///< hi - lo > tolT: the oracle is too inaccurate for this pair
 };
 [[nodiscard]] const char* to_string(Failure failure);
 
-/// Everything is in units of the scene. s is the signed gap of the result, -T if F, else T.
+/// Lengths are in the unit of the scene. s is the signed distance of the result: -T if F, else T.
 struct Verdict {
-  Failure failure = Failure::kNone;  ///< the first condition that fails, in the order of the enum
-  double excess = 0;                 ///< by how much that condition misses its tolerance
-  bool excused = false;    ///< the pair is within tolT of touching and F differs from what the
-                           ///< middle of the interval says: not a failure, to be counted
+  Failure failure = Failure::kNone;  ///< first condition that fails, in the order of the enum
+  double excess = 0;                 ///< by how much the condition exceeds its tolerance
+  bool excused = false;    ///< the pair is within tolT of touching and F differs from the middle of
+                           ///< the interval: counted, not a failure
   bool in_band = false;    ///< the pair is within tolT of touching
-  bool false_hit = false;  ///< F = 1 although s > tolT: for a lower bound, to be counted
+  bool false_hit = false;  ///< F = 1 and s > tolT: counted for a lower bound
   double error_c1 = 0;     ///< |g(n) - s|
   double error_c2 = 0;     ///< distance of s from the interval
   double witness_a = 0;    ///< distance of CP - s n / 2 from A
   double witness_b = 0;    ///< distance of CP + s n / 2 from B
-  double shortfall = 0;    ///< max(0, lo - s): how far s is certainly too low
+  double shortfall = 0;    ///< max(0, lo - s): by how much s is certainly too low
   double scale = 0;        ///< S
   double tolerance_t = 0;  ///< 16 u S
   double tolerance_p = 0;  ///< tolerance_t + 4 u L
-  Gap gap{};               ///< the oracle's answer
+  Gap gap{};               ///< the oracle's result
 
   [[nodiscard]] bool ok() const { return failure == Failure::kNone; }
-  /// One line with every figure, for a test's message.
+  /// One line with all figures, for test messages.
   [[nodiscard]] std::string describe() const;
 };
 
-/// Judges a result by its certificate, never by another algorithm's CP or n.
+/// Checks a result by its certificate, never by another algorithm's CP or n.
 [[nodiscard]] Verdict check(const Shape& a, const Shape& b, const Result& result,
                             const CheckOptions& options = {});
 

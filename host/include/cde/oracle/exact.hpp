@@ -4,13 +4,12 @@
 
 #include "cde/geometry/primitives.hpp"
 
-/// Ray against triangle in exact rational arithmetic: the oracle of meaning, with nothing in common
-/// with the pipe but the geometry. Solves O + t D = V0 + u E1 + v E2 by Cramer's rule on the 3x3
-/// determinants.
+/// Ray-triangle in exact rational arithmetic. This oracle shares only the geometry with the pipe.
+/// It solves O + t D = V0 + u E1 + v E2 by Cramer's rule on the 3x3 determinants.
 struct ExactHit {
   using Rational = boost::multiprecision::cpp_rational;
-  Rational det, u, v, t;  ///< det is that of the pipe, (D x E2).E1; u, v, t are not scaled by it
-                          ///< and unset when it is 0
+  Rational det, u, v, t;  ///< det is the pipe's, (D x E2).E1. u, v and t are not scaled by it; they
+                          ///< are unset if it is 0
 
   template <class S>
   ExactHit(const cde::BasicRay<S>& ray, const cde::BasicTriangle<S>& triangle) {

@@ -8,12 +8,12 @@
 
 namespace cde::oracle {
 
-/// One set of cases of a pair by itself: those of generate() under their names ("near-contact"),
-/// those of everyday() as "everyday-...", those of hard().
+/// One family of cases of a pair. Families of generate() and hard() have their own names
+/// ("near-contact"), those of everyday() are called "everyday-...".
 struct Family {
-  std::string name;  ///< blanks are dashes
+  std::string name;  ///< with dashes instead of blanks
   Case (*make)(Pair, std::uint64_t seed, std::uint64_t index, const Format&) = nullptr;
-  std::uint64_t first = 0, step = 1;  ///< of the indices that `make` gives this family for
+  std::uint64_t first = 0, step = 1;  ///< indices at which `make` produces this family
 
   [[nodiscard]] Case at(Pair pair, std::uint64_t seed, std::uint64_t i,
                         const Format& format) const {
@@ -21,7 +21,7 @@ struct Family {
   }
 };
 
-/// All of a pair, in the order of the lists above.
+/// All families of a pair: of generate(), everyday() and hard().
 [[nodiscard]] std::vector<Family> families(Pair pair);
 
 }  // namespace cde::oracle

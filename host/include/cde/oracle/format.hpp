@@ -5,8 +5,8 @@
 
 namespace cde::oracle {
 
-/// A binary floating-point format of IEEE encoding, binary32 by default; its values are held in
-/// binary64. Up to 11 exponent and 52 fraction bits.
+/// A binary floating-point format of IEEE encoding, binary32 by default. Values are held in
+/// binary64. Up to 11 exponent bits and 52 fraction bits.
 struct Format {
   int exp_bits = 8, man_bits = 23;
 
@@ -26,7 +26,7 @@ struct Format {
     const double r = std::ldexp(std::nearbyint(std::ldexp(x, -last)), last);
     return std::abs(r) > largest() ? std::copysign(INFINITY, x) : r;
   }
-  /// The value after x, which is finite and of the format, in the direction of `to`.
+  /// The next value after x towards `to`. x must be finite and exact in the format.
   [[nodiscard]] double next(double x, double to) const {
     const double step = std::ldexp(to > x ? 1.0 : -1.0, last_place(x));
     const double half = x + step / 2;  // a value only below a power of two

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-/// Independent oracles for the pairs: what the answers mean, by arithmetic and algorithms
+/// Independent oracles for the pairs. They define the right results by arithmetic and algorithms
 /// that share nothing with the pipes or their reference. CMake target `cde::oracle`.
 ///
 ///   #include "cde/oracle/oracle.hpp"
@@ -13,21 +13,21 @@
 ///     band += v.in_band, excused += v.excused;        // count and print these
 ///   }
 ///
-/// Another format than binary32 states its unit roundoff: check(a, b, result, {.u = 0x1p-11}). The
-/// cylinder pairs, whose s_K <= s is a lower bound, are checked with {.lower_bound = true}; the
-/// distribution of v.shortfall and the number of v.false_hit are then to be published.
+/// For a format other than binary32, pass its unit roundoff: check(a, b, result, {.u = 0x1p-11}).
+/// The cylinder pairs, whose s_K <= s is a lower bound, are checked with {.lower_bound = true}. For
+/// them, publish the distribution of v.shortfall and the number of v.false_hit.
 ///
-/// shapes.hpp       shapes in binary64, support functions, distances, the measures S and L
-/// gap.hpp          the signed gap as a certified interval, by branch and bound over normals
-/// certificate.hpp  check(): conditions c1, c2, c3 and F for the pairs of solids
-/// rays.hpp         exact answers of the three ray pairs, with how near each is to flipping
-/// cases.hpp        generate(pair, seed, i): operands near the decision and of directed families;
-///                  everyday(pair, seed, i): what people build, where ties are the rule
-/// scene.hpp        random scenes of bodies at rest on a floor and on each other
+/// Headers:
+/// - shapes.hpp: shapes in binary64, support functions, distances, the measures S and L.
+/// - gap.hpp: the signed distance as a certified interval, by branch and bound over normals.
+/// - certificate.hpp: check() with conditions c1, c2, c3 and F for pairs of solids.
+/// - rays.hpp: exact results of the three ray pairs, with their distance from flipping.
+/// - cases.hpp: generate(pair, seed, i), operands near the decision and of directed families;
+///   everyday(pair, seed, i), everyday scenes, where ties are the rule.
+/// - scene.hpp: random scenes of bodies at rest on a floor and on each other.
 ///
-/// Cost of signed_gap at the default tolerance of 1e-8 S, one thread of an AMD EPYC, mean over
-/// 20,000 cases of generate(): 8 us for sphere-OBB, 20 to 35 us for boxes and triangles, 110 to 125
-/// us for cylinders, below 1 us for the rest. All of these cases converged.
+/// The signed_gap() of a pair with boxes or triangles takes tens of microseconds at the default
+/// tolerance of 1e-8 S, with a cylinder about 0.1 ms.
 #include "cde/oracle/cases.hpp"
 #include "cde/oracle/certificate.hpp"
 #include "cde/oracle/gap.hpp"

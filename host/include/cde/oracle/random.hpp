@@ -6,7 +6,7 @@
 
 namespace cde::oracle {
 
-/// splitmix64: the same cases on every machine and with every standard library.
+/// splitmix64: gives the same cases on every machine and with every standard library.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t stream, std::uint64_t index)

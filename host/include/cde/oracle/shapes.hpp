@@ -10,9 +10,9 @@
 #include "cde/contract/pairs.hpp"
 #include "cde/oracle/format.hpp"
 
-/// The shapes of the oracles, in binary64. They stand apart from the library's own primitives on
-/// purpose: nothing here shares code with what it judges. Operands of at most 53 bits are exact.
-/// World frame, one length unit throughout.
+/// The shapes of the oracles, in binary64. They share no code with the library's own primitives,
+/// which they judge. Operands of at most 53 bits are exact. World frame, one length unit
+/// throughout.
 namespace cde::oracle {
 
 using Vec = Eigen::Vector3d;
@@ -22,26 +22,28 @@ class Random;
 struct Build;
 struct Lengths;
 using Frame = Eigen::Matrix3d;  ///< columns: the axes of a shape in the world
-using ShapeKind = cde::Shape;   // their names and numbers; what they are is said here
+using ShapeKind = cde::Shape;   // names and numbers of the contract; their meaning is defined here
 
-/// What a field of a shape is: it says what moving, turning and scaling do to it.
+/// Type of a shape's field: how moving, turning and scaling affect it.
 enum class Field {
   kPoint,   ///< moves, turns, scales
-  kCorner,  ///< of an AABB: does not turn
+  kCorner,  ///< of an AABB: moves and scales, does not turn
   kAxis,    ///< turns
-  kNormal,  ///< of a plane: turns, and the level behind it moves along it
+  kNormal,  ///< of a plane: turns; moving changes the level after it
   kLevel,   ///< of a plane: scales
   kSize,    ///< one or three: scales
   kFrame,   ///< turns
-  kBound    ///< of a ray: nothing
+  kBound    ///< of a ray: never changes
 };
 
-/// The struct of a shape and its part of shapes.cpp hold everything about it, but for the core that
-/// gap.cpp makes of it. Each has `fields` in the order of the words of a slot; center, support and
-/// distance as below; its extent and largest coordinate in the measures S and L; and random ones
-/// about the origin: build (see build_shape), whole (lengths from about 1 to 5, along the axes) and
-/// body (of a scene, of half sizes `h`). kSpread is the distance at which about half of random
-/// pairs meet, as a fraction of the sum of half widths.
+/// The struct of a shape and its part of shapes.cpp hold everything about it, except for the core
+/// that gap.cpp derives. `fields` lists the words of a slot in order. `center`, `support` and
+/// `distance` match the functions below. `extent` and `largest` are its part of the measures S and
+/// L.
+/// Three functions make random shapes about the origin. `build` serves build_shape(). `whole` has
+/// lengths from about 1 to 5, along the axes. `body` has half sizes `h` and is for scenes.
+/// `kSpread` is the distance at which about half of random pairs meet, as a fraction of the sum of
+/// half widths.
 
 /// The ball |x - c| <= r.
 struct Sphere {
@@ -107,7 +109,7 @@ struct Obb {
   void flatten(Random& random, double thin, double u);
 };
 
-/// Two-sided; without area it is the segment or point that it covers.
+/// Two-sided. Without area it is the segment or point that it covers.
 struct Triangle {
   static constexpr ShapeKind kKind = ShapeKind::kTriangle;
   static constexpr double kSpread = 0.4;  // it fills nothing of the box about it
@@ -128,8 +130,8 @@ struct Triangle {
   void flatten(Random& random, double thin, double u);
 };
 
-/// Caps at c +- half_height * axis, discs of `radius` perpendicular to the axis. The axis need not
-/// be exactly of unit length.
+/// Caps at c +- half_height * axis: discs of `radius` perpendicular to the axis. The axis need not
+/// have exactly unit length.
 struct Cylinder {
   static constexpr ShapeKind kKind = ShapeKind::kCylinder;
   static constexpr double kSpread = 1;
@@ -152,7 +154,7 @@ struct Cylinder {
   void flatten(Random& random, double thin, double u);
 };
 
-/// The points x with n.x = d, a surface with two sides; or, as a half-space, those with n.x <= d.
+/// The points x with n.x = d, a two-sided surface; as a half-space the points with n.x <= d.
 struct Plane {
   static constexpr ShapeKind kKind = ShapeKind::kPlane;
   static constexpr double kSpread = 1;
@@ -185,11 +187,11 @@ struct Ray {
   }
 };
 
-/// Whatever has a signed gap.
+/// A shape that has a signed distance.
 using Shape = std::variant<Triangle, Sphere, Aabb, Plane, Cylinder, Obb>;
 static_assert(std::variant_size_v<Shape> + 1 == cde::kShapes, "every shape but the ray");
 
-/// use.operator()<S>() with the struct of the kind; throws std::invalid_argument for a ray.
+/// Calls use.operator()<S>() with the struct of the kind. Throws std::invalid_argument for a ray.
 template <std::size_t I = 0, class Use>
 decltype(auto) with_kind(ShapeKind kind, const Use& use) {
   using S = std::variant_alternative_t<I, Shape>;
@@ -212,26 +214,26 @@ decltype(auto) with_kind(ShapeKind kind, const Use& use) {
 [[nodiscard]] std::vector<double> to_words(const Shape& shape, const Format& format = {});
 [[nodiscard]] std::vector<double> to_words(const Ray& ray, const Format& format = {});
 
-/// The shape translated; rotated about the world's origin (throws std::invalid_argument for an
-/// AABB); with all lengths multiplied.
+/// The shape translated; rotated about the world's origin; or scaled. Rotation throws
+/// std::invalid_argument for an AABB.
 [[nodiscard]] Shape moved(const Shape& shape, const Vec& by);
 [[nodiscard]] Shape turned(const Shape& shape, const Frame& by);
 [[nodiscard]] Shape scaled(const Shape& shape, double by);
 
-/// Where the shape is: the centre of a box, sphere or cylinder, the centroid of a triangle, the
-/// point of a plane nearest the world's origin.
+/// Centre of the shape: of a box, sphere or cylinder its centre, of a triangle its centroid, of a
+/// plane its point nearest the world's origin.
 [[nodiscard]] Vec center(const Shape& shape);
 
 /// h(n) = max n.x over the shape; infinite for a plane unless n is its normal or, for a surface,
 /// the opposite of it.
 [[nodiscard]] double support(const Shape& shape, const Vec& n);
 
-/// Distance from p to the shape, 0 inside; at worst one part in 1e12 above the truth.
+/// Distance from p to the shape, 0 inside. It is at most one part in 1e12 above the truth.
 [[nodiscard]] double distance(const Vec& p, const Shape& shape);
 
-/// S: |cB - cA|_1 + the extents of both (sphere r, box sum of half extents, cylinder h + r,
-/// triangle the largest |v - centroid|_1). With a plane |cB - cA|_1 is |c|_1 + |d|, since n.c - d
-/// can cancel no sooner.
+/// S = |cB - cA|_1 + the extents of both shapes. The extent is r for a sphere, the sum of half
+/// extents for a box, h + r for a cylinder, the largest |v - centroid|_1 for a triangle. With a
+/// plane |cB - cA|_1 is |c|_1 + |d|, since n.c - d can cancel no earlier.
 [[nodiscard]] double scene_size(const Shape& a, const Shape& b);
 
 /// L: the largest |coordinate| of centres, corners and vertices.

@@ -17,24 +17,25 @@ struct PacketAgain {
   std::size_t query = 0;
   std::uint32_t primary = 0;
 };
-/// Plays the frames from `first` to that one on a card that writes waves of the packet. `sink`
-/// takes all records of the query in the frame, and what it was comes back.
+/// Runs the frames from `first` to that one on a card that writes waves of the packet. `sink`
+/// receives all records of the query in that frame. Returns the query's figures.
 QueryFrame play_packet(const PacketAgain& packet, std::uint32_t first, const std::string& file,
                        const TraceOptions& which, const RecordSink& sink);
 
-/// A record of a scene that differs.
+/// A record of a scene that differs from the reference.
 struct RunFailure {
   const Scene& scene;
   const Plan& plan;
-  PlayOptions options;      ///< as it was played
-  std::uint32_t first = 0;  ///< frame that was played first
-  std::uint32_t frame = 0;  ///< and the one that it is of
+  PlayOptions options;      ///< as in the run
+  std::uint32_t first = 0;  ///< first frame of the run
+  std::uint32_t frame = 0;  ///< frame of the record
   std::size_t query = 0;
   Difference difference;
-  std::string message, repeat;  ///< as the verb tells it, and its own command
+  std::string message, repeat;  ///< message of the verb; its own command
 };
-/// The failure, whose rerun plays the record's packet in its frame alone. If that gives another
-/// record, it plays all frames before. `run` and what it refers to must outlive the failure.
+/// The failure. Its rerun first runs the record's packet alone in its frame. If that gives another
+/// record, it runs all earlier frames as well. `run` and what it refers to must outlive the
+/// failure.
 [[nodiscard]] Failure failure_of(const RunFailure& run);
 
 }  // namespace cde

@@ -9,24 +9,24 @@
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
 
-/// A pair of a card's pass as its pipe by itself takes it.
+/// A pair of a card's pass, as input of its pipe alone.
 namespace cde {
 
 struct PassPipe {
   PairConfig config;
-  std::string budget;  ///< as `cde query` takes it; may be empty
+  std::string budget;  ///< iterations as `cde query` takes them; may be empty
 };
 /// The pipe of a scene's query on a card.
 [[nodiscard]] PassPipe pipe_of(const SceneQuery& query, const BoardConfig& board);
 
-/// The options that ask for it.
+/// Command options that select the pipe.
 [[nodiscard]] PairOptions options_of(const PassPipe& pipe);
 
-/// Words of the pair's first and second shape; with `swap` the secondary is the first one.
+/// Words of the pair's first and second shape. With `swap` the secondary is the first one.
 struct PairWords {
   FpFormat format = {};
   std::vector<std::uint64_t> a = {}, b = {};
-  /// As an operand of a command: "0x1p+0,... | ...".
+  /// The pair as an operand of a command: "0x1p+0,... | ...".
   [[nodiscard]] std::string text() const;
 };
 [[nodiscard]] PairWords pair_words(FpFormat format, std::span<const float> primary,
