@@ -301,7 +301,7 @@ TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
   unset("CDE_BITSTREAMS");
   set("CDE_SHARE", clone);
   EXPECT_FALSE(bitstream_file("board", host_config().parameters()).built);
-  std::ofstream(clone / "verilator/toolchain") << "part of an installation\n";
+  std::ofstream(clone / "verilator/toolchain") << "what an installation has\n";
   EXPECT_EQ(bitstream_path("board", host_config().parameters()).parent_path(),
             folder_ / "lib/cde/bitstreams");
   fs::permissions(folder_ / "lib/cde/bitstreams", fs::perms::others_write, fs::perm_options::add);
@@ -536,7 +536,7 @@ TEST_F(Bitstreams, ACacheThatIsSwappedForALink) {
       "mv cache moved; ln -s victim cache; echo 'error: no'; exit 1\n",
       key, folder_.string());
   fs::create_directory(folder_ / "victim");
-  std::ofstream(folder_ / "victim" / (key + ".log")) << "victim's file";
+  std::ofstream(folder_ / "victim" / (key + ".log")) << "mine";
   expect_error(ErrorCode::kBuild, "error: no", [] { (void)Bitstream::open("board", {}); });
   const auto log_in = [&](const char* folder) {
     std::ifstream in(folder_ / folder / (key + ".log"));

@@ -117,8 +117,8 @@ TEST_P(SelfPairs, AreLeftOutAndEachPairCountsOnce) {
 
   std::set<std::uint32_t> active;
   for (const Record& r : all.records) active.insert(r.primary);
-  std::map<std::pair<std::size_t, std::size_t>, std::uint32_t>
-      asks;  // primary number of each shape
+  // Primary number of each shape.
+  std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> asks;
   for (const std::uint32_t p : active) asks[primary[p]] = p;
   const std::set swept(secondary.begin(), secondary.end());
 

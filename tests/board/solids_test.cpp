@@ -107,8 +107,7 @@ TEST_P(Solids, CylindersWithTheBudgetOfTheQuery) {
   const bool gates = GetParam() == Arithmetic::kRtl;
   config.pairs = {Pair::kCylinderCylinder};
   config.normals = true;
-  if (gates)
-    config.lanes = 1;  // gates of an iterative pipeline take a minute to build, even with one lane
+  if (gates) config.lanes = 1;  // one lane of an iterative pipeline takes a minute to build
   Board board = Board::open(config);
   std::vector<Cylinder> few = cylinders(gates ? 5 : 19, 1), many = cylinders(gates ? 7 : 43, 2);
   few[2].radius = -1;

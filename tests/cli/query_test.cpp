@@ -117,12 +117,11 @@ TEST_F(Query, EmptyInputIsAnEmptyTable) {
 
 TEST_F(Query, RaysOfSixAndEightWordsWithoutANormal) {
   const std::string triangle = ",-1,-1,0,1,-1,0,0,1,0\n";
-  const Ran ran =
-      query({"ray-triangle"}, "0,0,2,0,0,-1" + triangle +          // the whole ray
-                                  "0,0,2,0,0,-1,0,1" + triangle +  // ends before the triangle
-                                  "0,0,2,0,0,-1,0,inf" + triangle + "0,0,-2,0,0,-1" +
-                                  triangle +  // the triangle lies behind
-                                  "0,0,-2,0,0,-1,-inf,inf" + triangle);
+  const Ran ran = query({"ray-triangle"}, "0,0,2,0,0,-1" + triangle +          // the whole ray
+                                              "0,0,2,0,0,-1,0,1" + triangle +  // ends before it
+                                              "0,0,2,0,0,-1,0,inf" + triangle + "0,0,-2,0,0,-1" +
+                                              triangle +  // the triangle is behind
+                                              "0,0,-2,0,0,-1,-inf,inf" + triangle);
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, kHeader +
                          "1,2,0,0,0,,,,\n"

@@ -164,7 +164,7 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
   fs::remove_all(folder_ / "d");
   // Another file beside a run.
   ASSERT_EQ(run({"--out", "d"}).status, 0);
-  write("d/notes.txt", "a note");
+  write("d/notes.txt", "mine");
   ran = run({"--out", "d", "--frames", "0"});
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err,

@@ -137,8 +137,7 @@ class Traffic {
   Clocked<DdrReaders> readers_;
   Dice dice_;
   std::array<std::optional<std::uint32_t>, kReaders> wanted_;
-  std::array<unsigned, kReaders> waited_ = {},
-                                 words_ = {};  // requests of other readers taken meanwhile
+  std::array<unsigned, kReaders> waited_ = {}, words_ = {};  // waited_: other requests meanwhile
   std::deque<Asked> asked_;
   std::uint32_t next_ = 0x1000;
   unsigned clock_ = 0, asking_ = 0;

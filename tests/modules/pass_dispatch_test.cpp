@@ -18,8 +18,7 @@ TEST(PassDispatch, EveryPassIsDoneOnceByItsUnit) {
   Clocked<PassDispatch> dispatch;
   Dice dice;
   struct Unit {
-    unsigned left = 0, started = 0, done = 0,
-             aborted = 0;  // remaining cycles of the pass; numbers of passes
+    unsigned left = 0, started = 0, done = 0, aborted = 0;  // cycles left; numbers of passes
   };
   std::array<Unit, kUnits> units;
   unsigned waiting = 0;  // bit of the unit whose pass is requested but not begun

@@ -101,8 +101,8 @@ class Bench {
   std::vector<Node> nodes;
   unsigned first = 0;  ///< the first node that is refitted
   unsigned clocks = 0, writes = 0;
-  unsigned held_from = ~0u,
-           held_to = 0;  ///< memory takes this many requests, then stalls until cycle held_to
+  /// Memory takes `held_from` requests, then stalls until cycle `held_to`.
+  unsigned held_from = ~0u, held_to = 0;
 
  private:
   struct Asked {

@@ -448,8 +448,7 @@ void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& 
     }
     const std::uint64_t nodes = walk.counts().nodes - before.nodes,
                         secondaries = walk.counts().secondaries - before.secondaries;
-    if (!ahead || goal == 2 ||
-        goal == kHits) {  // every node that is hit is read, whatever is known of its hits
+    if (!ahead || goal == 2 || goal == kHits) {  // these goals read every node that is hit
       EXPECT_EQ(bench.nodes(), nodes);
       EXPECT_EQ(bench.secondaries(), secondaries);
     } else {
