@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chains over lanes, and lanes that do not depend on each other: what the test of `reroll` simulates with and without it.
+// Chains over lanes, and independent lanes: the test of `reroll` simulates this module with and without it.
 module prefix_lanes #(parameter int LANES = 16) (
     input logic clk_i,
     input logic [LANES-1:0][31:0] a_i,

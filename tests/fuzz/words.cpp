@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// libFuzzer on what people type at `cde wave`: expressions, conditions, times, edges, names with a
-// form. Each is an Error kUsage or means something, and what means something is evaluated over the
-// whole sample.
+// libFuzzer on arguments of `cde wave`: expressions, conditions, times, edges, names with a format.
+// Each is an Error kUsage or valid, and a valid one is evaluated over the whole sample.
 #include <unistd.h>
 
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde::mpi from C++, as three ranks: GoogleTest on each of them, so what one rank finds wrong ends
-// the run with a status.
+// cde::mpi from C++, with three ranks. Each rank runs GoogleTest, so a failure on one rank ends the
+// run with its status.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,11 +22,11 @@
 namespace cde::mpi {
 namespace {
 
-/// MPI begins and ends once in a process.
+/// A process can start and end MPI only once.
 std::unique_ptr<Ranks> ranks;
 
 struct Dealt {
-  std::vector<std::uint64_t> numbers;  ///< as they came back
+  std::vector<std::uint64_t> numbers;  ///< as received
   std::map<unsigned, int> of_rank;
   std::string error;
 };
@@ -90,7 +90,8 @@ TEST(Deal, EveryChunkOnce) {
   }
 }
 
-/// What dealing costs bounds how many ranks one can keep busy: said, not judged.
+/// The overhead of distribution limits how many ranks one rank can feed. The test prints it without
+/// a check.
 TEST(Deal, TenThousandChunksOfNothing) {
   constexpr std::uint64_t kChunks = 10'000;
   const auto start = std::chrono::steady_clock::now();
@@ -120,7 +121,7 @@ TEST(Deal, ChunksOfARankGoToIt) {
   EXPECT_EQ(dealt.numbers, all(ranks->rank() == 0 ? 41 : 0));
 }
 
-/// Wherever it happens, all ranks hear of it, and can go on with other work.
+/// An error on any rank reaches all ranks, and they can continue with other work.
 TEST(Deal, AnErrorEndsTheWorkOnAllRanks) {
   for (const unsigned bad : {0u, 1u, 2u}) {
     const Dealt dealt = deal({.chunks = 1000, .bytes = 1 << 20, .run = [&](const Chunk& c) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Two hosts, which are two network namespaces of this machine with a cable between them: records are those of one process, ranks are
-# named with their hosts, and a host that vanishes ends the run, which goes on from its journal.
+# Two hosts: network namespaces of this machine with a cable between them. Records equal those of one process, and
+# messages name ranks with their hosts. When a host vanishes the run ends, and the next run continues from its journal.
 #
 #   two_hosts.sh MPIRUN CDE
 set -euo pipefail
@@ -26,7 +26,7 @@ ip -n "$a" addr add 10.77.0.1/24 dev eth0
 ip -n "$b" addr add 10.77.0.2/24 dev eth0
 for host in "$a" "$b"; do ip -n "$host" link set dev lo up; ip -n "$host" link set dev eth0 up; done
 
-# What ssh is elsewhere: a command on the host with that address.
+# Stands in for ssh: runs a command on the host with that address.
 cat >remote <<END
 #!/bin/bash
 shift
@@ -41,7 +41,7 @@ exec ip netns exec $a unshare --uts bash -c 'hostname cde-a; exec "\$@"' run "$m
 END
 chmod +x run
 fail() { echo "mpi: $1"; exit 1; }
-# Swept, which takes long enough to be in the middle of.
+# Brute force, which takes long enough for an interruption.
 cast=("$cde" cast "terrain:100,100,1" --no-bvh --grid "${CDE_HOSTS_RAYS:-128x64}" -q)
 
 seconds() { local start=$EPOCHREALTIME; "${@:2}" || fail "status $? of ${*:2}"; awk -v a="$start" -v b="$EPOCHREALTIME" -v of="$1" 'BEGIN { printf "%s: %.2f s\n", of, b - a }'; }
@@ -49,7 +49,7 @@ seconds "one process" "${cast[@]}" -o one.csv
 seconds "two hosts" ./run "${cast[@]}" -o "$folder/two.csv"
 cmp one.csv two.csv || fail "two hosts answer otherwise than one process"
 
-# A rank that disagrees is named with its host.
+# The message about a rank that disagrees names its host.
 echo '0,0,900,0,0,-1' >rays.csv
 cat >each <<END
 #!/bin/bash
@@ -61,7 +61,7 @@ chmod +x each
 grep -q 'rank 1 on cde-b has' said || { cat said; fail "the rank that disagrees is not named"; }
 [[ ! -e x.csv ]] || fail "a refused run wrote its output"
 
-# The second host vanishes in the middle.
+# The second host vanishes during the run.
 long=("$cde" cast "terrain:100,100,1" --no-bvh --grid 160x128 -q -o "$folder/long.csv" --resume "$folder/journal")
 ./run "${long[@]}" >/dev/null 2>said & run=$!
 for ((tenths = 0; tenths < 300; ++tenths)); do

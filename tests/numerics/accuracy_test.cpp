@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The statistics of `cde accuracy`: quantiles, intervals, units of the last place, and what it says
-// of answers that are known to be right or wrong.
+// The statistics of `cde accuracy`: quantiles, intervals, ulps, and counts for answers that are
+// known to be right or wrong.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ TEST(ErrorCountsTest, QuantilesAreNeverTooSmallAndAThirtySecondTooLargeAtMost) {
     EXPECT_GE(all.quantile(share), exact) << share;
     EXPECT_LE(all.quantile(share), exact * (1 + 1 / 32.0)) << share;
   }
-  EXPECT_EQ(all.largest(), sizes.back()) << "exactly";
+  EXPECT_EQ(all.largest(), sizes.back()) << "the largest error is exact";
   EXPECT_EQ(all.quantile(1), sizes.back());
 }
 
@@ -66,7 +66,7 @@ TEST(ErrorCountsTest, PartsAddUpAndComeBackFromJson) {
   EXPECT_EQ(again.quantile(0.5), sum.quantile(0.5));
 }
 
-/// Values of Wilson's interval that tables have.
+/// Values of Wilson's interval from published tables.
 TEST(Wilson, IsThatOfTheTables) {
   EXPECT_NEAR(wilson(10, 100).low, 0.0552, 1e-4);
   EXPECT_NEAR(wilson(10, 100).high, 0.1744, 1e-4);
@@ -78,7 +78,7 @@ TEST(Wilson, IsThatOfTheTables) {
   EXPECT_EQ(wilson(0, 0).high, 1);
 }
 
-/// Two spheres a distance of 2 apart, and what a pipe might say of them.
+/// Two spheres at a distance of 2, for possible answers of a pipe.
 oracle::Case apart_by_two() {
   return {Pair::kSphereSphere, 0, 0, "", {0, 0, 0, 1}, {4, 0, 0, 1}};
 }
@@ -143,7 +143,7 @@ TEST(Judge, WhatIsRefusedOrNoNumberIsSaid) {
   EXPECT_EQ(t.t.largest(), kInf);
 }
 
-/// Formats get the same cases, each rounded to it.
+/// All formats get the same cases, each rounded to the format.
 TEST(Drawn, FormatsHaveTheSameCases) {
   for (const oracle::Family& family : oracle::families(Pair::kTriangleSphere)) {
     const DrawnCases wide = drawn({.pair = Pair::kTriangleSphere, .format = kFp64}, family, 9, 3),
@@ -162,7 +162,7 @@ TEST(Families, HaveNamesOfTheirOwnAndAreWhatTheyAreCalled) {
       EXPECT_TRUE(names.insert(family.name).second) << family.name;
       EXPECT_EQ(family.name.find(' '), std::string::npos);
       const std::string first = family.at(pair, 5, 0, {}).family;
-      // Where a flat view has no direction it is another one.
+      // A flat view replaces a case that has no direction.
       for (std::uint64_t i = 1; i < 4 && family.name != "everyday-flat"; ++i)
         EXPECT_EQ(family.at(pair, 5, i, {}).family, first) << family.name;
     }
@@ -170,7 +170,7 @@ TEST(Families, HaveNamesOfTheirOwnAndAreWhatTheyAreCalled) {
   }
 }
 
-/// Watertight does not leak, and Moeller's rays show that there was something to leak through.
+/// Watertight does not leak, while Moeller's rays show that these cases can leak.
 TEST(Leaks, OfAnIcosphere) {
   const auto leaks = [](Algorithm algorithm, const std::string& family) {
     return measured_leaks({.algorithm = algorithm, .format = kFp32}, family, 1, 0, 150);

@@ -5,13 +5,13 @@
 
 namespace cde::testing {
 
-/// Whether all is tested: CDE_FULL=1.
+/// Whether CDE_FULL=1 requests all cases.
 inline bool full() {
   const char* value = std::getenv("CDE_FULL");
   return value != nullptr && std::string(value) != "0";
 }
 
-/// How many cases.
+/// The number of cases.
 inline int amount(int by_default, int in_full) {
   return full() ? in_full : by_default;
 }

@@ -16,10 +16,10 @@ using oracle::ShapeKind;
 using oracle::Vec;
 using Frame = Eigen::Matrix3d;
 
-/// A shape's flat features: enough to aim at them.
+/// The flat features of a shape, as targets for generated normals.
 struct Features {
   std::vector<Vec> vertices, edges, normals;
-  double radius = 0;  ///< about the only vertex, of a sphere
+  double radius = 0;  ///< of a sphere, about its only vertex
 
   [[nodiscard]] Vec extreme(const Vec& n) const {
     const auto by = [&](const Vec& p, const Vec& q) { return p.dot(n) < q.dot(n); };
@@ -72,7 +72,7 @@ Shape random_shape(ShapeKind kind, Random& random, bool thin) {
     case ShapeKind::kTriangle: {
       const Vec v0 = c + random.direction(), v1 = c + random.direction();
       Vec v2 = c + random.direction();
-      // All but on the first edge, or all but on its end.
+      // Nearly on the first edge, or nearly on its end.
       if (thin) {
         const double at = random.chance(0.5) ? random.uniform(-0.2, 1.2) : 1.0;
         v2 = v0 + at * (v1 - v0) + random.decades(1e-8, 1e-2) * random.direction();
@@ -84,7 +84,7 @@ Shape random_shape(ShapeKind kind, Random& random, bool thin) {
   }
 }
 
-/// All but zero: 0, or a vector of length 1e-9 to 1e-2.
+/// Nearly zero: 0, or a vector of length 1e-9 to 1e-2.
 Vec hair(Random& random) {
   return random.chance(0.25) ? Vec::Zero() : Vec(random.decades(1e-9, 1e-2) * random.direction());
 }
@@ -94,7 +94,7 @@ Frame small_turn(Random& random) {
   return Eigen::AngleAxisd(hair(random).norm(), axis).toRotationMatrix();
 }
 
-/// Makes a face of one shape all but parallel to a face of the other, where one can be turned.
+/// Makes a face of one shape nearly parallel to a face of the other, if one can be rotated.
 void align(Shape& a, Shape& b, Random& random) {
   const auto* box = std::get_if<oracle::Obb>(&b);
   const Frame axes = box ? box->rotation : Frame::Identity();
@@ -120,7 +120,7 @@ Vec perpendicular_to(const Vec& edge, Random& random) {
   return edge.cross(random.direction()).normalized();
 }
 
-/// The normal that a family aims at, A to B.
+/// The normal from A to B that a family aims at.
 Vec aim(DirectedFamily family, const Features& a, const Features& b, Random& random) {
   const auto any = [&](const std::vector<Vec>& from) {
     return from[static_cast<std::size_t>(random.below(static_cast<int>(from.size())))];

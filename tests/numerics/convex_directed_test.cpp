@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Convex pairs whose answer is known.
+// Convex pairs with known answers.
 #include <Eigen/Geometry>
 #include <array>
 #include <bit>
@@ -16,32 +16,31 @@ Obb box(const Eigen::Vector3f& c, const Eigen::Vector3f& half) {
   return {c, half, Matrix3<float>::Identity()};
 }
 
-// Two boxes resting on each other: a solver reported a phantom depth of the size of the boxes,
-// since edges that are all but parallel give a normal of rounding noise.
+// Two boxes resting on each other. Nearly parallel edges give a normal of rounding noise, which
+// must not produce a phantom depth of the size of the boxes.
 TEST(ConvexPairDirected, BoxesFaceToFaceHaveNoPhantomDepth) {
   const Obb lower = box({0, 0, 0}, {1, 1, 0.5f});
   for (const float angle : {0.0f, 1e-7f, 1e-6f, 1e-4f, 0.3f, 3.14159265f}) {
     Obb upper = box({0.25f, -0.125f, 1}, {1, 1, 0.5f});
     upper.rotation = Eigen::AngleAxisf(angle, Eigen::Vector3f::UnitZ()).toRotationMatrix();
     const auto o = reference::obb_obb(lower, upper);
-    EXPECT_TRUE(o.f) << angle << ": touching is a hit";
+    EXPECT_TRUE(o.f) << angle << ": touching must be a hit";
     EXPECT_EQ(o.t, 0) << angle;
     EXPECT_EQ(o.n, Eigen::Vector3f(0, 0, 1)) << angle;
     EXPECT_NEAR(o.cp.z(), 0.5, 1e-6) << angle;
   }
 }
 
-// Centres with an equal coordinate: the depth axis has two directions, and facets that lie in one
-// plane chose between them each for itself. CP was (3, -2, 0), outside B, and for the triangle 0.63
-// off its plane.
+// Centres with an equal coordinate: the depth axis has two directions. All candidate axes in one
+// plane must choose the same direction, or CP lies outside a body.
 TEST(ConvexPairDirected, WitnessPointsOfTiedDepthAxesLieInTheirBodies) {
   const Obb a = box({0, 0, 0}, {3, 3, 1}), b = box({3, 2, 0}, {4, 3, 1});
   const auto boxes = reference::obb_obb(a, b);
   EXPECT_TRUE(boxes.f);
   EXPECT_EQ(boxes.t, 2);
   EXPECT_EQ(std::abs(boxes.n.z()), 1);
-  EXPECT_GE(boxes.cp.y(), -1) << "B begins there";
-  EXPECT_LE(boxes.cp.y(), 3) << "and A ends there";
+  EXPECT_GE(boxes.cp.y(), -1) << "B begins at y = -1";
+  EXPECT_LE(boxes.cp.y(), 3) << "A ends at y = 3";
   const oracle::Case triangle{Pair::kTriangleAabb,  0, 0, "", {-6, -5, 0, 0, 2, 0, 5, -6, 0},
                               {-2, -4, -4, 2, 4, 4}};
   const oracle::Case as_case{Pair::kObbObb,
@@ -57,9 +56,9 @@ TEST(ConvexPairDirected, WitnessPointsOfTiedDepthAxesLieInTheirBodies) {
   }
 }
 
-// Two thin boxes all but parallel. The second step of polishing turned v so far that its gap was of
-// no use, and of a distance of 2.27 the facets' 2.2667 was left: 137 u S too near. And two that are
-// nearly in touch: |v| alone is 8 u S too far, and halfway to the gap is not.
+// Two thin, nearly parallel boxes: a polishing step may rotate v so far that its signed distance is
+// useless. Then the distance of the candidate axes alone would be 137 u S too small. And two boxes
+// that nearly touch: |v| alone is 8 u S too large, but the mean with the signed distance is not.
 TEST(ConvexPairDirected, DistancesOfBoxesTiltedByTheirRoundingHold) {
   const oracle::Case plates{Pair::kObbObb,
                             0,
@@ -92,7 +91,8 @@ TEST(ConvexPairDirected, DistancesOfBoxesTiltedByTheirRoundingHold) {
   }
 }
 
-// Exact touching counts as contact in every pair and in either order; one ulp of daylight does not.
+// Exact touching counts as contact in every pair and in either order; a distance of one ulp does
+// not.
 TEST(ConvexPairDirected, TouchingIsAHit) {
   const float above = std::nextafter(2.0f, 3.0f);
   const Obb one = box({0, 0, 0}, {1, 1, 1});
@@ -116,7 +116,8 @@ TEST(ConvexPairDirected, TouchingIsAHit) {
   for (const bool hit : hits(2)) EXPECT_TRUE(hit);
   const auto apart = hits(above);
   for (std::size_t i = 0; i < apart.size(); ++i) {
-    // Relative to its sphere, and to its plane, the move is exact: no daylight for the triangle.
+    // Relative to its sphere, and to its plane, the translation is exact: the triangle gets no
+    // distance.
     EXPECT_EQ(apart[i], i == 7) << i;
   }
 }
@@ -129,7 +130,7 @@ TEST(ConvexPairDirected, ConcentricSpheresPointUp) {
   EXPECT_EQ(o.cp, Eigen::Vector3f(5, 6, 6.5f));  // pA above, at z = 8, pB below, at z = 5
 }
 
-// A sphere whose centre is inside a box was pushed out through the wrong face.
+// A sphere whose centre is inside a box leaves it through the nearest face.
 TEST(ConvexPairDirected, SphereInsideABoxTakesTheNearestFaceAndTheLowestAxisOnTies) {
   const Obb cube = box({0, 0, 0}, {2, 2, 2});
   const auto near_x = reference::sphere_obb(Sphere{{1.5f, 1, -1}, 0.25f}, cube);
@@ -149,7 +150,7 @@ TEST(ConvexPairDirected, BoxOnAPlaneTouchesAtTheCentroidOfItsFaceOrEdge) {
   EXPECT_EQ(face.t, 0.25f);
   EXPECT_EQ(face.n, Eigen::Vector3f(0, 0, -1));
   EXPECT_EQ(face.cp, Eigen::Vector3f(3, 4, 0.125f));
-  // Deep below the plane: apart from the surface, inside the half-space.
+  // Deep below the plane: separated from the surface, inside the half-space.
   const Obb below = box({0, 0, -5}, {1, 1, 1});
   EXPECT_FALSE(reference::obb_plane(below, floor).f);
   EXPECT_EQ(reference::obb_plane(below, floor).t, 4);
@@ -159,7 +160,7 @@ TEST(ConvexPairDirected, BoxOnAPlaneTouchesAtTheCentroidOfItsFaceOrEdge) {
   EXPECT_EQ(inside.n, Eigen::Vector3f(0, 0, -1));
 }
 
-// A triangle without area is the segment or the point that it covers.
+// A triangle without area is treated as the segment or point that it covers.
 TEST(ConvexPairDirected, TrianglesWithoutAreaAreSegmentsAndPoints) {
   const Eigen::Vector3f p(1, 2, 3), q(-3, 2, 3), middle(-1, 2, 3);
   for (const Triangle& t : {Triangle{p, q, middle}, Triangle{middle, p, q}, Triangle{q, q, p}}) {
@@ -169,7 +170,7 @@ TEST(ConvexPairDirected, TrianglesWithoutAreaAreSegmentsAndPoints) {
     const auto on_it = reference::triangle_sphere(t, Sphere{{0, 2, 3}, 0.5f});
     EXPECT_TRUE(on_it.f);
     EXPECT_EQ(on_it.t, 0.5f);
-    EXPECT_EQ(on_it.n.x(), 0) << "perpendicular to the segment";
+    EXPECT_EQ(on_it.n.x(), 0) << "n must be perpendicular to the segment";
     const auto o_box = reference::triangle_obb(t, box({-1, 2, 6}, {1, 1, 1}));
     EXPECT_EQ(o_box.t, 2);
     EXPECT_EQ(o_box.n, Eigen::Vector3f(0, 0, 1));

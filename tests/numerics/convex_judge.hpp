@@ -20,7 +20,7 @@
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_triangle.hpp"
 
-/// What the mirror references of the convex pairs answer, judged by certificate.
+/// Answers of the mirror references of the convex pairs, checked by certificate.
 namespace cde::testing {
 
 using oracle::Pair;
@@ -76,7 +76,7 @@ oracle::Result judged(const Outcome<S>& o) {
   return {o.f, static_cast<double>(o.t), vec(o.cp), vec(o.n)};
 }
 
-/// check(), and once more with a hundredfold budget if the oracle could not tell.
+/// check(), repeated with a hundredfold budget if the oracle could not decide.
 inline oracle::Verdict verdict(const oracle::Shape& a, const oracle::Shape& b,
                                const oracle::Result& r, oracle::CheckOptions options) {
   oracle::Verdict v = oracle::check(a, b, r, options);
@@ -87,7 +87,8 @@ inline oracle::Verdict verdict(const oracle::Shape& a, const oracle::Shape& b,
   return v;
 }
 
-/// Worst errors of a set of cases, in units of u S; the witness points' as a share of tolP / u.
+/// Worst errors of a set of cases, in units of u S; errors of witness points as a share of tolP /
+/// u.
 struct Worst {
   int cases = 0, hits = 0, in_band = 0, excused = 0, failed = 0;
   double c1 = 0, c2 = 0, witness = 0;
@@ -147,7 +148,7 @@ class Report {
       for (const auto& [name, w] : families_) line("  " + name, w);
     }
     line("  all", all_);
-    EXPECT_EQ(all_.failed, 0) << "certificates that fail";
+    EXPECT_EQ(all_.failed, 0) << "failed certificates";
     return all_;
   }
 

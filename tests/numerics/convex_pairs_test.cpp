@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The convex pairs with a closed form, judged by certificate: the mirror reference is what
-// the hardware computes, so its errors are the pipes' errors. Tolerances are those of the contract,
-// 16 u S for s and 16 u S + 4 u L for the witness points; nothing here widens them.
+// The convex pairs with a closed form, checked by certificate. The mirror reference equals the
+// hardware, so its errors are the errors of the pipes. Tolerances are those of the contract: 16 u S
+// for s, and 16 u S + 4 u L for the witness points.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -43,11 +43,12 @@ TEST_P(ConvexPair, CertificateHoldsNearContactAndInDirectedFamilies) {
   const Worst& all = report.finish();
   EXPECT_GT(all.hits, kCases * 3 / 10);
   EXPECT_LT(all.hits, kCases * 7 / 10);
-  EXPECT_GT(all.in_band, 0) << "no case is near enough to touching to try F";
+  EXPECT_GT(all.in_band, 0) << "no case is close enough to touching to test F";
 }
 
-// Where normals are hardest: the nearest features change from vertex to edge to face within a hair,
-// the distance is small, edges and faces are all but parallel, triangles all but a segment.
+// The hardest normals: the nearest features change between vertex, edge and face within tiny
+// distances. The distance is small, edges and faces are nearly parallel, and triangles are nearly
+// segments.
 TEST_P(ConvexPair, CertificateHoldsWhereFeaturesChange) {
   Report report(std::string(oracle::to_string(GetParam())) + ", directed");
   int apart = 0;
@@ -59,12 +60,12 @@ TEST_P(ConvexPair, CertificateHoldsWhereFeaturesChange) {
   }
   const Worst& all = report.finish();
   apart = all.cases - all.hits;
-  // Two triangles that approach by a vertex or an edge slip past each other.
+  // Two triangles that approach by a vertex or an edge pass each other.
   EXPECT_GT(all.hits, all.cases / (GetParam() == Pair::kTriangleTriangle ? 20 : 10));
   EXPECT_GT(apart, all.cases / 10);
 }
 
-// Whole numbers, equal coordinates, one thing upon another: what people build.
+// Everyday scenes: whole numbers, equal coordinates, one shape upon another.
 TEST_P(ConvexPair, CertificateHoldsInEverydayScenes) {
   const int count = amount(2000, 20000);
   Report report(std::string(oracle::to_string(GetParam())) + ", everyday");
@@ -75,10 +76,10 @@ TEST_P(ConvexPair, CertificateHoldsInEverydayScenes) {
   const Worst& all = report.finish();
   EXPECT_GT(all.hits, count * 3 / 10);
   EXPECT_LT(all.hits, count * 7 / 10);
-  EXPECT_GT(all.in_band, count / 100) << "too few at rest on each other";
+  EXPECT_GT(all.in_band, count / 100) << "too few shapes rest on each other";
 }
 
-/// How far the farther witness point is from its body, over the tolerance 16 u S + 4 u L.
+/// The larger distance of a witness point from its body, over the tolerance 16 u S + 4 u L.
 double witness_miss(const oracle::Case& c) {
   const auto o = judged(run<float>(c.pair, {c.a.begin(), c.a.end()}, {c.b.begin(), c.b.end()}));
   const oracle::Shape a = c.shape_a(), b = c.shape_b();
@@ -89,9 +90,9 @@ double witness_miss(const oracle::Case& c) {
   return miss >= 0 ? miss / tolerance : INFINITY;
 }
 
-// Where the depth has two directions, or faces are all but parallel, the certificates of T and n
-// hold and CP may still be beside a body. With CDE_FULL a million cases, of which the pairs with
-// facets may miss what docs/reference/pairs_convex.md says under "Limits".
+// If the depth has two directions, or faces are nearly parallel, the certificates of T and n hold
+// while CP may lie outside a body. CDE_FULL runs a million cases. There, pairs with candidate axes
+// may miss by what docs/reference/pairs_convex.md states under "Limits".
 TEST_P(ConvexPair, WitnessPointsLieInTheirBodies) {
   const int count = amount(40000, 1000000);
   const bool facets = GetParam() == Pair::kObbObb || GetParam() == Pair::kTriangleObb ||
@@ -118,9 +119,9 @@ INSTANTIATE_TEST_SUITE_P(All, ConvexPair, ::testing::ValuesIn(kConvexPairs), [](
   return name;
 });
 
-// The plane as the solid n.x <= d, against the oracle's half-space: bodies near its surface, and
-// half of them far below it. Above the plane both modes are the same; the normal always points into
-// the solid.
+// The plane as the solid n.x <= d, against the oracle's half-space: bodies near its surface, half
+// of them far below it. Above the plane both modes are equal. The normal always points into the
+// solid.
 template <template <class> class Body, class Pipe>
 void judge_half_space(Pair pair, Pipe pipe) {
   Report report(std::string(oracle::to_string(pair)) + " as half-space, seed " +
@@ -158,9 +159,9 @@ TEST(ConvexPairHalfSpace, CertificateHolds) {
 
 constexpr int kFormatCases = 4000;
 
-/// Errors scale with u. Sizes are kept where the format has room: squares that neither overflow nor
-/// are subnormal, and boxes that rounding does not flatten. With a plane nothing is squared, and
-/// its body alone makes the size.
+/// Errors scale with u. Sizes stay where the format has enough range: squares neither overflow nor
+/// become subnormal, and boxes do not become flat by rounding. With a plane nothing is squared, and
+/// its body alone sets the size.
 template <class S>
 void other_format(const char* name, double smallest, double largest, double farthest) {
   for (const Pair pair : kConvexPairs) {
@@ -194,7 +195,7 @@ TEST(ConvexPairFormat, Fp24) {
   other_format<Fp24>("fp24", 1e-4, 1e4, 1e4);
 }
 
-/// How bodies of some sizes fared that stand 1 to 2 away from the world's origin.
+/// Results for bodies of given sizes at a distance of 1 to 2 from the world's origin.
 struct Sized {
   int judged = 0, out = 0;
   double worst = 0;  ///< error of s, in u S
@@ -204,8 +205,8 @@ struct Sized {
   }
 };
 
-/// Near contact or a little deeper, proportions as everywhere; left out is what rounds to a size
-/// below the format's smallest.
+/// Cases near contact or slightly deeper, with the usual proportions. Bodies that round to a size
+/// below the format's smallest are left out.
 template <class S>
 Sized judge_sizes(Pair pair, double size_a, double size_b, int count) {
   const int exponent = std::bit_width(static_cast<unsigned>(std::numeric_limits<S>::max_exponent));
@@ -260,8 +261,8 @@ void small_triangles(const char* name) {
   }
 }
 
-// A triangle whose normal is the product of two edges had none where their product's square
-// underflowed: of 1/16 of the scene in fp16, and its corners were lost.
+// The product of two edges of a small triangle can underflow, and so can the square of its normal.
+// A triangle of 1/16 of the scene in fp16 must keep its corners.
 TEST(ConvexPairFormat, TrianglesAreTwoToThirtyTwoTimesSmallerThanTheOther) {
   small_triangles<Fp16>("fp16");
   small_triangles<Bf16>("bf16");
@@ -269,7 +270,7 @@ TEST(ConvexPairFormat, TrianglesAreTwoToThirtyTwoTimesSmallerThanTheOther) {
   small_triangles<float>("fp32");
 }
 
-/// The same shape with a rotation that is orthonormal in binary64, not only in binary32.
+/// The same shape with a rotation that is orthonormal in binary64 instead of binary32.
 oracle::Shape sharpened(oracle::Shape shape) {
   if (auto* box = std::get_if<oracle::Obb>(&shape))
     box->rotation = Eigen::Quaterniond(box->rotation).normalized().toRotationMatrix();
@@ -296,8 +297,8 @@ struct WordsOf {
   Words operator()(const oracle::Cylinder&) const { throw std::logic_error("no cylinders"); }
 };
 
-// The oracle's interval is 1e-8 S wide, and that limits the check: 16 u S with u = 2^-29, which is
-// 2^24 times binary64's.
+// The oracle's interval is 1e-8 S wide, which limits the check: 16 u S with u = 2^-29, which is
+// 2^24 times the u of binary64.
 TEST(ConvexPairFormat, Fp64) {
   for (const Pair pair : kConvexPairs) {
     Report report(std::string("fp64 ") + oracle::to_string(pair));
@@ -312,7 +313,7 @@ TEST(ConvexPairFormat, Fp64) {
   }
 }
 
-// The three pairs of like shapes: exchanging them turns the normal round, and s and F stay.
+// The three pairs of equal shapes: swapping the shapes reverses the normal, and keeps s and F.
 TEST(ConvexPairSwapped, LikeShapesAgree) {
   for (const Pair pair : {Pair::kSphereSphere, Pair::kObbObb, Pair::kTriangleTriangle}) {
     Report report(std::string(oracle::to_string(pair)) + ", exchanged");
@@ -394,7 +395,7 @@ TEST(ConvexPairTables, EverydayFamiliesAreThoseOfTheDocs) {
   expect_in_docs("tables/pairs_convex.md", lines);
 }
 
-// Scaled by the largest coordinate, what is small beside it has few exponents left in fp16.
+// The pipe scales by the largest coordinate, so small shapes have few exponents left in fp16.
 TEST(ConvexPairTables, SmallScenesInCoarseFormatsAreThoseOfTheDocs) {
   std::vector<std::string> lines;
   for (const Pair pair : kConvexPairs) {
@@ -433,8 +434,8 @@ double error_at(Pair pair, double far) {
   return worst;
 }
 
-// Centres are subtracted first, so T is as good anywhere; but a plane's d is measured from the
-// world's origin, and n.c - d loses what they have in common.
+// Centres are subtracted first, so T is equally good anywhere. The d of a plane is measured from
+// the world's origin, so n.c - d cancels.
 TEST(ConvexPairTables, ErrorWhereTheSceneStandsIsThatOfTheDocs) {
   std::vector<std::string> lines;
   for (const Pair pair : kConvexPairs) {

@@ -10,8 +10,8 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
-/// A scalar that counts the operators of a mirror reference and how many of them stand one behind
-/// another: computes like float, and every operator adds to Counted::tally.
+/// A scalar that counts the operators of a mirror reference and the depth of their chains. It
+/// computes like float, and every operator adds to Counted::tally.
 namespace cde::testing {
 
 struct Tally {
@@ -29,7 +29,7 @@ struct Tally {
   }
 };
 
-/// The outcome of a comparison; && || ! are wires.
+/// The result of a comparison; && || ! are wires.
 class CountedMask {
  public:
   CountedMask() = default;

@@ -27,7 +27,7 @@ Vec face(const oracle::Shape& a) {
   return (t.v1 - t.v0).cross(t.v2 - t.v0).normalized();
 }
 
-/// Lengths and coordinates on a grid of 1, or real.
+/// Lengths and coordinates on a grid of 1, or real numbers.
 struct Ruler {
   Random& random;
   bool grid;
@@ -41,7 +41,7 @@ struct Ruler {
   }
 };
 
-/// A triangle with an edge along an axis; two thirds of them have a second one along another.
+/// A triangle with an edge along an axis; two thirds have another edge along another axis.
 oracle::Shape upright_triangle(Ruler& ruler) {
   Random& random = ruler.random;
   const Frame frame = random.quarter_turns();
@@ -69,7 +69,8 @@ oracle::Shape upright_primary(oracle::Pair pair, Ruler& ruler) {
   return oracle::Obb{c, {x, y, z}, random.quarter_turns()};
 }
 
-/// A corner of the shape, the i-th of a triangle, or of a cylinder's rims a point on the grid too.
+/// A corner of the shape: for a triangle its i-th corner, for a cylinder a point of a rim, also on
+/// the grid.
 Vec corner(Random& random, const oracle::Shape& shape, int i) {
   if (const auto* t = std::get_if<oracle::Triangle>(&shape)) {
     return i == 0 ? t->v0 : i == 1 ? t->v1 : t->v2;
@@ -170,7 +171,7 @@ oracle::Case upright(oracle::Pair pair, std::uint64_t index) {
     b = turned(b, by);
   }
   if (family == 7) {
-    // Support planes of both across an axis of the grid become one.
+    // The support planes of both shapes across a grid axis coincide.
     const Vec n = random.sign() * random.quarter_turns().col(0);
     b = oracle::moved(b, (oracle::support(a, n) + oracle::support(b, -n)) * n);
   }
@@ -198,7 +199,7 @@ oracle::Case on_a_rim(oracle::Pair pair, std::uint64_t index) {
   const Vec at = corner(random, a, first) - random.sign() * half * frame.col(0) - radius * out;
   oracle::Shape b = oracle::Cylinder{at, frame.col(0), half, radius};
   if (auto* t = std::get_if<oracle::Triangle>(&a); t != nullptr && random.chance(0.5)) {
-    // Its corner outside on B's axis: an edge that leads from there to the rim is what n touches.
+    // Its corner lies outside, on B's axis: n touches an edge from this corner to the rim.
     const std::array<Vec*, 3> v = {&t->v0, &t->v1, &t->v2};
     const Vec beyond = at + random.sign() * (half + ruler.length(3)) * frame.col(0);
     *v[(first + 1 + random.below(2)) % 3] = beyond;

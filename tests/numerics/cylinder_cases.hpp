@@ -13,19 +13,19 @@ inline constexpr std::uint64_t kCylinderSeed = 20070129;
 /// A primary about the origin: extents of 0.2 to 2, any orientation.
 [[nodiscard]] oracle::Shape random_primary(oracle::Pair pair, std::uint64_t seed);
 
-/// Near contact with the best normal 1e-4 to 3.4 degrees off a cap's axis: a cap against a cap, a
-/// face or a vertex, most of the time nearly parallel to it, with rims and edges crossing. A search
-/// that treats the sphere of normals alike everywhere stalls here.
+/// Near contact with the best normal 1e-4 to 3.4 degrees off a cap's axis. A cap meets a cap, a
+/// face or a vertex, mostly nearly parallel, with crossing rims and edges. A search that samples
+/// the sphere of normals uniformly stalls here.
 [[nodiscard]] oracle::Case near_cap(oracle::Pair pair, std::uint64_t index);
 
-/// Scenes that people build: an axis-parallel box, triangle or cylinder and an upright cylinder,
-/// apart, touching or overlapping. Index % 9 is the family: numbers on a grid or real, tilted by
-/// 1e-7 to 1e-2 radian, rotated together, moved to touch.
+/// Everyday scenes: an axis-aligned box, triangle or cylinder and an upright cylinder, apart,
+/// touching or overlapping. Index % 9 is the family: grid or real numbers, tilted by 1e-7 to 1e-2
+/// radian, rotated together, moved into contact.
 [[nodiscard]] oracle::Case upright(oracle::Pair pair, std::uint64_t index);
 
-/// The same shapes with a corner of A, or between cylinders a point of its rim, on B's rim up to
-/// rounding: the signed gap is 0 unless they overlap elsewhere. Index % 4 is the family: on a grid
-/// of 1, with a rim point off the axes, rotated together, real and rotated.
+/// The same shapes with a corner of A on B's rim, up to rounding. Between cylinders the corner is a
+/// point of A's rim. The signed distance is 0 unless they overlap elsewhere. Index % 4 is the
+/// family: on a grid of 1, with a rim point off the axes, rotated together, real and rotated.
 [[nodiscard]] oracle::Case on_a_rim(oracle::Pair pair, std::uint64_t index);
 
 }  // namespace cde::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operators that the evaluator of the three cylinder pairs is made of.
+// The operators of the evaluator of the three cylinder pairs.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -24,7 +24,7 @@ P primitive(const std::vector<double>& words) {
 
 using Phases = std::map<int, Tally>;
 
-/// The same values, with nothing behind them.
+/// The same value with depth 0.
 void restart(Counted& x) {
   x = Counted(static_cast<float>(x));
 }
@@ -36,7 +36,7 @@ void restart(V& values) {
   for (auto& x : values) restart(x);
 }
 
-/// One pass of every phase.
+/// One loop of every phase.
 Phases operators(reference::cylinder::Pair<Counted> pair) {
   namespace cylinder = reference::cylinder;
   const cylinder::Budget budget{4, 2, 2};
@@ -60,8 +60,8 @@ const char* const kPhases[] = {"frame", "axis",   "centre", "vertex", "cap",
                                "side",  "beside", "sample", "refine", "pole",
                                "start", "newton", "touch",  "project"};
 
-/// What one pass of each phase takes, and how deep it is. Most of it is common to all phases. A
-/// change must be acknowledged here and in docs/reference/pairs_cylinder.md.
+/// Operators and depth of one loop of each phase. Most operators are common to all phases.
+/// Acknowledge a change here and in docs/reference/pairs_cylinder.md.
 const std::pair<const char*, std::map<std::string, std::string>> kOperators[] = {
     {"cylinder-cylinder",
      {{"centre", "80 mul, 3 div, 3 sqrt, 27 add, 31 sub, 5 cmp, depth 22"},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mirror references of the three cylinder pairs answer, against the certified oracle: the
-// shortfall of s_K per budget, that it never lies above s, witness points, degenerate operands,
+// Answers of the mirror references of the three cylinder pairs against the certified oracle. Checks
+// the shortfall of s_K per budget, that s_K never exceeds s, witness points, degenerate operands,
 // and every format.
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ P primitive(const std::vector<double>& words) {
   return from_words<P>(std::span<const float, P::kWords>(exact.data(), P::kWords));
 }
 
-/// The pair's reference on the operands rounded to S.
+/// The pair's reference on operands rounded to S.
 template <typename S>
 Outcome<S> answer(oracle::Pair pair, const std::vector<double>& a, const std::vector<double>& b,
                   const Budget& budget) {
@@ -72,20 +72,21 @@ double quantile(std::vector<double> values, double share) {
 
 // ---- Shortfall per budget ----
 
-/// Pairs of a set that are worse than they should be: short by more than tolT, by more than 1e-4 S,
-/// false hits; the largest shortfall in S.
+/// The tail of a set: its largest shortfall in S, pairs short by more than tolT, pairs short by
+/// more than 1e-4 S, and false hits.
 struct Tail {
   double worst;
   int over, far_over, false_hits;
 };
 
-/// What the default budget and the largest must reach on a set, and that the set is not vacuous.
+/// Limits for the default budget and the largest on a set, and the share of hits that keeps the set
+/// meaningful.
 struct CaseSet {
   const char* name;
   int count, full_count;
   oracle::Case (*make)(oracle::Pair pair, std::uint64_t i);
   double fewest_meet, most_meet;  ///< share of pairs that meet
-  /// Of cylinder-cylinder, OBB-cylinder, triangle-cylinder.
+  /// In the order cylinder-cylinder, OBB-cylinder, triangle-cylinder.
   std::array<Tail, 3> at_default, at_largest;
   std::array<double, 3> off_witness;  ///< share of pairs with a witness point beyond tolP
   std::array<double, 3> off_n;        ///< share of pairs clearly apart with n off by more than 1e-5
@@ -149,7 +150,7 @@ const CaseSet kSets[] = {
 
 const Budget kBudgets[] = {{4, 0, 0}, {4, 2, 2}, {4, 3, 3},   {4, 4, 4},
                            {4, 6, 6}, {8, 8, 8}, {8, 12, 12}, kFull};
-constexpr std::size_t kDefault = 5;  ///< of kBudgets
+constexpr std::size_t kDefault = 5;  ///< index in kBudgets
 
 struct Row {
   std::vector<double> shortfall;  ///< (s - s_K) / S
@@ -164,7 +165,7 @@ struct Row {
   }
 };
 
-/// How far the farther witness point, CP -+ s n/2, is from its body, in tolP.
+/// The larger distance of a witness point, CP -+ s n/2, from its body, in tolP.
 double off_bodies(const oracle::Shape& a, const oracle::Shape& b, const Outcome<float>& outcome) {
   const double half = signed_gap_of(outcome) / 2;
   const Vec n = outcome.n.cast<double>(), cp = outcome.cp.cast<double>();
@@ -178,7 +179,7 @@ int kind(oracle::Pair pair) {
   return pair == oracle::Pair::kCylinderCylinder ? 0 : pair == oracle::Pair::kObbCylinder ? 1 : 2;
 }
 
-/// One set of cases through every budget, and what the oracle says of the answers.
+/// Runs one set of cases with every budget and checks the answers with the oracle.
 class Survey {
  public:
   Survey(oracle::Pair pair, const CaseSet& set)
@@ -194,7 +195,7 @@ class Survey {
   [[nodiscard]] double off_n() const {
     return turned_.empty() ? 0 : static_cast<double>(beyond_n()) / turned_.size();
   }
-  /// Limits are those of the default count.
+  /// The limits apply to the default number of cases.
   [[nodiscard]] int share(int limit) const {
     return full() ? limit * set_.full_count / set_.count + 1 : limit;
   }
@@ -214,7 +215,7 @@ class Survey {
   int count_;
   std::array<Row, std::size(kBudgets)> rows_;
   std::vector<double> off_;     ///< witness points, in tolP
-  std::vector<double> turned_;  ///< n from the true one, where that is certain
+  std::vector<double> turned_;  ///< difference of n from the true one, where that is certain
   int meet_ = 0, in_band_ = 0;
 };
 
@@ -226,7 +227,7 @@ void Survey::judge(const oracle::Case& c) {
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const Outcome<float> outcome = answer<float>(pair_, c.a, c.b, kBudgets[k]);
     const double s = signed_gap_of(outcome);
-    ASSERT_LE(s, gap.hi + tolerance) << "above the signed gap\n" << c.describe();
+    ASSERT_LE(s, gap.hi + tolerance) << "above the signed distance\n" << c.describe();
     EXPECT_NEAR(oracle::gap_along(a, b, outcome.n.cast<double>()), s, tolerance) << c.describe();
     rows_[k].shortfall.push_back(std::max(0.0, gap.lo - s) / size);
     rows_[k].false_hits += outcome.f && gap.lo > tolerance;
@@ -234,8 +235,8 @@ void Survey::judge(const oracle::Case& c) {
   }
 }
 
-/// The witness points, and n, of which a gap within 1e-13 S says enough if the pair is
-/// clearly apart.
+/// Checks the witness points, and n if a signed distance within 1e-13 S determines it and the pair
+/// is clearly apart.
 void Survey::judge_default(const oracle::Case& c, const oracle::Gap& gap,
                            const Outcome<float>& outcome) {
   const auto a = c.shape_a(), b = c.shape_b();
@@ -285,7 +286,7 @@ TEST_P(CylinderPairs, AgreeWithTheOracle) {
   const auto i = static_cast<std::size_t>(kind(pair));
   within(kDefault, set.at_default[i]);
   within(std::size(kBudgets) - 1, set.at_largest[i]);
-  // Five times as many pairs hold a rare one where a few held none.
+  // Five times as many pairs also find rare cases.
   const double more = full() ? 0.0003 : 0;
   EXPECT_LE(survey.off_witness(), set.off_witness[i] + more);
   EXPECT_LE(survey.off_n(), set.off_n[i] + more);
@@ -308,8 +309,8 @@ INSTANTIATE_TEST_SUITE_P(All, CylinderPairs,
 
 // ---- Pairs with a known answer ----
 
-/// An axis-parallel box beside and below an upright cylinder: both ends of every bracket have one
-/// support point, the corner against the rim.
+/// An axis-parallel box beside and below an upright cylinder. Both ends of every bracket share one
+/// support point: the corner against the rim.
 TEST(CylinderRegression, BoxBelowARim) {
   const Obb box{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(6, 2, 1), Eigen::Matrix3f::Identity()};
   const Cylinder cylinder{Eigen::Vector3f(0, 4, 5), Eigen::Vector3f(0, 0, 1), 3, 1};
@@ -345,8 +346,8 @@ TEST(CylinderRegression, RimsThatMiss) {
   EXPECT_NEAR(got.t, 1.851e-4, 1e-6);
 }
 
-/// Flat faces that touch in one point, which is CP but for s n/2: a triangle with a corner under a
-/// rim, and a side that ends there. Projections creep along the tangent.
+/// Flat faces that touch in one point, which is CP up to s n/2: a triangle with a corner under a
+/// rim, and a face that ends there. Projections converge slowly along the tangent.
 TEST(CylinderRegression, TriangleThatEndsUnderARim) {
   const Triangle triangle{Eigen::Vector3f(3, -2, 2), Eigen::Vector3f(3, -6, 2),
                           Eigen::Vector3f(-1, -2, 2)};
@@ -366,7 +367,7 @@ TEST(CylinderRegression, SideThatEndsUnderARim) {
   EXPECT_NEAR((got.cp.cast<double>() - Vec(0, 1, 2)).norm(), 0, 1e-5);
 }
 
-/// Three points of a line, on a cap: no point of that line beyond them is one of the triangle.
+/// Three points of a line, on a cap: the triangle ends at its outer points.
 TEST(CylinderRegression, TriangleWithoutAreaOnACap) {
   const oracle::Triangle flat{Vec(4, -4, 2), Vec(-5, -4, -5), Vec(-2.75, -4, -3.25)};
   const oracle::Cylinder cylinder{Vec(-5, -6, -6.5), Vec(0, 1, 0), 2, 3};
@@ -378,8 +379,8 @@ TEST(CylinderRegression, TriangleWithoutAreaOnACap) {
   EXPECT_LE(oracle::distance(got.cp.cast<double>(), cylinder), 1e-5);
 }
 
-/// A vertex on the rim of a cap, and another on the axis, from which no point of the rim is
-/// nearest.
+/// A vertex on the rim of a cap, and another on the axis, from which all points of the rim are
+/// equally near.
 TEST(CylinderRegression, TriangleFromTheAxisToARim) {
   const oracle::Triangle triangle{Vec(0, 0, 0), Vec(1, -1, 0), Vec(-1, -1, 0)};
   const oracle::Cylinder cylinder{Vec(-2, 0, 0), Vec(1, 0, 0), 1, 1};
@@ -390,8 +391,8 @@ TEST(CylinderRegression, TriangleFromTheAxisToARim) {
   EXPECT_NEAR((got.cp.cast<double>() - Vec(-1, -1, 0)).norm(), 0, 1e-5);
 }
 
-/// An edge beside a cylinder that leans a thousandth: over 2e-4 radian g is the same up to
-/// rounding, the direction between the nearest points is not.
+/// An edge beside a cylinder with a tilt of 1/1000. Over 2e-4 radian g is constant up to rounding,
+/// but the direction between the nearest points is not.
 TEST(CylinderRegression, NormalWhereTheGapIsFlat) {
   const std::vector<double> box = {0, 0, 0, 1, 2, 1, 0, 0, -1, 0, 1, 0, 1, 0, 0};
   const std::vector<double> cylinder = {3, 6, 0, 0.000936599099f, 0.000456357229f, 0.999999464f,
@@ -403,7 +404,7 @@ TEST(CylinderRegression, NormalWhereTheGapIsFlat) {
   EXPECT_NEAR((got.n.cast<double>() - exact.n).norm(), 0, 2e-6);
 }
 
-/// Edges and faces that stand upright, deep inside: all samples are to lie where the gap may have
+/// Upright edges and faces, deep inside. All samples must lie where the signed distance may have
 /// two maxima, none between a kink and itself.
 TEST(CylinderRegression, TriangleWithASecondMaximum) {
   const std::vector<double> triangles[] = {{2, 9, 0, 2, 1, 0, 2, 1, -1},
@@ -420,7 +421,7 @@ TEST(CylinderRegression, TriangleWithASecondMaximum) {
   }
 }
 
-/// A triangle that is a point, on the axis: the nearest side is as far in all directions.
+/// A triangle that is a point on the axis: the lateral surface is equally near in all directions.
 TEST(CylinderRegression, PointOnTheAxis) {
   const std::vector<double> cylinder = {0, 9, 14, 0, 0, -1, 4, 1};
   const std::vector<double> point = {0, 9, 11.5, 0, 9, 11.5, 0, 9, 11.5};
@@ -431,7 +432,7 @@ TEST(CylinderRegression, PointOnTheAxis) {
   EXPECT_NEAR((got.cp + 0.5F * got.n - Eigen::Vector3f(0, 9, 11.5F)).norm(), 0, 1e-5);
 }
 
-/// A sliver whose normal leans along it by rounding, and with it the plane.
+/// A sliver whose normal is tilted by rounding, and its plane with it.
 TEST(CylinderRegression, WitnessOfASliver) {
   const std::vector<double> triangle = {23.3295059f, 21.9699345f, -12.1292601f,
                                         15.883009f,  17.2394485f, -6.54605389f,
@@ -446,11 +447,12 @@ TEST(CylinderRegression, WitnessOfASliver) {
   EXPECT_LE(oracle::distance(cp + half * n, c.shape_b()), 3e-5);
 }
 
-// ---- Witness points of what people build ----
+// ---- Witness points of everyday scenes ----
 
 class CylinderWitnesses : public ::testing::TestWithParam<std::tuple<oracle::Pair, double>> {};
 
-/// How many of a million everyday pairs have one beyond tolP. No oracle: a distance says it.
+/// How many of a million everyday pairs have a witness point beyond tolP. A distance decides it,
+/// without the oracle.
 TEST_P(CylinderWitnesses, LieOnTheBodies) {
   const auto [pair, most_of_a_million] = GetParam();
   const int count = full() ? 1000000 : 20000;
@@ -464,7 +466,7 @@ TEST_P(CylinderWitnesses, LieOnTheBodies) {
   }
   std::printf("%s, everyday: witness points of %d of %d more than 1 tolP off, at most %.2g\n",
               oracle::to_string(pair), beyond, count, worst);
-  // A few more of few.
+  // A small count varies more.
   EXPECT_LE(beyond, most_of_a_million * count * 1e-6 + (full() ? 0 : 5));
 }
 
@@ -504,7 +506,7 @@ BasicTriangle<S> operand(const oracle::Triangle& t) {
   return {vec<S>(t.v0), vec<S>(t.v1), vec<S>(t.v2)};
 }
 
-/// What the operand is in binary64: exactly what the reference is given.
+/// The operand in binary64: exactly the reference's input.
 template <typename S>
 Vec exact(const Vector3<S>& v) {
   return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
@@ -525,8 +527,8 @@ oracle::Shape exact(const BasicTriangle<S>& t) {
   return oracle::Triangle{exact<S>(t.v0), exact<S>(t.v1), exact<S>(t.v2)};
 }
 
-/// Scenes of size 1, operands rounded to the format. s_K is never above s, and within 2^8 u S (or
-/// the oracle's 1e-8 S) of it for all but a counted few.
+/// Scenes of size 1, operands rounded to the format. s_K is never above s. All but a counted few
+/// are within 2^8 u S (or the oracle's 1e-8 S) of it.
 TYPED_TEST(CylinderFormats, LowerBound) {
   using S = TypeParam;
   const double u = reference::kUnitRoundoff<S>;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest hits of whole meshes against Embree. The two may name different triangles only where both
-// answers lie within rounding of each other (a shared edge, coincident triangles) or where exact
-// arithmetic shows the decision to be open; every such ray is counted.
+// Closest hits of whole meshes against Embree. The triangles may differ in two cases: both answers
+// lie within rounding of each other (a shared edge, coincident triangles), or exact arithmetic
+// shows that the decision is uncertain. Every such ray is counted.
 #include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +61,7 @@ class Embree {
   std::unique_ptr<std::remove_pointer_t<RTCScene>, void (*)(RTCScene)> scene_;
 };
 
-/// Could rounding alone make this triangle a hit or a miss, or move its t?
+/// Whether rounding alone could make this triangle a hit or a miss, or move its t.
 bool open_decision(const Ray& ray, const cde::Triangle& triangle) {
   const ExactHit exact(ray, triangle);
   const cde::MollerBound bound = cde::moller_bound(ray, triangle);
@@ -86,7 +86,7 @@ void compare(const char* name, const Mesh& mesh, const std::vector<Ray>& rays) {
       ++same;
       continue;
     }
-    // Which of the two is nearer, in exact arithmetic, and is it by more than rounding?
+    // Compares both in exact arithmetic: which is nearer, and by more than rounding?
     if (card.f && index != ~0u && std::abs(card.t - t) <= 1e-5f * std::abs(t)) {
       ++tie;
       continue;

@@ -7,9 +7,9 @@
 
 #include "cde/geometry/primitives.hpp"
 
-/// Ray against sphere and cylinder with 168 bits of precision: the oracle of meaning. The formulas
-/// are not those of the pipes: textbook quadratics in the plane across the axis, which lose half of
-/// the digits and can afford it.
+/// Ray against sphere and cylinder with 168 bits of precision: an independent oracle. Its formulas
+/// differ from those of the pipes: textbook quadratics in the plane across the axis. They lose half
+/// of the digits, which this precision allows.
 namespace cde::testing {
 
 using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_50::backend_type,
@@ -27,12 +27,12 @@ inline RealVector along(const RealVector& a, const Real& s, const RealVector& b)
   return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]};
 }
 
-/// Where the line of a ray is in a solid.
+/// The interval of a ray's line inside a solid.
 struct Stretch {
   Real enter, leave;
 };
 
-/// Where A t^2 + 2 B t + C <= 0, for A > 0.
+/// The interval where A t^2 + 2 B t + C <= 0, for A > 0.
 inline std::optional<Stretch> roots(const Real& a, const Real& b, const Real& c) {
   const Real discriminant = b * b - a * c;
   if (discriminant < 0) return std::nullopt;
@@ -55,9 +55,9 @@ class ExactSphere {
     const RealVector p = along(w_, t, d_);
     return abs(sqrt(dot(p, p)) - r_);
   }
-  /// The least of the pipe's products that carry its relative accuracy.
+  /// The smallest of the pipe's products that carry its relative accuracy.
   [[nodiscard]] double least_product() const { return static_cast<double>(dot(d_, d_)); }
-  /// |o - c| + r, by which the band is measured.
+  /// |o - c| + r, the unit of the band.
   [[nodiscard]] double size() const { return static_cast<double>(sqrt(dot(w_, w_)) + r_); }
 
  private:
@@ -65,7 +65,7 @@ class ExactSphere {
   Real r_;
 };
 
-/// The same for a cylinder, both of whose sizes grow. The axis is normalised first.
+/// The same for a cylinder; both of its sizes grow. The axis is normalised first.
 class ExactCylinder {
  public:
   ExactCylinder(const BasicRay<double>& ray, const BasicCylinder<double>& cylinder)
@@ -82,7 +82,7 @@ class ExactCylinder {
     if (r < 0 || h < 0) return std::nullopt;
     const Real a = dot(d_, d_), c = dot(w_, w_) - r * r;
     constexpr double kFar = 1e300;
-    // Below this the ray is parallel to the axis but for the rounding of the projection.
+    // Below this the ray is parallel to the axis up to rounding of the projection.
     const bool parallel = a <= dz_ * dz_ * Real(1e-90);
     std::optional<Stretch> s;
     if (parallel) {
@@ -102,7 +102,7 @@ class ExactCylinder {
     const Real out = sqrt(dot(p, p)) - r_, over = abs(wz_ + t * dz_) - h_;
     return abs(std::max(out, over));
   }
-  /// The least of the pipe's products that carry its relative accuracy.
+  /// The smallest of the pipe's products that carry its relative accuracy.
   [[nodiscard]] double least_product() const {
     return static_cast<double>(dot(d_, d_) * std::min(Real(1), Real(r_ * r_)));
   }
@@ -127,8 +127,8 @@ struct Range {
   }
 };
 
-/// What must be answered if the solid may be off by `band` in its sizes, and t by as much as that
-/// is on the ray.
+/// The required answer if the sizes of the solid may be off by `band`, and t by the corresponding
+/// length on the ray.
 class Judgement {
  public:
   enum class Truth { kHit, kMiss, kOpen };
@@ -148,10 +148,10 @@ class Judgement {
     truth_ = shrunk && sure ? Truth::kHit : Truth::kOpen;
   }
   [[nodiscard]] Truth truth() const { return truth_; }
-  /// Exact arithmetic's own answer.
+  /// The answer in exact arithmetic.
   [[nodiscard]] bool exact() const { return exact_; }
   [[nodiscard]] const Real& exact_t() const { return t_; }
-  /// May the T of a hit be this one?
+  /// Whether this may be the T of a hit.
   [[nodiscard]] bool accepts(const Real& t) const {
     return (enter_.holds(t) && !enter_.outside(tmin_, tmax_)) ||
            (leave_.holds(t) && !leave_.outside(tmin_, tmax_) && !enter_.inside(tmin_, tmax_));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solids and triangles through hierarchies over triangles, boxes and spheres against all of these
-// one by one, and what the box rule changes of gaps.
+// Solids and triangles against BVHs over triangles, boxes and spheres, compared with brute force.
+// Also the effect of the box rule on signed distances.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ constexpr Mode kModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits};
 
 constexpr unsigned kSeed = 5;
 
-/// Hard ones in turn, beside what is in the tree.
+/// Hard primaries in turn, near the secondaries.
 template <class Solid, class Secondary>
 std::vector<Solid> hard_ones(const std::vector<Secondary>& all, std::size_t count, unsigned seed) {
   const TriangleScene corners = corners_of(all);
@@ -78,12 +78,12 @@ TEST_P(EverySolid, OfAnyShapeIsThatOfAllSpheres) {
   expect_hard_ones<Triangle>(cloud, full() ? 2500 : 150);
 }
 
-/// How many gaps the rule changes, of all as shape A.
+/// Checks how many signed distances the rule changes, over all secondaries as shape A.
 template <class Solid, class Secondary, class Pipe>
 void expect_rule_is_quiet(const std::vector<Secondary>& all, Pipe pipe, std::size_t count) {
   std::size_t pairs = 0, changed = 0, verdicts = 0;
   for (const Solid& solid : hard_ones<Solid>(all, count, kSeed + 1)) {
-    if (defect(solid)) continue;  // a rotation that is not one to 2^-20
+    if (defect(solid)) continue;  // a rotation that is not orthonormal to 2^-20
     for (const Secondary& t : all) {
       const reference::Outcome<float> plain = pipe(t, solid);
       const reference::Outcome<float> boxed = reference::bounded<float>(plain, t, solid);
@@ -113,7 +113,7 @@ TEST_P(EverySolid, TheRuleChangesNoGap) {
   expect_rule_is_quiet<Obb>(obbs_of(scene), reference::obb_obb<float>, some);
 }
 
-/// A pipe that answers too little is held to the boxes' gap, and so is F.
+/// If a pipe's answer is too small, the box distance replaces it, and F follows.
 TEST(GapBound, HoldsWhatIsTooLittle) {
   const Triangle t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Sphere sphere{{0.25f, 0.25f, 3}, 1};
@@ -127,7 +127,7 @@ TEST(GapBound, HoldsWhatIsTooLittle) {
   EXPECT_TRUE(reference::bounded<float>(wrong, t, sphere).f);
 }
 
-/// What a sphere reads that is far from all: docs/tables/bvh.md has it.
+/// Nodes read for a sphere far from all triangles.
 TEST(HierarchyOfSolids, FarFromAll) {
   const TriangleScene scene = triangles_of(make_terrain({.quads_x = 200, .quads_y = 200}));
   const Hierarchy tree = Hierarchy::build(scene);
@@ -141,7 +141,8 @@ TEST(HierarchyOfSolids, FarFromAll) {
     const double each = static_cast<double>(walk.counts().secondaries) / 50;
     fmt::print("a sphere {:g} quads above: {:.1f} nodes, {:.1f} triangles\n", quads,
                static_cast<double>(walk.counts().nodes) / 50, each);
-    EXPECT_LT(each, 100) << "by the largest gap of an axis it is a tenth of the terrain";
+    EXPECT_LT(each, 100)
+        << "with the largest distance along one axis it would be a tenth of the terrain";
   }
 }
 

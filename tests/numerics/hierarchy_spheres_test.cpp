@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and spheres through a hierarchy over spheres against all of these one by one.
+// Rays and spheres against a BVH over spheres, compared with brute force.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ class EveryCloud : public ::testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryCloud, ::testing::ValuesIn(kScenes),
                          [](const auto& test) { return std::string(test.param.name); });
 
-/// CDE_FULL=1: a million of rays and 200,000 spheres in all.
+/// CDE_FULL=1: a million rays and 200,000 spheres in all.
 TEST_P(EveryCloud, RayIsThatOfAllSpheres) {
   const Cloud cloud = cloud_of(GetParam().make());
   CloudRays draw(cloud, kSeed);
@@ -52,7 +52,7 @@ TEST_P(EveryCloud, SphereIsThatOfAllSpheres) {
   expect_all(cloud, spheres, spheres.size());
 }
 
-/// Where squares of T are no normal numbers a hit can be anywhere: such rays meet all boxes.
+/// Where T^2 is not a normal number a hit can be anywhere: such rays meet all boxes.
 TEST(HierarchyOfSpheres, RaysOfAnyLength) {
   for (const float size : {0x1p-33f, 0x1p-26f, 0x1p38f}) {
     Cloud cloud = cloud_of(kScenes[0].make());
@@ -64,25 +64,24 @@ TEST(HierarchyOfSpheres, RaysOfAnyLength) {
   }
 }
 
-/// Of a box that is rounded the wrong way the nodes would not contain the sphere.
+/// Boxes are rounded outwards, so nodes contain their spheres.
 TEST(HierarchyOfSpheres, BoxesContainThem) {
   Draw draw(kSeed);
   for (int i = 0; i < 100'000; ++i) {
     const Sphere s{draw.point() * draw.power(-30, 30), draw.power(-34, 30) * draw(1, 1.999f)};
     const Hierarchy tree = Hierarchy::build(std::vector{s});
     for (int k = 0; k < 3; ++k) {
-      const long double c = s.c[k], r = s.r;  // sums of these are exact in 64 bits where they count
+      const long double c = s.c[k], r = s.r;  // sums are exact in 64 bits where it matters
       if (std::fabs(std::log2(std::fabs(s.c[k]) / s.r)) > 36) continue;
       ASSERT_LE(tree.box().min()[k], c - r) << text(s);
       ASSERT_GE(tree.box().max()[k], c + r) << text(s);
       const float least = static_cast<float>(c - r);
-      ASSERT_GE(tree.box().min()[k], std::nextafter(least, -INFINITY))
-          << "no wider than it must be";
+      ASSERT_GE(tree.box().min()[k], std::nextafter(least, -INFINITY)) << "the box is too wide";
     }
   }
 }
 
-/// Spheres that have moved keep their tree, with other boxes.
+/// Spheres that moved keep their BVH, with new boxes.
 TEST(HierarchyOfSpheres, Refits) {
   Cloud cloud = cloud_of(kScenes[0].make());
   Hierarchy tree = Hierarchy::build(cloud);
@@ -108,7 +107,7 @@ TEST(HierarchyOfSpheres, WhatIsRefused) {
   EXPECT_THROW((void)walk.trace(cloud[0], 0, Mode::kFarthest), Error);
   const Aabb box{{0, 0, 0}, {1, 1, 1}};
   EXPECT_THROW((void)walk.trace(box, 0, Mode::kNearest), Error);
-  EXPECT_THROW((void)Hierarchy::build(Cloud{{{0x1p40f, 0, 0}, 1}}), Error) << "beyond 2^40";
+  EXPECT_THROW((void)Hierarchy::build(Cloud{{{0x1p40f, 0, 0}, 1}}), Error) << "coordinate of 2^40";
   EXPECT_THROW((void)Hierarchy::build(Cloud{{{0, NAN, 0}, 1}}), Error);
   for (const float r : {0.0f, -1.0f, 0x1p-35f, NAN})
     EXPECT_THROW((void)Hierarchy::build(Cloud{{{0, 0, 0}, r}}), Error) << r;

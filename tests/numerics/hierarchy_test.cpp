@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays through a hierarchy against all triangles one by one: no record may differ, whatever the
-// scene and however the ray lies.
+// Rays against a BVH, compared with brute force: no record may differ, for any scene and any ray.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +17,7 @@
 #include "rewritten.hpp"
 
 namespace cde {
-/// In names of tests.
+/// The name of an algorithm in names of tests.
 inline void PrintTo(Algorithm algorithm, std::ostream* out) {
   *out << name(algorithm);
 }
@@ -36,13 +35,13 @@ constexpr Algorithm kAll[] = {Algorithm::kMoller, Algorithm::kBadouel, Algorithm
 
 class EveryRecord : public ::testing::TestWithParam<std::tuple<Case, Algorithm>> {
  protected:
-  /// Those of so many queries by Moller, whose sweep is fast; fewer by the others.
+  /// The number of rays by algorithm: brute force with Moeller is fast, the others get fewer rays.
   [[nodiscard]] std::size_t rays(std::size_t by_moller) const {
     return algorithm_ == Algorithm::kMoller       ? by_moller
            : algorithm_ == Algorithm::kWatertight ? by_moller / 4
                                                   : by_moller / 20;
   }
-  /// What all triangles give, mode by mode.
+  /// Brute-force records, mode by mode.
   [[nodiscard]] std::vector<Record> swept(const TriangleScene& scene, const std::vector<Ray>& rays,
                                           Mode mode) const {
     std::vector<Record> all = reference::cast(rays, scene, mode, {}, {}, true, {}, algorithm_);
@@ -64,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryRecord,
 
 constexpr Mode kBest[] = {Mode::kNearest, Mode::kFarthest, Mode::kAny};
 
-/// Mode hits.
+/// Compares the records of mode kHits.
 void expect_hits(reference::Traversal& traversal, const std::vector<Record>& all,
                  const std::vector<Ray>& rays) {
   std::vector<Record> own;
@@ -74,7 +73,7 @@ void expect_hits(reference::Traversal& traversal, const std::vector<Record>& all
   EXPECT_TRUE(std::ranges::equal(own, all, same_bits));
 }
 
-/// CDE_FULL=1: ten million rays in all by Moller, 2.5 million by watertight.
+/// CDE_FULL=1: ten million rays in all with moller, 2.5 million with watertight.
 TEST_P(EveryRecord, IsThatOfAllTriangles) {
   const std::size_t count = rays(std::getenv("CDE_FULL") != nullptr ? 1'250'000 : 6'000);
   const TriangleScene& scene = scene_;
@@ -104,7 +103,7 @@ TEST_P(EveryRecord, IsThatOfAllTriangles) {
         if (different++ < 3)
           ADD_FAILURE() << name_of(mode) << ", ray " << i << " of kind " << i % Rays::kKinds << ": "
                         << text(rays[i]) << "\n  T " << own[0].t << " of " << own[0].index
-                        << ", should be " << all[i].t << " of " << all[i].index;
+                        << ", expected " << all[i].t << " of " << all[i].index;
       }
     }
     expect_hits(traversal, should[Mode::kHits], rays);
@@ -120,7 +119,7 @@ TEST_P(EveryRecord, IsThatOfAllTriangles) {
   }
 }
 
-/// A tree as a card's refit leaves it, whose triangles are not where it was built for them.
+/// A BVH after a card's refit, with triangles that moved since it was built.
 TEST_P(EveryRecord, IsThatOfAllTrianglesAfterACardsRefit) {
   const std::size_t count = rays(std::getenv("CDE_FULL") != nullptr ? 200'000 : 2'000);
   TriangleScene scene = scene_;
@@ -159,8 +158,8 @@ TEST_P(EveryRecord, IsThatOfAllTrianglesAfterACardsRefit) {
   }
 }
 
-/// T d has numbers, and the sum of its components has not: a margin that is infinite would let a
-/// hit pass that is in no box.
+/// d is finite, but the sum of its components overflows. An infinite margin would accept a hit
+/// outside every box.
 TEST(BoxRule, HoldsWhereItsMarginOverflows) {
   const Ray ray = beyond_numbers();
   const TriangleScene scene = edge_on();
@@ -175,7 +174,7 @@ TEST(BoxRule, HoldsWhereItsMarginOverflows) {
   }
 }
 
-/// Nodes that a ray reads, of rays from anywhere.
+/// Nodes read per ray, for rays from anywhere.
 double nodes_a_ray(const TriangleScene& scene, const Hierarchy& tree) {
   constexpr unsigned kRays = 2000;
   Draw draw(3);
@@ -185,8 +184,8 @@ double nodes_a_ray(const TriangleScene& scene, const Hierarchy& tree) {
   return static_cast<double>(walk.counts().nodes) / kRays;
 }
 
-/// Where objects have gone anywhere among each other, a tree of them that stays is as good as a new
-/// one while they are few. Prints the figures of docs/tables/bvh.md.
+/// For few objects that moved among each other, the old BVH over them is as good as a new one.
+/// Prints the figures of docs/tables/bvh.md.
 TEST(HierarchyOfObjects, IsGoodWithinObjects) {
   constexpr struct { std::uint32_t objects, each; } kCases[] = {{8, 320}, {40, 64}, {200, 12}};
   for (const auto& [objects, each] : kCases) {
@@ -214,8 +213,8 @@ TEST(HierarchyOfObjects, IsGoodWithinObjects) {
   }
 }
 
-/// From inside a closed mesh, at its edges and vertices, wherever it lies and however large it is:
-/// a ray that finds nothing has left through a gap. CDE_FULL=1: four million rays.
+/// Rays from inside a closed mesh at its edges and vertices, for any position and size: a ray
+/// without a hit has left through a gap. CDE_FULL=1: four million rays.
 TEST(Watertight, DoesNotLeakThroughAHierarchy) {
   const std::size_t count = std::getenv("CDE_FULL") != nullptr ? 1'000'000 : 4'000;
   struct Place {

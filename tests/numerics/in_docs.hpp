@@ -18,7 +18,8 @@ inline void expect_in_docs(const char* page, const std::vector<std::string>& lin
   ASSERT_FALSE(text.empty());
   for (const std::string& line : lines) {
     std::printf("%s\n", line.c_str());
-    EXPECT_NE(text.find(line + '\n'), std::string::npos) << "not in docs/" << page << ": " << line;
+    EXPECT_NE(text.find(line + '\n'), std::string::npos)
+        << "missing in docs/" << page << ": " << line;
   }
 }
 

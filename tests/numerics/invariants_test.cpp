@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What must hold without any expected value: the same pair turned, moved, exchanged, or told in
-// other words has the same answer. Half turns about the world's axes change signs alone, which
-// rounding does not see, so there every bit must be the same; elsewhere order and ties of sums
-// change, and answers stay within their bands.
+// Invariants without expected values. The same pair, rotated, moved, swapped or written in other
+// words, has the same answer. Half turns about the world's axes only change signs, which rounding
+// ignores, so every bit must be the same. Other changes affect the order and ties of sums, and
+// answers stay within their bands.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261126;
 constexpr std::uint64_t kCases = 2000;
-constexpr double kBand = 16;  // u S, as everywhere
+constexpr double kBand = 16;  // in u S
 
 using Words = std::vector<double>;
 
@@ -49,8 +49,8 @@ constexpr Turn kQuarterTurns[] = {{{1, 2, 0}, {1, 1, 1}},
                                   {{0, 2, 1}, {1, -1, 1}},
                                   {{2, 1, 0}, {1, 1, -1}}};
 
-/// Where a shape's words are points, and where directions; the columns of an OBB's rotation turn
-/// row by row.
+/// Which words of a shape are points, and which are directions. The columns of an OBB's rotation
+/// turn row by row.
 struct Layout {
   std::vector<std::size_t> points, directions;
   bool rotation = false;
@@ -96,7 +96,7 @@ Words turned(Words words, Shape shape, const Turn& by) {
 struct Operands {
   Words a, b;
 };
-/// One way to tell a case otherwise; nothing where there is none.
+/// Another form of a case; empty if the pair has none.
 using Change =
     std::function<std::optional<Operands>(Pair, const Operands&, const FpFormat&, std::uint64_t)>;
 
@@ -112,7 +112,7 @@ std::optional<Operands> quarter_turn(Pair pair, const Operands& o, const FpForma
   return both_turned(pair, o, kQuarterTurns[i % std::size(kQuarterTurns)]);
 }
 
-/// By a power of two, if no word is rounded.
+/// Moves the pair by a power of two, if no word is rounded.
 std::optional<Operands> moved(Pair pair, const Operands& o, const FpFormat& format,
                               std::uint64_t i) {
   Operands to = o;
@@ -141,7 +141,7 @@ std::optional<Operands> exchanged(Pair pair, const Operands& o, const FpFormat&,
   return Operands{o.b, o.a};
 }
 
-/// Vertices in another order, axes of a box turned round or exchanged, a cylinder's axis turned.
+/// Vertices in another order, box axes reversed or exchanged, a cylinder's axis reversed.
 std::optional<Operands> other_words(Pair pair, const Operands& o, const FpFormat&,
                                     std::uint64_t i) {
   Operands to = o;
@@ -171,8 +171,8 @@ std::optional<Operands> other_words(Pair pair, const Operands& o, const FpFormat
 struct Invariant {
   const char* name;
   Change change;
-  bool exact;            ///< every bit of F and T
-  bool may_leave_range;  ///< of the format
+  bool exact;            ///< every bit of F and T is the same
+  bool may_leave_range;  ///< the range of the format
 };
 const std::array<Invariant, 5> kInvariants{{
     {"half turn", half_turn, true, false},
@@ -214,7 +214,7 @@ void PrintTo(const Parameter& p, std::ostream* out) {
   *out << label(p);
 }
 
-/// What the card answers; operands are exact in the format.
+/// Answers of the card; operands are exact in the format.
 std::vector<PairResult> answers(const Parameter& p, const std::vector<Operands>& operands) {
   std::vector<std::uint64_t> a, b;
   for (const Operands& o : operands) {
@@ -227,14 +227,14 @@ std::vector<PairResult> answers(const Parameter& p, const std::vector<Operands>&
   return results;
 }
 
-/// Of one invariant in one pipe.
+/// Results for one invariant in one pipe.
 struct Seen {
   std::size_t cases = 0, same = 0, in_band = 0, wrong = 0;
   double worst = 0;  ///< difference of T in u S
 };
 
-/// What the band of a ray is multiplied with: moller and those in world coordinates compute the
-/// plane from edges, and the latter's error grows with the distance from the world's origin.
+/// Factor of a ray's band. moller and the algorithms in world coordinates compute the plane from
+/// edges. In world coordinates the error also grows with the distance from the world's origin.
 double loss(const Parameter& p, const oracle::Case& c, const oracle::RayAnswer& answer) {
   if (p.pair != Pair::kRayTriangle || p.algorithm == Algorithm::kWatertight) return 1;
   if (p.algorithm == Algorithm::kMoller) return answer.aspect;
@@ -244,7 +244,8 @@ double loss(const Parameter& p, const oracle::Case& c, const oracle::RayAnswer& 
   return answer.aspect * (1 + largest / answer.scale) / answer.cosine;
 }
 
-/// A decision that may be either: within the band of the certified gap, or of the exact ray.
+/// Whether a decision may differ: it lies within the band of the certified distance, or of the
+/// exact ray.
 bool may_differ(const Parameter& p, const Operands& o, double u) {
   const oracle::Case c{p.pair, 0, 0, "", o.a, o.b};
   if (oracle::has_ray(p.pair)) {
@@ -261,7 +262,7 @@ void compare(Seen& seen, const Parameter& p, const Operands& was_of, const PairR
              const Operands& is_of, const PairResult& is, bool may_leave_range,
              const std::string& what) {
   if (was.bad || is.bad) {
-    // What was moved may have left the range of the format.
+    // The moved pair may leave the range of the format.
     if (!may_leave_range) {
       EXPECT_EQ(was.bad, is.bad) << what;
     }
@@ -297,10 +298,13 @@ void compare(Seen& seen, const Parameter& p, const Operands& was_of, const PairR
   seen.worst = std::max(seen.worst, std::abs(s - s_now) / unit);
 }
 
-/// Where bits may differ all the same. Pairs in world coordinates know where they are. An AABB's
-/// corners exchange their parts when it is turned, and its facets count from the lower one. A rim's
-/// samples start at an axis of the world. In fp16 a pair is brought to size one by its words, which
-/// moving changes, and what is small loses bits below the range.
+/// Exceptions where bits may still differ:
+/// - Pairs in world coordinates depend on their position.
+/// - A turned AABB swaps the parts of its corners, and its candidate axes count from the lower
+///   corner.
+/// - The samples of a rim start at a world axis.
+/// - In fp16 a pair is scaled to size one by its words, which moving changes, and small values lose
+///   bits below the range.
 bool excepted(const Parameter& p, const Invariant& invariant) {
   const bool world = p.pair == Pair::kRayTriangle &&
                      (p.algorithm == Algorithm::kBadouel || p.algorithm == Algorithm::kPluecker);
@@ -309,7 +313,7 @@ bool excepted(const Parameter& p, const Invariant& invariant) {
          p.pair == Pair::kObbCylinder;
 }
 
-/// What became of each invariant; no cases where a pair does not know it.
+/// Results per invariant; no cases for an invariant that the pair does not have.
 std::array<Seen, kInvariants.size()> measured(const Parameter& p) {
   const oracle::Format format{p.format.exp_bits, p.format.man_bits};
   std::vector<Operands> operands;
@@ -356,8 +360,8 @@ TEST_P(Invariants, Hold) {
   }
 }
 
-/// A line of the table: in how many of a hundred F and T are the same bit by bit, and by how many
-/// u S T differs at most.
+/// A line of the table: in how many of a hundred cases F and T are bit-identical, and by how many u
+/// S T differs at most.
 std::string line_of(const Parameter& p, const std::array<Seen, kInvariants.size()>& all) {
   std::string name = label(p);
   name.resize(name.rfind(' '));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle against triangle as a mesh against a mesh, or against itself, brings them: neighbours
-// with an edge or a vertex in common, flat or folded, triangles in one plane, small ones against
-// large ones; judged by certificate, and by what is known of them.
+// Triangle pairs of a mesh against a mesh, or against itself: neighbours with a common edge or
+// vertex, flat or folded, coplanar triangles, and small against large ones. They are checked by
+// certificate and by known properties.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -49,7 +49,7 @@ Two shared_vertex(Random& random) {
   two.b[0] = two.a[0];
   return two;
 }
-/// Over an edge: all but in one plane, all but folded on each other, or neither.
+/// Neighbours over an edge: nearly coplanar, nearly folded onto each other, or neither.
 Two shared_edge(Random& random) {
   Two two{anywhere(random), {}};
   const Corners& a = two.a;
@@ -61,7 +61,7 @@ Two shared_edge(Random& random) {
   if (kind < 2) two.b[2] += random.either_sign(lift) * normal(a);
   return two;
 }
-/// Edges on one line that are not the same: a T junction.
+/// Different edges on one line: a T junction.
 Two collinear_edges(Random& random) {
   Two two{anywhere(random), {}};
   const Vec e = two.a[1] - two.a[0];
@@ -76,7 +76,7 @@ Two in_one_plane(Random& random) {
     for (Vec& v : *t) v = whole_in_plane(random);
   return two;
 }
-/// In one plane but for a tilt that is next to nothing, beside each other or not.
+/// Coplanar up to a tiny tilt, side by side or not.
 Two tilted_plane(Random& random) {
   Two two = in_one_plane(random);
   const double angle = random.decades(1e-9, 1e-2);
@@ -96,7 +96,8 @@ Two small_and_large(Random& random) {
   if (random.chance(0.5)) std::swap(two.a, two.b);
   return two;
 }
-/// All coordinates of five, many corners the same: points, segments, vertices on edges and faces.
+/// All coordinates are among five values, with many equal corners: points, segments, vertices on
+/// edges and faces.
 Two few_points(Random& random) {
   Two two;
   for (Corners* t : {&two.a, &two.b})
@@ -112,7 +113,7 @@ Two few_points(Random& random) {
 struct Family {
   const char* name;
   Two (*make)(Random&);
-  bool meet;  ///< they have a point in common
+  bool meet;  ///< they have a common point
 };
 const Family kFamilies[] = {{"shared vertex", shared_vertex, true},
                             {"shared edge", shared_edge, true},
@@ -122,7 +123,7 @@ const Family kFamilies[] = {{"shared vertex", shared_vertex, true},
                             {"small and large", small_and_large, false},
                             {"few points", few_points, false}};
 
-/// As the words of two slots, which binary32 holds.
+/// Words of two slots, which binary32 represents exactly.
 oracle::Case words_of(const Two& two, const Vec& by) {
   const auto words = [&by](const Corners& t) {
     return oracle::to_words(oracle::Triangle{t[0] + by, t[1] + by, t[2] + by});
@@ -173,16 +174,16 @@ TEST(MeshNeighbours, AreAnsweredExactlyWhereTheyStandInOnePlane) {
   const auto with = [&](const std::vector<double>& w) {
     return reference::triangle_triangle(one, primitive(w));
   };
-  EXPECT_TRUE(reference::triangle_triangle(one, one).f) << "the same";
+  EXPECT_TRUE(reference::triangle_triangle(one, one).f) << "the same triangle";
   EXPECT_EQ(reference::triangle_triangle(one, one).t, 0);
   const auto inside = with({1, 1, 0, 2, 1, 0, 1, 2, 0});
   EXPECT_TRUE(inside.f);
   EXPECT_EQ(inside.t, 0);
   EXPECT_EQ(inside.n.cwiseAbs(), Eigen::Vector3f(0, 0, 1));
-  EXPECT_TRUE(with({4, 0, 0, 0, 4, 0, 4, 4, 0}).f) << "an edge in common";
-  EXPECT_TRUE(with({4, 0, 0, 8, 0, 0, 8, 4, 0}).f) << "a vertex in common";
+  EXPECT_TRUE(with({4, 0, 0, 0, 4, 0, 4, 4, 0}).f) << "a common edge";
+  EXPECT_TRUE(with({4, 0, 0, 8, 0, 0, 8, 4, 0}).f) << "a common vertex";
   const auto beside = with({-3, 0, 0, -3, 4, 0, -5, 2, 0});
-  EXPECT_FALSE(beside.f) << "no facet tells these apart";
+  EXPECT_FALSE(beside.f) << "no candidate axis separates these";
   EXPECT_EQ(beside.t, 3);
   EXPECT_EQ(beside.n, Eigen::Vector3f(-1, 0, 0));
   EXPECT_EQ(beside.cp.x(), -1.5f);
@@ -191,7 +192,7 @@ TEST(MeshNeighbours, AreAnsweredExactlyWhereTheyStandInOnePlane) {
   EXPECT_EQ(above.n, Eigen::Vector3f(0, 0, 1));
 }
 
-// Edges that are exactly parallel, and a depth that has two sides of which one has the witness.
+// Exactly parallel edges, and a depth with two sides of which only one has the witness.
 TEST(MeshNeighbours, ThatWereWrongOnce) {
   const oracle::Case apart{oracle::Pair::kTriangleTriangle, 0, 0, "", {0, 0, 0, 3, 0, -3, -1, 0, 0},
                            {6, 0, -3, 0, 0, 1, 2, 0, 1}};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the card says about rays and triangles against exact arithmetic. A decision that the error
-// bound of bounds.hpp leaves open is excused and counted; every other must be right, and T and CP
-// must lie within their bounds.
+// The card's answers for rays and triangles against exact arithmetic. A decision that the error
+// bound of bounds.hpp leaves uncertain is excused and counted. Every other decision must be right,
+// and T and CP must lie within their bounds.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ constexpr unsigned kSeed = 20070129;
 
 struct Case {
   const char* name;
-  double offset;     ///< where the scene stands in the world
+  double offset;     ///< distance of the scene from the world's origin
   double size;       ///< of the triangles
   double near_edge;  ///< share of rays aimed within 1e-2 .. 1e-7 of an edge
 };
@@ -73,7 +73,7 @@ class Generator {
 
 enum class Truth { kHit, kMiss, kOpen };
 
-/// What must be decided, given how far off each compared quantity may be.
+/// The required decision, given the error of each compared quantity.
 Truth decide(const Ray& ray, const ExactHit& exact, const cde::MollerBound& bound) {
   const double det = static_cast<double>(exact.det);
   if (exact.det == 0) return bound.det == 0 ? Truth::kMiss : Truth::kOpen;
@@ -133,7 +133,7 @@ TEST_P(MollerAgainstExact, DecidesRightOutsideTheBandAndKeepsItsBounds) {
       if (!f || exact.det == 0) continue;
       const double det = static_cast<double>(exact.det), t = static_cast<double>(exact.t),
                    dt = bound.t(det, t);
-      if (!std::isfinite(dt)) continue;  // det itself is open; counted above
+      if (!std::isfinite(dt)) continue;  // det itself is uncertain; counted above
       EXPECT_LE(std::abs(records[i].t - t), dt);
       worst_t = std::max(worst_t, std::abs(records[i].t - t) / dt);
       const Vector3d cp = ray.o.cast<double>() + t * ray.d.cast<double>();
@@ -149,7 +149,7 @@ TEST_P(MollerAgainstExact, DecidesRightOutsideTheBandAndKeepsItsBounds) {
       wrong_in_band, worst_t);
   EXPECT_GT(hits, 0.3 * pairs);
   EXPECT_LT(hits, 0.7 * pairs);
-  EXPECT_LT(open, 0.5 * pairs) << "the band excuses more than it checks";
+  EXPECT_LT(open, 0.5 * pairs) << "the band excuses too many pairs";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, MollerAgainstExact,

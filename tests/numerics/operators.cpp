@@ -25,7 +25,7 @@ P any() {
   return from_words<P>(words);
 }
 
-/// References are straight-line code: the operators are those of any operands.
+/// References are straight-line code: any operands give the same operators.
 template <template <class> class A, template <class> class B, class Pipe>
 Tally count(Pipe pipe) {
   const auto a = any<A<Counted>>();

@@ -5,9 +5,9 @@
 
 namespace cde::testing {
 
-/// Operators of a pair without a budget, all unrolled, as a pipe has them that takes a pair a
-/// clock; the depth is in operators, without the selection of the outcome. Counted in the mirror
-/// reference, without the input checks, the box rule and what brings a pair to the size of one.
+/// Operators of a pair without a budget, fully unrolled, as in a pipe that accepts one pair per
+/// cycle. The depth is in operators, without the selection of the outcome. The count comes from the
+/// mirror reference, without input checks, the box rule and the scaling of a pair to size one.
 [[nodiscard]] Tally operators(Pair pair, Algorithm algorithm = Algorithm::kMoller);
 
 }  // namespace cde::testing

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box rule of ray and triangle, and what every ray pair promises of a hit: triangles without
-// area, rays in a triangle's plane, hits that the rule drops, how far outside of its box an
-// accepted hit may lie; finite T and CP, and no -0.
+// The box rule of ray and triangle: triangles without area, rays in a triangle's plane, dropped
+// hits, and how far outside of its box an accepted hit may lie. Also the promises of every ray
+// pair: finite T and CP, and no -0.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -48,8 +48,7 @@ const Algorithm kAlgorithms[] = {CDE_ALGORITHM(moller), CDE_ALGORITHM(badouel),
                                  CDE_ALGORITHM(pluecker), CDE_ALGORITHM(watertight)};
 #undef CDE_ALGORITHM
 
-/// How far o + t d lies outside of the triangle's box, over what the rule lets it: m' of
-/// ray_box.hpp.
+/// The distance of o + t d outside the triangle's box, over the allowed m' of ray_box.hpp.
 double outside(const Ray& ray, const Triangle& triangle, float t, double& distance) {
   using Wide = Eigen::Matrix<long double, 3, 1>;
   const Wide td = static_cast<long double>(t) * ray.d.cast<long double>(),
@@ -95,7 +94,7 @@ Triangle flat_triangle(Random& random) {
       return {v, w, v};
     case 3:
       return {v, v, v};
-    default:  // on a line in exact arithmetic, whatever the coordinates
+    default:  // on a line in exact arithmetic, for any coordinates
       const Vector3f d = f(random.decades(-3, 3) * random.vector());
       const float at = static_cast<float>(random.integer(-8, 8)) / 4;
       Triangle t{f(scale * random.integers(2)), {}, {}};
@@ -146,7 +145,7 @@ TEST_P(BoxRule, RaysInThePlaneHitTheBoxOrNothing) {
     const auto f = [scale](const Vector3d& v) -> Vector3f { return (scale * v).cast<float>(); };
     const Triangle triangle{f(a), f(a + e1), f(a + e2)};
     const Ray ray{f(o), f(d)};
-    // Tenths are rounded, so that their rays are nearly in the plane.
+    // Tenths are rounded, so their rays are only nearly in the plane.
     if (reference::bad(ray) || without_area(triangle)) continue;
     if (scale == 1 && ExactHit(ray, triangle).det != 0) continue;
     ++cases;
@@ -172,13 +171,13 @@ TEST_P(BoxRule, RaysInThePlaneHitTheBoxOrNothing) {
   EXPECT_GE(plain, boxed);
 }
 
-// ---- What the rule drops ----
+// ---- Hits that the rule drops ----
 
 struct Scene {
   const char* name;
   double offset, size, distance;
-  double needle = 0.1;  ///< least height over length
-  int grazing = 0;      ///< rays aimed along the plane: 1 within 2^-26 to 2^-3, 2 as rounded
+  double needle = 0.1;  ///< smallest height over length
+  int grazing = 0;      ///< rays along the plane: 1 within 2^-26 to 2^-3, 2 up to rounding
 };
 
 const Scene kScenes[] = {{"plain", 0, 1, 4},
@@ -211,7 +210,7 @@ std::pair<Ray, Triangle> make(Random& random, const Scene& scene) {
           primitive_cast<float>(BasicTriangle<double>{v0, v0 + e1, v0 + e2})};
 }
 
-/// A hit that the bounds of the algorithm leave no doubt about (ray_triangle.hpp, bounds.hpp).
+/// A hit that is certain within the bounds of the algorithm (ray_triangle.hpp, bounds.hpp).
 bool certain(const Algorithm& algorithm, const Ray& ray, const Triangle& triangle) {
   const ExactHit exact(ray, triangle);
   if (exact.det == 0) return false;
@@ -275,7 +274,7 @@ TEST_P(BoxRule, DropsNoCertainHitOfPlainTriangles) {
         "at most %.2f of the margin outside\n",
         GetParam().name, scene.name, Random::kSeed, kPairs, hits, dropped, sure, worst);
     EXPECT_LE(worst, 1);
-    // Only pluecker's T is another, with another sign now and then where it is noise.
+    // Only the T of pluecker differs, sometimes in sign where it is noise.
     EXPECT_LE(more, !own_t ? 0 : scene.grazing != 0 ? hits / 4 : hits / 100);
     EXPECT_GT(hits, kPairs / 20);
     const bool needles = scene.needle < 0.1;
@@ -291,7 +290,7 @@ std::string grouped(int n) {
   return n < 1000 ? std::to_string(n) : fmt::format("{},{:03}", n / 1000, n % 1000);
 }
 
-/// What the rule drops of rays aimed at the inside of needles, by their height over their length.
+/// Dropped hits of rays aimed at the inside of needles, by their height over their length.
 TEST(Needles, CertainHitsAreDroppedAsTheDocsSay) {
   constexpr int kPairs = 10000;
   std::vector<std::string> lines;
@@ -336,7 +335,7 @@ TEST(Needles, CertainHitsAreDroppedAsTheDocsSay) {
 }
 
 TEST(FlatTriangle, IsFlatAtEveryScale) {
-  // A triangle is flat whatever its size: the test scales.
+  // A triangle is flat at any size: the test scales.
   for (const float size : {0x1p-50f, 1.0f, 0x1p50f}) {
     const auto scaled = [size](float x, float y, float z) -> Vector3f {
       return size * Vector3f(x, y, z);
@@ -372,8 +371,8 @@ TEST(FlatTriangle, IsFlatInEveryFormat) {
 
 // ---- What every ray pair promises of a hit ----
 
-/// Calls with(name, run), run(ray) being the outcome against something in z = 0 that all rays down
-/// the z axis meet, for every ray pipe.
+/// Calls with(name, run) for every ray pipe. run(ray) returns the outcome against a shape in z = 0
+/// that all rays along the z axis meet.
 template <typename With>
 void with_every_pipe(With with) {
   static const Triangle triangle{{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}};
@@ -430,8 +429,8 @@ TEST(RayHits, AreNeverAtMinusZero) {
   });
 }
 
-/// Lengths whose fourth powers leave the format, over the range of the contract: products of two
-/// are all that is left.
+/// Lengths whose fourth powers leave the format, over the range of the contract: only products of
+/// two lengths remain.
 TEST(RayHits, KeepTheirRange) {
   for (int e = -34; e <= 38; e += 4) {
     const float s = std::ldexp(1.0f, e);
@@ -465,8 +464,8 @@ TEST(DominantAxis, TiesGoToTheLowestIndex) {
   EXPECT_EQ(all.largest(Vector3f(0, 1, 2)), 0);
 }
 
-/// Triangles in x + y = 1 and its like, and rays as steep along two axes, against exact arithmetic:
-/// neither choice may be wrong where the answer is certain.
+/// Triangles in x + y = 1 and similar planes, and rays equally steep along two axes, against exact
+/// arithmetic. Either choice of the axis must be right where the answer is certain.
 TEST_P(BoxRule, TiesOfTheDominantAxisAreRight) {
   Random random;
   int hits = 0, sure = 0, dominant = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the four ray-triangle mirror references answer, against exact rational arithmetic; leaks of
-// closed meshes; the operators in the docs. Moeller's bound has a test of its own
-// (moller_test.cpp).
+// Answers of the four ray-triangle mirror references against exact rational arithmetic; leaks of
+// closed meshes; the operators in the docs. moller_test.cpp tests Moeller's bound.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +28,7 @@ using Eigen::Vector3f;
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-// ---- Against exact arithmetic ----
+// ---- Comparison with exact arithmetic ----
 
 struct Scene {
   const char* name;
@@ -75,7 +74,7 @@ std::pair<Ray, Triangle> make(Random& random, const Scene& scene) {
   return {primitive_cast<float>(ray), primitive_cast<float>(triangle)};
 }
 
-/// The lengths by which the bands are measured.
+/// The lengths that scale the bands.
 struct Shape {
   double world = 0;  ///< L: largest |coordinate|
   double reach = 0;  ///< largest |v - o|
@@ -105,8 +104,9 @@ struct Shape {
   }
 };
 
-/// One of the algorithms, with the band within which it may decide otherwise than exact arithmetic
-/// (a length in the plane of the triangle) and the bound of T (a length along the ray), over u.
+/// One of the algorithms, with its band and bound over u. Within the band, a length in the
+/// triangle's plane, it may decide differently from exact arithmetic. The bound of T is a length
+/// along the ray.
 struct Algorithm {
   const char* name;
   template <typename S>
@@ -176,7 +176,7 @@ Truth decide(const Margins& m, double band, double depth) {
 
 struct Report {
   int pairs = 0, hits = 0, open = 0, open_wrong = 0, wrong = 0;
-  double worst_edge = 0;   ///< furthest from an edge that F was wrong, over the band
+  double worst_edge = 0;   ///< largest distance from an edge with wrong F, over the band
   double worst_depth = 0;  ///< worst error of T, over its bound
   double worst_point = 0;  ///< worst error of CP, over the bound of T and u of the terms
 };
@@ -188,7 +188,7 @@ Report judge(const Algorithm& algorithm, Scene scene, int pairs) {
   Random random;
   Report r;
   while (r.pairs < pairs) {
-    // The words that the format holds, as floats: all formats but fp64 fit in.
+    // The words that the format holds, as floats, which represent all formats except fp64.
     const auto [made_ray, made_triangle] = make(random, scene);
     const auto ray_s = primitive_cast<S>(made_ray);
     const auto triangle_s = primitive_cast<S>(made_triangle);
@@ -239,7 +239,7 @@ void expect_right(const Algorithm& algorithm, const Scene& scene, int pairs, con
   EXPECT_LE(r.worst_point, 1);
   EXPECT_GT(r.hits, 0.3 * r.pairs);
   EXPECT_LT(r.hits, 0.7 * r.pairs);
-  EXPECT_LT(r.open, most_open * r.pairs) << "the band excuses more than it checks";
+  EXPECT_LT(r.open, most_open * r.pairs) << "the band excuses too many pairs";
 }
 
 using Judged = std::tuple<Scene, const Algorithm*>;
@@ -298,8 +298,8 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
   return all;
 }
 
-/// Rays from inside a closed mesh, aimed at its edges and vertices, where the rounded point is as
-/// likely to lie on either side.
+/// Rays from inside a closed mesh, aimed at its edges and vertices, where the rounded point lies on
+/// either side.
 TEST(Leaks, IcosphereFromInside) {
   constexpr int kRays = 20000;
   const std::vector<Triangle> mesh =
@@ -320,12 +320,12 @@ TEST(Leaks, IcosphereFromInside) {
                 Random::kSeed, kRays, name.c_str(), n, 100.0 * n / kRays);
   EXPECT_EQ(leaked["watertight"], 0);
   EXPECT_EQ(leaked["watertight_box"], 0);
-  EXPECT_GT(leaked["moller"], 0) << "the rays are too easy to tell";
+  EXPECT_GT(leaked["moller"], 0) << "the rays are too easy";
 }
 
-/// Embree's recipe: a sphere of radius 2, 200 by 200 quads, so far from the world's origin that its
-/// vertices stand on a grid of 1/64 (on which differences and products are exact, so that Moeller
-/// does not leak either), and rays from anywhere inside in any direction.
+/// Embree's recipe: a sphere of radius 2 with 200 by 200 quads, and rays from anywhere inside in
+/// any direction. It lies so far from the world's origin that vertices stand on a grid of 1/64. On
+/// this grid differences and products are exact, so Moeller does not leak either.
 TEST(Leaks, SphereFarFromTheOrigin) {
   constexpr int kSteps = 200, kRays = 300;
   const Vector3d centre(148376, 1234, -223423);
@@ -361,7 +361,7 @@ TEST(Leaks, SphereFarFromTheOrigin) {
                 name.c_str(), n);
   EXPECT_EQ(leaked["watertight"], 0);
   EXPECT_EQ(leaked["watertight_box"], 0);
-  EXPECT_GT(leaked["badouel"], 0) << "it works in world coordinates";
+  EXPECT_GT(leaked["badouel"], 0) << "badouel must leak: it works in world coordinates";
 }
 
 /// The same in the other formats: the edge functions stay antisymmetric in all of them.
@@ -405,9 +405,9 @@ TEST(Leaks, NoneInAnyFormat) {
 
 // ---- Watertight against its source ----
 
-/// Woop, Benthin and Wald 2013, appendix A, two-sided, with the exchange of kx and ky that the
-/// mirror leaves out and their own test of the signs. Their T takes Sz first, the mirror's last:
-/// `reach` is what both are rounded against.
+/// Woop, Benthin and Wald 2013, appendix A, two-sided, with their exchange of kx and ky (which the
+/// mirror omits) and their own sign test. Their T multiplies by Sz first, the mirror's last.
+/// `reach` is the scale of both roundings.
 reference::Outcome<float> woop(const Ray& ray, const Triangle& triangle, float& reach) {
   int kz = 0;
   for (int k = 1; k < 3; ++k)
@@ -498,11 +498,11 @@ TEST_P(EveryAlgorithm, MissesWhatHasNoAreaAsItSeesIt) {
   const ReferenceF run = GetParam().second;
   const Vector3f a(0, 0, 2), b(1, 0, 2), c(2, 0, 2);
   const Ray down{{0.5f, 0, 0}, {0, 0, 1}};
-  EXPECT_FALSE(run(down, {a, b, c}).f) << "corners in line";
+  EXPECT_FALSE(run(down, {a, b, c}).f) << "collinear corners";
   EXPECT_FALSE(run(down, {a, a, b}).f) << "a segment";
   EXPECT_FALSE(run({{0, 0, 0}, {0, 0, 1}}, {a, a, a}).f) << "a point";
-  EXPECT_FALSE(run({{-1, 0.25f, 2}, {1, 0, 0}}, kPlain).f) << "in its plane";
-  EXPECT_FALSE(run({{-1, 0.25f, 1}, {1, 0, 0}}, kPlain).f) << "parallel to it";
+  EXPECT_FALSE(run({{-1, 0.25f, 2}, {1, 0, 0}}, kPlain).f) << "ray in its plane";
+  EXPECT_FALSE(run({{-1, 0.25f, 1}, {1, 0, 0}}, kPlain).f) << "ray parallel to its plane";
 }
 
 TEST_P(EveryAlgorithm, AMissIsInfinityAndZero) {
@@ -540,7 +540,7 @@ TEST(Operators, AreThoseOfTheDocs) {
     const Tally n = operators(Pair::kRayTriangle, static_cast<cde::Algorithm>(a));
     multipliers += fmt::format(" {} |", n.mul), dividers += fmt::format(" {} |", n.div);
     adders += fmt::format(" {}, {} |", n.add, n.sub), comparators += fmt::format(" {} |", n.cmp);
-    clocks += fmt::format(" {} |", n.depth + 1);  // and the selection of the outcome
+    clocks += fmt::format(" {} |", n.depth + 1);  // plus the selection of the outcome
   }
   expect_in_docs("reference/pairs_rays.md", {multipliers, dividers, adders, comparators, clocks});
 }

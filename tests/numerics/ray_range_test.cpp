@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays over the whole range of lengths and directions that docs/reference/pairs.md promises: every
-// answer is within the published bands of exact arithmetic. scale_test.cpp has the inner range,
-// over which answers scale bit by bit. fp16 and fp24 are scaled in the pipe and scale over all of
-// it there.
+// Rays over the whole range of lengths and directions of docs/reference/pairs.md. Every answer lies
+// within the published bands of exact arithmetic. scale_test.cpp covers the inner range, where
+// answers scale bit by bit. The pipe scales fp16 and fp24, so they scale over the whole range
+// there.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -36,7 +36,7 @@ using Eigen::Vector3d;
 
 constexpr std::uint64_t kSeed = 20261123;
 
-/// What a case must be answered, at the size that it was made with.
+/// The required answer of a case at its original size.
 class Expected {
  public:
   virtual ~Expected() = default;
@@ -45,7 +45,7 @@ class Expected {
   [[nodiscard]] virtual bool accepts(double t) const = 0;
 };
 
-/// A triangle by one of the four algorithms, each with the bands of its own (ray_triangle.hpp,
+/// A triangle with one of the four algorithms, each with its own bands (ray_triangle.hpp,
 /// bounds.hpp).
 class ExpectedTriangle final : public Expected {
  public:
@@ -196,7 +196,7 @@ TEST_P(RayRange, AnswersAreWithinTheBandsOverAllOfIt) {
         {between(length), between(direction)}, {between(length), between(direction)}};
     for (auto [j, m] : by) {
       if (target != Shape::kTriangle) {
-        // As far into the corners as the ratio of lengths and direction lets one go.
+        // As far as the ratio of lengths and direction allows.
         const LengthRange apart = room_apart(c, target, ratio);
         m = std::clamp(m, j - apart.high, j - apart.low);
         if (m < direction.low || m > direction.high) continue;
@@ -226,7 +226,7 @@ TEST_P(RayRange, AnswersAreWithinTheBandsOverAllOfIt) {
     }
     if (!right && ++wrong <= 3)
       ADD_FAILURE() << from[of].family << " by 2^" << j << ", d 2^" << m << ": F " << r.f
-                    << ", must be " << hit << ", T at size one " << t << '\n'
+                    << ", expected " << hit << ", T at size one " << t << '\n'
                     << from[of].describe();
   }
   std::printf("%s %s: seed %llu, %zu cases, %zu answers, %zu hits, %zu wrong, %zu bad\n",

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the mirror references of ray-sphere and ray-cylinder answer, against 168-bit arithmetic. An
-// answer must be that of a solid whose sizes are off by at most the band; what the band leaves
-// open is counted. Rays at random are judged by a band of 8, half of what all roundings together
-// may cost; searches for the worst by the bound itself.
+// Answers of the mirror references of ray-sphere and ray-cylinder, against 168-bit arithmetic. An
+// answer must be that of a solid whose sizes are off by at most the band; uncertain cases are
+// counted. Random rays use a band of 8, half of the sum of all roundings. Searches for the worst
+// case use the bound itself.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -42,17 +42,17 @@ struct Scene {
   double offset;         ///< of the scene from the world's origin
   double slim;           ///< decades of radius over half height, either way
   double ends = 0.25;    ///< share of rays with a finite interval
-  bool special = false;  ///< rays along and across an axis of the world, which is the cylinder's
+  bool special = false;  ///< rays along and across a world axis, which is the cylinder's
   double graze = 0.5;    ///< share of rays aimed next to a sphere's silhouette
   double finest = -7;    ///< decade of the closest misses of a surface, in sizes
-  bool tangent = false;  ///< rays that start at the surface, all but along it
+  bool tangent = false;  ///< rays that start at the surface, nearly along it
 };
 
 std::ostream& operator<<(std::ostream& out, const Scene& s) {
   return out << s.name;
 }
 
-/// A ray aimed at `at` from about `distance` away. The direction has any length within two decades.
+/// A ray aimed at `at` from about `distance` away, with any direction length within two decades.
 BasicRay<double> aimed(Random& random, const Vector3d& from, const Vector3d& at, const Scene& scene,
                        double distance) {
   const double back = random.chance(0.15) ? -1 : 1;
@@ -79,7 +79,7 @@ struct SphereCase {
                                      scene.size};
     const double distance = scene.size * random.decades(scene.near, scene.far);
     const Vector3d out = random.direction();
-    // How far the line passes the centre: anywhere, or next to the silhouette.
+    // The distance of the line from the centre: any, or near the silhouette.
     double miss = scene.size * random.between(0, 2);
     if (random.chance(scene.graze))
       miss = scene.size * (1 + random.sign() * random.decades(scene.finest, -1));
@@ -111,7 +111,7 @@ struct CylinderCase {
     const double slim = random.decades(-scene.slim, scene.slim);
     (slim < 1 ? cylinder.radius : cylinder.half_height) *= slim < 1 ? slim : 1 / slim;
     const double distance = scene.size * random.decades(scene.near, scene.far);
-    // Aim at a point of the solid or beside it, often next to the lateral surface, a cap or a rim.
+    // Aims at a point of the solid or beside it, often near the lateral surface, a cap or a rim.
     double h = random.between(-1.3, 1.3), r = 1.3 * std::sqrt(random.unit());
     if (random.chance(0.3)) r = 1 + random.sign() * random.decades(scene.finest, -1);
     if (random.chance(0.3)) h = random.sign() + random.sign() * random.decades(scene.finest, -1);
@@ -133,7 +133,7 @@ struct CylinderCase {
     }
     BasicRay<double> ray = aimed(random, from, at, scene, distance);
     if (scene.special) {
-      // Exactly along or across the axis of the world, also with a zero of either sign.
+      // Exactly along or across the world axis, also with a zero of either sign.
       for (int k = 0; k < 3; ++k) {
         const bool along = cylinder.axis[k] != 0, wanted = std::abs(out.dot(cylinder.axis)) > 0.5;
         if (along != wanted) ray.d[k] = random.sign() * 0.0;
@@ -218,7 +218,7 @@ void expect_right(const Scene& scene, int pairs, const char* format) {
   EXPECT_LE(r.point, 2) << "one rounding of the product, one of the sum";
   EXPECT_GT(r.hits, 0.3 * r.pairs);
   EXPECT_LT(r.hits, 0.7 * r.pairs);
-  EXPECT_LT(r.open, 0.5 * r.pairs) << "the band excuses more than it checks";
+  EXPECT_LT(r.open, 0.5 * r.pairs) << "the band excuses too many pairs";
 }
 
 const Scene kScenes[] = {
@@ -235,8 +235,8 @@ const Scene kCylinderShapes[] = {
     {"AlongAndAcross", 1, -1, 1, 0, 0.5, 0.25, true},
 };
 
-/// As rays that bounce off do. What decides between their two roots is nothing but rounding, and
-/// the quotient of two such numbers was 2e8 u beside the surface in 1 of 80.
+/// Like rays that bounce off the surface. Only rounding decides between their two roots, so a
+/// quotient of two such numbers would be useless.
 const Scene kTangents[] = {
     {"TangentFromTheSurface", 1, -1, 1, 0, 0.5, 0.25, false, 0.5, -7, true},
     {"TangentFromTheSurfaceOffsetTen", 1, -1, 1, 10, 0.5, 0.25, false, 0.5, -7, true},
@@ -262,8 +262,8 @@ TEST_P(RayCylinderScene, IsRightOutsideItsBand) {
   expect_right<float, CylinderCase>(GetParam(), 10000, "fp32");
 }
 
-/// How far P is from a surface, and |o - c| and the sizes, in 64 bits of precision: enough for
-/// fp32, and a hundred times as fast as 168.
+/// The distance of P from a surface, and |o - c| and the sizes, in 64 bits of precision. This is
+/// enough for fp32, and much faster than 168 bits.
 struct Miss {
   long double distance, size;
 };
@@ -282,8 +282,7 @@ Miss miss(const Long& o, const Long& p, const BasicCylinder<float>& cylinder) {
           (o - c).norm() + cylinder.radius + cylinder.half_height};
 }
 
-/// The distance of o + T d from the surface, in u (|o-c| + sizes); nothing for a miss, or bad
-/// input.
+/// The distance of o + T d from the surface, in u (|o-c| + sizes); empty for a miss or bad input.
 template <typename Case, typename Solid>
 std::optional<double> miss_of(const BasicRay<float>& ray, const Solid& solid) {
   if (reference::bad(ray) || reference::bad(solid)) return std::nullopt;
@@ -294,7 +293,7 @@ std::optional<double> miss_of(const BasicRay<float>& ray, const Solid& solid) {
   return static_cast<double>(m.distance / m.size) * 0x1p24;
 }
 
-/// The worst of that of so many rays per scene.
+/// The largest such distance for so many rays per scene.
 template <typename Case>
 double worst_miss(std::span<const Scene> scenes, int rays) {
   double worst = 0;
@@ -314,7 +313,8 @@ double worst_miss(std::span<const Scene> scenes, int rays) {
   return worst;
 }
 
-// More rays find more: the page states the figure of a million and of ten million a scene.
+// More rays find larger distances: the page states the figures for a million and ten million rays
+// per scene.
 TEST(RaySolidFigures, SurfacesAreMissedByWhatTheDocsSay) {
   const int millions = amount(1, 10);
   std::vector<Scene> balls(std::begin(kScenes), std::end(kScenes));
@@ -333,7 +333,7 @@ TEST(RaySolidFigures, SurfacesAreMissedByWhatTheDocsSay) {
                                      line("ray-cylinder", shapes.size(), cylinder)});
 }
 
-/// One word of a primitive changed a little, at every scale. An axis may end as far from unit
+/// One word of a primitive changed slightly, at every scale. An axis may end as far from unit
 /// length as the contract allows.
 template <typename P>
 void nudge(Random& random, P& primitive, double step) {
@@ -343,8 +343,8 @@ void nudge(Random& random, P& primitive, double step) {
   primitive = from_words<P>(words);
 }
 
-/// The worst that so many searches find, each of which takes a pair of a random scene and keeps
-/// whatever change makes it worse, until a thousand in a row do not.
+/// The worst case of so many searches. Each starts with a pair of a random scene and keeps every
+/// change that makes it worse, until a thousand changes in a row do not.
 template <typename Case>
 double worst_found(int searches) {
   const Scene kStarts[] = {{"", 1, -1, 4, 0, 1}, {"", 1, 4, 4, 0, 1}, {"", 1, -3, -0.5, 0, 0.5}};
@@ -370,14 +370,14 @@ double worst_found(int searches) {
   return worst;
 }
 
-// The bounds are sums of roundings that rays at random come nowhere near; searches come nearer.
+// The bounds are sums of roundings. Random rays do not come close to them; searches come closer.
 TEST(RaySolidFigures, SearchesForTheWorstFindWhatTheDocsSay) {
   constexpr int kSearches = 600;
   const double sphere = worst_found<SphereCase>(kSearches),
                cylinder = worst_found<CylinderCase>(kSearches);
   EXPECT_LE(sphere, reference::kRaySphereBand);
   EXPECT_LE(cylinder, reference::kRayCylinderBand);
-  EXPECT_GT(std::min(sphere, cylinder), 7) << "the searches find nothing";
+  EXPECT_GT(std::min(sphere, cylinder), 7) << "the searches find no bad case";
   const auto line = [&](const char* pair, double worst) {
     return fmt::format("- {}, the worst of {} searches: {:.2f} u", pair, kSearches, worst);
   };
@@ -470,7 +470,7 @@ TEST_P(RaySolidKnown, Answer) {
     EXPECT_EQ(got.cp[k], known.f ? known.ray.o[k] + known.t * known.ray.d[k] : 0);
 }
 
-/// What the pipe's form is for: with b^2 - ac it would be wrong in a quarter of the cases.
+/// The reason for the pipe's formula: b^2 - ac would be wrong in a quarter of the cases.
 TEST(RaySphere, TenThousandRadiiAwayTheTextbookIsWrong) {
   Random random;
   const Scene far{"", 1, 4, 4, 0, 0, 0, false, 0};
@@ -494,8 +494,8 @@ TEST(RaySphere, TenThousandRadiiAwayTheTextbookIsWrong) {
   EXPECT_GT(textbook, 4 * pipe);
 }
 
-/// A ray that all but runs along the axis, from 10,000 radii away: n = d x a is all rounding error,
-/// and w.n would multiply its part along the axis by 10,000. Found as 1.8 % wrong answers.
+/// A ray nearly along the axis, from 10,000 radii away: n = d x a is only rounding error, and w.n
+/// would multiply its part along the axis by 10,000.
 TEST(RayCylinder, RoundingOfTheNormalAlongTheAxisDoesNotCount) {
   Random random;
   int hits = 0;
@@ -512,9 +512,8 @@ TEST(RayCylinder, RoundingOfTheNormalAlongTheAxisDoesNotCount) {
   EXPECT_EQ(hits, kRays);
 }
 
-/// Every tilt from the axis down to nothing: what is squared and divided by A overflows long before
-/// 1 / A does. With that as the sign of a ray along the axis, (e/A)^2 and r^2/A both became
-/// infinite and rays through the solid missed it, from a tilt of 5e-20 r / |d| down.
+/// Every angle from the axis down to zero. (e/A)^2 and r^2/A overflow long before 1 / A does. If 1
+/// / A alone decided that a ray is parallel to the axis, rays through the solid would miss it.
 TEST(RayCylinder, TiltedByAnythingFromTheAxis) {
   Random random;
   int hits = 0, misses = 0, tiny = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a card's refit leaves, in exact integers: boxes contain their triangles, and are not much
-// larger. Records of rays through such a tree are in hierarchy_test.cpp.
+// The result of a card's refit, in exact integers: boxes contain their triangles, and are not much
+// larger. hierarchy_test.cpp tests records of rays against such a BVH.
 #include "cde/reference/refit.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@ using hierarchy::Child;
 using hierarchy::Node;
 using Integer = boost::multiprecision::cpp_int;
 
-/// In units of 2^-149, of which every number of fp32 is a whole number.
+/// In units of 2^-149: every fp32 number is an integer.
 Integer exact(float x) {
   const auto word = std::bit_cast<std::uint32_t>(x);
   const unsigned field = word >> 23 & 0xff;
@@ -40,14 +40,14 @@ Integer side(const Node& node, bool upper, unsigned child, int axis) {
   return exact(node.origin()[axis]) + q * unit(node, axis);
 }
 
-/// What child i of a node has to contain, and how much it has more than it needs.
+/// Checks that child i contains its triangles, with less than two bytes of excess.
 void expect_child(const Node& node, unsigned i, int axis, const Integer& low, const Integer& high) {
   const Integer origin = exact(node.origin()[axis]), byte = unit(node, axis);
   ASSERT_LE(side(node, false, i, axis), low);
   ASSERT_GE(side(node, true, i, axis), high);
   ASSERT_LE(node.lower(i, axis), node.upper(i, axis));
-  ASSERT_LT(low - side(node, false, i, axis), 2 * byte) << "a byte too much";
-  ASSERT_LT(side(node, true, i, axis) - high, 2 * byte) << "a byte too much";
+  ASSERT_LT(low - side(node, false, i, axis), 2 * byte) << "too wide by two bytes";
+  ASSERT_LT(side(node, true, i, axis) - high, 2 * byte) << "too wide by two bytes";
   ASSERT_GE(low, origin);
 }
 
@@ -67,7 +67,7 @@ void expect_axis(const std::vector<Node>& nodes, const Node& node, int axis,
     at_origin = at_origin || (node.lower(i, axis) == 0 && l == exact(node.origin()[axis]));
     reach = std::max({reach, std::abs(boxes[i].min()[axis]), std::abs(boxes[i].max()[axis])});
     if (node.child(i) != Child::kNode) continue;
-    // And what that node's own bytes say.
+    // The bounds from that node's own bytes.
     const Node& below = nodes[node.place(i)];
     for (unsigned k = 0; k < Node::kChildren; ++k) {
       if (below.child(k) == Child::kNone) continue;
@@ -76,13 +76,13 @@ void expect_axis(const std::vector<Node>& nodes, const Node& node, int axis,
     }
   }
   if (!some) return;
-  ASSERT_TRUE(at_origin) << "no child begins at the origin";
-  // No finer byte would do, but for one that is finer than the numbers, or than the least.
+  ASSERT_TRUE(at_origin) << "no child starts at the origin";
+  // No smaller unit would do, unless it is finer than the numbers or the smallest exponent.
   const int finest = std::max(Node::kLeastExponent, std::max(std::ilogb(reach), -126) - 24);
   ASSERT_GE(node.exponent(axis), finest);
   ASSERT_LE(node.exponent(axis), 37);
   if (node.exponent(axis) > finest) {
-    ASSERT_GT(high - low, 126 * unit(node, axis)) << "a finer byte would do";
+    ASSERT_GT(high - low, 126 * unit(node, axis)) << "a smaller unit would suffice";
   }
 }
 
@@ -124,7 +124,7 @@ TEST(Refit, BoxesContainTheirTriangles) {
   }
 }
 
-/// Trees that are of other triangles than these, so that nodes are of any size anywhere.
+/// BVHs over other triangles, so that nodes have any size anywhere.
 TEST(Refit, BoxesContainTrianglesOfAnyTree) {
   RefitDice dice(2);
   for (int i = 0; i < 300; ++i) {
@@ -157,7 +157,7 @@ TEST(Refit, OfNothing) {
   EXPECT_FALSE(refitted.bad);
 }
 
-/// Boxes are made of bytes of bytes, so rays visit more than in a tree that was just built.
+/// Boxes are built from boxes of bytes, so rays visit more nodes than in a new BVH.
 TEST(Refit, CostsFewVisits) {
   const Mesh mesh = make_terrain();
   Triangles triangles;

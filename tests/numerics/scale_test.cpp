@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The range of lengths that the contract promises (docs/reference/pairs.md): every pair, scaled by
-// a power of two, gives the same answer scaled, bit by bit; what lies outside the range is bad
-// input.
+// The range of lengths of the contract (docs/reference/pairs.md). Every pair, scaled by a power of
+// two, gives the same answer scaled, bit by bit. Words outside the range are bad input.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,7 +38,7 @@ void PrintTo(const Parameter& p, std::ostream* out) {
   *out << name(p.pair) << ' ' << p.format.name();
 }
 
-/// Solids that are apart have a distance.
+/// Separated solids have a positive distance.
 bool agree(const PairResult& r, FpFormat format) {
   return r.f || format.decode(r.t) > 0;
 }
@@ -109,7 +108,7 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
     const auto look = [&](std::uint64_t now, std::uint64_t before, int by) {
       const double x = format.decode(before), y = format.decode(now), expected = std::ldexp(x, by);
       if (std::isnan(y)) return false;
-      // The smallest number stands for those below it as well.
+      // The smallest number also stands for all smaller ones.
       if (std::abs(expected) < least || std::abs(x) <= least) {
         out += expected != y;
         return std::abs(expected - y) <= least * std::ldexp(1., std::max(0, by));
@@ -139,8 +138,8 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
   EXPECT_GE(hits, compared / 4);
 }
 
-/// Sizes and coordinates of every ratio that the range allows, in a pair of solids. Answers are
-/// held to the contract of the convex pairs: 16 u S, and 16 u S + 4 u L for the witness points.
+/// Sizes and coordinates with every ratio that the range allows, in a pair of solids. Answers meet
+/// the contract of the convex pairs: 16 u S, and 16 u S + 4 u L for the witness points.
 TEST_P(Scaling, SizesMayHaveAnyRatio) {
   const auto [pair, algorithm, plane, format] = GetParam();
   if (!is_solid(pair) || plane == PlaneSide::kHalfSpace) return;
@@ -187,7 +186,7 @@ TEST_P(Scaling, SizesMayHaveAnyRatio) {
       if (++failed <= 3) ADD_FAILURE() << "not finite: " << c.describe();
       continue;
     }
-    if (format.man_bits == 52) continue;  // the oracle computes in binary64 itself
+    if (format.man_bits == 52) continue;  // the oracle itself computes in binary64
     const oracle::Verdict v = oracle::check(c.shape_a(), c.shape_b(), {r.f, t, cp, n},
                                             {.u = u, .gap = {}, .lower_bound = has_budget(pair)});
     if (!v.ok() && ++failed <= 3) ADD_FAILURE() << v.describe() << '\n' << c.describe();
@@ -226,7 +225,7 @@ std::string label(const ::testing::TestParamInfo<Parameter>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Pairs, Scaling, ::testing::ValuesIn(parameters()), label);
 
-/// Pairs of fp16 that touch, whose T is below the normal numbers: F = 1 or T has a number.
+/// Touching pairs in fp16, whose T is below the normal numbers: F = 1, or T is not zero.
 TEST(Touching, FAndTAgree) {
   constexpr FpFormat kFp16{5, 10};
   struct Touching {
@@ -250,7 +249,7 @@ TEST(Touching, FAndTAgree) {
   }
 }
 
-/// Pairs far from the size of one whose answers are known in closed form.
+/// Pairs far from size one whose answers are known in closed form.
 TEST(Range, KnownAnswers) {
   struct Known {
     Pair pair;

@@ -13,7 +13,7 @@
 
 namespace cde::testing {
 
-/// What a word of a slot is.
+/// The kind of a word in a slot.
 enum class Kind { kLength, kDirection, kInterval, kPure };
 
 inline Kind kind(Shape shape, std::size_t word) {
@@ -31,8 +31,8 @@ inline Kind kind(Shape shape, std::size_t word) {
   }
 }
 
-/// The words of a case with lengths times 2^j and the direction times 2^m; nothing if a word cannot
-/// be so scaled exactly as a normal number.
+/// The words of a case with lengths times 2^j and the direction times 2^m; empty if a scaled word
+/// is not an exact normal number.
 inline bool scaled_words(const std::vector<double>& words, Shape shape, FpFormat format, int j,
                          int m, std::vector<std::uint64_t>& to) {
   const int emin = 2 - (1 << (format.exp_bits - 1));
@@ -59,7 +59,8 @@ inline bool is_size(Shape shape, std::size_t k) {
          (shape == Shape::kObb && k >= 3 && k < 6);
 }
 
-/// By how much a pair's lengths (of === kDirection: its direction) can be scaled within the range.
+/// The exponents by which a pair's lengths (of === kDirection: its direction) can be scaled within
+/// the range.
 inline LengthRange room(const oracle::Case& c, Shape a, Shape b, Kind of, LengthRange range) {
   double largest = 0, least_size = std::ldexp(1, 900);
   const auto look = [&](Shape shape, const std::vector<double>& words) {
@@ -80,8 +81,8 @@ inline LengthRange room(const oracle::Case& c, Shape a, Shape b, Kind of, Length
   return {down, up};
 }
 
-/// By how much a ray's solid can be scaled against the ray's direction within a range of their
-/// ratio (LengthRange::ray_ratio).
+/// The exponents by which a ray's solid can be scaled against the ray's direction, within a range
+/// of their ratio (LengthRange::ray_ratio).
 inline LengthRange room_apart(const oracle::Case& c, Shape target, LengthRange range) {
   double largest = 0, least_size = std::ldexp(1, 900), direction = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -98,9 +99,9 @@ inline LengthRange room_apart(const oracle::Case& c, Shape target, LengthRange r
           range.high - std::ilogb(largest) + std::ilogb(direction) - 1};
 }
 
-/// The lengths over which a pair's answers scale exactly: all that are allowed, but for rays of
-/// formats that are not scaled half as many. They multiply lengths as they are, and what a
-/// cancellation leaves of three must still be a normal number.
+/// The lengths over which a pair's answers scale exactly: all allowed lengths. For rays in formats
+/// without scaling it is half as many exponents. There, lengths are multiplied unscaled, and a
+/// cancelled product of three must still be a normal number.
 inline LengthRange exact_range(Pair pair, FpFormat format) {
   const LengthRange all = LengthRange::of(format.exp_bits, format.man_bits);
   return is_solid(pair) || format.exp_bits < 8 ? all : LengthRange{all.low / 2, all.high / 2};

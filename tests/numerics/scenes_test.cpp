@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// All pairs on what people build (oracle::everyday): F right outside the band, T and the
-// witness points within tolerance. Each pair has tests of its own for more than that; this one is
-// where a pair that is right on random numbers and wrong on whole ones shows.
+// All pairs on everyday scenes (oracle::everyday): F is right outside the band, T and the witness
+// points are within tolerance. This test finds pairs that are right on random numbers and wrong on
+// whole ones. Each pair has further tests of its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ struct Row {
   }
 };
 
-/// A cylinder's answer is a lower bound of s, from a list of normals that the budget ends.
+/// A cylinder's answer is a lower bound of s, from a list of normals that the budget limits.
 Row judge_solids(const Case& c, const Result& o) {
   const oracle::Shape a = c.shape_a(), b = c.shape_b();
   const oracle::Result result{o.f, static_cast<double>(o.t), o.cp.cast<double>(),
@@ -73,8 +73,8 @@ Row judge_solids(const Case& c, const Result& o) {
   return row;
 }
 
-/// Bands of a ray, in u of its scale: those of the references, with the world's coordinates where
-/// they are the larger.
+/// Bands of a ray, in u of its scale: those of the references, with world coordinates where they
+/// are larger.
 Row judge_ray(const Case& c, const Result& o) {
   const oracle::RayAnswer answer = oracle::cast(c);
   const oracle::Ray ray = c.ray();
@@ -110,8 +110,8 @@ TEST_P(Everyday, IsRight) {
     std::printf("%-10s %6d %5.1f%% %6d %7d %9.1e %8.2g %8d %5d %6d\n", name.c_str(), row.cases,
                 100.0 * row.hits / row.cases, row.band, row.excused, row.worst, row.witness,
                 row.short_of, row.far_short, row.false_hits);
-  // What the three cylinder pairs reach with the default budget; a triangle's second maximum deep
-  // inside is what is left (docs/reference/pairs_cylinder.md).
+  // Limits of the three cylinder pairs with the default budget. The remaining cases are second
+  // maxima of triangles deep inside (docs/reference/pairs_cylinder.md).
   EXPECT_EQ(all.false_hits, 0);
   if (pair == Kind::kTriangleCylinder)
     EXPECT_LE(all.far_short, 1 + count / 10000);
@@ -120,7 +120,7 @@ TEST_P(Everyday, IsRight) {
   EXPECT_GE(families.size(), 6U);
   EXPECT_GT(all.hits, count * 3 / 10);
   EXPECT_LT(all.hits, count * 7 / 10);
-  EXPECT_GT(all.band, count / 100) << "too few at rest on each other";
+  EXPECT_GT(all.band, count / 100) << "too few shapes rest on each other";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Everyday, ::testing::ValuesIn(oracle::kPairs), [](const auto& info) {

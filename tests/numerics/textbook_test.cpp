@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs as textbooks have them (cde/accuracy/textbook.hpp): the operators they would take,
-// beside those of the pipes, as docs/tables/accuracy.md has them.
+// Pairs with textbook formulas (cde/accuracy/textbook.hpp): the operators that they would need,
+// compared with the pipes, as in docs/tables/accuracy.md.
 #include "cde/accuracy/textbook.hpp"
 
 #include <fmt/format.h>
@@ -17,8 +17,8 @@
 namespace cde::testing {
 namespace {
 
-/// Of all cases the most of each operator: a sweep that ends early, or a root that is not looked
-/// at, is hardware all the same.
+/// The largest count of each operator over all cases. A loop that ends early, or an unused root,
+/// needs its hardware anyway.
 template <class A, class B, class Answer>
 Tally most_operators(Pair pair, Answer answer) {
   constexpr std::uint64_t kSeed = 1;

@@ -14,15 +14,15 @@
 #include "cde/reference/traversal.hpp"
 #include "pair_through.hpp"
 
-/// Primaries through a hierarchy against all secondaries one by one.
+/// Primaries against a BVH, compared with brute force.
 namespace cde::testing {
 
-/// Thorough runs (CDE_FULL=1).
+/// Whether CDE_FULL=1 requests thorough runs.
 inline bool full() {
   return std::getenv("CDE_FULL") != nullptr;
 }
 
-/// What all secondaries give, by ascending primary, then index.
+/// Brute-force records, by ascending primary, then index.
 template <class P, class Secondary>
 std::vector<Record> swept(const std::vector<Secondary>& all, const std::vector<P>& primaries,
                           Mode mode) {
@@ -39,7 +39,7 @@ std::vector<Record> swept(const std::vector<Secondary>& all, const std::vector<P
     std::vector<Record> some;
     for (auto next = pass.next(); !next.empty(); next = pass.next()) {
       some.insert(some.end(), next.begin(), next.end());
-      if (mode != Mode::kHits) break;  // one a primary, of all secondaries
+      if (mode != Mode::kHits) break;  // one per primary, over all secondaries
     }
     std::stable_sort(some.begin(), some.end(), [](const Record& a, const Record& b) {
       return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
@@ -49,8 +49,8 @@ std::vector<Record> swept(const std::vector<Secondary>& all, const std::vector<P
   return records;
 }
 
-/// Records in these modes, by trees with leaves of one and of two, are those of all secondaries.
-/// `text` says a primary; more of the records than `least` are of ones that meet.
+/// Compares records in these modes with brute force, for BVHs with leaves of one and of two. `text`
+/// describes a primary. More than `least` records must be hits.
 template <class P, class Secondary, class Text>
 void expect_all_records(const std::vector<Secondary>& all, const std::vector<P>& primaries,
                         std::span<const Mode> modes, std::size_t least, const Text& text) {
@@ -76,7 +76,7 @@ void expect_all_records(const std::vector<Secondary>& all, const std::vector<P>&
         if (different++ < 3)
           ADD_FAILURE() << name_of(mode) << ", " << text(primaries[should[i].primary])
                         << ", number " << should[i].primary << ": T " << own[i].t << " of "
-                        << own[i].index << ", should be " << should[i].t << " of "
+                        << own[i].index << ", expected " << should[i].t << " of "
                         << should[i].index;
       }
       EXPECT_EQ(different, 0u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a transform is worth: every word that the card's transformer computes, and answers of pairs
-// whose shapes it moved, against the same motion in double precision.
+// Accuracy of transforms: every word that the card's transformer computes, and answers for pairs
+// with moved shapes, against the same motion in double precision.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -41,7 +41,7 @@ BasicTransform<double> exactly(const Transform& m) {
   return {m.rotation.cast<double>(), m.translation.cast<double>()};
 }
 
-/// sum_j |R_ij p_j|, a row each.
+/// sum_j |R_ij p_j|, one per row.
 Eigen::Vector3d products(const Transform& m, const Eigen::Vector3f& p) {
   return m.rotation.cast<double>().cwiseAbs() * p.cast<double>().cwiseAbs();
 }
@@ -59,7 +59,7 @@ Eigen::Vector3d direction_bound(const Transform& m, const Eigen::Vector3f& d) {
   return products(m, d).unaryExpr([](double x) { return rounding(3, x); });
 }
 
-/// Largest share of the bound that any component takes.
+/// The largest ratio of a component's error to its bound.
 double share(const Eigen::Vector3f& got, const Eigen::Vector3d& exact,
              const Eigen::Vector3d& bound) {
   return ((got.cast<double>() - exact).cwiseAbs().array() / bound.array()).maxCoeff();
@@ -82,7 +82,7 @@ TEST(TransformNumerics, EveryWordIsWithinItsRoundings) {
     EXPECT_EQ(moved.tmin, ray.tmin);
     EXPECT_EQ(moved.tmax, ray.tmax);
 
-    // d' = d + n'.t: three roundings of n' take part, then four of the sum.
+    // d' = d + n'.t: three roundings of n', then four of the sum.
     const Plane plane{random.unit(), random.in(-size, size)};
     const Plane moved_plane = reference::transformed(m, plane);
     const Eigen::Vector3d t = exact.translation, n = exact.rotation * plane.n.cast<double>();
@@ -98,19 +98,20 @@ TEST(TransformNumerics, EveryWordIsWithinItsRoundings) {
       box = std::max(box, share(moved_obb.rotation.col(k), exact.rotation * axis.cast<double>(),
                                 direction_bound(m, axis)));
     }
-    EXPECT_FALSE(reference::bad(moved_obb)) << "two rotations, each of doubles rounded once";
+    EXPECT_FALSE(reference::bad(moved_obb)) << "two rotations, each rounded once from doubles";
     EXPECT_FALSE(reference::bad(moved_plane));
   }
   std::printf("largest share of the bound: points %.2f, directions %.2f, plane %.2f, box %.2f\n",
               point, direction, distance, box);
   for (const double worst : {point, direction, distance, box}) {
     EXPECT_LE(worst, 1);
-    EXPECT_GT(worst, 0.1) << "a bound that nothing comes near says nothing";
+    EXPECT_GT(worst, 0.1) << "the bound is too loose to test anything";
   }
 }
 
-/// The signed gap: 16 u S is the contract of the pairs (S = |cB - cA|_1 and the extents of both),
-/// and as no gap changes by more than the points of its shapes do, the motion adds their bounds.
+/// The signed distance. The contract of the pairs is 16 u S (S = |cB - cA|_1 and the extents of
+/// both). No signed distance changes by more than the points of its shapes, so the motion adds
+/// their bounds.
 class Gaps {
  public:
   explicit Gaps(Pair pair) : pair_(pair) {}
@@ -165,7 +166,7 @@ TEST(TransformNumerics, AnswersAreThoseOfTheMotionInDoublePrecision) {
   Motions random;
   Gaps spheres(Pair::kSphereSphere), triangles(Pair::kTriangleSphere), boxes(Pair::kSphereObb);
   for (int i = 0; i < 50'000; ++i) {
-    // Both shapes somewhere else in the world first, then moved to where they meet.
+    // Both shapes start elsewhere in the world and move to where they meet.
     const float away = random.size();
     const auto onto = [&](const Eigen::Vector3f& from, float spread) {
       Transform m{random.rotation(), {}};

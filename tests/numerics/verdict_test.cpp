@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verdicts of a narrow first test (docs/background/certified_filters.md): whatever is proposed,
-// what is called certain is true, and the rounding of what decides is within its bound.
+// Certified filters (docs/background/certified_filters.md). For any proposal, every certain answer
+// is true, and the rounding of the deciding value is within its bound.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ using AllBodies = ::testing::Types<Bodies<BasicSphere, BasicSphere, Pair::kSpher
                                    Bodies<BasicObb, BasicCylinder, Pair::kObbCylinder>,
                                    Bodies<BasicCylinder, BasicCylinder, Pair::kCylinderCylinder>>;
 
-/// Normals and points near the true ones by all magnitudes, from nowhere, and no numbers at all.
+/// Proposed normals and points: near the true ones by all magnitudes, random ones, and NaNs.
 class Proposals {
  public:
   Proposal<float> next(const oracle::Gap& gap, double size) {
@@ -111,7 +111,7 @@ TYPED_TEST(Verdict, IsTrueWhateverIsProposed) {
   EXPECT_GT(hits, 300);
 }
 
-/// The gap along n in binary32 and in binary64 on the same words.
+/// The signed distance along n in binary32 and binary64 on the same words.
 TYPED_TEST(Verdict, RoundingIsWithinItsBound) {
   using A = typename TypeParam::template A<float>;
   using B = typename TypeParam::template B<float>;

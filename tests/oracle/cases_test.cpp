@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The generated operands are valid, reproducible, and near where the decisions are.
+// The generated operands are valid, reproducible, and close to the decisions.
 #include "cde/oracle/cases.hpp"
 
 #include <gtest/gtest.h>
@@ -92,7 +92,7 @@ TEST_P(EveryPair, IsDecidedBothWaysAndHalfOfItNearTheDecision) {
   EXPECT_LT(even_hits, kCount / 2 * 7 / 10);
 }
 
-/// What rounds to nearest even by itself, in binary32.
+/// The processor rounds to nearest even in binary32.
 TEST(Formats, RoundAndStepAsTheProcessorDoes) {
   const Format format;
   Random random(kSeed, 0, 0);
@@ -168,7 +168,7 @@ TEST_P(EveryPair, EverydayCasesAreValidOfTheirFormatAndTheSameEveryTime) {
       whole += std::all_of(c.b.begin(), c.b.end(), [](double x) { return x == std::round(x); });
     }
     EXPECT_GE(families.size(), 5U);
-    EXPECT_GT(whole, kCount / 20) << "people write whole numbers";
+    EXPECT_GT(whole, kCount / 20) << "too few whole numbers";
   }
   EXPECT_NE(everyday(GetParam(), kSeed, 0).describe(), generate(GetParam(), kSeed, 0).describe());
 }

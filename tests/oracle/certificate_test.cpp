@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The checker of certificates passes what is right and names what is wrong.
+// The certificate checker accepts correct answers and names errors.
 #include "cde/oracle/certificate.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 77;
 
-/// The right answer of two spheres, in binary64.
+/// The correct answer of two spheres, in binary64.
 Result of_spheres(const Sphere& a, const Sphere& b) {
   const Vec way = b.c - a.c;
   const double apart = way.norm();
@@ -78,7 +78,7 @@ TEST(Certificate, NamesWhatIsWrong) {
     EXPECT_EQ(failure([](Result& r) { r.n *= 1.001; }), Failure::kNotUnit) << i;
     EXPECT_EQ(failure([&](Result& r) { r.t += 1.5 * p.tol_t; }), Failure::kCertificate) << i;
     EXPECT_EQ(failure([&](Result& r) { r.t += 0.5 * p.tol_t; }), Failure::kNone) << i;
-    // An honest value of g, but of a normal that is 1 - cos(0.1) of the centre line worse.
+    // A true value of g, but for a normal that is 1 - cos(0.1) of the centre line worse.
     if (0.004 * (center(p.b) - center(p.a)).norm() > 2 * p.tol_t) {
       const auto tilt = [&](Result& r) {
         r.n = (r.n + 0.1 * r.n.unitOrthogonal()).normalized();
@@ -116,7 +116,7 @@ TEST(Certificate, KnowsThatAPlaneHasTwoNormals) {
   rounded.n.x() = 1e-3;
   EXPECT_EQ(check(box, plane, rounded).failure, Failure::kCertificate);
   Result beside = right;
-  beside.cp.x() = 1.1;  // the point of the plane is right, that of the box is not in the box
+  beside.cp.x() = 1.1;  // the plane's point is right, the box's point is not in the box
   EXPECT_EQ(check(box, plane, beside).failure, Failure::kWitness);
   Result flipped = right;
   flipped.n = Vec::UnitZ();
@@ -128,7 +128,7 @@ TEST(Certificate, OfALowerBoundReportsTheShortfallAndStillRefusesAMiss) {
   for (int i = 0; i < kCount; ++i) {
     const Case c = generate(Pair::kCylinderCylinder, kSeed, i);
     const Shape a = c.shape_a(), b = c.shape_b();
-    // The poorest list of normals there is: the centre line and the two axes.
+    // The poorest possible list of normals: the centre line and the two axes.
     Vec n = Vec::UnitZ();
     double s = -std::numeric_limits<double>::infinity();
     for (const Vec& guess :
@@ -143,7 +143,7 @@ TEST(Certificate, OfALowerBoundReportsTheShortfallAndStillRefusesAMiss) {
     EXPECT_NEAR(v.shortfall, std::max(0.0, v.gap.lo - s), 1e-12 * v.scale);
     short_of += v.shortfall > v.tolerance_t;
     false_hits += v.false_hit;
-    // Claiming more than s is refused, and so is a miss of what overlaps.
+    // Claiming more than s is refused, and so is a miss of overlapping shapes.
     const double more = v.gap.hi + 2 * v.tolerance_t;
     EXPECT_FALSE(check(a, b, {more <= 0, std::abs(more), cp, n}, lower).ok());
     if (v.gap.hi < -v.tolerance_t) {

@@ -23,7 +23,7 @@ namespace {
 
 using Object = fcl::CollisionObjectd;
 
-constexpr double kCore = 1e-6;  // of a sphere's radius that FCL sees
+constexpr double kCore = 1e-6;  // share of a sphere's radius that FCL gets
 
 double taken_off(const Shape& shape) {
   const auto* sphere = std::get_if<Sphere>(&shape);
@@ -106,7 +106,7 @@ std::vector<std::optional<double>> fcl_signed_distances(
   std::vector<std::optional<double>> answers;
   while (answers.size() < pairs.size()) {
     answer_in_child(pairs, answers.size(), answers);
-    if (answers.size() < pairs.size()) answers.emplace_back();  // the one it died of
+    if (answers.size() < pairs.size()) answers.emplace_back();  // the pair that ended it
   }
   return answers;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The certified signed gap: known answers, invariants, and intervals that contain the truth.
+// The certified signed distance: known answers, invariants, and intervals that contain the true
+// value.
 #include "cde/oracle/gap.hpp"
 
 #include <gtest/gtest.h>
@@ -73,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
         Known{"boxes_corner_on_corner", cube(kO), cube(Vec(2, 2, 2)), 0},
         Known{"boxes_concentric", cube(kO), Obb{kO, Vec(0.5, 0.25, 0.125), kNoTurn}, -1.125},
         Known{"boxes_edge_to_face", cube(kO), turned_cube(Vec(3, 0, 0)), 2 - kRoot2},
-        Known{"boxes_crossed_edges",  // edges along y + z and along x meet above one another
+        Known{"boxes_crossed_edges",  // edges along y + z and along x cross above each other
               Obb{kO, Vec::Ones(), Frame(Eigen::AngleAxisd(std::numbers::pi / 4, kY))},
               Obb{Vec(0, 0, 3), Vec::Ones(), Frame(Eigen::AngleAxisd(std::numbers::pi / 4, kX))},
               3 - 2 * kRoot2},
@@ -144,7 +145,7 @@ TEST(Gap, OfAPointIsItsSignedDistanceFromBoxAndCylinder) {
   }
   EXPECT_GT(inside, kCount / 10);
   EXPECT_LT(inside, kCount);
-  EXPECT_GE(converged, 2 * kCount * 999 / 1000);  // all but points almost on a cylinder's axis
+  EXPECT_GE(converged, 2 * kCount * 999 / 1000);  // all but points nearly on a cylinder's axis
 }
 
 class EveryConvexPair : public testing::TestWithParam<Pair> {};
@@ -176,7 +177,7 @@ TEST_P(EveryConvexPair, IsBoundedByEveryNormalAndByEveryPairOfPoints) {
     Random random(kSeed, 2, i);
     for (int k = 0; k < 100; ++k)
       EXPECT_LE(gap_along(a, b, random.direction()), gap.hi) << c.describe();
-    // Near the best normal, where it could go wrong.
+    // Near the best normal, where an error could occur.
     for (int k = 0; k < 100; ++k) {
       const double by = random.decades(1e-9, 1e-1);
       EXPECT_LE(gap_along(a, b, gap.n + by * random.direction()), gap.hi) << c.describe();
@@ -185,7 +186,7 @@ TEST_P(EveryConvexPair, IsBoundedByEveryNormalAndByEveryPairOfPoints) {
 }
 
 TEST_P(EveryConvexPair, ShrinksByTheWayTheShapesAreMovedTogether) {
-  // Along the normal s falls by exactly the way as long as the shapes stay apart.
+  // Along the normal s falls by exactly the translation while the shapes stay apart.
   int apart = 0;
   for (int i = 0; i < 400; ++i) {
     const Case c = generate(GetParam(), kSeed + 2, i);
@@ -216,7 +217,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryConvexPair,
                          });
 
 TEST(Gap, StopsAtItsBudgetWithAWideButRightInterval) {
-  // Two cylinders about one centre, a little tilted: a whole circle of normals is nearly best.
+  // Two cylinders about one centre, slightly tilted: a whole circle of normals is nearly best.
   const Shape a = Cylinder{kO, kZ, 5, 1}, b = Cylinder{kO, Vec(1e-6, 0, 1).normalized(), 5, 1};
   const Gap wide = signed_gap(a, b, {1e-9, 2000}), narrow = signed_gap(a, b, {1e-7, 2000000});
   EXPECT_FALSE(wide.converged);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The oracles against FCL and CGAL, which share nothing with them.
+// The oracles against FCL and CGAL, which share no code with them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST_P(FclAgrees, OnTheSignedGap) {
     const auto& [a, b] = pairs[i];
     ++compared;
     const Gap gap = signed_gap(a, b, {1e-9});
-    // Near round shapes GJK ends early, with a distance of two points, so too large.
+    // Near round shapes GJK ends early with the distance of two points, which is too large.
     const double size = scene_size(a, b);
     const double below = (gap.lo - fcl) / size, above = (fcl - gap.hi) / size;
     EXPECT_LE(below, 2e-9) << i << ": FCL " << fcl << ", s in [" << gap.lo << ", " << gap.hi << ']';
@@ -108,7 +108,8 @@ TEST(CgalAgrees, OnTrianglesMeetingBoxes) {
     } catch (const std::invalid_argument&) {
       continue;  // no area
     }
-    // Touching counts as meeting on either side; only the interval's width is left undecided.
+    // Touching counts as contact in both libraries; only distances within the interval's width are
+    // uncertain.
     const Gap gap = signed_gap(a, b);
     if (gap.lo > 0 || gap.hi < 0) {
       EXPECT_EQ(meet, gap.hi < 0) << c.describe();
@@ -130,7 +131,7 @@ TEST(CgalAgrees, OnRaysHittingTriangles) {
     ray.tmin = 0, ray.tmax = std::numeric_limits<double>::infinity();
     const auto triangle = std::get<Triangle>(c.shape_b());
     const Vec normal = (triangle.v1 - triangle.v0).cross(triangle.v2 - triangle.v0);
-    if (normal.dot(ray.d) == 0) continue;  // in the plane CGAL counts hits, the pipe does not
+    if (normal.dot(ray.d) == 0) continue;  // CGAL counts hits in the plane, the pipe does not
     try {
       const bool hit = cgal_intersect(ray, triangle);
       EXPECT_EQ(cast(ray, triangle).hit, hit) << c.describe();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exact answers of rays: known ones, and margins that mean what they say.
+// Exact answers for rays: known ones, and margins that have the stated meaning.
 #include "cde/oracle/rays.hpp"
 
 #include <gtest/gtest.h>
@@ -109,7 +109,7 @@ TEST(RayMargin, IsADisplacementThatTheDecisionSurvives) {
         const Shape near = moved(c.shape_b(), 0.3 * length * random.direction());
         EXPECT_EQ(cast_at(ray, near).hit, answer.hit) << c.describe();
         ++kept;
-        // A displacement somewhat larger, in one of a few directions, does flip it.
+        // A slightly larger displacement, in one of a few directions, changes the answer.
         flips |=
             cast_at(ray, moved(c.shape_b(), 10 * length * random.direction())).hit != answer.hit;
       }

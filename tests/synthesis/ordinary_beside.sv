@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adder and multiplier of rtl/fp beside those in the ordinary style.
-// Latency: 1 clock. Throughput: one a clock. Stall: none.
+// Adder and multiplier of rtl/fp next to those in the ordinary style.
+// Latency: 1 cycle. Throughput: one result per cycle. Stall: none.
 module ordinary_beside #(
     parameter  int EXP = 8,
     parameter  int MAN = 23,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The adder and multiplier in the ordinary style (tools/prices/ordinary/), whose area rtl/fp is
-// compared with, compute what fp_add and fp_mul compute: every pair of operands of small formats,
-// and hard and random ones of the others.
+// The adder and multiplier in the ordinary style (tools/prices/ordinary/), whose area is compared
+// with rtl/fp, compute the same values as fp_add and fp_mul. Tests every pair of operands of small
+// formats, and hard and random operands of the others.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -41,7 +41,7 @@ void compare_all(Format format) {
       ASSERT_NO_FATAL_FAILURE(compare(units, a, b));
 }
 
-/// Magnitudes at the edges of every range, in both signs.
+/// Magnitudes at the edges of every range, with both signs.
 std::vector<std::uint32_t> hard_operands(Format format) {
   const std::uint32_t fraction = (1U << format.man) - 1;
   const std::uint32_t sign = 1U << (format.width() - 1);
@@ -68,15 +68,15 @@ void compare_many(Format format) {
     const std::uint32_t a = dice() & mask;
     std::uint32_t b = dice() & mask;
     switch (i % 4) {
-      case 1:  // of about the same exponent
+      case 1:  // nearly the same exponent
         b = (b & ~exponents) | (((a & exponents) + ((dice() % 4) << format.man)) & exponents);
         break;
-      case 2:  // a product about the smallest normal
+      case 2:  // a product near the smallest normal number
         b = (b & ~exponents) | (((1U << (format.exp - 1 + format.man)) - (a & exponents) -
                                  ((dice() % format.width()) << format.man)) &
                                 exponents);
         break;
-      case 3:  // hard ones with any
+      case 3:  // a hard operand with any operand
         b = hard[dice() % hard.size()];
         break;
       default:

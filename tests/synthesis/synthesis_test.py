@@ -147,7 +147,7 @@ class Tables(unittest.TestCase):
         self.assertFalse(again.holds(self.design, 4, "yosys 0.70, nextpnr-ecp5 0.11.1"))
         self.assertFalse(again.holds(self.design, 3, "yosys 0.71, nextpnr-ecp5 0.11.1"))
         self.assertEqual(synthesis("check", "--table", str(self.file))[0], 0)
-        # Sources that are no longer so, or are gone.
+        # Sources that have changed, or are missing.
         old = dict(self.hashes, **{"rtl/fp/fp_add_lane.sv": "0" * 12, "rtl/fp/fp_gone.sv": "1" * 12})
         kept.put(self.design, row_of(self.design, old), old)
         status, said, _ = synthesis("check", "--table", str(self.file))

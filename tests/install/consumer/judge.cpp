@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Judges two spheres by the certified oracle, and reads a word of a wave as a number.
+// Checks two spheres with the certified oracle, and reads a word of a wave as a number.
 #include <cde/oracle/gap.hpp>
 #include <cde/wave/value.hpp>
 #include <cstdio>

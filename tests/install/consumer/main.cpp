@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Casts two rays at a terrain on a simulated card and compares the answers with the reference. With
-// an argument, the card's bitstream must lie in that folder.
+// an argument, the card's model must lie in that folder.
 #include <cde/card/board.hpp>
 #include <cde/mesh/terrain.hpp>
 #include <cde/reference/reference.hpp>

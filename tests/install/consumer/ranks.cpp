@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work dealt by a program of somebody else, as docs/guides/many_machines.md says.
+// A user's program that distributes work, as docs/guides/many_machines.md shows.
 #include <cde/jobs/mpi_ranks.hpp>
 #include <cstdio>
 
