@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card: local bus, primary and secondary register files, collision detection engine, update engine, record memory.
-// DDR and SRAM chips are outside; the ports name what they need. All of it runs on one core clock; the engine's part is
-// gated while no pass runs. This is wiring; its parameters are those of config.svh, and all but them comes from CONFIG.
+// The card without its bus bridge: local bus, primary and secondary register files, collision detection engine, update
+// engine, record memory. DDR and SRAM chips are outside, and the ports carry their signals. There is one core clock;
+// the
+// engine's part is gated while no pass runs. This module is wiring. Its parameters are those of config.svh, and
+// everything
+// else comes from CONFIG.
 `include "config.svh"
 module board #(
     `CARD_PARAMETERS,
@@ -30,9 +33,9 @@ module board #(
     output logic ddr_write_o,  // 64 bits at a byte offset
     output logic [31:0] ddr_write_addr_o,
     output logic [63:0] ddr_write_data_o,
-    // with ECC, check bits of the words; as many of the 8 as secded.svh has
+    // with ECC, check bits of the words: the lower bits of the 8, as secded.svh defines
     output logic [64/CW-1:0][7:0] ddr_write_check_o,
-    output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
+    output logic ddr_read_o,  // reads DDR_WORDS words at an address in words; data comes in order
     output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
     input logic [records_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
@@ -43,7 +46,7 @@ module board #(
     output logic [RECORD_WORDS-1:0][CW-1:0] sram_write_data_o,
     output logic sram_read_o,
     output logic [SRAM_AW-1:0] sram_read_addr_o,
-    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the cycle after sram_read_o
+    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // one cycle after sram_read_o
 );
   localparam int ROW_W = config_pkg::index_bits(CONFIG.primaries / CONFIG.lanes);
   localparam int PRIM_W = $clog2(CONFIG.primaries);
@@ -62,7 +65,7 @@ module board #(
   logic [CONFIG.primaries-1:0] active, prim_bad;
   logic [15:0] latency;
   logic object_write, objects_good, objects_busy, posed;
-  card_pkg::pass_t command;  // what a pass that starts now would do
+  card_pkg::pass_t command;  // the pass that a go would start now
   card_pkg::events_t events;
   card_pkg::issue_t issue;
   card_pkg::writeback_t writeback;
@@ -88,7 +91,7 @@ module board #(
       .access_o(access), .others_i(hierarchy_rdata), .provided_good_i(provided_good),
       .hierarchy_good_i(hierarchy_good), .node_error_i(node_error));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
-  // Of what sweeps: still while rays go through the hierarchy.
+  // Clock of the brute-force pass. It stands still during a BVH pass.
   logic clk_sweep, walking;
   logic [hierarchy_pkg::WAY_BITS-1:0] walked_way;
   if (CONFIG.node_units != 0) begin : g_sweep
@@ -103,8 +106,8 @@ module board #(
   localparam int BEAT = records_pkg::DDR_WORDS;
   logic ddr_valid;
   logic [BEAT-1:0][CW-1:0] ddr_data;
-  logic [3:0] ddr_words;  // of the beat that belong to a slot
-  // Readers of DDR: the secondaries of a sweep, and those of a hierarchy's leaves.
+  logic [3:0] ddr_words;  // words of the beat that belong to a slot
+  // Readers of DDR: the secondary register file, and the leaf reader of the BVH.
   localparam logic [1:0] READERS = {CONFIG.node_units != 0, 1'b1};
   card_pkg::ddr_request_t [1:0] readers_ask;
   card_pkg::ddr_request_t ddr_request;
@@ -125,7 +128,7 @@ module board #(
   logic [SEC_WORDS-1:0][CW-1:0] secondary, moved;
   logic [31:0] sec_index;
   logic [OBJECT_W-1:0] range_entry;
-  // What is to be moved: of sweeps, of the hierarchy's leaves.
+  // Slots to transform: [0] of brute-force passes, [1] of BVH leaves.
   logic [1:0] moving;
   logic [1:0][OBJECT_W-1:0] transform_entry;
   logic [1:0][SEC_WORDS-1:0][CW-1:0] unmoved;
@@ -167,7 +170,7 @@ module board #(
     assign pose_slot = '0;
   end
 
-  // ---- Sequencer: the units that do passes ----
+  // ---- Units that do passes ----
   localparam int UNITS = (CONFIG.node_units != 0) ? card_pkg::UNITS : 1;
   logic [UNITS-1:0] unit_valid, unit_ready, unit_abort, unit_busy, unit_done;
   pass_dispatch #(.UNITS(UNITS)) dispatch (
@@ -246,7 +249,7 @@ module board #(
         .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((LEAF * CW)'(moved)),
         .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(walked_write), .record_o(walked_record));
     assign unmoved[1] = (SEC_WORDS * CW)'(leaf_unmoved);
-    logic unused_rest;  // slots may be shorter, and longer
+    logic unused_rest;  // slots may be shorter or longer
     assign unused_rest = &{1'b0, leaf_unmoved, walked_way};
   end else begin : g_sweeps_alone
     assign {node_corrected, hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write, walking} = '0;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A PCI card: pci_bridge on one side, the board on the other, the local bus between them.
-// Two cycles: PCI's, and the core's for everything else. The ports are those of the two modules. Reset: `rst_i` is one
-// line for both domains, held for at least four cycles of each; with RESET_STAGES = 0 synchronous to both, as in a
-// simulation. Hardware has 2 or more: then it begins at once and each domain leaves it by its own clock, in either
-// order. Constraints: card.sdc.
-// Latency, throughput and stalls: those of the modules.
+// A PCI card: pci_bridge on one side, the board on the other, and the local bus between them.
+// It has two clocks: the PCI clock, and the core clock for everything else. The ports are those of the two modules.
+// Reset: `rst_i` is one line for both domains, held for at least four cycles of each. With RESET_STAGES = 0 it must be
+// synchronous to both, as in a simulation. Hardware has 2 or more: then reset begins at once, and each domain leaves it
+// with its own clock, in any order. Constraints: card.sdc.
+// Latency, throughput and stall: as in the modules.
 `include "config.svh"
 module card #(
     `CARD_PARAMETERS,
-    parameter int RESET_STAGES = 0,  // of the reset synchronisers, one a domain: 0, or 2 and more (reset_sync)
+    parameter int RESET_STAGES = 0,  // of the reset synchronisers, one per domain: 0, or 2 and more (reset_sync)
     parameter logic [63:0] CONFIG_HASH = 0,
     localparam config_pkg::config_t CONFIG = `CARD_CONFIG,
     localparam int CW = formats_pkg::container(EXP, MAN),
@@ -23,7 +23,7 @@ module card #(
     input logic [63:0] pci_ad_i,
     output logic [63:0] pci_ad_o,
     output logic pci_ad_oe,
-    output logic pci_ad64_oe,  // of the upper half
+    output logic pci_ad64_oe,  // enable of the upper half
     input logic [7:0] pci_cbe_n_i,
     output logic [7:0] pci_cbe_n_o,
     output logic pci_cbe_oe,
@@ -66,9 +66,9 @@ module card #(
     output logic ddr_write_o,  // 64 bits at a byte offset
     output logic [31:0] ddr_write_addr_o,
     output logic [63:0] ddr_write_data_o,
-    // with ECC, check bits of the words; as many of the 8 as secded.svh has
+    // with ECC, check bits of the words: the lower bits of the 8, as secded.svh defines
     output logic [64/CW-1:0][7:0] ddr_write_check_o,
-    output logic ddr_read_o,  // DDR_WORDS words from an address in words; answers come in order
+    output logic ddr_read_o,  // reads DDR_WORDS words at an address in words; data comes in order
     output logic [31:0] ddr_read_word_o,
     input logic ddr_valid_i,
     input logic [records_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
@@ -79,7 +79,7 @@ module card #(
     output logic [RECORD_WORDS-1:0][CW-1:0] sram_write_data_o,
     output logic sram_read_o,
     output logic [SRAM_AW-1:0] sram_read_addr_o,
-    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // the cycle after sram_read_o
+    input logic [RECORD_WORDS-1:0][CW-1:0] sram_read_data_i  // one cycle after sram_read_o
 );
   logic rst_core, bus_valid, bus_write, bus_ready, bus_rvalid, irq;
   logic [registers_pkg::SPACE_BITS-1:0] bus_space;

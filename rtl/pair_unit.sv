@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// One pipe by itself: LANES pairs per cycle in, each lane with a primary and a secondary of its own, with the check of
-// the input contract and the handling of bad input. What `cde query`, the regressions and the benchmarks of pairs run
-// on.
-// Latency: latency_o cycles. Throughput: LANES pairs in FACET_II cycles; cylinder pairs, LANES pairs in as many cycles
-// as their budget takes passes.
-// Stall: ready_o for cylinder pairs (cylinder_pair.sv) and with FACET_II = 3 (row_interval.sv); the others run free,
-// ready_o = 1.
+// One pipe as a top module: per cycle, LANES pairs, each lane with its own primary and secondary.
+// It checks the input contract and handles bad input. `cde query`, the regressions and the benchmarks of pairs use it.
+// Latency: latency_o cycles.
+// Throughput: LANES pairs per FACET_II cycles.
+// Cylinder pairs: LANES pairs per as many cycles as their iterations take passes.
+// Stall: ready_o of cylinder pairs (cylinder_pair.sv), and with FACET_II = 3 (row_interval.sv).
+// Other pipes run free, ready_o = 1.
 module pair_unit #(
     parameter int PAIR = 0,       // pairs_pkg::PAIR_*
-    parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
+    parameter int ALGORITHM = 0,  // ray-triangle: pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // as in config.svh
-    parameter int HALF_SPACE = 0,  // of pairs with a plane, 1: the plane is the solid n.x <= d
-    parameter int FACET_II = 1,  // of pairs with facets: cycles from one row to the next, 1 or 3
+    parameter int HALF_SPACE = 0,  // pairs with a plane, 1: the plane is the solid n.x <= d
+    parameter int FACET_II = 1,  // pairs with candidate axes: cycles from one row to the next, 1 or 3
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 8,
@@ -28,7 +28,7 @@ module pair_unit #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [23:0] budget_i,  // of cylinder pairs (cylinder_pair.sv); constant while anything is in flight
+    input logic [23:0] budget_i,  // cylinder pairs: iterations (cylinder_pair.sv); constant while a row is in flight
     input logic valid_i,
     output logic ready_o,
     input logic [31:0] tag_i,
@@ -54,13 +54,13 @@ module pair_unit #(
 
   logic [LANES-1:0][CW-1:0] bad_a, bad_b, bad_check, bad, f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
-  // The host's arithmetic takes operands from registers: what depends on inputs is simulated on both edges of every
-  // clock.
+  // Host arithmetic takes operands from registers.
+  // Verilator would evaluate logic on inputs at both edges of every clock.
   localparam bit HELD = ARITH != "rtl";
   logic [31:0] tag;
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b;
-  logic taken;  // a and b are operands of this clock
+  logic taken;  // a and b are operands of this cycle
   if (HELD) begin : g_held
     always_ff @(posedge clk_i) taken <= valid_i && ready_o;
     always_ff @(posedge clk_i) if (valid_i && ready_o) {tag, a, b} <= {tag_i, a_i, b_i};
@@ -90,7 +90,7 @@ module pair_unit #(
   end else begin : g_free
     logic unused_budget;
     assign unused_budget = &{1'b0, budget_i};
-    logic [15:0] latency, rest;  // rest: from where a and b are
+    logic [15:0] latency, rest;  // rest: cycles from a and b to the result
     assign latency_o = 32'(latency);
     assign rest = latency - 16'(HELD);
     row_interval #(.INTERVAL(FACET_II)) interval (.clk_i, .rst_i, .take_i(valid_i && ready_o), .ready_o);

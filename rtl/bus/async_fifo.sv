@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// FIFO between two clock domains, by Gray-coded pointers and two-stage synchronisers (C. E. Cummings, "Simulation and
-// Synthesis Techniques for Asynchronous FIFO Design", SNUG 2002, style 1). What a side sees of the other is late, never
-// early:
-// the writer may
-// see less room, the reader fewer entries than there are. Both resets are held together for at least three cycles of
-// each side.
-// A side's clock may be gated; the reader's synchroniser runs on `rclk_free_i`, so that `valid_o` can open the gate.
-// Latency: 3 cycles of the reader from a write to valid_o.
+// FIFO between two clock domains, with Gray-coded pointers and two-stage synchronisers (C. E. Cummings, "Simulation and
+// Synthesis Techniques for Asynchronous FIFO Design", SNUG 2002, style 1). Each side sees the other side's pointer
+// late,
+// never early. So the writer may see less room, and the reader fewer entries, than there are. Both resets are held
+// together for at least three cycles of each side. A side's clock may be gated. The reader's synchroniser runs on
+// `rclk_free_i`, so that `valid_o` can open the gate.
+// Latency: 3 cycles of the reader's clock from a write to valid_o.
 // Throughput: one entry per cycle.
 // Stall: room_o, valid_o.
 module async_fifo #(
@@ -26,14 +25,14 @@ module async_fifo #(
     output logic valid_o,
     output logic [W-1:0] rdata_o,
     input logic read_i,
-    output logic settled_o  // for a simulator: another clock of the reader's synchroniser changes nothing
+    output logic settled_o  // for a simulator: the next edge of the reader's synchroniser changes nothing
 );
   if (DEPTH < 4 || (1 << AW) != DEPTH) begin : g_illegal
     $error("async_fifo: DEPTH must be a power of two, at least 4");
   end
   logic [W-1:0] memory[DEPTH];
   logic [AW:0] wbin_q, wgray_q, rbin_q, rgray_q, wnext, rnext, rbin_seen;
-  // Synchronisers; card.sdc names them.
+  // Synchronisers. card.sdc names them.
   (* ASYNC_REG = "TRUE" *) logic [AW:0] rgray_w1_q, rgray_w2_q;
   (* ASYNC_REG = "TRUE" *) logic [AW:0] wgray_r1_q, wgray_r2_q;
 
@@ -72,7 +71,7 @@ module async_fifo #(
   end
 
 `ifndef SYNTHESIS
-  // By the pointers as they are, not by what a side is told of the other's.
+  // By the true pointers, not by a side's synchronised copy.
   always_ff @(posedge wclk_i)
     if (!wrst_i) assert (!(write_i &&
         wbin_q - rbin_q == (AW + 1)'(DEPTH))) else $error("async_fifo: written while full");

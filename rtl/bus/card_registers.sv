@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card's end of the local bus: one 64-bit beat a clock into a space (registers_pkg::SPACE_*). Holds the
-// registers, checks every access against its space, and forwards beats to the primary register file, DDR and the SRAM
-// ring. The PCI target and the DMA engine are masters of this port; nothing behind it knows which bus the host is on.
-// A beat is registered first and served the cycle after; everything here but the counters is clocked only while a beat
-// is on its way, so that an idle bus costs nothing.
+// Slave of the local bus: one 64-bit beat per cycle into a space (registers_pkg::SPACE_*). It holds the registers,
+// checks
+// every access against its space, and forwards beats to the primary register file, DDR and the SRAM ring. The PCI
+// target
+// and the DMA engine are masters of this port, and modules behind it do not depend on the host's bus.
+// A beat is registered first and served in the next cycle. Everything here except the counters is clocked only during a
+// beat, so an idle bus costs nothing.
 // Latency: read data 2 cycles after the beat is taken.
 // Throughput: one beat per cycle.
-// Stall: ready_o is low while an SRAM read waits for the ring, and while a control write waits for the verdict on an
+// Stall: ready_o is low while an SRAM read waits for the ring, and while a control write waits for the check of an
 // object.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
@@ -51,7 +53,7 @@ module card_registers #(
 
     output logic go_o,
     output logic abort_o,
-    output card_pkg::pass_t pass_o,  // the command, and what goes with it; NO_PAIR for a second one that is not wanted
+    output card_pkg::pass_t pass_o,  // the command and its settings; NO_PAIR if there is no second pair
     output logic [PRIMARIES-1:0] active_o,  // present and not masked
     input logic busy_i,
     input logic done_i,
@@ -62,13 +64,13 @@ module card_registers #(
     output logic object_write_o,  // into the object tables
     input logic objects_good_i,
     input logic objects_busy_i,
-    input logic posed_i,  // wants a clock of the bus
+    input logic posed_i,  // needs an edge of the bus clock
 
-    // Of a hierarchy.
+    // BVH.
     output card_pkg::access_t access_o,
-    input logic [63:0] others_i,  // what is read there
-    input logic provided_good_i,  // the value of REG_RAYS
-    input logic [1:0] hierarchy_good_i,  // settings: of rays, of nodes
+    input logic [63:0] others_i,  // read data of other modules
+    input logic provided_good_i,  // the value written to REG_RAYS is valid
+    input logic [1:0] hierarchy_good_i,  // settings are valid: of primaries, of nodes
     input logic node_error_i
 );
   logic ready, rvalid_q;
@@ -131,7 +133,7 @@ module card_registers #(
       (TRANSFORM == pairs_pkg::TRANSFORM_BOTH && addr_q >= registers_pkg::PRIM_OBJECT_TABLE &&
           addr_q < registers_pkg::PRIM_OBJECT_TABLE + PRIM_OBJECT_BYTES);
 
-  // What an access may touch. Memories and settings are not written while a pass runs.
+  // Allowed accesses. Memories and settings are not written while a pass runs.
   always_comb begin
     allowed = 0;
     case (space_q)
@@ -180,7 +182,7 @@ module card_registers #(
   assign ddr_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_DDR;
   assign sram_pop_o = read && allowed && space_q == registers_pkg::SPACE_SRAM;
 
-  // Whether the secondaries lie in DDR; a multiplication, so only while something is written.
+  // End of the secondaries in DDR. It needs a multiplication, so simulation computes it only during writes.
   logic [63:0] sec_end;
   pairs_pkg::words_t sec_words;
   pairs_pkg::shape_t sec_shape, sec_shape2;
@@ -190,8 +192,7 @@ module card_registers #(
   assign sec_words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape)));
   assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
   assign pair_there = pairs_pkg::has(PAIRS, int'(command_q.pair));
-  // A second pair: another pipe that takes the same secondaries and has primaries of its own; only one of them can
-  // stream.
+  // A second pair: another pipe with the same secondaries and its own primaries. Streaming modes allow no second pair.
   assign sec_shape2 = pairs_pkg::SHAPE_BITS'(command_q.second_swap ?
       pairs_pkg::primary_shape(int'(command_q.second_pair)) :
       pairs_pkg::secondary_shape(int'(command_q.second_pair)));
@@ -200,11 +201,11 @@ module card_registers #(
           command_q.second_pair != command_q.pair && sec_shape2 == sec_shape &&
       command_q.mode <= registers_pkg::MODE_ANY && (SWAP != 0 ||
           !command_q.second_swap) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
-  // Work of cylinder pairs; unused by others, and then not looked at.
+  // Iterations of cylinder pairs. Cards without such pairs ignore them.
   assign budget_ok = (PAIRS & pairs_pkg::RING_PAIRS) == 0 || ((budget_q.m == 8'd4 || budget_q.m == 8'd8 ||
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
-  // Through the hierarchy go rays, and solids but for their farthest; no secondary beyond the count is in it.
+  // BVH passes are for rays and solids; solids have no mode farthest. No secondary beyond the count is in the tree.
   localparam hierarchy_pkg::ways_t WAYS = (NODE_UNITS != 0) ? hierarchy_pkg::card_ways(CONFIG) : '0;
   logic sweep_ok, walk_ok, walk_pair_ok, walks_solid;
   logic [hierarchy_pkg::WAY_BITS-1:0] way;
@@ -226,7 +227,7 @@ module card_registers #(
   assign sweep_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
-  // Objects in use, of primaries too, are in contract or go is refused; their ranges take the place of the one in the
+  // The objects in use, also of primaries, must be in contract, or go is refused. Their ranges replace the range in the
   // registers.
   assign secondaries_ok = (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && (object_count_q != 0 ||
       (sec_count_q != 0 && sec_end <= DDR_BYTES));
@@ -250,7 +251,7 @@ module card_registers #(
   assign active_o = present_q & ~stencil_q[PRIMARIES-1:0];
   assign irq_o = done_q || command_error_q || bus_error_q || sram_full_i;
 
-  registers_pkg::ecc_t ecc_q;  // words of DDR
+  registers_pkg::ecc_t ecc_q;  // counts of DDR words
   registers_pkg::id_t id;
   registers_pkg::caps_t caps;
   registers_pkg::caps3_t caps3;
@@ -275,7 +276,7 @@ module card_registers #(
     caps3.normals = 1'(NORMALS);
     caps3.swap = 1'(SWAP);
   end
-  // What changes is put together where it is read: simulation would do it in every cycle.
+  // Variable fields are assembled where they are read: simulation would otherwise do it in every cycle.
   function automatic registers_pkg::caps2_t caps2_of(input logic [15:0] latency);
     caps2_of = '0;
     caps2_of.node_units = 8'(NODE_UNITS);

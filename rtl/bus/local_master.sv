@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Master of the local bus in the core's clock domain: serves requests that come out of the request FIFO in order, and
-// sends what is read, and changes of the card's interrupt line, into the response FIFO.
-// A request is a write of one beat, or a read of as many beats as its data word says, at ascending offsets.
-// Latency: none from the FIFO to the bus.
+// Master of the local bus in the core's clock domain. It serves requests from the request FIFO in order. Read data and
+// changes of the card's interrupt line go to the response FIFO.
+// A request is a write of one beat, or a read at ascending offsets. The data word of a read is its number of beats.
+// Latency: 0 cycles from the FIFO to the bus.
 // Throughput: one beat per cycle.
-// Stall: bus_ready_i; reads also while the response FIFO could overflow. The clock of its registers is gated while
-// there is nothing to do.
+// Stall: bus_ready_i; reads also while the response FIFO could overflow. The clock of its registers is gated while it
+// is
+// idle.
 module local_master #(
-    parameter int ROOM_W = 5  // of the response FIFO's room
+    parameter int ROOM_W = 5  // bits of the response FIFO's room
 ) (
     input logic clk_i,
     input logic rst_i,
@@ -29,7 +30,8 @@ module local_master #(
   logic [ROOM_W-1:0] inflight_q;
   clock_gate gate (.clk_i, .enable_i(request_valid_i | inflight_q != 0 | irq_i != irq_q | rst_i), .clk_o);
 
-  // Answers carry the tag of the last read: another one waits for them. One place is kept for the interrupt line.
+  // Responses carry the tag of the last read, so a read with another tag waits. One place is kept for the interrupt
+  // line.
   assign may_read = response_room_i > inflight_q + 1 && (inflight_q == 0 || request_i.tag == tag_q);
   assign valid = request_valid_i && (request_i.write || may_read);
   assign bus_o.valid = valid;

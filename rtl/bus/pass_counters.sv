@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counters that a unit brings: a number of events a clock and counter is summed from the beginning of a pass on, and is
-// read at the counter's register in the table (registers_pkg::COUNTER_REGISTERS), where the unit's begin at FIRST.
-// They start at 0 with every pass and stay until the next.
-// What is read here and in other such modules and card_registers is one of them, the others show 0: the card ORs them.
-// The engine has no such module: the order of its events in an array took 5 to 9 % of the simulated speed (16 lanes).
-// Latency: a count 1 cycle, a read 1 clock of the bus.
+// Event counters of a unit. Each counter sums a number of events per cycle from the beginning of a pass. It is read at
+// its
+// register in registers_pkg::COUNTER_REGISTERS, where the unit's counters begin at FIRST. Counters start at 0 with
+// every
+// pass and keep their value until the next. A read selects one counter of the card, and all other modules return 0: the
+// card ORs them. The engine does not use this module, because an array of its events slows down simulation.
+// Latency: 1 cycle per count, 1 cycle of the bus clock per read.
 // Throughput: every counter counts, and one is read, per cycle.
 // Stall: none.
 module pass_counters #(
@@ -14,13 +15,13 @@ module pass_counters #(
     input logic clk_i,
     input logic rst_i,
     input logic clear_i,
-    input logic [COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] counts_i,  // events of this clock
+    input logic [COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] counts_i,  // events of this cycle
 
     input logic clk_bus_i,
-    input logic read_i,   // there is a read,
-    input logic there_i,  // of a register that may be read,
+    input logic read_i,   // a read,
+    input logic there_i,  // of an allowed register,
     input logic [11:0] offset_i,
-    output logic [63:0] rdata_o  // of the last read; 0 where it was of no counter
+    output logic [63:0] rdata_o  // data of the last read; 0 if it was of another register
 );
   if (FIRST < 0 || COUNTERS < 1 || FIRST + COUNTERS > registers_pkg::COUNTERS) begin : g_counters
     $error("pass_counters: FIRST and COUNTERS must be some of the %0d of the table", registers_pkg::COUNTERS);

@@ -1,29 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// PCI Local Bus 2.3 device, 64 bits and 66 MHz, in front of a local bus: target (pci_target), bus master (pci_master)
-// and scatter-gather DMA (pci_dma) in the PCI clock domain, master of the local bus (local_master) in the core's. The
-// domains meet in two asynchronous FIFOs, requests one way, read data and the card's interrupt line the other.
+// PCI Local Bus 2.3 device, 64 bits and 66 MHz, in front of a local bus. Target (pci_target), bus master (pci_master)
+// and
+// scatter-gather DMA (pci_dma) are in the PCI clock domain. The master of the local bus (local_master) is in the
+// core's.
+// Two asynchronous FIFOs connect the domains: one for requests, one for read data and the card's interrupt line.
 //
-// Shared pins come as _i (the wire), _o and _oe; signals that are low when asserted have an _n. All outputs are
+// Shared pins are split into _i (the wire), _o and _oe. Signals that are low when asserted have an _n. All outputs are
 // registers.
 // BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (pci_pkg::PCI_*).
-// While no FRAME# is asserted and nothing is under way, the PCI side's clock is gated but for the FIFO's synchroniser.
-// Reset: `rst_i` is one line for both domains, held for at least four cycles of each. With RESET_STAGES = 0 it is
-// synchronous to both clocks, as in a simulation; hardware has 2 or more, and then it may come from anywhere
+// While no FRAME# is asserted and no access is under way, the PCI side's clock is gated, except for the FIFO's
+// synchroniser.
+// Reset: `rst_i` is one line for both domains, held for at least four cycles of each. With RESET_STAGES = 0 it must be
+// synchronous to both clocks, as in a simulation. Hardware has 2 or more, and then it may be asynchronous
 // (reset_sync.sv).
-// Latency, throughput and stalls: those of the modules.
+// Latency, throughput and stall: as in the modules.
 module pci_bridge #(
     parameter int RESET_STAGES = 0  // of the reset synchronisers, as in reset_sync
 ) (
     input logic clk_pci_i,
     input logic clk_i,
     input logic rst_i,
-    output logic rst_o,  // of the core's domain
-    output logic idle_o,  // for a simulator: with these inputs a clock of the PCI side changes nothing
+    output logic rst_o,  // reset of the core's domain
+    output logic idle_o,  // for a simulator: with these inputs, the next edge of the PCI clock changes nothing
 
     input logic [63:0] pci_ad_i,
     output logic [63:0] pci_ad_o,
     output logic pci_ad_oe,
-    output logic pci_ad64_oe,  // of the upper half
+    output logic pci_ad64_oe,  // enable of the upper half
     input logic [7:0] pci_cbe_n_i,
     output logic [7:0] pci_cbe_n_o,
     output logic pci_cbe_oe,
@@ -106,7 +109,7 @@ module pci_bridge #(
   assign idle_o = !active && response_settled;
   clock_gate gate (.clk_i(clk_pci_i), .enable_i(active), .clk_o(clk));
 
-  // ---- Parity: over what was on the bus in the cycle before ----
+  // ---- Parity over the bus in the previous cycle ----
   logic par_q, par64_q, parity_error, parity64_error;
   assign parity_error = par_q != par;
   assign parity64_error = par64_q != par64;
@@ -179,7 +182,7 @@ module pci_bridge #(
       ~{master_frame, master_req64, master_irdy, master_req};
   assign pci_req64_oe = pci_frame_oe;
 
-  // PERR# is driven high for a cycle before it is left alone; SERR# and INTA# are pulled up.
+  // PERR# is driven high for one cycle before it is released. SERR# and INTA# have pull-ups.
   assign perr = master_perr | (target_perr & parity);
   assign pci_perr_n_o = !perr;
   assign pci_perr_oe = perr | perr_q;
@@ -230,7 +233,7 @@ module pci_bridge #(
       .local_offset_o(local_offset), .local_data_o(local_data), .local_ready_i(local_ready),
       .local_rvalid_i(local_rvalid), .local_rdata_i(response_data));
 
-  // ---- Where an access of the host goes; it comes before the DMA's ----
+  // ---- Destination of a host access, which has priority over the DMA's ----
   logic to_card, to_pages, page_read_q, room, forward, response_irq, response_dma;
   logic [$clog2(REQUESTS):0] request_room;
   logic [$clog2(RESPONSES):0] response_room;
@@ -256,7 +259,7 @@ module pci_bridge #(
     end
   end
 
-  // ---- The core's side ----
+  // ---- Core side ----
   logic clk_local, local_request_valid, local_request_pop, response_write, unused_settled;
   card_pkg::local_request_t request, local_request;
   card_pkg::local_response_t response;

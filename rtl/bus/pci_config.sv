@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Type 0 configuration space of PCI Local Bus 2.3, chapter 6: identity, command and status, class, latency timer, BAR0,
 // interrupt.
-// Latency: reads none, writes 1 cycle.
+// Latency: 0 cycles for reads, 1 cycle for writes.
 // Throughput: one access per cycle.
 // Stall: none.
 module pci_config (
     input logic clk_i,
     input logic rst_i,
     input logic write_i,
-    input logic [5:0] index_i,  // of a 32-bit register
-    input logic [3:0] enable_i, // its bytes
+    input logic [5:0] index_i,  // number of the 32-bit register
+    input logic [3:0] enable_i, // byte enables
     input logic [31:0] wdata_i,
     output logic [31:0] rdata_o,
 
-    output logic memory_o,  // command register: memory accesses are answered,
-    output logic master_o,  // the card may become a master,
-    output logic parity_o,  // parity errors drive PERR#,
+    output logic memory_o,  // command register: the card answers memory accesses,
+    output logic master_o,  // may become bus master,
+    output logic parity_o,  // drives PERR# on parity errors,
     output logic serr_o,    // and SERR#,
-    output logic intx_o,    // INTA# is allowed
+    output logic intx_o,    // and may drive INTA#
     output logic [7:0] latency_o,
     output logic [15:0] status_o,
     output logic [31:pci_pkg::PCI_BAR_BITS] bar_o,
@@ -28,7 +28,7 @@ module pci_config (
     input logic master_abort_i,
     input logic target_abort_i,           // received
     input logic signaled_target_abort_i,
-    input logic master_parity_i           // in a transfer of the card's own
+    input logic master_parity_i           // in a transfer by this card
 );
   import pci_pkg::*;
   logic [15:0] command_q;

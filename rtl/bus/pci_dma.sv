@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scatter-gather DMA: serves a ring of descriptors in host memory (pci_pkg::PCI_DESCRIPTOR_*), moves data between host
-// memory and the local bus, and writes a completion record for each into a ring of its own.
+// Scatter-gather DMA: serves a ring of descriptors in host memory (pci_pkg::PCI_DESCRIPTOR_*). It moves data between
+// host
+// memory and the local bus, and writes a completion record per descriptor into a second ring.
 //
-// Every host address is a mapped one. All pages of a descriptor are looked up before its first bus cycle, and each
-// burst's again when it starts; a burst does not cross a page. Towards the card a burst starts when its data has room,
-// towards the host when all of it is there: the master never waits. On an error what has been moved stays moved, the
-// completion record says how much, and the ring halts; if descriptor or record itself cannot be reached, only the
-// registers say so.
-// Latency: 9 cycles of its own for a descriptor and 4 for a burst.
+// Every host address is a mapped address. The module looks up all pages of a descriptor before its first bus cycle, and
+// again the page of each burst at its start. A burst does not cross a page. The master never waits: a burst to the card
+// starts when there is room for its data, and a burst to the host when all its data is present.
+// After an error, data already moved stays moved. The completion record says how much it is, and the ring halts. If the
+// descriptor or the record itself cannot be reached, only the registers report the error.
+// Latency: 9 cycles per descriptor and 4 per burst, plus the bus.
 // Throughput: one word per cycle.
 // Stall: FIFO room and the bus.
 module pci_dma (
@@ -49,7 +50,7 @@ module pci_dma (
     input logic [31:0] done_addr_i,
     input logic [9:0] moved_i,
 
-    output logic local_valid_o,  // a request for the local bus: a word to be written, or a number of words to be read
+    output logic local_valid_o,  // a request for the local bus: a word to write, or a number of words to read
     output logic local_write_o,
     output logic [registers_pkg::SPACE_BITS-1:0] local_space_o,
     output logic [31:0] local_offset_o,
@@ -59,21 +60,21 @@ module pci_dma (
     input logic [63:0] local_rdata_i
 );
   import pci_pkg::*;
-  localparam int DEPTH = 1024;  // words: two bursts of the longest
-  localparam int CHUNK = 32;    // words asked for at a time on the local bus
+  localparam int DEPTH = 1024;  // words: two bursts of the greatest length
+  localparam int CHUNK = 32;    // words per request on the local bus
   localparam int DW = $clog2(DEPTH) + 1;
   localparam logic [3:0] IDLE = 0, LOOKUP = 1, LOOKED = 2, READY = 3, MOVE = 4, DECODE = 5, NEXT_PAGE = 6, DRAIN = 7,
       FLUSH = 8, RECORD = 9, NEXT = 10;
 
-  // ---- What the engine is doing ----
+  // ---- State ----
   logic [3:0] state_q;
-  logic [7:0] purpose_q;  // PCI_WHERE_*: what the address being looked up is for
+  logic [7:0] purpose_q;  // PCI_WHERE_*: purpose of the address lookup
   logic checking_q;       // the pages of a descriptor are being looked up
   logic [15:0] head_q, head_next;
-  logic lap_q, word_q;    // parity of the lap; which word of descriptor or record is next
-  logic [31:0] mapped_q;  // address being looked up
-  logic [31:3] bus_q;     // where it is
-  logic [31:0] host_q, bytes_q, left_q;  // of the descriptor: address, bytes, bytes still to be moved
+  logic lap_q, word_q;    // parity of the lap; next word of the descriptor or record
+  logic [31:0] mapped_q;  // address to look up
+  logic [31:3] bus_q;     // bus address found
+  logic [31:0] host_q, bytes_q, left_q;  // of the descriptor: address, bytes, bytes still to move
   logic [31:0] offset_q;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic to_host_q, irq_q, bad_flags_q;
@@ -88,7 +89,7 @@ module pci_dma (
   logic [DW-1:0] in_room, in_count, out_room, out_count;
   logic [63:0] in_head, out_head;
   logic data_read, flush;
-  logic [DW-1:0] asked_q;  // words asked for that have not come yet
+  logic [DW-1:0] asked_q;  // words requested and not received
   assign data_read = purpose_q == PCI_WHERE_DATA;
   assign flush = state_q == FLUSH && asked_q == 0;
   sync_fifo #(.W(64), .DEPTH(DEPTH)) inbound (
@@ -99,7 +100,7 @@ module pci_dma (
       .count_o(out_count), .rdata_o(out_head), .read_i(wpop_i && data_read));
 
   // ---- Local bus ----
-  logic [28:0] unasked_q;   // words of the descriptor not yet asked for
+  logic [28:0] unasked_q;   // words of the descriptor not requested yet
   logic [31:0] local_q;     // offset of the next request
   logic [5:0] chunk;
   logic local_read;
@@ -146,7 +147,7 @@ module pci_dma (
   assign where_o = state_q == NEXT ? PCI_WHERE_DATA : purpose_q;
   assign fault_addr_o = fault_q;
 
-  // An error in any state: data in flight is let in or thrown away before it is reported.
+  // After an error in any state, data in flight is received or dropped before the error is reported.
   logic [7:0] error;
   logic [31:0] error_addr;
   always_comb begin

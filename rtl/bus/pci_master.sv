@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// PCI bus master: moves `qwords_i` words of 64 bits between the card and consecutive bus addresses, in as many
-// transactions as it takes. All bus signals active high; outputs are registers.
+// PCI bus master: moves `qwords_i` words of 64 bits between the card and consecutive bus addresses, in one or several
+// transactions. All bus signals are active high, and outputs are registers.
 //
-// Asks for 64-bit transfers and goes on with 32 bits when the target does not answer ACK64#. After a retry, a
-// disconnect or the end of its time slice (latency timer, GNT# gone) it comes back for what is left; a target abort, a
-// master abort (no DEVSEL# within 4 cycles), a data parity error, or more retries in a row than allowed end the
-// command, with the bus address and the number of words that are known to be good. A word read with bad parity does not
+// It asks for 64-bit transfers, and uses 32 bits if the target does not answer ACK64#. After a retry, a disconnect or
+// the
+// end of its time slice (latency timer, GNT# gone) it starts again with the remaining words. These end the command: a
+// target abort, a master abort (no DEVSEL# within 4 cycles), a data parity error, or more consecutive retries than
+// allowed. It then reports the bus address and the number of words known to be good. A word read with bad parity does
+// not
 // leave this module.
 // Latency: 3 cycles from start_i to REQ#, 3 from the last data phase to done_o.
 // Throughput: one data phase per cycle.
-// Stall: none, data and room are there before start_i.
+// Stall: none; data and room must be present before start_i.
 module pci_master (
     input logic clk_i,
     input logic rst_i,
@@ -19,7 +21,7 @@ module pci_master (
     input logic write_i,
     input logic [31:3] addr_i,
     input logic [9:0] qwords_i,  // 1 to 512
-    input logic [63:0] wdata_i,  // next word to be written
+    input logic [63:0] wdata_i,  // next word to write
     output logic wpop_o,
     output logic rvalid_o,
     output logic [63:0] rdata_o,
@@ -28,7 +30,7 @@ module pci_master (
     output logic [31:0] fault_addr_o,
     output logic [9:0] moved_o,  // words done
 
-    input logic enable_i,       // command register: may become a master,
+    input logic enable_i,       // command register: may become bus master,
     input logic parity_i,       // reports parity errors
     input logic [7:0] latency_i,
     input logic [15:0] retry_limit_i,
@@ -43,22 +45,22 @@ module pci_master (
     input logic devsel_i,
     input logic ack64_i,
     input logic perr_i,
-    input logic parity_error_i,    // PAR does not fit what was on the bus in the cycle before
+    input logic parity_error_i,    // PAR does not match the bus of the previous cycle
     input logic parity64_error_i,
-    output logic own_o,            // of the bus, from the address phase to the last data phase
+    output logic own_o,            // owns the bus, from the address phase to the last data phase
     output logic [63:0] ad_o,
     output logic [7:0] cbe_o,
     output logic ad_oe_o,
     output logic ad64_oe_o,
     output logic cbe_oe_o,
     output logic frame_o,
-    output logic frame_oe_o,  // also of REQ64#
+    output logic frame_oe_o,  // also for REQ64#
     output logic req64_o,
     output logic irdy_o,
     output logic irdy_oe_o,
-    output logic perr_o,  // to be driven in this clock
+    output logic perr_o,  // drives PERR# in this cycle
 
-    output logic burst_o,  // events to be counted, one cycle each
+    output logic burst_o,  // events for the counters, one cycle each
     output logic beat_o,
     output logic wait_o,
     output logic retry_o,
@@ -74,9 +76,9 @@ module pci_master (
 
   // ---- The command ----
   logic [2:0] state_q;
-  logic [9:0] left_q, left;  // words, the current one included
-  logic half_q, half;        // its lower half is done
-  logic [63:0] word_q;       // the word being written, or the lower half of the one being read
+  logic [9:0] left_q, left;  // words left, with the current one
+  logic half_q, half;        // the lower half of the current word is done
+  logic [63:0] word_q;       // the word being written, or the lower half of the word being read
   logic [31:0] addr_q, addr; // of the next data phase
   logic [15:0] retries_q;
   logic [7:0] code_q;
@@ -84,7 +86,7 @@ module pci_master (
   // ---- The transaction ----
   logic wide_q, wide, seen_q, moved_q, aborted_q, ending, transfer, word_done, finish, no_answer, time_over, granted;
   logic req64_q;
-  logic [1:0] check_q;  // data phases of the last two clocks
+  logic [1:0] check_q;  // data phases of the last two cycles
   logic [2:0] clocks_q;
   logic [7:0] slice_q;
   logic [7:0] code;
@@ -97,7 +99,7 @@ module pci_master (
   assign half = transfer ? !wide && !half_q : half_q;
   assign addr = addr_q + (!transfer ? 32'd0 : wide ? 32'd8 : 32'd4);
   assign time_over = slice_q == 0 && !gnt_i;
-  // The next data phase is the last: no more is wanted, or the bus is.
+  // The next data phase is the last: no words are left, or the master must release the bus.
   assign ending = (left == 1 && (wide || half)) || time_over || code_q != PCI_CODE_OK;
   assign finish = state_q == DATA && irdy_o && !frame_o && (transfer || stop_i || aborted_q);
 
@@ -136,7 +138,7 @@ module pci_master (
       ADDRESS: begin
         state_q <= DATA;
         irdy_oe_o <= 1;
-        // A single word: whether this is the last data phase depends on ACK64#, so IRDY# waits for it.
+        // A single word: ACK64# decides whether this data phase is the last, so IRDY# waits for it.
         irdy_o <= !(req64_q && left_q == 1);
         frame_o <= req64_q || left_q != 1;
       end
@@ -195,7 +197,7 @@ module pci_master (
       ad_o <= half ? {32'b0, word_q[63:32]} : next_word;
       cbe_o <= '0;
     end
-    // A master with GNT# on an idle bus drives AD, C/BE# and then PAR, wanted or not: the bus is parked at it.
+    // A master with GNT# on an idle bus must drive AD, C/BE# and then PAR: the bus is parked at it.
     if (state_q == IDLE || state_q == LOAD || state_q == REQUEST || state_q == SETTLE) begin
       ad_oe_o <= granted;
       cbe_oe_o <= granted;
@@ -207,10 +209,10 @@ module pci_master (
     if (rst_i) {ad_oe_o, ad64_oe_o, cbe_oe_o} <= '0;
   end
 
-  // ---- Parity: PAR is there a cycle after the data, PERR# of the target another cycle later ----
+  // ---- Parity: PAR comes one cycle after the data, and the target's PERR# one cycle later ----
   logic check_wide_q, check_full_q, read_error, write_error;
   logic [31:0] check_addr_q, check_addr2_q;
-  logic [9:0] good_q;  // words that are known to be good, of those read
+  logic [9:0] good_q;  // words read and known to be good
   assign read_error = !write_i && check_q[0] && (parity_error_i ||
       (check_wide_q && parity64_error_i)) && code_q == PCI_CODE_OK;
   assign write_error = write_i && check_q[1] && perr_i && code_q == PCI_CODE_OK;
@@ -239,7 +241,7 @@ module pci_master (
       {perr_o, done_o} <= '0;
     end
   end
-  // Of a write the words before the one in error are good; PERR# came two data phases after it at most.
+  // In a write, the words before the faulty one are good. PERR# came at most two data phases after it.
   assign moved_o = !write_i ? good_q : code_o == PCI_CODE_PARITY ? 10'((fault_addr_o[31:3] - addr_i)) :
       qwords_i - left_q;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Page table of the mapped address space: what a driver writes through BAR0 and every address of a descriptor goes
-// through.
-// After reset all entries are cleared, one per cycle, before anything is served.
-// Latency: 1 cycle from an entry's number to its content.
+// Page table of the mapped address space. The driver writes it through BAR0, and every address of a descriptor is
+// looked
+// up in it. After reset all entries are cleared, one per cycle, before any access is served.
+// Latency: 1 cycle from the number of an entry to its content.
 // Throughput: one write and two reads per cycle.
 // Stall: clearing_o.
 module pci_page_table (
@@ -10,7 +10,7 @@ module pci_page_table (
     input logic rst_i,
     output logic clearing_o,
     input logic write_i,
-    input logic [11:0] entry_i,  // of the driver's access
+    input logic [11:0] entry_i,  // entry of the driver's access
     input logic [63:0] wdata_i,
     output logic [63:0] rdata_o,
     input logic [11:0] lookup_i,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Registers of the bridge behind BAR0 (pci_pkg::PCI_REG_*): settings and state of the descriptor ring, interrupt
-// causes, counters.
-// Ring settings are refused while the ring runs; that, and going with settings out of range, halts it with an
-// interrupt.
-// Latency: writes 1 cycle, reads none.
+// Registers of the bridge in BAR0 (pci_pkg::PCI_REG_*): settings and state of the descriptor ring, interrupt causes,
+// counters. Ring settings are refused while the ring runs. Such a write, or a start with settings out of range, halts
+// the
+// ring with an interrupt.
+// Latency: 1 cycle for writes, 0 for reads.
 // Throughput: one access per cycle.
 // Stall: none.
 module pci_registers (
@@ -17,7 +17,7 @@ module pci_registers (
     output logic active_o,
 
     output logic run_o,
-    output logic clear_o,  // pulse: the ring starts over
+    output logic clear_o,  // pulse: the ring restarts
     output logic [23:0] ring_base_o,
     output logic [15:0] ring_size_o,
     output logic [15:0] ring_tail_o,
@@ -27,8 +27,8 @@ module pci_registers (
     input logic [15:0] head_i,
     input logic busy_i,
     input logic clearing_i,
-    input logic completion_i,   // a descriptor that wants an interrupt is done
-    input logic fault_i,        // and the ring halts
+    input logic completion_i,   // a descriptor with an interrupt is done
+    input logic fault_i,        // the ring halts with a fault
     input logic [7:0] code_i,
     input logic [7:0] where_i,
     input logic [31:0] fault_addr_i,
@@ -48,7 +48,7 @@ module pci_registers (
   logic [31:0] fault_addr_q;
   logic [7:0][47:0] count_q;
 
-  function automatic access(input logic [15:0] at);  // is to this register
+  function automatic access(input logic [15:0] at);  // the access is to this register
     access = {4'b0001, offset_i} == at;
   endfunction
   assign ring_register = access(PCI_REG_RING_BASE) || access(PCI_REG_RING_SIZE) || access(PCI_REG_COMPLETION_BASE) ||
@@ -101,7 +101,7 @@ module pci_registers (
     endcase
   end
 
-  // A value that does not fit reads back as what is kept, and is refused when the ring is to run.
+  // A value out of range reads back as the stored value, and is refused when the ring is started.
   function automatic [23:0] address(input logic [63:0] value);
     address = |value[63:24] ? '1 : value[23:0];
   endfunction

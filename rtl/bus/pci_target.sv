@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// PCI target: configuration space and BAR0 (memory, 32- and 64-bit data phases). All bus signals active high; outputs
-// are registers.
+// PCI target: configuration space and BAR0 (memory, 32- and 64-bit data phases). All bus signals are active high, and
+// outputs are registers.
 //
-// Writes are posted into a FIFO. Reads are delayed transactions: the first attempt is latched and retried until the
-// FIFO in front of it is served and the data is there; data nobody fetches is dropped after 2^15 cycles. Both leave
-// through one port in order. A unit of access is a register of 64 bits: a 64-bit phase, two 32-bit phases of one burst,
-// or a lone low half, which writes 0 above it.
-//   retry                   no room, or read data not there yet
-//   disconnect with data    last room, end of BAR0, a read beyond one register, a burst that is not linear,
-// configuration space
-//   disconnect without data no room in the middle of a burst
-//   target abort            byte enables that are part of a half, an upper half without its lower one, an offset that
-// holds nothing
-// Latency: DEVSEL# medium; TRDY# a cycle after it.
-// Throughput: a data phase every 2 cycles, as byte enables are looked at first.
+// Writes are posted into a FIFO. Reads are delayed transactions: the first attempt is latched and retried. The read is
+// served after the FIFO before it, and a later attempt takes the data. Data that the master does not fetch is dropped
+// after 2^15 cycles. Reads and writes leave through one port in order.
+// An access is to a register of 64 bits: a 64-bit phase, two 32-bit phases of one burst, or a lone low half. A lone low
+// half writes 0 to the upper half.
+//   retry                    There is no room, or the read data is not present yet.
+//   disconnect with data     The room ends, BAR0 ends, a read goes beyond one register, a burst is not linear, or the
+//                            access is to configuration space.
+//   disconnect without data  There is no room in the middle of a burst.
+//   target abort             Byte enables select part of a half, an upper half comes without its lower half, or the
+//                            offset is unused.
+// Latency: medium DEVSEL#; TRDY# one cycle after it.
+// Throughput: one data phase per 2 cycles, since byte enables are checked first.
+// Stall: retry and disconnect, as above.
 module pci_target (
     input logic clk_i,
     input logic rst_i,
@@ -25,23 +27,23 @@ module pci_target (
     input logic irdy_i,
     input logic idsel_i,
     input logic req64_i,
-    input logic own_i,            // the card's own master holds the bus
-    input logic parity_error_i,   // PAR does not fit what was on the bus in the cycle before
-    input logic parity64_error_i, // nor PAR64
+    input logic own_i,            // the card's master holds the bus
+    input logic parity_error_i,   // PAR does not match the bus of the previous cycle
+    input logic parity64_error_i, // PAR64 does not match it
     output logic [63:0] ad_o,
     output logic ad_oe_o,
     output logic ad64_oe_o,
-    output logic oe_o,  // of TRDY#, STOP#, DEVSEL#, ACK64#
+    output logic oe_o,  // enable of TRDY#, STOP#, DEVSEL#, ACK64#
     output logic trdy_o,
     output logic stop_o,
     output logic devsel_o,
     output logic ack64_o,
-    output logic perr_o,  // to be driven in this clock
+    output logic perr_o,  // drives PERR# in this cycle
     output logic detected_parity_o,
     output logic address_parity_o,
     output logic target_abort_o,
 
-    input logic memory_i,  // the command register's bits
+    input logic memory_i,  // bits of the command register
     input logic [31:pci_pkg::PCI_BAR_BITS] bar_i,
     output logic config_write_o,
     output logic [5:0] config_index_o,
@@ -54,7 +56,7 @@ module pci_target (
     output logic [15:0] request_offset_o,
     output logic [63:0] request_wdata_o,
     input logic request_pop_i,
-    input logic rvalid_i,  // answer to the read
+    input logic rvalid_i,  // response to the read
     input logic [63:0] rdata_i
 );
   import pci_pkg::*;
@@ -76,17 +78,17 @@ module pci_target (
       command_q == PCI_READ_MULTIPLE);
   assign address_parity_o = state_q == DECODE && (parity_error_i || (req64_q && parity64_error_i));
 
-  // ---- What this data phase gets ----
+  // ---- Response to this data phase ----
   logic [7:0] be;
   logic served, be_ok, room, abort, same_read, there, last_of_bar;
-  logic low_taken;  // the phase before was the lower half of this register
+  logic low_taken;  // the previous phase was the lower half of this register
   logic [4:0] fifo_room, fifo_count;
   assign be = ~cbe_i;
   assign served = addr_q[15:0] < PCI_REGISTERS_END || addr_q[15:0] >= PCI_PAGE_TABLE;
   assign be_ok = wide_q ? (be == 8'hFF || be == 8'h0F || be == 8'h00) :
       (be[3:0] == 4'h0 || (be[3:0] == 4'hF && (!addr_q[2] || low_taken)));
   assign abort = !config_q && (!served || (write_q && !be_ok) || (wide_q && addr_q[2]));
-  assign room = fifo_room >= 2;  // one entry may be on its way
+  assign room = fifo_room >= 2;  // one entry may be under way
   assign last_of_bar = wide_q ? &addr_q[15:3] : &addr_q[15:2];
 
   // ---- Delayed read ----
@@ -96,7 +98,7 @@ module pci_target (
   logic read_wide_q;
   logic [63:0] read_data_q;
   logic [15:0] read_age_q;
-  logic read_latch, read_take, read_second_q;  // second half of a register that is being read by halves
+  logic read_latch, read_take, read_second_q;  // second half of a register read in halves
   assign same_read = read_pending_q && read_addr_q == addr_q[15:2] && read_command_q == command_q &&
       read_wide_q == wide_q;
   assign there = (same_read && read_done_q) || read_second_q;
@@ -179,11 +181,11 @@ module pci_target (
   assign config_enable_o = be[3:0];
   assign config_wdata_o = ad_i[31:0];
 
-  // ---- What was written, a cycle later, when its parity is known ----
+  // ---- Written data, a cycle later, when its parity is known ----
   logic in_wide_q, in_memory_q, in_low, in_error;
   logic [15:2] in_addr_q;
   logic [63:0] in_data_q;
-  logic [1:0] in_be_q;  // of the upper and the lower half
+  logic [1:0] in_be_q;  // upper and lower half
   logic [15:3] low_addr_q;
   logic [31:0] low_data_q;
   logic push_write, low_alone;

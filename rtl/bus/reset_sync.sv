@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reset of one clock domain out of a reset that belongs to none: it begins at once, with or without a clock, and ends
-// with this domain's clock, so that all its registers leave it at the same edge. `rst_i` must not glitch.
-// Without STAGES it is a wire, for a reset that is synchronous to the domain already, as a simulation's is.
-// Latency: none into reset, STAGES cycles out of it.
-// Throughput: n/a.
+// Reset of one clock domain from an asynchronous reset. It begins at once, with or without a clock. It ends with this
+// domain's clock, so all registers leave reset at the same edge. `rst_i` must not glitch.
+// Without STAGES it is a wire, for a reset that is already synchronous to the domain, as in simulation.
+// Latency: 0 cycles into reset, STAGES cycles out of it.
+// Throughput: not applicable.
 // Stall: none.
 module reset_sync #(
     parameter int STAGES = 0  // 0, or 2 and more

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// FIFO in one clock domain; the head shows at once.
+// FIFO in one clock domain. The head is visible without a read.
 // Latency: 1 cycle.
-// Throughput: one entry in, one out per cycle.
+// Throughput: one entry in and one out per cycle.
 // Stall: room_o, count_o.
 module sync_fifo #(
     parameter int W = 64,
@@ -34,7 +34,7 @@ module sync_fifo #(
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
     if (!rst_i) begin
-      // By the pointers, not by what users are told.
+      // By the true pointers, not by the outputs to users.
       assert (!(write_i && write_q - read_q == (AW + 1)'(DEPTH))) else $error("sync_fifo: written while full");
       assert (!(read_i && write_q == read_q)) else $error("sync_fifo: read while empty");
     end

@@ -1,70 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
-// What goes between the modules of a card; software sees none of it.
+// Types between the modules of a card. Software does not see them.
 package card_pkg;
-  // Who does a pass.
+  // Unit that does a pass.
   localparam int UNIT_BITS = 2;
-  localparam logic [1:0] UNIT_ENGINE = 2'd0;  // engine_control and what it leads
-  localparam logic [1:0] UNIT_HIERARCHY = 2'd1;  // hierarchy_unit, where the card has one
+  localparam logic [1:0] UNIT_ENGINE = 2'd0;  // engine_control and the modules that it controls
+  localparam logic [1:0] UNIT_HIERARCHY = 2'd1;  // hierarchy_unit, if the card has one
   localparam int UNITS = 2;
 
-  // What the registers ask of a pass. Mode, pairs and swaps are kept by the sequencer from go on.
+  // Request for a pass, from the registers. From go on, the sequencer keeps mode, pairs and swaps.
   typedef struct packed {
     logic [1:0] unit;           // UNIT_*
-    logic [31:0] prim_objects;  // objects of primaries; 0: primaries as they were written
-    logic [31:0] objects;       // objects to sweep; 0: the slots of `first` and `count`
+    logic [31:0] prim_objects;  // objects of primaries; 0: primaries are not transformed
+    logic [31:0] objects;       // objects of the pass; 0: the slots of `first` and `count`
     logic [31:0] first;         // secondary slot
     logic [31:0] count;         // secondaries
     logic [8:0] primaries;      // in the register file
-    logic [7:0] split;          // the first primary of the second pair
-    logic [23:0] budget;        // of cylinder pairs
+    logic [7:0] split;          // first primary of the second pair
+    logic [23:0] budget;        // iterations of cylinder pairs
     logic normals;
-    logic [1:0] swap;           // of roles, of each pair
-    logic [1:0][pairs_pkg::PAIR_BITS-1:0] pair;  // the second one or NO_PAIR, the first
+    logic [1:0] swap;           // role swap of each pair
+    logic [1:0][pairs_pkg::PAIR_BITS-1:0] pair;  // [1] is the second pair or NO_PAIR, [0] the first
     logic [2:0] mode;
   } pass_t;
 
-  // What happens in a clock of a pass of the engine, to be counted.
+  // Events in a cycle of an engine pass, for the counters.
   typedef struct packed {
-    logic [1:0] open;           // pairs go through a wide pipe behind narrow lanes
-    logic [3:0] ecc_failed;     // words
+    logic [1:0] open;           // pairs with certified filters that are uncertain and go through the wide pipe
+    logic [3:0] ecc_failed;     // words with uncorrectable errors
     logic [7:0] ecc_corrected;
-    logic record;               // is written to SRAM
-    logic writeback;            // the clock is one of the write-back
+    logic record;               // a record is written to SRAM
+    logic writeback;            // a cycle of the write-back
     logic secondary_bad;
-    logic secondary;            // is swept
+    logic secondary;            // a secondary enters the rows
     logic stall;
     logic bubble;
-    logic [1:0] issue;          // rows
+    logic [1:0] issue;          // rows issued
   } events_t;
-  // What another unit counts of its passes: an array of as many events of a clock as it has counters in
-  // registers_pkg::COUNTER_REGISTERS, each so many bits (pass_counters.sv).
+  // Events that another unit counts in its passes: one number per counter in registers_pkg::COUNTER_REGISTERS. Each
+  // number
+  // has this many bits per cycle (pass_counters.sv).
   localparam int COUNT_BITS = 4;
 
-  // An access of the bus that may be, for modules with registers or memories beside card_registers. Of reads, all:
-  // where another is read, or none, one's own answer is 0.
+  // An allowed bus access, for modules with registers or memories beside card_registers. Reads include all spaces: a
+  // module
+  // answers 0 to a read that is not its own.
   typedef struct packed {
     logic write;
     logic read;
-    logic there;  // what is read may be
+    logic there;  // the read is allowed
     logic [2:0] space;
     logic [31:0] addr;
     logic [63:0] data;
   } access_t;
 
-  // A reader of DDR asks for a beat, until that is taken or the reader takes it back.
+  // Read request of a DDR reader. It holds the request until it is taken, or withdraws it.
   typedef struct packed {
     logic valid;
     logic [31:0] word;  // address in words
   } ddr_request_t;
 
-  // Rows of primaries, lanes and primaries have 8 bits, whatever the card has of them.
-  // Rows of primaries that meet the secondary in a clock: of the second pair, of the first.
+  // Numbers of rows, lanes and primaries have 8 bits, for any number of them on the card.
+  // Rows of primaries that meet the secondary in a cycle: [1] of the second pair, [0] of the first.
   typedef struct packed {
-    logic parity;  // of the pass
+    logic parity;  // buffer parity of the pass
     logic [1:0][7:0] row;
     logic [1:0] valid;
   } issue_t;
-  // A result that the output FIFO shows; T and CP are still with the lane.
+  // A result at the output of the FIFO. T and CP are still in the lane.
   typedef struct packed {
     logic valid;
     logic bad;
@@ -73,24 +75,24 @@ package card_pkg;
     logic [7:0] row;
     logic [7:0] lane;
   } streamed_t;
-  // A primary whose result in the update buffers is to be written to SRAM.
+  // A primary whose result is to go from the update buffers to SRAM.
   typedef struct packed {
     logic valid;
-    logic parity;  // of the pass
+    logic parity;  // buffer parity of the pass
     logic [7:0] primary;
   } writeback_t;
 
-  // Between PCI's clock and the core's: requests for the local bus, in order, and what comes back.
+  // Between the PCI clock and the core clock: requests for the local bus, in order, and their responses.
   typedef struct packed {
-    logic tag;           // 1: of the DMA engine, 0: of an access of the host
+    logic tag;           // 1: from the DMA engine, 0: from a host access
     logic write;
     logic [2:0] space;
     logic [31:0] offset;
-    logic [63:0] data;   // of a write; of a read the number of beats
+    logic [63:0] data;   // write: the data; read: the number of beats
   } local_request_t;
   typedef struct packed {
-    logic irq;  // the interrupt line changed: data
-    logic tag;  // of the request
+    logic irq;  // the interrupt line changed; its level is in data
+    logic tag;  // tag of the request
     logic [63:0] data;
   } local_response_t;
 endpackage

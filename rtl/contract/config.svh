@@ -1,30 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parameters of a card, once: what they are, as parameters of a top (for -G), and as the structure that goes down
-// from it (config_pkg::config_t), whose fields are in the order of CARD_CONFIG. Who adds one adds it to the three lists
-// and reads CONFIG where it is needed.
+// The parameters of a card, listed once: their meaning, the parameters of a top (for -G), and the structure
+// config_pkg::config_t, which modules below the top use. Its fields are in the order of CARD_CONFIG.
+// Add each new parameter to all three lists, and read CONFIG where it is needed.
 //
 //   EXP, MAN      number format
 //   LANES         power of two that divides PRIMARIES
 //   PRIMARIES     64, 128, 192 or 256
 //   PAIRS         bit p: the card has the pipe of pair p (pairs_pkg::PAIR_*)
-//   ALGORITHM     of ray-triangle (pairs_pkg::ALGORITHM_*)
-//   BOX           1: of ray-triangle, a hit must lie in the triangle's box; of triangle-sphere and triangle-obb, a gap
-//                 is at least that of the boxes
+//   ALGORITHM     algorithm of ray-triangle (pairs_pkg::ALGORITHM_*)
+//   BOX           1: a hit of ray-triangle must lie in the triangle's box. Signed distances of pairs in BOUND_PAIRS
+//                 are at least the distance of their boxes
 //   SWAP          a command can exchange the roles of primary and secondary
 //   NORMALS       a command can ask for normals
 //   PARALLEL      two pipes can work on the same secondaries at a time
-//   FACET_II      of pairs with facets: cycles from one row to the next, 1 or 3
-//   VERDICT_EXP   0, or with VERDICT_MAN the format of narrow lanes that prove misses of pairs of solids
-//                 (verdict_pair.sv); the pair has one lane of the card's format behind them
+//   FACET_II      pairs with candidate axes: cycles from one row to the next, 1 or 3
+//   VERDICT_EXP   0, or with VERDICT_MAN the format of the narrow lanes of certified filters. They prove misses of
+//                 pairs of solids (verdict_pair.sv). The pair then has one lane of the card's format behind them
 //   TRANSFORM     objects move by a rigid transform: pairs_pkg::TRANSFORM_*
-//   OBJECTS       entries of their table, 2 to 2,048; PRIM_OBJECTS of that of primaries
-//   NODE_UNITS    of a hierarchy over triangles: 0, none, or 1, 2 or 4; NODES, words of their memory, a power of two
+//   OBJECTS       entries of the object table of secondaries, 2 to 2,048; PRIM_OBJECTS: entries for primaries
+//   NODE_UNITS    traversal units of a BVH: 0 (no BVH), 1, 2 or 4; NODES: nodes of their memory, a power of two
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected
 //   LAT_*         cycles of the operators; in the structure `lat`
-//   ARITH         "rtl", gates, or "host", the simulating processor's own arithmetic; in the structure `host`, 0 or 1
-//   DDR_SLOTS     beats of DDR; as many as two 1 GB modules of 36-byte beats have
-//   SRAM_RECORDS  power of two; seven 2 MB chips, one word of a record each
-//   CONFIG_HASH   of parameters and RTL sources
+//   ARITH         "rtl" for gates, or "host" for the simulating processor's arithmetic; field `host`, 0 or 1
+//   DDR_SLOTS     beats of DDR; the default is that of two 1 GB modules of 36-byte beats
+//   SRAM_RECORDS  records of SRAM, a power of two; the default is that of seven 2 MB chips, one per word of a record
+//   CONFIG_HASH   hash of parameters and RTL sources
 `ifndef CDE_CONFIG_SVH
 `define CDE_CONFIG_SVH
 `define CARD_PARAMETERS \

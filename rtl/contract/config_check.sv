@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refuses a configuration that no card can have. Elaboration only.
+// Refuses invalid configurations, at elaboration only.
 module config_check #(
     parameter config_pkg::config_t CONFIG
 );

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The configuration of a card as one structure: config.svh has its fields. And what follows from it in more than one
-// module.
+// The configuration of a card as one structure, with the fields of config.svh. Also the derived values that several
+// modules need.
 `include "config.svh"
 package config_pkg;
   typedef struct packed {
@@ -11,23 +11,23 @@ package config_pkg;
   function automatic logic [31:0] arith(input int host);
     arith = (host != 0) ? "host" : {8'b0, "rtl"};
   endfunction
-  // Clocks of a check of the input contract (shape_check.sv).
+  // Cycles of a check of the input contract (shape_check.sv).
   function automatic int check_latency(input latency_pkg::latency_t lat);
     check_latency = lat.mul + 3 * lat.add + lat.cmp;
   endfunction
-  // Pairs of which narrow lanes can prove misses (verdict_pair.sv).
+  // Pairs whose misses a certified filter can prove (verdict_pair.sv).
   localparam int VERDICT_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB | 1 << pairs_pkg::PAIR_TRIANGLE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
-  // Pairs whose gap, with BOX, is at least that of their boxes (bounded_pipe.sv).
+  // Pairs whose signed distance, with BOX, is at least that of their boxes (bounded_pipe.sv).
   localparam int BOUND_PAIRS = 1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB |
       1 << pairs_pkg::PAIR_TRIANGLE_OBB | 1 << pairs_pkg::PAIR_TRIANGLE_TRIANGLE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
-  // Pairs whose lanes are narrow ones with one wide one behind them (verdict_pair.sv).
+  // Pairs of the card with certified filters: narrow lanes, and one wide lane behind them (verdict_pair.sv).
   function automatic int verdict_pairs(input config_t card);
     verdict_pairs = (card.verdict_exp != 0) ? card.pairs & VERDICT_PAIRS : 0;
   endfunction
-  // Pairs of a card that have that rule: not those whose misses narrow lanes prove.
+  // Pairs of the card with the box rule on signed distances. Pairs with certified filters do not have it.
   function automatic int bound_pairs(input config_t card);
     bound_pairs = (card.box != 0) ? card.pairs & BOUND_PAIRS & ~verdict_pairs(card) : 0;
   endfunction
@@ -35,20 +35,21 @@ package config_pkg;
   function automatic int ordered_pairs(input config_t card);
     ordered_pairs = (card.pairs & pairs_pkg::RING_PAIRS) | verdict_pairs(card);
   endfunction
-  // Clocks of any pipe, rings apart, and more: a power of two. Of narrow lanes with the proof behind them and the wide
-  // one behind that, too.
+  // A power of two above the latency of any pipe, except iterative pipelines. With certified filters, above that of
+  // narrow
+  // lanes, proof and wide pipe together.
   function automatic int pipe_depth(input config_t card);
     int slowest;
     slowest = latency_pkg::mean(card.lat);
     pipe_depth = (verdict_pairs(card) != 0) ? 512 : ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0) ? 256 : 64;
     pipe_depth = pipe_depth << $clog2(slowest);
   endfunction
-  // Rows of the output FIFO, and so rows in flight in the streaming modes: more than the cycles of a pipe, or of narrow
-  // lanes and the wide one behind them.
+  // Rows of the output FIFO, and so rows in flight in the streaming modes. More than the cycles of a pipe, or of narrow
+  // lanes and the wide pipe behind them.
   function automatic int fifo_depth(input config_t card);
     fifo_depth = (verdict_pairs(card) != 0) ? pipe_depth(card) : 128;
   endfunction
-  function automatic int index_bits(input int n);  // to tell n things apart, at least one
+  function automatic int index_bits(input int n);  // bits that distinguish n values, at least one
     index_bits = (n > 1) ? $clog2(n) : 1;
   endfunction
 endpackage

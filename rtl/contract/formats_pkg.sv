@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Number formats and the codes of operations on them: what rtl/fp, rtl/vector and rtl/pipes share with
-// host/include/cde/contract/formats.hpp.
-// A format has an exponent of `exp` bits and a fraction of `man`; its words lie in containers of 32 or 64 bits.
+// Number formats, and the codes of operations on them. rtl/fp, rtl/vector and rtl/pipes share them with
+// host/include/cde/contract/formats.hpp. A format has `exp` exponent bits and `man` fraction bits. A word is in a
+// container
+// of 32 or 64 bits.
 package formats_pkg;
 
-  // ---- Operations (parameter OP of fp_lanes and of what is made of it; the number of their clock in fp_unit) ----
+  // ---- Operations (parameter OP of fp_lanes and of modules built on it; index of their clock in fp_unit) ----
   localparam int FP_ADD = 0;
   localparam int FP_SUB = 1;
   localparam int FP_MUL = 2;
   localparam int FP_DIV = 3;
-  localparam int FP_SQRT = 4;  // of a
-  localparam int FP_LT = 5;    // comparisons answer all ones or all zeros; lt and le signal a quiet NaN, eq does not
+  localparam int FP_SQRT = 4;  // square root of a
+  localparam int FP_LT = 5;    // comparisons give all ones or all zeros; lt and le signal a quiet NaN, eq does not
   localparam int FP_LE = 6;
   localparam int FP_EQ = 7;
   localparam int FP_MIN = 8;
   localparam int FP_MAX = 9;
-  localparam int FP_ARITHMETIC = 10;  // the ones above; conversions follow
+  localparam int FP_ARITHMETIC = 10;  // number of the operations above; conversions follow
   localparam int FP_TO_FORMAT = 10;   // FP_TO_FORMAT + k: to format k of FORMAT_*
   localparam int FP_FROM_I32 = 18;
   localparam int FP_FROM_UI32 = 19;
@@ -36,14 +37,14 @@ package formats_pkg;
   localparam int CONVERT_FROM_INT = 1;
   localparam int CONVERT_TO_INT = 2;
 
-  // ---- Work on bits, free of arithmetic ----
+  // ---- Operations on bits, without arithmetic ----
   localparam int SIGN_ABS = 0;   // of fp_sign: |a|
   localparam int SIGN_NEG = 1;   // -a
   localparam int SIGN_COPY = 2;  // |a| with the sign of b
   localparam int SIGN_XOR = 3;   // a times the sign of b
   localparam int CLASS_FINITE = 0;    // of fp_class
   localparam int CLASS_NAN = 1;
-  localparam int CLASS_POSITIVE = 2;  // a number above zero, +inf too
+  localparam int CLASS_POSITIVE = 2;  // a number above zero, or +inf
   localparam int CLASS_NONZERO = 3;
   localparam int EXPONENT_MAX = 0;   // of fp_exponent: the larger exponent, in place
   localparam int EXPONENT_DOWN = 1;  // the shift by 2^-k, k the exponent of a
@@ -84,45 +85,48 @@ package formats_pkg;
     container = (1 + exp + man <= 32) ? 32 : 64;
   endfunction
 `ifdef SYNTHESIS
-  localparam bit LEAST_WORDS = 1;  // of gates, unless a parameter says so
+  localparam bit LEAST_WORDS = 1;  // default width of gate lanes
 `else
   localparam bit LEAST_WORDS = 0;
 `endif
-  // Bits of a lane of gates (rtl/fp/fp_mask.svh). For simulation that of a vector register's lanes; the least are the
-  // word and its sign, and a significand with carry, hidden, guard, round and sticky bits.
+  // Bits of a gate lane's word (rtl/fp/fp_mask.svh). In simulation, the lane width of a vector register. The least
+  // width
+  // holds the word and its sign, and a significand with carry, hidden, guard, round and sticky bits.
   function automatic int lane_word(input int exp, input int man, input bit least);
     lane_word = least ? larger(1 + exp + man, man + 6) : (1 + exp + man <= 32 && man <= 23) ? 32 : 64;
   endfunction
-  // Bits of an exponent on its way, in two's complement: the least hold those of all products and quotients.
+  // Bits of an exponent in a datapath, in two's complement. The least width holds those of all products and quotients.
   function automatic int lane_exponent(input int exp, input int man, input bit least);
     lane_exponent = least ? $clog2(3 * (1 << (exp - 1)) + 2 * man + 4) + 1 : lane_word(exp, man, least);
   endfunction
-  // The bit of weight 2 of a significand that is to be rounded: the top, or with guard and sticky bits at the bottom.
+  // Bit of weight 2 in a significand to round: the top, or the least that leaves guard and sticky bits below.
   function automatic int round_top(input int exp, input int man, input bit least);
     round_top = least ? man + 3 : lane_word(exp, man, least) - 1;
   endfunction
-  // How many of a lane's cuts are at one of the places where it can have some: as evenly spread as can be.
+  // Number of a lane's cuts at one of the possible places, spread as evenly as possible.
   function automatic int cuts_at(input int cuts, input int places, input int place);
     cuts_at = ((place + 1) * cuts + places / 2) / places - (place * cuts + places / 2) / places;
   endfunction
   function automatic logic [63:0] infinity(input int exp, input int man);
     infinity = ((64'd1 << exp) - 1) << man;
   endfunction
-  function automatic logic [63:0] quiet_nan(input int exp, input int man);  // the canonical one
+  function automatic logic [63:0] quiet_nan(input int exp, input int man);  // the canonical NaN
     quiet_nan = infinity(exp, man) | (64'd1 << (man - 1));
   endfunction
   function automatic logic [63:0] sign_bit(input int exp, input int man);
     sign_bit = 64'd1 << (exp + man);
   endfunction
-  // the word of 2^e, 0 where it underflows
+  // the word of 2^e; 0 if it underflows
   function automatic logic [63:0] power_of_two(input int exp, input int man, input int e);
     int biased;
     biased = (1 << (exp - 1)) - 1 + e;
     power_of_two = (biased > 0) ? 64'(biased) << man : (biased + man > 0) ? 64'd1 << (biased + man - 1) : 64'd0;
   endfunction
 
-  // The input contract's range of lengths, as exponents of two: no coordinate or size is above 2^length_high, no size,
-  // nor the largest component of a ray's direction, below 2^length_low. host/include/cde/geometry/check.hpp says why.
+  // The input contract's range of lengths, as exponents of two. Coordinates and sizes are at most 2^length_high. Sizes
+  // and
+  // the largest component of a ray's direction are at least 2^length_low. host/include/cde/geometry/check.hpp gives the
+  // reason.
   function automatic int length_high(input int exp);
     length_high = (exp < 8) ? ((1 << (exp - 1)) - 2) / 2 : ((1 << (exp - 1)) - 8) / 3;
   endfunction

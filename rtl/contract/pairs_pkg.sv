@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shapes and pairs of shapes: tables, written from code 0 on, and what follows from them.
-// host/include/cde/contract/pairs.hpp is the same in C++. A table is a flat vector that one function reads: in constant
-// functions Yosys takes an index of a packed array for that of a bit.
+// Shapes and pairs of shapes: tables, in the order of their codes, and derived values.
+// host/include/cde/contract/pairs.hpp is the same in C++. A table is a flat vector with one read function, because
+// Yosys
+// takes an index of a packed array in a constant function for a bit index.
 package pairs_pkg;
 
-  // ---- Codes: there is room for 64 shapes and 63 pairs. Every port and field that has a code is of one of these
-  // types ----
+  // ---- Codes: up to 64 shapes and 63 pairs. Every port and field with a code has one of these types ----
   typedef logic [5:0] shape_t;
   typedef logic [5:0] pair_t;
-  typedef logic [5:0] words_t;  // how many words a shape has
+  typedef logic [5:0] words_t;  // number of words of a shape
   localparam int SHAPE_BITS = $bits(shape_t);
   localparam int PAIR_BITS = $bits(pair_t);
   localparam int WORDS_BITS = $bits(words_t);
@@ -25,18 +25,18 @@ package pairs_pkg;
   localparam int SHAPE_CYLINDER = 5;  // c x y z, axis x y z, half height, radius
   localparam int SHAPE_OBB = 6;       // c x y z, half extents, rotation by rows (columns are the axes)
   localparam int SHAPES = 7;
-  localparam int SHAPE_INDEX = $clog2(SHAPES);  // bits of a code that tell the shapes there are apart
-  localparam int SHAPE_MOST_WORDS = 15;  // of the largest
+  localparam int SHAPE_INDEX = $clog2(SHAPES);  // bits that distinguish the existing shapes
+  localparam int SHAPE_MOST_WORDS = 15;  // words of the largest shape
   localparam int SHAPE_PLACES = 1 << SHAPE_INDEX;
   localparam logic [0:WORDS_BITS*SHAPE_PLACES-1] SHAPE_WORDS = {
     6'd8, 6'd9, 6'd4, 6'd6, 6'd4, 6'd8, 6'd15, {SHAPE_PLACES-SHAPES{6'd0}}};
 
-  // What a word of a shape is.
+  // Kind of a word of a shape.
   localparam int WORD_COORDINATE = 0;  // a length of either sign
   localparam int WORD_SIZE = 1;        // a length above zero
-  localparam int WORD_DIRECTION = 2;   // of a ray: lengths in units of their own
-  localparam int WORD_INTERVAL = 3;    // tmin, tmax: lengths in those units
-  localparam int WORD_PURE = 4;        // of a unit vector or rotation
+  localparam int WORD_DIRECTION = 2;   // component of a ray's direction: a length in a separate unit
+  localparam int WORD_INTERVAL = 3;    // tmin or tmax: lengths in that unit
+  localparam int WORD_PURE = 4;        // component of a unit vector or rotation
   localparam int WORD_NONE = 7;        // the shape has no such word
   localparam logic [0:3*SHAPE_MOST_WORDS*SHAPES-1] WORD_KINDS = {
     {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_DIRECTION)}}, {2{3'(WORD_INTERVAL)}}, {7{3'(WORD_NONE)}}},  // ray
@@ -47,8 +47,9 @@ package pairs_pkg;
     {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_PURE)}}, {2{3'(WORD_SIZE)}}, {7{3'(WORD_NONE)}}},           // cylinder
     {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_SIZE)}}, {9{3'(WORD_PURE)}}}};                              // obb
 
-  // ---- Pairs: the number is the code of the command register and a bit of the parameter PAIRS of a card. PAIRS is an
-  // int above zero, so that a card can have pairs 0 to 30 (config_check.sv) ----
+  // ---- Pairs: the number is the code in the command register and a bit of a card's parameter PAIRS. PAIRS is an int
+  // above
+  // zero, so a card can have pairs 0 to 30 (config_check.sv) ----
   localparam pair_t PAIR_RAY_TRIANGLE = 0;
   localparam pair_t PAIR_OBB_OBB = 1;
   localparam pair_t PAIR_TRIANGLE_AABB = 2;
@@ -65,10 +66,11 @@ package pairs_pkg;
   localparam pair_t PAIR_SPHERE_PLANE = 13;
   localparam pair_t PAIR_TRIANGLE_TRIANGLE = 14;
   localparam int PAIRS = 15;
-  localparam int PAIR_INDEX = $clog2(PAIRS);  // bits of a code that tell the pairs there are apart
+  localparam int PAIR_INDEX = $clog2(PAIRS);  // bits that distinguish the existing pairs
 
-  // Their shapes, A and B. Codes that no pair has are filled up, and the last place is NO_PAIR's. Tables are as short
-  // as that allows, because they are read while a card runs.
+  // Shapes A and B of the pairs. Unused codes are filled up, and the last place is for NO_PAIR. The tables are as short
+  // as
+  // possible, because a running card reads them.
   localparam int PAIR_PLACES = 1 << $clog2(PAIRS + 1);
   localparam logic [0:SHAPE_INDEX*PAIR_PLACES-1] PRIMARY_SHAPES = {
     SHAPE_INDEX'(SHAPE_RAY),       // ray-triangle
@@ -104,25 +106,25 @@ package pairs_pkg;
     SHAPE_INDEX'(SHAPE_PLANE),     // sphere-plane
     SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-triangle
     {PAIR_PLACES-PAIRS{SHAPE_INDEX'(SHAPE_CYLINDER)}}};
-  // Sets of pairs (bit p: pair p), as the parameter PAIRS of a card is one. SET_NAME are configurations by name,
-  // which PAIRS=name of verilator/bitstream stands for.
+  // Sets of pairs (bit p: pair p), such as a card's parameter PAIRS. SET_NAME are the named configurations: the option
+  // PAIRS=name of verilator/bitstream selects one.
   localparam int SET_EVERYTHING = (1 << PAIRS) - 1;
   localparam int SET_RAYS = 1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE;
-  localparam int SET_SOLIDS = SET_EVERYTHING & ~SET_RAYS;  // T is a signed gap
+  localparam int SET_SOLIDS = SET_EVERYTHING & ~SET_RAYS;  // T is a signed distance
   localparam int SET_SPHERES =  // a sphere meets something
       1 << PAIR_SPHERE_SPHERE | 1 << PAIR_TRIANGLE_SPHERE | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_OBB |
       1 << PAIR_SPHERE_PLANE;
-  localparam int RING_ROWS = 1024;  // more than a ring can have in flight
-  localparam int RING_PAIRS =  // the pipe is a ring with a mouth (cylinder_pair.sv), a budget sets its work
+  localparam int RING_ROWS = 1024;  // more rows than an iterative pipeline can have in flight
+  // the pipe is iterative, with an input port (cylinder_pair.sv); budget_t sets its iterations
+  localparam int RING_PAIRS =
       1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
-  localparam int FACET_PAIRS =  // it is made of facet units, which can take turns (pair_hold.sv)
+  localparam int FACET_PAIRS =  // the pipe has units of candidate axes, which can be shared (pair_hold.sv)
       1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB;
-  localparam int BOX_PAIRS = 1 << PAIR_RAY_TRIANGLE;  // BOX is an option of it (ray_box.sv)
-  localparam int SHORT_PAIRS =  // it takes few cycles
+  localparam int BOX_PAIRS = 1 << PAIR_RAY_TRIANGLE;  // BOX applies to its hits (ray_box.sv)
+  localparam int SHORT_PAIRS =  // its pipe is short
       1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_SPHERE |
       1 << PAIR_SPHERE_PLANE;
-  // It is brought to the size of one in front of its pipe in every format (length_scale.sv): it multiplies four
-  // lengths.
+  // Pairs scaled to the size of one in every format (length_scale.sv), because they multiply four lengths.
   localparam int SCALED_PAIRS = 1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB |
       1 << PAIR_TRIANGLE_SPHERE | 1 << PAIR_TRIANGLE_TRIANGLE |
       1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
@@ -134,12 +136,12 @@ package pairs_pkg;
   localparam logic [7:0] ALGORITHM_WATERTIGHT = 8'd3;
   localparam int ALGORITHMS = 4;
 
-  // ---- What objects move (parameter TRANSFORM of a card) ----
-  localparam int TRANSFORM_NONE = 0;         // there is no transformer
-  localparam int TRANSFORM_SECONDARIES = 1;  // for secondaries
-  localparam int TRANSFORM_BOTH = 2;         // for primaries too
+  // ---- Shapes that objects move (parameter TRANSFORM of a card) ----
+  localparam int TRANSFORM_NONE = 0;         // no transformer
+  localparam int TRANSFORM_SECONDARIES = 1;  // secondaries
+  localparam int TRANSFORM_BOTH = 2;         // secondaries and primaries
 
-  // ---- Of a shape ----
+  // ---- Properties of a shape ----
   function automatic int shape_words(input int shape);
     shape_words = int'(SHAPE_WORDS[WORDS_BITS*(shape&(SHAPE_PLACES-1))+:WORDS_BITS]);
   endfunction
@@ -149,7 +151,7 @@ package pairs_pkg;
   function automatic bit is_length(input int shape, input int k);
     is_length = word_kind(shape, k) == WORD_COORDINATE || word_kind(shape, k) == WORD_SIZE;
   endfunction
-  function automatic int lengths(input int shape);  // how many words of the shape are
+  function automatic int lengths(input int shape);  // number of words that are lengths
     lengths = 0;
     for (int k = 0; k < shape_words(shape); k++) if (is_length(shape, k)) lengths++;
   endfunction
@@ -164,8 +166,8 @@ package pairs_pkg;
       end
   endfunction
 
-  // ---- Of a pair ----
-  function automatic bit has(input int pairs, input int pair);  // a set has the pair
+  // ---- Properties of a pair ----
+  function automatic bit has(input int pairs, input int pair);  // the set has the pair
     has = ((pairs >> pair) & 1) != 0;
   endfunction
   function automatic int primary_shape(input int pair);  // A
@@ -180,28 +182,28 @@ package pairs_pkg;
   function automatic int secondary_words(input int pair);
     secondary_words = shape_words(secondary_shape(pair));
   endfunction
-  // of a ring's primary: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
+  // primary of an iterative pipeline: 0 cylinder, 1 box, 2 triangle (cylinder.svh)
   function automatic int cylinder_body(input int pair);
     cylinder_body = (primary_shape(pair) == SHAPE_CYLINDER) ? 0 : (primary_shape(pair) == SHAPE_OBB) ? 1 : 2;
   endfunction
-  // in a format; those of few exponent bits scale every pair
+  // formats with few exponent bits scale every pair
   function automatic bit scaled(input int pair, input int exp);
     scaled = exp < 8 || has(SCALED_PAIRS, pair);
   endfunction
-  // Latencies are numbers here: Icarus stops at functions of a structure of another package.
+  // Latencies are numbers here: Icarus does not accept functions of a structure of another package.
   function automatic int unscale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_unscale.sv
     unscale_latency = (ray && lat_mul > lat_cmp) ? lat_mul : lat_cmp;
   endfunction
   function automatic int scale_latency(input bit ray, input int lat_mul, input int lat_cmp);  // of length_scale.sv
     scale_latency = lat_cmp + unscale_latency(ray, lat_mul, lat_cmp);
   endfunction
-  // cycles that a ring needs for operands
+  // cycles that an iterative pipeline needs for its operands
   function automatic int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);
     ring_entry = scale_latency(0, lat_mul, lat_cmp) + ((lat_add > lat_mul) ? lat_add : lat_mul);
   endfunction
 
-  // ---- Of a set of pairs ----
-  // Words of the largest slot that it needs, of primaries or of secondaries; `swap`: either shape may be either.
+  // ---- Properties of a set of pairs ----
+  // Words of the largest slot of primaries or of secondaries; `swap`: either shape may have either role.
   function automatic int slot_words(input int pairs, input bit primary, input bit swap);
     slot_words = 0;
     for (int p = 0; p < PAIRS; p++)
@@ -210,7 +212,7 @@ package pairs_pkg;
         if ((!primary || swap) && secondary_words(p) > slot_words) slot_words = secondary_words(p);
       end
   endfunction
-  // Whether some pair of the set has the shape in that role.
+  // Whether some pair of the set has the shape in this role.
   function automatic bit uses_shape(input int pairs, input int shape, input bit primary, input bit swap);
     uses_shape = 0;
     for (int p = 0; p < PAIRS; p++)
@@ -219,8 +221,9 @@ package pairs_pkg;
         if ((!primary || swap) && secondary_shape(p) == shape) uses_shape = 1;
       end
   endfunction
-  // Whether the transformer of a card handles the shape, and its cycles: R x is LAT_MUL + 2*LAT_ADD, + t is LAT_ADD;
-  // n'.t of a plane waits for R n.
+  // Whether the card's transformer handles the shape, and its cycles. R x takes LAT_MUL + 2*LAT_ADD, and + t takes
+  // LAT_ADD.
+  // For a plane, n'.t waits for R n.
   function automatic bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
     moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1,
         swap));

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collision detection engine: LANES lanes in groups behind one mouth. Takes a row of LANES primaries against one
-// secondary a clock, and keeps or streams the row's results in order.
-// With ARITH = "host" the datapath is combinational and gets its operands when its results are due, else when they are
-// issued: the same cycles and bits outside.
-// One pipe is used in a pass, with PARALLEL at most two, which meet the same secondaries with primaries of their own;
-// the others' cycles stand still.
+// Collision detection engine: LANES lanes in groups behind one input port. Per cycle it tests a row of LANES primaries
+// against one secondary, and keeps or streams the row's results in order.
+// With ARITH = "host", the datapath is combinational. It takes its operands when its results are due, not when the row
+// is
+// issued. Cycles and bits at the ports are the same.
+// A pass uses one pipe. With PARALLEL it uses at most two, which get the same secondaries and their own primaries. The
+// clocks of the other pipes stand still.
 // Latency: that of the pipe.
-// Throughput: one row per cycle, a pair with facets one in FACET_II cycles, or what a ring takes.
-// Stall: ready_o; room for results is held by credits outside.
+// Throughput: one row per cycle; per FACET_II cycles with candidate axes; as ready_o allows in an iterative pipeline.
+// Stall: ready_o. Credits outside reserve space for results.
 module cde #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -36,12 +37,12 @@ module cde #(
     input logic clk_i,  // may be gated while nothing is in flight
     input logic rst_i,
     input logic clk_bus_i,
-    input logic clk_core_i,  // neither gated
+    input logic clk_core_i,  // not gated, both
 
     input logic prim_write_i,
     input logic [31:0] prim_addr_i,
     input logic [63:0] prim_data_i,
-    output logic [PRIMARIES-1:0] prim_bad_o,  // by the contract of the pair's primary
+    output logic [PRIMARIES-1:0] prim_bad_o,  // primaries outside their pair's contract
     output logic prim_busy_o,  // primaries are being checked
     input logic clk_moving_i,  // as in primary_regfile
     input logic [PRIM_W-1:0] prim_read_i,
@@ -53,11 +54,11 @@ module cde #(
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,
 
-    input pairs_pkg::pair_t [1:0] pair_i,  // of the pass; the second one may be NO_PAIR
+    input pairs_pkg::pair_t [1:0] pair_i,  // pairs of the pass; the second one may be NO_PAIR
     input logic [1:0] swap_i,
-    input logic [PRIM_W-1:0] split_i,  // the first primary of the second pair
-    input logic [23:0] budget_i,  // of cylinder pairs
-    output logic [1:0] gap_o,  // it is a pair of solids
+    input logic [PRIM_W-1:0] split_i,  // first primary of the second pair
+    input logic [23:0] budget_i,  // iterations of cylinder pairs
+    output logic [1:0] gap_o,  // the pair is one of solids
     output logic [1:0] ready_o,  // the pair's pipe takes a row
     input card_pkg::issue_t issue_i,
     input logic [31:0] index_i,
@@ -67,32 +68,32 @@ module cde #(
     input logic streaming_i,
 
     output logic [1:0] valid_o,
-    output logic [ROW_W-1:0] row_o,  // of the first pair
+    output logic [ROW_W-1:0] row_o,  // row of the first pair
     output logic [31:0] index_o,
     output logic [PRIM_W:0] new_hits_o,
     output logic [LANES-1:0] f_o,  // in the streaming modes
     output logic [LANES-1:0] bad_o,
     output logic [LANES-1:0] unmasked_o,
     output logic [15:0] latency_o,
-    output logic [1:0] open_o,  // pairs that go through the wide pipe behind narrow lanes
+    output logic [1:0] open_o,  // pairs with certified filters that are uncertain and go through the wide pipe
 
     input logic push_i,
     input logic [FIFO_W-1:0] write_i,
     input logic [FIFO_W-1:0] head_i,
-    input card_pkg::streamed_t streamed_i,   // T and CP of its lane, out of the FIFO
-    input card_pkg::writeback_t result_i,  // T, CP and index of its primary, out of the update buffers
+    input card_pkg::streamed_t streamed_i,   // T and CP of its lane come from the FIFO
+    input card_pkg::writeback_t result_i,  // T, CP and index of its primary come from the update buffers
     output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,
     output logic [POINTS-1:0][CW-1:0] result_point_o
 );
-  // One vector register wide where the simulating processor computes; the gates' own objects want all lanes in one.
+  // One vector register of the simulating processor wide. Gates have one object for all lanes.
 `ifdef CDE_GROUP_LANES
   localparam int MOST = `CDE_GROUP_LANES;
 `else
   localparam int MOST = 8;
 `endif
   localparam int ORDERED = config_pkg::ordered_pairs(CONFIG);
-  // Narrow lanes share a wide one, so they are one group: those of two would not keep step.
+  // Narrow lanes share a wide lane, so they are one group: two groups would not keep step.
   localparam bit APART = ARITH != "rtl" && LANES > MOST && config_pkg::verdict_pairs(CONFIG) == 0;
   localparam int GROUP = APART ? MOST : LANES;
   localparam int GROUPS = LANES / GROUP;
@@ -115,15 +116,15 @@ module cde #(
 
   clock_gate gate_prim (.clk_i(clk_core_i), .enable_i(prim_commit), .clk_o(clk_prim));
 
-  // ---- What is in flight ----
+  // ---- Rows in flight ----
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   localparam int HISTORY = config_pkg::pipe_depth(CONFIG);
   localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
   localparam bit RINGS = ORDERED != 0;
-  // rows of some pairs need more than a clock
+  // rows of some pairs need several cycles
   localparam bit TURNS = FACET_II != 1 && (PAIRS & pairs_pkg::FACET_PAIRS) != 0;
-  localparam bit ISSUE = RINGS || (TURNS && ARITH == "rtl");  // some pipe wants to know when
-  // Rows that can be in flight where the order alone is kept.
+  localparam bit ISSUE = RINGS || (TURNS && ARITH == "rtl");  // some pipe needs the cycle of issue
+  // Rows in flight where only the order is kept.
   localparam int IN_ORDER = formats_pkg::larger(pairs_pkg::RING_ROWS, 4 * HISTORY);
   pairs_pkg::pair_t [PORTS-1:0] pair;
   for (genvar k = 0; k < PORTS; k++) begin : pair_of
@@ -259,7 +260,7 @@ module cde #(
     result_t_o = '0;
     result_point_o = '0;
     for (int g = 0; g < GROUPS; g++) new_hits_o = new_hits_o + (PRIM_W + 1)'(new_hits[g]);
-    // Zeros while nothing is read; the condition is for simulation.
+    // Zeros while nothing is read; the condition saves simulation time.
     if (result_i.valid || (streaming_i && streamed_i.valid)) for (int g = 0; g < GROUPS; g++) begin
       result_index_o = result_index_o | result_index[g];
       result_t_o = result_t_o | result_t[g];

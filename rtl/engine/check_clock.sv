@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clock and time of a check that runs for a while after a commit and is idle otherwise: T_CHECK cycles after the commit
-// of an entry its verdict is there.
+// Clock and timing of a check that runs for a while after a commit and is idle otherwise. The result of an entry is
+// present T_CHECK cycles after its commit.
 // Latency: T_CHECK cycles from the commit to judged_o.
 // Throughput: one entry per cycle.
 // Stall: none.
@@ -13,9 +13,9 @@ module check_clock #(
     input logic commit_i,
     input logic [NUMBER_W-1:0] number_i,
     output logic clk_o,
-    output logic busy_o,  // verdicts are on their way
+    output logic busy_o,  // results are outstanding
     output logic judged_o,
-    output logic [NUMBER_W-1:0] number_o  // whose verdict it is
+    output logic [NUMBER_W-1:0] number_o  // entry of the result
 );
   logic [7:0] running_q;
   assign busy_o = commit_i || running_q != 0;

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clock gate: a clock that passes while it is enabled, without glitches. The enable comes from registers of `clk_i` and
-// counts for the next rising edge. What is behind it costs neither power nor simulation time while it is idle, and its
-// registers stand still: a gate must not be replaced by a wire.
-// "latch" a latch that is open while the clock is low, and an AND: simulation; ASIC flows put the library's integrated
-// cell
-//             (ICG) here, as they do for the same form that they infer
-//   "bufgce"  AMD's clock buffer with enable: FPGA, for the few gates of whole units
-//   "enable"  an AND that says `gated_clock`: FPGA, where the tool turns it into enables of the registers behind it
-//             (Vivado: synth_design -gated_clock_conversion auto; Synplify: fix_gated_and_generated_clocks)
-// GATE is chosen once for a chip: by the macro CDE_CLOCK_GATE, which every tool can define, or at an instance.
+// Clock gate: passes the clock while it is enabled, without glitches. The enable comes from registers of `clk_i` and
+// counts for the next rising edge. Logic behind it costs neither power nor simulation time while it is idle. Its
+// registers keep their values, so a gate must not be replaced by a wire.
+//   "latch"   a latch that is open while the clock is low, and an AND. For simulation. ASIC flows put the library's
+//             integrated clock gate (ICG) here, as for the same form where they infer it.
+//   "bufgce"  AMD's clock buffer with enable. For FPGAs, for the few gates of whole units.
+//   "enable"  an AND with the attribute `gated_clock`. For FPGAs: the tool makes it the enable of the registers behind
+//             it (Vivado: synth_design -gated_clock_conversion auto; Synplify: fix_gated_and_generated_clocks).
+// GATE is chosen once per chip, by the macro CDE_CLOCK_GATE, which every tool can define, or at an instance.
 // Latency: none.
-// Throughput: one cycle per cycle.
+// Throughput: not applicable.
 // Stall: none.
 `ifndef CDE_CLOCK_GATE
 `define CDE_CLOCK_GATE "latch"

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sequencer of a pass: pose primaries that moved, clear the update buffers, sweep every secondary over the rows of
-// primaries, let the pipe drain, write the results back, report done. A row enters the pipe when a secondary is there
-// and, in the streaming modes, a credit of the output FIFO is left and its pipe is ready. With a second pair a row of
-// its primaries enters its pipe in the same cycle.
-// Throughput: one row per cycle without bubbles while secondaries and credits last and pipes are ready.
+// Sequencer of a brute-force pass. It transforms moved primaries, clears the update buffers, and sends every secondary
+// over the rows of primaries. Then it drains the pipe, writes results back and reports done.
+// A row enters the pipe when a secondary is present and the pipe is ready. Streaming modes also need a credit of the
+// output
+// FIFO. With a second pair, a row of its primaries enters its pipe in the same cycle.
+// Throughput: one row per cycle without idle cycles, while secondaries and credits last and pipes are ready.
 module engine_control #(
     parameter config_pkg::config_t CONFIG,
     localparam int LANES = CONFIG.lanes,
@@ -15,21 +16,21 @@ module engine_control #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic go_i,      // a pass, taken when ready_o is high too
+    input logic go_i,      // starts a pass; taken when ready_o is also high
     output logic ready_o,
     input logic abort_i,
     input card_pkg::pass_t command_i,
-    output logic [2:0] mode_o,  // of the pass, from go on
+    output logic [2:0] mode_o,  // mode of the pass, valid from go on
     output pairs_pkg::pair_t [1:0] pair_o,
     output logic [1:0] swap_o,
     input logic primaries_busy_i,  // primaries are being checked
     input logic [PRIMARIES-1:0] active_i,  // present and not masked
     output logic busy_o,
     output logic done_o,  // one cycle
-    output logic flush_o,  // aborted: what is in flight or waiting is dropped
+    output logic flush_o,  // aborted: rows in flight or waiting are dropped
     output logic streaming_mode_o,
 
-    input logic pose_wanted_i,  // primaries moved since they were posed last
+    input logic pose_wanted_i,  // primaries moved since they were last transformed
     output logic pose_o,
     input logic posed_i,
 
@@ -115,7 +116,7 @@ module engine_control #(
         row_q <= 0;
         if (go_i) begin
           mode_o <= command_i.mode;
-          // What the card cannot do is a constant here, and what follows from it.
+          // Options that the card lacks are constants here, and so is all that depends on them.
           pair_o <= {(CONFIG.parallel != 0) ? command_i.pair[1] : pairs_pkg::NO_PAIR, command_i.pair[0]};
           swap_o <= {2{CONFIG.swap != 0}} & command_i.swap;
           state_q <= pose_wanted_i ? POSE : CLEAR;
@@ -137,7 +138,7 @@ module engine_control #(
         if (enter) row_q <= last_row ? '0 : row_q + 1;
         if (secondary_pop_o) begin
           parity_q <= ~parity_q;
-          // Mode any ends between two secondaries, so that every row has met the same ones.
+          // Mode any ends between two secondaries, so every row has met the same ones.
           if (all_hit) stop_q <= 1;
         end
         if ((secondary_pop_o && secondary_last_i) || stop_q) state_q <= DRAIN;

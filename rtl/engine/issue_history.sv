@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What entered a datapath the last DEPTH cycles, so that the tag of a result is found again when it leaves: the one
-// delay line beside the pipes, whatever their latencies.
+// Delay line of tags: holds the entries of the last DEPTH cycles, so a result finds its tag again.
+// It is the only delay line beside the pipes, for any latency.
 // Latency: latency_i cycles (1..DEPTH-1). Throughput: one entry per cycle. Stall: none.
 module issue_history #(
     parameter int W = 1,
@@ -15,13 +15,13 @@ module issue_history #(
     output logic [W-1:0] q_o
 );
   localparam int AW = $clog2(DEPTH);
-  logic [AW-1:0] now_q, then_q;  // an address that is a register: a subtraction before the memory was the longest path
+  logic [AW-1:0] now_q, then_q;  // a registered address: a subtraction before the memory would be the critical path
   logic [DEPTH-1:0] valid_mem;
   logic [W-1:0] mem[DEPTH];
   assign valid_o = valid_mem[then_q];
   assign q_o = mem[then_q];
   always_ff @(posedge clk_i) begin
-    valid_mem[then_q] <= 0;  // read once, also when the latency grows between two passes
+    valid_mem[then_q] <= 0;  // cleared when read, also if the latency grows between two passes
     valid_mem[now_q] <= valid_i;
     if (valid_i) mem[now_q] <= d_i;
     now_q <= now_q + 1;

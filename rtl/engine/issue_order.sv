@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What entered a pipe that keeps the order but not the time: tags leave in the order they came.
+// Tag FIFO of a pipe that keeps the order but not the time: tags leave in the order they entered.
 // Latency: 1 cycle.
-// Throughput: one tag per cycle in and one out.
-// Stall: none; never more than DEPTH - 1 inside.
+// Throughput: one tag in and one out per cycle.
+// Stall: none; the user keeps at most DEPTH - 1 tags inside.
 module issue_order #(
     parameter int W = 1,
     parameter int DEPTH = 1024  // power of two
@@ -12,7 +12,7 @@ module issue_order #(
     input logic push_i,
     input logic [W-1:0] d_i,
     input logic pop_i,
-    output logic [W-1:0] q_o  // the oldest
+    output logic [W-1:0] q_o  // the oldest tag
 );
   localparam int AW = $clog2(DEPTH);
   logic [AW-1:0] write_q, read_q;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// LANES lanes of the collision detection engine with all that belongs to them alone: their part of the primary register
-// file, the pipe, of the update engine and of the output FIFO. Nothing wider than a control bit or one record leaves a
-// group, in silicon as in simulation; not inlined, so that the groups are one function over objects that fit the
-// first-level cache.
+// LANES lanes of the collision detection engine, with their own part of the primary register file, the pipe, the update
+// engine and the output FIFO. Only control bits and single records leave a group. It is not inlined, so that all groups
+// run one function over objects that fit the first-level cache.
 // Latency: that of the pipe.
 // Throughput: that of the pipe, at most one row per cycle.
 // Stall: none.
@@ -47,24 +46,24 @@ module lane_group #(
     input logic [LANES-1:0] clear_mask_i /*verilator public_flat_rd*/,
     input logic [LANES-1:0] clear_bad_i /*verilator public_flat_rd*/,  // primaries out of contract
 
-    input pairs_pkg::pair_t [PORTS-1:0] pair_i,  // of the pass
-    input logic [PORTS-1:0] gap_i,        // a pair of solids: T is the size of a signed gap
+    input pairs_pkg::pair_t [PORTS-1:0] pair_i,  // pairs of the pass
+    input logic [PORTS-1:0] gap_i,        // a pair of solids: T is the size of a signed distance
     input logic [PORTS-1:0] swap_i,
     input logic [N_PAIRS-1:0] clk_pipe_i,  // each runs while its pipe is used
     input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
     input logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary_i,
     output logic [N_PAIRS-1:0][15:0] latency_o,
-    input logic [PORTS-1:0] issue_i,  // a row is issued: of such pipes, and of gates with FACET_II = 3
-    input logic rst_i,  // of pipes that keep the order alone (config_pkg::ordered_pairs); they take a row when issued
+    input logic [PORTS-1:0] issue_i,  // a row is issued: only for ordered pipes, and for gates with FACET_II = 3
+    input logic rst_i,  // reset of pipes that keep only the order (config_pkg::ordered_pairs); they take a row at issue
     input logic [23:0] budget_i,
     input logic [PORTS-1:0][ROW_W-1:0] ring_row_i,
     input logic [SEC_WORDS-1:0][CW-1:0] ring_secondary_i,
-    input logic ring_bad_i,  // the secondary is
+    input logic ring_bad_i,  // the secondary is bad
     output logic [N_PAIRS-1:0] ring_ready_o,
     output logic [N_PAIRS-1:0] ring_valid_o,
-    output logic [1:0] open_o,  // pairs that go through the wide pipe behind narrow lanes
+    output logic [1:0] open_o,  // pairs with certified filters that are uncertain and go through the wide pipe
 
-    input logic [PORTS-1:0] valid_i,  // the row whose results leave it
+    input logic [PORTS-1:0] valid_i,  // the row whose results leave the pipe
     input logic [PORTS-1:0][ROW_W-1:0] row_out_i,
     input logic [PORTS-1:0] parity_i,
     input logic [PORTS-1:0][31:0] index_i,
@@ -85,29 +84,28 @@ module lane_group #(
     input logic [ROW_W-1:0] result_row_i,
     input logic result_parity_i,
     input logic [LANE_W-1:0] lane_i,
-    output logic [31:0] result_index_o,  // the group's part of an OR: zeros when it is not asked
+    output logic [31:0] result_index_o,  // the group's part of an OR: zeros unless it is read
     output logic [CW-1:0] result_t_o,
     output logic [POINTS-1:0][CW-1:0] result_point_o  // CP and, with normals, n
 );
   /*verilator no_inline_module*/
-  // ---- Primaries: a block RAM a lane and word, read by every pipe ----
+  // ---- Primaries: one block RAM per lane and word, read by every pipe ----
   for (genvar k = 0; k < PRIM_WORDS; k++) begin : word
     logic [LANES-1:0][CW-1:0] mem[ROWS];
     always_ff @(posedge clk_prim_i) if (prim_write_i) mem[prim_row_i][prim_lane_i] <= prim_slot_i[k];
   end
 
-  // ---- Pipes; the one that is used is read. Where there are several, each has a register for its operands, so that an
-  // idle one
-  // does nothing ----
+  // ---- Pipes. The pass's pipe is read. With several pipes, each has an operand register, so an idle pipe does nothing
+  // ----
   localparam int ORDERED = config_pkg::ordered_pairs(CONFIG);
   localparam int VERDICTS = config_pkg::verdict_pairs(CONFIG);
   logic unused_ring;
   assign unused_ring = &{1'b0, rst_i, budget_i, ring_row_i, ring_secondary_i, ring_bad_i};
   logic [N_PAIRS-1:0] open;
   if (VERDICTS != 0) begin : g_verdicts
-    logic [LANES-1:0] asked_mem[ROWS];  // lanes whose answers anybody asks for
+    logic [LANES-1:0] asked_mem[ROWS];  // lanes with primaries in use
     always_ff @(posedge clk_i) if (clear_i) asked_mem[clear_row_i] <= ~(clear_mask_i | clear_bad_i);
-    logic prove;  // misses are not asked for
+    logic prove;  // only hits are reported, so the filter may prove misses
     assign prove = mode_i == registers_pkg::MODE_ANY || mode_i == registers_pkg::MODE_HITS;
     always_comb begin
       open_o = '0;
@@ -126,7 +124,7 @@ module lane_group #(
       localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(p));
       localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(p));
       localparam int B_LANES = (SWAP != 0) ? LANES : 1;
-      localparam int S_WORDS = (SWAP != 0 && A_WORDS > B_WORDS) ? A_WORDS : B_WORDS;  // of the secondary
+      localparam int S_WORDS = (SWAP != 0 && A_WORDS > B_WORDS) ? A_WORDS : B_WORDS;  // words of the secondary
       logic [ROW_W-1:0] row;
       logic swap;
       logic [S_WORDS-1:0][CW-1:0] secondary;
@@ -134,11 +132,11 @@ module lane_group #(
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
       localparam bit RING = pairs_pkg::has(pairs_pkg::RING_PAIRS, p);
       localparam bit VERDICT = pairs_pkg::has(VERDICTS, p);
-      localparam bit LATE = !pairs_pkg::has(ORDERED, p);  // the host's arithmetic takes the row when it is due
+      localparam bit LATE = !pairs_pkg::has(ORDERED, p);  // host arithmetic takes the row when it is due
       localparam int INTERVAL = pairs_pkg::has(pairs_pkg::FACET_PAIRS, p) ? FACET_II : 1;
-      logic of;  // which of the pass's pairs it is
+      logic of;  // which of the pass's pairs it computes
       assign of = PARALLEL != 0 && pair_i[PORTS-1] == pairs_pkg::PAIR_BITS'(p);
-      logic issue, enter;  // to this pipe, with its operands
+      logic issue, enter;  // for this pipe: issue, and entry of its operands
       assign issue = issue_i[of] && (!MANY || pair_i[of] == pairs_pkg::PAIR_BITS'(p));
       if (MANY) begin : g_register
         always_ff @(posedge clk_pipe_i[p]) enter <= issue && !rst_i;
@@ -285,7 +283,7 @@ module lane_group #(
         .result_parity_i, .result_index_o(kept_index[k]), .result_t_o(kept_t[k]), .result_point_o(kept_point[k]));
   end
 
-  // ---- Records of the streaming modes: of the first pair ----
+  // ---- Records of the streaming modes, of the first pair ----
   logic [CW-1:0] fifo_t;
   logic [POINTS-1:0][CW-1:0] fifo_point;
   record_lanes #(.CW(CW), .LANES(LANES), .DEPTH(FIFO_DEPTH), .POINTS(POINTS)) records (

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes of the results of one pair of a pass in one lane group: bad input is answered with F = 0 and NaN, the
-// update engine keeps the best record a primary, and the row is shown to the output FIFO.
-// Latency: combinational to the FIFO, 1 cycle to the update buffers.
+// Results of one pair of a pass in one lane group. Bad input gets F = 0 and NaN. The update engine keeps the best
+// record
+// per primary, and the output FIFO gets the row.
+// Latency: 0 to the FIFO, 1 cycle to the update buffers.
 // Throughput: one row per cycle.
 // Stall: none.
 module lane_results #(
@@ -21,7 +22,7 @@ module lane_results #(
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,
     input logic [LANES-1:0] clear_bad_i,  // primaries out of contract
-    input logic gap_i,                    // a pair of solids: T is the size of a signed gap
+    input logic gap_i,                    // a pair of solids: T is the size of a signed distance
     input logic [2:0] mode_i,
     input logic streaming_i,
 
@@ -42,7 +43,7 @@ module lane_results #(
     output logic [LANES-1:0][CW-1:0] t_o,
     output logic [POINTS-1:0][LANES-1:0][CW-1:0] point_o,  // CP and, with normals, n
 
-    input logic result_i,  // zeros while low
+    input logic result_i,  // low: outputs are zeros
     input logic [ROW_W-1:0] result_row_i,
     input logic [LANE_W-1:0] result_lane_i,
     input logic result_parity_i,
@@ -53,7 +54,7 @@ module lane_results #(
   /*verilator inline_module*/
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
 
-  logic [LANES-1:0] unmasked_mem[ROWS];  // for the streaming modes, as bits
+  logic [LANES-1:0] unmasked_mem[ROWS];  // bits, for the streaming modes
   logic [LANES-1:0][CW-1:0] bad_mem[ROWS], clear_bad, bad, f;
   always_comb begin
     clear_bad = '0;

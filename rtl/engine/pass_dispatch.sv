@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hands a pass to the unit that does it (card_pkg::UNIT_*). A request waits for its unit: the pass is the unit's in the
-// clock in which valid_o and ready_i meet, and from the cycle after the unit is busy until it says that it is done or,
-// aborted, has become idle. There is one pass at a time. An abort goes to all units, which share the record ring, and
-// drops a request that still waits; without a pass it is harmless, and with a go it comes before it.
-// With one unit, which is ready whenever it is not busy, all of this is wires.
+// Gives a pass to its unit (card_pkg::UNIT_*). A request waits for its unit, which takes the pass in the cycle in which
+// valid_o and ready_i meet. From the next cycle on the unit is busy. It stays busy until it reports done or, if
+// aborted,
+// is idle. There is one pass at a time.
+// An abort goes to all units, which share the record ring, and drops a waiting request. Without a pass it is harmless.
+// Together with a go, the abort comes first.
+// With one unit, which is ready whenever it is not busy, the module is wires.
 // Latency: none.
+// Throughput: one pass at a time.
 // Stall: ready_i.
 module pass_dispatch #(
     parameter int UNITS = card_pkg::UNITS  // 1 to 2^UNIT_BITS
@@ -12,7 +15,7 @@ module pass_dispatch #(
     input logic clk_i,
     input logic rst_i,
     input logic go_i,  // not while busy_o
-    input logic [card_pkg::UNIT_BITS-1:0] unit_i,  // of the pass that starts
+    input logic [card_pkg::UNIT_BITS-1:0] unit_i,  // unit of the pass that starts
     input logic abort_i,
     output logic busy_o,
     output logic done_o,  // one cycle

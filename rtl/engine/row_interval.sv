@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Admits a row every INTERVAL cycles at most.
+// Admits at most one row per INTERVAL cycles.
 // Latency: none.
-// Throughput: one row in INTERVAL cycles.
+// Throughput: one row per INTERVAL cycles.
 // Stall: ready_o, low for INTERVAL - 1 cycles after a row was taken.
 module row_interval #(
     parameter int INTERVAL = 1  // >= 1
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic take_i,  // a row is taken, ready_o being high
+    input logic take_i,  // a row is taken while ready_o is high
     output logic ready_o
 );
   if (INTERVAL <= 1) begin : g_always
@@ -16,7 +16,7 @@ module row_interval #(
     assign unused = &{1'b0, clk_i, rst_i, take_i};
     assign ready_o = 1'b1;
   end else begin : g_count
-    logic [INTERVAL-2:0] taken_q;  // in the last cycle, in the one before, ...
+    logic [INTERVAL-2:0] taken_q;  // taken in the last cycle, in the one before, ...
     always_ff @(posedge clk_i) taken_q <= rst_i ? '0 : (INTERVAL - 1)'({taken_q, take_i});
     assign ready_o = taken_q == '0;
 `ifndef SYNTHESIS

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Input contract of a shape (pairs_pkg::SHAPE_*): every word finite (tmin and tmax only no NaN), coordinates at most
-// 2^length_high, sizes and the largest component of a direction from 2^length_low to that, max above min; unit vectors
-// and rotations to |a.b - (0 or 1)| <= 2^-20, or 16 u in formats too coarse for that.
-// Latency: LAT.mul + 3*LAT.add + LAT.cmp cycles whatever the shape; 0 with ARITH = "host".
+// Input contract of a shape (pairs_pkg::SHAPE_*). Every word must be finite; tmin and tmax may be infinite but not NaN.
+// Coordinates are at most 2^length_high. Sizes and a direction's largest component are from 2^length_low to
+// 2^length_high, and max is above min. Unit vectors and rotations hold |a.b - (0 or 1)| <= 2^-20, or 16 u in formats
+// too
+// coarse for that.
+// Latency: LAT.mul + 3*LAT.add + LAT.cmp cycles for any shape; 0 with ARITH = "host".
 // Throughput: LANES shapes per cycle.
 // Stall: none.
 `include "dataflow.svh"
@@ -17,7 +19,7 @@ module shape_check #(
     localparam int WORDS = pairs_pkg::shape_words(SHAPE)
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: nobody looks at the result
+    input logic on_i,  // 0: no reader uses the result
     input logic [WORDS-1:0][LANES-1:0][CW-1:0] words_i,
     output logic [LANES-1:0][CW-1:0] bad_o  // lane mask
 );
@@ -25,11 +27,11 @@ module shape_check #(
   localparam int LATENCY = LAT.mul + 3 * LAT.add + LAT.cmp;
   localparam int LOW = formats_pkg::length_low(EXP, MAN);
   localparam int HIGH = formats_pkg::length_high(EXP);
-  // First word of a unit vector, in front or behind a point; -1 if there is none.
+  // First word of a unit vector, before or after a point; -1 if there is none.
   localparam int UNIT = (pairs_pkg::word_kind(SHAPE, 0) == pairs_pkg::WORD_PURE) ? 0 :
       (pairs_pkg::word_kind(SHAPE, 3) == pairs_pkg::WORD_PURE) ? 3 : -1;
 
-  // ---- Words by themselves ----
+  // ---- Each word alone ----
   for (genvar k = 0; k < WORDS; k++) begin : word
     localparam int KIND = pairs_pkg::word_kind(SHAPE, k);
     logic [LANES-1:0][CW-1:0] legal, good;  // good: this word and those below
@@ -54,7 +56,7 @@ module shape_check #(
     end
   end
 
-  // ---- What takes arithmetic ----
+  // ---- Checks that need arithmetic ----
   logic [LANES-1:0][CW-1:0] shape_good, words_good;
   `DF_IN(all_words, word[WORDS-1].good, 0)
   `DF_AT(late_words, all_words, LATENCY)
@@ -79,7 +81,7 @@ module shape_check #(
         .ARITH(ARITH)) unit (
         .clk_i, .on_i, .a_i(words_i[UNIT+:3]), .b_i(words_i[UNIT+:3]), .good_o(shape_good));
   end else if (SHAPE == pairs_pkg::SHAPE_OBB) begin : g_rotation
-    logic [5:0][LANES-1:0][CW-1:0] dot_good;  // of the upper triangle, row by row
+    logic [5:0][LANES-1:0][CW-1:0] dot_good;  // dot products of the upper triangle, row by row
     for (genvar i = 0; i < 3; i++) begin : row
       for (genvar j = i; j < 3; j++) begin : column
         unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)) unit (

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// |a.b - ONE| <= tolerance, false for NaN: the test of unit vectors (ONE = 1) and of perpendicular ones. 3 mul, 2 add,
-// 1 sub, 1 compare.
+// Test of unit vectors (ONE = 1) and of perpendicular vectors: |a.b - ONE| <= tolerance, false for NaN. Operators: 3
+// mul,
+// 2 add, 1 sub, 1 compare.
 // Latency: LAT.mul + 3*LAT.add + LAT.cmp cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none.
@@ -15,7 +16,7 @@ module unit_check #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: nobody looks at the result
+    input logic on_i,  // 0: no reader uses the result
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] good_o

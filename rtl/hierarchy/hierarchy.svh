@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// What rays and nodes of a hierarchy share: stage times, and the places of words.
+// Shared by primaries and nodes of a BVH: stage times and widths of words.
 `ifndef CDE_HIERARCHY_SVH
 `define CDE_HIERARCHY_SVH
 `include "gap_bound.svh"
 
-// Of ray_front.sv: o +- M, and 1 / d.
+// Outputs of ray_front.sv: o +- M, and 1 / d.
 `define RAY_T_REACH (LAT.add + 3 * LAT.cmp)
 `define RAY_T_IN_RANGE(LEAF) \
   ((LEAF == pairs_pkg::SHAPE_SPHERE) ? `DF_MAX2(`RAY_T_REACH, 2 * LAT.cmp + LAT.mul) + LAT.cmp : 0)
 `define RAY_T_MARGIN(LEAF) `DF_MAX2(`RAY_T_REACH + LAT.mul + LAT.add, `RAY_T_IN_RANGE(LEAF))
 `define RAY_T_FRONT(LEAF) `DF_MAX2(`RAY_T_MARGIN(LEAF) + LAT.add, LAT.cmp + LAT.div)
-// Of solid_front.sv: the corners of its box, widened.
+// Outputs of solid_front.sv: the corners of its box, widened.
 `define SOLID_T_FRONT(SHAPE) \
   (`DF_MAX2(`SHAPE_T_HULL(SHAPE) + `RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT.cmp) + 3 * LAT.add + LAT.mul)
-// Of node_boxes.sv: near and far of all children, by axis and all in all; of node_gaps.sv behind it: of solids.
+// Outputs of node_boxes.sv, near and far of all children: per axis, then combined. Then node_gaps.sv, for solids.
 `define NODE_T_AXES (LAT.add + 2 * LAT.mul + LAT.add)
 `define NODE_T_BOXES (`NODE_T_AXES + 2 * LAT.cmp)
 `define NODE_T_GAPS (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
-// Of node_unit.sv: children that are met, in order.
+// Outputs of node_unit.sv: the children hit, in order.
 `define NODE_T_UNIT(SOLIDS) (((SOLIDS != 0) ? `NODE_T_GAPS : `NODE_T_BOXES) + 2)
 
-// A context on its way, CX bits of it: how many groups its stack has, and of which none but the first child has been
-// visited; and a node or leaf that it goes to.
+// State of context CX: the number of groups on its stack, and a bit for each group with only its first child visited.
+// A visit adds the node or leaf that the context goes to.
 `define AT_BITS(CX) (CX + $clog2(hierarchy_pkg::LEVELS + 1) + hierarchy_pkg::LEVELS)
 `define VISIT_BITS(CX) (`AT_BITS(CX) + hierarchy_pkg::PLACE + 1)
 `define HIERARCHY_TYPES(CX) \

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records of a pass through a hierarchy, one a clock, as they come: hits of mode hits, rays that came to their end, and
-// bad rays. The words are those that record_maker.sv makes; with normals a second record follows each, which has n in
-// the words of CP and the signed gap in T.
+// Records of a BVH pass, one per cycle, in the order they occur: hits of mode hits, finished primaries, and bad
+// primaries.
+// The words are as in record_maker.sv. With normals, a second record follows each one; it has n in the words of CP and
+// the
+// signed distance in T.
 // Latency: 1 cycle; hits wait in queues.
 // Throughput: one record per cycle.
-// Stall: ready_o, bad_ready_o while the ring is full or another comes first; hits have the room that leaf_room_o
-// promises.
+// Stall: ready_o and bad_ready_o are low while the ring is full or another record goes first. Hits are never stalled:
+// leaf_room_o reserves their space.
 module hierarchy_records #(
     parameter config_pkg::config_t CONFIG,
-    parameter int DEPTH = 128,  // hits that wait, a lane; power of two
+    parameter int DEPTH = 128,  // hits that wait, per lane; power of two
     localparam int WORDS = records_pkg::RECORD_WORDS,
     localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3
 ) (
@@ -17,7 +19,7 @@ module hierarchy_records #(
     input logic [2:0] mode_i,  // registers_pkg::MODE_*
     input logic normals_i,
 
-    // A leaf on its way to the pairs: there is room for its hits.
+    // The next leaf can go to the pairs: there is room for its hits.
     output logic leaf_room_o,
     input logic leaf_i,
     input logic leaf_tested_i,
@@ -27,16 +29,16 @@ module hierarchy_records #(
     input logic [POINTS-1:0][1:0][31:0] hit_point_i,
     input logic [1:0][31:0] hit_index_i,
 
-    input logic valid_i,  // a ray's end
+    input logic valid_i,  // a finished primary
     output logic ready_o,
     input logic [31:0] number_i,
-    input logic found_i,  // a pair is the answer; f_i: it meets
+    input logic found_i,  // the record names a pair; f_i: the pair is a hit
     input logic f_i,
     input logic [31:0] t_i,
     input logic [POINTS-1:0][31:0] point_i,
     input logic [31:0] index_i,
 
-    input logic bad_valid_i,  // a bad ray
+    input logic bad_valid_i,  // a bad primary
     output logic bad_ready_o,
     input logic [31:0] bad_number_i,
 
@@ -44,7 +46,7 @@ module hierarchy_records #(
     input logic [31:0] sram_count_i,
     output logic write_o,
     output logic [WORDS-1:0][31:0] record_o,
-    output logic finished_o,  // a ray has all its records
+    output logic finished_o,  // a primary has all its records
     output logic empty_o      // nothing waits
 );
   localparam logic [31:0] QNAN = 32'(formats_pkg::quiet_nan(CONFIG.exp, CONFIG.man));
@@ -54,7 +56,7 @@ module hierarchy_records #(
   assign hits = mode_i == registers_pkg::MODE_HITS;
   assign occluded = mode_i == registers_pkg::MODE_OCCLUDED;
 
-  // ---- Hits, a queue a lane ----
+  // ---- Hits, one queue per lane ----
   typedef struct packed {
     logic [31:0] number;
     logic [31:0] t;
@@ -63,7 +65,7 @@ module hierarchy_records #(
   } hit_t;
   hit_t [1:0] waiting;
   logic [1:0] some, read;
-  logic [DW:0] under_way_q;  // leaves
+  logic [DW:0] under_way_q;  // number of leaves under way
   logic [1:0][DW:0] room;
   for (genvar l = 0; l < 2; l++) begin : lane
     hit_t hit;
@@ -82,11 +84,11 @@ module hierarchy_records #(
     if (rst_i) under_way_q <= '0;
     else if (hits) under_way_q <= under_way_q + (DW + 1)'(leaf_i) - (DW + 1)'(leaf_tested_i);
 
-  // ---- One a clock. A ray's end stands behind its hits, which are in the queues before it comes ----
+  // ---- One record per cycle. A primary's last record follows its hits, which are queued before it arrives ----
   logic ring_room, room_there, take_hit, lane_1, take_bad, take, second_q;
   hit_t hit;
   assign ring_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
-  assign room_there = ring_room && !second_q;  // a record's second one comes next
+  assign room_there = ring_room && !second_q;  // the second record of a pair goes next
   assign take_hit = room_there && some != 0;
   assign lane_1 = !some[0];
   assign hit = waiting[lane_1];
@@ -112,7 +114,7 @@ module hierarchy_records #(
     record[records_pkg::RECORD_INDEX] = !found ? '1 : take_hit ? hit.index : index_i;
     record[records_pkg::RECORD_T] = take_bad ? QNAN : !found ? INFINITE : take_hit ? hit.t : t_i;
   end
-  logic written;  // a record is, this clock
+  logic written;  // a record is written in this cycle
   assign written = take_hit || (finished_o && !hits);
   if (CONFIG.normals != 0) begin : g_normals
     logic [2:0][31:0] n_q;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Registers of the hierarchy: its settings, how far the host has come with rays, and what a pass counted. Accesses come
-// from card_registers.sv, which has looked whether they may be, and which ORs what is read here to its own: what is
-// read elsewhere shows 0.
-// Latency: a read 1 clock of the bus.
+// Registers of the BVH: its settings, how many primaries the host has provided, and the counters of a pass.
+// Accesses come from card_registers.sv, which has checked them. It ORs the data read here into its own, so an access
+// elsewhere reads 0 here.
+// Latency: a read takes 1 cycle of the bus clock.
 // Throughput: one access per cycle.
 // Stall: none.
 module hierarchy_registers #(
@@ -13,9 +13,9 @@ module hierarchy_registers #(
     input logic rst_i,
     input card_pkg::access_t access_i,
     output logic [63:0] rdata_o,
-    input logic [63:0] wdata_i,    // of the access; by itself, as what may be follows from it
+    input logic [63:0] wdata_i,    // data of the access; a separate port, since the checks depend on it
     output logic provided_good_o,  // for REG_RAYS
-    output logic [1:0] good_o,     // settings are those of a pass: of rays, of nodes
+    output logic [1:0] good_o,     // settings are valid for a pass: of primaries, of nodes
     input logic busy_i,
     input logic wide_i,   // primaries of the pass take two places
     input logic clear_i,  // a pass begins
@@ -24,14 +24,14 @@ module hierarchy_registers #(
     output logic [31:0] provided_o,
     output logic [31:0] ray_count_o,
     output logic [31:0] nodes_o,
-    output logic [31:0] first_node_o,  // of those that a refit makes anew
+    output logic [31:0] first_node_o,  // first node that a refit updates
     output logic [31:0] slots_o,
     output logic [6:0][31:0] root_o,
     input hierarchy_pkg::events_t events_i,
     input logic [4:0] deepest_i,
     output registers_pkg::node_flip_t flip_o,
     input logic [35:0] fault_i,  // registers_pkg::NODE_FAULT_*, place
-    input logic new_root_i,      // a refit writes this
+    input logic new_root_i,      // a refit writes the root
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i
 );
   import registers_pkg::*;
@@ -45,7 +45,7 @@ module hierarchy_registers #(
   assign slots_o = slots_q;
   assign ray_count_o = ray_count_q;
   assign provided_o = provided_q;
-  // Counts of rays go up within a pass; as many as there are places for can be there and not taken.
+  // Counts of primaries rise within a pass. At most as many as there are places can be provided and not taken.
   logic [31:0] value, taken;
   assign value = wdata_i[31:0];
   assign taken = busy_i ? taken_i : '0;
@@ -58,7 +58,7 @@ module hierarchy_registers #(
     saturated = (x[63:32] != 0) ? '1 : x[31:0];
   endfunction
   logic write, at_root;
-  // Object tables lie above the registers, in the same space.
+  // Object tables are above the registers, in the same space.
   assign write = access_i.write && access_i.space == SPACE_REG && access_i.addr[31:12] == '0;
   assign at_root = access_i.addr[11:0] >= REG_ROOT && access_i.addr[11:0] < REG_ROOT + 12'd32;
   logic at_new_root;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Passes of rays, or of solids, through a hierarchy: rays as the host provides them, nodes and what is in the slots of
-// leaves in memories of their own, secondaries from DDR, records with the rays' numbers in the order in which they are
-// found. A pass ends when all its rays have their records, or with a fault, where what is in memory is no tree. And
-// passes without rays, which give the nodes boxes anew (refit.sv).
-// Latency: that of the way.
-// Throughput: see traversal.sv; a ray takes four beats of the bus.
-// Stall: the records' ring.
+// BVH passes of rays or solids. The host provides the primaries. Nodes and the contents of leaf slots are in their own
+// memories, and secondaries come from DDR. Records carry the primaries' numbers and come in the order found.
+// A pass ends when every primary has its record, or with a fault if the memory holds no valid tree.
+// A pass without primaries refits the boxes of the nodes (refit.sv).
+// Latency: that of the traversal.
+// Throughput: see traversal.sv; a primary takes four beats of the bus.
+// Stall: the record ring.
 `include "hierarchy.svh"
 module hierarchy_unit #(
     parameter config_pkg::config_t CONFIG,
@@ -27,17 +27,17 @@ module hierarchy_unit #(
     output logic [63:0] rdata_o,
     input logic [63:0] wdata_i,
     output logic provided_good_o,  // for REG_RAYS
-    output logic [1:0] good_o,     // settings are those of a pass: of rays, of nodes
+    output logic [1:0] good_o,     // settings are valid for a pass: of primaries, of nodes
 
     input logic valid_i,
     output logic ready_o,
     input logic abort_i,
     input card_pkg::pass_t pass_i,
     output logic busy_o,
-    output logic [hierarchy_pkg::WAY_BITS-1:0] way_o,  // of the pass
+    output logic [hierarchy_pkg::WAY_BITS-1:0] way_o,  // traversal kind of the pass
     output logic done_o,
-    output logic fault_o,  // the pass that is done has come to nothing
-    output logic [7:0] corrected_o,  // words of the memories of nodes and slots, this clock
+    output logic fault_o,  // the finished pass failed
+    output logic [7:0] corrected_o,  // words corrected in this cycle, in the memories of nodes and slots
 
     output card_pkg::ddr_request_t ddr_o,
     input logic ddr_ready_i,
@@ -45,7 +45,7 @@ module hierarchy_unit #(
     input logic [BEAT-1:0][31:0] ddr_data_i,
     output logic [3:0] ddr_words_o,
 
-    // To the table of objects and the transformer (leaf_reader.sv).
+    // To the object table and the transformer (leaf_reader.sv).
     output logic [OBJECT_W-1:0] transform_entry_o,
     output logic moving_o,
     input logic clk_moving_i,
@@ -72,7 +72,7 @@ module hierarchy_unit #(
   logic clk, rst, running, refitting, wrong;
   logic [2:0] mode_q;
   logic normals_q;
-  logic [WAY_BITS-1:0] way_q, way;  // of the pass, also of the next one
+  logic [WAY_BITS-1:0] way_q, way;  // traversal kind of this pass, and of the next one
   assign way = busy_o ? way_q : {pass_i.pair[0], pass_i.swap[0]};
   assign way_o = way_q;
   logic [31:0] secondaries_q, objects_q, finished_q;
@@ -80,16 +80,16 @@ module hierarchy_unit #(
   logic finished, records_empty;
   assign running = state_q == RUN;
   assign refitting = running && mode_q == registers_pkg::MODE_REFIT;
-  assign rst = rst_i || !running || refitting;  // of the way: it begins anew with every pass
+  assign rst = rst_i || !running || refitting;  // reset of the traversal, which starts afresh with every pass
   assign busy_o = state_q != IDLE;
   assign ready_o = state_q == IDLE;
-  // Still while it waits for the host: no ray that is there is without its record.
+  // Idle while it waits for the host: every primary provided so far has its record.
   logic waits;
   assign waits = running && !refitting && finished_q == provided && finished_q != ray_count && records_empty;
   clock_gate gate (.clk_i(clk_core_i), .enable_i(valid_i | abort_i | (busy_o & !waits) | rst_i), .clk_o(clk));
 
   // ---- Registers ----
-  logic refit_write;  // a node made anew
+  logic refit_write;  // a refit writes a node
   logic [PLACE-1:0] refit_read_at, refit_write_at;
   logic [NODE_WORDS-1:0][31:0] refitted;
   logic [6:0][31:0] root;
@@ -97,7 +97,7 @@ module hierarchy_unit #(
   logic [4:0] deepest, deepest_q;
   logic [35:0] fault_q;
   registers_pkg::node_flip_t flip;
-  logic [19:0][31:0] flips;  // of the words of a node, and of a beat of slots
+  logic [19:0][31:0] flips;  // faults injected in the words of a node, and of a beat of slots
   always_comb begin
     flips = '0;
     for (int w = 0; w < 20; w++) if (int'(flip.word) == w) flips[w] = flip.bits;
@@ -131,7 +131,7 @@ module hierarchy_unit #(
       .refit_i(refit_write), .refit_at_i(refit_write_at[NW-1:0]), .refit_node_i(refitted), .clk_i(clk),
       .at_i(node_row), .node_o(node), .corrected_o(node_corrected), .failed_o(node_failed));
 
-  // ---- Rays ----
+  // ---- Primaries ----
   logic ray_valid, ray_bad, ray_pop, ray_ready, bad_ready;
   logic [PRIMARY-1:0][31:0] ray;
   logic [31:0] ray_number;
@@ -141,7 +141,7 @@ module hierarchy_unit #(
       .valid_o(ray_valid), .ray_o(ray), .number_o(ray_number), .bad_o(ray_bad), .pop_i(ray_pop));
   assign ray_pop = ray_valid && (ray_bad ? bad_ready : ray_ready);
 
-  // ---- Their way ----
+  // ---- Traversal ----
   logic fetch_valid, fetch_ready, fetched_valid, leaf_ready, leaf_room;
   logic [PLACE-1:0] fetch_slot;
   logic [TAG-1:0] fetch_tag, fetched_tag;
@@ -201,11 +201,11 @@ module hierarchy_unit #(
       .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place), .corrected_o(slot_corrected));
 
-  // ---- Boxes anew ----
+  // ---- Refit ----
   logic clk_refit, refit_comes, refit_start_q, refit_rst, refit_busy, refit_read, refit_writes, refit_done, refit_bad;
   logic [PLACE-1:0] refit_bad_slot;
   assign refit_rst = rst_i || !refitting;
-  assign refit_write = refit_writes && refitting;  // one that was left stands still, whatever it was at
+  assign refit_write = refit_writes && refitting;  // an aborted refit stops in any state, so its outputs are masked
   assign refit_comes = state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT;
   clock_gate gate_refit (.clk_i(clk_core_i), .enable_i(refit_comes | refitting | rst_i), .clk_o(clk_refit));
   refit #(.CONTEXTS(REFIT_CONTEXTS)) boxes (
@@ -229,14 +229,15 @@ module hierarchy_unit #(
       .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i,
       .sram_count_i, .write_o, .record_o, .finished_o(finished), .empty_o(records_empty));
 
-  // ---- What no tree does. One of the rays on their way comes to its end before each has read every node; and a refit
-  // writes a node in less than a million cycles ----
+  // ---- Not a tree. In a tree, a primary in flight finishes before each has read every node; a refit writes a node in
+  // less
+  // than a million cycles ----
   localparam int PATIENCE = 20;
   logic [31+CX:0] idle_reads_q;
   logic [PATIENCE:0] idle_clocks_q;
   logic endless, finished_all;
   assign endless = refitting ? idle_clocks_q[PATIENCE] : idle_reads_q > {nodes, CX'(0)};
-  // Wrong bits of nodes that are read.
+  // Bit errors in the nodes that are read.
   logic bits_failed;
   logic [NW-1:0] failed_row;
   always_comb begin

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of leaves: a primary that comes with the one or two secondaries of a leaf goes through the pipe of its pair.
-// Pipes of several pairs stand beside each other, of which the pass uses one.
-// Latency: that of the pass's pipe and a register, whatever ARITH is.
+// Pairs of leaves: a primary enters with the one or two secondaries of a leaf, and goes through the pipe of its pair.
+// Pipes of several pairs are side by side, and a pass uses one of them.
+// Latency: that of the pass's pipe plus a register, for any ARITH.
 // Throughput: one leaf per cycle.
 // Stall: none.
 `include "hierarchy.svh"
 `include "ray_box.svh"
 module leaf_pairs #(
     parameter hierarchy_pkg::ways_t WAYS = 1,       // hierarchy_pkg::card_ways
-    parameter int ALGORITHM = 0,  // of ray-triangle, pairs_pkg::ALGORITHM_*
-    parameter int NORMALS = 0,    // 1: of solids
-    parameter int AT = 1,         // bits of what a leaf comes and goes with
+    parameter int ALGORITHM = 0,  // ray-triangle: pairs_pkg::ALGORITHM_*
+    parameter int NORMALS = 0,    // 1: solids have normals
+    parameter int AT = 1,         // bits that accompany a leaf through the pipe
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int EXP = 8,
@@ -23,20 +23,21 @@ module leaf_pairs #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,  // of the pass
-    input logic valid_i,       // from a register: it is a clock gate's enable
+    input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,  // traversal kind of the pass
+    input logic valid_i,       // from a register, because it enables a clock gate
     input logic [AT-1:0] at_i,
     input logic two_i,
     input logic [WORDS-1:0][31:0] primary_i,
     input logic [LANES-1:0][LEAF-1:0][31:0] secondaries_i,
     input logic [LANES-1:0][31:0] index_i,
-    output logic [1:0] tested_o,  // this clock: secondaries
+    output logic [1:0] tested_o,  // secondaries tested in this cycle
     output logic [AT-1:0] soon_o,  // at_o of the next cycle
     output logic valid_o,
     output logic [AT-1:0] at_o,
-    output logic [LANES-1:0] f_o,  // of those that are there
+    output logic [LANES-1:0] f_o,  // of the secondaries present
     output logic [LANES-1:0] there_o,
-    output logic [LANES-1:0][31:0] t_o,  // of solids the signed gap, and what nodes compare it by (node_gaps.sv)
+    // solids: the signed distance; key_o is what nodes compare it by (node_gaps.sv)
+    output logic [LANES-1:0][31:0] t_o,
     output logic [LANES-1:0][31:0] key_o,
     output logic [POINTS-1:0][LANES-1:0][31:0] point_o,  // CP and, with normals, n
     output logic [LANES-1:0][31:0] index_o
@@ -56,14 +57,14 @@ module leaf_pairs #(
   end
   assign tested_o = !taken_q ? 2'd0 : two_q ? 2'd2 : 2'd1;
 
-  // ---- Pipes. What each computes with has a clock of its own: where nothing comes, nothing is computed ----
+  // ---- Pipes. Each has its own clock, so an idle pipe computes nothing ----
   logic [pairs_pkg::PAIRS-1:0][LANES-1:0][31:0] f_of, t_of, key_of;
   logic [pairs_pkg::PAIRS-1:0][5:0][LANES-1:0][31:0] point_of;
   logic [pairs_pkg::PAIRS-1:0][15:0] latency_of;
   logic unused;  // a sphere has few words
   assign unused = &{1'b0, primary_i, secondaries_i, point_of, key_of};
   for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
-    // The roles of the card's ways: one, or both.
+    // Roles in the card's traversals: one, or both.
     localparam bit AS_IS = hierarchy_pkg::has_way(WAYS, 2 * p);
     localparam bit SWAPPED = hierarchy_pkg::has_way(WAYS, 2 * p + 1);
     if (AS_IS || SWAPPED) begin : g_there
@@ -132,17 +133,17 @@ module leaf_pairs #(
     end
   end
 
-  if (WAYS == 1) begin : g_rays  // that meet triangles, and nothing else
-    // When the pipe has o + t d: for Badouel's t it takes an addition more, for the watertight one the shear in front.
+  if (WAYS == 1) begin : g_rays  // only rays that meet triangles
+    // Stage time of o + t d. Badouel's t takes one more addition, and the watertight algorithm shears first.
     localparam int RAY = int'(pairs_pkg::PAIR_RAY_TRIANGLE);
     localparam int T_POINT = 5 * LAT.add + 3 * LAT.mul + LAT.div +
         ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? LAT.add :
          (ALGORITHM == int'(pairs_pkg::ALGORITHM_WATERTIGHT)) ?
          `DF_MAX2(2 * LAT.cmp + LAT.div + LAT.mul, LAT.add) + 2 * LAT.mul : 0);
-    // The rule comes last, but for Badouel's inside test, which needs that point, too.
+    // The box rule is last, except for Badouel's inside test, which needs the same point.
     localparam int T_IN_BOX = `RAY_T_IN_BOX(T_POINT - LAT.add, T_POINT);
     localparam int T_INSIDE = `DF_MAX2(2 * LAT.add + LAT.mul + 2 * LAT.cmp, T_POINT) + 3 * LAT.add + LAT.mul + LAT.cmp;
-    // The pipe's latency, which it says itself: asserted below.
+    // The pipe's latency, as the pipe reports it: asserted below.
     localparam int T_PAIR =
         ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? `DF_MAX2(T_IN_BOX, T_INSIDE) : T_IN_BOX) + 1;
     align #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) align_pair (
@@ -165,7 +166,7 @@ module leaf_pairs #(
           $error("leaf_pairs: the pipe takes %0d clocks, not %0d", latency_of[RAY], T_PAIR);
 `endif
   end else begin : g_several
-    // The time of the pass's pipe is a number of its port. Gates answer then, the host at once.
+    // The pipe's latency is a port value. Gates answer after it, the host back end at once.
     localparam int SLOWEST = latency_pkg::mean(LAT);
     localparam int DEPTH = 256 << $clog2(SLOWEST);
     localparam int RESULT = (3 + POINTS) * LANES * 32;
@@ -173,7 +174,7 @@ module leaf_pairs #(
     assign of_pair = pass_pair[pairs_pkg::PAIR_INDEX-1:0];
     logic [RESULT-1:0] result;
     assign result = {f_of[of_pair], t_of[of_pair], key_of[of_pair], point_of[of_pair][POINTS-1:0]};
-    logic [15:0] rest;  // until the cycle before the answer
+    logic [15:0] rest;  // cycles until the one before the result
     logic soon;
     logic [AT+32*LANES:0] soon_with;
     assign rest = latency_of[of_pair] - 1;

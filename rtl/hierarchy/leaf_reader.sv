@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Secondaries of leaves, from DDR, where they lie in the order of their upload. Which one is in a slot of the tree
-// says a memory beside the nodes, so that a secondary is there once, and its number comes with it. Each takes a beat,
-// one of more than 9 words two. With OBJECTS a second memory says whose it is, and secondaries go through the
-// transformer, which is outside.
-// Latency: 2 cycles, the memory's and T_MOVED.
+// Reads the secondaries of leaves from DDR, where they are in the order of their upload. A memory beside the nodes maps
+// a
+// slot of the tree to a secondary. So DDR holds each secondary once, and the mapping gives its index.
+// A secondary takes one beat, or two beats if it has more than 9 words. With OBJECTS, a second memory maps a slot to
+// its
+// object, and secondaries go through the external transformer.
+// Latency: 2 cycles plus the memory's latency and T_MOVED.
 // Throughput: one beat per cycle.
 // Stall: ready_o, ddr_ready_i.
 module leaf_reader #(
     parameter int SLOTS = 32768,  // power of two
-    parameter int WORDS = 9,      // of the largest secondary, at least a beat
-    parameter int TAG = 32,       // bits; the lowest: two
-    parameter int DEPTH = 256,    // secondaries that DDR owes or that are being moved, power of two
-    parameter int ECC = 0,        // 1: what is in slots has check bits
-    parameter int OBJECTS = 0,    // that a pass can have at most; 0: nothing moves
+    parameter int WORDS = 9,      // of the largest secondary, at least one beat
+    parameter int TAG = 32,       // bits; the lowest bit says that the leaf has two secondaries
+    parameter int DEPTH = 256,    // secondaries requested from DDR or being transformed, power of two
+    parameter int ECC = 0,        // 1: slot words have check bits
+    parameter int OBJECTS = 0,    // most objects of a pass; 0: nothing moves
     parameter int T_TRANSFORM = 0,
     parameter ARITH = "rtl",
     localparam int SW = $clog2(SLOTS),
@@ -22,17 +24,17 @@ module leaf_reader #(
 ) (
     input logic clk_bus_i,
     input logic write_i,
-    input logic [31:0] addr_i,  // slots' secondaries, and from 4 SLOTS on whose they are
+    input logic [31:0] addr_i,  // secondaries of slots, and from 4 SLOTS on their objects
     input logic [63:0] data_i,
-    input logic [1:0][31:0] flip_i,  // bits that are written wrong
+    input logic [1:0][31:0] flip_i,  // injected bit errors of a write
 
     input logic clk_i,
     input logic rst_i,
-    input logic clear_i,  // between passes; what is owed then is dropped
-    input logic [31:0] slots_i,  // of the tree
-    input logic [31:0] secondaries_i,  // from the first in DDR on
-    input pairs_pkg::words_t words_i,  // of each
-    input logic [31:0] objects_i,  // 0: secondaries as they are
+    input logic clear_i,  // between passes; drops outstanding requests
+    input logic [31:0] slots_i,  // slots of the tree
+    input logic [31:0] secondaries_i,  // number of secondaries in DDR
+    input pairs_pkg::words_t words_i,  // words per secondary
+    input logic [31:0] objects_i,  // 0: secondaries are not transformed
     input logic valid_i,
     output logic ready_o,
     input logic [hierarchy_pkg::PLACE-1:0] slot_i,
@@ -42,11 +44,11 @@ module leaf_reader #(
     input logic ddr_ready_i,
     input logic ddr_valid_i,
     input logic [BEAT-1:0][31:0] ddr_data_i,
-    output logic [3:0] ddr_words_o,  // of the beat that belong to a secondary
-    output logic owed_o,  // answers are, or will be by what is asked now
+    output logic [3:0] ddr_words_o,  // words of the beat that belong to a secondary
+    output logic owed_o,  // reads are outstanding, or will be by this cycle's request
 
-    // To the table of objects and the transformer, as in secondary_regfile.sv.
-    output logic [OBJECT_W-1:0] transform_entry_o,  // of the secondary that arrives
+    // To the object table and the transformer, as in secondary_regfile.sv.
+    output logic [OBJECT_W-1:0] transform_entry_o,  // object of the arriving secondary
     output logic moving_o,
     input logic clk_moving_i,
     output logic [WORDS-1:0][31:0] unmoved_o,
@@ -56,17 +58,17 @@ module leaf_reader #(
     output logic [TAG-1:0] tag_o,
     output logic [1:0][WORDS-1:0][31:0] words_o,
     output logic [1:0][31:0] index_o,
-    output logic fault_o,  // a slot, or the secondary or the object in it, that is not there
+    output logic fault_o,  // a slot, or the secondary or object in it, does not exist
     output logic [3:0] fault_kind_o,  // registers_pkg::NODE_FAULT_*
     output logic [31:0] fault_place_o,
-    output logic [1:0] corrected_o  // words of what is in a slot
+    output logic [1:0] corrected_o  // corrected words of a slot
 );
   localparam int DW = $clog2(DEPTH);
   localparam int TAG_W = 1 + OBJECT_W + 32 + TAG;
 
-  // ---- Slots, one per cycle: which secondaries they have ----
-  logic second_q, move, asked_q, last_q, beyond_q;  // second_q: that of a leaf of two is next
-  logic wide, half, half_q, taken, whole_asked;  // half: a secondary's second beat is next
+  // ---- Slots, one per cycle: their secondaries ----
+  logic second_q, move, asked_q, last_q, beyond_q;  // second_q: the second secondary of a leaf is next
+  logic wide, half, half_q, taken, whole_asked;  // half: the second beat of a secondary is next
   if (WORDS > BEAT) begin : g_two_beats
     assign wide = 32'(words_i) > BEAT;
     assign half = wide && half_q != taken;
@@ -94,7 +96,7 @@ module leaf_reader #(
       beyond_q <= slot >= slots_i;
     end
     if (rst_i || clear_i) second_q <= 1'b0;
-    if (rst_i || (clear_i && !half)) asked_q <= 1'b0;  // never after half a secondary
+    if (rst_i || (clear_i && !half)) asked_q <= 1'b0;  // never between the two beats of a secondary
   end
   logic write_objects;
   assign write_objects = OBJECTS != 0 && addr_i[2+SW];
@@ -121,7 +123,7 @@ module leaf_reader #(
       no_object ? registers_pkg::NODE_FAULT_OBJECT : registers_pkg::NODE_FAULT_INDEX;
   assign fault_place_o = slot_q;
 
-  // ---- What is owed, and being moved ----
+  // ---- Secondaries requested or being transformed ----
   logic [DW:0] owed, write_q, read_q;
   logic last, valid;
   logic [31:0] index_now;
@@ -131,7 +133,7 @@ module leaf_reader #(
   assign ddr_o.valid = asked_q && !fault_o && (half_q || owed != (DW + 1)'(DEPTH));
   assign ddr_o.word = index * 32'(words_i) + (half_q ? BEAT : 0);
   assign owed = write_q - read_q;
-  assign owed_o = owed != 0 || ddr_o.valid;  // also what is asked for in this clock
+  assign owed_o = owed != 0 || ddr_o.valid;  // includes this cycle's request
   always_ff @(posedge clk_i) begin
     if (taken && !half_q) begin
       tags[write_q[DW-1:0]] <= {last_q, object[OBJECT_W-1:0], index, tag_q};
@@ -161,7 +163,7 @@ module leaf_reader #(
     assign ddr_words_o = 4'(words_i);
   end
 
-  // ---- Each by its object's transform ----
+  // ---- Transform of its object ----
   logic [WORDS-1:0][31:0] moved;
   if (OBJECTS != 0) begin : g_moved
     logic [DW:0] arrived_q;
@@ -178,7 +180,7 @@ module leaf_reader #(
     assign valid = on_its_way[T_MOVED];
     assign transform_entry_o = tags[arrived_q[DW-1:0]][TAG+32+:OBJECT_W];
     assign unmoved_o = unmoved_q;
-    // The host back end computes in the clock behind the register.
+    // The host back end computes in the cycle after the register.
     assign moving_o = (ARITH == "rtl") ? on_its_way[T_MOVED-1:0] != '0 : whole;
     align #(.W(WORDS * 32), .FROM((ARITH == "rtl") ? T_MOVED : 1), .TO(T_MOVED)) align_moved (
         .clk_i, .d_i(moved_i), .q_o(moved));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ray and the eight boxes of a node: where it is in each, in T (stretch() of reference/pipes/ray_node.hpp). The
-// children are lanes; the node's words are in host/include/cde/hierarchy/node.hpp.
-// Of a node what node_planes.sv takes; a child 6 mul, 6 add, 4 min/max, of which the products have bytes on one side.
+// A ray and the eight boxes of a node: the T interval of the ray in each box (stretch() of
+// reference/pipes/ray_node.hpp).
+// The children are lanes. host/include/cde/hierarchy/node.hpp lists the node's words. Operators per node: those of
+// node_planes.sv. Operators per child: 6 mul, 6 add, 4 min/max; one factor of each product is a byte.
 // Latency: NODE_T_BOXES cycles (hierarchy.svh).
 // Throughput: one node per cycle.
 // Stall: none, runs free.
@@ -15,9 +16,9 @@ module node_boxes #(
     localparam int CW = 32
 ) (
     input logic clk_i,
-    input logic [8:0][CW-1:0] ray_i,    // of ray_front.sv
+    input logic [8:0][CW-1:0] ray_i,    // from ray_front.sv
     input logic [17:0][31:0] node_i,
-    output logic [2:0][CHILDREN-1:0][CW-1:0] near_axis_o,  // at NODE_T_AXES, by axis
+    output logic [2:0][CHILDREN-1:0][CW-1:0] near_axis_o,  // per axis, at NODE_T_AXES
     output logic [2:0][CHILDREN-1:0][CW-1:0] far_axis_o,
     output logic [CHILDREN-1:0][CW-1:0] near_o,
     output logic [CHILDREN-1:0][CW-1:0] far_o
@@ -30,7 +31,7 @@ module node_boxes #(
   logic unused;  // kinds and places of the children
   assign unused = &{1'b0, node_i[5:4], node_i[3][31:24]};
 
-  // ---- Once a node ----
+  // ---- Per node ----
   logic [2:0][CW-1:0] near_0, far_0, byte_t, sign_t;
   logic [2:0][0:0][7:0] exponent;
   assign exponent = {node_i[3][23:16], node_i[3][15:8], node_i[3][7:0]};
@@ -39,7 +40,7 @@ module node_boxes #(
   ) planes (
       .clk_i, .ray_i, .origin_i(node_i[2:0]), .exponent_i(exponent), .near_o(near_0), .far_o(far_0), .unit_o(byte_t));
 
-  // ---- A byte as a number: exact ----
+  // ---- A byte as a number, exactly ----
   function automatic logic [CW-1:0] number(input logic [7:0] q);
     number = '0;
     for (int bit_ = 0; bit_ < 8; bit_++)
@@ -62,7 +63,7 @@ module node_boxes #(
     assign byte_each[k] = {LANES{byte_t[k]}};
   end
 
-  // ---- Once a child ----
+  // ---- Per child ----
   `DF_VIN(near_q, near_byte, 0)
   `DF_VIN(far_q, far_byte, 0)
   `DF_VIN(near_base, near_first, T_PLANES)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes of a hierarchy, in memory of their own beside the units that read them: chips, or the device's. One port a
-// reader, which in hardware is a copy each; what is written goes into all.
-// Node n on the bus: its words 0 to 15 at byte 64 n, words 16 and 17 at 64 NODES + 8 n, so that no address is divided.
-// Latency: 1 cycle; what is read in the clock of a write is as it was.
-// Throughput: a beat or a node written, and a node a reader, a clock.
+// Nodes of a BVH, in their own memory beside the units that read them: external chips or on-chip memory.
+// Each reader has a port, which in hardware is a copy. A write goes to all copies.
+// Node n on the bus: words 0 to 15 are at byte 64 n, words 16 and 17 at 64 NODES + 8 n. So no address needs a division.
+// Latency: 1 cycle; a read in the cycle of a write returns the old word.
+// Throughput: per cycle, one beat or node written, and one node per reader.
 // Stall: none.
 `include "secded.svh"
 module node_memory #(
@@ -12,19 +12,19 @@ module node_memory #(
     parameter int ECC = 0,       // 1: words have check bits
     localparam int NW = $clog2(NODES)
 ) (
-    input logic clk_write_i,  // runs for writes, and while nodes are refitted
+    input logic clk_write_i,  // runs during writes and refits
     input logic write_i,
     input logic [31:0] addr_i,
     input logic [63:0] data_i,
-    input logic [17:0][31:0] flip_i,  // bits that are written wrong, of each word
-    input logic refit_i,  // a whole node; not at the time of the other
+    input logic [17:0][31:0] flip_i,  // injected bit errors, per word
+    input logic refit_i,  // writes a whole node; never together with a bus write
     input logic [NW-1:0] refit_at_i,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] refit_node_i,
 
     input logic clk_i,
     input logic [READERS-1:0][NW-1:0] at_i,
     output logic [READERS-1:0][hierarchy_pkg::NODE_WORDS-1:0][31:0] node_o,
-    output logic [READERS-1:0][4:0] corrected_o,  // words, of what node_o shows
+    output logic [READERS-1:0][4:0] corrected_o,  // corrected words of node_o
     output logic [READERS-1:0] failed_o
 );
   localparam int WORDS = hierarchy_pkg::NODE_WORDS;
@@ -53,7 +53,7 @@ module node_memory #(
     logic [WORDS-1:0][31:0] node_q;
     always_ff @(posedge clk_i) node_q <= nodes[at_i[r]];
 `ifdef VERILATOR
-    // The simulator has the node on its way before the clock that reads it.
+    // Prefetches the node in simulation, before the cycle that reads it.
     always_comb $c("host_fp::expect(", nodes, "[", at_i[r], "]);");
 `endif
     if (ECC == 0) begin : g_plain

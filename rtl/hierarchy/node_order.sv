@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of a node's boxes a ray meets, and in what order they are visited: by near, or by far downwards. Ties by
-// number. Comparisons are of whole numbers, as words in order: 28 of keys, 3 a child.
+// Which of a node's boxes a ray hits, and the order of visits: by near, or by far descending, ties by number.
+// Comparisons are on integers, as ordered words: 28 of keys, 3 per child.
 // Latency: 1 cycle.
 // Throughput: one node per cycle.
 // Stall: none, runs free.
@@ -8,20 +8,22 @@ module node_order #(
     localparam int CHILDREN = hierarchy_pkg::CHILDREN
 ) (
     input logic clk_i,
-    input logic [CHILDREN-1:0][31:0] near_i,  // where the ray is in each box, in T; a NaN is the canonical one
+    input logic [CHILDREN-1:0][31:0] near_i,  // T interval of the ray in each box, with far_i; a NaN is canonical
     input logic [CHILDREN-1:0][31:0] far_i,
     input logic [CHILDREN-1:0][1:0] kinds_i,
-    input logic [31:0] floor_i,  // T that counts: from here
-    input logic [31:0] limit_i,  // to here
+    input logic [31:0] floor_i,  // lowest T that counts
+    input logic [31:0] limit_i,  // highest T that counts
     input logic farthest_i,
-    // How many are met; their numbers in order; in that order halves of near or far. What is behind those that are met
-    // is not looked at.
+    // The number of hit children; their numbers in order; upper halves of near or far in that order. Entries after the
+    // hit
+    // children are not used.
     output logic [4+CHILDREN*(3+16)-1:0] found_o
 );
   /*verilator inline_module*/
   import hierarchy_pkg::*;
-  // ---- Met: the ray is in the box somewhere, and where it counts. Keys: the one that comes first is the least; those
-  // of children that are not met are above all others, which come of numbers ----
+  // ---- Hit: the ray's interval in the box is not empty and overlaps the T that counts. Keys: the least is visited
+  // first;
+  // the key of a child that is not hit is above all keys of numbers ----
   logic [CHILDREN-1:0] meets, met_q;
   logic [CHILDREN-1:0][31:0] key, key_q;
   logic [CHILDREN-1:0][15:0] half_key, half_q;
@@ -35,8 +37,8 @@ module node_order #(
   end
   always_ff @(posedge clk_i) {met_q, key_q, half_q} <= {meets, key, half_key};
 
-  // ---- Order: how many come before each, of all eight. Of two one comes before the other: they are compared once ----
-  logic [CHILDREN-1:0][CHILDREN-1:0] behind;  // i comes behind k < i
+  // ---- Order: the rank of a child counts the children before it, of all eight. Each two are compared once ----
+  logic [CHILDREN-1:0][CHILDREN-1:0] behind;  // i is after k, for k < i
   logic [CHILDREN-1:0][2:0] rank;
   for (genvar i = 0; i < CHILDREN; i++) begin : place
     for (genvar k = 0; k < CHILDREN; k++) begin : other

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a ray meets the planes of byte 0 of a node, nearer and farther, and how much T a byte is, an axis each
-// (node_front() of reference/pipes/ray_node.hpp).
-// 6 sub, 6 mul a node; a byte's T is an exponent and so exact.
+// Where a ray meets the nearer and farther planes of byte 0 of a node, and the T of one byte step, per axis
+// (node_front()
+// of reference/pipes/ray_node.hpp). Operators per node: 6 sub, 6 mul. The T of a step is an exponent, so it is exact.
 // Latency: LAT.add + LAT.mul cycles.
 // Throughput: LANES nodes per cycle.
 // Stall: none, runs free.
@@ -10,7 +10,7 @@ module node_planes #(
     `DF_PARAMETERS
 ) (
     input logic clk_i,
-    input logic [8:0][LANES-1:0][CW-1:0] ray_i,     // of ray_front.sv
+    input logic [8:0][LANES-1:0][CW-1:0] ray_i,     // from ray_front.sv
     input logic [2:0][LANES-1:0][CW-1:0] origin_i,  // of the node
     input logic [2:0][LANES-1:0][7:0] exponent_i,   // signed
     output logic [2:0][LANES-1:0][CW-1:0] near_o,
@@ -25,7 +25,7 @@ module node_planes #(
   logic [2:0][LANES-1:0][CW-1:0] sign, unit;
   for (genvar k = 0; k < 3; k++) begin : axis
     df_negative #(`DF_FORMAT) negative (.a_i(inverse[k]), .m_o(sign[k]));
-    // Neither overflows nor underflows: 2^-40 to 2^80 by 2^-80 to 2^40.
+    // Neither overflow nor underflow is possible: 2^-40 to 2^80 times 2^-80 to 2^40.
     for (genvar l = 0; l < LANES; l++) begin : lane
       assign unit[k][l] = inverse[k][l] + (CW'(signed'(exponent_i[k][l])) << MAN);
     end

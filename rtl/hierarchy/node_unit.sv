@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which children of a node a ray meets, and in what order they are visited (node_boxes.sv, node_order.sv). Of a solid
-// what node_gaps.sv says takes the place of near, and nothing is behind it.
+// Which children of a node a ray hits, and the order of visits (node_boxes.sv, node_order.sv). For a solid,
+// node_gaps.sv
+// replaces near, and no child is behind it.
 // Latency: NODE_T_UNIT cycles (hierarchy.svh).
 // Throughput: one node per cycle.
 // Stall: none, runs free.
@@ -10,15 +11,15 @@ module node_unit #(
     parameter int MAN = 23,
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
-    parameter int SOLIDS = 1,  // 0: there are rays alone
+    parameter int SOLIDS = 1,  // 0: only rays
     localparam int CHILDREN = hierarchy_pkg::CHILDREN
 ) (
     input logic clk_i,
-    input logic [8:0][31:0] ray_i,    // of ray_front.sv, or solid_front.sv
-    input logic [31:0] floor_i,       // T that counts: from here
-    input logic [31:0] limit_i,       // to here
+    input logic [8:0][31:0] ray_i,    // from ray_front.sv or solid_front.sv
+    input logic [31:0] floor_i,       // lowest T that counts
+    input logic [31:0] limit_i,       // highest T that counts
     input logic farthest_i,
-    input logic solid_i,  // limit_i is of keys that node_gaps.sv makes
+    input logic solid_i,  // limit_i is a key of node_gaps.sv
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     output hierarchy_pkg::group_t group_o
 );
@@ -27,7 +28,7 @@ module node_unit #(
   localparam int T_UNIT = `NODE_T_UNIT(SOLIDS);
   localparam int T_BOXES = T_UNIT - 2;
 
-  // A group is what the node says, places and kinds, and what is found: how many children are met, order and keys.
+  // A group holds the node's words (places and kinds) and the result: the number of hit children, their order and keys.
   localparam int SAID = 2 * PLACE + 2 * CHILDREN;
   localparam int FOUND = $bits(group_t) - SAID;
   logic [SAID-1:0] said;
@@ -35,8 +36,9 @@ module node_unit #(
   assign said = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
 `ifdef VERILATOR
   if (ARITH != "rtl") begin : g_host
-    // One function, which the compiler sees three times and computes once: its operands are in variables that are local
-    // in the model, because they are short and written as a whole first. The result is late, not the operands.
+    // One function, so the compiler sees it three times and computes it once. Its operands are local variables of the
+    // model,
+    // since they are short and are first written as a whole. The result is delayed, not the operands.
     logic [7:0][31:0] w, x, y;
     logic [5:0][31:0] z;
     always_comb begin

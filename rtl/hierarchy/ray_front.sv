@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ray as nodes of a hierarchy see it, once a ray (reference/pipes/ray_node.hpp): o + M, o - M and 1 / d, where M =
-// 2^-16 R + 16 u W is what boxes are widened by, R the largest distance along an axis from o to the root's box, and no
-// component of d is taken as less than 2^-80. Of rays that meet spheres M is infinite, so that they meet all boxes,
-// where R and d are not of sizes for which the pipe's own roundings are known.
-// 1 mul, 3 div, 4 add, 9 sub, 8 min/max; with spheres 2 mul, 2 compare, 2 max more.
+// Prepares a ray for the nodes of a BVH, once per ray (reference/pipes/ray_node.hpp): o + M, o - M and 1 / d.
+// M widens the boxes: M = 2^-16 R + 16 u W. R is the largest distance along an axis from o to the root's box.
+// A component of d counts as at least 2^-80. For rays that meet spheres, M is infinite where no bound of the pipe's
+// roundings is known for the sizes of R and d. Such a ray hits all boxes.
+// Operators: 1 mul, 3 div, 4 add, 9 sub, 8 min/max; with spheres also 2 mul, 2 compare, 2 max.
 // Latency: RAY_T_FRONT cycles (hierarchy.svh).
 // Throughput: LANES rays per cycle.
 // Stall: none, runs free.
 `include "hierarchy.svh"
 module ray_front #(
     `DF_PARAMETERS,
-    parameter int LEAF = pairs_pkg::SHAPE_TRIANGLE  // what rays are to meet: triangles or spheres
+    parameter int LEAF = pairs_pkg::SHAPE_TRIANGLE  // secondaries of the rays: triangles or spheres
 ) (
     input logic clk_i,
     input logic [5:0][LANES-1:0][CW-1:0] a_i,     // ray: o x y z, d x y z
-    input logic [6:0][LANES-1:0][CW-1:0] root_i,  // of the root: lower corner x y z, upper, 16 u W
-    output logic [8:0][LANES-1:0][CW-1:0] r_o     // o + M x y z, o - M, 1 / d; of d the sign of the last
+    input logic [6:0][LANES-1:0][CW-1:0] root_i,  // root: lower corner x y z, upper corner x y z, 16 u W
+    output logic [8:0][LANES-1:0][CW-1:0] r_o     // o + M x y z, o - M, 1 / d, whose sign is that of d
 );
   /*verilator inline_module*/
   if (EXP != 8 || MAN != 23) $error("ray_front: margins are those of fp32");
@@ -28,7 +28,7 @@ module ray_front #(
 
   `DF_VABS(d_size, d)
 
-  // ---- How far the root's box reaches from here, and so how much boxes are widened ----
+  // ---- Distance to the far end of the root's box, and the widening of the boxes ----
   logic [LANES-1:0][CW-1:0] reach_of_root;
   root_reach #(`DF_SAME) of_root (
       .clk_i, .low_i(a_i[2:0]), .high_i(a_i[2:0]), .root_i(root_i[5:0]), .reach_o(reach_of_root));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays, or solids, on their way into a pass: a ring in memory that the bus writes, ray n of the pass at byte 32 (n mod
-// RAYS), one of more than 8 words at 64 (n mod RAYS / 2), and from which they are taken as far as the host has said
-// that they are there. Each is held against the input contract.
-// Latency: 2 cycles and shape_check's.
-// Throughput: one ray per cycle.
+// Queue of a pass's primaries, a ring in memory that the bus writes. Primary n is at byte 32 (n mod RAYS). A primary of
+// more than 8 words is at 64 (n mod RAYS / 2). The unit takes primaries up to the number that the host has provided.
+// Each primary is checked against the input contract.
+// Latency: 2 cycles plus shape_check's.
+// Throughput: one primary per cycle.
 // Stall: pop_i.
 module ray_queue #(
     parameter config_pkg::config_t CONFIG,
@@ -19,10 +19,10 @@ module ray_queue #(
     input logic [63:0] data_i,
 
     input logic clk_i,
-    input logic rst_i,  // between passes: the next ray is number 0
-    input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,  // of the pass
-    input logic [31:0] provided_i,  // rays that are there
-    output logic [31:0] taken_o,  // whose place is free again
+    input logic rst_i,  // between passes: the next primary is number 0
+    input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,  // traversal kind of the pass
+    input logic [31:0] provided_i,  // primaries provided by the host
+    output logic [31:0] taken_o,  // primaries whose place is free again
     output logic valid_o,
     output logic [WORDS-1:0][31:0] ray_o,
     output logic [31:0] number_o,
@@ -35,10 +35,10 @@ module ray_queue #(
   logic [DW:0] places_q, queue_count;
   logic unused;
   assign unused = &{1'b0, addr_i, queue_count, way_i};
-  logic [31:0] next_q;  // to be taken
+  logic [31:0] next_q;  // next primary to take
   logic [WORDS-1:0][31:0] place;
   if (WORDS > hierarchy_pkg::PLACE_WORDS) begin : g_wide
-    // Even places and odd ones: a primary has one, or both of a row.
+    // Even and odd places: a primary takes one, or both of a row.
     logic [3:0][63:0] even[RAYS/2], odd[RAYS/2];
     always_ff @(posedge clk_bus_i) begin
       if (write_i && !addr_i[5]) even[addr_i[6+:AW-1]][addr_i[4:3]] <= data_i;
@@ -59,7 +59,7 @@ module ray_queue #(
   end
   assign taken_o = next_q;
 
-  // ---- As many are under way as the queue has places ----
+  // ---- At most as many primaries are under way as the queue has places ----
   logic ask, asked_q, checked;
   logic [31:0] number_q, number;
   logic [WORDS-1:0][31:0] ray_q, ray;
@@ -76,7 +76,7 @@ module ray_queue #(
     end
   end
 
-  // ---- The check, of the shape that the pass has ----
+  // ---- The check, for the shape of the pass ----
   logic [pairs_pkg::SHAPES-1:0] bad_of;
   logic bad;
   for (genvar s = 0; s < pairs_pkg::SHAPES; s++) begin : shape

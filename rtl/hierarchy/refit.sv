@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hierarchy's boxes anew, for triangles that have moved: every node's origin, exponents and bytes, from the last node
-// to the first; which children a node has stays. A child's number is larger than its parent's (hierarchy::check), so
-// its words are new before it is read. host/include/cde/reference/refit.hpp says the same in software, bit by bit.
+// Refits the boxes of a BVH after triangles moved: every node's origin, exponents and bytes, from the last node to the
+// first. The children of a node stay. A child's number is larger than its parent's (hierarchy::check), so its words are
+// new before they are read. host/include/cde/reference/refit.hpp is the same in software, bit by bit.
 //
 //   node memory -> refit_walk -+-> fetch -> refit_leaf -> boxes of leaves -+-> refit_encode -> node memory
 //                              +-> refit_node ----------> boxes of nodes --+
 //
-// A node has a context from when its children are asked for until its boxes have been put in bytes, in order. Nothing
-// waits but refit_walk: for memory, for a context, and for a child that is not written yet.
-// A triangle with a coordinate that is no number or beyond 2^40 ends it: bad_o and its slot, the first one in the order
-// of the work; nodes from its own to the root are as they were, the others are new. Of the root's box a ray needs what
-// its words say (box_of() there).
-// All that was asked for has come when done_o is high. After a reset nothing may come that was asked for before.
-// Latency: that of the way.
-// Throughput: one child and one more a node per cycle.
+// A node holds a context from the request of its children until its boxes are encoded, in order. Only refit_walk waits:
+// for memory, for a context, and for a child that is not written yet.
+// A triangle with a NaN or a coordinate beyond 2^40 ends the refit. bad_o then gives its slot, the first in the order
+// of
+// the work. Nodes from that triangle's own node to the root keep their words, and the others are new.
+// The ray front takes the root's box as its words say (box_of() there).
+// When done_o is high, every request has been answered. After a reset, no answer to an earlier request may come.
+// Latency: that of the traversal of all nodes.
+// Throughput: one child per cycle, and one more cycle per node.
 // Stall: fetch_ready_i.
 module refit #(
     parameter int CONTEXTS = 8,  // nodes under way: a power of two, 2 or more
@@ -23,39 +24,39 @@ module refit #(
     input logic clk_i,
     input logic rst_i,
     input logic start_i,  // not while busy
-    input logic [hierarchy_pkg::PLACE-1:0] first_node_i,  // those before it stay as they are
+    input logic [hierarchy_pkg::PLACE-1:0] first_node_i,  // nodes before it keep their words
     input logic [hierarchy_pkg::PLACE-1:0] node_count_i,
     output logic busy_o,
     output logic done_o,  // one cycle
-    output logic bad_o,   // until the next start
+    output logic bad_o,   // high until the next start
     output logic [hierarchy_pkg::PLACE-1:0] bad_slot_o,
-    // Node memory: what is read comes the cycle after, as it was before that clock's write.
+    // Node memory: a read returns the word one cycle later, as it was before that cycle's write.
     output logic read_o,
     output logic [hierarchy_pkg::PLACE-1:0] read_at_o,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     output logic write_o,
     output logic [hierarchy_pkg::PLACE-1:0] write_at_o,
     output logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_o,
-    // Secondaries of leaves, one or two from a slot on: traversal.sv. They come in any order.
+    // Secondaries of leaves, one or two from a slot on, as in traversal.sv. They come in any order.
     output logic fetch_valid_o,
     input logic fetch_ready_i,
     output logic [hierarchy_pkg::PLACE-1:0] fetch_slot_o,
-    output logic [TAG-1:0] fetch_tag_o,  // and its lowest bit: two
+    output logic [TAG-1:0] fetch_tag_o,  // its lowest bit: two secondaries
     input logic fetched_valid_i,
     input logic [TAG-1:0] fetched_tag_i,
     input logic [1:0][8:0][31:0] fetched_i
 );
   import hierarchy_pkg::*;
   localparam int HEADER = 2 * PLACE + 16;
-  localparam int T_LEAF = 1 + 3;  // a register, refit_leaf.sv
-  localparam int T_NODE = 1 + 5;  // node memory, refit_node.sv
+  localparam int T_LEAF = 1 + 3;  // a register, and refit_leaf.sv
+  localparam int T_NODE = 1 + 5;  // node memory, and refit_node.sv
   if (CONTEXTS < 2 || (CONTEXTS & (CONTEXTS - 1)) != 0) $error("refit: CONTEXTS must be a power of two");
 
-  // ---- Beginning and end ----
+  // ---- Start and end ----
   logic busy_q, done_q, bad_q, over;
-  logic [PLACE-1:0] written_q;  // nodes from here on have been written
-  logic [CX+3:0] asked_q;       // leaves that have not come
-  logic [7:0] recent_q;         // in which of the last cycles something was under way: longer than any of the pipes
+  logic [PLACE-1:0] written_q;  // this node and those after it have been written
+  logic [CX+3:0] asked_q;       // outstanding leaves
+  logic [7:0] recent_q;         // activity in the last cycles: longer than any of the pipes
   assign over = busy_q && (bad_q ? recent_q == '0 : written_q == first_node_i);
   always_ff @(posedge clk_i) begin
     if (start_i) busy_q <= 1'b1;
@@ -76,7 +77,7 @@ module refit #(
   logic [HEADER-1:0] header;
   logic [CX+2:0] child_at;
   logic [HEADER-1:0] headers[CONTEXTS];
-  logic [CONTEXTS-1:0][CHILDREN-1:0] missing_q;  // boxes that have not come
+  logic [CONTEXTS-1:0][CHILDREN-1:0] missing_q;  // outstanding boxes
   assign head = head_q[CX-1:0];
   refit_walk #(.CX(CX)) walk (
       .clk_i, .rst_i, .start_i, .stop_i(bad_q), .first_i(first_node_i), .count_i(node_count_i), .written_i(written_q),
@@ -129,7 +130,7 @@ module refit #(
     if (rst_i || start_i) {head_q, tail_q} <= '0;
   end
 
-  // ---- The oldest node whose boxes are all there: that of all, then child after child ----
+  // ---- The oldest node with all its boxes: the box of all children, then child after child ----
   logic [CHILDREN-1:0] rest_q, kids;
   logic [CHILDREN-1:0][1:0] kinds;
   logic [PLACE-1:0] first_slot, first_node, slot_q;
@@ -175,12 +176,12 @@ module refit #(
     if (rst_i || start_i) {rest_q, bad_q} <= '0;
   end
 
-  // ---- In words ----
+  // ---- Words ----
   logic encoded, childless;
   refit_encode encode (
       .clk_i, .rst_i, .valid_i((first && !some) || (step && !seeking_q)), .first_i(first), .last_i(leave),
       .child_i(child), .box_i(box), .header_i(headers[head]), .valid_o(encoded), .node_o);
-  // A node without children stays as it is.
+  // A node without children keeps its words.
   assign childless = {node_o[5][31:28], node_o[4][31:28], node_o[3][31:24]} == '0;
   assign write_o = encoded && !childless;
   assign write_at_o = written_q - 1;

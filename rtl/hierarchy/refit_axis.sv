@@ -1,35 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes of a node's children in bytes, of one axis: first the box of all of them, from which origin and exponent
-// follow, then child after child.
+// Encodes the boxes of a node's children as bytes, for one axis. First comes the box of all children, which gives
+// origin
+// and exponent, then child after child.
 //
-// Corners become integers of 2^(m-24), m the larger exponent of the two ends of all: a bit more than the longest has.
-// What does not fit is rounded, down or up, so that boxes grow; bytes contain what they should, whatever is lost:
+// Corners become integers in units of 2^(m-24), with m the larger exponent of the two ends of all. That is one bit more
+// than the mantissa of the larger end. Rounding is down or up, so that boxes grow. So bytes always contain the box:
 //
 //     lower byte = floor(max(down(corner) - up(origin), 0) / 2^s)
 //     upper byte = ceil((up(corner) - down(origin)) / 2^s)
 //
-// Only numbers below half of the longest (M) lose something. Then the node is longer than M / 2, a byte is 2^16
-// integers at least, and what is lost takes one more byte at most. Otherwise, where all corners are near each other and
-// far from zero, all is exact. s is the least from 0 on with which bytes fit: finer than the integers nothing is.
+// Only numbers below half of the largest (M) lose bits. Then the node is longer than M / 2 and a byte is at least 2^16
+// units, so the loss costs at most one more byte. Otherwise all corners are near each other and far from zero, and all
+// is
+// exact. s is the least value >= 0 with which bytes fit: no step is finer than a unit.
 // Latency: 4 cycles.
 // Throughput: one box per cycle.
 // Stall: none, runs free.
 module refit_axis (
     input logic clk_i,
-    input logic first_i,         // this is the box of all; the others follow, before the next first
+    input logic first_i,         // the box of all children; the others follow before the next first_i
     input logic [31:0] lower_i,  // corners as ordered words (hierarchy_pkg)
     input logic [31:0] upper_i,
-    output logic [31:0] origin_o,  // of the first: fp32
+    output logic [31:0] origin_o,  // from the first box: fp32
     output logic [7:0] exponent_o,
-    output logic [7:0] lower_o,    // of the others
+    output logic [7:0] lower_o,    // from the other boxes
     output logic [7:0] upper_o
 );
-  localparam int MW = 25;      // bits of a mantissa, with one below
-  localparam int DW = MW + 2;  // of a difference
+  localparam int MW = 25;      // bits of a mantissa, plus one below
+  localparam int DW = MW + 2;  // bits of a difference
   localparam int BIAS = 127 + MW - 1;
   localparam int LEAST = -80;  // exponent of a node: Node::kLeastExponent
 
-  // ---- Sign, exponent, mantissa; the larger exponent of the first ----
+  // ---- Sign, exponent, mantissa; the larger exponent of the first box ----
   function automatic logic [31:0] word(input logic [31:0] key);
     word = key[31] ? {1'b0, key[30:0]} : ~key;
   endfunction
@@ -59,7 +61,7 @@ module refit_axis (
     end
   end
 
-  // ---- To one exponent ----
+  // ---- Shift to one exponent ----
   logic first_2;
   logic [7:0] most_2;
   logic [31:0] origin_2;
@@ -77,7 +79,7 @@ module refit_axis (
     end
   end
 
-  // ---- From the origin ----
+  // ---- Relative to the origin ----
   function automatic logic signed [DW-1:0] rounded(
       input logic negative, input logic [MW-1:0] mantissa, input logic lost, input logic up);
     rounded = DW'(mantissa) + DW'(lost && negative != up);
@@ -94,17 +96,17 @@ module refit_axis (
   always_ff @(posedge clk_i) begin
     {first_3, origin_3, most_3} <= {first_2, origin_2, most_2};
     {base_down_q, base_up_q} <= {base_down, base_up};
-    lower_3 <= lower_down - base_up;  // below 0 by what was lost
+    lower_3 <= lower_down - base_up;  // below 0 by the rounding
     upper_3 <= rounded(sign_2[1], mantissa_2[1], lost_2[1], 1'b1) - base_down;
   end
 
-  // ---- In bytes ----
+  // ---- Bytes ----
   function automatic logic [DW-1:0] ceiling(input logic [DW-1:0] d, input logic [6:0] s);
     ceiling = d >> s;
     if ((ceiling << s) != d) ceiling = ceiling + 1;
   endfunction
   logic [6:0] shift, least, shift_q;
-  logic [DW-1:0] short_;  // one unit less than the length: its floor is one less than the length's ceiling
+  logic [DW-1:0] short_;  // length less one unit: its floor is one less than the length's ceiling
   always_comb begin
     short_ = upper_3 - DW'(upper_3 != 0);
     shift = '0;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Boxes of children of the nodes that are under way, and of each node the box of those that it has so far. Corners are
-// ordered words (hierarchy_pkg): lower x y z, upper x y z.
-// Latency: 1 cycle from written to read.
-// Throughput: a box in, a box and a node's out per cycle.
+// Boxes of the children of nodes under way, and for each node the box of its children so far. Corners are ordered words
+// (hierarchy_pkg): lower x y z, upper x y z.
+// Latency: 1 cycle from write to read.
+// Throughput: per cycle, one box written, and one box and one node's box read.
 // Stall: none.
 module refit_boxes #(
     parameter int CONTEXTS = 8,  // a power of two, 2 or more
-    parameter int FLAGS = 2,     // bits beside a box, >= 1, of which a node has any
+    parameter int FLAGS = 2,     // flags with a box, >= 1; a node has the OR of its children's
     localparam int CX = $clog2(CONTEXTS)
 ) (
     input logic clk_i,
-    input logic open_i,  // a node, without boxes as yet
+    input logic open_i,  // opens a node, without boxes so far
     input logic [CX-1:0] open_context_i,
     input logic write_i,
     input logic [CX+2:0] write_at_i,  // context and child
@@ -29,7 +29,7 @@ module refit_boxes #(
   assign {any_o, all_o} = alls[read_at_i[CX+2:3]];
   assign some_o = some_q[read_at_i[CX+2:3]];
 
-  // ---- A node's box and one more ----
+  // ---- A node's box joined with one more ----
   logic [CX-1:0] context_;
   logic [5:0][31:0] all, sum;
   logic [FLAGS-1:0] any;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node of new boxes: first the box of all its children, then each child's, give its words (refit_axis.sv); its
-// children's kinds and places stay. Bytes of places without a child are 0.
+// A node's words from new boxes (refit_axis.sv): first the box of all children, then each child's. The children's kinds
+// and places stay. Bytes of places without a child are 0.
 // Latency: 6 cycles from the last box to the node.
 // Throughput: one box per cycle.
 // Stall: none.
@@ -8,11 +8,11 @@ module refit_encode (
     input logic clk_i,
     input logic rst_i,
     input logic valid_i,
-    input logic first_i,            // of all children; the others follow, one a child
+    input logic first_i,            // the box of all children; one box per child follows
     input logic last_i,
     input logic [2:0] child_i,
     input logic [5:0][31:0] box_i,  // ordered words: lower x y z, upper x y z
-    input logic [71:0] header_i,    // of refit_walk.sv, beside the first
+    input logic [71:0] header_i,    // from refit_walk.sv, with the first box
     output logic valid_o,
     output logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_o
 );

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box of a leaf's triangles, one or two, and which of them have no box (a coordinate that is no number or beyond
-// 2^40). Corners are ordered words (hierarchy_pkg): lower x y z, upper x y z.
+// The box of a leaf's one or two triangles, and which of them have no box (a NaN or a coordinate beyond 2^40). Corners
+// are ordered words (hierarchy_pkg): lower x y z, upper x y z.
 // Latency: 3 cycles.
 // Throughput: one leaf per cycle.
 // Stall: none, runs free.
@@ -21,7 +21,7 @@ module refit_leaf (
     most = (a > b) ? a : b;
   endfunction
 
-  // ---- Words in order ----
+  // ---- Ordered words ----
   logic two_1, two_2;
   logic [1:0] bad_1, bad_2;
   logic [1:0][8:0][31:0] keys_1;
@@ -39,7 +39,7 @@ module refit_leaf (
     always_ff @(posedge clk_i) bad_1[t] <= bad != '0;
   end
 
-  // ---- Of each triangle, and of both ----
+  // ---- Box of each triangle, and of both ----
   logic [1:0][5:0][31:0] boxes_2;
   for (genvar k = 0; k < 3; k++) begin : axis
     for (genvar t = 0; t < 2; t++) begin : each

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The box of a node from its words: all that its children's bytes reach. Its origin is the lower corner, exactly; the
-// upper one is rounded up. Of a node without children it is the origin. Corners are ordered words (hierarchy_pkg):
+// The box of a node from its words: the union of its children's boxes. The lower corner is the origin, exactly, and the
+// upper one is rounded up. Without children, the box is the origin. Corners are ordered words (hierarchy_pkg):
 // lower x y z, upper x y z.
 // Latency: 5 cycles.
 // Throughput: one node per cycle.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes of a tree from the last to the first, and the children of each: leaves are asked for, nodes are read once they
-// have been written. A node that a context is free for opens it. The next node's words are read ahead, in a clock in
-// which no child is.
+// Visits the nodes of a tree from the last to the first, with their children: requests leaves, and reads nodes that
+// have
+// been written. A node opens when a context is free. The next node's words are read ahead, in a cycle without a child
+// read.
 // Latency: 3 cycles to the first child.
 // Throughput: one child per cycle.
 // Stall: fetch_ready_i, room_i, written_i.
@@ -12,21 +13,21 @@ module refit_walk #(
     input logic clk_i,
     input logic rst_i,
     input logic start_i,
-    input logic stop_i,  // nothing more is asked for
-    input logic [hierarchy_pkg::PLACE-1:0] first_i,  // the last one that is opened
+    input logic stop_i,  // no more requests
+    input logic [hierarchy_pkg::PLACE-1:0] first_i,  // the last node to open
     input logic [hierarchy_pkg::PLACE-1:0] count_i,
-    input logic [hierarchy_pkg::PLACE-1:0] written_i,  // nodes from here on have been
+    input logic [hierarchy_pkg::PLACE-1:0] written_i,  // this node and those after it have been written
     // Contexts.
     input logic room_i,
-    input logic [CX-1:0] context_i,  // the next free one
+    input logic [CX-1:0] context_i,  // the next free context
     output logic open_o,
-    output logic [HEADER-1:0] header_o,  // of the node that opens it: first slot, first node, kinds
+    output logic [HEADER-1:0] header_o,  // of the node that opens the context: first slot, first node, kinds
     // Node memory.
     output logic read_o,
     output logic [hierarchy_pkg::PLACE-1:0] read_at_o,
-    input logic [5:3][31:0] node_i,  // words of what was read the cycle before
-    output logic child_o,            // what is read is a child
-    output logic [CX+2:0] child_at_o,  // context and child, of what is read and of what is fetched
+    input logic [5:3][31:0] node_i,  // words read by the previous cycle's address
+    output logic child_o,            // the node read is a child
+    output logic [CX+2:0] child_at_o,  // context and child of the node read and of the leaf requested
     // Leaves.
     output logic fetch_valid_o,
     input logic fetch_ready_i,
@@ -36,7 +37,7 @@ module refit_walk #(
   import hierarchy_pkg::*;
 
   // ---- The next node's words ----
-  logic [PLACE-1:0] left_q;  // nodes that have not been read
+  logic [PLACE-1:0] left_q;  // nodes not read yet
   logic due_q, header_q, read_header;
   logic [HEADER-1:0] words_q;
   always_ff @(posedge clk_i) begin
@@ -51,7 +52,7 @@ module refit_walk #(
     if (start_i) left_q <= count_i - first_i;
   end
 
-  // ---- Children of the one that is open, from the first on ----
+  // ---- Children of the open node, from the first on ----
   logic [CX-1:0] context_q;
   logic [CHILDREN-1:0] rest_q, kids;
   logic [CHILDREN-1:0][1:0] kinds_q;
@@ -86,7 +87,7 @@ module refit_walk #(
     if (rst_i || stop_i) rest_q <= '0;
   end
 
-  // ---- What is read ----
+  // ---- Node reads ----
   assign read_header = !read_child && left_q != '0 && !due_q && (!header_q || open_o);
   assign read_o = read_child || read_header;
   assign read_at_o = read_child ? node_q : first_i + left_q - 1;

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far the box of a hierarchy's root reaches from here, a point or a box: the largest distance along an axis, from
-// end to end of both.
-// 6 sub, 5 max.
+// Largest distance along an axis from a point or box to the far end of the BVH root's box, from end to end of both.
+// Operators: 6 sub, 5 max.
 // Latency: RAY_T_REACH cycles (hierarchy.svh).
-// Throughput: LANES of them per cycle.
+// Throughput: LANES results per cycle.
 // Stall: none, runs free.
 `include "hierarchy.svh"
 module root_reach #(
     `DF_PARAMETERS
 ) (
     input logic clk_i,
-    input logic [2:0][LANES-1:0][CW-1:0] low_i,  // both corners; of a point they are one
+    input logic [2:0][LANES-1:0][CW-1:0] low_i,  // both corners; for a point they are equal
     input logic [2:0][LANES-1:0][CW-1:0] high_i,
-    input logic [5:0][LANES-1:0][CW-1:0] root_i,  // lower corner x y z, upper
+    input logic [5:0][LANES-1:0][CW-1:0] root_i,  // root: lower corner x y z, upper corner x y z
     output logic [LANES-1:0][CW-1:0] reach_o
 );
   /*verilator inline_module*/

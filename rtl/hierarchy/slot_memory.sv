@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A word of each slot of a tree's leaves: which secondary is in it, or whose. On the bus two a beat, slot s at byte
+// One word per slot of a tree's leaves: its secondary, or its object. The bus writes two words per beat, slot s at byte
 // 4 s.
 // Latency: 1 cycle.
-// Throughput: one beat written and a word read per cycle.
+// Throughput: one beat written and one word read per cycle.
 // Stall: none.
 `include "secded.svh"
 module slot_memory #(
@@ -14,12 +14,12 @@ module slot_memory #(
     input logic write_i,
     input logic [31:0] addr_i,
     input logic [63:0] data_i,
-    input logic [1:0][31:0] flip_i,  // bits that are written wrong
+    input logic [1:0][31:0] flip_i,  // injected bit errors of a write
 
     input logic clk_i,
     input logic read_i,
     input logic [SW-1:0] slot_i,
-    output logic [31:0] word_o,  // until the next one is read
+    output logic [31:0] word_o,  // held until the next read
     output logic corrected_o,
     output logic failed_o
 );

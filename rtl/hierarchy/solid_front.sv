@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A solid, or a triangle, as nodes of a hierarchy see it, once each (reference/pipes/ray_node.hpp): the upper corner of
-// its box plus M, the lower one less M, and 1 where a ray has 1 / d, so that node_boxes.sv gives gaps of axes; M =
-// 2^-16 (R + e) + 16 u W is what boxes are widened by, R the largest distance along an axis from the centre to the
-// root's box, e half the size of the solid's own. Of a triangle R is that from end to end of its box and the root's,
-// and e is 0.
-// 1 mul, 8 add, 12 sub, 7 max; of an OBB 9 mul, 6 add more, of a triangle 12 min/max.
+// Prepares a solid or a triangle for the nodes of a BVH, once per primary (reference/pipes/ray_node.hpp).
+// It gives the upper corner of its box plus M, the lower one less M, and 1 instead of a ray's 1 / d. So node_boxes.sv
+// gives
+// distances on axes. M widens the boxes: M = 2^-16 (R + e) + 16 u W. R is the largest distance along an axis from the
+// centre to the root's box, and e is half the size of the solid's own box. For a triangle, R is measured from end to
+// end
+// of both boxes, and e is 0.
+// Operators: 1 mul, 8 add, 12 sub, 7 max; an OBB also 9 mul, 6 add, a triangle also 12 min/max.
 // Latency: SOLID_T_FRONT cycles (hierarchy.svh).
 // Throughput: LANES solids per cycle.
 // Stall: none, runs free.
@@ -16,7 +18,7 @@ module solid_front #(
 ) (
     input logic clk_i,
     input logic [WORDS-1:0][LANES-1:0][CW-1:0] a_i,
-    input logic [6:0][LANES-1:0][CW-1:0] root_i,  // of the root: lower corner x y z, upper, 16 u W
+    input logic [6:0][LANES-1:0][CW-1:0] root_i,  // root: lower corner x y z, upper corner x y z, 16 u W
     output logic [8:0][LANES-1:0][CW-1:0] r_o     // upper + M x y z, lower - M, 1
 );
   /*verilator inline_module*/

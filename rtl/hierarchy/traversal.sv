@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays, and solids, through a hierarchy. A ray has a context, and of each context one operation is under way: a node is
-// read and its boxes tested, the secondaries of a leaf are fetched and tested, or the next of these is chosen from its
-// stack. No unit ever waits, but for leaves that memory does not give yet; what waits are contexts, in queues that hold
-// all of them, so none can overflow and nothing can lock. A few rays by themselves, for which pipes are mostly empty,
-// do not wait for their leaves: they go on with what they know, and end when all leaves have been tested (ahead_i).
+// Traversal of a BVH by rays and solids. Each primary has a context with one operation under way. It reads a node and
+// tests
+// its boxes, fetches and tests the secondaries of a leaf, or chooses the next visit from its stack.
+// Units wait only for leaves that memory does not deliver. Contexts wait in queues that hold all of them, so no queue
+// overflows and no deadlock is possible. In a pass of few primaries, pipes are mostly empty, so contexts do not wait
+// for
+// their leaves. They go on with the current best result, and end when all leaves have been tested (ahead_i).
 //
 //   rays -> ray_front -> UNITS x traversal_bank -> leaves -> fetch -> pair pipe -> better of (T, index) -+
 //                            |  ^                                                                        |
 //               records <----+  +------------------------------------------------------------------------+
 //
-// A ray that comes has a free context (ray_ready_o); what is fetched comes back with the tag that was asked with.
-// Latency: that of the way.
-// Throughput: UNITS nodes, a leaf, a ray and a record per cycle.
+// A new primary needs a free context (ray_ready_o). A fetched leaf returns with the tag of its request.
+// Latency: that of the traversal.
+// Throughput: UNITS nodes, one leaf, one primary and one record per cycle.
 // Stall: ray_ready_o, fetch_ready_i, record_ready_i.
 `include "hierarchy.svh"
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
-    parameter int UNITS = 2,       // of nodes, each with its share of the contexts
+    parameter int UNITS = 2,       // traversal units, each with its share of the contexts
     parameter hierarchy_pkg::ways_t WAYS = 1,        // hierarchy_pkg::card_ways
-    parameter int ALGORITHM = 0,   // of ray-triangle, pairs_pkg::ALGORITHM_*
-    parameter int NORMALS = 0,     // 1: solids have them
+    parameter int ALGORITHM = 0,   // ray-triangle: pairs_pkg::ALGORITHM_*
+    parameter int NORMALS = 0,     // 1: solids have normals
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int LANES = 2,  // secondaries of a leaf
@@ -31,51 +33,52 @@ module traversal #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    // Node memory, a port a unit, whose answer is there the cycle after.
-    input logic [31:0] nodes_i,  // that it has
+    // Node memory, one port per unit; a read returns one cycle later.
+    input logic [31:0] nodes_i,  // number of nodes
     output logic [UNITS-1:0] node_read_o,
     output logic [UNITS-1:0][hierarchy_pkg::PLACE-1:0] node_at_o,
     input logic [UNITS-1:0][hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
-    // What holds for all rays.
-    input logic [6:0][31:0] root_i,  // of its box: lower corner x y z, upper, 16 u W (ray_front.sv)
+    // Settings of all primaries.
+    input logic [6:0][31:0] root_i,  // root's box: lower corner x y z, upper corner x y z, 16 u W (ray_front.sv)
     input logic [2:0] goal_i,        // hierarchy_pkg::GOAL_*
     input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,
     input logic ahead_i,
-    // Rays: o x y z, d x y z, tmin, tmax, or solids, and their numbers.
+    // Primaries and their numbers: rays (o x y z, d x y z, tmin, tmax) or solids.
     input logic ray_valid_i,
     output logic ray_ready_o,
     input logic [WORDS-1:0][31:0] ray_i,
     input logic [31:0] number_i,
-    // Secondaries of leaves, one or two from a slot on, and their indices. fetched_valid_i, which is a clock gate's
-    // enable, comes from a register.
+    // Secondaries of leaves, one or two from a slot on, and their indices. fetched_valid_i comes from a register,
+    // because it
+    // enables a clock gate.
     output logic fetch_valid_o,
     input logic fetch_ready_i,
     output logic [hierarchy_pkg::PLACE-1:0] fetch_slot_o,
-    output logic [TAG-1:0] fetch_tag_o,  // and its lowest bit: two
+    output logic [TAG-1:0] fetch_tag_o,  // its lowest bit: two secondaries
     input logic fetched_valid_i,
     input logic [TAG-1:0] fetched_tag_i,
     input logic [LANES-1:0][LEAF-1:0][31:0] fetched_i,
     input logic [LANES-1:0][31:0] index_i,
-    // Hits of goal hits, as they are found. Nobody waits for who takes them: there is room for those of all leaves that
-    // are asked for (fetch_ready_i).
-    output logic tested_o,  // a leaf has been, and its hits are
+    // Hits of goal hits, as they are found. Never back-pressured: fetch_ready_i reserves space for the hits of every
+    // outstanding leaf request.
+    output logic tested_o,  // a leaf has been tested; hit_o are its hits
     output logic [LANES-1:0] hit_o,
     output logic [31:0] hit_number_o,
     output logic [LANES-1:0][31:0] hit_t_o,
     output logic [POINTS-1:0][LANES-1:0][31:0] hit_point_o,
     output logic [LANES-1:0][31:0] hit_index_o,
-    // Records, one a ray, behind its hits; of goal hits they say no more than that.
+    // Records, one per primary, after its hits. With goal hits they only mark the end.
     output logic record_valid_o,
     input logic record_ready_i,
     output logic [31:0] number_o,
-    output logic found_o,  // a pair is the answer; f_o: it meets
+    output logic found_o,  // the record names a pair; f_o: the pair is a hit
     output logic f_o,
     output logic [31:0] t_o,
     output logic [POINTS-1:0][31:0] point_o,
     output logic [31:0] index_o,
     output hierarchy_pkg::events_t events_o,
-    output logic [4:0] deepest_o,  // stack since reset: groups
-    output logic [3:0] fault_o,    // registers_pkg::NODE_FAULT_*; who sees one ends the pass
+    output logic [4:0] deepest_o,  // deepest stack since reset, in groups
+    output logic [3:0] fault_o,    // registers_pkg::NODE_FAULT_*; a fault ends the pass
     output logic [hierarchy_pkg::PLACE-1:0] fault_place_o
 );
   import hierarchy_pkg::*;
@@ -83,15 +86,15 @@ module traversal #(
   if ((UNITS & (UNITS - 1)) != 0) $error("traversal: UNITS must be a power of two");
   `HIERARCHY_TYPES(CX)
   localparam bit SOLIDS = has_solids(WAYS);
-  localparam bit ONE = (WAYS & (WAYS - 1)) == 0;  // nothing is to be chosen by it
+  localparam bit ONE = (WAYS & (WAYS - 1)) == 0;  // one kind of traversal: there is nothing to choose
   localparam logic [31:0] SIGN = 32'h8000_0000, INFINITE = 32'h7f80_0000;
-  logic is_solid;  // the pass's primaries are: T is a signed gap on its way
+  logic is_solid;  // the pass's primaries are solids: T is a signed distance until the record
   assign is_solid = SOLIDS && solid(int'(way_i));
   localparam int BANK = $clog2(UNITS);
   // The bank of a context.
   `define CDE_OWN(CONTEXT) (CONTEXT % CX'(UNITS) == CX'(u))
 
-  // ---- What is kept of a ray ----
+  // ---- State per primary ----
   typedef struct packed {
     logic f;
     logic [31:0] t;
@@ -102,8 +105,8 @@ module traversal #(
   logic [31:0] numbers[CONTEXTS];
   best_t bests[CONTEXTS];
 
-  // ---- Rays that come ----
-  logic [CX:0] fresh_q;  // contexts that never had a ray
+  // ---- Ray input ----
+  logic [CX:0] fresh_q;  // contexts that never had a primary
   logic [CX:0] free_count;
   logic [CX-1:0] free, taken;
   logic take, keep_valid, record_read;
@@ -122,7 +125,7 @@ module traversal #(
       numbers[taken] <= number_i;
     end
   end
-  // What rays of a kind of fronts meet.
+  // The secondaries that a kind of ray front is for.
   function automatic int front_leaf(input int kind);
     front_leaf = (kind == FRONT_RAY_SPHERE) ? pairs_pkg::SHAPE_SPHERE : pairs_pkg::SHAPE_TRIANGLE;
   endfunction
@@ -148,9 +151,9 @@ module traversal #(
     if (has_front(WAYS, k)) begin : g_there
       localparam int F_WORDS = ray_front_kind(k) ? 6 : pairs_pkg::shape_words(k);
       localparam int T_OWN = t_front_of(k);
-      // The host back end computes in the second clock, with a clock of its own: where none comes, nothing is computed.
+      // The host back end computes in the second cycle. It has its own clock, so without a primary it computes nothing.
       localparam int T_NOW = (ARITH == "rtl") ? T_OWN : 1;
-      logic [F_WORDS+6:0][31:0] words;  // the primary's, and the root's box
+      logic [F_WORDS+6:0][31:0] words;  // the primary's words, and the root's box
       logic [8:0][31:0] now;
       if (ARITH == "rtl") begin : g_at_once
         assign words = {root_i, ray_i[F_WORDS-1:0]};
@@ -207,7 +210,7 @@ module traversal #(
         .tested_i(tested), .done_valid_o(done_valid[u]), .done_ready_i(done_ready[u]), .done_o(dones[u]),
         .visits_o(reads[u]), .level_o(levels[u]), .fault_o(faults[u]), .fault_place_o(fault_places[u]));
   end
-  // Banks take turns: the one whose turn it is, else the next that has something.
+  // Round-robin arbiter of the banks.
   logic [UNITS-1:0] leaf_from, done_from;
   turns #(.N(UNITS)) leaf_turns (.clk_i, .rst_i, .some_i(leaf_valid), .taken_i(fetch_ready_i), .from_o(leaf_from));
   turns #(.N(UNITS)) done_turns (.clk_i, .rst_i, .some_i(done_valid), .taken_i(record_ready_i), .from_o(done_from));
@@ -237,9 +240,9 @@ module traversal #(
       .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t), .key_o(key),
       .point_o(point), .index_o(index));
 
-  // ---- The better of what a ray had and what it found ----
+  // ---- The better of the best result so far and the new ones ----
   best_t best_q, best;
-  // Two zeros are equal: a solid's gap may be either.
+  // Two zeros are equal: a solid's distance may be either.
   function automatic logic better(input logic [31:0] t_1, input logic [31:0] index_1, input logic [31:0] t_2,
                                   input logic [31:0] index_2);
     logic [31:0] first, second;
@@ -248,7 +251,7 @@ module traversal #(
     better = (goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED || first == second) ? index_1 < index_2 :
         (goal_i == GOAL_FARTHEST) == (first > second);
   endfunction
-  // Of the gaps of solids the least one counts, whether they meet or not.
+  // For solids, the least distance counts, whether they meet or not.
   logic [LANES-1:0] counts;
   assign counts = (is_solid && goal_i == GOAL_NEAREST) ? there : f;
   logic improved;
@@ -268,7 +271,7 @@ module traversal #(
       end
     end
   end
-  // Leaves of one context come one behind the other where it is ahead of them.
+  // If a context runs ahead of its leaves, its leaves can follow each other directly.
   logic again;
   assign again = keep_valid && keep_at.context_ == keep_at_soon.context_;
   always_ff @(posedge clk_i) best_q <= again ? best : bests[keep_at_soon.context_];
@@ -280,8 +283,9 @@ module traversal #(
   end
   assign hit_point_o = point;
   assign hit_index_o = index;
-  // A hit leaves less of T that counts; the first of goal occluded ends the way. Of solids keys up to that of the best
-  // gap do (node_gaps.sv), from anywhere.
+  // A hit shrinks the T interval, and an occlusion query stops at its first hit. For solids, the interval is of keys up
+  // to
+  // that of the best distance (node_gaps.sv), without a lower bound.
   always_comb begin
     interval_write = {2{take}};
     interval_context = taken;
@@ -317,7 +321,7 @@ module traversal #(
   assign {point_o, index_o} = {answer.point, answer.index};
   `undef CDE_OWN
 
-  // ---- What is counted, and what is wrong ----
+  // ---- Counters and faults ----
   assign events_o.nodes = 4'($countones(reads));
   assign events_o.leaves = 4'(fetch_valid_o && fetch_ready_i);
   assign events_o.secondaries = 4'(tested_now);

@@ -1,61 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contexts of one node unit: which node or leaf each of them visits next. A node is read and its boxes tested; the
-// first child that is met is visited at once, the others wait on the context's stack, from which the next is chosen
-// when a leaf has been tested or a node had none; ahead of its leaves, when a leaf has been sent.
-// Latency: of a visit NODE_T_UNIT + 2 cycles (hierarchy.svh), of a choice 2.
-// Throughput: one node and a choice per cycle.
-// Stall: none but leaf_ready_i and done_ready_i; all that waits are contexts, in queues that hold all of them.
+// Contexts of one traversal unit, and the node or leaf that each visits next. A node is read and its boxes tested. The
+// context visits the first hit child at once, and the others wait on its stack. It takes the next child from the stack
+// when a leaf has been tested or a node had no hit. With ahead_i it does so when a leaf has been sent.
+// Latency: NODE_T_UNIT + 2 cycles (hierarchy.svh) per visit, 2 per choice.
+// Throughput: one node and one choice per cycle.
+// Stall: leaf_ready_i and done_ready_i only. Contexts wait in queues that hold all of them.
 `include "hierarchy.svh"
 module traversal_bank #(
     parameter int CONTEXTS = 128,  // power of two
-    parameter int CX = 8,          // bits of a context's number, of which the lowest say the bank
+    parameter int CX = 8,          // bits of a context's number; the lowest bits select the bank
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
-    parameter int SOLIDS = 1,      // 0: there are rays alone
+    parameter int SOLIDS = 1,      // 0: only rays
     localparam int CB = $clog2(CONTEXTS)
 ) (
     input logic clk_i,
     input logic rst_i,
-    // Node memory, whose answer is there the cycle after.
-    input logic [31:0] nodes_i,  // that it has
+    // Node memory; a read returns one cycle later.
+    input logic [31:0] nodes_i,  // number of nodes
     output logic node_read_o,
     output logic [hierarchy_pkg::PLACE-1:0] node_at_o,
     input logic [hierarchy_pkg::NODE_WORDS-1:0][31:0] node_i,
     input logic farthest_i,
     input logic solid_i,
     input logic ahead_i,  // contexts go on while their leaves are tested
-    // T that counts, from and to: of a ray that comes, and as hits are found.
+    // The T interval that counts, from and to: of a new primary, and as hits are found.
     input logic [1:0] interval_write_i,
-    input logic [CB-1:0] interval_context_i,  // without the bank's number
+    input logic [CB-1:0] interval_context_i,  // without the bank's bits
     input logic [1:0][31:0] interval_i,
-    // Rays that come.
+    // Ray input.
     input logic front_valid_i,
     input logic [CX-1:0] front_context_i,
     input logic [8:0][31:0] front_i,
-    // Leaves to be tested, and contexts whose leaf has been.
+    // Leaves to test, and contexts whose leaf has been tested.
     output logic leaf_valid_o,
     input logic leaf_ready_i,
     output logic [`VISIT_BITS(CX)-1:0] leaf_o,
     input logic tested_valid_i,
     input logic [`AT_BITS(CX)-1:0] tested_i,
-    // Contexts that have come to their end.
+    // Contexts that have finished.
     output logic done_valid_o,
     input logic done_ready_i,
     output logic [CX-1:0] done_o,
     output logic visits_o,  // a node is read
-    output logic [4:0] level_o,  // of a group that is put on a stack, from 1; else 0
+    output logic [4:0] level_o,  // level of a group put on a stack, from 1; else 0
     output logic [3:0] fault_o,  // registers_pkg::NODE_FAULT_*; 0: none
     output logic [hierarchy_pkg::PLACE-1:0] fault_place_o
 );
   import hierarchy_pkg::*;
   `HIERARCHY_TYPES(CX)
   localparam int LW = $clog2(LEVELS);
-  localparam int BANK = CX - CB;  // bits of the bank's number
+  localparam int BANK = CX - CB;  // bits that select the bank
 
   logic [8:0][31:0] fronts[CONTEXTS];
   logic [31:0] floors[CONTEXTS], limits[CONTEXTS];
   group_t groups[CONTEXTS*LEVELS];
-  logic [3:0] nexts[CONTEXTS*LEVELS];  // how many of a group have been visited; not looked at while it is fresh: one
+  logic [3:0] nexts[CONTEXTS*LEVELS];  // visited children of a group; not used for a fresh group, which has one
   always_ff @(posedge clk_i) begin
     if (front_valid_i) fronts[front_context_i[CX-1:BANK]] <= front_i;
     if (interval_write_i[0]) floors[interval_context_i] <= interval_i[0];
@@ -69,11 +69,11 @@ module traversal_bank #(
         .clk_i, .rst_i, .write_i(NAME``_write), .wdata_i(NAME``_in), .room_o(), .count_o(NAME``_count), \
         .rdata_o(NAME), .read_i(NAME``_read));
   `CDE_QUEUE(started, logic [CX-1:0])
-  `CDE_QUEUE(nearer, visit_t)   // nodes to be read: first children, and others
+  `CDE_QUEUE(nearer, visit_t)   // nodes to read: first children, and others
   `CDE_QUEUE(others, visit_t)
   `CDE_QUEUE(first_leaves, visit_t)
   `CDE_QUEUE(other_leaves, visit_t)
-  `CDE_QUEUE(missed, at_t)      // three ways to a choice: nodes without children, leaves, groups that came too late
+  `CDE_QUEUE(missed, at_t)      // inputs of a choice: nodes without hits, leaves, groups that came too late
   `CDE_QUEUE(tested, at_t)
   `CDE_QUEUE(dropped, at_t)
   `CDE_QUEUE(done, logic [CX-1:0])
@@ -81,8 +81,8 @@ module traversal_bank #(
   assign started_write = front_valid_i;
   assign started_in = front_context_i;
 
-  // ---- Leaves that a context is ahead of: those that were sent and have not come back ----
-  localparam int SENT = 13;  // bits; more than pipes and memory hold
+  // ---- Leaves that a context runs ahead of: sent and not back yet ----
+  localparam int SENT = 13;  // bits of the counts, for more leaves than pipes and memory hold
   logic [SENT-1:0] sent[CONTEXTS], back[CONTEXTS];
   logic leaf_sent;
   at_t sent_at;
@@ -92,7 +92,7 @@ module traversal_bank #(
   assign tested_in = ahead_i ? sent_at : tested_i;
   always_ff @(posedge clk_i) begin
     if (leaf_sent) sent[sent_at.context_[CX-1:BANK]] <= sent[sent_at.context_[CX-1:BANK]] + 1;
-    // A ray that comes has none; of others the interval's context is that of the leaf.
+    // A new primary has none. Otherwise interval_context_i is the leaf's context.
     if (tested_valid_i && ahead_i) back[interval_context_i] <= back[interval_context_i] + 1;
     if (interval_write_i != 0 && !tested_valid_i) back[interval_context_i] <= sent[interval_context_i];
   end
@@ -156,7 +156,7 @@ module traversal_bank #(
   assign nearer_write = group_some && first_is_node;
   assign first_leaves_write = group_some && !first_is_node;
 
-  // ---- The next one of the group on top ----
+  // ---- The next child of the top group ----
   at_t choice, choice_q, choice_at;
   logic choice_valid, choice_valid_q;
   logic [LW-1:0] top, top_q;
@@ -190,7 +190,7 @@ module traversal_bank #(
     {later, child} = top_group_q.order >> (5'd3 * 5'(next[2:0]));
     {behind_child, child_kind} = top_group_q.kinds >> {child, 1'b0};
     key = ordered({top_group_q.keys[next[2:0]], 16'd0});
-    // In order: where one comes too late, so do those behind it.
+    // Children are in order: if one is beyond the interval, so are those after it.
     beyond = farthest_i ? key < ordered(choice_interval_q[0]) : key > ordered(choice_interval_q[1]);
     empty = choice_q.level == 0;
     choice_at = choice_q;
@@ -212,7 +212,7 @@ module traversal_bank #(
   assign other_leaves_write = chosen && child_kind != KIND_NODE;
   always_ff @(posedge clk_i) if (chosen) nexts[{choice_q.context_[CX-1:BANK], top_q}] <= next + 1;
 
-  // ---- Out ----
+  // ---- Outputs ----
   assign leaf_valid_o = first_leaves_some || other_leaves_some;
   assign leaf_o = first_leaves_some ? first_leaves : other_leaves;
   assign first_leaves_read = first_leaves_some && leaf_ready_i;
@@ -223,7 +223,7 @@ module traversal_bank #(
   logic unused;
   assign unused = &{1'b0, nearer.two, others.two, behind_first, behind_child, later};
 
-  // ---- What no tree has ----
+  // ---- Invalid trees ----
   logic too_deep;
   assign too_deep = group_push && int'(met_at.level) >= LEVELS;
   assign level_o = group_push ? 5'(met_at.level) + 1 : '0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is served of those that have something: one at a time, in turn.
+// Round-robin arbiter.
 // Latency: 0 cycles.
-// Throughput: one per cycle.
+// Throughput: one grant per cycle.
 // Stall: taken_i.
 module turns #(
     parameter int N = 2  // >= 1
@@ -10,9 +10,9 @@ module turns #(
     input logic rst_i,
     input logic [N-1:0] some_i,
     input logic taken_i,
-    output logic [N-1:0] from_o  // one of some_i
+    output logic [N-1:0] from_o  // one-hot: one of some_i
 );
-  logic [N-1:0] behind_q, behind;  // those behind the last one that was served
+  logic [N-1:0] behind_q, behind;  // requests after the last one granted
   assign behind = some_i & behind_q;
   always_comb begin
     from_o = (behind != '0) ? behind : some_i;

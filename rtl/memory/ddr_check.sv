@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Check bits of DDR, where a card has them: made for what is written, used on what is read, and counted by the words of
-// a beat that belong to a slot.
-// Latency: none for writes; reads 1 cycle with ECC, else none.
-// Throughput: one beat per cycle each way.
+// Check bits of DDR, if the card has them. They are made for written words and checked on read words. Errors are
+// counted
+// only for words of a beat that belong to a slot.
+// Latency: 0 cycles for writes; 1 cycle for reads with ECC, else 0.
+// Throughput: one beat per cycle in each direction.
 // Stall: none.
 `include "secded.svh"
 module ddr_check #(
@@ -17,10 +18,10 @@ module ddr_check #(
     input logic read_valid_i,
     input logic [BEAT-1:0][CW-1:0] read_data_i,
     input logic [BEAT-1:0][7:0] read_check_i,
-    input logic [3:0] words_i,  // of the beat that is shown
+    input logic [3:0] words_i,  // words of the current beat in use
     output logic valid_o,
     output logic [BEAT-1:0][CW-1:0] data_o,
-    output logic [3:0] corrected_o,  // words, this clock
+    output logic [3:0] corrected_o,  // words, this cycle
     output logic [3:0] failed_o
 );
   if (CONFIG.ecc != 0) begin : g_ecc

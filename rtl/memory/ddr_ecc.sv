@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Error correction of what comes from DDR, a word by itself: one wrong bit is corrected, a word with two becomes NaN,
-// which no shape may have, so that nothing is concluded from it. What was corrected is not written back.
+// Error correction of DDR read data, per word. One wrong bit is corrected. A word with two wrong bits becomes NaN,
+// which
+// is bad input in every shape, so no result depends on it. A correction is not written back.
 // Latency: 1 cycle.
 // Throughput: one beat per cycle.
 // Stall: none.

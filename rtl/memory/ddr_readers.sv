@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several readers of DDR at its one read port: requests take turns, an answer goes to who asked for it.
-// A reader holds its request until ready_o, or takes it back. Of those that ask, the first one behind the one served
-// last is next, round and round: nobody waits for more than one request of each other reader. DDR answers in order, at
-// any time; whose the answers are waits in a queue.
-// Bit r of USED: reader r is there. The requests of others are not looked at, and where there is one reader alone all
-// of this is wires and its requests are always taken.
-// Latency: none, of requests and of answers.
-// Throughput: one of each per cycle.
-// Stall: ready_o, also while DEPTH answers are owed.
+// Shares DDR's one read port among several readers. A round-robin arbiter chooses a request, and a response goes to its
+// reader. A reader holds its request until ready_o, or withdraws it. So a reader waits for at most one request of each
+// other reader. DDR answers in order, at any time, and a queue holds the readers of outstanding responses.
+// USED, bit r: reader r exists. Requests of others are ignored. With a single reader the module is wires, and its
+// requests
+// are always taken.
+// Latency: 0 cycles for requests and responses.
+// Throughput: one request and one response per cycle.
+// Stall: ready_o, also while DEPTH responses are outstanding.
 module ddr_readers #(
     parameter int READERS = 2,  // 2 and more
     parameter logic [READERS-1:0] USED = '1,
@@ -18,8 +18,8 @@ module ddr_readers #(
     input logic rst_i,
     input card_pkg::ddr_request_t [READERS-1:0] readers_i,
     output logic [READERS-1:0] ready_o,
-    output logic [READERS-1:0] valid_o,      // the beat that DDR shows is this one's
-    input logic [READERS-1:0][3:0] words_i,  // of that beat are used
+    output logic [READERS-1:0] valid_o,      // the current beat of DDR belongs to this reader
+    input logic [READERS-1:0][3:0] words_i,  // words of that beat in use
 
     output card_pkg::ddr_request_t request_o,
     input logic valid_i,
@@ -38,7 +38,7 @@ module ddr_readers #(
     assign unused_others = &{1'b0, clk_i, rst_i, readers_i, words_i};
   end else begin : g_shared
     localparam int D = $clog2(DEPTH);
-    logic [READERS-1:0] asking, behind, behind_q, chosen;  // behind the one served last
+    logic [READERS-1:0] asking, behind, behind_q, chosen;  // readers after the one served last
     logic [W-1:0] turn, owner;
     logic [W-1:0] owners[DEPTH];
     logic [D:0] asked_q, answered_q;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Primary register file of one lane group: WORDS words a slot for ROWS rows of LANES primaries (a block RAM a lane in
-// hardware).
-// Latency: 0 (reads are combinational, the operators behind register them).
-// Throughput: one slot written, one row read per cycle.
+// Primary register file of one lane group: ROWS rows of LANES primaries, WORDS words per slot. In hardware it is one
+// block RAM per lane.
+// Latency: 0; reads are combinational, and the operators behind register them.
+// Throughput: one slot written and one row read per cycle.
 module primary_lanes #(
     parameter int CW = 32,
     parameter int LANES = 1,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mouth of the primary register file: PRIMARIES slots written by the local bus 64 bits a beat. The words of a slot
-// gather in a staging register; the beat that brings the last word commits the slot to its lane group. Beside that it
-// is checked as every shape that the card's pairs have for a primary; which verdict counts is the pair's business. With
-// TRANSFORM = 2 a RAM keeps the slots as they were written, and posed ones come back from the transformer to be checked
-// and committed in their place.
-// Latency: 1 cycle, verdicts shape_check's latency more (busy_o).
+// Input port of the primary register file: the local bus writes PRIMARIES slots, 64 bits per beat. A staging register
+// gathers the words of a slot, and the beat with the last word commits the slot to its lane group. At the same time the
+// slot is checked as every shape that a primary of the card's pairs can have. The pair in use selects the check that
+// counts. With TRANSFORM = 2, a RAM keeps the slots as written. Transformed slots return from the transformer, are
+// checked, and replace them in the lanes.
+// Latency: 1 cycle; check results take shape_check's latency more (busy_o).
 // Throughput: one beat per cycle.
 // Stall: none.
 module primary_regfile #(
@@ -26,25 +26,25 @@ module primary_regfile #(
     localparam int PRIM_W = $clog2(PRIMARIES),
     localparam int WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0)
 ) (
-    input logic clk_i,       // of the bus, gated
+    input logic clk_i,       // gated bus clock
     input logic clk_core_i,
     input logic rst_i,
-    input pairs_pkg::pair_t [1:0] pair_i,  // of the primaries below split_i, of the others
+    input pairs_pkg::pair_t [1:0] pair_i,  // [0] for primaries below split_i, [1] for the others
     input logic [1:0] swap_i,
     input logic [PRIM_W-1:0] split_i,
     input logic write_i,
     input logic [31:0] write_addr_i,  // byte offset, 8-byte aligned
     input logic [63:0] write_data_i,
     input logic clk_moving_i,
-    input logic [PRIM_W-1:0] read_i,  // a slot as it was written, shown the cycle after
+    input logic [PRIM_W-1:0] read_i,  // number of a slot, shown as written in the next cycle
     output logic [WORDS-1:0][CW-1:0] written_o,
-    input logic pose_i,  // a posed slot; never while the bus writes
+    input logic pose_i,  // a transformed slot; never during a bus write
     input logic [PRIM_W-1:0] pose_number_i,
     input logic [WORDS-1:0][CW-1:0] pose_slot_i,
 
-    output logic [PRIMARIES-1:0] bad_o,  // primaries out of their pair's contract, or never written
-    output logic busy_o,                 // verdicts are on their way
-    output logic commit_o,  // a slot is complete: its lane takes it at the next cycle
+    output logic [PRIMARIES-1:0] bad_o,  // primaries that are outside their pair's contract or were never written
+    output logic busy_o,                 // check results are outstanding
+    output logic commit_o,  // a slot is complete: its lane takes it in the next cycle
     output logic [ROW_W-1:0] row_o,
     output logic [LANE_W-1:0] lane_o,
     output logic [WORDS-1:0][CW-1:0] slot_o
@@ -77,7 +77,7 @@ module primary_regfile #(
   // ---- Commits: from the bus, from the transformer ----
   if (TRANSFORM == pairs_pkg::TRANSFORM_BOTH) begin : g_posed
     logic [WORDS-1:0][CW-1:0] mem[PRIMARIES];
-    logic [PRIMARIES-1:0] there_q;  // was written
+    logic [PRIMARIES-1:0] there_q;  // the slot was written
     always_ff @(posedge clk_i) begin
       if (commit) mem[number] <= slot[WORDS-1:0];
       if (commit) there_q[number] <= 1;
@@ -98,7 +98,7 @@ module primary_regfile #(
   assign row_o = ROW_W'(32'(committed) / 32'(LANES));
   assign lane_o = LANE_W'(32'(committed) % 32'(LANES));
 
-  // ---- Verdicts ----
+  // ---- Check results ----
   logic clk_check, judged;
   logic [PRIM_W-1:0] judged_number;
   check_clock #(.NUMBER_W(PRIM_W), .T_CHECK(T_CHECK)) check_time (
@@ -114,7 +114,7 @@ module primary_regfile #(
       assign words = slot_o[N-1:0];
       shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
           .clk_i(clk_check), .on_i(1'b1), .words_i(words), .bad_o(bad));
-      // The host back end answers at once; the cycles are those of the gates.
+      // The host back end answers at once, so its results are delayed to the cycles of the gates.
       align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check),
           .d_i(bad[0][0]), .q_o(bad_judged));
       logic [PRIMARIES-1:0] bad_q;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A word read with its check bits (secded.svh): one wrong bit, of data or check, is corrected, two are found.
+// Decodes a word with check bits (secded.svh). One wrong bit, of data or check, is corrected, and two are detected.
 // Latency: 0.
 // Throughput: one word per cycle.
 // Stall: none.
@@ -15,7 +15,7 @@ module secded_decode #(
     output logic failed_o  // data_o is wrong
 );
   `SECDED_FUNCTIONS(W)
-  logic [R-2:0] syndrome;  // position of a single wrong bit; a power of two if it is a check bit
+  logic [R-2:0] syndrome;  // position of a single wrong bit; a power of two for a check bit
   logic odd;
   for (genvar j = 0; j < R - 1; j++) begin : bit_j
     localparam logic [W-1:0] MASK = secded_mask(j);
@@ -28,7 +28,7 @@ module secded_decode #(
     assign flip[i] = odd && syndrome == POSITION;
   end
   logic check_wrong;
-  assign check_wrong = (syndrome & (syndrome - 1)) == '0;  // or the parity bit
+  assign check_wrong = (syndrome & (syndrome - 1)) == '0;  // or the parity bit is wrong
   assign data_o = data_i ^ flip;
   assign corrected_o = odd && (|flip || check_wrong);
   assign failed_o = odd ? !(|flip || check_wrong) : syndrome != '0;

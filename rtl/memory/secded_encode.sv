@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Check bits of a word (secded.svh).
+// Makes the check bits of a word (secded.svh).
 // Latency: 0.
 // Throughput: one word per cycle.
 // Stall: none.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM those of the objects
-// in use, 9 words a beat, checks them and holds them in a FIFO. A slot of more than 9 words takes two beats. The head
-// stays until `pop_i`; with DEPTH above the memory latency there is a slot for every cycle that asks for one.
-// With TRANSFORM every slot goes through the transformer first: what is checked is what meets the primaries, so an
-// overflow on the way is bad input like any other.
-// Latency: the memory's, with TRANSFORM 1 cycle and the transformer's, and shape_check's.
+// Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM the slots of the
+// objects in use. It checks them and holds them in a FIFO. A beat has 9 words, so a larger slot takes two beats. The
+// head
+// stays until `pop_i`. With DEPTH above the memory latency, a slot is ready in every cycle.
+// With TRANSFORM, every slot goes through the transformer before the check. So the check applies to the values that
+// meet
+// the primaries, and an overflow in the transform is bad input.
+// Latency: the memory's plus shape_check's; with TRANSFORM also 1 cycle plus the transformer's.
 // Throughput: one beat per cycle.
-// Stall: requests only what the FIFO has room for, and holds what is not taken.
+// Stall: requests only slots that the FIFO has room for, and holds slots until they are taken.
 module secondary_regfile #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -19,7 +21,7 @@ module secondary_regfile #(
     localparam int CW = formats_pkg::container(EXP, MAN),
     localparam int WORDS = pairs_pkg::slot_words(PAIRS, 0, SWAP != 0),
     localparam int BEAT = records_pkg::DDR_WORDS,
-    localparam int OBJECTS = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,  // that a pass can have
+    localparam int OBJECTS = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,  // most objects of a pass
     localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT.add, LAT.mul),
     localparam int DEPTH = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && T_TRANSFORM > 16) ? 256 : 64,  // power of two
     localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
@@ -29,28 +31,28 @@ module secondary_regfile #(
     input pairs_pkg::pair_t pair_i,  // of the pass
     input logic swap_i,
     input logic start_i,
-    input logic stop_i,  // ask for nothing more and drop what comes
-    input card_pkg::pass_t pass_i,  // its objects, or its range
+    input logic stop_i,  // stops requests and drops responses
+    input card_pkg::pass_t pass_i,  // objects or range of the pass
 
-    // To the object table and the transformer, both outside: primaries use the transformer too.
+    // To the object table and the transformer, which are outside, because primaries also use the transformer.
     output logic [OBJECT_W-1:0] range_entry_o,
     input logic [1:0][31:0] range_i,
-    output logic [OBJECT_W-1:0] transform_entry_o,   // of the slot that arrives
+    output logic [OBJECT_W-1:0] transform_entry_o,   // object of the arriving slot
     output logic moving_o,                           // a slot arrives or is in the transformer
-    input logic clk_moving_i,                        // runs then
-    output logic [WORDS-1:0][CW-1:0] unmoved_o,      // the slot, the cycle after, as its transform
-    input logic [WORDS-1:0][CW-1:0] moved_i,         // behind the transformer
+    input logic clk_moving_i,                        // clock that runs while moving_o
+    output logic [WORDS-1:0][CW-1:0] unmoved_o,      // the slot, one cycle later, with its transform
+    input logic [WORDS-1:0][CW-1:0] moved_i,         // from the transformer
 
     output card_pkg::ddr_request_t ddr_o,
     input logic ddr_ready_i,  // the request is taken
     input logic ddr_valid_i,
     input logic [BEAT-1:0][CW-1:0] ddr_data_i,
-    output logic [3:0] ddr_words_o,  // of the beat that belong to a slot
+    output logic [3:0] ddr_words_o,  // words of the beat that belong to a slot
 
     output logic valid_o,
     output logic [WORDS-1:0][CW-1:0] slot_o,
     output logic bad_o,             // out of the pair's contract
-    output logic [31:0] index_o,    // position in the range; of an object the slot's number in DDR
+    output logic [31:0] index_o,    // position in the range; with objects, the slot's number in DDR
     output logic last_o,
     input logic pop_i,
     output logic idle_o             // nothing requested, nothing held
@@ -60,14 +62,14 @@ module secondary_regfile #(
   localparam int T_CHECK = config_pkg::check_latency(LAT);
   localparam int T_MOVED = (TRANSFORM != 0) ? 1 + T_TRANSFORM : 0;
   localparam int T_CHECKED = T_MOVED + T_CHECK;
-  // The host back end answers at once: the slot takes its place in the FIFO early, and is counted when it would be
-  // there.
+  // The host back end answers at once. The slot enters the FIFO early, and is counted in the cycle of the gates.
   localparam int T_PLACED = (ARITH == "rtl") ? T_CHECKED : (TRANSFORM != 0) ? 1 : 0;
-  logic [WORDS:0][CW-1:0] fifo[DEPTH];  // verdict in front
-  logic [AW:0] placed_q, write_q, read_q, asked_q;  // in the FIFO, shown, popped, requested (modulo 2*DEPTH)
+  logic [WORDS:0][CW-1:0] fifo[DEPTH];  // check result in front
+  // counts of slots in the FIFO, shown, popped, requested (modulo 2*DEPTH)
+  logic [AW:0] placed_q, write_q, read_q, asked_q;
   logic dropping_q, stopping_q, stop;
 
-  // ---- Requests, a beat each ----
+  // ---- Requests, one beat each ----
   pairs_pkg::words_t words;
   pairs_pkg::shape_t shape;
   logic two, second_q, taken, slot_asked, asking, last_asked;
@@ -81,7 +83,7 @@ module secondary_regfile #(
   assign ddr_o.word = word + (second_q ? BEAT : 0);
   assign taken = ddr_o.valid && ddr_ready_i;
   assign slot_asked = taken && (!two || second_q);
-  assign stop = (stop_i || stopping_q) && (!two || second_q == taken);  // never after half a slot
+  assign stop = (stop_i || stopping_q) && (!two || second_q == taken);  // never between the two beats of a slot
   range_walk #(.ENTRIES(OBJECTS)) walk (
       .clk_i, .rst_i, .start_i, .stop_i(stop), .step_i(slot_asked), .stride_i(words),
       .objects_i((OBJECT_W + 1)'(pass_i.objects)), .first_i(pass_i.first), .count_i(pass_i.count),
@@ -121,7 +123,7 @@ module secondary_regfile #(
     assign on_its_way[T_CHECKED:1] = q;
   end
 
-  // ---- Whose slot it is, kept from the request on ----
+  // ---- Object of each slot, stored with the request ----
   logic [WORDS-1:0][CW-1:0] unchecked;
   if (TRANSFORM != 0) begin : g_objects
     logic [OBJECT_W+32:0] tags[DEPTH];  // last, object, number

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Result memory: a ring of records in SRAM, written by the update engine one record per cycle, read by the local bus 64
-// bits a beat.
-// Beats are packed: with words of 32 bits the seventh of a record shares its beat with the first of the next one, so
-// that two records take seven beats. After a pass, and only then, a last record can be alone in that beat, with 0
-// beside it; the next pass's records begin with a beat. Two records are fetched ahead so that beats follow each other
-// without gaps.
+// Result memory: a ring of records in SRAM. The update engine writes one record per cycle, and the local bus reads 64
+// bits
+// per beat. Beats are packed: with 32-bit words, the seventh word of a record shares a beat with the first word of the
+// next one. So two records take seven beats. Only after a pass can a last record be alone in that beat, with 0 beside
+// it.
+// The records of the next pass begin with a new beat. Two records are fetched ahead, so beats follow each other without
+// gaps.
 // Latency: 3 cycles from the first record to the first beat.
-// Throughput: one record in, one beat out per cycle.
+// Throughput: one record in and one beat out per cycle.
 // Stall: full_o.
 module sram_ring #(
     parameter int CW = 32,
@@ -18,12 +19,12 @@ module sram_ring #(
     input logic rst_i,
     input logic write_i,
     input logic [WORDS-1:0][CW-1:0] record_i,
-    output logic active_o,  // has work of its own: the clock must run
+    output logic active_o,  // work is pending: the clock must run
     output logic full_o,
-    output logic [31:0] count_o,  // records not yet read to their last word
+    output logic [31:0] count_o,  // records not yet read completely
 
-    input logic last_i,  // no pass runs: the youngest record is a last one
-    output logic readable_o,  // the next beat is here or on its way
+    input logic last_i,  // no pass runs: the newest record is a last one
+    output logic readable_o,  // the next beat is present or under way
     output logic beat_valid_o,
     output logic [63:0] beat_o,
     input logic beat_pop_i,
@@ -33,14 +34,14 @@ module sram_ring #(
     output logic [WORDS-1:0][CW-1:0] sram_write_data_o,
     output logic sram_read_o,
     output logic [AW-1:0] sram_read_addr_o,
-    input logic [WORDS-1:0][CW-1:0] sram_read_data_i  // the cycle after sram_read_o
+    input logic [WORDS-1:0][CW-1:0] sram_read_data_i  // one cycle after sram_read_o
 );
   localparam int BEAT = 64 / CW;  // words
   logic [AW:0] write_q, fetch_q;
   logic [31:0] count_q;
   logic fetching_q, head_valid_q, next_valid_q;
   logic [WORDS-1:0][CW-1:0] head_q, next_q;
-  logic [2:0] word_q, next_word;  // of the head: the first one not yet read
+  logic [2:0] word_q, next_word;  // first unread word of the head
   logic [WORDS+BEAT-2:0][CW-1:0] window;
   logic shared, alone, finish;
 

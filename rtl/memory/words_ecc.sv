@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words of 32 bits of a memory with check bits, as they come out of it: one wrong bit of a word is corrected.
+// Corrects words of 32 bits read from a memory with check bits: one wrong bit per word.
 // Latency: 0.
 // Throughput: WORDS words per cycle.
 // Stall: none.

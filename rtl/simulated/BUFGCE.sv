@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a simulator needs of AMD's clock buffer with enable (UG572: CE is taken while I is low), for clock_gate with
-// GATE = "bufgce".
-// Synthesis has its own: this folder is not part of it.
+// Simulation model of AMD's clock buffer with enable (UG572: CE is taken while I is low), for clock_gate with GATE =
+// "bufgce". Synthesis does not read this folder and uses the vendor's cell.
 module BUFGCE (
     input logic I,
     input logic CE,

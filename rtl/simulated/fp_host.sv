@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Host back end of every unit: one call of host_fp.h a lane, for simulation only. Combinational: with ARITH = "host" a
-// pipe computes in the clock its result leaves, and the engine hands it its operands that much later, so that the
-// timing outside is that of the gates while nothing inside is stored from clock to clock
+// Host back end of every unit: one call of host_fp.h per lane, for simulation only. It is combinational. With ARITH =
+// "host" a pipe computes in the cycle in which its result leaves. The engine gives it its operands in that cycle, so
+// the
+// timing outside is that of the gates, and nothing inside is stored from cycle to cycle
 // (docs/background/architecture.md).
 // Latency: 0.
 // Throughput: one result per lane per cycle.
@@ -16,7 +17,7 @@ module fp_host #(
     parameter bit FLAGS = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input  logic                     on_i,   // 0: the result is not looked at, and is zero
+    input  logic                     on_i,   // 0: no reader uses the result, and it is zero
     input  logic [LANES-1:0][CW-1:0] a_i,
     input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
@@ -24,7 +25,7 @@ module fp_host #(
 );
   /*verilator inline_module*/
 `ifdef VERILATOR
-  // The whole vector is written first: only then does Verilator keep it in a local variable, not in the model.
+  // The whole vector is written first, so that Verilator keeps it in a local variable, not in the model.
   logic [LANES-1:0][CW-1:0] r, f;
   if (CW == 32) begin : g_32
     always_comb begin
@@ -33,7 +34,7 @@ module fp_host #(
         for (int l = 0; l < LANES; l++) r[l] = $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l],
             ",", b_i[l%B_LANES], ")");
     end
-  end else begin : g_64  // uint64_t is named, as Verilator writes constants as unsigned long long
+  end else begin : g_64  // uint64_t is named, because Verilator writes constants as unsigned long long
     always_comb begin
       r = '0;
       if (on_i)

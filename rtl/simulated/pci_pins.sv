@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wires of the bus on their way into the card, of which hardware has nothing. Verilator evaluates all logic behind
-// a top-level input at every step, whatever has changed. The harness changes the wires with the falling PCI clock and
-// at no other time, so taking them over there gives the same bits at every rising edge, and costs nothing while that
-// clock rests.
+// Simulation only: re-times the bus wires at the card's input. Verilator evaluates all logic behind a top-level input
+// at
+// every step, even without a change. The harness changes the wires only with the falling PCI clock. Taking them over
+// there
+// gives the same bits at every rising edge, and costs nothing while that clock rests.
 // Latency: none.
-// Throughput: all of them every cycle.
+// Throughput: all wires every cycle.
 // Stall: none.
 module pci_pins #(
     parameter int W = 1

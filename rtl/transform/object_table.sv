@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Object table: ENTRIES entries of a range of slots and a rigid transform (records_pkg::OBJECT_*), written by the local
-// bus 64 bits a beat into two block RAMs. Every entry is checked when it is written: its range against the memory that
-// the slots lie in, its rotation to be orthonormal as an OBB's must be, its translation to be finite, and for AABBs the
-// rotation to be the identity. An entry never written is out of contract. The range takes effect with its second word,
-// the transform with its last.
-// Latency: ranges and transforms are read in 1 cycle; verdicts of transforms take shape_check's latency (busy_o).
-// Throughput: one beat written, one range and one transform read per cycle.
+// Object table: ENTRIES entries, each a range of slots and a rigid transform (records_pkg::OBJECT_*). The local bus
+// writes
+// it, 64 bits per beat, into two block RAMs. Every entry is checked when it is written. Its range must lie in the
+// memory
+// of the slots, its rotation must be orthonormal as an OBB's, and its translation must be finite. For AABBs the
+// rotation
+// must be the identity. An entry never written is out of contract. The range takes effect with its second word, the
+// transform with its last.
+// Latency: 1 cycle to read ranges and transforms; check results of transforms take shape_check's latency (busy_o).
+// Throughput: one beat written, and one range and one transform read, per cycle.
 // Stall: none.
 module object_table #(
     parameter config_pkg::config_t CONFIG,
     parameter int ENTRIES = 1024,  // 2 to 2,048
-    parameter int PRIMARY = 0,  // 1: slots of primaries, CAPACITY of them; 0: slots in a memory of CAPACITY words
+    parameter int PRIMARY = 0,  // 1: slots of primaries, CAPACITY slots; 0: slots in a memory of CAPACITY words
     parameter int CAPACITY = 1,
     localparam int EXP = CONFIG.exp,
     localparam int MAN = CONFIG.man,
@@ -23,8 +26,8 @@ module object_table #(
 ) (
     input logic clk_bus_i,   // gated: runs while a beat is served
     input logic clk_core_i,  // not gated
-    input logic clk_i,         // of the read port of ranges
-    input logic clk_moving_i,  // of transforms
+    input logic clk_i,         // clock of the read port of ranges
+    input logic clk_moving_i,  // clock of the read port of transforms
     input logic rst_i,
     input logic write_i,
     input logic [31:0] addr_i,  // byte offset in the table, 8-byte aligned
@@ -32,9 +35,9 @@ module object_table #(
     output logic range_write_o,
 
     input logic [31:0] count_i,       // entries in use
-    input pairs_pkg::shape_t [1:0] shapes_i,  // that their slots have
-    output logic good_o,              // all of them are in contract
-    output logic busy_o,              // a verdict is on its way
+    input pairs_pkg::shape_t [1:0] shapes_i,  // shapes of their slots
+    output logic good_o,              // all entries in use are in contract
+    output logic busy_o,              // a check result is outstanding
 
     input logic [ENTRY_W-1:0] range_entry_i,
     output logic [1:0][31:0] range_o,  // first, count
@@ -43,7 +46,7 @@ module object_table #(
     output logic [2:0][CW-1:0] translation_o
 );
   localparam int BEATS = records_pkg::OBJECT_WORDS * CW / 64;
-  localparam int USED = (records_pkg::OBJECT_END * CW + 63) / 64;  // beats that hold words
+  localparam int USED = (records_pkg::OBJECT_END * CW + 63) / 64;  // beats with words in use
   localparam int T_CHECK = config_pkg::check_latency(LAT);
   localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
   localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
@@ -51,7 +54,7 @@ module object_table #(
     $error("object_table: ENTRIES must be 2 to 2048");
   end
 
-  // ---- Words gather in a staging register ----
+  // ---- The staging register gathers words ----
   logic [31:0] beat;
   logic [ENTRY_W-1:0] entry, entry_q;
   logic [records_pkg::OBJECT_END-1:0][CW-1:0] words, words_q;
@@ -81,11 +84,11 @@ module object_table #(
   always_ff @(posedge clk_i) range_o <= ranges[range_entry_i];
   always_ff @(posedge clk_moving_i) {translation_o, rotation_o} <= transforms[transform_entry_i];
 
-  // ---- Verdicts ----
+  // ---- Check results ----
   logic [ENTRIES-1:0] present, bad_transform_q, turned_q;
   logic clk_check, judged, bad_judged, turned;
   logic [ENTRY_W-1:0] judged_entry;
-  logic [14:0][0:0][CW-1:0] box;  // an OBB with that rotation, at the place of the translation
+  logic [14:0][0:0][CW-1:0] box;  // an OBB with that rotation, and the translation as its centre
   logic [0:0][CW-1:0] bad;
   check_clock #(.NUMBER_W(ENTRY_W), .T_CHECK(T_CHECK)) check_time (
       .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o,

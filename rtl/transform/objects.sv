@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What moves objects: the object tables of secondaries and, with TRANSFORM = 2, of primaries, the one transformer that
-// both go through, and the poser of primaries. Secondaries are transformed on their way into the secondary register
-// file, primaries before a pass.
-// Latency: 1 cycle (the RAMs), then the transformer's.
+// Moves objects. It has the object tables of secondaries and, with TRANSFORM = 2, of primaries. Both use its one
+// transformer. Secondaries are transformed when they enter the secondary register file, primaries before a pass.
+// Latency: 1 cycle for the RAMs, then the transformer's.
 // Throughput: one slot per cycle.
 // Stall: none.
 module objects #(
@@ -24,8 +23,8 @@ module objects #(
     localparam int PRIM_W = $clog2(PRIMARIES),
     localparam int OBJECT_W = $clog2(OBJECTS)
 ) (
-    input logic clk_i,       // of the engine
-    input logic clk_bus_i,   // runs while a beat is served, and with posed_o
+    input logic clk_i,       // clock of the engine
+    input logic clk_bus_i,   // runs during a beat and with posed_o
     input logic clk_core_i,  // not gated
     input logic rst_i,
     input logic write_i,  // into SPACE_REG above the registers
@@ -33,9 +32,9 @@ module objects #(
     input logic [63:0] data_i,
     input logic primary_write_i,
 
-    input card_pkg::pass_t command_i,  // what a pass that starts now would do
-    output logic good_o,  // for the command: every entry in use is in contract
-    output logic busy_o,  // that is not known yet
+    input card_pkg::pass_t command_i,  // the pass that a go would start now
+    output logic good_o,  // every entry that the command uses is in contract
+    output logic busy_o,  // good_o is not known yet
 
     input pairs_pkg::pair_t pair_i,  // of the pass
     input logic swap_i,
@@ -43,7 +42,7 @@ module objects #(
     output logic [1:0][31:0] range_o,
     input logic [OBJECT_W-1:0] transform_entry_i,
     input logic moving_i,       // a secondary arrives or is in the transformer
-    output logic clk_moving_o,  // of all that feeds the transformer, and its own
+    output logic clk_moving_o,  // clock of the transformer and of the registers before it
     input logic [SEC_WORDS-1:0][CW-1:0] unmoved_i,
     output logic [SEC_WORDS-1:0][CW-1:0] moved_o,
 
@@ -95,7 +94,7 @@ module objects #(
   assign good_o = sec_good && prim_good;
   assign busy_o = sec_busy || prim_busy;
 
-  // ---- The transformer: it and the registers in front of it are clocked only while a slot is in them ----
+  // ---- The transformer. It and the registers before it are clocked only while they hold a slot ----
   logic plain_q, posing_q, pose_plain, pose_moving;
   pairs_pkg::shape_t shape_q, pose_shape;
   logic [WORDS-1:0][CW-1:0] slot, moved;

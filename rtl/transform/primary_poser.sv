@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses the primaries of a pass before it: every slot of every primary object goes from the RAM of primaries as they
-// were written through the transformer into the lanes. Only what was written since the last time makes it necessary: a
-// transform or a primary poses the objects again; a range, the number of objects, a shape or the split also restore all
-// primaries first, as some may have left their object. Where objects overlap, the last one counts.
-// Latency: n + T_DONE + 1 cycles for n slots of objects, PRIMARIES + 2 more with a restore, until the verdicts on what
-// was posed are there.
+// Transforms ("poses") the primaries of a pass before it starts. Every slot of every primary object goes from the RAM
+// of
+// written primaries through the transformer into the lanes. It works only after writes: a new transform or primary
+// makes
+// it pose the objects again. A new range, number of objects, shape or split also makes it restore all primaries first,
+// as
+// some may have left their object. Where objects overlap, the last one counts.
+// Latency: n + T_DONE + 1 cycles for n slots of objects, and PRIMARIES + 2 more with a restore, until the check results
+// of
+// the posed slots.
 // Throughput: one slot per cycle.
 // Stall: none.
 module primary_poser #(
     parameter int PRIMARIES = 256,
     parameter int ENTRIES = 64,
-    parameter int T_COMMIT = 4,  // from the slot in front of the transformer to the one behind it
-    parameter int T_JUDGED = 9,  // to its verdict; the same in both back ends
+    parameter int T_COMMIT = 4,  // from a slot at the transformer's input to its output
+    parameter int T_JUDGED = 9,  // from that input to the check result; the same in both back ends
     localparam int PRIM_W = $clog2(PRIMARIES),
     localparam int ENTRY_W = $clog2(ENTRIES)
 ) (
-    input logic clk_i,      // of the engine
-    input logic clk_bus_i,  // runs while a beat is served, and with done_o
+    input logic clk_i,      // clock of the engine
+    input logic clk_bus_i,  // runs during a beat and with done_o
     input logic rst_i,
     input logic primary_write_i,
     input logic transform_write_i,
@@ -26,23 +30,23 @@ module primary_poser #(
     input logic [PRIM_W-1:0] split_i,
 
     output logic wanted_o,
-    input logic pose_i,    // while it may work
+    input logic pose_i,    // high while it may work
     output logic done_o,  // one cycle
 
     output logic [ENTRY_W-1:0] range_entry_o,
     input logic [1:0][31:0] range_i,
     output logic [ENTRY_W-1:0] transform_entry_o,
-    output logic [PRIM_W-1:0] read_o,   // slot that the RAM shows the cycle after, when it enters the transformer
+    output logic [PRIM_W-1:0] read_o,   // slot that the RAM shows in the next cycle, when it enters the transformer
     output pairs_pkg::shape_t shape_o,  // of that slot
     output logic plain_o,
     output logic moving_o,              // a slot is read or in the transformer
-    output logic commit_o,              // the slot behind the transformer goes to the lanes
+    output logic commit_o,              // the slot at the transformer's output goes to the lanes
     output logic [PRIM_W-1:0] number_o
 );
   localparam int T_DONE = T_JUDGED + 2;
   localparam int T_MOVING = (T_COMMIT > 0) ? T_COMMIT - 1 : 0;  // age of the oldest slot in the transformer
 
-  // ---- What makes it necessary ----
+  // ---- Is work necessary? ----
   localparam int KEY_W = 32 + 2 * pairs_pkg::SHAPE_BITS + PRIM_W;
   logic dirty_q, ranges_q;
   logic [KEY_W-1:0] key, key_q;
@@ -67,8 +71,8 @@ module primary_poser #(
   logic start, by_object, walking, last;
   logic [31:0] slot, address;
   logic [ENTRY_W-1:0] object;
-  logic [T_DONE-1:0] on_its_way;  // slots, by their age
-  assign by_object = (state_q == REST) ? key == key_q && !ranges_q : 1'b1;  // what starts next
+  logic [T_DONE-1:0] on_its_way;  // slots in flight, by age
+  assign by_object = (state_q == REST) ? key == key_q && !ranges_q : 1'b1;  // next work
   assign start = pose_i && !walking && !on_its_way[0] && (state_q == REST || (state_q == RESTORE && objects_i != 0));
   range_walk #(.ENTRIES(ENTRIES)) walk (
       .clk_i, .rst_i(rst_i || !pose_i), .start_i(start), .stop_i(1'b0), .step_i(walking),
@@ -93,7 +97,7 @@ module primary_poser #(
   assign shape_o = shapes_i[read_o >= split_i];
   assign moving_o = walking || (T_COMMIT > 0 && on_its_way[T_MOVING:0] != '0);
 
-  // The slot is in front of the transformer the cycle after its step.
+  // The slot is at the transformer's input one cycle after its step.
   logic [PRIM_W-1:0] number_q;
   always_ff @(posedge clk_i) number_q <= PRIM_W'(slot);
   align #(.W(PRIM_W), .FROM(0), .TO(T_COMMIT)) align_number (.clk_i, .d_i(number_q), .q_o(number_o));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps through slots, one a clock: those of one range, or of the ranges of an object table's entries 0 to objects_i -
-// 1, one after the other without a gap, however short they are. The table's read port is kept one entry ahead.
+// Steps through slots, one per cycle. The slots are of one range, or of the ranges of an object table's entries 0 to
+// objects_i - 1. Ranges follow each other without a gap, however short they are: the table is read one entry ahead.
 // Latency: 1 cycle from start_i to the first slot.
 // Throughput: one slot per cycle.
-// Stall: a slot stays until step_i.
+// Stall: step_i; a slot stays until it is high.
 module range_walk #(
-    parameter int ENTRIES = 0,  // of the table; 0: there is none
+    parameter int ENTRIES = 0,  // entries of the table; 0: no table
     localparam int ENTRY_W = (ENTRIES > 1) ? $clog2(ENTRIES) : 1
 ) (
     input logic clk_i,
@@ -13,18 +13,18 @@ module range_walk #(
     input logic start_i,
     input logic stop_i,
     input logic step_i,
-    input pairs_pkg::words_t stride_i,  // addresses from slot to slot
+    input pairs_pkg::words_t stride_i,  // address difference between slots
     input logic [ENTRY_W:0] objects_i,  // 0: the range first_i, count_i
     input logic [31:0] first_i,
     input logic [31:0] count_i,
 
-    output logic [ENTRY_W-1:0] entry_o,  // to be read: range_i shows it the cycle after
+    output logic [ENTRY_W-1:0] entry_o,  // entry to read; range_i shows it in the next cycle
     input logic [1:0][31:0] range_i,     // first, count
 
     output logic valid_o,
-    output logic [31:0] address_o,        // of the slot: its number times the stride
-    output logic [31:0] slot_o,           // its number; without objects its position in the range
-    output logic [ENTRY_W-1:0] object_o,  // whose it is
+    output logic [31:0] address_o,        // address of the slot: its number times the stride
+    output logic [31:0] slot_o,           // number of the slot; without objects, its position in the range
+    output logic [ENTRY_W-1:0] object_o,  // object of the slot
     output logic last_o
 );
   logic [31:0] left_q, address_q, slot_q;
@@ -37,7 +37,7 @@ module range_walk #(
   assign follow = step_i && left_q == 1 && more;
 
   if (ENTRIES > 0) begin : g_objects
-    logic [ENTRY_W:0] ahead_q, ahead;  // the entry that range_i shows
+    logic [ENTRY_W:0] ahead_q, ahead;  // the entry at range_i
     assign ahead = start_i ? (ENTRY_W + 1)'(1) : follow ? ahead_q + 1'b1 : (valid_o) ? ahead_q : '0;
     assign entry_o = ENTRY_W'(ahead);
     assign by_object = objects_i != 0;

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rigid transform of one slot of any shape that the card's pairs need: points R p + t, directions R d (nothing is
-// added: a minus zero stays one), n' = R n and d' = d + n'.t of a plane, R times the rotation of an OBB, translation of
-// an AABB, whose entry has the identity as R. Sizes and intervals pass as they are. With `plain_i` so does the whole
-// slot. All shapes share one set of vector units, as many as the largest of them needs: 4 for an OBB, 3 for a triangle,
-// 2 for a ray or cylinder.
+// Rigid transform of one slot, for any shape that the card's pairs need. Points become R p + t. Directions become R d
+// without an addition, so -0 stays -0. A plane gets n' = R n and d' = d + n'.t. An OBB's rotation is multiplied by R.
+// An AABB is only translated, and its entry has the identity as R. Sizes and intervals do not change. With `plain_i`,
+// the
+// whole slot does not change. All shapes share one set of vector units, as many as the largest needs: 4 for an OBB, 3
+// for
+// a triangle, 2 for a ray or cylinder.
 // Latency: pairs_pkg::transform_latency cycles; 0 with ARITH = "host".
 // Throughput: one slot per cycle.
 // Stall: none.
 `include "dataflow.svh"
 module transformer #(
     parameter config_pkg::config_t CONFIG,
-    parameter int WORDS = 9,  // of a slot, at least those of every shape
+    parameter int WORDS = 9,  // words of a slot, at least those of every shape
     localparam int EXP = CONFIG.exp,
     localparam int MAN = CONFIG.man,
     localparam int PAIRS = CONFIG.pairs,
@@ -36,7 +38,7 @@ module transformer #(
   localparam bit AABB = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_AABB, SWAP != 0, TRANSFORM);
   localparam bit OBB = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_OBB, SWAP != 0, TRANSFORM);
   localparam bit PLANE = pairs_pkg::moves_shape(PAIRS, pairs_pkg::SHAPE_PLANE, SWAP != 0, TRANSFORM);
-  // Whether a shape is a point and a direction or unit vector, as rays and cylinders are.
+  // Whether a shape is a point and a direction or unit vector, like rays and cylinders.
   function automatic bit is_turned(input int shape);
     is_turned = pairs_pkg::word_kind(shape, 3) == pairs_pkg::WORD_DIRECTION ||
         pairs_pkg::word_kind(shape, 3) == pairs_pkg::WORD_PURE;
@@ -65,10 +67,10 @@ module transformer #(
   align #(.W(1 + pairs_pkg::SHAPE_INDEX), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_shape (
       .clk_i, .d_i({plain_rotated, rotated_shape[pairs_pkg::SHAPE_INDEX-1:0]}), .q_o({plain, shape_late}));
 
-  logic unused_codes;  // bits that no shape of the card sets
+  logic unused_codes;  // bits that no shape of the card uses
   assign unused_codes = &{1'b0, shape_i, rotated_shape};
 
-  // ---- Vector units: what the shape puts in front of each ----
+  // ---- Vector units, and the operands of each shape ----
   logic [UNITS-1:0][2:0][CW-1:0] rotated;  // R x
   logic [POINTS-1:0][2:0][CW-1:0] moved;   // R x + t
   for (genvar u = 0; u < UNITS; u++) begin : unit
@@ -83,7 +85,7 @@ module transformer #(
     `DF_APPLY(rx, r, x)
     assign rotated[u] = rx;
     if (u < POINTS) begin : g_point
-      // An AABB is not rotated at all: its corners may not come out exchanged or apart.
+      // An AABB is not rotated, because its corners must not be exchanged or move apart.
       logic [2:0][CW-1:0] p;
       if (AABB) begin : g_box
         `DF_VAT(x_late, x, T_ROTATED)
@@ -97,7 +99,7 @@ module transformer #(
     end
   end
 
-  // ---- The rest of a plane ----
+  // ---- Distance of a plane ----
   localparam int T_MOVED = T_ROTATED + LAT.add;
   logic [CW-1:0] distance;
   if (PLANE) begin : g_plane
@@ -118,7 +120,7 @@ module transformer #(
     end
   end
 
-  // ---- Slots of all shapes at the end ----
+  // ---- Output slot of each shape ----
   logic [MOST-1:0][CW-1:0] late;
   logic [UNITS-1:0][2:0][CW-1:0] direction;
   logic [POINTS-1:0][2:0][CW-1:0] point;
@@ -140,7 +142,7 @@ module transformer #(
     end else if (k == pairs_pkg::SHAPE_PLANE) begin : g_plane
       assign of[k] = {late[14:4], distance, direction[0]};
     end else if (k == pairs_pkg::SHAPE_OBB) begin : g_obb
-      // Rows of the product, whose columns the units give.
+      // Rows of the product. The units give its columns.
       assign of[k] = {direction[3][2], direction[2][2], direction[1][2], direction[3][1], direction[2][1],
           direction[1][1],
           direction[3][0], direction[2][0], direction[1][0], late[5:3], point[0]};

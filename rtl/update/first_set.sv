@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lowest set bit of a vector, as one-hot and as index. Combinational.
+// Priority encoder: the lowest set bit of a vector, one-hot and as an index. Combinational.
 module first_set #(
     parameter int N = 16,  // power of two
     localparam int W = (N > 1) ? $clog2(N) : 1

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output FIFO of the streaming result modes (all, hits): takes a row of results, gives one record per cycle, lanes in
-// ascending order.
-// Room is promised ahead by credits: `credit_o` counts the rows that have left, so the pipe mouth never overfills it. T
-// and CP lie beside the lanes that made them (record_lanes); this is the control, and the bits of every lane.
+// Output FIFO of the streaming result modes (all, hits). It takes a row of results and gives one record per cycle,
+// lanes
+// in ascending order. Credits reserve room ahead: `credit_o` counts the rows that have left, so the input port never
+// overfills the FIFO. record_lanes holds T and CP beside the lanes. This module has the control and one bit per lane.
 // Latency: 1 cycle.
 // Throughput: one row in, one record out per cycle.
-// Stall: holds while ready_i is low.
+// Stall: holds its output while ready_i is low.
 module record_fifo #(
     parameter int LANES = 16,
     parameter int ROW_W = 4,
@@ -22,9 +22,9 @@ module record_fifo #(
     input logic [LANES-1:0] unmasked_i,
     input logic [LANES-1:0] f_i,
     input logic [LANES-1:0] bad_i,
-    output logic keep_o,  // the row is kept, at write_o
+    output logic keep_o,  // the row is stored, at write_o
     output logic [AW-1:0] write_o,
-    output logic [1:0] credit_o,  // rows given back this clock
+    output logic [1:0] credit_o,  // rows freed in this cycle
     output logic empty_o,
 
     input logic ready_i,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What record_fifo keeps of one lane group: T, CP and, with normals, n of the rows in the FIFO.
+// Data of record_fifo in one lane group: T, CP and, with normals, n of the rows in the FIFO.
 // Latency: 1 cycle.
-// Throughput: one row written, one lane read per cycle.
+// Throughput: one row written and one lane read per cycle.
 // Stall: none.
 module record_lanes #(
     parameter int CW = 32,
@@ -16,7 +16,7 @@ module record_lanes #(
     input logic [AW-1:0] write_i,
     input logic [LANES-1:0][CW-1:0] t_i,
     input logic [POINTS-1:0][LANES-1:0][CW-1:0] point_i,
-    input logic read_i,  // zeros while low
+    input logic read_i,  // low: outputs are zeros
     input logic [AW-1:0] head_i,
     input logic [LANE_W-1:0] lane_i,
     output logic [CW-1:0] t_o,
@@ -25,7 +25,7 @@ module record_lanes #(
   /*verilator inline_module*/
   logic [LANES-1:0][CW-1:0] t_mem[DEPTH];
   always_ff @(posedge clk_i) if (push_i) t_mem[write_i] <= t_i;
-  always_comb begin  // not a ternary: simulation would fetch the row in any case
+  always_comb begin  // not a ternary, so that simulation reads the row only if needed
     t_o = '0;
     if (read_i) t_o = t_mem[head_i][lane_i];
   end

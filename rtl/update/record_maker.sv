@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records, one per cycle: from the update buffers at the end of a pass, from the output FIFO during it. With normals a
-// second one follows each: n in the words of CP, the signed gap in T.
+// Makes records, one per cycle: from the output FIFO during a pass, from the update buffers at its end. With normals, a
+// second record follows each: n in the words of CP, the signed distance in T.
 // Latency: 1 cycle.
 // Throughput: one record per cycle.
 // Stall: ready_o is low while the ring is full, and for the first of two records.
@@ -13,17 +13,17 @@ module record_maker #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic flush_i,  // what waits is dropped
+    input logic flush_i,  // drops waiting records
     input logic normals_i,
     input logic streaming_i,
     input pairs_pkg::pair_t second_pair_i,  // of the pass
-    input logic [1:0] gap_i,          // the pair is one of solids: T is the size of a signed gap
+    input logic [1:0] gap_i,          // the pair is one of solids: T is the size of a signed distance
     input logic [PRIM_W-1:0] split_i,
 
     input card_pkg::streamed_t streamed_i,
     input card_pkg::writeback_t writeback_i,
     input logic writeback_bad_i,
-    input logic [31:0] result_index_i,  // of either
+    input logic [31:0] result_index_i,  // of a write-back or streamed result
     input logic [CW-1:0] result_t_i,
     input logic [POINTS-1:0][CW-1:0] result_point_i,
     output logic ready_o,
@@ -38,15 +38,15 @@ module record_maker #(
   records_pkg::record_flags_t flags;
   logic [WORDS-1:0][CW-1:0] record;
   logic normals, record_f, record_bad, record_gap, record_there, second_q;
-  logic sram_room;  // counting the record on its way
+  logic sram_room;  // counts the record under way
   logic [CW-1:0] record_t;
   logic [31:0] record_index;
   logic [PRIM_W-1:0] record_primary;
   assign sram_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
-  assign normals = CONFIG.normals != 0 && normals_i;  // a constant where the card has none
+  assign normals = CONFIG.normals != 0 && normals_i;  // a constant if the card has no normals
   assign ready_o = sram_room && (!normals || second_q);
   assign record_there = streaming_i ? streamed_i.valid : writeback_i.valid;
-  // The update buffers hold signed gaps for solids.
+  // For solids, the update buffers hold signed distances.
   assign record_gap = (CONFIG.parallel != 0 && second_pair_i != pairs_pkg::NO_PAIR &&
       writeback_i.primary[PRIM_W-1:0] >= split_i) ?
       gap_i[1] : gap_i[0];

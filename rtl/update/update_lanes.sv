@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Update engine of one lane group: keeps the best record a primary. Per row the old T is read from one stencil-T buffer
-// and the better of old and new is written to the other within one cycle (paper section 3.3); `parity_i` says which is
-// which and alternates with every secondary. F, index and CP change only where a new hit is better. Masked primaries
-// are never updated.
-// nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order. For rays
+// Update engine of one lane group: keeps the best record per primary. For a row, it reads the old T from one stencil-T
+// buffer, and writes the better of old and new to the other within one cycle (paper section 3.3). `parity_i` selects
+// the
+// buffers and alternates with every secondary. F, index and CP change only if a new hit is better. Masked primaries are
+// never updated.
+// nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order. For rays,
 // only hits count.
-// For solids (`gap_i`) every pair has a signed gap s, -T when they meet: nearest keeps the smallest s, farthest the
-// largest, and the T buffers hold s.
+// For solids (`gap_i`), every pair has a signed distance s, which is -T if they meet. nearest keeps the smallest s and
+// farthest the largest, and the T buffers hold s.
 // Latency: 1 cycle.
 // Throughput: one row per cycle.
 // Stall: none.
@@ -15,7 +16,7 @@ module update_lanes #(
     parameter int MAN = 23,
     parameter int LANES = 16,
     parameter int ROWS = 16,
-    parameter int POINTS = 3,  // words kept beside T: CP and, with normals, n
+    parameter int POINTS = 3,  // words stored beside T: CP and, with normals, n
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
@@ -36,14 +37,14 @@ module update_lanes #(
     input logic [LANES-1:0][CW-1:0] bad_i,
     input logic [LANES-1:0][CW-1:0] t_i,
     input logic [POINTS-1:0][LANES-1:0][CW-1:0] point_i,
-    output logic [HITS_W-1:0] new_hits_o,  // primaries that got their first hit with this row
+    output logic [HITS_W-1:0] new_hits_o,  // primaries with their first hit in this row
 
-    input logic result_i,  // combinational read after the stream; zeros while low
+    input logic result_i,  // combinational read after the stream; low: zeros
     input logic [ROW_W-1:0] result_row_i,
     input logic [LANE_W-1:0] result_lane_i,
     input logic result_parity_i,
     output logic [31:0] result_index_o,
-    output logic [CW-1:0] result_t_o,  // with gap_i the signed gap
+    output logic [CW-1:0] result_t_o,  // with gap_i the signed distance
     output logic [POINTS-1:0][CW-1:0] result_point_o
 );
   /*verilator inline_module*/
@@ -53,9 +54,9 @@ module update_lanes #(
 
   logic [LANES-1:0][CW-1:0] stencil_t0[ROWS], stencil_t1[ROWS];  // the two T buffers
   logic [LANES-1:0][CW-1:0] unmasked[ROWS];                       // stencil values, as lane masks
-  logic [LANES-1:0][31:0] f_index[ROWS];                          // F-index buffer: all ones is F = 0
+  logic [LANES-1:0][31:0] f_index[ROWS];                          // F-index buffer: all ones means F = 0
 
-  // Sign-magnitude to an ordered unsigned key; both zeros map to the same key.
+  // Maps sign-magnitude to an ordered unsigned key. Both zeros have the same key.
   function automatic logic [CW-1:0] key(input logic [CW-1:0] bits);
     key = ((bits & SIGN) != 0) ? SIGN - (bits & ~SIGN) : SIGN + bits;
   endfunction
@@ -64,7 +65,7 @@ module update_lanes #(
   logic [LANES-1:0] first_hit;
   logic any_hit;
   assign mask = unmasked[row_i];
-  // What may be kept: hits; of solids, but for mode any, every pair.
+  // Candidates: hits; for solids, except in mode any, every pair.
   assign candidate = f_i | ~(bad_i | {(LANES * CW) {!gap_i || mode_i == registers_pkg::MODE_ANY}});
   assign hit = candidate & mask;
   always_comb begin
@@ -74,7 +75,7 @@ module update_lanes #(
   assign any_hit = valid_i && |hit;
   assign t_old = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];
 
-  // A row without a hit, nearly every row, costs no comparison.
+  // Most rows have no hit, and need no comparison in simulation.
   always_comb begin
     better = '0;
     first_hit = '0;
@@ -130,7 +131,7 @@ module update_lanes #(
     end
   end
   for (genvar k = 0; k < POINTS; k++) begin : point
-    logic [LANES-1:0][CW-1:0] kept[ROWS];  // unset while nothing is kept
+    logic [LANES-1:0][CW-1:0] kept[ROWS];  // undefined while nothing is stored
     always_ff @(posedge clk_i) if (any_hit) kept[row_i] <= (kept[row_i] & ~better) | (point_i[k] & better);
     always_comb begin
       result_point_o[k] = '0;

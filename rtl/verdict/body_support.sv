@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The support function of a shape relative to its origin: the most that n.x can be, nn = n.n. Sphere: r (1 + nn) / 2,
-// no less than r |n|; 1 add, 2 mul. Box: half extents times |U^T n|; 8 add, 12 mul. Triangle: the largest of 0, n.e1
-// and n.e2; 4 add, 6 mul, 2 max. AABB: edges times the positive part of n; 2 add, 3 mul, 3 max.
-// Latency: its result is there at T_SUPPORT (verdict.svh) for operands at T_REST, T_N and T_NN; 0 with ARITH = "host".
-// Throughput: one per lane per cycle.
+// Support function of a shape relative to its origin: an upper bound of n.x over the shape, with nn = n.n.
+// Sphere: r (1 + nn) / 2, which is at least r |n|; 1 add, 2 mul. Box: half extents times |U^T n|; 8 add, 12 mul.
+// Triangle: the largest of 0, n.e1 and n.e2; 4 add, 6 mul, 2 max. AABB: edges times the positive part of n; 2 add, 3
+// mul,
+// 3 max.
+// Latency: result at T_SUPPORT (verdict.svh) for operands at T_REST, T_N and T_NN; 0 with ARITH = "host".
+// Throughput: one shape per lane per cycle.
 // Stall: none.
 `include "verdict.svh"
 module body_support #(
@@ -15,7 +17,7 @@ module body_support #(
     localparam int WORDS = pairs_pkg::shape_words(SHAPE)
 ) (
     input logic clk_i,
-    input logic [WORDS-4:0][LANES-1:0][CW-1:0] rest_i,  // of body.sv
+    input logic [WORDS-4:0][LANES-1:0][CW-1:0] rest_i,  // from body.sv
     input logic [2:0][LANES-1:0][CW-1:0] n_i,
     input logic [LANES-1:0][CW-1:0] nn_i,
     output logic [LANES-1:0][CW-1:0] h_o

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage times of the parts of a verdict, and what two of them compute alike: docs/background/certified_filters.md,
-// host/include/cde/reference/verdict/.
+// Certified filters (`verdict` in names): stage times of the parts, and operators that two parts share.
+// See docs/background/certified_filters.md and host/include/cde/reference/verdict/.
 `ifndef CDE_VERDICT_SVH
 `define CDE_VERDICT_SVH
 `include "convex.svh"
 
-// ---- body.sv: of what is relative to a shape's origin, and of its reach ----
+// ---- body.sv: stage times of the words relative to a shape's origin, and of its reach ----
 `define BODY_CORNERS(SHAPE) ((SHAPE) == pairs_pkg::SHAPE_TRIANGLE || (SHAPE) == pairs_pkg::SHAPE_AABB)
 `define LATENCY_BODY_REST(SHAPE) (`BODY_CORNERS(SHAPE) ? LAT.add : 0)
 `define LATENCY_BODY_REACH(SHAPE) (`LATENCY_BODY_REST(SHAPE) + (((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? 3 * LAT.add : \
   ((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? 0 : 2 * LAT.add))
-// ---- body_support.sv: when its result is there, from when its operands are ----
+// ---- body_support.sv: stage time of its result, from those of its operands ----
 `define T_SUPPORT(SHAPE, T_REST, T_N, T_NN) (((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? (T_NN) + LAT.add + 2 * LAT.mul : \
   ((SHAPE) == pairs_pkg::SHAPE_OBB) ? `DF_MAX2(T_REST, T_N) + 2 * `DF_LAT_DOT : \
   ((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? `DF_MAX2(T_REST, T_N) + `DF_LAT_DOT + 2 * LAT.cmp : \
   `DF_MAX2(T_REST, (T_N) + LAT.cmp) + `DF_LAT_DOT)
 
-// Shapes relative to their origins, rest_a and rest_b, the vector between these, and S, the sum of all their sizes
-// (docs/background/certified_filters.md). Of a_i and b_i at time 0; SHAPE_A, SHAPE_B.
+// Shapes relative to their origins: rest_a and rest_b, the vector between the origins, and S, the sum of all sizes
+// (docs/background/certified_filters.md). Inputs: a_i and b_i at time 0, SHAPE_A, SHAPE_B.
 `define PAIR_SIZE \
   localparam int T_rest_a = `LATENCY_BODY_REST(SHAPE_A); \
   localparam int T_rest_b = `LATENCY_BODY_REST(SHAPE_B); \

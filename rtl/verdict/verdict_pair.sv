@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pipe of a pair of solids as LANES narrow lanes and one wide one: each lane's pipe in a narrow format proposes a
-// normal (verdict_proposal.sv), a short sum in the wide format proves of most pairs that they miss (verdict_proof.sv),
-// and what is left open goes through the one wide pipe (scaled_pipe.sv), lane by lane, lowest first. So F, T, CP and n
-// are those of wide lanes wherever F = 1; of a proved miss F = 0 and the rest says nothing.
-// Rows wait for their verdicts, and then for the wide pipe, in memories with a slot a row, and leave in order.
+// The pipe of a pair of solids with a certified filter: LANES narrow lanes and one wide lane.
+// Each lane's pipe in a narrow format proposes a normal (verdict_proposal.sv). A short sum in the wide format proves a
+// miss
+// for most pairs (verdict_proof.sv). The wide pipe computes the uncertain pairs (scaled_pipe.sv; `open` in names), lane
+// by
+// lane, lowest first. So a pair with F = 1 has the F, T, CP and n of a wide lane. For a proved miss, F = 0 and the
+// other
+// results are undefined. Rows wait for the filter and then for the wide pipe, in memories with one slot per row, and
+// leave
+// in order.
 // Latency: at least latency_o.
-// Throughput: one row per cycle while no row leaves more than one pair open, in the long run rows of one open pair per
-// cycle.
-// Stall: ready_o, low while the slots are all but taken; results come in the order of entry. With ARITH = "host" narrow
-// pipe, proof and wide pipe compute in the clock in which gates would answer.
+// Throughput: one row per cycle while each row has at most one uncertain pair, else one uncertain pair per cycle on
+// average.
+// Stall: ready_o is low while the slots are almost full; results leave in the order of entry. With ARITH = "host",
+// narrow
+// pipe, proof and wide pipe compute in the cycle in which gates would answer.
 `include "verdict.svh"
 module verdict_pair #(
     `DF_PARAMETERS,
     parameter int PAIR = int'(pairs_pkg::PAIR_SPHERE_SPHERE),
     parameter int NARROW_EXP = 5,
     parameter int NARROW_MAN = 10,
-    parameter int B_LANES = LANES,  // secondaries a row: 1 or LANES
-    parameter int DEPTH = 256,  // slots for rows, a power of two; more than the cycles of each pipe
+    parameter int B_LANES = LANES,  // secondaries per row: 1 or LANES
+    parameter int DEPTH = 256,  // slots for rows, a power of two; more than the latency of each pipe
     localparam int SHAPE_A = pairs_pkg::primary_shape(PAIR),
     localparam int SHAPE_B = pairs_pkg::secondary_shape(PAIR),
     localparam int A_WORDS = pairs_pkg::shape_words(SHAPE_A),
@@ -24,10 +30,10 @@ module verdict_pair #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic prove_i,  // nobody asks for misses; constant while anything is in flight
-    input logic valid_i,  // only after a clock with ready_o, by one cycle at most
+    input logic prove_i,  // only hits are reported, so the filter may prove misses; constant while a row is in flight
+    input logic valid_i,  // at most one cycle after a cycle with ready_o
     output logic ready_o,
-    input logic [LANES-1:0] asked_i,  // lanes of the row that anybody asks for
+    input logic [LANES-1:0] asked_i,  // lanes of the row whose results are used
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
     output logic valid_o,
@@ -60,7 +66,7 @@ module verdict_pair #(
       asked_mem[write_q] <= asked_i;
     end
 
-  // ---- Verdicts: gates propose as the row enters, the host when the verdict is due ----
+  // ---- Filter: gates propose when the row enters, the host back end when the result is due ----
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_enters;
   logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_enters;
   logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_lanes, b_proof_lanes;
@@ -98,7 +104,7 @@ module verdict_pair #(
   always_ff @(posedge clk_i)
     if (judged) open_mem[judged_q] <= asked_mem[judged_q] & ~(miss & {LANES{prove_i}});
 
-  // ---- What is open, lane by lane ----
+  // ---- Uncertain pairs, lane by lane ----
   logic [LANES-1:0] open_q, open, lowest, rest;
   logic begun_q, there, some, last;
   logic [LANE_W-1:0] lane;
@@ -156,7 +162,7 @@ module verdict_pair #(
       .clk_i, .rst_i, .latency_i(wide), .valid_i(there), .d_i({lane, some, !begun_q, last}), .valid_o(answered),
       .q_o({of_lane, of_some, of_first, of_last}));
 
-  // ---- Rows again ----
+  // ---- Reassembled rows ----
   always_ff @(posedge clk_i) begin
     valid_o <= answered && of_last && !rst_i;
     if (answered && of_first) f_o <= '0;
