@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that are no waves, or no longer: a message and status 2, never a crash, and never a hang.
+// Damaged wave files, and other files: a message and status 2, never a crash or a hang.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -53,7 +53,7 @@ TEST_F(Damage, EveryLengthIsAMessage) {
   }
 }
 
-/// Seconds for which tools/fuzz asks; 0 where it does not.
+/// Seconds that tools/fuzz requests; 0 in other runs.
 double fuzz_seconds() {
   const char* asked = std::getenv("CDE_FUZZ");
   return asked != nullptr ? std::atof(asked) : 0;
@@ -61,7 +61,7 @@ double fuzz_seconds() {
 
 using Words = std::vector<std::string>;
 
-/// A verb, and options without which it would not do its work.
+/// A verb with the options that it needs to work.
 const std::vector<Words> kAsked = {
     {"find", "bad.fst", "changed(count)"},
     {"diff", "a.fst", "bad.fst", "--max", "3"},
@@ -84,8 +84,9 @@ TEST_F(Damage, FlippedBytesNeverCrashIt) {
   const std::random_device::result_type seed = seconds > 0 ? std::random_device()() : 20;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(static_cast<std::mt19937::result_type>(seed));
-  // Where the command was built with sanitizers: what they say of it, and not of the runtime's
-  // reader, which works in a child for that reason, and is left in mid-work where it fails.
+  // If the command was built with sanitizers, only reports about the command itself count. The
+  // reader of the Verilator runtime has reports of its own. It therefore runs in a child process
+  // and may stop in the middle.
   const Words sanitizers = {
       "ASAN_OPTIONS=detect_leaks=0:log_path=" + (folder_ / "report").string(),
       "UBSAN_OPTIONS=print_stacktrace=1:log_path=" + (folder_ / "report").string()};
@@ -101,7 +102,7 @@ TEST_F(Damage, FlippedBytesNeverCrashIt) {
   for (unsigned i = 0; more(i); ++i) {
     std::string bytes = i % 5 == 4 ? card : whole_;
     for (unsigned k = 1 + random() % 3; k > 0; --k) {
-      // Half of them behind the header, which is long and mostly text.
+      // Half of the damage comes after the header, which is long and mostly text.
       const std::size_t at =
           random() % 2 == 0 ? random() % bytes.size() : 330 + random() % (bytes.size() - 330);
       bytes[at] = static_cast<char>(random());

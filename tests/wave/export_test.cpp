@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave export: what is written says the same as the FST that it was made of.
+// cde wave export: the output has the same values as its FST file.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,7 +19,7 @@ namespace cde::testing {
 namespace {
 
 using Json = nlohmann::json;
-/// Values of signals by name and time, without those that repeat what was.
+/// Values of signals by name and time, without repetitions of a value.
 using Story = std::map<std::string, std::map<std::uint64_t, std::string>>;
 
 void tell(Story& story, const std::string& name, std::uint64_t time, const std::string& value) {
@@ -28,7 +28,7 @@ void tell(Story& story, const std::string& name, std::uint64_t time, const std::
   own[time] = value;
 }
 
-/// By the reader of the project, of the window.
+/// Reads a window with the project's own reader.
 Story story_of(const std::filesystem::path& file, std::uint64_t from, std::uint64_t to) {
   wave::Trace trace(file);
   std::map<std::uint32_t, std::vector<std::string>> names;
@@ -47,7 +47,7 @@ Story story_of(const std::filesystem::path& file, std::uint64_t from, std::uint6
   return story;
 }
 
-/// By a reader of VCD of this test's own.
+/// Reads VCD with a reader that only this test uses.
 Story story_of_vcd(const std::string& text) {
   std::istringstream in(text);
   std::map<std::string, std::vector<std::string>> names;  // by code
@@ -170,13 +170,13 @@ TEST_F(Export, VcdSaysTheSame) {
     const std::uint64_t end = wave::Trace(folder_ / file).end();
     (void)out({file, "--output", "o.vcd"});
     Story expected = story_of(folder_ / file, 0, end);
-    // VCD has no word for a real without a value.
+    // VCD has no notation for a real without a value.
     std::erase_if(expected["top.real"], [](const auto& e) { return e.second[0] == 'x'; });
     if (expected["top.real"].empty()) expected.erase("top.real");
     EXPECT_EQ(story_of_vcd(read("o.vcd")), expected) << file;
   }
   EXPECT_TRUE(has(read("o.vcd"), "$timescale 10 ps $end"));
-  // A window, to stdout, of some signals.
+  // A window of some signals, to stdout.
   const std::string text =
       out({"kinds.fst", "bits", "wide", "--from", "25", "--to", "55", "--format", "vcd"});
   Story window = story_of(folder_ / "kinds.fst", 25, 55);
@@ -206,12 +206,12 @@ TEST_F(Export, ACutFstSaysTheSameOfItsWindow) {
   }
   const Ran same = cde({"wave", "diff", "kinds.fst", "cut.fst"});
   EXPECT_EQ(same.status, 0) << same.out;
-  // All of it, and `diff` would see it if one value were another.
+  // The whole file: `diff` would find any other value.
   (void)out({"a.fst", "-o", "all.fst"});
   EXPECT_EQ(cde({"wave", "diff", "a.fst", "all.fst"}).out, "0 of 6 signals differ\n");
   write_sample(folder_ / "b.fst", {.late = 0, .wrong_at = 9});
   EXPECT_EQ(cde({"wave", "diff", "b.fst", "all.fst"}).status, 1);
-  // The fail time stays that of the file it is cut of.
+  // The fail time stays that of the source file.
   (void)out({"a.fst", "top.core", "data", "-o", "fail.fst", "--around", "fail", "--window", "2"});
   EXPECT_EQ(cde({"wave", "at", "fail.fst", "fail", "count:dec"}).out,
             "at 75ns\ntop.core.count  7\n");
@@ -224,7 +224,7 @@ TEST_F(Export, CsvHasARowAChangeOrARowACycle) {
             "5,0,0,0,x\n"
             "15,1,1,0.5,x\n"
             "25,2,2,1,x\n");
-  // What flip-flops see at the edges, as `find --on` does.
+  // The values that flip-flops see at the edges, as with `find --on`.
   EXPECT_EQ(out({"a.fst", "count:dec", "valid", "--on", "posedge clk", "--from", "40", "--to", "70",
                  "--format", "csv"}),
             "time,cycle,top.count,top.valid\n"
@@ -245,7 +245,7 @@ TEST_F(Export, CsvHasARowAChangeOrARowACycle) {
 TEST_F(Export, WaveDromHasAColumnACycle) {
   (void)out({"a.fst", "clk", "count:dec", "valid", "state", "top.core", "-o", "o.json"});
   const Json j = Json::parse(read("o.json"));
-  ASSERT_EQ(j["signal"].size(), 2u);  // a group a scope
+  ASSERT_EQ(j["signal"].size(), 2u);  // one group per scope
   EXPECT_EQ(j["signal"][0][0], "top");
   EXPECT_EQ(j["signal"][1][0], "top.core");
   EXPECT_EQ(j["signal"][0][1], Json({{"name", "clk"}, {"wave", "0p..................."}}));
@@ -265,7 +265,7 @@ TEST_F(Export, WaveDromHasAColumnACycle) {
   EXPECT_FALSE(exists("long.json"));
 }
 
-/// Whether every element of XML is closed, in the right order.
+/// Whether every XML element is closed, in the right order.
 bool balanced(const std::string& text) {
   std::vector<std::string> open;
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) {
@@ -288,17 +288,18 @@ TEST_F(Export, SvgDrawsValuesAndTheFailure) {
   (void)out({"a.fst", "clk", "data[1]:fp32", "state", "count:dec", "-o", "o.svg"});
   const std::string svg = read("o.svg");
   EXPECT_TRUE(balanced(svg));
-  EXPECT_EQ(svg.find("http"), svg.find("http://www.w3.org/2000/svg"));  // nothing from elsewhere
+  EXPECT_EQ(svg.find("http"),
+            svg.find("http://www.w3.org/2000/svg"));  // nothing is loaded from elsewhere
   EXPECT_EQ(svg.find("http", svg.find("http") + 4), std::string::npos);
   for (const char* part : {">fail<", ">nan<", ">18<", "class=\"unknown\"", ">data[1]<", "bus odd"})
     EXPECT_TRUE(has(svg, part));
-  // Two edges a cycle are a line of a bit; too many of them for the room are a block.
+  // Two edges per cycle are drawn as a line of a bit; too many for the space are drawn as a block.
   EXPECT_FALSE(has(svg, "class=\"busy\""));
   write_large(folder_ / "long.fst", 10, 6000, 1);
   const std::string busy = out({"long.fst", "clk", "s1", "--format", "svg", "--columns", "60"});
   EXPECT_TRUE(has(busy, "class=\"busy\""));
   EXPECT_TRUE(has(busy, "width=\"480\""));
-  EXPECT_LT(busy.size(), 60000u);  // however many changes there are
+  EXPECT_LT(busy.size(), 60000u);  // for any number of changes
   {
     Writer w(folder_ / "odd.fst");
     w.scope("a<b>&\"c\"");
@@ -323,7 +324,7 @@ TEST_F(Export, GtkwHasGroupsFormsAndTheMarker) {
   EXPECT_TRUE(has(text, "@40020\n#{top.data[1]} (0)top.data[63:0]"));
   EXPECT_TRUE(has(
       text, "@1000200\n-top\n@800200\n-top.core\n@22\ntop.core.count[7:0]\n@1000200\n-top.core\n"));
-  // As a bundle of a failure calls it: another file of waves, and no fail in this one.
+  // As a failure package calls it: another wave file, and no fail time in this one.
   wave::Trace trace(folder_ / "a.fst");
   const std::vector<wave::View> views = {wave::view(trace, "count", {})};
   wave::write_gtkw(trace, views, {.fail = 33, .waves = folder_ / "cut.fst"}, folder_ / "p.gtkw");
@@ -331,7 +332,8 @@ TEST_F(Export, GtkwHasGroupsFormsAndTheMarker) {
   EXPECT_TRUE(has(read("p.gtkw"), " 33 33 -1"));
 }
 
-/// Names and texts of a file control no terminal that shows what was made of it, and begin no line.
+/// Names and texts of a file send no control codes to a terminal that shows the output, and start
+/// no line.
 TEST_F(Export, NamesControlNoTerminal) {
   {
     Writer w(folder_ / "names.fst");
@@ -367,7 +369,7 @@ TEST_F(Export, FilesAreWholeOrNotThere) {
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()), before);
   EXPECT_EQ(read("old.vcd"), "as it was");
   (void)error({"a.fst", "-o", "no/such/folder.vcd"});
-  // A corrupt file leaves nothing either.
+  // A corrupt file leaves no output either.
   std::string bytes = read("large.fst");
   for (std::size_t at = bytes.size() / 2; at < bytes.size() / 2 + 400; ++at) bytes[at] ^= 0x5a;
   write("bad.fst", bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files as other programs write them: VCD, packed and unclosed FST, and formats that are refused.
+// Files as other programs write them: VCD, packed and unclosed FST, and refused formats.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -22,7 +22,7 @@ std::string big_endian(std::uint64_t word) {
   return bytes;
 }
 
-/// As a stream of gzip.
+/// The text as a gzip stream.
 std::string packed(const std::string& text) {
   z_stream z{};
   EXPECT_EQ(::deflateInit2(&z, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
@@ -246,7 +246,7 @@ TEST_F(WaveFiles, VcdThatIsCutOffIsReadToItsLastWholeLine) {
   EXPECT_TRUE(has(i["ending"].get<std::string>(), "ends within line"));
 }
 
-/// Large enough that a window is not read from the begin.
+/// Large enough that reading a window does not start at the beginning.
 TEST_F(WaveFiles, AWindowOfALongVcdIsThatOfTheWhole) {
   std::string text =
       "$timescale 1ns $end\n$var wire 1 ! clk $end\n$var wire 32 # n $end\n"
@@ -272,7 +272,7 @@ TEST_F(WaveFiles, PackedFstIsReadAsTheSame) {
   write("p.fst", head + big_endian(plain.size()) + gz);
   EXPECT_EQ(cde({"wave", "diff", "a.fst", "p.fst"}).status, 0);
   EXPECT_EQ(info("p.fst")["file_format"], "FST, packed in gzip");
-  // Announced lengths bound what is unpacked.
+  // The announced length limits the unpacked size.
   write("p.fst", head + big_endian(plain.size() - 1) + gz);
   refused({"wave", "info", "p.fst"}, "unpacks to more than");
   write("p.fst", head + big_endian(plain.size() + 1) + gz);
@@ -285,8 +285,7 @@ TEST_F(WaveFiles, PackedFstIsReadAsTheSame) {
   }
 }
 
-/// An FST as it lies there while the simulation runs: no counts, names in FILE.hier, and a block
-/// that is being written.
+/// An FST file of a running simulation: no counts, names in FILE.hier, and an unfinished block.
 TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
   {
     Writer w(folder_ / "w.fst");
@@ -301,7 +300,7 @@ TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
     }
   }
   std::string whole = read("w.fst");
-  // Whole blocks of changes, then one that has no length yet.
+  // Complete blocks of changes, then one without a length.
   std::size_t at = 330;
   const auto length = [&](std::size_t from) {
     std::size_t n = 0;
@@ -322,7 +321,7 @@ TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
   EXPECT_EQ(i["from"], 0);
   EXPECT_TRUE(changes("u.fst", "top.a").starts_with("0=00 1=01 2=02")) << changes("u.fst", "a");
   EXPECT_GE(i["to"].get<int>(), 9);
-  // Names of another file do not fit.
+  // The names of another file do not fit.
   write("u.fst.hier", "\xfe\0top\0\0\x10\0a\0\x20\0"s);
   EXPECT_EQ(cde({"wave", "info", "u.fst"}).status, 2);
 }

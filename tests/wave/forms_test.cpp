@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How values are written when nobody says: as the file does.
+// The default format of values: the one that the file states.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -87,7 +87,7 @@ TEST_F(Forms, PicturesAndPagesWriteThemToo) {
   EXPECT_EQ(diff.status, 0) << diff.err;
 }
 
-/// What other simulators write: events, signed kinds, names that keep their backslash.
+/// Constructs of other simulators: events, signed kinds, names with a backslash.
 class OtherKinds : public Cli {
  protected:
   void SetUp() override {
@@ -125,24 +125,24 @@ class OtherKinds : public Cli {
 };
 
 TEST_F(OtherKinds, IntegersHaveTheSignOfTheirKind) {
-  EXPECT_EQ(count("i < 0 && changed(i)"), "3\n");  // of -4 to 3; at 0 nothing has changed yet
+  EXPECT_EQ(count("i < 0 && changed(i)"), "3\n");  // -4 to 3; at 0 nothing has changed yet
   EXPECT_EQ(count("i == -4"), "1\n");
   EXPECT_EQ(count("b < 0"), "4\n");
   EXPECT_EQ(count("unsigned(b) > 127"), "4\n");
   EXPECT_EQ(count("wire < 0"), "0\n");
-  EXPECT_EQ(count("i[31:0] < 0"), "0\n") << "nor has a range of all of them";
+  EXPECT_EQ(count("i[31:0] < 0"), "0\n") << "the range of all bits has no sign";
   EXPECT_EQ(count("b[7:4] < 0"), "0\n") << "a part has no sign";
 }
 
-/// IEEE 1800, 11.6 and 11.8, and what Icarus Verilog makes of the same.
+/// IEEE 1800, 11.6 and 11.8, checked against Icarus Verilog.
 TEST_F(OtherKinds, WidthsAndSignsGoDownToTheOperands) {
   for (const char* yes :
-       {"(4'd1 - 4'd3) >> 1 == 4'd7",  // an amount of 32 bits gives the left side no width
+       {"(4'd1 - 4'd3) >> 1 == 4'd7",  // a 32-bit amount gives the left side no width
         "(4'd9 + 4'd9) << 2 == 4'd8", "-4'd1 >> 1 == 4'd7", "~4'd0 >> 1 == 4'd7",
         "(4'd9 + 4'd9) + 8'd0 == 8'd18", "(4'd1 - 4'd3) >> 1 == 8'd127",
         "(1'b1 ? -1'b1 : 12'd0) == 12'hfff", "(1'b1 ? 8'd200 + 8'd100 : 8'd0) + 16'd0 == 16'd300",
         "!((1 ? i : 8'd0) < 0)", "(1 ? i : 0) < 0", "(0 ? 8'd1 : 12) <= -1",
-        "i + 8'd0 > 1000",  // with one that is unsigned all are, before they are made wider
+        "i + 8'd0 > 1000",  // one unsigned operand makes all unsigned before they are widened
         "i * 1.0 < 0", "i < 0.0", "-5 < 0.0", "i + 0.5 == -3.5", "signed(4'b1000) >>> 1 < 0",
         "(signed(4'sb1000) >>> 1) == -4", "!((signed(4'sb1000) >>> 1) + 4'd0 < 0)"})
     EXPECT_EQ(count(std::string("i == -4 && (") + yes + ")"), "1\n") << yes;
@@ -183,7 +183,7 @@ TEST_F(OtherKinds, AnEscapedNameMayHaveColonsDotsAndBrackets) {
         << name;
   EXPECT_TRUE(cde({"wave", "at", "k.fst", "30ns", "mem[1]"}).out.ends_with("top.\\mem[1]  3\n"));
   EXPECT_EQ(count("top.mem[1] == 3"), "1\n");
-  // A bit of a vector is nearer than a name like it.
+  // A bit of a vector takes precedence over a name of the same form.
   EXPECT_TRUE(cde({"wave", "at", "k.fst", "30ns", "word[1]"}).out.ends_with("top.word[1]  1\n"));
 }
 

@@ -7,7 +7,7 @@
 namespace cde::testing {
 namespace {
 
-/// The wires in a clock: a letter is asserted or not.
+/// The wires in a cycle: each letter is an asserted signal.
 class Bus {
  public:
   explicit Bus(const std::filesystem::path& file) : w_(file) {
@@ -23,8 +23,8 @@ class Bus {
     clock("");
   }
 
-  /// F FRAME#, I IRDY#, T TRDY#, S STOP#, D DEVSEL#, Q REQ64#, A ACK64#, P PERR#. They change with
-  /// the falling clock, as registers that see them at the rising one want it.
+  /// F FRAME#, I IRDY#, T TRDY#, S STOP#, D DEVSEL#, Q REQ64#, A ACK64#, P PERR#. They change at
+  /// the falling clock edge, for registers that sample them at the rising edge.
   void clock(std::string_view asserted, bool own = false, unsigned cbe = 0, std::uint64_t ad = 0) {
     constexpr std::string_view kLetters = "FITSDQAP";
     w_.time(30ull * clocks_);
@@ -52,28 +52,28 @@ class Bus {
 
 void write_pci(const std::filesystem::path& file) {
   Bus bus(file);
-  // A write of three words of 32 bits; the target waits for a clock before the second.
+  // A write of three 32-bit words; the target waits one cycle before the second.
   bus.clock("F", false, 7, 0xf0001000);
   for (const char* c : {"FI", "FITD", "FID", "FITD", "ITD", ""}) bus.clock(c);
-  // A read that is retried.
+  // A retried read.
   bus.clock("F", false, 6, 0xf0000030);
   for (const char* c : {"FI", "FISD", "ISD", ""}) bus.clock(c);
-  // The card reads words of 64 bits; the target stops with the second one.
+  // The card reads 64-bit words; the target stops with the second word.
   bus.clock("FQ", true, 0xe, 0x2000);
   for (const char* c : {"FIQ", "FITDQA", "FITSDQA", "ISDA"}) bus.clock(c, true);
   bus.clock("");
-  // A target that takes DEVSEL# back.
+  // A target that deasserts DEVSEL#.
   bus.clock("F", false, 7, 0xf0004000);
   for (const char* c : {"FI", "FID", "FIS", "IS", ""}) bus.clock(c);
-  // Nobody answers.
+  // No target answers.
   bus.clock("FQ", true, 7, 0x3000);
   for (const char* c : {"FIQ", "FIQ", "FIQ", "FIQ", "I"}) bus.clock(c, true);
   bus.clock("");
-  // PERR# comes two clocks behind the word that it is about.
+  // PERR# comes two cycles after its word.
   bus.clock("FQ", true, 7, 0x4000);
   for (const char* c : {"FIQ", "FITDQA", "ITDA"}) bus.clock(c, true);
   for (const char* c : {"", "P", ""}) bus.clock(c);
-  // The last word comes with STOP#, which nobody minds.
+  // The last word comes with STOP#, which is legal.
   bus.clock("F", false, 0xa, 0x10);
   for (const char* c : {"I", "ID", "ITSD", ""}) bus.clock(c);
   bus.clock("F", false, 6, 0xf0000058);

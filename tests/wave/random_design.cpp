@@ -46,12 +46,12 @@ class Maker {
   }
   const Input& input() { return inputs_[below(static_cast<unsigned>(inputs_.size()))]; }
 
-  /// Neither the least nor the most of three bits: Verilator takes `u3 >= 0` for true, also where
-  /// u3 is x.
+  /// Neither the smallest nor the largest three-bit value: Verilator evaluates `u3 >= 0` as true
+  /// even if u3 is x.
   std::string literal() {
     return fmt::format("{}'{}d{}", 3 + below(3), below(3) == 0 ? "s" : "", 2 + below(2));
   }
-  /// A value of any width. Small ones are frequent, so that they are sometimes the same.
+  /// An operand of any width. Small operands are frequent, so that some are equal.
   std::string operand(unsigned depth) {
     switch (depth == 0 ? below(4) : below(16)) {
       case 0:
@@ -67,7 +67,7 @@ class Maker {
         return below(3) != 0 ? fmt::format("({} {} {})", operand(depth - 1), pick({"+", "-"}),
                                            operand(depth - 1))
                              : fmt::format("({} * {})", input().name, input().name);
-      case 6:  // never by zero, and small: Icarus counts what wide quotients are
+      case 6:  // never a division by zero, and small: Icarus counts wide quotients
         return fmt::format("({} {} ({} | 1'b1))", pick({"u3", "u8", "u17", "s8", "s17"}),
                            pick({"/", "%"}), pick({"u2", "u8", "s8"}));
       case 7:
@@ -157,8 +157,8 @@ class Maker {
       choice(depth, indent, assign);
     }
   }
-  /// Verilator extends items with their own signs, other simulators as the standard has it: all are
-  /// without.
+  /// Verilator extends case items with their own signs, other simulators as the standard requires.
+  /// All items here are unsigned.
   void choice(unsigned depth, const std::string& indent, const std::string& assign) {
     const std::string kind = pick({"case", "casez", "casex"});
     const bool narrow = below(2) != 0;
@@ -197,7 +197,7 @@ class Maker {
     const bool clocked = below(2) != 0;
     line(clocked ? "  always @(posedge clk) begin" : "  always @* begin");
     statement(3, "    ", clocked ? "<=" : "=");
-    // A later statement of a process has the last word.
+    // A later statement of a process overrides earlier ones.
     if (below(3) == 0) statement(2, "    ", clocked ? "<=" : "=");
     line("  end");
   }
@@ -215,7 +215,7 @@ class Maker {
     for (unsigned turn = 0; turn < 24; ++turn) {
       for (const Input& i : inputs_) {
         std::string digits;
-        const unsigned few = below(3);  // zeros in front, or random, or ones in front
+        const unsigned few = below(3);  // leading zeros, random bits, or leading ones
         const unsigned unknown = turn % 3 == 2 && i.width > 2 ? 1 + below(4) : 0;
         for (unsigned bit = i.width; bit-- > 0;) {
           const char random = below(2) != 0 ? '1' : '0';

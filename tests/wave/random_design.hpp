@@ -5,20 +5,20 @@
 
 namespace cde::testing {
 
-/// A design of random statements, of which each leaves a mark when it is executed.
+/// A design of random statements. Each statement leaves a mark when it is executed.
 struct RandomDesign {
   std::string source;                  ///< of module dut
   std::string bench;                   ///< module bench, which writes waves of a simulation
-  unsigned marks = 0;                  ///< variables m0, m1, ... of 16 bits, each of one process
-  std::map<unsigned, unsigned> lines;  ///< what a statement assigns to its mark -> its line
-  /// Assignments of cond ? k0 : k1, of which k0 and k1 are signals that keep these numbers.
+  unsigned marks = 0;                  ///< variables m0, m1, ... of 16 bits, one per process
+  std::map<unsigned, unsigned> lines;  ///< value that a statement assigns to its mark -> its line
+  /// Assignments of cond ? k0 : k1, where signals k0 and k1 hold these numbers.
   struct Choice {
     unsigned line = 0, yes = 0, no = 0;
   };
-  std::map<unsigned, Choice> choices;  ///< mark -> of its process
+  std::map<unsigned, Choice> choices;  ///< mark -> choice of its process
 };
 
-/// `processes` of them, with several statements each. The waves are `file`.
+/// Makes `processes` processes with several statements each. The waves are `file`.
 [[nodiscard]] RandomDesign random_design(unsigned seed, unsigned processes,
                                          const std::string& file);
 

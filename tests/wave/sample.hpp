@@ -10,7 +10,7 @@
 
 namespace cde::testing {
 
-/// Writes FST files by Verilator's own writer, in units of ns.
+/// Writes FST files with Verilator's own writer, in units of ns.
 class Writer {
  public:
   explicit Writer(const std::filesystem::path& file);
@@ -23,10 +23,10 @@ class Writer {
   fstHandle signal(const std::string& name, unsigned width, fstVarType kind = FST_VT_VCD_WIRE);
   fstHandle alias(const std::string& name, unsigned width, fstHandle of);
   void comment(const std::string& text);
-  /// What the values of the next signal are called: name, bits.
+  /// Names of the values of the next signal: name, bits.
   void names(const std::vector<std::pair<std::string, std::string>>& values);
   void time(std::uint64_t t);
-  /// A block ends here.
+  /// Ends a block.
   void block();
   void set(fstHandle signal, std::uint64_t value);
   void set(fstHandle signal, const std::string& bits);
@@ -37,9 +37,9 @@ class Writer {
   std::vector<unsigned> widths_ = {0};
 };
 
-/// What can be changed in the sample.
+/// Variations of the sample.
 struct Sample {
-  unsigned late = 0;      ///< units by which all is later
+  unsigned late = 0;      ///< units by which everything is later
   unsigned wrong_at = 0;  ///< cycle in which t is one word larger; 0 for none
   unsigned cycles = 20;
 };
@@ -50,17 +50,19 @@ struct Sample {
 /// another name of count.
 void write_sample(const std::filesystem::path& file, const Sample& sample = {});
 
-/// Copies the design that these waves could be of (top.sv) into a folder, and has Verilator write
-/// its structure there, top.xml.
+/// Copies the design of these waves (top.sv) into a folder, and lets Verilator write its structure
+/// there, top.xml.
 void write_structure(const std::filesystem::path& folder);
 
-/// Many signals s0, s1, ... of 32 bits in scopes of a hundred, with a clock.
+/// Many 32-bit signals s0, s1, ... in scopes of a hundred, with a clock.
 void write_large(const std::filesystem::path& file, unsigned signals, unsigned cycles,
                  unsigned changes_a_cycle);
 
-/// A PCI bus as a card's bridge sees it, clock of 30 ns: a write of three words, a read that is
-/// retried, a read of the card's that is disconnected, a target abort, a master abort, a write of
-/// the card's with a parity error, a read of the configuration space, and one that is not over.
+/// A PCI bus as seen by a card's bridge, with a clock of 30 ns:
+/// - a write of three words, and a retried read;
+/// - a read by the card that is disconnected, a target abort, and a master abort;
+/// - a write by the card with a parity error;
+/// - a read of the configuration space, and an unfinished one.
 void write_pci(const std::filesystem::path& file);
 
 }  // namespace cde::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave serve: the page, and what it does in a browser.
+// cde wave serve: the page and its behaviour in a browser.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What every script of these tests has: keys, clicks, what is shown and what is drawn.
+/// Helpers of all scripts in these tests: keys, clicks, shown text and drawn pixels.
 const char* const kHelpers = R"js(
 const failed = [], $ = (id) => document.getElementById(id);
 addEventListener("error", (e) => failed.push(String(e.message)));
@@ -57,7 +57,7 @@ class Serve : public Pages {
     Cli::SetUp();
     write_sample(folder_ / "a.fst");
   }
-  /// A page that must come out well.
+  /// The page of a command that must succeed.
   std::string page(std::vector<std::string> words) {
     words.insert(words.begin(), {"wave", "serve"});
     words.insert(words.end(), {"--output", "page.html"});
@@ -73,7 +73,8 @@ class Serve : public Pages {
     EXPECT_EQ(ran.out, "");
     return ran.err;
   }
-  /// What `asked`, the body of an async function of JavaScript, leaves in `told`.
+  /// Runs `asked`, the body of an async JavaScript function, and returns the value that it leaves
+  /// in `told`.
   json ask(const std::string& html, const std::string& asked, const std::string& flags = "") {
     json j = in_browser(html, fmt::format("{}const asked = async () => {{{}}};\n", kHelpers, asked),
                         "--disable-accelerated-2d-canvas --window-size=1200,800 " + flags,
@@ -99,7 +100,7 @@ class Serve : public Pages {
 };
 
 #define NEEDS_BROWSER \
-  if (browser().empty()) GTEST_SKIP() << "no Chromium: the scripts of the page were not run"
+  if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the page"
 
 TEST_F(Serve, ThePageIsOneFileThatLoadsNothing) {
   const std::string html = page({"a.fst"});
@@ -154,7 +155,7 @@ TEST_F(Serve, NamesCannotLeaveTheirPlace) {
 
 TEST_F(Serve, WhatIsTooLargeIsRefusedAndToldHowToMakeItSmaller) {
   {
-    // Words that do not become smaller: 8 bytes a change.
+    // Words that do not compress: 8 bytes per change.
     Writer w(folder_ / "large.fst");
     w.scope("top");
     std::vector<fstHandle> all;
@@ -187,7 +188,7 @@ TEST_F(Serve, WhatMakesNoSenseIsSaid) {
   EXPECT_TRUE(has(page({"a.fst", "clk", "--from", "20ns", "--to", "20ns"}), "</html>"));
 }
 
-/// The page computes what `cde wave at` prints, in every form, from words of all kinds.
+/// The page computes the values of `cde wave at`, in every form, from words of all kinds.
 TEST_F(Serve, ValuesAtACursorAreThoseOfAt) {
   NEEDS_BROWSER;
   {
@@ -204,7 +205,7 @@ TEST_F(Serve, ValuesAtACursorAreThoseOfAt) {
       if (t % 5 == 1)
         for (int i = 0; i < 9; ++i) bits[random() % 192] = "xz"[random() % 2];
       w.set(wide, bits);
-      // Special words of fp32: zeros, subnormals, infinities, NaN, powers of two and of ten.
+      // Special fp32 words: zeros, subnormals, infinities, NaN, powers of two and of ten.
       const std::array<std::uint32_t, 12> special = {
           0,          0x80000000, 1,          0x007fffff, 0x00800000, 0x7f7fffff,
           0x7f800000, 0xff800000, 0x7fc00000, 0x41200000, 0x4b800000, 0x3dcccccd};
@@ -228,7 +229,7 @@ TEST_F(Serve, ValuesAtACursorAreThoseOfAt) {
         "await type('goto', '{0}ns'); told.at['{0}'] = shown().slice(1).map((row) => "
         "row.children[1].title);",
         t);
-  // A window in which all rows are seen.
+  // A window that shows all rows.
   const json told = ask(page(words), script, "--window-size=1200,1600");
   std::set<std::string> seen;
   for (const unsigned t : times) {
@@ -274,16 +275,16 @@ TEST_F(Serve, ZoomAndMovesChangeWhatIsDrawn) {
   ASSERT_EQ(d.size(), 9u);
   EXPECT_TRUE(told["about"].get<std::string>().starts_with("0 to 195ns ")) << told["about"];
   EXPECT_TRUE(told["ends"][0].get<std::string>().starts_with("A 0Shift"))
-      << "it opens with the whole window: " << told["ends"];
+      << "the page must open with the whole window: " << told["ends"];
   EXPECT_TRUE(told["ends"][1].get<std::string>().starts_with("A 195ns ")) << told["ends"];
   EXPECT_NE(d[0], d[1]);
   EXPECT_NE(d[1], d[2]);
   EXPECT_NE(d[2], d[3]);
   EXPECT_NE(d[3], d[4]);
   EXPECT_EQ(d[5], d[0]) << "the whole window again";
-  EXPECT_NE(d[6], d[0]) << "the wheel";
+  EXPECT_NE(d[6], d[0]) << "after turning the wheel";
   EXPECT_EQ(d[7], d[0]);
-  EXPECT_NE(d[8], d[0]) << "a dragged range";
+  EXPECT_NE(d[8], d[0]) << "after dragging a range";
   EXPECT_GT(told["ink"], 5'000);
 }
 
@@ -309,7 +310,7 @@ TEST_F(Serve, CursorsTellTheirDifferenceInTimeAndCycles) {
     told.refused = $("goto").getAttribute("aria-invalid");
     told.said = $("told").textContent;
   )js");
-  EXPECT_EQ(told["start"], "A 75ns  cyc:7Shift and click sets cursor B");  // where it failed
+  EXPECT_EQ(told["start"], "A 75ns  cyc:7Shift and click sets cursor B");  // the fail time
   EXPECT_EQ(told["apart"], "B − A −30ns  −3 cycles  33.33 MHz");
   EXPECT_EQ(told["exchanged"], "B − A 30ns  3 cycles  33.33 MHz");
   EXPECT_EQ(told["count"], "7");
@@ -379,7 +380,7 @@ TEST_F(Serve, ColoursAreThoseThatTheReaderPrefers) {
   EXPECT_EQ(light["changed"][0], "dark");
   EXPECT_LT(light["changed"][1], 150);
   EXPECT_EQ(light["changed"][2], "true");
-  std::filesystem::remove_all(folder_ / "browser");  // which remembers what was chosen
+  std::filesystem::remove_all(folder_ / "browser");  // which remembers the chosen colours
   const json dark = ask(html, script, "--blink-settings=preferredColorScheme=0");
   EXPECT_EQ(dark["asked"][0], "dark");
   EXPECT_LT(dark["asked"][1], 150);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave stat on files of twelve cycles, whose figures are counted by hand.
+// cde wave stat on files of twelve cycles whose figures are counted by hand.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -15,14 +15,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A signal of one bit and its value in each cycle: 0, 1, x.
+/// A one-bit signal and its value in each cycle: 0, 1, x.
 struct Pattern {
   std::string scope, name, levels;
 };
 
-/// Writes signals of a scope together; they change while the clock falls, at 0, 10, 20 ..., and it
-/// rises 5 later. A scope is "top" or below it. Signals with the same pattern of one `alias` are
-/// one.
+/// Writes the signals of a scope together. They change at the falling clock edges, 0, 10, 20, ...,
+/// and the clock rises 5 later. A scope is "top" or below it. Signals with the same pattern in one
+/// `alias` are one signal.
 void write_patterns(const std::filesystem::path& file, const std::vector<Pattern>& patterns,
                     const std::vector<std::pair<std::string, std::string>>& aliases = {}) {
   Writer w(file);
@@ -59,7 +59,7 @@ void write_patterns(const std::filesystem::path& file, const std::vector<Pattern
 
 class Stat : public Cli {
  protected:
-  /// Three handshakes in a row: a goes into front, b from front into back, c out of back.
+  /// Three handshakes in a row: a enters front, b goes from front to back, c leaves back.
   void write_chain() {
     write_patterns(folder_ / "chain.fst",
                    {{"front", "valid_i", "111111011111"},
@@ -94,7 +94,7 @@ class Stat : public Cli {
     ADD_FAILURE() << "no " << name << " in " << list;
     return none;
   }
-  /// transfers, stalled, idle, unknown, longest stall, its time
+  /// Expected: transfers, stalled, idle, unknown, longest stall, its time.
   static void expect_use(const Json& h, const std::array<int, 6>& expected) {
     EXPECT_EQ(h["transferred_cycles"], expected[0]) << h;
     EXPECT_EQ(h["stalled_cycles"], expected[1]) << h;
@@ -110,12 +110,12 @@ TEST_F(Stat, HandshakesAreCountedByTheCycle) {
   const Json j = json({"chain.fst"});
   EXPECT_EQ(j["schema"], "cde.wave.stat.1");
   EXPECT_EQ(j["cycles"], 12);
-  ASSERT_EQ(j["handshakes"].size(), 3u);  // the one in the middle once, though it has two names
+  ASSERT_EQ(j["handshakes"].size(), 3u);  // the middle one once, though it has two names
   expect_use(named(j["handshakes"], "top.front.valid_i/ready_o"), {8, 3, 1, 0, 2, 45});
   expect_use(named(j["handshakes"], "top.front.valid_o/ready_i"), {6, 3, 3, 0, 3, 35});
   expect_use(named(j["handshakes"], "top.back.valid_o/ready_i"), {4, 4, 4, 0, 3, 25});
   EXPECT_EQ(named(j["handshakes"], "top.back.valid_o/ready_i")["utilisation"], 4.0 / 12);
-  // As `find` counts them.
+  // `find` gives the same count.
   EXPECT_EQ(cde({"wave", "find", "chain.fst", "back.valid_o && back.ready_i", "--on", "posedge clk",
                  "--count"})
                 .out,
@@ -140,7 +140,7 @@ TEST_F(Stat, AChainOfStallsNamesTheOneThatStartsIt) {
 }
 
 TEST_F(Stat, HandshakesOfSeparateFlowsAreNoChain) {
-  // Two flows side by side, both stalled in cycle 1, and a third within the first.
+  // Two parallel flows, both stalled in cycle 1, and a third within the first.
   write_patterns(folder_ / "two.fst", {{"p", "valid_i", "1111"},
                                        {"p", "ready_o", "1011"},
                                        {"p", "valid_o", "1111"},
@@ -153,14 +153,14 @@ TEST_F(Stat, HandshakesOfSeparateFlowsAreNoChain) {
   ASSERT_EQ(j["chains"].size(), 1u) << j["chains"];
   EXPECT_EQ(j["chains"][0]["members"],
             Json::array({"top.p.valid_i/ready_o", "top.p.valid_o/ready_i"}));
-  // Both stall in the same cycle: the one downstream is why.
+  // Both stall in the same cycle: the downstream one is the cause.
   EXPECT_EQ(j["chains"][0]["origin"], "top.p.valid_o/ready_i");
 }
 
 TEST_F(Stat, BubblesLieBetweenTheFirstAndTheLastValid) {
   write_chain();
   const Json j = json({"chain.fst"});
-  ASSERT_EQ(j["bubbles"].size(), 1u);  // of a handshake, valid is no pipe's
+  ASSERT_EQ(j["bubbles"].size(), 1u);  // the valid of a handshake belongs to no pipe
   const Json& b = j["bubbles"][0];
   EXPECT_EQ(b["name"], "top.flow.valid_o");
   EXPECT_EQ(b["cycles"], 12);
@@ -177,7 +177,7 @@ TEST_F(Stat, AWindowCountsItsOwnCyclesAlone) {
   const Json j = json({"chain.fst", "--from", "20", "--to", "60"});
   EXPECT_EQ(j["cycles"], 4);
   expect_use(named(j["handshakes"], "top.back.valid_o/ready_i"), {1, 3, 0, 0, 3, 25});
-  // Whole cycles around cycle 4: what the edges at 35, 45, 55 and those behind them see.
+  // Whole cycles around cycle 4: the edges at 35, 45, 55 and the values after them.
   const Json around = json({"chain.fst", "--around", "cyc:4", "--window", "1"});
   EXPECT_EQ(around["cycles"], 3);
   expect_use(named(around["handshakes"], "top.back.valid_o/ready_i"), {2, 1, 0, 0, 1, 45});
@@ -274,7 +274,7 @@ TEST_F(Stat, ScopesAndPatternsChoose) {
   EXPECT_EQ(json({"chain.fst", "*ready*"})["signals"].size(), 3u);
   const Json less = json({"chain.fst", "--max", "2"});
   EXPECT_EQ(less["handshakes"].size(), 2u);
-  EXPECT_EQ(less["more"], 1 + 1 + 6);  // a handshake, one of a chain; of 8 signals two are shown
+  EXPECT_EQ(less["more"], 1 + 1 + 6);  // a handshake, one of a chain; two of 8 signals are shown
   const Ran text = cde({"wave", "stat", "chain.fst", "--max", "2"});
   EXPECT_TRUE(has(text.out, "... 1 more"));
 }
@@ -289,7 +289,7 @@ TEST_F(Stat, WhatMakesNoSenseIsAMessage) {
   EXPECT_TRUE(has(error({"nothing.fst"}), "nothing.fst"));
   write("text.fst", "no waves");
   (void)error({"text.fst"});
-  // A window of no length has no cycles and no shares, and no division by them.
+  // An empty window has no cycles and no shares, and causes no division by zero.
   const Json j = json({"chain.fst", "--from", "20", "--to", "20"});
   EXPECT_EQ(j["cycles"], 0);
   EXPECT_EQ(j["handshakes"][0]["utilisation"], Json());

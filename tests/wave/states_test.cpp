@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave: nine states, events, changes within an instant, names and text of values, what exports
-// leave out.
+// cde wave: nine-state values, events, changes within an instant, names and text of values, and
+// omissions of exports.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -17,8 +17,8 @@ using Json = nlohmann::json;
 
 class States : public Cli {
  protected:
-  /// bus: UUUU, ZZZZ at 10, H1L0 at 20; glitch: gone within 15; ev at 10 and 30; state: IDLE, then
-  /// RUN at 20; t_o: 1.0 and 0.25 at 20, which the file has fp32 for.
+  /// bus: UUUU, ZZZZ at 10, H1L0 at 20. glitch: ends within 15. ev: at 10 and 30. state: IDLE, then
+  /// RUN at 20. t_o: 1.0, and 0.25 at 20, in fp32 according to the file.
   void SetUp() override {
     Cli::SetUp();
     Writer w(folder_ / "s.fst");
@@ -55,7 +55,7 @@ TEST_F(States, NineStates_AreOfTwoCasesAndHAndLAreNumbers) {
   EXPECT_EQ(times("changed(bus)"), "10 20 ");
   EXPECT_EQ(times("bus === 4'bzzzz"), "10 ");
   EXPECT_EQ(times("bus == 12"), "20 ");
-  EXPECT_EQ(times("bus === 4'b1100"), "") << "H is 1 where a number is asked, and no 1 itself";
+  EXPECT_EQ(times("bus === 4'b1100"), "") << "H counts as 1 in a number, but is not equal to 1";
   EXPECT_EQ(times("bus[3] && !bus[1]"), "20 ");
   EXPECT_TRUE(has(cde({"wave", "at", "s.fst", "20", "bus", "bus:bin"}).out, "H1L0"));
   EXPECT_TRUE(has(cde({"wave", "at", "s.fst", "20", "bus:dec"}).out, "12"));
@@ -88,7 +88,7 @@ TEST_F(States, Events_AreMarks) {
 TEST_F(States, Find_ReadsASignalAsTheFileHasIt) {
   EXPECT_EQ(times("t_o > 0.5"), "0 ");
   EXPECT_EQ(times("t_o < 1"), "20 ");
-  EXPECT_EQ(times("t_o == 32'h3e800000"), "20 ") << "beside bits it is bits";
+  EXPECT_EQ(times("t_o == 32'h3e800000"), "20 ") << "compared with bits, the value is bits";
   EXPECT_EQ(times("state == \"RUN\""), "20 ");
   EXPECT_EQ(times("state != \"RUN\""), "0 ");
   EXPECT_EQ(times("changed(state)"), "20 ");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A design of which the waves of the tests (sample.hpp) could be: its values are theirs.
+// The design of the test waves (sample.hpp): it has the same values.
 module core (
     input  logic [ 7:0] count,
     output logic [63:0] data_o

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `cde wave tui` on a terminal, that of tmux: what it shows, and what it leaves behind.
+// `cde wave tui` on a tmux terminal: its screen, and the state in which it leaves the terminal.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ class TuiTerminal : public Cli {
   void SetUp() override {
     Cli::SetUp();
     write_sample(folder_ / "a.fst");
-    if (shell("command -v tmux").status != 0) GTEST_SKIP() << "tmux is not installed";
+    if (shell("command -v tmux").status != 0) GTEST_SKIP() << "needs tmux";
   }
   void TearDown() override {
     (void)tmux("kill-server");
@@ -29,8 +29,8 @@ class TuiTerminal : public Cli {
   Ran tmux(const std::string& words) {
     return shell(fmt::format("unset TMUX; tmux -S '{}' -f /dev/null {}", socket(), words));
   }
-  /// Opens a shell in which the command runs; its status, and whether the terminal echoes, are
-  /// printed behind it.
+  /// Opens a shell that runs the command. Then it prints the status, and whether the terminal
+  /// echoes.
   void open(const std::string& words, unsigned columns = 80, unsigned rows = 24,
             const std::string& environment = "LC_ALL=C.UTF-8") {
     write("run.sh", fmt::format("cd '{}'\nexport {}\necho before\n\"{}\" wave tui {}\necho "
@@ -42,7 +42,7 @@ class TuiTerminal : public Cli {
     ASSERT_EQ(ran.status, 0) << ran.err;
   }
   std::string screen() { return tmux("capture-pane -p").out; }
-  /// Waits until the screen has this; what it had last.
+  /// Waits until the screen contains the text; returns the last screen.
   std::string wait_for(const std::string& text) {
     std::string seen;
     for (unsigned i = 0; i < 200; ++i) {
@@ -50,11 +50,11 @@ class TuiTerminal : public Cli {
       if (seen.find(text) != std::string::npos) return seen;
       std::this_thread::sleep_for(milliseconds(50));
     }
-    ADD_FAILURE() << text << " is not on the screen:\n" << seen;
+    ADD_FAILURE() << text << " does not appear on the screen:\n" << seen;
     return seen;
   }
   void keys(const std::string& words) { EXPECT_EQ(tmux("send-keys " + words).status, 0); }
-  /// The shell's screen is back, with its cursor and modes.
+  /// Expects the shell's screen with its cursor and modes.
   void expect_restored(const std::string& status) {
     const std::string seen = wait_for("after");
     EXPECT_TRUE(has(seen, "before"));
@@ -62,7 +62,7 @@ class TuiTerminal : public Cli {
     EXPECT_TRUE(has(seen, "\nicanon\necho\n"));
     EXPECT_EQ(tmux("display-message -p '#{cursor_flag} #{alternate_on}'").out, "1 0\n");
   }
-  /// Sends a signal to the command, or to its child, which has the screen.
+  /// Sends a signal to the command, or to the child that owns the screen.
   void send(const std::string& signal, bool child) {
     const Ran ran = shell(fmt::format(
         "pid=$(tmux -S '{}' display-message -p '#{{pane_pid}}')\n"
@@ -73,7 +73,7 @@ class TuiTerminal : public Cli {
   [[nodiscard]] std::string socket() const {
     return (folder_ / fmt::format("socket{}", server_)).string();
   }
-  unsigned server_ = 0;  ///< one that has ended takes its time
+  unsigned server_ = 0;  ///< each test has a new server, because an old one needs time to end
 };
 
 TEST_F(TuiTerminal, ShowsMovesAndQuits) {
@@ -108,7 +108,8 @@ TEST_F(TuiTerminal, FollowsTheSizeOfTheTerminal) {
   expect_restored("status 0");
 }
 
-/// Signals to the command, to its child, a crash and the end by force: the terminal is as before.
+/// The terminal is restored after signals to the command or its child, after a crash, and after
+/// SIGKILL.
 TEST_F(TuiTerminal, LeavesAWorkingTerminal) {
   const std::vector<std::tuple<std::string, bool, std::string>> ways = {
       {"TERM", false, "status 143"}, {"INT", false, "status 130"}, {"HUP", false, "status 129"},

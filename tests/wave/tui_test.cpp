@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer of `cde wave tui` without a terminal: keys go in, rows of text come out.
+// The viewer of `cde wave tui` without a terminal: keys as input, rows of text as output.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ using wave::tui::Stretch;
 using wave::tui::Viewer;
 namespace key = wave::tui::key;
 
-/// A viewer, and the screen that it would draw on.
+/// A viewer and its screen.
 class Fake {
  public:
   Fake(const std::string& file, const std::vector<std::string>& words, Stretch window,
@@ -42,7 +42,7 @@ class Fake {
     viewer_->resize(columns, rows);
     settle();
   }
-  /// All of it is read and searched, and drawn.
+  /// Completes reading, searching and drawing.
   void settle() {
     while (viewer_->work()) {
     }
@@ -53,7 +53,8 @@ class Fake {
     settle();
     return goes_on;
   }
-  /// Characters of ASCII; \n is enter.
+  /// Types ASCII characters;
+  ///  is Enter.
   void type(const std::string& text) {
     for (const char c : text) ASSERT_TRUE(press(static_cast<Key>(c))) << text;
   }
@@ -75,7 +76,7 @@ class Fake {
     for (std::size_t i = 0; i < canvas_->rows(); ++i) text += row(i) + "\n";
     return text;
   }
-  /// What stands behind the name of a signal.
+  /// The text after the name of a signal.
   [[nodiscard]] std::string line(const std::string& name) const {
     for (std::size_t i = 2; i + 2 < canvas_->rows(); ++i)
       if (row(i).starts_with(name + " ")) return row(i);
@@ -84,7 +85,7 @@ class Fake {
   [[nodiscard]] std::string status() const { return row(canvas_->rows() - 2); }
   [[nodiscard]] std::string message() const { return row(canvas_->rows() - 1); }
   [[nodiscard]] const Canvas& canvas() const { return *canvas_; }
-  /// Columns of a row whose characters have a style.
+  /// The columns of a row whose characters have a style.
   template <class Has>
   [[nodiscard]] std::vector<std::size_t> columns(std::size_t row, Has has) const {
     std::vector<std::size_t> found;
@@ -161,7 +162,7 @@ TEST_F(Tui, SignalsWithValuesAtTheCursorAndWaves) {
   EXPECT_TRUE(f.message().starts_with(" ? keys")) << f.all();
 }
 
-/// A rise stands in the column of its time, which the ruler's tick and the cursor have too.
+/// A rising edge is drawn in the column of its time, as are the ruler's tick and the cursor.
 TEST_F(Tui, RulerCursorAndEdgesAgree) {
   Fake f = sample({"clk"}, {0, 195}, 0);
   for (const unsigned time : {35u, 75u, 115u}) {
@@ -205,7 +206,7 @@ TEST_F(Tui, EdgesOfTheChosenSignal) {
   f.type("jw");  // valid falls in cycle 8
   EXPECT_EQ(f->cursor(), 85u);
   EXPECT_EQ(f.cursor_after("w"), 95u);
-  f.type("jb");  // the upper lane is something else in cycle 7 alone, the lower one always
+  f.type("jb");  // the upper lane differs in cycle 7 only, the lower lane always
   EXPECT_EQ(f->cursor(), 85u);
   EXPECT_EQ(f.cursor_after("b"), 75u);
   EXPECT_EQ(f.cursor_after("b"), 5u);
@@ -292,7 +293,7 @@ TEST_F(Tui, CursorAndWindowMove) {
   EXPECT_EQ(f->window().begin, 0u);
 }
 
-/// Forward and back the cursor stops where `cde wave find` finds the expression, across blocks.
+/// In both directions the cursor stops where `cde wave find` finds the expression, across blocks.
 TEST_F(Tui, ExpressionsAreFoundWhereFindFindsThem) {
   write_blocks();
   const std::array<std::array<std::string, 2>, 6> asked = {{
@@ -356,7 +357,7 @@ TEST_F(Tui, SignalsAreAddedAndRemoved) {
   f.type("\n");
   f.press(key::kEscape);
   EXPECT_TRUE(f.line("count").starts_with("count    07 ")) << f.all();
-  // A form and a lane are part of what is added.
+  // The form and lane belong to the added name.
   f.type("adata[1]:fp32\t");
   f.press(key::kEscape);
   EXPECT_TRUE(f.line("data[1]").starts_with("data[1]  nan ")) << f.all();
@@ -372,7 +373,7 @@ TEST_F(Tui, SignalsAreAddedAndRemoved) {
   f.type("^");
   for (int i = 0; i < 9; ++i) f.type("x");
   EXPECT_TRUE(has(f.all(), "No signals: a adds some"));
-  f.type("wvVnJKG");  // bear an empty list
+  f.type("wvVnJKG");  // keys on an empty list
   f.type("astate\n");
   f.press(key::kEscape);
   EXPECT_TRUE(f.line("state").starts_with("state    1 ")) << f.all();
@@ -423,7 +424,7 @@ TEST_F(Tui, DifferencesAreMarkedAndFound) {
   EXPECT_TRUE(f.columns(6, differs).empty()) << f.all();
   EXPECT_EQ(f.cursor_after("d"), 95u);
   EXPECT_TRUE(has(f.message(), "top.data[0] differs")) << f.all();
-  // What is marked is what lasts from 95 to 105.
+  // The marked range lasts from 95 to 105.
   const auto at_cursor = f.columns(4, [](auto s) { return s.cursor; });
   EXPECT_EQ(f.columns(1, [](auto s) { return s.cursor; }), at_cursor);
   const auto waves = f.columns(4, differs);
@@ -438,7 +439,7 @@ TEST_F(Tui, DifferencesAreMarkedAndFound) {
   EXPECT_TRUE(f.row(3).starts_with("data[0]")) << f.all();
 }
 
-/// Differences that begin or end where a block does, or go on through several, are one each.
+/// Differences that begin or end at block boundaries, or span several blocks, count once each.
 TEST_F(Tui, DifferencesAcrossBlocks) {
   const std::vector<Stretch> wrong = {{40, 49}, {300, 319}, {350, 649}, {690, 699}, {990, 999}};
   for (const bool differs : {false, true}) {
@@ -450,7 +451,7 @@ TEST_F(Tui, DifferencesAcrossBlocks) {
       const bool here = std::any_of(wrong.begin(), wrong.end(),
                                     [&](const Stretch& d) { return t >= d.begin && t <= d.end; });
       w.set(s, differs && here ? 200 : t / 10);
-      // Blocks of the files are not the same.
+      // The two files have different blocks.
       if (t % (differs ? 70 : 100) == (differs ? 69 : 99)) w.block();
     }
   }
@@ -461,7 +462,7 @@ TEST_F(Tui, DifferencesAcrossBlocks) {
   }
   f.type("$D");
   for (std::size_t i = wrong.size(); i-- > 0; f.type("D")) EXPECT_EQ(f->cursor(), wrong[i].begin);
-  // Marked is what differs, at any scale.
+  // Differences are marked at any scale.
   for (const char* window : {"0 999", "340 360", "640 700", "298 303", "980 999"}) {
     f.type(fmt::format("g{}\n", window));
     const wave::tui::Scale scale(f->window().begin, f->window().end - f->window().begin + 1,
@@ -495,8 +496,8 @@ TEST_F(Tui, OnlyBlocksThatAreSeenAreRead) {
   EXPECT_EQ(f->loads(), 2 * f->blocks());
 }
 
-/// Whatever is pressed on whatever screen: the window stays in the file, the cursor in it, and the
-/// values are those of the file.
+/// Any keys on any screen: the window stays in the file, the cursor in the window, and the values
+/// are those of the file.
 TEST_F(Tui, AnyKeysOnAnyScreen) {
   write_blocks();
   std::mt19937 random(3);
@@ -519,7 +520,7 @@ TEST_F(Tui, AnyKeysOnAnyScreen) {
       if (line.empty()) continue;
       const std::size_t value = line.find_first_not_of(' ', 5);
       const std::string shown = line.substr(value, line.find(' ', value) - value);
-      // One that was added again is hexadecimal.
+      // A signal that was added again is hexadecimal.
       ASSERT_TRUE(shown == fmt::to_string(f->cursor() / 10) ||
                   shown == fmt::format("{:04x}", f->cursor() / 10))
           << shown << "\n"
@@ -551,7 +552,7 @@ TEST_F(Tui, HelpListsAllKeys) {
   f.press(U'?');
   for (const char* words : {"previous change", "go to a time", "pci, bus", "--diff", "zoom in"})
     EXPECT_TRUE(has(f.all(), words));
-  f.type("w");  // leaves it
+  f.type("w");  // closes the help
   EXPECT_EQ(f->cursor(), 75u);
   EXPECT_NE(f.line("clk"), "");
   f.size(80, 24);
@@ -561,7 +562,7 @@ TEST_F(Tui, HelpListsAllKeys) {
   EXPECT_TRUE(has(f.all(), "quit"));
 }
 
-/// Names may hold anything: they are shown and control no terminal.
+/// Names may contain anything: they are shown and send no control codes to the terminal.
 TEST_F(Tui, NamesControlNoTerminal) {
   {
     Writer w(folder_ / "names.fst");

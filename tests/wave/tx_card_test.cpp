@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transactions of a card's waves beside what the card and the driver count, on both buses.
+// Transactions in a card's waves, compared with the counters of the card and the driver, on both
+// buses.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -22,8 +23,7 @@ using wave::Trace;
 using wave::Transaction;
 using Words = std::vector<std::string>;
 
-/// Ten rays at a dozen triangles, twice: the nearest hits, then all hits in the order of the
-/// stream.
+/// Ten rays at a dozen triangles, twice: the nearest hits, then all hits in stream order.
 std::string scene(const std::string& card) {
   return "[card]\nlanes = 4\n" + card + R"(
 [[object]]
@@ -51,7 +51,7 @@ mode = "hits"
 
 class TxCard : public Cli {
  protected:
-  /// Plays the scene; what it counted in both queries.
+  /// Runs the scene; returns the sums of its counters over both queries.
   std::map<std::string, std::uint64_t> play(const std::string& card, const Words& more = {}) {
     write("s.toml", scene(card));
     Words words = {"run", "s.toml", "--trace", "w.fst", "--json", "-q"};
@@ -72,7 +72,7 @@ class TxCard : public Cli {
     Trace trace(folder_ / "w.fst");
     return wave::transactions(trace, {kind}, trace.start(), trace.end());
   }
-  /// The last value of a signal less its first.
+  /// The last value of a signal minus its first.
   std::uint64_t counted(const std::string& signal) {
     Trace trace(folder_ / "w.fst");
     const std::array handles{wave::find_signal(trace, signal).handle};
@@ -101,7 +101,7 @@ std::uint64_t with(const std::vector<Transaction>& all, const std::string& field
       all.begin(), all.end(), [&](const auto& t) { return wave::field_of(t, field) == value; }));
 }
 
-/// A signal that has another name fails this, instead of giving an empty table.
+/// Fails if a signal was renamed, which would otherwise give an empty table.
 void expect_signals(const std::filesystem::path& file, const std::set<std::string_view>& without) {
   Trace trace(file);
   const wave::SignalPlaces places(trace);
@@ -114,7 +114,7 @@ void expect_signals(const std::filesystem::path& file, const std::set<std::strin
   EXPECT_EQ(places.of(wave::tested_signals()).size(), 1u);
 }
 
-/// What arrives at the update engine primary by primary is what rows of tests tell of all of them.
+/// Arrivals at the update engine, primary by primary, match the rows of tests.
 void expect_tested(const std::filesystem::path& file, const std::vector<Transaction>& tests) {
   std::size_t arrived = 0, kept = 0, hits = 0, wanted = 0;
   for (const Transaction& t : tests)
@@ -123,9 +123,9 @@ void expect_tested(const std::filesystem::path& file, const std::vector<Transact
     Trace trace(file);
     std::uint64_t last = 0;
     wave::each_tested(trace, primary, [&](const wave::Tested& t) {
-      EXPECT_EQ(t.pass, 0u) << "records of the second pass are of pairs";
+      EXPECT_EQ(t.pass, 0u) << "only the first pass reduces records per ray";
       EXPECT_GT(t.clock, last);
-      EXPECT_EQ(t.candidate, t.f) << "of rays";
+      EXPECT_EQ(t.candidate, t.f) << "rays have no other candidates";
       EXPECT_LE(t.kept, t.candidate);
       last = t.clock;
       ++arrived;
@@ -138,7 +138,7 @@ void expect_tested(const std::filesystem::path& file, const std::vector<Transact
   EXPECT_EQ(2 * hits, sum(tests, "hits"));
 }
 
-/// What the engine did, whatever bus it is on.
+/// The engine's work, which does not depend on the bus.
 void expect_engine(const std::map<std::string, std::uint64_t>& counters,
                    const std::vector<Transaction>& passes,
                    const std::vector<Transaction>& primaries,
@@ -175,7 +175,7 @@ void expect_engine(const std::map<std::string, std::uint64_t>& counters,
   EXPECT_EQ(tests.size(), counters.at("rows"));
   EXPECT_EQ(sum(tests, "tests"), counters.at("tests"));
   EXPECT_EQ(sum(tests, "stalls"), counters.at("stall_cycles"));
-  // One pipe: one latency. What hits in the first pass hits in the second.
+  // One pipe has one latency. Hits of the first pass hit in the second pass.
   EXPECT_EQ(std::set<std::uint64_t>({19}), [&] {
     std::set<std::uint64_t> latencies;
     for (const Transaction& t : tests) latencies.insert(number(t, "clocks"));
@@ -186,7 +186,7 @@ void expect_engine(const std::map<std::string, std::uint64_t>& counters,
 
   EXPECT_EQ(records.size(), counters.at("card_records"));
   EXPECT_EQ(with(records, "outcome", "hit"), counters.at("hits"));
-  EXPECT_GE(with(records, "outcome", "hit"), 16u) << "of ten rays twice";
+  EXPECT_GE(with(records, "outcome", "hit"), 16u) << "ten rays in two passes";
   EXPECT_EQ(with(records, "pass", "0"), 10u);
   for (const Transaction& r : records) {
     if (r.outcome != "hit") continue;
@@ -215,9 +215,9 @@ TEST_F(TxCard, TheEngineBehindTheFunctionalBusIsWhatTheDriverCounts) {
                           : sram) += space == "registers" ? 0 : number(t, "words");
     EXPECT_NE(t.outcome, "refused");
   }
-  EXPECT_EQ(primaries, counters.at("primary_words") / 2) << "64 bits a beat";
+  EXPECT_EQ(primaries, counters.at("primary_words") / 2) << "64 bits per beat";
   EXPECT_EQ(ddr, counters.at("secondary_words") / 2);
-  EXPECT_EQ(sram, [&] {  // of each pass, in whole beats
+  EXPECT_EQ(sram, [&] {  // per pass, in whole beats
     std::uint64_t beats = 0;
     for (const Transaction& t : all("pass")) beats += (number(t, "records") * 7 + 1) / 2;
     return beats;
@@ -230,7 +230,7 @@ TEST_F(TxCard, TheBusOfACardBehindPciIsWhatTheCardCounts) {
   expect_signals(folder_ / "w.fst", {});
   expect_engine(counters, all("pass"), all("primary"), all("secondary"), all("test"),
                 all("record"));
-  // The waves have every edge of the core, wherever those of PCI are.
+  // The waves have every edge of the core clock, also between edges of the PCI clock.
   {
     Trace trace(folder_ / "w.fst");
     wave::Times times(trace, "card.clk_i");
@@ -239,7 +239,7 @@ TEST_F(TxCard, TheBusOfACardBehindPciIsWhatTheCardCounts) {
     for (std::size_t i = 1; i < edges.size(); ++i) ASSERT_EQ((edges[i] - edges[i - 1]), 10'000u);
   }
   const auto descriptors = all("dma");
-  EXPECT_GE(descriptors.size(), 4u) << "triangles, rays, records of two passes";
+  EXPECT_GE(descriptors.size(), 4u) << "one each for triangles, rays and the records of two passes";
   EXPECT_EQ(with(descriptors, "outcome", "done"), descriptors.size());
   EXPECT_EQ(sum(descriptors, "bytes"), sum(descriptors, "moved"));
   std::uint64_t to_card = 0;
@@ -249,7 +249,7 @@ TEST_F(TxCard, TheBusOfACardBehindPciIsWhatTheCardCounts) {
   std::uint64_t words = 0;
   for (const Transaction& t : all("pci"))
     if (wave::field_of(t, "master") == "card") words += number(t, "words");
-  // A descriptor is read in 4 words, and its completion written in 2.
+  // A descriptor takes 4 words to read, and its completion takes 2 words to write.
   EXPECT_EQ(words, sum(descriptors, "moved") / 8 + 6 * descriptors.size());
 }
 
@@ -273,7 +273,7 @@ TEST_F(TxCard, FaultsOfTheBusAreToldAsTheCardCountsThem) {
     EXPECT_EQ(sum(own, "words"), counted(count + "[1]")) << "beats";
     EXPECT_EQ(sum(own, "stalls"), counted(count + "[2]")) << "waits";
     EXPECT_EQ(with(own, "outcome", "retry"), counted(count + "[3]"));
-    // The card also counts a STOP# that comes with the last word that it wants.
+    // The card also counts a STOP# that comes with the last word of a transfer.
     const auto stopped = std::count_if(own.begin(), own.end(), [](const Transaction& t) {
       return number(t, "stop") != 0 && number(t, "words") != 0;
     });
@@ -281,7 +281,7 @@ TEST_F(TxCard, FaultsOfTheBusAreToldAsTheCardCountsThem) {
     EXPECT_LE(with(own, "outcome", "disconnect"), counted(count + "[4]"));
     EXPECT_EQ(with(own, "outcome", "target-abort") + with(own, "outcome", "master-abort"),
               counted(count + "[6]"));
-    // All clocks with FRAME# or IRDY#, of the host too.
+    // All cycles with FRAME# or IRDY#, including those of the host.
     EXPECT_EQ(sum(pci, "clocks") + pci.size(), counted(count + "[7]"));
     EXPECT_EQ(with(pci, "width", "64") == 0, faults.empty());
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave tx on a bus whose every clock is known, and on what is none.
+// cde wave tx on a bus with known cycles, and on files without a bus.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -34,7 +34,7 @@ class Tx : public Cli {
     EXPECT_EQ(ran.status, 0) << ran.err;
     return nlohmann::json::parse(ran.out);
   }
-  /// How many transactions a condition leaves.
+  /// The number of transactions that meet a condition.
   std::size_t where(const std::string& condition) {
     const Ran ran = tx({"pci.fst", "--where", condition, "--json"});
     EXPECT_LE(ran.status, 1) << condition << ran.err;
@@ -95,10 +95,10 @@ TEST_F(Tx, EveryEndOfAPciTransactionIsTold) {
 }
 
 TEST_F(Tx, AWindowHasWhatReachesIntoIt) {
-  // 300 ns is in the retried read (255 to 345).
+  // 300 ns lies in the retried read (255 to 345).
   const auto one = json({"pci.fst", "--from", "300", "--to", "320"});
   ASSERT_EQ(one["transactions"].size(), 1u);
-  EXPECT_EQ(one["transactions"][0]["outcome"], "retry") << "its end is behind the window";
+  EXPECT_EQ(one["transactions"][0]["outcome"], "retry") << "the transaction ends after the window";
   EXPECT_EQ(json({"pci.fst", "--from", "345", "--to", "405"})["transactions"].size(), 2u);
   EXPECT_EQ(tx({"pci.fst", "--from", "200", "--to", "250"}).status, 1);
   EXPECT_EQ(json({"pci.fst", "--around", "cyc:10", "--window", "1"})["transactions"].size(), 1u);
@@ -154,7 +154,7 @@ TEST_F(Tx, AWrongConditionIsShownWithAMarkUnderThePlace) {
   EXPECT_TRUE(has(error({"pci.fst", "--where", "wrods > 1"}), "did you mean words?"));
   (void)error({"pci.fst", "--where", std::string(5000, '(')});
   (void)error({"pci.fst", "--where", std::string(5000, '!') + "words > 1"});
-  // A field of another kind than the one that is asked for.
+  // A field of another kind than the requested one.
   (void)error({"pci.fst", "pci", "--where", "hits > 1"});
   EXPECT_EQ(where("hits > 1"), 0u);
 }
@@ -177,7 +177,7 @@ TEST_F(Tx, AFileWithoutACardSaysSo) {
   EXPECT_EQ(ran.status, 1);
   EXPECT_TRUE(has(ran.err, "the file has the kinds pci"));
   EXPECT_TRUE(has(ran.err, "fetched_q"));
-  // A signal that was left out is named.
+  // A missing signal is named.
   {
     Writer w(folder_ / "half.fst");
     std::vector<fstHandle> signals;
@@ -205,7 +205,7 @@ TEST_F(Tx, OutputIsBoundedAndSaysHowManyMore) {
             "width,bytes,first_word,stop,label,scope\n"
             "pci,45,195,150,2,done,5,host,write,memory-write,0xf0001000,3,32,12,2,0,"
             "\"host memory-write 0xf0001000, 3 words of 32 bits\",card.bridge\n");
-  EXPECT_EQ(tx({"pci.fst", "--csv", "--max", "1"}).out, csv.out) << "kinds that are not there";
+  EXPECT_EQ(tx({"pci.fst", "--csv", "--max", "1"}).out, csv.out) << "kinds without transactions";
   EXPECT_EQ(csv.err, "cde: ... 7 more (--max 0 prints all)\n");
 }
 
@@ -223,7 +223,7 @@ TEST_F(Tx, HistogramsCountValuesAndSteps) {
   EXPECT_EQ(tx({"pci.fst", "--histogram", "hits"}).status, 1);
 }
 
-/// Transactions are told as they end and need not be kept; who has enough may stop.
+/// Transactions are reported as they end and need not be kept; the reader may stop early.
 TEST_F(Tx, TheReaderMayStop) {
   wave::Trace trace(folder_ / "pci.fst");
   unsigned seen = 0;
@@ -236,7 +236,7 @@ TEST_F(Tx, TheReaderMayStop) {
   EXPECT_TRUE(wave::transactions(trace, {"record"}, 0, trace.end()).empty());
 }
 
-/// Values that nobody drives, and files that are damaged, are no crash.
+/// Undriven values and damaged files do not crash the command.
 TEST_F(Tx, UnknownValuesAndDamagedFilesAreNoCrash) {
   {
     Writer w(folder_ / "x.fst");

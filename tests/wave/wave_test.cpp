@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave as a user runs it, on a file whose every value is known.
+// cde wave as a user runs it, on a file with known values.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class Wave : public Cli {
     write_sample(folder_ / "late.fst", {.late = 3, .wrong_at = 9});
     write_pci(folder_ / "pci.fst");
   }
-  /// stdout of a command that must end well.
+  /// stdout of a command that must succeed.
   std::string out(const std::vector<std::string>& words) {
     std::vector<std::string> all = {"wave"};
     all.insert(all.end(), words.begin(), words.end());
@@ -40,7 +40,7 @@ class Wave : public Cli {
     EXPECT_EQ(ran.status, status) << ran.err;
     return nlohmann::json::parse(ran.out);
   }
-  /// The error of a command, which must be status 2.
+  /// The error message of a command that must end with status 2.
   std::string error(const std::vector<std::string>& words) {
     std::vector<std::string> all = {"wave"};
     all.insert(all.end(), words.begin(), words.end());
@@ -154,7 +154,7 @@ TEST_F(Wave, ShowDrawsWaves) {
   EXPECT_TRUE(std::all_of(text.begin(), text.end(),
                           [](char c) { return c == '\n' || (c >= ' ' && c <= '~'); }));
   EXPECT_TRUE(has(text, "clk         \\______/      \\______/"));
-  // More changes than columns, and values before there are any.
+  // More changes than columns, and times before the first value.
   EXPECT_TRUE(has(out({"show", "a.fst", "clk", "--columns", "40"}), "▒"));
   EXPECT_TRUE(has(out({"show", "a.fst", "valid", "--to", "20ns"}), "░░░"));
   const auto j = json({"show", "a.fst", "count:dec", "--around", "fail", "--window", "1"});
@@ -170,14 +170,14 @@ TEST_F(Wave, FindFollowsSystemVerilog) {
   EXPECT_EQ(out({"find", "a.fst", "isnan(data[1]:fp32)"}), "75ns  cyc:7  data[1]=nan\n");
   EXPECT_EQ(out({"find", "a.fst", "count == 8'h0a", "--first"}), "105ns  cyc:10  count=0a\n");
   EXPECT_EQ(out({"find", "a.fst", "count == 1_0", "--first"}), "105ns  cyc:10  count=0a\n");
-  // Edge k sees what was written by edge k - 1.
+  // Edge k sees the values that edge k - 1 wrote.
   EXPECT_EQ(out({"find", "a.fst", "count == 10", "--on", "posedge clk"}),
             "115ns  cyc:11  count=0a\n");
   const std::vector<std::pair<std::string, std::string>> counts = {
       {"count >= 8'd4 && count < 6", "1"},  // becomes true once
-      {"changed(count)", "20"},             // the first from x, at 5 ns
+      {"changed(count)", "20"},             // the first change is from x, at 5 ns
       {"rose(clk)", "20"},
-      {"fell(valid)", "5"},  // the first from x
+      {"fell(valid)", "5"},  // the first fall is from x
       {"valid && !ready", "5"},
       {"state === 3'bxxx", "1"},
       {"state == 2", "5"},
@@ -185,7 +185,7 @@ TEST_F(Wave, FindFollowsSystemVerilog) {
       {"count[3:2] == 2'b01", "1"},
       {"{valid, ready} == 2'b11", "10"},
       {"(count + 8'd250) == 0", "0"},
-      {"count + 8'd250 == 8'd0", "1"},  // 8 bits, as all operands have
+      {"count + 8'd250 == 8'd0", "1"},  // 8 bits, as all operands
       {"^count", "7"},
       {"-3 < 2 && count == 5", "1"},
       {"count % 4 == 3", "5"},
@@ -235,7 +235,7 @@ TEST_F(Wave, DiffNamesTheFirstDivergenceOfEachSignal) {
   EXPECT_EQ(json({"diff", "a.fst", "b.fst", "--as", "fp32", "--eps", "1e-6"})["differing"], 0);
   EXPECT_EQ(json({"diff", "a.fst", "b.fst", "--as", "fp32", "--eps", "1e-7"}, 1)["differing"], 1);
   EXPECT_EQ(json({"diff", "a.fst", "b.fst", "--ignore", "da*"})["ignored"], 1);
-  // Later by 3 ns: all differs at the same times, and nothing but data by cycles and by events.
+  // Later by 3 ns: all signals differ at equal times. By cycles and by events only data differs.
   EXPECT_GT(json({"diff", "a.fst", "late.fst"}, 1)["differing"], 3);
   for (const std::string align : {"cycle", "event"}) {
     const auto j = json({"diff", "a.fst", "late.fst", "--align", align}, 1);

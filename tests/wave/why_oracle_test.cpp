@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave why: which of random statements were executed, as another simulator (Icarus) has it.
+// cde wave why: the executed ones among random statements, compared with another simulator
+// (Icarus).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ namespace {
 
 class WhyOracle : public Cli {
  protected:
-  /// Simulated waves, and the structure of the same source.
+  /// Simulates the waves and writes the structure of the same source.
   void simulate(const RandomDesign& design) {
     write("dut.v", design.source);
     write("bench.v", design.bench);
@@ -27,10 +28,10 @@ class WhyOracle : public Cli {
     ASSERT_EQ(ran.status, 0) << ran.err;
   }
 
-  /// What `why` says of a mark at a time: statements that were executed.
+  /// The answer of `why` for a mark at a time: executed statements.
   struct Answer {
     std::vector<wave::Node::Statement> statements;
-    std::vector<std::string> causes;  ///< of the first: names
+    std::vector<std::string> causes;  ///< names of the first statement's causes
   };
   Answer why(const std::string& name, std::uint64_t time) {
     const auto slice = design_->find(name);
@@ -57,7 +58,7 @@ class WhyOracle : public Cli {
 };
 
 TEST_F(WhyOracle, RandomStatements_ThoseThatRanAreNamed) {
-  if (shell("iverilog -V && vvp -V").status != 0) GTEST_SKIP() << "Icarus Verilog is not installed";
+  if (shell("iverilog -V && vvp -V").status != 0) GTEST_SKIP() << "needs Icarus Verilog";
   unsigned statements = 0, choices = 0, wrong = 0;
   for (unsigned seed = 1; seed <= 5 && wrong == 0; ++seed) {
     const RandomDesign design = random_design(seed, 150, "dut.fst");
@@ -69,7 +70,7 @@ TEST_F(WhyOracle, RandomStatements_ThoseThatRanAreNamed) {
       const auto& all = trace_->signals();
       const auto signal = std::find_if(all.begin(), all.end(),
                                        [&](const wave::Signal& s) { return s.name == name; });
-      if (signal == all.end()) continue;  // one statement without a condition never runs
+      if (signal == all.end()) continue;  // a statement without a condition never runs
       for (std::uint64_t time = 3 + m % 5; time < 240; time += 10 + m % 7 * 10) {
         std::string bits;
         trace_->stream(std::array{signal->handle}, time, time,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave why: causes in waves whose every value is known, of designs whose structure Verilator
-// writes in the test.
+// cde wave why: causes in waves with known values, for designs whose structure Verilator writes
+// during the test.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -29,14 +29,14 @@ class Why : public Cli {
     Cli::SetUp();
     write_sample(folder_ / "a.fst");
   }
-  /// Verilator's XML of a design of one file.
+  /// Writes Verilator's XML of a design in one file.
   void structure(const std::string& name, const std::string& source) {
     write(name + ".sv", source);
     const Ran ran = shell("verilator -O0 --xml-only -Wno-fatal --xml-output " + name + ".xml " +
                           "--top-module " + name + " " + name + ".sv");
     ASSERT_EQ(ran.status, 0) << ran.err;
   }
-  /// The file of that name in the form that is tested.
+  /// The file of that name in the tested form.
   [[nodiscard]] virtual std::string file(const std::string& xml) const { return xml; }
   Json why(const std::string& waves, const std::string& what, const std::string& xml,
            const std::vector<std::string>& options = {}) {
@@ -56,7 +56,7 @@ class Why : public Cli {
     EXPECT_FALSE(has(ran.err, "crashed"));
     return ran.err;
   }
-  /// "name=value@time:line" of the causes of a statement.
+  /// The causes of a statement as "name=value@time:line".
   static std::vector<std::string> causes(const Json& statement) {
     std::vector<std::string> all;
     for (const Json& c : statement["causes"]) {
@@ -71,14 +71,14 @@ class Why : public Cli {
   using Texts = std::vector<std::string>;
 };
 
-/// A structure in both forms: as the Verilator that is here writes it, and as one writes it that
-/// has no --xml-only any more (structures/make).
+/// A structure in both forms: from the installed Verilator, and from a Verilator without --xml-only
+/// (structures/make).
 class Forms : public Why, public ::testing::WithParamInterface<const char*> {
  protected:
   [[nodiscard]] std::string file(const std::string& xml) const override {
     return xml.substr(0, xml.rfind(".xml")) + GetParam();
   }
-  /// Of NAME.sv, which lies beside this file.
+  /// The structure of NAME.sv, which lies beside this file.
   void structure(const std::string& name) {
     const fs::path folder = fs::path(CDE_SOURCE_DIR) / "tests/wave";
     std::stringstream source;
@@ -105,7 +105,8 @@ TEST_P(Forms, LogicIsFollowedAtTheSameTimeAndRegistersToJustBeforeTheirEdge) {
   EXPECT_EQ(taken["register"], true);
   EXPECT_EQ(taken["source_text"], "if (count >= 8'd2) state <= 3'((count + 8'd1) % 8'd3);");
   EXPECT_EQ(causes(taken), Texts{"top.count=00001000@94:21"});
-  EXPECT_TRUE(taken["causes"][0]["statements"][0]["causes"].empty()) << "that is a second register";
+  EXPECT_TRUE(taken["causes"][0]["statements"][0]["causes"].empty())
+      << "a second register ends the cone";
   const Json through = why("a.fst", "state@cyc:9", "top.xml", {"--depth", "2"});
   EXPECT_EQ(causes(through["cone"]["statements"][0]["causes"][0]["statements"][0]),
             Texts{"top.count=00000111@84:21"});
@@ -123,13 +124,13 @@ TEST_P(Forms, WhatIsNotInTheWavesIsWalkedThrough) {
   EXPECT_EQ(late["in_waves"], false);
   EXPECT_TRUE(late["value"].is_null());
   EXPECT_EQ(causes(late["statements"][0]), Texts{"top.core.count=00000111@75:21"});
-  // The whole has both lines, and its lower half the other.
+  // The whole word has both lines, and its lower half the other line.
   const Json all = why("a.fst", "data@cyc:7", "top.xml")["cone"]["statements"];
   ASSERT_EQ(all.size(), 2u);
   EXPECT_EQ(all[0]["line"], 9);
   EXPECT_EQ(all[1]["line"], 10);
   EXPECT_EQ(why("a.fst", "data[3]@cyc:7", "top.xml")["cone"]["statements"][0]["line"], 10);
-  // It can be asked for itself.
+  // The signal can also be named itself.
   EXPECT_EQ(why("a.fst", "top.core.late@cyc:7", "top.xml")["cone"]["statements"][0]["line"], 8);
 }
 
@@ -148,9 +149,9 @@ TEST_P(Forms, ALineEachAndNoMoreThanAskedFor) {
   EXPECT_EQ(why("a.fst", "count@cyc:7", "top.xml", {"--depth", "9", "--max", "0"})["more"], 0);
 }
 
-/// Conditions, cases, structures, memories, functions and loops of generate (rich.sv). Its waves:
-/// rises at 10, 20, ...; at 12 reset; en from 15 to 25, when x is 1010 goes into s and mem[2];
-/// state is RUN from 30 on, and STOP from 40.
+/// Conditions, cases, structures, memories, functions and generate loops (rich.sv). Its waves:
+/// rising edges at 10, 20, ...; reset at 12. en is 1 from 15 to 25, when x = 1010 goes into s and
+/// mem[2]. state is RUN from 30 on, and STOP from 40 on.
 class Rich : public Forms {
  protected:
   void SetUp() override {
@@ -199,7 +200,7 @@ TEST_P(Rich, BranchesThatWereNotTakenAreLeftOut) {
   EXPECT_EQ(causes(run["statements"][0]),
             (Texts{"if bench.dut.state=00@29", "if bench.dut.s.v=1@29:16"}));
   EXPECT_EQ(why("rich.fst", "state@40", "rich.xml")["cone"]["statements"][0]["line"], 20);
-  // pick is a copy of mem[2] while en is 1, and else of the sum.
+  // pick is a copy of mem[2] while en is 1, and otherwise of the sum.
   const Json with = why("rich.fst", "pick@20", "rich.xml")["cone"]["statements"];
   ASSERT_EQ(with.size(), 1u);
   EXPECT_EQ(with[0]["line"], 27);
@@ -220,7 +221,7 @@ TEST_P(Rich, ARegisterThatKeptItsValueSaysSinceWhenAndWhy) {
   EXPECT_EQ(kept[1]["taken_time"], 20);
   EXPECT_EQ(causes(kept[1]),
             (Texts{"bench.dut.x[2:0]=010@19", "if bench.dut.rst=0@19", "if bench.dut.en=1@19"}));
-  // An asynchronous reset is there at its own edge.
+  // An asynchronous reset acts at its own edge.
   const Json reset = why("rich.fst", "s.v@13", "rich.xml")["cone"]["statements"];
   ASSERT_EQ(reset.size(), 1u);
   EXPECT_EQ(reset[0]["line"], 15);
@@ -232,7 +233,7 @@ TEST_P(Rich, MemoriesAreWrittenWhereTheIndexWas) {
   const Json& last = written["statements"].back();
   EXPECT_EQ(last["taken_time"], 20);
   EXPECT_EQ(causes(last)[0], "bench.dut.x=1010@19");
-  // mem[3] is not in the waves: found edge by edge, at 10, with x = 3? Not so: en was 0.
+  // mem[3] is not in the waves. The search goes edge by edge; at 10, with x = 3, en was 0.
   const Json other = why("rich.fst", "bench.dut.mem[3]@50", "rich.xml")["cone"];
   EXPECT_EQ(other["in_waves"], false);
   EXPECT_EQ(other["remark"], "assigned before, when is not known");
@@ -283,7 +284,7 @@ TEST_F(Why, WavesOfAnotherBitstreamAreRefused) {
   EXPECT_TRUE(has(error("card.fst", "count@5", ""), "configuration 0123456789abcdef"));
   waves("bitstream top TRACE=1 configuration=0123456789abcdef");
   EXPECT_EQ(why("card.fst", "count@5", "top.xml")["cone"]["value"], "00");
-  // What no writer of ours writes names nothing.
+  // Comments that our writers do not produce name nothing.
   for (const std::string comment : {"bitstream", "bitstream ../../x configuration=0123456789abcdef",
                                     "bitstream board LANES=4;reboot configuration=0123456789abcdef",
                                     "bitstream board configuration=zz"}) {
@@ -305,7 +306,7 @@ TEST_F(Why, DamagedStructuresNeverCrashIt) {
     std::string bytes = whole;
     for (unsigned k = 1 + random() % 4; k > 0; --k) {
       const std::size_t at = random() % bytes.size();
-      // Numbers and letters are what a structure is made of: widths, types, names.
+      // Structures consist of numbers and letters: widths, types, names.
       bytes[at] = "0123456789abcdefghijklmno<>/\" "[random() % 30];
     }
     write("bad.xml", bytes);
@@ -356,7 +357,7 @@ TEST_P(Forms, DamagedJsonNeverCrashesIt) {
   EXPECT_TRUE(has(error("a.fst", "data@75", "bad.tree.json"), "--json-only"));
 }
 
-/// One that has no --xml-only: what it writes instead, here that of another design, is read.
+/// For a Verilator without --xml-only its other output is read, here that of another design.
 TEST_F(Why, AVerilatorWithoutXmlIsAskedForJson) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n");
   ASSERT_EQ(shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs").status, 0);
@@ -382,7 +383,7 @@ TEST_F(Why, AVerilatorWithoutXmlIsAskedForJson) {
   EXPECT_TRUE(has(ran.err, "is no structure of c.fst: no scope"));
 }
 
-/// A card's waves name their bitstream, and need no other word.
+/// A card's waves name their model, so no further argument is needed.
 TEST_F(Why, ACardsWavesNameTheirStructure) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n");
   const Ran query = shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs");
@@ -404,7 +405,7 @@ TEST_F(Why, ACardsWavesNameTheirStructure) {
   walk(j["cone"]);
   for (const char* file : {"lane_select.sv", "scaled_pipe.sv", "sphere_sphere.sv", "pair_unit.sv"})
     EXPECT_TRUE(files.contains(file)) << file;
-  // The second time Verilator is not asked.
+  // The second run does not call Verilator.
   const Ran again =
       cde({"wave", "why", "c.fst", "pair_unit.pair_unit.t_o[0]@end"}, {"PATH=/nowhere"});
   EXPECT_EQ(again.status, 0) << again.err;
@@ -414,8 +415,8 @@ TEST_F(Why, ACardsWavesNameTheirStructure) {
 INSTANTIATE_TEST_SUITE_P(Structure, Rich, ::testing::Values(".xml", ".tree.json"),
                          [](const auto& form) { return form.index == 0 ? "Xml" : "Json"; });
 
-/// Verilator makes one assignment of an if and its else, and of a loop only one turn assigns an
-/// element.
+/// Verilator merges an if and its else into one assignment. In a loop, only one iteration assigns
+/// each element.
 TEST_P(Forms, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
   structure("turns");
   {
@@ -444,7 +445,7 @@ TEST_P(Forms, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
   EXPECT_EQ(as_it_is["causes"][as_it_is["handed_on"].get<std::size_t>()]["name"], "turns.x");
 }
 
-/// The condition of ? : is no part of the word, though it is as wide as the word.
+/// The condition of ? : is not a part of the word, even if it is equally wide.
 TEST_F(Why, AWordIsHandedOnByTheSideThatWasTaken) {
   structure("sides",
             "module sides(input [7:0] at, input [7:0] a, input [7:0] b, output [7:0] y);\n"
@@ -470,7 +471,7 @@ TEST_F(Why, AWordIsHandedOnByTheSideThatWasTaken) {
   EXPECT_EQ(statement["handed_on"], 0);
 }
 
-/// Verilator 5.048 writes elements of arrays into a scope of the array's name.
+/// Verilator 5.048 writes elements of arrays into a scope with the array's name.
 TEST_F(Why, ElementsInAScopeOfTheirArray_HaveTheirOwnDrivers) {
   structure("cells",
             "module cells(input clk, input [1:0] at, input [7:0] d);\n"
