@@ -117,8 +117,8 @@ class Tui : public Cli {
               std::uint64_t cursor = 75) {
     return {path("a.fst"), words, window, cursor};
   }
-  /// Signals of several widths over blocks of a hundred units, of which the clock, count and late
-  /// change in the unit where a block begins as well. late changes in the last block alone.
+  /// Signals of several widths over blocks of a hundred units. The clock, count and late also
+  /// change in the first unit of a block. late changes only in the last block.
   void write_blocks() {
     Writer w(folder_ / "blocks.fst");
     w.scope("top");
@@ -213,7 +213,7 @@ TEST_F(Tui, EdgesOfTheChosenSignal) {
   EXPECT_EQ(f.cursor_after("0b"), 0u);
   EXPECT_TRUE(has(f.message(), "no change of top.data[1] before the cursor")) << f.all();
   EXPECT_EQ(f.cursor_after("$w"), 195u);
-  EXPECT_TRUE(has(f.message(), "behind the cursor")) << f.all();
+  EXPECT_TRUE(has(f.message(), "after the cursor")) << f.all();
 }
 
 TEST_F(Tui, TimesAreThoseOfAllCommands) {
@@ -320,7 +320,7 @@ TEST_F(Tui, ExpressionsAreFoundWhereFindFindsThem) {
     }
     if (expected.front() == 0) forward.insert(forward.begin(), 0);  // the cursor was there
     EXPECT_EQ(forward, expected);
-    EXPECT_TRUE(has(f.message(), "not true behind the cursor")) << f.all();
+    EXPECT_TRUE(has(f.message(), "not true after the cursor")) << f.all();
     f.type("$");
     if (expected.back() == f->cursor()) back.push_back(f->cursor());
     for (f.type("N"); back.empty() || f->cursor() != back.back(); f.type("N"))
@@ -372,7 +372,7 @@ TEST_F(Tui, SignalsAreAddedAndRemoved) {
   EXPECT_EQ(f.line("data[1]"), "");
   f.type("^");
   for (int i = 0; i < 9; ++i) f.type("x");
-  EXPECT_TRUE(has(f.all(), "No signals: a adds some"));
+  EXPECT_TRUE(has(f.all(), "No signals. Press a to add some"));
   f.type("wvVnJKG");  // keys on an empty list
   f.type("astate\n");
   f.press(key::kEscape);
@@ -406,7 +406,7 @@ TEST_F(Tui, TransactionsOfAKind) {
   EXPECT_EQ(f.cursor_after("tt"), 405u);
   EXPECT_EQ(f.cursor_after("T"), 255u);
   EXPECT_EQ(f.cursor_after("$T"), 1335u);
-  EXPECT_TRUE(has(f.message_after("t"), "no transaction behind the cursor"));
+  EXPECT_TRUE(has(f.message_after("t"), "no transaction after the cursor"));
   EXPECT_TRUE(has(f.message_after("ypci\n"), "no transaction of kind pci behind"));
   EXPECT_TRUE(has(f.message_after("ydma\n"), "has no transaction of kind dma"));
   EXPECT_TRUE(has(f.message_after("ypcie\n"), "there are: pci, bus"));
@@ -433,7 +433,7 @@ TEST_F(Tui, DifferencesAreMarkedAndFound) {
   EXPECT_TRUE(has(f.row(4), "4.5"));
   EXPECT_TRUE(has(f.row(5), "4.5000005")) << f.all();
   EXPECT_EQ(f.cursor_after("d"), 95u);
-  EXPECT_TRUE(has(f.message(), "no difference behind the cursor")) << f.all();
+  EXPECT_TRUE(has(f.message(), "no difference after the cursor")) << f.all();
   EXPECT_EQ(f.cursor_after("$D"), 95u);
   f.type("B");
   EXPECT_TRUE(f.row(3).starts_with("data[0]")) << f.all();

@@ -172,7 +172,7 @@ TEST_F(Tx, AFileWithoutACardSaysSo) {
   Ran ran = tx({"a.fst"});
   EXPECT_EQ(ran.status, 1);
   EXPECT_EQ(ran.out, "");
-  EXPECT_TRUE(has(ran.err, "none of the signals"));
+  EXPECT_TRUE(has(ran.err, "none of the card's signals"));
   ran = tx({"pci.fst", "dma"});
   EXPECT_EQ(ran.status, 1);
   EXPECT_TRUE(has(ran.err, "the file has the kinds pci"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde-wave: asks wave files (FST, VCD). Each command is a verb with its own options.
+// cde-wave: answers questions about wave files (FST, VCD). Each command is a verb with its own
+// options.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -26,13 +27,13 @@ namespace {
 struct Command {
   const char *name, *text, *words;
   int (*run)(const wave::Request&);
-  std::vector<std::string> options;  ///< beside --json
+  std::vector<std::string> options;  ///< in addition to --json
 };
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> kAll = {
       {"info",
-       "Print what the file is: time unit, scopes, clock, comments",
+       "Print facts about the file: time unit, scopes, clock, comments",
        "",
        wave::info,
        {"--clock"}},
@@ -60,7 +61,7 @@ const std::vector<Command>& commands() {
         "--clock", "--max"}},
       {"diff",
        "Find where signals of two files differ first",
-       "the other FILE, then SIGNAL ...",
+       "The second FILE, then SIGNAL ...",
        wave::diff,
        {"--align", "--as", "--ulp", "--eps", "--ignore", "--clock", "--max"}},
       {"stat",
@@ -69,19 +70,19 @@ const std::vector<Command>& commands() {
        wave::statistics,
        {"--from", "--to", "--around", "--window", "--clock", "--max"}},
       {"export",
-       "Write other kinds of files",
+       "Write waves in other file formats",
        "SIGNAL ...",
        wave::export_waves,
        {"--output", "--format", "--on", "--from", "--to", "--around", "--window", "--columns",
         "--clock", "--as"}},
       {"serve",
-       "Write a page to look at the waves",
+       "Write an HTML page that shows the waves",
        "SIGNAL ...",
        wave::serve,
        {"--output", "--from", "--to", "--around", "--window", "--clock", "--as", "--structure",
         "--max"}},
       {"tui",
-       "Look at the waves on the terminal",
+       "View the waves on the terminal",
        "SIGNAL ...",
        wave::terminal_viewer,
        {"--diff", "--from", "--to", "--around", "--window", "--ascii", "--clock", "--as"}},
@@ -92,7 +93,7 @@ const std::vector<Command>& commands() {
        {"--where", "--histogram", "--csv", "--from", "--to", "--around", "--window", "--columns",
         "--ascii", "--clock", "--max"}},
       {"why",
-       "Find what made a signal have its value",
+       "Find why a signal has its value",
        "SIGNAL@TIME",
        wave::why,
        {"--depth", "--structure", "--as", "--clock", "--max"}},
@@ -115,28 +116,27 @@ const char* heading_of(const std::string& option) {
 
 using Adder = std::function<void(CLI::App&, wave::Request&)>;
 
-/// How each option is added; several commands share one.
+/// Functions that add each option. Several commands share an option.
 const std::map<std::string, Adder>& adders() {
   static const std::map<std::string, Adder> kAll = {
       {"--as",
        [](CLI::App& verb, wave::Request& r) {
-         text_value(verb.add_option(
-                            "--as", r.form,
-                            "How values are written where no :FORM behind the signal says it: hex, "
-                            "dec, signed, bin, fp32, fp16, bf16, tf32, fp64, ... or eEmM; /32 "
-                            "behind it is the bits of a lane")
-                        ->capture_default_str(),
-                    "FORM", [](const std::string& text) {
-                      if (!wave::parse_form(text))
-                        throw Error(
-                            ErrorCode::kUsage,
-                            fmt::format("no form {}; there are: {}, and eEmM", in_quotes(text),
-                                        fmt::join(wave::form_names(), ", ")));
-                    });
+         text_value(
+             verb.add_option(
+                     "--as", r.form,
+                     "Form of values of signals without :FORM: hex, dec, signed, bin, fp32, fp16, "
+                     "bf16, tf32, fp64, ... or eEmM; /32 after it sets the bits per lane")
+                 ->capture_default_str(),
+             "FORM", [](const std::string& text) {
+               if (!wave::parse_form(text))
+                 throw Error(ErrorCode::kUsage,
+                             fmt::format("no form {}; there are: {}, and eEmM", in_quotes(text),
+                                         fmt::join(wave::form_names(), ", ")));
+             });
        }},
       {"--clock",
        [](CLI::App& verb, wave::Request& r) {
-         text_value(verb.add_option("--clock", r.clock, "Signal whose rising edges are cycles")
+         text_value(verb.add_option("--clock", r.clock, "Signal whose rising edges count cycles")
                         ->default_str("the outermost clk, clk_i, clock, aclk or i_clk"),
                     "SIGNAL", {});
        }},
@@ -158,132 +158,130 @@ const std::map<std::string, Adder>& adders() {
       {"--window",
        [](CLI::App& verb, wave::Request& r) {
          whole_number_in(
-             verb.add_option("--window", r.window,
-                             "Cycles of the clock before and behind --around; without a clock "
-                             "units of the file")
+             verb.add_option(
+                     "--window", r.window,
+                     "Cycles before and after --around; without a clock, time units of the file")
                  ->default_str("10"),
              1, 1000000000, "");
        }},
       {"--columns",
        [](CLI::App& verb, wave::Request& r) {
-         whole_number_in(verb.add_option("--columns", r.columns, "Width of the picture")
+         whole_number_in(verb.add_option("--columns", r.columns, "Width in characters")
                              ->default_str("the terminal's"),
                          40, 10000, "");
        }},
       {"--ascii",
        [](CLI::App& verb, wave::Request& r) {
-         verb.add_flag("--ascii", r.ascii, "Draw with ASCII alone");
+         verb.add_flag("--ascii", r.ascii, "Draw with ASCII only");
        }},
       {"--on",
        [](CLI::App& verb, wave::Request& r) {
          text_value(
              verb.add_option("--on", r.on,
-                             "look only at these edges, 'posedge SIGNAL', negedge or edge, and "
-                             "at the values just before them, as a flip-flop sees them"),
+                             "Evaluate only at these edges ('posedge SIGNAL', negedge or edge), "
+                             "with the values just before them, as a flip-flop samples them"),
              "EDGE", {});
        }},
       {"--when",
        [](CLI::App& verb, wave::Request& r) {
-         text_value(verb.add_option("--when", r.when, "only where this is true as well"),
+         text_value(verb.add_option("--when", r.when, "Only where this expression is also true"),
                     "EXPRESSION", {});
        }},
       {"--first",
        [](CLI::App& verb, wave::Request& r) {
-         verb.add_flag("--first", r.first, "the first place alone");
+         verb.add_flag("--first", r.first, "Print only the first place");
        }},
-      {"--last", [](CLI::App& verb,
-                    wave::Request& r) { verb.add_flag("--last", r.last, "the last place alone"); }},
+      {"--last",
+       [](CLI::App& verb, wave::Request& r) {
+         verb.add_flag("--last", r.last, "Print only the last place");
+       }},
       {"--count",
        [](CLI::App& verb, wave::Request& r) {
-         verb.add_flag("--count", r.count, "how many places there are");
+         verb.add_flag("--count", r.count, "Print only the number of places");
        }},
       {"--align",
        [](CLI::App& verb, wave::Request& r) {
-         one_of(
-             verb.add_option("--align", r.align,
-                             "compare what is at the same times, before the same rising edges of "
-                             "the clocks, or change by change of each signal, whenever it comes")
-                 ->capture_default_str(),
-             {"time", "cycle", "event"});
+         one_of(verb.add_option("--align", r.align,
+                                "Compare values at the same times, before the same rising edges of "
+                                "the clocks, or change by change of each signal at any time")
+                    ->capture_default_str(),
+                {"time", "cycle", "event"});
        }},
       {"--ulp",
        [](CLI::App& verb, wave::Request& r) {
          whole_number_in(verb.add_option("--ulp", r.ulp,
-                                         "numbers of the format --as that are so many words apart "
-                                         "are the same"),
+                                         "Numbers in the format of --as are equal if at most this "
+                                         "many representable numbers apart"),
                          0, 1000000000000, "");
        }},
       {"--eps",
        [](CLI::App& verb, wave::Request& r) {
-         number_in(verb.add_option("--eps", r.eps, "so are those that differ by so much"), 0, 1e300,
-                   "");
+         number_in(
+             verb.add_option("--eps", r.eps, "Numbers are equal if they differ by at most this"), 0,
+             1e300, "");
        }},
       {"--ignore",
        [](CLI::App& verb, wave::Request& r) {
-         text_value(
-             verb.add_option("--ignore", r.ignore,
-                             "leave out signals of this pattern; may be given several times"),
-             "GLOB", {});
+         text_value(verb.add_option("--ignore", r.ignore,
+                                    "Ignore signals that match this pattern; repeatable"),
+                    "GLOB", {});
        }},
       {"--output",
        [](CLI::App& verb, wave::Request& r) {
-         file_value(
-             verb.add_option("-o,--output", r.output,
-                             "the page, an HTML file; export: the file to write; its name "
-                             "ends in .vcd, .csv, .json (WaveDrom), .svg, .fst or .gtkw (GTKWave), "
-                             "or --format says what it is")
-                 ->default_str("stdout"),
-             "FILE");
+         file_value(verb.add_option("-o,--output", r.output,
+                                    "The file to write. serve: an HTML page. export: a name that "
+                                    "ends in .vcd, .csv, .json (WaveDrom), .svg, .fst or .gtkw "
+                                    "(GTKWave), or any name with --format")
+                        ->default_str("stdout"),
+                    "FILE");
        }},
       {"--format",
        [](CLI::App& verb, wave::Request& r) {
-         one_of(verb.add_option("--format", r.format, "what is written, whatever its name"),
+         one_of(verb.add_option("--format", r.format, "Format of the file, for any name"),
                 {"vcd", "csv", "wavedrom", "svg", "fst", "gtkw"});
        }},
       {"--where",
        [](CLI::App& verb, wave::Request& r) {
-         text_value(
-             verb.add_option("--where", r.where,
-                             "those alone for which this is true, e.g. 'words > 4 && outcome "
-                             "!= done' or master=card"),
-             "CONDITION", {});
+         text_value(verb.add_option("--where", r.where,
+                                    "Only transactions for which this is true, e.g. 'words > 4 && "
+                                    "outcome != done' or master=card"),
+                    "CONDITION", {});
        }},
       {"--histogram",
        [](CLI::App& verb, wave::Request& r) {
          text_value(verb.add_option("--histogram", r.histogram,
-                                    "how often a field has which value, e.g. latency"),
+                                    "Count the values of a field, e.g. latency"),
                     "FIELD", {});
        }},
       {"--csv",
        [](CLI::App& verb, wave::Request& r) { verb.add_flag("--csv", r.csv, "CSV on stdout"); }},
       {"--depth",
        [](CLI::App& verb, wave::Request& r) {
-         whole_number_in(verb.add_option("--depth", r.depth, "registers that are looked through")
+         whole_number_in(verb.add_option("--depth", r.depth, "Registers to look through")
                              ->capture_default_str(),
                          0, 1000, "");
        }},
       {"--structure",
        [](CLI::App& verb, wave::Request& r) {
          file_value(
-             verb.add_option(
-                 "--structure", r.structure,
-                 "the design of the waves, as `verilator -O0 --xml-only` or "
-                 "--json-only writes it (FILE.tree.json, with its .tree.meta.json beside it); "
-                 "waves of a card name theirs"),
+             verb.add_option("--structure", r.structure,
+                             "The design of the waves, as `verilator -O0 --xml-only` or "
+                             "--json-only writes it (FILE.tree.json, with its .tree.meta.json "
+                             "beside it). Waves of a card name their design"),
              "FILE");
        }},
       {"--max",
        [](CLI::App& verb, wave::Request& r) {
          whole_number_in(
-             verb.add_option("--max", r.max, "Most lines, or megabytes of a page; 0 for all")
+             verb.add_option("--max", r.max, "Most lines, or most megabytes of a page; 0: no limit")
                  ->capture_default_str(),
              0, 1000000000, "");
        }},
       {"--diff",
        [](CLI::App& verb, wave::Request& r) {
-         file_value(
-             verb.add_option("--diff", r.other, "a second file beside; what differs is marked"),
-             "FILE");
+         file_value(verb.add_option("--diff", r.other,
+                                    "A second file to show beside it; differences are marked"),
+                    "FILE");
        }},
       {"--json",
        [](CLI::App& verb, wave::Request& r) { verb.add_flag("--json", r.json, "JSON on stdout"); }},
@@ -291,7 +289,7 @@ const std::map<std::string, Adder>& adders() {
   return kAll;
 }
 
-/// Options that cannot be combined. Those that a command does not have are passed over.
+/// Adds exclusions between options. Options that a command does not have are skipped.
 void add_exclusions(CLI::App& verb, const Command& command) {
   const auto pair = [&](const char* option, const std::vector<std::string>& others) {
     if (verb.get_option_no_throw(option) != nullptr) excludes(verb, option, others);
@@ -313,7 +311,7 @@ void add_exclusions(CLI::App& verb, const Command& command) {
   if (command.run != wave::export_waves) pair("--columns", {"--json"});
 }
 
-/// Removes what a crashed writer left beside an output.
+/// Removes unfinished files that a crashed writer left beside an output.
 void remove_remains(const std::filesystem::path& output) {
   if (!output.has_filename() || output == "-") return;
   const auto folder = output.has_parent_path() ? output.parent_path() : ".";
@@ -322,7 +320,7 @@ void remove_remains(const std::filesystem::path& output) {
 
 void run(const Command& command, const wave::Request& r) {
   try {
-    // A viewer that crashes leaves the terminal to the process that waits for it.
+    // If the viewer crashes, the waiting process restores the terminal.
     const wave::tui::Terminal terminal;
     std::function<void()> crashed;
     if (r.command == "tui") crashed = [&] { terminal.restore(); };
@@ -340,10 +338,11 @@ void add_command(CLI::App& app, const Command& command) {
   r->command = command.name;
   if (r->command == "serve") r->max = 32;
   CLI::App* verb = app.add_subcommand(command.name, command.text);
-  file_value(verb->add_option("file", r->file,
-                              "Wave file: FST or VCD, of --trace or any other; - is stdin")
-                 ->required(),
-             "FILE");
+  file_value(
+      verb->add_option("file", r->file,
+                       "Wave file, FST or VCD, from --trace or any other program; - is stdin")
+          ->required(),
+      "FILE");
   if (*command.words != '\0')
     verb->add_option("words", r->words,
                      fmt::format("{}; a signal is NAME, NAME[3], NAME[7:4], NAME:fp32, or "
@@ -359,11 +358,12 @@ void add_command(CLI::App& app, const Command& command) {
   verb->callback([r, &command] { run(command, *r); });
 }
 
-const Program kProgram = {.name = "cde wave",
-                          .description = "cde wave: ask a wave file (FST, VCD) of a simulation",
-                          .add_verbs = [](CLI::App& app) {
-                            for (const Command& command : commands()) add_command(app, command);
-                          }};
+const Program kProgram = {
+    .name = "cde wave",
+    .description = "cde wave: answer questions about a wave file (FST, VCD) of a simulation",
+    .add_verbs = [](CLI::App& app) {
+      for (const Command& command : commands()) add_command(app, command);
+    }};
 
 }  // namespace
 }  // namespace cde::cli

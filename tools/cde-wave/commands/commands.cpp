@@ -21,9 +21,8 @@ using Json = nlohmann::ordered_json;
 
 int info(const Request& r) {
   if (!r.words.empty())
-    throw Error(ErrorCode::kUsage,
-                fmt::format("cde wave info takes a file alone; {} is one word too many",
-                            in_quotes(r.words.front())));
+    throw Error(ErrorCode::kUsage, fmt::format("cde wave info takes only a file; remove {}",
+                                               in_quotes(r.words.front())));
   Trace trace(r.file);
   Times times(trace, r.clock);
   const Signal* const clock = times.clock_if_any();
@@ -67,14 +66,14 @@ int info(const Request& r) {
   line("time", fmt::format("{} to {}, in units of 1e{} s", times.text(trace.start()),
                            times.text(trace.end()), trace.scale()));
   if (trace.time_zero() != 0)
-    line("time zero", fmt::format("{} units, which times have in them", trace.time_zero()));
+    line("time zero", fmt::format("{} units, included in all times", trace.time_zero()));
   for (const Blackout& b : trace.blackouts())
     line("no dump", fmt::format("{} to {} ($dumpoff)", times.text(b.from), times.text(b.to)));
-  line("signals", fmt::format("{} in {}, {} of them other names of the same",
-                              trace.signals().size(), counted(trace.scopes(), "scope"), aliases));
+  line("signals", fmt::format("{} in {}, {} of them alias names", trace.signals().size(),
+                              counted(trace.scopes(), "scope"), aliases));
   line("blocks", fmt::to_string(trace.structure().sections.size()));
   line("clock", clock == nullptr
-                    ? "none found; --clock SIGNAL names it"
+                    ? "none found; name it with --clock SIGNAL"
                     : fmt::format("{}, {}", clock->name, counted(times.edges().size(), "cycle")));
   for (const std::string& comment : trace.comments()) line("comment", comment);
   cli::put(text);
@@ -83,7 +82,8 @@ int info(const Request& r) {
 
 int list(const Request& r) {
   if (r.words.size() > 1)
-    throw Error(ErrorCode::kUsage, "cde wave ls takes one pattern; in quotes if it has * or ?");
+    throw Error(ErrorCode::kUsage,
+                "cde wave ls takes one pattern; put it in quotes if it has * or ?");
   Trace trace(r.file);
   Lines lines(r.max);
   Json signals = Json::array();
@@ -96,7 +96,7 @@ int list(const Request& r) {
     if (std::any_of(forms.begin(), forms.end(),
                     [&](const std::string& form) { return matches(form, s.name); }))
       found.push_back(&s);
-  if (found.empty()) (void)find_signal(trace, pattern);  // says what is near
+  if (found.empty()) (void)find_signal(trace, pattern);  // throws with the nearest names
   std::size_t longest = 4;
   for (std::size_t i = 0; i < found.size() && (r.max == 0 || i < r.max); ++i)
     longest = std::max(longest, found[i]->name.size());

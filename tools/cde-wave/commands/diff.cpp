@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave diff: where two files part.
+// cde wave diff: finds where two files differ first.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -30,10 +30,10 @@ struct Change {
   std::string value;
 };
 
-/// The changes of a file one by one, read by a thread that is at most a few batches ahead.
+/// The changes of a file one by one. A thread reads them, at most a few batches ahead.
 class Puller {
  public:
-  /// `settled`: changes alone (changes.hpp), else all values that the file has.
+  /// `settled`: only changes (changes.hpp), else all values in the file.
   Puller(Trace& trace, std::vector<std::uint32_t> handles, bool settled = false)
       : settled_(settled),
         thread_([this, &trace, handles = std::move(handles)] { read(trace, handles); }) {}
@@ -48,7 +48,7 @@ class Puller {
   Puller(const Puller&) = delete;
   Puller& operator=(const Puller&) = delete;
 
-  /// The next change, which is there until pop(); null at the end.
+  /// The next change, valid until pop(); null at the end.
   const Change* peek() {
     if (at_ == batch_.size() && !refill()) return nullptr;
     return &batch_[at_];
@@ -113,11 +113,12 @@ class Puller {
   std::thread thread_;
 };
 
-/// A signal that both files have.
+/// A signal that is in both files.
 struct Pair {
   View a, b;
   std::string value_a, value_b;
-  std::deque<Change> ahead_a, ahead_b;  ///< of --align event: what the other does not have yet
+  std::deque<Change> ahead_a,
+      ahead_b;  ///< for --align event: changes that the other file does not have yet
   std::uint64_t event = 0;
   bool done = false;
 };
@@ -126,11 +127,11 @@ struct Divergence {
   std::size_t pair;
   std::uint64_t time_a, time_b;
   std::string value_a, value_b;
-  std::string what;  ///< why, if it is not the values
+  std::string what;  ///< the difference, if it is not one of values
   std::optional<std::uint64_t> cycle;
 };
 
-/// How far two words of a format are apart, counted in words.
+/// The distance between two words of a format, counted in representable numbers.
 std::uint64_t ulps(std::uint64_t a, std::uint64_t b, const FpFormat& f) {
   const auto line = [&](std::uint64_t w) {
     const auto magnitude = static_cast<std::int64_t>(w & f.magnitude_mask());
@@ -141,7 +142,7 @@ std::uint64_t ulps(std::uint64_t a, std::uint64_t b, const FpFormat& f) {
                : static_cast<std::uint64_t>(y) - static_cast<std::uint64_t>(x);
 }
 
-/// What counts as equal.
+/// Decides which values count as equal.
 class Equal {
  public:
   explicit Equal(const Request& r) : ulp_(r.ulp), eps_(r.eps) {}
@@ -220,7 +221,7 @@ class Comparison {
   }
 
   void match() {
-    // Several of one name are set side by side in the order of the files.
+    // Signals with the same name are paired in the order of the files.
     std::map<std::string_view, std::deque<const Signal*>> there;
     for (const Signal& s : b_.signals()) there[s.name].push_back(&s);
     of_a_.resize(a_.handles() + std::size_t{1});
@@ -240,7 +241,8 @@ class Comparison {
         ++ignored;
         continue;
       }
-      if (!seen.emplace(std::pair{s.handle, t.handle}, true).second) continue;  // another name
+      if (!seen.emplace(std::pair{s.handle, t.handle}, true).second)
+        continue;  // an alias of a pair that is already there
       Pair p;
       p.a = whole(a_, s);
       p.b = whole(b_, t);
@@ -260,7 +262,7 @@ class Comparison {
     }
     only_b = b_.signals().size() - std::min(b_.signals().size(), common);
     if (common == 0)
-      throw Error(ErrorCode::kUsage, "the files have no signal in common: no name is in both");
+      throw Error(ErrorCode::kUsage, "the files have no signal in common; no name is in both");
   }
   [[nodiscard]] View whole(Trace& trace, const Signal& s) const {
     View v;
@@ -282,7 +284,7 @@ class Comparison {
     found.push_back({i, time_a, time_b, p.a.text(p.value_a), p.b.text(p.value_b), "", cycle});
   }
 
-  /// Takes a change into the pairs that have it.
+  /// Applies a change to the pairs with its signal.
   void take(const Change& c, bool of_a, std::vector<std::size_t>& touched) {
     for (const std::size_t i : of_a ? of_a_[c.handle] : of_b_[c.handle]) {
       if (pairs[i].done) continue;
@@ -300,7 +302,7 @@ class Comparison {
     touched.clear();
   }
 
-  /// At the same times. The shorter file ends the comparison.
+  /// Compares values at the same times. The shorter file ends the comparison.
   void by_time() {
     Puller a(a_, handles(true)), b(b_, handles(false));
     const std::uint64_t start = std::max(a_.start(), b_.start()),
@@ -318,7 +320,8 @@ class Comparison {
     }
   }
 
-  /// Just before each rising edge of the clocks. The shorter file ends the comparison.
+  /// Compares values just before each rising edge of the clocks. The shorter file ends the
+  /// comparison.
   void by_cycle() {
     Times times_a(a_, r_.clock), times_b(b_, r_.clock);
     const std::uint32_t clock_a = times_a.clock().handle, clock_b = times_b.clock().handle;
@@ -336,7 +339,7 @@ class Comparison {
       compare(touched, *at_a, *at_b, cycle);
     }
   }
-  /// Takes what happens before the next rising edge; `step` has what happens with it.
+  /// Takes the changes before the next rising edge. `step` gets the changes at the edge.
   std::optional<std::uint64_t> to_edge(Puller& p, bool of_a, std::uint32_t clock, char& state,
                                        std::vector<Change>& step,
                                        std::vector<std::size_t>& touched) {
@@ -361,7 +364,7 @@ class Comparison {
     return std::nullopt;
   }
 
-  /// Change by change of each signal, whenever it comes.
+  /// Compares the changes of each signal one by one, at any time.
   void by_event() {
     Puller a(a_, handles(true), true), b(b_, handles(false), true);
     for (;;) {
@@ -382,7 +385,7 @@ class Comparison {
     for (const std::size_t i : of_a ? of_a_[c.handle] : of_b_[c.handle]) {
       Pair& p = pairs[i];
       if (p.done) continue;
-      // A value that is written again is no change.
+      // Writing the same value again is no change.
       std::string& last = of_a ? last_a(i) : last_b(i);
       if (last == c.value) continue;
       last = c.value;
@@ -422,7 +425,7 @@ class Comparison {
 
 int diff(const Request& r) {
   if (r.words.size() != 1)
-    throw Error(ErrorCode::kUsage, "cde wave diff takes two files: cde wave diff A B");
+    throw Error(ErrorCode::kUsage, "cde wave diff needs two files: cde wave diff A B");
   Trace a(r.file), b(r.words.front());
   if (a.scale() != b.scale())
     throw Error(ErrorCode::kUsage, fmt::format("the files count time in units of 1e{} s and 1e{} s",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave export: waves as other kinds of files.
+// cde wave export: writes waves in other file formats.
 #include "cde/wave/export.hpp"
 #include <nlohmann/json.hpp>
 
@@ -31,20 +31,19 @@ constexpr std::array<Format, 6> kFormats = {{{"vcd", ".vcd"},
                                              {"fst", ".fst"},
                                              {"gtkw", ".gtkw"}}};
 
-/// By --format, else by the name of the file.
+/// The format from --format, else from the name of the file.
 std::string format_of(const Request& r, const std::string& output) {
   if (!r.format.empty()) return r.format;
   const std::string suffix = suffix_of(output).text;
   for (const Format& f : kFormats)
     if (suffix == f.suffix) return f.name;
   if (r.output.empty())
-    throw Error(ErrorCode::kUsage,
-                "cde wave export needs --output FILE, or --format for what goes to stdout");
+    throw Error(ErrorCode::kUsage, "cde wave export needs --output FILE, or --format for stdout");
   wrong_suffix("--output", output,
-               ".vcd, .csv, .json, .svg, .fst or .gtkw, or --format must say what it is");
+               ".vcd, .csv, .json, .svg, .fst or .gtkw, or --format must name the format");
 }
 
-/// An option that a format would not heed.
+/// Refuses options that the format does not use.
 void check_options(const Request& r, const std::string& format) {
   const auto only = [&](bool given, const char* option, const char* where) {
     if (given && format != where)
@@ -63,7 +62,8 @@ int export_waves(const Request& r) {
   const std::string format = format_of(r, output);
   check_options(r, format);
   if (r.json && output == "-")
-    throw Error(ErrorCode::kUsage, "--json and what is exported would both go to stdout");
+    throw Error(ErrorCode::kUsage,
+                "--json and the export would both go to stdout; name a file with --output");
   check_outputs(std::vector<FileUse>{{"--output", output}, {"--json", r.json ? "-" : ""}},
                 std::vector<FileUse>{{"FILE", r.file}});
   Trace trace(r.file);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave find: where an expression is true.
+// cde wave find: finds where an expression is true.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -21,7 +21,7 @@ struct Match {
   std::vector<std::string> values;  ///< of the expression's signals
 };
 
-/// The places of an expression that are printed, and how many there are.
+/// The places where an expression is true, as far as they are printed, and their number.
 class Search {
  public:
   Search(const Request& r, Trace& trace) : r_(r), follow_(trace, r.words.front(), r.when, r.on) {}
@@ -49,7 +49,7 @@ class Search {
 
 int find(const Request& r) {
   if (r.words.size() != 1)
-    throw Error(ErrorCode::kUsage, "cde wave find takes one expression, in quotes");
+    throw Error(ErrorCode::kUsage, "cde wave find takes one expression; put it in quotes");
   Trace trace(r.file);
   Times times(trace, r.clock);
   const Window w = window(r, trace, times);

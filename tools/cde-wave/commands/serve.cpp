@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave serve: a page of a window of waves.
+// cde wave serve: makes a page of a window of waves.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -24,8 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t kMega = 1'000'000;
-/// So much larger than the page may the changes be before they are compressed: what a browser
-/// holds.
+/// The uncompressed changes may be this many times as large as the page. A browser must hold them.
 constexpr std::uint64_t kMostUnpacked = 12;
 
 std::vector<View> shown_views(const Request& r, Trace& trace) {
@@ -33,14 +32,14 @@ std::vector<View> shown_views(const Request& r, Trace& trace) {
 }
 
 [[noreturn]] void too_large(const Request& r, const std::string& what) {
-  throw Error(ErrorCode::kUsage,
-              fmt::format("{}, and --max is {} MB: name fewer signals, take a smaller window "
-                          "(--around TIME --window N, --from, --to), or --max 0 for a page of any "
-                          "size",
-                          what, r.max));
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("{}, but --max is {} MB; name fewer signals, choose a smaller window (--around "
+                  "TIME --window N, --from, --to), or use --max 0 for a page of any size",
+                  what, r.max));
 }
 
-/// What all signals of the page do, each once.
+/// The changes of all signals of the page, each signal once.
 struct Tracks {
   std::map<std::uint32_t, std::size_t> of;  ///< by handle
   std::vector<Packed> all;
@@ -62,12 +61,12 @@ Tracks read_tracks(const Request& r, Trace& trace, const Times& times, const Win
                  Packed& track = t.all[number[handle]];
                  const std::size_t before = track.bytes();
                  track.add(time - w.from, value);
-                 // An event is a pulse of one unit of time, which is drawn as a mark.
+                 // An event is a pulse of one unit of time, drawn as a mark.
                  if (events[handle] && value == "1" && time < w.to)
                    track.add(time + 1 - w.from, "0");
                  t.bytes += track.bytes() - before;
                  if (r.max != 0 && t.bytes > r.max * kMega * kMostUnpacked)
-                   too_large(r, fmt::format("there are more than {} MB of changes up to {} alone",
+                   too_large(r, fmt::format("there are more than {} MB of changes even before {}",
                                             r.max * kMostUnpacked, times.text(time)));
                  return true;
                });
@@ -75,7 +74,7 @@ Tracks read_tracks(const Request& r, Trace& trace, const Times& times, const Win
   return t;
 }
 
-/// The rising edges of the clock in the window.
+/// The rising edges of the clock within the window.
 Json clock_json(Times& times, const Window& w, std::string& bytes) {
   const Signal* const clock = times.clock_if_any();
   if (clock == nullptr || clock->width != 1) return nullptr;
@@ -116,7 +115,7 @@ Json views_json(const std::vector<View>& shown, const std::map<std::uint32_t, st
   std::map<std::string, std::size_t> numbers;
   Json list = Json::array();
   for (const View& v : shown) {
-    // The name of a signal has dots of its own in brackets of the index at most.
+    // The last part of a signal's name can contain dots only in the brackets of its index.
     const std::size_t dot = v.signal.name.rfind('.');
     const std::string scope = dot == std::string::npos ? "" : v.signal.name.substr(0, dot);
     const auto [found, is_new] = numbers.try_emplace(scope, scopes.size());
@@ -136,8 +135,8 @@ Json views_json(const std::vector<View>& shown, const std::map<std::uint32_t, st
   return list;
 }
 
-/// Where cursor A is when the page is opened: at what --around names, at the failure, or where the
-/// window begins.
+/// The first place of cursor A: the time of --around, else the failure, else the begin of the
+/// window.
 std::uint64_t first_cursor(const Request& r, Times& times, const Window& w) {
   std::uint64_t time = w.from;
   if (!r.around.empty()) {
@@ -146,7 +145,7 @@ std::uint64_t first_cursor(const Request& r, Times& times, const Window& w) {
     try {
       time = times.parse("fail");
     } catch (const Error&) {
-      // the file does not say
+      // the file has no failure time
     }
   }
   return time < w.from || time > w.to ? w.from : time;
@@ -162,7 +161,9 @@ Json formats_json() {
 
 int serve(const Request& r) {
   if (r.output.empty())
-    throw Error(ErrorCode::kUsage, "the page needs a name: cde wave serve FILE --output PAGE.html");
+    throw Error(
+        ErrorCode::kUsage,
+        "cde wave serve needs the name of the page: cde wave serve FILE --output PAGE.html");
   check_outputs(std::vector<FileUse>{{"--output", r.output}, {"--json", r.json ? "-" : ""}},
                 std::vector<FileUse>{{"FILE", r.file}});
   Trace trace(r.file);
@@ -170,22 +171,22 @@ int serve(const Request& r) {
   const Window w = window(r, trace, times);
   if (w.to - w.from >= std::uint64_t{1} << 52)
     throw Error(ErrorCode::kUsage,
-                "the window has 2^52 units of time or more, beyond what scripts "
-                "of pages count; take a smaller one (--from, --to)");
+                "the window has 2^52 units of time or more, too many for the scripts of a page; "
+                "choose a smaller one (--from, --to)");
   const std::vector<View> shown = shown_views(r, trace);
   const Tracks tracks = read_tracks(r, trace, times, w, shown);
   std::string bytes;
   Json scopes = Json::array();
-  Json data = {
-      {"title", printable_name(trace.file().filename().string())},
-      {"writer", printable_name(trace.writer())},
-      {"date", printable_name(trace.date())},
-      {"scale", trace.scale()},
-      {"from", fmt::to_string(times.number(w.from))},  // beyond what a number of a script holds
-      {"to", fmt::to_string(times.number(w.to))},
-      {"cursor", first_cursor(r, times, w) - w.from},
-      {"chosen", !r.words.empty()},
-      {"formats", formats_json()}};
+  Json data = {{"title", printable_name(trace.file().filename().string())},
+               {"writer", printable_name(trace.writer())},
+               {"date", printable_name(trace.date())},
+               {"scale", trace.scale()},
+               {"from", fmt::to_string(times.number(
+                            w.from))},  // as text, since it may exceed the numbers of scripts
+               {"to", fmt::to_string(times.number(w.to))},
+               {"cursor", first_cursor(r, times, w) - w.from},
+               {"chosen", !r.words.empty()},
+               {"formats", formats_json()}};
   data["clock"] = clock_json(times, w, bytes);
   data["dark"] = Json::array();  // $dumpoff
   for (const Blackout& b : blackouts_in(trace, w.from, w.to))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave serve: what stands above the signals and beside them.
+// cde wave serve: transactions above the signals, and source lines beside them.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -16,10 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr unsigned kAround = 2;         ///< lines before and behind a place
-constexpr std::size_t kMostPlaces = 4;  ///< of a signal
+constexpr unsigned kAround = 2;         ///< lines before and after a place
+constexpr std::size_t kMostPlaces = 4;  ///< places per signal
 
-/// JSON among the bytes that are packed: names and labels repeat.
+/// Puts JSON among the packed bytes, because names and labels repeat and compress well.
 Json put(const Json& json, std::string& bytes) {
   const std::string text = json_text(json, -1);
   Json part = {{"at", bytes.size()}, {"n", text.size()}};
@@ -27,7 +27,7 @@ Json put(const Json& json, std::string& bytes) {
   return part;
 }
 
-/// Places of a signal that the page shows, as [file, line, what it is].
+/// The source places of a signal on the page, as [file, line, kind].
 class Places {
  public:
   explicit Places(const Design& design) : design_(design) {}
@@ -85,7 +85,7 @@ void add_transactions(Json& data, Trace& trace, const Window& w, std::string& by
     Json fields = Json::array();
     for (const auto& [key, value] : t.fields)
       fields.push_back({printable_name(key), printable_name(value)});
-    // Times from the begin of the window; what began before it has begun at -1.
+    // Times count from the begin of the window. A transaction that began before it has begin -1.
     const bool before = t.begin < w.from;
     list.push_back({{"kind", t.kind},
                     {"label", printable_name(t.label)},
@@ -104,7 +104,7 @@ void add_sources(Json& data, Trace& trace, const std::string& structure,
   const auto design = Design::if_known(trace, structure);
   if (!design) return;
   Places places(*design);
-  std::map<std::string, Json> known;  // several views may be of one signal
+  std::map<std::string, Json> known;  // several views may show one signal
   Json of = Json::array();
   bool any = false;
   for (const View& v : shown) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave stat: how busy signals, handshakes and pipes are.
+// cde wave stat: measures how busy signals, handshakes and pipes are.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -35,7 +35,7 @@ std::string text_of(const Columns& table, const Lines& lines) {
   return table.lines.empty() ? "" : table.text() + lines.rest() + "\n";
 }
 
-/// What belongs to signals that are asked for.
+/// Keeps only flows of the requested signals.
 void keep_wanted(Flows& flows, const std::vector<View>& views) {
   std::set<std::uint32_t> asked;
   for (const View& v : views) asked.insert(v.signal.handle);
@@ -56,7 +56,7 @@ void keep_wanted(Flows& flows, const std::vector<View>& views) {
   std::erase_if(flows.pipes, [&](const PipeValid& p) { return !asked.contains(p.handle); });
 }
 
-/// Prints what was measured.
+/// Prints the measurements.
 class Report {
  public:
   Report(const Request& r, const Measure& m, Times& times, const Window& w)
@@ -77,7 +77,7 @@ class Report {
     if (cycles_) all += fmt::format(", {} of {}", counted(*cycles_, "cycle"), clock_);
     all += "\n";
     for (const Blackout& b : m_.dark)
-      all += fmt::format("no dump from {} to {} ($dumpoff), which does not count\n",
+      all += fmt::format("no dump from {} to {} ($dumpoff); this time does not count\n",
                          times_.text(b.from), times_.text(b.to));
     all += "\n";
     handshakes_text(all);
@@ -125,7 +125,7 @@ class Report {
     }
     return all;
   }
-  /// "155ns cyc:15", of the clock that cycles are counted by.
+  /// "155ns cyc:15"; cycles count by the clock of the measurement.
   std::string at(std::uint64_t time) {
     const auto cycle = cycles_ ? times_.cycle(time) : std::nullopt;
     return times_.text(time) + (cycle ? fmt::format(" cyc:{}", *cycle) : "");
@@ -146,8 +146,8 @@ class Report {
            percent(u.transferred, u.cycles),
            u.longest == 0 ? "-" : fmt::format("{} at {}", u.longest, at(u.longest_time))});
       if (m_.handshakes[i].is_pci())
-        notes += fmt::format("{}: {} address phases, which are none of these\n",
-                             m_.handshakes[i].name, u.address);
+        notes += fmt::format("{}: {} address phases, not included above\n", m_.handshakes[i].name,
+                             u.address);
     }
     std::string text = text_of(table, lines);
     if (!notes.empty()) {
@@ -161,7 +161,7 @@ class Report {
     const std::vector<Chain> chains = stall_chains(m_.handshakes, m_.stalls);
     Lines lines(r_.max);
     std::string text;
-    // Every line counts: a chain may be long.
+    // Each line of a chain counts towards --max, because a chain may be long.
     for (const Chain& c : chains) {
       if (lines.next()) {
         text += counted(c.cycles, "cycle") + ", ";
@@ -194,7 +194,7 @@ class Report {
   void signals_text(std::string& all) {
     Lines lines(r_.max);
     Columns table{
-        .heads = {"signal", "changes", "a cycle", "toggles", "time at 1", "longest quiet"},
+        .heads = {"signal", "changes", "per cycle", "toggles", "time at 1", "longest quiet"},
         .gap = 2};
     for (const Activity& a : m_.signals) {
       if (!lines.next()) continue;
@@ -278,7 +278,7 @@ class Report {
   Window w_;
   std::string clock_;
   std::optional<std::uint64_t> cycles_;
-  std::uint64_t more_ = 0;  ///< that JSON leaves out
+  std::uint64_t more_ = 0;  ///< entries that JSON leaves out
 };
 
 }  // namespace
@@ -286,7 +286,7 @@ class Report {
 int statistics(const Request& r) {
   Trace trace(r.file);
   Times times(trace, r.clock);
-  if (!r.clock.empty()) (void)times.clock();  // says what is wrong with it
+  if (!r.clock.empty()) (void)times.clock();  // throws if it is not a clock
   const Window w = window(r, trace, times);
   std::vector<View> views = views_in_scopes(r, trace, true);
   Flows flows = find_flows(trace, r.clock);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave show: waves drawn with characters.
+// cde wave show: draws waves with characters.
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -28,21 +28,21 @@ struct Glyphs {
 constexpr Glyphs kUnicode = {"─", "┌", "┘", "┐", "└", "╳", "▒", "░", "…", "↑"};
 constexpr Glyphs kAscii = {"_", " ", "/", " ", "\\", "|", "#", "?", "~", "^"};
 
-/// What a signal does in a column.
+/// The activity of a signal in a column.
 struct Cell {
-  std::string value;     ///< at the end of the column
-  unsigned changes = 0;  ///< in it
+  std::string value;     ///< value at the end of the column
+  unsigned changes = 0;  ///< changes in the column
 };
 using Row = std::vector<Cell>;
 
-/// Characters of UTF-8.
+/// The number of characters in a UTF-8 text.
 std::size_t length(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xc0u) != 0x80u;
   }));
 }
 
-/// Two lines of a signal of one bit.
+/// The two text lines of a one-bit signal.
 std::pair<std::string, std::string> bit_lines(const Row& row, const Glyphs& g, bool ascii) {
   std::string top, low;
   char before = 'x';
@@ -70,7 +70,7 @@ std::pair<std::string, std::string> bit_lines(const Row& row, const Glyphs& g, b
   return {top, low};
 }
 
-/// A mark where an event is triggered.
+/// The line of an event signal, with a mark at each event.
 std::string event_line(const Row& row, const Glyphs& g) {
   std::string text;
   for (const Cell& cell : row)
@@ -78,7 +78,7 @@ std::string event_line(const Row& row, const Glyphs& g) {
   return text;
 }
 
-/// A line of a bus: a mark where it changes, and its value behind it as far as there is room.
+/// The line of a bus: a mark at each change, followed by as much of the value as fits.
 std::string bus_line(const Row& row, const Glyphs& g) {
   std::string text;
   for (std::size_t c = 0; c < row.size();) {
@@ -96,7 +96,7 @@ std::string bus_line(const Row& row, const Glyphs& g) {
     if (length(value) <= room) {
       text += value + std::string(room - length(value), ' ');
     } else if (room > 0) {
-      // Cut by characters: a value may be text of any kind.
+      // Cuts at a character, because a value may be any text.
       std::size_t bytes = 0;
       for (std::size_t n = 0; bytes < value.size(); ++bytes)
         if ((static_cast<unsigned char>(value[bytes]) & 0xc0u) != 0x80u && n++ == room - 1) break;
@@ -116,7 +116,7 @@ std::size_t terminal_columns(const Request& r) {
   return 100;
 }
 
-/// Times above the waves: a tick and its time, every so many columns.
+/// The ruler above the waves: ticks with times at regular columns.
 std::string ruler(const Times& times, const Window& w, std::uint64_t span, std::size_t columns,
                   bool ascii) {
   std::string text;
@@ -133,7 +133,7 @@ std::string ruler(const Times& times, const Window& w, std::uint64_t span, std::
 
 struct Picture {
   std::vector<Row> rows;
-  std::uint64_t span;  ///< of time, drawn on all columns
+  std::uint64_t span;  ///< time drawn over all columns
 };
 
 Picture sample(Trace& trace, const std::vector<View>& all, const Window& w, std::size_t columns) {
@@ -159,7 +159,7 @@ Picture sample(Trace& trace, const std::vector<View>& all, const Window& w, std:
                      Cell& cell = p.rows[i][at[i]];
                      if (!begins || event) ++cell.changes;
                      last[i] = bits;
-                     // Texts are made once a column: only the last change of it is seen.
+                     // Texts are made once per column: only its last change is visible.
                      cell.value = bits;
                    }
                    return true;
@@ -172,7 +172,7 @@ Picture sample(Trace& trace, const std::vector<View>& all, const Window& w, std:
       if (cell.value != bits || text.empty()) {
         bits = cell.value;
         View whole = all[i];
-        whole.signal.width = 0;  // the bits are taken already
+        whole.signal.width = 0;  // the view's bits are already extracted
         text = whole.text(bits);
       }
       cell.value = text;
@@ -181,7 +181,7 @@ Picture sample(Trace& trace, const std::vector<View>& all, const Window& w, std:
   return p;
 }
 
-/// The text of a wider range is the same as of a signal: labels without what all have in common.
+/// Length of the common scope, which labels leave out.
 std::size_t common_scope(const std::vector<View>& all) {
   std::string_view common = all.front().label;
   common = common.substr(0, common.rfind('.') + 1);
@@ -193,8 +193,8 @@ std::size_t common_scope(const std::vector<View>& all) {
   return common.size();
 }
 
-/// What is shown where nothing is asked for: the ports of the outermost scope that has any, else
-/// the signals of the outermost scope.
+/// The signals shown by default: the ports of the outermost scope with ports, else the signals of
+/// the outermost scope.
 std::vector<View> outermost(const Request& r, Trace& trace) {
   std::vector<View> all;
   const auto depth = [](const Signal& s) { return std::count(s.name.begin(), s.name.end(), '.'); };
@@ -289,7 +289,7 @@ int show(const Request& r) {
       text += label(name) + event_line(p.rows[i], g) + "\n";
     } else if (all[i].width == 1 && !all[i].signal.text) {
       const auto [top, low] = bit_lines(p.rows[i], g, r.ascii);
-      // In ASCII the high level is the line above, drawn with the same character.
+      // In ASCII the high level is the upper line, drawn with the same character.
       text += fmt::format("{}{}\n{}{}\n", label(""), top, label(name), low);
     } else {
       text += label(name) + bus_line(p.rows[i], g) + "\n";

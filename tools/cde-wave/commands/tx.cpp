@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave tx: transactions of a card's waves as a table, CSV, JSON or histogram.
+// cde wave tx: lists transactions in a card's waves as a table, CSV, JSON or histogram.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -35,7 +35,7 @@ void check(const Request& r) {
                             meant_or_all(r.histogram, names)));
 }
 
-/// Kinds that a file has, and why it does not have those that were asked for.
+/// The kinds of transactions in a file, and why requested kinds are missing.
 struct There {
   std::vector<std::string> kinds;
   std::string lacks;
@@ -53,7 +53,7 @@ There there(Trace& trace, const std::vector<std::string>& asked) {
     const auto missing = places.missing(k);
     const bool all = missing.size() == k.clocks.size() + k.signals.size() + k.arrays.size();
     found.lacks += fmt::format(
-        "cde: the file does not have what {} is read from: {}\n", k.kind,
+        "cde: the file does not have the signals for {}: {}\n", k.kind,
         all ? fmt::format("no scope has a signal {}",
                           missing[std::min(k.clocks.size(), missing.size() - 1)])
             : fmt::format(
@@ -66,7 +66,7 @@ There there(Trace& trace, const std::vector<std::string>& asked) {
   return found;
 }
 
-/// A whole number as such.
+/// A whole number becomes a JSON number.
 Json json_value(const std::string& text) {
   if (!text.empty() && text.size() < 19 &&
       text.find_first_not_of("0123456789") == std::string::npos)
@@ -159,7 +159,8 @@ class Output {
   std::string text_;
 };
 
-/// How often a field has which value: numbers in steps, where there are many, other values by name.
+/// A histogram of a field. Many different numbers are grouped in steps; other values are listed by
+/// name.
 class Histogram {
  public:
   explicit Histogram(std::string field) : field_(std::move(field)) {}
@@ -233,7 +234,7 @@ class Histogram {
 
  private:
   static constexpr std::size_t kMost = 20;
-  /// The least of 1, 2, 5, 10, ... that is not smaller.
+  /// The least of 1, 2, 5, 10, ... that is not below `step`.
   static double nice(double step) {
     const double ten = std::pow(10, std::floor(std::log10(step)));
     for (const double by : {1.0, 2.0, 5.0})
@@ -327,7 +328,7 @@ int transaction_table(const Request& r) {
   if (!file.lacks.empty()) cli::say("{}", file.lacks);
   if ((bars ? histogram.count() : output.count()) != 0) return 0;
   cli::say("cde: no transactions found; the file has {}\n",
-           file.kinds.empty() ? "none of the signals of a card that tell them"
+           file.kinds.empty() ? "none of the card's signals that they need"
                               : fmt::format("the kinds {}", fmt::join(file.kinds, ", ")));
   return 1;
 }

@@ -17,7 +17,7 @@ namespace cde::wave {
 
 std::string wave_page(const nlohmann::ordered_json& data) {
   const std::string title = data["title"];
-  // The name of the file stands where the body has {}.
+  // The name of the file replaces {} in the body.
   const std::string body = fmt::format(fmt::runtime(cli::kWaveBody.text), cli::escaped(title));
   return cli::page(title + ": waves", body, data,
                    {&cli::kWaveValues, &cli::kWaveRows, &cli::kWaveDrawing, &cli::kWaveControls,

@@ -6,17 +6,18 @@
 
 #include "commands/commands.hpp"
 
-/// The page of cde wave serve: tools/cde-wave/pages has its scripts and its style sheet.
+/// The page of cde wave serve. Its scripts and its style sheet are in tools/cde-wave/pages.
 namespace cde::wave {
 
-/// Transactions of the window, if the file is of a card. `bytes` is what the page has packed.
+/// Adds the transactions in the window, if the file has a card's waves. `bytes` is the packed data
+/// of the page.
 void add_transactions(nlohmann::ordered_json& data, Trace& trace, const Window& w,
                       std::string& bytes);
-/// Lines of source that declare and drive the signals, if the design is known.
+/// Adds the source lines that declare and drive the signals, if the design is known.
 void add_sources(nlohmann::ordered_json& data, Trace& trace, const std::string& structure,
                  const std::vector<View>& shown, std::string& bytes);
 
-/// The whole page around what its scripts read.
+/// The whole page around the data for its scripts.
 [[nodiscard]] std::string wave_page(const nlohmann::ordered_json& data);
 
 }  // namespace cde::wave

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands for the viewer where ncurses is missing.
+// Replaces the viewer in a build without ncurses.
 #include "cde/support/error.hpp"
 #include "commands/commands.hpp"
 #include "tui/tui_terminal.hpp"
 
 namespace cde::wave {
 
-// A terminal that no screen has changed.
+// No modes to restore: without the viewer the terminal is never changed.
 struct tui::Terminal::Modes {};
 tui::Terminal::Terminal() = default;
 tui::Terminal::~Terminal() = default;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde wave tui: a viewer on a terminal.
+// cde wave tui: a viewer of waves on a terminal.
 #include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,14 +12,15 @@
 namespace cde::wave {
 namespace {
 
-/// At what --around names, at the failure, or where the window begins.
+/// The first place of the cursor: the time of --around, else the failure, else the begin of the
+/// window.
 std::uint64_t first_cursor(const Request& r, Times& times, const Window& w) {
   if (!r.around.empty()) return times.parse(r.around);
   try {
     const std::uint64_t fail = times.parse("fail");
     if (fail >= w.from && fail <= w.to) return fail;
   } catch (const Error&) {
-    // the file does not say
+    // the file has no failure time
   }
   return w.from;
 }
@@ -39,7 +40,7 @@ int terminal_viewer(const Request& r) {
   begin.views = r.words.empty() ? views(trace, "*", r.default_form()) : views(r, trace, 0);
   tui::Viewer viewer(trace, other.get(), std::move(begin));
   if (const int signal = tui::run(viewer); signal != 0) {
-    // As the caller of a program that a signal has ended expects it.
+    // Ends by the same signal, as a caller expects.
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }

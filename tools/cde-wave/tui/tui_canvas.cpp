@@ -7,7 +7,8 @@
 namespace cde::wave::tui {
 namespace {
 
-/// As the terminal's locale has it; characters that it does not know have a question mark's.
+/// The columns of a character in the terminal's locale. A character unknown there has the width of
+/// a question mark.
 std::size_t width_of(char32_t c) {
   if (c >= U' ' && c < 0x7f) return 1;
   const int width = ::wcwidth(static_cast<wchar_t>(c));

@@ -6,17 +6,17 @@
 #include <string_view>
 #include <vector>
 
-/// What a terminal shows, without one.
+/// The content of a terminal's screen, without a terminal.
 namespace cde::wave::tui {
 
-/// What a character is; the terminal has its colours.
+/// The role of a character. The terminal chooses its colours.
 enum class Ink : std::uint8_t {
   kPlain,
   kFaint,
   kTitle,
   kRuler,
   kName,
-  kOther,  ///< of the second file
+  kOther,  ///< belongs to the second file
   kValue,
   kWave,
   kBus,
@@ -29,21 +29,21 @@ enum class Ink : std::uint8_t {
 
 struct Style {
   Ink ink = Ink::kPlain;
-  bool cursor = false, second = false;  ///< a column of a cursor
+  bool cursor = false, second = false;  ///< in the column of a cursor
   bool differs = false;                 ///< the two files differ here
-  bool chosen = false;                  ///< the row that keys are about
+  bool chosen = false;                  ///< in the row that keys act on
   bool operator==(const Style&) const = default;
 };
 
 struct Glyph {
-  char32_t c = U' ';  ///< 0 behind a character of two columns
+  char32_t c = U' ';  ///< 0 after a character of two columns
   Style style;
 };
 
-/// Columns that a text takes. What has no width is not written.
+/// Columns that a text takes. Characters without width are not written.
 [[nodiscard]] std::size_t columns_of(std::string_view text);
 
-/// Rows and columns of characters. What is written outside is lost.
+/// Rows and columns of characters. Text outside is dropped.
 class Canvas {
  public:
   Canvas(std::size_t columns, std::size_t rows)
@@ -57,7 +57,7 @@ class Canvas {
   [[nodiscard]] Glyph& at(std::size_t row, std::size_t column) {
     return glyphs_[row * columns_ + column];
   }
-  /// UTF-8, at most `most` columns of it; the columns that it took.
+  /// Writes UTF-8 text, at most `most` columns of it. Returns the columns that it took.
   std::size_t put(std::size_t row, std::size_t column, std::string_view text, Style style,
                   std::size_t most = SIZE_MAX);
   void fill(std::size_t row, std::size_t column, std::size_t columns, Style style,
@@ -65,7 +65,7 @@ class Canvas {
   /// A row as UTF-8, without spaces at its end.
   [[nodiscard]] std::string text(std::size_t row) const;
 
-  /// Where the terminal's own cursor stands; nowhere if the column is behind the last.
+  /// The place of the terminal's own cursor; hidden if the column is after the last one.
   std::size_t caret_row = 0, caret_column = SIZE_MAX;
 
  private:
@@ -73,12 +73,12 @@ class Canvas {
   std::vector<Glyph> glyphs_;
 };
 
-/// Cut to so many columns, at the end or at the begin, where `cut` then stands.
+/// A text cut to so many columns at its end or begin. `cut` replaces the removed part.
 [[nodiscard]] std::string cut_end(std::string_view text, std::size_t columns, std::string_view cut);
 [[nodiscard]] std::string cut_begin(std::string_view text, std::size_t columns,
                                     std::string_view cut);
 
-/// Characters of a valid UTF-8 text.
+/// The characters of a valid UTF-8 text.
 [[nodiscard]] std::u32string characters(std::string_view text);
 [[nodiscard]] std::string utf8(std::u32string_view characters);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the viewer shows.
+// Draws the viewer's screen.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,46 +15,46 @@ namespace {
 
 constexpr std::array<std::pair<const char*, const char*>, 38> kHelp = {{
     {"", "Time"},
-    {"h l  left right", "cursor by a column"},
+    {"h l  left right", "move the cursor by one column"},
     {"H L  shift-left, -right", "scroll by half a screen"},
-    {"w b", "next, previous change of the signal"},
-    {"g :", "go to a time (75ns, cyc:7, fail-40cyc, end) or window"},
-    {"0 $  home end", "begin and end of the file"},
-    {"+ -  i o", "zoom in and out around the cursor"},
-    {"=", "the whole file"},
-    {"u", "the window before"},
-    {"c", "cursor in the middle"},
-    {"m", "set the second cursor here, or take it away"},
+    {"w b", "next or previous change of the signal"},
+    {"g :", "go to a time (75ns, cyc:7, fail-40cyc, end) or a window"},
+    {"0 $  home end", "begin or end of the file"},
+    {"+ -  i o", "zoom in or out around the cursor"},
+    {"=", "show the whole file"},
+    {"u", "go back to the last window"},
+    {"c", "centre the cursor"},
+    {"m", "set the second cursor here, or remove it"},
     {"'", "exchange the cursors"},
-    {"z", "the window between the cursors"},
+    {"z", "show the window between the cursors"},
     {"", "Signals"},
-    {"j k  down up", "next, previous signal"},
-    {"page down, page up", "a screen of signals"},
-    {"^ G", "first, last signal"},
-    {"a", "all signals of the file, to add and remove"},
+    {"j k  down up", "next or previous signal"},
+    {"page down, page up", "scroll by a screen of signals"},
+    {"^ G", "first or last signal"},
+    {"a", "list all signals of the file, to add or remove some"},
     {"x  delete", "remove the signal"},
-    {"J K", "move it down, up"},
-    {"v", "the next form of its values"},
-    {"V", "its form: hex, dec, signed, bin, fp32, eEmM, FORM/32"},
+    {"J K", "move the signal down or up"},
+    {"v", "next form of its values"},
+    {"V", "set its form: hex, dec, signed, bin, fp32, eEmM, FORM/32"},
     {"", "Search"},
-    {"/", "a signal of the list: a part of its name, or *"},
-    {"f", "an expression of cde wave find: count > 4 && valid"},
-    {"", "looked at at an edge: valid && ready @posedge clk"},
-    {"n N", "the next one, the previous one"},
-    {"t T", "next, previous transaction"},
-    {"y", "transactions of a kind: pci, bus, pass, ...; none: all"},
-    {"d D", "next, previous difference from --diff"},
-    {"B", "show and hide the second file"},
-    {"escape", "stops a search"},
+    {"/", "find a signal of the list by a part of its name, or *"},
+    {"f", "find an expression as in cde wave find: count > 4 && valid"},
+    {"", "at edges only: valid && ready @posedge clk"},
+    {"n N", "next or previous match"},
+    {"t T", "next or previous transaction"},
+    {"y", "choose a kind of transactions: pci, bus, pass, ...; empty: all"},
+    {"d D", "next or previous difference from --diff"},
+    {"B", "show or hide the second file"},
+    {"escape", "stop a search"},
     {"", "In a list of signals"},
     {"up down, enter", "add or remove the marked one"},
-    {"tab, delete", "add, remove all that match; NAME[3]:fp32 is a lane"},
+    {"tab, delete", "add or remove all matches; NAME[3]:fp32 is a lane"},
     {"", ""},
-    {"? F1", "this help; any other key leaves it"},
+    {"? F1", "this help; any other key closes it"},
     {"q  control-C", "quit"},
 }};
 
-/// 1, 2 or 5 times a power of ten, not less than this.
+/// The least 1, 2 or 5 times a power of ten that is not below `least`.
 std::uint64_t round_step(std::uint64_t least) {
   std::uint64_t power = 1;
   for (; power <= UINT64_MAX / 10; power *= 10)
@@ -114,7 +114,7 @@ void Viewer::draw_title(Canvas& canvas) {
   canvas.put(0, room, window, style);
 }
 
-/// Ticks at round times.
+/// Draws ticks at round times.
 void Viewer::draw_ruler(Canvas& canvas, std::size_t row) {
   const Scale now = scale();
   const std::size_t left = names_ + values_ + 2;
@@ -185,7 +185,7 @@ void Viewer::mark_differences(Canvas& canvas, std::size_t line, const Row& row) 
 
 void Viewer::draw_rows(Canvas& canvas) {
   if (list_.empty()) {
-    canvas.put(3, 2, "No signals: a adds some, ? tells all keys.", {});
+    canvas.put(3, 2, "No signals. Press a to add some, ? for all keys.", {});
     return;
   }
   std::size_t line = 2;
@@ -305,7 +305,7 @@ void Viewer::draw_list(Canvas& canvas) {
                cut_begin(printable_name(s.name) + range, columns_ - 14, glyphs(ascii_).cut), style);
     canvas.put(line, columns_ - 10, s.kind, style, 9);
   }
-  // Messages have no line of their own here.
+  // A message replaces part of this screen.
   if (!message_.empty())
     canvas.put(rows_ - 3, 1, cut_end(message_, columns_ - 1, glyphs(ascii_).cut),
                {is_error_ ? Ink::kError : Ink::kPlain});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the keys of the viewer do.
+// The actions of the viewer's keys.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace cde::wave::tui {
 namespace {
 
-/// Forms that `v` goes through.
+/// The forms that key v cycles through.
 constexpr std::array<const char*, 6> kForms = {"hex", "dec", "signed", "bin", "fp32", "fp64"};
 constexpr std::size_t kMostTyped = 1000;
 
@@ -59,7 +59,7 @@ bool Viewer::press(Key k) {
   return true;
 }
 
-/// The cursor and the window.
+/// Keys for the cursor and the window.
 bool Viewer::move_key(Key k) {
   const Scale now = scale();
   const bool visible = cursor_ >= now.from() && cursor_ <= now.to();
@@ -104,7 +104,7 @@ bool Viewer::move_key(Key k) {
   return true;
 }
 
-/// Zoom and the second cursor.
+/// Keys for zoom and the second cursor.
 void Viewer::view_key(Key k) {
   if (k == U'+' || k == U'i') zoom(true);
   if (k == U'-' || k == U'o') zoom(false);
@@ -122,7 +122,7 @@ void Viewer::view_key(Key k) {
     second_ = second_ == cursor_ ? std::nullopt : std::optional<std::uint64_t>(cursor_);
   if (k != U'z' && k != U'\'') return;
   if (!second_) {
-    say("there is no second cursor: m sets it where the cursor is", true);
+    say("there is no second cursor; m sets it at the cursor", true);
     return;
   }
   if (k == U'\'') {
@@ -136,7 +136,7 @@ void Viewer::view_key(Key k) {
   set_window(first, last - first + (last - first != UINT64_MAX ? 1 : 0));
 }
 
-/// The list of signals.
+/// Keys for the list of signals.
 bool Viewer::row_key(Key k) {
   const std::size_t page = std::max<std::size_t>(rows_shown(), 2) - 1;
   switch (k) {
@@ -241,7 +241,7 @@ void Viewer::search_key(Key k) {
     case key::kEscape:
       break;
     default:
-      say("no such key; ? tells them", true);
+      say("no such key; ? lists the keys", true);
   }
 }
 
@@ -313,7 +313,7 @@ void Viewer::answer() {
   }
 }
 
-/// A time, or two with a space between: a window.
+/// Goes to a time, or to a window given by two times with a space between.
 void Viewer::go_to(const std::string& text) {
   const std::size_t space = text.find(' ');
   const std::uint64_t first = times_.parse(text.substr(0, space));
@@ -321,20 +321,20 @@ void Viewer::go_to(const std::string& text) {
     const std::uint64_t last = times_.parse(without_spaces_around(text.substr(space)));
     if (last < first)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is behind {}", times_.text(first), times_.text(last)));
+                  fmt::format("{} is after {}", times_.text(first), times_.text(last)));
     before_ = Stretch{from_, span_};
     set_window(first, last - first + (last - first != UINT64_MAX ? 1 : 0));
   }
   move_to(first);
 }
 
-/// Signals that match what is typed: a pattern, or a part of the name.
+/// Lists the signals that match the typed text, a pattern or a part of the name.
 void Viewer::fill_list() {
   listed_.clear();
   std::string pattern = utf8(typed_);
   const std::string form = suffix();
   pattern.resize(pattern.size() - form.size());
-  // An index is none of the name.
+  // An index is not part of the name.
   if (!form.empty() && pattern.ends_with(']')) pattern.resize(pattern.rfind('['));
   const bool glob = pattern.find_first_of("*?") != std::string::npos;
   const auto& all = trace_.signals();
@@ -345,7 +345,7 @@ void Viewer::fill_list() {
   list_at_ = listed_.empty() ? 0 : std::min(list_at_, listed_.size() - 1);
 }
 
-/// ":FORM" at the end of what is typed.
+/// ":FORM" at the end of the typed text.
 std::string Viewer::suffix() const {
   const std::string text = utf8(typed_);
   const std::size_t colon = text.rfind(':');
@@ -365,7 +365,7 @@ void Viewer::add_listed(const std::string& word) {
   say(fmt::format("{} added", added.size()));
 }
 
-/// Adds the signal that is marked, or removes it where it is in the list.
+/// Adds the marked signal, or removes it if it is already in the list.
 void Viewer::toggle_listed() {
   if (listed_.empty()) return;
   const Signal& s = trace_.signals()[listed_[list_at_]];
@@ -421,7 +421,7 @@ void Viewer::next_form() {
   if (list_.empty()) return;
   const View& v = list_[chosen_].wave.view();
   const auto now = std::find(kForms.begin(), kForms.end(), form_name(v.form));
-  // The next one that fits the width.
+  // The next form that fits the width.
   for (std::size_t step = 1; step <= kForms.size(); ++step) {
     const std::size_t at =
         now == kForms.end() ? step - 1 : static_cast<std::size_t>(now - kForms.begin()) + step;
@@ -435,7 +435,7 @@ void Viewer::next_form() {
   }
 }
 
-/// As the word NAME:FORM would.
+/// Sets the form, as the word NAME:FORM does.
 void Viewer::set_form(const std::string& text) {
   Row& row = list_[chosen_];
   View v = row.wave.view();
@@ -444,7 +444,7 @@ void Viewer::set_form(const std::string& text) {
     throw Error(ErrorCode::kUsage, fmt::format("no form {}; there are: {}, and eEmM",
                                                in_quotes(text), fmt::join(form_names(), ", ")));
   if (v.first == 0 && v.width == v.signal.width) {
-    (void)view(trace_, v.signal.name + ":" + text, form_);  // whether it fits
+    (void)view(trace_, v.signal.name + ":" + text, form_);  // throws if it does not fit
   } else if (form->kind == Form::Kind::kFloat &&
              v.width % static_cast<unsigned>(form->format.width()) != 0) {
     throw Error(ErrorCode::kUsage,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts a terminal back that a full-screen program left as it was.
+// Restores a terminal that a full-screen program left changed.
 #define NCURSES_NOMACROS 1
 #include <curses.h>
 #include <termios.h>
@@ -10,7 +10,7 @@
 
 #include "cde/support/process.hpp"
 #include "tui/tui_terminal.hpp"
-// Its macros have everyday names: it is the last.
+// Included last, because its macros have common names.
 #include <term.h>
 
 namespace cde::wave::tui {

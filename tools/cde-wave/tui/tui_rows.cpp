@@ -10,10 +10,11 @@ namespace {
 
 __extension__ using Wide = unsigned __int128;
 
-/// Of more changes in a column it is not looked whether they are of bits that the view has.
+/// Beyond this many changes in a column, it is not checked whether they affect the bits of the
+/// view.
 constexpr std::size_t kLookedAt = 64;
 
-/// The values of a view in the blocks of a file, from a time on.
+/// Walks through the values of a view in the blocks of a file, from a time on.
 class Walk {
  public:
   Walk(Wave& wave, std::uint64_t from, std::uint64_t to) : view_(wave.view()) {
@@ -53,7 +54,7 @@ bool unknown(std::string_view bits) {
   return bits.find_first_of("xz") != std::string_view::npos;
 }
 
-/// Of bits that are taken already.
+/// The text of bits that are already extracted.
 std::string text_of(const View& v, const std::string& bits) {
   View whole = v;
   whole.signal.width = 0;
@@ -95,14 +96,14 @@ std::optional<std::size_t> Wave::missing(const Scale& scale) {
 }
 
 void Wave::fill(const Track& track, const Stretch& block) {
-  // A file beside may be shorter: there is nothing behind its end.
+  // The second file may be shorter. It has nothing after its end.
   if (block.end < scale_->from() || block.begin > scale_->to()) return;
   const std::uint64_t from = std::max(block.begin, scale_->from()),
                       to = std::min(block.end, scale_->to());
   std::size_t change = track.at(from);
   std::string bits(view_.bits(track.value(change)));
   const std::size_t first = scale_->column(from);
-  // A change where a block begins is one from the value at the end of the block before.
+  // At the begin of a block, a change is one from the value at the end of the previous block.
   const std::string* const before = !cells_[first].bits.empty() ? &cells_[first].bits
                                     : first > 0                 ? &cells_[first - 1].bits
                                                                 : nullptr;
@@ -232,7 +233,7 @@ void draw_bus(Canvas& canvas, std::size_t row, std::size_t column, const Wave& w
     }
     const bool bad = !wave.view().signal.text && !wave.view().signal.real && unknown(cells[c].bits);
     const Style style{bad ? Ink::kUnknown : ink};
-    // A value that was there before begins at the edge of the screen.
+    // A value that began earlier is drawn from the edge of the screen.
     std::size_t at = c;
     if (cells[c].changes > 1)
       canvas.put(row, column + at++, g.busy, {Ink::kBusy});

@@ -12,7 +12,7 @@
 
 namespace cde::wave::tui {
 
-/// The part of a file that is on the screen, and its columns.
+/// The part of a file on the screen, and its columns.
 class Scale {
  public:
   Scale(std::uint64_t from, std::uint64_t span, std::size_t columns)
@@ -22,11 +22,12 @@ class Scale {
   [[nodiscard]] std::uint64_t to() const { return from_ + (span_ - 1); }
   [[nodiscard]] std::uint64_t span() const { return span_; }
   [[nodiscard]] std::size_t columns() const { return columns_; }
-  /// The column of a time that is on the screen.
+  /// The column of a time on the screen.
   [[nodiscard]] std::size_t column(std::uint64_t time) const;
-  /// The first time that is in a column or behind it; `columns()` has the one behind the screen.
+  /// The first time in a column or after it. For column `columns()`, the first time after the
+  /// screen.
   [[nodiscard]] std::uint64_t first(std::size_t column) const;
-  /// The time that a column stands for: its first, or the one that several columns share.
+  /// The time of a column: its first time, or the time that several columns share.
   [[nodiscard]] std::uint64_t time(std::size_t column) const;
   bool operator==(const Scale&) const = default;
 
@@ -35,13 +36,13 @@ class Scale {
   std::size_t columns_;
 };
 
-/// What a signal does in a column.
+/// The activity of a signal in a column.
 struct Cell {
-  std::string bits;      ///< at its end; empty: not read yet
-  unsigned changes = 0;  ///< in it; at most 2 are told apart
+  std::string bits;      ///< value at the end of the column; empty: not read yet
+  unsigned changes = 0;  ///< changes in the column, counted up to 2
 };
 
-/// The waves of a view, as far as they are read.
+/// The waves of a view, as far as they have been read.
 class Wave {
  public:
   Wave(Tracks& tracks, View view) : tracks_(&tracks), view_(std::move(view)) {}
@@ -51,12 +52,12 @@ class Wave {
     view_.form = form;
     time_.reset();
   }
-  /// Takes what is there; the first block that must be read, if one must.
+  /// Takes the blocks that are loaded. Returns the first block that must be read, if any.
   [[nodiscard]] std::optional<std::size_t> missing(const Scale& scale);
   [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }
-  /// Cells without a value are outside of the file, and not unread.
+  /// Whether everything is read: cells without a value are outside the file.
   [[nodiscard]] bool complete() const { return complete_; }
-  /// The value at a time as text, if the block is there; it is kept.
+  /// The value at a time as text, if its block is loaded. The text is cached.
   [[nodiscard]] const std::optional<std::string>& value(std::uint64_t time);
   [[nodiscard]] Tracks& tracks() const { return *tracks_; }
 
@@ -73,11 +74,11 @@ class Wave {
   bool complete_ = false;
 };
 
-/// Where two views differ in a block of the first one's file, in order, apart from each other.
-/// Nothing behind the end of the shorter file.
+/// The stretches where two views differ in a block of the first one's file, in order and disjoint.
+/// There are none after the end of the shorter file.
 [[nodiscard]] std::vector<Stretch> differences(Wave& a, Wave& b, std::size_t block);
 
-/// How waves are drawn.
+/// Characters for drawing waves.
 struct Glyphs {
   const char *high, *low, *rise, *fall, *change, *busy, *unknown, *unread, *cut, *tick;
 };
@@ -87,7 +88,7 @@ struct Glyphs {
 void draw_wave(Canvas& canvas, std::size_t row, std::size_t column, const Wave& wave,
                const Glyphs& glyphs, Ink ink);
 
-/// Columns that values of a view may take.
+/// The most columns that a value of a view can take.
 [[nodiscard]] std::size_t widest(const View& view);
 
 }  // namespace cde::wave::tui

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the viewer jumps to: edges, names, expressions, transactions, differences.
+// Searches of the viewer: edges, names, expressions, transactions, differences.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostTransactions = 1'000'000;
 
-/// "EXPRESSION @posedge clk" in its two parts.
+/// Splits "EXPRESSION @posedge clk" into its two parts.
 std::pair<std::string, std::string> split(const std::string& text) {
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos) return {text, ""};
@@ -23,7 +23,7 @@ std::pair<std::string, std::string> split(const std::string& text) {
   return {what, on};
 }
 
-/// The first change of a view in a block behind a time, or the last one before it.
+/// In a block: the first change of a view after a time, or the last one before it.
 std::optional<std::uint64_t> change_behind(const View& v, const Track& track, std::uint64_t time) {
   std::size_t i = track.at(time);
   const std::string whole = track.value(i);
@@ -58,7 +58,7 @@ void Viewer::begin_search(const std::string& what, Search piece) {
 }
 
 void Viewer::no_more(const std::string& what, bool forward) {
-  say(fmt::format("{} {} the cursor", what, forward ? "behind" : "before"), true);
+  say(fmt::format("{} {} the cursor", what, forward ? "after" : "before"), true);
 }
 
 void Viewer::next_edge(bool forward) {
@@ -69,7 +69,7 @@ void Viewer::next_edge(bool forward) {
     const auto track = tracks_.get(v.signal.handle, k);
     at_progress(tracks_.blocks()[k].begin);
     auto found = forward ? change_behind(v, *track, cursor_) : change_before(v, *track, cursor_);
-    // Where a block begins its first value may be a change of the one before.
+    // The first value of a block may be a change from the previous block.
     const bool next = forward ? k + 1 < tracks_.blocks().size() : k > 0;
     if (!found && next) {
       const auto neighbour = tracks_.get(v.signal.handle, forward ? k + 1 : k - 1);
@@ -105,12 +105,12 @@ void Viewer::next_name(bool forward) {
       return;
     }
   }
-  say(fmt::format("no signal {} in the list; a adds signals", name_), true);
+  say(fmt::format("no signal {} in the list; press a to add signals", name_), true);
 }
 
 void Viewer::next_match(bool forward) {
   if (expression_.empty()) {
-    say("no expression yet: f asks for one", true);
+    say("no expression yet; press f to enter one", true);
     return;
   }
   try {
@@ -126,14 +126,14 @@ void Viewer::next_match(bool forward) {
 void Viewer::match_forward() {
   const auto [what, on] = split(expression_);
   const auto follow = std::make_shared<Follow>(trace_, what, "", on);
-  // What looks back at edges must have seen all of them, else what it looks back at is its begin.
+  // An expression that looks back at edges must see all of them, from the begin of the file.
   const std::uint64_t begin = follow->looks_back() && !on.empty() ? trace_.start() : cursor_;
   begin_search(expression_, [this, follow, from = begin]() mutable {
     const std::size_t k = tracks_.block_of(from);
     const Stretch block = tracks_.blocks()[k];
     at_progress(from);
     std::optional<std::uint64_t> found;
-    // The whole block is read: to stop in between costs the reader its memory.
+    // Reads the whole block: stopping within it would make the reader lose its memory.
     follow->run(trace_, from, block.end, [&](std::uint64_t time) {
       if (!found && time > cursor_) found = time;
       return true;
@@ -151,8 +151,8 @@ void Viewer::match_forward() {
   });
 }
 
-/// Block by block back. What looks back at edges must have seen all of them: it begins at the
-/// begin of the file.
+/// Searches block by block backwards. An expression that looks back at edges starts at the begin of
+/// the file.
 void Viewer::match_backward() {
   const auto [what, on] = split(expression_);
   auto follow = std::make_shared<Follow>(trace_, what, "", on);
@@ -182,7 +182,7 @@ void Viewer::match_backward() {
   }
   begin_search(expression_, [this, what = what, on = on, k = last]() mutable {
     const Stretch block = tracks_.blocks()[k];
-    // What was before the block tells whether it became true where it begins.
+    // The value before the block decides whether the expression became true at the block's begin.
     const std::uint64_t from = k == 0 ? block.begin : block.begin - 1;
     at_progress(block.begin);
     Follow here(trace_, what, "", on);
@@ -206,7 +206,8 @@ void Viewer::next_transaction(bool forward) {
     show_transaction(forward);
     return;
   }
-  // They are decoded from the begin of the file, once; the first piece lets the screen say so.
+  // Transactions are decoded once, from the begin of the file. The first piece of work only lets
+  // the screen show that.
   begin_search(
       kind_.empty() ? "transactions" : "transactions of kind " + kind_,
       [this, forward, told = false]() mutable {
@@ -234,7 +235,7 @@ void Viewer::show_transaction(bool forward) {
     say(fmt::format("the file has no {}", what), true);
     return;
   }
-  // Those that begin at one time are gone through one by one.
+  // Transactions that begin at the same time are visited one by one.
   auto& at = transaction_;
   const bool here = at && *at < all.size() && all[*at].begin == cursor_ && shown_kind_ == kind_;
   std::optional<std::size_t> next;
@@ -264,13 +265,14 @@ void Viewer::show_transaction(bool forward) {
 
 void Viewer::next_difference(bool forward) {
   if (other_trace_ == nullptr) {
-    say("there is no second file: cde wave tui FILE --diff OTHER.fst", true);
+    say("there is no second file; start with cde wave tui FILE --diff OTHER.fst", true);
     return;
   }
   begin_search("differences",
                [this, forward, k = tracks_.block_of(cursor_), i = std::size_t{0},
                 best = std::optional<std::uint64_t>(), row = std::size_t{0}]() mutable {
-                 // Some signals at once, as a block is read as a whole for one as for several.
+                 // Reads several signals at once, because reading a block for one signal takes as
+                 // long.
                  std::vector<std::uint32_t> handles, others;
                  const std::size_t stop = std::min(list_.size(), i + batch_);
                  for (std::size_t n = i; n < stop; ++n)
@@ -290,7 +292,7 @@ void Viewer::next_difference(bool forward) {
                    for (const Stretch& s : differences_of(list_[i], k)) {
                      if (forward ? s.begin <= cursor_ : s.begin >= cursor_) continue;
                      if (best && (forward ? s.begin >= *best : s.begin <= *best)) continue;
-                     if (s.begin == block.begin && k > 0) {  // it may go on from the block before
+                     if (s.begin == block.begin && k > 0) {  // may continue from the previous block
                        const auto& before = differences_of(list_[i], k - 1);
                        if (!before.empty() && before.back().end + 1 == s.begin) continue;
                      }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer on a terminal, by ncurses.
+// The viewer on a terminal, with ncurses.
 #include "tui/tui_terminal.hpp"
 
 #define NCURSES_NOMACROS 1
@@ -33,7 +33,7 @@ constexpr short kCursorPair = 8, kSecondPair = 9, kDiffersPair = 10, kTitlePair 
 constexpr wint_t kSuspend = 26, kRedraw = 12;
 
 struct Look {
-  short colour;  ///< 0 is that of the terminal
+  short colour;  ///< 0: the terminal's own colour
   attr_t attributes;
 };
 
@@ -68,16 +68,16 @@ Look look_of(Ink ink) {
   return {0, A_NORMAL};
 }
 
-/// The screen of ncurses while it lives.
+/// The ncurses screen. The terminal shows it while the object lives.
 class Screen {
  public:
   Screen() : screen_(::newterm(nullptr, stdout, stdin)) {
     if (screen_ == nullptr) {
       const char* const name = std::getenv("TERM");  // NOLINT(concurrency-mt-unsafe)
-      throw Error(ErrorCode::kUsage, "a terminal of the kind " + in_quotes(name ? name : "") +
-                                         " is not known here: TERM says what kind it is");
+      throw Error(ErrorCode::kUsage, "TERM is " + in_quotes(name ? name : "") +
+                                         "; this kind of terminal is not known here");
     }
-    // Control-C is a key: as a signal it would also end the process that waits for this one.
+    // Control-C is a key. As a signal it would also end the waiting process.
     ::raw();
     ::noecho();
     ::nonl();
@@ -94,7 +94,7 @@ class Screen {
     ::init_pair(kTitlePair, COLOR_WHITE, COLOR_BLUE);
   }
   ~Screen() {
-    // Terminals without a second screen are left clean.
+    // Clears the screen, for terminals without a second screen.
     ::werase(stdscr);
     ::wrefresh(stdscr);
     ::endwin();
@@ -197,15 +197,14 @@ void fit(Viewer& viewer) {
                 static_cast<std::size_t>(::getmaxy(stdscr)));
 }
 
-/// The whole process group stops, as by the key without this program; it goes on with the next
-/// line.
+/// Stops the whole process group, as control-Z does. After a resume the function continues.
 void suspend() {
   ::endwin();
   ::kill(0, SIGTSTP);
   ::wrefresh(stdscr);
 }
 
-/// All keys that are there. False ends the viewer.
+/// Takes all pending keys. Returns false to end the viewer.
 bool take_keys(Viewer& viewer, bool& any) {
   wint_t c = 0;
   for (int kind = ::wget_wch(stdscr, &c); kind != ERR; kind = ::wget_wch(stdscr, &c)) {
@@ -227,7 +226,7 @@ bool take_keys(Viewer& viewer, bool& any) {
 }  // namespace
 
 bool locale_has_utf8() {
-  // Numbers stay as they are in all locales.
+  // Only LC_CTYPE: numbers do not depend on the locale.
   return std::setlocale(LC_CTYPE, "") != nullptr &&  // NOLINT(concurrency-mt-unsafe)
          std::string(::nl_langinfo(CODESET)) == "UTF-8";
 }
@@ -236,8 +235,8 @@ void need_terminal() {
   for (const auto& [stream, name] : {std::pair{STDIN_FILENO, "stdin"}, {STDOUT_FILENO, "stdout"}})
     if (::isatty(stream) == 0)
       throw Error(ErrorCode::kUsage,
-                  std::string("cde wave tui needs a terminal, and ") + name +
-                      " is none; cde wave show draws waves as text, cde wave serve makes a page");
+                  std::string("cde wave tui needs a terminal, but ") + name +
+                      " is none; use cde wave show for text, or cde wave serve for a page");
 }
 
 int run(Viewer& viewer) {
@@ -248,17 +247,17 @@ int run(Viewer& viewer) {
   for (unsigned empty = 0; empty < 100;) {
     const auto begin = Clock::now();
     bool more = true;
-    // What can be read soon is drawn at once; keys come before all else.
+    // Work that takes less than a frame is drawn together. Keys come first.
     while ((more = viewer.work()) && Clock::now() - begin < kFrame && ::poll(&input, 1, 0) == 0) {
     }
     screen.show(viewer.draw());
-    // A signal may come just before: it does not wait for a key.
+    // The timeout lets a signal that arrived just before take effect without a key.
     const int ready = ::poll(&input, 1, more ? 0 : kIdle);
     if (cli::Interrupts::signal() != 0) return cli::Interrupts::signal();
     if (ready > 0 && (input.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0) return SIGHUP;
     bool any = false;
     if (!take_keys(viewer, any)) return 0;
-    // A terminal that has gone is readable and has nothing.
+    // A terminal that has closed is readable, but has no data.
     empty = ready > 0 && !any ? empty + 1 : 0;
   }
   return SIGHUP;

@@ -4,15 +4,15 @@
 
 namespace cde::wave::tui {
 
-/// The terminal as it is before a full-screen program begins; puts it back if that ends without.
+/// Saves the state of the terminal before a full-screen program begins, and can restore it.
 class Terminal {
  public:
-  /// Of a process that only waits for the one that draws.
+  /// For a process that waits for the process that draws.
   Terminal();
   ~Terminal();
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
-  /// Modes, cursor and screen, whatever they are now.
+  /// Restores modes, cursor and screen from any state.
   void restore() const;
 
  private:
@@ -20,13 +20,13 @@ class Terminal {
   std::unique_ptr<Modes> modes_;
 };
 
-/// Whether characters are UTF-8 here, by the locale, which is taken over.
+/// Sets the locale's character type. Returns whether it is UTF-8.
 [[nodiscard]] bool locale_has_utf8();
 
-/// Shows the viewer until it ends: 0, or the signal that ended it. Error kUsage if stdin or stdout
-/// is no terminal, or one that is not known.
+/// Shows the viewer until it ends. Returns 0, or the signal that ended it. Error kUsage if stdin or
+/// stdout is not a terminal, or its kind is unknown.
 [[nodiscard]] int run(Viewer& viewer);
-/// Error kUsage if stdin or stdout is no terminal.
+/// Error kUsage if stdin or stdout is not a terminal.
 void need_terminal();
 
 }  // namespace cde::wave::tui

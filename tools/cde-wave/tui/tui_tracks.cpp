@@ -11,7 +11,7 @@ namespace cde::wave::tui {
 void Track::add(std::uint64_t time, std::string_view value) {
   if (!times_.empty() && value == last_) return;
   if (!times_.empty() && time == times_.back()) {
-    // The last of several values at one time stays; one that is gone within it is no change.
+    // Of several values at one time only the last counts.
     values_.resize(values_.size() - (text_ ? last_.size() : (width_ + 3) / 4));
     times_.pop_back();
     if (text_) ends_.pop_back();
@@ -21,7 +21,7 @@ void Track::add(std::uint64_t time, std::string_view value) {
   before_ = std::exchange(last_, std::string(value));
   times_.push_back(time);
   if (text_ || value.size() != width_) {
-    // A real, or what is no text of bits: then all are kept as they are.
+    // A real number, or text that is not bits: from now on all values are kept as text.
     text_ = true;
     values_ += value;
     ends_.push_back(values_.size());
@@ -101,13 +101,13 @@ void Tracks::load(std::size_t block, const std::vector<std::uint32_t>& handles) 
   if (read.empty()) return;
   std::vector<std::uint32_t> wanted;
   for (const auto& [handle, track] : read) wanted.push_back(handle);
-  // Changes of few signals come by the million: they find their track without a search.
+  // Millions of changes may come: each finds its track by index, without a search.
   std::vector<Track*> of(widths_.size());
   for (const auto& [handle, track] : read) of[handle] = track.get();
   trace_.stream(wanted, blocks_[block].begin, blocks_[block].end,
                 [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
                   of[handle]->add(time, value);
-                  // An event is a pulse of one unit of time, which is drawn as a mark.
+                  // An event is a pulse of one unit of time, drawn as a mark.
                   if (events_[handle] && value == "1" && time < blocks_[block].end)
                     of[handle]->add(time + 1, "0");
                   return true;

@@ -11,23 +11,23 @@
 
 #include "cde/wave/trace.hpp"
 
-/// Waves read piece by piece: what a viewer shows, and no more.
+/// Waves read piece by piece, as far as a viewer shows them.
 namespace cde::wave::tui {
 
-/// What a signal does in a block of a file: the value that it has where the block begins, which is
-/// change 0, and its changes. A value that is the one before is none.
+/// The activity of a signal in a block of a file. Change 0 is the value at the begin of the block;
+/// the changes follow. A value equal to the previous one is no change.
 class Track {
  public:
-  /// `text`: values are text of any length; else bits, of which each takes a quarter of a byte.
+  /// `text`: values are text of any length. Otherwise they are bits, a quarter of a byte each.
   Track(unsigned width, bool text) : width_(width), text_(text) {}
 
   void add(std::uint64_t time, std::string_view value);
 
-  /// At least 1.
+  /// The number of changes, at least 1.
   [[nodiscard]] std::size_t changes() const { return times_.size(); }
   [[nodiscard]] std::uint64_t time(std::size_t change) const { return times_[change]; }
   [[nodiscard]] std::string value(std::size_t change) const;
-  /// The last change at or before a time; 0 for a time before the block.
+  /// The index of the last change at or before a time; 0 for a time before the block.
   [[nodiscard]] std::size_t at(std::uint64_t time) const;
   [[nodiscard]] std::size_t bytes() const;
 
@@ -36,16 +36,16 @@ class Track {
   bool text_;
   std::vector<std::uint64_t> times_;
   std::string values_;
-  std::vector<std::size_t> ends_;  ///< of texts
+  std::vector<std::size_t> ends_;  ///< ends of the texts
   std::string last_, before_;      ///< before_: the value at the end of the instant before
 };
 
-/// Times from and to, both within.
+/// A stretch of time, both ends included.
 struct Stretch {
   std::uint64_t begin, end;
 };
 
-/// The tracks of a file that were read last, as far as there is memory for them.
+/// A cache of the tracks of a file that were used last.
 class Tracks {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{400} << 20;
@@ -54,19 +54,20 @@ class Tracks {
   explicit Tracks(Trace& trace, std::size_t most_bytes = kMostBytes);
 
   [[nodiscard]] Trace& trace() const { return trace_; }
-  /// One behind the other from the begin to the end of the file. One may be several of the file.
+  /// The blocks in order, from the begin to the end of the file. One may join several blocks of the
+  /// file.
   [[nodiscard]] const std::vector<Stretch>& blocks() const { return blocks_; }
-  /// The block that a time is in; the nearest, if it is outside of the file.
+  /// The block of a time; the nearest block if the time is outside the file.
   [[nodiscard]] std::size_t block_of(std::uint64_t time) const;
 
   using Shared = std::shared_ptr<const Track>;
-  /// Null if it is not there.
+  /// A track, or null if it is not in the cache.
   [[nodiscard]] Shared find(std::uint32_t handle, std::size_t block);
-  /// Reads a block for these signals.
+  /// Reads the tracks of these signals in a block.
   void load(std::size_t block, const std::vector<std::uint32_t>& handles);
-  /// Reads it if it is not there.
+  /// A track, read if it is not in the cache.
   [[nodiscard]] Shared get(std::uint32_t handle, std::size_t block);
-  /// How many tracks were read, for tests.
+  /// The number of tracks read, for tests.
   [[nodiscard]] std::size_t loads() const { return loads_; }
 
  private:
@@ -80,10 +81,10 @@ class Tracks {
   Trace& trace_;
   std::size_t most_bytes_, bytes_ = 0, loads_ = 0;
   std::vector<Stretch> blocks_;
-  std::vector<unsigned> widths_;  ///< of handles; 0: text
-  std::vector<bool> events_;      ///< handles of events
+  std::vector<unsigned> widths_;  ///< by handle; 0: text
+  std::vector<bool> events_;      ///< by handle: whether it is an event
   std::map<Key, Kept> kept_;
-  std::list<Key> order_;  ///< the one that was used last first
+  std::list<Key> order_;  ///< the most recently used first
 };
 
 }  // namespace cde::wave::tui

@@ -49,7 +49,7 @@ Viewer::Row Viewer::row_of(View view) {
   const auto same = others_.find(view.signal.name);
   if (same == others_.end()) return row;
   const Signal& s = *same->second;
-  // Of another width it is compared as a whole: it differs.
+  // A signal of another width is compared as a whole, and differs.
   if (s.width != view.signal.width) {
     view.first = 0;
     view.width = s.width;
@@ -70,7 +70,7 @@ void Viewer::resize(std::size_t columns, std::size_t rows) {
   lay_out();
 }
 
-/// The widths of names and values, and what all names begin with.
+/// Sets the widths of names and values, and the common begin of all names.
 void Viewer::lay_out() {
   scope_ = 0;
   std::size_t name = 8, value = 6;
@@ -115,7 +115,7 @@ void Viewer::say(std::string text, bool error) {
   is_error_ = error;
 }
 
-/// Keeps the window within the file.
+/// Sets the window, kept within the file.
 void Viewer::set_window(std::uint64_t from, std::uint64_t span) {
   const std::uint64_t all = trace_.end() - trace_.start();
   span_ = all != UINT64_MAX ? std::clamp<std::uint64_t>(span, 1, all + 1)
@@ -123,7 +123,7 @@ void Viewer::set_window(std::uint64_t from, std::uint64_t span) {
   from_ = std::clamp(from, trace_.start(), trace_.end() - (span_ - 1));
 }
 
-/// Sets the cursor; the window follows if it is not there, with the cursor in its middle.
+/// Sets the cursor. If it is outside the window, the window moves, with the cursor in its middle.
 void Viewer::move_to(std::uint64_t time) {
   cursor_ = std::clamp(time, trace_.start(), trace_.end());
   if (cursor_ < from_ || cursor_ - from_ >= span_)
@@ -134,7 +134,7 @@ void Viewer::zoom(bool in) {
   before_ = Stretch{from_, span_};
   if (cursor_ < from_ || cursor_ - from_ >= span_)
     set_window(cursor_ - std::min(cursor_, span_ / 2), span_);
-  // So far that a unit of time has eight columns, no farther.
+  // Zooms in until a unit of time has eight columns.
   const std::uint64_t least = std::max<std::uint64_t>(1, wave_columns() / 8);
   std::uint64_t span = in                       ? std::max(span_ / 2, least)
                        : span_ > UINT64_MAX / 2 ? UINT64_MAX
@@ -148,7 +148,7 @@ void Viewer::zoom(bool in) {
   set_window(cursor_ - std::min(cursor_, part), span);
 }
 
-/// Moves the window, and the cursor with it.
+/// Moves the window together with the cursor.
 void Viewer::scroll(bool forward, std::size_t columns) {
   const std::uint64_t from = from_;
   const Scale now = scale();
@@ -171,7 +171,7 @@ std::optional<std::uint64_t> Viewer::cycle(std::uint64_t time) {
   return cycles_known_ ? times_.cycle(time) : std::nullopt;
 }
 
-/// Reads some of the signals, so many that it does not take long.
+/// Reads some of the signals, few enough to be quick.
 bool Viewer::load(Tracks& tracks, std::size_t block, const std::vector<std::uint32_t>& handles) {
   std::vector<std::uint32_t> some;
   for (const std::uint32_t h : handles)
@@ -191,7 +191,7 @@ const std::vector<Stretch>& Viewer::differences_of(Row& row, std::size_t block) 
   return found->second;
 }
 
-/// Of the window; true if there was something to do.
+/// Reads differences in the window. Returns true if there was something to do.
 bool Viewer::read_differences() {
   const std::size_t stop = std::min(list_.size(), top_ + rows_shown());
   for (std::size_t i = top_; i < stop; ++i) {
@@ -205,7 +205,7 @@ bool Viewer::read_differences() {
   return false;
 }
 
-/// A block of some of the signals that are on the screen: first what is under the cursor.
+/// Reads a block for some of the signals on the screen, first the block under the cursor.
 bool Viewer::read_piece() {
   const std::size_t stop = std::min(list_.size(), top_ + rows_shown());
   const Scale now = scale();

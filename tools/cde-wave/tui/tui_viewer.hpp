@@ -16,10 +16,10 @@
 #include "tui/tui_canvas.hpp"
 #include "tui/tui_rows.hpp"
 
-/// `cde wave tui` without its terminal: keys go in, a canvas comes out.
+/// The viewer of `cde wave tui`, without a terminal: it takes keys and draws a canvas.
 namespace cde::wave::tui {
 
-/// A character, or one of these, which are none.
+/// A character, or one of the keys below, which are not characters.
 using Key = char32_t;
 namespace key {
 inline constexpr Key kUp = 0x110000, kDown = 0x110001, kLeft = 0x110002, kRight = 0x110003,
@@ -27,13 +27,13 @@ inline constexpr Key kUp = 0x110000, kDown = 0x110001, kLeft = 0x110002, kRight 
                      kDelete = 0x110008, kBackspace = 0x110009, kF1 = 0x11000a,
                      kShiftLeft = 0x11000b, kShiftRight = 0x11000c, kEnter = U'\n', kEscape = 0x1b,
                      kTab = U'\t', kInterrupt = 0x03, kErase = 0x15,
-                     kOther = 0x1100ff;  ///< one that means nothing
+                     kOther = 0x1100ff;  ///< a key without a function
 }  // namespace key
 
-/// What a viewer begins with.
+/// The first state of a viewer.
 struct Begin {
-  std::string clock;  ///< signal whose edges are cycles; empty: the one that looks like it
-  Form form;          ///< of signals that are added
+  std::string clock;  ///< signal whose edges count cycles; empty: found by its name
+  Form form;          ///< default form of added signals
   bool ascii = false;
   Stretch window{};
   std::uint64_t cursor = 0;
@@ -44,22 +44,22 @@ class Viewer {
  public:
   static constexpr std::size_t kLeastColumns = 40, kLeastRows = 7;
 
-  /// The traces must outlive it; `other` may be null. Error kUsage.
+  /// The traces must outlive the viewer. `other` may be null. Error kUsage.
   Viewer(Trace& trace, Trace* other, Begin begin);
 
   void resize(std::size_t columns, std::size_t rows);
-  /// False ends the viewer.
+  /// Handles a key. Returns false to end the viewer.
   [[nodiscard]] bool press(Key key);
-  /// Reads a piece of what is to be seen, or searches a piece. False if nothing is left to do.
+  /// Reads or searches one piece. Returns false if there is nothing more to do.
   bool work();
-  /// A search goes on; keys wait for its end.
+  /// Whether a search is in progress; keys wait for its end.
   [[nodiscard]] bool searches() const { return static_cast<bool>(search_); }
   [[nodiscard]] Canvas draw();
 
   [[nodiscard]] std::uint64_t cursor() const { return cursor_; }
   [[nodiscard]] std::optional<std::uint64_t> second_cursor() const { return second_; }
   [[nodiscard]] const std::string& message() const { return message_; }
-  /// How many tracks were read of the file.
+  /// The number of tracks read from the file.
   [[nodiscard]] std::size_t loads() const { return tracks_.loads(); }
   [[nodiscard]] std::size_t blocks() const { return tracks_.blocks().size(); }
   [[nodiscard]] Stretch window() const { return {scale().from(), scale().to()}; }
@@ -68,11 +68,11 @@ class Viewer {
   struct Row {
     Wave wave;
     std::optional<Wave> other;
-    std::map<std::size_t, std::vector<Stretch>> differ;  ///< of the blocks that are looked at
+    std::map<std::size_t, std::vector<Stretch>> differ;  ///< by block: differences found so far
   };
   enum class Ask { kNothing, kTime, kName, kExpression, kForm, kKind, kList };
   enum class Show { kWaves, kHelp };
-  /// A piece of a search; true: it is over.
+  /// Does a piece of a search. Returns true at its end.
   using Search = std::function<bool()>;
   struct Found {
     std::uint64_t begin, end;
@@ -160,7 +160,7 @@ class Viewer {
   std::size_t columns_ = 80, rows_ = 24, names_ = 8, values_ = 8, scope_ = 0;
   std::size_t top_ = 0, chosen_ = 0;
   std::uint64_t from_, span_, cursor_;
-  std::optional<Stretch> before_;  ///< the window before it was zoomed
+  std::optional<Stretch> before_;  ///< the window before the last zoom
   std::optional<std::uint64_t> second_;
   bool beside_ = true, cycles_known_ = false, no_cycles_ = false;
   std::string message_;
@@ -169,20 +169,20 @@ class Viewer {
   Ask ask_ = Ask::kNothing;
   Show show_ = Show::kWaves;
   std::u32string typed_;
-  std::map<Ask, std::u32string> asked_;  ///< what was typed before
-  std::vector<std::size_t> listed_;      ///< signals that match
+  std::map<Ask, std::u32string> asked_;  ///< texts typed earlier
+  std::vector<std::size_t> listed_;      ///< matching signals
   std::size_t list_at_ = 0, help_top_ = 0;
 
   Search search_;
-  std::string searched_;  ///< what the search that goes on is for
+  std::string searched_;  ///< the text of the current search
   std::uint64_t progress_ = 0;
   std::deque<Key> waiting_;
   std::string name_, expression_, kind_;
   bool last_was_name_ = false;
   std::map<std::string, std::vector<Found>> transactions_;  ///< by kind
-  std::optional<std::size_t> transaction_;                  ///< the one that is shown
+  std::optional<std::size_t> transaction_;                  ///< index of the shown transaction
   std::string shown_kind_;
-  std::size_t batch_ = 4;  ///< signals that are read at once
+  std::size_t batch_ = 4;  ///< signals read at once
 };
 
 }  // namespace cde::wave::tui
