@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coverage of the RTL. A harness calls cde_write_coverage when it destroys its model: in a
-// bitstream built with CDE_RTL_COVERAGE=1 that writes the model's counters, in any other it does
-// nothing.
+// Coverage of the RTL. A harness calls cde_write_coverage when it destroys its model. In a model
+// built with CDE_RTL_COVERAGE=1 the call writes the model's counters; in any other it does nothing.
 #ifndef CDE_COVERAGE_H
 #define CDE_COVERAGE_H
 
@@ -16,8 +15,8 @@
 #include <cstdlib>
 #endif
 
-/// Writes $CDE_RTL_COVERAGE_DIR/KIND-CONFIG-PID-N.dat for verilator_coverage; without the variable,
-/// nothing.
+/// Writes $CDE_RTL_COVERAGE_DIR/KIND-CONFIG-PID-N.dat for verilator_coverage. Without the variable
+/// it writes nothing.
 inline void cde_write_coverage([[maybe_unused]] VerilatedContext* context,
                                [[maybe_unused]] const char* kind) {
 #ifdef CDE_RTL_COVERAGE

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host back end of rtl/fp (ARITH = "host"): the operation of one lane on the host's FPU,
+// The host back end of rtl/fp (ARITH = "host"): one lane's operation on the host's FPU,
 // bit-identical to the gates.
 //
-// Everything here is straight-line code, so that clang turns LANES calls into vector instructions.
-// fp32 and fp64 are native. A format of up to 10 exponent bits and p = 25 significand bits is
-// computed in double and rounded once more to the format; that second rounding is innocuous because
-// 53 >= 2p + 2. The others are computed in binary128 (113 >= 2p + 2), which is a call of the
-// compiler's library an operation. The FPU must be in its default mode (nearest even, no flush to
-// zero).
+// The code is straight-line, so that clang turns LANES calls into vector instructions. fp32 and
+// fp64 are native. A format of at most 10 exponent bits and p <= 25 significand bits is computed in
+// double and rounded once more to the format. This second rounding is innocuous because 53 >= 2p +
+// 2. Other formats are computed in binary128 (113 >= 2p + 2), with a library call per operation.
+// The FPU must be in its default mode (nearest even, no flush to zero).
 #pragma once
 #include <bit>
 #include <cfenv>
@@ -28,7 +27,7 @@ using cde::contract::Convert;
 using cde::contract::Exponent;
 using cde::contract::Sign;
 
-/// Codes are parameters of templates, as the models write them: plain numbers.
+/// Codes are plain numbers in template parameters, as the generated models write them.
 template <class Op>
 constexpr unsigned code(Op op) {
   return static_cast<unsigned>(op);
@@ -45,12 +44,12 @@ constexpr uint32_t kInexact = cde::kFpInexact, kUnderflow = cde::kFpUnderflow,
                    kOverflow = cde::kFpOverflow, kDivideByZero = cde::kFpDivideByZero,
                    kInvalid = cde::kFpInvalid;
 
-/// Choice by mask (all ones or all zeros), never a branch.
+/// Selects by mask (all ones or all zeros), without a branch.
 template <class U>
 inline U select(bool c, U t, U f) {
   return f ^ ((f ^ t) & (U{0} - U{c}));
 }
-/// How a type that formats are computed in is laid out.
+/// The bit layout of a type used for computation.
 template <class W>
 struct Layout;
 template <>
@@ -74,7 +73,7 @@ struct Format {
   static constexpr bool kSingle = E == 8 && M == 23, kDouble = E == 11 && M == 52;
   using Bits = std::conditional_t<(1 + E + M <= 32), uint32_t, uint64_t>;
   using Native = std::conditional_t<kSingle, float, double>;
-  /// In which an operation is innocuously rounded before it is rounded to the format.
+  /// The type in which rounding before the rounding to the format is innocuous.
   using Wide = std::conditional_t<kDouble || (E <= 10 && M <= 24), double, Quad>;
   static constexpr Bits kSign = Bits{1} << (E + M), kMag = kSign - 1, kFrac = (Bits{1} << M) - 1;
   static constexpr Bits kInf = kMag & ~kFrac, kQuiet = Bits{1} << (M - 1), kNan = kInf | kQuiet;
@@ -91,7 +90,7 @@ constexpr W exp2_const(int e) {
   return std::bit_cast<W>(typename L::Bits(e + L::kBias) << L::kFraction);
 }
 
-/// The exact value of a word, NaN included.
+/// The exact value of a word, including NaN.
 template <unsigned E, unsigned M>
 inline double decode(typename Format<E, M>::Bits a) {
   using F = Format<E, M>;
@@ -100,8 +99,8 @@ inline double decode(typename Format<E, M>::Bits a) {
   } else if constexpr (F::kDouble) {
     return std::bit_cast<double>(a);
   } else {
-    // Read as a double with the small format's exponent, then scale: exact, and subnormals
-    // normalise themselves.
+    // Read as a double with the small format's exponent, then scale. This is exact, and it
+    // normalises subnormals.
     const uint64_t mag = uint64_t(a & F::kMag) << (52 - M);
     const double scaled = std::bit_cast<double>(mag) * exp2_const(1023 - F::kBias);
     const double special = std::bit_cast<double>(mag | (uint64_t{2047} << 52));
@@ -110,7 +109,7 @@ inline double decode(typename Format<E, M>::Bits a) {
   }
 }
 
-/// A number rounded to the format, nearest even; NaN becomes the canonical NaN.
+/// A number rounded to the format, to nearest even. NaN becomes the canonical NaN.
 template <unsigned E, unsigned M, class W>
 inline typename Format<E, M>::Bits encode(W x) {
   using F = Format<E, M>;
@@ -129,8 +128,8 @@ inline typename Format<E, M>::Bits encode(W x) {
     const U odd = (mag >> kDrop) & 1;
     const U normal =
         ((mag + ((U{1} << (kDrop - 1)) - 1) + odd) >> kDrop) - (U(L::kBias - F::kBias) << M);
-    // Below the normal range the FPU rounds at the subnormal unit when a constant with that unit is
-    // added.
+    // Below the normal range, adding a constant with the subnormal unit makes the FPU round at that
+    // unit.
     constexpr W kMagic = exp2_const<W>(F::kEmin - int(M) + L::kFraction);
     const U sub = std::bit_cast<U>(std::bit_cast<W>(mag) + kMagic) - std::bit_cast<U>(kMagic);
     U r = select(mag < std::bit_cast<U>(exp2_const<W>(F::kEmin)), sub, normal);
@@ -190,8 +189,8 @@ inline Bits binary(Bits a, Bits b) {
   }
 }
 
-/// Rounding flags of a result r whose value before rounding is x (not itself rounded across a
-/// boundary).
+/// Rounding flags of a result r with the value x before rounding. x itself must not have been
+/// rounded across a boundary.
 template <unsigned E, unsigned M, class W, class Bits = typename Format<E, M>::Bits>
 inline uint32_t rounding_flags(Bits r, W x, bool inexact) {
   using F = Format<E, M>;
@@ -202,7 +201,7 @@ inline uint32_t rounding_flags(Bits r, W x, bool inexact) {
   return nx * kInexact | (nx & tiny) * kUnderflow | overflow * kOverflow;
 }
 
-/// Flags of fp64 come from the FPU itself (which detects tininess after rounding on x86).
+/// Flags of fp64 come from the FPU, which detects tininess after rounding on x86.
 template <class Op>
 inline uint32_t fpu_flags(double a, double b) {
   std::feclearexcept(FE_ALL_EXCEPT);
@@ -230,7 +229,7 @@ inline uint32_t binary_flags(Bits a, Bits b) {
     if constexpr (std::is_same_v<Op, Add> || std::is_same_v<Op, Sub>) {
       const W t = std::is_same_v<Op, Sub> ? -y : y, v = z - x;
       inexact = unsigned{w != z} | unsigned{(x - (z - v)) + (t - v) !=
-                                            0};  // Knuth's two-sum: the double sum may round too
+                                            0};  // Knuth's two-sum: the double sum may also round
     } else if constexpr (std::is_same_v<Op, Mul>) {
       inexact = w != z;  // the product of two significands fits a double
     } else if constexpr (std::is_same_v<Op, Div>) {
@@ -248,7 +247,7 @@ inline uint32_t binary_flags(Bits a, Bits b) {
   }
 }
 
-/// minimumNumber and maximumNumber: a number beats a NaN, -0 is below +0.
+/// minimumNumber and maximumNumber: a number is preferred to a NaN, and -0 is below +0.
 template <bool Max, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
 inline Bits minmax(Bits a, Bits b) {
   using F = Format<E, M>;
@@ -259,7 +258,8 @@ inline Bits minmax(Bits a, Bits b) {
   return select<Bits>((F::is_nan(a) & F::is_nan(b)) != 0, F::kNan, r);
 }
 
-/// One lane. Comparisons answer all ones or all zeros, false when either operand is NaN.
+/// One lane's operation. Comparisons return all ones or all zeros; they are false if an operand is
+/// NaN.
 template <unsigned C, unsigned E, unsigned M, bool Canonical = true,
           class Bits = typename Format<E, M>::Bits>
 inline Bits compute(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) {
@@ -284,9 +284,8 @@ inline Bits compute(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) 
     return minmax<is(C, FpOp::kMax), E, M>(a, b);
 }
 
-/// The same as a call. An operation in a format that the processor does not have is a hundred
-/// instructions, which in every place of a pipe would take the compiler a quarter of an hour
-/// (measured: triangle-obb in fp16, two lanes, over 18 minutes inlined).
+/// The same as an out-of-line call. In a format without native support an operation takes a hundred
+/// instructions, so inlining it everywhere would take very long to compile.
 template <unsigned C, unsigned E, unsigned M, bool Canonical, class Bits>
 [[gnu::noinline]] Bits call(Bits a, Bits b) {
   return compute<C, E, M, Canonical, Bits>(a, b);
@@ -301,7 +300,7 @@ inline Bits op(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) {
     return call<C, E, M, Canonical, Bits>(a, b);
 }
 
-/// Its flags. lt and le are signalling comparisons, eq is quiet.
+/// The operation's flags. lt and le are signalling comparisons; eq is quiet.
 template <unsigned C, unsigned E, unsigned M, class Bits = typename Format<E, M>::Bits>
 inline Bits flags(std::type_identity_t<Bits> a, std::type_identity_t<Bits> b) {
   using F = Format<E, M>;
@@ -374,8 +373,8 @@ inline Bits all_finite(Bits a, Bits b, Bits c) {
   return mask<Bits>(select<Bits>(xy > z, xy, z) < F::kInf);
 }
 
-/// rtl/fp/fp_range.sv: whether a word, or with Signed its bits as they are, lies between two powers
-/// of two, given by their exponents as they stand in a word.
+/// rtl/fp/fp_range.sv: whether a word's magnitude lies between two powers of two. With Signed it
+/// compares the bits including the sign. The exponents are given as in a word.
 template <unsigned E, unsigned M, bool Signed, unsigned Least, unsigned Most, class Bits>
 inline Bits within(Bits a) {
   const Bits x = Signed ? a : a & Format<E, M>::kMag;
@@ -396,7 +395,7 @@ inline Bits exponent(Bits a, Bits b) {
     return (moved & F::kMag & ~gone) | (least & gone) | (a & F::kSign);
   }
 }
-/// kDown and kUp, k the exponent of a, stored at least as Least.
+/// Operations kDown and kUp. k is the exponent of a, at least Least as stored.
 template <unsigned C, unsigned E, unsigned M, unsigned Least, class Bits>
 inline Bits shift(Bits a) {
   using F = Format<E, M>;
@@ -412,8 +411,8 @@ constexpr Bits power_of_two(int e) {
   return biased > 0 ? Bits(biased) << M : down >= 0 ? Bits{1} << down : Bits{};
 }
 
-/// rtl/pipes/ray_box.sv and triangle_bounds.sv for one lane, if it is met at all: nearly no lane
-/// is, and what is asked of none of them costs nothing. v: the triangle's words, three a vertex.
+/// rtl/pipes/ray_box.sv and triangle_bounds.sv for one lane. The caller calls it only if a lane is
+/// hit, which is rare. v: the triangle's words, three per vertex.
 template <unsigned E, unsigned M, class Bits>
 [[gnu::noinline]] Bits in_box(Bits met, const Bits (&td)[3], const Bits (&p)[3],
                               const Bits (&v)[9]) {
@@ -464,8 +463,9 @@ inline Bits in_box(Bits met, Bits td0, Bits td1, Bits td2, Bits p0, Bits p1, Bit
 template <unsigned N>
 using Word = std::conditional_t<N == 32, uint32_t, uint64_t>;
 
-/// An integer as a number that formats are computed in. A double of more than 53 bits is rounded to
-/// odd at a bit that leaves 43 or more: rounding that to at most 25 bits is innocuous.
+/// An integer as a number in the type used for computation. A double with more than 53 bits is
+/// rounded to odd at a bit that leaves at least 43 bits. Rounding that to at most 25 bits is
+/// innocuous.
 template <unsigned N, bool Unsigned, class W>
 inline W from_integer(Word<N> a) {
   const bool minus = !Unsigned && (a >> (N - 1)) != 0;
@@ -475,8 +475,8 @@ inline W from_integer(Word<N> a) {
   return minus ? -x : x;
 }
 
-/// Conversions: format E, M to format P, Q; integer of P bits to E, M; E, M to integer of P bits. Q
-/// of the integer kinds: bit 0 unsigned, bit 1 truncate.
+/// Conversions: format E, M to format P, Q; integer of P bits to E, M; E, M to integer of P bits.
+/// For integers, Q has bit 0 for unsigned and bit 1 for truncate.
 template <unsigned C, unsigned E, unsigned M, unsigned P, unsigned Q, class B>
 inline auto convert(B a) {
   if constexpr (is(C, Convert::kFormat)) {

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host back end of rtl/hierarchy: a node against a query, eight children at once.
+// The host back end of rtl/hierarchy: tests a BVH node against a query, eight children at once.
 #pragma once
 #include "host_fp.h"
 
 namespace host_fp {
 
-/// What will be read soon, from memories that the processor's caches may not hold.
+/// Prefetches an object from memory that may not be in the processor's caches.
 template <class T>
 inline void expect(const T& object) {
   const char* const at = reinterpret_cast<const char*>(&object);
   __builtin_prefetch(at);
   if (sizeof object > 64) __builtin_prefetch(at + sizeof object - 1);
 }
-/// rtl/hierarchy/node_unit.sv: children that are met, in order.
+/// rtl/hierarchy/node_unit.sv: the children that are hit, in order.
 struct NodeVisit {
-  uint32_t order;      ///< three bits each, and above them how many are met
-  uint64_t low, high;  ///< what they are left out by, 16 bits each: the first four, the others
+  uint32_t order;      ///< three bits per child; above them the number of children hit
+  uint64_t low, high;  ///< culling keys, 16 bits each: low holds the first four
 };
-/// A word a child. Passed by reference: in which registers else depends on the processor.
+/// One word per child. Passed by reference: the registers for passing by value depend on the
+/// processor.
 using Children = int32_t __attribute__((vector_size(32)));
 using ChildrenBits = uint32_t __attribute__((vector_size(32)));
 using ChildrenFloat = float __attribute__((vector_size(32)));
@@ -35,12 +36,12 @@ inline Word sum(const Vector& x) {
   quarter[0] += quarter[1];
   return quarter[0][0] + quarter[0][1];
 }
-/// Words of numbers as integers in their order, and back; -0 is below 0.
+/// Converts words of numbers to integers of the same order, and back. -0 is below 0.
 template <class Signed, class Bits>
 inline void turn(Signed& x) {
   x ^= (Signed)((Bits)(x >> 31) >> 1);
 }
-/// base + byte * unit in that order, where a NaN is what loses.
+/// base + byte * unit in that order. A NaN becomes `loser`.
 [[gnu::always_inline]] inline void along(Children& r, uint64_t bytes, float unit, float base,
                                          int32_t loser) {
   using Bytes = uint8_t __attribute__((vector_size(8)));
@@ -56,7 +57,7 @@ inline void turn(Signed& x) {
 [[gnu::always_inline]] inline NodeVisit node_visit(const uint32_t (&node)[18],
                                                    const uint32_t (&ray)[9], uint32_t floor,
                                                    uint32_t limit, uint32_t asked) {
-  const bool solid = (asked & 2) != 0;  // and bit 0: farthest
+  const bool solid = (asked & 2) != 0;  // bit 0: farthest
   constexpr int32_t kLeast = INT32_MIN, kMost = INT32_MAX, kNan = Format<8, 23>::kNan;
   constexpr int32_t kInfinite = Format<8, 23>::kInf;
   const Children number = {0, 1, 2, 3, 4, 5, 6, 7};

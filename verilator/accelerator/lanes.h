@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// CDE_LANE_WORDS lanes at a time, 8 or 16: the vector statements that `reroll` writes. Operations
-// of host_fp.h on vectors of 32-bit words, lane by lane the bits of the scalar ones.
+// Vector statements that `reroll` writes, for CDE_LANE_WORDS lanes at a time (8 or 16). They are
+// the operations of host_fp.h on vectors of 32-bit words. Each lane gives the bits of the scalar
+// operation.
 #pragma once
 #include "host_nodes.h"
 #include "triggers.h"
 
-/// One instruction, where Verilator has a dozen.
+/// One instruction instead of Verilator's dozen.
 #define VL_COUNTONES_I(word) IData(__builtin_popcount(word))
 
 namespace lanes {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The trigger vector of the generated model, one bit a clock in one word, in place of Verilator's
-/// array of bools: that one is written a byte at a time and read several at a time, which stalls
-/// the processor at every evaluation (measured: a third of the time spent in eval(), 30 of 560 ns a
-/// clock of a 64-lane board).
+/// The trigger vector of the generated model: one bit per clock, in one word. It replaces
+/// Verilator's array of bools, which is written a byte at a time and read several at a time. Such
+/// reads stall the processor in every evaluation.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -40,7 +39,7 @@ class VlTriggerVec final {
   std::uint64_t word_ = 0;
 };
 
-/// A read that the compiler does not join with those beside it.
+/// A read that the compiler does not combine with adjacent reads.
 template <class T>
 T read_alone(const T& variable) {
   return *static_cast<const volatile T*>(&variable);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What reroll_waves makes of Verilator's code for waves: lanes that lie side by side, declared or
-/// dumped by one call.
+/// Calls that reroll_waves writes: each declares or dumps a run of adjacent lanes.
 #pragma once
 #include <string>
 
@@ -8,7 +7,7 @@
 
 namespace waves {
 
-/// `count` lanes from number `first` on, the first of them with code `code`.
+/// Declares `count` lanes from number `first` on. The first lane has code `code`.
 inline void declare(VerilatedFst* tracep, uint32_t code, unsigned first, unsigned count,
                     fstVarDir direction, fstVarType type, bool array, int array_number, int msb,
                     int lsb) {
@@ -18,13 +17,13 @@ inline void declare(VerilatedFst* tracep, uint32_t code, unsigned first, unsigne
   }
 }
 
-/// What changed of `count` words of 32 bits.
+/// Dumps the changes of `count` words of 32 bits.
 [[gnu::noinline]] inline void chg(VerilatedFst::Buffer* bufp, uint32_t* oldp, const IData* words,
                                   unsigned count) {
   for (unsigned i = 0; i < count; ++i) bufp->chgIData(oldp + i, words[i], 32);
 }
 
-/// All of them.
+/// Dumps all of the words.
 [[gnu::noinline]] inline void full(VerilatedFst::Buffer* bufp, uint32_t* oldp, const IData* words,
                                    unsigned count) {
   for (unsigned i = 0; i < count; ++i) bufp->fullIData(oldp + i, words[i], 32);

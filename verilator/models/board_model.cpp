@@ -17,7 +17,7 @@
 
 namespace {
 
-/// One card: the Verilated board, its clock and the chips around it.
+/// One card: the Verilated board, its clock, and the chips around it.
 class Card {
  public:
   explicit Card(const cde_board_options& o)
@@ -37,7 +37,7 @@ class Card {
   }
   ~Card() {
     trace_close();
-    // A thread remembers the context it served last, which may be that of a card long gone.
+    // A thread remembers the context that it used last, which may belong to a destroyed card.
     Verilated::threadContextp(context_.get());
     model_->final();
     cde_write_coverage(context_.get(), "board");
@@ -113,7 +113,7 @@ class Card {
     return 0;
   }
 
-  /// One clock. Inputs were set by the caller; returns whether the bus beat on offer was taken.
+  /// Runs one clock with the caller's inputs. Returns whether the card took the offered bus beat.
   bool tick() {
     chips_.before(*model_);
     model_->clk_i = 0;

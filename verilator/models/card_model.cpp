@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harness of the `card` top module: the host on the PCI side, DDR and SRAM chips on the other.
-// Exports the C interface of abi_pci.h.
+// Harness of the `card` top module: the host on the PCI side, and DDR and SRAM chips on the other
+// side. Exports the C interface of abi_pci.h.
 #include "cde/contract/records.hpp"
 #include "cde/contract/registers.hpp"
 #include "chips.h"
@@ -8,7 +8,7 @@
 
 namespace {
 
-/// The chips, and the back doors to them.
+/// The chips, and the harness's direct access to them.
 class BoardSide {
  public:
   static constexpr const char* kKind = "card";
@@ -19,7 +19,7 @@ class BoardSide {
   void before(Vmodel& m) { chips_.before(m); }
   void at(Vmodel& m) { chips_.at(m); }
   void after(Vmodel& m) { chips_.after(m); }
-  void interrupt(bool) {}  // the board has its own
+  void interrupt(bool) {}  // the board has its own interrupt
   [[nodiscard]] const cde_memory_counters& counters() const { return chips_.counters(); }
   bool hang(uint32_t clocks) {
     chips_.hang(clocks);

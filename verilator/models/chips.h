@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The memory chips of the board: DDR and SRAM on the ports of board.sv.
+// The memory chips of the board: DDR and SRAM at the ports of board.sv.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,11 +11,11 @@
 #include "parameters.h"
 #include "sparse_memory.h"
 
-/// Called around every clock of the core, in this order: before(), the clock falls, at(), the clock
-/// rises, after().
+/// Called around every cycle of the core, in this order: before(), falling edge, at(), rising edge,
+/// after().
 class Chips {
  public:
-  /// `memory` is CDE_MEMORY_*; the ideal one has a latency in clocks.
+  /// `memory` is CDE_MEMORY_*. The ideal memory has a fixed latency in clocks.
   Chips(uint32_t memory, uint32_t ddr_latency, uint32_t clock_period_ps)
       : ideal_(memory == CDE_MEMORY_IDEAL),
         latency_(ddr_latency),
@@ -28,16 +28,17 @@ class Chips {
     asked_ = answered_;
     if (hang_ == kUntilReset) hang_ = 0;
   }
-  /// DDR gives no data for so many clocks, all ones: until reset. What is asked for comes later.
+  /// Stops DDR's answers for so many clocks; all ones: until reset. Requests made meanwhile are
+  /// answered afterwards.
   void hang(uint32_t clocks) { hang_ = clocks; }
-  [[nodiscard]] uint64_t hung() const { return hung_; }  // clocks, so far
+  [[nodiscard]] uint64_t hung() const { return hung_; }  // clocks so far
   SparseMemory& ddr() { return ddr_; }
-  /// Check bits of DDR, a byte a word; null where there are none.
+  /// Check bits of DDR, one byte per word; null without ECC.
   SparseMemory* check() { return kEcc ? &check_ : nullptr; }
   SparseMemory& sram() { return sram_; }
   [[nodiscard]] const cde_memory_counters& counters() const { return timing_.counters(); }
 
-  /// What DDR answers in this clock was asked for earlier.
+  /// Supplies DDR's answer of this cycle to an earlier request.
   void before(Vmodel& m) {
     ++clock_;
     m.ddr_valid_i = 0;
@@ -56,7 +57,7 @@ class Chips {
       if (const uint8_t* p = check_.at(oldest.word, kDdrWords))
         std::memcpy(&m.ddr_check_i, p, kDdrWords);
   }
-  /// Whether the card asks DDR for this word now.
+  /// Whether the card requests this DDR word now.
   [[nodiscard]] static bool asks(const Vmodel& m, uint64_t word) {
     return m.ddr_read_o && word - m.ddr_read_word_o < kDdrWords;
   }
@@ -79,7 +80,7 @@ class Chips {
   }
 
  private:
-  /// A beat that the card has asked for, and the clock from which on it is there.
+  /// A requested beat, and the first clock at which its data are ready.
   struct Read {
     uint64_t due = 0, word = 0;
   };
@@ -91,13 +92,13 @@ class Chips {
   }
 
   static constexpr unsigned kDdrWords = cde::card::kDdrWords;
-  static constexpr uint64_t kReads = 256;  // more than the card asks for ahead
+  static constexpr uint64_t kReads = 256;  // more than the card requests ahead
   static constexpr uint64_t kWordBytes = sizeof(Vmodel::ddr_data_i) / kDdrWords;
   static constexpr uint32_t kUntilReset = ~0u;
   static constexpr uint64_t kDdrBytes = 2'000'000'000;
   static constexpr uint64_t kSramBytes = cde::card::kRecordWords * 2097152;
   static constexpr uint64_t kRecord = sizeof(Vmodel::sram_write_data_o);
-  static constexpr bool kEcc = parameter("ECC", 0) != 0;  // a byte of check bits a word
+  static constexpr bool kEcc = parameter("ECC", 0) != 0;  // one byte of check bits per word
   const bool ideal_;
   const uint64_t latency_, period_ps_;
   DdrTiming timing_;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// When a DDR SDRAM answers: two 1 GB modules of DDR-400 side by side, 144 bits wide, open pages.
-// Times are picoseconds of the card's own time; requests are served in order, each as soon as its
-// bank and the data bus allow, so a bank opens its row while another one's data are on the bus.
-// The parameters are those of JEDEC's DDR-400B speed bin (3-3-3) and of 512 Mbit chips (JESD79);
-// kController is assumed.
+// Timing of reads from DDR SDRAM: two 1 GB modules of DDR-400 side by side, 144 bits wide, with
+// open pages. Times are picoseconds of the card's own time. Requests are served in order, each as
+// soon as its bank and the data bus allow. So a bank opens its row while another bank's data are on
+// the bus. The parameters are those of JEDEC's DDR-400B speed bin (3-3-3) and of 512 Mbit chips
+// (JESD79). kController is an assumption.
 //
-// Writes cost nothing here: while the card runs a pass its DDR is not written, and what the host
-// writes, 8 bytes a core clock at most, is a ninth of what the modules take.
+// Writes take no time here. The DDR is not written during a pass, and the host writes at most 8
+// bytes per core clock, a ninth of the modules' rate.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@
 
 class DdrTiming {
  public:
-  /// When the data of this read are at the card's pins; later than those of all reads before it.
+  /// When the data of this read are at the card's pins. Data arrive in the order of the reads.
   uint64_t read(uint64_t now, uint64_t byte, uint64_t bytes) {
     const uint64_t arrived = now + kController;
     for (uint64_t burst = byte / kBurstBytes; burst * kBurstBytes < byte + bytes; ++burst)
@@ -27,17 +27,17 @@ class DdrTiming {
   [[nodiscard]] const cde_memory_counters& counters() const { return counters_; }
 
  private:
-  static constexpr uint64_t kClock = 5'000;        // 200 MHz, two transfers a clock
-  static constexpr uint64_t kBurstBytes = 72;      // 4 transfers of 18 bytes
-  static constexpr uint64_t kBurst = 2 * kClock;   // on the data bus
-  static constexpr uint64_t kRowBytes = 36'864;    // 2,048 columns of 18 bytes
-  static constexpr uint64_t kBanks = 8;            // 2 ranks of 4; rows go round them
-  static constexpr uint64_t kRcd = 15'000;         // row opened to read
-  static constexpr uint64_t kRp = 15'000;          // precharge
-  static constexpr uint64_t kCas = 15'000;         // read to data
-  static constexpr uint64_t kRas = 40'000;         // a row stays open at least
-  static constexpr uint64_t kRfc = 70'000;         // refresh
-  static constexpr uint64_t kRefi = 7'812'500;     // from refresh to refresh
+  static constexpr uint64_t kClock = 5'000;       // 200 MHz, two transfers per clock
+  static constexpr uint64_t kBurstBytes = 72;     // 4 transfers of 18 bytes
+  static constexpr uint64_t kBurst = 2 * kClock;  // on the data bus
+  static constexpr uint64_t kRowBytes = 36'864;   // 2,048 columns of 18 bytes
+  static constexpr uint64_t kBanks = 8;     // 2 ranks of 4; consecutive rows use consecutive banks
+  static constexpr uint64_t kRcd = 15'000;  // from opening a row to a read
+  static constexpr uint64_t kRp = 15'000;   // precharge
+  static constexpr uint64_t kCas = 15'000;  // from a read to its data
+  static constexpr uint64_t kRas = 40'000;  // least time that a row stays open
+  static constexpr uint64_t kRfc = 70'000;  // refresh
+  static constexpr uint64_t kRefi = 7'812'500;     // between refreshes
   static constexpr uint64_t kController = 40'000;  // request and data through the controller
   static constexpr uint64_t kNone = ~0ull;
 
@@ -57,7 +57,7 @@ class DdrTiming {
       bank.opened = command;
       command += kRcd;
     }
-    // The next read of the bank may follow as soon as this one's burst is through.
+    // The bank's next read may follow once this read's burst has ended.
     command = std::max(command, data_end_ < kCas ? 0 : data_end_ - kCas);
     bank.ready = command + kBurst;
     data_end_ = command + kCas + kBurst;
@@ -65,8 +65,8 @@ class DdrTiming {
     ++counters_.bursts;
   }
 
-  /// Refreshes that are due go first and close all rows. Those of a memory that nobody asked
-  /// anything in the meantime are over, and only the last one can still be in the way.
+  /// Due refreshes go first and close all rows. Refreshes during an idle time are over, and only
+  /// the last one can still delay a read.
   void refresh(uint64_t now) {
     if (now < next_refresh_) return;
     const uint64_t due = next_refresh_ + (now - next_refresh_) / kRefi * kRefi;
@@ -77,7 +77,7 @@ class DdrTiming {
   }
 
   std::array<Bank, kBanks> banks_ = {};
-  std::array<uint64_t, 2> held_ = {kNone, kNone};  // bursts in the controller
+  std::array<uint64_t, 2> held_ = {kNone, kNone};  // bursts held in the controller
   uint64_t data_end_ = 0, next_refresh_ = kRefi;
   cde_memory_counters counters_ = {};
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harness of the `fp_unit` top module: clocks the operation that is asked for and no other. Exports
-// the C interface of abi_fp.h.
+// Harness of the `fp_unit` top module: clocks only the requested operation. Exports the C interface
+// of abi_fp.h.
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -26,8 +26,8 @@ constexpr uint32_t code(FpOp op) {
 
 constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23),
                    kLanes = parameter("LANES", 16), kBLanes = parameter("B_LANES", kLanes);
-// Operations a clock. Where all lanes share one b it is one operation, in a lane that moves on
-// every clock, while the other lanes keep operands of earlier clocks.
+// Operations per cycle. If all lanes share one b, it is one operation, in a lane that changes every
+// cycle, while the other lanes keep earlier operands.
 constexpr unsigned kRow = kBLanes == kLanes ? kLanes : 1;
 constexpr uint32_t kOps = uint32_t(parameter("OPS", -1)) & (~0u >> (32 - cde::kFpOps));
 constexpr unsigned kArithmetic = cde::kFpArithmetic;
@@ -55,8 +55,8 @@ bool comparison(uint32_t op) {
 }  // namespace
 
 struct cde_fp_unit {
-  // Ports are little-endian words whatever C++ type Verilator gives them, so lane l of width W lies
-  // at byte l * W / 8.
+  // Verilator's C++ types of ports are little-endian words, so lane l of width W is at byte l * W /
+  // 8.
   VerilatedContext context;
   Vmodel model{&context, "fp_unit"};
   Container* a = reinterpret_cast<Container*>(&model.a_i);
@@ -72,7 +72,7 @@ struct cde_fp_unit {
     model.eval();
   }
   ~cde_fp_unit() {
-    Verilated::threadContextp(&context);  // the thread may remember that of a unit long gone
+    Verilated::threadContextp(&context);  // the thread may remember a destroyed unit's context
     model.final();
     cde_write_coverage(&context, "fp_unit");
   }
@@ -85,7 +85,7 @@ struct cde_fp_unit {
     model.clk_i = 0;
     model.eval();
   }
-  /// Lane of the first operation of a row.
+  /// Lane of a row's first operation.
   static uint64_t first_lane(uint64_t row) { return row * kRow % kLanes; }
 
   void set(uint32_t op, uint64_t row, const uint64_t* pa, const uint64_t* pb, uint64_t count) {
@@ -105,7 +105,7 @@ struct cde_fp_unit {
       if (comparison(op))
         pr[l] = pr[l] == Container(~Container{0})
                     ? 1
-                    : pr[l];  // anything but a clean mask stays visible
+                    : pr[l];  // a mask that is neither all ones nor zero stays visible
       if (pf != nullptr) pf[l] = uint8_t(op < kArithmetic ? f[at] : g[at]);
     }
   }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verilator's writer of FST files, as it is but for four things: it looks at no result of what it
-// writes, it maps temporary files into memory, which ends the process with SIGBUS where their disk
-// is full, it leaves no comments, and it writes all signals (or ends in an invalid access, where
-// dumpvars() leaves some out). Here failures are noted for wave_file.h, what is temporary lies in
-// memory, and there are comments and selections.
+// Verilator's writer of FST files, with four changes. It notes failed writes for wave_file.h. It
+// keeps temporary files in memory, since mapping them would end the process with SIGBUS on a full
+// disk. It can write comments. It can write a selection of signals, for which Verilator's
+// dumpvars() may make an invalid access.
 #include "verilated_fst_c.h"
 
 #include <errno.h>
@@ -82,8 +81,8 @@ int checked_close(FILE* file) {
   return noted(failed || result != 0, result);
 }
 
-/// Reading or writing where a mapped file has no bytes would end the process: a file that is
-/// shorter than it should be, because it could not grow, is replaced by memory.
+/// Accessing a mapped file beyond its bytes would end the process. A file that could not grow is
+/// too short, and memory replaces it.
 void* checked_map(size_t length, int protection, int flags, int fd) {
   struct stat s = {};
   const bool too_short = fstat(fd, &s) != 0 || static_cast<size_t>(s.st_size) < length;
@@ -92,7 +91,7 @@ void* checked_map(size_t length, int protection, int flags, int fd) {
   return noted(too_short || memory == MAP_FAILED, memory);
 }
 
-/// Leaves out what nobody asked for: its scopes are written when a signal in them is.
+/// Leaves out unselected signals. A scope is written when a signal in it is.
 class Selection {
  public:
   explicit Selection(const char* patterns = "") {
@@ -100,7 +99,8 @@ class Selection {
     for (std::string line; std::getline(lines, line);) {
       std::string pattern;
       for (const char c : line) {
-        if (c == '[' || c == '\\') pattern += '\\';  // fnmatch knows more than * and ?
+        if (c == '[' || c == '\\')
+          pattern += '\\';  // fnmatch treats more characters than * and ? as special
         pattern += c;
       }
       patterns_.push_back({pattern, "*." + pattern});
@@ -116,8 +116,8 @@ class Selection {
     path_.pop_back();
   }
   void names(void*, fstEnumHandle table) { table_ = table; }
-  /// A signal that is left out has a handle above all others, which the library does not write; an
-  /// alias of it may be wanted nevertheless.
+  /// A signal that is left out gets a handle above all others, which the library does not write. An
+  /// alias of it may still be selected.
   fstHandle declare(void* file, fstVarType type, fstVarDir direction, uint32_t bits,
                     const char* name, fstHandle alias) {
     const fstEnumHandle table = std::exchange(table_, 0);
@@ -137,13 +137,13 @@ class Selection {
     if (same == 0) same = handle;
     return handle;
   }
-  /// What is written for a signal once all have been declared.
+  /// The handle to write for a signal, once all signals are declared.
   [[nodiscard]] fstHandle resolved(fstHandle handle) const {
     if (handle <= kLeftOut / 2) return handle;
     const fstHandle alias = aliases_[kLeftOut - handle];
     return alias != 0 ? alias : kLeftOut;
   }
-  /// The first pattern that names nothing, or -1.
+  /// The first pattern that matches nothing, or -1.
   [[nodiscard]] int without_effect() const {
     for (std::size_t i = 0; i < patterns_.size(); ++i)
       if (!patterns_[i].used) return static_cast<int>(i);
@@ -164,7 +164,7 @@ class Selection {
   [[nodiscard]] bool inside() const {
     return patterns_.empty() || (!path_.empty() && path_.back().wanted);
   }
-  /// Whether a pattern names the scope that was entered last, or a signal in it.
+  /// Whether a pattern matches the last entered scope, or a signal in it.
   bool named(const std::string& signal) {
     if (patterns_.empty()) return true;
     std::string name;
@@ -182,7 +182,7 @@ class Selection {
 
   std::vector<Pattern> patterns_;
   std::vector<Scope> path_;
-  std::vector<fstHandle> aliases_;  // of signals that were left out: one that was not, or 0
+  std::vector<fstHandle> aliases_;  // for signals left out: a selected alias, or 0
   fstEnumHandle table_ = 0;
 };
 thread_local Selection selection;
@@ -200,8 +200,8 @@ thread_local Selection selection;
 #define mmap(address, length, protection, flags, fd, offset) \
   checked_map(length, protection, flags, fd)
 
-// What the writer declares goes through the selection. The first argument tells its calls (m_fst)
-// from the definitions in the library of FST, which it includes and which shall stay as they are.
+// Redirects the writer's declarations to the selection. The first argument distinguishes its calls
+// (m_fst) from the definitions in the included FST library, which must stay unchanged.
 #define fstWriterSetScope(file, ...) SET_SCOPE_##file, __VA_ARGS__)
 #define SET_SCOPE_void fstWriterSetScope(void
 #define SET_SCOPE_m_fst selection.enter(m_fst
@@ -223,7 +223,7 @@ thread_local Selection selection;
 
 namespace {
 
-// What the writer of FST keeps is private; an explicit instantiation may name it.
+// The FST writer's context is private; an explicit instantiation may name it.
 void* context_of(VerilatedFst& writer);
 fstHandle*& handles_of(VerilatedFst& writer);
 uint32_t codes_of(VerilatedFst& writer);
@@ -243,15 +243,15 @@ void comment_waves(VerilatedFstC& file, const char* text) {
 }
 
 int open_waves(VerilatedFstC& file, const char* path, const char* patterns) {
-  // Handles are those of the file that was open before, which may have had other signals.
+  // The handles belong to the last file, which may have had other signals.
   fstHandle*& handles = handles_of(*file.spTrace());
   delete[] handles;
   handles = nullptr;
   selection = Selection(patterns);
   file.open(path);
   if (!file.isOpen()) return -1;
-  // Changes are packed and written a block at a time, the last block where the file is closed. A
-  // block of 128 MB, which the library begins with, takes seconds.
+  // Changes are packed and written in blocks, the last one when the file is closed. The library's
+  // default block of 128 MB takes seconds to pack.
   static_cast<fstWriterContext*>(context_of(*file.spTrace()))->fst_break_size = std::size_t{1}
                                                                                 << 24;
   for (uint32_t code = 0; code < codes_of(*file.spTrace()); ++code)

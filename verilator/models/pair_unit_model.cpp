@@ -14,7 +14,7 @@
 #include "verilated.h"
 #include "wave_file.h"
 
-/// An operator that the model has told of.
+/// An operator that the model has reported.
 struct Operator {
   std::string path;
   uint32_t operation, latency;
@@ -28,7 +28,7 @@ struct cde_pair_unit {
   cde_pair_progress progress{};
   uint32_t budget = 0x080808;
   std::vector<Operator> operators;
-  std::vector<cde_pair_operator> shown;  // the same, in C
+  std::vector<cde_pair_operator> shown;  // the same operators for C
   void (*seen)(void*, uint32_t, uint64_t, uint64_t, uint64_t, uint64_t) = nullptr;
   void* seen_context = nullptr;
 
@@ -51,7 +51,7 @@ struct cde_pair_unit {
     model->budget_i = budget;
     for (int i = 0; i < 4; ++i) tick();
     model->rst_i = 0;
-    model->eval();  // the waves have this time already
+    model->eval();  // the waves already have this time
   }
 
   void eval() {
@@ -70,7 +70,7 @@ struct cde_pair_unit {
 
   int trace_open(const cde_trace& what) {
     const int opened = waves.open(*context, *model, what, 2 * clocks);
-    waves.dump(2 * clocks + model->clk_i);  // so that the first rising edge is one
+    waves.dump(2 * clocks + model->clk_i);  // makes the first rising edge visible
     return opened;
   }
   int trace_close() { return waves.close(); }
@@ -83,8 +83,8 @@ constexpr size_t kWord = sizeof(Vmodel::t_o) / kLanes;
 constexpr size_t kAWords = sizeof(Vmodel::a_i) / (kWord * kLanes);
 constexpr size_t kBWords = sizeof(Vmodel::b_i) / (kWord * kLanes);
 
-/// Operand words of up to a row of pairs into a port of [word][lane]. Lanes without a pair keep
-/// what they had.
+/// Writes operand words of up to a row of pairs into a port of [word][lane]. Lanes without a pair
+/// keep their words.
 void scatter(void* port, const uint8_t* from, size_t words, uint64_t pairs) {
   auto* to = static_cast<uint8_t*>(port);
   for (uint64_t lane = 0; lane < pairs; ++lane)
@@ -121,11 +121,11 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
   cde_pair_progress& seen = unit->progress = {};
   uint64_t& in = seen.taken;
   uint64_t& got = seen.answered;
-  uint64_t last = start;  // clock since which nothing went on
-  bool offered = false;   // a row stands at the mouth until it is taken
+  uint64_t last = start;  // clock of the last progress
+  bool offered = false;   // a row waits at the input port until it is taken
   uint32_t wait = rows != 0 && gap != nullptr ? gap(gap_context) : 0;
   while (got < rows) {
-    // Results of the row that entered a latency ago are there before the clock that takes the next.
+    // Results of the row that entered one latency ago precede the clock that takes the next row.
     if (m.valid_o) {
       seen.disordered = m.tag_o != static_cast<uint32_t>(got) || got == in;
       if (seen.disordered != 0) return CDE_PAIR_STUCK;
@@ -148,7 +148,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
       wait = in < rows && gap != nullptr ? gap(gap_context) : 0;
     } else if (wait != 0) {
       --wait;
-      if (got == in) last = unit->clocks;  // nothing to wait for but the gap
+      if (got == in) last = unit->clocks;  // waits only for the gap
     }
     seen.clock = last - start;
     if (unit->clocks - last > CDE_PAIR_PATIENCE) return CDE_PAIR_STUCK;
@@ -197,7 +197,7 @@ const cde_pair_api kApi = {
 }  // namespace
 
 #ifdef CDE_TAP
-// What rtl/simulated/operator_tap.sv calls. All operators of a unit are there after its first
+// Called by rtl/simulated/operator_tap.sv. All operators of a unit have called it after the first
 // clock.
 extern "C" int cde_tap_open(const char* path, int operation, int latency) {
   cde_pair_unit& unit = *cde_pair_unit::evaluated;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parameters of the bitstream being built, as the builder writes them.
+// The parameters of the simulation model being built, as the builder writes them.
 #pragma once
 #include <cstddef>
 #include <string_view>
@@ -8,7 +8,7 @@ constexpr char kParameters[] =
 #include "params.inc"
     ;
 
-/// Value of a numeric parameter of this bitstream, or what the top module defaults to.
+/// Value of a numeric parameter of this model, or else `otherwise`, the top module's default.
 constexpr long parameter(std::string_view name, long otherwise) {
   const std::string_view all = kParameters;
   for (size_t at = 0; at < all.size(); at = all.find('\n', at) + 1) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The C interface of abi_pci.h over a pci::Bus<Local>.
+// Implements the C interface of abi_pci.h with a pci::Bus<Local>.
 #pragma once
 #include <cstring>
 #include <new>
@@ -27,7 +27,7 @@ struct Api {
     return card(p).mmio(kMemoryRead, offset, static_cast<uint32_t*>(data), bytes);
   }
   static int mmio_write(void* p, uint32_t offset, const void* data, uint32_t bytes) {
-    // access() writes only what it has read.
+    // access() writes to `data` only what it has read.
     return card(p).mmio(kMemoryWrite, offset, static_cast<uint32_t*>(const_cast<void*>(data)),
                         bytes);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arbiter of two masters, the host and the card: takes turns when both ask, stays with the last one
-// when nobody does, and leaves a clock between two grants on an idle bus.
+// Arbiter of two masters, the host and the card. It alternates if both request the bus, and stays
+// with the last master if neither does. On an idle bus it leaves one clock between two grants.
 #pragma once
 #include <cstdint>
 
@@ -14,7 +14,7 @@ class Arbiter {
 
   [[nodiscard]] bool host() const { return grant_ == 0; }
   [[nodiscard]] bool card() const { return grant_ == 1; }
-  /// No grant for the card while this is on.
+  /// Withholds the grant from the card.
   void withhold(bool on) { withheld_ = on; }
 
   void clock(const Wires& w, bool host_asks, bool card_asks) {
@@ -33,7 +33,7 @@ class Arbiter {
     } else if (age_ < latency_) {
       ++age_;
     } else {
-      // On an idle bus the old owner may be driving AD: a clock without an owner lets it go.
+      // The last owner of an idle bus may be driving AD: one clock without an owner releases it.
       grant_ = w.idle() && grant_ != -1 ? -1 : wanted;
       if (grant_ == wanted) {
         owner_ = wanted;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Harness of the `pci_bridge` top module: the host on the PCI side, a memory with random stalls on
-// the local bus. Exports the C interface of abi_pci.h.
+// Harness of the `pci_bridge` top module: the host on the PCI side, and a memory with random stalls
+// on the local bus. Exports the C interface of abi_pci.h.
 #include <cstring>
 #include <vector>
 
@@ -9,8 +9,8 @@
 
 namespace {
 
-/// Every space is a memory. A beat is taken on three clocks of four, read data comes 1 to 8 clocks
-/// later, in order.
+/// Makes every space a memory. It takes a beat on three clocks of four. Read data come 1 to 8
+/// clocks later, in order.
 class LocalMemory {
  public:
   static constexpr const char* kKind = "pci_bridge";
@@ -53,7 +53,8 @@ class LocalMemory {
   void after(Vmodel&) {}
 
  private:
-  static constexpr uint32_t kSpaces = 1u << cde::card::kSpaceBits;  // of the bus, not of a card
+  static constexpr uint32_t kSpaces = 1u
+                                      << cde::card::kSpaceBits;  // spaces of the bus, not of a card
   static constexpr uint64_t kBytes = 4 << 20;
   struct Answer {
     uint64_t due, data;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A card in its host: the Verilated model, whose top has the ports of pci_bridge.sv, the host on
-// the same wires, the protocol checker, and both clocks in picoseconds. `Local` is what else the
-// model's core side needs each clock (chips, or a memory on the local bus).
+// the same wires, the protocol checker, and both clocks in picoseconds. `Local` supplies the other
+// inputs of the model's core side (chips, or a memory on the local bus).
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -45,13 +45,13 @@ class Bus {
   Bus& operator=(const Bus&) = delete;
   ~Bus() {
     trace_close();
-    // A thread remembers the context it served last, which may be that of a card long gone.
+    // A thread remembers the context that it used last, which may belong to a destroyed card.
     Verilated::threadContextp(context_.get());
     model_->final();
     cde_write_coverage(context_.get(), kind_);
   }
 
-  /// RST# for four clocks of the slower clock, then until the card has nothing left to prepare.
+  /// Asserts RST# for four periods of the slower clock, then waits until the card is ready.
   void reset() {
     model_->rst_i = 1;
     host_.reset();
@@ -77,7 +77,7 @@ class Bus {
     return stuck_ ? int{CDE_PCI_STUCK} : host_.initiator().result();
   }
 
-  /// One access of the CPU, followed up until all of it is done.
+  /// One access of the CPU, repeated until all of it is done.
   int access(uint8_t command, uint32_t address, uint32_t* data, uint32_t dwords) {
     const uint64_t limit = patience();
     for (uint32_t at = 0; at < dwords;) {
@@ -142,14 +142,14 @@ class Bus {
 
  private:
   static constexpr uint32_t kBar0 = 0x10;
-  /// In waves, of an edge of PCI's clock that is also one of the core's; room for both falling
-  /// ones.
+  /// In waves, the time of a PCI clock edge before a simultaneous core clock edge. It leaves room
+  /// for both falling edges.
   static constexpr uint64_t kBeforeCore = 4;
 
-  /// The clock at which to give up what begins now.
+  /// The clock at which an access that begins now is given up.
   [[nodiscard]] uint64_t patience() const { return counters_.clocks + 1'000'000; }
 
-  /// The edge that comes next; on a tie the PCI clock's.
+  /// Runs the next edge; on a tie the PCI clock's.
   void step() {
     if (next_pci_ <= next_core_) {
       now_ = next_pci_;
@@ -202,7 +202,8 @@ class Bus {
     interrupt_lost_ = on && host_.faults().take(CDE_PCI_FAULT_LOST_INTERRUPT, unused);
   }
 
-  /// What the card drives now, and the wires and grants it sees at the next edge.
+  /// Reads what the card drives, and computes the wires and grants that it samples at the next
+  /// edge.
   void settle() {
     card_ = read_drive();
     wires_ = resolve(host_.drive(), card_);
@@ -255,9 +256,9 @@ class Bus {
 
   static uint64_t between(uint64_t a, uint64_t b) { return b > a ? a + (b - a) / 2 : a; }
 
-  /// Waves have rising edges at their times. Falling ones, which are evaluated right after them or
-  /// before the next, lie somewhere between those of either clock: the writer drops what is not
-  /// later than what it has.
+  /// Evaluates the model. Waves have rising edges at their exact times. Falling edges are evaluated
+  /// just after or before them, and lie somewhere between the rising edges: the writer drops times
+  /// that do not increase.
   void eval(uint64_t wave_time) {
     model_->eval();
     last_wave_ = std::max(wave_time, last_wave_ + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host: bridge (initiator and target), arbiter, memory, parity of what it drives.
+// The host: bridge (initiator and target), arbiter, memory, and parity of what it drives.
 #pragma once
 #include "pci_arbiter.h"
 #include "pci_host_target.h"
@@ -17,12 +17,12 @@ class Host {
 
   [[nodiscard]] const Drive& drive() const { return drive_; }
   [[nodiscard]] bool idsel() const { return initiator_.idsel() && !unheard_; }
-  /// Bits of AD that the card sees wrong: two, in an address phase that it is not to answer, so
-  /// that address is not its own and parity is right.
+  /// Bits of AD that the card receives inverted. In an address phase that the card must ignore
+  /// these are two bits, so the address is not the card's and parity stays right.
   [[nodiscard]] uint64_t misheard() const { return unheard_ ? 0xC0000000 : 0; }
   [[nodiscard]] bool grant() const { return arbiter_.host(); }
   [[nodiscard]] bool grant_card() const { return arbiter_.card(); }
-  /// PAR as it is driven now is wrong on purpose.
+  /// Whether the current PAR is wrong on purpose.
   [[nodiscard]] bool spoilt() const { return spoilt_; }
   HostMemory& memory() { return memory_; }
   Faults& faults() { return faults_; }
@@ -30,14 +30,14 @@ class Host {
   Initiator& initiator() { return initiator_; }
   [[nodiscard]] const HostTarget& target() const { return target_; }
 
-  /// A clock edge changes nothing as long as the card drives nothing else.
+  /// Whether a clock edge changes nothing while the card's outputs stay the same.
   [[nodiscard]] bool idle() const { return settled_ && !initiator_.busy() && !target_.busy(); }
 
   void clock(const Wires& w, bool card_requests) {
     const Drive before = drive_;
     const bool host_granted = arbiter_.host();
     const bool own = initiator_.own();
-    // Taken away as soon as it is ordered: the bus may be parked at the card.
+    // Takes effect as soon as it is requested: the bus may be parked at the card.
     const bool denied = faults_.waits(CDE_PCI_FAULT_NO_GRANT);
     if (denied && card_requests) faults_.take(CDE_PCI_FAULT_NO_GRANT);
     withdraw(w, own, denied);
@@ -51,7 +51,7 @@ class Host {
     drive_.cbe = i.cbe;
     drive_.high = (i.high | ~i.enable) & (t.high | ~t.enable) & kControls;
     drive_.request = i.request;
-    // PAR follows AD by a clock.
+    // PAR follows AD by one clock.
     drive_.high &= ~uint32_t{kPar | kPar64};
     if (before.drives(kAd)) drive_.enable |= kPar;
     if (before.drives(kAd64)) drive_.enable |= kPar64;

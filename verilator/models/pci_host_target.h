@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host bridge as a target: host memory for the card's transactions, with the latencies of a
-// profile and with faults. Every clock() sees the wires as they are before the edge and sets what
-// is driven after it.
+// The host bridge as a target: host memory for the card's transactions, with a profile's latencies
+// and with faults. clock() receives the wires before the edge and sets what is driven after it.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -21,7 +20,7 @@ class Faults {
     value_[kind] = value;
     return true;
   }
-  /// Uses one up; returns whether there was one, and its value.
+  /// Uses up one fault. Returns whether there was one, and its value.
   bool take(uint32_t kind, uint32_t& value) {
     if (left_[kind] == 0) return false;
     if (left_[kind] != CDE_PCI_UNTIL_RESET) --left_[kind];
@@ -62,7 +61,7 @@ class HostTarget {
     frame_ = active_ = check_ = false;
   }
 
-  /// `own`: the host itself is the master. Returns whether PAR of this clock's AD is to be wrong.
+  /// `own`: the host itself is the master. Returns whether PAR of this clock's AD must be wrong.
   bool clock(const Wires& w, bool own) {
     const bool frame = w.asserted(kFrame);
     check_parity(w);
@@ -99,12 +98,12 @@ class HostTarget {
                         command == kReadMultiple || command == kWriteInvalidate;
     active_ = page_ != nullptr && memory && !faults_.take(CDE_PCI_FAULT_MASTER_ABORT);
     if (!active_) return;
-    drive.enable &= ~kTargetSignals;  // released if the transaction before has just ended
+    drive.enable &= ~kTargetSignals;  // released if the last transaction has just ended
     age_ = beats_ = 0;
     stopping_ = false;
     retry_ = faults_.take(CDE_PCI_FAULT_RETRY);
     if (!faults_.take(CDE_PCI_FAULT_SLOW, slow_)) slow_ = 0;
-    // A beat number of its own for each way a transaction is cut short.
+    // Each way of cutting a transaction short has its own beat number.
     if (!faults_.take(CDE_PCI_FAULT_DISCONNECT, last_beat_)) last_beat_ = kNever;
     if (!faults_.take(CDE_PCI_FAULT_DISCONNECT_EMPTY, stop_beat_)) stop_beat_ = kNever;
     if (!faults_.take(CDE_PCI_FAULT_TARGET_ABORT, abort_beat_)) abort_beat_ = kNever;
@@ -132,7 +131,7 @@ class HostTarget {
       countdown_ += options_.profile.waits;
   }
 
-  /// DEVSEL# a clock after the address phase (medium), then each data phase when its time has come.
+  /// DEVSEL# one clock after the address phase (medium), then each data phase at its time.
   void next(const Wires& w, bool transfer) {
     if (age_ == 1) {
       drive.enable |= kTargetSignals | (write_ ? 0 : kAd | (wide_ ? kAd64 : 0));
@@ -170,7 +169,7 @@ class HostTarget {
     active_ = false;
   }
 
-  /// Of data written by the card: PAR comes a clock later, and only good data is stored.
+  /// Checks data written by the card. PAR comes one clock later, and only good data are stored.
   void check_parity(const Wires& w) {
     bool perr = false;
     if (check_) {

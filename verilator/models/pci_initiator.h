@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host bridge as a bus master: one transaction of the CPU at a time. Every clock() sees the
-// wires as they are before the edge and sets what is driven after it.
+// The host bridge as a bus master: one transaction of the CPU at a time. clock() receives the wires
+// before the edge and sets what is driven after it.
 #pragma once
 #include <cstdint>
 
@@ -21,7 +21,7 @@ class Initiator {
     result_ = CDE_PCI_OK;
     drive.request = true;
   }
-  /// The caller's transaction is out of use; what is on the bus goes on.
+  /// Releases the caller's transaction; the bus continues with a copy.
   void abandon() {
     abandoned_ = *t_;
     t_ = &abandoned_;
@@ -34,7 +34,7 @@ class Initiator {
     return state_ == State::kAddress && (t_->command == kConfigRead || t_->command == kConfigWrite);
   }
 
-  /// Returns whether PAR of this clock's AD is to be wrong.
+  /// Returns whether PAR of this clock's AD must be wrong.
   bool clock(const Wires& w, bool granted) {
     bool spoil = false;
     check_parity(w);
@@ -101,7 +101,7 @@ class Initiator {
       ready();
   }
 
-  /// Data and byte enables of the next phase.
+  /// Drives data and byte enables of the next phase.
   void present() {
     const uint32_t at = t_->done;
     const bool upper = t_->wide != 0 && (!seen_ || wide_) && at + 1 < t_->dwords;
@@ -109,7 +109,8 @@ class Initiator {
     drive.cbe = static_cast<uint8_t>(~(t_->enable[at] | (upper ? t_->enable[at + 1] << 4 : 0)));
   }
 
-  /// IRDY#, unless the width decides whether this is the last phase and is not known yet.
+  /// Asserts IRDY#, unless the bus width decides whether this is the last phase and is not known
+  /// yet.
   void ready() {
     const uint32_t left = t_->dwords - t_->done;
     if (t_->wide != 0 && left == 2 && !seen_) return;
@@ -174,7 +175,7 @@ class Initiator {
     expected64_ = parity64(w);
   }
 
-  /// PAR a clock after the data, PERR# from the card another clock later.
+  /// Drives PAR one clock after the data; PERR# from the card comes another clock later.
   void check_parity(const Wires& w) {
     const bool read = t_ != nullptr && !is_write(command());
     const bool bad =

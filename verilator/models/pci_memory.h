@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memory of the host: 4 KiB pages whose frames are scattered over the bus address space, as an
-// operating system hands them out.
+// operating system allocates them.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -17,7 +17,7 @@ class HostMemory {
  public:
   HostMemory(uint64_t bytes, uint64_t seed)
       : memory_(bytes), page_of_(kFrames, kNoFrame), frame_of_(bytes / kPageBytes) {
-    // Frames below the top quarter, where devices are; splitmix64 decides which.
+    // Frames lie below the top quarter, where devices are. splitmix64 chooses them.
     for (uint32_t page = 0; page < frame_of_.size(); ++page) {
       uint32_t frame = 0;
       do {
@@ -33,7 +33,7 @@ class HostMemory {
   [[nodiscard]] uint32_t frame(uint32_t page) const {
     return page < frame_of_.size() ? frame_of_[page] : kNoFrame;
   }
-  /// Contents of a frame; null where there is no memory.
+  /// Contents of a frame; null if there is no memory.
   uint8_t* page(uint32_t frame) {
     if (frame >= kFrames || page_of_[frame] == kNoFrame) return nullptr;
     return memory_.at(page_of_[frame] * kPageBytes, kPageBytes);

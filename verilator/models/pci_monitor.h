@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Protocol checker of a PCI bus with two agents: looks at the wires and at who drives them once a
-// clock, and keeps the first rule that is broken. Rules are those of PCI Local Bus 2.3,
-// sections 2.1 (signal types), 3.3 (transactions and their termination), 3.4 (arbitration) and 3.7
-// (parity), 3.8 (64 bits).
+// Protocol checker of a PCI bus with two agents. Once per clock it checks the wires and their
+// drivers, and it keeps the first violated rule. The rules are from PCI Local Bus 2.3, sections 2.1
+// (signal types), 3.3 (transactions and their termination), 3.4 (arbitration), 3.7 (parity) and 3.8
+// (64 bits).
 #pragma once
 #include <cstdint>
 #include <cstdio>
@@ -14,8 +14,8 @@ namespace pci {
 
 class Monitor {
  public:
-  /// One clock edge: what the agents drive, the wires, and the grants the agents see at it.
-  /// `excused`: the parity seen at this edge is wrong on purpose.
+  /// Checks one clock edge: what the agents drive, the wires, and the grants at the edge.
+  /// `excused`: the parity at this edge is wrong on purpose.
   void clock(const Drive& a, const Drive& b, const Wires& w, bool grant_a, bool grant_b,
              bool excused) {
     const Drive* const drives[2] = {&a, &b};
@@ -29,11 +29,11 @@ class Monitor {
     ++clock_;
   }
 
-  /// A clock in which nothing changed and nobody looked.
+  /// Counts one clock in which nothing changed and no check ran.
   void idle_clock() { ++clock_; }
 
   [[nodiscard]] const std::string& violation() const { return violation_; }
-  /// Of the bus; clocks are counted on, and a rule that was broken stays broken.
+  /// Resets the bus state. The clock count and a violation stay.
   void reset() {
     Monitor fresh;
     fresh.clock_ = clock_;
@@ -176,7 +176,7 @@ class Monitor {
     const bool was_frame = last_.asserted(kFrame), was_irdy = last_.asserted(kIrdy);
     const bool was_trdy = last_.asserted(kTrdy), was_stop = last_.asserted(kStop);
     const bool was_devsel = last_.asserted(kDevsel);
-    const bool waited = !(was_irdy && (was_trdy || was_stop));  // a data phase goes on
+    const bool waited = !(was_irdy && (was_trdy || was_stop));  // a data phase continues
     const bool over = !was_frame && was_irdy && (was_trdy || was_stop);
     if (over) {
       check_idle_target(w);
@@ -208,8 +208,8 @@ class Monitor {
       require(((last_.ad ^ w.ad) & kAdLow) == 0, "changed while a data phase waited", kAd);
   }
 
-  /// 3.7.1: PAR a clock after the address phase, after data of a write with IRDY#, of a read with
-  /// TRDY#.
+  /// 3.7.1: PAR follows the address phase by one clock. It follows data with IRDY# of a write, and
+  /// with TRDY# of a read.
   void check_parity(const Wires& w, bool excused) {
     if (par_due_ && !excused) require(w.asserted(kPar) != par_, "is wrong", kPar);
     if (par64_due_ && !excused) require(w.asserted(kPar64) != par64_, "is wrong", kPar64);

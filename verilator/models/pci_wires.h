@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shared wires of a PCI bus: what each agent drives, and what results.
+// The shared wires of a PCI bus: what each agent drives, and the resulting levels.
 #pragma once
 #include <cstdint>
 
@@ -7,7 +7,7 @@
 
 namespace pci {
 
-/// Control signals, as bits; the wires are low when asserted.
+/// Control signals as bits. The wires are low when asserted.
 enum Signal : uint32_t {
   kFrame = 1u << 0,
   kReq64 = 1u << 1,
@@ -17,14 +17,14 @@ enum Signal : uint32_t {
   kDevsel = 1u << 5,
   kAck64 = 1u << 6,
   kPerr = 1u << 7,
-  kPar = 1u << 8,  // high is 1, as of AD
+  kPar = 1u << 8,  // high is 1, as for AD
   kPar64 = 1u << 9,
-  kAd = 1u << 10,  // these only in Drive::enable
+  kAd = 1u << 10,  // from here on only in Drive::enable
   kAd64 = 1u << 11,
   kCbe = 1u << 12,
 };
 constexpr uint32_t kTargetSignals = kTrdy | kStop | kDevsel | kAck64;
-/// Sustained tri-state: driven high for a clock before they are left alone.
+/// Sustained tri-state: driven high for one clock before release.
 constexpr uint32_t kSustained = kFrame | kReq64 | kIrdy | kTargetSignals | kPerr;
 constexpr uint32_t kControls = kSustained | kPar | kPar64;
 
@@ -33,7 +33,7 @@ constexpr bool is_write(uint8_t command) {
   return (command & 1) != 0 && command != 0xD;
 }
 
-/// What one agent drives after a clock edge. Levels count where `enable` has the signal's bit.
+/// What one agent drives after a clock edge. Only signals in `enable` have levels.
 struct Drive {
   uint64_t ad = ~0ull;
   uint32_t high = kControls;  // levels of the control signals
@@ -48,7 +48,7 @@ struct Drive {
   bool operator==(const Drive&) const = default;
 };
 
-/// The wires, pulled up where nobody drives.
+/// The wires, pulled up where no agent drives.
 struct Wires {
   uint64_t ad = ~0ull;
   uint32_t high = kControls;

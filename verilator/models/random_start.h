@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A card as power leaves it: in a bitstream built with CDE_RANDOM_START=1 every register starts
-// with a random value, and inputs are random before the first reset. $CDE_RANDOM_SEED says which
-// values, in decimal; without it, or with 0, all start as zeros. In any other bitstream nothing of
-// this is there.
+// A card after power-on with random state, in a model built with CDE_RANDOM_START=1. Every register
+// starts with a random value, and inputs are random before the first reset. The seed is decimal in
+// $CDE_RANDOM_SEED. Without it, or with 0, all values start as zeros. Other models do not contain
+// this.
 #pragma once
 #include <verilated.h>
 
@@ -15,13 +15,12 @@
 #ifdef CDE_RANDOM_START
 class RandomStart {
  public:
-  /// Before the model is made.
+  /// Constructed before the model.
   explicit RandomStart(VerilatedContext& context) : context_(context), engine_(seed()) {
     context.randReset(seed() != 0 ? 2 : 0);
     if (seed() != 0) context.randSeed(static_cast<int>(seed()));
   }
-  /// Inputs that nobody drives, for some clocks without a reset. Assertions say nothing about such
-  /// a card.
+  /// Drives random inputs for some clocks without a reset. Assertions are off meanwhile.
   template <class Model, class Clock>
   void before_reset(Model& model, Clock clock) {
     if (seed() == 0) return;
@@ -32,7 +31,7 @@ class RandomStart {
     }
     if constexpr (requires { model.bus_valid_i; }) model.bus_valid_i = 0;
   }
-  /// When the reset has been held.
+  /// Called after the reset.
   void after_reset() { context_.assertOn(true); }
 
  private:
@@ -57,7 +56,7 @@ class RandomStart {
   void fill(int bits, VlWide<kWords>& port) {
     fill(bits, port.data());
   }
-  /// Of those that the top has.
+  /// Drives those inputs that the top module has.
   template <class Model>
   void drive(Model& m) {
     if constexpr (requires { m.ddr_data_i; }) {

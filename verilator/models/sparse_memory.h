@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <new>
 
-/// Anonymous memory that the operating system backs page by page as it is written: a 2 GB module
-/// costs what it holds.
+/// Anonymous memory. The operating system backs only the pages that are written.
 class SparseMemory {
  public:
   explicit SparseMemory(uint64_t bytes) : bytes_(bytes) {
@@ -18,7 +17,7 @@ class SparseMemory {
   SparseMemory(const SparseMemory&) = delete;
   SparseMemory& operator=(const SparseMemory&) = delete;
   ~SparseMemory() { munmap(data_, bytes_); }
-  /// Null if that is not all inside.
+  /// Null unless all bytes are inside.
   uint8_t* at(uint64_t byte, uint64_t size) {
     return byte + size <= bytes_ ? data_ + byte : nullptr;
   }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Between fst_writer.cpp, which writes waves, and wave_file.h, which wants to know whether they
-// were written, to say what they are of and to leave signals out.
+// Connects fst_writer.cpp, which writes waves, with wave_file.h, which checks for errors, adds
+// comments and selects signals.
 #pragma once
 
 class VerilatedFstC;
 
-/// Leaves a comment in an open file, where readers look for them: among the names of signals.
+/// Adds a comment to an open file among the names of signals, where readers look for it.
 void comment_waves(VerilatedFstC& file, const char* text);
 
-/// Opens a file with the signals alone that one of these patterns of * and ? names, one a line,
-/// with or without the scopes around it, or whose scope one names; empty: all. The first pattern
-/// that names nothing, or -1.
+/// Opens a file for the signals that match one of these patterns of * and ?, one per line; an empty
+/// text selects all. A pattern matches a signal with or without its scopes, or a scope of it.
+/// Returns the first pattern that matches nothing, or -1.
 [[nodiscard]] int open_waves(VerilatedFstC& file, const char* path, const char* patterns);
 
-/// Where the writer leaves the errno of the first thing that fails in this thread; null: nowhere.
+/// Where the writer stores the errno of the first failure in this thread; null: nowhere.
 extern thread_local int* wave_error;

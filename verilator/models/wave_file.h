@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Waves of a model, in a bitstream that was built with them (TRACE=1); in any other it opens none.
+// Waves of a model that was built with waves (TRACE=1). Other models open no file.
 #pragma once
 #include <cstdint>
 #include <cstdio>
@@ -17,13 +17,13 @@
 
 class WaveFile {
  public:
-  /// 0, -1 if the file cannot be written, or -2 - i if pattern i of `what` names nothing. Ends the
-  /// file that was open before. `now` is the time that those of `what` are counted from.
+  /// Opens a file and ends the last one. Returns 0, -1 if the file cannot be written, or -2 - i if
+  /// pattern i of `what` matches nothing. Times in `what` count from `now`.
   int open(VerilatedContext& context, Vmodel& model, const cde_trace& what, uint64_t now) {
     close();
     error_ = 0;
     what_ = what;
-    what_.path = what_.scopes = nullptr;  // the caller's
+    what_.path = what_.scopes = nullptr;  // owned by the caller
     what_.from = later(now, what.from);
     what_.to = later(now, what.to);
     waiting_ = what.ddr_word != CDE_TRACE_NOW;
@@ -40,7 +40,7 @@ class WaveFile {
     comment_waves(*file_, forms().c_str());
     return 0;
   }
-  /// The word of DDR that waves wait for has been asked for.
+  /// Starts waves that wait for a DDR word: the card has requested it.
   void begin(uint64_t time) {
     if (!waiting_) return;
     waiting_ = false;
@@ -54,8 +54,7 @@ class WaveFile {
     const Noted noted(error_);
     file_->dump(time);
   }
-  /// 0, or the errno of the first thing since open() that could not be written: then the file is
-  /// not whole.
+  /// 0, or the errno of the first failed write since open(): then the file is incomplete.
   int close() {
     if (!file_ || !file_->isOpen()) return error_;
     const Noted noted(error_);
@@ -68,7 +67,8 @@ class WaveFile {
     return by > UINT64_MAX - time ? UINT64_MAX : time + by;
   }
 
-  /// What the waves are of: "bitstream KIND NAME=VALUE ... configuration=0123456789abcdef".
+  /// Describes the source of the waves: "bitstream KIND NAME=VALUE ...
+  /// configuration=0123456789abcdef".
   static std::string origin() {
     std::string text = "bitstream " CDE_KIND " ";
     for (const char c : std::string_view(kParameters)) text.push_back(c == '\n' ? ' ' : c);
@@ -78,8 +78,8 @@ class WaveFile {
     return text + hash;
   }
 
-  /// How a viewer is to write values: the first pattern that names a signal counts. What is an
-  /// array of words of the card's format holds numbers, or conditions, which are words of ones.
+  /// How a viewer formats values: the first pattern that matches a signal counts. Arrays of words
+  /// of the card's format hold numbers or conditions. A condition is a word of ones or zeros.
   static std::string forms() {
     constexpr unsigned kExp = parameter("EXP", 8), kMan = parameter("MAN", 23);
     constexpr unsigned kOwn = 1 + kExp + kMan, kWord = kOwn <= 32 ? 32 : 64;
@@ -94,7 +94,7 @@ class WaveFile {
            " *record_t=" + format + words + " *]=" + format + "|mask" + words;
   }
 
-  /// While it lives, the writer notes what fails.
+  /// While an instance lives, the writer notes failures.
   class Noted {
    public:
     explicit Noted(int& error) { wave_error = &error; }
