@@ -45,11 +45,9 @@ RayScene beam(Random& random, std::size_t rays, std::size_t triangles, float sca
 /// Small triangles scattered around the origin: a ray hits few of them.
 RayScene cloud(Random& random, std::size_t rays, std::size_t triangles);
 
-/// Every directed case of the pipe:
-/// - rays through corners and edges and in the plane;
-/// - intervals that end on the hit or one ulp beside it;
-/// - degenerate triangles, and zeros with both signs;
-/// - subnormal, huge and special values in every word.
+/// Every directed case of the pipe. Rays pass through corners and edges and in the plane. Intervals
+/// end on the hit or one ulp beside it. Triangles are degenerate, and words hold zeros with both
+/// signs, subnormal, huge and special values.
 RayScene directed();
 
 /// Pairs of the first record that differs, one per line, in the format of `cde explain

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random traffic and random faults with a scoreboard. Every byte of host memory, card memory,
-// registers and page table is in its place: none lost, repeated or wrong, and no hang. 20,000 bus
-// transactions by default; 1,000,000 transactions and 10,000 faults with CDE_FULL=1.
+// registers and page table is in its place: none lost, repeated or wrong, and no hang. CDE_FULL=1
+// runs 1,000,000 bus transactions and 10,000 faults, the default 20,000 transactions.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

@@ -31,12 +31,12 @@ for arith in rtl host; do
   expect 0 '' '' add "${unit[@]}" $arith
 done
 
-# The line format of testfloat_gen and testfloat_ver (Berkeley TestFloat 3, doc/testfloat_ver.html and its writeHex.c):
-# - A line holds operands, result and flags, with one space between them, in upper case, and ends with a line feed.
-# - Words have the digits of their type: 4 for f16; 8 for f32, i32 and ui32; 16 for f64, i64 and ui64.
-# - Comparisons answer 0 or 1. Flags are two digits.
-# - Input may be lower case, and may end with carriage return and line feed.
-# - lt and le signal on a quiet NaN, eq does not.
+# The line format of testfloat_gen and testfloat_ver (Berkeley TestFloat 3, doc/testfloat_ver.html and its writeHex.c).
+# A line holds operands, result and flags, with one space between them, in upper case, and ends with a line feed.
+# Words have the digits of their type: 4 for f16; 8 for f32, i32 and ui32; 16 for f64, i64 and ui64.
+# Comparisons answer 0 or 1. Flags are two digits.
+# Input may be lower case, and may end with carriage return and line feed.
+# Comparisons lt and le signal on a quiet NaN, eq does not.
 # Usage: line LANES OPERATION OPERANDS RESULT_AND_FLAGS
 line() {
   local arith

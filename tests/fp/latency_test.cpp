@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The latency is exact. A unit gets different operands every cycle, and each result must appear
-// exactly LAT cycles later. apply() reads a result only in that cycle, so an error of one cycle
-// would return a neighbour's result.
+// Latencies are exact. A unit gets different operands every cycle, and each result must appear
+// exactly LAT cycles later. The call apply() reads a result only in that cycle, so an error of one
+// cycle would return a neighbour's result.
 #include "cde/support/error.hpp"
 #include "operands.hpp"
 #include "unit_check.hpp"

@@ -15,10 +15,8 @@ inline constexpr uint64_t kSeed = 20231;  // seed of every random test here
 /// numbers, infinities, quiet and signalling NaNs; both signs.
 std::vector<uint64_t> special_words(FpFormat f);
 
-/// Operand pairs at rounding boundaries of add, mul and div:
-/// - sums that are half an ulp away, or nearly so;
-/// - products at the edge of the subnormal range and of overflow;
-/// - quotients next to ties.
+/// Operand pairs at rounding boundaries of add, mul and div. Sums are half an ulp away, or nearly
+/// so. Products are at the edge of the subnormal range and of overflow. Quotients are next to ties.
 std::vector<std::pair<uint64_t, uint64_t>> boundary_pairs(FpFormat f, std::mt19937_64& random);
 
 /// A word from a mix of distributions: uniform bits, uniform near 1, subnormal, largest exponents,

@@ -494,8 +494,8 @@ TEST(RaySphere, TenThousandRadiiAwayTheTextbookIsWrong) {
   EXPECT_GT(textbook, 4 * pipe);
 }
 
-/// A ray nearly along the axis, from 10,000 radii away: n = d x a is only rounding error, and w.n
-/// would multiply its part along the axis by 10,000.
+/// A ray nearly along the axis, from 10,000 radii away. There n = d x a is only rounding error. If
+/// n kept its part along the axis, w.n would multiply that part by 10,000.
 TEST(RayCylinder, RoundingOfTheNormalAlongTheAxisDoesNotCount) {
   Random random;
   int hits = 0;

@@ -46,8 +46,8 @@ Eigen::Vector3d products(const Transform& m, const Eigen::Vector3f& p) {
   return m.rotation.cast<double>().cwiseAbs() * p.cast<double>().cwiseAbs();
 }
 
-/// A sum of n rounded terms is off by at most n u / (1 - n u) times the sum of their sizes, and a
-/// subnormal product by half of the smallest number.
+/// The error bound of a sum of n rounded terms is n u / (1 - n u) times the sum of their sizes.
+/// Each subnormal product adds half of the smallest number.
 double rounding(int n, double sizes) {
   return n * kU / (1 - n * kU) * sizes + n * 0x1p-150;
 }

@@ -147,7 +147,7 @@ TEST_P(Range, BeginsAndEndsWhereItIsStated) {
   }
 }
 
-/// The fp32 pipes with host arithmetic, and others that build quickly for each way of scaling:
+/// The fp32 pipes with host arithmetic. Others that build quickly stand for each way of scaling:
 /// solids and rays, iterative pipelines, gates, slow operators, shared candidate axes, and a 64-bit
 /// container.
 std::vector<PairConfig> configurations() {

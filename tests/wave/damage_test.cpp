@@ -138,7 +138,7 @@ TEST_F(Damage, FlippedBytesNeverCrashIt) {
   EXPECT_GT(read_anyway, 20u);
   if (seconds > 0)
     std::cout << refused << " files refused, " << read_anyway
-              << " read; reports on the runtime's reader: " << reader << "\n";
+              << " read; reports about the runtime's reader: " << reader << "\n";
 }
 
 }  // namespace

@@ -44,10 +44,10 @@ struct Sample {
   unsigned cycles = 20;
 };
 
-/// A small card: scope top with clk (10 ns, rising at 5, 15, ...), count [7:0], which counts its
-/// cycles, valid and ready of a handshake, data [63:0], two words of fp32, of which the lower is
-/// half of the count and the upper a NaN in cycle 7, state [2:0], x until cycle 3, and core.count,
-/// another name of count.
+/// A small card in scope top. Signal clk has 10 ns and rises at 5, 15, ..., and count [7:0] counts
+/// its cycles. A handshake has valid and ready. The two fp32 words of data [63:0] are half of the
+/// count (lower) and, in cycle 7, a NaN (upper). Until cycle 3, state [2:0] is x. The name
+/// core.count is another name of count.
 void write_sample(const std::filesystem::path& file, const Sample& sample = {});
 
 /// Copies the design of these waves (top.sv) into a folder, and lets Verilator write its structure
@@ -58,11 +58,10 @@ void write_structure(const std::filesystem::path& folder);
 void write_large(const std::filesystem::path& file, unsigned signals, unsigned cycles,
                  unsigned changes_a_cycle);
 
-/// A PCI bus as seen by a card's bridge, with a clock of 30 ns:
-/// - a write of three words, and a retried read;
-/// - a read by the card that is disconnected, a target abort, and a master abort;
-/// - a write by the card with a parity error;
-/// - a read of the configuration space, and an unfinished one.
+/// A PCI bus as seen by a card's bridge, with a clock of 30 ns. The host writes three words, and
+/// one of its reads is retried. The card's read is disconnected; then follow a target abort and a
+/// master abort. The card's write has a parity error. A read of the configuration space and an
+/// unfinished one end the file.
 void write_pci(const std::filesystem::path& file);
 
 }  // namespace cde::testing

@@ -17,8 +17,9 @@ using Json = nlohmann::json;
 
 class States : public Cli {
  protected:
-  /// bus: UUUU, ZZZZ at 10, H1L0 at 20. glitch: ends within 15. ev: at 10 and 30. state: IDLE, then
-  /// RUN at 20. t_o: 1.0, and 0.25 at 20, in fp32 according to the file.
+  /// Signal bus is UUUU, ZZZZ at 10, and H1L0 at 20. Signal glitch changes back within 15. Events
+  /// ev are at 10 and 30. The state is IDLE, then RUN at 20. Signal t_o is 1.0, and 0.25 at 20, in
+  /// fp32 according to the file.
   void SetUp() override {
     Cli::SetUp();
     Writer w(folder_ / "s.fst");

@@ -70,7 +70,7 @@ TEST_F(WhyOracle, RandomStatements_ThoseThatRanAreNamed) {
       const auto& all = trace_->signals();
       const auto signal = std::find_if(all.begin(), all.end(),
                                        [&](const wave::Signal& s) { return s.name == name; });
-      if (signal == all.end()) continue;  // a statement without a condition never runs
+      if (signal == all.end()) continue;  // a process that reads nothing never runs
       for (std::uint64_t time = 3 + m % 5; time < 240; time += 10 + m % 7 * 10) {
         std::string bits;
         trace_->stream(std::array{signal->handle}, time, time,

@@ -149,9 +149,9 @@ TEST_P(Forms, ALineEachAndNoMoreThanAskedFor) {
   EXPECT_EQ(why("a.fst", "count@cyc:7", "top.xml", {"--depth", "9", "--max", "0"})["more"], 0);
 }
 
-/// Conditions, cases, structures, memories, functions and generate loops (rich.sv). Its waves:
-/// rising edges at 10, 20, ...; reset at 12. en is 1 from 15 to 25, when x = 1010 goes into s and
-/// mem[2]. state is RUN from 30 on, and STOP from 40 on.
+/// Conditions, cases, structures, memories, functions and generate loops (rich.sv). The clock rises
+/// at 10, 20, ..., and reset is at 12. From 15 to 25 en is 1, and x = 1010 goes into s and mem[2].
+/// The state is RUN from 30 on, and STOP from 40 on.
 class Rich : public Forms {
  protected:
   void SetUp() override {
