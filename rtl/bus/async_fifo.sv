@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // FIFO between two clock domains, with Gray-coded pointers and two-stage synchronisers (C. E. Cummings, "Simulation and
 // Synthesis Techniques for Asynchronous FIFO Design", SNUG 2002, style 1). Each side sees the other side's pointer
-// late,
-// never early. So the writer may see less room, and the reader fewer entries, than there are. Both resets are held
-// together for at least three cycles of each side. A side's clock may be gated. The reader's synchroniser runs on
+// late, never early. So the writer may see less room, and the reader fewer entries, than there are. Both resets are
+// held together for at least three cycles of each side. A side's clock may be gated. The reader's synchroniser runs on
 // `rclk_free_i`, so that `valid_o` can open the gate.
 // Latency: 3 cycles of the reader's clock from a write to valid_o.
 // Throughput: one entry per cycle.

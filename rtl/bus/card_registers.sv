@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Slave of the local bus: one 64-bit beat per cycle into a space (registers_pkg::SPACE_*). It holds the registers,
-// checks
-// every access against its space, and forwards beats to the primary register file, DDR and the SRAM ring. The PCI
-// target
-// and the DMA engine are masters of this port, and modules behind it do not depend on the host's bus.
+// checks every access against its space, and forwards beats to the primary register file, DDR and the SRAM ring. The
+// PCI target and the DMA engine are masters of this port, and modules behind it do not depend on the host's bus.
 // A beat is registered first and served in the next cycle. Everything here except the counters is clocked only during a
 // beat, so an idle bus costs nothing.
 // Latency: read data 2 cycles after the beat is taken.

@@ -5,8 +5,7 @@
 // Latency: 0 cycles from the FIFO to the bus.
 // Throughput: one beat per cycle.
 // Stall: bus_ready_i; reads also while the response FIFO could overflow. The clock of its registers is gated while it
-// is
-// idle.
+// is idle.
 module local_master #(
     parameter int ROOM_W = 5  // bits of the response FIFO's room
 ) (

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Event counters of a unit. Each counter sums a number of events per cycle from the beginning of a pass. It is read at
-// its
-// register in registers_pkg::COUNTER_REGISTERS, where the unit's counters begin at FIRST. Counters start at 0 with
-// every
-// pass and keep their value until the next. A read selects one counter of the card, and all other modules return 0: the
-// card ORs them. The engine does not use this module, because an array of its events slows down simulation.
+// its register in registers_pkg::COUNTER_REGISTERS, where the unit's counters begin at FIRST. Counters start at 0 with
+// every pass and keep their value until the next. A read selects one counter of the card, and all other modules return
+// 0: the card ORs them. The engine does not use this module, because an array of its events slows down simulation.
 // Latency: 1 cycle per count, 1 cycle of the bus clock per read.
 // Throughput: every counter counts, and one is read, per cycle.
 // Stall: none.

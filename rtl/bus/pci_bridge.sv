@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // PCI Local Bus 2.3 device, 64 bits and 66 MHz, in front of a local bus. Target (pci_target), bus master (pci_master)
-// and
-// scatter-gather DMA (pci_dma) are in the PCI clock domain. The master of the local bus (local_master) is in the
-// core's.
-// Two asynchronous FIFOs connect the domains: one for requests, one for read data and the card's interrupt line.
+// and scatter-gather DMA (pci_dma) are in the PCI clock domain. The master of the local bus (local_master) is in the
+// core's. Two asynchronous FIFOs connect the domains: one for requests, one for read data and the card's interrupt
+// line.
 //
 // Shared pins are split into _i (the wire), _o and _oe. Signals that are low when asserted have an _n. All outputs are
-// registers.
-// BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (pci_pkg::PCI_*).
+// registers. BAR0: registers of the card (SPACE_REG), registers of the bridge, page table (pci_pkg::PCI_*).
 // While no FRAME# is asserted and no access is under way, the PCI side's clock is gated, except for the FIFO's
-// synchroniser.
-// Reset: `rst_i` is one line for both domains, held for at least four cycles of each. With RESET_STAGES = 0 it must be
-// synchronous to both clocks, as in a simulation. Hardware has 2 or more, and then it may be asynchronous
+// synchroniser. Reset: `rst_i` is one line for both domains, held for at least four cycles of each. With RESET_STAGES =
+// 0 it must be synchronous to both clocks, as in a simulation. Hardware has 2 or more, and then it may be asynchronous
 // (reset_sync.sv).
 // Latency, throughput and stall: as in the modules.
 module pci_bridge #(

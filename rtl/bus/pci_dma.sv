@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scatter-gather DMA: serves a ring of descriptors in host memory (pci_pkg::PCI_DESCRIPTOR_*). It moves data between
-// host
-// memory and the local bus, and writes a completion record per descriptor into a second ring.
+// host memory and the local bus, and writes a completion record per descriptor into a second ring.
 //
 // Every host address is a mapped address. The module looks up all pages of a descriptor before its first bus cycle, and
 // again the page of each burst at its start. A burst does not cross a page. The master never waits: a burst to the card

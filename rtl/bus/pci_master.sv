@@ -3,12 +3,10 @@
 // transactions. All bus signals are active high, and outputs are registers.
 //
 // It asks for 64-bit transfers, and uses 32 bits if the target does not answer ACK64#. After a retry, a disconnect or
-// the
-// end of its time slice (latency timer, GNT# gone) it starts again with the remaining words. These end the command: a
-// target abort, a master abort (no DEVSEL# within 4 cycles), a data parity error, or more consecutive retries than
+// the end of its time slice (latency timer, GNT# gone) it starts again with the remaining words. These end the command:
+// a target abort, a master abort (no DEVSEL# within 4 cycles), a data parity error, or more consecutive retries than
 // allowed. It then reports the bus address and the number of words known to be good. A word read with bad parity does
-// not
-// leave this module.
+// not leave this module.
 // Latency: 3 cycles from start_i to REQ#, 3 from the last data phase to done_o.
 // Throughput: one data phase per cycle.
 // Stall: none; data and room must be present before start_i.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Page table of the mapped address space. The driver writes it through BAR0, and every address of a descriptor is
-// looked
-// up in it. After reset all entries are cleared, one per cycle, before any access is served.
+// looked up in it. After reset all entries are cleared, one per cycle, before any access is served.
 // Latency: 1 cycle from the number of an entry to its content.
 // Throughput: one write and two reads per cycle.
 // Stall: clearing_o.

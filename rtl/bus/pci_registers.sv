@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Registers of the bridge in BAR0 (pci_pkg::PCI_REG_*): settings and state of the descriptor ring, interrupt causes,
 // counters. Ring settings are refused while the ring runs. Such a write, or a start with settings out of range, halts
-// the
-// ring with an interrupt.
+// the ring with an interrupt.
 // Latency: 1 cycle for writes, 0 for reads.
 // Throughput: one access per cycle.
 // Stall: none.

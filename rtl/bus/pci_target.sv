@@ -6,13 +6,13 @@
 // served after the FIFO before it, and a later attempt takes the data. Data that the master does not fetch is dropped
 // after 2^15 cycles. Reads and writes leave through one port in order.
 // An access is to a register of 64 bits: a 64-bit phase, two 32-bit phases of one burst, or a lone low half. A lone low
-// half writes 0 to the upper half.
-//   retry                    There is no room, or the read data is not present yet.
-//   disconnect with data     The room ends, BAR0 ends, a read goes beyond one register, a burst is not linear, or the
-//                            access is to configuration space.
-//   disconnect without data  There is no room in the middle of a burst.
-//   target abort             Byte enables select part of a half, an upper half comes without its lower half, or the
-//                            offset is unused.
+// half writes 0 to the upper half. Other responses:
+//   Retry: there is no room, or the read data is not present yet.
+//   Disconnect with data: the room ends, BAR0 ends, a read goes beyond one register, a burst is not linear, or the
+//   access is to configuration space.
+//   Disconnect without data: there is no room in the middle of a burst.
+//   Target abort: byte enables select part of a half, an upper half comes without its lower half, or the offset is
+//   unused.
 // Latency: medium DEVSEL#; TRDY# one cycle after it.
 // Throughput: one data phase per 2 cycles, since byte enables are checked first.
 // Stall: retry and disconnect, as above.

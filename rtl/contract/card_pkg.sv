@@ -37,13 +37,11 @@ package card_pkg;
     logic [1:0] issue;          // rows issued
   } events_t;
   // Events that another unit counts in its passes: one number per counter in registers_pkg::COUNTER_REGISTERS. Each
-  // number
-  // has this many bits per cycle (pass_counters.sv).
+  // number has this many bits per cycle (pass_counters.sv).
   localparam int COUNT_BITS = 4;
 
   // An allowed bus access, for modules with registers or memories beside card_registers. Reads include all spaces: a
-  // module
-  // answers 0 to a read that is not its own.
+  // module answers 0 to a read that is not its own.
   typedef struct packed {
     logic write;
     logic read;

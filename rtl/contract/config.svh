@@ -3,28 +3,28 @@
 // config_pkg::config_t, which modules below the top use. Its fields are in the order of CARD_CONFIG.
 // Add each new parameter to all three lists, and read CONFIG where it is needed.
 //
-//   EXP, MAN      number format
-//   LANES         power of two that divides PRIMARIES
-//   PRIMARIES     64, 128, 192 or 256
-//   PAIRS         bit p: the card has the pipe of pair p (pairs_pkg::PAIR_*)
-//   ALGORITHM     algorithm of ray-triangle (pairs_pkg::ALGORITHM_*)
+//   EXP, MAN      Number format.
+//   LANES         Power of two that divides PRIMARIES.
+//   PRIMARIES     64, 128, 192 or 256.
+//   PAIRS         Bit p: the card has the pipe of pair p (pairs_pkg::PAIR_*).
+//   ALGORITHM     Algorithm of ray-triangle (pairs_pkg::ALGORITHM_*).
 //   BOX           1: a hit of ray-triangle must lie in the triangle's box. Signed distances of pairs in BOUND_PAIRS
-//                 are at least the distance of their boxes
-//   SWAP          a command can exchange the roles of primary and secondary
-//   NORMALS       a command can ask for normals
-//   PARALLEL      two pipes can work on the same secondaries at a time
-//   FACET_II      pairs with candidate axes: cycles from one row to the next, 1 or 3
+//                 are at least the distance of their boxes.
+//   SWAP          A command can exchange the roles of primary and secondary.
+//   NORMALS       A command can ask for normals.
+//   PARALLEL      Two pipes can work on the same secondaries at a time.
+//   FACET_II      Pairs with candidate axes: cycles from one row to the next, 1 or 3.
 //   VERDICT_EXP   0, or with VERDICT_MAN the format of the narrow lanes of certified filters. They prove misses of
-//                 pairs of solids (verdict_pair.sv). The pair then has one lane of the card's format behind them
-//   TRANSFORM     objects move by a rigid transform: pairs_pkg::TRANSFORM_*
-//   OBJECTS       entries of the object table of secondaries, 2 to 2,048; PRIM_OBJECTS: entries for primaries
-//   NODE_UNITS    traversal units of a BVH: 0 (no BVH), 1, 2 or 4; NODES: nodes of their memory, a power of two
-//   ECC           1: words in DDR have check bits; single wrong bits are corrected
-//   LAT_*         cycles of the operators; in the structure `lat`
-//   ARITH         "rtl" for gates, or "host" for the simulating processor's arithmetic; field `host`, 0 or 1
-//   DDR_SLOTS     beats of DDR; the default is that of two 1 GB modules of 36-byte beats
-//   SRAM_RECORDS  records of SRAM, a power of two; the default is that of seven 2 MB chips, one per word of a record
-//   CONFIG_HASH   hash of parameters and RTL sources
+//                 pairs of solids (verdict_pair.sv). The pair then has one lane of the card's format behind them.
+//   TRANSFORM     Objects move by a rigid transform: pairs_pkg::TRANSFORM_*.
+//   OBJECTS       Entries of the object table of secondaries, 2 to 2,048. PRIM_OBJECTS: entries for primaries.
+//   NODE_UNITS    Traversal units of a BVH: 0 (no BVH), 1, 2 or 4. NODES: nodes of their memory, a power of two.
+//   ECC           1: words in DDR have check bits; single wrong bits are corrected.
+//   LAT_*         Cycles of the operators; in the structure `lat`.
+//   ARITH         Gates ("rtl") or the simulating processor's arithmetic ("host"); field `host`, 0 or 1.
+//   DDR_SLOTS     Beats of DDR; the default is that of two 1 GB modules of 36-byte beats.
+//   SRAM_RECORDS  Records of SRAM, a power of two. The default is that of seven 2 MB chips, one per word of a record.
+//   CONFIG_HASH   Hash of parameters and RTL sources.
 `ifndef CDE_CONFIG_SVH
 `define CDE_CONFIG_SVH
 `define CARD_PARAMETERS \

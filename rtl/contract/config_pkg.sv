@@ -36,8 +36,7 @@ package config_pkg;
     ordered_pairs = (card.pairs & pairs_pkg::RING_PAIRS) | verdict_pairs(card);
   endfunction
   // A power of two above the latency of any pipe, except iterative pipelines. With certified filters, above that of
-  // narrow
-  // lanes, proof and wide pipe together.
+  // narrow lanes, proof and wide pipe together.
   function automatic int pipe_depth(input config_t card);
     int slowest;
     slowest = latency_pkg::mean(card.lat);

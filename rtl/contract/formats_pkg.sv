@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Number formats, and the codes of operations on them. rtl/fp, rtl/vector and rtl/pipes share them with
 // host/include/cde/contract/formats.hpp. A format has `exp` exponent bits and `man` fraction bits. A word is in a
-// container
-// of 32 or 64 bits.
+// container of 32 or 64 bits.
 package formats_pkg;
 
   // ---- Operations (parameter OP of fp_lanes and of modules built on it; index of their clock in fp_unit) ----
@@ -90,8 +89,7 @@ package formats_pkg;
   localparam bit LEAST_WORDS = 0;
 `endif
   // Bits of a gate lane's word (rtl/fp/fp_mask.svh). In simulation, the lane width of a vector register. The least
-  // width
-  // holds the word and its sign, and a significand with carry, hidden, guard, round and sticky bits.
+  // width holds the word and its sign, and a significand with carry, hidden, guard, round and sticky bits.
   function automatic int lane_word(input int exp, input int man, input bit least);
     lane_word = least ? larger(1 + exp + man, man + 6) : (1 + exp + man <= 32 && man <= 23) ? 32 : 64;
   endfunction
@@ -124,9 +122,8 @@ package formats_pkg;
   endfunction
 
   // The input contract's range of lengths, as exponents of two. Coordinates and sizes are at most 2^length_high. Sizes
-  // and
-  // the largest component of a ray's direction are at least 2^length_low. host/include/cde/geometry/check.hpp gives the
-  // reason.
+  // and the largest component of a ray's direction are at least 2^length_low. host/include/cde/geometry/check.hpp gives
+  // the reason.
   function automatic int length_high(input int exp);
     length_high = (exp < 8) ? ((1 << (exp - 1)) - 2) / 2 : ((1 << (exp - 1)) - 8) / 3;
   endfunction

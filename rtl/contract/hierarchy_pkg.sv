@@ -33,8 +33,7 @@ package hierarchy_pkg;
   localparam int WAY_BITS = pairs_pkg::PAIR_BITS + 1;
   typedef logic [WAYS-1:0] ways_t;
   // Pairs that need no box rule when they meet spheres: their own roundings are small enough (docs/background/bvh.md).
-  // Other
-  // pairs need the rule.
+  // Other pairs need the rule.
   localparam int PLAIN_PAIRS = 1 << pairs_pkg::PAIR_RAY_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_SPHERE;
   // Traversal kinds of a card.
   function automatic ways_t card_ways(input config_pkg::config_t card);

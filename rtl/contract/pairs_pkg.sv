@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shapes and pairs of shapes: tables, in the order of their codes, and derived values.
 // host/include/cde/contract/pairs.hpp is the same in C++. A table is a flat vector with one read function, because
-// Yosys
-// takes an index of a packed array in a constant function for a bit index.
+// Yosys takes an index of a packed array in a constant function for a bit index.
 package pairs_pkg;
 
   // ---- Codes: up to 64 shapes and 63 pairs. Every port and field with a code has one of these types ----
@@ -48,8 +47,8 @@ package pairs_pkg;
     {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_SIZE)}}, {9{3'(WORD_PURE)}}}};                              // obb
 
   // ---- Pairs: the number is the code in the command register and a bit of a card's parameter PAIRS. PAIRS is an int
-  // above
-  // zero, so a card can have pairs 0 to 30 (config_check.sv) ----
+  // that
+  // is above zero, so a card can have pairs 0 to 30 (config_check.sv) ----
   localparam pair_t PAIR_RAY_TRIANGLE = 0;
   localparam pair_t PAIR_OBB_OBB = 1;
   localparam pair_t PAIR_TRIANGLE_AABB = 2;
@@ -69,8 +68,7 @@ package pairs_pkg;
   localparam int PAIR_INDEX = $clog2(PAIRS);  // bits that distinguish the existing pairs
 
   // Shapes A and B of the pairs. Unused codes are filled up, and the last place is for NO_PAIR. The tables are as short
-  // as
-  // possible, because a running card reads them.
+  // as possible, because a running card reads them.
   localparam int PAIR_PLACES = 1 << $clog2(PAIRS + 1);
   localparam logic [0:SHAPE_INDEX*PAIR_PLACES-1] PRIMARY_SHAPES = {
     SHAPE_INDEX'(SHAPE_RAY),       // ray-triangle
@@ -222,8 +220,7 @@ package pairs_pkg;
       end
   endfunction
   // Whether the card's transformer handles the shape, and its cycles. R x takes LAT_MUL + 2*LAT_ADD, and + t takes
-  // LAT_ADD.
-  // For a plane, n'.t waits for R n.
+  // LAT_ADD. For a plane, n'.t waits for R n.
   function automatic bit moves_shape(input int pairs, input int shape, input bit swap, input int transform);
     moves_shape = uses_shape(pairs, shape, 0, swap) || (transform == TRANSFORM_BOTH && uses_shape(pairs, shape, 1,
         swap));

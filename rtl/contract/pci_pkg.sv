@@ -74,8 +74,7 @@ package pci_pkg;
   localparam int PCI_DESCRIPTOR_TO_HOST = 40;
   localparam int PCI_DESCRIPTOR_IRQ = 41;     // interrupt on completion
   // Completion record, 2 words. Word 0: [31:0] fault address, [63:35] bytes done / 8. Word 1: the fields below. Each
-  // word
-  // has a lap bit that shows that the word is new: 1 in the first lap of the ring, then 0, and so on.
+  // word has a lap bit that shows that the word is new: 1 in the first lap of the ring, then 0, and so on.
   localparam int PCI_COMPLETION_BYTES = 16;
   localparam int PCI_COMPLETION_NUMBER = 0;  // 16 bits: descriptor; the record has the same place in its ring
   localparam int PCI_COMPLETION_PCI = 16;    // 16 bits: PCI status register

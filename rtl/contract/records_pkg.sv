@@ -19,9 +19,8 @@ package records_pkg;
     logic f;       // F
   } record_flags_t;
 
-  // ---- Entries of the object tables, in words of the container width. Both parts are written in ascending order: the
-  // range
-  // takes effect with its second word, the transform with its last ----
+  // ---- Entries of the object tables, in words of the container width. Both parts are written in ascending order. The
+  // range takes effect with its second word, the transform with its last ----
   localparam int OBJECT_WORDS = 16;        // distance between entries
   localparam int OBJECT_FIRST = 0;         // first slot
   localparam int OBJECT_COUNT = 1;         // slots

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The local bus and the card's registers: spaces, offsets, fields. host/include/cde/contract/registers.hpp is the same
-// in
-// C++.
+// in C++.
 package registers_pkg;
 
   // ---- Local bus: one 64-bit beat per cycle into one of these spaces. Numbers from SPACES on are unassigned. The card
@@ -12,10 +11,8 @@ package registers_pkg;
   localparam logic [2:0] SPACE_DDR = 3'd2;   // secondary memory, packed slots, write only
   localparam logic [2:0] SPACE_SRAM = 3'd3;  // record stream: each beat read takes the next words of the ring
   // Spaces of a BVH, written between passes, except primaries. Nodes: words 0 to 15 of node n at byte 64 n, words 16
-  // and 17
-  // at 64 NODES + 8 n. Slots: the secondary of each leaf slot, one word per slot. With a transformer, their objects
-  // follow,
-  // also one word per slot. Primaries (`rays` in names): a ring with 32 bytes per place.
+  // and 17 at 64 NODES + 8 n. Slots: the secondary of each leaf slot, one word per slot. With a transformer, their
+  // objects follow, also one word per slot. Primaries (`rays` in names): a ring with 32 bytes per place.
   localparam logic [2:0] SPACE_NODES = 3'd4;
   localparam logic [2:0] SPACE_SLOTS = 3'd5;
   localparam logic [2:0] SPACE_RAYS = 3'd6;
@@ -89,8 +86,8 @@ package registers_pkg;
   localparam logic [31:0] REG_END = 32'h000001E8;
 
   // ---- Counters of a pass: their registers, 64 bits each, unit by unit. The engine's are in card_registers. Another
-  // unit has
-  // its own (pass_counters.sv), in this order and after the other registers, below REG_END ----
+  // unit
+  // has its own (pass_counters.sv), in this order and after the other registers, below REG_END ----
   localparam int COUNTERS = 12;
   localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
     REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN,

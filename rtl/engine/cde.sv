@@ -2,8 +2,7 @@
 // Collision detection engine: LANES lanes in groups behind one input port. Per cycle it tests a row of LANES primaries
 // against one secondary, and keeps or streams the row's results in order.
 // With ARITH = "host", the datapath is combinational. It takes its operands when its results are due, not when the row
-// is
-// issued. Cycles and bits at the ports are the same.
+// is issued. Cycles and bits at the ports are the same.
 // A pass uses one pipe. With PARALLEL it uses at most two, which get the same secondaries and their own primaries. The
 // clocks of the other pipes stand still.
 // Latency: that of the pipe.

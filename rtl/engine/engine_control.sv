@@ -2,8 +2,7 @@
 // Sequencer of a brute-force pass. It transforms moved primaries, clears the update buffers, and sends every secondary
 // over the rows of primaries. Then it drains the pipe, writes results back and reports done.
 // A row enters the pipe when a secondary is present and the pipe is ready. Streaming modes also need a credit of the
-// output
-// FIFO. With a second pair, a row of its primaries enters its pipe in the same cycle.
+// output FIFO. With a second pair, a row of its primaries enters its pipe in the same cycle.
 // Throughput: one row per cycle without idle cycles, while secondaries and credits last and pipes are ready.
 module engine_control #(
     parameter config_pkg::config_t CONFIG,

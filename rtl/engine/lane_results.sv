@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Results of one pair of a pass in one lane group. Bad input gets F = 0 and NaN. The update engine keeps the best
-// record
-// per primary, and the output FIFO gets the row.
+// record per primary, and the output FIFO gets the row.
 // Latency: 0 to the FIFO, 1 cycle to the update buffers.
 // Throughput: one row per cycle.
 // Stall: none.

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gives a pass to its unit (card_pkg::UNIT_*). A request waits for its unit, which takes the pass in the cycle in which
 // valid_o and ready_i meet. From the next cycle on the unit is busy. It stays busy until it reports done or, if
-// aborted,
-// is idle. There is one pass at a time.
+// aborted, is idle. There is one pass at a time.
 // An abort goes to all units, which share the record ring, and drops a waiting request. Without a pass it is harmless.
 // Together with a go, the abort comes first.
 // With one unit, which is ready whenever it is not busy, the module is wires.

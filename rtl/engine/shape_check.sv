@@ -2,8 +2,7 @@
 // Input contract of a shape (pairs_pkg::SHAPE_*). Every word must be finite; tmin and tmax may be infinite but not NaN.
 // Coordinates are at most 2^length_high. Sizes and a direction's largest component are from 2^length_low to
 // 2^length_high, and max is above min. Unit vectors and rotations hold |a.b - (0 or 1)| <= 2^-20, or 16 u in formats
-// too
-// coarse for that.
+// too coarse for that.
 // Latency: LAT.mul + 3*LAT.add + LAT.cmp cycles for any shape; 0 with ARITH = "host".
 // Throughput: LANES shapes per cycle.
 // Stall: none.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Test of unit vectors (ONE = 1) and of perpendicular vectors: |a.b - ONE| <= tolerance, false for NaN. Operators: 3
-// mul,
-// 2 add, 1 sub, 1 compare.
+// mul, 2 add, 1 sub, 1 compare.
 // Latency: LAT.mul + 3*LAT.add + LAT.cmp cycles; 0 with ARITH = "host".
 // Throughput: one result per lane per cycle.
 // Stall: none.

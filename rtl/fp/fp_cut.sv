@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Register cut between two stages of a lane. DEPTH 1 is a register and DEPTH 0 a wire. Signals that pass several cuts
-// take
-// a larger DEPTH.
+// take a larger DEPTH.
 // Latency: DEPTH cycles.
 module fp_cut #(
     parameter int W     = 32,

@@ -5,11 +5,9 @@
 // carry, guard and sticky bits would not fit beside the significand, nor would exponents past the largest.
 // LEAST = 1 is for synthesis: both are as narrow as the format allows. Results are the same in every bit.
 // The masked style: a condition is a word of all ones or all zeros, made from the sign bit of a subtraction. A choice
-// is
-// a select by mask. The code has no branch and no word narrower than a lane, so a simulator's compiler can vectorise
-// the
-// lanes. In gates, the masks fold to one bit. A helper has two bodies where gates need another form, such as a tree of
-// ORs instead of a subtraction's carry.
+// is a select by mask. The code has no branch and no word narrower than a lane, so a simulator's compiler can vectorise
+// the lanes. In gates, the masks fold to one bit. A helper has two bodies where gates need another form, such as a tree
+// of ORs instead of a subtraction's carry.
   localparam int AB = $clog2(CW);  // bits of a shift amount
   localparam logic [CW-1:0] ONE = 1;
   localparam logic [CW-1:0] SHIFT_MAX = (ONE << AB) - 1;

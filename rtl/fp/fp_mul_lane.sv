@@ -56,8 +56,7 @@ module fp_mul_lane #(
   fp_cut #(CW, D_SWAP) cut_sign_n (.clk_i, .d_i(sign_s), .q_o(sign_n));
 
   // Normalise: significands have their leading one at the top. e is the biased exponent, less one, of a product in [1,
-  // 2).
-  // A zero y has its own mask.
+  // 2). A zero y has its own mask.
   logic [CW-1:0] sx_n, sy_n, inf_n, nan_n, zero_n, sx, sy, sign_p, inf_p, nan_p, zero_p;
   logic [EW-1:0] ex_n, ey_n, e_p;
   fp_normalise #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .COUNT(NORMALISE_X), .CUT(D_LZC)) norm_x (

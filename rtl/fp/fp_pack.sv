@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Last step of a lane's rounding: round to nearest even | assemble the word of the result.
-// norm_i has its hidden bit at MAN + DROP, and DROP bits below the last place; the lowest is sticky.
-// ef_i is the biased exponent less one if the hidden bit is 1, else 0.
+// Input norm_i has its hidden bit at MAN + DROP, and DROP bits below the last place; the lowest is sticky.
+// Input ef_i is the biased exponent less one if the hidden bit is 1, else 0.
 // The masks zero, infinity and NaN have rising priority.
-// past_o is a mask: the result is, or rounds, past the largest number and is not special. inexact_o: bits were lost.
+// Output past_o is a mask: the result is, or rounds, past the largest number and is not special.
+// Output inexact_o is a mask: bits were lost.
 // Latency: CUT cycles, 0..1.
 // Throughput: one result per cycle.
 // Stall: none.

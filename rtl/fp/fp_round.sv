@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounding of one lane, shared by product, quotient, root and conversions: count | shift right | round to nearest even
-// |
-// pack.
-// m_i is a significand with weights 2 (bit TOP), 1, 1/2, ... and a sticky bit at the bottom. Its value is in [1, 4), or
-// arbitrary if a mask is set. e_i is that value's biased exponent less one, in two's complement.
+// | pack.
+// Input m_i is a significand with weights 2 (bit TOP), 1, 1/2, ... and a sticky bit at the bottom. Its value is in [1,
+// 4), or arbitrary if a mask is set. Input e_i is that value's biased exponent less one, in two's complement.
 // The masks zero, infinity and NaN have rising priority.
 // Latency: CUT_COUNT + CUT + CUT_PACK cycles, each 0..1.
 // Throughput: one result per cycle.
@@ -37,8 +36,7 @@ module fp_round #(
   localparam int DROP = TOP - 1 - MAN;  // bits below the last place
 
   // Count the right shift that moves the leading one to TOP - 1. Below the normal range the shift is larger, so that
-  // the
-  // hidden bit becomes 0.
+  // the hidden bit becomes 0.
   logic [EW-1:0] top_c, e_c, tiny_c, n_c, n, ef_c, ef_s, ef;
   logic [CW-1:0] m, sign_s, zero_s, inf_s, nan_s, norm_s, norm, sign, zero, inf, nan;
   always_comb begin
@@ -74,8 +72,7 @@ module fp_round #(
       .inexact_o(inexact));
 
   // Tiny after rounding: the result is below the smallest normal even if rounded at full precision. Then the
-  // significand is
-  // shifted by top_c only, and rounding just below the normal range gives no carry.
+  // significand is shifted by top_c only, and rounding just below the normal range gives no carry.
   if (FLAGS) begin : g_flags
     localparam logic [CW-1:0] HALF = (ONE << (DROP - 1)) - 1;
     localparam int DELAY = CUT_COUNT + CUT + CUT_PACK;

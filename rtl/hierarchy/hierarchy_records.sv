@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Records of a BVH pass, one per cycle, in the order they occur: hits of mode hits, finished primaries, and bad
-// primaries.
-// The words are as in record_maker.sv. With normals, a second record follows each one; it has n in the words of CP and
-// the
-// signed distance in T.
+// primaries. The words are as in record_maker.sv. With normals, a second record follows each one; it has n in the words
+// of CP and the signed distance in T.
 // Latency: 1 cycle; hits wait in queues.
 // Throughput: one record per cycle.
 // Stall: ready_o and bad_ready_o are low while the ring is full or another record goes first. Hits are never stalled:

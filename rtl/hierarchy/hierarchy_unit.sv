@@ -229,9 +229,9 @@ module hierarchy_unit #(
       .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i,
       .sram_count_i, .write_o, .record_o, .finished_o(finished), .empty_o(records_empty));
 
-  // ---- Not a tree. In a tree, a primary in flight finishes before each has read every node; a refit writes a node in
-  // less
-  // than a million cycles ----
+  // ---- Invalid trees. In a tree, a primary in flight finishes before each has read every node, and a refit writes a
+  // node
+  // in less than a million cycles ----
   localparam int PATIENCE = 20;
   logic [31+CX:0] idle_reads_q;
   logic [PATIENCE:0] idle_clocks_q;

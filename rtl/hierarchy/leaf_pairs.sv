@@ -24,7 +24,7 @@ module leaf_pairs #(
     input logic clk_i,
     input logic rst_i,
     input logic [hierarchy_pkg::WAY_BITS-1:0] way_i,  // traversal kind of the pass
-    input logic valid_i,       // from a register, because it enables a clock gate
+    input logic valid_i,       // registered, because it drives the enable of a clock gate
     input logic [AT-1:0] at_i,
     input logic two_i,
     input logic [WORDS-1:0][31:0] primary_i,

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the secondaries of leaves from DDR, where they are in the order of their upload. A memory beside the nodes maps
-// a
-// slot of the tree to a secondary. So DDR holds each secondary once, and the mapping gives its index.
+// a slot of the tree to a secondary. So DDR holds each secondary once, and the mapping gives its index.
 // A secondary takes one beat, or two beats if it has more than 9 words. With OBJECTS, a second memory maps a slot to
-// its
-// object, and secondaries go through the external transformer.
+// its object, and secondaries go through the external transformer.
 // Latency: 2 cycles plus the memory's latency and T_MOVED.
 // Throughput: one beat per cycle.
 // Stall: ready_o, ddr_ready_i.

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distance key of a solid to each of a node's boxes (gap_key() of reference/pipes/ray_node.hpp): the squared distance
-// of
-// two boxes that are apart, else the largest distance on an axis. near_i and far_i are distances on axes, as
-// node_boxes.sv
-// gives them for a solid. The children are lanes. Operators per child: 3 mul, 2 add, 1 compare, 8 max.
+// Distance key of a solid to each of a node's boxes (gap_key() of reference/pipes/ray_node.hpp). It is the squared
+// distance of two boxes that are apart, else the largest distance on an axis. The inputs near_i and far_i are distances
+// on axes, as node_boxes.sv gives them for a solid. The children are lanes. Operators per child: 3 mul, 2 add, 1
+// compare, 8 max.
 // Latency: NODE_T_GAPS - NODE_T_AXES cycles (hierarchy.svh).
 // Throughput: one node per cycle.
 // Stall: none, runs free.

@@ -15,15 +15,14 @@ module node_order #(
     input logic [31:0] limit_i,  // highest T that counts
     input logic farthest_i,
     // The number of hit children; their numbers in order; upper halves of near or far in that order. Entries after the
-    // hit
-    // children are not used.
+    // hit children are not used.
     output logic [4+CHILDREN*(3+16)-1:0] found_o
 );
   /*verilator inline_module*/
   import hierarchy_pkg::*;
-  // ---- Hit: the ray's interval in the box is not empty and overlaps the T that counts. Keys: the least is visited
-  // first;
-  // the key of a child that is not hit is above all keys of numbers ----
+  // ---- Hit: the ray's interval in the box is not empty and overlaps the T that counts. Keys: the least is first in
+  // the
+  // order; the key of a child that is not hit is above all keys of numbers ----
   logic [CHILDREN-1:0] meets, met_q;
   logic [CHILDREN-1:0][31:0] key, key_q;
   logic [CHILDREN-1:0][15:0] half_key, half_q;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which children of a node a ray hits, and the order of visits (node_boxes.sv, node_order.sv). For a solid,
-// node_gaps.sv
-// replaces near, and no child is behind it.
+// node_gaps.sv replaces near, and no child is behind it.
 // Latency: NODE_T_UNIT cycles (hierarchy.svh).
 // Throughput: one node per cycle.
 // Stall: none, runs free.
@@ -37,8 +36,7 @@ module node_unit #(
 `ifdef VERILATOR
   if (ARITH != "rtl") begin : g_host
     // One function, so the compiler sees it three times and computes it once. Its operands are local variables of the
-    // model,
-    // since they are short and are first written as a whole. The result is delayed, not the operands.
+    // model, since they are short and are first written as a whole. The result is delayed, not the operands.
     logic [7:0][31:0] w, x, y;
     logic [5:0][31:0] z;
     always_comb begin

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Refits the boxes of a BVH after triangles moved: every node's origin, exponents and bytes, from the last node to the
 // first. The children of a node stay. A child's number is larger than its parent's (hierarchy::check), so its words are
-// new before they are read. host/include/cde/reference/refit.hpp is the same in software, bit by bit.
+// new before they are read. The software version host/include/cde/reference/refit.hpp is the same bit by bit.
 //
 //   node memory -> refit_walk -+-> fetch -> refit_leaf -> boxes of leaves -+-> refit_encode -> node memory
 //                              +-> refit_node ----------> boxes of nodes --+
@@ -9,8 +9,7 @@
 // A node holds a context from the request of its children until its boxes are encoded, in order. Only refit_walk waits:
 // for memory, for a context, and for a child that is not written yet.
 // A triangle with a NaN or a coordinate beyond 2^40 ends the refit. bad_o then gives its slot, the first in the order
-// of
-// the work. Nodes from that triangle's own node to the root keep their words, and the others are new.
+// of the work. Nodes from that triangle's own node to the root keep their words, and the others are new.
 // The ray front takes the root's box as its words say (box_of() there).
 // When done_o is high, every request has been answered. After a reset, no answer to an earlier request may come.
 // Latency: that of the traversal of all nodes.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the boxes of a node's children as bytes, for one axis. First comes the box of all children, which gives
-// origin
-// and exponent, then child after child.
+// origin and exponent, then child after child.
 //
 // Corners become integers in units of 2^(m-24), with m the larger exponent of the two ends of all. That is one bit more
 // than the mantissa of the larger end. Rounding is down or up, so that boxes grow. So bytes always contain the box:
@@ -11,8 +10,7 @@
 //
 // Only numbers below half of the largest (M) lose bits. Then the node is longer than M / 2 and a byte is at least 2^16
 // units, so the loss costs at most one more byte. Otherwise all corners are near each other and far from zero, and all
-// is
-// exact. s is the least value >= 0 with which bytes fit: no step is finer than a unit.
+// is exact. The shift s is the least value >= 0 with which bytes fit: no step is finer than a unit.
 // Latency: 4 cycles.
 // Throughput: one box per cycle.
 // Stall: none, runs free.

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Visits the nodes of a tree from the last to the first, with their children: requests leaves, and reads nodes that
-// have
-// been written. A node opens when a context is free. The next node's words are read ahead, in a cycle without a child
-// read.
+// have been written. A node opens when a context is free. The next node's words are read ahead, in a cycle without a
+// child read.
 // Latency: 3 cycles to the first child.
 // Throughput: one child per cycle.
 // Stall: fetch_ready_i, room_i, written_i.

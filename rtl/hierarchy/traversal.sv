@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Traversal of a BVH by rays and solids. Each primary has a context with one operation under way. It reads a node and
-// tests
-// its boxes, fetches and tests the secondaries of a leaf, or chooses the next visit from its stack.
+// tests its boxes, fetches and tests the secondaries of a leaf, or chooses the next visit from its stack.
 // Units wait only for leaves that memory does not deliver. Contexts wait in queues that hold all of them, so no queue
 // overflows and no deadlock is possible. In a pass of few primaries, pipes are mostly empty, so contexts do not wait
-// for
-// their leaves. They go on with the current best result, and end when all leaves have been tested (ahead_i).
+// for their leaves. They go on with the current best result, and end when all leaves have been tested (ahead_i).
 //
 //   rays -> ray_front -> UNITS x traversal_bank -> leaves -> fetch -> pair pipe -> better of (T, index) -+
 //                            |  ^                                                                        |
@@ -48,9 +46,8 @@ module traversal #(
     output logic ray_ready_o,
     input logic [WORDS-1:0][31:0] ray_i,
     input logic [31:0] number_i,
-    // Secondaries of leaves, one or two from a slot on, and their indices. fetched_valid_i comes from a register,
-    // because it
-    // enables a clock gate.
+    // Secondaries of leaves, one or two from a slot on, and their indices. fetched_valid_i must come from a register,
+    // because it drives the enable of a clock gate.
     output logic fetch_valid_o,
     input logic fetch_ready_i,
     output logic [hierarchy_pkg::PLACE-1:0] fetch_slot_o,
@@ -284,8 +281,7 @@ module traversal #(
   assign hit_point_o = point;
   assign hit_index_o = index;
   // A hit shrinks the T interval, and an occlusion query stops at its first hit. For solids, the interval is of keys up
-  // to
-  // that of the best distance (node_gaps.sv), without a lower bound.
+  // to that of the best distance (node_gaps.sv), without a lower bound.
   always_comb begin
     interval_write = {2{take}};
     interval_context = taken;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Check bits of DDR, if the card has them. They are made for written words and checked on read words. Errors are
-// counted
-// only for words of a beat that belong to a slot.
+// counted only for words of a beat that belong to a slot.
 // Latency: 0 cycles for writes; 1 cycle for reads with ECC, else 0.
 // Throughput: one beat per cycle in each direction.
 // Stall: none.

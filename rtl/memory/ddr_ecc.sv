@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Error correction of DDR read data, per word. One wrong bit is corrected. A word with two wrong bits becomes NaN,
-// which
-// is bad input in every shape, so no result depends on it. A correction is not written back.
+// which is bad input in every shape, so no result depends on it. A correction is not written back.
 // Latency: 1 cycle.
 // Throughput: one beat per cycle.
 // Stall: none.

@@ -3,8 +3,7 @@
 // reader. A reader holds its request until ready_o, or withdraws it. So a reader waits for at most one request of each
 // other reader. DDR answers in order, at any time, and a queue holds the readers of outstanding responses.
 // USED, bit r: reader r exists. Requests of others are ignored. With a single reader the module is wires, and its
-// requests
-// are always taken.
+// requests are always taken.
 // Latency: 0 cycles for requests and responses.
 // Throughput: one request and one response per cycle.
 // Stall: ready_o, also while DEPTH responses are outstanding.

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Hamming code of a word with an overall parity bit (SECDED). Data bit i has position secded_position(i): the numbers
-// from
-// 3 on, without powers of two. Check bit j is the parity of the data bits whose position has bit j. The last check bit
-// is
-// the parity of all other bits. All zeros is a code word.
+// from 3 on, without powers of two. Check bit j is the parity of the data bits whose position has bit j. The last check
+// bit is the parity of all other bits. All zeros is a code word.
 `ifndef CDE_SECDED_SVH
 `define CDE_SECDED_SVH
 `define SECDED_BITS(W) ($clog2((W) + $clog2(W) + 1) + 1)

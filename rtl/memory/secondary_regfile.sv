@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Secondary register file: fetches slots FIRST..FIRST+COUNT-1 from DDR in order, or with TRANSFORM the slots of the
 // objects in use. It checks them and holds them in a FIFO. A beat has 9 words, so a larger slot takes two beats. The
-// head
-// stays until `pop_i`. With DEPTH above the memory latency, a slot is ready in every cycle.
+// head stays until `pop_i`. With DEPTH above the memory latency, a slot is ready in every cycle.
 // With TRANSFORM, every slot goes through the transformer before the check. So the check applies to the values that
-// meet
-// the primaries, and an overflow in the transform is bad input.
+// meet the primaries, and an overflow in the transform is bad input.
 // Latency: the memory's plus shape_check's; with TRANSFORM also 1 cycle plus the transformer's.
 // Throughput: one beat per cycle.
 // Stall: requests only slots that the FIFO has room for, and holds slots until they are taken.

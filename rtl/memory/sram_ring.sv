@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Result memory: a ring of records in SRAM. The update engine writes one record per cycle, and the local bus reads 64
-// bits
-// per beat. Beats are packed: with 32-bit words, the seventh word of a record shares a beat with the first word of the
-// next one. So two records take seven beats. Only after a pass can a last record be alone in that beat, with 0 beside
-// it.
+// bits per beat. Beats are packed: with 32-bit words, the seventh word of a record shares a beat with the first word of
+// the next one. So two records take seven beats. Only after a pass can a last record be alone in that beat, with 0
+// beside it.
 // The records of the next pass begin with a new beat. Two records are fetched ahead, so beats follow each other without
 // gaps.
 // Latency: 3 cycles from the first record to the first beat.

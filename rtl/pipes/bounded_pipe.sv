@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pipe of a pair (scaled_pipe.sv). With BOUND, a signed distance below the box distance is raised to it
-// (gap_bound.sv).
-// The bound comes from the unscaled pair. With BOUND, also its operators, 1 compare and 1 max.
+// (gap_bound.sv). The bound comes from the unscaled pair. With BOUND, also its operators, 1 compare and 1 max.
 // Latency: latency_o: the pipe's latency, and with BOUND LAT.cmp; 0 with ARITH = "host".
 // Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.

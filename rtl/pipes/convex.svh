@@ -2,8 +2,7 @@
 // Parts of the convex pipes as operators of the dataflow notation. A part is a module that takes its inputs at its own
 // stage time 0 and gives all outputs at one time, LATENCY_* below. A part says where an input or output needs another
 // time. Each part refuses to elaborate if its stage times do not add up to that latency. Parts in generate loops are
-// not
-// listed here: the pipes instantiate them directly.
+// not listed here: the pipes instantiate them directly.
 `ifndef CDE_CONVEX_SVH
 `define CDE_CONVEX_SVH
 `include "pipe.svh"
@@ -67,8 +66,7 @@
 `define DF_LEAD(R, M, V) `DF_PICK(R``_v_x, V, 0) `DF_PICK(R``_v_y, V, 1) `DF_PICK(R``_v_z, V, 2) \
   `DF_SELECT3(R, M``_x, M``_y, R``_v_x, R``_v_y, R``_v_z)
 // The side of a candidate axis that has the larger signed distance: the sign of the height H. Where H is within TIE, it
-// is
-// the sign of ORIENTATION.
+// is the sign of ORIENTATION.
 `define DF_SIDE_OF(R, H, TIE, ORIENTATION) `DF_ABS(R``_size, H) `DF_LE(R``_ties, R``_size, TIE) \
   `DF_SELECT(R, R``_ties, ORIENTATION, H)
 // Three vectors as rows of a matrix.
@@ -107,23 +105,21 @@
   `DF_SELECT(SLACK, SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_VSELECT(V, SLACK``_worse, ONCE_V, TWICE_V) `DF_VSELECT(P, SLACK``_worse, ONCE_P, TWICE_P)
 // Distance from the nearest point with length D, direction N and SLACK: GAP is the signed distance along N. The
-// distance
-// lies between D and the larger of GAP and FACET_S; S is the middle of the two.
+// distance lies between D and the larger of GAP and FACET_S; S is the middle of the two.
 `define DF_POINT_GAP(GAP, S, N, D, SLACK, FACET_S) `DF_MUL(GAP``_less, SLACK, N``_inverse) `DF_SUB(GAP, D, GAP``_less) \
   `DF_MAX(S``_low, FACET_S, GAP) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
   `DF_MUL(S, S``_twice, S``_half)
 
 // Witness points of the chosen axis FROM: the same point of B, and the point of box A nearest to its ideal place, S N
-// away. 9 add, 3 mul, 6 min/max.
+// away.
+// Operators: 9 add, 3 mul, 6 min/max.
 `define DF_SETTLE(V, P, FROM_V, FROM_P, S, N, HALF) `DF_VADD(V``_q, FROM_P, FROM_V) `DF_VSCALE(V``_apart, N, S) \
   `DF_VSUB(V``_ideal, V``_q, V``_apart) \
   `DF_VNEG(V``_low, HALF) `DF_VCLAMP(P, V``_ideal, V``_low, HALF) `DF_VSUB(V, V``_q, P)
 
-// ---- Choice between two results (S, N, V, P): FACET_* of the axes, POINT_* of the polished nearest point of B - A
-// ----
+// ---- Choice between two results (S, N, V, P): FACET_* of the axes, POINT_* of the polished point of B - A ----
 // The point counts if the bodies are apart, D is FIT, and the distance ALONG its direction is at most TIE below
-// FACET_S.
-// So the axes decide when the distance is too small for the point to have a direction.
+// FACET_S. So the axes decide when the distance is too small for the point to have a direction.
 `define DF_DECIDE(S, N, V, P, FACET_S, FACET_N, FACET_V, FACET_P, POINT_S, POINT_N, POINT_V, POINT_P, FIT, ALONG, TIE) \
   `DF_CONST(S``_zero, 0) `DF_LT(S``_apart, S``_zero, FACET_S) `DF_SUB(S``_tied, FACET_S, TIE) \
     `DF_LE(S``_confirmed, S``_tied, ALONG) \

@@ -54,8 +54,7 @@
 `define LATENCY_FRONT (((BODY == `BODY_CYLINDER) ? `LATENCY_CYLINDER_RAW : `LATENCY_POLYHEDRON_RAW) + \
   `LATENCY_NORMALISE)
 // Circle: the slope of the new normal, which may become an end of the bracket. Then Newton's normal and the test that
-// it
-// stays in the bracket, or the tie.
+// it stays in the bracket, or the tie.
 `define LATENCY_SLOPE (`DF_LAT_CROSS + `DF_LAT_DOT)
 `define LATENCY_TIE (LAT.add + `DF_LAT_DOT + LAT.add + 2 * LAT.mul + 2 * LAT.cmp + LAT.add)
 `define LATENCY_ENDS ((BODY == `BODY_CYLINDER) ? `LATENCY_SLOPE + LAT.cmp : `DF_MAX2(`LATENCY_SLOPE, LAT.cmp) + \
@@ -104,8 +103,7 @@
       .clk_i, .off_i(OFF), .a_i(A), .radius_i(RADIUS), .n_i(N), .width_o(R``_width), .side_o(R``_side), \
         .kappa_o(R``_kappa), .v_o(R``_v));
 // The point of a cylinder nearest to X: centre C, axis A, half height HALF and the radius. The other arguments are as
-// in
-// project_cylinder.sv.
+// in project_cylinder.sv.
 `define DF_PROJECT_CYLINDER(R, X, C, A, HALF, RADIUS, SIDE, ALONGSIDE, END, RIM) localparam int T_``R = \
   `DF_MAX2(T_``X, T_``C) + `LATENCY_PROJECT_CYLINDER; \
   `DF_VECTOR R; \

@@ -2,11 +2,12 @@
 // One step on a circle of normals perpendicular to e (reference/pipes/cylinder/search.hpp).
 // It gives the new bracket lo, hi and the next normal. That is Newton's normal if it stays in the bracket, else the tie
 // of both ends' support points. The pass has evaluated (n, y, g) and the opposite normal (-n, minus_y, minus_g).
-//   beside   (cylinders) last and best make the bracket, in either order.
-//   sample   (polyhedra) the previous and this sample, or their opposites, make the bracket.
-//            Condition: both slopes point inward, and no earlier bracket has a better end.
-//   refine   n replaces the end whose slope has the same sign.
-// 40 add, 62 mul, 1 div, 5 compare, 3 min/max (cylinder); 34 add, 51 mul, 1 div, 10 compare, 5 min/max (box, triangle).
+//   Beside (cylinders): last and best make the bracket, in either order.
+//   Sample (polyhedra): the previous and this sample, or their opposites, make the bracket.
+//   Condition: both slopes point inward, and no earlier bracket has a better end.
+//   Refine: n replaces the end whose slope has the same sign.
+// Operators (cylinder): 40 add, 62 mul, 1 div, 5 compare, 3 min/max.
+// Operators (box, triangle): 34 add, 51 mul, 1 div, 10 compare, 5 min/max.
 // Latency: LATENCY_STEP cycles, the slopes LATENCY_SLOPE; 0 with ARITH = "host".
 // Throughput: one step per lane per cycle.
 // Stall: none.

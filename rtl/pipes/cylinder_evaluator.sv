@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // One evaluation of a cylinder pair (reference/pipes/cylinder/evaluator.hpp), for a unit normal n and for -n. It gives
-// the
-// signed distance g of the projections of A and B, and a point y of B - A with n.y = g. It also gives the cylinders'
-// rims
-// and A's support point. All positions are relative to A's origin.
-// 46 add, 56 mul, 2 div, 2 sqrt, 2 compare (cylinder); 46 add, 39 mul, 1 div, 1 sqrt, 1 compare (box); 36 add, 36 mul,
-// 1 div, 1 sqrt, 5 compare, 4 min/max (triangle).
+// the signed distance g of the projections of A and B, and a point y of B - A with n.y = g. It also gives the
+// cylinders' rims and A's support point. All positions are relative to A's origin.
+// Operators (cylinder): 46 add, 56 mul, 2 div, 2 sqrt, 2 compare.
+// Operators (box): 46 add, 39 mul, 1 div, 1 sqrt, 1 compare.
+// Operators (triangle): 36 add, 36 mul, 1 div, 1 sqrt, 5 compare, 4 min/max.
 // Latency: LATENCY_EVALUATOR cycles; 0 with ARITH = "host".
 // Throughput: one evaluation per lane per cycle.
 // Stall: none, runs free.

@@ -4,9 +4,8 @@
 // derivative. There t comes from the other cylinder's nearer end, or from between parallel axes.
 // Otherwise: a damped Newton step on the sphere, (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n.
 // A step that does not raise g is undone, and a quarter of it tried. The base is lo_n, the step from it lo_y, and its g
-// is
-// score.
-// 63 add, 91 mul, 2 div, 3 sqrt, 6 compare, 7 min/max.
+// is score.
+// Operators: 63 add, 91 mul, 2 div, 3 sqrt, 6 compare, 7 min/max.
 // Latency: LATENCY_STEP cycles; 0 with ARITH = "host".
 // Throughput: one step per lane per cycle.
 // Stall: none, runs free.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Front of a pass between two cylinders: the unit normal that the pass evaluates (front() of
-// reference/pipes/cylinder/search.hpp). Phases that need c x x or (c x x) x c share the cross products; a step on a
-// circle
-// is one of them. 13 add, 24 mul, 1 div, 1 sqrt, 4 compare.
+// reference/pipes/cylinder/search.hpp). Phases that need c x x or (c x x) x c share the cross products. A step on a
+// circle is one of these phases.
+// Operators: 13 add, 24 mul, 1 div, 1 sqrt, 4 compare.
 // Latency: LATENCY_FRONT cycles; 0 with ARITH = "host".
 // Throughput: one normal per lane per cycle.
 // Stall: none, runs free.

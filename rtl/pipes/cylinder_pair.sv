@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cylinder, box or triangle against a cylinder (host/include/cde/reference/pipes/cylinder/).
 // It computes s_K, the largest signed distance g(n) over the normals that the iterations allow. s_K is at most the
-// signed
-// distance s, so F = 0 is a proof. F = (s_K <= 0), T = |s_K|, n is the normal, CP is halfway between the witness
-// points.
-// The module is an iterative pipeline: a row of pairs circulates once per pass. A pass makes a normal (front),
-// evaluates g
-// for it and its opposite (evaluator) and updates the pair's state (circle, free). The last passes find witness points.
+// signed distance s, so F = 0 is a proof. F = (s_K <= 0), T = |s_K|, n is the normal, CP is halfway between the witness
+// points. The module is an iterative pipeline: a row of pairs circulates once per pass. A pass makes a normal (front),
+// evaluates g for it and its opposite (evaluator) and updates the pair's state (circle, free). The last passes find
+// witness points.
 // RING rows are in flight, one per stage. A row's state lies in memories with one slot per row, at the stages that use
 // it.
-// 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max (cylinder); 203 add, 215 mul, 5 div, 4 sqrt, 35 compare, 16
-// min/max (box); 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max (triangle). RING and latency at one cycle per
-// operator and the default iterations: 64, 4,298; 64, 5,066; 70, 5,260.
+// Operators (cylinder): 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max.
+// Operators (box): 203 add, 215 mul, 5 div, 4 sqrt, 35 compare, 16 min/max.
+// Operators (triangle): 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max.
+// RING and latency at one cycle per operator and the default iterations, in this order: 64, 4,298; 64, 5,066; 70,
+// 5,260.
 // Latency: ENTRY + passes * RING + FINISH cycles, latency_o. budget_i sets the number of passes (schedule.hpp).
 // Throughput: RING rows per passes * RING cycles; one row per cycle while slots are free.
 // Stall: ready_o is low unless the slot at the input port is about to be free. Results leave in the order of entry.

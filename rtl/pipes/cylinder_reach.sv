@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Support points of the primary of a cylinder pair: the largest and the smallest n.x, relative to its origin, and
-// where.
-// Signs, and the choice of a vertex, are wires. 3 mul, 6 add (cylinder); 9 mul, 14 add (box); 6 mul, 4 add, 4 compare,
-// 4
-// min/max (triangle).
-// min/max (triangle).
+// where. Signs, and the choice of a vertex, are wires.
+// Operators (cylinder): 3 mul, 6 add.
+// Operators (box): 9 mul, 14 add.
+// Operators (triangle): 6 mul, 4 add, 4 compare, 4 min/max.
 // Latency: LATENCY_REACH cycles from n; the rim comes LATENCY_RIM after n; 0 with ARITH = "host".
 // Throughput: one normal per lane per cycle.
 // Stall: none.

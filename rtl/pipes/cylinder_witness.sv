@@ -4,9 +4,10 @@
 // solids. Touch starts at the support point that is nearer to the other body, or at the middle of a cap.
 // Project goes to B moved by -s n and back to A, then on to where flat faces would cross.
 // If the solids are clearly apart, the last projections are on the unmoved solids. The direction between their nearest
-// points becomes n if g does not fall. w is the best point so far, and off is its squared distance from B.
-// 86 add, 78 mul, 3 div, 2 sqrt, 14 compare, 8 min/max (cylinder); 83 add, 77 mul, 2 div, 1 sqrt, 13 compare, 11
-// min/max (box); 145 add, 137 mul, 5 div, 1 sqrt, 21 compare, 12 min/max (triangle).
+// points becomes n if g does not fall. The best point so far is w, and off is its squared distance from B.
+// Operators (cylinder): 86 add, 78 mul, 3 div, 2 sqrt, 14 compare, 8 min/max.
+// Operators (box): 83 add, 77 mul, 2 div, 1 sqrt, 13 compare, 11 min/max.
+// Operators (triangle): 145 add, 137 mul, 5 div, 1 sqrt, 21 compare, 12 min/max.
 // Latency: LATENCY_CYLINDER_WITNESS cycles; 0 with ARITH = "host".
 // Throughput: one pass per lane per cycle.
 // Stall: none, runs free.
@@ -60,8 +61,7 @@ module cylinder_witness #(
   `undef DF_ON
   `define DF_ON on
   // A normal within this angle touches all of an edge, face, cap or line of a side: 64 u. Where n may be off, it is
-  // 2^14 u
-  // radian.
+  // 2^14 u radian.
   localparam int TOUCHING = 5 - MAN, WIDE = 13 - MAN;
   logic [7:0] index;
   logic [1:0] track;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Candidate axis (SAT): face I of a box (frame as in obb_obb.sv) on the side of `side`'s sign, and the vertex q of the
-// other body. n is the face's normal. p is the face's point nearest to q, v = q - p, d2 = v.v. 5 add, 3 mul, 4 min/max.
+// other body. The vector n is the face's normal. The face's point nearest to q is p, v = q - p, d2 = v.v.
+// Operators: 5 add, 3 mul, 4 min/max.
 // Latency: LATENCY_FACE_FACET cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
 // Stall: none.

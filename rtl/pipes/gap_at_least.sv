@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Raises a pipe's signed distance to the bound if it is below it (reference/pipes/gap_bound.hpp).
-// 1 compare, 1 max.
+// Operators: 1 compare, 1 max.
 // Latency: LAT.cmp cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.

@@ -2,8 +2,8 @@
 // Lower bound of the signed distance of two shapes, from their boxes (reference/pipes/gap_bound.hpp).
 // It is the distance of boxes that are apart, else the largest distance on an axis. Subtracted is 128 u of the largest
 // extent of both boxes along an axis. A solid's box is its centre and half size.
-// 4 mul, 5 add, 10 sub, 1 sqrt, 1 compare, 13 min/max. Each OBB adds 9 mul, 6 add, each triangle 12 min/max, and two
-// solids 3 add.
+// Operators: 4 mul, 5 add, 10 sub, 1 sqrt, 1 compare, 13 min/max. Each OBB adds 9 mul, 6 add, each triangle 12 min/max,
+// and two solids 3 add.
 // Latency: GAP_T_BOUND cycles (gap_bound.svh); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.

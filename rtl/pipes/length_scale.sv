@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scales a pair to the size of one by an exact power of two. So products of four lengths neither overflow nor
-// underflow,
-// for operands of any size. Every length is multiplied by 2^-k, where k is the largest exponent of both shapes'
-// lengths.
+// underflow, for operands of any size. Every length is multiplied by 2^-k, where k is the largest exponent of both
+// shapes' lengths.
 // A ray's direction has its own exponent kd, and its interval is multiplied by 2^(kd - k).
 // length_unscale.sv scales the result back. Reference: host/include/cde/reference/pipes/scale.hpp.
 // Latency: LAT.cmp for the largest exponent plus LAT.cmp for the shift; with a ray, the larger of that and LAT.mul; 0
-// with
-// ARITH = "host".
+// with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.
 `include "dataflow.svh"

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scales a pair's result back to the pair's own size (length_scale.sv): T and CP times 2^k. A ray's T is multiplied by
 // 2^(k - kd) and rounded once. A ray whose T or CP overflows misses. Solids touch (F = 1) if T, at size one, is below
-// the
-// normal numbers. No other T becomes zero, so F and T agree.
+// the normal numbers. No other T becomes zero, so F and T agree.
 // Latency: LAT.cmp, with a ray the larger of LAT.cmp and LAT.mul; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.

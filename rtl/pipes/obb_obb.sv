@@ -4,10 +4,10 @@
 // The difference B - A has 15 pairs of facets, and their normals are the 15 candidate axes (SAT): 3 faces of A, 3 faces
 // of B, 9 pairs of edges. The depth is the least overlap on them. The distance is the least distance to the 15 facets
 // that face the origin. The nearest point is polished twice. Axes turned by 16 u choose the support features, as if no
-// face or edge of one box were parallel to one of the other. F = (s <= 0), T = |s|. 638 add, 568 mul, 15 div, 10 sqrt,
-// 123 compare, 91 min/max.
-// With FACET_II = 3, the edges of B share one unit per edge of A. A face of A and one of B share a unit, and three axes
-// share the unit of the witness key: 372 add, 335 mul, 7 div, 4 sqrt, 81 compare, 43 min/max.
+// face or edge of one box were parallel to one of the other. F = (s <= 0), T = |s|.
+// Operators: 638 add, 568 mul, 15 div, 10 sqrt, 123 compare, 91 min/max.
+// With FACET_II = 3, the edges of B share one unit per edge of A. A face of A and one of B share a unit. Three axes
+// share the unit of the witness key. Operators then: 372 add, 335 mul, 7 div, 4 sqrt, 81 compare, 43 min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.
@@ -112,8 +112,7 @@ module obb_obb #(
   logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
   logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p, along;
 
-  // ---- Faces. For B: the pair in B's frame, roles exchanged; the axis' vector and normal are turned back into A's
-  // frame
+  // ---- Faces. For B: the pair in B's frame, roles exchanged; the axis' vector and normal return to A's frame ----
   `DF_APPLY(t_from_b, r, t)
   `DF_VNEG(t_back, t_from_b)
   `DF_TRANSPOSE(columns, r)

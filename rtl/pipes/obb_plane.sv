@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Oriented box against plane. The plane has two sides: H = n.c - d, R = sum of e_i |n.u_i|, s = |H| - R, n from the box
-// to
-// the plane. With HALF_SPACE the plane is the solid n.x <= d: s = H - R, n points into it. The box's support point uses
-// sign(0) = 0, so it is the centroid of the touching edge or face. CP is s/2 beyond it.
+// to the plane. With HALF_SPACE the plane is the solid n.x <= d: s = H - R, n points into it. The box's support point
+// uses sign(0) = 0, so it is the centroid of the touching edge or face. CP is s/2 beyond it.
 // F = (s <= 0), T = |s|. 24 add, 28 mul, 4 compare.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.

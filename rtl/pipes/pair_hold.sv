@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Input port of a pipe whose candidate axes share units. With FACET_II = 3 it holds a pair's operands for three cycles
-// and
-// counts them. So every value computed from operands alone is stable for three cycles, at every stage.
+// and counts them. So every value computed from operands alone is stable for three cycles, at every stage.
 // With FACET_II = 1 or ARITH = "host" it is wires.
 // Latency: FACET_T_IN cycles (convex.svh); 0 with ARITH = "host".
 // Throughput: one pair per lane per FACET_II cycles.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A vector made perpendicular to the edge f that it ends on: v - (v.f / f.f) f. The input 1 / f.f is 0 if v ends on no
-// edge.
-// 5 add, 7 mul.
+// edge. 5 add, 7 mul.
 // Latency: LATENCY_PERPENDICULAR cycles from the latest input; 0 with ARITH = "host".
 // Throughput: one vector per lane per cycle.
 // Stall: none.

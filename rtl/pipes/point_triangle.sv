@@ -2,9 +2,8 @@
 // The vector v from the closest point of a triangle (triangle_parts.sv) to a point, |v|^2, and the point's signed
 // distance h from the plane.
 // It takes the three segments, and the face if the point lies over its inside. The region is selected at the end, ties
-// to
-// the lowest edge. Over a needle, the signs that say "inside" are noise when the point is in line with it. So the point
-// must also lie between the ends of the longest edge. 43 add, 71 mul, 9 compare, 6 min/max.
+// to the lowest edge. Over a needle, the signs that say "inside" are noise when the point is in line with it. So the
+// point must also lie between the ends of the longest edge. 43 add, 71 mul, 9 compare, 6 min/max.
 // Latency: to POINT_TRIANGLE_T_V of triangle.svh. h_o comes LAT.mul + 2*LAT.add after the later of w and m. 0 with
 // ARITH = "host".
 // Throughput: one point per lane per cycle.

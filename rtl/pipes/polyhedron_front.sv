@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Front of a pass between a box or a triangle and a cylinder: the unit normal that the pass evaluates (front() of
 // reference/pipes/cylinder/search.hpp). Phases exclude each other and share operators:
+//
 //   vertex    x = b x w, radial = x x b, with w = vertex - d      |x|^2, b.w     b (+-above |x|) + radial (|x| - r)
 //   side      q = e x b                                          |q|^2
+//
 //   sample    w = e x u, c = e x q                               q.w, q.u       one end of the arc (1 - tau) +
 //                                                                               other end tau
+//
 //   refine    w = e x next, c = w x e
 //   frame     e1 x e2 (triangle)                                 |e1 x e2|^2, e1.e1
-// 29 add, 31 mul, 1 div, 2 sqrt, 6 compare (box); 25 add, 36 mul, 1 div, 2 sqrt, 11 compare (triangle).
+//
+// Operators (box): 29 add, 31 mul, 1 div, 2 sqrt, 6 compare.
+// Operators (triangle): 25 add, 36 mul, 1 div, 2 sqrt, 11 compare.
 // Latency: LATENCY_FRONT cycles; 0 with ARITH = "host".
 // Throughput: one normal per lane per cycle.
 // Stall: none, runs free.

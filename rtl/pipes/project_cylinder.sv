@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nearest point of a solid cylinder or, by masks, of a cap's rim or a line of its side. The masks matter because a
-// round
-// side and a plane that touches it separate slowly: every projection merely halves the error.
-// 19 add, 24 mul, 1 div, 1 sqrt, 1 compare, 3 min/max.
+// round side and a plane that touches it separate slowly: every projection merely halves the error.
+// Operators: 19 add, 24 mul, 1 div, 1 sqrt, 1 compare, 3 min/max.
 // Latency: LATENCY_PROJECT_CYLINDER cycles from the later of x and c; other inputs are early; 0 with ARITH = "host".
 // Throughput: one point per lane per cycle.
 // Stall: none, runs free.

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nearest point of the box around the origin, or of the triangle with v0 at the origin. For the triangle it is a point
-// of
-// the plane if that lies inside and is no farther, else of an edge. An edge or triangle without length or area drops
-// out
-// by its NaN, and v0 remains. Where `feature` is set, it is the nearest point of the vertex, edge or face that n
-// touches,
-// up to `near` radian.
-// 18 add, 27 mul, 3 compare, 6 min/max (box); 80 add, 88 mul, 3 div, 13 compare, 7 min/max (triangle).
+// of the plane if that lies inside and is no farther, else of an edge. An edge or triangle without length or area drops
+// out by its NaN, and v0 remains. Where `feature` is set, it is the nearest point of the vertex, edge or face that n
+// touches, up to `near` radian.
+// Operators (box): 18 add, 27 mul, 3 compare, 6 min/max.
+// Operators (triangle): 80 add, 88 mul, 3 div, 13 compare, 7 min/max.
 // Latency: LATENCY_PROJECT cycles from x; 0 with ARITH = "host".
 // Throughput: one point per lane per cycle.
 // Stall: none, runs free.

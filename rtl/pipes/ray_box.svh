@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage times of the box rule of ray and triangle (ray_box.sv), and its place in a pipe. In scope: BOX, B_LANES, LAT_*
-// and
-// the names that dataflow.svh needs. b_i has the triangles; if B_LANES is 1, all lanes share one.
+// and the names that dataflow.svh needs. b_i has the triangles; if B_LANES is 1, all lanes share one.
 `ifndef CDE_RAY_BOX_SVH
 `define CDE_RAY_BOX_SVH
 `include "pipe.svh"

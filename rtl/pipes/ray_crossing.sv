@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Output stage of a ray pipe against a solid. T is where the ray enters the solid if that is in [tmin, tmax], else
-// where it
-// leaves it. CP = o + t d. 3 mul, 3 add, 4 compare.
+// where it leaves it. CP = o + t d. 3 mul, 3 add, 4 compare.
 // Latency: T_ENTER_LEAVE + LAT.cmp + LAT.mul + LAT.add + 1, latency_o; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.

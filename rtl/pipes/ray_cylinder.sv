@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against the surface of a solid cylinder with flat caps. The interval within the infinite cylinder,
-// A t^2 + 2 B t + C <= 0, is intersected with the interval between the cap planes. n = d x a, m = w x a.
+// Ray against the surface of a solid cylinder with flat caps. The ray's interval within the infinite cylinder is
+// A t^2 + 2 B t + C <= 0. It is intersected with the interval between the cap planes. The vectors are n = d x a, m = w
+// x a.
 // All is divided by A first, so no product has more than two lengths. The discriminant is r^2/A - (e/A)^2, which is
-// B^2 - AC by Lagrange's identity; e is taken without the part of w along the axis. Along the axis (A = 0, or so small
-// that r^2/A = inf) and across it (d.a = 0), an interval is unbounded or empty.
-// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 compare, 3 min/max.
+// B^2 - AC by Lagrange's identity. There e is taken without the part of w along the axis. Along the axis (A = 0, or so
+// small that r^2/A = inf) and across it (d.a = 0), an interval is unbounded or empty.
+// Operators: 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 compare, 3 min/max.
 // Latency: latency_o cycles (21 when every operator takes one); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.

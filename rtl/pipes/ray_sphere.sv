@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ray against the surface of a sphere. The discriminant comes from the centre's distance to the line (Haines et al.,
-// Ray
-// Tracing Gems 2019). f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a).
+// Ray Tracing Gems 2019).
+//
+//   f = o - c, a = d.d, b = -f.d, k = b/a, l = f + k d, D = r^2 - l.l, q = k + sign(b) sqrt(D/a)
+//
 // The roots are (f.f - r^2)/a/q, no larger than q, and q, in this order when b > 0. No product has more than two
-// lengths.
-// T is the first root in [tmin, tmax]. D < 0 is a miss.
-// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare, 1 min/max.
+// lengths. T is the first root in [tmin, tmax]. D < 0 is a miss.
+// Operators: 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 compare, 1 min/max.
 // Latency: latency_o cycles (20 when every operator takes one); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.

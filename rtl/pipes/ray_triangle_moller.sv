@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray against triangle, Möller and Trumbore 1997, the paper's equation (3): E1 = V1-V0, E2 = V2-V0, S = O-V0,
+// Ray against triangle, Möller and Trumbore 1997, the paper's equation (3). E1 = V1-V0, E2 = V2-V0, S = O-V0.
 // P = D x E2, Q = S x E1, det = P.E1, u = P.S, v = Q.D, t = (Q.E2)/det, CP = O + t D.
 // The hit decision compares u, v and u+v with det unscaled, so it does not wait for the one division.
 // Two-sided. det = 0 (parallel or degenerate) is a miss: T = +inf, CP = 0.

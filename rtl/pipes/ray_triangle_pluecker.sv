@@ -2,8 +2,7 @@
 // Ray against triangle by Pluecker coordinates, the paper's equations (4) to (6). The sign of
 // w_ij = D.(p_ij x V_i) + (D x O).p_ij says on which side of the ray the edge p_ij = V_j - V_i runs.
 // W = w01 + w12 + w20, t = (N.(O - V0))/W with N = p20 x p01, CP = O + t D. Two-sided. W = 0 (parallel or degenerate)
-// is a
-// miss: T = +inf, CP = 0. 54 mul, 1 div, 22 add, 27 sub, 6 compare.
+// is a miss: T = +inf, CP = 0. 54 mul, 1 div, 22 add, 27 sub, 6 compare.
 // Latency: LATENCY cycles (13 when every operator takes one); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.

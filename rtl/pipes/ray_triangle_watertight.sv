@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ray against triangle after Woop, Benthin and Wald 2013. Space is sheared so that the ray runs along its dominant
-// axis.
-// The edge functions U, V, W are evaluated in the plane across that axis, and each product is rounded. So both
-// triangles
-// at an edge see the ray on the same side of it, and closed meshes do not leak.
+// axis. The edge functions U, V, W are evaluated in the plane across that axis, and each product is rounded. So both
+// triangles at an edge see the ray on the same side of it, and closed meshes do not leak.
 // T = (U Az + V Bz + W Cz)/det/D_kz with det = U + V + W. D_kz divides last, so only lengths are multiplied before.
 // CP is the barycentric point. Two-sided. det = 0 (edge-on or without area) is a miss: T = +inf, CP = 0.
-// 30 mul, 3 div, 13 add, 18 sub, 8 compare.
+// Operators: 30 mul, 3 div, 13 add, 18 sub, 8 compare.
 // Latency: LATENCY cycles (17 when every operator takes one); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pipe of a pair (pair_pipe.sv). Where pairs_pkg::scaled says so, the pair is first scaled to the size of one and
-// the
-// result is scaled back.
+// the result is scaled back.
 // Latency: latency_o: the pipe's latency plus length_scale.sv's and length_unscale.sv's; 0 with ARITH = "host".
 // Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.

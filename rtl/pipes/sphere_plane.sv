@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sphere against plane. The plane has two sides: H = n.c - d, s = |H| - r, n from the sphere to the plane. With
-// HALF_SPACE
-// the plane is the solid n.x <= d: s = H - r, n points into it. CP = c + (r + s/2) n. F = (s <= 0), T = |s|.
-// 8 add, 7 mul, 1 compare.
+// HALF_SPACE the plane is the solid n.x <= d: s = H - r, n points into it. CP = c + (r + s/2) n. F = (s <= 0), T = |s|.
+// Operators: 8 add, 7 mul, 1 compare.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.

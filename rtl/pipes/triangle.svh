@@ -18,8 +18,7 @@
   `DF_LAT_DOT + LAT.cmp + LAT.sqrt + LAT.div + LAT.mul)
 
 // Triangle R from the matrix P of its vertices: R_f are the edges (rows). Also R_inverse_ff, R_longest0, R_longest1,
-// R_m
-// and R_flat.
+// R_m and R_flat.
 `define DF_TRIANGLE(R, P) \
   localparam int T_``R``_f = T_``P + `TRIANGLE_T_F, T_``R``_inverse_ff = T_``P + `TRIANGLE_T_INVERSE; \
   localparam int T_``R``_longest0 = T_``P + `TRIANGLE_T_LONGEST, T_``R``_longest1 = T_``R``_longest0; \
@@ -40,8 +39,7 @@
   `POINT_TRIANGLE_T_INSIDE(W, F, M))
 
 // The point given as W (matrix, point - vertex) relative to the vertices of triangle T. R_v goes from the closest point
-// of
-// T to it, R_d2 = |R_v|^2. R_h is its signed distance from the plane.
+// of T to it, R_d2 = |R_v|^2. R_h is its signed distance from the plane.
 `define DF_POINT_TRIANGLE(R, W, T) \
   localparam int T_``R``_v = `POINT_TRIANGLE_T_V(T_``W, T_``T``_f, T_``T``_inverse_ff, T_``T``_m), T_``R``_d2 = \
     T_``R``_v; \

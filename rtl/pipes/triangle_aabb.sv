@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triangle against axis-aligned box. Positions are relative to the box's lower corner first, then to its centre, so the
-// centre is never rounded in world coordinates (triangle_box.sv). s is the signed distance, n points from the triangle
-// to
-// the box, and CP is the midpoint of the witness points. F = (s <= 0), T = |s|. 477 add, 534 mul, 16 div, 11 sqrt, 128
-// compare, 127 min/max.
-// With FACET_II = 3, candidate axes share units: 335 add, 336 mul, 10 div, 5 sqrt, 102 compare, 79 min/max.
+// centre is never rounded in world coordinates (triangle_box.sv). The signed distance is s, n points from the triangle
+// to the box, and CP is the midpoint of the witness points. F = (s <= 0), T = |s|.
+// Operators: 477 add, 534 mul, 16 div, 11 sqrt, 128 compare, 127 min/max.
+// With FACET_II = 3, candidate axes share units. Operators then: 335 add, 336 mul, 10 div, 5 sqrt, 102 compare, 79
+// min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Box of a triangle for the box rule (reference/pipes/ray_box.hpp): centre c and half size h on every axis. h includes
-// the
-// margin 8 u max(|c| + h). h is -infinity, which holds no point, if the triangle's normal is nothing but rounding:
-// |N_k| <= 4 u (|p| + e + |q|) for both products p, q of every component. There e is the least normal number.
-// 13 mul, 15 add, 12 sub, 3 compare, 14 min/max.
+// Box of a triangle for the box rule (reference/pipes/ray_box.hpp): centre c and half size h on every axis. In h is the
+// margin 8 u max(|c| + h). If the triangle's normal is nothing but rounding, h is -infinity, which holds no point. The
+// test for both products p, q of every component is |N_k| <= 4 u (|p| + e + |q|), with e the least normal number.
+// Operators: 13 mul, 15 add, 12 sub, 3 compare, 14 min/max.
 // Latency: RAY_T_CENTRE and RAY_T_HALF (ray_box.svh); 0 with ARITH = "host".
 // Throughput: LANES triangles per cycle.
 // Stall: none.

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Signed distance s from a box, half extents a about 0, to a triangle in the box's frame. Also the unit normal n from
-// box
-// to triangle and the midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of the
-// box, the triangle's face, 9 pairs of edges. Their normals are the candidate axes (SAT). The depth is the least
-// overlap
-// on them, the distance the least distance to the facets that face the origin. The nearest point is polished twice.
-// Edges turned by 16 u choose the support features (turned.sv).
-// 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max. With FACET_II = 3, the triangle's edges share one unit
-// per
-// edge of the box, and three axes share the unit of the witness key: 301 add, 329 mul, 10 div, 5 sqrt, 100 compare, 78
-// min/max.
+// box to triangle and the midpoint of the witness points. The difference of the two has 13 pairs of facets: 3 faces of
+// the box, the triangle's face, 9 pairs of edges. Their normals are the candidate axes (SAT). The depth is the least
+// overlap on them, the distance the least distance to the facets that face the origin. The nearest point is polished
+// twice. Edges turned by 16 u choose the support features (turned.sv).
+// Operators: 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max.
+// With FACET_II = 3, the triangle's edges share one unit per edge of the box, and three axes share the unit of the
+// witness key. Operators then: 301 add, 329 mul, 10 div, 5 sqrt, 100 compare, 78 min/max.
 // Latency: LATENCY_TRIANGLE_BOX cycles; 0 with ARITH = "host".
 // Throughput: one pair per lane per FACET_II cycles; its operands must stay stable for them.
 // Stall: none.

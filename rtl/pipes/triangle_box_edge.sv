@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Candidate axis (SAT): edge I of a box, half extents a about 0, and edge f from vertex J of a triangle. With TURNS = 3
 // three edges f share the unit. The normal e_I x f is turned so that the triangle lies behind its edge: there the
-// difference of the two bodies has this facet. (e_I x f_J).(third vertex - edge) has the sign of component I of
-// f_J x f_J+1, which is side_i. 17 add, 25 mul, 1 div, 1 sqrt, 3 compare, 8 min/max.
-// Throughput: one facet per lane per cycle.
+// difference of the two bodies has this facet. The term (e_I x f_J).(third vertex - edge) has the sign of component I
+// of f_J x f_J+1, which is side_i.
+// Operators: 17 add, 25 mul, 1 div, 1 sqrt, 3 compare, 8 min/max.
+// Latency: LATENCY_TRIANGLE_BOX_EDGE cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
+// Stall: none.
 `include "triangle.svh"
 module triangle_box_edge #(
     `DF_PARAMETERS,

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Candidate axis (SAT): face I of a box, half extents a about 0, and the nearest vertex of a triangle. It is on the
-// side
-// with the larger distance; ties go to the upper side (low + high within tie of 0). The vertex is the lowest one along
-// the
-// normal, by component I of the turned edges.
-// 8 add, 3 mul, 4 compare, 9 min/max.
+// side with the larger distance; ties go to the upper side (low + high within tie of 0). The vertex is the lowest one
+// along the normal, by component I of the turned edges.
+// Operators: 8 add, 3 mul, 4 compare, 9 min/max.
 // Latency: LATENCY_TRIANGLE_BOX_FACE cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
 // Stall: none.

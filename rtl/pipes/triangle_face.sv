@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Candidate axis (SAT): a triangle's face and the nearest corner of a box, half extents a about 0. It is on the side
-// with
-// the larger distance. Ties go to the side where the normal's leading component is positive. m1 is the face's normal by
-// turned edges; its signs choose the corner.
-// 63 add, 83 mul, 12 compare, 11 min/max.
+// with the larger distance. Ties go to the side where the normal's leading component is positive. m1 is the face's
+// normal by turned edges; its signs choose the corner.
+// Operators: 63 add, 83 mul, 12 compare, 11 min/max.
 // Latency: inputs at the stage times of triangle.svh, the axis at TRIANGLE_FACE_T; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
 // Stall: none.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parts of triangle against triangle as operators of the dataflow notation, as in triangle.svh. Positions are relative
-// to
-// the first vertex of A. Stage times count from the vertices.
+// to the first vertex of A. Stage times count from the vertices.
 `ifndef CDE_TRIANGLE_PAIR_SVH
 `define CDE_TRIANGLE_PAIR_SVH
 `include "triangle.svh"
@@ -30,8 +29,7 @@
   `DF_DOT(R``_on1, R``_p1, N) `DF_DOT(R``_on2, R``_p2, N) `DF_NEG(R``_minus1, R``_on1) `DF_NEG(R``_minus2, R``_on2) \
   `DF_WHICH3(R``_of, R``_zero, R``_minus1, R``_minus2) `DF_LEAST_ROW(R, R``_of, P)
 // For projections P_low .. P_high and Q_low .. Q_high: the distances from P to Q, above, and from Q to P, below. Also
-// the
-// sign of the larger one, or of ONE where that is within TIE.
+// the sign of the larger one, or of ONE where that is within TIE.
 `define DF_GAPS(R, P, Q, ONE, TIE) `DF_SUB(R``_above, Q``_low, P``_high) `DF_SUB(R``_below, P``_low, Q``_high) \
   `DF_ADD(R``_q, Q``_low, Q``_high) `DF_ADD(R``_p, P``_low, P``_high) `DF_SUB(R``_h, R``_q, R``_p) \
   `DF_SIDE_OF(R``_side, R``_h, TIE, ONE)

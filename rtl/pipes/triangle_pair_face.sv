@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Candidate axis (SAT): the face of one triangle, A or B (OF_B), and the nearest vertex of the other. It is on the side
 // with the larger distance, ties the side of the normal. A's first vertex is 0.
-// 70 add, 86 mul, 13 compare, 15 min/max; 67 add for B.
+// Operators: 70 add, 86 mul, 13 compare, 15 min/max; 67 add for B.
 // Latency: inputs at the stage times of triangle.svh, the axis at TRIANGLE_PAIR_FACE_T; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
 // Stall: none.

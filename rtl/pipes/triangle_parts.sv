@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prepares a triangle. Edges f_j = p_(j+1) - p_j and 1 / f.f, 0 for an edge without length. The longest edge: 0, else
-// 1,
-// else 2. The unit normal m has the orientation of f_0 x f_1. It comes from i = e / e.e of the longest edge e, and the
-// next
-// edge less its part along e. That part is perpendicular to e at any angle, and as long as the height over e at any
-// size.
+// 1, else 2. The unit normal m has the orientation of f_0 x f_1. It comes from i = e / e.e of the longest edge e, and
+// the next edge less its part along e. That part is perpendicular to e at any angle, and as long as the height over e
+// at any size.
 // A triangle without area (flat_o clear) takes the coordinate axis nearest to perpendicular to e instead.
 // A triangle without length has m = (0, 0, 1).
-// 27 add, 33 mul, 4 div, 1 sqrt, 10 compare, 2 min/max.
+// Operators: 27 add, 33 mul, 4 div, 1 sqrt, 10 compare, 2 min/max.
 // Latency: TRIANGLE_T_* of triangle.svh, one per output, flat_o with m_o; 0 with ARITH = "host".
 // Throughput: one triangle per lane per cycle.
 // Stall: none.

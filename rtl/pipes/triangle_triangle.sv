@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triangle against triangle, both flat and two-sided, relative to the first vertex of A. Their difference has 11 pairs
-// of
-// facets, whose normals are the candidate axes (SAT): each face and 9 pairs of edges. The depth is the least overlap on
-// them, the distance the least distance to them. The nearest point is polished twice. For triangles in one plane the
+// of facets, whose normals are the candidate axes (SAT): each face and 9 pairs of edges. The depth is the least overlap
+// on them, the distance the least distance to them. The nearest point is polished twice. For triangles in one plane the
 // difference is flat, and no axis shows whether the origin is in it or beside it. So a positive distance along the
-// nearest
-// vector proves that they are apart. s is the signed distance, n points from A to B, and CP is the midpoint of the
-// witness
-// points. F = (s <= 0), T = |s|.
-// 824 add, 983 mul, 20 div, 15 sqrt, 176 compare, 172 min/max.
+// nearest vector proves that they are apart. The signed distance is s, n points from A to B, and CP is the midpoint of
+// the witness points. F = (s <= 0), T = |s|.
+// Operators: 824 add, 983 mul, 20 div, 15 sqrt, 176 compare, 172 min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.

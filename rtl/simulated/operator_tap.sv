@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reports the operands and results of an operator, lane 0, to the model's harness in each cycle. It exists if CDE_TAP
-// is
-// defined (TAP=1 of the builder). r_i is the result of the operands of LAT cycles before. Where on_i is 0 no reader
-// uses
-// the result, and all reported words are ones.
+// is defined (TAP=1 of the builder). r_i is the result of the operands of LAT cycles before. Where on_i is 0 no reader
+// uses the result, and all reported words are ones.
 // Latency: none.
 // Throughput: one operation per cycle.
 // Stall: none.

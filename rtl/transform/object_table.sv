@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Object table: ENTRIES entries, each a range of slots and a rigid transform (records_pkg::OBJECT_*). The local bus
-// writes
-// it, 64 bits per beat, into two block RAMs. Every entry is checked when it is written. Its range must lie in the
-// memory
-// of the slots, its rotation must be orthonormal as an OBB's, and its translation must be finite. For AABBs the
-// rotation
-// must be the identity. An entry never written is out of contract. The range takes effect with its second word, the
-// transform with its last.
+// writes it, 64 bits per beat, into two block RAMs. Every entry is checked when it is written. Its range must lie in
+// the memory of the slots, its rotation must be orthonormal as an OBB's, and its translation must be finite. For AABBs
+// the rotation must be the identity. An entry never written is out of contract. The range takes effect with its second
+// word, the transform with its last.
 // Latency: 1 cycle to read ranges and transforms; check results of transforms take shape_check's latency (busy_o).
 // Throughput: one beat written, and one range and one transform read, per cycle.
 // Stall: none.

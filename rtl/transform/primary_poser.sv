@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transforms ("poses") the primaries of a pass before it starts. Every slot of every primary object goes from the RAM
-// of
-// written primaries through the transformer into the lanes. It works only after writes: a new transform or primary
-// makes
-// it pose the objects again. A new range, number of objects, shape or split also makes it restore all primaries first,
-// as
-// some may have left their object. Where objects overlap, the last one counts.
+// of written primaries through the transformer into the lanes. It works only after writes: a new transform or primary
+// makes it pose the objects again. A new range, number of objects, shape or split also makes it restore all primaries
+// first, as some may have left their object. Where objects overlap, the last one counts.
 // Latency: n + T_DONE + 1 cycles for n slots of objects, and PRIMARIES + 2 more with a restore, until the check results
-// of
-// the posed slots.
+// of the posed slots.
 // Throughput: one slot per cycle.
 // Stall: none.
 module primary_poser #(

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Update engine of one lane group: keeps the best record per primary. For a row, it reads the old T from one stencil-T
 // buffer, and writes the better of old and new to the other within one cycle (paper section 3.3). `parity_i` selects
-// the
-// buffers and alternates with every secondary. F, index and CP change only if a new hit is better. Masked primaries are
-// never updated.
-// nearest: smallest (T, index); farthest: largest T, then smallest index; any: the first hit in stream order. For rays,
-// only hits count.
-// For solids (`gap_i`), every pair has a signed distance s, which is -T if they meet. nearest keeps the smallest s and
-// farthest the largest, and the T buffers hold s.
+// the buffers and alternates with every secondary. F, index and CP change only if a new hit is better. Masked primaries
+// are never updated.
+// Mode nearest keeps the smallest (T, index), farthest the largest T, then the smallest index, any the first hit in
+// stream order. For rays, only hits count.
+// For solids (`gap_i`), every pair has a signed distance s, which is -T if they meet. Mode nearest keeps the smallest s
+// and farthest the largest. The T buffers hold s.
 // Latency: 1 cycle.
 // Throughput: one row per cycle.
 // Stall: none.

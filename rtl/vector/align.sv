@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Delay line of a datapath: carries a value from stage time FROM to stage time TO, so the depth is derived, not
-// counted.
-// The host back end has no stages: there it is a wire.
+// counted. The host back end has no stages: there it is a wire.
 // Latency: TO - FROM cycles; 0 with ARITH = "host".
 // Throughput: one value per cycle.
 // Stall: none.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dataflow notation: one line per operator, and no delay is counted by hand. A signal `x` of a datapath has a stage
-// time,
-// the localparam `T_x`. An operator line declares its result and the result's time, and delays the early operand.
+// time, the localparam `T_x`. An operator line declares its result and the result's time, and delays the early operand.
 // DF_IN declares an input, and constants fit any time. In scope: clk_i, EXP, MAN, LANES, CW, ARITH and LAT, the
 // operators' latencies. Scalars are `logic [LANES-1:0][CW-1:0]`, and vectors have three of them in front. Masks are all
 // ones or all zeros in a lane.
 //
 //   `DF_VSUB(w, b_c, a_c)        w = b_c - a_c         T_w = max(T_b_c, T_a_c) + LAT.add
 //   `DF_DOT(dd, w, w)            dd = w.w              T_dd = T_w + LAT.mul + 2 LAT.add
+//
 //   `DF_SQRT(d, dd)              d = sqrt(dd)          T_d = T_dd + LAT.sqrt
 //
 `ifndef CDE_DATAFLOW_SVH
@@ -31,10 +31,8 @@
 `define DF_ON 1'b1
 
 // 0 in a module that returns no NaN and whose results do not depend on a NaN's sign, such as rays, where a hit is
-// finite.
-// Its operators leave the NaN of the host's processor. Otherwise every NaN is the canonical one. A module that
-// redefines
-// it restores it at its end.
+// finite. Its operators leave the NaN of the host's processor. Otherwise every NaN is the canonical one. A module that
+// redefines it restores it at its end.
 `define DF_CANON 1
 
 `define DF_MAX2(A, B) ((A) > (B) ? (A) : (B))

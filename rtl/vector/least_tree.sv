@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The payload with the least key, by a balanced tree over neighbours (0,1), (2,3), ...; an odd last one goes up
-// unchanged.
-// Ties, and comparisons with a NaN key, go to the lower index. COUNT - 1 compare.
+// unchanged. Ties, and comparisons with a NaN key, go to the lower index. COUNT - 1 compare.
 // Latency: $clog2(COUNT) * LAT.cmp cycles; 0 with ARITH = "host".
 // Throughput: one choice per lane per cycle.
 // Stall: none.

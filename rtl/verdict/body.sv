@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Splits a shape into its origin (centre or first corner), its words relative to that, and its reach. The reach bounds
-// the
-// distance from the origin to any point of the shape. Sphere: r. Box: the sum of the half extents, 2 add. Triangle and
-// AABB: corners less the origin, and their sizes; 11 add and 5 add.
-// Latency: LATENCY_BODY_REST, LATENCY_BODY_REACH (verdict.svh); 0 with ARITH = "host".
+// the distance from the origin to any point of the shape. Sphere: r. Box: the sum of the half extents, 2 add. Triangle
+// and AABB: corners less the origin, and their sizes; 11 add and 5 add.
+// Latency: LATENCY_BODY_REST, LATENCY_BODY_REACH (`verdict.svh`); 0 with ARITH = "host".
 // Throughput: one shape per lane per cycle.
 // Stall: none.
 `include "verdict.svh"

@@ -2,9 +2,8 @@
 // Support function of a shape relative to its origin: an upper bound of n.x over the shape, with nn = n.n.
 // Sphere: r (1 + nn) / 2, which is at least r |n|; 1 add, 2 mul. Box: half extents times |U^T n|; 8 add, 12 mul.
 // Triangle: the largest of 0, n.e1 and n.e2; 4 add, 6 mul, 2 max. AABB: edges times the positive part of n; 2 add, 3
-// mul,
-// 3 max.
-// Latency: result at T_SUPPORT (verdict.svh) for operands at T_REST, T_N and T_NN; 0 with ARITH = "host".
+// mul, 3 max.
+// Latency: result at T_SUPPORT (`verdict.svh`) for operands at T_REST, T_N and T_NN; 0 with ARITH = "host".
 // Throughput: one shape per lane per cycle.
 // Stall: none.
 `include "verdict.svh"

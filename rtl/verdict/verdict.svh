@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Certified filters (`verdict` in names): stage times of the parts, and operators that two parts share.
-// See docs/background/certified_filters.md and host/include/cde/reference/verdict/.
+// See docs/background/certified_filters.md and `host/include/cde/reference/verdict/`.
 `ifndef CDE_VERDICT_SVH
 `define CDE_VERDICT_SVH
 `include "convex.svh"

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pipe of a pair of solids with a certified filter: LANES narrow lanes and one wide lane.
 // Each lane's pipe in a narrow format proposes a normal (verdict_proposal.sv). A short sum in the wide format proves a
-// miss
-// for most pairs (verdict_proof.sv). The wide pipe computes the uncertain pairs (scaled_pipe.sv; `open` in names), lane
-// by
-// lane, lowest first. So a pair with F = 1 has the F, T, CP and n of a wide lane. For a proved miss, F = 0 and the
-// other
-// results are undefined. Rows wait for the filter and then for the wide pipe, in memories with one slot per row, and
-// leave
-// in order.
+// miss for most pairs (verdict_proof.sv). The wide pipe computes the uncertain pairs (scaled_pipe.sv; `open` in names),
+// lane by lane, lowest first. So a pair with F = 1 has the F, T, CP and n of a wide lane. For a proved miss, F = 0 and
+// the other results are undefined. Rows wait for the filter and then for the wide pipe, in memories with one slot per
+// row, and leave in order.
 // Latency: at least latency_o.
 // Throughput: one row per cycle while each row has at most one uncertain pair, else one uncertain pair per cycle on
 // average.
 // Stall: ready_o is low while the slots are almost full; results leave in the order of entry. With ARITH = "host",
-// narrow
-// pipe, proof and wide pipe compute in the cycle in which gates would answer.
+// narrow pipe, proof and wide pipe compute in the cycle in which gates would answer.
 `include "verdict.svh"
 module verdict_pair #(
     `DF_PARAMETERS,

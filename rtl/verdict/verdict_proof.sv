@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Proof of a miss: the plane with normal n separates A and B, for any n. The signed distance along n,
 // n.(oB - oA) - h_A(n) - h_B(-n), has a rounding error below 10 u S. It must be beyond 32 u S, with n.n <= 1.25. For an
-// S
-// below 2^length_low, nothing is proved, because the wide pipe's own F may be wrong there
-// (docs/background/certified_filters.md, host/include/cde/reference/verdict/proof.hpp).
+// S below 2^length_low, nothing is proved, because the wide pipe's own F may be wrong there
+// (docs/background/certified_filters.md, `host/include/cde/reference/verdict/proof.hpp`).
 // Latency: latency_o; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
