@@ -71,12 +71,12 @@ class Packs : public ::testing::EmptyTestEventListener {
     const std::size_t files = describe_waves(folder);
     std::ofstream text(folder / "fail.txt");
     text << name << " failed\n\n"
-         << said_ << "\nagain, with waves of its boards from their start:\n  CDE_WAVES=FOLDER "
-         << again << "\n\nwhat the test said then (exit status " << ran.status << "):\n"
+         << said_ << "\nto repeat it with waves of all boards:\n  CDE_WAVES=FOLDER " << again
+         << "\n\noutput of the repeated test (exit status " << ran.status << "):\n"
          << ran.said;
     text.close();
     if (ran.status == 0)
-      return "packed in: " + folder.string() + ", but run again with waves the test passes";
+      return "packed in: " + folder.string() + ", but the repeated test with waves passes";
     return "packed in: " + folder.string() + ", waves of " + std::to_string(files) +
            (files == 1 ? " board" : " boards");
   }

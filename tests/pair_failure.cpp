@@ -148,8 +148,8 @@ std::string pack_failure(const FailedPair& p) {
     std::optional<Failure> failure = failure_of(p, first, end);
     if (!failure && first > 0) failure = failure_of(p, 0, end);
     if (!failure)
-      return "  not packed: a unit of its own answers these pairs as the reference does: " +
-             query_line(p) + "\n";
+      return "  not packed: these pairs alone give the answers of the reference: " + query_line(p) +
+             "\n";
     const Packed packed = pack((failures_folder() / test).string(), *failure);
     return "  packed in:   " + packed.folder.string() +
            (packed.missing.empty() ? "" : ", incomplete: " + packed.missing) + "\n";

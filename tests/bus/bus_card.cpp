@@ -62,7 +62,7 @@ void PrintTo(Ending a, std::ostream* out) {
   result << "first difference at offset " << at << " on, ";
   show("got", got);
   result << ", ";
-  show("wanted", wanted);
+  show("expected", wanted);
   return result;
 }
 

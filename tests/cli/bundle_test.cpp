@@ -30,7 +30,7 @@ class Bundles : public Cli {
     const json j = json::parse(read(folder + "/fail.json"));
     for (const std::string& key : keys_of(j.dump()))
       EXPECT_TRUE(documented_keys().contains(key))
-          << "docs/reference/json.md does not have " << key;
+          << "docs/reference/json.md lacks the key " << key;
     return j;
   }
 };

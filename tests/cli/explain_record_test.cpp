@@ -56,7 +56,7 @@ class ExplainRecord : public Cli {
     EXPECT_EQ(j["same"], status == 0);
     for (const std::string& key : keys_of(j.dump()))
       EXPECT_TRUE(documented_keys().contains(key))
-          << "docs/reference/json.md does not have " << key;
+          << "docs/reference/json.md lacks the key " << key;
     return j;
   }
   std::string text(const std::string& record, const std::vector<std::string>& more = {}) {

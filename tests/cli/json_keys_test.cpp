@@ -55,7 +55,7 @@ TEST_F(JsonKeys, TheSameQuantityHasTheSameKey) {
   for (const auto& verb : keys) {
     for (const std::string& key : verb)
       EXPECT_TRUE(documented_keys().contains(key))
-          << "docs/reference/json.md does not have " << key;
+          << "docs/reference/json.md lacks the key " << key;
     for (const char* key :
          {"version", "commit", "lanes", "arithmetic", "format", "algorithm", "box", "tests",
           "device_cycles", "hits", "records_compared", "records_matching", "simulation_seconds"})

@@ -25,7 +25,7 @@ while IFS= read -r number; do
   else
     difference=$(diff <(comparable <<<"$wanted") <(comparable <<<"$got") || true)
   fi
-  [[ -z $difference ]] || { printf '%s\n%s:%s: cde %s prints something else\n' "$difference" "$2" "$number" "$command" >&2; failures=$((failures + 1)); }
+  [[ -z $difference ]] || { printf '%s\n%s:%s: the output of cde %s differs\n' "$difference" "$2" "$number" "$command" >&2; failures=$((failures + 1)); }
 done < <(grep -n '^    \$ build/cde ' "$document" | cut -d: -f1)
-echo "$examples examples of $2, $failures differ"
+echo "$examples examples in $2, $failures with differences"
 [[ $examples -gt 0 && $failures == 0 ]]

@@ -139,7 +139,7 @@ Ran Cli::cde(const std::vector<std::string>& words, const std::vector<std::strin
   Ran ran = finish(start(words, environment));
   if (std::find(words.begin(), words.end(), "--json") == words.end()) return ran;
   for (const std::string& key : keys_of(ran.out))
-    EXPECT_TRUE(documented_keys().contains(key)) << "docs/reference/json.md does not have " << key;
+    EXPECT_TRUE(documented_keys().contains(key)) << "docs/reference/json.md lacks the key " << key;
   return ran;
 }
 

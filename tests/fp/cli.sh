@@ -73,7 +73,7 @@ if [[ $2 == formats ]]; then
 fi
 expect 0 $'3F80ABCE 40000000 404055E7 00' '3f80abce 40000000\r\n' f32_add "${unit[@]}" rtl
 [[ $(printf '3F800000 40000000\n' | "$cde" fp f32_add "${unit[@]}" rtl | od -An -c | tr -d ' \n') == '3F800000400000004040000000\n' ]] ||
-  { echo "cde fp: a line does not end with a line feed alone" >&2; failures=$((failures + 1)); }
+  { echo "cde fp: a line must end with a single line feed" >&2; failures=$((failures + 1)); }
 expect 2 "*operation 'f32_add_rx_minMag'*" '' f32_add_rx_minMag "${unit[@]}" host
 # As a coprocess: every line is answered while the pipe stays open, also a line that arrives in two parts.
 coproc FP { exec "$cde" fp f32_add "${unit[@]}" host; }
@@ -89,10 +89,10 @@ pid=$FP_PID
 in=${FP[1]}
 exec {in}>&-
 wait "$pid"
-[[ -z $answered ]] || { echo "cde fp as a coprocess answers$answered" >&2; failures=$((failures + 1)); }
+[[ -z $answered ]] || { echo "cde fp as a coprocess gave wrong answers:$answered" >&2; failures=$((failures + 1)); }
 # Lines before a bad line are answered, lines after it are not.
 good=$(printf '3F800000 40000000\nx 1\n40000000 40000000\n' | "$cde" fp add "${unit[@]}" host 2>/dev/null) && failures=$((failures + 1))
-[[ $good == '3F800000 40000000 40400000 00' ]] || { echo "cde fp: before a bad line: '$good'" >&2; failures=$((failures + 1)); }
+[[ $good == '3F800000 40000000 40400000 00' ]] || { echo "cde fp: wrong output before a bad line: '$good'" >&2; failures=$((failures + 1)); }
 expect 2 "*stdin line 2: operand 1 is not hexadecimal: 'x 1'*" '1 1\nx 1\n' add "${unit[@]}" host
 expect 2 "*stdin line 1: 2 operands wanted, 1 found*" '3F800000\n' add "${unit[@]}" host
 expect 2 "*stdin line 1: operand 2 has more than 32 bits*" '1 123456789\n' add "${unit[@]}" host

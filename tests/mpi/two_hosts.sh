@@ -8,7 +8,7 @@ set -euo pipefail
 skip() { echo "mpi: skipped, $1"; exit 77; }
 command -v "$1" >/dev/null || skip "mpirun is not installed (tools/setup test)"
 command -v ip >/dev/null || skip "ip is not installed (iproute2)"
-[[ $(id -u) == 0 ]] || skip "namespaces are root's"
+[[ $(id -u) == 0 ]] || skip "network namespaces need root"
 mpirun=$1 cde=$2 a=cde-a-$$ b=cde-b-$$
 folder=$(mktemp -d)
 clean() {
@@ -21,7 +21,7 @@ clean() {
 trap clean EXIT
 cd "$folder"
 { ip netns add "$a" && ip netns add "$b" && ip link add name eth0 netns "$a" type veth peer name eth0 netns "$b" &&
-  ip netns exec "$a" unshare --uts true && ip netns exec "$b" unshare --uts hostname cde-b; } 2>why || skip "no namespaces here: $(cat why)"
+  ip netns exec "$a" unshare --uts true && ip netns exec "$b" unshare --uts hostname cde-b; } 2>why || skip "cannot create network namespaces: $(cat why)"
 ip -n "$a" addr add 10.77.0.1/24 dev eth0
 ip -n "$b" addr add 10.77.0.2/24 dev eth0
 for host in "$a" "$b"; do ip -n "$host" link set dev lo up; ip -n "$host" link set dev eth0 up; done
@@ -47,7 +47,7 @@ cast=("$cde" cast "terrain:100,100,1" --no-bvh --grid "${CDE_HOSTS_RAYS:-128x64}
 seconds() { local start=$EPOCHREALTIME; "${@:2}" || fail "status $? of ${*:2}"; awk -v a="$start" -v b="$EPOCHREALTIME" -v of="$1" 'BEGIN { printf "%s: %.2f s\n", of, b - a }'; }
 seconds "one process" "${cast[@]}" -o one.csv
 seconds "two hosts" ./run "${cast[@]}" -o "$folder/two.csv"
-cmp one.csv two.csv || fail "two hosts answer otherwise than one process"
+cmp one.csv two.csv || fail "two hosts and one process give different records"
 
 # The message about a rank that disagrees names its host.
 echo '0,0,900,0,0,-1' >rays.csv
@@ -74,10 +74,10 @@ vanished=$EPOCHREALTIME
 wait "$run" || status=$?
 ended=$EPOCHREALTIME
 [[ $status != 0 ]] || fail "a run whose second host vanished ended with status 0"
-[[ ! -e long.csv ]] || fail "half an output"
-grep -q -e 10.77.0.2 -e cde-b said || { cat said; fail "the host that vanished is not named"; }
+[[ ! -e long.csv ]] || fail "the interrupted run left an output"
+grep -q -e 10.77.0.2 -e cde-b said || { cat said; fail "the vanished host is not named"; }
 kept=$(grep -a -c '^{"part":0,"chunk":' journal)
-./run "${long[@]}" || fail "the run did not go on"
+./run "${long[@]}" || fail "the run did not continue"
 "$cde" cast "terrain:100,100,1" --grid 160x128 -q -o whole.csv
-cmp whole.csv long.csv || fail "a run that went on answers otherwise than a whole one"
-echo "a host vanished: status $status after $(awk -v a="$vanished" -v b="$ended" 'BEGIN { printf "%.1f", b - a }') s, went on from $kept chunks of $(grep -a -c '^{"part":0,"chunk":' journal)"
+cmp whole.csv long.csv || fail "the continued run and an uninterrupted run give different records"
+echo "a host vanished: status $status after $(awk -v a="$vanished" -v b="$ended" 'BEGIN { printf "%.1f", b - a }') s, continued from $kept chunks of $(grep -a -c '^{"part":0,"chunk":' journal)"
