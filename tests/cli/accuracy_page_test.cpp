@@ -140,7 +140,7 @@ TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {
   // profiles. Decisions that were never wrong have a folded chart of their own.
   const std::size_t folded = count(html, "without an observed wrong decision</summary>");
   EXPECT_GT(folded, 0u);
-  const std::size_t decided = count(html, ": wrong decisions a million\"") + folded;
+  const std::size_t decided = count(html, ": wrong decisions per million\"") + folded;
   EXPECT_EQ(count(html, "<figure class=\"plot\">"), 2u * 3 + decided + 3u * 4);
   EXPECT_EQ(count(html, "<section data-choice=\"pair\""), 2u);
   for (const char* text :

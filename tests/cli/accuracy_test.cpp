@@ -109,7 +109,7 @@ TEST_F(Accuracy, VariantsStandBesideTheCard) {
 
   const Ran none = accuracy({"--pair", "sphere-plane", "--variants", "textbook"});
   EXPECT_EQ(none.status, 2);
-  EXPECT_EQ(none.err, "cde: none of the pairs is one of --variants textbook\n");
+  EXPECT_EQ(none.err, "cde: none of the pairs has the variant of --variants textbook\n");
 }
 
 /// Triangles that are single points: coarse formats round small triangles far away to them.
@@ -161,13 +161,14 @@ TEST_F(Accuracy, WhatIsCertainIsTrue) {
 
 TEST_F(Accuracy, VerdictsThatThereAreNotAreRefused) {
   refused({"--verdicts", "--pair", "ray-sphere"},
-          "--verdicts is of pairs of solids without a plane, not of ray-sphere");
+          "--verdicts: ray-sphere is not possible; expected pairs of solids without a plane");
   refused({"--verdicts", "--mesh", "terrain"}, "--verdicts");
   for (const char* wide : {"fp32", "fp64"})
     refused({"--verdicts", "--pair", "sphere-sphere", "--formats", wide},
-            "a first test is in a format that has no more exponent bits than fp32");
+            "expected a format with no more exponent bits and fewer fraction bits than fp32");
   refused({"--verdicts", "--pair", "obb-obb", "--families", "nothing"}, "no family 'nothing'");
-  refused({"--verdicts", "--pair", "obb-obb", "--budgets", "4,2,2"}, "--budgets is of");
+  refused({"--verdicts", "--pair", "obb-obb", "--budgets", "4,2,2"},
+          "--budgets cannot be combined with these pairs");
 }
 
 /// A run that ended anywhere, even within a line, continues to the same file and table.
@@ -224,7 +225,8 @@ TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
   refused({"--formats", "fp32,fp8"}, "no format 'fp8'; ");
   refused({"--algorithms", "mollar"}, "no algorithm 'mollar'; did you mean moller?");
   refused({"--pair", "obb-obb", "--families", "grazing"}, "no family 'grazing'; there are: near-");
-  refused({"--pair", "obb-obb", "--budgets", "8,8,8"}, "none of the pairs takes one");
+  refused({"--pair", "obb-obb", "--budgets", "8,8,8"},
+          "--budgets cannot be combined with these pairs");
   refused({"--budgets", "4,0"}, "--budgets is '4,0'; it must be M,K1,K2");
   refused({"--budgets", "4,99,0"}, "--budgets: K1 is 99");
   refused({"--cases", "0"}, "--cases is '0'; it must be a whole number, 1 to 100000000");

@@ -480,7 +480,7 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
   }
   const Ran from = shell(run(2) + " accuracy --verdicts --pair sphere-sphere --cases 10");
   EXPECT_EQ(from.status, 2) << from.err;
-  EXPECT_EQ(count(from.err, "--verdicts is of one process, and 2 ranks were started"), 1)
+  EXPECT_EQ(count(from.err, "--verdicts works only in one process, but 2 ranks were started"), 1)
       << from.err;
   const Ran missing = shell(run(3) + " cast nowhere.obj");
   EXPECT_EQ(missing.status, 2) << missing.err;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde accuracy: what formats, algorithms and budgets are worth, beside what they cost.
+// cde accuracy: measures the accuracy of formats, algorithms and iterations, and their costs.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -74,7 +74,7 @@ void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const AccuracyOptions& o
   }
 }
 
-/// Each once, in the order in which they are given.
+/// The budgets of a pair, each once, in the given order.
 std::vector<PairBudget> budgets_of(const AccuracyOptions& o, Pair pair) {
   std::vector<PairBudget> budgets;
   for (const std::string& text : o.budgets) {
@@ -84,7 +84,7 @@ std::vector<PairBudget> budgets_of(const AccuracyOptions& o, Pair pair) {
   return budgets;
 }
 
-/// Of a pair one format after the other; of each the algorithms, or the budgets.
+/// The card's pipes: for each pair its formats, and for each format its algorithms or budgets.
 std::vector<AccuracyPipe> card_pipes(const AccuracyOptions& o) {
   std::vector<AccuracyPipe> pipes;
   bool budget_used = o.budgets.empty();
@@ -107,12 +107,12 @@ std::vector<AccuracyPipe> card_pipes(const AccuracyOptions& o) {
   }
   if (!budget_used)
     throw Error(ErrorCode::kUsage,
-                "--budgets is of cylinder-cylinder, obb-cylinder and triangle-cylinder; none of "
-                "the pairs takes one");
+                "--budgets cannot be combined with these pairs; expected cylinder-cylinder, "
+                "obb-cylinder or triangle-cylinder among them");
   return pipes;
 }
 
-/// Behind each of them the variants that are asked for.
+/// The card's pipes, each followed by its requested variants.
 std::vector<AccuracyPipe> pipes_of(const AccuracyOptions& o) {
   std::vector<AccuracyPipe> all;
   for (AccuracyPipe pipe : card_pipes(o))
@@ -122,12 +122,12 @@ std::vector<AccuracyPipe> pipes_of(const AccuracyOptions& o) {
       all.push_back(pipe);
     }
   if (all.empty())
-    throw Error(ErrorCode::kUsage, fmt::format("none of the pairs is one of --variants {}",
+    throw Error(ErrorCode::kUsage, fmt::format("none of the pairs has the variant of --variants {}",
                                                fmt::join(o.variants, ",")));
   return all;
 }
 
-/// Each once, in the order in which they are given.
+/// The families, each once, in the given order.
 std::vector<std::string> families_of(const AccuracyOptions& o) {
   std::vector<std::string> families;
   for (const std::string& family : o.families)
@@ -135,7 +135,7 @@ std::vector<std::string> families_of(const AccuracyOptions& o) {
   return families;
 }
 
-/// Before anything slow: a family is one of some pair, and of one that is asked for.
+/// Refuses unknown families, and families of other pairs, before any work starts.
 void check_families(const AccuracyOptions& o, const std::vector<AccuracyPipe>& pipes) {
   const std::vector<std::string> known = family_names(pipes);
   for (const std::string& family : o.families)
@@ -162,7 +162,7 @@ Json head_json(const char* schema) {
   return all;
 }
 
-/// The page of a sweep, whose file is open before the work.
+/// Writes the page of a sweep. Its file is opened before the work.
 void write_page(OutputFile& file, const AccuracyOptions& o, const Json& sweep,
                 const std::string& where) {
   const Target target = parse_target(o.target);
@@ -171,7 +171,7 @@ void write_page(OutputFile& file, const AccuracyOptions& o, const Json& sweep,
   if (!o.quiet) say("page: {}\n", printable_name(o.page));
 }
 
-/// A line a configuration, and without the families: a table to keep.
+/// JSON with one line per configuration and without the families.
 std::string short_json(Json all) {
   const Json configurations = std::move(all["configurations"]);
   all["configurations"] = Json::array();
@@ -185,10 +185,10 @@ std::string short_json(Json all) {
   return text + "]}\n";
 }
 
-/// Nothing if the sweep's results are not all here.
+/// The measured rows, or nothing if not all results are in this process.
 std::optional<std::vector<AccuracyRow>> measured_rows(const AccuracyOptions& o,
                                                       const SweepOptions& options) {
-  const PriceTable table = PriceTable::of_project();  // before what takes long
+  const PriceTable table = PriceTable::of_project();  // before the long work
   std::optional<std::vector<Measured>> all = sweep(options);
   if (!all) return std::nullopt;
   std::vector<AccuracyRow> rows;
@@ -241,12 +241,11 @@ void run_pairs(const AccuracyOptions& o) {
     write(o, accuracy_tables(rows, o.by_family, o.markdown));
 }
 
-/// The page of a sweep that was kept.
+/// Makes the page of a saved sweep.
 void run_kept(const AccuracyOptions& o) {
   if (o.page.empty())
     throw Error(ErrorCode::kUsage,
-                "--from makes a page of a sweep that was kept; --page FILE is "
-                "missing");
+                "--from makes a page from the JSON of an earlier run; --page FILE is missing");
   OutputFile page(o.page);
   write_page(page, o, read_sweep(o.from, parse_target(o.target)).json, printable_name(o.from));
 }
@@ -286,10 +285,10 @@ void run_picture(const AccuracyOptions& o) {
   }
 }
 
-/// Every frame's queries in each format; what they would take is of the planned card.
+/// Runs the queries of every frame in each format. Modelled times are for the planned card.
 void run_scene(const AccuracyOptions& o) {
   cde::Scene scene = load_scene(o.scene);
-  scene.card.hierarchy = UseHierarchy::kOff;  // a tree is of fp32 alone, rows are those of sweeps
+  scene.card.hierarchy = UseHierarchy::kOff;  // a BVH needs fp32, and rows are those of brute force
   const Plan planned = plan(scene);
   const Frames frames = frames_of(o.frames, scene);
   SceneAccuracyOptions options{.first = frames.first, .last = frames.last, .quiet = o.quiet};
@@ -307,21 +306,21 @@ void run_scene(const AccuracyOptions& o) {
                 {"scene_rows", scene_accuracy_json(rows, clock_hz)}});
     write(o, json_text(all) + "\n");
   } else {
-    write(o,
-          scene_table(rows, clock_hz, o.markdown) +
-              fmt::format("rows ms: modelled time of the rows alone, {} at an assumed core "
-                          "clock of {:g} MHz in every format, without start, write-back and bus\n",
-                          counted(planned.board.lanes, "lane"), o.clock_mhz));
+    write(o, scene_table(rows, clock_hz, o.markdown) +
+                 fmt::format("rows ms: modelled time of only the rows, {} at an assumed core clock "
+                             "of {:g} MHz in every format, without start, write-back and bus\n",
+                             counted(planned.board.lanes, "lane"), o.clock_mhz));
   }
 }
 
-/// Before fp32.
+/// Whether a format can run in front of fp32.
 bool can_be_narrow(FpFormat format) {
   const FpFormat wide;
   return format.exp_bits <= wide.exp_bits && format.man_bits < wide.man_bits;
 }
 
-/// Narrow first tests of the pairs that have them, each with the least budget unless one is given.
+/// Rows of the certified filter, for the pairs that have it, with the fewest iterations unless
+/// --budgets is given.
 std::vector<VerdictRow> verdict_rows(const AccuracyOptions& o) {
   AccuracyOptions of = o;
   if (of.formats.empty()) of.formats = {"bf16", "fp16"};
@@ -333,14 +332,15 @@ std::vector<VerdictRow> verdict_rows(const AccuracyOptions& o) {
   for (const AccuracyPipe& pipe : card_pipes(of)) {
     if (!can_be_narrow(pipe.format))
       throw Error(ErrorCode::kUsage,
-                  fmt::format("--verdicts: a first test is in a format that has no more exponent "
-                              "bits than fp32 and fewer fraction bits, not in {}",
+                  fmt::format("--verdicts: {} is not possible; expected a format with no more "
+                              "exponent bits and fewer fraction bits than fp32",
                               pipe.format.name()));
     if (!has_proofs(pipe.pair)) {
       if (o.pairs.empty()) continue;
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("--verdicts is of pairs of solids without a plane, not of {}",
-                              name(pipe.pair)));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("--verdicts: {} is not possible; expected pairs of solids without a plane",
+                      name(pipe.pair)));
     }
     rows.push_back({pipe.pair, pipe.format, pipe.budget, {}});
   }
@@ -363,7 +363,7 @@ void run_verdicts(const AccuracyOptions& o) {
   }
 }
 
-/// What there is to do, by the option that says so, and what that takes; all else would be ignored.
+/// A kind of work: the option that selects it, and the options that it uses. Others are refused.
 struct Work {
   const char* option;
   std::vector<std::string_view> takes;
@@ -382,8 +382,9 @@ void check_options(const CLI::App& verb, const AccuracyOptions& o) {
   for (const Work& work : kWorks) {
     if (verb.count(work.option) == 0) continue;
     if (Dealing::here().ranks() > 1)
-      throw Error(ErrorCode::kUsage, fmt::format("{} is of one process, and {} ranks were started",
-                                                 work.option, Dealing::here().ranks()));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} works only in one process, but {} ranks were started",
+                              work.option, Dealing::here().ranks()));
     for (const CLI::Option* given : verb.get_options()) {
       const std::string option = given->get_name();
       if (given->count() > 0 && option != work.option && option != "--quiet" &&
@@ -399,7 +400,7 @@ void check_options(const CLI::App& verb, const AccuracyOptions& o) {
   }
 }
 
-/// Refuses options that a sweep would neither measure nor write.
+/// Refuses options that have no effect on a sweep.
 void check_sweep_options(const CLI::App& verb, const AccuracyOptions& o) {
   if (!wanted(o.pairs, name(Pair::kRayTriangle)))
     for (const char* option : {"--algorithms", "--box", "--profiles"})
@@ -408,7 +409,7 @@ void check_sweep_options(const CLI::App& verb, const AccuracyOptions& o) {
                        "expected ray-triangle among them");
   if (o.by_family && o.promises) cannot_combine("--by-family", "--promises");
   if (o.by_family && o.json)
-    cannot_combine("--by-family", "--json", "it has all families unless --short is given");
+    cannot_combine("--by-family", "--json", "JSON has all families unless --short is given");
   if (verb.count("--target") > 0 && o.promises && o.page.empty())
     cannot_combine("--target", "--promises");
 }
@@ -416,7 +417,9 @@ void check_sweep_options(const CLI::App& verb, const AccuracyOptions& o) {
 void run(const CLI::App& verb, const AccuracyOptions& o) {
   check_options(verb, o);
   check_sweep_options(verb, o);
-  const char* prints = o.json ? "--json" : o.promises ? "--promises" : nullptr;  // beside a page
+  const char* prints = o.json       ? "--json"
+                       : o.promises ? "--promises"
+                                    : nullptr;  // in addition to a page
   const bool to_stdout = prints != nullptr && o.output.empty();
   std::vector<FileUse> inputs = {{"--from", o.from}};
   Dealing::here().add_inputs(inputs);
@@ -447,64 +450,64 @@ void add_choices(CLI::App& verb, AccuracyOptions& o) {
   pair_value(
       list(verb.add_option("--pair", o.pairs, "Pairs, separated by commas")->default_str("all")),
       "LIST");
-  named(list(verb.add_option("--formats", o.formats, "Formats")->default_str("all")),
+  named(list(verb.add_option("--formats", o.formats, "Number formats")->default_str("all")),
         pair_formats(), "LIST", "format");
-  named(list(verb.add_option("--algorithms", o.algorithms, "Of ray-triangle")->default_str("all")),
+  named(list(verb.add_option("--algorithms", o.algorithms, "Algorithms of ray-triangle")
+                 ->default_str("all")),
         algorithm_names(), "LIST", "algorithm");
-  one_of(verb.add_option("--box", o.box, "Of ray-triangle: with the box rule, without, or both")
+  one_of(verb.add_option("--box", o.box, "ray-triangle with the box rule, without it, or both")
              ->capture_default_str(),
          {"both", "on", "off"});
   known_words(list(verb.add_option("--budgets", o.budgets,
-                                   "Of cylinder pairs, as cde query has them, separated by "
-                                   "colons: 4,0,0:8,8,8")
+                                   "Iterations of cylinder pairs, as in cde query --budget, "
+                                   "separated by colons: 4,0,0:8,8,8")
                        ->default_str("8,8,8"),
                    ':'),
               {}, "LIST");
   named(list(verb.add_option("--variants", o.variants,
-                             "The card's pipes, and what they are compared with: fused has "
-                             "multiply-adds that round once, textbook the usual quadratics and "
-                             "separating axes; no card has these")
+                             "Variants to measure: card is the card's pipe. For comparison, no "
+                             "card has the others: fused has multiply-adds with one rounding, "
+                             "textbook has the usual quadratics and separating axes")
                  ->capture_default_str()),
         {"card", "fused", "textbook"}, "LIST", "variant");
 }
 
 void add_cases(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Cases");
-  known_words(
-      list(verb.add_option("--families", o.families, "Families of cases; a wrong name lists them")
-               ->default_str("all")),
-      {}, "LIST");
-  whole_number_in(verb.add_option("--cases", o.cases, "Cases a pipe, shared out to its families")
+  known_words(list(verb.add_option("--families", o.families,
+                                   "Families of cases; an unknown name lists them")
+                       ->default_str("all")),
+              {}, "LIST");
+  whole_number_in(verb.add_option("--cases", o.cases, "Cases per pipe, shared among its families")
                       ->capture_default_str(),
                   1, 100'000'000, "");
-  whole_number_in(verb.add_option("--seed", o.seed, "Of the cases")->capture_default_str(), 0,
+  whole_number_in(verb.add_option("--seed", o.seed, "Seed of the cases")->capture_default_str(), 0,
                   1'000'000'000'000, "");
   whole_number_in(verb.add_option("--check", o.check,
-                                  "So many cases go through the simulated pipe too, by the "
-                                  "host's arithmetic and by gates, which are built first")
+                                  "Cases that also run through the simulated pipe, with host "
+                                  "arithmetic and with gates; the models are built first")
                       ->capture_default_str(),
                   0, 1'000'000, "");
   add_deal_options(verb, o.deal);
 }
 
-/// What is measured instead of pairs of generated cases.
+/// Adds the options that measure something other than generated cases.
 void add_works(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Instead of generated cases");
   auto* mesh = file_value(
       verb.add_option("--mesh", o.mesh,
-                      "A picture of this mesh instead: a file, terrain or terrain:X,Y,SEED"),
+                      "Measure a picture of this mesh: a file, terrain or terrain:X,Y,SEED"),
       "MESH");
   text_value(verb.add_option("--grid", o.grid, "Rays of the picture")->capture_default_str(), "WxH",
              [](const std::string& text) { (void)parse_resolution(text, "--grid"); })
       ->needs(mesh);
   known_words(verb.add_option("--camera", o.camera,
-                              "Rays of a camera, eye,target[,angle], instead of straight down"),
+                              "Rays of a camera, eye,target[,angle], not straight down"),
               {"auto"}, "EX,EY,EZ,TX,TY,TZ[,FOV]|auto")
       ->needs(mesh);
   auto* scene =
       file_value(verb.add_option("--scene", o.scene,
-                                 "Compare the records of this scene, frame by frame, with those of "
-                                 "fp64"),
+                                 "Compare the records of this scene with fp64, frame by frame"),
                  "SCENE");
   scene->excludes(mesh);
   frames_option(verb, o.frames)->needs(scene);
@@ -514,50 +517,50 @@ void add_works(CLI::App& verb, AccuracyOptions& o) {
 void add_page(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Page and costs");
   auto* page = file_value(verb.add_option("--page", o.page,
-                                          "All figures as a page with charts too, one HTML file "
-                                          "that loads nothing (- is stdout)"),
+                                          "Also write all figures as a page with charts, one HTML "
+                                          "file that loads nothing (- is stdout)"),
                           "FILE.html");
   file_value(
-      verb.add_option("--from", o.from, "The page of a sweep that --json kept: nothing is measured")
+      verb.add_option("--from", o.from, "Make the page from a file of --json; nothing is measured")
           ->needs(page),
       "FILE");
   whole_number_in(verb.add_option("--profiles", o.profile_cases,
-                                  "Rays a point of ray-triangle's errors against grazing angle, "
-                                  "size, distance and aspect; 0: none")
+                                  "Rays per point in charts of ray-triangle's error against "
+                                  "grazing angle, size, distance and aspect; 0: no charts")
                       ->capture_default_str(),
                   0, 1'000'000, "");
-  target_option(verb, o.target, "Device that prices are of, or a clock without one")
-      ->capture_default_str();
+  target_option(verb, o.target, "Device of the costs, or an assumed clock")->capture_default_str();
   verb.add_flag("--operators,!--no-operators", o.operators,
-                "Count operators and clocks in the RTL: seconds a pipe the first time")
+                "Count operators and cycles in the RTL; the first time this takes seconds per pipe")
       ->default_str("on");
 }
 
 void add_output(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Output");
-  file_value(verb.add_option("-o,--output", o.output, "Where to write")->default_str("stdout"),
-             "FILE");
+  file_value(
+      verb.add_option("-o,--output", o.output, "File for the figures")->default_str("stdout"),
+      "FILE");
   auto* json = verb.add_flag("--json", o.json, "All figures as JSON");
   verb.add_flag("--short", o.short_json, "JSON without the families, one line per configuration")
       ->needs(json);
   auto* markdown = verb.add_flag("--markdown", o.markdown, "Tables in Markdown")->excludes(json);
-  verb.add_flag("--by-family", o.by_family, "Print a line per family, too");
+  verb.add_flag("--by-family", o.by_family, "Also print a line per family");
   verb.add_flag("--promises", o.promises,
-                "Instead a table in Markdown: what is promised of each pipe, whether it was kept, "
-                "and what was excused")
+                "Print only a table in Markdown: the promise of each pipe, whether it was kept, "
+                "and the excused cases")
       ->excludes(json)
       ->excludes(markdown)
       ->excludes("--verdicts");
   verb.add_flag("-q,--quiet", o.quiet, "No progress");
 }
 
-/// Behind the options that it excludes.
+/// Called after the options that it excludes are added.
 void add_verdicts(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Instead of generated cases");
-  CLI::Option* verdicts = verb.add_flag(
-      "--verdicts", o.verdicts,
-      "Instead: what a first test is certain of, with proof in fp32, of pairs of solids. Unless "
-      "given, --formats is bf16,fp16 and --budgets 4,2,2");
+  CLI::Option* verdicts =
+      verb.add_flag("--verdicts", o.verdicts,
+                    "Measure the certified filter of pairs of solids: the misses that a narrow "
+                    "format proves in fp32. Default of --formats is bf16,fp16, of --budgets 4,2,2");
   for (const char* other :
        {"--mesh", "--scene", "--page", "--from", "--resume", "--shard", "--check", "--variants"})
     verdicts->excludes(other);
@@ -569,9 +572,9 @@ void add_accuracy(CLI::App& app) {
   auto o = std::make_shared<AccuracyOptions>();
   CLI::App* verb = app.add_subcommand(
       "accuracy",
-      "Measure how far pipes are from the truth, and what they cost. Each case goes through the "
-      "mirror reference, which is the card bit by bit, and is judged by exact or certified "
-      "arithmetic; with --mesh the cases are the pixels of a picture");
+      "Measure how far pipes are from the exact result, and what they cost. Each case runs through "
+      "the mirror reference, which equals the card bit by bit, and is compared with exact or "
+      "certified arithmetic. With --mesh the cases are the pixels of a picture");
   add_choices(*verb, *o);
   add_cases(*verb, *o);
   add_works(*verb, *o);

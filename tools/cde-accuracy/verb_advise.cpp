@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde advise: the cheapest pipe that is good enough.
+// cde advise: names the cheapest pipe that meets demands.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -43,7 +43,7 @@ double parse_time(const std::string& text) {
                             in_quotes(text)));
   const std::string unit = parts[2];
   const std::string number = parts[1];
-  // What is beyond the range of doubles becomes 0 or infinity.
+  // A number beyond the range of double becomes 0 or infinity.
   const double seconds = std::strtod(number.c_str(), nullptr) * (unit == "ns"   ? 1e-9
                                                                  : unit == "ms" ? 1e-3
                                                                  : unit == "s"  ? 1
@@ -101,37 +101,38 @@ void add_advise(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "advise",
       "Name the cheapest pipe that meets demands, by area and then by time, with its figures and "
-      "the commands that repeat them; or what is in the way, with status 1. Figures are those of a "
-      "sweep of cde accuracy that was kept");
+      "the commands that repeat them. If no pipe meets them, print the unmet demands; the exit "
+      "status is then 1. Figures come from a file of cde accuracy --json");
   begin_group(*verb, "Demands");
   pair_value(verb->add_option("--pair", o->pair, "Pair")->capture_default_str(), "PAIR");
   auto* error = number_in(verb->add_option("--max-error", o->max_error,
-                                           "Error of T at most, over the size of the pair"),
+                                           "Largest allowed error of T, over the size of the pair"),
                           0, 1e6, "");
   one_of(verb->add_option("--at", o->at,
-                          "Which error: that 99 or 99.9 % of the cases have at most, "
-                          "or the largest")
+                          "Which error counts: the 99 or 99.9 % quantile, or the largest")
              ->capture_default_str(),
          {"p99", "p999", "largest"});
-  verb->add_flag("--no-leaks", o->no_leaks, "No ray from inside a closed mesh may miss all of it");
+  verb->add_flag("--no-leaks", o->no_leaks,
+                 "Demand that no ray from inside a closed mesh misses the mesh");
   auto* wrong = number_in(verb->add_option("--max-wrong", o->max_wrong,
-                                           "Wrong decisions in a million at most, beyond the band"),
+                                           "Most wrong decisions per million, beyond the band"),
                           0, 1e6, "");
   verb->add_flag("--sure", o->sure,
-                 "The upper end of their interval counts, not their share in the sweep")
+                 "Compare the upper end of the confidence interval with --max-wrong, not the "
+                 "measured share")
       ->needs(wrong);
-  text_value(verb->add_option("--time", o->time, "Modelled time of the tests at most"), "TIME",
+  text_value(verb->add_option("--time", o->time, "Longest modelled time of the tests"), "TIME",
              [](const std::string& text) { (void)parse_time(text); });
   number_in(
-      verb->add_option("--tests", o->tests, "Tests that the time is of")->capture_default_str(), 1,
+      verb->add_option("--tests", o->tests, "Number of tests for --time")->capture_default_str(), 1,
       1e15, "");
   begin_group(*verb, "Figures");
-  target_option(*verb, o->target, "Device, or clock without one")->capture_default_str();
-  file_value(verb->add_option("--from", o->from, "Sweep, as cde accuracy --json writes it")
+  target_option(*verb, o->target, "Device, or an assumed clock")->capture_default_str();
+  file_value(verb->add_option("--from", o->from, "File of cde accuracy --json")
                  ->default_str("docs/accuracy.json"),
              "FILE");
   begin_group(*verb, "Messages");
-  verb->add_flag("--json", o->json, "All configurations of the pair as JSON, the best first");
+  verb->add_flag("--json", o->json, "All configurations of the pair as JSON, best first");
   quiet_flag(*verb);
   verb->callback([o, error, wrong] {
     o->has_error = error->count() > 0, o->has_wrong = wrong->count() > 0;

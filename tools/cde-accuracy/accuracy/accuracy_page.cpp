@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The price list as a page.
+// The accuracy and cost list as a page.
 #include "accuracy/accuracy_page.hpp"
 #include <nlohmann/json.hpp>
 
@@ -34,7 +34,7 @@ std::string letter_of(const AccuracyPipe& pipe) {
   return std::string(1, static_cast<char>(std::toupper(name(pipe.algorithm).front())));
 }
 
-/// "watertight box fp24": the name without the pair.
+/// The name of a pipe without the pair: "watertight box fp24".
 std::string short_name(const AccuracyPipe& pipe) {
   return pipe.name().substr(name(pipe.pair).size() + 1);
 }
@@ -52,7 +52,7 @@ std::string error_text(const KeptTally& t, double Quantiles::*quantile, double u
   return fmt::format("{}{}", bounded ? "<" : "", compact(unit * value));
 }
 
-/// What a chart's x is.
+/// The x axis of a chart.
 struct Basis {
   bool seconds = false;
   std::string axis, words;
@@ -127,25 +127,25 @@ std::string price_kind(const Price& price) {
 
 std::string AccuracyPage::head() const {
   const std::string seeds =
-      fmt::format("{} cases a configuration, seed {}", grouped(sweep_.cases), sweep_.seed);
+      fmt::format("{} cases per configuration, seed {}", grouped(sweep_.cases), sweep_.seed);
   std::string html = fmt::format(
       "<main>\n<header><h1>What accuracy costs</h1>\n<p class=\"lead\">{} configurations of pair, "
-      "number format, algorithm and budget: {}. Errors are against exact or certified arithmetic "
-      "and are the card's bit by bit; times are modelled, of the device.</p></header>\n",
+      "number format, algorithm and iterations: {}. Errors compare with exact or certified "
+      "arithmetic, and are those of the card, bit by bit. Times are modelled times of the "
+      "device.</p></header>\n",
       sweep_.pipes.size(), seeds);
   html += fmt::format(
-      "<p class=\"note\">u is the unit roundoff of the format, S the size of the pair, so u S is "
-      "what one rounding of a length may cost; an error in S is the same over the size of the "
-      "pair, "
-      "whatever the format. Wrong decisions are those beyond |s| ≤ 16 u S. Half of the cases are "
-      "aimed at where decisions are hard, so their shares are not those of a scene. Prices are of "
-      "{}: {}.</p>\n",
+      "<p class=\"note\">u is the unit roundoff of the format, and S is the size of the pair, so u "
+      "S is the error of rounding one length. An error in S is relative to the size of the pair, "
+      "in any format. A decision is wrong only beyond the band |s| ≤ 16 u S. Half of the cases are "
+      "aimed at hard decisions, so these shares are higher than in a scene. Costs are for {}: "
+      "{}.</p>\n",
       escaped(target_.name),
       target_.assumed_mhz
-          ? "one lane at a clock that is assumed, no device"
-          : "lanes that fit in at most 85 % of its logic and registers and all of its multipliers, "
-            "without the rest of a card; <em>measured</em> is a whole lane that was placed and "
-            "routed, <em>estimated</em> the sum of its operators at the least of their clocks, "
+          ? "one lane at an assumed clock, no device"
+          : "lanes that fit into 85 % of its logic and registers and all of its multipliers, "
+            "without the rest of a card. A <em>measured</em> lane was placed and routed. An "
+            "<em>estimated</em> lane is the sum of its operators at the slowest of their clocks, "
             "without the delays between them");
   return html +
          "<div class=\"controls choose\" data-of=\"pair\" data-label=\"Pair\" hidden></div>\n"
@@ -155,19 +155,18 @@ std::string AccuracyPage::head() const {
 Basis AccuracyPage::basis_of(const std::vector<std::size_t>& list) const {
   for (const std::size_t i : list)
     if (!target_.assumed_mhz && sweep_.pipes[i].price.seconds(1e6))
-      return {true, fmt::format("modelled time of a million tests on {}", target_.name),
-              fmt::format("Time is of the lanes that fit in {}, without transfers.", target_.name)};
-  std::string why = target_.assumed_mhz ? "the clock is assumed and no area is known" : "";
+      return {
+          true, fmt::format("modelled time of a million tests on {}", target_.name),
+          fmt::format("Time is for the lanes that fit into {}, without transfers.", target_.name)};
+  std::string why = target_.assumed_mhz ? "the clock is assumed and the area is unknown" : "";
   for (const std::size_t i : list) {
     const Price& p = sweep_.pipes[i].price;
-    if (why.empty()) why = p.lane ? "no lane of it fits" : p.why_not;
+    if (why.empty()) why = p.lane ? "no lane fits" : p.why_not;
   }
-  return {
-      false, "operators × bits × clocks a row",
-      fmt::format("None of these is priced on {} ({}), so the axis is what time at the lanes that "
-                  "fit goes with: operators of a lane, times bits of the format, times clocks "
-                  "from a row to the next.",
-                  target_.name, why)};
+  return {false, "operators × bits × cycles per row",
+          fmt::format("None of these has a cost on {} ({}). The axis is therefore a substitute for "
+                      "time: operators of a lane, times bits of the format, times cycles per row.",
+                      target_.name, why)};
 }
 
 std::string AccuracyPage::scatters(const std::string& pair, const std::vector<std::size_t>& list,
@@ -216,15 +215,15 @@ std::string AccuracyPage::scatters(const std::string& pair, const std::vector<st
                             escaped(fmt::format("{}", fmt::join(names, ", "))));
     if (relative && !marks.empty())
       html +=
-          "<h3>The same in u S</h3>\n<p>How well a format's bits are used: far above 1 an answer "
-          "has lost more than its roundings.</p>\n";
+          "<h3>The same in u S</h3>\n<p>This shows how well the bits of a format are used. Far "
+          "above 1, an answer has lost more than single roundings.</p>\n";
   }
   return html;
 }
 
 std::string AccuracyPage::decisions(const std::string& pair,
                                     const std::vector<std::size_t>& list) const {
-  std::vector<MarkRow> rows, none;  // none: without an observed wrong decision
+  std::vector<MarkRow> rows, none;  // none: rows without an observed wrong decision
   for (const std::size_t i : list) {
     const KeptPipe& k = sweep_.pipes[i];
     if (k.all.judged == 0) continue;
@@ -244,13 +243,13 @@ std::string AccuracyPage::decisions(const std::string& pair,
   if (rows.empty() && none.empty()) return "";
   const auto chart = [&](const std::string& what, const std::vector<MarkRow>& some) {
     return some.empty() ? ""
-                        : log_rows(fmt::format("{}: {}", pair, what), "wrong decisions a million",
+                        : log_rows(fmt::format("{}: {}", pair, what), "wrong decisions per million",
                                    some, formats_of(list));
   };
   std::string html =
-      "<h3>Wrong decisions a million</h3>\n<p>Beyond the band; the line is where their share lies "
-      "with 95 % confidence. Hollow: none was found.</p>\n" +
-      chart("wrong decisions a million", rows);
+      "<h3>Wrong decisions per million</h3>\n<p>Decisions beyond the band. The line is the 95 % "
+      "confidence interval. Hollow: none was found.</p>\n" +
+      chart("wrong decisions per million", rows);
   if (!none.empty())
     html += fmt::format(
         "<details><summary>{} configuration{} without an observed wrong decision</summary>\n{}"
@@ -278,7 +277,8 @@ std::string AccuracyPage::families(const std::string& pair,
     }
   }
   if (rows.empty()) return "";
-  return "<h3>Error by family of cases</h3>\n<p>p99.9 of T in u S: where errors come from.</p>\n" +
+  return "<h3>Error by family of cases</h3>\n<p>p99.9 of T in u S. It shows where errors come "
+         "from.</p>\n" +
          log_rows(pair + ": error by family", "error of T in u S, p99.9", rows, formats_of(list));
 }
 
@@ -321,18 +321,18 @@ std::string AccuracyPage::tables(const std::vector<std::size_t>& list) const {
   }
   return "<h3>All figures</h3>\n" +
          table(
-             "T in u S but for the first column, which is over S; wrong decisions a million "
-             "with 95 %",
+             "T in u S, in the first column over S; wrong decisions per million with 95 % "
+             "confidence",
              {"configuration", "p99.9 over S", "T p50", "p99", "p99.9", "max", "wrong/M", "leaks"},
              errors) +
-         table(
-             fmt::format("Prices of a lane on {}; a million tests on the lanes that fit, modelled",
-                         target_.name),
-             {"configuration", "operators", "clocks a row", "LUT", "FF", "DSP", "MHz", "lanes",
-              "million tests", "price"},
-             prices) +
+         table(fmt::format(
+                   "Costs of a lane on {}; modelled time of a million tests on the lanes that fit",
+                   target_.name),
+               {"configuration", "operators", "cycles per row", "LUT", "FF", "DSP", "MHz", "lanes",
+                "million tests", "cost"},
+               prices) +
          "<details><summary>Worst cases, with the commands that repeat them</summary>" +
-         table("Sizes in u S", {"configuration", "of", "family", "case", "size", "command"},
+         table("Sizes in u S", {"configuration", "value", "family", "case", "size", "command"},
                cases) +
          "</details>\n";
 }
@@ -343,16 +343,15 @@ std::string AccuracyPage::pair_section(const std::string& pair) const {
   std::string html =
       fmt::format("<section data-choice=\"pair\" data-name=\"{0}\"><h2>{0}</h2>\n", pair);
   html += fmt::format(
-      "<h3>Accuracy against {}</h3>\n<p>{} Each dot is the p99.9 of T's error, the line from its "
-      "median to its largest; nothing beats the dots on the dark line in both figures{}. A dot "
-      "shows "
-      "its figures and commands.{}</p>\n",
+      "<h3>Accuracy against {}</h3>\n<p>{} A dot is the p99.9 of T's error; its line goes from the "
+      "median to the largest error. Dark line: best trade-offs{}. Select a dot for its figures and "
+      "commands.{}</p>\n",
       basis.seconds ? "time" : "cost", escaped(basis.words),
-      basis.seconds ? ": solid of what was measured, dashed of estimates, which are hollow and too "
-                      "good, as the delays between operators are not in them"
+      basis.seconds ? ". Solid dots are measured; hollow dots are estimates (optimistic: without "
+                      "the delays between operators)"
                     : "",
       pair == "ray-triangle"
-          ? " Letters: Möller, Badouel, Plücker, watertight; a ring is the box rule."
+          ? " Letters: M Möller, B Badouel, P Plücker, W watertight. A ring: with the box rule."
           : "");
   html += scatters(pair, list, basis);
   html += "<div class=\"chosen\" aria-live=\"polite\" hidden></div>\n";
@@ -368,13 +367,11 @@ std::string AccuracyPage::profile_section() const {
     if (std::ranges::find(formats, format) == formats.end()) formats.push_back(format);
   }
   std::string html =
-      "<section id=\"profiles\"><h2>ray-triangle: where errors come from</h2>\n<p>One thing "
-      "changes "
-      "at a time: rays of length 1 from well above, aimed at the inside of a triangle of size 0.5 "
-      "near the world's origin. The error is |t − T| / T of rays that meet their triangle exactly; "
-      "solid lines are p99, dashed ones the median. A hole is no error at all, or too few rays "
-      "that "
-      "are hits.</p>\n<div class=\"controls choose\" data-of=\"format\" data-label=\"Format\" "
+      "<section id=\"profiles\"><h2>ray-triangle: where errors come from</h2>\n<p>Each chart "
+      "varies one parameter. Rays of length 1 from well above aim at the inside of a triangle of "
+      "size 0.5 near the world's origin. The error is |t − T| / T, for rays that hit their "
+      "triangle in exact arithmetic. Solid lines: p99. Dashed lines: median. A hole: no error, or "
+      "too few hits.</p>\n<div class=\"controls choose\" data-of=\"format\" data-label=\"Format\" "
       "data-first=\"fp32\" hidden></div>\n";
   for (const std::string& format : formats) {
     html += fmt::format("<div data-choice=\"format\" data-name=\"{0}\"><h3>{0}</h3>\n",
@@ -420,7 +417,7 @@ std::string AccuracyPage::tail() const {
   for (const auto& [key, value] : machine.items()) rows.push_back({key, text(value)});
   return fmt::format(
       "<section><h2>Made with</h2>\n{}</section>\n</main>\n",
-      table("Errors and decisions depend on the seed alone, not on the machine", {}, rows));
+      table("Errors and decisions depend only on the seed, not on the machine", {}, rows));
 }
 
 Json AccuracyPage::entry(const KeptPipe& k) const {
@@ -437,7 +434,7 @@ Json AccuracyPage::entry(const KeptPipe& k) const {
                   error_text(t, &Quantiles::p99), error_text(t, &Quantiles::p999),
                   error_text(t, &Quantiles::largest)));
   add("wrong decisions",
-      fmt::format("{} of {}; {} a million", t.wrong, grouped(t.judged), wrong_text(t)));
+      fmt::format("{} of {}; {} per million", t.wrong, grouped(t.judged), wrong_text(t)));
   if (t.leak_rays > 0) add("leaks", fmt::format("{} of {} rays", t.leaks, grouped(t.leak_rays)));
   if (k.figures.operators)
     add("operators of a lane",

@@ -9,11 +9,12 @@
 
 namespace cde::cli {
 
-/// The price list: accuracy against time, wrong decisions, errors by family and all figures of a
-/// sweep, a section per pair, with the profiles if it has any. Charts are there without scripts.
+/// The page of a sweep over configurations, with a section per pair: accuracy against time, wrong
+/// decisions, errors by family, all figures, and profiles if there are any. Charts also show
+/// without scripts.
 [[nodiscard]] std::string accuracy_html(const KeptSweep& sweep, const Target& target);
 
-/// Where the wrong pixels of a mesh are: a picture a pipe, and with WebGL points on the mesh in
+/// The page of wrong pixels of a mesh: one picture per pipe and, with WebGL, points on the mesh in
 /// 3-D.
 [[nodiscard]] std::string pictures_html(const std::vector<PictureAccuracy>& rows,
                                         const Resolution& size, const std::string& name,

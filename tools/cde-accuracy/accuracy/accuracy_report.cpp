@@ -18,8 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A quantile; what the oracle cannot tell from nothing is below what it can, and nothing if that
-/// is hardly more.
+/// A quantile of errors as text. A value below the width of the oracle's interval is printed as
+/// "<width", or as 0 if the width is negligible.
 std::string quantile(const ErrorCounts& errors, double share, const ErrorCounts& oracle) {
   if (errors.count() == 0) return "-";
   const double value = share == 1 ? errors.largest() : errors.quantile(share);
@@ -30,7 +30,7 @@ std::string quantile(const ErrorCounts& errors, double share, const ErrorCounts&
   return width < 0.01 ? "0" : fmt::format("<{}", compact(width));
 }
 
-/// As many of so many, and how many a million that makes at least and at most.
+/// The 95 % interval of a share, per million.
 std::string per_million(std::uint64_t found, std::uint64_t all) {
   if (all == 0) return "-";
   const Interval95 share = wilson(found, all);
@@ -49,8 +49,8 @@ std::string or_dash(const std::optional<T>& value) {
 }
 
 Columns::Cells errors_line(const std::string& name, const Tally& t) {
-  static const ErrorCounts kExact;        // of certificates the oracle's width is no part
-  const auto ulps = [&t](double share) {  // what the judge cannot tell has none
+  static const ErrorCounts kExact;        // the oracle's width does not count in ulps
+  const auto ulps = [&t](double share) {  // none below the oracle's width
     return quantile(t.t, share, t.oracle).starts_with('<') ? "-"
                                                            : quantile(t.t_ulps, share, kExact);
   };
@@ -82,7 +82,7 @@ Columns::Cells decisions_line(const std::string& name, const Tally& t, const Pri
   }
   const PipeFigures& f = price->figures;
   const auto& lane = price->lane;
-  // What is estimated is marked.
+  // A ~ marks an estimate.
   const std::string luts =
       lane ? fmt::format("{}{}", lane->estimated ? "~" : "", compact(lane->cells.lut)) : "-";
   const std::optional<double> seconds = price->seconds(1e6);

@@ -12,23 +12,23 @@
 #include "cde/accuracy/simulated.hpp"
 #include "cde/accuracy/sweep.hpp"
 
-/// What `cde accuracy` says.
+/// Text output of `cde accuracy`.
 namespace cde::cli {
 
-/// A pipe with all that was found of it.
+/// A pipe with all its measurements.
 struct AccuracyRow {
   Measured measured;
   Price price;
-  std::vector<Simulated> simulated;  ///< one per back end; empty if it was not asked for
+  std::vector<Simulated> simulated;  ///< one per back end; empty without --check
 };
 
-/// Tables of at most 120 columns, one line per pipe, and with `by_family` one line per family below
-/// it.
+/// Tables of at most 120 columns with one line per pipe. With `by_family`, one line per family
+/// follows it.
 [[nodiscard]] std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family,
                                           bool markdown);
 [[nodiscard]] nlohmann::ordered_json accuracy_json(const std::vector<AccuracyRow>& rows);
 
-/// In Markdown: what is promised of each pipe, whether it was kept, and what was excused.
+/// A table in Markdown: the promise of each pipe, whether it was kept, and the excused cases.
 [[nodiscard]] std::string promise_table(const std::vector<AccuracyRow>& rows);
 
 [[nodiscard]] std::string picture_table(const std::vector<PictureAccuracy>& rows, bool markdown);

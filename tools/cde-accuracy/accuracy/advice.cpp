@@ -17,12 +17,13 @@
 namespace cde::cli {
 namespace {
 
-constexpr unsigned kMostLanes = 256;  // of a card
+constexpr unsigned kMostLanes = 256;  // lanes of a card
 constexpr std::size_t kMisses = 3;
 
-/// So many cases without a wrong decision show that there are at most so many a million.
+/// The number of cases without a wrong decision that shows at most `per_million` wrong decisions
+/// per million.
 std::uint64_t cases_to_show(double per_million) {
-  constexpr double kZ2 = 3.841458820694124;  // wilson() with none found
+  constexpr double kZ2 = 3.841458820694124;  // as in wilson(), with no wrong decision
   return static_cast<std::uint64_t>(std::ceil(std::min(kZ2 * (1e6 / per_million - 1), 1e18)));
 }
 
@@ -45,8 +46,8 @@ void check_error(Candidate& c, const Demands& d) {
   const double error = error_of(*c.of, d);
   if (error > *d.max_error)
     c.unmet.push_back({"error",
-                       fmt::format("error {} of S ({}), {} asked", compact(error), quantile_name(d),
-                                   compact(*d.max_error)),
+                       fmt::format("error {} of S ({}); at most {} demanded", compact(error),
+                                   quantile_name(d), compact(*d.max_error)),
                        error / *d.max_error});
 }
 
@@ -67,15 +68,15 @@ void check_decisions(Candidate& c, const Demands& d) {
   const double wrong = d.sure ? t.wrong_interval().high : t.wrong_per_million();
   if (wrong <= *d.max_wrong) return;
   const std::string may_be =
-      fmt::format("{} of {} decisions wrong, {}..{} a million", t.wrong, grouped(t.judged),
+      fmt::format("{} of {} decisions wrong, {}..{} per million", t.wrong, grouped(t.judged),
                   compact(t.wrong_interval().low), compact(t.wrong_interval().high));
-  c.unmet.push_back(
-      {"decisions",
-       fmt::format("{}, {} asked{}", may_be, compact(*d.max_wrong), d.sure ? " for sure" : ""),
-       wrong / std::max(*d.max_wrong, 1e-3)});
+  c.unmet.push_back({"decisions",
+                     fmt::format("{}; at most {} demanded{}", may_be, compact(*d.max_wrong),
+                                 d.sure ? " for sure" : ""),
+                     wrong / std::max(*d.max_wrong, 1e-3)});
 }
 
-/// The fewest lanes that take the tests in time, or as many as there may be.
+/// Chooses the fewest lanes that run the tests in time, or the most that are possible.
 void choose_lanes(Candidate& c, const Demands& d) {
   const Price& price = c.of->price;
   const unsigned most = price.target.assumed_mhz ? kMostLanes
@@ -86,9 +87,9 @@ void choose_lanes(Candidate& c, const Demands& d) {
     c.unmet.push_back(
         {"area",
          price.lane
-             ? fmt::format("a lane does not fit in {}: {:.0f} % of the {} that may be used",
+             ? fmt::format("a lane does not fit into {}: it needs {:.0f} % of the usable {}",
                            price.target.name, 100 * price.lane->fit.share, price.lane->fit.limit)
-             : fmt::format("whether a lane fits in {} is not known: {}", price.target.name,
+             : fmt::format("it is unknown whether a lane fits into {}: {}", price.target.name,
                            price.why_not),
          price.lane ? price.lane->fit.share : std::numeric_limits<double>::infinity()});
     return;
@@ -98,12 +99,12 @@ void choose_lanes(Candidate& c, const Demands& d) {
   while (c.seconds && *c.seconds > *d.seconds && 2 * c.lanes <= most)
     c.seconds = price.seconds(d.tests, c.lanes *= 2);
   if (!c.seconds)
-    c.unmet.push_back({"time", "time is not known: clocks were not counted",
+    c.unmet.push_back({"time", "time is unknown: cycles were not counted",
                        std::numeric_limits<double>::infinity()});
   else if (*c.seconds > *d.seconds)
     c.unmet.push_back({"time",
-                       fmt::format("{} on {} lane{}, {} asked", duration(*c.seconds), c.lanes,
-                                   c.lanes == 1 ? "" : "s", duration(*d.seconds)),
+                       fmt::format("{} on {} lane{}; at most {} demanded", duration(*c.seconds),
+                                   c.lanes, c.lanes == 1 ? "" : "s", duration(*d.seconds)),
                        *c.seconds / *d.seconds});
 }
 
@@ -123,7 +124,7 @@ double distance(const Candidate& c) {
   return sum;
 }
 
-/// A figure of the answer.
+/// A line of the answer.
 std::string line(const char* name, const std::string& text) {
   return fmt::format("  {:<10} {}\n", name, text);
 }
@@ -132,9 +133,9 @@ std::string price_text(const Candidate& c) {
   const Price& p = c.of->price;
   if (!p.lane) {
     if (!c.of->figures.operators)
-      return fmt::format("no area is known ({}), and operators were not counted: not ranked",
+      return fmt::format("area is unknown ({}), and operators were not counted; not ranked",
                          p.why_not);
-    return fmt::format("no area is known ({}): ranked by operators times bits, {} x {} a lane",
+    return fmt::format("area is unknown ({}); ranked by operators times bits, {} x {} per lane",
                        p.why_not, c.of->figures.operators->total(), c.of->pipe.format.width());
   }
   const CellCounts& a = p.lane->cells;
@@ -142,20 +143,20 @@ std::string price_text(const Candidate& c) {
                                          : fmt::format("{} lane{} of {} that fit", c.lanes,
                                                        c.lanes == 1 ? "" : "s", p.lane->fit.lanes);
   return fmt::format(
-      "{}: {:.0f} LUT, {:.0f} carry, {:.0f} FF, {:.0f} DSP a lane; {}, {:.1f} % of the {} that may "
-      "be used ({})",
+      "{}: {:.0f} LUT, {:.0f} carry, {:.0f} FF, {:.0f} DSP per lane; {}, {:.1f} % of the usable {} "
+      "({})",
       p.lane->estimated ? "estimated" : "measured", a.lut, a.carry, a.ff, a.dsp, lanes,
       100 * std::max(1u, c.lanes) * p.lane->fit.share, p.lane->fit.limit, p.lane->of);
 }
 
-/// "; out are 14 by area, 3 by error"; empty if none is out.
+/// "; excluded: 14 by area, 3 by error"; empty if no candidate is excluded.
 std::string why_out(const std::vector<Candidate>& all) {
   std::map<std::string_view, std::size_t> out;
   for (const Candidate& c : all)
     for (const Unmet& u : c.unmet) ++out[u.what];
   std::string text;
   for (const auto& [what, count] : out)
-    text += fmt::format("{}{} by {}", text.empty() ? "; out are " : ", ", count, what);
+    text += fmt::format("{}{} by {}", text.empty() ? "; excluded: " : ", ", count, what);
   return text;
 }
 
@@ -163,7 +164,7 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
   const KeptPipe& k = *c.of;
   const KeptTally& t = k.all;
   const auto asked = [](const std::optional<double>& limit) {
-    return limit ? fmt::format(", {} asked", compact(*limit)) : "";
+    return limit ? fmt::format("; at most {} demanded", compact(*limit)) : "";
   };
   std::string text =
       t.t.count == 0 ? line("error", "no T was judged")
@@ -173,10 +174,10 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
                                                  compact(k.u() * t.error(&Quantiles::largest))));
   const Interval95 wrong = t.wrong_interval();
   std::string decisions =
-      fmt::format("{} of {} wrong, {}..{} a million with 95 %{}", t.wrong, grouped(t.judged),
-                  compact(wrong.low), compact(wrong.high), asked(d.max_wrong));
+      fmt::format("{} of {} wrong, {}..{} per million with 95 % confidence{}", t.wrong,
+                  grouped(t.judged), compact(wrong.low), compact(wrong.high), asked(d.max_wrong));
   if (d.max_wrong && *d.max_wrong > 0 && wrong.high > *d.max_wrong)
-    decisions += fmt::format("; not shown: it takes {} cases without one",
+    decisions += fmt::format("; to show this takes {} cases without a wrong decision",
                              grouped(cases_to_show(*d.max_wrong)));
   text += line("decisions", t.judged == 0 ? "none was judged" : decisions);
   if (t.leak_rays > 0)
@@ -184,11 +185,11 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
   text += line("area", price_text(c));
   text += line("clock", k.price.clock_is());
   if (c.seconds)
-    text +=
-        line("time", fmt::format("{} for {} tests on {}, modelled, without transfers{}",
-                                 duration(*c.seconds), grouped(static_cast<std::uint64_t>(d.tests)),
-                                 counted(c.lanes, "lane"),
-                                 d.seconds ? ", " + duration(*d.seconds) + " asked" : ""));
+    text += line(
+        "time",
+        fmt::format("{} for {} tests on {}, modelled, without transfers{}", duration(*c.seconds),
+                    grouped(static_cast<std::uint64_t>(d.tests)), counted(c.lanes, "lane"),
+                    d.seconds ? "; at most " + duration(*d.seconds) + " demanded" : ""));
   text += fmt::format("commands\n  {}\n  cde query {} < PAIRS\n", sweep.command(k.pipe),
                       k.pipe.options());
   if (t.worst_t) text += fmt::format("  {}  # worst T\n", t.worst_t->command);
@@ -230,8 +231,8 @@ std::string advice_text(const KeptSweep& sweep, const Demands& demands, const Ta
                        demands.none() ? (meet == 1 ? "fits" : "fit")
                                       : (meet == 1 ? "meets the demands" : "meet the demands"),
                        all.size(), why_out(all),
-                       demands.none() ? "nothing was demanded but that a lane fits (--max-error, "
-                                        "--max-wrong, --no-leaks, --time)\n"
+                       demands.none() ? "the only demand was that a lane fits (further demands: "
+                                        "--max-error, --max-wrong, --no-leaks, --time)\n"
                                       : "",
                        figures_text(sweep, demands, all.front()));
   std::string text =
@@ -248,7 +249,7 @@ std::string advice_text(const KeptSweep& sweep, const Demands& demands, const Ta
 nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demands,
                                    const std::vector<Candidate>& all) {
   using Json = nlohmann::ordered_json;
-  // An infinite figure is null: JSON has no word for it.
+  // An infinite figure is null, because JSON has no infinity.
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
   Json candidates = Json::array();
   for (const Candidate& c : all) {

@@ -7,24 +7,24 @@
 #include "accuracy/names.hpp"
 #include "cde/accuracy/kept.hpp"
 
-/// The cheapest pipe that is good enough.
+/// Finds the cheapest pipe that meets demands.
 namespace cde::cli {
 
 struct Demands {
   Pair pair = Pair::kRayTriangle;
-  std::optional<double> max_error = {};  ///< of T over S
+  std::optional<double> max_error = {};  ///< largest allowed error of T over S
   double Quantiles::*quantile = &Quantiles::p999;
   bool no_leaks = false;
-  std::optional<double> max_wrong = {};  ///< wrong decisions a million
-  bool sure = false;                     ///< the upper end of their interval counts
-  std::optional<double> seconds = {};    ///< modelled, of so many tests
+  std::optional<double> max_wrong = {};  ///< most wrong decisions per million
+  bool sure = false;                     ///< whether the upper end of their interval counts
+  std::optional<double> seconds = {};    ///< longest modelled time of `tests`
   double tests = 1e6;
 
-  /// Nothing but that a lane fits.
+  /// Whether the only demand is that a lane fits.
   [[nodiscard]] bool none() const { return !max_error && !no_leaks && !max_wrong && !seconds; }
 };
 
-/// What a pipe does not meet, and by which factor it is off.
+/// A demand that a pipe does not meet, and the factor by which it misses.
 struct Unmet {
   const char* what;  ///< "error", "leaks", "decisions", "area" or "time"
   std::string text;
@@ -33,24 +33,24 @@ struct Unmet {
 
 struct Candidate {
   const KeptPipe* of = nullptr;
-  unsigned lanes = 1;  ///< the fewest, a power of two, that take the tests in time
-  /// What is ranked: the share of the target that these lanes take; where no area is known,
-  /// operators times bits of the format, behind all of those.
+  unsigned lanes = 1;  ///< the fewest, a power of two, that run the tests in time
+  /// The key of the ranking: the share of the target that these lanes take. If the area is unknown,
+  /// operators times bits of the format; such candidates rank last.
   double cost = 0;
   bool area_known = false;
   std::optional<double> seconds = {};
   std::vector<Unmet> unmet = {};
 };
 
-/// All of the pair, the cheapest that meets everything first, then the nearest misses: those that
-/// lack the fewest demands, and are off by the least.
+/// All candidates of the pair in order. First come those that meet all demands, the cheapest first.
+/// Then come the others, by the number of unmet demands and by the factor of the miss.
 [[nodiscard]] std::vector<Candidate> advise(const KeptSweep& sweep, const Demands& demands);
 
-/// The first with its figures and commands, or what is in the way.
+/// Text about the best candidate with its figures and commands, or about the unmet demands.
 [[nodiscard]] std::string advice_text(const KeptSweep& sweep, const Demands& demands,
                                       const Target& target, const std::vector<Candidate>& all);
 
-/// All of them in that order: what they cost and lack.
+/// All candidates in that order, with costs and unmet demands.
 [[nodiscard]] nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demands,
                                                  const std::vector<Candidate>& all);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// This program speaks of the library cde::accuracy all the time: its names stand without a prefix.
+/// Makes names of the library cde::accuracy visible without a prefix in this program.
 namespace cde::accuracy {}
 namespace cde::cli {
 using namespace accuracy;

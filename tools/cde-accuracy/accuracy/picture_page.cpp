@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wrong pixels of a mesh as a page.
+// A page of the wrong pixels of a mesh.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -15,7 +15,7 @@
 namespace cde::cli {
 namespace {
 
-/// In the order of PixelKind.
+/// Colours in the order of PixelKind.
 constexpr std::array<std::array<std::uint8_t, 3>, 5> kColours = {
     {{236, 238, 240}, {176, 184, 192}, {208, 48, 60}, {36, 100, 200}, {226, 140, 20}}};
 constexpr std::size_t kFirstWrong = static_cast<std::size_t>(PixelKind::kFalseHit);
@@ -29,13 +29,13 @@ std::string png_of(const PictureAccuracy& row, const Resolution& size) {
   return base64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
 }
 
-/// What is wrong of a pipe's pixels, in words.
+/// A sentence about the wrong pixels of a pipe.
 std::string said(const PictureAccuracy& row) {
   const PixelCounts& c = row.of_scene;
   const Interval95 share = wilson(c.wrong(), row.rays);
   return fmt::format(
-      "{}: {} of {} pixels wrong ({}..{} a million): {} hit where nothing is, {} miss what is "
-      "there, {} show another triangle",
+      "{}: {} of {} pixels wrong ({}..{} per million): {} false hits, {} false misses, {} show the "
+      "wrong triangle",
       row.pipe.name(), c.wrong(), grouped(row.rays), compact(1e6 * share.low),
       compact(1e6 * share.high), c.false_hits, c.false_misses, c.other);
 }
@@ -48,7 +48,7 @@ std::string picture(const PictureAccuracy& row, const Resolution& size) {
       png_of(row, size), size.width, size.height, escaped(what), escaped(what));
 }
 
-/// The mesh and the wrong points of every pipe that has any, for the view in 3-D.
+/// The mesh and the wrong points of every pipe, for the view in 3-D.
 nlohmann::ordered_json in_space(const std::vector<PictureAccuracy>& rows, const Mesh& mesh) {
   nlohmann::ordered_json json = {{"colours", nlohmann::ordered_json::array()},
                                  {"views", nlohmann::ordered_json::array()}};
@@ -67,7 +67,7 @@ nlohmann::ordered_json in_space(const std::vector<PictureAccuracy>& rows, const 
                              {"at", base64_of(at)},
                              {"kinds", base64_of(kinds)}});
   }
-  if (json["views"].empty()) return json;  // nothing to show on the mesh
+  if (json["views"].empty()) return json;  // no wrong point on the mesh
   std::vector<float> points;
   for (const Eigen::Vector3f& v : mesh.vertices) points.insert(points.end(), v.begin(), v.end());
   std::vector<std::uint32_t> corners;
@@ -77,13 +77,12 @@ nlohmann::ordered_json in_space(const std::vector<PictureAccuracy>& rows, const 
   return json;
 }
 
-/// Shown by its script, if there is WebGL.
+/// The page's script shows this section if there is WebGL.
 constexpr const char* kSpace =
     "<section id=\"in-space\" aria-label=\"In space\" hidden><h2>In space</h2>\n<figure><div "
     "class=\"stage\" id=\"stage\"></div><div class=\"controls\"><label>Pipe <select "
-    "id=\"of-pipe\"></select></label></div><figcaption><span id=\"readout\"></span> Drag turns, "
-    "the "
-    "wheel zooms.</figcaption></figure></section>\n";
+    "id=\"of-pipe\"></select></label></div><figcaption><span id=\"readout\"></span> Drag to turn, "
+    "wheel to zoom.</figcaption></figure></section>\n";
 
 }  // namespace
 
@@ -91,12 +90,10 @@ std::string pictures_html(const std::vector<PictureAccuracy>& rows, const Resolu
                           const std::string& mesh_name, const Mesh& mesh) {
   std::string body = fmt::format(
       "<main>\n<header><h1>Wrong pixels of {}</h1>\n<p class=\"lead\">{} by {} rays against {} "
-      "triangles, by the mirror reference of each pipe and by exact arithmetic on the mesh as it "
-      "is "
-      "given.</p></header>\n<p class=\"note\">Grey: right, light where nothing is hit. Red: a hit "
-      "where nothing is. Blue: nothing where a hit is. Orange: another triangle than the nearest, "
-      "beyond the band.</p>\n{}<div class=\"controls choose\" data-of=\"format\" "
-      "data-label=\"Format\" hidden></div>\n",
+      "triangles: the mirror reference of each pipe, compared with exact arithmetic on the "
+      "original mesh.</p></header>\n<p class=\"note\">Grey: right; light grey is a miss. Red: "
+      "false hit. Blue: false miss. Orange: not the nearest triangle, beyond the band.</p>\n{}<div "
+      "class=\"controls choose\" data-of=\"format\" data-label=\"Format\" hidden></div>\n",
       escaped(mesh_name), size.width, size.height,
       rows.empty() ? "0" : grouped(rows.front().triangles), kSpace);
   std::vector<std::string> formats;
