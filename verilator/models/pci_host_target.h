@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The host bridge as a target: host memory for the card's transactions, with a profile's latencies
-// and with faults. clock() receives the wires before the edge and sets what is driven after it.
+// and with faults. The function clock() receives the wires before the edge and sets what is driven
+// after it.
 #pragma once
 #include <cstdint>
 #include <cstring>

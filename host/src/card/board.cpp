@@ -295,7 +295,7 @@ void Board::Impl::write_slots(Shape shape, std::size_t first, std::size_t count,
   constexpr std::size_t kChunk = 1024;
   const std::size_t slot_words = cde::words(shape);
   const bool odd = slot_words % 2 != 0;
-  // If a chunk begins or ends within a beat, the other word of that beat is written too.
+  // If a chunk begins or ends within a beat, the other word of that beat is also written.
   std::vector<std::uint32_t> buffer((kChunk + 1) * slot_words + 2);
   std::array<float, contract::kMostWords> shape_numbers{};
   for (std::size_t done = 0; done < count;) {

@@ -54,7 +54,7 @@ class PciPort {
   /// Throws if the device is lost.
   void alive() const { loss_.alive(); }
   [[nodiscard]] bool lost() const { return loss_.lost(); }
-  /// Throws kDevice with the fault, and adds PCI status and clock. The message describes them too.
+  /// Throws kDevice with the fault, and adds PCI status and clock. The message also describes them.
   [[noreturn]] void fail(const std::string& what, const DeviceFault& fault);
   /// Also marks the device as lost.
   [[noreturn]] void lose(ErrorCode code, const std::string& what, const DeviceFault& fault);

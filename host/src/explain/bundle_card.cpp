@@ -248,9 +248,9 @@ Waves transactions_of(const fs::path& file, bool whole) {
           whole};
 }
 
-/// Windows to trace in turn. A short pass is traced whole. For a long pass they are: the fetch of
-/// the secondary that the pipe answers wrong, or of the reference's and the card's secondary, then
-/// the writing of records after the brute-force pass.
+/// Windows to trace in turn. A short pass is traced whole. For a long pass, the first windows show
+/// the fetch of the secondary that the pipe answers wrong, or else of the reference's and the
+/// card's secondary. The last window shows the writing of records after the brute-force pass.
 std::vector<TraceOptions> windows_of(const CardFailure& f, std::optional<std::uint32_t> wrong) {
   if (f.clocks <= kWhole) return {{.to = 3 * kWhole}};
   std::vector<TraceOptions> windows;

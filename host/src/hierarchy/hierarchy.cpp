@@ -18,10 +18,10 @@ namespace {
 
 using hierarchy::Node;
 
-/// A file has this line, then 32-bit words, least byte first. They hold the numbers of nodes,
-/// secondaries and parts; the box (lower corner, upper corner); the nodes; the order; and for each
-/// part its first node and its numbers of nodes and secondaries. The SHA-256 of all these bytes
-/// ends the file, in hexadecimal digits.
+/// A file has this line, then 32-bit words, least byte first. First come the numbers of nodes,
+/// secondaries and parts, the box (lower corner, upper corner), the nodes and the order. Then
+/// follow for each part its first node and its numbers of nodes and secondaries. The SHA-256 of all
+/// these bytes ends the file, in hexadecimal digits.
 constexpr std::string_view kMagic = "cde.hierarchy.2\n";
 constexpr std::size_t kHeadWords = 9, kDigits = 64, kPartWords = 3;
 

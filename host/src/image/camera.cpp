@@ -123,9 +123,9 @@ Camera camera_for(std::span<const Eigen::Vector3f> points, Resolution resolution
   const Frame f = frame_of(camera);
   const double half_y = half_height(camera.fov_degrees) / kMargin;
   const double half_x = half_y * resolution.width / resolution.height;
-  // A point (x, y, z) of the view frame, seen from distance d and `shift` off the centre, is in the
-  // picture if |x| <= half_x (d + z), and likewise for y. The centring shift depends on d, so both
-  // are iterated. Each step at least halves the remaining error.
+  // A point (x, y, z) of the view frame is seen from distance d, `shift` off the centre. It is in
+  // the picture if |x| <= half_x (d + z), and likewise for y. The centring shift depends on d, so
+  // both are iterated. Each step at least halves the remaining error.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   double distance = 0.0;
   const auto view = [&](const Eigen::Vector3f& point) -> Eigen::Vector3d {

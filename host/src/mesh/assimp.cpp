@@ -122,9 +122,9 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
   return name == names.end();
 }
 
-/// Keeps the names of the files that an importer opens. Opens regular files only: a FIFO would
-/// block for ever. assimp takes the URIs of glTF for file names, so if no file has that name, this
-/// class opens the file that the URI means.
+/// Keeps the names of the files that an importer opens. Opens regular files only, since a FIFO
+/// would block for ever. assimp takes the URIs of glTF for file names. If no file has that name,
+/// this class opens the file that the URI means.
 class NotingFiles : public Assimp::DefaultIOSystem {
  public:
   explicit NotingFiles(std::vector<std::string>& names) : names_(names) {}

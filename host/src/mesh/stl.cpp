@@ -125,8 +125,8 @@ class AsciiReader {
   VertexPool pool_{mesh_.vertices};
 };
 
-/// Whether the first word is "solid" and text follows. The headers of many binary files begin with
-/// that word too. But their facet count, and most padding of headers, contains a zero byte.
+/// Whether the first word is "solid" and text follows. The headers of many binary files also begin
+/// with that word. But their facet count, and most padding of headers, contains a zero byte.
 bool is_text(std::string_view bytes) {
   std::string_view rest = text::without_mark(bytes);
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n\v\f"), rest.size()));

@@ -12,9 +12,10 @@
 #include "cde/support/error.hpp"
 
 // Makes a terrain. Gradient noise gives the broad shapes. A landscape evolution model gives ridges
-// and valleys: uplift against rivers that cut by stream power, which is slope times the square root
-// of the drained area (Braun and Willett 2013). A priority flood fills the lakes (Barnes et al.
-// 2014). The code uses only + - * / and sqrt of binary64, so every compiler gets the same bits.
+// and valleys: it sets uplift against rivers. They cut by stream power, which is slope times the
+// square root of the drained area (Braun and Willett 2013). A priority flood fills the lakes
+// (Barnes et al. 2014). The code uses only + - * / and sqrt of binary64, so every compiler gets the
+// same bits.
 namespace cde {
 namespace {
 

@@ -145,7 +145,7 @@ class Traversal::Walk {
     while (!over_ && depth_ != 0) {
       Group& top = stack_[depth_ - 1];
       const Group::Entry next = top.entries[--top.count];
-      // Entries are ordered by key: if one is too far, the rest are too.
+      // Entries are ordered by key: if one is too far, so is the rest.
       const bool whole = excluded(next.key);
       if (whole || top.count == 0) --depth_;
       if (whole) continue;
@@ -178,7 +178,7 @@ class Traversal::Walk {
     Group& group = stack_[depth_];
     group.count = 0;
     const bool down = goal_ == Goal::kFarthest;
-    // The last entry is visited first. Of equal keys, the lower number is visited first.
+    // The last entry is visited first. For equal keys, the lower number is visited first.
     for (unsigned i = Node::kChildren; i-- > 0;) {
       if (node.child(i) == Child::kNone) continue;
       const AxisStretch<float> axes = axis_stretch(front, front_, node, i);
