@@ -22,7 +22,7 @@ module pass_counters #(
     output logic [63:0] rdata_o  // data of the last read; 0 if it was of another register
 );
   if (FIRST < 0 || COUNTERS < 1 || FIRST + COUNTERS > registers_pkg::COUNTERS) begin : g_counters
-    $error("pass_counters: FIRST and COUNTERS must be some of the %0d of the table", registers_pkg::COUNTERS);
+    $error("pass_counters: FIRST and COUNTERS exceed the table of %0d counters", registers_pkg::COUNTERS);
   end
   logic [COUNTERS-1:0][63:0] answers;
   for (genvar c = 0; c < COUNTERS; c++) begin : counter

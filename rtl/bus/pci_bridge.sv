@@ -286,7 +286,7 @@ module pci_bridge #(
     if (!rst_pci) begin
       assert (!(target_ad_oe && master_ad_oe)) else $error("pci_bridge: target and master drive AD together");
       assert (!(target_rvalid && target_pop && response_valid && !response_irq &&
-          !response_dma)) else $error("pci_bridge: two answers");
+          !response_dma)) else $error("pci_bridge: two responses in one cycle");
     end
 `endif
 endmodule

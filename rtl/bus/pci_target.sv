@@ -263,7 +263,7 @@ module pci_target (
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(push_write && read_latch)) else $error("pci_target: a write and a read enter the FIFO together");
-      assert (!(rvalid_i && !read_pending_q)) else $error("pci_target: read data nobody asked for");
+      assert (!(rvalid_i && !read_pending_q)) else $error("pci_target: read data without a request");
     end
 `endif
 endmodule

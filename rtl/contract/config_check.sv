@@ -10,26 +10,26 @@ module config_check #(
     $error("board: LANES must be a power of two that divides PRIMARIES");
   end
   if (pairs_pkg::PAIRS > 31) begin : g_codes
-    $error("board: PAIRS is an int, in which there is room for pairs 0 to 30");
+    $error("board: PAIRS is an int; expected at most 31 pairs, 0 to 30");
   end
   if (CONFIG.pairs <= 0 || CONFIG.pairs > pairs_pkg::SET_EVERYTHING) begin : g_pairs
     $error("board: PAIRS must be a set of pairs, 1 to %0d", pairs_pkg::SET_EVERYTHING);
   end
   if (CONFIG.box != 0 && (CONFIG.box != 1 || (CONFIG.pairs & (pairs_pkg::BOX_PAIRS |
       config_pkg::BOUND_PAIRS)) == 0)) begin : g_box
-    $error("board: BOX must be 0 or 1, and is of triangles, and of OBBs with spheres and OBBs");
+    $error("board: BOX must be 0 or 1; 1 needs ray-triangle or a pair of BOUND_PAIRS in PAIRS");
   end
   if (CONFIG.facet_ii != 1 && CONFIG.facet_ii != 3) begin : g_interval
     $error("board: FACET_II must be 1 or 3");
   end
   if (CONFIG.verdict_exp != 0 && (config_pkg::verdict_pairs(CONFIG) == 0 || CONFIG.facet_ii != 1 ||
       CONFIG.verdict_exp > CONFIG.exp || CONFIG.verdict_man >= CONFIG.man)) begin : g_verdicts
-    $error("board: VERDICT_EXP and VERDICT_MAN are of a narrower format, and of pairs of solids with FACET_II = 1");
+    $error("board: VERDICT_EXP, VERDICT_MAN must be a narrower format; they need FACET_II = 1 and VERDICT_PAIRS");
   end
   if (CONFIG.node_units != 0 && ((CONFIG.node_units != 1 && CONFIG.node_units != 2 && CONFIG.node_units != 4) ||
       CONFIG.exp != 8 || CONFIG.man != 23 || hierarchy_pkg::card_ways(CONFIG) == 0)) begin :
       g_hierarchy
-    $error("board: NODE_UNITS must be 0, 1, 2 or 4, and is of fp32, for pairs that have a way through");
+    $error("board: NODE_UNITS must be 0, 1, 2 or 4; above 0 needs fp32 and a pair that can traverse a BVH");
   end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&

@@ -48,7 +48,7 @@ package registers_pkg;
   localparam logic [11:0] REG_CAPS3 = 12'h070;        // caps3_t
   // with a second pair: its first primary, a multiple of the lanes
   localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;
-  localparam logic [11:0] REG_STENCIL = 12'h080;      // primaries/64 registers: bit 1 masks a primary
+  localparam logic [11:0] REG_STENCIL = 12'h080;      // primaries/64 registers: a 1 masks the primary
   localparam logic [11:0] REG_BUDGET = 12'h0A0;       // budget_t
   // objects of the pass; 0: the slots of REG_SEC_FIRST and REG_SEC_COUNT
   localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;

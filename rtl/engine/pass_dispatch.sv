@@ -52,7 +52,7 @@ module pass_dispatch #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(go_i && busy_o)) else $error("pass_dispatch: go while busy");
-      assert (!(go_i && 32'(unit_i) >= UNITS)) else $error("pass_dispatch: a pass for a unit that is not there");
+      assert (!(go_i && 32'(unit_i) >= UNITS)) else $error("pass_dispatch: a pass for a missing unit");
       assert ((busy_i & (busy_i - 1'b1)) == 0) else $error("pass_dispatch: two units busy with one pass");
       assert (!(UNITS == 1 && go_i && ready_i == 0)) else $error("pass_dispatch: the only unit is not ready");
     end

@@ -19,7 +19,7 @@ module fp_exponent #(
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input logic on_i,  // 0: no reader uses the result, with ARITH = "host" it is 0
+    input logic on_i,  // 0: no reader uses the result, so host arithmetic may skip it
     input logic [LANES-1:0][CW-1:0] a_i,
     input logic [LANES-1:0][CW-1:0] b_i,  // used by EXPONENT_MAX and EXPONENT_MOVE
     output logic [LANES-1:0][CW-1:0] r_o

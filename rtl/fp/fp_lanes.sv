@@ -18,7 +18,7 @@ module fp_lanes #(
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input  logic                     clk_i,
-    input  logic                     on_i,   // 0: no reader uses the result, with ARITH = "host" it is 0
+    input  logic                     on_i,   // 0: no reader uses the result, so host arithmetic may skip it
     input  logic [LANES-1:0][CW-1:0] a_i,
     input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,

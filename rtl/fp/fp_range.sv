@@ -14,7 +14,7 @@ module fp_range #(
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input logic on_i,  // 0: no reader uses the result, with ARITH = "host" it is 0
+    input logic on_i,  // 0: no reader uses the result, so host arithmetic may skip it
     input logic [LANES-1:0][CW-1:0] a_i,
     output logic [LANES-1:0][CW-1:0] m_o
 );

@@ -163,7 +163,7 @@ module leaf_pairs #(
     always_ff @(posedge clk_i)
       if (!rst_i)
         assert (latency_of[RAY] == 16'(T_PAIR)) else
-          $error("leaf_pairs: the pipe takes %0d clocks, not %0d", latency_of[RAY], T_PAIR);
+          $error("leaf_pairs: the pipe takes %0d cycles; expected %0d", latency_of[RAY], T_PAIR);
 `endif
   end else begin : g_several
     // The pipe's latency is a port value. Gates answer after it, the host back end at once.

@@ -208,6 +208,6 @@ module leaf_reader #(
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
-    if (!rst_i) assert (!(ddr_valid_i && owed == 0)) else $error("leaf_reader: data nobody asked for");
+    if (!rst_i) assert (!(ddr_valid_i && owed == 0)) else $error("leaf_reader: data without a request");
 `endif
 endmodule

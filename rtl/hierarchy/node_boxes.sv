@@ -26,7 +26,7 @@ module node_boxes #(
   /*verilator inline_module*/
   localparam int LANES = CHILDREN;
   localparam int T_PLANES = LAT.add + LAT.mul;
-  if (EXP != 8 || MAN != 23) $error("node_boxes: nodes are of fp32");
+  if (EXP != 8 || MAN != 23) $error("node_boxes: the format must be fp32");
 
   logic unused;  // kinds and places of the children
   assign unused = &{1'b0, node_i[5:4], node_i[3][31:24]};
@@ -83,9 +83,9 @@ module node_boxes #(
   `DF_MAX(nearest, near_xy, near_z)
   `DF_MIN(far_xy, far_x, far_y)
   `DF_MIN(farthest, far_xy, far_z)
-  if (T_near != `NODE_T_AXES || T_far != `NODE_T_AXES) $error("node_boxes: NODE_T_AXES is another");
+  if (T_near != `NODE_T_AXES || T_far != `NODE_T_AXES) $error("node_boxes: NODE_T_AXES does not match");
   assign {far_axis_o, near_axis_o} = {far, near};
-  if (T_nearest != `NODE_T_BOXES || T_farthest != `NODE_T_BOXES) $error("node_boxes: NODE_T_BOXES is another");
+  if (T_nearest != `NODE_T_BOXES || T_farthest != `NODE_T_BOXES) $error("node_boxes: NODE_T_BOXES does not match");
   assign near_o = nearest;
   assign far_o = farthest;
 endmodule

@@ -31,6 +31,6 @@ module node_gaps #(
   `DF_VMAX(way, gap, zeros)
   `DF_DOT(square, way, way)
   `DF_SELECT(key, apart, square, widest)
-  if (T_key != `NODE_T_GAPS - `NODE_T_AXES) $error("node_gaps: NODE_T_GAPS is another");
+  if (T_key != `NODE_T_GAPS - `NODE_T_AXES) $error("node_gaps: NODE_T_GAPS does not match");
   assign key_o = key;
 endmodule

@@ -18,7 +18,7 @@ module ray_front #(
     output logic [8:0][LANES-1:0][CW-1:0] r_o     // o + M x y z, o - M, 1 / d, whose sign is that of d
 );
   /*verilator inline_module*/
-  if (EXP != 8 || MAN != 23) $error("ray_front: margins are those of fp32");
+  if (EXP != 8 || MAN != 23) $error("ray_front: the format must be fp32");
   `DF_VIN(o, a_i[2:0], 0)
   `DF_VIN(d, a_i[5:3], 0)
   `DF_IN(world, root_i[6], 0)
@@ -47,7 +47,7 @@ module ray_front #(
     `DF_MUL(least_reach, d_most, least_share)
     `DF_MUL(most_reach, d_most, most_share)
     `DF_BETWEEN(in_range, least_reach, reach, most_reach)
-    if (T_in_range != `RAY_T_IN_RANGE(LEAF)) $error("ray_front: RAY_T_IN_RANGE is another");
+    if (T_in_range != `RAY_T_IN_RANGE(LEAF)) $error("ray_front: RAY_T_IN_RANGE does not match");
     assign known = in_range;
   end else begin : g_triangles
     assign known = '1;

@@ -198,7 +198,7 @@ module refit #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(start_i && busy_q)) else $error("refit: started while busy");
-      assert (!(fetched_valid_i && asked_q == '0)) else $error("refit: what nobody asked for has come");
+      assert (!(fetched_valid_i && asked_q == '0)) else $error("refit: answer without a request");
     end
 `endif
 endmodule

@@ -29,6 +29,6 @@ module root_reach #(
   `DF_PICK(far_z, far, 2)
   `DF_MAX(far_xy, far_x, far_y)
   `DF_MAX(reach, far_xy, far_z)
-  if (T_reach != `RAY_T_REACH) $error("root_reach: RAY_T_REACH is another");
+  if (T_reach != `RAY_T_REACH) $error("root_reach: RAY_T_REACH does not match");
   assign reach_o = reach;
 endmodule

@@ -20,7 +20,7 @@ module solid_front #(
     output logic [8:0][LANES-1:0][CW-1:0] r_o     // upper + M x y z, lower - M, 1
 );
   /*verilator inline_module*/
-  if (EXP != 8 || MAN != 23) $error("solid_front: margins are those of fp32");
+  if (EXP != 8 || MAN != 23) $error("solid_front: the format must be fp32");
   `DF_IN(world, root_i[6], 0)
   `DF_CONST(share, `DF_POWER_OF_TWO(-16))
   `DF_VCONST(one, `DF_POWER_OF_TWO(0), `DF_POWER_OF_TWO(0), `DF_POWER_OF_TWO(0))
@@ -49,6 +49,6 @@ module solid_front #(
   `DF_VSUB(lower, low, half)
   `DF_VADD(above, upper, margins)
   `DF_VSUB(below, lower, margins)
-  if (T_above != `SOLID_T_FRONT(SHAPE)) $error("solid_front: SOLID_T_FRONT is another");
+  if (T_above != `SOLID_T_FRONT(SHAPE)) $error("solid_front: SOLID_T_FRONT does not match");
   assign r_o = {one, below, above};
 endmodule

@@ -71,7 +71,7 @@ module ddr_readers #(
 `ifndef SYNTHESIS
     always_ff @(posedge clk_i)
       if (!rst_i) begin
-        assert (!(valid_i && asked_q == answered_q)) else $error("ddr_readers: data nobody asked for");
+        assert (!(valid_i && asked_q == answered_q)) else $error("ddr_readers: data without a request");
       end
 `endif
   end

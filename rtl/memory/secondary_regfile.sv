@@ -206,7 +206,7 @@ module secondary_regfile #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(pop_i && !valid_o)) else $error("secondary_regfile: pop of an empty FIFO");
-      assert (!(on_its_way[T_CHECKED] && write_q == asked_q)) else $error("secondary_regfile: data nobody asked for");
+      assert (!(on_its_way[T_CHECKED] && write_q == asked_q)) else $error("secondary_regfile: data without a request");
       assert (!(start_i && !idle_o)) else $error("secondary_regfile: started while busy");
     end
 `endif

@@ -91,9 +91,9 @@ module sram_ring #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(write_i && full_o)) else $error("sram_ring: written while full");
-      assert (!(beat_pop_i && !beat_valid_o)) else $error("sram_ring: beat taken that is not there");
-      assert (!(beat_valid_o && !readable_o)) else $error("sram_ring: beat that cannot be read");
-      assert (!(fetching_q && next_valid_q)) else $error("sram_ring: fetched record has no place");
+      assert (!(beat_pop_i && !beat_valid_o)) else $error("sram_ring: a beat was taken before it was present");
+      assert (!(beat_valid_o && !readable_o)) else $error("sram_ring: a beat is not readable");
+      assert (!(fetching_q && next_valid_q)) else $error("sram_ring: no room for a fetched record");
     end
 `endif
 endmodule

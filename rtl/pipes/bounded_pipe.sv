@@ -32,7 +32,7 @@ module bounded_pipe #(
       .B_LANES(B_LANES)) pipe (
       .clk_i, .enter_i, .a_i, .b_i, .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   if (BOUND != 0) begin : g_bound
-    if (!pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR)) $error("bounded_pipe: PAIR has no BOUND");
+    if (!pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR)) $error("bounded_pipe: BOUND needs a pair of BOUND_PAIRS");
     localparam int A_SHAPE = pairs_pkg::primary_shape(PAIR);
     localparam int B_SHAPE = pairs_pkg::secondary_shape(PAIR);
     logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_own;  // one secondary per lane

@@ -27,9 +27,9 @@ module cylinder_pair #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    // {K2, K1, M}, one byte each: M is 4, 8 or 16, K1 and K2 are at most 64. Constant while a row is in flight,
+    // {K2, K1, M}, one byte each: M is 4, 8 or 16, K1 and K2 are at most 64. Constant while a row is in flight, and
+    // from the cycle before a row enters.
     input logic [23:0] budget_i,
-                                  // and from the cycle before a row enters
     input logic valid_i,
     output logic ready_o,
     input logic [31:0] tag_i,
@@ -550,8 +550,8 @@ module cylinder_pair #(
     if (!rst_i) begin
       assert (valid_q == '0 || budget_i == budget_q) else $error("cylinder_pair: budget changed with rows in flight");
       assert (budget_q != 24'h080808 || latency_o == 32'(LATENCY))
-          else $error("cylinder_pair: INTERVAL is not the default budget's");
-      assert (!(entered && valid_q[now_q] && !last)) else $error("cylinder_pair: row entered a slot in use");
+          else $error("cylinder_pair: INTERVAL does not match the default iterations");
+      assert (!(entered && valid_q[now_q] && !last)) else $error("cylinder_pair: a row entered a slot in use");
     end
   end
 `endif

@@ -64,6 +64,6 @@ module gap_bound #(
   `DF_SQRT(distance, square)
   `DF_SELECT(least, apart, distance, widest)
   `DF_SUB(bound, least, margin)
-  if (T_bound != `GAP_T_BOUND(A_SHAPE, B_SHAPE)) $error("gap_bound: GAP_T_BOUND is another");
+  if (T_bound != `GAP_T_BOUND(A_SHAPE, B_SHAPE)) $error("gap_bound: GAP_T_BOUND does not match");
   assign bound_o = bound;
 endmodule

@@ -25,7 +25,7 @@ module shape_hull #(
     `DF_VMIN(low, low_01, v2)
     `DF_VMAX(high_01, v0, v1)
     `DF_VMAX(high, high_01, v2)
-    if (T_low != `SHAPE_T_HULL(SHAPE)) $error("shape_hull: SHAPE_T_HULL is another");
+    if (T_low != `SHAPE_T_HULL(SHAPE)) $error("shape_hull: SHAPE_T_HULL does not match");
     assign {high_o, low_o} = {high, low};
   end else if (SHAPE == pairs_pkg::SHAPE_AABB) begin : g_aabb
     assign {high_o, low_o} = a_i;

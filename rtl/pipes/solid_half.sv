@@ -23,7 +23,7 @@ module solid_half #(
     `DF_BOX_RADIUS(radius_0, row_0, extents)
     `DF_BOX_RADIUS(radius_1, row_1, extents)
     `DF_BOX_RADIUS(radius_2, row_2, extents)
-    if (T_radius_0 != `SOLID_T_HALF(SHAPE)) $error("solid_half: SOLID_T_HALF is another");
+    if (T_radius_0 != `SOLID_T_HALF(SHAPE)) $error("solid_half: SOLID_T_HALF does not match");
     assign half_o = {radius_2, radius_1, radius_0};
     logic unused_c;
     assign unused_c = &{1'b0, a_i[2:0]};
@@ -36,6 +36,6 @@ module solid_half #(
     logic unused;
     assign unused = &{1'b0, a_i, clk_i};
   end else begin : g_illegal
-    $error("solid_half: of spheres, OBBs, triangles and AABBs");
+    $error("solid_half: SHAPE must be a sphere, OBB, triangle or AABB");
   end
 endmodule

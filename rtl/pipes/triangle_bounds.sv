@@ -73,7 +73,7 @@ module triangle_bounds #(
 
   `DF_VEC(none, minus_inf, minus_inf, minus_inf)
   `DF_VSELECT(half, flat, none, wide)
-  if (T_centre != `RAY_T_CENTRE || T_half != `RAY_T_HALF) $error("triangle_bounds: ray_box.svh has other stage times");
+  if (T_centre != `RAY_T_CENTRE || T_half != `RAY_T_HALF) $error("triangle_bounds: ray_box.svh does not match");
   assign centre_o = centre;
   assign half_o = half;
 endmodule

@@ -106,7 +106,7 @@ module transformer #(
     `DF_DOT(along, n, t)
     `DF_ADD(sum, d, along)
     if (T_sum != LATENCY) begin : g_late
-      $error("transformer: pairs_pkg::transform_latency is not that of the plane");
+      $error("transformer: pairs_pkg::transform_latency does not match the plane");
     end
     assign distance = sum;
   end else begin : g_no_plane
@@ -114,7 +114,7 @@ module transformer #(
     assign distance = '0;
     assign unused_distance = &{1'b0, distance};
     if (T_MOVED != LATENCY) begin : g_late
-      $error("transformer: pairs_pkg::transform_latency is not that of the points");
+      $error("transformer: pairs_pkg::transform_latency does not match the points");
     end
   end
 

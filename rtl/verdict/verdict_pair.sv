@@ -41,7 +41,7 @@ module verdict_pair #(
 );
   /*verilator inline_module*/
   if (!pairs_pkg::has(config_pkg::VERDICT_PAIRS, PAIR)) $error("verdict_pair: PAIR must be one of VERDICT_PAIRS");
-  if (NARROW_EXP > EXP || NARROW_MAN >= MAN) $error("verdict_pair: the narrow format must be narrower");
+  if (NARROW_EXP > EXP || NARROW_MAN >= MAN) $error("verdict_pair: narrow format must be narrower than wide one");
   localparam bit GATES = ARITH == "rtl";
   localparam int AW = $clog2(DEPTH);
   localparam int LANE_W = config_pkg::index_bits(LANES);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Proposes a normal that may separate A and B, by the pair's pipe in a narrow format. All words are relative to A's
 // origin, multiplied by 2^-k with k the exponent of S, and rounded. The result is the narrow pipe's n, as wide numbers.
-// It need not be right, because verdict_proof.sv checks it. Reference: `host/include/cde/reference/verdict/proposal.hpp`.
+// It need not be right, because verdict_proof.sv checks it.
+// Reference: `host/include/cde/reference/verdict/proposal.hpp`.
 // Latency: latency_o; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none, runs free.
