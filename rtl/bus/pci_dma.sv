@@ -3,7 +3,7 @@
 // host memory and the local bus, and writes a completion record per descriptor into a second ring.
 //
 // Every host address is a mapped address. The module looks up all pages of a descriptor before its first bus cycle, and
-// again the page of each burst at its start. A burst does not cross a page. The master never waits: a burst to the card
+// again the page of each burst at its start. A burst does not cross a page. The master never waits. A burst to the card
 // starts when there is room for its data, and a burst to the host when all its data is present.
 // After an error, data already moved stays moved. The completion record says how much it is, and the ring halts. If the
 // descriptor or the record itself cannot be reached, only the registers report the error.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parameters of a card, listed once: their meaning, the parameters of a top (for -G), and the structure
-// config_pkg::config_t, which modules below the top use. Its fields are in the order of CARD_CONFIG.
+// The parameters of a card, in three lists: their meaning, the parameters of a top (for -G), and the structure
+// config_pkg::config_t. Modules below the top use the structure. Its fields are in the order of CARD_CONFIG.
 // Add each new parameter to all three lists, and read CONFIG where it is needed.
 //
 //   EXP, MAN      Number format.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shapes and pairs of shapes: tables, in the order of their codes, and derived values.
-// host/include/cde/contract/pairs.hpp is the same in C++. A table is a flat vector with one read function, because
-// Yosys takes an index of a packed array in a constant function for a bit index.
+// The C++ version is host/include/cde/contract/pairs.hpp. A table is a flat vector with one read function. In a
+// constant function, Yosys takes an index of a packed array for a bit index.
 package pairs_pkg;
 
   // ---- Codes: up to 64 shapes and 63 pairs. Every port and field with a code has one of these types ----

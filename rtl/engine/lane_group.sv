@@ -95,8 +95,8 @@ module lane_group #(
     always_ff @(posedge clk_prim_i) if (prim_write_i) mem[prim_row_i][prim_lane_i] <= prim_slot_i[k];
   end
 
-  // ---- Pipes. The pass's pipe is read. With several pipes, each has an operand register, so an idle pipe does nothing
-  // ----
+  // ---- Pipes. Only the pass's pipe is read. With several pipes, each has operand registers, so an idle one does
+  // nothing ----
   localparam int ORDERED = config_pkg::ordered_pairs(CONFIG);
   localparam int VERDICTS = config_pkg::verdict_pairs(CONFIG);
   logic unused_ring;

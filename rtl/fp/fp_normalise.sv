@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Magnitude to a significand with its leading one at the top of the word: count | shift. e_o is the biased exponent
-// less one; it is negative for subnormals. COUNT = 0 leaves subnormals unnormalised.
+// Magnitude to a significand with its leading one at the top of the word: count | shift. The output e_o is the biased
+// exponent less one; it is negative for subnormals. COUNT = 0 leaves subnormals unnormalised.
 // Latency: CUT cycles, 0..1.
 // Throughput: one result per cycle.
 // Stall: none.

@@ -9,7 +9,7 @@
 //     upper byte = ceil((up(corner) - down(origin)) / 2^s)
 //
 // Only numbers below half of the largest (M) lose bits. Then the node is longer than M / 2 and a byte is at least 2^16
-// units, so the loss costs at most one more byte. Otherwise all corners are near each other and far from zero, and all
+// units. So the loss costs at most one more byte. Otherwise all corners are near each other and far from zero, and all
 // is exact. The shift s is the least value >= 0 with which bytes fit: no step is finer than a unit.
 // Latency: 4 cycles.
 // Throughput: one box per cycle.

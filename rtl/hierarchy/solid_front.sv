@@ -2,8 +2,8 @@
 // Prepares a solid or a triangle for the nodes of a BVH, once per primary (reference/pipes/ray_node.hpp).
 // It gives the upper corner of its box plus M, the lower one less M, and 1 instead of a ray's 1 / d. So node_boxes.sv
 // gives distances on axes. M widens the boxes: M = 2^-16 (R + e) + 16 u W. R is the largest distance along an axis from
-// the centre to the root's box, and e is half the size of the solid's own box. For a triangle, R is measured from end
-// to end of both boxes, and e is 0.
+// the centre to the root's box. The term e is half the size of the solid's own box. For a triangle, R is measured from
+// end to end of both boxes, and e is 0.
 // Operators: 1 mul, 8 add, 12 sub, 7 max; an OBB also 9 mul, 6 add, a triangle also 12 min/max.
 // Latency: SOLID_T_FRONT cycles (hierarchy.svh).
 // Throughput: LANES solids per cycle.

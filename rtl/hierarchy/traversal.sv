@@ -46,8 +46,8 @@ module traversal #(
     output logic ray_ready_o,
     input logic [WORDS-1:0][31:0] ray_i,
     input logic [31:0] number_i,
-    // Secondaries of leaves, one or two from a slot on, and their indices. fetched_valid_i must come from a register,
-    // because it drives the enable of a clock gate.
+    // Secondaries of leaves, one or two from a slot on, and their indices. The input fetched_valid_i must come from a
+    // register, because it drives the enable of a clock gate.
     output logic fetch_valid_o,
     input logic fetch_ready_i,
     output logic [hierarchy_pkg::PLACE-1:0] fetch_slot_o,

@@ -7,7 +7,7 @@
 `define CDE_CONVEX_SVH
 `include "pipe.svh"
 
-// ---- Shared units for candidate axes (`facet` in names): FACET_II = 1 or 3 cycles from pair to pair, pair_hold.sv
+// ---- Shared units for candidate axes (`facet` in names): FACET_II = 1 or 3 cycles from pair to pair (pair_hold.sv)
 // ----
 `define FACET_TURNS ((ARITH == "rtl") ? FACET_II : 1)
 `define FACET_T_IN ((FACET_II != 1) ? 1 : 0)
@@ -110,7 +110,7 @@
   `DF_MAX(S``_low, FACET_S, GAP) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
   `DF_MUL(S, S``_twice, S``_half)
 
-// Witness points of the chosen axis FROM: the same point of B, and the point of box A nearest to its ideal place, S N
+// Witness points of the chosen axis FROM: the same point of B, and the nearest point of box A to its ideal place, S N
 // away.
 // Operators: 9 add, 3 mul, 6 min/max.
 `define DF_SETTLE(V, P, FROM_V, FROM_P, S, N, HALF) `DF_VADD(V``_q, FROM_P, FROM_V) `DF_VSCALE(V``_apart, N, S) \

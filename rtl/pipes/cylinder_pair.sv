@@ -307,8 +307,7 @@ module cylinder_pair #(
       back_y_mem[`SLOT(T_BETTER)] <= late_minus_y;
     end
 
-  // ---- Best normal so far. Cylinders: the first of equal ones. Else: the least slope of those equal up to rounding
-  // ----
+  // ---- Best normal so far. Cylinders: the first of equals. Else: the least slope of those equal up to rounding ----
   `DF_SCALAR slope_now, minus_slope_now;
   `DF_IN(slope, slope_now, T_SLOPE)
   `DF_IN(minus_slope, minus_slope_now, T_SLOPE)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Unit vector of e_i x f: components -f_l / |.| and f_k / |.| on the next two axes, 0 on axis i. `inverse2` is
-// 1 / |e_i x f|^2, or 0 if there is no normal; `valid` is a lane mask. 1 add, 5 mul, 1 div, 1 sqrt, 1 compare.
+// 1 / |e_i x f|^2, or 0 if there is no normal; `valid` is a lane mask.
+// Operators: 1 add, 5 mul, 1 div, 1 sqrt, 1 compare.
 // Latency: LATENCY_EDGE_NORMAL cycles; 0 with ARITH = "host".
 // Throughput: one normal per lane per cycle.
 // Stall: none.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Oriented box against oriented box, in A's frame: A's centre is 0, its axes are e_i, B has centre t, axes r_j and half
-// edges f_j = b_j r_j.
-// The difference B - A has 15 pairs of facets, and their normals are the 15 candidate axes (SAT): 3 faces of A, 3 faces
+// Oriented box against oriented box, in A's frame: A's centre is 0, and its axes are e_i. B has centre t, axes r_j and
+// half edges f_j = b_j r_j.
+// The difference B - A has 15 pairs of facets. Their normals are the 15 candidate axes (SAT): 3 faces of A, 3 faces
 // of B, 9 pairs of edges. The depth is the least overlap on them. The distance is the least distance to the 15 facets
 // that face the origin. The nearest point is polished twice. Axes turned by 16 u choose the support features, as if no
 // face or edge of one box were parallel to one of the other. F = (s <= 0), T = |s|.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The corner of box B minus the corner of box A that is farthest against v, and that corner of A, in A's frame
-// (obb_face.sv). 18 add, 9 mul.
+// (obb_face.sv).
+// Operators: 18 add, 9 mul.
 // Latency: LATENCY_OBB_SUPPORT cycles; 0 with ARITH = "host".
 // Throughput: one point per lane per cycle.
 // Stall: none.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lowest and highest points of a shape, per axis (reference/pipes/gap_bound.hpp): a triangle's least and largest
-// coordinates, an AABB's corners, or a solid's centre, which solid_half.sv extends. Triangle: 12 min/max; others:
-// wires.
+// Lowest and highest points of a shape, per axis (reference/pipes/gap_bound.hpp). They are a triangle's least and
+// largest coordinates, an AABB's corners, or a solid's centre, which solid_half.sv extends.
+// Operators: 12 min/max for a triangle, else none.
 // Latency: SHAPE_T_HULL cycles (gap_bound.svh); 0 with ARITH = "host".
 // Throughput: LANES shapes per cycle.
 // Stall: none.

@@ -157,7 +157,7 @@ module triangle_box #(
   `DF_VIN(v_start, choice_start_v, T_START)
   `DF_VIN(p_start, choice_start_p, T_START)
 
-  // ---- The nearest point, polished twice, each time towards the points of both bodies farthest against its direction
+  // ---- The nearest point, polished twice, each time towards the points farthest against its direction ----
   `DF_VAT(a_start, a_faces, T_START)
   `DF_MAT_AT(q_start, p_faces, T_START)
   `DF_LOWEST(vertex1, q_start, v_start)

@@ -11,7 +11,8 @@
 `define TRIANGLE_PAIR_FACE_T_W (`TRIANGLE_T_M + `DF_LAT_DOT + 4 * LAT.cmp + 3 * LAT.add)
 `define TRIANGLE_PAIR_FACE_T (`POINT_TRIANGLE_T_V(`TRIANGLE_PAIR_FACE_T_W, `TRIANGLE_T_F, `TRIANGLE_T_INVERSE, \
   `TRIANGLE_T_M) + LAT.add)
-// For a pair of edges, from its inputs: the normal; t, s, t for that s; v and its square, or whether t is at an end.
+// For a pair of edges, from its inputs: the normal; t, s, t for that s. Then v and its square, or whether t is at an
+// end.
 `define LATENCY_TRIANGLE_PAIR_NORMAL (`DF_LAT_DOT + LAT.mul + LAT.add + `DF_LAT_CROSS + `DF_LAT_DOT + \
   `DF_MAX2(LAT.cmp, LAT.sqrt + LAT.div) + LAT.mul)
 `define LATENCY_TRIANGLE_PAIR_EDGE (`LATENCY_TRIANGLE_PAIR_NORMAL + \

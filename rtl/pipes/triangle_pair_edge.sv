@@ -2,9 +2,9 @@
 // Candidate axis (SAT): edge I of triangle A, from p along e, and edge J of triangle B, from q along f. A's first
 // vertex is 0. The normal is e x f, with f less its part along e: perpendicular to both edges at any angle. The third
 // vertices choose its side: A is behind its edge and B before its own. If both are in one plane, it is the side with
-// the larger distance, ties the side of e x f. gap = -inf if there is no normal. Nearest points: solve t across e, then
-// s on A's edge, then t again for that s. If neither is at an end, v is along the normal. Else v ends on the edge f_o,
-// and inverse_ff_o is 1 / f.f of that edge, or 0 if v ends on no edge.
+// the larger distance, ties the side of e x f. If there is no normal, gap = -inf. Nearest points: solve t across e,
+// then s on A's edge, then t again for that s. If neither is at an end, v is along the normal. Else v ends on the edge
+// f_o, and inverse_ff_o is 1 / f.f of that edge, or 0 if v ends on no edge.
 // Operators: 53 add, 64 mul, 1 div, 1 sqrt, 7 compare, 14 min/max; 47 add with I = 0.
 // Latency: LATENCY_TRIANGLE_PAIR_EDGE cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.

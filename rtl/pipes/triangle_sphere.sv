@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Triangle against sphere, relative to the sphere's centre: the closest point of the triangle over all seven regions,
 // polished twice. The triangle is flat and two-sided, and s = distance - r. If the centre is so near the plane that the
-// direction to it is lost, n is the plane's normal. n points from the triangle to the sphere. CP = pA + (s/2) n, where
-// pA is the closest point. F = (s <= 0), T = |s|.
+// direction to it is lost, n is the plane's normal. The normal points from the triangle to the sphere.
+// CP = pA + (s/2) n, where pA is the closest point. F = (s <= 0), T = |s|.
 // Operators: 146 add, 171 mul, 7 div, 2 sqrt, 33 compare, 16 min/max.
 // Latency: LATENCY cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.

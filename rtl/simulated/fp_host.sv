@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Host back end of every unit: one call of host_fp.h per lane, for simulation only. It is combinational. With ARITH =
-// "host" a pipe computes in the cycle in which its result leaves. The engine gives it its operands in that cycle, so
+// "host" a pipe computes in the cycle in which its result leaves. The engine gives it its operands in that cycle. So
 // the timing outside is that of the gates, and nothing inside is stored from cycle to cycle
 // (docs/background/architecture.md).
 // Latency: 0.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Output FIFO of the streaming result modes (all, hits). It takes a row of results and gives one record per cycle,
-// lanes in ascending order. Credits reserve room ahead: `credit_o` counts the rows that have left, so the input port
-// never overfills the FIFO. record_lanes holds T and CP beside the lanes. This module has the control and one bit per
-// lane.
+// lanes in ascending order. Credits reserve room: `credit_o` counts the rows that have left, so the input port never
+// overfills the FIFO. The module record_lanes holds T and CP beside the lanes. This module has the control and one bit
+// per lane.
 // Latency: 1 cycle.
 // Throughput: one row in, one record out per cycle.
 // Stall: holds its output while ready_i is low.

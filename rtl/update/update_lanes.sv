@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Update engine of one lane group: keeps the best record per primary. For a row, it reads the old T from one stencil-T
-// buffer, and writes the better of old and new to the other within one cycle (paper section 3.3). `parity_i` selects
-// the buffers and alternates with every secondary. F, index and CP change only if a new hit is better. Masked primaries
-// are never updated.
+// Update engine of one lane group: keeps the best record per primary (paper section 3.3). For a row, it reads the old T
+// from one stencil-T buffer. Within one cycle it writes the better of old and new to the other buffer. `parity_i`
+// selects the buffers and alternates with every secondary. F, index and CP change only if a new hit is better. Masked
+// primaries are never updated.
 // Mode nearest keeps the smallest (T, index), farthest the largest T, then the smallest index, any the first hit in
 // stream order. For rays, only hits count.
 // For solids (`gap_i`), every pair has a signed distance s, which is -T if they meet. Mode nearest keeps the smallest s

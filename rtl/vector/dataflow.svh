@@ -30,7 +30,7 @@
 // gains from it: only one phase works at a time.
 `define DF_ON 1'b1
 
-// 0 in a module that returns no NaN and whose results do not depend on a NaN's sign, such as rays, where a hit is
+// 0 in a module that returns no NaN and whose results do not depend on a NaN's sign. Rays are such, since a hit is
 // finite. Its operators leave the NaN of the host's processor. Otherwise every NaN is the canonical one. A module that
 // redefines it restores it at its end.
 `define DF_CANON 1
@@ -201,7 +201,7 @@
 // ---- The dominant axis of a vector: its largest component by magnitude, ties the lowest index ----
 `define DF_DOMINANT(M, V) localparam int T_``M = `DF_MAX2(T_``V, 0) + 2 * LAT.cmp; logic [1:0][LANES-1:0][CW-1:0] M; \
   df_dominant #(`DF_FORMAT, .LAT(LAT)) dominant_``M (.clk_i, .a_i(V), .m_o(M));
-// The components of V in cyclic order from the dominant axis M: R[0] is on that axis, R[1] and R[2] on the next two.
+// Components of V in cyclic order from the dominant axis M: R[0] is on that axis, R[1] and R[2] on the next two.
 `define DF_CYCLE(R, M, V) localparam int T_``R = `DF_MAX2(T_``M, T_``V); `DF_VECTOR R; \
   df_cycle #(.CW(CW), .LANES(LANES), .ARITH(ARITH), .T_M(T_``M), .T_A(T_``V)) \
     cycle_``R (.clk_i, .m_i(M), .a_i(V), .r_o(R));
