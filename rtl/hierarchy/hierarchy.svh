@@ -20,8 +20,8 @@
 // Outputs of node_unit.sv: the children hit, in order.
 `define NODE_T_UNIT(SOLIDS) (((SOLIDS != 0) ? `NODE_T_GAPS : `NODE_T_BOXES) + 2)
 
-// State of a context: its number (CX bits), the number of groups on its stack, and a bit per group that is set while
-// only its first child has been visited. A visit adds the node or leaf that the context goes to.
+// State of a context: its number (CX bits), the number of groups on its stack, and a bit per group. The bit is set
+// while only the group's first child has been visited. A visit adds the node or leaf that the context goes to.
 `define AT_BITS(CX) (CX + $clog2(hierarchy_pkg::LEVELS + 1) + hierarchy_pkg::LEVELS)
 `define VISIT_BITS(CX) (`AT_BITS(CX) + hierarchy_pkg::PLACE + 1)
 `define HIERARCHY_TYPES(CX) \

@@ -7,8 +7,7 @@
 `define CDE_CONVEX_SVH
 `include "pipe.svh"
 
-// ---- Shared units for candidate axes (`facet` in names): FACET_II = 1 or 3 cycles from pair to pair (pair_hold.sv)
-// ----
+// ---- Shared units for candidate axes (`facet` in names): FACET_II = 1 or 3 cycles per pair (pair_hold.sv) ----
 `define FACET_TURNS ((ARITH == "rtl") ? FACET_II : 1)
 `define FACET_T_IN ((FACET_II != 1) ? 1 : 0)
 `define FACET_WAIT (FACET_II - 1)

@@ -200,8 +200,7 @@ module cylinder_circle #(
   `DF_AND(between, beyond_lo, before_hi)
   `DF_AND(holds, convex, between)
 
-  // ---- The tie. If an end is already a tie, or both support points are one, each side keeps a sixteenth of the weight
-  // ----
+  // ---- The tie. If an end is already a tie, or both support points are one, each side keeps 1/16 of the weight ----
   `DF_CONST(sixteenth, `DF_POWER_OF_TWO(-4))
   `DF_CONST(least_weight, `DF_POWER_OF_TWO(LEAST_WEIGHT))
   `DF_VSUB(apart, lo_y, hi_y)

@@ -31,8 +31,7 @@ module length_scale #(
   localparam int LW = LANES * CW;
   localparam int LEAST = formats_pkg::length_low(EXP, MAN);
 
-  // ---- The largest exponent, by a tree: node i takes 2i and 2i + 1; words start at N_LENGTHS; in all LAT.cmp cycles
-  // ----
+  // ---- The largest exponent, by a tree in LAT.cmp cycles: node i takes 2i and 2i + 1; words start at N_LENGTHS ----
   localparam int N_A = pairs_pkg::lengths(SHAPE_A);
   localparam int N_LENGTHS = N_A + pairs_pkg::lengths(SHAPE_B);
   localparam int LEVELS = $clog2(N_LENGTHS);
