@@ -9,23 +9,23 @@
 
 namespace cde::reference {
 
-/// What the pipe of a pair answers, in the words of a format: the mirror references behind one
-/// call. a and b are operand words in slot order, `primary_words` and `secondary_words` a pair;
-/// `algorithm` is of ray-triangle, `box` of pairs with the box rule, `plane` of pairs with one.
-/// Error kUsage if sizes do not fit together, or for a format that is none of kPairFormats
-/// (fp/scalars.hpp), or for a budget out of range. Pairs that take no budget ignore it.
+/// Results of a pair's pipe, in words of a format: all mirror references behind one call.
+/// Spans `a` and `b` are operand words in slot order, `primary_words` and `secondary_words` words
+/// per pair. `algorithm` is for ray-triangle, `box` for pairs with the box rule, `plane` for pairs
+/// with a plane. Pairs without iterations ignore `budget`. Error kUsage for sizes that do not
+/// match, a format not in kPairFormats (fp/scalars.hpp), or iterations out of range.
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
                 std::span<const std::uint64_t> b, std::span<PairResult> results,
                 PlaneSide plane = PlaneSide::kSurface, const PairBudget& budget = {},
                 bool box = false);
 
-/// Work that a budget sets. Evaluations: of the gap, each for a direction. Passes: as often a row
-/// goes round the pipe, and as many clocks it takes from the next one's; those that find the
-/// witness points, too. Both are 0 for pairs that take no budget, whatever it is.
+/// Work of a pair with iterations; 0 for other pairs. Evaluations: of the signed distance along a
+/// direction. Passes: how often a row circulates in the iterative pipeline, which is also the
+/// number of cycles between rows. Passes include those that find the witness points.
 [[nodiscard]] unsigned evaluations(Pair pair, const PairBudget& budget);
 [[nodiscard]] unsigned passes(Pair pair, const PairBudget& budget);
 
-/// Whether there is a reference for this pair and algorithm.
+/// Whether this pair and algorithm have a reference.
 [[nodiscard]] bool has_pair(Pair pair, Algorithm algorithm);
 
 }  // namespace cde::reference

@@ -12,8 +12,8 @@
 
 namespace cde::reference {
 
-/// What one pass of the card asks. `pair`'s first shape is the primaries', with `swap` the
-/// secondaries'; `algorithm` is of ray-triangle, `box` of pairs with the box rule.
+/// Parameters of one pass of the card. `pair`'s first shape is that of the primaries, with `swap`
+/// of the secondaries. `algorithm` is for ray-triangle, `box` for pairs with the box rule.
 struct PassQuery {
   Pair pair = Pair::kRayTriangle;
   Algorithm algorithm = Algorithm::kMoller;
@@ -22,18 +22,18 @@ struct PassQuery {
   Mode mode = Mode::kNearest;
   bool normals = false;
   PairBudget budget = {};
-  FpFormat format = {};  ///< of the card, no wider than fp32: words are rounded to it first
-  /// Pairs that count, by the number of the primary and that of the secondary; the others are left
-  /// out as if they were not tested. Empty: all.
+  FpFormat format = {};  ///< format of the card, no wider than fp32; words are first rounded to it
+  /// Selects the pairs that count, by the numbers of primary and secondary. The others are treated
+  /// as untested. Empty: all.
   std::function<bool(std::uint32_t, std::uint32_t)> counts = {};
 };
 
-/// The records of one pass of any pair, computed in software, every bit and in the card's order.
+/// Records of one pass of any pair, computed in software, bit-exact and in the card's order.
 class Pass {
  public:
-  /// `numbers` are what records call the primaries; masked primaries are left out of both. Shapes
-  /// must outlive the pass. Error kUsage if the shapes are not those of the pair, there are more
-  /// than 256 primaries, or no card has the format.
+  /// `numbers` are the primaries' numbers in records; masked primaries are in neither list. Shapes
+  /// must outlive the pass. Error kUsage if the shapes do not match the pair, there are more than
+  /// 256 primaries, or no card has the format.
   Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> numbers,
        const Shapes& secondaries);
   ~Pass();
@@ -49,21 +49,21 @@ class Pass {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A pair of a primary, and what a pass that keeps one record a primary does with it.
+/// A pair of a primary, and its treatment in a pass that keeps one record per primary.
 struct SweptPair {
   std::uint32_t secondary = 0;
   Record record;           ///< of the pair
   bool candidate = false;  ///< it may be kept
-  bool kept = false;       ///< it is better than all before it
+  bool kept = false;       ///< it is better than all pairs before it
 };
 
-/// All of one primary, in the card's order: why a record is what it is.
+/// All pairs of one primary, in the card's order: they explain its record.
 struct SweptPrimary {
-  std::vector<SweptPair> pairs;  ///< that count. In modes all and hits candidates are those that
-                                 ///< have records, and nothing is kept
-  std::vector<Record> records;   ///< of the primary in a Pass of the query
+  std::vector<SweptPair> pairs;  ///< pairs that count. In modes all and hits candidates are pairs
+                                 ///< with a record, and none is kept
+  std::vector<Record> records;   ///< records of the primary in a Pass of the query
 };
-/// Errors as Pass.
+/// Errors as for Pass.
 [[nodiscard]] SweptPrimary sweep(const PassQuery& query, const Shapes& primaries,
                                  std::uint32_t number, const Shapes& secondaries);
 

@@ -19,31 +19,33 @@
 #include "cde/query/query.hpp"
 #include "cde/reference/record_check.hpp"
 
-/// Mirror reference: what the card computes, operation by operation in the same order with the same
-/// roundings, so that every bit must match. The library is compiled without contraction; whoever
-/// includes the template must do the same (-ffp-contract=off), as an FMA rounds once where the
-/// hardware rounds twice. The templates are in reference/, one header a pair of primitives.
+/// Mirror reference: computes what the card computes, operation by operation, in the same order
+/// with the same roundings, so every bit must match. The library is compiled without contraction
+/// (-ffp-contract=off). Code that includes the templates must be compiled likewise, because an FMA
+/// rounds once where the hardware rounds twice. The templates are in reference/pipes/, one header
+/// per pair.
 namespace cde::reference {
 
-/// One pair of the card, as the record that mode all writes. `box`, here and below: the card has
-/// the box rule; `algorithm`, too, is the card's.
+/// One pair of the card, as the record of mode all. `box`, here and below, means that the card has
+/// the box rule. `algorithm` is the card's.
 [[nodiscard]] Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary,
                                std::uint32_t index, bool box = false,
                                Algorithm algorithm = Algorithm::kMoller);
 
-/// Whether vector code sorts out the misses of a Sweep: moller and watertight in fp32. The sweep of
-/// others takes longer, and a copy of the triangles.
+/// Whether vector code handles the misses of a Sweep: moller and watertight in fp32. Other
+/// algorithms and formats take longer, and need a copy of the triangles.
 [[nodiscard]] bool sweeps_fast(Algorithm algorithm, FpFormat format);
 
-/// The records of a cast, computed in software; see Board::cast. Fast enough for large scenes (the
-/// misses, nearly all pairs, are sorted out by vector code), the hits go through the template.
+/// Records of a cast by brute force, computed in software; see Board::cast. It is fast enough for
+/// large scenes: vector code handles the misses, which are nearly all pairs. Hits go through the
+/// template.
 class Sweep {
  public:
-  /// Up to `packet` rays meet all triangles at a time, or those of the objects (Board::set_objects;
-  /// kUsage if their ranges do not lie within the triangles). Rays and triangles must outlive the
-  /// sweep. `format`, here and below, is of the card, fp32 or a smaller one, which rounds rays,
-  /// triangles and transforms to it. Error kUsage if no card has it. sweeps_fast() says which are
-  /// fast.
+  /// Each packet of `packet` rays is tested against all triangles, or against those of the objects
+  /// (Board::set_objects). Rays and triangles must outlive the object. `format`, here and below, is
+  /// the card's: fp32 or a smaller one, to which rays, triangles and transforms are rounded.
+  /// Function sweeps_fast() tells which are fast. Error kUsage if no card has the format, or a
+  /// range of the objects exceeds the triangles.
   Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
         unsigned packet = card::kMostPrimaries, std::span<const Object> objects = {},
         bool box = false, FpFormat format = {}, Algorithm algorithm = Algorithm::kMoller);
@@ -59,19 +61,19 @@ class Sweep {
   std::unique_ptr<Impl> impl_;
 };
 
-/// All of them at once.
+/// All records at once.
 [[nodiscard]] std::vector<Record> cast(const RayView& rays, const TriangleView& triangles,
                                        Mode mode = Mode::kNearest, const Stencil& stencil = {},
                                        std::span<const Object> objects = {}, bool box = false,
                                        FpFormat format = {},
                                        Algorithm algorithm = Algorithm::kMoller);
 
-/// Tells differences of rays and triangles. `command` is the start of a command that repeats the
-/// query, e.g. "cde cast terrain --lanes 16". Rays and triangles must outlive the result.
+/// Describes differences for rays and triangles. `command` is the start of a command that repeats
+/// the query, e.g. "cde cast terrain --lanes 16". Rays and triangles must outlive the result.
 [[nodiscard]] RecordCheck::Told told_of_rays(const RayView& rays, const TriangleView& triangles,
                                              std::string command);
 
-/// A check against a Sweep of the same arguments, which must outlive the checker.
+/// A record check against a Sweep with the same arguments, which must outlive it.
 class Checker : public RecordCheck {
  public:
   Checker(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,

@@ -9,43 +9,44 @@
 #include "cde/hierarchy/node.hpp"
 #include "cde/mesh/triangle_view.hpp"
 
-/// What a card's refit (rtl/hierarchy/refit.sv) makes of nodes whose triangles have moved, bit by
-/// bit. Hierarchy::refit() keeps boxes beside the nodes, and these are a little tighter.
+/// Refit of a card (rtl/hierarchy/refit.sv) for moved triangles, bit-exact. Hierarchy::refit() also
+/// keeps the exact boxes, so its nodes are slightly tighter.
 namespace cde::reference {
 
 struct Refitted {
   std::vector<hierarchy::Node> nodes;
-  /// The slot of a triangle with a coordinate that is no number or beyond 2^40, the first one met
-  /// from the last node to the root. The node that it is below and those before it are as they
-  /// were.
+  /// Slot of the first bad triangle, in the order from the last node to the root. A bad triangle
+  /// has a coordinate that is not a number or beyond 2^40. Its node and those before it are
+  /// unchanged.
   std::optional<std::uint32_t> bad;
 };
 
-/// Boxes anew, from the last node to the first; which children a node has stays. Every child's box
-/// contains its triangles, or the box_of() its node, exactly, whatever the triangles are:
+/// Refits the boxes from the last node to the first; the tree stays. Each child's box contains its
+/// triangles, or box_of() its node, exactly, whatever the triangles are:
 ///
-/// - A leaf's box is the least and the largest of words.
-/// - A node's origin is the lower corner of all children's boxes. With m the larger one of the
-///   exponents of that corner and of the upper one, all corners become integers of 2^(m-24), a bit
-///   more than the longest has, rounded to that side on which boxes grow, and differences of them
-///   bytes, rounded likewise; a difference below zero, which no corner has, is zero. So containment
-///   needs nothing of what is lost.
-/// - It does not cost much either: only numbers below half of the larger end (M) lose something.
-///   Then the node is longer than M / 2, a byte is 2^16 integers at least, and what is lost takes
-///   no more than one byte more.
-/// - Bytes are the finest that fit and are no finer than the integers, nor than 2^-80. The exponent
-///   is 37 at most, also with what boxes grow by on the way to the root, two bytes a level at most.
-/// - The box of a child that is a node is what its words say: box_of().
+/// - A leaf's box is the minimum and the maximum of words.
+/// - A node's origin is the lower corner of all children's boxes. Let m be the larger exponent of
+///   that corner and of the upper one. All corners become integers in units of 2^(m-24), one bit
+///   more than the longest needs, rounded so that boxes grow. Their differences become bytes,
+///   rounded likewise. A negative difference, which no corner has, becomes zero. So containment
+///   does not depend on the lost bits.
+/// - Little is lost: only numbers below half of the larger end (M) lose bits. Then the node is
+///   longer than M / 2, a byte has at least 2^16 integers, and the loss costs at most one byte
+///   more.
+/// - The byte unit is the finest that fits and is no finer than the integers, nor than 2^-80. Its
+///   exponent is at most 37, even with the growth of boxes on the way to the root, at most two
+///   bytes per level.
+/// - The box of a child that is a node follows from its words: box_of().
 ///
-/// The two zeros are +0. Bytes of places without a child are 0. A node without children, which only
-/// a tree of nothing has to have, stays as it is, and is the point of its origin to its parent.
-/// Errors: kUsage if there are more or fewer triangles than slots, and as hierarchy::check.
+/// Both zeros become +0. Bytes of missing children are 0. A node without children, which only an
+/// empty tree needs, stays unchanged. To its parent it is the point of its origin. Error kUsage if
+/// the numbers of triangles and slots differ; others as for hierarchy::check.
 [[nodiscard]] Refitted refit(std::span<const hierarchy::Node> nodes,
                              std::span<const std::uint32_t> order, const TriangleView& triangles);
 
-/// From a node's origin to the largest of its children's upper corners, which is rounded up. It
-/// contains the boxes of all of the children, as their bytes say them, exactly, and of the nodes
-/// below them.
+/// The box from a node's origin to the largest of its children's upper corners, rounded up. It
+/// contains exactly the boxes of all children, as given by their bytes, and of the nodes below
+/// them.
 [[nodiscard]] Eigen::AlignedBox3f box_of(const hierarchy::Node& node);
 
 }  // namespace cde::reference

@@ -15,24 +15,24 @@
 
 namespace cde::reference {
 
-/// What rays, or solids, met on their way.
+/// Work of traversals.
 struct TraversalCounts {
-  std::uint64_t nodes = 0;        ///< read
-  std::uint64_t secondaries = 0;  ///< tested
-  unsigned deepest = 0;           ///< groups on the stack at a time
+  std::uint64_t nodes = 0;        ///< nodes read
+  std::uint64_t secondaries = 0;  ///< secondaries tested
+  unsigned deepest = 0;           ///< most groups on the stack at a time
 };
 
-/// A shape that has a signed gap to others, as a primary and in a hierarchy.
+/// A shape with a signed distance to others, as a primary and in a BVH.
 template <class P>
 concept Solid = std::same_as<P, Sphere> || std::same_as<P, Aabb> || std::same_as<P, Obb> ||
     std::same_as<P, Triangle>;
 
-/// Rays, spheres, AABBs, OBBs and triangles through a hierarchy over triangles, spheres, AABBs or
-/// OBBs, by the pairs that way_through() says, with the box rule: records are those of Sweep or
-/// Pass, with the rule, every bit, ties included.
+/// Traverses a BVH over triangles, spheres, AABBs or OBBs with rays, spheres, AABBs, OBBs and
+/// triangles, for the pairs of way_through(), with the box rule. Results are bit-identical to those
+/// of Sweep or Pass with that rule, ties included.
 class Traversal {
  public:
-  /// Both must outlive it; the algorithm is that of rays. Error kUsage if the hierarchy is of
+  /// Both arguments must outlive the object. The algorithm is for rays. Error kUsage if the BVH has
   /// another number of secondaries.
   Traversal(const TriangleView& triangles, const Hierarchy& hierarchy,
             Algorithm algorithm = Algorithm::kMoller);
@@ -40,17 +40,17 @@ class Traversal {
   Traversal(std::span<const Aabb> boxes, const Hierarchy& hierarchy);
   Traversal(std::span<const Obb> boxes, const Hierarchy& hierarchy);
 
-  /// The record of a ray in modes nearest, farthest and any; in mode hits those of all its hits by
-  /// ascending index. Error kUsage in mode all, whose records are those of all triangles.
+  /// The record of a ray in modes nearest, farthest and any; in mode hits the records of all its
+  /// hits by ascending index. Error kUsage in mode all, whose records cover all triangles.
   [[nodiscard]] std::vector<Record> trace(const Ray& ray, std::uint32_t number, Mode mode);
-  /// Of solids mode nearest has the secondary of the least signed gap, whether they meet or not,
-  /// and any and hits those that they meet. Error kUsage in mode farthest as well, and where the
-  /// card has no such pair.
+  /// For solids, mode nearest returns the secondary of the least signed distance, hit or not. Modes
+  /// any and hits return hits. Error kUsage also in mode farthest, and for a pair that a card
+  /// cannot traverse.
   template <Solid P>
   [[nodiscard]] std::vector<Record> trace(const P& solid, std::uint32_t number, Mode mode) {
     return trace_any(solid, number, mode);
   }
-  /// Whether it meets any secondary: ends at the first.
+  /// Whether it hits any secondary; stops at the first hit.
   [[nodiscard]] bool occluded(const Ray& ray);
   template <Solid P>
   [[nodiscard]] bool occluded(const P& solid) {

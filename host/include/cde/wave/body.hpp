@@ -8,12 +8,12 @@
 
 #include "cde/netlist/netlist.hpp"
 
-/// A module of a netlist: its variables, what assigns them and what is in it.
+/// A module of a netlist: its variables, the statements that assign them, and its instances.
 namespace cde::wave {
 
 struct Scope {
   int parent = -1;
-  std::string prefix;  ///< names of generate blocks, each with a dot behind it
+  std::string prefix;  ///< names of generate blocks, each followed by a dot
   std::map<std::string, std::uint32_t, std::less<>> names;  ///< of variables
 };
 
@@ -21,19 +21,19 @@ struct Variable {
   std::string path;  ///< in its module, with generate blocks
   const netlist::Element* declared = nullptr;
   unsigned type = 0;
-  bool local = false;  ///< of a loop or a function, or a constant
+  bool local = false;  ///< of a loop or function, or a constant
   bool input = false, output = false;
-  bool in_process = false;            ///< declared in one: no register, whatever assigns it
-  std::vector<std::uint32_t> drives;  ///< statements that assign it, in their order
+  bool in_process = false;            ///< declared in a process: never a register
+  std::vector<std::uint32_t> drives;  ///< statements that assign it, in source order
 };
 
-/// Something that must hold for a statement to be executed.
+/// A condition for a statement to be executed.
 struct Guard {
   enum class Kind { kIf, kElse, kItem, kDefault, kUnknown };
   Kind kind = Kind::kUnknown;
   const netlist::Element* what = nullptr;  ///< condition, or the case statement
   const netlist::Element* item = nullptr;  ///< of the case
-  bool swapped = false;                    ///< the condition is the inverse of that of the source
+  bool swapped = false;  ///< the condition is the inverse of the one in the source
 };
 
 struct Drive {
@@ -73,11 +73,11 @@ struct Body {
   std::vector<Variable> variables;
   std::vector<Drive> drives;
   std::vector<Part> parts;
-  std::vector<std::vector<Output>> outputs;  ///< of each variable: ports of parts that drive it
+  std::vector<std::vector<Output>> outputs;  ///< per variable: ports of instances that drive it
   std::map<std::string, std::uint32_t, std::less<>> by_path, part_by_path;
   std::map<std::string, Function, std::less<>> functions;
 
-  /// A variable as a statement in a scope names it; nothing: -1.
+  /// The variable that a name means in a scope; -1 if there is none.
   [[nodiscard]] std::int64_t variable(std::uint32_t scope, std::string_view name) const;
 };
 
@@ -85,9 +85,9 @@ struct Body {
 
 /// Whether an element is a reference to a variable.
 [[nodiscard]] bool is_reference(const netlist::Element& e);
-/// Whether an element is a statement, and no expression.
+/// Whether an element is a statement, not an expression.
 [[nodiscard]] bool is_statement(const netlist::Element& e);
-/// half__BRA__1__KET__ as half[1].
+/// Converts half__BRA__1__KET__ to half[1].
 [[nodiscard]] std::string with_brackets(std::string text);
 
 }  // namespace cde::wave

@@ -10,31 +10,32 @@
 
 namespace cde::wave {
 
-/// What the transactions of a kind are read from. This table is the one place that knows names of
-/// the card's signals; a test holds that the waves of a card have them all.
+/// Signals from which transactions of a kind are decoded. Only this table knows names of the card's
+/// signals. A test checks that the waves of a card have all of them.
 struct KindSignals {
   std::string_view kind;
-  std::string_view what;                 ///< for people
-  std::vector<std::string_view> clocks;  ///< at whose rising edges the others are looked at
-  /// Below one scope. The first one finds the scope: it is rare.
+  std::string_view what;                 ///< description for people
+  std::vector<std::string_view> clocks;  ///< the other signals are sampled at their rising edges
+  /// Signals below one scope. The first one is rare and finds the scope.
   std::vector<std::string_view> signals;
-  /// With # for indices: as many as there are, at least one.
+  /// Arrays of signals, with # for indices; at least one element.
   std::vector<std::string_view> arrays;
-  /// Of a card that has them.
+  /// Signals that a card may lack.
   std::vector<std::string_view> optional;
-  /// That such a transaction may have, beside those of all, in their order.
+  /// Fields that such a transaction may have beside the common ones, in their order.
   std::vector<std::string_view> fields;
 };
 
-/// In the order in which kinds are told.
+/// All kinds, in the order of the output.
 [[nodiscard]] const std::vector<KindSignals>& card_signals();
 
-/// What the update engine is seen by: no transactions, but found in the same way.
+/// Signals that observe the update engine. They give no transactions, but are found in the same
+/// way.
 [[nodiscard]] const KindSignals& tested_signals();
 
 /// An element of an array of signals.
 struct Element {
-  std::vector<unsigned> indices;  ///< those of the name's #
+  std::vector<unsigned> indices;  ///< indices for the # of the name
   const Signal* signal;
 };
 
@@ -42,18 +43,18 @@ struct Element {
 struct SignalPlace {
   const KindSignals* of;
   std::string scope;
-  std::map<std::string_view, const Signal*> signals;        ///< clocks and optional ones too
+  std::map<std::string_view, const Signal*> signals;        ///< also clocks and optional signals
   std::map<std::string_view, std::vector<Element>> arrays;  ///< by their indices
 };
 
-/// Where a file has the signals of kinds, and what it lacks.
+/// Where a file has the signals of kinds, and which are missing.
 class SignalPlaces {
  public:
   explicit SignalPlaces(Trace& trace);
 
   /// Scopes that have all signals of a kind.
   [[nodiscard]] std::vector<SignalPlace> of(const KindSignals& kind) const;
-  /// What the scope that has the most of them lacks; all of them if no scope has the first.
+  /// Signals missing in the scope that has the most of them; all of them if no scope has the first.
   [[nodiscard]] std::vector<std::string> missing(const KindSignals& kind) const;
 
  private:

@@ -12,7 +12,7 @@
 
 namespace cde::wave {
 
-/// Values that the waves have of a design's signals.
+/// Values of a design's signals in the waves.
 class Sampled {
  public:
   Sampled(Trace& trace, const Design& design);
@@ -21,11 +21,11 @@ class Sampled {
   /// Bits at a time; empty if they are not in the waves, under any name that is wired to them.
   [[nodiscard]] std::string bits(const Slice& slice, std::uint64_t time);
   [[nodiscard]] bool has(const Slice& slice);
-  /// Reads all of these at once, which is sooner than one by one.
+  /// Reads all of these at once, which is faster than one by one.
   void fetch(const std::vector<Slice>& slices, std::uint64_t time);
-  /// The last edge up to and with a time; nothing if there is none, or the signal is not there.
+  /// The last edge up to and including a time; nothing if there is none, or the signal is missing.
   [[nodiscard]] std::optional<std::uint64_t> last_edge(const ClockEdge& edge, std::uint64_t time);
-  /// When the bits got the value that they have at a time; nothing if they never changed.
+  /// The time at which the bits got their value of a time; nothing if they never changed.
   [[nodiscard]] std::optional<std::uint64_t> last_change(const Slice& slice, std::uint64_t time);
 
  private:
@@ -42,8 +42,8 @@ class Sampled {
   std::unordered_map<std::string, const Signal*> names_;
   std::map<Slice, std::vector<Part>> parts_;  ///< the highest bits first
   std::map<std::uint64_t, std::unordered_map<std::uint32_t, std::string>> values_;
-  /// Stretches of time that are read as one, those of the file's blocks, and the changes in them of
-  /// one bit: of a handle, the bit, and the stretch.
+  /// Stretches of time that are read at once (blocks of the file). The changes of one bit are
+  /// cached by handle, bit and stretch.
   struct Stretch {
     std::uint64_t from, to;
   };
@@ -53,42 +53,41 @@ class Sampled {
   std::map<std::tuple<std::uint32_t, std::size_t, std::size_t>, Changes> changes_;
 };
 
-/// A signal in the tree of what made another, at a time.
+/// A node in the tree of causes: a signal at a time.
 struct Node {
   struct Statement {
     Driver driver;
-    std::optional<std::uint64_t> edge;  ///< of a register: when it took its value
-    bool held = false;                  ///< it has kept the value since
-    bool kept =
-        false;  ///< no statement but an edge at which none was executed, and what decided so
+    std::optional<std::uint64_t> edge;  ///< for a register: when it took its value
+    bool held = false;                  ///< it has held the value since that edge
+    bool kept = false;  ///< no statement was executed at that edge; the causes are what decided so
     std::vector<std::size_t> causes;  ///< nodes
   };
   Slice slice;   ///< as the statement names it
-  Slice driven;  ///< the signal that it is wired to, which the statements assign
+  Slice driven;  ///< the signal wired to it that the statements assign
   std::uint64_t time = 0;
   unsigned registers = 0;  ///< between it and the root
-  /// It decides whether the statement is executed, or which side of its ? : is taken.
+  /// It decides whether the statement is executed, or which side of its ? : is selected.
   bool condition = false;
-  bool in_waves = false, again = false;  ///< again: its causes are those of another node
-  bool stopped = false;                  ///< a register behind the last that is looked through
+  bool in_waves = false, again = false;  ///< again: another node already has its causes
+  bool stopped = false;                  ///< a register beyond the depth limit
   std::string value;                     ///< bits
-  std::string remark;                    ///< why nothing drives it
+  std::string remark;                    ///< why it has no driver
   std::vector<Statement> statements;
 };
 
-/// What made some bits have their value at a time, through `depth` registers; at most `most` nodes,
-/// those near to the root first; 0 for all that there are.
+/// Causes of the value of some bits at a time, through `depth` registers. At most `lines` nodes are
+/// kept, those nearest to the root first.
 class Cone {
  public:
   Cone(Trace& trace, Times& times, const Design& design, const Slice& root, std::uint64_t time,
        unsigned depth, Lines& lines);
-  /// The root is the first.
+  /// All nodes, the root first.
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
 
  private:
   struct Waiting {
     std::size_t node;
-    std::vector<Driver> all;  ///< drivers without regard to values
+    std::vector<Driver> all;  ///< drivers regardless of values
     std::optional<std::uint64_t> edge;
     bool is_register = false;
   };
@@ -105,7 +104,7 @@ class Cone {
   Times& times_;
   const Design& design_;
   Sampled waves_;
-  unsigned depth_, steps_ = 2000;  ///< steps: edges that may yet be looked at for what is hidden
+  unsigned depth_, steps_ = 2000;  ///< steps: remaining edges to examine for hidden signals
   Lines& lines_;
   std::vector<Node> nodes_;
   std::map<std::pair<Slice, std::uint64_t>, std::size_t> seen_;

@@ -13,97 +13,96 @@
 #include "cde/netlist/netlist.hpp"
 #include "cde/wave/trace.hpp"
 
-/// The structure of the design that waves are of, as Verilator elaborates it.
+/// The structure of the design of the waves, as Verilator elaborates it.
 namespace cde::wave {
 
-/// A line of a source, with its text without the spaces around it; empty if the source is not at
-/// hand.
+/// A source line with its trimmed text. The text is empty if the source is not available.
 struct Place {
-  std::string file;  ///< as Verilator was given it
+  std::string file;  ///< as passed to Verilator
   unsigned line = 0;
   std::string text;
   [[nodiscard]] std::string name() const;  ///< "adder.sv:12", or empty
 };
 
-/// Bits of a variable of an instance. Elements of arrays lie behind each other, the lowest index
-/// lowest.
+/// Bits of a variable of an instance. Array elements are consecutive, the lowest index lowest.
 struct Slice {
   std::uint32_t unit = 0, variable = 0;
   std::uint64_t low = 0, width = 0;
   auto operator<=>(const Slice&) const = default;
 };
 
-/// Values that decide: whether a condition holds, which element an index is. Bits 0, 1, x, z, the
-/// most significant first; empty if they are not known.
+/// Values that decide conditions and indices. Bits 0, 1, x, z, most significant first; empty if
+/// unknown.
 using Values = std::function<std::string(const Slice&)>;
 
-/// An edge that a register waits for.
+/// An edge that a register is clocked by.
 struct ClockEdge {
   Slice signal;
   bool rising = true, falling = false;
 };
 
-/// One statement that gives a variable its value, or a part of it.
+/// A statement that assigns a variable or a part of it.
 struct Driver {
   enum class Kind {
-    kAssign,    ///< of combinational logic, or a latch
-    kRegister,  ///< at an edge
-    kWire,      ///< a port that is the same as what it is connected to, or as another port
-    kPort       ///< a port that an expression is connected to
+    kAssign,    ///< combinational logic, or a latch
+    kRegister,  ///< at a clock edge
+    kWire,      ///< a port that equals its connection or another port
+    kPort       ///< a port with an expression as its connection
   };
   Kind kind = Kind::kAssign;
   Place place;
-  std::vector<Slice> sources;  ///< what the value is made of, in the order of the text
-  /// What decides whether the statement is executed. With values also the conditions of its ? :,
-  /// which are among the sources without values.
+  std::vector<Slice> sources;  ///< signals of the value, in source order
+  /// Signals that decide whether the statement is executed. With values they include the conditions
+  /// of its ? :, which without values are among the sources.
   std::vector<Slice> controls;
   std::vector<ClockEdge> edges;
-  bool sure = true;  ///< with values: it is known to be executed
+  bool sure = true;  ///< with values: it is certainly executed
 };
 
 class Design {
  public:
-  /// Of Verilator's XML. `file` names it in messages. Sources are files, as the XML names them,
-  /// or beside it. Error kFile if it is none.
+  /// Reads Verilator's XML. `file` names it in messages. Sources are the files that the XML names,
+  /// or are beside it. Error kFile if it is not such XML.
   Design(std::string xml, std::string file);
   ~Design();
   Design(Design&&) noexcept;
   Design& operator=(Design&&) = delete;
 
-  /// Of the design that `trace` was written by: `structure` is the file of an XML; if it is empty,
-  /// the bitstream that the trace names is elaborated, or read from the cache. Error kUsage if the
-  /// trace names none, or if the structure is of another design; kBuild if it cannot be elaborated.
+  /// Structure of the design that wrote `trace`. `structure` is an XML file. If it is empty, the
+  /// simulation model that the trace names is elaborated, or read from the cache. Error kUsage if
+  /// the trace names none, or the structure belongs to another design. Error kBuild if elaboration
+  /// fails.
   [[nodiscard]] static Design of(Trace& trace, const std::string& structure);
 
-  /// Of a bitstream without waves: its top module and NAME=VALUE. Error kBuild if it cannot be
-  /// elaborated.
+  /// Structure of a simulation model without waves, from its top module and NAME=VALUE. Error
+  /// kBuild if elaboration fails.
   [[nodiscard]] static Design of_bitstream(const std::string& kind,
                                            const std::vector<std::string>& parameters);
 
-  /// Like `of`, if it takes no time and nobody is asked: nothing if no structure is named and none
-  /// is in the cache. For viewers.
+  /// Like `of`, but only if it takes no time and no elaboration. Nothing if no structure is named
+  /// and none is in the cache. For viewers.
   [[nodiscard]] static std::optional<Design> if_known(Trace& trace, const std::string& structure);
 
-  /// Where the waves have the top module: "board.board", with its own name. Found by `of`.
+  /// Name of the top module in the waves: "board.board". Found by `of`.
   [[nodiscard]] const std::string& prefix() const;
 
-  /// Bits of a signal by its whole name in the waves; elements of arrays, [7:4] and members of
-  /// structures are parts. Nothing if the design has no such signal.
+  /// Bits of a signal by its full name in the waves. Array elements, [7:4] and structure members
+  /// select parts. Nothing if the design has no such signal.
   [[nodiscard]] std::optional<Slice> find(std::string_view name) const;
-  /// Its name in the waves, with the part that it is.
+  /// Full name in the waves, with the selected part.
   [[nodiscard]] std::string name(const Slice& slice) const;
-  /// The same without the instance that it is in.
+  /// The same without the instance.
   [[nodiscard]] std::string local_name(const Slice& slice) const;
-  /// Name of the instance in the waves, with a dot behind it.
+  /// Name of the instance in the waves, followed by a dot.
   [[nodiscard]] std::string instance(const Slice& slice) const;
-  /// The whole name of the variable.
+  /// Full name of the variable.
   [[nodiscard]] std::string variable_name(const Slice& slice) const;
-  /// Whether it is a variable inside of a process (of a loop, say), or a constant.
+  /// Whether it is a variable inside a process (for example of a loop), or a constant.
   [[nodiscard]] bool is_hidden(const Slice& slice) const;
   /// Whether it is an input of the top module.
   [[nodiscard]] bool is_input(const Slice& slice) const;
-  /// Signals of the waves that hold these bits, where `exists` says which names there are: the
-  /// variable, or elements and members of it, which the waves may be split into.
+  /// Signals of the waves that hold these bits; `exists` tells which names the waves have. They are
+  /// the variable itself, or the elements and members into which the waves split it.
   struct Piece {
     std::string name;
     Slice slice;
@@ -112,20 +111,20 @@ class Design {
       const Slice& slice, const std::function<bool(const std::string&)>& exists) const;
 
   [[nodiscard]] Place declaration(const Slice& slice) const;
-  /// What gives these bits their value; with values, what does so now. Nothing for inputs of the
-  /// top module and for what is only initialised.
+  /// Drivers of these bits; with values, the active ones. Nothing for inputs of the top module and
+  /// for variables that are only initialised.
   [[nodiscard]] std::vector<Driver> drivers(const Slice& slice, const Values* values) const;
 
-  /// The same by name, for viewers: lines of the declaration and of all drivers, behind ports.
+  /// The same by name, for viewers: lines of the declaration and of all drivers, through ports.
   struct Places {
     Place declaration;
     std::vector<Place> drivers;
   };
   [[nodiscard]] std::optional<Places> places_of(std::string_view name) const;
-  /// Lines of a source, as the design was elaborated from it; empty if it is not at hand.
+  /// Lines of a source as elaborated; empty if it is not available.
   [[nodiscard]] const std::vector<std::string>& source(const std::string& file) const;
   void set_source(const std::string& file, const std::string& text);
-  /// Sources, as Verilator was given them.
+  /// Sources as passed to Verilator.
   [[nodiscard]] std::vector<std::string> files() const;
 
   struct Elaborated;
@@ -136,11 +135,11 @@ class Design {
   std::unique_ptr<Elaborated> all_;
 };
 
-/// The name of an element without the scope that Verilator 5.048 writes the elements of an array
-/// in: top.mem.mem[2] is top.mem[2], top.m.[1].m[1][0] is top.m[1][0]. Others as they are.
+/// The name of an array element without the extra scope of Verilator 5.048. For example,
+/// top.mem.mem[2] becomes top.mem[2], and top.m.[1].m[1][0] becomes top.m[1][0]. Other names stay.
 [[nodiscard]] std::string without_array_scope(std::string_view name);
 
-/// The line that an element begins in; empty of none.
+/// The line where an element begins; empty for null.
 [[nodiscard]] Place place_of(const Design& design, const netlist::Netlist& netlist,
                              const netlist::Element* e);
 

@@ -13,11 +13,10 @@ namespace cde::wave {
 /// An instance of a module.
 struct Unit {
   std::uint32_t body = 0;
-  std::int64_t parent = -1;  ///< unit
-  std::uint32_t part = 0;    ///< of the parent's body
-  std::string path;          ///< from the top module on, which is not in it; with a dot behind it
-  std::vector<std::int64_t>
-      parts;  ///< units of the parts of its body; -1: their module is not there
+  std::int64_t parent = -1;         ///< unit
+  std::uint32_t part = 0;           ///< of the parent's body
+  std::string path;                 ///< below the top module, which is left out; followed by a dot
+  std::vector<std::int64_t> parts;  ///< units of the instances of its body; -1: module missing
 };
 
 struct Design::Elaborated {
@@ -26,7 +25,7 @@ struct Design::Elaborated {
   netlist::Netlist netlist;
   std::string file, prefix;
   std::vector<Body> bodies;
-  std::vector<Unit> units;  ///< the top first
+  std::vector<Unit> units;  ///< the top module first
   mutable std::map<std::string, std::vector<std::string>> sources;
 
   [[nodiscard]] const Body& body(std::uint32_t unit) const { return bodies[units[unit].body]; }
@@ -41,20 +40,20 @@ struct Design::Elaborated {
     s.width = width(s);
     return s;
   }
-  /// Lines of a source file; empty if it is not at hand.
+  /// Lines of a source file; empty if it is not available.
   [[nodiscard]] const std::vector<std::string>& source(const std::string& name) const;
-  /// The variable that a reference in a scope of a unit means.
+  /// The variable that a reference means in a scope of a unit.
   [[nodiscard]] std::optional<Slice> referred(std::uint32_t unit, std::uint32_t scope,
                                               const netlist::Element& reference) const;
 };
 
-/// A turn of a loop: its variable, and what that is.
+/// An iteration of a loop: its variable and the variable's value.
 struct Turn {
   std::uint32_t variable = 0;
   std::uint64_t number = 0;
 };
 
-/// Where a statement or an expression stands.
+/// Position of a statement or expression.
 struct Context {
   const Design::Elaborated& all;
   std::uint32_t unit = 0, scope = 0;
@@ -62,45 +61,45 @@ struct Context {
   std::optional<Turn> turn = {};
 };
 
-constexpr std::uint64_t kMostBits = 1u << 16;  ///< of an expression that is computed
+constexpr std::uint64_t kMostBits = 1u << 16;  ///< largest expression that is computed
 
-/// Value of an expression. What is unknown in it is so in the simulation as well if it is complete;
-/// else some of its signals are not in the waves, or what it does is not known here.
+/// Value of an expression. If it is complete, its unknown bits are unknown in the simulation as
+/// well. Otherwise some signals are not in the waves, or an operation is not supported.
 struct Evaluated {
   Value value;
   bool complete = true;
 };
-/// Nothing if not even its width is known.
+/// Nothing if not even the width is known.
 [[nodiscard]] std::optional<Evaluated> evaluate(const Context& c, const netlist::Element& e);
-/// The number that an index is; nothing if it is not known.
+/// Value of an index; nothing if unknown.
 [[nodiscard]] std::optional<std::uint64_t> index_value(const Context& c, const netlist::Element* e);
-/// Whether the condition of an if holds: 1, 0, or x if it is not known. One that is x or z in the
-/// waves does not, or does if it is the inverse of that in the source.
+/// Whether the condition of an if holds: 1, 0, or x if unknown. A condition that is x or z in the
+/// waves does not hold; it holds if it is the inverse of the source's.
 [[nodiscard]] char holds(const Context& c, const netlist::Element& condition, bool swapped = false);
-/// Which side of ? : is taken: 1, 0, or x, of both sides, if the condition is x.
+/// The side of ? : that is selected: 1, 0, or x (both) if the condition is x.
 [[nodiscard]] char chosen(const Context& c, const netlist::Element& condition);
-/// Whether a choice was an if and its else in the source.
+/// Whether a choice was an if with its else in the source.
 [[nodiscard]] bool is_of_if(const Context& c, const netlist::Element& choice);
-/// Whether an item of a case statement is the one; items before it are not looked at. 1, 0 or x.
+/// Whether a case item matches, without regard to earlier items: 1, 0 or x.
 [[nodiscard]] char is_item(const Context& c, const netlist::Element& choice,
                            const netlist::Element& item);
-/// Bits of an expression; 0 if it is not known how many.
+/// Width of an expression in bits; 0 if unknown.
 [[nodiscard]] std::uint64_t width_of(const Context& c, const netlist::Element& e);
-/// Bits of a whole variable that a reference or a selection of one is.
+/// Bits of a variable that a reference or selection means.
 [[nodiscard]] std::optional<Slice> selected(const Context& c, const netlist::Element& e);
 
-/// Signals that bits [low, low + width) of an expression are made of, with their bits. Those of the
-/// conditions of ? : go to `selectors` if it is given.
+/// Collects the signals, with their bits, that bits [low, low + width) of an expression depend on.
+/// Those in conditions of ? : go to `selectors` if given.
 void collect_sources(const Context& c, const netlist::Element& e, std::uint64_t low,
                      std::uint64_t width, std::vector<Slice>& found,
                      std::vector<Slice>* selectors = nullptr);
-/// All of them.
+/// The same for all bits.
 void collect_sources(const Context& c, const netlist::Element& e, std::vector<Slice>& found);
 
-/// What an expression on the left of an assignment takes of the right for some bits of a variable.
+/// The part of the right side that an assignment target takes for some bits of a variable.
 struct Overlap {
-  std::uint64_t low = 0, width = 0;  ///< bits of the right
-  bool exact = true;                 ///< false: which, or whether any, is not known
+  std::uint64_t low = 0, width = 0;  ///< bits of the right side
+  bool exact = true;                 ///< false: the bits, or whether there are any, are unknown
 };
 void collect_overlaps(const Context& c, const netlist::Element& target, const Slice& wanted,
                       std::vector<Overlap>& found);

@@ -18,14 +18,14 @@ class EngineDecoder : public Decoder {
         busy_(wire("control.busy_o")) {}
 
  protected:
-  /// At every edge of the engine's clock; true where a pass starts.
+  /// Call it at every edge of the engine's clock. True if a pass starts.
   bool count_pass() {
     const bool starts = go_.on() && ready_.on();
     if (starts || (!seen_ && busy_.on())) ++passes_;
     seen_ = true;
     return starts;
   }
-  /// The one that runs, or ran last.
+  /// Number of the current or last pass.
   [[nodiscard]] std::string pass() const { return passes_ == 0 ? "" : fmt::to_string(passes_ - 1); }
   [[nodiscard]] std::uint64_t passes() const { return passes_; }
   [[nodiscard]] bool busy() const { return busy_.on(); }

@@ -8,15 +8,15 @@
 
 namespace cde::wave {
 
-/// An edge of a signal of one bit, as --on names it: 'posedge clk', 'negedge clk', 'edge clk'.
+/// An edge of a one-bit signal, as in --on: 'posedge clk', 'negedge clk', 'edge clk'.
 struct Event {
   std::uint32_t handle = 0;
   std::string name;
   bool rising = false, falling = false;
 
-  /// Error kUsage.
+  /// Error kUsage if the text is invalid.
   Event(Trace& trace, const std::string& text);
-  /// Between two values of the signal.
+  /// Whether the edge lies between two values of the signal.
   [[nodiscard]] bool happens(char before, char now) const {
     before = four_state(before);
     now = four_state(now);

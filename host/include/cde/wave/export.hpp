@@ -11,54 +11,54 @@
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
 
-/// Waves as other kinds of files. Each of these writes all of the file or nothing ("-" is stdout);
-/// Error kFile if it cannot be written. No views are all signals of the file. Times are those of
-/// the file, in its units; a window has what signals are at `from`, and their changes up to and
-/// with `to`. What is left out of the signals of `views` in formats of whole signals (VCD, FST) is
-/// an index; that is Error kUsage.
+/// Writes waves in other formats. Each function writes a complete file or nothing ("-" is stdout).
+/// Error kFile if it cannot be written. Without views it writes all signals. Times are in units of
+/// the file. A window has the values of signals at `from`, and their changes up to and including
+/// `to`. Formats of whole signals (VCD, FST) refuse a view with an index: error kUsage.
 namespace cde::wave {
 
-/// VCD as IEEE 1800 has it, but that texts are values `s...`, as GTKWave reads them. Kinds of
-/// signals that it has not are wires.
+/// VCD as in IEEE 1800, except that texts are values `s...`, as GTKWave reads them. Signal kinds
+/// that VCD lacks become wires.
 void write_vcd(Trace& trace, std::span<const View> views, std::uint64_t from, std::uint64_t to,
                const std::filesystem::path& file);
 
-/// An FST of the window alone: names, kinds, directions, ranges, enumerations and comments stay; of
-/// `comments` it has one more each.
+/// An FST of the window alone. Names, kinds, directions, ranges, enumerations and comments stay.
+/// `comments` are added.
 void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, std::uint64_t to,
                const std::filesystem::path& file, std::span<const std::string> comments = {});
 
-/// A save file of GTKWave: one group per scope, forms as GTKWave has them (fp32 and fp64 as
-/// numbers, lanes of them as signals of their own; other formats of numbers in hexadecimal).
+/// A save file of GTKWave, with one group per scope. Forms are those that GTKWave has: fp32 and
+/// fp64 as numbers, their lanes as separate signals, other number formats in hexadecimal.
 struct GtkwOptions {
-  std::optional<std::uint64_t> fail = std::nullopt;  ///< where the marker stands
-  std::filesystem::path waves = {};  ///< that it opens; empty: the file of the trace
-  std::optional<std::uint64_t> from = std::nullopt, to = std::nullopt;  ///< what is seen first
+  std::optional<std::uint64_t> fail = std::nullopt;  ///< position of the marker
+  std::filesystem::path waves = {};  ///< wave file to open; empty: the file of the trace
+  std::optional<std::uint64_t> from = std::nullopt,
+                               to = std::nullopt;  ///< initially visible window
 };
 void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& options,
                 const std::filesystem::path& file);
 
-/// A table with a header, fields in quotes where they must be: time, cycle if there is a clock, and
-/// one column per view. A row for each time at which one of them changes, the first for `from`;
-/// with `on` a row for each such edge, of the values just before it.
+/// A CSV table with a header, and fields quoted if necessary. Columns are time, cycle (with a clock
+/// only), and one per view. There is a row for `from` and for each time at which a view changes.
+/// With `on` there is a row per such edge, with the values just before it.
 void write_csv(Trace& trace, Times& times, std::span<const View> views,
                const std::optional<Event>& on, std::uint64_t from, std::uint64_t to,
                const std::filesystem::path& file);
 
-/// WaveDrom: one column per cycle of the clock, with the values that there are at its end; without
-/// a clock one column per time of changes. Error kUsage for more than 5000 columns.
+/// WaveDrom: one column per clock cycle, with the values at its end; without a clock one column per
+/// time of changes. Error kUsage for more than 5000 columns.
 void write_wavedrom(Trace& trace, Times& times, std::span<const View> views, std::uint64_t from,
                     std::uint64_t to, const std::filesystem::path& file);
 
-/// A picture, `width` pixels wide. Error kUsage for more than 500 signals.
+/// An SVG picture, `width` pixels wide. Error kUsage for more than 500 signals.
 struct SvgOptions {
   unsigned width = 1200;
-  std::optional<std::uint64_t> fail = std::nullopt;  ///< where a line is
+  std::optional<std::uint64_t> fail = std::nullopt;  ///< position of a vertical line
 };
 void write_svg(Trace& trace, Times& times, std::span<const View> views, std::uint64_t from,
                std::uint64_t to, const SvgOptions& options, const std::filesystem::path& file);
 
-/// The time in a comment `fail TIME` of a file, if it lies in it.
+/// The time of a comment `fail TIME` in the file, if the file covers it.
 [[nodiscard]] std::optional<std::uint64_t> fail_time(Trace& trace, Times& times);
 
 }  // namespace cde::wave

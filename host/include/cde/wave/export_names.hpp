@@ -9,10 +9,10 @@
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
 
-/// The names of a file as its writer nested them, for those who write it again.
+/// The nested names of a file, for writers of other files.
 namespace cde::wave {
 
-/// What is called for each; a scope only if it has a chosen signal somewhere in it.
+/// Callbacks for names. A scope is reported only if it contains a chosen signal.
 struct NameVisit {
   std::function<void(const ScopeName&)> open;
   std::function<void()> close;
@@ -25,11 +25,11 @@ void visit_names(Trace& trace, const std::vector<bool>& chosen, const NameVisit&
 /// The views, or all signals if there are none.
 [[nodiscard]] std::vector<View> views_or_all(Trace& trace, std::span<const View> views);
 
-/// Which signals views are of; all if there are none. Error kUsage if a view has an index: `kind`
-/// is what has whole signals alone.
+/// Signals of the views; all without views. Error kUsage if a view has an index; `kind` names the
+/// format, which has only whole signals.
 [[nodiscard]] std::vector<bool> chosen_signals(Trace& trace, std::span<const View> views,
                                                const std::string& kind);
-/// Their handles.
+/// Handles of the chosen signals.
 [[nodiscard]] std::vector<std::uint32_t> chosen_handles(Trace& trace,
                                                         const std::vector<bool>& chosen);
 

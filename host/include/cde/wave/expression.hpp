@@ -10,26 +10,26 @@
 
 namespace cde::wave {
 
-/// An expression over signals, in the manner of SystemVerilog: four states, widths and signs as
-/// there, and floating-point numbers where a signal has the form of one (NAME:fp32).
+/// An expression over signals as in SystemVerilog: four states, with its widths and signs. Signals
+/// with a number form (NAME:fp32) are floating-point numbers.
 class Expression {
  public:
-  /// Error kUsage, with a caret under the place, if it makes no sense. `option` names it.
+  /// Error kUsage, with a caret under the position, if the text is invalid. `option` names it.
   Expression(Trace& trace, const std::string& text, const std::string& option);
   ~Expression();
   Expression(Expression&&) noexcept;
   Expression& operator=(Expression&&) = delete;
 
-  /// What it reads, in the order in which it is written.
+  /// Views that it reads, in the order of the text.
   [[nodiscard]] const std::vector<View>& views() const;
-  /// A new value of a signal, by its handle.
+  /// Sets a new value of a signal, by its handle.
   void set(std::uint32_t handle, std::string_view value);
-  /// Events of it are over: 0 from now on. Whether it has any.
+  /// Ends an instant: events become 0. Returns whether the expression reads events.
   bool end_instant();
-  /// Whether it is true now: a known bit of it is 1. What looks back (changed, rose, fell, prev)
-  /// looks at the last time that this was called.
+  /// Whether it is true now: a known bit of it is 1. Functions that look back (changed, rose, fell,
+  /// prev) compare with the previous call.
   [[nodiscard]] bool evaluate();
-  /// Whether it has something that looks back.
+  /// Whether it has a function that looks back.
   [[nodiscard]] bool looks_back() const;
 
   struct Parsed;

@@ -12,23 +12,24 @@
 
 namespace cde::wave {
 
-/// Follows the changes of a file and says where an expression is true: where it becomes so; where
-/// it looks back, wherever it is; with an edge, at edges where it is true just before.
+/// Follows the changes of a file and reports when an expression is true. Normally that is when it
+/// becomes true; if it looks back, at every time it is true. With an edge, it is at edges just
+/// before which it is true.
 class Follow {
  public:
   /// `when` and `on` may be empty. Error kUsage.
   Follow(Trace& trace, const std::string& what, const std::string& when, const std::string& on);
 
-  /// What the expressions read, each once.
+  /// Views that the expressions read, without duplicates.
   [[nodiscard]] const std::vector<View>& views() const { return views_; }
-  /// Their values now, as text: those that decided, while `found` runs.
+  /// Their current values as text. While `found` runs, these are the deciding ones.
   [[nodiscard]] std::vector<std::string> texts() const;
-  /// An expression looks at what was before the last time that it was looked at.
+  /// Whether an expression looks back at its previous evaluation.
   [[nodiscard]] bool looks_back() const;
 
-  /// Whether to go on.
+  /// Returns whether to continue.
   using Found = std::function<bool(std::uint64_t)>;
-  /// From one time to another, both within. A second run goes on where the first ended.
+  /// Runs from one time to another, both inclusive. A second run continues after the first.
   void run(Trace& trace, std::uint64_t from, std::uint64_t to, const Found& found);
 
  private:

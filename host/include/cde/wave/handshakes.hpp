@@ -9,28 +9,28 @@
 
 namespace cde::wave {
 
-/// A signal of one bit as a handshake has it.
+/// A one-bit signal of a handshake.
 struct HandshakeWire {
   std::uint32_t handle = 0;
-  std::string name;  ///< in its scope
-  bool low = false;  ///< active low, by its name
+  std::string name;  ///< within its scope
+  bool low = false;  ///< active low, judged by its name
 };
 
-/// Two signals of a scope, or three of PCI, that say together when something is handed over.
+/// Two signals of a scope, or three of PCI, that together define transfers.
 struct Handshake {
-  std::string name;            ///< "top.core.valid_i/ready_o", where the file has it first
+  std::string name;            ///< "top.core.valid_i/ready_o": its first name in the file
   std::string protocol;        ///< "valid/ready", "req/ack", "pci"
-  HandshakeWire valid, ready;  ///< who has something, who takes it; of PCI irdy and trdy
-  HandshakeWire frame;         ///< of PCI
+  HandshakeWire valid, ready;  ///< sender and receiver; for PCI irdy and trdy
+  HandshakeWire frame;         ///< PCI only
   std::uint32_t clock = 0;
   std::string clock_name;
-  /// Whether a handshake of another number is behind this one: there are modules between them, each
-  /// taking from one and giving to the next. Only of valid/ready and req/ack.
+  /// Whether the handshake of this number is downstream: modules between them take from one and
+  /// give to the next. Only for valid/ready and req/ack.
   std::vector<bool> leads_to;
   [[nodiscard]] bool is_pci() const { return frame.handle != 0; }
 };
 
-/// A signal called valid without a ready: what goes through a pipe that cannot wait.
+/// A valid signal without a ready: the valid of a pipe that cannot stall.
 struct PipeValid {
   std::string name;
   std::uint32_t handle = 0;
@@ -43,9 +43,9 @@ struct Flows {
   std::vector<PipeValid> pipes;
 };
 
-/// Finds them by their names, in the order of the file, each once however many names it has. A
-/// handshake is sampled by `clock` if that was asked for, else by a clock of its scope, or the
-/// nearest scope around it that has one; what has none at all is left out.
+/// Finds them by name, in the order of the file, once each even if they have several names. A
+/// handshake is sampled by `clock` if it is given. Otherwise a clock of its scope or of the nearest
+/// enclosing scope samples it. A handshake without any clock is left out.
 [[nodiscard]] Flows find_flows(Trace& trace, const std::string& clock);
 
 }  // namespace cde::wave

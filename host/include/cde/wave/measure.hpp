@@ -13,26 +13,27 @@
 
 namespace cde::wave {
 
-/// What a signal does in a window.
+/// Activity of a signal in a window.
 struct Activity {
   View view;
   std::uint64_t changes = 0, toggles = 0;
-  std::uint64_t high = 0;  ///< time at 1, of one bit
+  std::uint64_t high = 0;  ///< time at 1, for one bit
   std::uint64_t quiet = 0, quiet_from = 0;
   std::uint64_t last = 0;  ///< time of the last change
   std::string value;
-  std::string next;       ///< what the instant that goes on has
-  bool waits = false;     ///< there is one
-  std::uint64_t now = 0;  ///< when it is
-  bool counts = true;     ///< and it is of the simulation, not of $dumpoff and $dumpon
-  bool bits = true;       ///< has bits
-  const std::vector<Blackout>* dark = nullptr;  ///< time that does not count
+  std::string next;       ///< value of the current instant
+  bool waits = false;     ///< the current instant is not settled yet
+  std::uint64_t now = 0;  ///< time of the current instant
+  bool counts =
+      true;          ///< the current change comes from the simulation, not from $dumpoff or $dumpon
+  bool bits = true;  ///< the signal has bits
+  const std::vector<Blackout>* dark = nullptr;  ///< times that do not count
 
   void begin(std::uint64_t time, std::string_view now) {
     last = quiet_from = time;
     value = view.bits(now);
   }
-  /// `of_run`: it is one of the simulation, and not of $dumpoff and $dumpon.
+  /// `of_run`: the change comes from the simulation, not from $dumpoff or $dumpon.
   void change(std::uint64_t time, std::string_view whole, bool of_run) {
     if (waits && time != now) settle();
     next = view.bits(whole);
@@ -40,14 +41,14 @@ struct Activity {
     counts = of_run;
     waits = true;
   }
-  /// An instant is over: see changes.hpp for what a change is.
+  /// Ends an instant; changes.hpp defines a change.
   void settle() {
     if (!waits) return;
     waits = false;
     if (next == value && !view.signal.event) return;
     if (counts) ++changes;
     if (counts && bits && next.size() == value.size()) {
-      // Without branches: of large files this is most of the work.
+      // Branch-free: with large files most of the time is spent here.
       unsigned flips = 0;
       for (std::size_t i = 0; i < next.size(); ++i)
         flips += static_cast<unsigned>(next[i] != value[i]) &
@@ -59,7 +60,7 @@ struct Activity {
     value.swap(next);
     last = now;
   }
-  /// What was since the last change ends.
+  /// Ends the stretch since the last change.
   void stretch(std::uint64_t time) {
     const std::uint64_t length = time - last - (dark != nullptr ? dark_time(*dark, last, time) : 0);
     if (length > quiet) {
@@ -70,24 +71,24 @@ struct Activity {
   }
 };
 
-/// What a handshake does.
+/// Use of a handshake.
 struct Use {
   std::uint64_t cycles = 0, transferred = 0, stalled = 0, idle = 0, unknown = 0, address = 0;
   std::uint64_t longest = 0, longest_time = 0;
-  std::uint64_t run = 0, run_time = 0;  ///< of the stall that goes on
-  bool framed = false;                  ///< PCI's frame in the cycle before
+  std::uint64_t run = 0, run_time = 0;  ///< of the current stall
+  bool framed = false;                  ///< PCI: frame in the cycle before
 };
 
-/// Cycles of a pipe whose valid stands alone.
+/// Cycles of a pipe that has only a valid signal.
 struct Bubbles {
   std::uint64_t cycles = 0, valid = 0, empty = 0, longest = 0, longest_time = 0;
-  std::uint64_t gap = 0, gap_time = 0;  ///< that may still turn out to be the end
-  std::uint64_t first = 0, last = 0;    ///< times of the first and the last valid
+  std::uint64_t gap = 0, gap_time = 0;  ///< the current gap, which may turn out to be the end
+  std::uint64_t first = 0, last = 0;    ///< times of the first and the last valid cycle
 };
 
-/// How busy signals, handshakes and pipes are between two times. Clocks sample what is just before
-/// their rising edges, as flip-flops do; an edge at the very begin is not of the window. Where the
-/// simulation wrote no changes ($dumpoff) nothing counts.
+/// Measures how busy signals, handshakes and pipes are between two times. Clocks sample the values
+/// just before their rising edges, as flip-flops do. An edge at the very begin is outside the
+/// window. Times for which the simulation wrote no changes ($dumpoff) do not count.
 class Measure {
  public:
   Measure(Trace& trace, Flows flows, std::vector<View> views);
@@ -99,10 +100,10 @@ class Measure {
   std::vector<Bubbles> bubbles;  ///< of the pipes
   std::vector<Activity> signals;
   std::vector<Stall> stalls;
-  std::vector<Blackout> dark;  ///< within the window; what is there does not count
+  std::vector<Blackout> dark;  ///< within the window; these times do not count
 
  private:
-  /// A clock and what is sampled by it.
+  /// A clock and the signals that it samples.
   struct Domain {
     std::uint32_t handle = 0;
     std::uint64_t cycles = 0;
@@ -120,10 +121,10 @@ class Measure {
   void pipe(std::size_t i, std::uint64_t time);
 
   std::vector<std::vector<std::size_t>> of_;  ///< signals by handle
-  std::vector<char> now_;                     ///< what is sampled, reduced to a bit; 0: not sampled
+  std::vector<char> now_;                     ///< sampled value, reduced to a bit; 0: not sampled
   std::vector<std::pair<std::uint32_t, char>> waiting_;
   std::vector<Domain> domains_;
-  std::vector<std::size_t> open_;  ///< the stall that goes on, of each handshake
+  std::vector<std::size_t> open_;  ///< current stall of each handshake
 };
 
 }  // namespace cde::wave

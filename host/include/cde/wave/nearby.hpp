@@ -8,21 +8,21 @@
 
 namespace cde::wave {
 
-/// A line, and how many statements it is from the signals.
+/// A line, and its distance from the signals in statements.
 struct Near {
   Place place;
   unsigned drivers = 0;
 };
 
-/// Statements that are taken for what they are not.
+/// Special treatment of statements.
 struct Passing {
-  std::function<bool(const Place&)> wire = {};  ///< no step
-  std::function<bool(const Place&)> end = {};   ///< neither named nor followed
+  std::function<bool(const Place&)> wire = {};  ///< counts as no step
+  std::function<bool(const Place&)> end = {};   ///< neither reported nor followed
 };
 
-/// Lines of the statements that give signals their value, and those that give these theirs, `steps`
-/// statements far, the nearest first; ports and plain wires between modules are no step. At most
-/// `most` lines. Signals that the design does not have are passed over.
+/// Lines of the statements that drive signals, then of the statements that drive their sources, up
+/// to `steps` statements away, nearest first. Ports and plain wires between modules are not steps.
+/// At most `most` lines. Signals that the design lacks are skipped.
 [[nodiscard]] std::vector<Near> fed_by(const Design& design,
                                        const std::vector<std::string>& signals, unsigned steps,
                                        std::size_t most, const Passing& passing = {});

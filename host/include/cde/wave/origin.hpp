@@ -17,9 +17,8 @@ namespace cde::wave {
 [[nodiscard]] Slice slice_named(Trace& trace, const Design& design, const std::string& name,
                                 const std::string& plain, const Form& form);
 
-/// The cause of a statement whose bits the statement gives its signal as they are, where those are
-/// `bits`; nothing if it is none. A signal that is not in the waves has the bits of what it is made
-/// of.
+/// The cause of a statement that passes its bits on unchanged, if these bits equal `bits`;
+/// otherwise nothing. A signal that is not in the waves has the bits of its sources.
 [[nodiscard]] std::optional<std::size_t> handed_on(const std::vector<Node>& nodes,
                                                    const std::string& bits,
                                                    const Node::Statement& statement);
@@ -30,9 +29,9 @@ struct Origin {
   std::uint64_t time = 0;
 };
 
-/// Where the word that a signal has at a time was made: back through registers, memories and wires
-/// that hand it on, as long as something has the same word before. A word that says little, as one
-/// of few bits or of zeros, is taken to be made where it is.
+/// Where the word that a signal has at a time was produced. It goes back through registers,
+/// memories and wires that pass the word on, while the source has the same word before. A word with
+/// little information (few bits, or zeros) counts as produced where it is.
 [[nodiscard]] Origin origin_of(Trace& trace, Times& times, const Design& design,
                                const Slice& signal, std::uint64_t time);
 

@@ -9,19 +9,19 @@
 
 namespace cde::wave {
 
-/// The changes of a signal in a window, packed: first all times, as differences to the one before
-/// with seven bits a byte, the lowest first; then all values with the same number of bytes.
+/// The changes of a signal in a window, packed. First come all times, as differences with seven
+/// bits per byte, lowest first. Then come all values, each with the same number of bytes.
 ///
-/// A value of bits is one plane, or two if a bit is x or z anywhere, each of whole bytes with the
-/// most significant first: bits 00 are 0, 10 are 1, 01 are z and 11 are x. A value of text is its
-/// number among the texts, four bytes, the lowest first.
+/// A bit value is one plane, or two planes if any bit is x or z. Each plane has whole bytes, most
+/// significant first. Bit pairs: 00 is 0, 10 is 1, 01 is z, 11 is x. A text value is its number
+/// among the texts, four bytes, lowest first.
 class Packed {
  public:
   Packed(unsigned width, bool text) : width_(width), text_(text) {}
 
-  /// `time` is counted from the begin of the window. A value that is the one before is no change.
+  /// `time` counts from the begin of the window. A value equal to the one before is not a change.
   void add(std::uint64_t time, std::string_view value);
-  /// A time alone, of a clock's edges.
+  /// Adds a time alone, for the edges of a clock.
   void add_time(std::uint64_t time);
 
   [[nodiscard]] std::size_t bytes() const { return times_.size() + values_.size(); }
@@ -40,15 +40,15 @@ class Packed {
   bool text_;
   unsigned planes_ = 1;
   std::uint64_t changes_ = 0, last_time_ = 0;
-  std::string last_, before_;  ///< before_: the value at the end of the instant before
+  std::string last_, before_;  ///< before_: the value at the end of the previous instant
   std::uint64_t before_time_ = 0;
-  std::size_t last_length_ = 0;  ///< of the times, without the last
+  std::size_t last_length_ = 0;  ///< of the times, without the last one
   std::string times_, values_;
   std::vector<std::string> texts_;
   std::unordered_map<std::string, std::uint32_t> numbers_;
 };
 
-/// By zlib, with its frame.
+/// Compressed by zlib, with its frame.
 [[nodiscard]] std::string deflated(std::string_view bytes);
 
 }  // namespace cde::wave

@@ -9,12 +9,12 @@
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
 
-/// A question about a wave file, as the options of `cde wave` state it.
+/// A query about a wave file: the options of `cde wave`.
 namespace cde::wave {
 
 struct Request {
   std::string command, file;
-  std::vector<std::string> words;  ///< behind the file
+  std::vector<std::string> words;  ///< after the file
   std::string clock, form = "auto", from, to, around, on, when, align = "time";
   std::string where, histogram;
   std::vector<std::string> ignore;
@@ -22,7 +22,7 @@ struct Request {
   std::string format;       ///< of export
   std::string other;        ///< second file of tui
   std::string structure;    ///< file of Verilator's XML
-  std::uint64_t depth = 3;  ///< registers that why looks through
+  std::uint64_t depth = 3;  ///< registers that `why` looks through
   std::uint64_t window = 0, max = 100, columns = 0, ulp = 0;
   double eps = 0;
   bool json = false, ascii = false, first = false, last = false, count = false;
@@ -31,32 +31,33 @@ struct Request {
   [[nodiscard]] Form default_form() const;
 };
 
-/// The text that `cde-wave why` prints: the cause of a value, or JSON with `request.json`.
+/// The output of `cde-wave why`: the cause of a value, or JSON with `request.json`.
 [[nodiscard]] std::string why_text(const Request& request);
 
-/// A window of time: --from and --to, or --around and --window, which counts cycles if there is a
-/// clock, else units of the file; else all of the file.
+/// A window of time from --from and --to, or from --around and --window; otherwise the whole file.
+/// Option --window counts cycles with a clock, else units of the file.
 struct Window {
   std::uint64_t from, to;
 };
 [[nodiscard]] Window window(const Request& request, Trace& trace, Times& times);
 
-/// The views of all words.
+/// The views of all words from `first_word` on.
 [[nodiscard]] std::vector<View> views(const Request& request, Trace& trace, std::size_t first_word);
-/// Their handles.
+/// Handles of the views.
 [[nodiscard]] std::vector<std::uint32_t> handles(const std::vector<View>& views);
 
-/// `schema`, version and commit; the schema is "cde.wave.COMMAND.1".
+/// JSON with schema, version and commit. The schema is "cde.wave.COMMAND.1".
 [[nodiscard]] nlohmann::ordered_json begin_json(const Request& request);
 
-/// Without spaces at the ends of lines.
+/// The text without blanks at line ends.
 [[nodiscard]] std::string without_spaces(std::string_view text);
 
-/// Lines with a limit of --max, and how many more there are. A limit of 0 is none.
+/// Limits the lines of an output to --max and counts the remaining ones. A limit of 0 means no
+/// limit.
 class Lines {
  public:
   explicit Lines(std::uint64_t most) : most_(most) {}
-  /// Whether the next line is printed; it counts.
+  /// Counts a line and returns whether it is printed.
   [[nodiscard]] bool next() { return ++seen_ <= most_ || most_ == 0; }
   [[nodiscard]] std::uint64_t more() const {
     return most_ == 0 || seen_ <= most_ ? 0 : seen_ - most_;

@@ -6,9 +6,9 @@
 
 namespace cde::wave {
 
-/// The views of all words, of which each may also be a scope, or a pattern as `ls` takes it: all
-/// signals there. No words are all signals. `once` leaves out further names of a signal that is
-/// there already, where no word says it in full.
+/// The views of all words. A word may also be a scope or a pattern as in `ls`: all signals that
+/// match. Without words: all signals. `once` leaves out further names of a signal, unless a word
+/// names them in full.
 [[nodiscard]] std::vector<View> views_in_scopes(const Request& request, Trace& trace, bool once);
 
 }  // namespace cde::wave

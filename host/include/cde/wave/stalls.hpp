@@ -7,28 +7,28 @@
 
 namespace cde::wave {
 
-/// Cycles one behind the other in which a handshake is stalled. Cycles are counted by its clock,
-/// from 0 in the window.
+/// Consecutive cycles in which a handshake is stalled. Cycles are those of its clock, from 0 in the
+/// window.
 struct Stall {
   std::size_t handshake;
   std::uint64_t first, last;  ///< cycles
-  std::uint64_t time;         ///< of the first
+  std::uint64_t time;         ///< time of the first cycle
 };
 
-/// Handshakes that are stalled in the same cycles, as often as that happens to just these.
+/// Handshakes that are stalled in the same cycles, over all occurrences of exactly this set.
 struct Chain {
   std::vector<std::size_t> members;  ///< upstream to downstream
-  std::size_t origin = 0;            ///< of the handshakes: the one that was stalled first
+  std::size_t origin = 0;            ///< the handshake that was stalled first
   std::uint64_t times = 0;
-  std::uint64_t cycles = 0;  ///< in which any of them is stalled
+  std::uint64_t cycles = 0;  ///< cycles in which any of them is stalled
   std::uint64_t longest = 0;
-  std::uint64_t first_time = 0;  ///< of the first time that it happens
+  std::uint64_t first_time = 0;  ///< time of the first occurrence
 };
 
-/// Chains of two and more, those first that take the most cycles. Stalls belong together if they
-/// share a cycle and one handshake is behind the other; of handshakes that no traced module joins
-/// with any other it is enough to share a cycle. Back-pressure runs upstream: the origin is the one
-/// that is stalled first, and of several the one farthest downstream.
+/// Chains of at least two handshakes, those with the most cycles first. Stalls belong together if
+/// they share a cycle and one handshake is downstream of the other. For handshakes that no traced
+/// module joins with another, sharing a cycle suffices. Back-pressure runs upstream, so the origin
+/// is the handshake that stalls first. If several do, it is the one farthest downstream.
 [[nodiscard]] std::vector<Chain> stall_chains(const std::vector<Handshake>& handshakes,
                                               std::vector<Stall> stalls);
 

@@ -8,33 +8,35 @@
 
 namespace cde::wave {
 
-/// Times of a file as text, both ways.
+/// Converts times of a file to text and back.
 class Times {
  public:
-  /// `clock` is the signal whose rising edges are cycles; if it is empty, the one that looks like
-  /// it.
+  /// `clock` is the signal whose rising edges are cycles. If it is empty, the signal that looks
+  /// like a clock is used.
   Times(Trace& trace, std::string clock) : trace_(trace), clock_(std::move(clock)) {}
 
-  /// "12.5ns"; exact. It counts from the file's time zero, and may be negative.
+  /// "12.5ns", exact. It counts from the file's time zero and may be negative.
   [[nodiscard]] std::string text(std::uint64_t time) const;
   /// The same in units of the file, for programs.
   [[nodiscard]] std::int64_t number(std::uint64_t time) const;
-  /// How long something takes, as text.
+  /// A duration as text.
   [[nodiscard]] std::string span(std::uint64_t length) const;
-  /// A number, perhaps with a unit, in units of the file; nothing if it is none.
+  /// A number with an optional unit, in units of the file; nothing if the text is invalid.
   [[nodiscard]] std::optional<double> length(const std::string& text) const;
-  /// A number in units of the file or with fs, ps, ns, us, ms or s; cyc:N, the rising edge N of the
-  /// clock, from 0; start, end; fail, if a comment `fail TIME` is in the file. Behind it may be +N
-  /// or -N with a unit or cyc. Numbers count from the file's time zero, and may be negative. Error
-  /// kUsage, also for what is outside of the file.
+  /// Parses a time: a number in units of the file or with fs, ps, ns, us, ms or s. Other forms are
+  /// `cyc:N` (rising edge N of the clock, from 0), `start` and `end`. If the file has a comment
+  /// `fail TIME`, `fail` is that time. An offset +N or -N with a unit or cyc may follow. Numbers
+  /// count from the file's time zero and may be negative. Error kUsage for other texts and for
+  /// times outside the file.
   [[nodiscard]] std::uint64_t parse(const std::string& text);
-  /// The signal that counts cycles. Error kUsage if none was named and none looks like it.
+  /// The signal that counts cycles. Error kUsage if none was named and no signal looks like a
+  /// clock.
   [[nodiscard]] const Signal& clock();
   /// The same without an error.
   [[nodiscard]] const Signal* clock_if_any();
   /// Its rising edges.
   [[nodiscard]] const std::vector<std::uint64_t>& edges();
-  /// The cycle that a time is in: the number of its last edge. Nothing before the first.
+  /// The cycle of a time: the number of its last edge. Nothing before the first edge.
   [[nodiscard]] std::optional<std::uint64_t> cycle(std::uint64_t time);
 
  private:

@@ -11,27 +11,28 @@
 
 namespace cde::wave {
 
-/// How a value is written.
+/// Text form of a value.
 struct Form {
   enum class Kind { kHex, kUnsigned, kSigned, kBinary, kFloat, kNames, kFile };
-  Kind kind = Kind::kHex;  ///< kFile: what the file says, which default_form() looks up
-  FpFormat format;         ///< of kFloat
-  unsigned lane = 0;       ///< bits of a lane; 0: those of the format, or all
-  bool mask = false;       ///< of kFloat: a word of ones, which no operator makes, is a condition
-  std::shared_ptr<const Names> names = {};  ///< of kNames
+  Kind kind = Kind::kHex;  ///< kFile: form given in the file, which default_form() looks up
+  FpFormat format;         ///< for kFloat
+  unsigned lane = 0;       ///< bits per lane; 0: those of the format, or all
+  bool mask =
+      false;  ///< for kFloat: a word of all ones, which no operator produces, is a condition
+  std::shared_ptr<const Names> names = {};  ///< for kNames
 };
 
-/// "auto" (kFile), "hex", "dec", "signed", "bin", or a format of numbers, with "|mask" one that may
-/// be a condition; with "/32" the bits of a lane. Nothing if it is none of these.
+/// Parses "auto" (kFile), "hex", "dec", "signed", "bin", or a number format. "|mask" after a format
+/// allows conditions, "/32" sets the bits per lane. Nothing for other texts.
 [[nodiscard]] std::optional<Form> parse_form(std::string_view text);
-/// As parse_form reads it; "names" for kNames.
+/// Text that parse_form() reads back; "names" for kNames.
 [[nodiscard]] std::string form_name(const Form& form);
-/// The form, or hex if such lanes do not fit into as many bits.
+/// The form, or hex if its lanes do not fit the width.
 [[nodiscard]] Form fitting(const Form& form, unsigned width);
-/// How the file says that a signal is written: by the names of its values, or as its comment
-/// `forms PATTERN=FORM PATTERN=FORM*WORDS ...` says of the first pattern that names it and, with
-/// WORDS, whose so many words it is wide; else hex. Any other form than kFile is the answer itself,
-/// where it fits.
+/// Selects the form of a signal. If a form other than kFile is asked for, it is that form, where it
+/// fits. Otherwise the file decides: by an enumeration, or by its comment `forms PATTERN=FORM
+/// PATTERN=FORM*WORDS ...`. The first pattern that matches the name counts; with WORDS the signal
+/// must have that many words. Otherwise the form is hex.
 class FileForms {
  public:
   explicit FileForms(Trace& trace);
@@ -45,42 +46,42 @@ class FileForms {
   };
   std::vector<Rule> rules_;
 };
-/// Of one signal.
+/// The same for a single signal.
 [[nodiscard]] Form default_form(Trace& trace, const Signal& signal, const Form& asked);
-/// Words that parse_form takes, for help.
+/// Words that parse_form() reads, for help texts.
 [[nodiscard]] std::vector<std::string> form_names();
 
-/// The value of bits 0, 1, x, z in a format; nothing if one of them is x or z.
+/// Value of bits 0, 1, x, z in a format; nothing if a bit is x or z.
 [[nodiscard]] std::optional<double> number(std::string_view bits, const FpFormat& format);
-/// The word of at most 64 bits, and nothing likewise.
+/// Word of at most 64 bits; nothing if a bit is x or z.
 [[nodiscard]] std::optional<std::uint64_t> word(std::string_view bits);
 
-/// A signal, or some bits of it, as they are asked for: NAME, NAME[3], NAME[7:4], NAME:fp32 and
-/// NAME[3]:fp32, lane 3.
+/// A signal or some of its bits, as written by the user: NAME, NAME[3], NAME[7:4], NAME:fp32, or
+/// NAME[3]:fp32 for lane 3.
 struct View {
   Signal signal;
-  std::string label;              ///< as it was asked for, with its whole name
-  unsigned first = 0, width = 0;  ///< characters of a value that are taken
-  bool indexed = false;           ///< by bits or a lane
+  std::string label;              ///< as written by the user, with the full name
+  unsigned first = 0, width = 0;  ///< characters of a value that are used
+  bool indexed = false;           ///< selects bits or a lane
   Form form;
 
-  /// The label without scopes, whose last dot may be one of an escaped name.
+  /// The label without scopes. An escaped name may contain dots.
   [[nodiscard]] std::string_view short_label() const;
   [[nodiscard]] std::string_view bits(std::string_view value) const;
   [[nodiscard]] std::string text(std::string_view value) const;
 };
 
-/// Signals that a pattern of `*` and `?` names, in the order of the file; a pattern without dots
-/// may match a name in any scope.
+/// Whether a pattern of `*` and `?` matches a name. A pattern without dots may match a name in any
+/// scope.
 [[nodiscard]] bool matches(std::string_view pattern, std::string_view name);
 
-/// The signal of a name, whole or without outer scopes, with #2 if it is the second of that name in
-/// the file; an escaped name may have its blank behind it. Error kUsage if there is none, with near
-/// ones, or if several match.
+/// Finds a signal by its name, full or without outer scopes. A suffix #2 selects the second signal
+/// of that name in the file. An escaped name may be followed by its blank. Error kUsage if there is
+/// none, with similar names, or if several match.
 [[nodiscard]] const Signal& find_signal(Trace& trace, std::string_view name);
 
-/// What a word of the command line asks for; several if it is a pattern. `form` is for words that
-/// name none. Error kUsage.
+/// The views of a command-line word; several if it is a pattern. `form` applies to words without a
+/// form. Error kUsage.
 [[nodiscard]] std::vector<View> views(Trace& trace, const std::string& word, const Form& form);
 [[nodiscard]] View view(Trace& trace, const std::string& word, const Form& form);
 

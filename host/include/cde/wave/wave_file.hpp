@@ -6,16 +6,16 @@
 #include <set>
 #include <string>
 
-/// Reads wave files (FST), as `--trace` writes them. Error kFile for what is none.
+/// Reads wave files (FST) as `--trace` writes them. Error kFile for other files.
 namespace cde::wave {
 
-/// Signals of an FST file, with their scopes, and the handle of each.
+/// Signals of an FST file, with their scopes and handles.
 [[nodiscard]] std::map<std::string, unsigned> signals(const std::filesystem::path& file);
 
-/// All values that a signal takes, as bits, the most significant first.
+/// All values of a signal as bits, most significant first.
 [[nodiscard]] std::set<std::string> values(const std::filesystem::path& file, unsigned handle);
 
-/// The value that a signal takes at each time at which it changes.
+/// Values of a signal at each time at which it changes.
 [[nodiscard]] std::map<std::uint64_t, std::string> changes(const std::filesystem::path& file,
                                                            unsigned handle);
 

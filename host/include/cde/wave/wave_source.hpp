@@ -11,7 +11,7 @@
 
 #include "cde/wave/structure.hpp"
 
-/// What a reader of one file format has to provide. Trace makes signals and values of it.
+/// Interface of a reader for one file format. Trace builds signals and values from it.
 namespace cde::wave {
 
 struct ScopeName {
@@ -23,15 +23,15 @@ struct Attribute {
   std::string name;
   std::uint64_t argument = 0;
 };
-/// A name of a signal as its writer declared it.
+/// A name of a signal as declared by the writer.
 struct VariableName {
   int type = 0, direction = 0;  ///< fstVarType, fstVarDir
   std::string name;             ///< with its range, e.g. "count [7:0]"
-  std::uint32_t width = 0;      ///< bits; of reals 64, of texts 0
-  std::uint32_t handle = 0;     ///< from 1; names with one handle are names of one thing
+  std::uint32_t width = 0;      ///< bits; 64 for reals, 0 for texts
+  std::uint32_t handle = 0;     ///< from 1; names with one handle belong to the same signal
 };
 
-/// What is called for each name, in the order of the file. All text is UTF-8.
+/// Callbacks for names, in the order of the file. All text is UTF-8.
 struct SourceVisit {
   std::function<void(ScopeName&&)> open;
   std::function<void()> close;
@@ -41,17 +41,17 @@ struct SourceVisit {
 
 struct SourceFacts {
   std::string format;  ///< "FST", "VCD", ...
-  int scale = 0;       ///< times are counted in 10^scale seconds
+  int scale = 0;       ///< unit of times: 10^scale seconds
   std::uint64_t start = 0, end = 0;
-  std::int64_t time_zero = 0;  ///< people add it to a time
+  std::int64_t time_zero = 0;  ///< offset added to displayed times
   std::string writer, date;
-  std::string ending;         ///< of a file that was not closed: where it ends, and why
-  std::uint32_t handles = 0;  ///< the largest
+  std::string ending;         ///< for an unclosed file: where it ends, and why
+  std::uint32_t handles = 0;  ///< the largest handle
   Structure structure;
   std::vector<Blackout> blackouts;  ///< in the order of time
 };
 
-/// A file of waves. Errors are kFile and name the file.
+/// A wave file. Errors are kFile and name the file.
 class WaveSource {
  public:
   WaveSource() = default;
@@ -61,13 +61,13 @@ class WaveSource {
 
   [[nodiscard]] const SourceFacts& facts() const { return facts_; }
   virtual void names(const SourceVisit& visit) = 0;
-  /// Whether to go on.
+  /// Returns whether to continue.
   using Change = std::function<bool(std::uint64_t, std::uint32_t, std::string_view)>;
-  /// Changes of handles (sorted, each once) in the order of time: of each the last one at or before
-  /// `from`, perhaps after earlier ones, then all up to and with `to`, and perhaps more. Bits are
-  /// as many characters as the signal is wide: 0, 1, x, z, or another state as the file has it.
-  /// Reals are the shortest decimal that is the same number, texts their bytes. An event is any
-  /// value.
+  /// Visits changes of handles (sorted, unique) in the order of time. For each handle these are the
+  /// last change at or before `from`, possibly after earlier ones, then all up to and including
+  /// `to`, and possibly more. Bits are as many characters as the signal is wide: 0, 1, x, z, or
+  /// another state of the file. Reals are the shortest decimal that gives the same number; texts
+  /// are their bytes. An event is any value.
   virtual void changes(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
                        const Change& visit) = 0;
 
@@ -75,8 +75,8 @@ class WaveSource {
   SourceFacts facts_;
 };
 
-/// Opens a file of a format that is read (FST, VCD), "-" is stdin. Error kFile, which names what
-/// converts a file of a known other format.
+/// Opens a file of a supported format (FST, VCD); "-" is stdin. Error kFile for other formats; it
+/// names a converter if one is known.
 [[nodiscard]] std::unique_ptr<WaveSource> open_source(const std::filesystem::path& file);
 
 }  // namespace cde::wave

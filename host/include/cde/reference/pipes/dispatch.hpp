@@ -18,22 +18,22 @@
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "cde/support/error.hpp"
 
-/// From a pair's number to its reference.
+/// Selects the reference of a pair by its number.
 namespace cde::reference {
 
-/// The shapes that a pair tests, first and second.
+/// The first and second shape of a pair.
 template <class A, class B>
 struct Kinds {};
 
-/// What a pair's answer depends on beside its shapes.
+/// Settings that a pair's result depends on, beside its shapes.
 struct PipeSettings {
   bool box = false;
   PlaneSide plane = PlaneSide::kSurface;
   cylinder::Budget budget;
 };
 
-/// The mirror reference of shapes A and B. A pointer, so that its users are compiled once per pair
-/// of shapes.
+/// The mirror reference of shapes A and B. It is a function pointer, so that its users are compiled
+/// once per pair of shapes.
 template <class S, class A, class B>
 struct PipeMirror {
   Outcome<S> (*answer)(const A&, const B&, const PipeSettings&);
@@ -41,7 +41,7 @@ struct PipeMirror {
   Outcome<S> operator()(const A& a, const B& b) const { return answer(a, b, settings); }
 };
 
-/// A pipe's answer, by the rule of bounds if `box` is set.
+/// A pipe's result, with the box rule if `box` is set.
 template <class S, class A, class B>
 [[nodiscard]] Outcome<S> bounded_if(bool box, const Outcome<S>& pipe, const A& a, const B& b) {
   return box ? bounded<S>(pipe, a, b) : pipe;

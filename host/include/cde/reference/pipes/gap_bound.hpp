@@ -5,32 +5,34 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/geometry/primitives.hpp"
 
-/// The box rule of pairs that have a signed gap (BOX = 1): it is not below that of their boxes.
+/// The box rule of pairs with a signed distance (BOX = 1): it is not below that of their boxes.
 ///
-/// Two boxes that are apart have a distance, the norm of their gaps of axes where these are above
-/// zero; and where none is, moving one of them by the largest gap along its axis parts them. So
-/// that is a lower bound of the signed gap, of distance and penetration alike. A pipe's s is off by
-/// roundings, or by more where a triangle has no area; the rule gives
+/// Two boxes that are apart have a distance: the norm of those axis distances that are above zero.
+/// If none is, moving one box by the largest axis distance along its axis separates them. Hence
+/// this is a lower bound of the signed distance, for distance and penetration alike. A pipe's s is
+/// off by roundings, or by more for a triangle without area. The rule gives
 ///
 ///     s' = max(s, g - m)    g_k = max(b - A, a - B) - e, by axis
 ///                           g = |max(g_k, 0)| if any is above zero, else the largest g_k
 ///                           m = 128 u max over axes of (max(|b - A|, |a - B|) + e)
 ///
-/// with [a, A] and [b, B] the boxes of triangles and AABBs, or the centre of a solid, and e half
-/// the size of its box, the sum of both where both are solids. m is far above what the pipes'
-/// roundings are, and what rotations are off orthonormal ones: s' is s unless s is wrong. It is the
-/// pair's own, so that it is the same in a sweep and through a hierarchy.
+/// Here [a, A] and [b, B] are the boxes of triangles and AABBs, or the centre of a solid. Half the
+/// size of a solid's box is e, the sum of both for two solids. The margin m is far above the
+/// roundings of the pipes and the deviations of rotations from orthonormal ones. So s' = s unless s
+/// is wrong. It depends on the pair alone, so that it is the same by brute force and in a BVH.
 ///
-/// A hierarchy may leave out a box whose bound is above the best gap: g_k as its nodes compute them
-/// (ray_node.hpp, with 1 / d = 1 and o +- M the corners of the solid's box, widened by M) are off
-/// by less than 10 u (R + e) + 2 u W, R the largest distance along an axis from c to the root's
-/// box, W the largest |coordinate| of that; here roundings take less than 16 u (R + e), and m is
-/// 128 u (R + e) at most. M = 256 u (R + e) + 16 u W is taken off each g_k, and what is taken off
-/// all of them is taken off their norm: nodes are below g - m by 100 u (R + e) and more. They
-/// compare squares (gap_key()), whose roundings are 5 u of a square, 3 u of a gap of 2 (R + e) at
-/// most. Of a triangle or an AABB R is the largest distance along an axis from an end of its box
-/// to the other end of the root's, and e is 0. A solid in the tree has the box of its exact half
-/// size, which is off by 3 u of it from the e that the rule has, and lies within R.
+/// A traversal may cull a box whose bound is above the best signed distance. The nodes compute g_k
+/// as in ray_node.hpp, with 1 / d = 1 and o +- M the corners of the solid's box, widened by M. That
+/// is off by less than 10 u (R + e) + 2 u W. R is the largest distance along an axis from c to the
+/// root's box, and W the largest |coordinate| of that box. Here roundings are below 16 u (R + e),
+/// and m is at most 128 u (R + e). Nodes subtract M = 256 u (R + e) + 16 u W from each g_k. A value
+/// that is subtracted from all g_k is subtracted from their norm, so nodes are below g - m by at
+/// least 100 u (R + e).
+///
+/// Nodes compare squares (gap_key()), whose roundings are 5 u of a square, 3 u of a distance of at
+/// most 2 (R + e). A triangle or an AABB has e = 0. Its R is the largest distance along an axis
+/// from an end of its box to the other end of the root's box. A solid in the tree has the box of
+/// its exact half size. That differs by 3 u of it from the e of the rule, and lies within R.
 namespace cde::reference {
 
 /// Margin over u.
@@ -41,7 +43,7 @@ template <typename S>
 [[nodiscard]] Vector<S> half_size(const BasicSphere<S>& sphere) {
   return Vector<S>::Constant(sphere.r);
 }
-/// |R| h: 9 mul, 6 add.
+/// Row sums |R| h: 9 mul, 6 add.
 template <typename S>
 [[nodiscard]] Vector<S> half_size(const BasicObb<S>& box) {
   Vector<S> size;
@@ -53,7 +55,7 @@ template <typename S>
   return size;
 }
 
-/// Triangles and AABBs are taken from end to end: their hull is their box.
+/// Triangles and AABBs have zero half size: their hull is their box.
 template <typename S>
 [[nodiscard]] Vector<S> half_size(const BasicTriangle<S>&) {
   return Vector<S>::Zero();
@@ -63,7 +65,7 @@ template <typename S>
   return Vector<S>::Zero();
 }
 
-/// Between which points a shape lies, from where half_size() goes on.
+/// The box of a shape's reference points; half_size() extends it.
 template <typename S>
 struct Hull {
   Vector<S> low, high;
@@ -91,8 +93,8 @@ template <typename S>
   return hull;
 }
 
-/// What gaps of axes say of the gap: its square where it is above zero, else itself. 3 mul, 2 add,
-/// 1 cmp, 5 max.
+/// Bound of the signed distance from axis distances: its square if it is above zero, else its
+/// value. 3 mul, 2 add, 1 cmp, 5 max.
 template <typename S>
 struct AxisGaps {
   Mask<S> apart;
@@ -106,7 +108,7 @@ template <typename S>
   return {zero < widest, dot<S>(way, way), widest};
 }
 
-/// Half the sizes of both: 3 add of two solids.
+/// Sum of both half sizes: 3 add for two solids.
 template <typename S, class A, class B>
 [[nodiscard]] Vector<S> half_sizes(const A& a, const B& b) {
   constexpr auto kHull = []<class Shape>(std::type_identity<Shape>) {
@@ -120,7 +122,7 @@ template <typename S, class A, class B>
     return half_size(a) + half_size(b);
 }
 
-/// g - m: 4 mul, 5 add, 10 sub, 1 sqrt, 1 cmp, 13 max, and what half_sizes() and hull_of() take.
+/// g - m: 4 mul, 5 add, 10 sub, 1 sqrt, 1 cmp, 13 max, plus half_sizes() and hull_of().
 template <typename S, class A, class B>
 [[nodiscard]] S gap_bound(const A& a, const B& b) {
   const Vector<S> half = half_sizes<S>(a, b);
@@ -136,7 +138,7 @@ template <typename S, class A, class B>
   return select(all.apart, square_root(all.square), all.widest) - margin;
 }
 
-/// A pipe's answer with a gap that is the bound where it is less: 1 cmp, 1 max.
+/// A pipe's result with its signed distance raised to the bound if it is below: 1 cmp, 1 max.
 template <typename S>
 [[nodiscard]] Outcome<S> at_least(const Outcome<S>& pipe, S bound) {
   Outcome<S> o = pipe;
@@ -145,7 +147,7 @@ template <typename S>
   return o;
 }
 
-/// What a pipe answers of a pair, by the rule.
+/// A pipe's result for a pair, with the rule applied.
 template <typename S, class A, class B>
 [[nodiscard]] Outcome<S> bounded(const Outcome<S>& pipe, const A& a, const B& b) {
   return pipe.bad ? pipe : at_least<S>(pipe, gap_bound<S>(a, b));

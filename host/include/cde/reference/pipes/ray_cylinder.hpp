@@ -7,10 +7,10 @@
 
 namespace cde::reference {
 
-/// The answer is that of exact arithmetic for a cylinder whose radius and half height differ by at
-/// most this many u (|o-c| + r + h). It is the sum of all roundings at their worst, to first order,
-/// for the nearer root from far away, with W = |o-c|, phi the angle of incidence across the axis
-/// and s = sin phi, c = cos phi, as a distance from the surface:
+/// Backward error bound: the result is exact for a cylinder whose radius and half height differ by
+/// at most this many u (|o-c| + r + h). It is the worst-case sum of all roundings, to first order,
+/// as a distance from the surface. The table is for the nearer root from far away, with W = |o-c|,
+/// phi the angle of incidence across the axis, s = sin phi and c = cos phi:
 ///
 ///     w                                     W
 ///     n, as a turn of the ray               (1.155 + 1) W, as |d x a| <= 1.155 |d| term by term
@@ -20,13 +20,12 @@ namespace cde::reference {
 ///     C i, the quotient, the sum in q       3 W c; i itself cancels from C i / q
 ///     e through g and its own sums          4 W s
 ///
-/// that is W (3.155 + 13.155 c + 4 s) <= 16.9 W; less for the farther root (15.0 W) and the caps
-/// (10 W). r and h have smaller factors, at most 7.7 and 6, which leaves room for an axis whose
-/// length is off by 2^-21, 8 u in fp32. Rays at random need about half of it, as roundings rarely
-/// agree (tests/numerics/ray_solids_test.cpp).
+/// The sum is W (3.155 + 13.155 c + 4 s) <= 16.9 W. It is less for the farther root (15.0 W) and
+/// the caps (10 W). Sizes r and h have smaller factors, at most 7.7 and 6. That leaves room for an
+/// axis whose length is off by 2^-21, 8 u in fp32.
 inline constexpr double kRayCylinderBand = 17;
 
-/// A stretch of the ray: lo <= t <= hi, if it is there at all.
+/// A stretch of the ray: lo <= t <= hi, if `there` is set.
 template <typename S>
 struct RayStretch {
   S lo, hi;
@@ -41,7 +40,8 @@ struct RayStretch {
 ///            exchanged if dz has the sign bit
 ///     2      flat = not |i| < inf; |wz| <= h                       2 cmp
 ///
-/// flat: dz is 0, or so small that its reciprocal overflows; then all of the ray or nothing of it.
+/// flat: dz is 0, or so small that its reciprocal overflows. Then either all of the ray is between
+/// the planes or none of it.
 template <typename S>
 [[nodiscard]] RayStretch<S> between_caps(S wz, S dz, S h, Mask<S>& flat) {
   const S inf = std::numeric_limits<S>::infinity();
@@ -53,14 +53,14 @@ template <typename S>
           !flat || magnitude(wz) <= h};
 }
 
-/// Ray against the surface of a solid cylinder with flat caps: T is the smallest t in [tmin, tmax]
-/// where the ray enters or leaves it. The solid is what lies between the caps' planes and within
-/// the infinite cylinder; the ray's stretches in both are intersected.
+/// Ray against the surface of a solid cylinder with flat caps. T is the smallest t in [tmin, tmax]
+/// at which the ray enters or leaves it. The solid lies between the planes of the caps and within
+/// the infinite cylinder. The ray's stretches in both are intersected.
 ///
-/// The lateral surface is A t^2 + 2 B t + C = 0 with n = d x a, m = w x a; its discriminant is
-/// r^2 A - e^2 with e = w.n, which is B^2 - AC by Lagrange's identity without its cancellation. e
-/// takes w without its part along the axis, g: when the ray nearly runs along the axis, n is small
-/// and its rounding error may lie along the axis, where w can be long.
+/// The lateral surface is A t^2 + 2 B t + C = 0 with n = d x a, m = w x a. Its discriminant is r^2
+/// A - e^2 with e = w.n. This equals B^2 - AC by Lagrange's identity, without its cancellation. e
+/// uses g, which is w without its part along the axis. If the ray runs nearly along the axis, n is
+/// small and its rounding error may lie along the axis, where w can be long.
 ///
 ///     1      w = o - c                                             3 sub
 ///     1-2    n = d x a                                             6 mul, 3 sub
@@ -89,13 +89,15 @@ template <typename S>
 ///     19-20  CP = o + t d                                          3 mul, 3 add
 ///     21     the outcome is selected
 ///
-/// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 cmp, 3 min/max and 21 clocks at one an operator. The
-/// equation is divided by A first, so that D, like t^2, is a ratio of products of two lengths; the
-/// ranges are the sphere's, and so is the reason for the minimum. A = 0, or so small that
-/// r^2 / A overflows: the ray runs along the axis, and the lateral surface bounds nothing if C <=
-/// 0, everything otherwise. (1 / A alone is not enough: (e/A)^2 overflows too then, and the
-/// difference of two infinities was a miss of what the ray goes through.) r is then 2^(bias/2)
-/// times |n|, so that |n| < u |d| if r is less than 2^38 |d| in fp32, LengthRange::ray_ratio.
+/// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 cmp, 3 min/max; 21 cycles with one cycle per operator.
+/// The equation is first divided by A, so that D, like t^2, is a ratio of products of two lengths.
+/// Ranges are those of the sphere, and so is the reason for the minimum.
+///
+/// If A = 0, or is so small that r^2 / A overflows, the ray runs along the axis. The lateral
+/// surface then bounds nothing if C <= 0, and everything otherwise. Testing 1 / A is not enough:
+/// (e/A)^2 then overflows as well, and the difference of two infinities would be a miss. In this
+/// case r is 2^(bias/2) times |n|, so |n| < u |d| if r is less than 2^38 |d| in fp32,
+/// LengthRange::ray_ratio.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_cylinder(const BasicRay<S>& ray, const BasicCylinder<S>& cylinder) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, cylinder, ray_cylinder<S, true>);

@@ -10,47 +10,47 @@
 
 /// A ray and the eight boxes of a node (cde/hierarchy/node.hpp).
 ///
-/// Of the box rule (ray_box.hpp) follows where a hit can be: its T, exactly as the pipe gives it,
-/// has o + T d within m' of the triangle's box on every axis, and
+/// The box rule (ray_box.hpp) bounds where a hit can be. For its T, exactly as the pipe returns it,
+/// o + T d is within m' of the triangle's box on every axis, and
 ///
 ///     m' < 192 u (R + m') (1 + 4 u) + 12 u W        u = 2^-24
 ///
-/// with R the largest distance along an axis from o to the root's box and W the largest
-/// |coordinate| of that. Boxes here are widened by M = 256 u R + 16 u W, so that without roundings
-/// T is in the interval of every box around the triangle, by 63 u R + 3 u W at least. Roundings
-/// take a quarter of it:
+/// Here R is the largest distance along an axis from o to the root's box, and W the largest
+/// |coordinate| of that box. The boxes are widened by M = 256 u R + 16 u W. Without roundings, T is
+/// in the interval of every box around the triangle by at least 63 u R + 3 u W. Roundings take a
+/// quarter of it:
 ///
 /// - o +- M is off by u (|o| + M), and |o| <= R + W.
 /// - A corner less that: by u 2 (R + M). Its product with the inverse: 2 u of as much. Byte times
-///   unit times inverse: 2 u of 2 R, and the sum of both u R. All in all less than 16 u R + u W.
-/// - A component of d below 2^-80 counts as that: T times it is below 2^-46 |T d|, as the largest
-///   component is 2^-34 at least.
+///   unit times inverse: 2 u of 2 R, and the sum of both u R. The total is less than 16 u R + u W.
+/// - A component of d below 2^-80 is replaced by that: T times it is below 2^-46 |T d|, as the
+///   largest component is at least 2^-34.
 ///
-/// So near <= T <= far holds as computed, for every hit in a box, and boxes that are left out as
-/// near is above the best T, or far below tmin, have none that counts. With lengths up to 2^40 all
-/// is finite and normal.
+/// So near <= T <= far holds as computed, for every hit in a box. A box is culled if near is above
+/// the best T, or far is below tmin; it then has no hit that counts. With lengths up to 2^40 all
+/// values are finite and normal.
 ///
-/// Of rays that meet spheres T is that of exact arithmetic for a sphere larger or smaller by 13 u
-/// (|o - c| + r) (ray_sphere.hpp), which is 36 u R at most: o + T d is that near the sphere, and so
-/// in its box. That is known where no square of T is beyond the normal numbers: rays with R not
-/// from 2^-42 to 2^37 times the largest component of d have an infinite M, and meet all boxes.
+/// For rays that hit spheres, T is exact for a sphere larger or smaller by 13 u (|o - c| + r)
+/// (ray_sphere.hpp), which is at most 36 u R. So o + T d is that near the sphere, and hence in its
+/// box. This holds if no square of T leaves the normal numbers. Rays for which R is not between
+/// 2^-42 and 2^37 times the largest component of d therefore have an infinite M, and hit all boxes.
 ///
-/// Two spheres have a gap of four roundings, 12 u (R + e) in all, without a rule: M has room for
-/// that, and for underflows, since no radius is below 2^-34.
+/// Two spheres have a signed distance with four roundings, 12 u (R + e) in all, without a rule. M
+/// has room for that, and for underflows, since no radius is below 2^-34.
 ///
-/// A solid takes the same way with 1 / d = 1 and the corners of its own box as o +- M, widened by M
-/// too: near and -far of an axis are gaps, and gap_key() of the larger ones is what the signed gap
-/// of all in the box is compared with (gap_bound.hpp).
+/// A solid is treated in the same way, with 1 / d = 1 and the corners of its own box, widened by M,
+/// as o +- M. Then near and -far of an axis are axis distances. The gap_key() of the larger ones is
+/// compared with the signed distance of everything in the box (gap_bound.hpp).
 namespace cde::reference {
 
-/// What a card knows of its hierarchy's root.
+/// What a card knows about the root of its BVH.
 template <typename S>
 struct RootBounds {
   Vector<S> lower, upper;  ///< its box
   S margin;                ///< 16 u W
 };
 
-/// Exact.
+/// Computed exactly.
 template <typename S>
 [[nodiscard]] RootBounds<S> root_bounds(const Vector<S>& lower, const Vector<S>& upper) {
   S most(0);
@@ -59,15 +59,15 @@ template <typename S>
   return {lower, upper, most * S(0x1p-20)};
 }
 
-/// A ray as nodes see it.
+/// A ray as nodes use it.
 template <typename S>
 struct RayFront {
   Vector<S> above, below;  ///< o + M, o - M
   Vector<S> inverse;       ///< 1 / d
-  Mask<S> negative[3];     ///< signs of d, also of zeros
+  Mask<S> negative[3];     ///< signs of d, also for zeros
 };
 
-/// How far the root's box reaches from a point or a box, along an axis: 6 sub, 5 max.
+/// Largest distance along an axis from a point or a box to the root's box: 6 sub, 5 max.
 template <typename S>
 [[nodiscard]] S reach(const Hull<S>& of, const RootBounds<S>& root) {
   Vector<S> far;
@@ -76,8 +76,7 @@ template <typename S>
   return max_num(max_num(far.x(), far.y()), far.z());
 }
 
-/// Once a ray: 1 mul, 3 div, 4 add, 9 sub, 8 min/max; where it is to meet spheres 2 mul, 2 cmp, 2
-/// max more.
+/// Once per ray: 1 mul, 3 div, 4 add, 9 sub, 8 min/max. For spheres 2 mul, 2 cmp, 2 max more.
 template <typename S>
 [[nodiscard]] RayFront<S> ray_front(const Vector<S>& o, const Vector<S>& d,
                                     const RootBounds<S>& root, Shape leaf = Shape::kTriangle) {
@@ -99,7 +98,7 @@ template <typename S>
   return front;
 }
 
-/// Once a solid, or a triangle: 1 mul, 8 add, 12 sub, 7 max, half_size() and hull_of().
+/// Once per solid or triangle: 1 mul, 8 add, 12 sub, 7 max, plus half_size() and hull_of().
 template <typename S, class Solid>
 [[nodiscard]] RayFront<S> solid_front(const Solid& solid, const RootBounds<S>& root) {
   const Vector<S> half = half_size(solid);
@@ -116,13 +115,13 @@ template <typename S, class Solid>
   return front;
 }
 
-/// A ray and a node's planes of byte 0, and how much a byte is.
+/// Planes of a node at byte 0, for a ray, and the size of a byte.
 template <typename S>
 struct NodeFront {
   Vector<S> near, far, unit;
 };
 
-/// Once a node: 6 sub, 6 mul; units are wires.
+/// Once per node: 6 sub, 6 mul; units are wires.
 template <typename S>
 [[nodiscard]] NodeFront<S> node_front(const RayFront<S>& ray, const hierarchy::Node& node) {
   NodeFront<S> front;
@@ -136,7 +135,7 @@ template <typename S>
   return front;
 }
 
-/// Where a ray is in a box, in T.
+/// Interval of T in which a ray is in a box.
 template <typename S>
 struct Stretch {
   S near, far;
@@ -147,7 +146,7 @@ template <typename S>
 struct AxisStretch {
   Vector<S> near, far;
 };
-/// Of one child: 6 mul, 6 add.
+/// For one child: 6 mul, 6 add.
 template <typename S>
 [[nodiscard]] AxisStretch<S> axis_stretch(const NodeFront<S>& front, const RayFront<S>& ray,
                                           const hierarchy::Node& node, unsigned child) {
@@ -161,14 +160,14 @@ template <typename S>
   return axes;
 }
 
-/// 4 min/max.
+/// Intersection of the three axes: 4 min/max.
 template <typename S>
 [[nodiscard]] Stretch<S> stretch(const AxisStretch<S>& axes) {
   return {max_num(max_num(axes.near[0], axes.near[1]), axes.near[2]),
           min_num(min_num(axes.far[0], axes.far[1]), axes.far[2])};
 }
 
-/// What a box is left out by, of a solid: 3 mul, 2 add, 1 cmp, 8 max.
+/// Key for culling a box, for a solid: 3 mul, 2 add, 1 cmp, 8 max.
 template <typename S>
 [[nodiscard]] S gap_key(const AxisStretch<S>& axes) {
   Vector<S> gap;
@@ -176,7 +175,7 @@ template <typename S>
   const AxisGaps<S> all = axis_gaps<S>(gap);
   return select(all.apart, all.square, all.widest);
 }
-/// The same of a gap that was found, whether the two meet or not. 1 mul.
+/// The same key for a signed distance that was found, hit or not. 1 mul.
 template <typename S>
 [[nodiscard]] S gap_key(const Mask<S>& meets, S gap) {
   return select(meets, gap, gap * gap);

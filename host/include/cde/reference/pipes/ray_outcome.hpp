@@ -4,7 +4,7 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
-/// What the ray pipes have in common: the interval test, the hit point and the outcome.
+/// Common parts of the ray pipes: the interval test, the hit point and the outcome.
 namespace cde::reference {
 
 /// tmin <= t <= tmax; false for a NaN. 2 cmp.
@@ -19,8 +19,8 @@ template <typename S>
   return add<S>(ray.o, scale<S>(ray.d, t));
 }
 
-/// Wires: T and CP of a hit, the constants of a miss otherwise. A hit has a finite T and CP, else
-/// it is a miss: what lies too far away for the format is not met. T of a hit is never -0.
+/// Wires: T and CP of a hit, otherwise the constants of a miss. A hit must have a finite T and CP;
+/// a hit too far away for the format is a miss. T of a hit is never -0.
 template <typename S>
 [[nodiscard]] Outcome<S> ray_outcome(const Mask<S>& meets, S t, const Vector<S>& cp) {
   Outcome<S> r;

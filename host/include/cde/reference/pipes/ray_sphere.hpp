@@ -5,10 +5,10 @@
 
 namespace cde::reference {
 
-/// The answer is that of exact arithmetic for a sphere whose radius differs by at most this many
-/// u (|o-c| + r). It is the sum of all roundings at their worst, to first order, for the nearer
-/// root from far away, with W = |o-c|, phi the angle of incidence and s = sin phi, c = cos phi, as
-/// a distance from the surface:
+/// Backward error bound: the result is exact for a sphere whose radius differs by at most this many
+/// u (|o-c| + r). It is the worst-case sum of all roundings, to first order, as a distance from the
+/// surface. The table is for the nearer root from far away, with W = |o-c|, phi the angle of
+/// incidence, s = sin phi and c = cos phi:
 ///
 ///     f                                     W
 ///     b (three products, two sums), b i     (3 + 1) W c
@@ -16,17 +16,17 @@ namespace cde::reference {
 ///     cc i, the quotient, the sum in tb     3 W c; i itself cancels from cc i / tb
 ///     l, by k d, into D                     W s
 ///
-/// that is W (1 + 11 c + s) <= 12.1 W; less for the farther root (10.1 W). r has the smaller factor
-/// of 5.5. Rays at random need about half of it, as roundings rarely agree
-/// (tests/numerics/ray_solids_test.cpp).
+/// The sum is W (1 + 11 c + s) <= 12.1 W; it is less for the farther root (10.1 W). r has the
+/// smaller factor of 5.5.
 inline constexpr double kRaySphereBand = 13;
 
-/// Ray against the surface of a sphere: T is the smallest root of |o + t d - c| = r in
-/// [tmin, tmax], so that a ray which starts inside reports where it leaves.
+/// Ray against the surface of a sphere. T is the smallest root of |o + t d - c| = r in [tmin,
+/// tmax], so a ray that starts inside reports its exit.
 ///
 /// The discriminant is r^2 - |l|^2 with l the vector from the centre to the nearest point of the
-/// ray's line, after Haines et al., "Precision Improvements for Ray/Sphere Intersection", Ray
-/// Tracing Gems 2019: b^2 - ac loses all its digits when the ray starts many radii away.
+/// ray's line. Source: Haines et al., "Precision Improvements for Ray/Sphere Intersection", Ray
+/// Tracing Gems 2019. By contrast b^2 - ac would lose all its digits if the ray starts many radii
+/// away.
 ///
 ///     1      f = o - c                                             3 sub
 ///     1-3    a = d.d                                               3 mul, 2 add
@@ -50,12 +50,11 @@ inline constexpr double kRaySphereBand = 13;
 ///     18-19  CP = o + t d                                          3 mul, 3 add
 ///     20     the outcome is selected
 ///
-/// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp, 1 min/max and 20 clocks at one an operator. tb is
-/// the root further from the origin, ta the nearer one, so that |ta| <= |tb|. Of a tangent that
-/// starts at the surface both ci and tb are nothing but rounding, and their quotient may be
-/// anything; the minimum keeps it where tb is. Nothing but products of two lengths, ratios of
-/// those, and squares of t occur: |d|, |o-c| and r and their ratios may be anything whose square is
-/// a normal number.
+/// 22 mul, 2 div, 1 sqrt, 15 add, 5 sub, 5 cmp, 1 min/max; 20 cycles with one cycle per operator.
+/// The root farther from the origin is tb, the nearer one ta, so |ta| <= |tb|. For a tangent that
+/// starts at the surface both ci and tb are only rounding error, and their quotient is arbitrary.
+/// The minimum bounds it by tb. Only products of two lengths, ratios of those, and squares of t
+/// occur. So |d|, |o-c|, r and their ratios may be anything whose square is a normal number.
 template <typename S, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_sphere(const BasicRay<S>& ray, const BasicSphere<S>& sphere) {
   if constexpr (!AtSizeOne) return at_size_one<S>(ray, sphere, ray_sphere<S, true>);

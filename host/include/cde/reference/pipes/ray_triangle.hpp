@@ -7,21 +7,21 @@
 #include "cde/support/error.hpp"
 
 /// Ray against triangle, two-sided, by four algorithms. The three barycentric coordinates are
-/// compared unscaled, without a division: each has the sign of the determinant moved onto it and
-/// must not be negative then. A NaN fails every comparison, so it is a miss.
+/// compared unscaled, without division. The sign of the determinant is moved onto each, and none
+/// may then be negative. A NaN fails every comparison, so it is a miss.
 ///
 /// With Box a hit must also lie in the triangle's box (ray_box.hpp), and a triangle without area is
-/// missed whatever the roundings. Without it a ray in the plane of a triangle, or as near to it as
-/// rounding, may hit anywhere in that plane. The operators of the box, beside those stated here,
-/// are in ray_box.hpp.
+/// never hit. Without Box a ray in the plane of a triangle, or within rounding of it, may hit
+/// anywhere in that plane. The operators of the box rule, stated in ray_box.hpp, add to those
+/// stated here.
 ///
 /// u is the unit roundoff, E1 = V1-V0, E2 = V2-V0, N = E1 x E2 the normal, cos = |N.D| / (|N| |D|),
-/// L the largest |coordinate| of o and the vertices. Each algorithm decides right whenever the ray
-/// meets the triangle's plane further from all three edge lines than its band; the bands are those
-/// that tests/numerics/ray_pairs_test.cpp holds against exact arithmetic.
+/// L the largest |coordinate| of o and the vertices. Each algorithm decides correctly if the ray
+/// hits the triangle's plane farther from all three edge lines than its band. The bands are checked
+/// against exact arithmetic by tests/numerics/ray_pairs_test.cpp.
 namespace cde::reference {
 
-/// With Box: whether p = o + t d is in the triangle's box.
+/// Whether p = o + t d is in the triangle's box; always true without Box.
 template <bool Box, typename S>
 [[nodiscard]] Mask<S> follows_rule(const BasicTriangle<S>& triangle, const Vector<S>& td,
                                    const Vector<S>& p) {
@@ -29,9 +29,9 @@ template <bool Box, typename S>
   return Mask<S>(true);
 }
 
-/// After Möller and Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997, as in
-/// rtl/pipes/ray_triangle_moller.sv: 27 mul, 1 div, 12 add, 15 sub, 8 cmp. 10 clocks at one an
-/// operator.
+/// Möller and Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997. RTL:
+/// rtl/pipes/ray_triangle_moller.sv.
+/// 27 mul, 1 div, 12 add, 15 sub, 8 cmp; 10 cycles with one cycle per operator.
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_moller(const BasicRay<S>& ray,
                                              const BasicTriangle<S>& triangle) {
@@ -51,7 +51,7 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
                         cp);
 }
 
-/// The same, from vectors.
+/// The same with the operands as vectors.
 template <typename S>
 [[nodiscard]] Outcome<S> ray_triangle_moller(const Vector<S>& o, const Vector<S>& d, S tmin, S tmax,
                                              const Vector<S>& v0, const Vector<S>& v1,
@@ -59,13 +59,13 @@ template <typename S>
   return ray_triangle_moller<S>(BasicRay<S>{o, d, tmin, tmax}, BasicTriangle<S>{v0, v1, v2});
 }
 
-/// Which component of a vector is largest by magnitude (ties: the lowest index), as two masks, and
-/// the components in cyclic order from it. The choices are wires.
+/// The component of a vector that is largest by magnitude (ties: the lowest index), as two masks,
+/// and the components in cyclic order from it. Selections are wires.
 template <typename S>
 struct DominantAxis {
   Mask<S> y_over_x, z_over_both;
 
-  /// 2 cmp, one after the other.
+  /// 2 cmp in sequence.
   explicit DominantAxis(const Vector<S>& v)
       : y_over_x(magnitude(v.x()) < magnitude(v.y())),
         z_over_both(select(y_over_x, magnitude(v.y()), magnitude(v.x())) < magnitude(v.z())) {}
@@ -78,7 +78,7 @@ struct DominantAxis {
   [[nodiscard]] S after_next(const Vector<S>& v) const { return pick(v.z(), v.x(), v.y()); }
 };
 
-/// No coordinate has the other sign than det, and det is not 0. 4 cmp.
+/// Whether no coordinate has the opposite sign of det, and det is not 0. 4 cmp.
 template <typename S>
 [[nodiscard]] Mask<S> same_side(S det, S u, S v, S w) {
   const S zero(0);
@@ -86,16 +86,17 @@ template <typename S>
          zero < magnitude(det);
 }
 
-/// Badouel and Pluecker work with positions in the world, so that their error grows with the
-/// distance of the scene from the world's origin; Moeller and watertight work from the ray's
-/// origin.
+/// Badouel and Pluecker compute with world positions, so their error grows with the distance of the
+/// scene from the world's origin. Moeller and watertight compute relative to the ray's origin.
 ///
-/// Band of Badouel, in u (L + slim / 4) / cos, and bound of T |D|, in u (L + slim) / cos; slim is
-/// |E1| |E2| (|E1| + |E2|) / |N|, some edge lengths for a plain triangle and more for a needle.
+/// Band of Badouel, in u (L + slim / 4) / cos, and bound of T |D|, in u (L + slim) / cos. Here slim
+/// is |E1| |E2| (|E1| + |E2|) / |N|: some edge lengths for a regular triangle and more for a
+/// needle.
 inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 
-/// After Badouel, "An Efficient Ray-Polygon Intersection", Graphics Gems 1990, in the paper's
-/// equations (1) and (2): the plane first, then two coordinates in the plane's dominant projection.
+/// Badouel, "An Efficient Ray-Polygon Intersection", Graphics Gems 1990, in the paper's equations
+/// (1) and (2). First the plane is intersected, then two coordinates in the plane's dominant
+/// projection are tested.
 ///
 ///     1      E1 = V1-V0, E2 = V2-V0                                6 sub
 ///     2-3    N = E1 x E2                                           6 mul, 3 sub
@@ -111,10 +112,10 @@ inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 ///     15     0 <= alpha, 0 <= beta, alpha + beta <= |N_k|          3 cmp
 ///     16     the outcome is selected
 ///
-/// 22 mul, 1 div, 10 add, 14 sub, 8 cmp and 16 clocks at one an operator. The paper's Table 2 has
-/// 27 mul, 2 div, 13 add, 23 sub, 6 cmp, Table 1 the same 16 clocks. Alpha and beta are compared
-/// with N_k instead of being divided by it, which spares the second divider and rounds less; the
-/// paper does not say what its other operators do. Two comparators more are the interval's.
+/// 22 mul, 1 div, 10 add, 14 sub, 8 cmp; 16 cycles with one cycle per operator. The paper's Table 2
+/// has 27 mul, 2 div, 13 add, 23 sub, 6 cmp, and Table 1 the same 16 cycles. Here alpha and beta
+/// are compared with N_k instead of divided by it. That saves the second divider and rounds less.
+/// The paper does not explain its other operators. Two comparators more are those of the interval.
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_badouel(const BasicRay<S>& ray,
                                               const BasicTriangle<S>& triangle) {
@@ -141,8 +142,8 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
 /// lengths) / |N|.
 inline constexpr double kPlueckerBand = 8, kPlueckerDepth = 8;
 
-/// By Pluecker coordinates, the paper's equations (4) to (6): a line through x along l is
-/// {l : l x x}, and the inner product of two lines tells on which side they pass each other.
+/// Pluecker coordinates, the paper's equations (4) to (6). A line through x along l is {l : l x x}.
+/// The inner product of two lines tells on which side they pass each other.
 ///
 ///     1      p01 = V1-V0, p12 = V2-V1, p20 = V0-V2, s = O-V0       12 sub
 ///     1-2    qr = D x O                                            6 mul, 3 sub
@@ -157,13 +158,13 @@ inline constexpr double kPlueckerBand = 8, kPlueckerDepth = 8;
 ///     11-12  CP = O + t D                                          3 mul, 3 add
 ///     13     the outcome is selected
 ///
-/// 54 mul, 1 div, 22 add, 27 sub, 6 cmp and 13 clocks at one an operator. The paper's Table 2 has
-/// 54 mul, 1 div, 31 add, 17 sub, 3 cmp, that is 48 additions and subtractions against 49, and does
-/// not count the interval and det = 0; Table 1 has 17 clocks. Moments relative to the world's
-/// origin make this the least accurate of the four.
+/// 54 mul, 1 div, 22 add, 27 sub, 6 cmp; 13 cycles with one cycle per operator. The paper's Table 2
+/// has 54 mul, 1 div, 31 add, 17 sub, 3 cmp: 48 additions and subtractions instead of 49, without
+/// the interval and det = 0. Table 1 has 17 cycles. Moments relative to the world's origin make
+/// this the least accurate of the four.
 ///
-/// With Box t = -(N.s) / (N.D): W is -(N.D) but for what its three products lose to each other, so
-/// much far from a small triangle that the point would not be in its box. 3 mul, 2 add more.
+/// With Box t = -(N.s) / (N.D). W equals -(N.D) except for cancellation among its three products.
+/// Far from a small triangle that would move the point out of its box. 3 mul, 2 add more.
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_pluecker(const BasicRay<S>& ray,
                                                const BasicTriangle<S>& triangle) {
@@ -186,15 +187,14 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
                         cp);
 }
 
-/// Band of watertight, in u max|v-o| / cos, and bound of T |D|, in that times 1 + (longest
-/// edge)^2 / |N|: F stays sharp on needles, T does not.
+/// Band of watertight, in u max|v-o| / cos, and bound of T |D|, in that times 1 + (longest edge)^2
+/// / |N|. F stays sharp on needles, T does not.
 inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 
-/// After Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2013, for fp32: the
-/// space is sheared so that the ray runs along its dominant axis, and the edge functions are
-/// evaluated in the plane across it. Exchanging two vertices flips the sign of an edge function and
-/// nothing else, so both triangles at an edge take the same side of it. Never with an FMA in U, V,
-/// W.
+/// Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2013, for fp32. Space is
+/// sheared so that the ray runs along its dominant axis, and the edge functions are evaluated in
+/// the plane across it. Exchanging two vertices only flips the sign of an edge function, so both
+/// triangles at an edge see the ray on the same side. U, V and W must never use an FMA.
 ///
 ///     1      A = V0-O, B = V1-O, C = V2-O                          9 sub
 ///     1-2    kz = argmax |D|, kx = kz+1, ky = kz+2 (cyclic)        2 cmp
@@ -213,14 +213,15 @@ inline constexpr double kWatertightBand = 2, kWatertightDepth = 8;
 ///     16     CP = O + that                                         3 add
 ///     17     the outcome is selected
 ///
-/// 30 mul, 3 div, 13 add, 18 sub, 8 cmp and 17 clocks at one an operator. The first four steps need
-/// the ray alone. Sz, which the original multiplies A_kz, B_kz and C_kz by, comes last, so that
-/// nothing but lengths is multiplied before and no product overflows where no other pair's does.
-/// det = 0 is a miss; without Box rounding may make a hit of a triangle seen edge-on or without
-/// area. The exchange of kx and ky for D_kz < 0 in the original turns the winding, which a
-/// two-sided test does not look at; it is left out. With Box the point of the rule is o + t D, 3
-/// mul and 3 add more. 1 / D_kz and 1 / det must not overflow: |D| and the triangle's projected
-/// area above 2^-126.
+/// 30 mul, 3 div, 13 add, 18 sub, 8 cmp; 17 cycles with one cycle per operator. The first four
+/// steps need only the ray. The original multiplies A_kz, B_kz and C_kz by Sz. Here Sz is applied
+/// last, so only lengths are multiplied before it, and no product overflows where no other pair's
+/// does. det = 0 is a miss. Without Box, rounding may report a hit for a triangle that is seen
+/// edge-on or has no area.
+///
+/// The original exchanges kx and ky for D_kz < 0 to reverse the winding. A two-sided test does not
+/// need that. With Box the point of the rule is o + t D: 3 mul and 3 add more. Neither 1 / D_kz nor
+/// 1 / det may overflow: |D| and the triangle's projected area must be above 2^-126.
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_watertight(const BasicRay<S>& ray,
                                                  const BasicTriangle<S>& triangle) {
@@ -255,8 +256,8 @@ template <typename S, bool Box = false, bool AtSizeOne = false>
   return ray_outcome<S>(met, t, add<S>(ray.o, hit));
 }
 
-/// Calls use(test), where test(ray, triangle) is the algorithm's reference, with the box rule or
-/// without. Every test has a type of its own, so that a loop over it can have it inlined.
+/// Calls use(test), where test(ray, triangle) is the algorithm's reference, with or without the box
+/// rule. Every test has its own type, so a loop over it can inline it.
 template <class S, class Use>
 auto with_ray_triangle(Algorithm algorithm, bool box, Use use) {
 // NOLINTNEXTLINE(bugprone-macro-parentheses): a template's name
@@ -284,7 +285,7 @@ auto with_ray_triangle(Algorithm algorithm, bool box, Use use) {
 template <class S>
 using RayTriangleTest = Outcome<S> (*)(const BasicRay<S>&, const BasicTriangle<S>&);
 
-/// The same as a function.
+/// The same as a function pointer.
 template <class S>
 [[nodiscard]] RayTriangleTest<S> ray_triangle_test(Algorithm algorithm, bool box) {
   return with_ray_triangle<S>(algorithm, box, [](auto test) -> RayTriangleTest<S> { return test; });

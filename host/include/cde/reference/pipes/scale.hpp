@@ -8,15 +8,15 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/geometry/primitives.hpp"
 
-/// A pair brought to the size of one by an exact power of two, and its answer brought back
-/// (rtl/pipes/length_scale.sv, length_unscale.sv): where a pipe multiplies four lengths, the range
-/// of its operands would be a quarter of the format's otherwise. k is the largest exponent of all
-/// lengths of both operands; every length is multiplied by 2^-k, T and CP by 2^k. In hardware the
-/// largest exponent is comparators, a multiplication an addition to the exponent.
+/// Scales a pair to about 1 by an exact power of two, and its result back
+/// (rtl/pipes/length_scale.sv, length_unscale.sv). Where a pipe multiplies four lengths, the range
+/// of its operands would otherwise be a quarter of the format's. k is the largest exponent of all
+/// lengths of both operands. Every length is multiplied by 2^-k, and T and CP by 2^k. In hardware
+/// the largest exponent takes comparators, and a multiplication is an addition to the exponent.
 namespace cde::reference {
 
-/// Whether a pair's operands are scaled, pairs_pkg::scaled: those of pairs that multiply four
-/// lengths, and of all pairs in formats of fewer than 8 exponent bits.
+/// Whether a pair's operands are scaled (pairs_pkg::scaled): pairs that multiply four lengths, and
+/// all pairs in formats of fewer than 8 exponent bits.
 [[nodiscard]] constexpr bool is_scaled(Shape a, Shape b, int exponent_bits) {
   return exponent_bits < 8 || (a != Shape::kRay && a != Shape::kSphere && b != Shape::kPlane);
 }
@@ -36,16 +36,16 @@ inline constexpr int kBias = std::numeric_limits<S>::max_exponent - 1;
 
 }  // namespace scaling
 
-/// Wire: the exponent of a word as it stands there, 0 for zeros and subnormals.
+/// Wire: the stored exponent of a word; 0 for zeros and subnormals.
 template <typename S>
 [[nodiscard]] constexpr int stored_exponent(S x) {
   const auto bits = std::bit_cast<scaling::Bits<S>>(x);
   return static_cast<int>(bits >> scaling::kFraction<S>) & (2 * scaling::kBias<S> + 1);
 }
 
-/// x 2^k, exactly; what would be below the smallest normal number, and what is, becomes a zero of
-/// the same sign. With `keep` a normal number becomes the smallest normal number of its sign
-/// instead. x 2^k must not overflow. One addition to the exponent.
+/// x 2^k, exactly. An x or result below the smallest normal number becomes a zero of the same sign.
+/// With `keep` a normal x becomes the smallest normal number of its sign instead. x 2^k must not
+/// overflow. One addition to the exponent.
 template <typename S>
 [[nodiscard]] constexpr S times_power_of_two(S x, int k, bool keep = false) {
   using Bits = scaling::Bits<S>;
@@ -64,7 +64,7 @@ template <typename S>
 
 namespace scaling {
 
-/// What word `word` of a primitive's slot is, pairs_pkg::word_kind.
+/// Kind of word `word` of a primitive's slot (pairs_pkg::word_kind).
 template <class P>
 [[nodiscard]] constexpr WordKind kind(std::size_t word) {
   return contract::word_kind(kShapeOf<P>, word);
@@ -76,7 +76,7 @@ template <class P>
   return kind == WordKind::kDirection;
 }
 
-/// The largest stored exponent of a primitive's words of some kinds, and `least`.
+/// The largest stored exponent of a primitive's words of some kinds, but at least `least`.
 template <class P>
 [[nodiscard]] int largest_exponent(const P& primitive, bool (*of)(WordKind), int least) {
   std::size_t k = 0;
@@ -86,7 +86,7 @@ template <class P>
   return least;
 }
 
-/// Lengths multiplied by 2^by, d by 2^direction, tmin and tmax by `interval`.
+/// Multiplies lengths by 2^by, d by 2^direction, and tmin and tmax by `interval`.
 template <class P>
 [[nodiscard]] P scaled(P primitive, int by, int direction, typename P::Scalar interval) {
   std::size_t k = 0;
@@ -101,10 +101,10 @@ template <class P>
 
 }  // namespace scaling
 
-/// The answer of a pipe, test(a, b), to a pair of any size within the contract. tmin and tmax of a
-/// ray, and its T on the way out, are rounded once where they leave the format's normal range:
-/// 3 mul. A ray whose T or CP overflows misses. Solids touch, F = 1, where T at size one is below
-/// the normal numbers, and no other T becomes zero: F and T agree.
+/// The result of a pipe, test(a, b), for a pair of any size within the contract. A ray's tmin, tmax
+/// and resulting T are rounded once if they leave the format's normal range: 3 mul. A ray whose T
+/// or CP overflows misses. Solids touch, F = 1, if T at size one is below the normal numbers. No
+/// other T becomes zero, so F and T agree.
 template <typename S, class A, class B, class Test>
 [[nodiscard]] Outcome<S> scaled_answer(const A& a, const B& b, Test test) {
   if constexpr (!kScaled<A, B>) {
@@ -131,7 +131,7 @@ template <typename S, class A, class B, class Test>
   }
 }
 
-/// The same behind the check of the contract: that of bad input to what is not within it.
+/// The same after the check of the contract: bad input gives bad_outcome().
 template <typename S, class A, class B, class Test>
 [[nodiscard]] Outcome<S> at_size_one(const A& a, const B& b, Test test) {
   if (bad(a) || bad(b)) return bad_outcome<S>();

@@ -7,10 +7,10 @@
 #include "cde/geometry/transform.hpp"
 #include "cde/reference/pipes/convex/frame.hpp"
 
-/// What the card's transformer (rtl/transform/transformer.sv) makes of a primitive. Points are
-/// R p + t, directions R d without a sum (-0 stays); intervals, radii and extents pass as they are.
-/// The result is what the input contract (check.hpp) is held against: it can overflow, and the
-/// corners of a box can fall together when it goes far.
+/// Results of the card's transformer (rtl/transform/transformer.sv). Points become R p + t,
+/// directions R d without a sum (-0 stays). Intervals, radii and extents are unchanged. The input
+/// contract (check.hpp) is checked on the result: it can overflow, and the corners of a distant box
+/// can coincide.
 namespace cde::reference {
 
 /// R p + t: 9 mul 9 add.
@@ -19,7 +19,7 @@ template <typename S>
   return add<S>(convex::to_world<S>(m.rotation, p), m.translation);
 }
 
-/// Field by field: points, directions and unit vectors, the columns of a rotation.
+/// Transforms field by field: points, directions, unit vectors, and the columns of a rotation.
 template <typename P>
 [[nodiscard]] P transformed(const BasicTransform<typename P::Scalar>& m, P x) {
   using S = typename P::Scalar;
@@ -48,7 +48,8 @@ template <typename S>
   return {add<S>(x.min, m.translation), add<S>(x.max, m.translation)};
 }
 
-/// In a number format no wider than fp32: its nearest words are moved in its arithmetic.
+/// Transforms in a number format no wider than fp32: words are rounded to it and moved in its
+/// arithmetic.
 template <class P>
 [[nodiscard]] P transformed_in(FpFormat format, const Transform& m, const P& x) {
   if (format == FpFormat{}) return transformed(m, x);
@@ -59,15 +60,15 @@ template <class P>
   return moved;
 }
 
-/// Primitives as a pass meets them, and where each of them lies.
+/// Primitives as a pass tests them, and the slot of each.
 template <typename P>
 struct Swept {
   std::vector<P> shapes;
   std::vector<std::uint32_t> slots;
 };
 
-/// Secondaries in the order of a sweep: the range of each object in turn, transformed; without
-/// objects all of them as they are. Ranges must lie within `shapes`, a span, vector or
+/// Secondaries in the order of a brute-force pass: the range of each object in turn, transformed;
+/// without objects all of them unmoved. Ranges must lie within `shapes`, a span, vector or
 /// TriangleView.
 template <typename Shapes>
 [[nodiscard]] auto swept(const Shapes& shapes, std::span<const Object> objects,
@@ -86,8 +87,8 @@ template <typename Shapes>
   return all;
 }
 
-/// Primaries as they lie in the register file after posing: those in no object as they are, those
-/// in several as the last of these has them.
+/// Primaries in the register file after posing. Those in no object are unmoved; if several objects
+/// have a primary, the last one counts.
 template <typename P>
 [[nodiscard]] std::vector<P> posed(std::span<const P> shapes, std::span<const Object> objects,
                                    FpFormat format = {}) {

@@ -10,25 +10,25 @@
 #include "cde/reference/pipes/convex/frame.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
-/// Certain hit, certain miss, uncertain (docs/background/certified_filters.md). A pipe of a narrow
-/// format proposes a normal and a point; what decides is a short sum in the wide format, whose
-/// rounding is bounded without knowing anything of the pipe: a plane that separates the bodies is a
-/// proof of a miss, a point inside both a proof of a hit, wherever they come from. rtl/verdict/ has
-/// the proof of a miss (BoardConfig::verdicts).
+/// The certified filter: certain hit, certain miss, or uncertain
+/// (docs/background/certified_filters.md). A pipe of a narrow format proposes a normal and a point.
+/// A short sum in the wide format decides; its rounding is bounded without any knowledge of the
+/// pipe. A plane that separates the bodies proves a miss, and a point inside both proves a hit,
+/// whatever proposed them. `rtl/verdict/` implements the proof of a miss (`BoardConfig::verdicts`).
 namespace cde::reference::verdict {
 
 enum class Certain : std::uint8_t { kNeither, kMiss, kHit };
 
-/// Rounding of a gap, and of how deep a point is inside a body, as a share of S: the sums below
-/// have at most 9.2 u S and 30 u S, and axes of length one and at right angles may be off by
-/// kUnitTolerance = 16 u each.
+/// Rounding bounds of the signed distance along a normal, and of the depth of a point inside a
+/// body, as a share of S. The sums below have at most 9.2 u S and 30 u S. Axes may deviate from
+/// unit length and right angles by kUnitTolerance = 16 u each.
 template <typename S>
 inline constexpr double kGap = 2 * kUnitTolerance<S>;
 template <typename S>
 inline constexpr double kDepth = 4 * kUnitTolerance<S>;
 
-/// A shape by itself: the point that the rest is relative to, its centre or a corner, and of a
-/// triangle and an AABB the corners relative to that, in their words' places.
+/// A shape relative to its origin, which is its centre or a corner. Corners of a triangle or AABB
+/// are stored relative to the origin, in the places of their words.
 template <class P>
 struct Body {
   using S = typename P::Scalar;
@@ -55,7 +55,8 @@ S sum_of_sizes(const Vector<S>& v) {
   return (magnitude(v.x()) + magnitude(v.y())) + magnitude(v.z());
 }
 
-/// A bound of |x - origin| over the body: its part of S. All that follow take a Body's shape.
+/// A bound of |x - origin| over the body: its part of S. The functions below take the shape of a
+/// Body.
 template <typename S>
 S reach(const BasicSphere<S>& x) {
   return x.r;
@@ -102,7 +103,7 @@ S support(const BasicAabb<S>& x, const Vector<S>& n, S) {
   return dot<S>(x.max, Vector<S>(max_num(n.x(), S(0)), max_num(n.y(), S(0)), max_num(n.z(), S(0))));
 }
 
-/// p, relative to the origin, is inside by `margin` or more.
+/// Whether p, relative to the origin, is inside by `margin` or more.
 template <typename S>
 Mask<S> inside(const BasicSphere<S>& x, const Vector<S>& p, S margin) {
   const S r = x.r - margin;
@@ -127,8 +128,8 @@ Mask<S> inside(const BasicAabb<S>& x, const Vector<S>& p, S margin) {
   return within(p.x(), x.max.x()) && within(p.y(), x.max.y()) && within(p.z(), x.max.z());
 }
 
-/// What a narrow pipe claims of a pair, in the wide format and relative to A's origin. A triangle
-/// has no inside; its point is v0 + weight[0] (v1 - v0) + weight[1] (v2 - v0), which is on it.
+/// Claim of a narrow pipe about a pair, in the wide format and relative to A's origin. A triangle
+/// has no inside; its point v0 + weight[0] (v1 - v0) + weight[1] (v2 - v0) lies on it.
 template <typename S>
 struct Proposal {
   Vector<S> n = Vector<S>::Zero();
@@ -148,7 +149,7 @@ S gap_along(const Body<A>& a, const Body<B>& b, const Vector<S>& n, S nn) {
          (support(a.shape, n, nn) + support(b.shape, Vector<S>(-n), nn));
 }
 
-/// Proof that the point proposed is in both.
+/// Proof that the proposed point is in both bodies.
 template <class A, class B, typename S = typename A::Scalar>
 Mask<S> both_have(const Body<A>& a, const Body<B>& b, const Proposal<S>& claim, S margin) {
   const Vector<S> between = sub<S>(b.origin, a.origin);
@@ -162,17 +163,18 @@ Mask<S> both_have(const Body<A>& a, const Body<B>& b, const Proposal<S>& claim, 
   }
 }
 
-/// Proof that the plane with normal n separates them, `size` theirs: rtl/verdict/verdict_proof.sv.
+/// Proof that the plane with normal n separates the bodies; `size` is S of the pair. RTL:
+/// `rtl/verdict/verdict_proof.sv`.
 template <class A, class B, typename S = typename A::Scalar>
 Mask<S> separates(const Body<A>& a, const Body<B>& b, const Vector<S>& n, S size) {
   const S nn = dot<S>(n, n);
-  // A normal that is far from length one would make the terms larger than S; and of pairs that are
-  // not brought up to the size of one (kLengths) a wide pipe's own F need not be right.
+  // A normal much longer than one would make the terms larger than S. For pairs below the sizes of
+  // kLengths even a wide pipe's own F need not be right.
   const S smallest(power_of_two(kLengths<S>.low));
   return smallest <= size && nn <= S(1.25) && size * S(kGap<S>) < gap_along(a, b, n, nn);
 }
 
-/// What is certain of A and B whatever the proposal is.
+/// The certain result of A and B, whatever the proposal is.
 template <class A, class B, typename S = typename A::Scalar>
 Certain judge(const A& shape_a, const B& shape_b, const Proposal<S>& claim) {
   const Body<A> a(shape_a);

@@ -11,13 +11,13 @@
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/verdict/proof.hpp"
 
-/// What a narrow pipe proposes of a pair in a wide format (proof.hpp,
-/// rtl/verdict/verdict_proposal.sv).
+/// The proposal of a narrow pipe for a pair in a wide format (proof.hpp,
+/// `rtl/verdict/verdict_proposal.sv`).
 namespace cde::reference::verdict {
 
-/// The pipe of a pair of solids without a ring (has_verdicts), of operands that nobody checked: a
-/// narrowed shape may be none, with a size of zero for instance, and then what comes out of the
-/// operators is proposed all the same.
+/// The pipe of a pair of solids without an iterative pipeline (has_verdicts). Its operands are
+/// unchecked: a narrowed shape may be invalid, for instance with a size of zero. The operators'
+/// result is then proposed nevertheless.
 struct FreePipe {
   template <class A, class B, typename S = typename A::Scalar>
   Outcome<S> operator()(const A& a, const B& b) const {
@@ -38,7 +38,7 @@ struct FreePipe {
   }
 };
 
-/// Words of a shape relative to `o` and times 2^-k, each rounded to the narrow scalar N.
+/// The words of a shape relative to `o`, times 2^-k, each rounded to the narrow scalar N.
 template <class N, template <class> class P, typename S>
 [[nodiscard]] P<N> narrowed(const P<S>& shape, const Vector<S>& o, int k) {
   std::array<N, P<S>::kWords> words;
@@ -52,13 +52,13 @@ template <class N, template <class> class P, typename S>
   return from_words<P<N>>(words);
 }
 
-/// A point that is nearer to the inside of a shape: p, limited to the shape made smaller by `by`
-/// on all sides, but not to less than half of it.
+/// Functions pull() move a point towards the inside of a shape. They clamp p to the shape reduced
+/// by `by` on all sides, but to no less than half its size.
 template <class N>
 N smaller(N size, N by) {
   return max_num(size - by, size * convex::kHalf<N>);
 }
-/// v, no longer than `most`.
+/// v, shortened to length `most`.
 template <class N>
 Vector<N> limited(const Vector<N>& v, N most) {
   const N vv = dot<N>(v, v);
@@ -93,8 +93,8 @@ Vector<N> pull(const BasicCylinder<N>& x, const Vector<N>& p, N by) {
   return add<N>(x.c, add<N>(across, scale<N>(x.axis, clamp<N>(along, -end, end))));
 }
 
-/// Weights of v1 and v2 of the point in a triangle that is about nearest to p: least squares, and
-/// limited to the triangle. 21 mul, 23 add and sub, 2 div.
+/// Weights of v1 and v2 for a point of a triangle near p: least squares, limited to the triangle.
+/// 21 mul, 23 add and sub, 2 div.
 template <class N>
 std::array<N, 2> weights(const BasicTriangle<N>& t, const Vector<N>& p) {
   const Vector<N> e1 = sub<N>(t.v1, t.v0), e2 = sub<N>(t.v2, t.v0), w = sub<N>(p, t.v0);
@@ -109,9 +109,9 @@ Vector<N> pull(const BasicTriangle<N>& t, const Vector<N>& p, N) {
   return add<N>(t.v0, add<N>(scale<N>(sub<N>(t.v1, t.v0), i), scale<N>(sub<N>(t.v2, t.v0), j)));
 }
 
-/// test(A, B) in N of the shapes moved to A's origin and brought to the size of one. CP may lie on
-/// the edge of both bodies, where nothing is certain: it is pulled inside by a quarter of the
-/// depth.
+/// Runs test(A, B) in N on the shapes, moved to A's origin and scaled to about 1. CP may lie on the
+/// boundary of both bodies, where nothing is certain. It is therefore pulled inside by a quarter of
+/// the depth.
 template <class N, template <class> class A, template <class> class B, typename S, class Test>
 [[nodiscard]] Proposal<S> propose(const A<S>& a, const B<S>& b, Test test) {
   const Body<A<S>> body(a);

@@ -5,43 +5,44 @@
 
 #include "cde/geometry/ops.hpp"
 
-/// Parts of the convex pairs that look for closest points: a point and a segment, a point and a
-/// triangle, a triangle's normal, and the step that polishes a normal. Segments are a midpoint and
-/// a half vector, parameter -1 .. 1, so that their ends are treated alike.
+/// Closest-point parts of the convex pairs: point and segment, point and triangle, a triangle's
+/// normal, and the step that polishes a normal. Segments are a midpoint and a half vector with
+/// parameter -1 .. 1, so that both ends are treated alike.
 ///
-/// A length is usable as a divisor if its square is a normal number: below that a square root or a
-/// quotient loses its relative accuracy, and what depends on it is selected away.
+/// A length is usable as a divisor if its square is a normal number. Below that a square root or
+/// quotient loses its relative accuracy, and results that depend on it are selected away.
 namespace cde::reference::convex {
 
 template <typename S>
 inline const S kHalf = static_cast<S>(0.5);
 
-/// Is a squared length one that can be divided by? One comparison.
+/// Whether a squared length can be a divisor. One comparison.
 template <typename S>
 [[nodiscard]] Mask<S> usable(S squared) {
   return std::numeric_limits<S>::min() <= squared;
 }
 
-/// 1 / x where the mask is set, else 0: what is divided by no length stays where it began.
+/// 1 / x where the mask is set, else 0. A step with the factor 0 stays at its start.
 template <typename S>
 [[nodiscard]] S reciprocal_or_zero(Mask<S> mask, S x) {
   return select(mask, S{1} / x, S{0});
 }
 
-/// The unit vector along x, or anything where |x|² is not usable. 3 mul 1 div.
+/// The unit vector along x; arbitrary if |x|² is not usable. 3 mul 1 div.
 template <typename S>
 [[nodiscard]] Vector<S> unit(const Vector<S>& x, S length) {
   return scale<S>(x, S{1} / length);
 }
 
-/// The three vectors chosen between by index 0, 1, 2: two masks, no operator.
+/// One of three vectors, by two masks. No operator.
 template <typename S>
 [[nodiscard]] Vector<S> select3(Mask<S> first, Mask<S> second, const Vector<S>& a,
                                 const Vector<S>& b, const Vector<S>& c) {
   return select<S>(first, a, select<S>(second, b, c));
 }
 
-/// Smallest of three and which of the first two it is; ties go to the lowest index.
+/// The smallest of three values, and whether it is the first or second; ties go to the lowest
+/// index.
 template <typename S>
 struct Least3 {
   Mask<S> first, second;
@@ -56,24 +57,24 @@ template <typename S>
   return {first, second, select(first, a, select(second, b, c))};
 }
 
-/// A triangle prepared: what its 3 edges, its face and its support share.
+/// A prepared triangle: values shared by its 3 edges, its face and its support.
 template <typename S>
 struct TriangleParts {
-  std::array<Vector<S>, 3> p;   ///< vertices, relative to some centre
+  std::array<Vector<S>, 3> p;   ///< vertices, relative to a centre
   std::array<Vector<S>, 3> f;   ///< edges p[j+1] - p[j]
   std::array<S, 3> inverse_ff;  ///< 1 / f.f, or 0 for an edge without length
-  Vector<S> m;                  ///< unit normal, orientation of f0 x f1; any unit vector
-                                ///< perpendicular to the longest edge if there is no area
-  Mask<S> flat;                 ///< m is the normal of a face
-  Mask<S> longest0, longest1;   ///< longest edge: 0, else 1, else 2
+  Vector<S> m;  ///< unit normal, oriented as f0 x f1; without area any unit vector perpendicular to
+                ///< the longest edge
+  Mask<S> flat;                ///< m is the normal of a face, that is, the triangle has area
+  Mask<S> longest0, longest1;  ///< longest edge: 0, else 1, else 2
 };
 
-/// The unit normal from the longest edge e and the next edge g: i x (g - (g.e) i), made unit, with
-/// i = e / e.e. A plain e x g of a needle is perpendicular to its edges no better than u /
-/// sin(angle); without the part of g along e it is to within u, whatever the angle. With i in place
-/// of e the length of the product is height over longest edge, so that what counts as flat does not
-/// depend on the triangle's size. A triangle without area takes the coordinate axis nearest to
-/// perpendicular in place of g.
+/// Computes the unit normal from the longest edge e and the next edge g: i x (g - (g.e) i),
+/// normalised, with i = e / e.e. For a needle, e x g is perpendicular to the edges only within u /
+/// sin(angle). Without the part of g along e it is within u, whatever the angle. With i instead of
+/// e the product has the length height over longest edge, so flatness does not depend on the
+/// triangle's size. A triangle without area uses the coordinate axis nearest to perpendicular
+/// instead of g.
 /// 12 add 24 mul 1 div 1 sqrt, 5 cmp, 2 min/max.
 template <typename S>
 void triangle_normal(TriangleParts<S>& t, const std::array<S, 3>& ff) {
@@ -124,20 +125,19 @@ template <typename S>
   return (magnitude(x.x()) + magnitude(x.y())) + magnitude(x.z());
 }
 
-/// How far a triangle reaches from the centre that it is relative to: the largest |p|_1.
-/// 6 add, 2 min/max.
+/// Reach of a triangle from its reference point: the largest |p|_1. 6 add, 2 min/max.
 template <typename S>
 [[nodiscard]] S reach(const TriangleParts<S>& t) {
   return max_num(norm1<S>(t.p[0]), max_num(norm1<S>(t.p[1]), norm1<S>(t.p[2])));
 }
 
-/// Gaps closer than this are equal: 4 u S, S the size of the scene.
+/// Tie width of signed distances: 4 u S, where S is the size of the scene.
 template <typename S>
 [[nodiscard]] S tie_width(S size) {
   return static_cast<S>(4 * kUnitRoundoff<S>) * size;
 }
 
-/// The least n.p of three points, and which has it. 6 add 9 mul.
+/// The least n.p of three points, and its point. 6 add 9 mul.
 template <typename S>
 [[nodiscard]] Least3<S> least_along(const std::array<Vector<S>, 3>& p, const Vector<S>& n) {
   return least3(dot<S>(p[0], n), dot<S>(p[1], n), dot<S>(p[2], n));
@@ -151,18 +151,18 @@ struct PointTriangle {
   S h;          ///< m.(point - p0): signed distance from the triangle's plane
 };
 
-/// v made perpendicular to an edge f that it ends on: v - (v.f / f.f) f, with 0 for 1 / f.f if it
-/// ends on no edge. A v = w - t f has lost what w and t f had in common, and with it the right
-/// angle: v.f is u |w| |f|. Once more from v itself it is u |v| |f|. 5 add 7 mul.
+/// v made perpendicular to the edge f on which it ends: v - (v.f / f.f) f, with 0 for 1 / f.f if it
+/// ends on no edge. A v = w - t f has lost the common part of w and t f, and with it the right
+/// angle: v.f is u |w| |f|. Repeated from v itself it is u |v| |f|. 5 add 7 mul.
 template <typename S>
 [[nodiscard]] Vector<S> perpendicular(const Vector<S>& v, const Vector<S>& f, S inverse_ff) {
   return sub<S>(v, scale<S>(f, dot<S>(v, f) * inverse_ff));
 }
 
-/// The three segments, and the face if the point lies over its inside; the regions are selected at
-/// the end, ties to the lowest edge. Over a needle the signs that say "inside" are noise when the
-/// point is in line with it, so the point must also lie between the ends of the longest edge.
-/// `w` is the point as seen from each vertex, point - p[j]. No divider.
+/// The three segments, and the face if the point lies above its inside. Regions are selected at the
+/// end; ties go to the lowest edge. For a needle the signs that mean "inside" are noise if the
+/// point is in line with it. The point must therefore also lie between the ends of the longest
+/// edge. `w` is the point relative to each vertex, point - p[j]. No divider.
 template <typename S>
 [[nodiscard]] PointTriangle<S> point_triangle(const std::array<Vector<S>, 3>& w,
                                               const TriangleParts<S>& t) {
@@ -190,35 +190,35 @@ template <typename S>
   return {select<S>(inside, scale<S>(t.m, h), v), select(inside, h * h, edge.value), h};
 }
 
-/// A point x of the difference B - A and the point of A that it comes from.
+/// A point of the difference B - A, and its point of A.
 template <typename S>
 struct Difference {
   Vector<S> v;  ///< point of B - point of A
   Vector<S> p;  ///< point of A
 };
 
-/// How much the gap along near.v is less than |near.v|, times |near.v|; `far` is the point of B - A
-/// least in its direction, so that this gap is near.v.far.v / |near.v|. 0 of the nearest point.
-/// 5 add 3 mul.
+/// near.v| times the amount by which the signed distance along near.v is less than |near.v|. `far`
+/// is the point of B - A least in that direction, so that distance is near.v.far.v / |near.v|. The
+/// slack of the nearest point is 0. 5 add 3 mul.
 template <typename S>
 [[nodiscard]] S slack(const Difference<S>& near, const Difference<S>& far) {
   return -dot<S>(near.v, sub<S>(far.v, near.v));
 }
 
-/// What a step of polishing makes of a point, and the slack that the point had.
+/// Result of a polishing step, and the slack before it.
 template <typename S>
 struct Polished {
   Difference<S> x;
   S slack_before;
 };
 
-/// One step of polishing. `near` is about the point of B - A nearest the origin and `far` the point
-/// least in its direction: if the gap along near.v is less than |near.v| by more than `tie`, the
-/// point nearest the origin on the segment between them.
+/// One polishing step. `near` is about the point of B - A nearest the origin and `far` the point
+/// least in its direction. If the signed distance along near.v is less than |near.v| by more than
+/// `tie`, the result is the point nearest the origin on the segment between them.
 ///
-/// Why: a distance d is right to u S whichever of two neighbouring features it was measured to, but
-/// then the direction of v may be wrong by sqrt(u S / d), and an edge of the other feature is not
-/// perpendicular to it. The step is along that edge.
+/// Reason: a distance d is correct to u S whichever of two neighbouring features it was measured
+/// to. But the direction of v may then be wrong by sqrt(u S / d), and an edge of the other feature
+/// is not perpendicular to it. The step moves along that edge.
 /// 16 add 13 mul 1 div.
 template <typename S>
 [[nodiscard]] Polished<S> polish(const Difference<S>& near, const Difference<S>& far, S tie) {
@@ -233,33 +233,33 @@ template <typename S>
       along};
 }
 
-/// The signed gap of a pair, in a frame common to both.
+/// The signed distance of a pair, in a frame common to both.
 template <typename S>
 struct SignedGap {
   S s;              ///< distance, or minus the depth
   Vector<S> n;      ///< unit normal, A to B
-  Difference<S> x;  ///< witness points: x.p of A and x.p + x.v of B, x.v = s n but for rounding
+  Difference<S> x;  ///< witness points: x.p of A and x.p + x.v of B; x.v = s n except for rounding
 };
 
-/// A length and direction of a vector.
+/// Length and direction of a vector.
 template <typename S>
 struct Direction {
   Vector<S> n;
   S d, inverse;  ///< the length, and 1 / d
 };
 
-/// What is known of the distance of two bodies by a point of their difference.
+/// Distance of two bodies, derived from a point of their difference.
 template <typename S>
 struct PointGap {
-  S gap;  ///< along the point's direction
-  S s;    ///< what is answered
+  S gap;  ///< signed distance along the point's direction
+  S s;    ///< resulting signed distance
 };
 
-/// Chooses between two answers of a pair: that of its facets, and `x`, the polished nearest point
-/// of B - A, whose direction is the normal. The second one stands if the bodies are apart and its
-/// gap, `point_gap` of its Direction, is not less than the facets' by more than `tie`; so when the
-/// distance is so small that x.v has no direction left, the facets decide. 3 add 6 mul 1 div 1 sqrt
-/// and point_gap.
+/// Selects one of two results of a pair: that of its candidate axes (SAT), or `x`, the polished
+/// nearest point of B - A, whose direction is the normal. The second is used if the bodies are
+/// apart, and its `point_gap` is not less than the first by more than `tie`. So if the distance is
+/// too small to give x.v a direction, the candidate axes decide. 3 add 6 mul 1 div 1 sqrt and
+/// point_gap.
 template <typename S, typename Gap>
 [[nodiscard]] SignedGap<S> decide(const SignedGap<S>& facets, const Difference<S>& x, Mask<S> apart,
                                   S tie, const Gap& point_gap) {
@@ -280,7 +280,7 @@ template <typename S>
   return add<S>(x.p, scale<S>(x.v, kHalf<S>));
 }
 
-/// F, T, CP and n of a signed gap. 1 comparison.
+/// F, T, CP and n of a signed distance. 1 comparison.
 template <typename S>
 [[nodiscard]] Outcome<S> outcome(S s, const Vector<S>& cp, const Vector<S>& n) {
   return {static_cast<bool>(s <= S{0}), false, magnitude(s), cp, n};

@@ -4,39 +4,43 @@
 
 #include "cde/reference/pipes/convex/closest_point.hpp"
 
-/// Facet units of the box pairs. Body P is a box, in its own frame: centre 0, half extents a, axes
-/// e_i. Body Q is another box or a triangle. The difference Q - P is a convex polytope; each of its
-/// facets belongs to a face of one body and a vertex of the other, or to an edge of each. A unit
-/// answers, for one facet: the gap of the two projections on its normal (a lower bound of the
-/// signed gap for any normal, so the bodies are apart if and only if some facet's gap is positive),
-/// and the point of the facet nearest the origin, as a point of P and the vector to a point of Q.
+/// Candidate axes (SAT) of the box pairs. Body P is a box, in its own frame: centre 0, half extents
+/// a, axes e_i. Body Q is another box or a triangle. The difference Q - P is a convex polytope.
+/// Each of its facets belongs to a face of one body and a vertex of the other, or to an edge of
+/// each.
 ///
-/// Normals point from P to Q. Index i is an axis, k = i+1 and l = i+2 the next two, modulo 3.
+/// For one facet a unit computes two results. The first is the distance of the two projections on
+/// its normal, a lower bound of the signed distance for any normal. The bodies are apart if and
+/// only if it is positive for some facet. The second is the point of the facet nearest the origin:
+/// a point of P, and the vector to a point of Q.
+///
+/// Normals point from P to Q. Index i is an axis; k = i+1 and l = i+2 are the next two, modulo 3.
 namespace cde::reference::convex {
 
-/// Support features come from shapes turned a little, x' = x + turn x x, by 16 u: when a
-/// face or edge of one body is parallel to one of the other, every facet then takes the same side,
-/// as if the bodies were in general position. The geometry itself is not turned. Without it aligned
-/// boxes get facets that leave a hole where the closest point is.
+/// Support features come from slightly turned shapes, x' = x + turn x x, by 16 u. If a face or edge
+/// of one body is parallel to one of the other, every facet then selects the same side, as if the
+/// bodies were in general position. The geometry itself is not turned. Otherwise aligned boxes
+/// would get facets with a hole at the closest point.
 template <typename S>
 [[nodiscard]] Vector<S> turn() {
   const double angle = 16 * kUnitRoundoff<S>;
   return {static_cast<S>(angle), static_cast<S>(0.618 * angle), static_cast<S>(-0.755 * angle)};
 }
 
-/// x turned; only the signs of the result may be used. 6 add 6 mul.
+/// x turned; use only the signs of the result. 6 add 6 mul.
 template <typename S>
 [[nodiscard]] Vector<S> turned(const Vector<S>& x) {
   return add<S>(x, cross<S>(turn<S>(), x));
 }
 
-/// The first component of a unit vector that is beyond 5/16, a number that no turn by multiples of
-/// 15 degrees has in it. Its sign tells n from -n, also of vectors all but equal.
+/// The first component of a unit vector that exceeds 5/16 in magnitude. No rotation by multiples of
+/// 15 degrees produces that number. Its sign distinguishes n from -n, even for nearly equal
+/// vectors.
 template <typename S>
 inline const S kBeyond = static_cast<S>(0.3125);
 template <typename S>
 struct Leading {
-  Mask<S> x, y;  ///< else z
+  Mask<S> x, y;  ///< if neither: z
 
   [[nodiscard]] S of(const Vector<S>& n) const { return select(x, n.x(), select(y, n.y(), n.z())); }
 };
@@ -47,7 +51,7 @@ template <typename S>
   return {kBeyond<S> < magnitude(n.x()), kBeyond<S> < magnitude(n.y())};
 }
 
-/// Of n and -n the one whose leading component is positive counts as positive. 2 comparisons.
+/// Positive for exactly one of n and -n, by the sign of the leading component. 2 comparisons.
 template <typename S>
 [[nodiscard]] S orientation(const Vector<S>& n) {
   return leading_component(n).of(n);
@@ -60,10 +64,10 @@ template <typename S>
   return move_sign(l.of(t), l.of(n));
 }
 
-/// A pair of opposite facets has the gap of the one on the side of h's sign, where h is the height
-/// of Q's centre over P's. Where h is 0 but for rounding, both have it, and `orientation` chooses:
-/// the sign of a zero would send facets of one plane to different sides, and leave holes in it.
-/// 1 comparison.
+/// Selects the facet of an opposite pair: that on the side of h's sign, where h is the height of
+/// Q's centre over P's. If h is 0 within `tie`, both have the same distance, and `orientation`
+/// selects. The sign of a zero would put facets of one plane on different sides, and leave holes in
+/// it. 1 comparison.
 template <typename S>
 [[nodiscard]] S side_of(S h, S tie, S orientation) {
   return select(magnitude(h) <= tie, orientation, h);
@@ -72,7 +76,7 @@ template <typename S>
 /// One facet of Q - P.
 template <typename S>
 struct Facet {
-  S gap;            ///< of the projections on n; -inf if the facet has no normal
+  S gap;            ///< distance of the projections on n; -inf if the facet has no normal
   Vector<S> n;      ///< unit, P to Q
   Difference<S> x;  ///< nearest point of the facet
   S d2;             ///< |x.v|²
@@ -80,13 +84,13 @@ struct Facet {
   S inverse_ff;     ///< 1 / edge², or 0 if the nearest point is not between the ends of that edge
 };
 
-/// The box's corner farthest in the direction whose signs are given. Wires.
+/// The box's corner farthest in the direction given by signs. Wires.
 template <typename S>
 [[nodiscard]] Vector<S> corner(const Vector<S>& signs, const Vector<S>& a) {
   return {move_sign(signs.x(), a.x()), move_sign(signs.y(), a.y()), move_sign(signs.z(), a.z())};
 }
 
-/// x limited to the box. 6 min/max.
+/// x clamped to the box. 6 min/max.
 template <typename S>
 [[nodiscard]] Vector<S> clamp_to_box(const Vector<S>& x, const Vector<S>& a) {
   return {clamp(x.x(), -a.x(), a.x()), clamp(x.y(), -a.y(), a.y()), clamp(x.z(), -a.z(), a.z())};
@@ -98,8 +102,8 @@ template <typename S>
   return dot<S>(a, Vector<S>(magnitude(n.x()), magnitude(n.y()), magnitude(n.z())));
 }
 
-/// Face i of the box, on the side of `side`'s sign, and the vertex q of Q. The gap is the caller's.
-/// 5 add 3 mul, 4 min/max.
+/// Face i of the box, on the side of `side`'s sign, with the vertex q of Q. The caller computes
+/// `gap`. 5 add 3 mul, 4 min/max.
 template <typename S>
 [[nodiscard]] Facet<S> face_facet(int i, const Vector<S>& a, S side, const Vector<S>& q, S gap) {
   const int k = (i + 1) % 3, l = (i + 2) % 3;
@@ -141,10 +145,11 @@ template <typename S>
   return n.k * x[(i + 1) % 3] + n.l * x[(i + 2) % 3];
 }
 
-/// The box's edge along axis i through `at` (component i unused), |s| <= a_i, and the edge q + t f,
-/// low <= t <= 1, of Q: solves t in the plane perpendicular to the axis, then s, then t again for
-/// that s. `inverse2` is 1 / (f_k² + f_l²), `inverse_ff` 1 / f.f. Fills in what belongs to the
-/// nearest points. If s is not at an end, component i of v is 0. 11 add 12 mul, 2 cmp, 4 min/max.
+/// Nearest points of two edges. One is the box's edge along axis i through `at` (component i
+/// unused), |s| <= a_i. The other is the edge q + t f of Q, low <= t <= 1. It solves t in the plane
+/// perpendicular to the axis, then s, then t again for that s. `inverse2` is 1 / (f_k² + f_l²),
+/// `inverse_ff` 1 / f.f. It fills in the fields of the nearest points. If s is not at an end,
+/// component i of v is 0. 11 add 12 mul, 2 cmp, 4 min/max.
 template <typename S>
 void segment_segment(Facet<S>& facet, int i, S a, const Vector<S>& at, const Vector<S>& q,
                      const Vector<S>& f, S low, S inverse2, S inverse_ff) {
@@ -166,8 +171,8 @@ void segment_segment(Facet<S>& facet, int i, S a, const Vector<S>& at, const Vec
   facet.inverse_ff = select(t2 == t, inverse_ff, S{0});
 }
 
-/// Edge i of the box and the edge q + t f of Q, where n is e_i x f or the opposite of it. `signs`
-/// chooses the box's edge, on the side that n points to.
+/// Edge i of the box and the edge q + t f of Q; n is e_i x f or its opposite. `signs` selects the
+/// box's edge on the side to which n points.
 template <typename S>
 [[nodiscard]] Facet<S> edge_facet(int i, const Vector<S>& a, const Vector<S>& signs,
                                   const Vector<S>& q, const Vector<S>& f, S low, S inverse_ff,
@@ -188,7 +193,7 @@ struct Chosen {
   Facet<S> facet;
 };
 
-/// The one with the lesser key, ties to `low`. 1 comparison.
+/// The one with the lesser key; ties go to `low`. 1 comparison.
 template <typename S>
 [[nodiscard]] Chosen<S> lesser(const Chosen<S>& low, const Chosen<S>& high) {
   const auto take = high.key < low.key;
@@ -205,9 +210,9 @@ template <typename S>
   return r;
 }
 
-/// The facet with the least key: a balanced tree over neighbours, (0,1), (2,3), ..., where an odd
-/// last one goes up unchanged; ties to the lowest index. N - 1 comparisons. Each tree needs to
-/// carry only what is used of its result.
+/// The facet with the least key, by a balanced tree over neighbours (0,1), (2,3), ... An odd last
+/// one goes up unchanged; ties go to the lowest index. N - 1 comparisons. A tree need only carry
+/// the fields used of its result.
 template <typename S, std::size_t N>
 [[nodiscard]] Facet<S> least(const std::array<Chosen<S>, N>& all) {
   if constexpr (N == 1) {
@@ -220,9 +225,9 @@ template <typename S, std::size_t N>
   }
 }
 
-/// The same point of Q, and the point of the box nearest to where it would be s n away. Where faces
-/// are all but parallel, points far apart on a facet are equally near the origin.
-/// 9 add 3 mul, 6 min/max.
+/// Keeps the point of Q, and takes the point of the box nearest to where it would be s n away. If
+/// faces are nearly parallel, points far apart on a facet are equally near the origin. 9 add 3 mul,
+/// 6 min/max.
 template <typename S>
 [[nodiscard]] Difference<S> settle(const Difference<S>& x, S s, const Vector<S>& n,
                                    const Vector<S>& a) {
@@ -238,11 +243,11 @@ struct Nearest {
   S slack;
 };
 
-/// The second step stands if it makes the slack no more than it was. A step is where the origin is
-/// nearest to a segment, and can gain nothing but rounding: then it may turn v by more than what it
-/// was polished for, and the slack grows by as much as the segment is shorter than the bodies
-/// (measured: 137 u S of one T in ten million, of two plates tilted by 10 u).
-/// support(v) is the point of Q - P farthest against v. 37 add 29 mul 2 div 3 cmp, and 3 supports.
+/// Polishes twice. The second step is used if it does not increase the slack. A step finds the
+/// point nearest the origin on a segment, and may gain only rounding. It may then turn v by more
+/// than it corrects, and the slack grows by the ratio of the bodies' size to the segment.
+/// Function support(v) is the point of Q - P farthest against v. 37 add 29 mul 2 div 3 cmp, and 3
+/// supports.
 template <typename S, typename Support>
 [[nodiscard]] Nearest<S> polish_twice(const Difference<S>& start, S tie, const Support& support) {
   const Difference<S> once = polish<S>(start, support(start.v), tie).x;
@@ -253,20 +258,21 @@ template <typename S, typename Support>
           select(worse, twice.slack_before, after)};
 }
 
-/// What the facets of a pair say before polishing.
+/// Result of a pair's candidate axes before polishing.
 template <typename S>
 struct Choice {
-  S s;                  ///< the largest gap
-  Facet<S> witness;     ///< where the bodies penetrate: n, v and p belong to s
-  Difference<S> start;  ///< where they are apart: the nearest point, to be polished
+  S s;                  ///< the largest distance of projections
+  Facet<S> witness;     ///< if the bodies penetrate: n, v and p belong to s
+  Difference<S> start;  ///< if they are apart: the nearest point, to be polished
 };
 
-/// The largest gap gives s, and its facet the normal if the bodies penetrate. Where faces are
-/// parallel, or the bodies concentric, several facets share it or nearly so, and only one of them
-/// is where the origin projects to. So the witness points are those of the facet whose vector v is
-/// nearest to s n: n its own normal if its gap ties with the largest, else the normal of the
-/// largest gap. If the bodies are apart, the facet with the least distance gives the nearest
-/// points, which are polished. `wide` is the tie of normals that face away from each other.
+/// The largest distance of projections gives s, and its facet the normal if the bodies penetrate.
+/// If faces are parallel, or the bodies concentric, several facets share it or nearly so. Only one
+/// of them contains the projection of the origin. The witness points are therefore those of the
+/// facet whose vector v is nearest to s n. Here n is the facet's own normal if its distance ties
+/// with the largest, else the normal of the largest. If the bodies are apart, the facet with the
+/// least distance gives the nearest points, which are polished. `wide` is the tie for normals that
+/// point away from each other.
 template <typename S, std::size_t N>
 [[nodiscard]] Choice<S> choose(const std::array<Facet<S>, N>& facets, S tie, S wide) {
   std::array<Chosen<S>, N> by_gap, by_witness, by_distance;
@@ -291,8 +297,8 @@ template <typename S, std::size_t N>
   return {s, least(by_witness), {perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p}};
 }
 
-/// The signed gap from all facets of a pair, `a` the half extents of P.
-/// `support(v)` is the point of Q - P farthest against v.
+/// The signed distance from all facets of a pair; `a` are the half extents of P.
+/// Function support(v) is the point of Q - P farthest against v.
 template <typename S, std::size_t N, typename Support>
 [[nodiscard]] SignedGap<S> answer(const std::array<Facet<S>, N>& facets, const Vector<S>& a, S tie,
                                   const Support& support) {
@@ -302,7 +308,8 @@ template <typename S, std::size_t N, typename Support>
   const Nearest<S> nearest = polish_twice<S>(of_facets.start, tie, support);
   return decide<S>({s, witness.n, settle<S>(witness.x, s, witness.n, a)}, nearest.x, S{0} < s, tie,
                    [&](const Direction<S>& way) {
-                     // The distance is between the two: halfway it is wrong by half at most.
+                     // The distance is between the two bounds: the midpoint has at most half the
+                     // error.
                      const S gap = way.d - nearest.slack * way.inverse;
                      return PointGap<S>{gap, (way.d + max_num(s, gap)) * kHalf<S>};
                    });

@@ -2,7 +2,7 @@
 #pragma once
 #include "cde/geometry/ops.hpp"
 
-/// Between the world and a box's frame: the matrix's columns are the box axes.
+/// Transforms between the world and a box's frame. The matrix's columns are the box axes.
 namespace cde::reference::convex {
 
 /// U x: 6 add 9 mul.

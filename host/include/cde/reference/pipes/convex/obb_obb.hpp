@@ -14,8 +14,8 @@ struct BoxPair {
   Vector<S> t;                     ///< centre of B
   std::array<Vector<S>, 3> r;      ///< axes of B, right-handed
   std::array<Vector<S>, 3> f;      ///< half edges of B, b_j r_j
-  std::array<Vector<S>, 3> signs;  ///< axes of B turned, for their signs
-  S tie;                           ///< gaps closer than this are equal
+  std::array<Vector<S>, 3> signs;  ///< turned axes of B, for their signs
+  S tie;                           ///< tie width of signed distances
 };
 
 /// 58 add 73 mul.
@@ -25,7 +25,7 @@ template <typename S>
   pair.a = a.half, pair.b = b.half;
   pair.t = to_local<S>(a.rotation, sub<S>(b.c, a.c));
   for (int j = 0; j < 3; ++j) pair.r[j] = to_local<S>(a.rotation, b.rotation.col(j));
-  // One box may be given by a reflection. The signs below need a rotation, and the box is the same.
+  // A box may be given by a reflection. The signs below need a rotation, which gives the same box.
   const S handedness = dot<S>(cross<S>(pair.r[0], pair.r[1]), pair.r[2]);
   for (int k = 0; k < 3; ++k) pair.r[2][k] = move_sign(handedness, pair.r[2][k]);
   for (int j = 0; j < 3; ++j) {
@@ -38,8 +38,8 @@ template <typename S>
   return pair;
 }
 
-/// B's centre moved to its corner (or, without index `skip`, to the midpoint of its edge) that is
-/// nearest in a direction; `sign[j]` has the sign of direction.r_j. 9 or 6 add.
+/// B's centre moved to its corner that is nearest in a direction; with index `skip` to the midpoint
+/// of the edge along that axis. `sign[j]` has the sign of direction.r_j. 9 or 6 add.
 template <typename S>
 [[nodiscard]] Vector<S> corner_of_b(const BoxPair<S>& pair, const Vector<S>& sign, int skip = -1) {
   Vector<S> q = pair.t;
@@ -52,7 +52,7 @@ template <typename S>
   return q;
 }
 
-/// Face i of A, on this side, and the corner of B nearest to it. 18 add 3 mul, 4 min/max.
+/// Face i of A, on this side, with the nearest corner of B. 18 add 3 mul, 4 min/max.
 template <typename S>
 [[nodiscard]] Facet<S> face_of_a(const BoxPair<S>& pair, int i, S side) {
   const Vector<S> across(pair.f[0][i], pair.f[1][i], pair.f[2][i]);
@@ -89,7 +89,7 @@ template <typename S>
                        inverse_ff, n, side, gap);
 }
 
-/// The pair as B sees it: B's frame, roles exchanged. 6 add 18 mul.
+/// The pair in B's frame, roles exchanged. 6 add 18 mul.
 template <typename S>
 [[nodiscard]] BoxPair<S> seen_from_b(const BoxPair<S>& pair) {
   BoxPair<S> back;
@@ -103,11 +103,11 @@ template <typename S>
   return back;
 }
 
-/// A facet of the exchanged pair in A's frame: the witness of A is a corner of A. 24 add 12 mul, 4
+/// A facet of the exchanged pair in A's frame; its witness on A is a corner of A. 24 add 12 mul, 4
 /// min/max.
 template <typename S>
 [[nodiscard]] Facet<S> face_of_b(const BoxPair<S>& pair, const BoxPair<S>& back, int j) {
-  // Where A is; the normal goes the other way.
+  // The side on which A is; the normal points the other way.
   const S side = side_of(back.t[j], pair.tie, -along<S>(pair.t, pair.r[j]));
   Facet<S> facet = face_of_a<S>(back, j, side);
   const Vector<S> v = facet.x.v;
@@ -120,7 +120,7 @@ template <typename S>
   return facet;
 }
 
-/// All fifteen: faces of A, faces of B, edges (0,0), (0,1), ... (2,2).
+/// All fifteen candidate axes: faces of A, faces of B, edges (0,0), (0,1), ... (2,2).
 template <typename S>
 [[nodiscard]] std::array<Facet<S>, 15> box_facets(const BoxPair<S>& pair) {
   std::array<Facet<S>, 15> facets;
@@ -137,7 +137,7 @@ template <typename S>
   return facets;
 }
 
-/// The corner of B less the corner of A that is farthest against v. 18 add 9 mul.
+/// The corner of B minus the corner of A that is farthest against v. 18 add 9 mul.
 template <typename S>
 [[nodiscard]] Difference<S> box_support(const BoxPair<S>& pair, const Vector<S>& v) {
   const Vector<S> on_b(dot<S>(v, pair.f[0]), dot<S>(v, pair.f[1]), dot<S>(v, pair.f[2]));
@@ -146,9 +146,9 @@ template <typename S>
 }
 
 /// OBB against OBB, in A's frame. The difference of two boxes has 15 pairs of facets, whose normals
-/// are the 15 axes of the separating-axis test: the depth is the least overlap on them, the
-/// distance the least distance to the 15 facets that face the origin. 638 add 568 mul 15 div
-/// 10 sqrt.
+/// are the 15 axes of the separating-axis test. The depth is the least overlap on them. The
+/// distance is the least distance to the 15 facets that face the origin. 638 add 568 mul 15 div 10
+/// sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
   const BoxPair<S> pair = box_pair(a, b);

@@ -8,19 +8,19 @@ namespace cde::reference {
 
 namespace convex {
 
-/// Wire: x with y's sign, +0 where y is a zero. 1 comparison.
+/// Wire: x with y's sign; +0 if y is a zero. 1 comparison.
 template <typename S>
 [[nodiscard]] S signed_or_zero(S y, S x) {
   return select(y == S{0}, S{0}, move_sign(y, x));
 }
 
-/// Oriented box against plane: H = n.c - d, R = sum of e_i |n.u_i|; s = |H| - R for the surface,
-/// H - R for the half-space (a parameter of the pipe). The box's support point takes sign(0) = 0,
-/// which is the centroid of the touching edge or face. 24 add 28 mul, no divider.
+/// Oriented box against plane: H = n.c - d, R = sum of e_i |n.u_i|. s = |H| - R for the surface, H
+/// - R for the half-space (a parameter of the pipe). The box's support point uses sign(0) = 0,
+/// which gives the centroid of the touching edge or face. 24 add 28 mul, no divider.
 template <typename S>
 [[nodiscard]] Outcome<S> obb_plane(const BasicObb<S>& a, const BasicPlane<S>& b, PlaneSide mode) {
   const S height = dot<S>(b.n, a.c) - b.d;
-  // Away from the plane, on the box's side of it. The half-space is always below.
+  // The direction away from the plane, on the box's side. The half-space is always below.
   const S up = mode == PlaneSide::kHalfSpace ? S{1} : height;
   Vector<S> h, local;
   for (int i = 0; i < 3; ++i) {

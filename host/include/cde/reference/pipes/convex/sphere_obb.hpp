@@ -8,10 +8,10 @@
 namespace cde::reference {
 namespace convex {
 
-/// Sphere against oriented box, in the box's frame: p = U^T (cs - cb), q = p limited to the box.
-/// Outside, the distance is |p - q| and its direction is exact where p is beyond a face, since the
-/// other components are zero. Inside, or so near the surface that |p - q|² is subnormal, the
-/// nearest face counts, ties to the lowest axis. 36 add 37 mul 1 div 1 sqrt.
+/// Sphere against oriented box, in the box's frame: p = U^T (cs - cb), q = p clamped to the box.
+/// Outside, the distance is |p - q|. Its direction is exact if p is beyond a face, since the other
+/// components are zero. Inside, or so near the surface that |p - q|² is subnormal, the nearest face
+/// counts; ties go to the lowest axis. 36 add 37 mul 1 div 1 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> sphere_obb(const BasicSphere<S>& a, const BasicObb<S>& b) {
   const Vector<S> p = to_local<S>(b.rotation, sub<S>(a.c, b.c));
@@ -21,7 +21,7 @@ template <typename S>
   const auto outside = usable(dd);
   const S d = square_root(dd);
 
-  // From the face to the sphere's centre, per axis: the face with the least depth.
+  // From the face to the sphere's centre, per axis; the face with the least depth counts.
   const Vector<S> depth(b.half.x() - magnitude(p.x()), b.half.y() - magnitude(p.y()),
                         b.half.z() - magnitude(p.z()));
   const auto face = least3(depth.x(), depth.y(), depth.z());
@@ -34,7 +34,7 @@ template <typename S>
       select3<S>(face.first, face.second, Vector<S>(on_face.x(), p.y(), p.z()),
                  Vector<S>(p.x(), on_face.y(), p.z()), Vector<S>(p.x(), p.y(), on_face.z()));
 
-  // The normal out of the box; the answer's is the opposite. CP = pB + (s / 2) n.
+  // The normal out of the box; the result's normal is its opposite. CP = pB + (s / 2) n.
   const S s = select(outside, d, -face.value) - a.r;
   const Vector<S> n = select<S>(outside, unit<S>(v, d), face_n);
   const Vector<S> local = add<S>(select<S>(outside, q, face_q), scale<S>(n, s * kHalf<S>));

@@ -6,8 +6,8 @@
 namespace cde::reference {
 namespace convex {
 
-/// Sphere against sphere: s = |cB - cA| - (rA + rB). Concentric spheres, and centres so close that
-/// the square of their distance is subnormal, take n = (0, 0, 1). The midpoint of the witness
+/// Sphere against sphere: s = |cB - cA| - (rA + rB). Concentric spheres have n = (0, 0, 1), as have
+/// centres so close that the square of their distance is subnormal. The midpoint of the witness
 /// points is cA + (rA + s / 2) n, relative to A's centre.
 /// 11 add 10 mul 1 div 1 sqrt.
 template <typename S>

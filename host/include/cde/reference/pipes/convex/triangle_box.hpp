@@ -12,9 +12,9 @@ template <typename S>
 struct BoxTriangle {
   Vector<S> a;                  ///< half extents
   TriangleParts<S> t;           ///< the triangle
-  std::array<Vector<S>, 3> f1;  ///< its edges turned, for their signs
-  Vector<S> m1;                 ///< f1[0] x f1[1], likewise
-  S tie;                        ///< gaps closer than this are equal
+  std::array<Vector<S>, 3> f1;  ///< its turned edges, for their signs
+  Vector<S> m1;                 ///< f1[0] x f1[1], also for its signs
+  S tie;                        ///< tie width of signed distances
 };
 
 template <typename S>
@@ -29,8 +29,8 @@ template <typename S>
   return pair;
 }
 
-/// Face i of the box and the vertex of the triangle nearest to it, on the side with the larger gap,
-/// ties the upper one. 8 add 3 mul.
+/// Face i of the box with the nearest vertex of the triangle, on the side with the larger distance;
+/// ties go to the upper side. 8 add 3 mul.
 template <typename S>
 [[nodiscard]] Facet<S> box_face(const BoxTriangle<S>& pair, int i) {
   const auto& p = pair.t.p;
@@ -38,7 +38,7 @@ template <typename S>
   const S high = max_num(p[0][i], max_num(p[1][i], p[2][i]));
   const S above = low - pair.a[i], below = -high - pair.a[i];
   const S side = side_of(low + high, pair.tie, S{1});
-  // The lowest vertex along side * e_i, by the turned edges.
+  // The lowest vertex along side * e_i, selected by the turned edges.
   const auto first =
       S{0} <= move_sign(side, pair.f1[0][i]) && move_sign(side, pair.f1[2][i]) <= S{0};
   const auto second = S{0} <= move_sign(side, pair.f1[1][i]);
@@ -46,7 +46,7 @@ template <typename S>
                        max_num(above, below));
 }
 
-/// The triangle's face and the corner of the box nearest to it, on the side with the larger gap.
+/// The triangle's face with the nearest corner of the box, on the side with the larger distance.
 template <typename S>
 [[nodiscard]] Facet<S> triangle_face(const BoxTriangle<S>& pair) {
   const TriangleParts<S>& t = pair.t;
@@ -72,7 +72,7 @@ template <typename S>
 }
 
 /// Edge i of the box and edge j of the triangle. The normal is turned so that the triangle lies
-/// behind its edge j, which is where the difference of the two bodies has this facet.
+/// behind its edge j: that is where the difference of the bodies has this facet.
 template <typename S>
 [[nodiscard]] Facet<S> box_edge(const BoxTriangle<S>& pair, int i, int j) {
   const int k = (i + 1) % 3, l = (i + 2) % 3;
@@ -92,7 +92,8 @@ template <typename S>
   return edge_facet<S>(i, pair.a, signs, t.p[j], t.f[j], S{0}, t.inverse_ff[j], n, side, gap);
 }
 
-/// All thirteen: faces of the box, the triangle's face, edges (0,0), (0,1), ... (2,2).
+/// All thirteen candidate axes: faces of the box, the triangle's face, edges (0,0), (0,1), ...
+/// (2,2).
 template <typename S>
 [[nodiscard]] std::array<Facet<S>, 13> box_triangle_facets(const BoxTriangle<S>& pair) {
   std::array<Facet<S>, 13> facets;
@@ -104,7 +105,7 @@ template <typename S>
   return facets;
 }
 
-/// The signed gap from box to triangle, in the box's frame. The same rules as convex::obb_obb.
+/// The signed distance from box to triangle, in the box's frame, by the rules of convex::obb_obb.
 template <typename S>
 [[nodiscard]] SignedGap<S> box_triangle_gap(const BoxTriangle<S>& pair) {
   const auto& p = pair.t.p;
@@ -116,7 +117,8 @@ template <typename S>
       });
 }
 
-/// Triangle against oriented box, in the box's frame: 13 facets. 492 add 576 mul 16 div 11 sqrt.
+/// Triangle against oriented box, in the box's frame: 13 candidate axes. 492 add 576 mul 16 div 11
+/// sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_obb(const BasicTriangle<S>& a, const BasicObb<S>& b) {
   const Matrix3<S>& u = b.rotation;
@@ -126,8 +128,8 @@ template <typename S>
   return outcome<S>(gap.s, add<S>(b.c, to_world<S>(u, midpoint(gap.x))), -to_world<S>(u, gap.n));
 }
 
-/// Triangle against axis-aligned box: 13 facets. Relative to the box's lower corner first and then
-/// to its centre, so that the centre is never rounded in world coordinates.
+/// Triangle against axis-aligned box: 13 candidate axes. It subtracts the box's lower corner first
+/// and then its centre, so that the centre is never rounded in world coordinates.
 /// 477 add 534 mul 16 div 11 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_aabb(const BasicTriangle<S>& a, const BasicAabb<S>& b) {

@@ -8,12 +8,12 @@ namespace cde::reference {
 namespace convex {
 
 /// Triangle against sphere, relative to the sphere's centre: the closest point over all seven
-/// regions, polished; a triangle without area falls out as its segments or points. Flat and
-/// two-sided: the depth is r - distance. When the centre lies in the triangle's plane, the plane's
-/// normal is n. 146 add 171 mul 7 div 2 sqrt.
+/// regions, polished. A triangle without area reduces to its segments or points. The triangle is
+/// flat and two-sided: the depth is r - distance. If the centre lies in the triangle's plane, n is
+/// the plane's normal. 146 add 171 mul 7 div 2 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_sphere(const BasicTriangle<S>& a, const BasicSphere<S>& b) {
-  // In vectors from the triangle to the centre, so that v = centre - point.
+  // Vectors from the triangle to the centre, so that v = centre - point.
   const TriangleParts<S> t =
       triangle_parts<S>(sub<S>(b.c, a.v0), sub<S>(b.c, a.v1), sub<S>(b.c, a.v2));
   const PointTriangle<S> closest =

@@ -7,13 +7,13 @@ namespace cde::reference {
 namespace convex {
 
 /// Two triangles relative to the first vertex of A, which is therefore 0. Body P is A, body Q is B.
-/// They reach up to 2 S from there, so that a tie is at most 4 u S.
+/// They reach up to 2 S from there, so a tie is at most 4 u S.
 template <typename S>
 struct TrianglePair {
   TriangleParts<S> a, b;
   std::array<S, 3> inverse_e;      ///< 1 / length of A's edges, or 0
-  std::array<Vector<S>, 3> along;  ///< A's edges of unit length, or 0
-  S tie;  ///< gaps closer than this are equal: 2 u of how far the two reach
+  std::array<Vector<S>, 3> along;  ///< A's edges with unit length, or 0
+  S tie;                           ///< tie width of signed distances: 2 u times the reach of both
 };
 
 template <typename S>
@@ -31,7 +31,7 @@ template <typename S>
   return pair;
 }
 
-/// Projections of a triangle on a normal, and the least and the largest of them.
+/// Projections of a triangle on a normal, with their minimum and maximum.
 template <typename S>
 struct Span {
   std::array<S, 3> at;
@@ -49,13 +49,14 @@ template <typename S>
   return span<S>({dot<S>(p[0], n), dot<S>(p[1], n), dot<S>(p[2], n)});
 }
 
-/// Of A, whose first vertex is 0. 4 add 6 mul, 4 min/max.
+/// Span of A, whose first vertex is 0. 4 add 6 mul, 4 min/max.
 template <typename S>
 [[nodiscard]] Span<S> span_of_a(const TrianglePair<S>& pair, const Vector<S>& n) {
   return span<S>({S{0}, dot<S>(pair.a.p[1], n), dot<S>(pair.a.p[2], n)});
 }
 
-/// The gaps from P to Q on n and on -n, and the sign of the larger one, ties n's. 5 add, 1 cmp.
+/// Distances from P to Q on n and on -n, and the sign of the larger one; ties go to n. 5 add, 1
+/// cmp.
 template <typename S>
 struct Gaps {
   S above, below, side;
@@ -72,7 +73,7 @@ template <typename S>
   return {move_sign(side, n.x()), move_sign(side, n.y()), move_sign(side, n.z())};
 }
 
-/// The face of triangle t and the vertex of the other one, r, that is nearest to it: v from t to r.
+/// The face of triangle t with the nearest vertex of the other triangle r; v points from t to r.
 template <typename S>
 struct FaceAndVertex {
   S gap;
@@ -117,16 +118,16 @@ template <typename S>
 
 /// Edge i of A, from p along e, and edge j of B, from q along f.
 ///
-/// The normal is e x f without f's part along e, perpendicular to both edges to within u whatever
-/// their angle, as in triangle_normal; with e of unit length, since an edge may be as short as the
-/// format allows. The facet is on the side where A is behind its edge and B
-/// before its own, by the third vertices; where both are in one plane, on that with the larger gap.
-/// If the sides differ the two edges make no facet of the difference; then the gap is still a lower
-/// bound, and v a vector between the bodies.
+/// The normal is e x f without f's part along e. As in triangle_normal it is perpendicular to both
+/// edges to within u, whatever their angle. It uses e with unit length, since an edge may be as
+/// short as the format allows. The third vertices select the facet's side: A must be behind its
+/// edge and B in front of its own. If both lie in one plane, the side with the larger distance is
+/// selected. If the sides differ, the two edges make no facet of the difference. The distance is
+/// then still a lower bound, and v a vector between the bodies.
 ///
-/// The nearest points are found as in segment_segment, t across e, then s, then t again. Where
-/// neither is at an end v is along the normal, as far as that goes; else it ends on an edge that it
-/// will be made perpendicular to. 53 add 64 mul 1 div 1 sqrt, 7 cmp, 14 min/max.
+/// The nearest points are found as in segment_segment: t across e, then s, then t again. If neither
+/// is at an end, v is along the normal, within rounding. Otherwise it ends on an edge, to which it
+/// is made perpendicular later. 53 add 64 mul 1 div 1 sqrt, 7 cmp, 14 min/max.
 template <typename S>
 [[nodiscard]] Facet<S> edge_pair(const TrianglePair<S>& pair, int i, int j) {
   const Vector<S>&e = pair.a.f[i], &unit_e = pair.along[i], &f = pair.b.f[j];
@@ -173,7 +174,7 @@ template <typename S>
   return facet;
 }
 
-/// All eleven: face of A, face of B, edges (0,0), (0,1), ... (2,2).
+/// All eleven candidate axes: face of A, face of B, edges (0,0), (0,1), ... (2,2).
 template <typename S>
 [[nodiscard]] std::array<Facet<S>, 11> triangle_facets(const TrianglePair<S>& pair) {
   std::array<Facet<S>, 11> facets;
@@ -184,7 +185,7 @@ template <typename S>
   return facets;
 }
 
-/// The vertex of B less the vertex of A that is farthest against v.
+/// The vertex of B minus the vertex of A that is farthest against v.
 template <typename S>
 [[nodiscard]] Difference<S> triangle_support(const TrianglePair<S>& pair, const Vector<S>& v) {
   const auto& p = pair.a.p;
@@ -196,8 +197,9 @@ template <typename S>
 }
 
 /// Triangle against triangle, both flat and two-sided, relative to the first vertex of A. The
-/// difference of triangles in one plane is flat, and no facet tells whether the origin is in it or
-/// beside it; so a gap along the nearest vector is proof enough that they are apart.
+/// difference of coplanar triangles is flat, and no facet tells whether the origin is in it or
+/// beside it. A positive distance along the nearest vector therefore suffices as proof that they
+/// are apart.
 /// 824 add 983 mul 20 div 15 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_triangle(const BasicTriangle<S>& a, const BasicTriangle<S>& b) {

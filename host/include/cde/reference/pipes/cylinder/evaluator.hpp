@@ -5,36 +5,38 @@
 
 #include "cde/geometry/ops.hpp"
 
-/// g(n) = -h_B(-n) - h_A(n), the gap of the projections of A and B on the unit normal n, with all
-/// that the search needs of it: points of the Minkowski difference and curvatures. B is a cylinder,
-/// A a cylinder, a box or a triangle. Everything is relative to A's origin (the centre of a box or
-/// cylinder, v0 of a triangle), so that nothing depends on where the scene stands.
+/// g(n) = -h_B(-n) - h_A(n): the distance between the projections of A and B on the unit normal n.
+/// It comes with all that the search needs: points of the Minkowski difference and curvatures. B is
+/// a cylinder; A is a cylinder, a box or a triangle. Everything is relative to A's origin (the
+/// centre of a box or cylinder, v0 of a triangle), so nothing depends on the position of the scene.
 namespace cde::reference::cylinder {
 
-/// What the primary is.
+/// Shape of the primary.
 enum class Body { kCylinder, kBox, kTriangle };
 
-/// The operands of a pair as the evaluator reads them: 39 words. The triangle's `axis` and `face`
-/// are written by its first passes, everything else once when the pair enters.
+/// Operands of a pair for the evaluator: 39 words. The triangle's `axis` and `face` are written by
+/// its first passes, everything else once when the pair enters.
 template <typename S>
 struct Pair {
   Body body = Body::kCylinder;
-  Vector<S> origin = Vector<S>::Zero();  ///< A's origin, world frame; the way out reads it
+  Vector<S> origin = Vector<S>::Zero();  ///< A's origin, world frame; read at the output
   Vector<S> d;                           ///< centre of B
   Vector<S> b;                           ///< B: axis, half height times axis, radius
   Vector<S> b_reach;
   S b_half, b_radius;
-  /// Unit axis of the cylinder ([0]), axes of the box, edges of the triangle.
+  /// Unit axis of the cylinder ([0]), axes of the box, or edges of the triangle.
   std::array<Vector<S>, 3> axis;
-  /// Half height times axis ([0]); half extent times axis; v1 - v0, v2 - v0 and v2 - v1.
+  /// Cylinder: half height times axis ([0]). Box: half extent times axis. Triangle: v1 - v0, v2 -
+  /// v0 and v2 - v1.
   std::array<Vector<S>, 3> reach;
-  std::array<S, 3> half;  ///< half height ([0]); half extents; not used
+  std::array<S, 3> half;  ///< half height ([0]), or half extents; unused for a triangle
   S radius;               ///< of the cylinder
   Vector<S> face;         ///< unit normal of the triangle
 };
 
-/// A cylinder's rim as n sees it. kappa is the radius of curvature of the support function across
-/// n, r / |a x n|, in the tangent direction v = unit(a x n); on the axis both are 0.
+/// A cylinder's rim in direction n. Field `kappa` is the radius of curvature of the support
+/// function across n, r / |a x n|, in the tangent direction v = unit(a x n). On the axis both are
+/// 0.
 template <typename S>
 struct Rim {
   S width;         ///< r |a x n|
@@ -43,10 +45,10 @@ struct Rim {
   Vector<S> v;
 };
 
-/// 24 mul, 10 add or sub, 1 div, 1 sqrt, 1 cmp. `off`: the support is taken at the cap's centre.
+/// 24 mul, 10 add or sub, 1 div, 1 sqrt, 1 cmp. `off`: the support point is the centre of the cap.
 ///
-/// a x n, never n - (a.n) a: that one loses all its digits beside the axis. Within u of the axis
-/// a x n is nothing but rounding and 1/m could overflow: the centre of the cap is as good there.
+/// It uses a x n, because n - (a.n) a loses all its digits near the axis. Within u of the axis a x
+/// n is only rounding error, and 1/m could overflow. There the centre of the cap is equally good.
 template <typename S>
 [[nodiscard]] Rim<S> rim(const Vector<S>& a, S r, const Vector<S>& n, Mask<S> off) {
   const S u(kUnitRoundoff<S>), zero(0);
@@ -58,7 +60,7 @@ template <typename S>
   return {select<S>(off, zero, r * m), scale<S>(cross<S>(x, a), kappa), kappa, scale<S>(x, i)};
 }
 
-/// g and a point y of B - A with n.y = g, the nearest of B - A along n.
+/// g and a point y of B - A with n.y = g, the nearest point of B - A along n.
 template <typename S>
 struct Touch {
   S g;
@@ -66,23 +68,23 @@ struct Touch {
   Vector<S> y;
 };
 
-/// Both orientations of a normal, and what they share.
+/// Results for both orientations of a normal, with shared values.
 template <typename S>
 struct Evaluation {
-  Touch<S> plus, minus;  ///< of n and of -n
-  Rim<S> a, b;           ///< of n; -n has the opposite v, which nothing distinguishes
+  Touch<S> plus, minus;  ///< for n and for -n
+  Rim<S> a, b;           ///< for n; -n has the opposite v, which makes no difference
   Vector<S> pa;          ///< support point of A for n
 };
 
-/// Cylinder or box: centrally symmetric.
+/// Support of A, for n and -n.
 template <typename S>
 struct Reach {
   S high, low;        ///< max and min of n.x over A
-  Vector<S> at_high;  ///< where
+  Vector<S> at_high;  ///< support point of the maximum
   Vector<S> at_low;
 };
 
-/// 9 mul, 12 add, 4 cmp beside the rim. Signs and choices of vertex are wires.
+/// 9 mul, 12 add, 4 cmp in addition to the rim. Signs and selections of vertices are wires.
 template <typename S>
 [[nodiscard]] Reach<S> reach(const Pair<S>& pair, const Vector<S>& n, const Rim<S>& rim_a) {
   const S zero(0);
@@ -107,8 +109,9 @@ template <typename S>
   return {high, -high, at, -at};
 }
 
-/// One pass through the evaluator, n of unit length. `off_a`, `off_b`: that cylinder's rim counts
-/// as the centre of its cap, which gives the gap's one-sided derivatives beside the axis.
+/// One pass through the evaluator; n has unit length. With `off_a` or `off_b` the rim of that
+/// cylinder counts as the centre of its cap. This gives the one-sided derivatives of g beside the
+/// axis.
 template <typename S>
 [[nodiscard]] Evaluation<S> evaluate(const Pair<S>& pair, const Vector<S>& n, bool off_a = false,
                                      bool off_b = false) {
@@ -133,15 +136,15 @@ template <typename S>
   return e;
 }
 
-/// n of unit length. NaN, which then loses every comparison, from a vector whose square drowns
-/// among the subnormal numbers: that could come out longer than 1, and g too large. 6 mul, 2 add, 1
-/// div, 1 sqrt, 1 cmp.
+/// n with unit length. NaN, which then loses every comparison, if the square of the vector is near
+/// the subnormal numbers. Such a vector could become longer than 1, and g too large. 6 mul, 2 add,
+/// 1 div, 1 sqrt, 1 cmp.
 template <typename S>
 [[nodiscard]] Vector<S> normalise(const Vector<S>& raw) {
   const S square = dot<S>(raw, raw), least(4 * static_cast<double>(std::numeric_limits<S>::min()));
   return scale<S>(raw, select<S>(least <= square, S(1) / square_root(square), canonical_nan<S>()));
 }
-/// The same, but `other` instead of NaN.
+/// The same, with `other` instead of NaN.
 template <typename S>
 [[nodiscard]] Vector<S> normalise_or(const Vector<S>& raw, const Vector<S>& other) {
   const S square = dot<S>(raw, raw), least(4 * static_cast<double>(std::numeric_limits<S>::min()));

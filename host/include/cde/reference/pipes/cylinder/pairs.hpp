@@ -3,16 +3,16 @@
 #include "cde/reference/pipes/cylinder/witness.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
-/// The three pairs whose secondary is a cylinder: cylinder-cylinder, OBB-cylinder and
-/// triangle-cylinder. s_K, the largest g over the normals the budget pays for, is at most the
-/// signed gap s, so F = 0 is a proof; docs/reference/pairs_cylinder.md has the measured shortfall.
+/// The pairs with a cylinder as secondary: cylinder-cylinder, OBB-cylinder and triangle-cylinder.
+/// s_K is the largest g over the normals that the iterations cover. It is at most the signed
+/// distance s, so F = 0 is a proof; docs/reference/pairs_cylinder.md has the measured shortfall.
 ///
-/// begin, then step for k = 0, 1, ... until pass() says kDone, then finish: what the hardware does
-/// with a pair, one pass a clock.
+/// The hardware runs begin, then step for k = 0, 1, ... until pass() returns kDone, then finish:
+/// one pass per cycle.
 namespace cde::reference {
 namespace cylinder {
 
-/// 3 mul; the centre's 3 sub are the caller's.
+/// 3 mul, and 3 sub for the centre.
 template <typename S>
 [[nodiscard]] Pair<S> begin_secondary(const BasicCylinder<S>& b, const Vector<S>& origin) {
   Pair<S> pair;
@@ -54,7 +54,7 @@ template <typename S>
   return pair;
 }
 
-/// Pass k; false once the pair is done.
+/// Pass k; returns false once the pair is done.
 template <typename S>
 bool step(Pair<S>& pair, Search<S>& search, const Budget& budget, int k) {
   const Pass p = pass(pair.body, budget, k);
@@ -89,7 +89,8 @@ template <typename S, typename A>
 
 }  // namespace cylinder
 
-/// A and B as in the names; n points from A to B; every length in the unit of the operands.
+/// A and B are in the order of the name. n points from A to B. Lengths are in the unit of the
+/// operands.
 template <typename S>
 [[nodiscard]] Outcome<S> cylinder_cylinder(const BasicCylinder<S>& a, const BasicCylinder<S>& b,
                                            const cylinder::Budget& budget = {}) {

@@ -4,10 +4,10 @@
 
 #include "cde/reference/pipes/cylinder/evaluator.hpp"
 
-/// Which pass of a pair does what: counters, no arithmetic.
+/// Selects the phase of each pass of a pair: counters, no arithmetic.
 namespace cde::reference::cylinder {
 
-/// How much work a pair gets. One pass is one evaluation of g and one clock of the pipe.
+/// Iterations of a pair. One pass is one evaluation of g and one cycle of the pipe.
 struct Budget {
   int samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
   int circle = 8;   ///< K1: steps on each circle
@@ -17,26 +17,26 @@ struct Budget {
 enum class Phase {
   kFrame,    ///< box, triangle: face normals and edges
   kAxis,     ///< box, triangle: B's axis
-  kCentre,   ///< cylinder: the centre line, and its part perpendicular to each axis
+  kCentre,   ///< cylinder: the line of centres, and its part perpendicular to each axis
   kVertex,   ///< box, triangle: from each vertex to the nearest point of B's surface
   kCap,      ///< circle: the direction nearest the other cylinder's axis
   kSide,     ///< circle: perpendicular to both axes
-  kBeside,   ///< circle: just beside that, and the bracket is complete
+  kBeside,   ///< circle: just beside that; completes the bracket
   kSample,   ///< circle: fixed directions
   kRefine,   ///< circle: a step inside the bracket
   kPole,     ///< free track: a cap axis
-  kStart,    ///< free track: the normal beside it, or the best so far
+  kStart,    ///< free track: the normal beside the axis, or the best so far
   kNewton,   ///< free track: a step
-  kTouch,    ///< the best normal again: witness points; track 0 by the features it touches
-  kProject,  ///< witness points: alternating projections; track 1 of all it nearly touches
+  kTouch,    ///< the best normal again: witness points; track 0 uses the features that it touches
+  kProject,  ///< witness points: alternating projections; track 1 uses all that it nearly touches
   kDone
 };
 
-/// Steps of alternating projection at the end, between the features that the normal touches, then
-/// between those that it nearly touches; the last two of them between the solids.
+/// Steps of alternating projection at the end: first between the features that the normal touches,
+/// then between those that it nearly touches. The last two steps are between the solids.
 inline constexpr std::array<int, 2> kProjections = {4, 7};
 
-/// The one of the second steps from which on solids that are clearly apart stay where they are.
+/// Index of the second steps from which solids that are clearly apart are not shifted.
 inline constexpr int kUnshifted = kProjections[1] - 4;
 
 struct Pass {
@@ -45,7 +45,7 @@ struct Pass {
   int index;  ///< within the phase
 };
 
-/// Counts through a schedule: `take` answers whether the pass is one of the next `count`.
+/// Counts through a schedule: `take` tells whether the pass is one of the next `count`.
 class Countdown {
  public:
   explicit Countdown(int k) : left_(k) {}
@@ -60,7 +60,7 @@ class Countdown {
   int left_;
 };
 
-/// The witness points' passes, after the search's.
+/// Passes of the witness points, after those of the search.
 [[nodiscard]] inline Pass witness_pass(Countdown k) {
   for (int t = 0; t < 2; ++t) {
     if (k.take(1)) return {Phase::kTouch, t, 0};
@@ -99,20 +99,20 @@ class Countdown {
   return witness_pass(k);
 }
 
-/// Pass k of a pair, 0 the first.
+/// Pass k of a pair, from 0.
 [[nodiscard]] inline Pass pass(Body body, const Budget& budget, int k) {
   return body == Body::kCylinder ? cylinder_pass(budget, Countdown(k))
                                  : polyhedron_pass(body == Body::kBox, budget, Countdown(k));
 }
 
-/// Evaluations of g that the search takes.
+/// Evaluations of g by the search.
 [[nodiscard]] inline int evaluations(Body body, const Budget& budget) {
   int k = 0;
   while (pass(body, budget, k).phase != Phase::kTouch) ++k;
   return k;
 }
 
-/// Passes until the pair leaves: two more evaluations and the projections.
+/// Passes until the pair leaves: the search, two more evaluations, and the projections.
 [[nodiscard]] inline int passes(Body body, const Budget& budget) {
   return evaluations(body, budget) + 2 + kProjections[0] + kProjections[1];
 }

@@ -3,41 +3,44 @@
 #include "cde/reference/pipes/cylinder/evaluator.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
 
-/// The search for the best normal as a state machine: step() is one pass of a pair through the
-/// datapath. Every value it computes is straight-line; what a pass keeps depends on its phase.
+/// The search for the best normal as a state machine. Function step() is one pass of a pair through
+/// the datapath. Every value that it computes is straight-line; the phase selects what a pass
+/// keeps.
 ///
-/// The best normal is a face normal, perpendicular to an edge or axis of one body (a circle of
-/// normals), a direction from a vertex, or, between two rims, free. Circles: bracket the maximum
-/// between two normals whose derivatives point inward; then Newton, or, where that leaves the
-/// bracket, the normal at which the two support points tie, which solves kinks at once. Free
-/// tracks: Newton on the sphere with the support functions' own curvatures.
+/// The best normal is a face normal, or is perpendicular to an edge or axis of one body (a circle
+/// of normals). It may also be a direction from a vertex, or, between two rims, free. On a circle
+/// the maximum is bracketed between two normals whose derivatives point inward. The next normal is
+/// a Newton step. If that leaves the bracket, it is the normal at which the two support points tie,
+/// which solves kinks at once. Free tracks use Newton steps on the sphere with the curvatures of
+/// the support functions.
 ///
-/// T is the largest g. Many normals share it up to rounding, for g is flat at its maximum: of those
-/// between a polyhedron and a cylinder the one whose derivative is least becomes n.
+/// T is the largest g. Many normals share it up to rounding, because g is flat at its maximum.
+/// Between a polyhedron and a cylinder, n is the one of them with the least derivative.
 namespace cde::reference::cylinder {
 
-/// What travels with a pair beside its operands: 34 words between cylinders, 41 else, and the pass
+/// State of a pair beside its operands: 34 words between cylinders, otherwise 41, and the pass
 /// number.
 template <typename S>
 struct Search {
   S best_g = -std::numeric_limits<S>::infinity();
   Vector<S> best_n = Vector<S>::Constant(canonical_nan<S>());
-  S best_slope = std::numeric_limits<S>::infinity();  ///< size of the derivative at best_n
-  Vector<S> next = Vector<S>::Zero();  ///< the next pass' normal where the phase does not name one
-  /// Circle: ends of the bracket, e x n pointing from lo to hi. Free track: lo_n the base, lo_y the
-  /// step from it, score its g.
+  S best_slope = std::numeric_limits<S>::infinity();  ///< magnitude of the derivative at best_n
+  Vector<S> next =
+      Vector<S>::Zero();  ///< normal of the next pass, if its phase does not define one
+  /// Circle: ends of the bracket, with e x n pointing from lo to hi. Free track: lo_n is the base,
+  /// lo_y the step from it, and score its g.
   Vector<S> lo_n = Vector<S>::Zero(), lo_y = Vector<S>::Zero();
   Vector<S> hi_n = Vector<S>::Zero(), hi_y = Vector<S>::Zero();
-  S score = S(0);                   ///< of the bracket: the better end's g
-  Vector<S> q = Vector<S>::Zero();  ///< circle: perpendicular to B's axis too. Witness: the point
-  Touch<S> last = {S(0), Vector<S>::Zero(), Vector<S>::Zero()};  ///< the sample before
-  Touch<S> back = last;                                          ///< that of its opposite
+  S score = S(0);                   ///< of the bracket: g of the better end
+  Vector<S> q = Vector<S>::Zero();  ///< circle: also perpendicular to B's axis. Witness: the point
+  Touch<S> last = {S(0), Vector<S>::Zero(), Vector<S>::Zero()};  ///< the previous sample
+  Touch<S> back = last;  ///< the opposite of the previous sample
   S last_slope = S(0), back_slope = S(0);
-  Vector<S> witness = Vector<S>::Zero();  ///< the best point of A so far, and how far off, squared
+  Vector<S> witness = Vector<S>::Zero();  ///< the best point of A so far; its squared error
   S off = S(0);
 };
 
-/// The gap's derivative along the circle perpendicular to e, in the direction e x n; for -n in the
+/// Derivatives of g along the circle perpendicular to e, in the direction e x n; for -n in the
 /// direction e x -n.
 template <typename S>
 struct Slopes {
@@ -56,7 +59,7 @@ template <typename S>
   return {select<S>(mask, a.g, b.g), select<S>(mask, a.n, b.n), select<S>(mask, a.y, b.y)};
 }
 
-/// sqrt(16 times the smallest normal number): weights below it would drown when squared.
+/// sqrt(16 times the smallest normal number): smaller weights would vanish when squared.
 template <typename S>
 inline const double kLeastWeight = [] {
   double x = 1;
@@ -64,9 +67,9 @@ inline const double kLeastWeight = [] {
   return x;
 }();
 
-/// The normal of the bracket at which the support points of both ends tie; g(n) is the least y.n,
-/// so the weights have the signs that put it inside. Where an end is that normal itself, or the
-/// support points are one (a corner and a rim point), a sixteenth of the weight still moves on.
+/// The normal of the bracket at which the support points of both ends tie. Here g(n) is the least
+/// y.n, so the weights have the signs that put it inside. If an end is that normal itself, or the
+/// support points coincide (a corner and a rim point), a sixteenth of the weight still moves on.
 template <typename S>
 [[nodiscard]] Vector<S> tie(const Search<S>& s) {
   const Vector<S> d = sub<S>(s.lo_y, s.hi_y);
@@ -77,8 +80,8 @@ template <typename S>
 
 // ---- Front of a pass: the normal, not yet of unit length ----
 
-/// From vertex v of A to the nearest point of B's surface, reversed; radially if that is a cap or v
-/// is inside: caps have a candidate of their own.
+/// The direction from vertex v of A to the nearest point of B's surface, reversed. It is radial if
+/// that point is on a cap or v is inside: caps have their own candidate.
 template <typename S>
 [[nodiscard]] Vector<S> vertex_normal(const Pair<S>& pair, const Vector<S>& v) {
   const S zero(0);
@@ -102,16 +105,17 @@ template <typename S>
   return add<S>(r[0], add<S>(r[1], r[2]));
 }
 
-/// The circle's frame: e, and the rectangle (box) or segment (triangle) that A projects to has its
-/// sides along u and e x u.
+/// Frame of a circle. A projects along e to a rectangle (box) or segment (triangle) with sides
+/// along u and e x u.
 template <typename S>
 [[nodiscard]] Vector<S> frame_u(const Pair<S>& pair, int track) {
   return pair.body == Body::kBox ? pair.axis[(track + 1) % 3] : pair.face;
 }
 
-/// Sample m of M on half the circle. The gap has kinks at u, w = e x u and where b.n = 0 (q), and
-/// its sharpest curve at p = q x e. Those four directions, in order u, f, w, e x f with f the one
-/// of +-q, +-p between u and w, cut the half circle into four arcs; M/4 samples lie inside each.
+/// Sample m of M on half the circle. Function g has kinks at u, at w = e x u and where b.n = 0 (q),
+/// and its sharpest curve at p = q x e. Let f be that of +-q, +-p which lies between u and w. The
+/// four directions u, f, w, e x f divide the half circle into four arcs, with M/4 samples inside
+/// each.
 template <typename S>
 [[nodiscard]] Vector<S> sample(const Pair<S>& pair, const Vector<S>& q, const Pass& p,
                                int samples) {
@@ -135,7 +139,7 @@ template <typename S>
   return p.index == samples ? Vector<S>(-raw) : raw;
 }
 
-/// sqrt(u): so near to a kink at q that a maximum in between is missed by less than rounding.
+/// sqrt(u): so near to a kink at q that a maximum between them is missed by less than rounding.
 template <typename S>
 inline constexpr double kBeside = [] {
   double x = 1;
@@ -152,9 +156,9 @@ template <typename S>
   return select<S>(along_x, Vector<S>(-e.z(), zero, e.x()), Vector<S>(zero, e.z(), -e.y()));
 }
 
-/// The triangle's normal (0) and edges (1, 2, 3). Where the normal drowns in rounding the triangle
-/// is a segment, and any normal of its longer edge at v0 serves; of a point, any of B's axis, for
-/// one on that axis has no direction to B's side.
+/// The triangle's normal (0) and edges (1, 2, 3). If the normal is below rounding, the triangle is
+/// a segment, and any normal of its longer edge at v0 serves. If it is a point, any normal of B's
+/// axis serves, because a point on that axis has no direction to B's side.
 template <typename S>
 [[nodiscard]] Vector<S> triangle_frame(const Pair<S>& pair, int i) {
   const Vector<S> e1 = pair.reach[0], e2 = pair.reach[1], face = cross<S>(e1, e2);
@@ -188,7 +192,7 @@ template <typename S>
     case Phase::kCap:
       return cross<S>(cross<S>(e, other), e);
     case Phase::kSide: {
-      // An axis along the edge: any direction of the circle serves as q.
+      // The axis is along the edge: any direction of the circle serves as q.
       const Vector<S> q = cross<S>(e, other);
       const S tiny(16 * kUnitRoundoff<S>);
       return select<S>(dot<S>(q, q) <= tiny * tiny,
@@ -204,7 +208,7 @@ template <typename S>
       return p.track == 2 ? s.best_n : s.next;
     case Phase::kTouch:
       return s.best_n;
-    case Phase::kRefine:  // back onto the circle, which the next normal leaves by rounding
+    case Phase::kRefine:  // back onto the circle, which rounding has left
       return cross<S>(cross<S>(e, s.next), e);
     default:
       return s.next;
@@ -213,13 +217,13 @@ template <typename S>
 
 // ---- Back of a pass: what the pair keeps ----
 
-/// The better of both orientations.
+/// The better one of both orientations.
 template <typename S>
 [[nodiscard]] Touch<S> better(const Evaluation<S>& e) {
   return select_touch<S>(e.plus.g < e.minus.g, e.minus, e.plus);
 }
 
-/// The next normal on a circle: Newton from `at` if that stays in the bracket, else the tie.
+/// The next normal on a circle: a Newton step from `at` if it stays in the bracket, else the tie.
 template <typename S>
 [[nodiscard]] Vector<S> circle_step(const Vector<S>& e, const Search<S>& s, const Evaluation<S>& at,
                                     const Slopes<S>& slope) {
@@ -233,8 +237,8 @@ template <typename S>
   return select<S>(inside, n, tie<S>(s));
 }
 
-/// An arc between two samples: becomes the bracket if both slopes point inward and no bracket so
-/// far has a better end.
+/// Makes the arc between two samples the bracket if both slopes point inward and no earlier bracket
+/// has a better end.
 template <typename S>
 void keep_arc(Search<S>& s, const Touch<S>& lo, S lo_slope, const Touch<S>& hi, S hi_slope) {
   const S score = max_num(lo.g, hi.g);
@@ -244,7 +248,7 @@ void keep_arc(Search<S>& s, const Touch<S>& lo, S lo_slope, const Touch<S>& hi, 
   s.hi_n = select<S>(take, hi.n, s.hi_n), s.hi_y = select<S>(take, hi.y, s.hi_y);
 }
 
-/// A sample: the arc from the one before to it, and the opposite one.
+/// Handles a sample: the arc from the previous sample to it, and the opposite arc.
 template <typename S>
 void keep_sample(Search<S>& s, const Evaluation<S>& at, const Slopes<S>& slope, bool first) {
   if (first) {
@@ -258,7 +262,7 @@ void keep_sample(Search<S>& s, const Evaluation<S>& at, const Slopes<S>& slope, 
   s.back = at.minus, s.back_slope = slope.minus;
 }
 
-/// A step inside the bracket replaces the end whose slope has its sign.
+/// A step inside the bracket replaces the end whose slope has the same sign.
 template <typename S>
 void keep_step(Search<S>& s, const Evaluation<S>& at, const Slopes<S>& slope) {
   const Mask<S> up = S(0) < slope.plus;
@@ -266,7 +270,7 @@ void keep_step(Search<S>& s, const Evaluation<S>& at, const Slopes<S>& slope) {
   s.hi_n = select<S>(up, s.hi_n, at.plus.n), s.hi_y = select<S>(up, s.hi_y, at.plus.y);
 }
 
-/// Two ends in either order make the bracket.
+/// Makes two ends, in either order, the bracket.
 template <typename S>
 void bracket(Search<S>& s, const Vector<S>& e, const Touch<S>& x, const Touch<S>& y) {
   const Mask<S> ahead = S(0) < dot<S>(cross<S>(e, x.n), y.n);
@@ -274,22 +278,23 @@ void bracket(Search<S>& s, const Vector<S>& e, const Touch<S>& x, const Touch<S>
   s.hi_n = select<S>(ahead, y.n, x.n), s.hi_y = select<S>(ahead, y.y, x.y);
 }
 
-/// A cylinder as the search beside a cap's axis sees it.
+/// A cylinder in the search beside a cap's axis.
 template <typename S>
 struct Cap {
   Vector<S> axis, reach;
   S radius;
 };
 
-/// Off a cap's axis n towards the steepest ascent t = y - g n, taken at the cap's centre: the gap
-/// changes by |t| - r per radian, and curves by kappa (v.t)^2/|t|^2 + g of the other body. The
-/// Newton step of that derivative, 2^-13 to 1/8 radian; started farther off, the search misses
-/// maxima close to the axis.
+/// The next normal off a cap's axis n, towards the steepest ascent t = y - g n, taken at the cap's
+/// centre. Function g changes by |t| - r per radian, and curves by kappa (v.t)^2/|t|^2 + g of the
+/// other body. The step is the Newton step of that derivative, limited to 2^-13 to 1/8 radian. From
+/// a start farther off, the search would miss maxima close to the axis.
 ///
-/// Two things make y the wrong point to start from. Where the other cylinder's axis is within a
-/// 32nd of t's slope of perpendicular to n, its nearer end is the one on the side of the step, not
-/// the one that n happens to touch. Where the axes are parallel up to 2^-15, what its rim adds
-/// turns with the step: |t| - r - r' is the slope, t between the axes.
+/// In two cases y is the wrong point to start from. First, the other cylinder's axis may be
+/// perpendicular to n within a 32nd of t's slope. Its nearer end is then the one on the side of the
+/// step, not the one that n happens to touch. Second, the axes may be parallel up to 2^-15. Then
+/// the contribution of its rim turns with the step: the slope is |t| - r - r', with t between the
+/// axes.
 template <typename S>
 [[nodiscard]] Vector<S> beside_pole(const Touch<S>& at, const Vector<S>& d, const Cap<S>& own,
                                     const Cap<S>& other, const Rim<S>& rim) {
@@ -312,7 +317,7 @@ template <typename S>
   return add<S>(scale<S>(at.n, length), scale<S>(t, step));
 }
 
-/// Off the axis of A's caps, or of B's.
+/// The step off the axis of A's caps, or of B's.
 template <typename S>
 [[nodiscard]] Vector<S> pole_step(const Pair<S>& pair, const Evaluation<S>& at, bool of_a) {
   const Cap<S> a = {pair.axis[0], pair.reach[0], pair.radius};
@@ -321,9 +326,9 @@ template <typename S>
               : beside_pole<S>(better<S>(at), pair.d, b, a, at.a);
 }
 
-/// Newton's step of g on the sphere from n: (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n
-/// in the tangent plane. The matrix gets as much of the identity added as makes its smaller
-/// eigenvalue |y - g n|, and the step at most 1; each component is at most 1/2.
+/// Newton step of g on the sphere from n: (kappa_a va va^T + kappa_b vb vb^T + g) step = y - g n in
+/// the tangent plane. Enough of the identity is added to the matrix to make its smaller eigenvalue
+/// |y - g n|. This limits the step to 1; each component is limited to 1/2.
 template <typename S>
 [[nodiscard]] Vector<S> newton_step(const Touch<S>& at, const Rim<S>& a, const Rim<S>& b) {
   const S zero(0), half(0.5);
@@ -356,10 +361,11 @@ void keep_newton(Search<S>& s, const Evaluation<S>& at, bool start) {
   s.next = add<S>(s.lo_n, s.lo_y);
 }
 
-/// The largest g so far, and its normal. Between cylinders the first of equals stays: with a rim
-/// switched off g would be too large by r |a x n|, a rounding error on the axis itself. Else, of
-/// values that are equal up to rounding, that of the least slope. A vertex' own normal has none;
-/// face normals and the side's are right on a kink alone, where a circle finds them again.
+/// Keeps the largest g so far, and its normal. Between cylinders the first of equal values stays:
+/// with a rim switched off, g would be too large by r |a x n|, a rounding error on the axis itself.
+/// Otherwise, of values equal up to rounding, the one with the least slope is kept. A vertex' own
+/// normal has slope 0. Face normals and those of a side are right only on a kink, where a circle
+/// finds them again.
 template <typename S>
 void keep_best(Search<S>& s, const Pair<S>& pair, const Pass& p, const Evaluation<S>& at,
                Mask<S> turned, const Slopes<S>& slope) {
@@ -382,7 +388,7 @@ void keep_best(Search<S>& s, const Pair<S>& pair, const Pass& p, const Evaluatio
   s.best_g = select<S>(raised, best.g, s.best_g);
 }
 
-/// One pass of the search: pass(body, budget, k) as `p`, not yet a witness pass.
+/// One pass of the search. `p` is pass(body, budget, k), not yet a witness pass.
 template <typename S>
 void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
   const bool cylinders = pair.body == Body::kCylinder, pole = p.phase == Phase::kPole;

@@ -2,23 +2,26 @@
 #pragma once
 #include "cde/reference/pipes/cylinder/search.hpp"
 
-/// Witness points: a point of A that is, moved by s n, a point of B. The support points for n will
-/// not do where faces or edges lie on each other: every point of them is one. Alternating
-/// projection onto A and onto B moved by -s n (von Neumann; Bauschke and Borwein, SIAM Review 38,
-/// 1996) finds one that both share: between the features that n touches, a vertex, edge, face, line
-/// of a side, cap or rim, which meet at large angles where the solids part by a millionth; then
-/// between all that n nearly touches; at last between the solids, which is right where n is not.
-/// Solids that are clearly apart are projected on where they stand: what they approach are their
-/// nearest points, and n is the direction between them. The best point of all stays.
+/// Witness points: a point of A that becomes a point of B when moved by s n. The support points for
+/// n do not suffice if faces or edges touch along their length: every point of them is a support
+/// point. Alternating projection finds a point that both share. It projects onto A and onto B moved
+/// by -s n (von Neumann; Bauschke and Borwein, SIAM Review 38, 1996).
+///
+/// It first projects between the features that n touches: a vertex, edge, face, line of a side, cap
+/// or rim. These meet at large angles even if the solids separate by a millionth. Then it projects
+/// between all features that n nearly touches. Finally it projects between the solids, which is
+/// right even if n is not. Solids that are clearly apart are not shifted: the projections approach
+/// their nearest points, and n is the direction between them. The best point of all steps is kept.
 namespace cde::reference::cylinder {
 
-/// How far off, in radians, a normal still touches the whole of an edge, face, cap or line of a
-/// side: what rounding leaves of a normal that does. Second, where the first normal may be off.
+/// Angle in radians within which a normal touches the whole of an edge, face, cap or line of a
+/// side. The first value is what rounding leaves of a normal that does. The second allows for an
+/// error of the first normal.
 template <typename S>
 inline constexpr std::array<double, 2> kTouching = {64 * kUnitRoundoff<S>,
                                                     0x1p14 * kUnitRoundoff<S>};
 
-/// Clearly apart: s is more than this share of both gaps' sum.
+/// Clearly apart means that s is more than this share of the sum of both distances.
 inline constexpr double kClear = 0x1p-6;
 
 /// A cylinder, and how n touches it.
@@ -26,17 +29,18 @@ template <typename S>
 struct Cylindrical {
   Vector<S> c, a;
   S half, radius;
-  S end;              ///< height of the cap on n's side
-  Vector<S> side;     ///< from the axis to the line of the side, or to where n touches the rim
-  Mask<S> alongside;  ///< touches that line: the side is it instead of round
-  Mask<S> flat;       ///< touches all of the cap
-  Mask<S> rim;        ///< touches the cap's rim alone: the cylinder is that circle
+  S end;  ///< height of the cap on n's side
+  Vector<S>
+      side;  ///< from the axis to the line of the side, or to the point of the rim that n touches
+  Mask<S> alongside;  ///< n touches that line, which then replaces the round side
+  Mask<S> flat;       ///< n touches the whole cap
+  Mask<S> rim;        ///< n touches only the cap's rim, which then replaces the cylinder
 };
 
-/// Nearest point of the solid cylinder, of its rim, or of a line of its side: a round side and a
-/// plane that touches it part so slowly that every projection merely halves the error. From the
-/// axis all of the rim is as near, and l has no direction: the point that n touches serves. 24 mul,
-/// 16 add or sub, 1 div, 1 sqrt, 1 cmp, 3 min or max.
+/// Nearest point of the solid cylinder, of its rim, or of a line of its side. A round side and a
+/// tangent plane separate so slowly that each projection only halves the error. From the axis the
+/// whole rim is equally near, and l has no direction. The point that n touches is then used.
+/// Operators: 24 mul, 16 add or sub, 1 div, 1 sqrt, 1 cmp, 3 min or max.
 template <typename S>
 [[nodiscard]] Vector<S> project_cylinder(const Vector<S>& x, const Cylindrical<S>& cylinder) {
   const Vector<S>& a = cylinder.a;
@@ -51,7 +55,7 @@ template <typename S>
   return add<S>(cylinder.c, add<S>(scale<S>(a, z), across));
 }
 
-/// How n touches A, a polyhedron: its features up to `near` radian if the mask says so.
+/// How n touches the polyhedron A: with `features`, its features within `near` radian.
 template <typename S>
 struct Touching {
   Vector<S> n;
@@ -74,10 +78,11 @@ template <typename S>
   return add<S>(p[0], add<S>(p[1], p[2]));
 }
 
-/// Nearest point of the triangle, or of the vertex, edge or face that n touches: of its plane if
-/// that lies inside and is no farther, for the normal of a sliver may lean along it; else of an
-/// edge. An edge or a triangle without length or area is selected away by its NaN, and v0 remains.
-/// 64 mul, 54 add or sub, 3 div, 15 cmp or min or max.
+/// Nearest point of the triangle, or of the vertex, edge or face that n touches. It is the point of
+/// the plane if that lies inside and is no farther, because the normal of a sliver may lean along
+/// it. Otherwise it is a point of an edge. An edge or a triangle without length or area is selected
+/// away by its NaN, and v0 remains.
+/// Operators: 64 mul, 54 add or sub, 3 div, 15 cmp or min or max.
 template <typename S>
 [[nodiscard]] Vector<S> project_triangle(const Vector<S>& x, const Pair<S>& pair,
                                          const Touching<S>& touching) {
@@ -89,7 +94,7 @@ template <typename S>
   const std::array<Vector<S>, 3> along = {pair.axis[0], pair.axis[2], pair.axis[1]};
   const S p1 = dot<S>(n, v1), p2 = dot<S>(n, v2);
   const Mask<S> second = p1 < p2, first = zero < max_num(p1, p2);
-  // Which edges end at the vertex that n touches, and which of all it touches along their length.
+  // Which edges end at the vertex that n touches, and which edges n touches along their length.
   const std::array<Mask<S>, 3> ends = {!(first && second), second || !first, first};
   std::array<Mask<S>, 3> flat;
   for (int i = 0; i < 3; ++i) flat[i] = magnitude(dot<S>(n, along[i])) <= touching.near || solid;
@@ -106,7 +111,7 @@ template <typename S>
     const Mask<S> nearer = rr < least && flat[i] && (ends[i] || face);
     best = select<S>(nearer, p, best);
     least = select<S>(nearer, rr, least);
-    // v0 v2 runs against the other two. Strictly: without area nothing is inside.
+    // Edge v0 v2 runs against the other two. Strict comparison: without area nothing is inside.
     const S side = dot<S>(cross<S>(edge, w), pair.face);
     inside = inside && (i == 1 ? side < zero : zero < side);
   }
@@ -115,15 +120,15 @@ template <typename S>
   return select<S>(inside && height * height <= least, plane, best);
 }
 
-/// What a witness pass does beside projecting, counted from its number.
+/// Settings of a witness pass beside its projections, derived from its number.
 struct WitnessPass {
-  bool touch;      ///< a start, not a projection
-  bool first;      ///< between what n touches; else what it nearly touches
-  bool features;   ///< between features; else the solids
-  bool lines;      ///< those of sides too, which a start from the other body may miss
-  bool unshifted;  ///< where they stand, if clearly apart
+  bool touch;      ///< starts from support points instead of projecting
+  bool first;      ///< uses what n touches; otherwise what it nearly touches
+  bool features;   ///< between features; otherwise between the solids
+  bool lines;      ///< includes lines of sides, which a start from the other body may miss
+  bool unshifted;  ///< without shifting B, if clearly apart
   bool trial;      ///< n is the direction between the nearest points so far
-  bool further;    ///< on to where flat faces would cross
+  bool further;    ///< extrapolates to where flat faces would cross
   explicit WitnessPass(const Pass& p)
       : touch(p.phase == Phase::kTouch),
         first(p.track == 0),
@@ -134,7 +139,7 @@ struct WitnessPass {
         further(first || p.index % 2 == 1) {}
 };
 
-/// How n touches a cylinder, whose axis is a: `at` its rim for n, `along` a.n.
+/// How n touches a cylinder with axis a; `at` is its rim for n, `along` is a.n.
 template <typename S>
 [[nodiscard]] Cylindrical<S> touched(const Vector<S>& a, S half, S radius, S along,
                                      const Rim<S>& at, const Touching<S>& touching, bool lines,
@@ -167,19 +172,20 @@ template <typename S>
   return dot<S>(v, v);
 }
 
-/// A witness pass. kTouch starts from that body's support point which is nearer to the other body:
-/// a corner or rim that meets a face knows where; or from the middle of a cap that is touched all
-/// over, whose nearest point of the other's feature is on the cap if any is. kProject goes to B and
-/// back to A, and on to where the two faces would cross if they were flat (Gubin, Polyak and Raik,
-/// 1967), which without bounds is exact in one pass. Clearly apart it is Anderson's extrapolation
-/// of the last two steps (1965) that goes on; the direction between the nearest points becomes n
-/// if g does not fall and both together are no worse than what was there.
+/// A witness pass. Phase kTouch starts from the body whose support point is nearer to the other
+/// body, because a corner or rim on a face determines the place. It may instead start from the
+/// middle of a cap that is touched entirely: the nearest point of the other's feature is on the cap
+/// if any is. Phase kProject projects to B and back to A, then continues to where the two faces
+/// would cross if they were flat (Gubin, Polyak and Raik, 1967). Without bounds that is exact in
+/// one pass. If the solids are clearly apart, it extrapolates the last two steps instead (Anderson,
+/// 1965). The direction between the nearest points becomes n if g does not fall, and both together
+/// are no worse than before.
 template <typename S>
 void witness(const Pair<S>& pair, Search<S>& s, const Pass& p) {
   const WitnessPass now(p);
   const bool cylinders = pair.body == Body::kCylinder;
   const S one(1), most(1 / kTouching<S>[0]);
-  // Points that are too near for a direction leave n as it is.
+  // Points too near for a direction leave n unchanged.
   const Vector<S> n = now.trial ? normalise_or<S>(s.next, s.best_n) : s.best_n;
   const Evaluation<S> at = evaluate<S>(pair, n);
   const S sum = magnitude(at.plus.g) + magnitude(at.minus.g);
@@ -197,7 +203,7 @@ void witness(const Pair<S>& pair, Search<S>& s, const Pass& p) {
   const Vector<S> shift = scale<S>(s.best_n, s.best_g);
   b.c = select<S>(clear, pair.d, Vector<S>(sub<S>(pair.d, shift)));
 
-  // From A's point to B, from B's to A.
+  // From A's point to B, and from B's to A.
   const Mask<S> cap_a = Mask<S>(now.first && cylinders) && a.flat && !b.rim;
   const Mask<S> cap_b = Mask<S>(now.first) && b.flat && (!a.rim || Mask<S>(!cylinders));
   Vector<S> end_a, end_b;
@@ -212,7 +218,7 @@ void witness(const Pair<S>& pair, Search<S>& s, const Pass& p) {
   const Vector<S> on_b = project_cylinder<S>(from, b);
   const Vector<S> to_a = now.touch ? of_b : on_b, on_a = project_a<S>(to_a, pair, a, touching);
 
-  // How good the point is, and n with it.
+  // The quality of the point, and of n with it.
   const Vector<S> step = sub<S>(on_b, from), apart = sub<S>(to_a, on_a);
   const S away = squared<S>(step);
   const Vector<S> missing = sub<S>(
@@ -232,7 +238,7 @@ void witness(const Pair<S>& pair, Search<S>& s, const Pass& p) {
   s.best_n = select<S>(turn, n, s.best_n);
   s.best_g = select<S>(turn, max_num(s.best_g, at.plus.g), s.best_g);
 
-  // How to go on.
+  // The start of the next pass.
   const Vector<S> move = sub<S>(on_a, from), bend = sub<S>(move, s.lo_y);
   const Vector<S> against = select<S>(clear, bend, step);
   const S gain =
