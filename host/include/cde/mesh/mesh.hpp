@@ -30,8 +30,8 @@ struct Mesh {
   std::string name;  ///< for messages: file name without folder, or "terrain".
   std::size_t dropped =
       0;  ///< points and lines of the file; they have no area and are not among the faces.
-  std::vector<MeshPart> parts = {};  ///< ascending; objects and groups of OBJ, nodes of what assimp
-                                     ///< reads; empty if the file names none
+  std::vector<MeshPart> parts = {};  ///< ascending; objects and groups of OBJ, nodes of formats
+                                     ///< that assimp reads; empty if the file names none.
   /// What was skipped or reinterpreted, with its place in the file: one line each, without line
   /// end.
   std::vector<std::string> warnings = {};
