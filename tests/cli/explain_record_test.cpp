@@ -135,14 +135,14 @@ TEST_F(ExplainRecord, AsTextItEndsWithTheWinnerAndItsPair) {
   const std::size_t list = at("On the card 4 of 5 pairs are candidates");
   EXPECT_LT(list, at("0  1  4 (0x40800000)"));
   EXPECT_LT(at("3 more (--max)"), at("card       secondary 1 wins, T 2 (0x40000000)"));
-  EXPECT_LT(at("The reference's sweep: 4 of 5 pairs are candidates."),
-            at("Primary 0 and secondary 1 through the pipe alone"));
+  EXPECT_LT(at("Brute force in the reference: 4 of 5 pairs are candidates."),
+            at("Primary 0 and secondary 1 in the pipe alone"));
   at("The card's answer is the reference's.");
   const std::string none = text("nearest.toml:q:0:2");
   EXPECT_TRUE(has(none, "On the card 0 of 5 pairs are candidates."));
   EXPECT_TRUE(has(none, "no secondary wins"));
   EXPECT_TRUE(
-      has(text("hits.toml:q:0:0"), "In mode hits every hit has a record: there is no winner"));
+      has(text("hits.toml:q:0:0"), "In mode hits every hit has a record. There is no winner"));
 }
 
 TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
@@ -169,7 +169,7 @@ TEST_F(ExplainRecord, WhatGoesThroughAHierarchyIsSwept) {
   EXPECT_EQ(j["swept_instead"], true);
   EXPECT_EQ(j["pairs_tested"], 5);
   EXPECT_EQ(j["card_records_of_it"][0]["index"], 1);
-  EXPECT_TRUE(has(text("tree.toml:q:0:0"), "here the packet is swept"));
+  EXPECT_TRUE(has(text("tree.toml:q:0:0"), "the packet is tested by brute force"));
   EXPECT_EQ(told("nearest.toml:q:0:0")["swept_instead"], false);
 }
 
@@ -267,7 +267,7 @@ TEST_F(ExplainLine, ThatCannotBeReadIsRefused) {
     EXPECT_EQ(ran.status, 2) << line;
     EXPECT_EQ(ran.out, "");
     if (*line == '\0') continue;  // an empty value counts as none
-    EXPECT_TRUE(has(ran.err, "the line must have \"cde explain PAIR"));
+    EXPECT_TRUE(has(ran.err, "expected a line with \"cde explain PAIR"));
   }
   const Ran words = cde({"explain", "--from-test", "cde explain sphere-sphere '0 0 0 1'"});
   EXPECT_EQ(words.status, 2);

@@ -129,7 +129,7 @@ TEST_F(CommandLine, OptionsWithoutMeaning_AreRefused) {
       {"explain --from-record a:b:0:0 --from-test x",
        "--from-test cannot be combined with --from-record"},
       {"explain sphere-sphere --from-test x",
-       "PAIR cannot be combined with --from-test; it says which pair it is"},
+       "PAIR cannot be combined with --from-test; it already names the pair"},
       {"run none.toml --check none --bundle f", "--bundle cannot be combined with --check none"},
       {"fp f32_add --format fp16", "--format fp16 cannot be combined with f32_add"},
       {"inventory sphere-sphere --facet-interval 1",

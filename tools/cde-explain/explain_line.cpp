@@ -17,12 +17,11 @@ namespace cde::cli {
 namespace {
 
 [[noreturn]] void refuse(const std::string& why) {
-  throw Error(
-      ErrorCode::kUsage,
-      fmt::format("--from-test: {}; the line must have \"cde explain PAIR OPTIONS 'WORDS OF A | "
-                  "WORDS OF B'\" or \"echo 'WORDS' | cde query PAIR OPTIONS\", as failing tests "
-                  "and cde query print it",
-                  why));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("--from-test: {}; expected a line with \"cde explain PAIR OPTIONS 'WORDS "
+                          "OF A | WORDS OF B'\" or \"echo 'WORDS' | cde query PAIR OPTIONS\", as "
+                          "failing tests and cde query print it",
+                          why));
 }
 
 struct Word {
@@ -30,7 +29,8 @@ struct Word {
   bool quoted = false;
 };
 
-/// Words as a shell has them, without expansions; a | that is not quoted is one by itself.
+/// Splits a line into words as a shell does, without expansions. A | that is not quoted is a word
+/// by itself.
 std::vector<Word> shell_words(const std::string& line) {
   std::vector<Word> words;
   Word word;
@@ -72,7 +72,7 @@ bool is_command(const Word& w) {
 
 NamedPair pair_in_line(const std::string& line) {
   const std::vector<Word> words = shell_words(line);
-  // Where the command begins, that of explain first: its operands are its own.
+  // The begin of the command. A command of explain comes first, because it contains its operands.
   std::optional<std::size_t> at;
   for (const char* verb : {"explain", "query"})
     for (std::size_t i = 0; !at && i + 1 < words.size(); ++i)
@@ -89,7 +89,7 @@ NamedPair pair_in_line(const std::string& line) {
   if (typed[0] == "explain") found.options.arithmetic = "rtl";
   add_pair_options(*verb, found.options);
   known_words(verb->add_option("words", operands, ""), {}, "WORDS");
-  // What cde query takes beside them changes no answer.
+  // Further options of cde query change no answer, and are accepted.
   bool flag = false;
   std::string ignored;
   if (typed[0] == "query") {

@@ -6,14 +6,14 @@
 
 namespace cde::cli {
 
-/// A pair and its pipe.
+/// A pair and the options of its pipe.
 struct NamedPair {
   PairOptions options;
-  std::string words;  ///< as `cde query` reads them
+  std::string words;  ///< operands, as `cde query` reads them
 };
 
-/// The pair in a line that a failing test or verb has printed: what stands around its command does
-/// not matter. Error kUsage, with what is expected.
+/// The pair in a line that a failing test or verb printed. Text around the command does not matter.
+/// Error kUsage, with the expected form.
 [[nodiscard]] NamedPair pair_in_line(const std::string& line);
 
 }  // namespace cde::cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde explain --from-record: how a record of a scene came about in the update engine, beside the
-// reference's sweep, and the pair that tells most of it through its pipe alone.
+// cde explain --from-record: compares the update engine's decisions about a record of a scene with
+// brute force in the reference. Then explains the most telling pair in its pipe.
 #include "explain_record.hpp"
 
 #include <fmt/format.h>
@@ -41,12 +41,12 @@ std::string number(const RecordStory& s, float x) {
   return WordText(s.board.format).decimal_and_bits(FloatWords(s.board.format).encode(x));
 }
 
-/// What a candidate of the card was held against, by what the card kept before.
+/// Explains why the card kept a candidate or not, from the candidates that it kept before.
 class Reasons {
  public:
   explicit Reasons(const RecordStory& s) : s_(s) {}
 
-  /// Of the next one that arrives.
+  /// The reason for the next candidate.
   std::string next(const StoryPair& p) {
     if (p.pass != pass_) kept_ = nullptr;
     pass_ = p.pass;
@@ -82,10 +82,11 @@ class Reasons {
 
   const RecordStory& s_;
   std::uint64_t pass_ = 0;
-  const StoryPair* kept_ = nullptr;  ///< of the pass
+  const StoryPair* kept_ = nullptr;  ///< best candidate of the pass so far
 };
 
-/// Candidates of the card, each with why it was kept or not, and what the reference says otherwise.
+/// A candidate of the card, the reason why it was kept or not, and the difference from the
+/// reference.
 struct Line {
   const StoryPair* pair;
   std::string reason, otherwise;
@@ -120,7 +121,7 @@ std::vector<Line> lines_of(const RecordStory& s) {
   return lines;
 }
 
-/// What of the reference's candidates the card's list lacks, and what it has beyond them.
+/// Candidates of the reference that the card's list lacks, and candidates that only the card has.
 struct Balance {
   std::vector<std::uint32_t> lacks, too_many;
 };
@@ -145,14 +146,13 @@ class Text {
         s_.frame, s_.asked().name, s_.primary, place / s_.board.lanes, place % s_.board.lanes,
         name(s_.asked().pair), name_of(s_.asked().mode));
     if (s_.first_frame != s_.frame)
-      put("Frame {} alone differs in no record: frames {} to {} were played before it.\n", s_.frame,
-          s_.first_frame, s_.frame - 1);
+      put("No record differs if only frame {} is played, so frames {} to {} were played before "
+          "it.\n",
+          s_.frame, s_.first_frame, s_.frame - 1);
     if (s_.swept_instead)
-      put("The run's primaries go through a hierarchy; here the packet is swept, which has the "
-          "same "
-          "records. If they differ in the run and not here, it is the way through the tree: cde "
-          "run "
-          "--trace has waves of it.\n");
+      put("In the run, primaries traverse a BVH. Here the packet is tested by brute force, with "
+          "the same records. If they differ only in the run, the traversal is wrong; cde run "
+          "--trace writes waves of it.\n");
     put("\n");
     records("card", s_.card);
     records("reference", s_.reference);
@@ -191,19 +191,19 @@ class Text {
                          n == 1 ? "is a candidate" : "are candidates");
     };
     if (s_.of_pairs()) {
-      put("\nIn mode {} every {} has a record: there is no winner, and the update engine has no "
-          "part in it.\n",
+      put("\nIn mode {} every {} has a record. There is no winner, and the update engine is not "
+          "used.\n",
           name_of(s_.asked().mode), s_.asked().mode == Mode::kAll ? "pair" : "hit");
       if (s_.arrived.empty()) return;
-      put("The card's records of the primary, in the order in which they came:\n");
+      put("The card's records of the primary, in order of arrival:\n");
       return;
     }
     const bool gap = is_solid(s_.asked().pair) && s_.asked().mode != Mode::kAny;
     if (s_.chosen_by_host)
-      put("\nSome pairs of a thing with itself do not count: the host chooses among the records of "
-          "several passes. Passes whose records are of pairs are not listed.\n");
-    put("\nOn the card {}{}{}\n", candidates(count), gap ? "; T is the signed gap" : "",
-        count == 0 ? "." : ", in the order in which they came to the update engine:");
+      put("\nSome pairs of an object with itself do not count, so the host chooses among the "
+          "records of several passes. Passes with a record per pair are not listed.\n");
+    put("\nOn the card {}{}{}\n", candidates(count), gap ? "; T is the signed distance" : "",
+        count == 0 ? "." : ", in order of arrival at the update engine:");
   }
 
   void list() {
@@ -251,7 +251,7 @@ class Text {
       side_wins("reference", s_.reference);
     }
     const bool one = s_.candidates == 1;
-    put("The reference's sweep: {} of {} {}.", s_.candidates, counted(s_.swept, "pair"),
+    put("Brute force in the reference: {} of {} {}.", s_.candidates, counted(s_.swept, "pair"),
         s_.of_pairs() ? one ? "has a record" : "have a record"
         : one         ? "is a candidate"
                       : "are candidates");
@@ -265,7 +265,7 @@ class Text {
       return text;
     };
     if (!b.lacks.empty()) put(" The card's list lacks {}.", numbers(b.lacks));
-    if (!b.too_many.empty()) put(" It has {} too many.", numbers(b.too_many));
+    if (!b.too_many.empty()) put(" It has extra candidates: {}.", numbers(b.too_many));
     put("\n");
     if (!s_.missing.empty())
       put("Not tested on the card: {}.\n", [&] {
@@ -280,7 +280,7 @@ class Text {
   std::string all_;
 };
 
-/// The pair that is explained.
+/// The explained pair.
 struct Told {
   std::uint32_t secondary;
   PairWords words;
@@ -376,7 +376,7 @@ void explain_record(const RecordRequest& r) {
   } else {
     put(Text(s, r.most).text());
     if (t)
-      put(fmt::format("\nPrimary {} and secondary {} through the pipe alone\n\n{}", s.primary,
+      put(fmt::format("\nPrimary {} and secondary {} in the pipe alone\n\n{}", s.primary,
                       t->secondary, explanation_text(t->options, t->explanation, r.most)));
   }
   if (!s.same() || (t && !t->explanation.same())) exit_code = exit_status(ErrorCode::kMismatch);

@@ -7,11 +7,12 @@ namespace cde::cli {
 /// `cde explain --from-record`.
 struct RecordRequest {
   std::string name;     ///< RUN:QUERY:FRAME:PRIMARY
-  unsigned most = 100;  ///< lines of a list, 0 for all
-  bool exact = false;   ///< the planned card and no other
+  unsigned most = 100;  ///< most lines of a list, 0: all
+  bool exact = false;   ///< only the planned card
   bool json = false;
 };
-/// Prints how the record came about; exit_code is that of a mismatch if the sides differ.
+/// Prints the explanation of the record. Sets exit_code to that of a mismatch if card and reference
+/// differ.
 void explain_record(const RecordRequest& request);
 
 }  // namespace cde::cli

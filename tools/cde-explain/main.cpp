@@ -5,7 +5,7 @@ namespace {
 
 const cde::cli::Program kProgram = {
     .name = "cde",
-    .description = "cde-explain: where a wrong answer of the card begins",
+    .description = "cde-explain: finds where a wrong answer of the card begins",
     .add_verbs = [](CLI::App& app) {
       cde::cli::add_explain(app);
       cde::cli::add_pack(app);

@@ -35,11 +35,11 @@ bool one_a_pair(Mode mode) {
   return mode == Mode::kAll || mode == Mode::kHits;
 }
 
-/// The scene that is named, itself or by a run of it.
+/// The scene of a record name, given directly or by the folder of a run.
 struct Named {
   std::string scene;
-  std::uint32_t first = 0;  ///< frame that the run began with, or the record's own
-  bool failed = false;      ///< the run found records of the query in the frame that differ
+  std::uint32_t first = 0;  ///< first frame of the run, or the record's frame
+  bool failed = false;      ///< the run found differing records of the query in this frame
 };
 
 Named scene_named(const RecordName& name) {
@@ -49,7 +49,7 @@ Named scene_named(const RecordName& name) {
   const auto no_run = [&](const std::string& why) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: {}", printable_name(name.run), why));
   };
-  if (run.is_null()) no_run("a folder, but not of a run: it has no run.json");
+  if (run.is_null()) no_run("the folder has no run.json, so it is not the folder of a run");
   try {
     found.scene = run.at("scene");
     const std::uint32_t first = run.at("frames").at(0);
@@ -59,7 +59,7 @@ Named scene_named(const RecordName& name) {
                                         q.at("query") == name.query && q.at("mismatches") != 0);
     if (found.failed) found.first = std::min(first, name.frame);
   } catch (const nlohmann::json::exception&) {
-    no_run("its run.json is not of this version");
+    no_run("its run.json is from another version");
   }
   return found;
 }
@@ -89,10 +89,10 @@ class Teller {
   RecordStory tell() {
     const Scratch scratch("cde-record");
     const std::string waves = scratch / "waves.fst";
-    (void)bitstream_path(plan_.board.top(), plan_.board.parameters());  // which tells of itself
+    (void)bitstream_path(plan_.board.top(), plan_.board.parameters());  // prints its own progress
     const Progress busy("playing the packet", quiet_);
     const QueryFrame alone = play(name_.frame, waves);
-    // What the frames before it left on the card may matter.
+    // State from earlier frames may cause the error.
     if (named_.failed && alone.mismatches == 0 && named_.first < name_.frame)
       (void)play(named_.first, waves);
     if (s_.of_pairs())
@@ -126,11 +126,12 @@ class Teller {
                                                  name_.query, work.primaries - 1));
     if (contains(s_.asked().mask, name_.primary))
       throw Error(ErrorCode::kUsage,
-                  fmt::format("primary {} is masked in query '{}': it has no record", name_.primary,
+                  fmt::format("primary {} is masked in query '{}' and has no record", name_.primary,
                               name_.query));
   }
 
-  /// Frames from `first` on; what the reference has of the primary is taken on the way.
+  /// Plays the frames from `first` to the record's frame, and takes the reference's data of the
+  /// primary.
   QueryFrame play(std::uint32_t first, const std::string& waves) {
     fs::remove(waves);
     s_.first_frame = first;
@@ -146,7 +147,7 @@ class Teller {
                        });
   }
 
-  /// The reference's side.
+  /// Takes the reference's side.
   void take(const PlayOptions::Made& made) {
     const SceneQuery& q = s_.asked();
     s_.words = numbers_of(made.primaries, s_.primary);
@@ -186,8 +187,8 @@ class Teller {
     s_.arrived.push_back(pair);
   }
 
-  /// Records of pairs, in the order of the stream. Those of misses do not name their secondary, but
-  /// in mode all none is left out.
+  /// Matches records of pairs, in stream order. Records of misses do not name their secondary; mode
+  /// all has a record for every pair, so their place tells it.
   void match_records() {
     for (std::size_t i = 0; i < s_.card.size(); ++i) {
       const Record& r = s_.card[i];
@@ -216,8 +217,8 @@ class Teller {
     });
   }
 
-  /// Whether the card should have tested a pair where it can be seen: mode any ends at the first
-  /// hit, and passes whose records are of pairs, of which the host chooses, show nothing.
+  /// Whether the waves must show the card's test of a pair. Mode any stops at the first hit. Passes
+  /// with a record per pair, among which the host chooses, do not show it.
   [[nodiscard]] bool is_seen(const Side& side) const {
     if (s_.of_pairs()) return true;
     if (s_.chosen_by_host) return false;
@@ -229,8 +230,8 @@ class Teller {
   Named named_;
   Plan plan_;
   RecordStory s_;
-  std::map<std::uint32_t, Side> by_secondary_;  ///< what has not arrived on the card
-  std::vector<std::uint32_t> order_;            ///< of the reference's sweep
+  std::map<std::uint32_t, Side> by_secondary_;  ///< reference pairs not seen on the card yet
+  std::vector<std::uint32_t> order_;            ///< secondaries in the order of the reference
 };
 
 }  // namespace
@@ -238,8 +239,8 @@ class Teller {
 RecordName record_named(const std::string& text) {
   const auto refuse = [&] {
     throw Error(ErrorCode::kUsage,
-                fmt::format("--from-record is {}; it must be RUN:QUERY:FRAME:PRIMARY, with a scene "
-                            "or the folder of a run as RUN and numbers as FRAME and PRIMARY",
+                fmt::format("--from-record is {}; it must be RUN:QUERY:FRAME:PRIMARY, where RUN is "
+                            "a scene or the folder of a run, and FRAME and PRIMARY are numbers",
                             in_quotes(text)));
   };
   RecordName name;
@@ -280,8 +281,8 @@ bool RecordStory::same(const StoryPair& pair) const {
   Side c = *pair.card;
   if (!pair.reference) return !c.candidate;
   Side r = *pair.reference;
-  if (!c.candidate && !r.candidate) return true;  // what it is does not matter
-  // The host has chosen among what several passes kept.
+  if (!c.candidate && !r.candidate) return true;  // its values do not matter
+  // The host chose among the records of several passes.
   if (chosen_by_host) c.kept = r.kept = false;
   return c == r;
 }

@@ -10,10 +10,10 @@
 #include "cde/scene/scene.hpp"
 #include "cde/scene/scene_pair.hpp"
 
-/// How a record of a scene came about, on the card and in the reference.
+/// The origin of a record of a scene, on the card and in the reference.
 namespace cde::cli {
 
-/// Of two T as they are compared, as -0 and +0 differ.
+/// The bits of T, to compare two T: -0 and +0 differ.
 [[nodiscard]] inline std::uint32_t bits(float x) {
   return std::bit_cast<std::uint32_t>(x);
 }
@@ -23,24 +23,24 @@ struct RecordName {
   std::string run, query;
   std::uint32_t frame = 0, primary = 0;
 };
-/// Error kUsage for what has another form.
+/// Error kUsage for a text of another form.
 [[nodiscard]] RecordName record_named(const std::string& text);
 
-/// A pair of the primary on both sides.
+/// A pair of the primary, on both sides.
 struct StoryPair {
   std::uint32_t secondary = 0;
-  /// What a side has of the pair. T as it is compared: of solids the signed gap.
+  /// The values of the pair on a side. T is the compared value: for solids the signed distance.
   struct Side {
     bool f = false, bad = false;
-    bool candidate = false;  ///< it may be kept; in modes all and hits: it has a record
-    bool kept = false;       ///< it is better than what was kept before
+    bool candidate = false;  ///< the pair may be kept; in modes all and hits it has a record
+    bool kept = false;       ///< the pair is better than the best before it
     float t = 0;
     friend bool operator==(const Side&, const Side&);
   };
-  std::optional<Side> card, reference;  ///< none: that side has not tested it
-  // Of the card, in modes with one record per primary:
-  std::uint64_t pass = 0, clock = 0;  ///< when it came to the update engine, counted from go
-  float held = 0;                     ///< T that the engine had of the primary then
+  std::optional<Side> card, reference;  ///< empty: that side has not tested the pair
+  // On the card, in modes with one record per primary:
+  std::uint64_t pass = 0, clock = 0;  ///< arrival at the update engine; cycles count from go
+  float held = 0;                     ///< the primary's T in the update engine before that
 };
 
 struct RecordStory {
@@ -49,31 +49,32 @@ struct RecordStory {
   std::optional<BuiltCard> stands_in_for;
   std::size_t query = 0;
   std::uint32_t frame = 0, primary = 0;
-  std::uint32_t first_frame = 0;        ///< that was played
-  std::vector<Record> card, reference;  ///< of the primary; one in modes with one a primary
-  std::vector<StoryPair> arrived;       ///< at the update engine or at the records, in their order
-  std::vector<StoryPair> missing;  ///< the reference has them as candidates, the card not at all
-  std::uint64_t passes = 0;        ///< of the packet
+  std::uint32_t first_frame = 0;        ///< first frame that was played
+  std::vector<Record> card, reference;  ///< records of the primary
+  std::vector<StoryPair> arrived;       ///< pairs at the update engine, or with records, in order
+  std::vector<StoryPair> missing;       ///< candidates of the reference that the card did not test
+  std::uint64_t passes = 0;             ///< passes of the packet
   std::uint64_t swept = 0, candidates = 0;  ///< pairs of the primary in the reference
-  bool swept_instead = false;   ///< of a way through a hierarchy, of which pairs tell nothing
-  bool chosen_by_host = false;  ///< some pairs do not count: the host chooses among records
-  std::vector<float> words;     ///< of the primary
+  bool swept_instead =
+      false;  ///< brute force replaced the run's BVH traversal, which shows no pairs
+  bool chosen_by_host = false;  ///< the host chose among records, because some pairs do not count
+  std::vector<float> words;     ///< words of the primary
   Shapes secondaries;
 
   [[nodiscard]] const SceneQuery& asked() const { return scene.queries[query]; }
-  /// Whether records are of pairs.
+  /// Whether each pair or hit has a record.
   [[nodiscard]] bool of_pairs() const;
   [[nodiscard]] bool same() const;
-  /// Whether the sides have the same of a pair, as far as that can be said.
+  /// Whether the two sides agree about a pair, as far as it is known.
   [[nodiscard]] bool same(const StoryPair& pair) const;
-  /// The pair that the record is of in the reference.
+  /// The secondary of the reference's record.
   [[nodiscard]] std::optional<std::uint32_t> winner() const;
-  /// The first pair that the sides differ in, else the winner.
+  /// The secondary of the first pair in which the sides differ, else the winner.
   [[nodiscard]] std::optional<std::uint32_t> telling() const;
 };
 
-/// Plays the record's packet again, on a card that writes waves of it. `exact`: on the planned card
-/// and no other. Errors kUsage and kFile for a name that there is no such record of.
+/// Plays the record's packet again on a card with waves. `exact`: only on the planned card. Errors
+/// kUsage and kFile if there is no such record.
 [[nodiscard]] RecordStory record_story(const RecordName& name, bool exact, bool quiet);
 
 }  // namespace cde::cli

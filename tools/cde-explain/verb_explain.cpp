@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde explain: one pair through one pipe, every operator beside the mirror reference's; or what a
-// record of a scene, or a line of a failing test, is about.
+// cde explain: runs one pair through one pipe, and compares every operator with the mirror
+// reference. The pair may come from a record of a scene or from a line of a failing test.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -67,7 +67,7 @@ void explain_pair(const Options& o, const std::string& line) {
   if (!e.same()) exit_code = exit_status(ErrorCode::kMismatch);
 }
 
-/// What says which pair it is: PAIR and WORDS, or one option that says it all.
+/// Checks that either PAIR and WORDS, or one option, names the pair.
 void check_words(const CLI::App& verb, const Options& o) {
   if (o.json && o.record.empty() && verb.count("--max") != 0) cannot_combine("--max", "--json");
   const std::string from = !o.record.empty() ? "--from-record"
@@ -76,9 +76,9 @@ void check_words(const CLI::App& verb, const Options& o) {
   if (from.empty()) {
     if (o.pair.empty() || o.words.empty())
       throw Error(ErrorCode::kUsage,
-                  o.pair.empty() ? "PAIR and the words of a pair are missing, or --from-record or "
-                                   "--from-test"
-                                 : "the words of a pair are missing");
+                  o.pair.empty()
+                      ? "a pair is missing; give PAIR and WORDS, --from-record or --from-test"
+                      : "the words of a pair are missing");
     check_pair_options(verb, o);
     return;
   }
@@ -88,7 +88,7 @@ void check_words(const CLI::App& verb, const Options& o) {
                        (name == "--exact-card" && !o.record.empty());
     if (option->count() != 0 && !meant)
       cannot_combine(option->get_positional() ? option_head(*option) : name, from,
-                     "it says which pair it is");
+                     "it already names the pair");
   }
 }
 
@@ -114,25 +114,25 @@ void add_explain(CLI::App& app) {
   o->arithmetic = "rtl";
   CLI::App* verb = app.add_subcommand(
       "explain",
-      "Send one pair through one pipe alone and set every operator of the card beside the same "
-      "operation of the mirror reference, with its clock and its line of RTL. Where they part "
-      "while "
-      "all before is the same is where a wrong answer begins. Which operator does what is learnt "
-      "from other pairs that go through with it. Exit status 3 if the answers differ");
+      "Run one pair through one pipe, and compare every operator of the card with the same "
+      "operation of the mirror reference. Prints the cycle and the line of RTL of each operator. A "
+      "wrong answer begins at an operator whose operands are right and whose result is wrong. "
+      "Other pairs run along, to find which operator does which operation. Exit status 3 if the "
+      "answers differ");
   add_pair_options(*verb, *o, false);
   verb->get_option("pair")->required(false);
-  known_words(verb->add_option("words", o->words, "Words of A and of B, as cde query reads them"),
-              {}, "WORDS");
+  known_words(verb->add_option("words", o->words, "Words of A and B, as in cde query"), {},
+              "WORDS");
   begin_group(*verb, "Instead of a pair");
-  text_value(verb->add_option(
-                 "--from-record", o->record,
-                 "Instead of a pair, a record: the scene or the folder of a run, query, frame, "
-                 "primary. The frame is played again, with waves of the record's packet: what came "
-                 "to the update engine for the primary, what was kept and why, beside the "
-                 "reference's sweep; then the pair that tells most of it"),
-             "RUN:QUERY:FRAME:PRIMARY", [](const std::string& text) { (void)record_named(text); });
+  text_value(
+      verb->add_option("--from-record", o->record,
+                       "Explain a record, named by the scene or the folder of a run, query, frame "
+                       "and primary. Plays the frame again with waves. Lists the candidates at the "
+                       "update engine, which were kept and why, and compares with brute force in "
+                       "the reference. Then explains the most telling pair"),
+      "RUN:QUERY:FRAME:PRIMARY", [](const std::string& text) { (void)record_named(text); });
   known_words(verb->add_option("--from-test", o->line,
-                               "Instead of a pair, a line that a failing test or cde query has "
+                               "Explain the pair in a line that a failing test or cde query "
                                "printed, with the command in it"),
               {}, "LINE");
   exact_card_option(*verb, o->exact);
@@ -140,11 +140,10 @@ void add_explain(CLI::App& app) {
   excludes(*verb, "--from-test", {"--from-record", "--exact-card"});
   begin_group(*verb, "Output");
   whole_number_in(
-      verb->add_option("--max", o->most,
-                       "Operations that are listed, by their clock, and candidates; 0 for all")
+      verb->add_option("--max", o->most, "Most operations and candidates to list, by cycle; 0: all")
           ->capture_default_str(),
       0, 1000000, "");
-  verb->add_flag("--json", o->json, "The places where the sides part, as JSON");
+  verb->add_flag("--json", o->json, "Print the first differences as JSON");
   quiet_flag(*verb);
   verb->callback([o, verb] { run(*verb, *o); });
 }

@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 Json next_line() {
   std::string line;
   if (!std::getline(std::cin, line))
-    throw Error(ErrorCode::kBadInput, "stdin: ended; expected a line of JSON about a failure");
+    throw Error(ErrorCode::kBadInput, "stdin is empty; expected a line of JSON about a failure");
   try {
     return Json::parse(line);
   } catch (const nlohmann::json::exception& e) {
@@ -49,7 +49,7 @@ void pack_failure(const std::string& folder) {
 
 void add_pack(CLI::App& app) {
   auto folder = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("pack", "Pack a failure that stdin describes into a folder");
+  CLI::App* verb = app.add_subcommand("pack", "Pack a failure, described on stdin, into a folder");
   verb->group("");
   folder_value(verb->add_option("folder", *folder, "Folder")->required(), "FOLDER");
   verb->callback([folder] { pack_failure(*folder); });

@@ -3,7 +3,7 @@
 #include "options/cli_fwd.hpp"
 #include "program/program.hpp"
 
-/// The verbs of cde-explain. Each adds itself to the parser; its callback throws cde::Error.
+/// The verbs of cde-explain. Each adds itself to the parser. Its callback throws cde::Error.
 namespace cde::cli {
 
 void add_explain(CLI::App& app);

@@ -427,9 +427,9 @@ Json AccuracyPage::entry(const KeptPipe& k) const {
   const auto add = [&](const char* name, const std::string& value) {
     figures.push_back({name, value});
   };
-  add("T off, p99.9, over S", error_text(t, &Quantiles::p999, k.u()));
-  add("T off, largest, over S", error_text(t, &Quantiles::largest, k.u()));
-  add("T off in u S: p50, p99, p99.9, largest",
+  add("error of T, p99.9, over S", error_text(t, &Quantiles::p999, k.u()));
+  add("error of T, largest, over S", error_text(t, &Quantiles::largest, k.u()));
+  add("error of T in u S: p50, p99, p99.9, largest",
       fmt::format("{}, {}, {}, {}", error_text(t, &Quantiles::median),
                   error_text(t, &Quantiles::p99), error_text(t, &Quantiles::p999),
                   error_text(t, &Quantiles::largest)));
