@@ -138,12 +138,12 @@ TEST_F(Bench, QuickEffects) {
   ASSERT_EQ(ran.status, 0) << ran.err;
   // The table for people goes to stderr, beside the JSON.
   EXPECT_TRUE(has(ran.err,
-                  "| card | times the planned card | least to most | clocks of the pass |\n"
+                  "| card | times the planned card | least to most | cycles of the pass |\n"
                   "| --- | --- | --- | --- |\n| planned | 1.00 | 1.00 to 1.00 | "));
   EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '|'), 5 * 5) << ran.err;
   const Ran other = cde({"bench", "--quick", "--markdown"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_TRUE(has(other.err, "--markdown needs section effects alone"));
+  EXPECT_TRUE(has(other.err, "--markdown needs only the section effects"));
   const auto j = nlohmann::json::parse(ran.out)["effects"];
   EXPECT_EQ(j["rays"], 256);
   EXPECT_EQ(j["lanes"], 16);

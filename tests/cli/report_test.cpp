@@ -218,7 +218,7 @@ void expect_hierarchy(const json& j, const std::string& html) {
       EXPECT_EQ(entry["seconds"], last["sweep"]["packet_seconds_with_bus"]);
     }
   }
-  const auto chapters = between(html, "<h2>With a hierarchy</h2>", "</section>");
+  const auto chapters = between(html, "<h2>With a BVH</h2>", "</section>");
   ASSERT_EQ(chapters.size(), 1u);
   EXPECT_EQ(count(chapters[0], "<div class=\"chart lines\">"), 1u) << chapters[0].substr(0, 4000);
   EXPECT_EQ(count(chapters[0], "<table>"), 5u);

@@ -5,7 +5,7 @@ namespace {
 
 const cde::cli::Program kProgram = {
     .name = "cde",
-    .description = "cde-bench: speed of the simulated card beside software",
+    .description = "cde-bench: speed of the simulated card compared with software",
     .add_verbs = [](CLI::App& app) {
       cde::cli::add_bench(app);
       cde::cli::add_reproduce(app);

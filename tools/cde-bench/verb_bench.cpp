@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde bench: measurements, each beside the rivals it is to be compared with, in the same run.
+// cde bench: measures the simulated card and the software baselines in the same run.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -39,7 +39,7 @@ std::string field_of(const char* file, const std::string& field) {
   return "unknown";
 }
 
-/// What the other verbs say of the machine, and what else decides how fast it is now.
+/// Facts about the machine, as in other verbs, and facts about its current speed.
 nlohmann::ordered_json machine() {
 #ifdef __clang__
   const std::string compiler = "clang " __clang_version__;
@@ -60,7 +60,7 @@ nlohmann::ordered_json machine() {
 
 void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool json) {
   if (o.markdown && wanted != std::vector<std::string>{"effects"})
-    throw_usage("--markdown needs section effects alone: cde bench effects --markdown");
+    throw_usage("--markdown needs only the section effects: cde bench effects --markdown");
   if (json) Figures::beside_json();
   nlohmann::ordered_json all = program_json();
   all.update({{"clock_hz", o.clock_hz},
@@ -96,7 +96,7 @@ void add_bench(CLI::App& app) {
   };
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
-      "bench", "Measure simulation speed and device clocks beside software on the same machine");
+      "bench", "Measure simulation speed and device cycles, and software on the same machine");
   named(verb->add_option("section", a->sections,
                          "Sections to run: rays, fp, pairs, bus, effects, hierarchy, waves")
             ->default_str("all"),
@@ -104,10 +104,10 @@ void add_bench(CLI::App& app) {
   auto* json = verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   quiet_flag(*verb);
   verb->add_flag("--markdown", a->options.markdown,
-                 "Of effects alone: the table as docs/tables/effects.md has it")
+                 "Section effects only: print the table of docs/tables/effects.md")
       ->excludes(json);
   auto* quick = verb->add_flag("--quick", a->options.quick,
-                               "Under a minute: default bitstreams, small scenes");
+                               "Default models and small scenes, under a minute");
   verb->add_flag("--full", a->options.full, "Up to 10 million triangles, every format")
       ->excludes(quick);
   clock_option(*verb, a->clock_mhz);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde inventory: operators and latencies of the pipes, from the elaborated RTL, beside the paper's.
+// cde inventory: lists operators and latencies of the pipes from the elaborated RTL, and the
+// paper's.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -33,7 +34,7 @@ struct Options {
   bool json = false, markdown = false;
 };
 
-/// What the paper's Tables 1 and 2 say of an algorithm: "Hardware-Accelerated Ray-Triangle
+/// Figures of an algorithm in Tables 1 and 2 of the paper: "Hardware-Accelerated Ray-Triangle
 /// Intersection Testing for High-Performance Collision Detection", Journal of WSCG 15, 2007.
 struct Published {
   unsigned inputs, outputs, latency, multipliers, dividers, adders, subtractors, comparators, ands;
@@ -47,7 +48,7 @@ const Published* published(Algorithm algorithm) {
   return i < kPaper.size() ? &kPaper.at(i) : nullptr;
 }
 
-/// A line of the paper's tables, here and there.
+/// A row of the paper's tables: the figure of this project and the paper's.
 struct Quantity {
   const char* name;
   unsigned (*here)(const Pipe&);
@@ -69,49 +70,47 @@ constexpr std::array<Quantity, 6> kTable2 = {
      {"ANDs", [](const Pipe& p) { return p.operators.mask_ands; }, &Published::ands}}};
 
 struct Reason {
-  std::optional<Algorithm> algorithm;  ///< of all if empty
+  std::optional<Algorithm> algorithm;  ///< empty: all algorithms
   std::string_view quantity, text;
 };
 constexpr std::array<Reason, 13> kReasons = {{
     {std::nullopt, "outputs",
-     "F, T and the three words of CP leave the pipe; the paper's sixth, the index, is the update "
-     "engine's, which counts the secondaries."},
+     "F, T and the three words of CP leave the pipe. The paper's sixth word is the index; here the "
+     "update engine counts the secondaries."},
     {std::nullopt, "ANDs",
-     "ANDs of two lane masks, in the whole decision; the paper does not say how many inputs its "
-     "ANDs have."},
+     "Number of two-input ANDs of lane masks in the whole decision. The paper does not say how "
+     "many inputs its ANDs have."},
     {Algorithm::kBadouel, "multipliers",
-     "Alpha and beta are compared with the normal's dominant component instead of being divided by "
-     "it; the paper does not say what its other products are."},
+     "Alpha and beta are compared with the normal's dominant component, not divided by it. The "
+     "paper does not name its other products."},
     {Algorithm::kBadouel, "dividers",
-     "Alpha and beta stay unscaled, which leaves the division of the plane's equation alone."},
+     "Alpha and beta stay unscaled, so only the division in the plane's equation remains."},
     {Algorithm::kBadouel, "adders",
-     "Three dot products, alpha + beta and O + t D take ten; the paper does not itemise its "
+     "Three dot products, alpha + beta and O + t D take ten. The paper does not itemise its "
      "thirteen."},
     {Algorithm::kBadouel, "subtractors",
-     "Two edges, the normal, w - s, and two coordinates with their determinants take fourteen; the "
+     "Two edges, the normal, w - s, and two coordinates with their determinants take fourteen. The "
      "paper does not itemise its 23."},
     {Algorithm::kBadouel, "comparators",
-     "Two choose the dominant axis and two hold T to tmin and tmax."},
+     "Two choose the dominant axis, and two compare T with tmin and tmax."},
     {Algorithm::kBadouel, "latency",
-     "One clock an operator on the longest way; the paper does not draw its own."},
+     "One cycle per operator on the longest path. The paper does not draw its pipe."},
     {Algorithm::kPluecker, "inputs",
-     "The triangle comes as its three vertices; the paper's 15 words hold edges computed before."},
+     "A triangle is its three vertices. The paper's 15 words contain precomputed edges."},
     {Algorithm::kPluecker, "latency",
-     "The three edge products run side by side, and their sum and the division follow at once."},
+     "The three edge products run in parallel. Their sum and the division follow directly."},
     {Algorithm::kPluecker, "adders",
-     "Adders and subtractors together are to be compared: how a term's sign is written decides "
-     "between the two."},
+     "Compare the sum of adders and subtractors: the sign of a term decides between the two."},
     {Algorithm::kPluecker, "subtractors",
-     "As the adders: counted together, the difference is in how signs are written."},
+     "As for adders: compare the sum of adders and subtractors."},
     {Algorithm::kPluecker, "comparators",
-     "One more for a determinant of zero and two for tmin and tmax, which the paper does not "
-     "count."},
+     "One more for a zero determinant and two for tmin and tmax, which the paper does not count."},
 }};
 
 std::string_view reason(Algorithm algorithm, std::string_view quantity) {
   for (const Reason& r : kReasons)
     if (r.algorithm.value_or(algorithm) == algorithm && r.quantity == quantity) return r.text;
-  return "The paper does not say how its figure comes about.";
+  return "The paper does not explain its figure.";
 }
 
 struct Table {
@@ -127,7 +126,7 @@ struct Table {
   }
 };
 
-/// One of the paper's tables, each figure as "here / paper".
+/// One of the paper's tables, with each figure as "here / paper".
 template <std::size_t N>
 Table comparison(const std::string& title, const std::array<Quantity, N>& quantities,
                  const std::vector<Pipe>& pipes) {
@@ -174,9 +173,9 @@ Table all_pipes(const std::vector<Pipe>& pipes, const Profile& profile) {
       row.push_back(fmt::to_string(n));
     table.columns.lines.push_back(row);
   }
-  table.notes = {"levels: latency in clocks when every operator takes one",
-                 fmt::format("clocks: latency when operators take {}", profile.text()),
-                 "interval: clocks from one row of pairs to the next"};
+  table.notes = {"levels: latency in cycles if every operator takes one",
+                 fmt::format("clocks: latency in cycles if operators take {}", profile.text()),
+                 "interval: cycles from one row of pairs to the next"};
   if (std::any_of(pipes.begin(), pipes.end(), [](const Pipe& p) { return !p.absent.empty(); }))
     table.notes.emplace_back("absent: the RTL has no pipe for this pair and algorithm");
   return table;
@@ -231,8 +230,8 @@ Profile parse_profile(const std::string& text) {
   for (const unsigned clocks : {p.add, p.mul, p.div, p.sqrt, p.cmp})
     if (!whole || clocks < 1 || clocks > 64)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("--latencies is {}; it must be the clocks of add, mul, div, sqrt "
-                              "and compare, 1 to 64 each: 3,3,12,12,1",
+                  fmt::format("--latencies is {}; it must be the cycles of add, mul, div, sqrt and "
+                              "compare, 1 to 64 each: 3,3,12,12,1",
                               in_quotes(text)));
   return p;
 }
@@ -286,19 +285,19 @@ void add_inventory(CLI::App& app) {
   auto o = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand(
       "inventory",
-      "Count the operators of the pipes and read their latencies in the elaborated RTL; the four "
-      "ray-triangle algorithms beside the paper's Tables 1 and 2");
+      "Count the operators of the pipes and read their latencies in the elaborated RTL. Compares "
+      "the four ray-triangle algorithms with the paper's Tables 1 and 2");
   pair_value(
       verb->add_option("pair", o->pairs, "Pairs to examine: ray-triangle, sphere-sphere, ...")
           ->default_str("all"),
       "PAIR");
   text_value(verb->add_option("--latencies", o->profile,
-                              "Clocks of add, mul, div, sqrt and compare for the column `clocks`")
+                              "Cycles of add, mul, div, sqrt and compare for the column `clocks`")
                  ->capture_default_str(),
              "A,M,D,S,C", [](const std::string& text) { (void)parse_profile(text); });
   one_of(verb->add_option("--facet-interval", o->facet_interval,
-                          "Clocks from one row of obb-obb, triangle-aabb or triangle-obb pairs to "
-                          "the next: 1, or 3, where gates share the units of facets")
+                          "Cycles from one row of obb-obb, triangle-aabb or triangle-obb pairs to "
+                          "the next; with 3, candidate axes (SAT) share units")
              ->capture_default_str(),
          {"1", "3"});
   auto* json = verb->add_flag("--json", o->json, "Figures as JSON");

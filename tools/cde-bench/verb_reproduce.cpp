@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde reproduce: the paper's figures measured again, as a page.
+// cde reproduce: measures the paper's figures again, and writes a page.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -31,7 +31,7 @@ void run(const Arguments& a) {
   check_outputs(std::vector<FileUse>{{"--output", a.out}, {"--json", a.json ? "-" : ""}}, {});
   check_suffix("--output", a.out, ".html");
   if (a.out == "-") Figures::beside_json();
-  OutputFile page(a.out);  // a folder that is not there is found out before the work
+  OutputFile page(a.out);  // a missing folder is an error before the work
   const Reproduction r = reproduce(a.options);
   const nlohmann::ordered_json machine = machine_json();
   page.write(reproduction_html(r, machine));
@@ -43,10 +43,10 @@ void run(const Arguments& a) {
         show("  {:<46} {:>9}  {}\n", entry.name, duration(entry.seconds), entry.note);
     }
   }
-  show("With a hierarchy\n");
+  show("With a BVH\n");
   for (const WithHierarchy& row : r.hierarchy) {
     show_tree(row.tree);
-    show("  sweep of {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
+    show("  brute force with {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
          counted(a.options.lanes, "lane"), duration(row.sweep.seconds));
   }
   if (!a.quiet)
@@ -61,19 +61,19 @@ void add_reproduce(CLI::App& app) {
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
       "reproduce",
-      "Measure the paper's Figures 5, 6 and 7 again, and rays through a hierarchy, as a page");
+      "Measure the paper's Figures 5, 6 and 7 again, and rays with a BVH, and write a page");
   file_value(verb->add_option("-o,--output,--out", a->out, "The page, one HTML file")
                  ->capture_default_str(),
              "FILE.html");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   quiet_flag(*verb, &a->quiet);
   verb->add_flag("--quick", a->options.quick,
-                 "A small terrain and few spheres, to see that it works");
+                 "A small terrain and few spheres, to check that everything works");
   lanes_value(verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")
                   ->capture_default_str());
   clock_options(*verb, a->clock);
   verb->callback([a] {
-    // All of its cards have these two pipes.
+    // All its cards have these two pipes.
     a->options.clock_is =
         settle_clock(a->clock, BoardConfig{.pairs = {Pair::kRayTriangle, Pair::kSphereSphere}});
     a->options.clock_hz = a->clock.mhz * 1e6;

@@ -3,7 +3,7 @@
 #include "options/cli_fwd.hpp"
 #include "program/program.hpp"
 
-/// The verbs of cde-bench. Each adds itself to the parser; its callback throws cde::Error.
+/// The verbs of cde-bench. Each adds itself to the parser. Its callback throws cde::Error.
 namespace cde::cli {
 
 void add_bench(CLI::App& app);

@@ -8,9 +8,9 @@
 
 #include "cde/geometry/primitives.hpp"
 
-/// The software rivals of the card: brute-force Möller-Trumbore on one thread, as fast as this
-/// project can write it. Unlike the reference they may contract, leave early and reorder, so T
-/// agrees with the card's within rounding only.
+/// Software baselines: brute-force Möller-Trumbore on one thread, as fast as this project can write
+/// it. Unlike the reference they may contract, exit early and reorder operations. Their T therefore
+/// equals the card's only within rounding.
 namespace cde::baseline {
 
 struct ClosestHit {
@@ -19,8 +19,7 @@ struct ClosestHit {
 };
 
 enum class Kind {
-  kScalar,  ///< one pair at a time, leaving at the first failed comparison; compiled without
-            ///< vectors
+  kScalar,  ///< one pair at a time, until the first failed comparison; compiled without vectors
   kAvx2,    ///< 8 rays at a time
   kAvx512,  ///< 16 rays at a time
 };

@@ -3,13 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Interface between baseline.cpp and the kernels, which are compiled for other processors: plain
-/// pointers only, so that no inline function of theirs can end up in other code.
+/// Interface between baseline.cpp and the kernels. Kernels are compiled for specific processors.
+/// The interface has only plain pointers, so that no inline function of a kernel is linked into
+/// other code.
 namespace cde::baseline {
 
 inline constexpr unsigned kTile = 256;
 
-/// Up to kTile rays by component; unused places have a zero direction and never hit.
+/// Up to kTile rays by component. Unused places have a zero direction and never hit.
 struct Tile {
   alignas(64) float ox[kTile], oy[kTile], oz[kTile], dx[kTile], dy[kTile], dz[kTile], tmin[kTile],
       t[kTile];
@@ -17,13 +18,13 @@ struct Tile {
   unsigned count;
 };
 
-/// `triangles` are 9 floats each. `t` comes in as tmax and goes out as the nearest hit.
+/// `triangles` has 9 floats per triangle. `t` is tmax on entry and the nearest hit on return.
 using Kernel = void (*)(Tile& tile, const float* triangles, std::size_t count);
 void scalar_kernel(Tile& tile, const float* triangles, std::size_t count);
 void avx2_kernel(Tile& tile, const float* triangles, std::size_t count);
 void avx512_kernel(Tile& tile, const float* triangles, std::size_t count);
 
-/// The loop of both vector kernels over operations `S` of one instruction set.
+/// The loop of both vector kernels. `S` has the operations of an instruction set.
 template <typename S>
 inline __attribute__((always_inline)) void vector_kernel(Tile& r, const float* tri,
                                                          std::size_t count) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled without vectorisation: one pair at a time, what a careful programmer writes by hand.
+// Compiled without vectorisation: one pair at a time, as a careful programmer would write it.
 #include "baselines/baseline_kernel.hpp"
 
 namespace cde::baseline {
@@ -14,8 +14,7 @@ void scalar_kernel(Tile& r, const float* tri, std::size_t count) {
       const float px = dy * bz - dz * by, py = dz * bx - dx * bz, pz = dx * by - dy * bx;
       const float det = px * ax + py * ay + pz * az;
       const float tx = r.ox[i] - x0, ty = r.oy[i] - y0, tz = r.oz[i] - z0;
-      // Scaled by det, the signs of both sides are those of squares: u det in 0..det^2 without
-      // branching on the sign.
+      // Scaled by det, the test is 0 <= u det <= det^2, without a branch on the sign of det.
       const float u = (px * tx + py * ty + pz * tz) * det, square = det * det;
       if (u < 0 || u > square) continue;
       const float qx = ty * az - tz * ay, qy = tz * ax - tx * az, qz = tx * ay - ty * ax;

@@ -22,12 +22,12 @@ using fcl_objects::in_child;
 using fcl_objects::object;
 using Solver = fcl::detail::GJKSolver_libccdd;
 
-constexpr std::size_t kMostStops = 50;  // more, and FCL counts as having no such query
+constexpr std::size_t kMostStops = 50;  // with more stops, the query counts as absent in FCL
 
 enum class Call { kCollide, kDistance };
 
-/// FCL has triangles as parts of meshes: one by itself goes to the function that its meshes use,
-/// and so do two.
+/// FCL has triangles only as parts of meshes. A pair with triangles calls the function that its
+/// meshes use.
 class Pairs {
  public:
   Pairs(Pair pair, std::span<const float> a, std::span<const float> b) {
@@ -46,7 +46,7 @@ class Pairs {
         b_.push_back(object(shape_b, words_b));
     }
     plane_ = shape_b == Shape::kPlane;
-    // Signed distances of spheres end in a failed assertion of FCL as soon as they overlap.
+    // FCL's signed distance of overlapping spheres fails an assertion.
     request_.enable_signed_distance =
         triangles_.empty() && shape_a != Shape::kSphere && shape_b != Shape::kSphere;
     request_.enable_nearest_points = true;
@@ -55,7 +55,7 @@ class Pairs {
   [[nodiscard]] bool has(Call call) const { return call == Call::kCollide || !plane_; }
   [[nodiscard]] bool has_signed_distance() const { return request_.enable_signed_distance; }
 
-  /// Whether they touch, 1 or 0; -1 if FCL's solver gives up.
+  /// Whether the pair touches, 1 or 0; -1 if FCL's solver gives up.
   [[nodiscard]] signed char ask(Call call, std::size_t i) const {
     try {
       if (!others_.empty()) return ask_triangles(call, i) ? 1 : 0;
@@ -114,8 +114,8 @@ class Pairs {
   Solver solver_;
 };
 
-/// FCL's answer to each pair, -1 for those that it gives up or stops the program at; nothing if
-/// the latter are too many.
+/// FCL's answer to each pair. It is -1 if FCL gives up or stops the program. Nothing if too many
+/// pairs stop the program.
 std::vector<signed char> answers(const Pairs& pairs, Call call) {
   std::vector<signed char> all;
   std::size_t stops = 0;

@@ -9,22 +9,24 @@
 
 namespace cde::cli {
 
-/// What FCL makes of a set of pairs, in binary64 and on one thread. A rate is in pairs a second of
-/// processor time, and absent where FCL has no such query.
+/// FCL's answers to a set of pairs, and its rates, in binary64 on one thread. A rate is in pairs
+/// per second of processor time. It is absent if FCL has no such query.
 struct FclRates {
-  std::optional<double> collide;   ///< with one contact: point, normal, depth
-  std::optional<double> distance;  ///< with nearest points
-  bool distance_signed = false;    ///< it gives a depth too, not only "they overlap"
-  /// Pairs on which FCL gives up, or stops the program with an assertion: not part of the rate.
+  std::optional<double> collide;   ///< collide() with one contact: point, normal, depth.
+  std::optional<double> distance;  ///< distance() with nearest points.
+  bool distance_signed = false;    ///< whether distance() also returns a depth.
+  /// Pairs on which FCL gives up, or stops the program with an assertion. They do not count in the
+  /// rate.
   std::size_t collide_stops = 0, distance_stops = 0;
-  std::vector<signed char> hits;  ///< collide's answer to each pair: 1, 0, or -1 if it has none
+  std::vector<signed char>
+      hits;  ///< collide()'s answer to each pair: 1, 0, or -1 without an answer.
 };
 
 /// Whether this program was built with FCL. Without it all rates are absent.
 [[nodiscard]] bool has_fcl();
 
-/// Measures for about `seconds` a query. Operand words are in slot order. Objects are made before
-/// the clock starts. FCL runs in child processes, since its assertions end the process.
+/// Measures each query for about `seconds`. Operand words are in slot order. Objects are made
+/// before the measurement. FCL runs in child processes, because its assertions end the process.
 [[nodiscard]] FclRates measure_fcl(Pair pair, std::span<const float> a, std::span<const float> b,
                                    double seconds);
 

@@ -46,7 +46,7 @@ std::optional<FclOnMesh> measure_fcl_mesh(const Mesh& mesh, Shape shape,
                                           std::span<const float> words) {
   const unsigned each = cde::words(shape);
   const std::size_t count = words.size() / each;
-  // What it says, and then, in seconds, what it took.
+  // The answers, then the time of each question in seconds.
   const auto all = fcl_objects::in_child<double>([&](const auto& put) {
     const CollisionObjectd on(model_of(mesh));
     std::vector<CollisionObjectd> solids;

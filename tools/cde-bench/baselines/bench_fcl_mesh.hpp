@@ -10,23 +10,24 @@
 
 namespace cde::cli {
 
-/// Solids against a mesh by FCL (BVHModel<OBBRSS>, binary64, one thread).
+/// FCL's results for solids against a mesh (BVHModel<OBBRSS>, binary64, one thread).
 struct FclOnMesh {
   std::vector<double> touches;    ///< 1 or 0: collide() with one contact
   std::vector<double> distances;  ///< 0 or less where they overlap
-  double collide_seconds = 0;     ///< of one, processor time: median over all, again and again
+  double collide_seconds = 0;     ///< processor time per solid: median over repeated runs of all
   double distance_seconds = 0;
 };
 
-/// `words` are of spheres or OBBs, in slot order. In a child process, as an assertion of FCL ends
-/// it: nothing if one did, or without FCL in this build.
+/// `words` are spheres or OBBs, in slot order. Runs in a child process, because an assertion of FCL
+/// ends the process. Returns nothing after an assertion, or in a build without FCL.
 [[nodiscard]] std::optional<FclOnMesh> measure_fcl_mesh(const Mesh& mesh, Shape shape,
                                                         std::span<const float> words);
 
-/// Meshes against one, each with a model of its own. `contacts`: pairs of triangles that meet.
+/// FCL's results for meshes against one mesh, each with a model of its own. `contacts`: pairs of
+/// triangles that touch.
 struct FclMeshes {
   std::vector<double> contacts, distances;
-  double touch_seconds = 0;  ///< of one, as above: collide() with one contact, with all of them
+  double touch_seconds = 0;  ///< per mesh, as above: collide() with one contact, with all contacts
   double contacts_seconds = 0;
   double distance_seconds = 0;
 };

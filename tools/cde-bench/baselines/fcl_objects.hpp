@@ -22,7 +22,8 @@
 #include "cde/support/error.hpp"
 #include "cde/support/process.hpp"
 
-/// Our shapes as FCL's, and a process of its own for what may end in one of its assertions.
+/// Converts shapes to FCL objects, and runs work in a child process, because an assertion of FCL
+/// ends the process.
 namespace cde::cli::fcl_objects {
 
 [[nodiscard]] inline fcl::CollisionObjectd object(const BasicSphere<double>& s) {
@@ -54,12 +55,12 @@ namespace cde::cli::fcl_objects {
   });
 }
 
-/// Runs `work` in a child process, which hands over what it finds by calling its argument. Returns
-/// all of it, up to the end or the child's death.
+/// Runs `work` in a child process. `work` calls its argument with each value. Returns all values up
+/// to the end or the child's death.
 template <class Value, class Work>
 [[nodiscard]] std::vector<Value> in_child(const Work& work) {
   const process::Result ran = process::isolated([&](int out) {
-    ::close(STDERR_FILENO);  // the assertion's message
+    ::close(STDERR_FILENO);  // drops the assertion's message
     work([out](Value value) {
       if (::write(out, &value, sizeof value) != sizeof value) ::_exit(1);
     });

@@ -4,7 +4,7 @@
 
 namespace cde::cli {
 
-/// The loop of both kernels; how it is compiled makes the difference.
+/// The loop of both kernels. They differ only in how it is compiled.
 inline __attribute__((always_inline)) std::uint64_t overlaps(const SphereArrays& s) {
   std::uint64_t all = 0;
   for (std::size_t i = 0; i < s.count; ++i) {

@@ -9,26 +9,26 @@
 #include "cde/geometry/primitives.hpp"
 #include "cde/mesh/mesh.hpp"
 
-/// Software that `cde reproduce` measures beside the card, on one thread; the ray-triangle rivals
-/// are in cde/rivals/baseline.hpp.
+/// Software baselines of `cde reproduce`, on one thread. Those for ray-triangle are in
+/// baselines/baseline.hpp.
 namespace cde::cli {
 
-/// Spheres by component, for the kernels: plain arrays only, so that no inline function compiled
-/// for another processor ends up in other code.
+/// Spheres by component, for the kernels. It has only plain arrays, so that no inline function that
+/// was compiled for a specific processor is linked into other code.
 struct SphereArrays {
   const float *x, *y, *z, *r;
   std::size_t count;
 };
 
-/// Ordered pairs of spheres that overlap or touch, each sphere with itself included: every pair is
-/// tested, and nothing is written but the number.
+/// The number of ordered pairs of spheres that overlap or touch, including each sphere with itself.
+/// Every pair is tested, and only the number is written.
 [[nodiscard]] std::uint64_t overlaps_scalar(const SphereArrays& spheres);
-[[nodiscard]] std::uint64_t overlaps_avx2(const SphereArrays& spheres);  ///< needs AVX2
+[[nodiscard]] std::uint64_t overlaps_avx2(const SphereArrays& spheres);  ///< the same; needs AVX2
 
-/// Embree 3 on a mesh: a bounding-volume hierarchy, robust mode, one ray at a time, one thread.
+/// Embree 3 on a mesh: a BVH in robust mode, one ray at a time, one thread.
 class EmbreeRival {
  public:
-  /// Whether this program was built with Embree. Without it nothing else may be called.
+  /// Whether this program was built with Embree. Otherwise no other function may be called.
   [[nodiscard]] static bool available();
 
   explicit EmbreeRival(const Mesh& mesh);
@@ -36,9 +36,9 @@ class EmbreeRival {
   EmbreeRival(const EmbreeRival&) = delete;
   EmbreeRival& operator=(const EmbreeRival&) = delete;
 
-  /// Vertices from `first` on are at these places; the hierarchy follows.
+  /// Moves the vertices from `first` on to these places, and refits the BVH.
   void move(std::size_t first, std::span<const Eigen::Vector3f> vertices);
-  /// The nearest hit of every ray; +inf: none.
+  /// T of the nearest hit of every ray; +inf without a hit.
   [[nodiscard]] std::vector<float> cast(std::span<const Ray> rays) const;
 
  private:

@@ -2,13 +2,13 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
-/// Sections of `cde bench`: each measures, shows its table (streams.hpp), and returns its figures.
+/// Sections of `cde bench`. Each measures, prints its table (streams.hpp), and returns its figures.
 namespace cde::cli {
 
 struct BenchOptions {
-  bool quick = false;     ///< the bitstreams that every build has, small scenes
-  bool full = false;      ///< up to 10 million triangles, bitstreams that take long to build
-  bool markdown = false;  ///< of effects: the table as docs/tables/effects.md has it
+  bool quick = false;     ///< only default models, small scenes
+  bool full = false;      ///< up to 10 million triangles, and models that take long to build
+  bool markdown = false;  ///< section effects: prints the table of docs/tables/effects.md
   double clock_hz = 100e6;
 };
 
@@ -20,7 +20,7 @@ nlohmann::ordered_json bench_effects(const BenchOptions& options);
 nlohmann::ordered_json bench_hierarchy(const BenchOptions& options);
 nlohmann::ordered_json bench_waves(const BenchOptions& options);
 
-/// Processor time of this thread and of the process, seconds.
+/// Processor time of this thread and of the process, in seconds.
 [[nodiscard]] double thread_seconds();
 
 }  // namespace cde::cli

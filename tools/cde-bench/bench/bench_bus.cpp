@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde bench bus: what the bus between host and card gives in modelled time, on PCI signals and
-// computed, and a frame of the paper on its profile.
+// cde bench bus: measures the bus between host and card in modelled time, with simulated PCI
+// signals and with computed time, and a frame of the paper.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -22,11 +22,11 @@ namespace {
 using nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr double kPeak = 8 / 15e-9;  // bytes a second: 64 bits at 66.67 MHz
+constexpr double kPeak = 8 / 15e-9;  // bytes per second: 64 bits at 66.67 MHz
 constexpr std::size_t kRays = 256;
 constexpr std::array<std::uint32_t, 9> kSizes = {64,     256,     1024,      4096,     16'384,
                                                  65'536, 262'144, 1'048'576, 4'194'304};
-/// A frame of the paper: 259,572 tests, here as whole passes of 256 rays.
+/// A frame of the paper has 259,572 tests, here in whole passes of 256 rays.
 constexpr std::size_t kFrameTriangles = 1014;
 
 const char* name_of_bus(Bus bus) {
@@ -42,7 +42,7 @@ Board open(Bus bus, unsigned lanes, const HostProfile& host, std::uint32_t burst
   return Board::open({.lanes = lanes, .bus = bus}, options);
 }
 
-/// Some triangles of the terrain, and rays straight down at all of it.
+/// The first triangles of a terrain. Rays are cast straight down at all of it.
 std::vector<Triangle> triangles(std::size_t count) {
   const Mesh mesh = make_terrain({});
   std::vector<Triangle> some;
@@ -56,7 +56,7 @@ std::vector<Ray> rays() {
 
 // ---- Transfers ----
 
-/// A pass whose records stay in the card, so that they can be read in pieces of any size.
+/// Runs a pass whose records stay in the card, so that they can be read in pieces of any size.
 void fill_ring(Board& board, std::size_t records) {
   const std::size_t count = (records + kRays - 1) / kRays;
   board.upload(triangles(count));
@@ -72,15 +72,15 @@ void fill_ring(Board& board, std::size_t records) {
   const std::uint64_t waiting = board.read_register(card::kRegRecords);
   if (!done || waiting < records)
     throw Error(ErrorCode::kDevice,
-                fmt::format("{} records in the card, not {}", waiting, records));
+                fmt::format("the card has {} records; expected {}", waiting, records));
   board.write_register(card::kRegControl, card::kControlClear);
 }
 
 struct BusRate {
-  double up, down;  ///< bytes a modelled second
+  double up, down;  ///< bytes per second of modelled time
 };
 
-/// One transfer of each size in each direction, with all that the driver does around it.
+/// Measures one transfer of each size in each direction, including the accesses of the driver.
 std::vector<BusRate> sweep(Board& board) {
   std::size_t records = 0;
   for (const std::uint32_t bytes : kSizes) records += bytes / 32;
@@ -126,7 +126,7 @@ std::vector<Sweep> sweeps(const BenchOptions& o, std::uint32_t burst) {
 void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const BenchOptions& o) {
   show(
       "\nbus: modelled MB/s of a transfer to the card and to the host, with the driver's "
-      "accesses\n{} bytes a burst, 64 bits at 66.67 MHz (533 MB/s), core {:g} MHz\n{:>10}",
+      "accesses\n{} bytes per burst, 64 bits at 66.67 MHz (533 MB/s), core {:g} MHz\n{:>10}",
       burst, o.clock_hz / 1e6, "bytes");
   for (const Sweep& s : all)
     show(" {:>22}", fmt::format("{} {}", s.host->name, name_of_bus(s.bus)));
@@ -145,8 +145,8 @@ void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const Benc
   show("\n");
   for (const Sweep& s : all)
     if (s.host->name == "ideal")
-      show("upload over ideal ({}) at 4 KiB bursts: {:.1f} % of 533 MB/s\n", name_of_bus(s.bus),
-           100 * s.rates.back().up / kPeak);
+      show("upload with host ideal ({}) and 4 KiB bursts: {:.1f} % of 533 MB/s\n",
+           name_of_bus(s.bus), 100 * s.rates.back().up / kPeak);
 }
 
 ordered_json json_of(const std::vector<Sweep>& all, std::uint32_t burst, const BenchOptions& o) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Section effects of cde bench: what each part of the card that a scene leaves out would have cost
-// its simulation.
+// Section effects of cde bench: measures how much each part of the card slows down its simulation.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -27,9 +26,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// 256 rays in random directions from above the middle of a terrain, nearest hit. A card of
-/// everything and so many lanes is built in three minutes of processor time. In --quick it is a
-/// card that every build has.
+/// The scene: 256 rays in random directions from above the middle of a terrain, nearest hit. A card
+/// with all parts and kLanes lanes takes minutes to build. --quick uses the lanes of a default
+/// model.
 constexpr unsigned kLanes = 8, kQuickLanes = 16;
 constexpr const char* kScene = R"([card]
 algorithm = "moller"
@@ -54,16 +53,16 @@ primaries = "rays"
 secondaries = "terrain"
 )";
 
-/// When a card is measured: always, or but for --quick.
+/// When a card is measured: always, or not with --quick.
 enum class When { kAlways, kNotQuick };
 
-/// The planned card with one thing more.
+/// The planned card with one change.
 struct Variant {
   const char* name;
-  const char* effect;  ///< its name in plans, "" if it has none there
+  const char* effect;  ///< its name in plans, or ""
   void (*change)(BoardConfig& card);
   When when = When::kNotQuick;
-  bool beside_last = false;  ///< its time is given in that of the variant before, not the plan's
+  bool beside_last = false;  ///< compared with the variant before it, not with the planned card
   Memory memory = Memory::kIdeal;
 };
 
@@ -72,7 +71,7 @@ void all_pipes(BoardConfig& c) {
   for (unsigned p = 0; p < kPairs; ++p) c.pairs.push_back(static_cast<Pair>(p));
 }
 
-/// Rays and spheres, which can meet the same triangles in one pass.
+/// Rays and spheres, which can be tested with the same triangles in one pass.
 void two_pipes(BoardConfig& c) {
   c.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
   c.swap = true;
@@ -123,7 +122,7 @@ struct Workload {
   BoardConfig planned;
   std::vector<Ray> rays;
   std::vector<Triangle> triangles;
-  std::vector<Record> records;  ///< of the reference
+  std::vector<Record> records;  ///< records of the reference
 };
 
 template <class P>
@@ -156,7 +155,7 @@ Times timed(Work work) {
           std::chrono::duration<double>(Clock::now() - start).count()};
 }
 
-/// A card with the triangles uploaded, and what was measured on it.
+/// A card with the triangles uploaded, and its measurements.
 class Card {
  public:
   Card(const Variant& variant, const BoardConfig& config, const Workload& w)
@@ -164,7 +163,8 @@ class Card {
     board_.upload(w.triangles);
   }
 
-  /// A frame of a still scene: rays, registers, pass, records, which must be the reference's.
+  /// Runs a frame of a still scene: rays, registers, pass and records. The records must equal the
+  /// reference's.
   Times frame() {
     std::vector<Record> records;
     const Times t = timed([&] {
@@ -173,13 +173,12 @@ class Card {
     });
     if (!std::equal(records.begin(), records.end(), workload_.records.begin(),
                     workload_.records.end(), same_bits))
-      throw Error(
-          ErrorCode::kMismatch,
-          fmt::format("card '{}': its records are not those of the reference", variant_.name));
+      throw Error(ErrorCode::kMismatch,
+                  fmt::format("card '{}': its records differ from the reference", variant_.name));
     return t;
   }
 
-  /// The pass of the last frame once more, from go to done, and nothing else.
+  /// Runs only the pass of the last frame again, from go to done.
   Times pass() {
     const Times t = timed([&] {
       board_.write_register(card::kRegControl, card::kControlGo);
@@ -195,7 +194,8 @@ class Card {
     return t;
   }
 
-  /// One round: a frame of another card and, right after it, of this one, then its pass.
+  /// Measures one round: a frame of another card, directly after it a frame of this card, then this
+  /// card's pass.
   void measure(Card& other) {
     const Times before = other.frame(), mine = &other == this ? before : frame();
     const Times bare = pass();
@@ -208,10 +208,10 @@ class Card {
 
   [[nodiscard]] const Variant& variant() const { return variant_; }
   [[nodiscard]] double slower() const { return median(slower_); }
-  /// The part of a frame outside the pass, in that of the pass: fastest rounds, as it is smaller
-  /// than what other processes do to a single one.
+  /// Time of a frame outside the pass, relative to the pass. It takes the fastest rounds, because
+  /// it is smaller than the noise of a single round.
   [[nodiscard]] double bus() const { return least(seconds_) / least(pass_) - 1; }
-  /// Clocks of a frame outside the pass, in those of the pass.
+  /// Cycles of a frame outside the pass, relative to those of the pass.
   [[nodiscard]] double bus_clocks() const {
     const auto pass = static_cast<double>(counters_.cycles + counters_.writeback);
     return static_cast<double>(counters_.total_clocks) / pass - 1;
@@ -271,7 +271,8 @@ class Card {
   const Variant& variant_;
   BoardConfig config_;
   const Workload& workload_;
-  std::optional<double> build_seconds_;  ///< if this run had to; before board_, which sets it
+  std::optional<double>
+      build_seconds_;  ///< if this run built the card; declared before board_, which sets it
   Board board_;
   Counters counters_;
   std::vector<double> slower_, slower_wall_, seconds_, wall_, pass_;  ///< one value per round
@@ -289,7 +290,7 @@ std::vector<Card> open_cards(const BenchOptions& o, const Workload& w) {
   return cards;
 }
 
-/// What the project promises, beside what was measured.
+/// The promises of the project, with the measurements.
 ordered_json promises(const std::vector<Card>& cards) {
   ordered_json list = ordered_json::array();
   const auto promise = [&](const char* what, const char* target, double figure, bool met) {
@@ -316,20 +317,20 @@ ordered_json bench_effects(const BenchOptions& o) {
   const int rounds = o.quick ? 3 : 9;
   std::vector<Card> cards = open_cards(o, w);
   if (o.markdown)
-    show("| card | times the planned card | least to most | clocks of the pass |\n{}\n",
+    show("| card | times the planned card | least to most | cycles of the pass |\n{}\n",
          "| --- | --- | --- | --- |");
   else
     show(
-        "\n{} x {}, nearest, {}, fp32, one thread. The planned card: {}."
-        "\nThe others are the planned card and one thing more. Times slower by processor time, "
-        "and (wall) by wall time: medians of {}, each beside the planned card in turn.\n"
-        "{:<44}{:>7}{:>15}{:>9}{:>12}{:>10}{:>11}{:>9}{:>9}\n",
+        "\n{} x {}, nearest, {}, fp32, one thread. The planned card: {}.\nEach other card is the "
+        "planned card with one change. Slower: ratio of processor times, and (wall) of wall times; "
+        "medians of {}, each measured in turn with the planned "
+        "card.\n{:<44}{:>7}{:>15}{:>9}{:>12}{:>10}{:>11}{:>9}{:>9}\n",
         counted(w.rays.size(), "ray"), counted(w.triangles.size(), "triangle"),
         counted(w.planned.lanes, "lane"), fmt::join(w.planned.parameters(), " "),
         counted(static_cast<unsigned>(rounds), "round"), "card", "slower", "least to most",
         "(wall)", "frame, s", "bus, %", "cycles", "built, s", "in plans");
   std::optional<Progress> progress("effects, every card in turn");
-  for (Card& c : cards) c.frame(), c.pass();  // caches warm
+  for (Card& c : cards) c.frame(), c.pass();  // warms the caches
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < cards.size(); ++i) {
       const std::size_t done = static_cast<std::size_t>(round) * cards.size() + i;
@@ -348,16 +349,15 @@ ordered_json bench_effects(const BenchOptions& o) {
     show("\n");
   else
     show(
-        "bus: processor time of a frame (rays, registers, pass, records) over its pass alone, "
-        "fastest of each; "
-        "built: by this run\nall records of all frames are those of the reference\n");
+        "bus: extra processor time of a frame (rays, registers, pass, records) over its pass, "
+        "fastest of each; built: by this run\nall records of all frames equal the reference\n");
   return {{"rays", w.rays.size()},
           {"triangles", w.triangles.size()},
           {"lanes", w.planned.lanes},
           {"format", "fp32"},
-          {"bus", "functional, unless the card's top is \"card\": host profile ideal"},
+          {"bus", "functional, unless the card's top is \"card\"; host profile ideal"},
           {"rounds", rounds},
-          {"what", "simulation time of a frame in that of the planned card, medians"},
+          {"what", "simulation time of a frame relative to the planned card, medians"},
           {"cards", list},
           {"promises", promises(cards)}};
 }

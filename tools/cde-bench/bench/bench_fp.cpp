@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Section fp of cde bench: the gate-level floating-point units alone, simulated operations a second
-// on one core.
+// Section fp of cde bench: measures the gate-level floating-point units alone, in simulated
+// operations per second on one core.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -24,7 +24,7 @@ struct Operation {
 constexpr std::array kOperations = {Operation{"add", FpOp::kAdd}, Operation{"mul", FpOp::kMul},
                                     Operation{"div", FpOp::kDiv}, Operation{"sqrt", FpOp::kSqrt}};
 
-/// One operation in a bitstream of its own, so that nothing else is simulated.
+/// Measures one operation in a model of its own, so that nothing else is simulated.
 double measure(FpFormat format, const Operation& operation, int lanes, double seconds) {
   std::vector<std::string> parameters = fp_unit_parameters(format, Arithmetic::kRtl, lanes, false);
   parameters.push_back(fmt::format("OPS={}", 1u << static_cast<unsigned>(operation.op)));
@@ -40,17 +40,16 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
     for (const NamedFpFormat& f : kFpFormats)
       if (f.name != "fp32") formats.push_back(f.name);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  show(
-      "\ngate-level units alone, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
-      "format", "lanes", "M operations/s");
-  // At least as many measurements as there will be: all operations, and all lane counts of fp32.
+  show("\ngate-level units, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
+       "format", "lanes", "M operations/s");
+  // An upper bound on the number of measurements: all operations, and all lane counts of fp32.
   const auto most = static_cast<double>(kOperations.size() * (formats.size() + 2));
   double done = 0;
   Progress progress("fp");
   for (const std::string_view name : formats) {
     const FpFormat format = FpFormat::parse(name);
-    // The best number of lanes depends on the operation and the processor; wider words fill its
-    // vectors sooner.
+    // The best number of lanes depends on the operation and on the processor, whose vectors hold
+    // fewer wide words.
     std::vector<int> counts = {32, 64, 128};
     if (o.quick) counts = {64};
     if (name != "fp32") counts = {name == "fp64" ? 16 : 64};
@@ -67,9 +66,9 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
                         {"operations_per_second_simulated", rate}});
       }
   }
-  return {
-      {"what", "simulated operations a second of processor time, gate level, latency 1, flags off"},
-      {"units", rows}};
+  return {{"what",
+           "simulated operations per second of processor time, gate level, latency 1, flags off"},
+          {"units", rows}};
 }
 
 }  // namespace cde::cli

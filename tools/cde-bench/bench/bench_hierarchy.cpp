@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde bench hierarchy: rays through the hierarchy of a card, its own clocks and with the bus, what
-// simulating it takes, its refit, and Embree on the same rays; spheres, OBBs and meshes, and FCL on
-// these; spheres among others.
+// cde bench hierarchy: measures BVH traversal on the card, without and with the bus, its refit, and
+// the time to simulate it. It compares rays with Embree, and spheres, OBBs and meshes with FCL.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -18,8 +17,7 @@
 namespace cde::cli {
 
 nlohmann::ordered_json bench_hierarchy(const BenchOptions& o) {
-  show(
-      "\nHierarchy: device times are modelled clocks, the others processor time of this machine\n");
+  show("\nBVH: device times are modelled cycles, other times are processor time of this machine\n");
   std::vector<TerrainOptions> meshes = {{.quads_x = 80, .quads_y = 80}};
   if (!o.quick) meshes.emplace_back();
   auto all = nlohmann::ordered_json::array();
@@ -28,22 +26,22 @@ nlohmann::ordered_json bench_hierarchy(const BenchOptions& o) {
   Progress progress("hierarchy");
   for (const TerrainOptions& options : meshes) {
     const Mesh mesh = make_terrain(options);
-    progress(done++ / steps, fmt::format("rays through {} triangles", mesh.faces.size()));
+    progress(done++ / steps, fmt::format("rays against {} triangles", mesh.faces.size()));
     const TreeFigures figures = measure_tree(mesh, o.quick ? 8'192 : 65'536, o.clock_hz);
     show_tree(figures);
     all.push_back(tree_json(figures));
-    progress(done++ / steps, fmt::format("solids at {} triangles", mesh.faces.size()));
+    progress(done++ / steps, fmt::format("solids against {} triangles", mesh.faces.size()));
     const std::vector<SolidFigures> solids = measure_solids(mesh, o.clock_hz, o.quick);
     show_solids(solids, o.clock_hz);
     all.back()["solids"] = solids_json(solids, o.clock_hz);
-    if (o.quick) continue;  // another card
-    progress(done++ / steps, fmt::format("a mesh at {} triangles", mesh.faces.size()));
+    if (o.quick) continue;  // needs another card
+    progress(done++ / steps, fmt::format("a mesh against {} triangles", mesh.faces.size()));
     const MeshFigures through = measure_meshes(mesh, o.clock_hz);
     show_meshes(through, o.clock_hz);
     all.back()["meshes"] = meshes_json(through, o.clock_hz);
   }
-  if (o.quick) return all;  // another card again
-  progress(done++ / steps, "spheres among spheres and OBBs");
+  if (o.quick) return all;  // needs another card
+  progress(done++ / steps, "spheres against spheres and OBBs");
   const std::vector<CloudFigures> clouds = measure_clouds(o.clock_hz);
   show_clouds(clouds, o.clock_hz);
   all.back()["clouds"] = clouds_json(clouds, o.clock_hz);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Section pairs of cde bench: every pipe by itself, simulated pairs a second on one core, beside
-// FCL on the same pairs in the same run.
+// Section pairs of cde bench: measures every pipe by itself, in simulated pairs per second on one
+// core, and FCL on the same pairs in the same run.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -28,7 +28,7 @@ constexpr std::uint64_t kSeed = 20261121;
 constexpr std::size_t kCases = 8192;
 constexpr unsigned kPairLanes = 8;
 
-/// One pipe and the pairs that it is measured on.
+/// One pipe and the pairs for its measurement.
 struct MeasuredPairs {
   double pairs_per_second = 0, clocks_per_row = 0;
   unsigned latency = 0;
@@ -50,7 +50,7 @@ MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::s
   MeasuredPairs m;
   m.latency = unit.latency();
   m.results.resize(kCases);
-  std::uint64_t clocks = unit.test(wa, wb, m.results);  // warm
+  std::uint64_t clocks = unit.test(wa, wb, m.results);  // warms up
   m.clocks_per_row = static_cast<double>(clocks - unit.latency() + 1) / (kCases / kPairLanes);
   m.hits = static_cast<std::size_t>(
       std::count_if(m.results.begin(), m.results.end(), [](const PairResult& r) { return r.f; }));
@@ -65,8 +65,8 @@ MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::s
   return m;
 }
 
-/// What accuracy costs a cylinder pair: its rate at budgets up to the largest, whose signed gaps
-/// are what the others fall short of.
+/// The cost of accuracy for a cylinder pair: its rate for several budgets. The largest budget gives
+/// the signed distances with which the others are compared.
 struct Priced {
   PairBudget budget;
   double pairs_per_second, clocks_per_row, p99, worst;
@@ -98,8 +98,8 @@ nlohmann::ordered_json budgets_json(const std::vector<Priced>& rows, double cloc
   for (const Priced& r : rows) {
     const auto& [m, k1, k2] = r.budget;
     show(
-        "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} clocks a row, short of the first by "
-        "{:.1e} (p99), {:.1e} (max)\n",
+        "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} cycles per row, below the first by {:.1e} "
+        "(p99), {:.1e} (max)\n",
         m, k1, k2, r.pairs_per_second / 1e6, r.clocks_per_row, r.p99, r.worst);
     json.push_back({{"samples", m},
                     {"circle", k1},
@@ -141,7 +141,7 @@ nlohmann::ordered_json fcl_json(const FclRates& fcl, const std::optional<Measure
   return j;
 }
 
-/// A rate in millions and how many times as fast the simulation is; "-" if there is none.
+/// A rate in millions, and the simulation's rate relative to it; "-" without a rate.
 std::string beside(const std::optional<double>& rate, const std::optional<MeasuredPairs>& card,
                    bool depth) {
   if (!rate) return "-";
@@ -193,9 +193,8 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
 
 nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
   show(
-      "\npipes alone, shapes of size 0.5 to 1.5, host arithmetic, fp32, {} lanes, {} random "
-      "pairs, one core, processor "
-      "time\n{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
+      "\npipes by themselves, shapes of size 0.5 to 1.5, host arithmetic, fp32, {} lanes, {} "
+      "random pairs, one core, processor time\n{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
       kPairLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
       "FCL distance M/s");
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
@@ -208,12 +207,13 @@ nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
     for (unsigned k = 0; k < algorithms; ++k)
       rows.push_back(bench_pair(o, pair, static_cast<Algorithm>(k)));
   }
-  show("{}\n", has_fcl() ? "in brackets: the simulation's rate in FCL's; *: with the depth of "
-                           "overlapping pairs"
-                         : "this program was built without FCL (Debian: libfcl-dev)");
+  show("{}\n",
+       has_fcl()
+           ? "in brackets: the simulation's rate over FCL's; *: with the depth of overlapping pairs"
+           : "this program was built without FCL (Debian: libfcl-dev)");
   return {{"what",
-           "simulated pairs a second of processor time, pipe by itself, new operands every "
-           "clock; FCL in binary64 on the same pairs"},
+           "simulated pairs per second of processor time, pipe by itself, new operands every "
+           "cycle; FCL in binary64 on the same pairs"},
           {"seed", kSeed},
           {"cases", kCases},
           {"lanes", kPairLanes},

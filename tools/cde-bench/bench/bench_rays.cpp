@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde bench rays: the simulated card against software that does the same brute force on one thread.
+// cde bench rays: compares the simulated card with software that does the same brute force on one
+// thread.
 #include <fmt/format.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
@@ -34,9 +35,9 @@ struct Scene {
   std::vector<Ray> rays;
 };
 
-/// 256 rays over a terrain. Random: origins along a flight path, directions at random below the
-/// horizon, as in the paper's experiment. Otherwise straight down on a grid, which spares software
-/// most branch mispredictions.
+/// 256 rays over a terrain. Random: origins along a flight path, random directions below the
+/// horizon, as in the paper's experiment. Otherwise straight down on a grid, where software has few
+/// branch mispredictions.
 Scene make_scene(std::uint32_t quads_x, std::uint32_t quads_y, bool random = true) {
   const Progress busy("making a terrain");
   Scene s{make_terrain({.quads_x = quads_x, .quads_y = quads_y}), {}, {}};
@@ -60,7 +61,7 @@ struct MeasuredRays {
   Counters counters;
   std::vector<Record> records;
 
-  /// Once more, with the triangles uploaded.
+  /// Casts the rays again. The triangles must be uploaded.
   void cast(Board& board, const Scene& scene) {
     const double start = thread_seconds();
     records.clear();
@@ -78,7 +79,8 @@ struct BaselineEntry {
   MeasuredRays measured = {};
 };
 
-/// Software and card find the same triangles at the same distances, but for ties and rounding.
+/// Checks that software and card find the same triangles at the same distances, except for ties and
+/// rounding.
 void require_agreement(const std::vector<Record>& card,
                        const std::vector<baseline::ClosestHit>& software, const char* name) {
   std::size_t differ = 0;
@@ -88,10 +90,10 @@ void require_agreement(const std::vector<Record>& card,
         (hit && std::abs(software[i].t - card[i].t) > 1e-4f * std::abs(card[i].t)))
       ++differ;
   }
-  // A ray through an edge may fall on either side, or between, in other roundings.
+  // With other rounding, a ray through an edge may hit either triangle, or none.
   if (differ * 50 > card.size()) {
     throw Error(ErrorCode::kMismatch,
-                fmt::format("{} of {} hits of the {} baseline are not the card's", differ,
+                fmt::format("{} of {} hits of the {} baseline differ from the card's", differ,
                             card.size(), name));
   }
 }
@@ -101,7 +103,7 @@ struct SoftwareRate {
   double tests_per_second = 0;
 };
 
-/// The software on this machine, each once more: `rates` keeps the best.
+/// Runs each software baseline again. `rates` keeps the best rates.
 void run_baselines(const Scene& scene, const std::vector<Record>& card,
                    std::vector<SoftwareRate>& rates) {
   std::size_t at = 0;
@@ -124,11 +126,11 @@ ordered_json compare_rates(const BenchOptions& o) {
   const Scene down = o.quick ? make_scene(70, 70, false) : make_scene(291, 446, false);
   constexpr int kRounds = 5;
   show(
-      "\n256 rays x {} triangles, single thread, processor time, best of {} rounds that "
-      "each measure everything once (gate level: of 2)\n",
+      "\n256 rays x {} triangles, single thread, processor time, best of {} rounds with one "
+      "measurement of each (gate level: of 2)\n",
       scene.triangles.size(), kRounds);
   std::vector<BaselineEntry> entries;
-  // Around the fastest of each; wider ones take minutes to compile and fall out of the first-level
+  // Lane counts near the fastest. Wider cards take minutes to compile and exceed the first-level
   // cache.
   constexpr std::pair<Arithmetic, unsigned> kCards[] = {
       {Arithmetic::kHost, 16}, {Arithmetic::kHost, 64}, {Arithmetic::kHost, 128},
@@ -144,9 +146,9 @@ ordered_json compare_rates(const BenchOptions& o) {
   board_down.upload(down.triangles);
   MeasuredRays card_down;
   card_down.cast(board_down, down);
-  // What else the machine does changes over minutes: everything is measured in turn, and again.
+  // The load of the machine changes over minutes, so everything is measured in turn, several times.
   std::vector<SoftwareRate> rates, rates_down;
-  std::optional<Progress> progress("rays, cards beside software");
+  std::optional<Progress> progress("rays, cards and software");
   for (int round = 0; round < kRounds; ++round) {
     (*progress)(static_cast<double>(round) / kRounds);
     for (BaselineEntry& e : entries)
@@ -175,9 +177,8 @@ ordered_json compare_rates(const BenchOptions& o) {
     const double rows = static_cast<double>(scene.triangles.size()) * 256.0 / e.config.lanes;
     const double per_row = static_cast<double>(c.cycles) / rows;
     show(
-        "card {:<4} {:>3} lanes  {:8.1f} M tests/s simulated, {:.2f} of scalar ({:.2f} "
-        "straight down), {:.3f} of "
-        "{}; {} cycles, {:.6f} a row, {:.3f} ms at {:g} MHz\n",
+        "card {:<4} {:>3} lanes  {:8.1f} M tests/s simulated, {:.2f} of scalar ({:.2f} straight "
+        "down), {:.3f} of {}; {} cycles, {:.6f} per row, {:.3f} ms at {:g} MHz\n",
         arithmetic, e.config.lanes, rate / 1e6, rate / scalar,
         rate / rates_down.front().tests_per_second, rate / vector, rates.back().name, c.cycles,
         per_row, 1e3 * c.modelled_seconds(o.clock_hz), o.clock_hz / 1e6);
@@ -202,14 +203,14 @@ std::size_t resident_bytes() {
   return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// Device clocks and simulation time against the number of triangles.
+/// Device cycles and simulation time against the number of triangles.
 ordered_json linearity(const BenchOptions& o) {
   show("\nsize of the scene, host arithmetic, 16 lanes, 256 rays\n");
   ordered_json list = ordered_json::array();
   std::vector<std::uint32_t> sides = {22, 71, 224};
   if (!o.quick) sides.push_back(707);
   if (o.full) sides.push_back(2236);
-  // The largest takes most of the time: all that is known is the work to come.
+  // The largest scene takes most of the time, so progress counts work, not scenes.
   const auto work = [](std::uint32_t side) { return static_cast<double>(side) * side; };
   const double all = std::transform_reduce(sides.begin(), sides.end(), 0.0, std::plus<>(), work);
   double done = 0;
@@ -232,8 +233,8 @@ ordered_json linearity(const BenchOptions& o) {
     const double seconds = thread_seconds() - start;
     const double rows = static_cast<double>(count) * 256 / board.lanes();
     show(
-        "{:>9} triangles  {:>10} cycles, {:.6f} a row  cast {:8.3f} s, {:6.1f} M tests/s  "
-        "upload {:6.3f} s, {:5.1f} bytes a triangle\n",
+        "{:>9} triangles  {:>10} cycles, {:.6f} per row  cast {:8.3f} s, {:6.1f} M tests/s  upload "
+        "{:6.3f} s, {:5.1f} bytes per triangle\n",
         count, c.cycles, static_cast<double>(c.cycles) / rows, seconds,
         static_cast<double>(c.pairs) / seconds / 1e6, upload, bytes);
     list.push_back({{"triangles", count},
@@ -247,7 +248,7 @@ ordered_json linearity(const BenchOptions& o) {
   return list;
 }
 
-/// The same work on one board, and on two boards in two threads at once.
+/// Runs the same work on one board, and on two boards in two threads at once.
 ordered_json two_boards(const BenchOptions& o) {
   const Scene scene = o.quick ? make_scene(100, 100) : make_scene(291, 446);
   Board first = Board::open({}), second = Board::open({});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// cde bench waves: what questions to a file of waves take, as processes from their start to their
-// end, beside GTKWave's tools for the same format.
+// cde bench waves: measures commands on a wave file as processes, from start to end, and GTKWave's
+// tools on the same file.
 #include <fmt/format.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
@@ -33,7 +33,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::uint64_t kWhole = 70'000'000, kQuick = 4'000'000;  // bytes
 constexpr int kRounds = 5;
 
-/// A folder that goes when the measurement ends.
+/// A temporary folder, removed after the measurement.
 class Folder {
  public:
   Folder() {
@@ -54,8 +54,8 @@ class Folder {
   fs::path path_;
 };
 
-/// Waves of a card that casts rays at terrain until there are so many clocks that the file is about
-/// as large as asked: the first stretch tells how large a clock is.
+/// Writes waves of a card that casts rays at a terrain. A first window shows the bytes per cycle;
+/// the second has enough cycles for about `bytes`.
 void write_waves(const fs::path& file, std::uint64_t bytes) {
   Board board = Board::open({.lanes = 8, .trace = true});
   const Mesh mesh = make_terrain({});
@@ -68,7 +68,7 @@ void write_waves(const fs::path& file, std::uint64_t bytes) {
       (void)board.cast(grid_rays(bounds(mesh), {16, 16}), {}, [](std::span<const Record>) {});
     board.trace_close();
   };
-  // A cast goes on behind the window: it is the window that the file holds.
+  // The cast goes on after the window, but the file has only the window.
   constexpr std::uint64_t kFirst = 60'000;
   cast(kFirst);
   const double each = static_cast<double>(fs::file_size(file)) / static_cast<double>(kFirst);
@@ -76,12 +76,12 @@ void write_waves(const fs::path& file, std::uint64_t bytes) {
 }
 
 struct Cost {
-  double seconds = 0;           ///< of the fastest run
-  std::uint64_t kilobytes = 0;  ///< resident at most
+  double seconds = 0;           ///< time of the fastest run
+  std::uint64_t kilobytes = 0;  ///< largest resident size
   bool ran = false;
 };
 
-/// Runs a program with its output thrown away; `ran` is false if there is none.
+/// Runs a program and drops its output. `ran` is false if the program is not installed.
 Cost measure(const std::vector<std::string>& words, int rounds = kRounds) {
   Cost cost;
   for (int i = 0; i < rounds; ++i) {
@@ -93,7 +93,7 @@ Cost measure(const std::vector<std::string>& words, int rounds = kRounds) {
       return {};
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    constexpr int kNotFound = 127;  // of a shell
+    constexpr int kNotFound = 127;  // a shell's status for it
     if (ran.status == kNotFound) return {};
     if (ran.status > 1)
       throw Error(ErrorCode::kFile,
@@ -110,7 +110,7 @@ struct Row {
   std::vector<std::string> words;
 };
 
-/// Questions about the middle of the file.
+/// The measured commands, about the middle of the file.
 std::vector<Row> rows_of(const std::string& self, const std::string& file) {
   wave::Trace trace(file);
   wave::Times times(trace, "");
@@ -130,11 +130,11 @@ std::vector<Row> rows_of(const std::string& self, const std::string& file) {
   };
   const std::string at = std::to_string(middle);
   return {
-      {"start of the command alone", {self, "--version"}},
+      {"only the start of the command", {self, "--version"}},
       {fmt::format("ls, {} signals", trace.signals().size()), wave({"ls", "--max", "0"})},
       {"at, one signal", wave({"at", at, wide})},
-      {"show, 4 clocks", wave({"show", wide, bit, "--around", at, "--window", "2"})},
-      {"find, first match behind the middle",
+      {"show, 4 cycles", wave({"show", wide, bit, "--around", at, "--window", "2"})},
+      {"find, first match after the middle",
        wave({"find", fmt::format("changed({})", wide), "--from", at, "--first"})},
       {"find, one signal, the whole file",
        wave({"find", fmt::format("changed({})", wide), "--count"})},
@@ -170,10 +170,8 @@ ordered_json bench_waves(const BenchOptions& o) {
   ordered_json j = {{"file_bytes", fs::file_size(file)},
                     {"signals", trace.signals().size()},
                     {"changes", changes}};
-  show(
-      "\nwaves: {:.1f} MB, {} signals, {} changes; processes from start to end, the fastest of "
-      "{}\n",
-      static_cast<double>(fs::file_size(file)) / 1e6, trace.signals().size(), changes, kRounds);
+  show("\nwaves: {:.1f} MB, {} signals, {} changes; time of whole processes, the fastest of {}\n",
+       static_cast<double>(fs::file_size(file)) / 1e6, trace.signals().size(), changes, kRounds);
   show("{:<46} {:>9} {:>8}\n", "", "ms", "MB");
   show("{:<46} {:>9.1f} {:>8}\n", "all changes, in this process", 1e3 * streamed, "");
   ordered_json list = ordered_json::array();

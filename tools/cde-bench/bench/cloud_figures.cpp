@@ -24,7 +24,7 @@ using nlohmann::ordered_json;
 
 constexpr std::size_t kCounts[] = {1'000, 10'000};
 
-/// In a cube, a quarter of what would fill it in a row, along each of its edges.
+/// Random shapes in a cube. Their number along each edge is a quarter of what would fit in a row.
 class Cloud {
  public:
   explicit Cloud(std::size_t count)
@@ -127,11 +127,11 @@ ordered_json clouds_json(const std::vector<CloudFigures>& figures, double clock_
 }
 
 void show_clouds(const std::vector<CloudFigures>& figures, double clock_hz) {
-  show("  spheres that find the nearest of others, ideal memory:\n");
+  show("  spheres that find the nearest shape, ideal memory:\n");
   for (const CloudFigures& f : figures)
     show(
-        "  {:>6} {:<7} 256 in {} ({:.1f} clocks each), 4,096 in {:.1f} each; a sweep of {} lanes "
-        "{}; refit by the host {}, its tree over the bus {}\n",
+        "  {:>6} {:<7} 256 in {} ({:.1f} cycles each), 4,096 in {:.1f} each; brute force with {} "
+        "lanes {}; refit by the host {}, upload of the BVH over the bus {}\n",
         f.secondaries, fmt::format("{}s:", name(f.shape)),
         duration(static_cast<double>(f.packet.cycles) / clock_hz), each(f.packet, kTreePacket),
         each(f.stream, kTreeRing), f.lanes,

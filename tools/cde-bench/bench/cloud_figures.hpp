@@ -7,27 +7,26 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/query/counters.hpp"
 
-/// Spheres among spheres and among OBBs, through a hierarchy over these, which is refitted.
+/// Measures spheres against a BVH of spheres or OBBs, which is refitted.
 namespace cde::cli {
 
-/// Spheres that look for the nearest of others, which fill a cube; all of it modelled but for one
-/// figure.
+/// Spheres find the nearest shape in a cube. All figures but refit_seconds are modelled.
 struct CloudFigures {
-  Shape shape = Shape::kSphere;    ///< of what is in the tree
-  std::uint64_t secondaries = 0;   ///< there
-  Counters packet, stream;         ///< of 256 primaries, of 4,096
-  std::uint64_t swept_cycles = 0;  ///< of the packet without the tree, on the same card
-  unsigned lanes = 0;              ///< of that
-  double refit_seconds = 0;        ///< of the host: processor time
-  double tree_upload_seconds = 0;  ///< over the bus
+  Shape shape = Shape::kSphere;    ///< shape in the BVH
+  std::uint64_t secondaries = 0;   ///< shapes in the BVH
+  Counters packet, stream;         ///< for 256 primaries, for 4,096
+  std::uint64_t swept_cycles = 0;  ///< cycles of the packet by brute force, on the same card
+  unsigned lanes = 0;              ///< lanes of that brute-force pass
+  double refit_seconds = 0;        ///< refit on the host, processor time
+  double tree_upload_seconds = 0;  ///< upload of the BVH over the bus
 };
 
-/// Of spheres and OBBs, 1,000 and 10,000 of each. Error kMismatch if a record differs from the
-/// reference's way.
+/// Measures 1,000 and 10,000 spheres and OBBs. Error kMismatch if a record differs from the
+/// reference's traversal.
 [[nodiscard]] std::vector<CloudFigures> measure_clouds(double clock_hz);
 [[nodiscard]] nlohmann::ordered_json clouds_json(const std::vector<CloudFigures>& figures,
                                                  double clock_hz);
-/// On stdout, for people.
+/// Prints the figures as text.
 void show_clouds(const std::vector<CloudFigures>& figures, double clock_hz);
 
 }  // namespace cde::cli

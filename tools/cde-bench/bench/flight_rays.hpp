@@ -9,8 +9,8 @@
 
 namespace cde::cli {
 
-/// Rays from the middle of a flight over the terrain in random directions below the horizon;
-/// another `first`, other rays.
+/// Rays from the middle of a flight over the terrain, in random directions below the horizon.
+/// Another `first` gives other rays.
 inline std::vector<Ray> flight_rays(const Mesh& mesh, std::size_t count, std::size_t first = 0) {
   const Eigen::AlignedBox3f box = bounds(mesh);
   std::vector<Ray> rays(count);

@@ -52,7 +52,7 @@ void compare_hits(std::span<const Record> card, const std::vector<float>& t,
       ++wrong;
   }
   if (wrong > card.size() / 50)
-    differs(fmt::format("hits of {} and of the card", name), wrong, card.size());
+    differs(fmt::format("hits of {} and the card", name), wrong, card.size());
 }
 
 }  // namespace cde::cli

@@ -11,29 +11,30 @@
 #include "cde/geometry/primitives.hpp"
 #include "cde/query/record.hpp"
 
-/// Software that is measured beside the card, and held against it.
+/// Measurement of software, and comparison of its results with the card's.
 namespace cde::cli {
 
-/// How far measurements of the same thing lie apart, in seconds of processor time of one thread.
+/// The spread of repeated measurements, in seconds of processor time of one thread.
 struct Spread {
   double least = 0, tenth = 0, median = 0, ninetieth = 0, most = 0;
   std::size_t samples = 0;
 };
 
-/// Processor times of work(0), work(1) and so on: at least nine samples and a fifth of a second.
-/// What takes less than a tenth of a millisecond is timed several calls at once, as the clock
-/// itself takes part of a microsecond.
+/// Measures processor times of work(0), work(1) and so on: at least nine samples and a fifth of a
+/// second. Calls shorter than a tenth of a millisecond are timed several at once, because reading
+/// the clock takes part of a microsecond.
 [[nodiscard]] Spread measured(const std::function<void(std::size_t)>& work);
 
 [[nodiscard]] nlohmann::ordered_json spread_json(const Spread& spread);
 
-/// Error kMismatch: so many of them differ.
+/// Throws error kMismatch: `wrong` of `of` results differ.
 [[noreturn]] void differs(std::string_view what, std::uint64_t wrong, std::uint64_t of);
 
-/// Hits of software (+inf: none) are the card's but for roundings at edges, 1 ray in 50 at most.
+/// Checks that hits of software (+inf: none) equal the card's, except for rounding at edges: at
+/// most 1 ray in 50.
 void compare_hits(std::span<const Record> card, const std::vector<float>& t, std::string_view name);
 
-/// So many of the rays, others in every call until all were in one.
+/// `size` of the rays; each turn takes other rays until all were used.
 [[nodiscard]] inline std::span<const Ray> turn_of(std::span<const Ray> rays, std::size_t size,
                                                   std::size_t call) {
   return rays.subspan(call % (rays.size() / size) * size, size);

@@ -25,9 +25,9 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::size_t kPlaces = 8;
-constexpr unsigned kQuads = 24;  ///< of a side of the smaller mesh
+constexpr unsigned kQuads = 24;  ///< quads along a side of the smaller mesh
 
-/// A small terrain, turned anyhow, that stands in the large one.
+/// A small terrain, turned at random, that intersects the large one.
 Mesh placed(const Mesh& small, const Mesh& terrain, std::size_t i) {
   const Eigen::Vector3d a = random_direction(2026, 3, i), b = random_direction(2026, 4, i);
   const auto vertex = static_cast<std::size_t>((a.x() * 0.5 + 0.5) * 0.999 *
@@ -103,14 +103,14 @@ class Bench {
     distances_.push_back(least);
   }
 
-  /// FCL computes in binary64: what just touches it may see otherwise.
+  /// FCL computes in binary64, so pairs that barely touch may differ.
   void compare(const FclMeshes& fcl) const {
     for (std::size_t i = 0; i < kPlaces; ++i) {
       const double apart = std::max(0.0, fcl.distances[i]);
       if (std::abs(distances_[i] - apart) > 1e-3 * (1 + apart) ||
           std::abs(contacts_[i] - fcl.contacts[i]) > 0.02 * (1 + fcl.contacts[i]))
         throw Error(ErrorCode::kMismatch,
-                    fmt::format("mesh {}: {} contacts at a distance of {}; FCL has {} and {}", i,
+                    fmt::format("mesh {}: {} contacts, distance {}; FCL: {} and {}", i,
                                 contacts_[i], distances_[i], fcl.contacts[i], apart));
     }
   }
@@ -145,12 +145,14 @@ ordered_json meshes_json(const MeshFigures& figures, double clock_hz) {
 }
 
 void show_meshes(const MeshFigures& figures, double clock_hz) {
-  show("  a mesh of {} triangles in it, {:.0f} pairs of which meet, a card of triangle-triangle:\n",
-       figures.triangles, figures.contacts);
+  show(
+      "  a mesh of {} triangles in it, with {:.0f} touching pairs, on a card of "
+      "triangle-triangle:\n",
+      figures.triangles, figures.contacts);
   for (const MeshQuestion& q : figures.questions)
     show("  {:<8} {}, with bus {} ({:.0f} nodes, {:.0f} pairs); FCL {}\n", q.question,
          duration(q.cycles / clock_hz), duration(q.seconds_with_bus), q.nodes, q.pairs,
-         q.fcl_seconds ? duration(*q.fcl_seconds) : "not there");
+         q.fcl_seconds ? duration(*q.fcl_seconds) : "not available");
 }
 
 }  // namespace cde::cli

@@ -9,29 +9,30 @@
 #include "cde/mesh/mesh.hpp"
 #include "cde/query/counters.hpp"
 
-/// A mesh against a mesh: the triangles of one through the hierarchy of the other, beside FCL.
+/// Measures a mesh against a mesh, by traversing the BVH of one with the triangles of the other,
+/// and FCL.
 namespace cde::cli {
 
-/// One question of all triangles of a mesh, the mean of several places, all of it modelled.
+/// One question for all triangles of a mesh: modelled, mean over several places.
 struct MeshQuestion {
   std::string_view question;    ///< "touches", "contacts" or "nearest"
-  double cycles = 0;            ///< from go to done
-  double seconds_with_bus = 0;  ///< with loading, records and register accesses
-  double nodes = 0, pairs = 0;  ///< read, tested
+  double cycles = 0;            ///< cycles from go to done
+  double seconds_with_bus = 0;  ///< with upload, records and register accesses
+  double nodes = 0, pairs = 0;  ///< nodes read, pairs tested
   std::optional<double>
-      fcl_seconds;  ///< collide() with one contact, with all, distance(); measured
+      fcl_seconds;  ///< measured: collide() with one contact, with all contacts, or distance()
 };
 
 struct MeshFigures {
-  std::uint64_t triangles = 0;  ///< of the mesh that goes through
-  double contacts = 0;          ///< pairs that meet, the mean
+  std::uint64_t triangles = 0;  ///< triangles of the traversing mesh
+  double contacts = 0;          ///< mean number of touching pairs
   std::vector<MeshQuestion> questions;
 };
 
-/// Error kMismatch if a record differs from the reference's way, or FCL finds something else.
+/// Error kMismatch if a record differs from the reference's traversal, or from FCL.
 [[nodiscard]] MeshFigures measure_meshes(const Mesh& terrain, double clock_hz);
 [[nodiscard]] nlohmann::ordered_json meshes_json(const MeshFigures& figures, double clock_hz);
-/// On stdout, for people.
+/// Prints the figures as text.
 void show_meshes(const MeshFigures& figures, double clock_hz);
 
 }  // namespace cde::cli

@@ -25,7 +25,7 @@
 namespace cde::cli {
 namespace {
 
-/// The bus signals of PCI, clock by clock: modelled times need no model of the bus.
+/// PCI bus signals are simulated cycle by cycle, so modelled times need no model of the bus.
 constexpr Bus kBus = Bus::kCycle;
 constexpr std::size_t kFreshRays = std::size_t{1} << 20;
 
@@ -37,7 +37,7 @@ Entry software(const std::string& name, const std::string& note, const Spread& s
           .spread = spread};
 }
 
-/// One of the cards, with whatever was uploaded.
+/// One of the cards, with its uploaded data.
 class Card {
  public:
   Card(Setup setup, double clock_hz)
@@ -53,7 +53,7 @@ class Card {
   [[nodiscard]] const Setup& setup() const { return setup_; }
   [[nodiscard]] Board& board() { return board_; }
 
-  /// A frame: what `upload` puts into DDR, then every packet of the primaries.
+  /// Runs a frame: calls `upload`, which writes DDR, then casts every packet of the primaries.
   template <class P>
   Entry frame(Pair pair, Mode mode, std::span<const P> primaries,
               const std::function<void()>& upload, std::vector<Record>& records) {
@@ -88,12 +88,12 @@ class Card {
   Board board_;
 };
 
-/// Everything that is measured shares this.
+/// State shared by all measurements.
 struct Lab {
   Reproduction result;
   std::vector<Card> cards;
   baseline::Kind vector = baseline::Kind::kScalar;
-  std::vector<Ray> fresh;  ///< like those of Figure 5, but others
+  std::vector<Ray> fresh;  ///< new rays of the same kind as in Figure 5
   std::string doing;
   double steps = 1, begun = 0;
   Progress progress{"measuring"};
@@ -104,7 +104,7 @@ struct Lab {
     ++begun;
     progress((begun - 1) / steps, doing);
   }
-  /// What of the step is measured now.
+  /// Shows the current measurement within a step.
   void detail(const std::string& what) {
     progress((begun - 1) / steps, fmt::format("{}, {}", doing, what));
   }
@@ -135,7 +135,7 @@ void add_paper5(Experiment& e) {
                 .note = "printed"}};
 }
 
-/// Software of this machine on the same rays; `move` is what changed since the frame before.
+/// Measures software on the same rays. `move` applies the changes since the last frame.
 void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
                   std::vector<Triangle>& triangles, EmbreeRival* embree,
                   const std::vector<Record>& nearest,
@@ -163,32 +163,31 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
       t = embree->cast(rays);
     });
     compare_hits(nearest, t, "Embree");
-    e.entries.push_back(software("Embree", "hierarchy refitted, one thread", spread));
+    e.entries.push_back(software("Embree", "BVH refitted, one thread", spread));
     return;
   }
   t = embree->cast(rays);
   compare_hits(nearest, t, "Embree");
-  // The rays of a frame are new: what they need of the hierarchy is in no near cache, and no branch
-  // is foreseen. Warm are 256 of the same kind, again and again.
+  // Fresh rays: each frame has new rays, so their BVH nodes are not in a near cache and branches
+  // are not predicted. Warm rays: the same 256 rays in every frame.
   const auto cast_of = [&](std::size_t of) {
     return measured([&, some = std::span<const Ray>(lab.fresh).first(of)](std::size_t call) {
       t = embree->cast(turn_of(some, rays.size(), call));
     });
   };
   const Spread fresh = cast_of(kFreshRays), warm = cast_of(card::kMostPrimaries);
-  e.entries.push_back(software("Embree, fresh rays", "hierarchy built before, one thread", fresh));
-  e.entries.push_back(
-      software("Embree, the same 256 rays again", "its caches have what they need", warm));
+  e.entries.push_back(software("Embree, fresh rays", "BVH built before, one thread", fresh));
+  e.entries.push_back(software("Embree, the same 256 rays again", "with warm caches", warm));
   e.entries.back().warm = true;
 }
 
-/// The frame on every card; the last records are those of mode nearest.
+/// Runs the frame on every card. The last records are those of mode nearest.
 void add_cards(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
                const std::vector<Triangle>& triangles, const std::function<void(Board&)>& upload,
                std::vector<Record>& records) {
   for (Card& card : lab.cards) {
     const Mode mode = card.setup().all_records ? Mode::kAll : Mode::kNearest;
-    if (mode == Mode::kAll && rays.size() > 1) continue;  // gigabytes of records
+    if (mode == Mode::kAll && rays.size() > 1) continue;  // this would be gigabytes of records
     lab.detail(fmt::format("{} rays, card {}", rays.size(), card.setup().name));
     const std::function<void()> work =
         upload ? [&] { upload(card.board()); } : std::function<void()>();
@@ -203,7 +202,7 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
   return triangles;
 }
 
-/// Static against static: one ray a frame, as the paper counts, and a full register file.
+/// Static against static: one ray per frame, as the paper counts, and a full register file.
 void figure5(Lab& lab, const Mesh& mesh, EmbreeRival* embree) {
   std::vector<Triangle> triangles = triangles_of(mesh);
   for (Card& card : lab.cards) card.board().upload(mesh);
@@ -224,7 +223,7 @@ void figure5(Lab& lab, const Mesh& mesh, EmbreeRival* embree) {
   }
 }
 
-/// Static against dynamic: a band of a tenth of the vertices is elsewhere.
+/// Static against dynamic: a band with a tenth of the vertices moves.
 void figure6(Lab& lab, Mesh mesh, EmbreeRival* embree) {
   const std::size_t vertices = mesh.vertices.size();
   const std::size_t first = 4 * vertices / 10, last = vertices / 2;
@@ -281,7 +280,7 @@ void add_sphere_software(Lab& lab, Experiment& e, const std::vector<Sphere>& sph
   const auto measure = [&](const char* name, std::uint64_t (*kernel)(const SphereArrays&)) {
     std::uint64_t found = 0;
     const Spread spread = measured([&](std::size_t) { found = kernel(arrays); });
-    // Touching within rounding may fall on either side.
+    // Pairs that touch within rounding may differ.
     if (std::max(found, hits) - std::min(found, hits) > 2 + hits / 1000)
       differs("overlaps of software and of the card", std::max(found, hits) - std::min(found, hits),
               hits);
@@ -291,7 +290,7 @@ void add_sphere_software(Lab& lab, Experiment& e, const std::vector<Sphere>& sph
   if (lab.vector != baseline::Kind::kScalar) measure("AVX2 software", overlaps_avx2);
 }
 
-/// Dynamic against dynamic: all spheres move, all pairs are tested.
+/// Dynamic against dynamic: all spheres move, and all pairs are tested.
 void figure7(Lab& lab, std::size_t count) {
   const std::vector<Sphere> spheres = flying_spheres(count);
   Experiment e;
@@ -327,7 +326,7 @@ void figure7(Lab& lab, std::size_t count) {
   lab.result.figure7.push_back(std::move(e));
 }
 
-/// What Figure 5 has of the same frame: the best card's sweep, and Embree if it is there.
+/// Entries of Figure 5 for the same frame: the best card's brute force, and Embree if available.
 std::optional<EmbreeFrames> of_figure5(const Experiment& e, Entry& sweep) {
   EmbreeFrames frames;
   for (const Entry& entry : e.entries) {
@@ -337,17 +336,17 @@ std::optional<EmbreeFrames> of_figure5(const Experiment& e, Entry& sweep) {
   return EmbreeRival::available() ? std::optional(frames) : std::nullopt;
 }
 
-/// Sides of the terrains that a hierarchy is over, in quads, but for that of Figure 5.
+/// Sides of the terrains with a BVH, in quads, without that of Figure 5.
 std::vector<unsigned> sides_of(const ReproduceOptions& o) {
   return o.quick ? std::vector{20u} : std::vector{20u, 40u, 80u, 160u};
 }
-/// Moving spheres of Figure 7.
+/// Numbers of moving spheres in Figure 7.
 std::vector<std::size_t> spheres_of(const ReproduceOptions& o) {
   return o.quick ? std::vector<std::size_t>{50, 100}
                  : std::vector<std::size_t>{125, 250, 500, 1000};
 }
 
-/// A hierarchy over terrains up to that of Figure 5, whose sweep is known.
+/// Measures terrains with a BVH, up to that of Figure 5, whose brute-force time is known.
 void with_hierarchy(Lab& lab, const Mesh& terrain) {
   const bool quick = lab.result.options.quick;
   std::vector<Mesh> meshes;
@@ -358,7 +357,7 @@ void with_hierarchy(Lab& lab, const Mesh& terrain) {
   for (const Mesh& mesh : meshes) {
     const std::string name =
         fmt::format("{} rays against {} triangles", kTreePacket, grouped(mesh.faces.size()));
-    lab.step(4, "with a hierarchy, " + name);
+    lab.step(4, "with a BVH, " + name);
     WithHierarchy row;
     std::optional<EmbreeFrames> known;
     if (&mesh == &meshes.back()) known = of_figure5(lab.result.figure5.back(), row.sweep);
@@ -403,13 +402,14 @@ Reproduction reproduce(const ReproduceOptions& options) {
   std::optional<EmbreeRival> embree;
   lab.result.embree = EmbreeRival::available();
   if (lab.result.embree) {
-    const Progress busy("building Embree's hierarchy");
+    const Progress busy("building Embree's BVH");
     const double start = thread_seconds();
     embree.emplace(mesh);
     lab.result.embree_build_seconds = thread_seconds() - start;
   }
   EmbreeRival* rival = embree ? &*embree : nullptr;
-  // Figures 5 and 6, Figure 7 once per number of spheres, and the terrains with that of Figure 5.
+  // Steps: Figures 5 and 6, Figure 7 once per number of spheres, and the terrains, including that
+  // of Figure 5.
   lab.steps = static_cast<double>(3 + spheres_of(options).size() + sides_of(options).size());
   lab.step(1, "Figure 5, static objects");
   figure5(lab, mesh, rival);

@@ -47,7 +47,7 @@ std::string dots(const Experiment& e) {
     }
     list.push_back(std::move(dot));
   }
-  return log_dots(e.title + ", time of a frame", list);
+  return log_dots(e.title + ", time per frame", list);
 }
 
 std::string times(double ratio) {
@@ -55,7 +55,7 @@ std::string times(double ratio) {
                       : grouped(static_cast<std::uint64_t>(std::llround(ratio)));
 }
 
-/// "1.9 times slower", or within 5 % "as fast": a card against a rival, both in seconds.
+/// Compares a card with a baseline, both in seconds: "1.9 times slower", or "as fast" within 5 %.
 std::string against(double card, double rival) {
   const double ratio = rival / card;
   if (ratio > 0.95 && ratio < 1.05) return "as fast";
@@ -63,7 +63,7 @@ std::string against(double card, double rival) {
                      ratio >= 1 ? "faster" : "slower");
 }
 
-/// Every card against everything that this machine ran.
+/// A table of every card against every baseline.
 std::string verdict(const Experiment& e) {
   std::vector<std::string> head = {"card"};
   for (const Entry* rival : of_source(e, Source::kSoftware))
@@ -75,7 +75,7 @@ std::string verdict(const Experiment& e) {
       row.push_back(Cell::figure(against(card->seconds, rival->seconds)));
     rows.push_back(std::move(row));
   }
-  return table("The cards are, in modelled time against time measured here", head, rows);
+  return table("The cards, in modelled time, against software, measured here", head, rows);
 }
 
 std::string split_table(const std::vector<Experiment>& experiments) {
@@ -91,8 +91,9 @@ std::string split_table(const std::vector<Experiment>& experiments) {
   std::vector<std::string> head = {"frame", "card"};
   head.insert(head.end(), kTimeParts.begin(), kTimeParts.end());
   head.emplace_back("total");
-  return table("Modelled time; tests that run while records travel to the host count as bus", head,
-               rows);
+  return table(
+      "Modelled time. Tests that run during the transfer of records to the host count as bus", head,
+      rows);
 }
 
 const Entry* named(const Experiment& e, std::string_view part) {
@@ -101,7 +102,7 @@ const Entry* named(const Experiment& e, std::string_view part) {
   return nullptr;
 }
 
-/// Of a frame of the sweep: the pass.
+/// The pass of a brute-force frame.
 double without_bus(const Entry& sweep) {
   return sweep.split->compute + sweep.split->memory;
 }
@@ -114,9 +115,9 @@ std::string clock_of(const Reproduction& r) {
   return fmt::format("fp32, {:g} MHz", r.options.clock_hz / 1e6);
 }
 
-/// What every figure of the card with a hierarchy rests on.
+/// The assumptions of the card with a BVH.
 std::string tree_card(const Reproduction& r) {
-  return fmt::format("{} node units, two lanes for leaves, {}", kTreeUnits, clock_of(r));
+  return fmt::format("{} traversal units, two lanes for leaves, {}", kTreeUnits, clock_of(r));
 }
 constexpr const char* kTreeBus = "PCI 64/66, host profile ideal, bursts of 4,096 bytes";
 
@@ -128,44 +129,43 @@ std::string embree_on(const Json& machine) {
   return fmt::format("one thread of {}", machine.value("processor", "this machine"));
 }
 
-/// A frame of rays with all that crosses the bus, as the other sentences in short have it.
+/// A sentence about a frame of rays with all bus transfers, for the summary.
 std::string tree_in_short(const WithHierarchy& row) {
   const TreeFigures& f = row.tree;
   const double card = with_bus(f.cards.back().packet);
-  const std::string rival = f.embree ? fmt::format(", against Embree with fresh rays, {}, {}",
-                                                   duration(f.embree->frame.fresh.median),
-                                                   against(card, f.embree->frame.fresh.median))
-                                     : "";
+  const std::string rival =
+      f.embree ? fmt::format("; compared with Embree with fresh rays, {}, it is {}",
+                             duration(f.embree->frame.fresh.median),
+                             against(card, f.embree->frame.fresh.median))
+               : "";
   return fmt::format(
-      "{} rays against {} triangles through a hierarchy, which the paper does not have: a card "
-      "with "
-      "node units takes {}. Against the best card's sweep that is {}{}.",
+      "{} rays against {} triangles with a BVH, which the paper does not have: a card with "
+      "traversal units takes {}. Compared with brute force on the best card it is {}{}.",
       kTreePacket, grouped(f.triangles), duration(card), against(card, row.sweep.seconds), rival);
 }
 
-/// The card with a hierarchy against the sweep and Embree, without and with the bus.
+/// The card with a BVH compared with brute force and Embree, without and with the bus.
 std::string tree_summary(const WithHierarchy& row) {
   const TreeFigures& f = row.tree;
   const Counters& packet = f.cards.back().packet;
   const double alone = f.seconds(packet.cycles), all = with_bus(packet);
   const auto said = [&](const std::string& rival, double without, double with) {
-    return fmt::format(" Against {} the card is {} without the bus and {} with it.", rival,
+    return fmt::format(" Compared with {} the card is {} without the bus and {} with it.", rival,
                        against(alone, without), against(all, with));
   };
-  const std::string text =
-      fmt::format(
-          "{} rays against {} triangles (modelled clocks): the card with node units and DDR-400 "
-          "takes {} from go to done and {} with all that crosses the bus, a sweep of the best card "
-          "{} and {}.",
-          kTreePacket, grouped(f.triangles), duration(alone), duration(all),
-          duration(without_bus(row.sweep)), duration(row.sweep.seconds)) +
-      said("the sweep", without_bus(row.sweep), row.sweep.seconds);
+  const std::string text = fmt::format(
+                               "{} rays against {} triangles (modelled cycles): the card with "
+                               "traversal units and DDR-400 takes {} from go to done and {} with "
+                               "all bus transfers; brute force on the best card takes {} and {}.",
+                               kTreePacket, grouped(f.triangles), duration(alone), duration(all),
+                               duration(without_bus(row.sweep)), duration(row.sweep.seconds)) +
+                           said("brute force", without_bus(row.sweep), row.sweep.seconds);
   if (!f.embree) return text + " Embree is not in this build of cde.";
   const double fresh = f.embree->frame.fresh.median, warm = f.embree->frame.warm.median;
   return fmt::format(
-      "{} Embree takes {} for fresh rays and {} for the same ones again (measured).{}{}", text,
+      "{} Embree takes {} for fresh rays and {} for the same rays again (measured).{}{}", text,
       duration(fresh), duration(warm), said("fresh rays", fresh, fresh),
-      said("the same ones again", warm, warm));
+      said("the same rays again", warm, warm));
 }
 
 std::string tree_lines(const Reproduction& r, const Json& machine) {
@@ -174,9 +174,9 @@ std::string tree_lines(const Reproduction& r, const Json& machine) {
   const auto add = [&](const std::string& name, int colour, bool software = false) {
     lines.push_back({.name = name, .colour = colour, .dashed = software, .x = {}, .y = {}});
   };
-  add("card with a hierarchy, without the bus (modelled)", 2);
-  add("card with a hierarchy, with the bus (modelled)", 1);
-  add(fmt::format("card, sweep of {} lanes, with the bus (modelled)", r.options.lanes), 3);
+  add("card with a BVH, without the bus (modelled)", 2);
+  add("card with a BVH, with the bus (modelled)", 1);
+  add(fmt::format("card, brute force with {} lanes, with the bus (modelled)", r.options.lanes), 3);
   if (embree) {
     add("Embree, fresh rays (measured)", 0, true);
     add("Embree, the same 256 rays again (measured)", 5, true);
@@ -193,16 +193,17 @@ std::string tree_lines(const Reproduction& r, const Json& machine) {
   }
   return log_lines("Time of 256 rays over the number of triangles", "triangles", lines) +
          fmt::format(
-             "<p class=\"note\">256 rays, nearest hits. Solid, modelled clocks: the card with a "
-             "hierarchy ({}, DDR-400) and the best card's sweep ({}, ideal memory), both behind {}."
-             "{}</p>\n",
+             "<p class=\"note\">256 rays, nearest hits. Solid lines, modelled cycles: the card "
+             "with a BVH ({}, DDR-400) and brute force on the best card ({}, ideal memory), both "
+             "on {}.{}</p>\n",
              tree_card(r), sweep_card(r), kTreeBus,
-             embree ? fmt::format(" Dashed, processor time of {}: Embree.",
+             embree ? fmt::format(" Dashed lines, processor time of {}: Embree.",
                                   escaped(embree_on(machine)))
                     : "");
 }
 
-/// A table of the chapter: one row per mesh, columns of the card and, if it is there, of Embree.
+/// A table of the chapter, with one row per mesh and columns of the card and, if available, of
+/// Embree.
 template <class CardCells, class EmbreeCells>
 std::string tree_table(const Reproduction& r, const std::string& caption,
                        std::vector<std::string> head, const std::vector<std::string>& embree_head,
@@ -234,16 +235,15 @@ std::string millions(double rays_per_second) {
 std::string tree_tables(const Reproduction& r, const Json& machine) {
   const bool there = r.hierarchy.front().tree.embree.has_value();
   const std::string embree = there ? fmt::format("; Embree: measured, {}", embree_on(machine)) : "",
-                    card = fmt::format("Card: modelled, {}, behind {}", tree_card(r), kTreeBus),
-                    both = fmt::format("{}; sweep: modelled, {}, ideal memory, same bus{}", card,
-                                       sweep_card(r), embree);
+                    card = fmt::format("Card: modelled, {}, on {}", tree_card(r), kTreeBus),
+                    both = fmt::format("{}; brute force: modelled, {}, ideal memory, same bus{}",
+                                       card, sweep_card(r), embree);
   std::string html = tree_table(
       r,
-      fmt::format(
-          "256 rays. {}{}", both,
-          there ? ", median, and the tenth to the ninetieth of a hundred measurements" : ""),
+      fmt::format("256 rays. {}{}", both,
+                  there ? ", median, and range from the 10th to the 90th of 100 measurements" : ""),
       {"card, ideal memory, without the bus", "card, DDR-400, without the bus",
-       "card, DDR-400, with the bus", "sweep, without the bus", "sweep, with the bus"},
+       "card, DDR-400, with the bus", "brute force, without the bus", "brute force, with the bus"},
       {"Embree, fresh rays", "Embree, the same rays again"},
       [](const WithHierarchy& row) -> std::vector<std::string> {
         const TreeFigures& f = row.tree;
@@ -257,8 +257,9 @@ std::string tree_tables(const Reproduction& r, const Json& machine) {
       });
   html += tree_table(
       r,
-      fmt::format("Rays in a stream: {} in the card's ring without the bus, {} with it. {}{}",
-                  grouped(kTreeRing), grouped(r.hierarchy.front().tree.rays), card, embree),
+      fmt::format(
+          "Rays in a stream: {} in the card's ring buffer without the bus, {} with it. {}{}",
+          grouped(kTreeRing), grouped(r.hierarchy.front().tree.rays), card, embree),
       {"card, ideal memory, without the bus", "card, DDR-400, without the bus",
        "card, DDR-400, with the bus"},
       {fmt::format("Embree, {} rays", grouped(r.hierarchy.front().tree.rays))},
@@ -274,7 +275,7 @@ std::string tree_tables(const Reproduction& r, const Json& machine) {
         return {millions(static_cast<double>(f.rays) / e.stream.median)};
       });
   html += tree_table(
-      r, fmt::format("Refitting for vertices that have all moved. {}{}", card, embree),
+      r, fmt::format("Refitting after all vertices have moved. {}{}", card, embree),
       {"card, ideal memory, without the bus", "card, DDR-400, without the bus",
        "card, DDR-400, with all triangles over the bus"},
       {"Embree, with its vertices"},
@@ -289,8 +290,8 @@ std::string tree_tables(const Reproduction& r, const Json& machine) {
       });
   html += tree_table(
       r,
-      fmt::format("Building, once, by {}, measured; triangles and hierarchy to "
-                  "the card, modelled, {}, behind {}",
+      fmt::format("Building once, measured on {}; upload of triangles and BVH to the card, "
+                  "modelled, {}, on {}",
                   embree_on(machine), clock_of(r), kTreeBus),
       {"built by cde", "to the card, with the bus"}, {"built by Embree"},
       [](const WithHierarchy& row) -> std::vector<std::string> {
@@ -314,43 +315,38 @@ std::string tree_tables(const Reproduction& r, const Json& machine) {
           grouped(f.nodes * 72 * kTreeUnits)})
       rows.back().push_back(Cell::figure(cell));
   }
-  return html + table(
-                    "What a ray reads of the hierarchy, counted by the card, and what the "
-                    "hierarchy takes",
-                    {"triangles", "rays that hit", "nodes a ray", "triangles a ray", "nodes",
-                     "levels", "bytes a triangle", "bytes of the card's memory of nodes"},
-                    rows);
+  return html + table("Nodes and triangles per ray, counted by the card, and size of the BVH",
+                      {"triangles", "rays that hit", "nodes per ray", "triangles per ray", "nodes",
+                       "levels", "bytes per triangle", "bytes of node memory on the card"},
+                      rows);
 }
 
-/// How rays that go through a tree of boxes compare with those of the figures before.
+/// The chapter that compares BVH traversal with the brute force of the figures.
 std::string tree_chapter(const Reproduction& r, const Json& machine) {
   const bool there = r.hierarchy.front().tree.embree.has_value();
   return fmt::format(
-      "<section><h2>With a hierarchy</h2>\n<p>Not in the paper: its card and those above meet "
-      "every triangle. A card with node units takes rays through a tree of boxes instead and has "
-      "the same records, bit by bit; every record of it was compared with the reference. The rays "
-      "are those of Figure 5, the meshes terrains like its own.</p>\n<p>{}</p>\n"
-      "<ul class=\"plain\">\n"
-      "<li>The card's figures are modelled clocks of a simulated card, the same every time; "
-      "{}. Nobody has placed this card in an FPGA, so its clock is as assumed as "
-      "that of the others.</li>\n"
-      "<li>Without the bus: from go to done, with the rays on the card and the records left there. "
-      "With the bus: rays, records and registers as well.</li>\n"
-      "<li>{}</li>\n"
-      "<li>Ideal memory answers 20 clocks after it was asked, DDR-400 with its banks, rows and "
-      "refresh, at best sooner. Nodes are read from memory of their own, a copy a node unit; no "
-      "cache is in it, so the card has no warm and no fresh rays.</li>\n</ul>\n{}{}</section>\n",
+      "<section><h2>With a BVH</h2>\n<p>This is not in the paper: its card and the cards above "
+      "test every triangle. A card with traversal units traverses a BVH and returns the same "
+      "records, bit by bit. Every record was compared with the reference. The rays are those of "
+      "Figure 5; the meshes are similar terrains.</p>\n<p>{}</p>\n<ul class=\"plain\">\n<li>The "
+      "card's figures are modelled cycles of a simulated card, the same in every run. {}. This "
+      "card has not been placed in an FPGA; its clock is assumed, like that of the "
+      "others.</li>\n<li>Without the bus: from go to done; rays and records stay on the card. With "
+      "the bus: including rays, records and register accesses.</li>\n<li>{}</li>\n<li>Ideal memory "
+      "answers 20 cycles after a request. DDR-400 has banks, rows and refresh, and may answer "
+      "sooner. Each traversal unit has its own copy of the node memory, without a cache, so warm "
+      "and fresh rays are the same for the card.</li>\n</ul>\n{}{}</section>\n",
       escaped(tree_summary(r.hierarchy.back())),
-      there ? "Embree's are the median processor time of one thread of this machine, which is wall "
-              "time where nothing else runs"
-            : "Embree, with which they are to be compared, is not in this build of cde",
-      there ? "Fresh: other rays every time, as those of a frame. The same again: 256 rays for "
-              "which Embree's caches have everything."
-            : "Software that meets every triangle is beside Figure 5.",
+      there ? "Embree's figures are the median processor time of one thread of this machine, which "
+              "equals wall time if nothing else runs"
+            : "Embree, for comparison, is not in this build of cde",
+      there ? "Fresh: new rays in every frame. The same again: 256 rays in every frame, so that "
+              "Embree's caches are warm."
+            : "Figure 5 has software that tests every triangle.",
       tree_lines(r, machine), tree_tables(r, machine));
 }
 
-/// Sentences on who wins, from the figures of this run.
+/// Sentences that compare card and software, from the figures of this run.
 std::string summary(const Reproduction& r) {
   const Experiment& one = r.figure5.front();
   const Entry* paper_card = named(one, "as in the paper");
@@ -360,17 +356,18 @@ std::string summary(const Reproduction& r) {
     html += fmt::format("<li>{}</li>\n", escaped(text));
   };
   say(fmt::format(
-      "The paper's card takes {:g} ms a frame; this one, built and used like it, {} (modelled). {}",
+      "The paper's card takes {:g} ms per frame. This card, built and used in the same way, takes "
+      "{} (modelled). {}",
       1e3 * kPaperCard, duration(paper_card->seconds),
       r.options.quick ? "The terrain of this run is smaller than the paper's."
-                      : fmt::format("{:.1f} % of that is the way of the records to the host.",
+                      : fmt::format("The transfer of records to the host is {:.1f} % of that.",
                                     100 * paper_card->split->bus / paper_card->seconds)));
   const double per_test = kPaperSoftware / kPaperTests;
   say(fmt::format(
-      "The paper's factor of {:g} is against software that takes {} a test, {} clocks of a 2.8 "
-      "GHz Xeon. Scalar software here takes {} a test: against it the same card would be {} times "
-      "{}. The factor cannot be had against software of today, and the paper does not say what its "
-      "software did.",
+      "The paper's factor of {:g} compares with software that takes {} per test, {} cycles of a "
+      "2.8 GHz Xeon. Scalar software here takes {} per test; compared with it the same card would "
+      "be {} times {}. Today's software is too fast for that factor, and the paper does not "
+      "describe its software.",
       kPaperRatio5, duration(per_test), grouped(static_cast<std::uint64_t>(per_test * 2.8e9)),
       duration(scalar->seconds / static_cast<double>(one.tests)),
       times(std::max(scalar->seconds / paper_card->seconds, paper_card->seconds / scalar->seconds)),
@@ -388,8 +385,8 @@ std::string summary(const Reproduction& r) {
         **std::min_element(rivals.begin(), rivals.end(),
                            [](const Entry* a, const Entry* b) { return a->seconds < b->seconds; });
     say(fmt::format(
-        "{}: the best card takes {}, the fastest software here, {}, {}. The card is {}.", e.title,
-        duration(card.seconds), rival.name, duration(rival.seconds),
+        "{}: the best card takes {}. The fastest software here, {}, takes {}. The card is {}.",
+        e.title, duration(card.seconds), rival.name, duration(rival.seconds),
         against(card.seconds, rival.seconds)));
   }
   say(tree_in_short(r.hierarchy.back()));
@@ -397,50 +394,47 @@ std::string summary(const Reproduction& r) {
 }
 
 Rows assumptions(const Reproduction& r, const Json& machine) {
-  Rows rows = {
-      {"core clock", fmt::format("{:g} MHz, {}; the paper names none", r.options.clock_hz / 1e6,
-                                 r.options.clock_is)},
-      {"number format", "fp32 everywhere"},
-      {"ray-triangle",
-       "Möller and Trumbore, as in the paper; every ray against every triangle, no "
-       "acceleration structure on the card but in the chapter “With a hierarchy”"},
-      {"bus",
-       "PCI 64 bits, 66.67 MHz, its signals simulated clock by clock; what the host's CPU does "
-       "between two accesses takes no time"},
-      {"memory of the card", "a slot a clock behind 20 clocks; no refresh, no bank conflicts"}};
+  Rows rows = {{"core clock", fmt::format("{:g} MHz, {}; the paper names no clock",
+                                          r.options.clock_hz / 1e6, r.options.clock_is)},
+               {"number format", "fp32 everywhere"},
+               {"ray-triangle",
+                "Möller and Trumbore, as in the paper; brute force: every ray against every "
+                "triangle, except in the chapter “With a BVH”"},
+               {"bus",
+                "PCI 64 bits, 66.67 MHz, with signals simulated cycle by cycle; the work of the "
+                "host's CPU between two accesses takes no time"},
+               {"memory of the card",
+                "one slot per cycle after a latency of 20 cycles; no refresh, no bank conflicts"}};
   for (const Setup& s : r.setups)
     rows.push_back(
         {fmt::format("card, {}", s.name),
          fmt::format("{} {}, host profile {} ({}), bursts of {} bytes", s.lanes,
                      s.lanes == 1 ? "lane" : "lanes", s.host.name, s.host.source, s.burst)});
   rows.push_back(
-      {"card with node units",
-       fmt::format("{}, operators of one clock; {}, whose time is computed, not simulated; "
-                   "memory as said",
-                   tree_card(r), kTreeBus)});
-  rows.push_back({"size of the best card and of the one with node units",
-                  "nobody has placed them in an FPGA; whether one takes them at "
-                  "this clock is open"});
+      {"card with traversal units", fmt::format("{}, operators of one cycle; {}, with computed, "
+                                                "not simulated time; memory as stated above",
+                                                tree_card(r), kTreeBus)});
+  rows.push_back({"size of the best card and of the card with traversal units",
+                  "not placed in an FPGA; it is unknown whether they fit and reach this clock"});
   rows.push_back({"the paper's frame",
-                  "“259,572 ray-triangle tests”: read as one ray against the terrain. "
-                  "256 rays are measured too, since that is what its register file holds"});
-  rows.push_back({"terrain", fmt::format("{} triangles, made by cde; the paper's is not published",
-                                         grouped(r.triangles))});
+                  "“259,572 ray-triangle tests” is read as one ray against the terrain. 256 rays "
+                  "are also measured, because the register file holds 256"});
   rows.push_back(
-      {"moved", fmt::format("{} triangles at a tenth of the vertices; how many the paper moved it "
-                            "does not say",
-                            grouped(r.moved_triangles))});
+      {"terrain", fmt::format("{} triangles, made by cde; the paper's terrain is not published",
+                              grouped(r.triangles))});
   rows.push_back(
-      {"software",
-       fmt::format("median processor time of one thread; {} for the vectorised one; data "
-                   "in memory, other programs may run",
-                   r.vector_kind)});
+      {"moved",
+       fmt::format("{} triangles at a tenth of the vertices; the paper does not say how many moved",
+                   grouped(r.moved_triangles))});
+  rows.push_back({"software", fmt::format("median processor time of one thread; the vectorised one "
+                                          "uses {}; data is in memory; other programs may run",
+                                          r.vector_kind)});
   rows.push_back(
       {"Embree",
        r.embree
-           ? fmt::format("version 3, robust, one ray at a time; its hierarchy took {} to build, "
-                         "once, not counted",
-                         duration(r.embree_build_seconds))
+           ? fmt::format(
+                 "version 3, robust, one ray at a time; building its BVH once took {}, not counted",
+                 duration(r.embree_build_seconds))
            : std::string("not in this build of cde")});
   for (const auto& [key, value] : machine.items())
     rows.push_back({key, value.is_string() ? value.get<std::string>() : json_text(value, -1)});
@@ -462,7 +456,7 @@ std::string sphere_lines(const Reproduction& r) {
       lines[k].y.push_back(r.figure7[i].entries[k].seconds);
     }
   }
-  return log_lines("Time of a frame over the number of spheres", "moving spheres", lines);
+  return log_lines("Time per frame over the number of spheres", "moving spheres", lines);
 }
 
 }  // namespace
@@ -523,49 +517,39 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
 
 std::string reproduction_html(const Reproduction& r, const Json& machine) {
   std::string body =
-      "<main>\n<header><h1>The paper's figures, measured again</h1>\n<p class=\"lead\">“Hardware-"
-      "Accelerated Ray-Triangle Intersection Testing for High-Performance Collision Detection” "
-      "(Journal of WSCG 15, 2007), Figures 5, 6 and 7, beside the simulated card of cde and "
-      "software "
-      "on this machine.</p></header>\n";
+      "<main>\n<header><h1>The paper's figures, measured again</h1>\n<p "
+      "class=\"lead\">“Hardware-Accelerated Ray-Triangle Intersection Testing for High-Performance "
+      "Collision Detection” (Journal of WSCG 15, 2007), Figures 5, 6 and 7, compared with the "
+      "simulated card of cde and with software on this machine.</p></header>\n";
   if (r.options.quick)
     body +=
-        "<p><strong>A quick run: a small terrain and few spheres.</strong> Its figures show that "
-        "the tool "
-        "works, and are not to be compared with the paper's.</p>\n";
+        "<p><strong>A quick run: a small terrain and few spheres.</strong> Its figures show only "
+        "that the tool works. Do not compare them with the paper's.</p>\n";
   body += fmt::format(
-      "<section><h2>In short</h2>\n{}<p class=\"note\">Blue: modelled time of the card. Orange: "
-      "processor time of "
-      "one thread of this machine, the dot the median and the line from the tenth to the ninetieth "
-      "of "
-      "a hundred measurements; modelled times are the same every time. Hollow: Embree with the "
-      "same "
-      "rays again and again, whose caches no frame would find so warm. Grey: the paper, only "
-      "beside "
-      "a workload of as many tests as its own. All axes of time are logarithmic.</p></section>\n",
+      "<section><h2>In short</h2>\n{}<p class=\"note\">Blue: modelled time of the card, the same "
+      "in every run. Orange: processor time of one thread of this machine; the dot is the median, "
+      "and the line goes from the 10th to the 90th of 100 measurements. Hollow: Embree with the "
+      "same rays in every frame, with warmer caches than in a real frame. Grey: the paper, only "
+      "for workloads with as many tests. All time axes are logarithmic.</p></section>\n",
       summary(r));
   body += fmt::format(
       "<section><h2>Figure 5: static objects</h2>\n<p>The paper prints {:g} ms for its card and {} "
-      "ms for "
-      "its CPU, “about {:g} times”, and “four times faster than the GPU”.</p>\n",
+      "ms for its CPU, “about {:g} times”, and “four times faster than the GPU”.</p>\n",
       1e3 * kPaperCard, grouped(std::llround(1e3 * kPaperSoftware)), kPaperRatio5);
   for (const Experiment& e : r.figure5)
     body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), dots(e), verdict(e));
   body += fmt::format(
       "</section>\n<section><h2>Figure 6: moving vertices</h2>\n<p>The paper prints “{:g} times "
-      "faster” "
-      "and no times. The card is given the moved triangles again; software finds them in its "
-      "memory; "
-      "Embree refits its hierarchy.</p>\n",
+      "faster” and no times. The moved triangles are uploaded to the card again. Software has them "
+      "in memory. Embree refits its BVH.</p>\n",
       kPaperRatio6);
   for (const Experiment& e : r.figure6)
     body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), dots(e), verdict(e));
   body += fmt::format(
       "</section>\n<section><h2>Figure 7: moving spheres</h2>\n<p>The paper prints “{:g} times "
-      "faster” "
-      "for a thousand spheres and no times. All spheres move, so all are uploaded in every frame, "
-      "and "
-      "every pair is tested from both sides. Software counts overlaps and writes nothing.</p>\n{}",
+      "faster” for a thousand spheres and no times. All spheres move, so all are uploaded in every "
+      "frame. Every pair is tested in both orders. Software counts overlaps and writes no "
+      "records.</p>\n{}",
       kPaperRatio7, sphere_lines(r));
   body += fmt::format("<h3>{}</h3>\n{}</section>\n", escaped(r.figure7.back().title),
                       verdict(r.figure7.back()));
@@ -576,10 +560,9 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
   body += fmt::format("<section><h2>Where the time goes</h2>\n{}</section>\n", split_table(all));
   body += fmt::format(
       "<section><h2>Assumptions</h2>\n{}<p>{} records of the card were compared with the reference "
-      "bit by bit; none differs. The hits of software are the card's but for roundings at "
-      "edges.</p>"
-      "</section>\n</main>\n",
-      table("Everything the figures rest on", {}, assumptions(r, machine)),
+      "bit by bit; none differs. The hits of software equal the card's, except for rounding at "
+      "edges.</p></section>\n</main>\n",
+      table("Assumptions of the figures", {}, assumptions(r, machine)),
       grouped(r.records_compared));
   return page("The paper's figures, measured again", body, Json(), {&kChartScript});
 }

@@ -21,11 +21,11 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr float kQuad = 10;                  ///< of the terrain
-constexpr std::size_t kAlone = kTreePacket;  ///< solids that go one by one, as they do in FCL
+constexpr float kQuad = 10;                  ///< edge of the terrain's quads
+constexpr std::size_t kAlone = kTreePacket;  ///< solids that run one by one, as in FCL
 constexpr double kSizes[] = {1, 8};
 
-/// Around vertices of the terrain, as far from them as they are large at most.
+/// A random solid near a vertex of the terrain, at most its own size away.
 struct Place {
   Eigen::Vector3f centre;
   Eigen::Matrix3f turn;
@@ -109,11 +109,11 @@ class Bench {
     return card;
   }
 
-  /// FCL computes in binary64, so what just touches it may see otherwise: one in 100 at most.
+  /// FCL computes in binary64, so solids that barely touch may differ: at most one in 100.
   void compare(const FclOnMesh& fcl) const {
     std::size_t other = 0;
     for (std::size_t i = 0; i < fcl.touches.size(); ++i) {
-      const Record& r = records_[i];  // of nearest
+      const Record& r = records_[i];  // record of mode nearest
       const double apart = r.f ? 0 : r.t, expected = std::max(0.0, fcl.distances[i]);
       const bool near = std::abs(apart - expected) <= 1e-4 * (1 + expected);
       other += (r.f != (fcl.touches[i] > 0) && apart > 1e-3) || !near;
@@ -129,7 +129,7 @@ class Bench {
   const Mesh& mesh_;
 };
 
-/// Device clocks a solid.
+/// Device cycles per solid.
 double each(const Counters& c, std::size_t solids) {
   return static_cast<double>(c.cycles) / static_cast<double>(solids);
 }
@@ -181,8 +181,8 @@ ordered_json solids_json(const std::vector<SolidFigures>& figures, double clock_
 
 void show_solids(const std::vector<SolidFigures>& figures, double clock_hz) {
   show(
-      "  solids through a card of their pairs, ideal memory; modelled time of each: "
-      "alone, in a packet of 256, of 4,096 in a row\n");
+      "  solids on a card of their pairs, ideal memory; modelled time of each: alone, in a packet "
+      "of 256, in a stream of 4,096\n");
   for (const SolidFigures& f : figures)
     for (const SolidCard& c : f.cards)
       show("  {:<7} {} quad{}, {}: {}, {}, {} ({:.1f} nodes, {:.1f} triangles); FCL {}\n",
@@ -192,7 +192,7 @@ void show_solids(const std::vector<SolidFigures>& figures, double clock_hz) {
            duration(each(c.stream, kTreeRing) / clock_hz),
            static_cast<double>(c.stream.nodes) / kTreeRing,
            static_cast<double>(c.stream.pairs) / kTreeRing,
-           c.fcl_seconds ? duration(*c.fcl_seconds) : "not there");
+           c.fcl_seconds ? duration(*c.fcl_seconds) : "not available");
 }
 
 }  // namespace cde::cli

@@ -10,34 +10,35 @@
 #include "cde/mesh/mesh.hpp"
 #include "cde/query/counters.hpp"
 
-/// Spheres and OBBs through a hierarchy: a card with node units beside FCL on the same solids.
+/// Measures spheres and OBBs against a BVH of triangles: a card with traversal units, and FCL on
+/// the same solids.
 namespace cde::cli {
 
-/// One question to a card, all of it modelled: whether a solid meets the mesh, or which triangle is
-/// nearest and how near or deep it is.
+/// One question to a card: whether a solid touches the mesh, or which triangle is nearest and at
+/// which distance or depth. All figures but fcl_seconds are modelled.
 struct SolidCard {
   std::string_view question;          ///< "touches" or "nearest"
-  Counters one;                       ///< a solid by itself, the mean of some
-  Counters packet;                    ///< 256
-  Counters stream;                    ///< 4,096
-  std::optional<double> fcl_seconds;  ///< collide(), or distance(); measured
+  Counters one;                       ///< one solid by itself, mean of several
+  Counters packet;                    ///< a packet of 256
+  Counters stream;                    ///< a stream of 4,096
+  std::optional<double> fcl_seconds;  ///< measured: collide() or distance()
 };
 
-/// Of one shape and size.
+/// The figures of one shape and size.
 struct SolidFigures {
   Shape shape = Shape::kSphere;
-  double quads = 0;     ///< radius or half extent, in quads of the terrain
-  double touching = 0;  ///< share
+  double quads = 0;     ///< radius or half-extent, in quads of the terrain
+  double touching = 0;  ///< share of touching solids
   std::vector<SolidCard> cards;
 };
 
-/// `quick`: spheres alone, whose card is sooner built. Error kMismatch if a record differs from the
-/// reference's way, or FCL finds something else.
+/// `quick`: only spheres, whose card is built faster. Error kMismatch if a record differs from the
+/// reference's traversal, or from FCL.
 [[nodiscard]] std::vector<SolidFigures> measure_solids(const Mesh& terrain, double clock_hz,
                                                        bool quick);
 [[nodiscard]] nlohmann::ordered_json solids_json(const std::vector<SolidFigures>& figures,
                                                  double clock_hz);
-/// On stdout, for people.
+/// Prints the figures as text.
 void show_solids(const std::vector<SolidFigures>& figures, double clock_hz);
 
 }  // namespace cde::cli

@@ -22,10 +22,10 @@ namespace {
 using nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-/// So many that caches do not have what they need of the tree.
+/// Enough rays that the nodes they need are not in a cache.
 constexpr std::size_t kFreshRays = std::size_t{1} << 20;
 
-/// Where a ray differs from the reference's way through the hierarchy nothing is measured.
+/// Compares records with the reference's traversal. Error kMismatch at a difference.
 void compare(TreeFigures& figures, reference::Traversal& walk, std::span<const Ray> rays,
              std::span<const Record> records) {
   for (std::size_t i = 0; i < rays.size(); ++i)
@@ -35,7 +35,7 @@ void compare(TreeFigures& figures, reference::Traversal& walk, std::span<const R
   figures.records_compared += rays.size();
 }
 
-/// Records of the last cast, of all rays, are in `records`.
+/// Measures a card. `records` gets the records of the last cast, of all rays.
 TreeCard card_with(Memory memory, const Mesh& mesh, const Hierarchy& tree,
                    std::span<const Ray> rays, TreeFigures& figures, std::vector<Record>& records) {
   TreeCard card;
@@ -167,16 +167,16 @@ ordered_json tree_json(const TreeFigures& f) {
 
 void show_tree(const TreeFigures& f) {
   show(
-      "\n{} triangles: {} nodes, {} levels, {:.1f} bytes a triangle, built in {} by one thread; "
-      "card of {} node units at {:g} MHz, fp32, PCI 64/66, {} rays\n",
+      "\n{} triangles: {} nodes, {} levels, {:.1f} bytes per triangle, built in {} by one thread; "
+      "card with {} traversal units at {:g} MHz, fp32, PCI 64/66, {} rays\n",
       f.triangles, f.nodes, f.levels,
       static_cast<double>(f.bytes) / static_cast<double>(f.triangles), duration(f.build_seconds),
       kTreeUnits, f.clock_hz / 1e6, f.rays);
   for (const TreeCard& c : f.cards) {
     const double of_ring = static_cast<double>(c.ring.cycles) / kTreeRing;
     show(
-        "  {:<8} 256 rays {}, with all transfers {}; streamed {:.1f} M rays/s ({:.2f} clocks "
-        "each), with all transfers {:.2f} M rays/s; refit {}, of triangles given anew {}; "
+        "  {:<8} 256 rays {}, with all transfers {}; streamed {:.1f} M rays/s ({:.2f} cycles "
+        "each), with all transfers {:.2f} M rays/s; refit {}, with upload of triangles {}; "
         "simulated {:.0f} k rays/s\n",
         name_of(c.memory), duration(f.seconds(c.packet.cycles)),
         duration(1e-12 * static_cast<double>(c.packet.time.total())), 1e-6 * f.clock_hz / of_ring,
@@ -185,7 +185,7 @@ void show_tree(const TreeFigures& f) {
         1e-3 / c.per_ray(c.wall_seconds));
   }
   if (!f.embree) {
-    show("  Embree: not built with this program\n");
+    show("  Embree: not in this build of cde\n");
     return;
   }
   show(

@@ -11,35 +11,35 @@
 #include "cde/mesh/mesh.hpp"
 #include "cde/query/counters.hpp"
 
-/// Rays through a hierarchy of boxes: a card with node units beside Embree on the same rays, those
-/// of a flight (flight_rays.hpp). `cde bench hierarchy` and `cde reproduce` show it.
+/// Measures rays against a BVH: a card with traversal units, and Embree on the same rays, those of
+/// a flight (flight_rays.hpp). `cde bench hierarchy` and `cde reproduce` print the figures.
 namespace cde::cli {
 
-inline constexpr std::size_t kTreePacket = 256;  ///< rays of a frame
-inline constexpr std::size_t kTreeRing = 4096;   ///< that are there before the pass begins
-inline constexpr unsigned kTreeUnits = 2;        ///< that read nodes
+inline constexpr std::size_t kTreePacket = 256;  ///< rays per frame
+inline constexpr std::size_t kTreeRing = 4096;   ///< rays on the card before the pass begins
+inline constexpr unsigned kTreeUnits = 2;        ///< traversal units
 
-/// A card with one kind of memory; all of it modelled but for one figure.
+/// A card with one kind of memory. All figures but wall_seconds are modelled.
 struct TreeCard {
   Memory memory = Memory::kIdeal;
-  Counters packet;  ///< a frame
-  Counters ring;    ///< a full ring
+  Counters packet;  ///< one frame
+  Counters ring;    ///< a full ring buffer
   Counters stream;  ///< all rays
   Counters refit;
-  double upload_seconds = 0;  ///< triangles and tree over the bus
-  double update_seconds = 0;  ///< all triangles over the bus again, and the refit
-  double wall_seconds = 0;    ///< of this machine, for simulating `stream`
+  double upload_seconds = 0;  ///< upload of triangles and BVH
+  double update_seconds = 0;  ///< upload of all triangles, and the refit
+  double wall_seconds = 0;    ///< time of this machine to simulate `stream`
 
-  [[nodiscard]] double per_ray(double total) const;  ///< of those in `stream`
+  [[nodiscard]] double per_ray(double total) const;  ///< a total over the rays of `stream`
 };
 
-/// Embree's processor time of one thread for a frame.
+/// Embree's processor time per frame, one thread.
 struct EmbreeFrames {
-  Spread warm;   ///< the same rays again and again
-  Spread fresh;  ///< others in every frame
+  Spread warm;   ///< the same rays in every frame
+  Spread fresh;  ///< new rays in every frame
 };
 
-/// Likewise.
+/// Embree's figures, in processor time of one thread.
 struct TreeEmbree {
   double build_seconds = 0;
   EmbreeFrames frame;
@@ -47,16 +47,16 @@ struct TreeEmbree {
   Spread refit;
 };
 
-/// A mesh and its tree.
+/// A mesh and its BVH.
 struct TreeFigures {
   double clock_hz = 0;
   std::size_t triangles = 0, nodes = 0, rays = 0, hits = 0;
   unsigned levels = 0;
-  std::size_t bytes = 0;     ///< of the tree
+  std::size_t bytes = 0;     ///< size of the BVH
   double build_seconds = 0;  ///< processor time of one thread
   std::uint64_t records_compared = 0;
   std::vector<TreeCard> cards;
-  std::optional<TreeEmbree> embree;  ///< not without it in this build
+  std::optional<TreeEmbree> embree;  ///< empty in a build without Embree
 
   [[nodiscard]] double seconds(std::uint64_t clocks) const {
     return static_cast<double>(clocks) / clock_hz;
@@ -65,13 +65,13 @@ struct TreeFigures {
 
 [[nodiscard]] const char* name_of(Memory memory);
 
-/// Error kMismatch if a record differs from the reference's way through the tree, or Embree finds
-/// other hits. `known`: Embree's frames on this mesh, if they have been measured.
+/// Error kMismatch if a record differs from the reference's traversal, or if Embree finds other
+/// hits. `known`: Embree's frames on this mesh, if already measured.
 [[nodiscard]] TreeFigures measure_tree(const Mesh& mesh, std::size_t rays, double clock_hz,
                                        const std::optional<EmbreeFrames>& known = {});
 
 [[nodiscard]] nlohmann::ordered_json tree_json(const TreeFigures& figures);
-/// On stdout, for people.
+/// Prints the figures as text.
 void show_tree(const TreeFigures& figures);
 
 }  // namespace cde::cli
