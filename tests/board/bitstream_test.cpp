@@ -105,18 +105,18 @@ TEST_F(Bitstreams, WrongConfigurationIsRefused) {
 
 TEST_F(Bitstreams, FilesThatAreNone) {
   const fs::path host = bitstream_path("board", host_config().parameters());
-  expect_error(ErrorCode::kConfiguration, "not a bitstream",
+  expect_error(ErrorCode::kConfiguration, "not a simulation model",
                [&] { (void)Bitstream::load(folder_ / "none.so", 0); });
-  expect_error(ErrorCode::kConfiguration, "not a bitstream",
+  expect_error(ErrorCode::kConfiguration, "not a simulation model",
                [&] { (void)Bitstream::load(folder_, 0); });
   std::ofstream(folder_ / "text.so") << "int main() {}\n";
-  expect_error(ErrorCode::kConfiguration, "not a bitstream",
+  expect_error(ErrorCode::kConfiguration, "not a simulation model",
                [&] { (void)Bitstream::load(folder_ / "text.so", 0); });
   for (const int percent : {0, 1, 50, 99}) {
     fs::copy_file(host, folder_ / "cut.so", fs::copy_options::overwrite_existing);
     fs::resize_file(folder_ / "cut.so",
                     fs::file_size(host) * static_cast<std::uintmax_t>(percent) / 100);
-    expect_error(ErrorCode::kConfiguration, "not a bitstream",
+    expect_error(ErrorCode::kConfiguration, "not a simulation model",
                  [&] { (void)Bitstream::load(folder_ / "cut.so", 0); });
   }
   const Bitstream board = Bitstream::load(host, 0);
@@ -190,7 +190,7 @@ TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
     EXPECT_NE(folder, folder_ / name);
     EXPECT_NE(said.find(file.string() + " is not loaded: it is damaged"), std::string::npos)
         << said;
-    expect_error(ErrorCode::kConfiguration, at == 0 ? "is not a bitstream" : "is damaged",
+    expect_error(ErrorCode::kConfiguration, at == 0 ? "is not a simulation model" : "is damaged",
                  [&] { (void)Bitstream::load(file, 0); });
     flip_bit(file, at);
     EXPECT_EQ(loaded_from().first, folder_ / name) << "after the repair";
@@ -244,8 +244,7 @@ TEST_F(Bitstreams, WhatOthersCanWriteIsNotLoaded) {
     fs::permissions(sum, who, fs::perm_options::add);
     std::tie(folder, said) = loaded_from();
     EXPECT_NE(folder, folder_ / name);
-    EXPECT_NE(said.find("it has a checksum beside it that can be written by others"),
-              std::string::npos)
+    EXPECT_NE(said.find("it has a checksum file that can be written by others"), std::string::npos)
         << said;
     fs::permissions(sum, who, fs::perm_options::remove);
     fs::permissions(file.parent_path(), who, fs::perm_options::add);
@@ -282,7 +281,7 @@ TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
     set("CDE_BITSTREAMS", (folder_ / "link").string() + end);
     std::tie(folder, said) = loaded_from();
     EXPECT_NE(fs::weakly_canonical(folder), folder_ / "ready") << end;
-    EXPECT_NE(said.find("is refused: it is a link of user 4242"), std::string::npos) << said;
+    EXPECT_NE(said.find("is refused: it is a link owned by user 4242"), std::string::npos) << said;
   }
 
   fs::create_directories(folder_ / "foreign");
@@ -308,9 +307,10 @@ TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
   EXPECT_FALSE(bitstream_file("board", host_config().parameters()).built);
 
   fs::permissions(clone / "verilator/bitstream", fs::perms::others_write, fs::perm_options::add);
-  expect_error(ErrorCode::kFile,
-               "the bitstream builder is refused: " + (clone / "verilator/bitstream").string(),
-               [] { (void)bitstream_builder(); });
+  expect_error(
+      ErrorCode::kFile,
+      "the builder of simulation models is refused: " + (clone / "verilator/bitstream").string(),
+      [] { (void)bitstream_builder(); });
 }
 
 /// The builder compiles RTL, scripts and headers: they must be as trusted as the builder itself.
@@ -327,7 +327,8 @@ TEST_F(Bitstreams, TrustCoversWhatTheBuilderCompiles) {
     const fs::perms before = fs::status(clone / part).permissions();
     fs::permissions(clone / part, fs::perms::others_write, fs::perm_options::add);
     expect_error(ErrorCode::kFile,
-                 "the bitstream builder is refused: " + (clone / part).string() + " can be written",
+                 "the builder of simulation models is refused: " + (clone / part).string() +
+                     " can be written",
                  [] { (void)bitstream_builder(); });
     fs::permissions(clone / part, before);
   }
@@ -376,7 +377,7 @@ TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
     fs::remove(last);
     if (ran.status == 77) GTEST_SKIP() << "other users cannot read " << builder;
     EXPECT_EQ(ran.status, 0) << ran.output;
-    EXPECT_NE(ran.output.find(last.string() + " is refused: it is a link of user 4242"),
+    EXPECT_NE(ran.output.find(last.string() + " is refused: it is a link owned by user 4242"),
               std::string::npos)
         << ran.output;
   }
@@ -403,7 +404,7 @@ TEST_F(Bitstreams, OneOfAnotherKeyIsBuiltAgain) {
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
   const std::string said = ::testing::internal::GetCapturedStderr();
-  EXPECT_NE(said.find(file.string() + " is not used: it is of another configuration"),
+  EXPECT_NE(said.find(file.string() + " is not used: it was built for another configuration"),
             std::string::npos)
       << said;
   ::testing::internal::CaptureStderr();
@@ -491,7 +492,7 @@ TEST_F(Bitstreams, BuiltOnFirstUseAndWhenDamaged) {
   const std::string said = ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(fs::file_size(file), size);
   for (const std::string& text : {file.string() + " is not loaded: it is damaged",
-                                  std::string("building bitstream board ARITH=host LANES=1"),
+                                  std::string("building simulation model board ARITH=host LANES=1"),
                                   std::string(" s, compiling (clang)"), std::string("built in")})
     EXPECT_NE(said.find(text), std::string::npos) << said;
   for (const auto& entry : fs::directory_iterator(folder_ / "cache")) {

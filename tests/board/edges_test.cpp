@@ -258,12 +258,12 @@ TEST_F(Edges, NoOtherWorkInAPass) {
   };
   for (std::size_t i = 0; i < calls.size(); ++i) {
     SCOPED_TRACE(i);
-    expect_in("in a pass",
+    expect_in("runs a pass",
               refused([&] { board->run(query, [&](std::span<const Record>) { calls[i](); }); }));
     Query q = query;
     q.mode = Mode::kAll;  // the ring fills, so the sink runs before the pass ends
     q.progress = [&](double) { calls[i](); };
-    expect_in("in a pass", refused([&] { (void)board->run(q); }));
+    expect_in("runs a pass", refused([&] { (void)board->run(q); }));
     expect_right();
   }
 }
@@ -348,12 +348,12 @@ TEST_F(Edges, APassSweepsARangeOfTheSecondaries) {
   for (const auto& [from, n] : {std::pair{30u, 0u}, {0u, 31u}, {29u, 2u}, {~0u, ~0u}}) {
     Query q = query;
     q.first_secondary = from, q.secondary_count = n;
-    expect_in("reaches beyond the 30", refused([&] { (void)board->run(q); }));
+    expect_in("exceed the 30 uploaded", refused([&] { (void)board->run(q); }));
   }
   board->set_objects(std::vector<Object>{{.first = 0, .count = 3}});
   Query q = query;
   q.first_secondary = 1;
-  expect_in("not both", refused([&] { (void)board->run(q); }));
+  expect_in("cannot be combined with objects", refused([&] { (void)board->run(q); }));
 }
 
 }  // namespace

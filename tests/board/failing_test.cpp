@@ -76,7 +76,7 @@ TEST(FailingTest, WavesBehindALinkOfAnotherUserAreAnError) {
   ASSERT_EQ(::lchown(link.c_str(), 65534, 65534), 0);
   const Ran ran = run_shell("CDE_WAVES=" + link.string() + " " + card_that_works());
   EXPECT_EQ(ran.status, 1);
-  EXPECT_NE(ran.said.find("it is a link of user 65534 to"), std::string::npos) << ran.said;
+  EXPECT_NE(ran.said.find("it is a link owned by user 65534 to"), std::string::npos) << ran.said;
   EXPECT_TRUE(fs::is_empty(fs::path(folder) / "mine"));
   fs::remove_all(folder);
 }

@@ -242,11 +242,10 @@ TEST(FormatCast, ChecksObjects) {
 TEST(FormatConfig, NamesWhatACardHasNot) {
   BoardConfig c;
   c.format = kFp64;
-  expect_error(ErrorCode::kUsage, "a card has no fp64: the words of its buses",
+  expect_error(ErrorCode::kUsage, "a card cannot use fp64: the words of its buses",
                [&] { (void)c.parameters(); });
   c.format = {6, 9};
-  expect_error(ErrorCode::kUsage,
-               "a card has no e6m9; its formats are fp16, bf16, tf32, fp24, fp32",
+  expect_error(ErrorCode::kUsage, "a card cannot use e6m9; expected fp16, bf16, tf32, fp24, fp32",
                [&] { (void)c.parameters(); });
   for (const Kind& kind : {kFp16Rays, kBf16Solids, kTf32Rays, kFp24Solids, kFp16Gates}) {
     const auto back = BoardConfig::of(config_of(kind).parameters());
@@ -264,7 +263,7 @@ TEST(FormatConfig, ACardOfAnotherFormatIsRefused) {
   wide.format = {};
   const auto file = bitstream_path(narrow.top(), narrow.parameters());
   const std::uint64_t hash = bitstream_hash(narrow.top(), narrow.parameters());
-  expect_error(ErrorCode::kConfiguration, "exponent width is 5, but 8 was asked for",
+  expect_error(ErrorCode::kConfiguration, "exponent width is 5; expected 8",
                [&] { (void)Board::open(wide, {.file = file, .config_hash = hash}); });
 }
 

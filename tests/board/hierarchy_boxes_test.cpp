@@ -169,7 +169,7 @@ TEST(HierarchyOverBoxes, TheyMoveAndAreRefitted) {
     expect_same(cast(board, spheres, query_of<Sphere, Obb>(Mode::kNearest, Through::kHierarchy)),
                 expected(reference::Traversal(boxes, tree), spheres, Mode::kNearest));
   }
-  expect_error(ErrorCode::kUsage, "of obbs Hierarchy::refit() does", [&] { (void)board.refit(); });
+  expect_error(ErrorCode::kUsage, "for obbs call Hierarchy::refit()", [&] { (void)board.refit(); });
 }
 
 TEST(HierarchyOverBoxes, ObjectsMove) {
@@ -188,7 +188,7 @@ TEST(HierarchyOverBoxes, ObjectsMove) {
   const auto moved = reference::swept(boxes, objects).shapes;
   board.move_object(1, pose);
   EXPECT_EQ(board.no_way_through(query_of<Sphere, Obb>(Mode::kAny, Through::kAuto)),
-            "objects or their shapes have moved since, and no hierarchy of them");
+            "objects or their shapes have moved after the upload of their BVH; upload a new BVH");
   board.upload(hierarchy_of(boxes, objects));
   const auto spheres = hard_ones<Sphere>(moved, 200);
   const auto turned = hard_ones<Obb>(moved, 60);
@@ -253,13 +253,12 @@ TEST(HierarchyOverBoxes, SaysWhatIsWrong) {
   board.upload(boxes, Hierarchy::build(boxes));
   const auto why = [&](const Query& query) { return board.no_way_through(query).value_or(""); };
   EXPECT_EQ(why(query_of<Sphere, Obb>(Mode::kNearest, Through::kAuto)), "");
-  EXPECT_EQ(why(query_of<Triangle, Aabb>(Mode::kNearest, Through::kAuto)),
-            "the hierarchy is over obbs");
+  EXPECT_EQ(why(query_of<Triangle, Aabb>(Mode::kNearest, Through::kAuto)), "the BVH is over obbs");
   EXPECT_EQ(why(query_of<Triangle, Obb>(Mode::kNearest, Through::kAuto)),
             "the card has no pipe for triangle-obb");
   Query query = query_of<Obb, Obb>(Mode::kNearest, Through::kAuto);
   query.swap = true;
-  EXPECT_EQ(why(query), "obb-obb with its roles swapped has no way through a hierarchy");
+  EXPECT_EQ(why(query), "obb-obb with its roles swapped cannot traverse a BVH");
 }
 
 }  // namespace

@@ -125,37 +125,37 @@ TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
   board.upload(world.tree());
   EXPECT_EQ(why(), "");
   board.move_object(2, world.objects[1].transform);
-  EXPECT_EQ(why(), "objects or their triangles have moved since, and no refit()");
+  EXPECT_EQ(why(), "objects or their triangles have moved since the last refit(); call refit()");
   board.refit();
   EXPECT_EQ(why(), "");
   board.update_shapes<Triangle>(0, std::span(world.scene).first(3));
-  EXPECT_EQ(why(), "objects or their triangles have moved since, and no refit()");
+  EXPECT_EQ(why(), "objects or their triangles have moved since the last refit(); call refit()");
   board.refit();
   EXPECT_EQ(why(), "");
 
   std::vector<Object> others = world.objects;
   others[3].count -= 2;
   board.set_objects(others);
-  EXPECT_EQ(why(), "the hierarchy has another object 3 than the card");
-  expect_error(ErrorCode::kUsage, "another object 3", [&] { board.refit(); });
+  EXPECT_EQ(why(), "object 3 of the BVH differs from the card's");
+  expect_error(ErrorCode::kUsage, "object 3 of the BVH differs", [&] { board.refit(); });
   expect_error(ErrorCode::kUsage, "of objects", [&] { board.upload(world.tree()); });
   others[3].count += 2;
   std::swap(others[0].count, others[1].count);
   others[1].count += 1;
   others[3].count -= 1;
   board.set_objects(others);
-  expect_error(ErrorCode::kUsage, "which are not the 4 of the card",
+  expect_error(ErrorCode::kUsage, "does not match the 4 objects of the card",
                [&] { board.upload(world.tree()); });
   board.set_objects({});
-  EXPECT_EQ(why(), "the hierarchy is of objects, which the card has not any more");
-  expect_error(ErrorCode::kUsage, "a hierarchy of 4 objects",
+  EXPECT_EQ(why(), "the BVH is over objects, and the card has no objects now");
+  expect_error(ErrorCode::kUsage, "a BVH of 4 objects",
                [&] { board.upload(world.swept().shapes, world.tree()); });
   // The same objects again, after a reset that drops them.
   board.upload(world.scene);
   board.set_objects(world.objects);
   board.upload(world.tree());
   board.reset();
-  EXPECT_EQ(why(), "the hierarchy is of objects, which the card has not any more");
+  EXPECT_EQ(why(), "the BVH is over objects, and the card has no objects now");
   board.set_objects(world.objects);
   board.refit();
   EXPECT_EQ(why(), "");
@@ -165,7 +165,7 @@ TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
   std::swap(others[0], others[1]);
   board.set_objects(others);
   board.upload(hierarchy_of(world.scene, others));
-  EXPECT_EQ(why(), "object 1 does not lie behind object 0");
+  EXPECT_EQ(why(), "object 1 overlaps or precedes object 0");
 }
 
 /// Over objects, a BVH without parts is refitted as a whole. A BVH with parts is refitted where it
@@ -209,7 +209,7 @@ TEST(HierarchyOfObjects, WhatHasNoBoxIsRefused) {
   board.move_object(1, beyond);
   expect_error(ErrorCode::kBadInput, "beyond 2^40", [&] { board.refit(); });
   EXPECT_EQ(*board.no_way_through({}),
-            "objects or their triangles have moved since, and no refit()");
+            "objects or their triangles have moved since the last refit(); call refit()");
   expect_error(ErrorCode::kBadInput, "part 1: secondary 0", [&] { (void)world.tree(); });
   const std::vector<Ray> rays = hard_rays(world.scene, 60);
   EXPECT_EQ(board.cast(rays).size(), rays.size());

@@ -225,10 +225,10 @@ TEST(HierarchyOfSolids, SaysWhyThereIsNoWayThrough) {
   Query query = query_of(Pair::kTriangleSphere, Mode::kNearest, Through::kAuto);
   EXPECT_EQ(why(query), "");
   query.swap = false;
-  EXPECT_EQ(why(query), "the hierarchy is over triangles");
+  EXPECT_EQ(why(query), "the BVH is over triangles");
   query = {.pair = Pair::kRayTriangle};
   query.swap = true;
-  EXPECT_EQ(why(query), "ray-triangle with its roles swapped has no way through a hierarchy");
+  EXPECT_EQ(why(query), "ray-triangle with its roles swapped cannot traverse a BVH");
   query = query_of(Pair::kTriangleObb, Mode::kFarthest, Through::kAuto);
   EXPECT_NE(why(query).find("farthest"), std::string::npos);
   query.mode = Mode::kAll;
@@ -251,11 +251,12 @@ TEST(HierarchyOfSolids, ConfigurationsThatNoCardHas) {
   EXPECT_NO_THROW((void)config.parameters());
   config.pairs = {Pair::kTriangleCylinder};
   config.box = false;
-  expect_error(ErrorCode::kUsage, "a hierarchy is of", [&] { (void)config.parameters(); });
+  expect_error(ErrorCode::kUsage, "no pair of this card can traverse a BVH",
+               [&] { (void)config.parameters(); });
   config = solids_config();
   config.pairs = {Pair::kTriangleSphere};
   config.verdicts = FpFormat{5, 10};
-  expect_error(ErrorCode::kUsage, "narrow lanes that prove misses have none",
+  expect_error(ErrorCode::kUsage, "the certified filter cannot be combined with a BVH",
                [&] { (void)config.parameters(); });
   config = {.pairs = {Pair::kSphereSphere}, .box = true};
   expect_error(ErrorCode::kUsage, "the box rule", [&] { (void)config.parameters(); });

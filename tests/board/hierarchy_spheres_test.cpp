@@ -111,7 +111,7 @@ TEST(HierarchyOverSpheres, TheyMoveAndAreRefitted) {
     for (Sphere& s : cloud) s.c += draw.point() * 0.1f;
     board.update_shapes<Sphere>(0, cloud);
     EXPECT_EQ(board.no_way_through(query),
-              "secondaries were uploaded anew, or had moved, and no hierarchy of them");
+              "secondaries were uploaded or moved after their BVH; upload a new BVH");
     tree.refit(cloud);
     board.upload(tree);
     const std::vector<Sphere> spheres = hard_ones<Sphere>(cloud, 300);
@@ -166,7 +166,7 @@ TEST(HierarchyOverSpheres, WithNormals) {
 TEST(HierarchyOverSpheres, SaysWhyThereIsNoWayThrough) {
   Board board = Board::open(spheres_config());
   const Cloud cloud = {{{0, 0, 0}, 1}, {{3, 0, 0}, 1}};
-  expect_error(ErrorCode::kUsage, "a hierarchy of 2 secondaries over 1 spheres",
+  expect_error(ErrorCode::kUsage, "a BVH of 2 secondaries cannot be over 1 sphere",
                [&] { board.upload(std::span(cloud).first(1), Hierarchy::build(cloud)); });
   board.upload(cloud, Hierarchy::build(cloud));
   const auto why = [&](const Query& query) { return board.no_way_through(query).value_or(""); };
@@ -178,7 +178,7 @@ TEST(HierarchyOverSpheres, SaysWhyThereIsNoWayThrough) {
   EXPECT_NE(why(query).find("farthest"), std::string::npos);
   const TriangleScene triangles = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
   board.upload(triangles, Hierarchy::build(triangles));
-  EXPECT_EQ(why(query_of<Ray>(Mode::kAny, Through::kAuto)), "the hierarchy is over triangles");
+  EXPECT_EQ(why(query_of<Ray>(Mode::kAny, Through::kAuto)), "the BVH is over triangles");
 }
 
 }  // namespace

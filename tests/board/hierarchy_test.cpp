@@ -149,17 +149,17 @@ TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   const TriangleScene scene = kScenes[0].make();
   const Hierarchy tree = Hierarchy::build(scene);
   Board plain = Board::open(small_config());
-  expect_error(ErrorCode::kUsage, "no node units", [&] { plain.upload(scene, tree); });
-  EXPECT_EQ(*plain.no_way_through({}), "the card has no node units");
+  expect_error(ErrorCode::kUsage, "no traversal units", [&] { plain.upload(scene, tree); });
+  EXPECT_EQ(*plain.no_way_through({}), "the card has no traversal units");
 
   Board board = Board::open(slow_config());
   const std::vector<Ray> rays = hard_rays(scene, 20);
   const Query on{.pair = Pair::kRayTriangle, .through = Through::kHierarchy};
-  expect_error(ErrorCode::kUsage, "OBBs that were uploaded", [&] { board.upload(tree); });
+  expect_error(ErrorCode::kUsage, "a BVH needs uploaded triangles", [&] { board.upload(tree); });
   board.upload(scene);
   board.load(rays);
-  expect_error(ErrorCode::kUsage, "no hierarchy was uploaded", [&] { (void)board.run(on); });
-  expect_error(ErrorCode::kUsage, "of 1280 secondaries over 1279 triangles",
+  expect_error(ErrorCode::kUsage, "no BVH was uploaded", [&] { (void)board.run(on); });
+  expect_error(ErrorCode::kUsage, "of 1280 secondaries cannot be over 1279 triangles",
                [&] { board.upload(std::span(scene).first(1'279), tree); });
   board.upload(tree);
   EXPECT_EQ(board.no_way_through(on), std::nullopt);
@@ -173,12 +173,12 @@ TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   refused("a range of secondaries", {.pair = Pair::kRayTriangle, .first_secondary = 3});
   refused("a range of secondaries", {.pair = Pair::kRayTriangle, .secondary_count = 3});
   board.set_objects(std::vector<Object>{{.first = 0, .count = 10}});
-  refused("not one of the card's objects", {.pair = Pair::kRayTriangle});
+  refused("not over the card's objects", {.pair = Pair::kRayTriangle});
   board.move_object(0, Transform());  // no object of the BVH
   board.set_objects({});
   EXPECT_GT(expect_same(board.run(on), expected(scene, tree, rays, Mode::kNearest)), 0u);
   board.upload(scene);
-  refused("no hierarchy was uploaded", {.pair = Pair::kRayTriangle});
+  refused("no BVH was uploaded", {.pair = Pair::kRayTriangle});
 }
 
 TEST(HierarchyDriver, ProgressGoesUpToOne) {
@@ -222,10 +222,10 @@ TEST(HierarchyDriver, ConfigurationsThatNoCardHas) {
   refused("box rule", c);
   c = fast_config();
   c.format = FpFormat{5, 10};
-  refused("percents of it", c);
+  refused("by percents", c);
   c = fast_config();
   c.node_units = 0;
-  refused("no memory of nodes", c);
+  refused("no node memory", c);
 }
 
 TEST(HierarchyDriver, StaysOverResetAndPassesThatFail) {
@@ -238,7 +238,7 @@ TEST(HierarchyDriver, StaysOverResetAndPassesThatFail) {
   expect_same(board.cast(its.rays, on), its.should);
   Query soon = on;
   soon.deadline_clocks = 200;
-  expect_error(ErrorCode::kTimeout, "deadline of 200 clocks",
+  expect_error(ErrorCode::kTimeout, "deadline of 200 cycles",
                [&] { (void)board.cast(its.rays, soon); });
   expect_same(board.cast(its.rays, on), its.should);
   expect_error(ErrorCode::kUsage, "from the sink", [&] {
@@ -247,7 +247,7 @@ TEST(HierarchyDriver, StaysOverResetAndPassesThatFail) {
   });
   expect_same(board.cast(its.rays, on), its.should);
   auto owned = std::make_unique<Board>(std::move(board));
-  expect_error(ErrorCode::kUsage, "destroyed by the sink", [&] {
+  expect_error(ErrorCode::kUsage, "destroyed its board", [&] {
     Board* const it = owned.get();
     it->cast(its.rays, on, [&](std::span<const Record>) { owned.reset(); });
   });
@@ -269,7 +269,8 @@ TEST(HierarchyDriver, RefitsWhatHasMoved) {
         for (Vector3f* v : {&scene[i].v0, &scene[i].v1, &scene[i].v2})
           v->z() += 0.1f * std::sin(static_cast<float>(i + frame));
       board.update_shapes<Triangle>(0, scene);
-      EXPECT_NE(board.no_way_through(query).value_or("").find("uploaded anew"), std::string::npos);
+      EXPECT_NE(board.no_way_through(query).value_or("").find("moved after their BVH"),
+                std::string::npos);
       const std::vector<Record> swept = board.cast(rays, query);
       Hierarchy own = built;
       own.refit(scene);

@@ -151,7 +151,7 @@ TEST(Driver, RefusesWhatMakesNoSense) {
                [] { (void)Board::open({.sram_records = 100}); });
   expect_error(ErrorCode::kUsage, "ddr_latency is 0",
                [] { (void)Board::open(small_config(), {.ddr_latency = 0}); });
-  expect_error(ErrorCode::kUsage, "no waves", [&] { board.trace_open("/tmp/x.fst"); });
+  expect_error(ErrorCode::kUsage, "cannot write waves", [&] { board.trace_open("/tmp/x.fst"); });
   // The board still works.
   RayScene good{scene.rays, {scene.triangles.begin(), scene.triangles.begin() + 1000}};
   EXPECT_EQ(cast_and_compare(board, good, {}).size(), 4u);

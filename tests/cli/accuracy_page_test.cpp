@@ -286,12 +286,13 @@ TEST_F(AccuracyPage, WhatCannotBeAPage) {
   refused({"--page", "p.txt"}, "--page is 'p.txt'; its name must end in .html");
   refused({"--from", "none.json", "--page", "p.html"}, "none.json");
   write("other.json", R"({"schema": "cde.accuracy.1"})");
-  refused({"--from", "other.json", "--page", "p.html"}, "not a sweep of cde.accuracy.2");
+  refused({"--from", "other.json", "--page", "p.html"},
+          "not an accuracy file of schema cde.accuracy.2");
   write("broken.json", R"({"schema": "cde.accuracy.2", "seed": 1, "cases": 2,
                            "configurations": [{"pair": "obb-obb", "format": "fp32"}]})");
   refused({"--from", "broken.json", "--page", "p.html"}, "broken.json: configuration 1: ");
   write("none.txt", "{");
-  refused({"--from", "none.txt", "--page", "p.html"}, "none.txt: not the JSON of one sweep");
+  refused({"--from", "none.txt", "--page", "p.html"}, "none.txt: not the JSON of one accuracy run");
   refused({"--target", "ecp5-85f"}, "--target is 'ecp5-85f'; it must be ecp5-85, hx8k or assumed");
   refused({"--target", "assumed:0MHz"}, "--target is 'assumed:0MHz'");
 }

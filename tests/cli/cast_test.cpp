@@ -339,7 +339,7 @@ TEST_F(Cast, TimeoutIsStatus4AndKeepsTheOldFile) {
   write("one.obj", kOneTriangle);
   write("hits.csv", "old");
   refused({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--deadline", "10", "-o", "hits.csv"},
-          "deadline of 10 clocks", 4);
+          "deadline of 10 cycles", 4);
   EXPECT_EQ(read("hits.csv"), "old");
   refused({"cast", "terrain", "--grid", "16x16", "--no-bvh", "--timeout", "0.01", "--no-bundle",
            "-o", "hits.csv"},
@@ -430,7 +430,7 @@ TEST_F(Cast, WavesThatDoNotFitAreAnError) {
     const FileLimit limit(bytes);
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 2);
-    EXPECT_EQ(ran.err, "cde: waves.fst: the waves are not whole: File too large\n");
+    EXPECT_EQ(ran.err, "cde: waves.fst: the waves are incomplete: File too large\n");
     EXPECT_EQ(files(), Words{"one.obj"});
   }
 }
@@ -458,9 +458,9 @@ TEST_F(Cast, WavesOnAFullDiskAreAnError) {
     const bool empty = fs::is_empty(disk);
     ::umount2(disk.c_str(), MNT_DETACH);
     EXPECT_EQ(ran.status, fits ? 0 : 2) << ran.err;
-    EXPECT_EQ(ran.err, fits ? ""
-                            : "cde: disk/waves.fst: the waves are not whole: No space left on "
-                              "device\n");
+    EXPECT_EQ(
+        ran.err,
+        fits ? "" : "cde: disk/waves.fst: the waves are incomplete: No space left on device\n");
     EXPECT_EQ(kept, fits);
     EXPECT_EQ(empty, !fits) << "an incomplete file was left behind";
   }
@@ -499,9 +499,10 @@ TEST_F(Doctor, SaysWhatIsWrongAndWhatToDo) {
   const fs::path spare = fmt::format("/tmp/cde-{}", ::geteuid());
   for (const std::string home : {"/dev/null/home", "/proc/home"}) {
     ran = cde({"doctor"}, {"CDE_CACHE=", "XDG_CACHE_HOME=", "HOME=" + home});
-    EXPECT_EQ(ran.err, fmt::format("cde: bitstream cache {}/.cache/cde cannot be written; {} is "
-                                   "used instead (CDE_CACHE names another)\n",
-                                   home, spare.string()));
+    EXPECT_EQ(ran.err,
+              fmt::format("cde: cache of simulation models {}/.cache/cde cannot be written; using "
+                          "{} instead (set CDE_CACHE to use another folder)\n",
+                          home, spare.string()));
     EXPECT_TRUE(has(ran.out, "model cache " + spare.string() + ":"));
   }
   std::error_code not_empty;

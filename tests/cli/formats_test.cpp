@@ -146,7 +146,7 @@ TEST_F(FormatCli, AccuracyOfAScene) {
 
 TEST_F(FormatCli, SceneRefusesWhatTheFormatHasNot) {
   write("wide.toml", scene("format = \"fp64\"", kBall));
-  refused({"run", "wide.toml"}, "a card has no fp64: the words of its buses");
+  refused({"run", "wide.toml"}, "a card cannot use fp64: the words of its buses");
   write("none.toml", scene("format = \"fp15\"", kBall));
   refused({"plan", "none.toml"}, "none.toml:5");
   write("far.toml", scene("format = \"fp16\"",

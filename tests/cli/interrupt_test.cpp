@@ -107,7 +107,7 @@ TEST_F(Building, SignalToTheBuilderAlone) {
     const Ran ran = finish(child);
     ASSERT_TRUE(began) << ran.err;
     EXPECT_EQ(ran.status, 128 + signal) << ran.err;
-    EXPECT_TRUE(has(ran.err, "was ended"));
+    EXPECT_TRUE(has(ran.err, "was stopped"));
     expect_nothing_left();
   }
 }

@@ -91,7 +91,7 @@ TEST_F(Outputs, OnADiskThatIsFull) {
   const std::string cast = "\"$CDE\" cast terrain:20,20,1 --grid 40x40 --lanes 4 -q ";
   Ran ran = on_small(cast + "--trace - > piped");
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(last_line(ran.err), "cde: -: the waves are not whole: No space left on device");
+  EXPECT_EQ(last_line(ran.err), "cde: -: the waves are incomplete: No space left on device");
   EXPECT_EQ(read("piped"), "");
   ran = on_small(cast + "-o small/hits.csv");
   EXPECT_EQ(ran.status, 2);

@@ -549,7 +549,7 @@ TEST_F(Query, WavesAreWholeOrAnError) {
     const FileLimit limit(whole / 2);
     ran = query(traced, many);
     EXPECT_EQ(ran.status, 2);
-    EXPECT_EQ(ran.err, "cde: w.fst: the waves are not whole: File too large\n");
+    EXPECT_EQ(ran.err, "cde: w.fst: the waves are incomplete: File too large\n");
     EXPECT_FALSE(exists("w.fst"));
   }
   ran = query({"sphere-sphere", "-q", "--trace", "w.fst"}, "");

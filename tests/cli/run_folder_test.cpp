@@ -103,7 +103,7 @@ TEST_F(Folders, AnotherUsersLinkLeadsToNoRunOfOurs) {
   for (const std::string name : {"link", "link/", "link/."}) {
     const Ran ran = run({"-o", name, "--frames", "0"});
     EXPECT_EQ(ran.status, 2) << name;
-    EXPECT_TRUE(has(ran.err, "it is a link of user 65534 to")) << ran.err;
+    EXPECT_TRUE(has(ran.err, "it is a link owned by user 65534 to")) << ran.err;
   }
   EXPECT_EQ(read("d/run.json"), before);
 }

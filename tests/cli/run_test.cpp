@@ -274,7 +274,7 @@ TEST_F(RunScene, DeadlineEndsWithStatus4AndAReadableFile) {
   EXPECT_EQ(ran.status, 4) << ran.err;
   const auto j = run_json("flight.run");
   EXPECT_EQ(j["finished"], false);
-  EXPECT_TRUE(has(j["error"].get<std::string>(), "deadline of 100 clocks"));
+  EXPECT_TRUE(has(j["error"].get<std::string>(), "deadline of 100 cycles"));
 }
 
 TEST_F(RunScene, InterruptLeavesReadableFiles) {
@@ -314,7 +314,7 @@ TEST_F(RunScene, Waves) {
   const FileLimit limit(whole / 2);
   const Ran ran = cde({"run", "small.toml", "--frames", "0", "--trace", "w.fst", "-q"});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err, "cde: w.fst: the waves are not whole: File too large\n");
+  EXPECT_EQ(ran.err, "cde: w.fst: the waves are incomplete: File too large\n");
   EXPECT_FALSE(exists("w.fst"));
   EXPECT_EQ(run_json("small.run")["played"].size(), 1u);
 }

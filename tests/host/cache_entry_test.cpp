@@ -61,7 +61,7 @@ TEST_F(CacheEntry, IsReadBackAsItWasWritten) {
 TEST_F(CacheEntry, DamagedOrForeignIsNotRead) {
   write_cache_entry("entry", "text\n");
   std::ofstream(file()) << "texd\n";
-  expect_refused("is damaged: its checksum is another");
+  expect_refused("is damaged: its checksum differs");
   fs::remove(file(".sha256"));
   expect_refused("has no checksum beside it");
   ::chmod(file().c_str(), 0664);

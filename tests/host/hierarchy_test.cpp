@@ -323,12 +323,14 @@ TEST(HierarchyOfObjects, WhatCannotBeBuiltIsSaid) {
     }
     return std::string("nothing");
   };
-  EXPECT_EQ(refused({}, ErrorCode::kUsage), "a hierarchy of no objects");
-  EXPECT_EQ(refused({{0, 0, {}}}, ErrorCode::kUsage), "object 0: 0 secondaries from 0 on, of 40");
+  EXPECT_EQ(refused({}, ErrorCode::kUsage), "a BVH needs at least one object");
+  EXPECT_EQ(refused({{0, 0, {}}}, ErrorCode::kUsage),
+            "object 0: 0 secondaries from 0 on; expected 1 or more, within the 40 secondaries");
   EXPECT_EQ(refused({{0, 40, {}}, {3, 38, {}}}, ErrorCode::kUsage),
-            "object 1: 38 secondaries from 3 on, of 40");
+            "object 1: 38 secondaries from 3 on; expected 1 or more, within the 40 secondaries");
   EXPECT_EQ(refused({{~0u, ~0u, {}}}, ErrorCode::kUsage),
-            "object 0: 4294967295 secondaries from 4294967295 on, of 40");
+            "object 0: 4294967295 secondaries from 4294967295 on; expected 1 or more, within the "
+            "40 secondaries");
   auto objects = objects_of(2, 20);
   objects[1].transform.translation.x() = 0x1p41f;
   EXPECT_EQ(refused(objects, ErrorCode::kBadInput).find("object 1: "), 0u);

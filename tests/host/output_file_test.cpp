@@ -239,7 +239,7 @@ TEST_F(ForeignFolder, HasLinksOnlyToWhatBelongsToItsOwner) {
   for (const char* link : {"to_secret", "to_new", "to_out"})
     ASSERT_EQ(::lchown((theirs_ / link).c_str(), kOther, kOther), 0);
   for (const char* link : {"to_secret", "to_new"})
-    expect_error(ErrorCode::kFile, "it is a link of user 65534 to",
+    expect_error(ErrorCode::kFile, "it is a link owned by user 65534 to",
                  [&] { write_file(theirs_ / link, "overwritten"); });
   expect_secret();
   EXPECT_EQ(mine_.files(), 1u);

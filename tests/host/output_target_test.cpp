@@ -122,7 +122,7 @@ TEST_F(Swapped, AFolderBehindTheirLinkIsRefused) {
   ASSERT_EQ(::lchown((theirs_ / "link").c_str(), kOther, kOther), 0);
   for (const fs::path& name : {theirs_ / "link", theirs_ / "link/", theirs_ / "link/.",
                                theirs_ / "link//./", mine_ / "indirect"})
-    expect_error(ErrorCode::kFile, "it is a link of user 65534 to",
+    expect_error(ErrorCode::kFile, "it is a link owned by user 65534 to",
                  [&] { (void)OutputFolder(name); });
   ASSERT_EQ(::chown((theirs_ / "sub").c_str(), kOther, kOther), 0);
   fs::remove(theirs_ / "link");
@@ -144,7 +144,8 @@ TEST_F(Swapped, ATargetThatIsNoLongerTheLinksOwners) {
   EXPECT_EQ(target.stranger, kOther);
   EXPECT_GE(folder_of(target).get(), 0);
   ASSERT_EQ(::chown((theirs_ / "sub/out").c_str(), 0, 0), 0);
-  expect_error(ErrorCode::kFile, "it is a link of user 65534 to", [&] { (void)folder_of(target); });
+  expect_error(ErrorCode::kFile, "it is a link owned by user 65534 to",
+               [&] { (void)folder_of(target); });
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ TEST(PlanHierarchy, AsIsAskedFor) {
     expect_error(ErrorCode::kUsage, "s.toml: card, hierarchy = \"on\": " + why,
                  [&] { (void)of(on + text); });
   };
-  refused(ground(40) + kManyRays + query("mode = \"all\"\n"), "hit: mode all has records of all");
+  refused(ground(40) + kManyRays + query("mode = \"all\"\n"), "hit: mode all reports every");
   const std::string other = "[[object]]\nname = \"other\"\nmesh = \"terrain:9,9,1\"\n";
   refused(ground(40) + other + kManyRays + query() +
               "[[query]]\nname = \"b\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\n"
@@ -76,7 +76,7 @@ TEST(PlanHierarchy, AsIsAskedFor) {
     EXPECT_FALSE(hierarchy(p).used);
     EXPECT_TRUE(has(hierarchy(p).why, why));
   };
-  with("format = \"bf16\"\n", "percents of it");
+  with("format = \"bf16\"\n", "by percents");
   with("box = false\n", "box rule");
 }
 
@@ -169,9 +169,9 @@ TEST(PlanHierarchy, OfSolids) {
       EXPECT_FALSE(hierarchy(none).used);
       EXPECT_TRUE(has(hierarchy(none).why, why));
     };
-    swept("", "mode = \"farthest\"\n", "farthest from a solid");
+    swept("", "mode = \"farthest\"\n", "farthest shape from a solid");
     swept("[card]\nbox = false\n", "", "the box rule");
-    swept("[card]\nverdicts = \"fp16\"\n", "", "narrow lanes");
+    swept("[card]\nverdicts = \"fp16\"\n", "", "certified filter");
   }
 }
 

@@ -289,14 +289,15 @@ TEST(Plan, TakesTheVerdictsThatAreAskedFor) {
   refused("verdicts = \"fp33\"", "card, verdicts: ");
   refused("verdicts = 16", "card, verdicts: must be a text");
   refused("verdicts = \"fp32\"",
-          "s.toml:2:12: card, verdicts: verdicts in fp32 cannot stand before fp32");
-  refused("verdicts = \"fp24\"\nformat = \"fp16\"", "verdicts in fp24 cannot stand before fp16");
-  refused("verdicts = \"fp16\"\nlanes = 64", "with verdicts it must be 1 to 32");
+          "s.toml:2:12: card, verdicts: a certified filter in fp32 cannot precede fp32");
+  refused("verdicts = \"fp24\"\nformat = \"fp16\"",
+          "a certified filter in fp24 cannot precede fp16");
+  refused("verdicts = \"fp16\"\nlanes = 64", "with the certified filter it must be 1 to 32");
   try {
     (void)plan(parse_scene("[card]\nverdicts = \"fp16\"\n" + kGood, "s.toml"));
     ADD_FAILURE() << "rays have no certified filter";
   } catch (const Error& e) {
-    EXPECT_TRUE(has(e.what(), "of which the card has none"));
+    EXPECT_TRUE(has(e.what(), "the card has none"));
   }
 }
 

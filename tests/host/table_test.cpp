@@ -43,14 +43,14 @@ void expect_errors(const std::string& file, const std::map<std::string, std::str
 }
 
 TEST(Tables, OfAnotherVersion) {
-  const std::string text = "this driver speaks ";
+  const std::string text = "C interface version ";
   expect_errors(CDE_LATER_TABLES,
                 {{"board", text}, {"card", text}, {"pair_unit", text}, {"fp_unit", text}},
                 ErrorCode::kConfiguration);
 }
 
 TEST(Tables, OfAnotherSize) {
-  const std::string text = " bytes, this driver's ";
+  const std::string text = " bytes; expected ";
   expect_errors(CDE_LONGER_TABLES,
                 {{"board", text}, {"card", text}, {"pair_unit", text}, {"fp_unit", text}},
                 ErrorCode::kConfiguration);

@@ -63,8 +63,8 @@ KeptTally tally_of(const Json& json) {
   if (t.refused > t.cases || t.leak_rays > t.cases - t.refused || t.wrong > t.judged ||
       t.wrong < hits || t.leaks > t.leak_rays)
     throw Error(ErrorCode::kFile,
-                fmt::format("of {} cases {} are refused, {} are rays that may leak, {} of the rest "
-                            "decided wrong, and {} rays leaked: these do not fit together",
+                fmt::format("{} cases, of these {} refused and {} rays that may leak, then {} "
+                            "wrong and {} leaked rays: these counts contradict each other",
                             t.cases, t.refused, t.leak_rays, t.wrong, t.leaks));
   t.t = quantiles_of(json.at("t_error_u"));
   t.oracle = quantiles_of(json.at("oracle_u"));
@@ -158,13 +158,12 @@ std::string KeptSweep::command(const AccuracyPipe& pipe) const {
 
 KeptSweep sweep_of(const Json& json, const std::string& where, const Target& target) {
   if (!json.is_object() || !json.contains("schema") || json.at("schema") != kSweepSchema)
-    throw Error(ErrorCode::kFile,
-                fmt::format("{}: not a sweep of {}, which cde accuracy --json writes; its schema "
-                            "is {}",
-                            where, kSweepSchema,
-                            json.is_object() && json.contains("schema")
-                                ? in_quotes(json.at("schema").dump())
-                                : "not there"));
+    throw Error(ErrorCode::kFile, fmt::format("{}: not an accuracy file of schema {}, which cde "
+                                              "accuracy --json writes; its schema is {}",
+                                              where, kSweepSchema,
+                                              json.is_object() && json.contains("schema")
+                                                  ? in_quotes(json.at("schema").dump())
+                                                  : "missing"));
   KeptSweep sweep{.json = json, .target = target.name};
   const PriceTable table = PriceTable::of_project();
   std::size_t number = 0;
@@ -193,10 +192,9 @@ KeptSweep sweep_of(const Json& json, const std::string& where, const Target& tar
 KeptSweep read_sweep(const std::string& file, const Target& target) {
   const Json json = Json::parse(read_file(file), nullptr, false);
   if (json.is_discarded())
-    throw Error(ErrorCode::kFile,
-                fmt::format("{}: not the JSON of one sweep (a file of --resume is read by "
-                            "--resume, and --page beside it)",
-                            printable_name(file)));
+    throw Error(ErrorCode::kFile, fmt::format("{}: not the JSON of one accuracy run; read a file "
+                                              "of --resume with --resume and --page",
+                                              printable_name(file)));
   return sweep_of(json, printable_name(file), target);
 }
 

@@ -106,7 +106,7 @@ Price price_of(const AccuracyPipe& pipe, const PipeFigures& figures, const Targe
     return price;
   }
   if (pipe.variant != Variant::kCard) {
-    price.why_not = "there is no RTL of it";
+    price.why_not = "it has no RTL";
     return price;
   }
   LanePriceOr found = table.lane(priced(choice_of(pipe), figures), target.name);

@@ -170,11 +170,10 @@ void check_queries(const cde::Scene& scene) {
   for (const SceneQuery& q : scene.queries)
     for (const std::size_t object : q.primaries)
       if (std::find(q.secondaries.begin(), q.secondaries.end(), object) != q.secondaries.end())
-        throw Error(
-            ErrorCode::kUsage,
-            fmt::format("{}: query '{}' has object '{}' on both sides, and pairs of a thing "
-                        "with itself are not judged",
-                        printable_name(scene.file), q.name, scene.objects[object].name));
+        throw Error(ErrorCode::kUsage,
+                    fmt::format("{}: query '{}' has object '{}' on both sides; the accuracy of "
+                                "pairs of an object with itself is not measured",
+                                printable_name(scene.file), q.name, scene.objects[object].name));
 }
 
 nlohmann::ordered_json row_json(const SceneAccuracy& row, double clock_hz) {

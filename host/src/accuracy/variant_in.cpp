@@ -71,7 +71,7 @@ void VariantIn<S>::textbook(Pair pair, std::span<const std::uint64_t> a,
     case Pair::kTriangleAabb:
       return sweep<S, S, T, Aabb>(a, b, r, textbook::triangle_box<S, Aabb>);
     default:
-      throw Error(ErrorCode::kUsage, fmt::format("no textbook has {}", name(pair)));
+      throw Error(ErrorCode::kUsage, fmt::format("there is no textbook variant of {}", name(pair)));
   }
 }
 

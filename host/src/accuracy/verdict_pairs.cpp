@@ -17,7 +17,7 @@ bool has_proofs(Pair pair) {
 void test_certain(Pair pair, FpFormat narrow, const PairBudget& budget, Words a, Words b,
                   std::span<reference::verdict::Certain> certain) {
   if (!has_proofs(pair))
-    throw Error(ErrorCode::kUsage, fmt::format("{} has no verdicts", name(pair)));
+    throw Error(ErrorCode::kUsage, fmt::format("{} has no certified filter", name(pair)));
   const bool known =
       with_scalar(narrow, [&]<class N>() { CertainIn<N>::test(pair, budget, a, b, certain); });
   if (!known) throw Error(ErrorCode::kUsage, fmt::format("no pair in {}", narrow.name()));

@@ -106,7 +106,7 @@ std::string keep_log(const Place& log, const std::string& output) {
   const Descriptor written(
       ::open(log.inside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (written.get() < 0 || !process::write_all(written.get(), output)) return "";
-  return fmt::format("\nall of what the builder said: {}", printable_name(log.named.string()));
+  return fmt::format("\nfull output of the builder: {}", printable_name(log.named.string()));
 }
 
 /// Why a simulation model cannot be loaded; nothing if it is complete and trusted.
@@ -115,7 +115,7 @@ std::optional<std::string> defect(const Place& place) {
   if (auto why = folders::distrust(file, place.named)) return why;
   if (auto why =
           folders::distrust(folders::checksum_file(file), folders::checksum_file(place.named)))
-    return "has a checksum beside it that " + *why;
+    return "has a checksum file that " + *why;
   std::error_code none;
   if (fs::is_directory(file, none)) return "is a folder";
   for (const fs::path& one : {file, folders::checksum_file(file)})
@@ -128,8 +128,8 @@ std::optional<std::string> defect(const Place& place) {
   }
   const auto sum = sha256_of_file(file);
   if (!sum) return fmt::format("cannot be read: {}", std::strerror(errno));
-  if (*sum != line.substr(0, line.find(' '))) return "is damaged: its checksum is another";
-  if (!intact(file)) return "is not a bitstream (cut short, or no shared library)";
+  if (*sum != line.substr(0, line.find(' '))) return "is damaged: its checksum differs";
+  if (!intact(file)) return "is not a simulation model (truncated, or not a shared library)";
   return std::nullopt;
 }
 
@@ -150,7 +150,7 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
   char key[65] = {};
   if (result.status != 0 ||
       std::sscanf(result.output.c_str(), "%16llx %64[0-9a-f]", &hash, key) != 2) {
-    throw Error(ErrorCode::kBuild, fmt::format("bitstream {}: {}", joined(kind, parameters),
+    throw Error(ErrorCode::kBuild, fmt::format("simulation model {}: {}", joined(kind, parameters),
                                                printable(last_lines(result.output, 8))));
   }
   return {hash, fmt::format("{}.so", key)};
@@ -167,7 +167,7 @@ class FileLock {
     }
     if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
     if (!BuildProgress::quiet())
-      say(fmt::format("cde: waiting for another process that builds bitstream {}\n", what));
+      say(fmt::format("cde: waiting for another process that builds simulation model {}\n", what));
     while (::flock(fd_, LOCK_EX) != 0 && errno == EINTR) {
     }
   }
@@ -198,14 +198,14 @@ void build(const Place& place, const std::string& kind,
   }
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     if (result.status == 128 + signal)
-      throw Error(signal, fmt::format("building bitstream {} was ended: {}", what,
+      throw Error(signal, fmt::format("building simulation model {} was stopped: {}", what,
                                       ::strsignal(signal)));  // NOLINT(concurrency-mt-unsafe)
   }
   if (result.status != 0) {
     const std::string said = BuildProgress::without_phases(result.output);
     throw Error(ErrorCode::kBuild,
-                fmt::format("building bitstream {} failed:\n{}{}", what, printable(causes(said)),
-                            keep_log(place.beside(".log"), said)));
+                fmt::format("building simulation model {} failed:\n{}{}", what,
+                            printable(causes(said)), keep_log(place.beside(".log"), said)));
   }
 }
 
@@ -224,12 +224,12 @@ std::optional<Place> find_whole(const Key& key) {
     Place place{path / key.file, folder->inside / key.file};
     std::error_code none;
     if (folder->distrust) {
-      say_once(fmt::format("cde: bitstream folder {} is refused: it {}\n",
+      say_once(fmt::format("cde: folder of simulation models {} is refused: it {}\n",
                            printable_name(path.string()), *folder->distrust));
     } else if (!fs::exists(place.inside, none)) {
       continue;
     } else if (const auto what = defect(place)) {
-      say_once(fmt::format("cde: bitstream {} is not loaded: it {}\n",
+      say_once(fmt::format("cde: simulation model {} is not loaded: it {}\n",
                            printable_name(place.named.string()), *what));
     } else {
       return place;
@@ -250,8 +250,9 @@ void build_kept(const Place& place, const std::string& kind,
   build(place, kind, parameters);
   std::error_code none;
   if (!fs::exists(place.inside, none))
-    throw Error(ErrorCode::kFile, fmt::format("bitstream cache {} is another than it was",
-                                              printable_name(place.named.parent_path().string())));
+    throw Error(ErrorCode::kFile,
+                fmt::format("cache of simulation models {} was replaced during the build",
+                            printable_name(place.named.parent_path().string())));
 }
 
 FileLock lock_of(const Place& place, const std::string& kind,
@@ -331,8 +332,9 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
   try {
     Bitstream found = link(place.named, place.inside, key.config_hash);
     if (is_of(found, key)) return found;
-    say_once(fmt::format("cde: bitstream {} is not used: it is of another configuration\n",
-                         printable_name(place.named.string())));
+    say_once(fmt::format(
+        "cde: simulation model {} is not used: it was built for another configuration\n",
+        printable_name(place.named.string())));
   } catch (const Error&) {
     // damage that only the loader sees
   }
@@ -351,9 +353,10 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
 
 Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
   if (!intact(file)) {
-    throw Error(ErrorCode::kConfiguration,
-                fmt::format("{} is not a bitstream (missing, cut short, or no shared library)",
-                            printable_name(file.string())));
+    throw Error(
+        ErrorCode::kConfiguration,
+        fmt::format("{} is not a simulation model (missing, truncated, or not a shared library)",
+                    printable_name(file.string())));
   }
   const fs::path whole = fs::absolute(file);
   const auto refuse = [&](const fs::path& part, const std::string& why) {
@@ -361,7 +364,7 @@ Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
                                               printable_name(part.string()), why));
   };
   const auto folder = folders::open(whole.parent_path());
-  if (!folder) refuse(whole.parent_path(), "is gone");
+  if (!folder) refuse(whole.parent_path(), "has disappeared");
   if (folder->distrust) refuse(whole.parent_path(), *folder->distrust);
   const fs::path inside = folder->inside / whole.filename();
   if (const auto why = folders::distrust(inside, whole)) refuse(whole, *why);

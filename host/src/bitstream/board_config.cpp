@@ -93,7 +93,7 @@ constexpr Number kFields[] = {
 
 void check(Arithmetic arithmetic) {
   if (arithmetic != Arithmetic::kHost && arithmetic != Arithmetic::kRtl)
-    throw Error(ErrorCode::kUsage, fmt::format("there is no arithmetic {}; they are 0 and 1",
+    throw Error(ErrorCode::kUsage, fmt::format("there is no arithmetic {}; expected 0 or 1",
                                                static_cast<int>(arithmetic)));
 }
 
@@ -102,22 +102,21 @@ void check_card_format(FpFormat format) {
   std::string known;
   for (const FpFormat f : kPairFormats)
     if (is_card_format(f)) known += (known.empty() ? "" : ", ") + f.name();
-  throw Error(
-      ErrorCode::kUsage,
-      format.width() > static_cast<int>(kCardWord)
-          ? fmt::format("a card has no {}: the words of its buses, memories and records are "
-                        "{} bits wide; its formats are {}",
-                        format.name(), kCardWord, known)
-          : fmt::format("a card has no {}; its formats are {}", format.name(), known));
+  throw Error(ErrorCode::kUsage,
+              format.width() > static_cast<int>(kCardWord)
+                  ? fmt::format("a card cannot use {}: the words of its buses, memories and "
+                                "records are {} bits wide; expected {}",
+                                format.name(), kCardWord, known)
+                  : fmt::format("a card cannot use {}; expected {}", format.name(), known));
 }
 
 void check_narrow_format(FpFormat narrow, FpFormat wide) {
   check_card_format(narrow);
   if (narrow.exp_bits > wide.exp_bits || narrow.man_bits >= wide.man_bits)
     throw Error(ErrorCode::kUsage,
-                fmt::format("verdicts in {} cannot stand before {}: they need no more exponent "
-                            "bits and fewer fraction bits, as fp16, bf16, tf32 and fp24 before "
-                            "fp32, bf16 before tf32, fp16 before fp24",
+                fmt::format("a certified filter in {} cannot precede {}; expected a format with no "
+                            "more exponent bits and fewer fraction bits: fp16, bf16, tf32 or fp24 "
+                            "before fp32, bf16 before tf32, fp16 before fp24",
                             narrow.name(), wide.name()));
 }
 
@@ -128,15 +127,17 @@ void check_verdicts(const BoardConfig& c) {
   check_narrow_format(*c.verdicts, c.format);
   if (std::none_of(c.pairs.begin(), c.pairs.end(), has_verdicts))
     throw Error(ErrorCode::kUsage,
-                "verdicts are of sphere-sphere, sphere-obb, triangle-sphere, triangle-aabb, "
-                "triangle-obb and obb-obb, of which the card has none");
+                "the certified filter needs one of sphere-sphere, sphere-obb, triangle-sphere, "
+                "triangle-aabb, triangle-obb and obb-obb; the card has none");
   constexpr unsigned kMostLanes = 32;  // all share the one wide lane
   if (c.lanes > kMostLanes)
     throw Error(ErrorCode::kUsage,
-                fmt::format("lanes is {}; with verdicts it must be 1 to {}", c.lanes, kMostLanes));
+                fmt::format("lanes is {}; with the certified filter it must be 1 to {}", c.lanes,
+                            kMostLanes));
   if (c.facet_interval != 1)
     throw Error(ErrorCode::kUsage,
-                fmt::format("with verdicts the facet interval is 1, not {}", c.facet_interval));
+                fmt::format("the facet interval is {}; with the certified filter it must be 1",
+                            c.facet_interval));
 }
 
 }  // namespace
@@ -148,7 +149,7 @@ void check_hierarchy(const BoardConfig& c) {
     if (!ok) throw Error(ErrorCode::kUsage, why);
   };
   if (c.node_units == 0) {
-    require(c.nodes == BoardConfig().nodes, "a card without node units has no memory of nodes");
+    require(c.nodes == BoardConfig().nodes, "a card without traversal units has no node memory");
     return;
   }
   constexpr unsigned kMostUnits = 4, kLeastNodes = 16, kMostNodes = 1u << 22;
@@ -158,16 +159,16 @@ void check_hierarchy(const BoardConfig& c) {
           fmt::format("nodes is {}; it must be a power of two from {} to {}", c.nodes, kLeastNodes,
                       kMostNodes));
   require(c.format == FpFormat(),
-          fmt::format("a hierarchy is of fp32, not of {}: its boxes are widened by 2^-16 of the "
-                      "scene, which in a coarser format were percents of it",
+          fmt::format("a BVH needs fp32, not {}: it widens boxes by 2^-16 of the scene, and a "
+                      "coarser format would widen them by percents",
                       c.format.name()));
   const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
     return c.way_through(pair, false).has_value();
   });
   require(walked,
-          "a hierarchy is of rays, spheres, AABBs, OBBs and triangles, with the box rule, without "
-          "which no tree answers as all secondaries do, or of ray-sphere and sphere-sphere; narrow "
-          "lanes that prove misses have none");
+          "no pair of this card can traverse a BVH; expected ray-sphere or sphere-sphere, or, with "
+          "the box rule, rays, spheres, AABBs, OBBs and triangles with triangles or OBBs; the "
+          "certified filter cannot be combined with a BVH");
 }
 
 }  // namespace
@@ -211,9 +212,8 @@ std::vector<std::string> BoardConfig::parameters() const {
   check_verdicts(*this);
   if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
     throw Error(ErrorCode::kUsage,
-                "the box rule exists for triangles with rays, spheres, AABBs, OBBs and triangles, "
-                "and for OBBs "
-                "with spheres and OBBs, of which the card has none");
+                "the box rule needs triangles with rays, spheres, AABBs, OBBs or triangles, or "
+                "OBBs with spheres or OBBs; the card has no such pair");
   const BoardConfig standard;
   check_hierarchy(*this);
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;

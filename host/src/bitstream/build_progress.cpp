@@ -33,9 +33,9 @@ double usual_build_seconds(const std::vector<std::string>& parameters) {
 }
 
 BuildProgress::BuildProgress(const std::string& what, double usual) : usual_(usual) {
-  print(fmt::format("cde: building bitstream {} ({}; such builds take about {:.0f} s)\n", what,
-                    kAdvice, usual));
-  if (has_progress_display()) line_.emplace("cde: building a bitstream");
+  print(fmt::format("cde: building simulation model {} ({}; such builds take about {:.0f} s)\n",
+                    what, kAdvice, usual));
+  if (has_progress_display()) line_.emplace("cde: building a simulation model");
 }
 
 void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::string_view printed) {

@@ -71,7 +71,7 @@ std::optional<std::string> read_cache_entry(const std::string& name) {
     return std::nullopt;
   }
   if (sum->substr(0, sum->find(' ')) != sha256(*text)) {
-    refuse(folder->named / name, "is damaged: its checksum is another");
+    refuse(folder->named / name, "is damaged: its checksum differs");
     return std::nullopt;
   }
   return text;

@@ -84,8 +84,8 @@ fs::path find_share() {
 }
 
 std::string owner(const struct stat& status) {
-  return fmt::format("belongs to user {}, who is neither root nor user {}, who runs this",
-                     status.st_uid, ::geteuid());
+  return fmt::format("belongs to user {}; expected root or user {}, who runs this", status.st_uid,
+                     ::geteuid());
 }
 
 bool ours(const struct stat& status) {
@@ -97,7 +97,7 @@ bool ours(const struct stat& status) {
 std::optional<std::string> distrust_source(const struct stat& status, const fs::path& path) {
   if (!ours(status) && status.st_uid != CDE_SOURCE_OWNER) return owner(status);
   if (!S_ISLNK(status.st_mode) && (status.st_mode & S_IWOTH) != 0)
-    return fmt::format("can be written by everybody (chmod o-w {})", printable_name(path.string()));
+    return fmt::format("can be written by all users (chmod o-w {})", printable_name(path.string()));
   return std::nullopt;
 }
 
@@ -120,8 +120,9 @@ void check_share(const fs::path& share) {
     auto why = check(itself, part);
     if (!why) why = check(target, part);
     if (why)
-      throw Error(ErrorCode::kFile, fmt::format("the bitstream builder is refused: {} {}",
-                                                printable_name(part.string()), *why));
+      throw Error(ErrorCode::kFile,
+                  fmt::format("the builder of simulation models is refused: {} {}",
+                              printable_name(part.string()), *why));
   };
   for (const fs::path& part : {share, share / "host", share / "host/include"}) require(part);
   for (const char* folder : {"verilator", "rtl", "host/include/cde"}) {
@@ -171,8 +172,9 @@ bool can_be_written(fs::path folder) {
 }
 
 [[noreturn]] void refuse(const fs::path& folder, const std::string& why) {
-  throw Error(ErrorCode::kFile, fmt::format("bitstream cache {}: {} (CDE_CACHE names another)",
-                                            printable_name(folder.string()), why));
+  throw Error(ErrorCode::kFile,
+              fmt::format("cache of simulation models {}: {} (set CDE_CACHE to use another folder)",
+                          printable_name(folder.string()), why));
 }
 
 void make_private(const fs::path& folder) {
@@ -181,7 +183,7 @@ void make_private(const fs::path& folder) {
     if (!fs::exists(folder.parent_path(), none)) make_private(folder.parent_path());
   }
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-    refuse(folder, fmt::format("cannot be made: {}", std::strerror(errno)));
+    refuse(folder, fmt::format("cannot be created: {}", std::strerror(errno)));
 }
 
 }  // namespace
@@ -201,7 +203,7 @@ std::optional<Opened> open(const fs::path& named) {
   if (::lstat(folder.c_str(), &status) != 0) return std::nullopt;
   const bool link = S_ISLNK(status.st_mode);
   if (link && (!ours(status) || folder == last_resort()))
-    return Opened{folder, {}, fmt::format("is a link of user {}", status.st_uid)};
+    return Opened{folder, {}, fmt::format("is a link owned by user {}", status.st_uid)};
   const int fd = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC | (link ? 0 : O_NOFOLLOW));
   if (fd < 0 || ::fstat(fd, &status) != 0) {
     const int number = errno;
@@ -257,13 +259,13 @@ Opened make_cache() {
   if (const auto own = own_cache(); own && folder == last_resort() && folder != *own)
     std::call_once(once, [&] {
       say(
-          fmt::format("cde: bitstream cache {} cannot be written; {} is used instead (CDE_CACHE "
-                      "names another)\n",
+          fmt::format("cde: cache of simulation models {} cannot be written; using {} instead (set "
+                      "CDE_CACHE to use another folder)\n",
                       printable_name(own->string()), printable_name(folder.string())));
     });
   make_private(folder);
   auto made = open(folder);
-  if (!made) refuse(folder, "is gone");
+  if (!made) refuse(folder, "has disappeared");
   if (made->distrust) refuse(folder, *made->distrust);
   return std::move(*made);
 }

@@ -16,12 +16,10 @@ void check_table(const Bitstream& bitstream, const cde_abi_head& head, const cde
   if (head.version == built.version && head.size == built.size) return;
   const std::string what =
       head.version != built.version
-          ? fmt::format("C interface version {}, this driver speaks {}", head.version,
-                        built.version)
-          : fmt::format("its table of functions takes {} bytes, this driver's {}", head.size,
-                        built.size);
+          ? fmt::format("C interface version {}; expected {}", head.version, built.version)
+          : fmt::format("its table of functions has {} bytes; expected {}", head.size, built.size);
   throw Error(ErrorCode::kConfiguration,
-              fmt::format("bitstream {}: {}; it was built from other sources",
+              fmt::format("simulation model {}: {}; it was built from other sources",
                           printable_name(bitstream.path().string()), what));
 }
 
@@ -35,7 +33,7 @@ void no_memory_for_models() {
 void require_waves(std::string_view parameters) {
   if (parameters.find("TRACE=1") == std::string_view::npos) {
     throw Error(ErrorCode::kUsage,
-                "this bitstream has no waves; open the board with BoardConfig::trace");
+                "this simulation model cannot write waves; open the board with BoardConfig::trace");
   }
 }
 
@@ -71,7 +69,7 @@ void open_waves(const std::filesystem::path& file, const TraceOptions& which,
 void require_whole_waves(int error) {
   if (error == 0) return;
   throw Error(ErrorCode::kFile,
-              fmt::format("the waves are not whole: {}",
+              fmt::format("the waves are incomplete: {}",
                           std::strerror(error)));  // NOLINT(concurrency-mt-unsafe)
 }
 

@@ -38,16 +38,15 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
                     const std::string& file) {
   const auto refuse = [&](const std::string& why) {
     throw Error(ErrorCode::kConfiguration,
-                fmt::format("bitstream {}: {}", printable_name(file), why));
+                fmt::format("simulation model {}: {}", printable_name(file), why));
   };
   const std::uint64_t id = card.read_register(card::kRegId);
   constexpr std::uint64_t kId = std::uint64_t{card::kIdMagic} << 32 | card::kInterfaceVersion;
   if (id != kId)
-    refuse(fmt::format("the card calls itself {:#018x}, this driver expects {:#018x}", id, kId));
+    refuse(fmt::format("the card's identification is {:#018x}; expected {:#018x}", id, kId));
   const std::uint64_t hash = card.read_register(card::kRegConfigHash);
   if (hash != expected_hash) {
-    refuse(fmt::format("configuration hash is {:016x}, but what was asked for has {:016x}", hash,
-                       expected_hash));
+    refuse(fmt::format("configuration hash is {:016x}; expected {:016x}", hash, expected_hash));
   }
   const std::uint64_t caps = card.read_register(card::kRegCaps);
   const std::uint64_t caps2 = card.read_register(card::kRegCaps2);
@@ -58,7 +57,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.capacity = card.read_register(card::kRegCapacity);
   card.node_units = card::kCaps2NodeUnits.of(caps2);
   const auto field = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
-    if (value != wanted) refuse(fmt::format("{} is {}, but {} was asked for", what, value, wanted));
+    if (value != wanted) refuse(fmt::format("{} is {}; expected {}", what, value, wanted));
   };
   field("number of lanes", card.lanes, config.lanes);
   field("exponent width", card::kCapsExp.of(caps), static_cast<unsigned>(config.format.exp_bits));
@@ -78,7 +77,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("two pairs at a time", card::kCaps3Parallel.of(caps3), config.parallel);
   field("box rule", card::kCaps3Box.of(caps3), config.box);
   field("verdicts", card::kCaps3Verdicts.of(caps3), config.verdicts.has_value());
-  field("number of node units", card.node_units, config.node_units);
+  field("number of traversal units", card.node_units, config.node_units);
   if (card.node_units != 0) {
     const std::uint64_t node_caps = card.read_register(card::kRegNodeCaps);
     card.node_capacity = card::kNodeCapsNodes.of(node_caps);
@@ -166,7 +165,7 @@ Board& Board::operator=(Board&&) noexcept = default;
 Board::~Board() = default;
 
 Board::Impl& Board::card() const {
-  if (!impl_) throw Error(ErrorCode::kUsage, "this board is none: it was moved from");
+  if (!impl_) throw Error(ErrorCode::kUsage, "this Board is empty: it was moved from");
   return *impl_;
 }
 
@@ -174,7 +173,7 @@ Board::Impl& Board::idle_card() const {
   Impl& it = card();
   if (it.passing)
     throw Error(ErrorCode::kUsage,
-                "the board is in a pass, whose sink and progress may not give it other work");
+                "the board runs a pass; its sink and progress must not start other work");
   return it;
 }
 
@@ -482,7 +481,7 @@ void Board::flip_check(std::uint64_t word, std::uint8_t mask) {
 }
 
 std::string place_on_card(const Board& board, std::uint32_t primary) {
-  return fmt::format("clock {} (record read), lane {}, row {}", board.clocks(),
+  return fmt::format("cycle {} (record read), lane {}, row {}", board.clocks(),
                      primary % board.lanes(), primary / board.lanes());
 }
 

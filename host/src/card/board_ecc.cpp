@@ -30,8 +30,8 @@ bool Board::Impl::uncorrectable(std::uint32_t first, std::uint32_t count) {
   const std::uint64_t status = read_register(card::kRegStatus);
   if ((status >> card::kStatusBusy & 1) != 0) {
     throw Error(ErrorCode::kTimeout,
-                fmt::format("words of DDR have errors that cannot be corrected, and a pass that "
-                            "looks for them did not end (status {:#x}, clock {})",
+                fmt::format("words of DDR have uncorrectable errors, and a pass that searches for "
+                            "them did not end (status {:#x}, clock {})",
                             status, clocks()),
                 link->fault());
   }

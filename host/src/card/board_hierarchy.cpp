@@ -9,6 +9,7 @@
 #include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "cde/reference/refit.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde {
@@ -27,27 +28,28 @@ bool is_leaf(Shape shape) {
 void check_fits(const Board::Impl& card, const Hierarchy& hierarchy, std::uint64_t secondaries,
                 Shape shape) {
   if (card.node_units == 0)
-    throw Error(ErrorCode::kUsage, "this card has no node units, and so no hierarchy");
+    throw Error(ErrorCode::kUsage, "this card has no traversal units, and so no BVH");
   const std::vector<Object>& objects = card.objects.objects;
   if (!objects.empty()) secondaries = card.swept({});
   if (hierarchy.order().size() != secondaries)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("a hierarchy of {} secondaries over {} {}s{}", hierarchy.order().size(),
-                            secondaries, name(shape), objects.empty() ? "" : " of objects"));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("a BVH of {} secondaries cannot be over {}{}", hierarchy.order().size(),
+                    counted(secondaries, name(shape)), objects.empty() ? "" : " of objects"));
   const auto parts = hierarchy.parts();
   if (!parts.empty() && !std::equal(parts.begin(), parts.end(), objects.begin(), objects.end(),
                                     [](const Hierarchy::Part& part, const Object& object) {
                                       return part.secondaries == object.count;
                                     }))
     throw Error(ErrorCode::kUsage,
-                fmt::format("a hierarchy of {} objects, which are not the {} of the card",
+                fmt::format("a BVH of {} objects does not match the {} objects of the card",
                             parts.size(), objects.size()));
   if (hierarchy.nodes().size() > card.node_capacity || secondaries > card.slot_capacity)
     throw Error(
         ErrorCode::kCapacity,
-        fmt::format("a hierarchy of {} nodes and {} slots does not fit this card, which "
-                    "has memory for {} and {}",
-                    hierarchy.nodes().size(), secondaries, card.node_capacity, card.slot_capacity));
+        fmt::format(
+            "a BVH of {} nodes and {} slots does not fit this card, which has memory for {} and {}",
+            hierarchy.nodes().size(), secondaries, card.node_capacity, card.slot_capacity));
 }
 
 std::array<std::uint32_t, 8> root_words(const Eigen::AlignedBox3f& box) {
@@ -121,8 +123,7 @@ void Board::upload(const Hierarchy& hierarchy) {
   Impl& it = idle_card();
   it.link->alive();
   if (it.secondaries == 0 || !is_leaf(it.secondary_shape))
-    throw Error(ErrorCode::kUsage,
-                "a hierarchy is of triangles, spheres, AABBs or OBBs that were uploaded");
+    throw Error(ErrorCode::kUsage, "a BVH needs uploaded triangles, spheres, AABBs or OBBs");
   check_fits(it, hierarchy, it.secondaries, it.secondary_shape);
   const std::uint64_t start = clocks();
   it.write_hierarchy(hierarchy);
@@ -158,7 +159,7 @@ void Board::Impl::write_hierarchy(const Hierarchy& tree) {
   if (!places.empty())
     write_slots_of(tree.order(), 4 * slot_capacity,
                    [&](std::uint32_t at) { return places[at].object; });
-  check_bus("the upload of a hierarchy");
+  check_bus("the upload of a BVH");
   for (const Object& object : objects.objects) {
     hierarchy.firsts.push_back(object.first);
     hierarchy.counts.push_back(object.count);
@@ -215,14 +216,11 @@ void Board::Impl::configure_hierarchy(std::uint32_t first, std::uint32_t end) {
 Counters Board::refit() {
   Impl& it = idle_card();
   it.link->alive();
-  if (it.hierarchy.nodes == 0)
-    throw Error(ErrorCode::kUsage, "no hierarchy was uploaded to the board");
+  if (it.hierarchy.nodes == 0) throw Error(ErrorCode::kUsage, "no BVH was uploaded to the board");
   if (it.secondary_shape != Shape::kTriangle)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("the card makes boxes of triangles anew; of {}s Hierarchy::refit() does, "
-                    "and upload() of that",
-                    name(it.secondary_shape)));
+    throw Error(ErrorCode::kUsage, fmt::format("the card refits a BVH over triangles only; for {}s "
+                                               "call Hierarchy::refit() and upload the result",
+                                               name(it.secondary_shape)));
   if (const auto why = it.no_way_through_objects()) throw Error(ErrorCode::kUsage, *why);
   Query query;
   query.pair = Pair::kRayTriangle;
@@ -248,51 +246,53 @@ Counters Board::refit() {
 std::optional<std::string> Board::Impl::no_way_through_objects() const {
   const auto& all = objects.objects;
   if (hierarchy.firsts.size() != all.size()) {
-    return all.empty() ? "the hierarchy is of objects, which the card has not any more"
-                       : "the hierarchy is not one of the card's objects";
+    return all.empty() ? "the BVH is over objects, and the card has no objects now"
+                       : "the BVH is not over the card's objects";
   }
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (all[k].first != hierarchy.firsts[k] || all[k].count != hierarchy.counts[k])
-      return fmt::format("the hierarchy has another object {} than the card", k);
+      return fmt::format("object {} of the BVH differs from the card's", k);
     // For equal T a brute-force pass keeps the first pair it tests, and traversal keeps the lowest
     // index. Ascending objects make these the same.
     if (k > 0 && all[k].first < std::uint64_t{all[k - 1].first} + all[k - 1].count)
-      return fmt::format("object {} does not lie behind object {}", k, k - 1);
+      return fmt::format("object {} overlaps or precedes object {}", k, k - 1);
   }
   return std::nullopt;
 }
 
 std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   (void)name_of(q.mode);  // throws for an unknown mode
-  if (node_units == 0) return "the card has no node units";
-  if (hierarchy.nodes == 0) return "no hierarchy was uploaded";
+  if (node_units == 0) return "the card has no traversal units";
+  if (hierarchy.nodes == 0) return "no BVH was uploaded";
   if (auto why = no_way_through_objects()) return why;
   if (hierarchy.stale)
     return objects.objects.empty()
-               ? "secondaries were uploaded anew, or had moved, and no hierarchy of them"
+               ? "secondaries were uploaded or moved after their BVH; upload a new BVH"
            : secondary_shape == Shape::kTriangle
-               ? "objects or their triangles have moved since, and no refit()"
-               : "objects or their shapes have moved since, and no hierarchy of them";
-  if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
+               ? "objects or their triangles have moved since the last refit(); call refit()"
+               : "objects or their shapes have moved after the upload of their BVH; upload a new "
+                 "BVH";
+  if (q.mode == Mode::kAll) return "mode all reports every secondary, hit or not";
   const Pair pair = q.pair.value_or(pairs.front());
   if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end())
     return fmt::format("the card has no pipe for {}", name(pair));
   const auto way = way_through(pair, q.swap);
   if (!way)
-    return fmt::format("{}{} has no way through a hierarchy", name(pair),
+    return fmt::format("{}{} cannot traverse a BVH", name(pair),
                        q.swap ? " with its roles swapped" : "");
   if (q.swap && !can_swap) return "the card cannot exchange primaries and secondaries";
   if (way->secondary != secondary_shape)
-    return fmt::format("the hierarchy is over {}s", name(secondary_shape));
-  if (has_verdicts(pair) && verdicts) return "narrow lanes that prove misses sweep";
+    return fmt::format("the BVH is over {}s", name(secondary_shape));
+  if (has_verdicts(pair) && verdicts) return "pairs with the certified filter use brute force";
   if (has_box_rule(pair) && !box) return "the card has no box rule";
   if (is_solid(pair) && q.mode == Mode::kFarthest)
-    return "what is farthest from a solid is in no box that could be left out";
-  if (q.second) return "two pairs at a time sweep";
+    return "no box can be culled in a search for the farthest shape from a solid";
+  if (q.second) return "two pairs at a time use brute force";
   if (q.normals && !is_solid(pair)) return "rays have no normals";
   if (q.normals && !has_normals) return "the card has no normals";
-  if (q.first_secondary != 0 || q.secondary_count != 0) return "a range of secondaries is swept";
-  if (!primary_objects.objects.empty()) return "primaries that move with objects sweep";
+  if (q.first_secondary != 0 || q.secondary_count != 0)
+    return "a range of secondaries uses brute force";
+  if (!primary_objects.objects.empty()) return "primaries that move with objects use brute force";
   return std::nullopt;
 }
 
@@ -305,13 +305,15 @@ namespace {
 template <class Shapes>
 Hierarchy hierarchy_of_any(const Shapes& shapes, std::span<const Object> objects,
                            const HierarchyOptions& options) {
-  if (objects.empty()) throw Error(ErrorCode::kUsage, "a hierarchy of no objects");
+  if (objects.empty()) throw Error(ErrorCode::kUsage, "a BVH needs at least one object");
   std::vector<std::uint32_t> counts;
   for (const Object& object : objects) {
     if (object.count == 0 || std::uint64_t{object.first} + object.count > shapes.size())
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("object {}: {} secondaries from {} on, of {}", counts.size(),
-                              object.count, object.first, shapes.size()));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format(
+              "object {}: {} secondaries from {} on; expected 1 or more, within the {} secondaries",
+              counts.size(), object.count, object.first, shapes.size()));
     if (const auto why = defect(object.transform))
       throw Error(ErrorCode::kBadInput, fmt::format("object {}: {}", counts.size(), *why));
     if constexpr (std::is_same_v<Shapes, std::span<const Aabb>>)

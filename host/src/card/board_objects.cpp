@@ -45,7 +45,7 @@ void Board::Impl::check_object(const ObjectTable& table, std::size_t number,
   const std::uint64_t there = of_primaries ? loaded + second_loaded : secondaries;
   if (there != 0 && end > there) {
     refuse(number, table,
-           fmt::format("slots {} to {} reach beyond the {} {}", object.first, end - 1, there,
+           fmt::format("slots {} to {} exceed the {} {}", object.first, end - 1, there,
                        of_primaries ? "loaded" : "uploaded"));
   }
   if (of_primaries && object.first < loaded && end > loaded && second_loaded != 0)
@@ -54,8 +54,7 @@ void Board::Impl::check_object(const ObjectTable& table, std::size_t number,
                                         (second_loaded != 0 && second_shape == Shape::kAabb)
                                   : secondaries != 0 && secondary_shape == Shape::kAabb;
   if (boxes && !is_translation(object.transform))
-    refuse(number, table,
-           "an AABB cannot be rotated on the card, it would become an OBB; upload OBBs");
+    refuse(number, table, "an AABB cannot be rotated on the card; upload OBBs");
 }
 
 void Board::Impl::write_transform(ObjectTable& table, std::size_t number) {
@@ -126,8 +125,8 @@ void Board::Impl::move_object(ObjectTable& table, std::size_t number, const Tran
   link->alive();
   require_table(table);
   if (number >= table.objects.size()) {
-    throw Error(ErrorCode::kUsage, fmt::format("there is no object {} of {}, but {}", number,
-                                               table.slots, table.objects.size()));
+    throw Error(ErrorCode::kUsage, fmt::format("there is no object {} of {}; their number is {}",
+                                               number, table.slots, table.objects.size()));
   }
   check_transform(table, number, transform, format);
   Object moved = table.objects[number];

@@ -121,7 +121,7 @@ class Pass : private CardPass {
     constexpr std::uint64_t kSlice = 16384, kStreamSlice = 4096, kEnough = 1024;
     for (;;) {
       const std::uint64_t spent = card_.clocks() - started_;
-      if (spent >= deadline_) timeout(fmt::format("deadline of {} clocks", deadline_));
+      if (spent >= deadline_) timeout(fmt::format("deadline of {} cycles", deadline_));
       const std::uint64_t status =
           work(std::min(streaming_ ? kStreamSlice : kSlice, deadline_ - spent));
       if (bit(status, card::kStatusDone)) return;
@@ -182,8 +182,8 @@ class Pass : private CardPass {
     for (const unsigned k :
          {card::kRecordCp, card::kRecordCp + 1, card::kRecordCp + 2, card::kRecordT})
       if (entry[k] >> width != 0)
-        device_error(fmt::format("a record with the word {:#010x}, which is none of {}", entry[k],
-                                 card_.format.name()),
+        device_error(fmt::format("a record has the word {:#010x}, which does not exist in {}",
+                                 entry[k], card_.format.name()),
                      card_.read_register(card::kRegStatus));
   }
 
@@ -203,10 +203,10 @@ class Pass : private CardPass {
     const std::uint64_t status = check_end(c);
     const auto promise = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
       if (value != wanted)
-        device_error(fmt::format("{} {}, but it must be {}", value, what, wanted), status);
+        device_error(fmt::format("{} {}; expected {}", value, what, wanted), status);
     };
     promise("records downloaded", received_, c.records);
-    if (query_.mode != Mode::kAny) promise("secondaries swept", c.secondaries, swept_);
+    if (query_.mode != Mode::kAny) promise("secondaries tested", c.secondaries, swept_);
     const std::uint64_t each = ring_entries_;
     if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_ * each);
     if (!streaming_) promise("records", received_, active_ * each);
@@ -221,7 +221,7 @@ class Pass : private CardPass {
 
   [[nodiscard]] std::string state() override {
     return fmt::format(
-        "status {:#x}, {} of {} secondaries swept, {} rows issued, {} records waiting, clock {}",
+        "status {:#x}, {} of {} secondaries tested, {} rows issued, {} records waiting, clock {}",
         card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries), swept_,
         card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
         card_.clocks());
@@ -248,7 +248,7 @@ void check_shapes(const Board::Impl& card, Pair pair, bool swap, Shape loaded) {
   if (primary != loaded || secondary != card.secondary_shape)
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("{} needs {}s loaded and {}s uploaded, but these are {}s and {}s", name(pair),
+        fmt::format("{} needs loaded {}s and uploaded {}s; the board has {}s and {}s", name(pair),
                     name(primary), name(secondary), name(loaded), name(card.secondary_shape)));
 }
 
@@ -262,8 +262,9 @@ void check_second(const Board::Impl& card, const Query& q) {
   require(std::find(card.pairs.begin(), card.pairs.end(), pair) != card.pairs.end(),
           fmt::format("this card has no pipe for {}", name(pair)));
   require(!q.second->swap || card.can_swap, "this card cannot exchange primaries and secondaries");
-  require(q.mode != Mode::kAll && q.mode != Mode::kHits,
-          "two pairs at a time keep one record a primary: mode nearest, farthest or any");
+  require(
+      q.mode != Mode::kAll && q.mode != Mode::kHits,
+      "two pairs at a time keep one record per primary; expected mode nearest, farthest or any");
   require(!q.normals || is_solid(pair), "rays have no normals");
   require(card.second_loaded != 0, "no primaries were loaded for the second pair");
   check_shapes(card, pair, q.second->swap, card.second_shape);
@@ -279,13 +280,12 @@ Query complete(const Board::Impl& card, const Query& query, Shape loaded) {
   check_watchdog(q.watchdog);
   if (q.first_secondary != 0 || q.secondary_count != 0) {
     if (!card.objects.objects.empty())
-      throw Error(ErrorCode::kUsage,
-                  "a pass sweeps objects or a range of the secondaries, not both");
+      throw Error(ErrorCode::kUsage, "a range of secondaries cannot be combined with objects");
     if (q.first_secondary >= card.secondaries ||
         q.secondary_count > card.secondaries - q.first_secondary)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("a sweep of {} secondaries from {} on reaches beyond the {} uploaded",
-                              q.secondary_count, q.first_secondary, card.secondaries));
+                  fmt::format("{} secondaries from {} on exceed the {} uploaded", q.secondary_count,
+                              q.first_secondary, card.secondaries));
   }
   if (!q.pair) {
     if (card.pairs.size() != 1)
@@ -306,7 +306,7 @@ Query complete(const Board::Impl& card, const Query& query, Shape loaded) {
 }
 
 void require_sink(const RecordSink& sink) {
-  if (!sink) throw Error(ErrorCode::kUsage, "records need a sink, and this one is empty");
+  if (!sink) throw Error(ErrorCode::kUsage, "records need a sink, and this sink is empty");
 }
 
 /// Sets a flag during its lifetime.
@@ -324,12 +324,12 @@ class Passing {
 /// Whether the query traverses the BVH. Error kUsage if it must and cannot.
 bool through_hierarchy(const Board::Impl& card, const Query& query) {
   if (query.through > Through::kSweep)
-    throw Error(ErrorCode::kUsage, fmt::format("there is no way {} through secondaries",
-                                               static_cast<unsigned>(query.through)));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("there is no Through value {}", static_cast<unsigned>(query.through)));
   if (query.through == Through::kSweep) return false;
   const auto why = card.no_way_through(query);
   if (why && query.through == Through::kHierarchy)
-    throw Error(ErrorCode::kUsage, "this query cannot go through a hierarchy: " + *why);
+    throw Error(ErrorCode::kUsage, "this query cannot traverse a BVH: " + *why);
   return !why;
 }
 
@@ -416,7 +416,7 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
   Impl& it = *kept;
   const auto present = [&kept] {
     if (kept.use_count() == 1)
-      throw Error(ErrorCode::kUsage, "the board was destroyed by the sink or progress of its pass");
+      throw Error(ErrorCode::kUsage, "the sink or progress of a pass destroyed its board");
   };
   if (it.secondaries != 0 && it.loaded == 0)
     throw Error(ErrorCode::kUsage, "no primaries were loaded into the board");
@@ -526,7 +526,7 @@ Counters Board::cast_through(Shape shape, std::size_t count, const Words& shapes
     if (records.empty()) continue;
     sink(records);
     if (kept.use_count() == 1)
-      throw Error(ErrorCode::kUsage, "the board was destroyed by the sink or progress of its pass");
+      throw Error(ErrorCode::kUsage, "the sink or progress of a pass destroyed its board");
   }
   return total;
 }

@@ -58,7 +58,7 @@ namespace {
 void check_link(const OutputTarget& target, const struct stat& owned) {
   if (!target.stranger || owned.st_uid == *target.stranger) return;
   throw Error(ErrorCode::kFile,
-              fmt::format("{}: cannot write: it is a link of user {} to {}, which user {} owns",
+              fmt::format("{}: cannot write: it is a link owned by user {} to {}, which user {} owns",
                           shown(target.named), *target.stranger,
                           printable_name(target.path.string()), owned.st_uid));
 }
