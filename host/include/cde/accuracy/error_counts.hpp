@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 
+/// @file
 /// Statistics of errors and of decisions.
 namespace cde::accuracy {
 

@@ -8,6 +8,7 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
+/// @file
 /// A scalar with which a mirror reference computes what hardware with fused multiply-add would. A
 /// sum or difference with a product as a term rounds once.
 namespace cde::accuracy {
@@ -95,5 +96,7 @@ template <class S>
 class std::numeric_limits<cde::accuracy::Fused<S>>
     : public cde::LimitsOf<cde::accuracy::Fused<S>, S> {};
 
+/// @cond
 template <class S>
 struct Eigen::NumTraits<cde::accuracy::Fused<S>> : cde::EigenTraitsOf<cde::accuracy::Fused<S>> {};
+/// @endcond

@@ -10,6 +10,7 @@
 #include "cde/accuracy/price.hpp"
 #include "cde/accuracy/tally.hpp"
 
+/// @file
 /// Reads the output of `cde accuracy --json`, for its page and for `cde advise`.
 namespace cde::accuracy {
 

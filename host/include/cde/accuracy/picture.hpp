@@ -9,6 +9,7 @@
 #include "cde/geometry/primitives.hpp"
 #include "cde/mesh/mesh.hpp"
 
+/// @file
 /// Pictures of a mesh, as a pipe computes them and in exact arithmetic.
 namespace cde::accuracy {
 

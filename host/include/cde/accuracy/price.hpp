@@ -8,6 +8,7 @@
 #include "cde/accuracy/tally.hpp"
 #include "cde/prices/card_clock.hpp"
 
+/// @file
 /// Cost of a pipe, to compare with its accuracy.
 namespace cde::accuracy {
 

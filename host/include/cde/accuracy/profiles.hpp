@@ -6,6 +6,7 @@
 
 #include "cde/accuracy/tally.hpp"
 
+/// @file
 /// Rays at triangles with one property varied at a time.
 namespace cde::accuracy {
 

@@ -10,6 +10,7 @@
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
 
+/// @file
 /// Records of a scene in several number formats, compared with binary64.
 namespace cde::accuracy {
 
@@ -25,8 +26,8 @@ struct SceneAccuracy {
   std::uint64_t false_hits = 0, false_misses = 0;
   std::uint64_t other = 0;  ///< both have the same F, but for different secondaries
   std::uint64_t ties = 0;   ///< like `other`, but the true T of both agree within 16 u: not wrong
-  ErrorCounts t =
-      {};  ///< |T - T'| / |T'| where both have a result; for solids of the signed distance
+  /// |T - T'| / |T'| where both have a result; for solids of the signed distance.
+  ErrorCounts t = {};
   std::uint64_t rows = 0;  ///< cycles in which rows enter the pipe, on the planned card
 
   [[nodiscard]] std::uint64_t wrong() const { return false_hits + false_misses + other; }

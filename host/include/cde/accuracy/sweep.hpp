@@ -9,6 +9,7 @@
 #include "cde/accuracy/tally.hpp"
 #include "cde/jobs/dealing.hpp"
 
+/// @file
 /// Accuracy of many pipes, each with all families of cases.
 namespace cde::accuracy {
 

@@ -14,6 +14,7 @@
 #include "cde/oracle/families.hpp"
 #include "cde/query/pair_result.hpp"
 
+/// @file
 /// Quality of a pipe's results, judged by the oracles.
 namespace cde::accuracy {
 

@@ -6,6 +6,7 @@
 #include "cde/reference/pipes/ray_outcome.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
+/// @file
 /// Textbook versions of pairs, for comparison with the pipes. What they leave out is the cost of a
 /// pipe's guarantees. They use the same operators, formats and scaling; each operator rounds once.
 /// There is no RTL of them.

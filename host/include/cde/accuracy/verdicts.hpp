@@ -8,6 +8,7 @@
 
 #include "cde/accuracy/verdict_pairs.hpp"
 
+/// @file
 /// Decisions of the certified filter (docs/background/certified_filters.md) by family, compared
 /// with the truth.
 namespace cde::accuracy {

@@ -89,8 +89,8 @@ struct BoardConfig {
 /// A loaded simulation model: one elaborated configuration as a shared library. Copies share the
 /// library.
 ///
-/// Models are named <cache key>.so. The key covers parameters, RTL, harness, tools and CPU. Beside
-/// it <cache key>.so.sha256 has its checksum. They are first searched for in $CDE_BITSTREAMS. Next
+/// Models are named `CACHE_KEY.so`. The key covers parameters, RTL, harness, tools and CPU. Beside
+/// it `CACHE_KEY.so.sha256` has its checksum. They are first searched for in $CDE_BITSTREAMS. Next
 /// is the folder of the installation, or of the build if the program is not installed. Last is the
 /// user's cache: $CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else (also if that cannot
 /// be written) /tmp/cde-UID
@@ -162,8 +162,8 @@ struct BitstreamFile {
                                            const std::vector<std::string>& parameters);
 
 /// Folders for messages and `cde doctor`.
-[[nodiscard]] std::filesystem::path
-bitstream_cache();  ///< created with mode 0700 if missing; error kFile
+/// Created with mode 0700 if missing; error kFile.
+[[nodiscard]] std::filesystem::path bitstream_cache();
 [[nodiscard]] std::filesystem::path bitstream_builder();  ///< the script; error kBuild if not found
 
 }  // namespace cde

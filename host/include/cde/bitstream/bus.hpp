@@ -47,8 +47,8 @@ struct BusCounters {
   std::uint64_t transfers = 0;      ///< DMA descriptors served
   std::uint64_t bytes_to_card = 0;  ///< by DMA, retries not counted
   std::uint64_t bytes_to_host = 0;
-  std::uint64_t transfer_retries =
-      0;                              ///< descriptors, or their remainders, given to the card again
+  /// Descriptors, or their remainders, given to the card again.
+  std::uint64_t transfer_retries = 0;
   std::uint64_t access_retries = 0;   ///< accesses repeated after a parity error or no answer
   std::uint64_t pass_retries = 0;     ///< passes repeated because records were lost in transfer
   std::uint64_t lost_interrupts = 0;  ///< detected by polling

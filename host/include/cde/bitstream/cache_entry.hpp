@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+/// @file
 /// Expensive texts, cached beside the simulation models (bitstream.hpp) under the same rules. They
 /// belong to the user or to root, no other user may write them, and each has a checksum file.
 namespace cde {

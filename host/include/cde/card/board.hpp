@@ -233,8 +233,8 @@ class Board {
   [[nodiscard]] FpFormat format() const;
   [[nodiscard]] unsigned lanes() const;
   [[nodiscard]] unsigned primaries() const;  ///< most rays in a packet
-  [[nodiscard]] std::uint64_t capacity(
-      Shape shape = Shape::kTriangle) const;  ///< shapes that DDR holds
+  /// Shapes that DDR holds.
+  [[nodiscard]] std::uint64_t capacity(Shape shape = Shape::kTriangle) const;
   [[nodiscard]] std::uint64_t sram_records() const;
   [[nodiscard]] unsigned pipe_latency() const;        ///< cycles
   [[nodiscard]] std::uint64_t upload_clocks() const;  ///< cycles of the last upload()
@@ -275,8 +275,8 @@ class Board {
         if (const auto why = defect(shapes[i], format())) throw_defect(kShapeOf<P>, i, *why);
   }
   [[noreturn]] static void throw_defect(Shape shape, std::size_t number, const std::string& why);
-  using Words =
-      std::function<void(std::size_t, float*)>;  ///< number of a shape, destination of its words
+  /// Number of a shape, destination of its words.
+  using Words = std::function<void(std::size_t, float*)>;
   void upload_words(Shape shape, std::size_t count, const Words& words,
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   template <class P>

@@ -21,7 +21,7 @@ struct HostProfile {
 inline constexpr std::array<HostProfile, 3> kHostProfiles = {{
     {"ideal", 0, 3, 2, "the least that PCI allows with medium DEVSEL#"},
     {"good", 2, 16, 3,
-     "assumed: 24 clocks a read burst and 12 a write burst, the card's own included"},
+     "assumed: 24 cycles per read burst and 12 per write burst, the card's own included"},
     {"p64-2001", 2, 77, 35,
      "fitted to published measurements of Myrinet cards in 64-bit, 66 MHz hosts of 2001: 147 MB/s "
      "with "

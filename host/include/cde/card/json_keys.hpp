@@ -5,6 +5,7 @@
 
 #include "cde/card/board.hpp"
 
+/// @file
 /// JSON output that several verbs share, under the same keys.
 namespace cde {
 

@@ -43,8 +43,8 @@ struct PairConfig {
 
 /// An operator of a pipe, an instance of rtl/fp/fp_lanes.sv.
 struct PairOperator {
-  std::string
-      path;  ///< in the module hierarchy, with the names of generate blocks: "TOP.pair_unit..."
+  /// In the module hierarchy, with the names of generate blocks: "TOP.pair_unit...".
+  std::string path;
   FpOp operation;        ///< up to kMax
   unsigned latency = 0;  ///< cycles from operands to result; 0 for host arithmetic
 };

@@ -6,6 +6,7 @@
 
 #include "cde/card/pair_unit.hpp"
 
+/// @file
 /// A pipe as text: the command options that select it.
 namespace cde {
 

@@ -14,6 +14,7 @@
 #include "cde/query/query.hpp"
 #include "cde/support/error.hpp"
 
+/// @file
 /// A failure as data: all that `cde-explain` needs to pack it (cde/explain/bundle.hpp).
 namespace cde {
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
+/// @file
 /// Number formats and operation codes: rtl/contract/formats_pkg.sv in C++.
 namespace cde {
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
+/// @file
 /// Shapes and pairs of shapes: the tables of rtl/contract/pairs_pkg.sv in C++, in the order of the
 /// codes. cde/geometry/pair.hpp builds on them.
 namespace cde {
@@ -49,12 +50,8 @@ inline constexpr unsigned kPairCodes = 1u << kPairBits;
 inline constexpr unsigned kNoPair = kPairCodes - 1;  ///< code that means no pair
 static_assert(kPairs <= 31, "the parameter PAIRS of a card is an int above zero");
 
-enum class Algorithm : unsigned {
-  kMoller,
-  kBadouel,
-  kPluecker,
-  kWatertight
-};  ///< ray-triangle algorithms
+/// Ray-triangle algorithms.
+enum class Algorithm : unsigned { kMoller, kBadouel, kPluecker, kWatertight };
 /// The algorithm of casts, pictures and scenes that name none. No ray leaks through an edge or
 /// vertex that triangles share.
 inline constexpr Algorithm kLeakFree = Algorithm::kWatertight;

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+/// @file
 /// The card's PCI side as a driver sees it: rtl/contract/pci_pkg.sv in C++, under the same names.
 /// Every constant is compared with that file by tests/board. See docs/reference/pci.md for the
 /// behaviour.
@@ -66,8 +67,8 @@ enum Register : std::uint32_t {
 // Bit numbers of kRegControl, kRegStatus and kRegIrqStatus.
 inline constexpr unsigned kControlRun = 0;   ///< serve the ring; refused while it is halted
 inline constexpr unsigned kControlStop = 1;  ///< halt after the current descriptor
-inline constexpr unsigned kControlClear =
-    2;  ///< leave the halted state and clear the fault; the head returns to 0
+/// Leave the halted state and clear the fault; the head returns to 0.
+inline constexpr unsigned kControlClear = 2;
 inline constexpr unsigned kControlCount = 3;  ///< counters to 0
 inline constexpr unsigned kStatusRun = 0;
 inline constexpr unsigned kStatusHalted = 1;    ///< until kControlClear

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+/// @file
 /// Slots and records, in words of the container width: rtl/contract/records_pkg.sv in C++, under
 /// the same names.
 namespace cde::card {
@@ -23,8 +24,8 @@ inline constexpr unsigned kRecordPrimary = 6;
 /// Bit numbers of the flags word.
 inline constexpr unsigned kFlagF = 0;
 inline constexpr unsigned kFlagBad = 1;
-inline constexpr unsigned kFlagNormal =
-    2;  ///< second record: n in CP's words, the signed distance in T
+/// Second record: n in CP's words, the signed distance in T.
+inline constexpr unsigned kFlagNormal = 2;
 
 /// An entry of an object table is a range and a transform. Words are written in ascending order.
 /// The range takes effect with its second word, the transform with its last.

@@ -6,6 +6,7 @@
 #include "cde/contract/field.hpp"
 #include "cde/contract/pairs.hpp"
 
+/// @file
 /// The local bus and the card's registers: rtl/contract/registers_pkg.sv in C++, under the same
 /// names. The two are compared by tests/board.
 namespace cde::card {
@@ -46,8 +47,8 @@ enum Register : std::uint32_t {
   kRegStencil = 0x080,     ///< primaries/64 registers; a 1 masks a primary
   kRegBudget = 0x0A0,      ///< iterations for a cylinder pair: kBudget* fields
   kRegEcc = 0x0B8,  ///< words of secondaries with bit errors read from DDR in a pass: kEcc* fields
-  kRegObjectCount =
-      0x0A8,  ///< objects of secondaries in the pass; 0: use kRegSecFirst and kRegSecCount
+  /// Objects of secondaries in the pass; 0: use kRegSecFirst and kRegSecCount.
+  kRegObjectCount = 0x0A8,
   kRegPrimObjectCount = 0x0B0,  ///< objects of primaries; 0: primaries as they were written
   kRegCycles = 0x0C0,           ///< cycles from go to done, without kRegWriteback
   kRegRows = 0x0C8,             ///< rows issued to the pipe (one row is `lanes` pairs)

@@ -18,6 +18,7 @@
 #include "cde/support/output_file.hpp"
 #include "cde/wave/origin.hpp"
 
+/// @file
 /// A failure bundle: one folder with the waves around the failure, the first difference between
 /// card and reference, and the commands that repeat it.
 namespace cde {

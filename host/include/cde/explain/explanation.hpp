@@ -8,6 +8,7 @@
 #include "cde/explain/match.hpp"
 #include "cde/netlist/elaborate.hpp"
 
+/// @file
 /// From a pair with a wrong result to the RTL lines where the error begins.
 namespace cde::explain {
 

@@ -13,6 +13,7 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
+/// @file
 /// A scalar that records what a mirror reference computes. Each operator becomes a step with its
 /// operands, its result and the origin of its operands.
 namespace cde::explain {
@@ -162,6 +163,8 @@ template <class S>
 class std::numeric_limits<cde::explain::Recorded<S>>
     : public cde::LimitsOf<cde::explain::Recorded<S>, S> {};
 
+/// @cond
 template <class S>
 struct Eigen::NumTraits<cde::explain::Recorded<S>> : cde::EigenTraitsOf<cde::explain::Recorded<S>> {
 };
+/// @endcond

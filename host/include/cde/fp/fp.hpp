@@ -161,6 +161,7 @@ class std::numeric_limits<cde::Fp<E, M>> {
   static constexpr T signaling_NaN() { return T::from_bits(T::kInfinity | 1); }
 };
 
+/// @cond
 template <int E, int M>
 struct Eigen::NumTraits<cde::Fp<E, M>> : Eigen::GenericNumTraits<cde::Fp<E, M>> {
   using T = cde::Fp<E, M>;
@@ -179,3 +180,4 @@ struct Eigen::NumTraits<cde::Fp<E, M>> : Eigen::GenericNumTraits<cde::Fp<E, M>> 
   };
   static constexpr T dummy_precision() { return T(4) * std::numeric_limits<T>::epsilon(); }
 };
+/// @endcond

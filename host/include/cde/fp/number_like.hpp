@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+/// @file
 /// Common parts of scalars that wrap another scalar and compute as it does.
 namespace cde {
 

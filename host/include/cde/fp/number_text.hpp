@@ -10,6 +10,7 @@
 
 #include "cde/fp/fp_format.hpp"
 
+/// @file
 /// Numbers as text, and as words of a format of the pipes.
 namespace cde {
 

@@ -11,6 +11,7 @@
 #include "cde/fp/fp.hpp"
 #include "cde/fp/fp_format.hpp"
 
+/// @file
 /// The formats of pairs, and the scalars of their references. A format of kFormatTable becomes a
 /// format of pairs by an entry here.
 namespace cde {
@@ -56,7 +57,7 @@ std::uint64_t to_word(S x) {
     return x.bits();
 }
 
-/// Calls use.operator()<S>() with the scalar of the format. False if the format is not in
+/// Calls `use.operator()<S>()` with the scalar of the format. False if the format is not in
 /// kPairFormats.
 template <class Use>
 bool with_scalar(FpFormat format, Use use) {
@@ -73,8 +74,8 @@ struct FloatWords {
   /// Error kUsage for a format not in kPairFormats.
   explicit FloatWords(FpFormat format);
 
-  std::uint64_t (*encode)(
-      float);  ///< the nearest word; a NaN becomes the canonical one except in fp32
+  /// The nearest word; a NaN becomes the canonical one except in fp32.
+  std::uint64_t (*encode)(float);
   float (*decode)(std::uint64_t);  ///< exact for formats no wider than fp32; a NaN keeps its sign
                                    ///< and as much of its payload as fits
 };

@@ -10,6 +10,7 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/geometry/primitives.hpp"
 
+/// @file
 /// The input contract, `bad(primitive)`: a primitive that breaks it is flagged, and its pairs
 /// return bad_outcome(). The check stands beside the pipe, not in it. Tests of one word (finite,
 /// NaN, in range) look at its bits and are wires in hardware. The operator counts below cover all

@@ -31,8 +31,8 @@ struct Still {
 struct Velocity {
   Pose place = Pose::Identity();
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();  ///< units per second, parent's frame
-  Eigen::Vector3d angular =
-      Eigen::Vector3d::Zero();  ///< radians per second about this axis, parent's frame
+  /// Radians per second about this axis, parent's frame.
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();
 };
 
 /// The object's origin moves through the points at constant mean speed per segment, then stays at

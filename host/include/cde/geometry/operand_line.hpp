@@ -9,7 +9,8 @@
 #include "cde/fp/number_text.hpp"
 #include "cde/geometry/pair.hpp"
 
-/// Pairs as text, one per line (docs/reference/pairs.md#as-text).
+/// @file
+/// Pairs as text, one per line (`docs/reference/pairs.md#as-text`).
 namespace cde {
 
 enum class OperandLine { kNothing, kMalformed, kPair };

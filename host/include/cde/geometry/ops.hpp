@@ -9,13 +9,14 @@
 #include "cde/fp/fp.hpp"
 #include "cde/geometry/primitives.hpp"
 
+/// @file
 /// The operators of the pipes. The mirror references use nothing else. They are +, -, *, / of
 /// scalars (rtl/fp/fp_add.sv, fp_mul.sv, fp_div.sv), the comparisons <, <=, == (fp_cmp.sv, false
 /// when an operand is NaN), and the functions below. Each operator rounds once. A function marked
 /// as a wire costs no operator: it moves, flips or selects bits.
 ///
 /// Code that includes a mirror must be compiled without contraction (-ffp-contract=off): an FMA
-/// rounds once where the hardware rounds twice. The scalar S is float, double or Fp<E, M>. A test
+/// rounds once where the hardware rounds twice. The scalar S is float, double or `Fp<E, M>`. A test
 /// may use its own counting scalar, found by argument-dependent look-up.
 namespace cde::reference {
 

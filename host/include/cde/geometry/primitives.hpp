@@ -17,6 +17,7 @@
 #include "cde/contract/pairs.hpp"
 #include "cde/fp/fp_format.hpp"
 
+/// @file
 /// Geometric primitives as the card takes them: coordinates in one right-handed world frame, in the
 /// length unit of the scene. Each primitive is a plain value, a template over its scalar (float,
 /// double, Fp<E, M>). The aliases without "Basic" are binary32. `defect` tells whether the card
@@ -68,8 +69,8 @@ struct BasicRay {
   static constexpr std::size_t kWords = contract::words(kShape);
   static constexpr Drawn kDrawn = Drawn::kRays;
   Vector3<S> o;  ///< origin, finite
-  Vector3<S>
-      d;  ///< direction, finite and not zero; its length is free, and t counts in units of |d|
+  /// Direction, finite and not zero; its length is free, and t counts in units of |d|.
+  Vector3<S> d;
   S tmin = S{0};  ///< start of the interval; may be negative or infinite, never NaN
   S tmax = std::numeric_limits<S>::infinity();  ///< end, likewise. tmin > tmax is legal: an empty
                                                 ///< interval that never hits
@@ -271,7 +272,7 @@ static_assert(
     }(std::make_index_sequence<kShapes>()),
     "in the order of the codes");
 
-/// Calls use.operator()<P>() with the shape of the code in the scalar S.
+/// Calls `use.operator()<P>()` with the shape of the code in the scalar S.
 template <class S, std::size_t I = 0, class Use>
 decltype(auto) with_shape(Shape shape, const Use& use) {
   using P = std::tuple_element_t<I, ShapeList::In<S>>;

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+/// @file
 /// NumPy array files: format 1.0, little endian as every host of this project.
 namespace cde {
 

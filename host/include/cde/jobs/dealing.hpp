@@ -16,6 +16,7 @@ struct Mesh;
 struct BoardConfig;
 }  // namespace cde
 
+/// @file
 /// Runs that are cut into chunks, so that they can be distributed and resumed.
 namespace cde {
 

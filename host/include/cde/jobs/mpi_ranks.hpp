@@ -10,6 +10,7 @@
 
 #include "cde/mesh/mesh.hpp"
 
+/// @file
 /// Several processes on one or more machines, by MPI. It is a separate library (cde::mpi), so that
 /// the driver does not depend on MPI.
 namespace cde::mpi {

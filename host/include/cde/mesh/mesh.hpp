@@ -35,8 +35,8 @@ struct Mesh {
   /// What was skipped or reinterpreted, with its place in the file: one line each, without line
   /// end.
   std::vector<std::string> warnings = {};
-  std::vector<std::filesystem::path> files =
-      {};  ///< existing files that the mesh file names: buffers, materials, textures
+  /// Existing files that the mesh file names: buffers, materials, textures.
+  std::vector<std::filesystem::path> files = {};
 
   /// The corners of one face. `face` must be less than faces.size().
   [[nodiscard]] Triangle triangle(std::size_t face) const {

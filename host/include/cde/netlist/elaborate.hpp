@@ -12,6 +12,7 @@
 
 #include "cde/netlist/netlist.hpp"
 
+/// @file
 /// The RTL as Verilator elaborates it, without simulation. Operators are counted and constants read
 /// in the same design from which a simulation model is built.
 namespace cde::netlist {

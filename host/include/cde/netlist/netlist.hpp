@@ -67,7 +67,7 @@ class Netlist {
   /// NetlistError if the text is not such a design.
   explicit Netlist(std::string xml);
 
-  /// <netlist>, whose children are the modules, and <cells>, the instances.
+  /// `<netlist>`, whose children are the modules, and `<cells>`, the instances.
   [[nodiscard]] const Element& netlist() const { return *netlist_; }
   [[nodiscard]] const Element& cells() const { return *cells_; }
   [[nodiscard]] const std::map<std::string, std::string, std::less<>>& files() const {

@@ -8,6 +8,7 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/netlist/elaborate.hpp"
 
+/// @file
 /// Figures of whole pipes from the elaborated RTL, cached.
 namespace cde::netlist {
 

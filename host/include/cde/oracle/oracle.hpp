@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+/// @file
 /// Independent oracles for the pairs. They define the right results by arithmetic and algorithms
 /// that share nothing with the pipes or their reference. CMake target `cde::oracle`.
 ///
-///   #include "cde/oracle/oracle.hpp"
-///   namespace oracle = cde::oracle;
-///   for (std::uint64_t i = 0; i < 20000; ++i) {
-///     const oracle::Case c = oracle::generate(oracle::Pair::kObbObb, kSeed, i);
-///     const oracle::Result result = ...;              // F, T, CP, n of the words c.a and c.b
-///     const oracle::Verdict v = oracle::check(c.shape_a(), c.shape_b(), result);
-///     EXPECT_TRUE(v.ok()) << v.describe() << '\n' << c.describe();
-///     band += v.in_band, excused += v.excused;        // count and print these
-///   }
+///     #include "cde/oracle/oracle.hpp"
+///     namespace oracle = cde::oracle;
+///     for (std::uint64_t i = 0; i < 20000; ++i) {
+///       const oracle::Case c = oracle::generate(oracle::Pair::kObbObb, kSeed, i);
+///       const oracle::Result result = ...;              // F, T, CP, n of the words c.a and c.b
+///       const oracle::Verdict v = oracle::check(c.shape_a(), c.shape_b(), result);
+///       EXPECT_TRUE(v.ok()) << v.describe() << '\n' << c.describe();
+///       band += v.in_band, excused += v.excused;        // count and print these
+///     }
 ///
 /// For a format other than binary32, pass its unit roundoff: check(a, b, result, {.u = 0x1p-11}).
 /// The cylinder pairs, whose s_K <= s is a lower bound, are checked with {.lower_bound = true}. For
@@ -23,7 +24,7 @@
 /// - certificate.hpp: check() with conditions c1, c2, c3 and F for pairs of solids.
 /// - rays.hpp: exact results of the three ray pairs, with their distance from flipping.
 /// - cases.hpp: generate(pair, seed, i), operands near the decision and of directed families;
-///   everyday(pair, seed, i), everyday scenes, where ties are the rule.
+///     everyday(pair, seed, i), everyday scenes, where ties are the rule.
 /// - scene.hpp: random scenes of bodies at rest on a floor and on each other.
 ///
 /// The signed_gap() of a pair with boxes or triangles takes tens of microseconds at the default

@@ -6,6 +6,7 @@
 #include "cde/oracle/build_shape.hpp"
 #include "cde/oracle/shapes.hpp"
 
+/// @file
 /// Everyday scenes: boxes, cylinders, spheres and triangles on a floor. They are snapped to a grid,
 /// turned by multiples of 15 and 90 degrees, and at rest on the floor or on each other.
 namespace cde::oracle {

@@ -10,6 +10,7 @@
 #include "cde/contract/pairs.hpp"
 #include "cde/oracle/format.hpp"
 
+/// @file
 /// The shapes of the oracles, in binary64. They share no code with the library's own primitives,
 /// which they judge. Operands of at most 53 bits are exact. World frame, one length unit
 /// throughout.
@@ -191,7 +192,7 @@ struct Ray {
 using Shape = std::variant<Triangle, Sphere, Aabb, Plane, Cylinder, Obb>;
 static_assert(std::variant_size_v<Shape> + 1 == cde::kShapes, "every shape but the ray");
 
-/// Calls use.operator()<S>() with the struct of the kind. Throws std::invalid_argument for a ray.
+/// Calls `use.operator()<S>()` with the struct of the kind. Throws std::invalid_argument for a ray.
 template <std::size_t I = 0, class Use>
 decltype(auto) with_kind(ShapeKind kind, const Use& use) {
   using S = std::variant_alternative_t<I, Shape>;

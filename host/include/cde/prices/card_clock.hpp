@@ -6,6 +6,7 @@
 
 #include "cde/prices/price_table.hpp"
 
+/// @file
 /// Latency and operators of pipes, and the clock frequency of a card on a device.
 namespace cde {
 

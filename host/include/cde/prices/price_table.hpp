@@ -9,6 +9,7 @@
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
 
+/// @file
 /// Measured costs of operators and lanes: docs/prices.json (docs/background/costs.md).
 namespace cde {
 
@@ -22,8 +23,8 @@ struct CellCounts {
 struct PriceRow {
   std::string what, algorithm, format, lat, target;
   CellCounts cells;
-  std::optional<double>
-      mhz;  ///< median over the seeds; none if only the area is known for the target
+  /// Median over the seeds; none if only the area is known for the target.
+  std::optional<double> mhz;
 };
 
 /// Target of a clock or a cost: a measured device, or an assumed clock.

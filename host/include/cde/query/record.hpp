@@ -16,8 +16,8 @@ namespace cde {
 /// Which records a pass keeps. For rays only hits count. For solids every pair has a signed
 /// distance: the distance apart, or minus the penetration depth. T is its absolute value.
 enum class Mode : std::uint8_t {
-  kNearest =
-      card::kModeNearest,  ///< one per primary: the smallest (T or signed distance, then index)
+  /// One per primary: the smallest (T or signed distance, then index).
+  kNearest = card::kModeNearest,
   kFarthest = card::kModeFarthest,  ///< one per primary: the largest, then the smallest index
   kAny = card::kModeAny,            ///< one per primary: the first hit in stream order; ends early
   kAll = card::kModeAll,            ///< one per pair, secondary by secondary, primaries ascending
@@ -36,11 +36,10 @@ struct Record {
   bool f = false;                                ///< hit
   bool bad = false;           ///< the primary is bad input; in modes all and hits, the secondary
   std::uint32_t index = ~0u;  ///< secondary, in upload order; all ones if none was found
-  float t =
-      std::numeric_limits<float>::infinity();  ///< ray: P(t) is the hit; solids: distance (f = 0)
-                                               ///< or depth (f = 1); +inf if none, NaN if bad
-  std::uint32_t primary =
-      0;  ///< number of the primary in the packet; from Board::cast in the whole cast
+  /// ray: P(t) is the hit; solids: distance (f = 0) or depth (f = 1); +inf if none, NaN if bad.
+  float t = std::numeric_limits<float>::infinity();
+  /// Number of the primary in the packet; from Board::cast in the whole cast.
+  std::uint32_t primary = 0;
   Eigen::Vector3f n = Eigen::Vector3f::Zero();  ///< with Query::normals, for solids: unit, from the
                                                 ///< pair's first shape to its second
 };

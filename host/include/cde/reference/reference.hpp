@@ -19,6 +19,7 @@
 #include "cde/query/query.hpp"
 #include "cde/reference/record_check.hpp"
 
+/// @file
 /// Mirror reference: computes what the card computes, operation by operation, in the same order
 /// with the same roundings, so every bit must match. The library is compiled without contraction
 /// (-ffp-contract=off). Code that includes the templates must be compiled likewise, because an FMA

@@ -9,6 +9,7 @@
 #include "cde/hierarchy/node.hpp"
 #include "cde/mesh/triangle_view.hpp"
 
+/// @file
 /// Refit of a card (rtl/hierarchy/refit.sv) for moved triangles, bit-exact. Hierarchy::refit() also
 /// keeps the exact boxes, so its nodes are slightly tighter.
 namespace cde::reference {

@@ -9,6 +9,7 @@
 #include "cde/mesh/mesh.hpp"
 #include "cde/scene/plan.hpp"
 
+/// @file
 /// Chooses the card for a cast of rays at a mesh: lanes, BVH or brute force, built or not. `cde
 /// cast` uses these functions.
 namespace cde {

@@ -56,9 +56,9 @@ struct QueryFrame {
   std::uint64_t secondary_ps = 0;      ///< modelled picoseconds of writing the secondaries
   std::uint64_t primary_clocks = 0;    ///< core cycles of loading primaries
   std::uint64_t primary_ps = 0;        ///< modelled picoseconds of loading and moving primaries
-  std::uint64_t download_clocks =
-      0;  ///< the other cycles: reading records, register accesses. In modes all and hits, records
-          ///< are read during the pass, so most of that time counts as compute
+  /// The other cycles: reading records, register accesses. In modes all and hits, records are read
+  /// during the pass, so most of that time counts as compute.
+  std::uint64_t download_clocks = 0;
   std::uint64_t hits = 0;  ///< records with F = 1
   std::string swept_as;  ///< why rays used brute force instead of the requested BVH; empty if they
                          ///< traversed it

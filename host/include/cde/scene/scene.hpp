@@ -14,6 +14,7 @@
 #include "cde/geometry/transform.hpp"
 #include "cde/mesh/mesh.hpp"
 
+/// @file
 /// Contents of a scene file (docs/reference/scenes.md): moving objects, and the queries about them
 /// in every frame.
 namespace cde {
@@ -85,16 +86,16 @@ struct SceneQuery {
   std::string name;
   Pair pair = Pair::kRayTriangle;
   bool swap = false;  ///< primaries have the pair's second shape
-  std::vector<std::size_t> primaries,
-      secondaries;  ///< object numbers; all objects of a side have one shape
+  /// Object numbers; all objects of a side have one shape.
+  std::vector<std::size_t> primaries, secondaries;
   Mode mode = Mode::kNearest;
   bool normals = false;
   PairBudget budget;
   std::vector<Range> mask;  ///< masked primaries, ascending, not adjacent
-  bool self =
-      false;  ///< for an object on both sides: pairs of a shape with itself count, and pairs of two
-              ///< shapes count from either side. Without it the former never count. In modes all
-              ///< and hits the latter count once, with the lower primary
+  /// For an object on both sides: pairs of a shape with itself count, and pairs of two shapes count
+  /// from either side. Without it the former never count. In modes all and hits the latter count
+  /// once, with the lower primary.
+  bool self = false;
 };
 
 /// Site that transforms rigid objects.

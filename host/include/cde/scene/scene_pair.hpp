@@ -9,6 +9,7 @@
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
 
+/// @file
 /// A pair of a card's pass, as input of its pipe alone.
 namespace cde {
 

@@ -12,8 +12,8 @@ struct Columns {
   Cells heads;
   std::vector<Cells> lines = {};
   std::size_t gap = 1;  ///< blanks between columns
-  std::vector<bool> left = {
-      true};  ///< columns that text aligns to the left; the others are aligned to the right
+  /// Columns that text aligns to the left; the others are aligned to the right.
+  std::vector<bool> left = {true};
   bool wide_markdown = false;  ///< pads cells of a Markdown table to the width of their column
 
   /// Columns separated by blanks, or a Markdown table.

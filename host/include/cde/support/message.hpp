@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+/// @file
 /// Text for people. Parts of it may come from files.
 namespace cde {
 

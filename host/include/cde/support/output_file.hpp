@@ -80,8 +80,8 @@ class OutputFile {
   bool stdout_ = false;
   std::FILE* file_ = nullptr;  // the target, or the temporary file
   std::FILE* held_ = nullptr;  // buffer that write() fills instead of file_
-  int spool_ =
-      -1;  // descriptor of held_, or the file that another writer fills by name; commit() copies it
+  // Descriptor of held_, or the file that another writer fills by name; commit() copies it.
+  int spool_ = -1;
 };
 
 /// A folder for outputs, created with its parents if missing. Folders that it created are removed

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+/// @file
 /// Child processes without a shell.
 namespace cde::process {
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <thread>
 
+/// @file
 /// How far a long task is. The library draws nothing itself: a program sets a display.
 namespace cde {
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+/// @file
 /// Suggestions for mistyped words.
 namespace cde {
 

@@ -8,6 +8,7 @@
 
 #include "cde/netlist/netlist.hpp"
 
+/// @file
 /// A module of a netlist: its variables, the statements that assign them, and its instances.
 namespace cde::wave {
 
@@ -40,7 +41,7 @@ struct Drive {
   const netlist::Element* statement = nullptr;
   const netlist::Element* target = nullptr;
   const netlist::Element* value = nullptr;  ///< null: all `uses` of a call
-  const netlist::Element* edges = nullptr;  ///< <sentree> of a register
+  const netlist::Element* edges = nullptr;  ///< `<sentree>` of a register
   std::uint32_t scope = 0, process = 0;
   std::vector<Guard> guards;
 };

@@ -15,6 +15,7 @@
 #include "cde/wave/transaction.hpp"
 #include "cde/wave/value.hpp"
 
+/// @file
 /// Decoders of transactions. Each follows one kind at one place of the file.
 namespace cde::wave {
 

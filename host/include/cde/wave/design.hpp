@@ -13,6 +13,7 @@
 #include "cde/netlist/netlist.hpp"
 #include "cde/wave/trace.hpp"
 
+/// @file
 /// The structure of the design of the waves, as Verilator elaborates it.
 namespace cde::wave {
 

@@ -11,6 +11,7 @@
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
 
+/// @file
 /// Writes waves in other formats. Each function writes a complete file or nothing ("-" is stdout).
 /// Error kFile if it cannot be written. Without views it writes all signals. Times are in units of
 /// the file. A window has the values of signals at `from`, and their changes up to and including
@@ -32,8 +33,8 @@ void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, st
 struct GtkwOptions {
   std::optional<std::uint64_t> fail = std::nullopt;  ///< position of the marker
   std::filesystem::path waves = {};  ///< wave file to open; empty: the file of the trace
-  std::optional<std::uint64_t> from = std::nullopt,
-                               to = std::nullopt;  ///< initially visible window
+  /// Initially visible window.
+  std::optional<std::uint64_t> from = std::nullopt, to = std::nullopt;
 };
 void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& options,
                 const std::filesystem::path& file);

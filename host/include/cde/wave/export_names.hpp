@@ -9,6 +9,7 @@
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
 
+/// @file
 /// The nested names of a file, for writers of other files.
 namespace cde::wave {
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+/// @file
 /// Values of SystemVerilog and its operators on them (IEEE 1800, clause 11).
 namespace cde::wave {
 

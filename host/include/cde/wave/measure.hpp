@@ -24,9 +24,9 @@ struct Activity {
   std::string next;       ///< value of the current instant
   bool waits = false;     ///< the current instant is not settled yet
   std::uint64_t now = 0;  ///< time of the current instant
-  bool counts =
-      true;          ///< the current change comes from the simulation, not from $dumpoff or $dumpon
-  bool bits = true;  ///< the signal has bits
+  /// The current change comes from the simulation, not from $dumpoff or $dumpon.
+  bool counts = true;
+  bool bits = true;                             ///< the signal has bits
   const std::vector<Blackout>* dark = nullptr;  ///< times that do not count
 
   void begin(std::uint64_t time, std::string_view now) {

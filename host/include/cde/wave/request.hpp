@@ -9,6 +9,7 @@
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
 
+/// @file
 /// A query about a wave file: the options of `cde wave`.
 namespace cde::wave {
 

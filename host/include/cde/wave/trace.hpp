@@ -14,6 +14,7 @@
 #include "cde/wave/structure.hpp"
 #include "cde/wave/wave_source.hpp"
 
+/// @file
 /// Reads wave files (FST, VCD), written by `--trace` or by other tools. Error kFile for other
 /// formats.
 namespace cde::wave {

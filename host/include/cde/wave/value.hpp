@@ -17,8 +17,8 @@ struct Form {
   Kind kind = Kind::kHex;  ///< kFile: form given in the file, which default_form() looks up
   FpFormat format;         ///< for kFloat
   unsigned lane = 0;       ///< bits per lane; 0: those of the format, or all
-  bool mask =
-      false;  ///< for kFloat: a word of all ones, which no operator produces, is a condition
+  /// For kFloat: a word of all ones, which no operator produces, is a condition.
+  bool mask = false;
   std::shared_ptr<const Names> names = {};  ///< for kNames
 };
 

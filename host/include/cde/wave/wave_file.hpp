@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+/// @file
 /// Reads wave files (FST) as `--trace` writes them. Error kFile for other files.
 namespace cde::wave {
 

@@ -11,6 +11,7 @@
 
 #include "cde/wave/structure.hpp"
 
+/// @file
 /// Interface of a reader for one file format. Trace builds signals and values from it.
 namespace cde::wave {
 

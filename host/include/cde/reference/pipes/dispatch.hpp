@@ -18,6 +18,7 @@
 #include "cde/reference/pipes/ray_triangle.hpp"
 #include "cde/support/error.hpp"
 
+/// @file
 /// Selects the reference of a pair by its number.
 namespace cde::reference {
 
@@ -47,7 +48,7 @@ template <class S, class A, class B>
   return box ? bounded<S>(pipe, a, b) : pipe;
 }
 
-/// Calls use(Kinds<A, B>, test), where test(A, B) is the pair's mirror reference in the scalar S.
+/// Calls `use(Kinds<A, B>, test)`, where test(A, B) is the pair's mirror reference in the scalar S.
 template <class S, class Use>
 void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const PairBudget& work,
                Use use) {

@@ -5,6 +5,7 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/geometry/primitives.hpp"
 
+/// @file
 /// The box rule of pairs with a signed distance (BOX = 1): it is not below that of their boxes.
 ///
 /// Two boxes that are apart have a distance: the norm of those axis distances that are above zero.

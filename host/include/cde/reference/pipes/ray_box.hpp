@@ -5,6 +5,7 @@
 #include "cde/geometry/check.hpp"
 #include "cde/geometry/ops.hpp"
 
+/// @file
 /// The box rule of ray and triangle (BOX = 1): a hit must lie in the triangle's box.
 ///
 /// A ray in the plane of a triangle, or nearly so, has a determinant that is only rounding error. A

@@ -8,6 +8,7 @@
 #include "cde/hierarchy/node.hpp"
 #include "cde/reference/pipes/gap_bound.hpp"
 
+/// @file
 /// A ray and the eight boxes of a node (cde/hierarchy/node.hpp).
 ///
 /// The box rule (ray_box.hpp) bounds where a hit can be. For its T, exactly as the pipe returns it,

@@ -4,6 +4,7 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
+/// @file
 /// Common parts of the ray pipes: the interval test, the hit point and the outcome.
 namespace cde::reference {
 

@@ -6,6 +6,7 @@
 #include "cde/reference/pipes/ray_outcome.hpp"
 #include "cde/support/error.hpp"
 
+/// @file
 /// Ray against triangle, two-sided, by four algorithms. The three barycentric coordinates are
 /// compared unscaled, without division. The sign of the determinant is moved onto each, and none
 /// may then be negative. A NaN fails every comparison, so it is a miss.

@@ -8,6 +8,7 @@
 #include "cde/geometry/ops.hpp"
 #include "cde/geometry/primitives.hpp"
 
+/// @file
 /// Scales a pair to about 1 by an exact power of two, and its result back
 /// (rtl/pipes/length_scale.sv, length_unscale.sv). Where a pipe multiplies four lengths, the range
 /// of its operands would otherwise be a quarter of the format's. k is the largest exponent of all

@@ -7,6 +7,7 @@
 #include "cde/geometry/transform.hpp"
 #include "cde/reference/pipes/convex/frame.hpp"
 
+/// @file
 /// Results of the card's transformer (rtl/transform/transformer.sv). Points become R p + t,
 /// directions R d without a sum (-0 stays). Intervals, radii and extents are unchanged. The input
 /// contract (check.hpp) is checked on the result: it can overflow, and the corners of a distant box

@@ -10,6 +10,7 @@
 #include "cde/reference/pipes/convex/frame.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
+/// @file
 /// The certified filter: certain hit, certain miss, or uncertain
 /// (docs/background/certified_filters.md). A pipe of a narrow format proposes a normal and a point.
 /// A short sum in the wide format decides; its rounding is bounded without any knowledge of the

@@ -11,6 +11,7 @@
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/verdict/proof.hpp"
 
+/// @file
 /// The proposal of a narrow pipe for a pair in a wide format (proof.hpp,
 /// `rtl/verdict/verdict_proposal.sv`).
 namespace cde::reference::verdict {

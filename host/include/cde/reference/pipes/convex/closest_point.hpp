@@ -5,6 +5,7 @@
 
 #include "cde/geometry/ops.hpp"
 
+/// @file
 /// Closest-point parts of the convex pairs: point and segment, point and triangle, a triangle's
 /// normal, and the step that polishes a normal. Segments are a midpoint and a half vector with
 /// parameter -1 .. 1, so that both ends are treated alike.

@@ -4,6 +4,7 @@
 
 #include "cde/reference/pipes/convex/closest_point.hpp"
 
+/// @file
 /// Candidate axes (SAT) of the box pairs. Body P is a box, in its own frame: centre 0, half extents
 /// a, axes e_i. Body Q is another box or a triangle. The difference Q - P is a convex polytope.
 /// Each of its facets belongs to a face of one body and a vertex of the other, or to an edge of

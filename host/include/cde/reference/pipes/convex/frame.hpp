@@ -2,6 +2,7 @@
 #pragma once
 #include "cde/geometry/ops.hpp"
 
+/// @file
 /// Transforms between the world and a box's frame. The matrix's columns are the box axes.
 namespace cde::reference::convex {
 

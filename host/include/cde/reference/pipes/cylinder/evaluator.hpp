@@ -5,6 +5,7 @@
 
 #include "cde/geometry/ops.hpp"
 
+/// @file
 /// g(n) = -h_B(-n) - h_A(n): the distance between the projections of A and B on the unit normal n.
 /// It comes with all that the search needs: points of the Minkowski difference and curvatures. B is
 /// a cylinder; A is a cylinder, a box or a triangle. Everything is relative to A's origin (the

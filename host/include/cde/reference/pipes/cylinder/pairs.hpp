@@ -3,6 +3,7 @@
 #include "cde/reference/pipes/cylinder/witness.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
+/// @file
 /// The pairs with a cylinder as secondary: cylinder-cylinder, OBB-cylinder and triangle-cylinder.
 /// s_K is the largest g over the normals that the iterations cover. It is at most the signed
 /// distance s, so F = 0 is a proof; docs/reference/pairs_cylinder.md has the measured shortfall.

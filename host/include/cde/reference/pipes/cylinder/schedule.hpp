@@ -4,6 +4,7 @@
 
 #include "cde/reference/pipes/cylinder/evaluator.hpp"
 
+/// @file
 /// Selects the phase of each pass of a pair: counters, no arithmetic.
 namespace cde::reference::cylinder {
 

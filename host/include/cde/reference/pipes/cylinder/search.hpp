@@ -3,6 +3,7 @@
 #include "cde/reference/pipes/cylinder/evaluator.hpp"
 #include "cde/reference/pipes/cylinder/schedule.hpp"
 
+/// @file
 /// The search for the best normal as a state machine. Function step() is one pass of a pair through
 /// the datapath. Every value that it computes is straight-line; the phase selects what a pass
 /// keeps.
@@ -25,8 +26,8 @@ struct Search {
   S best_g = -std::numeric_limits<S>::infinity();
   Vector<S> best_n = Vector<S>::Constant(canonical_nan<S>());
   S best_slope = std::numeric_limits<S>::infinity();  ///< magnitude of the derivative at best_n
-  Vector<S> next =
-      Vector<S>::Zero();  ///< normal of the next pass, if its phase does not define one
+  /// Normal of the next pass, if its phase does not define one.
+  Vector<S> next = Vector<S>::Zero();
   /// Circle: ends of the bracket, with e x n pointing from lo to hi. Free track: lo_n is the base,
   /// lo_y the step from it, and score its g.
   Vector<S> lo_n = Vector<S>::Zero(), lo_y = Vector<S>::Zero();

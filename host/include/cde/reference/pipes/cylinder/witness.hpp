@@ -2,6 +2,7 @@
 #pragma once
 #include "cde/reference/pipes/cylinder/search.hpp"
 
+/// @file
 /// Witness points: a point of A that becomes a point of B when moved by s n. The support points for
 /// n do not suffice if faces or edges touch along their length: every point of them is a support
 /// point. Alternating projection finds a point that both share. It projects onto A and onto B moved
@@ -30,8 +31,8 @@ struct Cylindrical {
   Vector<S> c, a;
   S half, radius;
   S end;  ///< height of the cap on n's side
-  Vector<S>
-      side;  ///< from the axis to the line of the side, or to the point of the rim that n touches
+  /// From the axis to the line of the side, or to the point of the rim that n touches.
+  Vector<S> side;
   Mask<S> alongside;  ///< n touches that line, which then replaces the round side
   Mask<S> flat;       ///< n touches the whole cap
   Mask<S> rim;        ///< n touches only the cap's rim, which then replaces the cylinder
