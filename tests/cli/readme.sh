@@ -4,8 +4,8 @@
 # order, because data and summary go to different streams. Lines with wall time or build progress are ignored. A line
 # `...` in the document stands for any further lines.
 #
-# readme.sh CDE DOCUMENT      run in the root of the source tree; examples run next to its meshes/ and write to a
-# temporary folder
+#   readme.sh CDE DOCUMENT      run in the root of the source tree; examples run next to its meshes/ and write to a
+#                               temporary folder
 set -euo pipefail
 cde=$1 document=$PWD/$2 examples=0 failures=0
 scratch=$(mktemp -d)
