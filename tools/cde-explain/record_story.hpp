@@ -32,15 +32,15 @@ struct StoryPair {
   /// The values of the pair on a side. T is the compared value: for solids the signed distance.
   struct Side {
     bool f = false, bad = false;
-    bool candidate = false;  ///< the pair may be kept; in modes all and hits it has a record
-    bool kept = false;       ///< the pair is better than the best before it
+    bool candidate = false;  ///< may be kept; in modes all and hits it has a record
+    bool kept = false;       ///< better than the best before it
     float t = 0;
     friend bool operator==(const Side&, const Side&);
   };
-  std::optional<Side> card, reference;  ///< empty: that side has not tested the pair
+  std::optional<Side> card, reference;  ///< empty: not tested on that side
   // On the card, in modes with one record per primary:
-  std::uint64_t pass = 0, clock = 0;  ///< arrival at the update engine; cycles count from go
-  float held = 0;                     ///< the primary's T in the update engine before that
+  std::uint64_t pass = 0, clock = 0;  ///< arrival at the update engine; cycles from go
+  float held = 0;                     ///< the primary's T before that
 };
 
 struct RecordStory {
@@ -49,11 +49,11 @@ struct RecordStory {
   std::optional<BuiltCard> stands_in_for;
   std::size_t query = 0;
   std::uint32_t frame = 0, primary = 0;
-  std::uint32_t first_frame = 0;        ///< first frame that was played
-  std::vector<Record> card, reference;  ///< records of the primary
-  std::vector<StoryPair> arrived;       ///< pairs at the update engine, or with records, in order
-  std::vector<StoryPair> missing;       ///< candidates of the reference that the card did not test
-  std::uint64_t passes = 0;             ///< passes of the packet
+  std::uint32_t first_frame = 0;            ///< first played frame
+  std::vector<Record> card, reference;      ///< of the primary
+  std::vector<StoryPair> arrived;           ///< at the update engine or with a record, in order
+  std::vector<StoryPair> missing;           ///< candidates that the card did not test
+  std::uint64_t passes = 0;                 ///< of the packet
   std::uint64_t swept = 0, candidates = 0;  ///< pairs of the primary in the reference
   bool swept_instead =
       false;  ///< brute force replaced the run's BVH traversal, which shows no pairs

@@ -11,7 +11,7 @@ namespace cde::wave::tui {
 void Track::add(std::uint64_t time, std::string_view value) {
   if (!times_.empty() && value == last_) return;
   if (!times_.empty() && time == times_.back()) {
-    // Of several values at one time only the last counts.
+    // Only the last of several values at one time counts.
     values_.resize(values_.size() - (text_ ? last_.size() : (width_ + 3) / 4));
     times_.pop_back();
     if (text_) ends_.pop_back();

@@ -28,10 +28,10 @@ void clock_options(CLI::App& verb, ClockOptions& options);
 /// The same for a card.
 [[nodiscard]] std::string settle_clock(ClockOptions& options, const BoardConfig& card);
 
-/// Adds `--target` to a verb that reads a scene. A scene also sets a clock.
+/// Adds `--target` to a verb that reads a scene. The scene has its own clock.
 void scene_target_option(CLI::App& verb, std::string& target);
 /// Sets the scene's clock to the clock of the target, if one was chosen. Returns where the clock is
-/// from. Error kUsage if the scene names a clock other than the default.
+/// from. Error kUsage if the clock of the scene is not the default.
 [[nodiscard]] std::string settle_clock(const std::string& target, Scene& scene,
                                        const BoardConfig& card);
 

@@ -10,8 +10,8 @@ namespace {
 /// What a verb does. Its exit statuses and environment variables depend on it.
 enum Does : unsigned {
   kNothing = 0,
-  kModels = 1,   ///< looks for simulation models, and builds missing ones
-  kSources = 2,  ///< reads the RTL, and keeps results in the cache
+  kModels = 1,   ///< uses simulation models, and builds missing ones
+  kSources = 2,  ///< reads the RTL, and caches results
   kCards = 4,    ///< opens whole cards
   kMeshes = 8,   ///< imports meshes
   kPrices = 16,  ///< reads measured costs

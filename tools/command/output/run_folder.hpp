@@ -13,10 +13,10 @@
 
 namespace cde::cli {
 
-/// The folder of `cde run`. It holds the run.json and the records of one run, and optionally the
-/// run's page and waves. run.json is there from the first frame on, and marks the folder as that of
-/// a run. The folder is locked while the object lives. The system releases the lock when the
-/// process ends, in any way.
+/// The folder of `cde run`. It holds run.json, the records of one run and, if requested, its page
+/// and waves. The file run.json is there from the first frame on, and marks the folder as that of a
+/// run. The folder is locked while the object lives. The system releases the lock when the process
+/// ends, in any way.
 class RunFolder {
  public:
   /// Makes the folder if it does not exist. Error kUsage if it is neither empty nor the folder of a

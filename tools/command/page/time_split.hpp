@@ -9,10 +9,10 @@ namespace cde::cli {
 
 /// Seconds of device time at the core clock that the scene assumes.
 struct TimeSplit {
-  double dma = 0;      ///< transfers of secondaries and primaries to the card
+  double dma = 0;      ///< transfers of primaries and secondaries
   double compute = 0;  ///< the pipe takes rows or drains
-  double memory = 0;   ///< waits of the pipe for DDR, and write-back of kept records to SRAM
-  double bus = 0;      ///< transfers of records to the host, and register accesses
+  double memory = 0;   ///< waits for DDR, write-back to SRAM
+  double bus = 0;      ///< transfers of records, register accesses
 
   [[nodiscard]] double total() const { return dma + compute + memory + bus; }
   TimeSplit& operator+=(const TimeSplit& other);
