@@ -49,7 +49,7 @@ enum {
   CDE_PCI_TARGET_ABORT = 2,
   CDE_PCI_PARITY = 3,  /**< data was read, or the card reported a write, with bad parity */
   CDE_PCI_RETRIED = 4, /**< only retries for a million cycles */
-  CDE_PCI_STUCK = 5    /**< a transaction did not end, or did not get the bus, for a million clocks;
+  CDE_PCI_STUCK = 5    /**< a transaction did not end, or did not get the bus, for a million cycles;
                           every access ends so until reset */
 };
 
@@ -90,9 +90,7 @@ enum {
 };
 #define CDE_PCI_UNTIL_RESET 0xFFFFFFFFu
 
-/** A space of local_memory beside the spaces of the local bus: check bits of DDR, one byte per
- * word.
- */
+/** A space of local_memory beside those of the local bus: check bits of DDR, one byte per word. */
 #define CDE_PCI_SPACE_CHECK 0x100u
 
 typedef struct cde_pci_counters {

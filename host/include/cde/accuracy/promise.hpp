@@ -7,7 +7,7 @@
 
 namespace cde::accuracy {
 
-/// Accuracy that docs/pairs*.md promise for a pipe, to compare with a sweep.
+/// Accuracy that docs/pairs*.md promise for a pipe, to compare with measurements.
 struct Promise {
   std::string text;
   std::optional<double> t;  ///< largest error of T, in u S; none: not promised in these units
@@ -17,7 +17,7 @@ struct Promise {
 /// The constants are those beside the references (kRaySphereBand, ...).
 [[nodiscard]] Promise promise_of(const AccuracyPipe& pipe);
 
-/// Outcome of a measurement: "yes", "3 wrong", "T by 16.2 u S"; "-" if a sweep cannot tell.
+/// Outcome of a measurement: "yes", "3 wrong", "T by 16.2 u S"; "-" if measurements cannot tell.
 [[nodiscard]] std::string kept(const Promise& promise, const Tally& found);
 
 }  // namespace cde::accuracy

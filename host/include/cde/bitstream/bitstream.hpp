@@ -93,7 +93,7 @@ struct BoardConfig {
 /// it `CACHE_KEY.so.sha256` has its checksum. They are first searched for in $CDE_BITSTREAMS. Next
 /// is the folder of the installation, or of the build if the program is not installed. Last is the
 /// user's cache: $CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else (also if that cannot
-/// be written) /tmp/cde-UID
+/// be written) /tmp/cde-UID.
 ///
 /// A missing or damaged model is built into the cache by the script `verilator/bitstream` of
 /// $CDE_SHARE, else of the installation or source tree. Function usual_build_seconds() estimates
