@@ -50,22 +50,35 @@ def markdown(text):
     return list(paragraphs_of(lines))
 
 
+NO_PROSE = re.compile(r"(SPDX|namespace |@|!/|-{3,}|NOLINT|shellcheck|clang-format|verilator|synopsys)")
+
+
+def comment_of(line, mark, block):
+    """The text of a line's comment, and whether a paragraph begins there: a list item, or a comment behind code."""
+    stripped = line.strip()
+    if mark == "//" and (block or stripped.startswith("/*")):
+        return stripped.strip("/* "), False
+    if not stripped.startswith(mark):
+        tail = re.search(r"(?<![:\"'])//[/!<]* (.*)", line) if mark == "//" else re.search(r"  # (.*)", line)
+        return (tail.group(1), True) if tail else ("", False)
+    body = stripped.lstrip("/#!<")
+    if mark == "//" and body.startswith("     "):  # a table or an example
+        return "", False
+    item = re.match(r"\s*- ", body)
+    return (body[item.end():], True) if item else (body.strip(), False)
+
+
 def comments(text, mark):
     """Prose of comments that begin with `mark` ("//" or "#"): whole lines and ends of lines. Licence lines and rules are left out."""
     lines = []
     block = False
     for number, line in enumerate(text.split("\n"), 1):
-        body = ""
-        stripped = line.strip()
-        if mark == "//" and (block or stripped.startswith("/*")):
-            block = "*/" not in stripped
-            body = stripped.strip("/* ")
-        elif stripped.startswith(mark):
-            body = stripped.lstrip("/#!<").strip()
-        else:
-            tail = re.search(r"(?<![:\"'])//[/!<]* (.*)", line) if mark == "//" else re.search(r"  # (.*)", line)
-            body = tail.group(1) if tail else ""
-        if re.match(r"(SPDX|!/|-{3,}|NOLINT|shellcheck|clang-format|verilator|synopsys)", body):
+        body, begins = comment_of(line, mark, block)
+        if mark == "//" and (block or line.strip().startswith("/*")):
+            block = "*/" not in line
+        if begins:
+            lines.append((number, ""))
+        if NO_PROSE.match(body):
             body = ""
         lines.append((number, re.sub(r"^-+ | -+$", "", plain(body)).strip()))
     return list(paragraphs_of(lines))
