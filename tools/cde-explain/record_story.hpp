@@ -51,7 +51,7 @@ struct RecordStory {
   std::uint32_t frame = 0, primary = 0;
   std::uint32_t first_frame = 0;            ///< first played frame
   std::vector<Record> card, reference;      ///< of the primary
-  std::vector<StoryPair> arrived;           ///< at the update engine or with a record, in order
+  std::vector<StoryPair> arrived;           ///< pairs, in order of arrival
   std::vector<StoryPair> missing;           ///< candidates that the card did not test
   std::uint64_t passes = 0;                 ///< of the packet
   std::uint64_t swept = 0, candidates = 0;  ///< pairs of the primary in the reference

@@ -437,13 +437,13 @@ Json AccuracyPage::entry(const KeptPipe& k) const {
       fmt::format("{} of {}; {} per million", t.wrong, grouped(t.judged), wrong_text(t)));
   if (t.leak_rays > 0) add("leaks", fmt::format("{} of {} rays", t.leaks, grouped(t.leak_rays)));
   if (k.figures.operators)
-    add("operators of a lane",
+    add("operators per lane",
         fmt::format("{} sums, {} products, {} quotients, {} roots, {} comparisons",
                     k.figures.operators->add, k.figures.operators->mul, k.figures.operators->div,
                     k.figures.operators->sqrt, k.figures.operators->cmp));
   add("clock", p.clock_is());
   if (p.lane) {
-    add(p.lane->estimated ? "area of a lane, estimated" : "area of a lane, measured",
+    add(p.lane->estimated ? "area per lane, estimated" : "area per lane, measured",
         fmt::format("{} LUT, {} carry, {} FF, {} DSP",
                     grouped(static_cast<std::uint64_t>(p.lane->cells.lut)),
                     grouped(static_cast<std::uint64_t>(p.lane->cells.carry)),

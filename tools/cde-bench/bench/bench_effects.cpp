@@ -84,16 +84,16 @@ void all_but_waves(BoardConfig& c) {
   c.bus = Bus::kCycle;
 }
 
-constexpr const char* kEverything = "everything, waves too, none written";
+constexpr const char* kEverything = "everything and waves, none written";
 constexpr Variant kPlanned = {"planned", "", [](BoardConfig&) {}};
 constexpr Variant kVariants[] = {
     {"pipe alone", "", [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes, .box = c.box}; },
      When::kAlways},
     {"no box rule", "", [](BoardConfig& c) { c.box = false; }},
-    {"box rule, beside no box rule", "box rule", [](BoardConfig&) {}, When::kNotQuick, true},
+    {"box rule, against no box rule", "box rule", [](BoardConfig&) {}, When::kNotQuick, true},
     {"all 13 pipes", "pipes", all_pipes},
     {"two pipes and exchange of roles", "", two_pipes},
-    {"two pipes, both at a time, beside one", "two pairs at a time",
+    {"two pipes, both at a time, against one", "two pairs at a time",
      [](BoardConfig& c) {
        two_pipes(c);
        c.parallel = true;
@@ -110,7 +110,7 @@ constexpr Variant kVariants[] = {
      Memory::kCycle},
     {"waves compiled in, none written", "trace", [](BoardConfig& c) { c.trace = true; }},
     {"gates", "gates", [](BoardConfig& c) { c.arithmetic = Arithmetic::kRtl; }, When::kAlways},
-    {"everything but waves, roles and normals too", "", all_but_waves},
+    {"everything but waves, with roles and normals", "", all_but_waves},
     {kEverything, "",
      [](BoardConfig& c) {
        all_but_waves(c);
@@ -329,7 +329,7 @@ ordered_json bench_effects(const BenchOptions& o) {
         counted(w.planned.lanes, "lane"), fmt::join(w.planned.parameters(), " "),
         counted(static_cast<unsigned>(rounds), "round"), "card", "slower", "least to most",
         "(wall)", "frame, s", "bus, %", "cycles", "built, s", "in plans");
-  std::optional<Progress> progress("effects, every card in turn");
+  std::optional<Progress> progress("effects, each card in turn");
   for (Card& c : cards) c.frame(), c.pass();  // warms the caches
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < cards.size(); ++i) {

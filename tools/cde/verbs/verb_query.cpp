@@ -85,7 +85,8 @@ QueryTotals answer_pairs(const QueryOptions& o, const PairConfig& config) {
     more = input.next([&](std::uint64_t number, std::string_view line) {
       if (pipe.read(number, line)) answers.add(pipe.answer());
     });
-    // Waves are of one run, so that their cycles do not depend on the timing of the input.
+    // With waves there is only one run, so that their cycles do not depend on the timing of the
+    // input.
     if (!config.trace || !more) answers.add(pipe.answer());
     if (const auto share = input.share()) progress(*share);
   }

@@ -35,7 +35,7 @@ constexpr std::array kVerbs = {
     VerbEntry{"explain", "cde-explain", false, "Find the operator and RTL line of a wrong answer"},
     VerbEntry{"accuracy", "cde-accuracy", false, "Measure errors, wrong decisions and costs"},
     VerbEntry{"advise", "cde-accuracy", false, "Name the cheapest pipe that meets demands"},
-    VerbEntry{"bench", "cde-bench", false, "Measure simulation speed beside software"},
+    VerbEntry{"bench", "cde-bench", false, "Measure simulation speed, and software baselines"},
     VerbEntry{"reproduce", "cde-bench", false, "Measure the paper's figures again, as a page"},
     VerbEntry{"inventory", "cde-bench", false, "Count operators and latency of every pipe"},
 };
