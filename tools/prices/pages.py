@@ -12,7 +12,7 @@ MARKS = re.compile(r"(<!-- prices: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 
 
 def grid(head, rows):
-    """A table; empty without rows."""
+    """A table in Markdown, or a sentence without rows."""
     if not rows:
         return "No rows yet.\n"
     lines = ["| " + " | ".join(head) + " |", "| " + " | ".join("---" if k == 0 else "---:" for k in range(len(head))) + " |"]
@@ -21,7 +21,7 @@ def grid(head, rows):
 
 
 def clock(row):
-    """Median of the seeds, and the least and the largest."""
+    """Median over the seeds, with the least and the largest."""
     found = sorted(row["fmax"].values())
     if not found:
         return "-"
@@ -42,7 +42,7 @@ def operators(kept, target, clocks):
 
 
 def ordinary(kept):
-    """Ours beside the ordinary style, at one clock, where both are in the table."""
+    """This project's operators compared with the ordinary style, at latency 1, where the table has both."""
     rows = []
     for row in kept.sorted():
         other = dict(row, style="ordinary")
@@ -68,7 +68,7 @@ def lanes(kept):
 
 
 def made_with(kept):
-    """Targets, with the tools that made their rows."""
+    """Targets, with the tools of their rows."""
     rows = []
     for name, target in targets.TARGETS.items():
         here = [row for row in kept.rows.values() if row["target"] == name]
@@ -93,13 +93,13 @@ def everything(kept):
 
 
 def filled(kept, page):
-    """The page with the table's figures, and the names of the parts that said otherwise."""
+    """The page with the table's figures, the names of changed parts, and the parts that the page lacks."""
     made, changed, seen = parts(kept), [], []
 
     def put(mark):
         name = mark.group(2)
         if name not in made:
-            raise Bad(f"docs: there is no table {name}; expected one of {', '.join(made)}")
+            raise Bad(f"docs: no table {name}; expected one of {', '.join(made)}")
         seen.append(name)
         if mark.group(3) != made[name]:
             changed.append(name)
@@ -110,7 +110,7 @@ def filled(kept, page):
 
 
 def filled_pages(kept):
-    """Each page with its text now and as it should be, the tables that differ, and those that no page has."""
+    """Each page with its text, its correct text and the tables that differ; then the tables that no page has."""
     pages, lacking = [], set(parts(kept))
     for page in PAGES:
         text = page.read_text()

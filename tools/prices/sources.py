@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sources that a design reads, and their hashes, free of comments and spaces."""
+"""Sources of a design, and their hashes, which ignore comments and spaces."""
 import functools
 import hashlib
 import re
@@ -10,7 +10,7 @@ FOLDERS = ("rtl", "tools/prices/ordinary")
 
 
 def bare(text):
-    """The text without comments; spaces and lines do not count."""
+    """The text without comments and with normalised spaces."""
     token = re.compile(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', re.S)
     text = token.sub(lambda m: m.group(0) if m.group(0)[0] == '"' else " ", text)
     return " ".join(text.split())
@@ -21,7 +21,7 @@ def digest(text, length=12):
 
 
 def digests(files, root=ROOT):
-    """file -> hash of what it says, "-" for one that is not there."""
+    """file -> hash of its content, "-" for a missing file."""
     return {name: digest_of(root / name) for name in sorted(files)}
 
 
@@ -36,7 +36,7 @@ def combined(hashes):
 
 @functools.lru_cache(maxsize=None)
 def _tree():
-    """name of file -> path in the tree."""
+    """file name -> path in the tree."""
     found = {}
     for folder in FOLDERS:
         for path in sorted((ROOT / folder).rglob("*.sv*")):
@@ -46,18 +46,18 @@ def _tree():
 
 
 def hardware():
-    """What synthesis reads, packages first."""
+    """The files for synthesis, packages first."""
     packages = ["rtl/contract/" + name for name in (ROOT / "rtl/contract/packages.f").read_text().split()]
     return packages + sorted(p for p in _tree().values() if p.endswith(".sv") and p not in packages)
 
 
 def closure(modules, root=ROOT):
-    """Files of those modules, with the packages and includes that their texts name, and so on."""
+    """Files of the modules, and of all packages and includes that these need."""
     tree, files = _tree(), set()
     waiting = []
     for module in modules:
         if module + ".sv" not in tree:
-            raise Bad(f"module {module} has no file of its name in {' or '.join(FOLDERS)}")
+            raise Bad(f"module {module} has no file with its name in {' or '.join(FOLDERS)}")
         waiting.append(tree[module + ".sv"])
     while waiting:
         name = waiting.pop()

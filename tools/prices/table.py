@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table: a file of rows, one a line, and the plan that says which rows there are to be."""
+"""The table, a file with one row per line, and the plan of its rows."""
 import contextlib
 import fcntl
 import itertools
@@ -35,12 +35,12 @@ def plan(text, name="plan"):
             continue
         try:
             if len(words) < 3:
-                raise Bad("a line is WHAT,... FORMAT,... TARGET,... [KEY=VALUE,... ...]")
+                raise Bad("expected a line WHAT,... FORMAT,... TARGET,... [KEY=VALUE,... ...]")
             options = {"lat": [None], "lanes": ["1"], "algorithm": [None], "style": ["cde"], "seeds": ["1"]}
             for word in words[3:]:
                 option, _, values = word.partition("=")
                 if option not in options or not values:
-                    raise Bad(f"{word} is none of {listed(o + '=' for o in options)}")
+                    raise Bad(f"{word} is unknown; expected {listed(o + '=' for o in options)}")
                 options[option] = values.split(",")
             seeds = designs.number(options["seeds"][0], 1, 99, "number of seeds")
             for what, style, algorithm, target, format_, lanes, lat in itertools.product(
@@ -66,7 +66,7 @@ class Table:
             self.rows = {tuple(row[k] for k in KEY): row for row in told["rows"]}
             self.sources = told["sources"]
         except (ValueError, KeyError, TypeError) as wrong:
-            raise Bad(f"{self.path} is no table of prices: {type(wrong).__name__}: {wrong}") from wrong
+            raise Bad(f"{self.path} is not a table of costs: {type(wrong).__name__}: {wrong}") from wrong
 
     def sorted(self):
         return sorted(self.rows.values(), key=lambda row: design_of(row).order())
@@ -79,7 +79,7 @@ class Table:
         return '{"rows": [\n' + ",\n".join(lines) + '\n],\n"sources": {\n' + ",\n".join(lists) + "\n}}\n"
 
     def put(self, design, row, hashes):
-        """Keeps a row in the file, which is whole at any time."""
+        """Writes a row to the file, which is complete at any time."""
         with self._locked():
             if self.path.exists():
                 self._read()
@@ -101,7 +101,7 @@ class Table:
             os.close(folder)
 
     def stale(self, row):
-        """What a row was made from and is no longer so: files, or "" if it holds."""
+        """Why a row is stale: its changed files or method, or "" if it is valid."""
         then = self.sources.get(row["sources"])
         if then is None:
             return "its sources are not listed"
@@ -110,10 +110,10 @@ class Table:
         if changed:
             return changed[0] + (f" and {len(changed) - 1} other{'s' if len(changed) > 2 else ''}" if len(changed) > 1 else "") + " changed"
         if row["flow"] != flow.flow_hash(design_of(row)):
-            return "how it is measured (tools/prices/) changed"
+            return "the measurement (tools/prices/) changed"
         return ""
 
     def holds(self, design, seeds, tools):
-        """Whether the table has this row as it would be measured now."""
+        """Whether the table has this row, and a new measurement would be the same."""
         row = self.rows.get(key_of(design))
         return bool(row) and not self.stale(row) and row["tools"] == tools and (not row["fmax"] or len(row["fmax"]) >= seeds)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Devices: how a design is synthesised and placed for each, what its cells are, how much of them there is."""
+"""Devices: synthesis and placement for each, its kinds of cells, and their numbers."""
 import dataclasses
 import re
 
@@ -14,32 +14,32 @@ NO_CELL = r"\$scopeinfo|VCC|GND"
 @dataclasses.dataclass(frozen=True)
 class Target:
     name: str
-    device: str             # as its maker calls it
+    device: str             # name by its maker
     synthesis: str          # Yosys command
-    cells: dict             # column -> pattern of the names of cells
-    router: str = ""        # tool that places and routes, "" for area alone
-    route: tuple = ()       # its options but seed and files
-    has: dict = dataclasses.field(default_factory=dict)  # what the device has, by column of `used`
+    cells: dict             # column -> pattern of cell names
+    router: str = ""        # tool for place and route, "" for area only
+    route: tuple = ()       # its options, without seed and files
+    has: dict = dataclasses.field(default_factory=dict)  # capacity of the device, by key of `used`
 
     def count(self, types):
-        """Cells by column; a type that is in none is an error."""
+        """Cells by column. A type without a column is an error."""
         counted = dict.fromkeys(COLUMNS, 0)
         for name, number in types.items():
             if re.fullmatch(NO_CELL, name):
                 continue
             column = next((c for c, pattern in self.cells.items() if re.fullmatch(pattern, name)), None)
             if column is None:
-                raise Bad(f"{self.name}: cell {name} is in no column of tools/prices/targets.py")
+                raise Bad(f"{self.name}: cell {name} has no column in tools/prices/targets.py")
             counted[column] += number
         return counted
 
     def used(self, row):
-        """What a design takes of the device: on ECP5 a carry cell takes the places of two LUTs, a LUT as RAM those of six."""
+        """Resources that a design uses. On ECP5 a carry cell takes two LUTs, and a LUT as RAM takes six."""
         logic = row["lut"] + 2 * row["carry"] + 6 * row["lutram"] if self.cells is ECP5 else row["lut"]
         return {"logic": logic, "ff": row["ff"], "dsp": row["dsp"], "ram": row["ram"]}
 
     def lanes(self, row):
-        """How many of a lane the device has place for, and what runs out first; a part of logic is left to the router and to the rest of a card."""
+        """The number of lanes that fit, and the resource that limits it. A part of logic is left to the router and to the rest of a card."""
         room = {what: (ROUTABLE if what in ("logic", "ff") else 1) * has / used
                 for what, used in self.used(row).items() for has in (self.has.get(what, 0),) if used}
         least = min(room, key=room.get)
@@ -56,9 +56,9 @@ LFE5U_85 = {"logic": 83640, "ff": 83640, "dsp": 156, "ram": 208}
 TARGETS = {t.name: t for t in (
     Target("ecp5-85", "Lattice LFE5U-85F, speed grade 6", "synth_ecp5", ECP5,
            "nextpnr-ecp5", ("--85k", "--package", "CABGA756", "--speed", "6", "--freq", "200", "--lpf-allow-unconstrained"), LFE5U_85),
-    # Without multiplexers of LUTs, which make a design faster and larger (fp32 sum at 6 clocks: 699 LUT4 and 52 MHz, 610 and 45).
+    # Without LUT multiplexers, which make a design faster and larger.
     Target("ecp5-area", "Lattice LFE5U-85F, for few LUTs", "synth_ecp5 -nowidelut", ECP5, has=LFE5U_85),
-    # -dsp of synth_ice40 gives wrong products, and the device has none.
+    # Without -dsp: it gives wrong products, and the device has no multipliers.
     Target("hx8k", "Lattice iCE40 HX8K", "synth_ice40",
            {"lut": r"SB_LUT4", "carry": r"SB_CARRY", "ff": r"SB_DFF[A-Z]*", "ram": r"SB_RAM40_4K.*"},
            "nextpnr-ice40", ("--hx8k", "--package", "ct256", "--freq", "100"),
@@ -70,5 +70,5 @@ TARGETS = {t.name: t for t in (
 
 def target(name):
     if name not in TARGETS:
-        raise Bad(f"{name} is no target: {listed(TARGETS)}")
+        raise Bad(f"{name} is not a target; expected {listed(TARGETS)}")
     return TARGETS[name]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sum in the ordinary style, to compare areas with: rtl/fp/fp_add.sv bit by bit, without flags. Every word is as
-// wide as its contents: a significand of MAN+4 bits with carry, guard, round and sticky.
-// Latency: 1 clock, the input registers. Throughput: one a clock. Stall: none.
+// Adder in the ordinary style, to compare areas. Its result equals rtl/fp/fp_add.sv bit by bit, without flags.
+// Every word is as wide as its content: the significand has MAN+4 bits with carry, guard, round and sticky.
+// Latency: 1 cycle, the input registers. Throughput: one per cycle. Stall: none.
 module ordinary_add #(
     parameter  int EXP = 8,   // 3..11
     parameter  int MAN = 23,  // 2..52
@@ -40,7 +40,7 @@ module ordinary_add #(
     distance = ex - ey;
   end
 
-  // Align, what falls off as a sticky bit, and add.
+  // Aligns, with the shifted-out bits as a sticky bit, and adds.
   logic [S-1:0] sx, sy;
   logic [S:0] sum;
   logic unused_carry;

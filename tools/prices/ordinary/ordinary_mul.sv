@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Product in the ordinary style, to compare areas with: rtl/fp/fp_mul.sv bit by bit, without flags. The significand of
-// a subnormal operand is normalised in front of the multiplier (of the smaller operand alone where two subnormals
-// multiply to zero in any case); a result below the normal range is shifted back behind it.
-// Latency: 1 clock, the input registers. Throughput: one a clock. Stall: none.
+// Multiplier in the ordinary style, to compare areas. Its result equals rtl/fp/fp_mul.sv bit by bit, without flags.
+// A subnormal significand is normalised before the multiplier, only of the smaller operand if two subnormals always give
+// zero. A result below the normal range is shifted back after the multiplier.
+// Latency: 1 cycle, the input registers. Throughput: one per cycle. Stall: none.
 module ordinary_mul #(
     parameter  int EXP = 8,   // 3..11
     parameter  int MAN = 23,  // 2..52
@@ -15,7 +15,7 @@ module ordinary_mul #(
 );
   localparam int BIAS = (1 << (EXP - 1)) - 1;
   localparam bit BOTH = BIAS < MAN + 2;  // a product of two subnormals can be more than half of the smallest one
-  localparam int EB = ((1 << EXP) > MAN ? EXP : $clog2(MAN + 1)) + 2;  // bits of an exponent of either sign
+  localparam int EB = ((1 << EXP) > MAN ? EXP : $clog2(MAN + 1)) + 2;  // bits of a signed exponent
   localparam int KB = $clog2(MAN + 1);
   localparam int S = MAN + 4;
   localparam logic [EXP-1:0] EMAX = '1;
@@ -57,7 +57,7 @@ module ordinary_mul #(
     e = EB'(x[MAN+:EXP]) + EB'(y[MAN+:EXP]) - EB'(kx) - EB'(ky) - EB'(BIAS);
   end
 
-  // Hidden bit on top, guard, round and sticky below; then back where the exponent is below the normal range.
+  // Hidden bit on top, guard, round and sticky below. Then shifts back if the exponent is below the normal range.
   logic [2*MAN+1:0] top;
   logic [S-1:0] norm;
   logic [EB-1:0] e_norm, down;
