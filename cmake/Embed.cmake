@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # cde_embed(OUTPUT.cpp NAME=FILE ...)
 #
-# Writes a C++ source that defines `const PageAsset NAME` (tools/command/page/page.hpp) for every FILE: its text and the SHA-256 of
-# that text, which the content security policy of a page names. Files are read when the build is configured.
+# Writes a C++ source that defines `const PageAsset NAME` (tools/command/page/page.hpp) for every FILE. It holds the text of the file and
+# its SHA-256, which the content security policy of a page names. Files are read at configure time.
 function(cde_embed output)
   set(source "// Written by cmake/Embed.cmake.\n#include \"page/page.hpp\"\n\nnamespace cde::cli {\n")
   foreach(pair ${ARGN})
@@ -11,7 +11,7 @@ function(cde_embed output)
     file(READ ${file} text)
     string(SHA256 hash "${text}")
     if(text MATCHES "\r" OR text MATCHES "</(script|style)|<!--")
-      message(FATAL_ERROR "${file}: a carriage return or the end of an element cannot be inside a page")
+      message(FATAL_ERROR "${file}: contains a carriage return or the end of an HTML element; a page cannot hold these")
     endif()
     string(APPEND source "extern const PageAsset ${name} = {R\"cdepage(${text})cdepage\", \"${hash}\"};\n")
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` lays down, in components:
+# `cmake --install` has these components:
 #
-#   cde           the program cde, the RTL, the builder of bitstreams, those default bitstreams that are built, the documents
-#   cde-wave, cde-explain, cde-accuracy, cde-bench    the other programs
-#   library       libraries, headers, and the package for find_package(cde [COMPONENTS wave oracle ...])
+#   `cde`      The program cde, the RTL, the builder of simulation models, the built default models, and the documents.
+#   `cde-wave`, `cde-explain`, `cde-accuracy`, `cde-bench`    The other programs.
+#   `library`  Libraries, headers, and the package for find_package(cde [COMPONENTS wave oracle ...]).
 #
-# It works from any state of the build: a component's targets are built first. Bitstreams take minutes and are not; an
-# installed cde builds them on first use where it finds Verilator and clang.
+# It works from any state of the build, because the targets of a component are built first. Simulation models take minutes and are not
+# built. An installed cde builds them on first use if it finds Verilator and clang.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cde)
 get_property(libraries GLOBAL PROPERTY CDE_LIBRARIES)
 get_property(programs GLOBAL PROPERTY CDE_PROGRAMS)
 
-# Before a component is installed, those of its targets that are not built are built.
+# Builds the missing targets of a component before it is installed.
 function(cde_build_before component)
   add_custom_target(cde_installed_${component})
   add_dependencies(cde_installed_${component} ${ARGN})
@@ -31,7 +31,7 @@ function(cde_build_before component)
     endforeach()" COMPONENT ${component})
 endfunction()
 
-# ---- Libraries: an export of each, so that a package may lack some ----
+# ---- Libraries, with one export each, so that a package may lack some ----
 list(TRANSFORM libraries PREPEND cde_ OUTPUT_VARIABLE library_targets)
 cde_build_before(library ${library_targets})
 foreach(library IN LISTS libraries)
@@ -63,7 +63,7 @@ foreach(shell bash-completion zsh fish)
   install(DIRECTORY ${CDE_SHARE_DIR}/${shell} DESTINATION ${CMAKE_INSTALL_DATADIR} COMPONENT cde)
 endforeach()
 
-# ---- What bitstreams are built from ----
+# ---- Sources of simulation models ----
 set(share ${CMAKE_INSTALL_DATADIR}/cde)
 install(DIRECTORY rtl DESTINATION ${share} COMPONENT cde FILES_MATCHING PATTERN *.sv PATTERN *.svh PATTERN *.f)
 install(DIRECTORY host/include/cde/contract host/include/cde/abi DESTINATION ${share}/host/include/cde COMPONENT cde)
@@ -88,10 +88,10 @@ install(CODE "
   endforeach()
   if(left_out)
     list(LENGTH left_out count)
-    message(STATUS \"Not installed, because not built: \${count} of the default bitstreams. The installed cde builds what it needs \"
+    message(STATUS \"Not installed, because not built: \${count} of the default models. The installed cde builds what it needs \"
       \"on first use, with Verilator and clang; to install them, run `cmake --build ${PROJECT_BINARY_DIR}` first\")
   endif()" COMPONENT cde)
-# What others can write is not loaded, whatever umask the clone and this were made with.
+# cde does not load files that others can write. This removes such permissions, for any umask of the clone and the build.
 install(CODE "
   foreach(folder IN ITEMS ${share} ${CMAKE_INSTALL_LIBDIR}/cde)
     if(EXISTS \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${folder}\")

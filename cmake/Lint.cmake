@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Static checks as targets, and the fast ones as tests. tools/lint does the work. Faults planted in a copy of the sources by
-# tools/mutate: that its table fits the sources is a test, the faults themselves are one of tools/test --full.
+# Static checks as targets, and the fast ones as tests, with tools/lint. tools/mutate plants faults in a copy of the sources. A test checks
+# that its table fits the sources. The faults themselves are a test of tools/test --full.
 set(lint ${CMAKE_COMMAND} -E env CDE_BUILD=${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR}/tools/lint)
 add_custom_target(lint COMMAND ${lint} rtl lines slang yosys icarus rooms format scripts streams USES_TERMINAL VERBATIM)
 add_custom_target(tidy COMMAND ${lint} tidy USES_TERMINAL VERBATIM)

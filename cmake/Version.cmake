@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Writes version.cpp (host/include/cde/support/version.hpp) in every build, and touches it only if something in it is new.
+# Writes version.cpp (host/include/cde/support/version.hpp) in every build. An unchanged file keeps its time.
 #
 #   cmake -DOUTPUT=version.cpp -DSOURCE=ROOT -DVERSION=1.2.3 -DCOMPILER="GNU 12" -DTOOLCHAIN=FILE -P Version.cmake
 set(commit "")
