@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One pair, and one format of the profiles, at a time; a mark of a chart shows its figures. Without scripts all sections are there.
+// Shows one pair and one format of the profiles at a time. A click on a mark shows its figures. Without scripts all sections are visible.
 "use strict";
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Charts and tables of chosen formats alone, and a closer look at a chart. Without scripts all of it is there.
+// Filters charts and tables by format, and zooms charts. Without scripts everything is visible.
 "use strict";
 (() => {
   const SVG = "http://www.w3.org/2000/svg", CLOSEST = 1 / 64;
@@ -15,7 +15,7 @@
   const number = (element, name) => parseFloat(element.getAttribute(name));
   const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 
-  // ---- Axes of a closer look ----
+  // ---- Axes of a zoomed chart ----
   function ticks(low, high) {
     const decades = Math.log10(high / low), found = [];
     const factors = decades > 2 ? [1] : decades > 0.7 ? [1, 2, 5] : [...Array(90).keys()].map((k) => 1 + k / 10);
@@ -31,7 +31,7 @@
     return value >= 0.99 && value < 9999 ? String(value) : value.toExponential().replace("+", "");
   }
 
-  // ---- Dots by two figures, and the line of the best of those that are shown ----
+  // ---- Dots by two figures, and the line of the best visible dots ----
   class Scatter {
     constructor(group) {
       this.group = group;
@@ -76,7 +76,7 @@
     }
     axes() {
       if (!this.closer) return this.frame;
-      const bottom = this.top + this.tall, parts = [this.frame.at(-1)];  // the name of the axis
+      const bottom = this.top + this.tall, parts = [this.frame.at(-1)];  // the title of the axis
       for (const [range, view, across] of [[this.xs, this.view.x, true], [this.ys, this.view.y, false]]) {
         const at = (share) => range[0] * (range[1] / range[0]) ** share, values = ticks(at(view[0]), at(view[1]));
         const most = across ? Math.max(3, this.group.ownerSVGElement.clientWidth / 70) : 7, step = Math.ceil(values.length / most);
@@ -114,7 +114,7 @@
       }
       this.draw();
     }
-    // What was chosen last, or the middle of the view.
+    // The selected mark, or the middle of the view.
     centre() {
       const chosen = this.marks.find(({ part, x, y }) => part.classList.contains("chosen-mark") && shown(part) && this.inside(x, y));
       return chosen || { x: (this.view.x[0] + this.view.x[1]) / 2, y: (this.view.y[0] + this.view.y[1]) / 2 };

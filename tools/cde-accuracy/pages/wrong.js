@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where on the mesh the wrong pixels lie, in 3-D. Without scripts or WebGL the pictures below it stay.
+// Shows the wrong pixels on the mesh in 3-D. Without scripts or WebGL only the pictures below are visible.
 "use strict";
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
@@ -25,7 +25,7 @@
   geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes(data.corners).buffer), 1));
   geometry.computeBoundingSphere();
   const { center, radius } = geometry.boundingSphere;
-  // Phong's flat shading needs no normals; the offset keeps points in front of what they lie on.
+  // Flat shading needs no normals. The offset keeps points in front of the mesh.
   scene.add(new THREE.Mesh(geometry, new THREE.MeshPhongMaterial({ color: "#8d97a3", side: THREE.DoubleSide, flatShading: true,
     shininess: 0, specular: 0, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 })));
   scene.add(new THREE.HemisphereLight(0xdfe8f5, 0x6a707a, 0.8));
@@ -91,7 +91,7 @@
       cloud.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(own), 3));
     });
     readout.textContent = view.text;
-    canvas.setAttribute("aria-label", `The mesh and ${view.text} Arrow keys turn the view, plus and minus zoom.`);
+    canvas.setAttribute("aria-label", `The mesh. ${view.text} Arrow keys turn the view, plus and minus zoom.`);
     draw();
   }
   select.addEventListener("change", show);

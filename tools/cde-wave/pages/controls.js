@@ -16,7 +16,7 @@ const cdeControls = (page) => {
   canvas.addEventListener("wheel", wheel, { passive: false });
   ruler.addEventListener("wheel", wheel, { passive: false });
 
-  // A click on an edge that is near means the edge.
+  // A click near an edge selects the edge.
   function snapped(time, k) {
     const row = page.rows.shown[k];
     if (!row || !row.series) return page.within(time);
@@ -111,17 +111,17 @@ const cdeControls = (page) => {
   } };
   const keys = {
     "+": ["zoom in", () => page.zoom(1.5, atCursor())], "=": [null, () => page.zoom(1.5, atCursor())], "-": ["zoom out", () => page.zoom(1 / 1.5, atCursor())],
-    "0": ["the whole window", () => page.zoomTo(0, view.span)], z: ["from cursor to cursor", between],
+    "0": ["show the whole window", () => page.zoomTo(0, view.span)], z: ["show the time between the cursors", between],
     ArrowLeft: ["move left; with Shift a whole screen", (e) => page.pan(-page.width * (e.shiftKey ? 0.9 : 0.1))], ArrowRight: ["move right", (e) => page.pan(page.width * (e.shiftKey ? 0.9 : 0.1))],
-    Home: ["to the begin", () => page.cursorA(0)], End: ["to the end", () => page.cursorA(page.span)],
-    ArrowUp: ["signal above", () => page.choose(page.chosen - 1)], ArrowDown: ["signal below", () => page.choose(page.chosen + 1)],
+    Home: ["cursor A to the begin", () => page.cursorA(0)], End: ["cursor A to the end", () => page.cursorA(page.span)],
+    ArrowUp: ["select the signal above", () => page.choose(page.chosen - 1)], ArrowDown: ["select the signal below", () => page.choose(page.chosen + 1)],
     PageUp: ["a page of signals up", () => page.choose(page.chosen - Math.floor(scroll.clientHeight / ROW))], PageDown: ["a page of signals down", () => page.choose(page.chosen + Math.floor(scroll.clientHeight / ROW))],
     Enter: ["open or close a scope", () => page.fold(page.rows.shown[page.chosen])], " ": [null, () => page.fold(page.rows.shown[page.chosen])],
-    n: ["cursor A to the next change of the selected signal", () => page.change(1)], p: ["cursor A to the change before", () => page.change(-1)],
-    b: ["cursor B to where A is", () => { cursor.b = cursor.a; page.later(); }], x: ["exchange the cursors", () => { if (cursor.b !== null) { [cursor.a, cursor.b] = [cursor.b, cursor.a]; page.cursorA(cursor.a); } }],
-    c: ["remove cursor B", () => { cursor.b = null; page.later(); }], v: ["next form of the values", cycleForm], l: ["lanes in rows of their own", page.toggleLanes],
-    s: ["keep the selected signal at the top, or no longer", pin], f: ["close all scopes, or open all", () => { const { rows } = page; rows.fold(rows.shown.some((r) => r.type === "scope" && r.open)); rows.update(); page.arrange(); }],
-    "/": ["search signals", () => $("search").focus()], g: ["go to a time", () => $("goto").focus()], t: ["light or dark", () => theme(root.dataset.theme !== "dark", true)], "?": ["this list", () => $("keys").showModal()]
+    n: ["cursor A to the next change of the selected signal", () => page.change(1)], p: ["cursor A to the previous change", () => page.change(-1)],
+    b: ["cursor B to cursor A", () => { cursor.b = cursor.a; page.later(); }], x: ["exchange the cursors", () => { if (cursor.b !== null) { [cursor.a, cursor.b] = [cursor.b, cursor.a]; page.cursorA(cursor.a); } }],
+    c: ["remove cursor B", () => { cursor.b = null; page.later(); }], v: ["next form of the values", cycleForm], l: ["show lanes in separate rows", page.toggleLanes],
+    s: ["pin the selected signal to the top, or unpin it", pin], f: ["close or open all scopes", () => { const { rows } = page; rows.fold(rows.shown.some((r) => r.type === "scope" && r.open)); rows.update(); page.arrange(); }],
+    "/": ["search signals", () => $("search").focus()], g: ["go to a time", () => $("goto").focus()], t: ["light or dark colours", () => theme(root.dataset.theme !== "dark", true)], "?": ["this list", () => $("keys").showModal()]
   };
   function atCursor() {
     const x = (cursor.a - view.from) * view.scale;
@@ -142,8 +142,8 @@ const cdeControls = (page) => {
   const names = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", PageUp: "Page Up", PageDown: "Page Down" };
   const rowsOfKeys = Object.entries(keys).filter(([, [what]]) => what).map(([key, [what]]) => `<div><dt><kbd>${names[key] || key}</kbd></dt><dd>${page.escape(what)}</dd></div>`);
   $("keys").innerHTML = `<h2>Keys</h2><dl>${rowsOfKeys.join("")}</dl><h2>Mouse</h2><dl>${[
-    ["Click", "cursor A; an edge that is near is taken"], ["Shift, click", "cursor B"], ["Drag", "moves the waves; a cursor that is grabbed moves alone"], ["Drag on the ruler", "zooms to what is marked; so does Ctrl and drag on the waves"],
-    ["Wheel", "zooms where the pointer is; with Shift it moves; over names it scrolls"]].map(([key, what]) => `<div><dt>${key}</dt><dd>${what}</dd></div>`).join("")}</dl><form method="dialog"><button>Close</button></form>`;
+    ["Click", "sets cursor A, at an edge if one is near"], ["Shift, click", "sets cursor B"], ["Drag", "moves the waves, or the cursor under the pointer"], ["Drag on the ruler", "zooms to the marked time; also Ctrl and drag on the waves"],
+    ["Wheel", "zooms at the pointer; with Shift it moves; over names it scrolls"]].map(([key, what]) => `<div><dt>${key}</dt><dd>${what}</dd></div>`).join("")}</dl><form method="dialog"><button>Close</button></form>`;
 
   // ---- tools ----
   const on = (id, action) => $(id).addEventListener("click", action);
@@ -187,7 +187,7 @@ const cdeControls = (page) => {
   // ---- colours and print ----
   const dark = matchMedia("(prefers-color-scheme: dark)");
   let kept = null;
-  try { kept = localStorage.getItem("cde-waves-theme"); } catch { /* a page of a file may have no storage */ }
+  try { kept = localStorage.getItem("cde-waves-theme"); } catch { /* a page opened from a file may have no storage */ }
   function theme(isDark, keep = false) {
     root.dataset.theme = isDark ? "dark" : "light";
     $("theme").setAttribute("aria-pressed", isDark);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws rows on a canvas. What a frame costs depends on the pixels, and on the logarithm of the number of changes.
+// Draws rows on a canvas. The time per frame depends on the pixels, and on the logarithm of the number of changes.
 "use strict";
 const cdeDrawing = (() => {
   const { last } = cdeValues;
@@ -12,7 +12,7 @@ const cdeDrawing = (() => {
     return all;
   }
 
-  // The first index from `from` on whose time is not before `time`.
+  // The first index from `from` on with a time at or after `time`.
   function notBefore(times, from, time) {
     let step = 1, high = from;
     while (high < times.length && times[high] < time) { from = high + 1; high += step; step *= 2; }
@@ -25,7 +25,7 @@ const cdeDrawing = (() => {
     return from;
   }
 
-  // Calls steady(index, x, next, begins) for each value that is wide enough, busy(x, next) for the rest. `begins`: it changed at x.
+  // Calls steady(index, x, next, begins) for each value that is wide enough, and busy(x, next) for the others. `begins`: the value changed at x.
   function walk(times, view, width, steady, busy) {
     const X = (time) => (time - view.from) * view.scale;
     const stop = Math.min(width, X(view.span));
@@ -44,7 +44,7 @@ const cdeDrawing = (() => {
         do {
           right = Math.floor(right) + 1;
           i = notBefore(times, i + 1, view.from + right / view.scale) - 1;
-          // `i` holds at `right`; the block goes on while it does not stay.
+          // Value `i` holds at `right`. The block goes on until a value is wide enough.
         } while (right < stop && i + 1 < times.length && X(times[i + 1]) - right < NARROW);
         busy(left, Math.min(right, stop));
         x = right;
@@ -94,7 +94,7 @@ const cdeDrawing = (() => {
     }
   }
 
-  // Text within a width, cut with an ellipsis; nothing if not a character fits.
+  // Text within a width, cut with an ellipsis; empty if no character fits.
   function fitted(text, room, character) {
     const most = Math.floor(room / character);
     return text.length <= most ? text : most < 2 ? "" : text.slice(0, most - 1) + "…";

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rows of the page: scopes, signals, their lanes, and transactions; which of them are shown.
+// The rows of the page: scopes, signals, their lanes and transactions, and which of them are shown.
 "use strict";
 const cdeRows = (() => {
   const { Track, parseForm, laneBits, fits, text } = cdeValues;
 
-  // A signal, or some bits of it, in a form.
+  // A signal, or some of its bits, in a form.
   class SignalRow {
     constructor(view, track, scope, formats) {
       this.type = "signal";
@@ -29,7 +29,7 @@ const cdeRows = (() => {
       this.own = null;
     }
     get fullName() { return this.scope ? `${this.scope}.${this.name}` : this.name; }
-    // When these bits change, and the track's entries of that.
+    // The times at which these bits change, with the entries of the track.
     get series() {
       if (this.own) return this.own;
       const { track } = this, { times } = track;
@@ -45,7 +45,7 @@ const cdeRows = (() => {
     }
     bits(index) { return this.isText ? "" : this.track.bits(this.entry(index), this.first, this.width); }
     unknown(index) { return this.track.unknown(this.entry(index), this.first, this.width); }
-    // The value after change `index`, perhaps cut behind `room` characters.
+    // The value after change `index`, cut after about `room` characters.
     text(index, room = Infinity) {
       if (index < 0) return "x";
       if (this.isText) return this.track.text(this.entry(index));
@@ -63,7 +63,7 @@ const cdeRows = (() => {
       this.forget();
       if (this.lanes) this.showLanes(true);
     }
-    // Bits of a lane where there are several.
+    // Bits per lane, if there are several lanes.
     get laneWidth() {
       const lane = this.isText ? 0 : laneBits(this.form, this.width);
       return lane > 0 && lane < this.width && this.width % lane === 0 ? lane : 0;
@@ -91,7 +91,7 @@ const cdeRows = (() => {
       this.scope = "";
       this.level = 2;
       this.items = [];
-      this.hidden = 0;  // those that there is no row for
+      this.hidden = 0;  // transactions without a row
       this.end = -1;
     }
     get fullName() { return this.name; }
@@ -120,7 +120,7 @@ const cdeRows = (() => {
     for (const [first] of kinds.values()) {
       if (!first.hidden) continue;
       first.name += ` (+${first.hidden.toLocaleString("en")})`;
-      first.note = `${first.hidden.toLocaleString("en")} that overlap those of all its rows are not drawn`;
+      first.note = `${first.hidden.toLocaleString("en")} overlapping transactions are not drawn`;
     }
     return [...kinds.values()].flat();
   }
@@ -152,7 +152,7 @@ const cdeRows = (() => {
       this.total = data.views.length;
       this.update();
     }
-    // Part of a name, in any case, or a pattern of all of it.
+    // Matches a part of a name, ignoring case, or a pattern of the whole name.
     matcher() {
       const query = this.query.trim().toLowerCase();
       if (!query) return () => true;
@@ -161,7 +161,7 @@ const cdeRows = (() => {
       const whole = new RegExp(`^(.*\\.)?${pattern}$`);
       return (row) => whole.test(row.fullName.toLowerCase());
     }
-    // Rows as they are shown, one below the other.
+    // The shown rows, from top to bottom.
     update() {
       const matches = this.matcher(), searching = this.query.trim() !== "";
       this.shown = [];

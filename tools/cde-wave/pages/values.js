@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is packed in the page: changes of signals, times as text, and values in every form, as `cde wave at` writes them.
+// The packed data of the page: changes of signals, times as text, and values in every form, as `cde wave at` prints them.
 "use strict";
 const cdeValues = (() => {
-  // Changes of one signal. Times are counted from the begin of the window; entry 0 is the value there.
+  // Changes of one signal. Times count from the begin of the window. Entry 0 is the value there.
   class Track {
     constructor(meta, bytes, span) {
       Object.assign(this, { width: meta.w, count: meta.n, planes: meta.p || 1, texts: meta.texts || null, bytes, values: meta.v || 0 });
@@ -41,7 +41,7 @@ const cdeValues = (() => {
       const { bytes } = this, at = this.values + entry * 4;
       return this.texts[bytes[at] | bytes[at + 1] << 8 | bytes[at + 2] << 16 | bytes[at + 3] << 24];
     }
-    // Whether two entries have the same bits there.
+    // Whether two entries have the same bits in this range.
     same(a, b, first, width) {
       const { bytes, plane, planes, stride, pad } = this;
       const low = pad + first, high = low + width - 1;
@@ -70,7 +70,7 @@ const cdeValues = (() => {
     }
   }
 
-  // The last entry at or before a time, -1 if there is none.
+  // The last entry at or before a time, or -1.
   function last(times, time) {
     let low = 0, high = times.length;
     while (low < high) {
@@ -81,7 +81,7 @@ const cdeValues = (() => {
     return low - 1;
   }
 
-  // Forms: hex, dec, signed, bin, or a format of numbers, with |mask one that may be a condition; /N behind it is the bits of a lane.
+  // Forms: hex, dec, signed, bin, or a number format. With |mask the value may be a condition. /N after it sets the bits per lane.
   function parseForm(text, formats) {
     const [, name, mask, lane] = /^([a-z0-9]+)(\|mask)?(?:\/([1-9]\d{0,5}))?$/i.exec(text.trim()) || [];
     if (!name) return null;
@@ -94,7 +94,7 @@ const cdeValues = (() => {
     const [exponent, fraction] = sizes;
     return { ...form, kind: "number", mask: !!mask, exponent, fraction, own: 1 + exponent + fraction, bias: 2 ** (exponent - 1) - 1 };
   }
-  // Bits of a lane of such a form, or 0.
+  // Bits per lane of such a form, or 0.
   function laneBits(form, width) {
     if (form.lane) return form.lane;
     if (form.kind !== "number") return 0;
@@ -123,7 +123,7 @@ const cdeValues = (() => {
     const unit = 2 ** (Math.max(e, 1) - form.bias - form.fraction);
     return sign * (e === 0 ? fraction : fraction + 2 ** form.fraction) * unit;
   }
-  // The nearest number of a format, ties to even.
+  // The nearest number in a format, ties to even.
   function rounded(value, form) {
     const size = Math.abs(value);
     if (size === 0 || !isFinite(size)) return value;
@@ -135,7 +135,7 @@ const cdeValues = (() => {
     const near = (whole + (up ? 1 : 0)) * unit;
     return Math.sign(value) * (near >= 2 ** (form.bias + 1) ? Infinity : near);
   }
-  // The shortest text of a double, in the manner of C++'s fmt.
+  // The shortest text of a double, as C++ fmt prints it.
   function plain(value) {
     if (isNaN(value)) return "nan";
     const sign = value < 0 || Object.is(value, -0) ? "-" : "", size = Math.abs(value);
@@ -148,7 +148,7 @@ const cdeValues = (() => {
     if (bare.length <= e + 1) return sign + bare + "0".repeat(e + 1 - bare.length);
     return `${sign}${bare.slice(0, e + 1)}.${bare.slice(e + 1)}`;
   }
-  // So many digits, the nearest; of two that are as near the even one, as C's printf has it.
+  // Rounds to `digits` digits, ties to even, as printf in C.
   function nearest(value, digits) {
     const [up, exponent] = value.toExponential(digits - 1).split("e");
     const exact = Math.abs(value).toExponential(100).replace(".", "").split("e")[0];
@@ -156,7 +156,7 @@ const cdeValues = (() => {
     const tie = /^50*$/.test(exact.slice(digits));
     return Number(`${tie && last % 2 !== 0 ? up.slice(0, -1) + (last - 1) : up}e${exponent}`);
   }
-  // The shortest decimal that is this word again.
+  // The shortest decimal that reads back as this word.
   function number(bits, form) {
     if (!/^[01]+$/.test(bits)) return "x";
     const value = decoded(bits, form);
@@ -178,7 +178,7 @@ const cdeValues = (() => {
     const whole = BigInt("0b" + bits);
     return String(form.kind === "signed" ? BigInt.asIntN(bits.length, whole) : whole);
   }
-  // Bits in a form; of many lanes no more than `room` characters are made.
+  // Bits in a form. With many lanes, it stops after about `room` characters.
   function text(bits, form, room = Infinity) {
     const lane = laneBits(form, bits.length);
     if (lane === 0 || lane >= bits.length || bits.length % lane !== 0) return bits.length < lane ? "x" : one(bits, form);
@@ -187,7 +187,7 @@ const cdeValues = (() => {
     return made + "}";
   }
 
-  // A time in units of 10^scale seconds, a BigInt, with the largest unit that leaves a digit before the point.
+  // The text of a time, a BigInt in units of 10^scale seconds, with the largest unit that leaves a digit before the point.
   const UNITS = [["s", 0], ["ms", -3], ["us", -6], ["ns", -9], ["ps", -12], ["fs", -15]];
   function timeText(time, scale) {
     if (time < 0) return "-" + timeText(-time, scale);
@@ -199,7 +199,7 @@ const cdeValues = (() => {
     const fraction = digits.slice(-behind).replace(/0+$/, "");
     return digits.slice(0, -behind) + (fraction ? "." + fraction : "") + name;
   }
-  // A number with or without a unit in units of the file; NaN if it is none.
+  // A number with or without a unit, in units of the file; NaN if the text is not a number.
   function parseLength(text, scale) {
     const found = /^(\d*\.?\d+(?:e[-+]?\d+)?)\s*(s|ms|us|µs|ns|ps|fs)?$/i.exec(text.trim());
     if (!found) return NaN;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of waves: what is chosen, where the window is, and what keys and pointers do.
+// The page of waves: the selection, the window, and drawing.
 "use strict";
 (() => {
   const { parseForm, timeText, parseLength, unpack, last } = cdeValues, draw = cdeDrawing;
@@ -8,9 +8,9 @@
   const ROW = 26, FONT = "12px ui-monospace, \"DejaVu Sans Mono\", Menlo, Consolas, monospace";
   const canvas = $("waves"), ruler = $("ruler"), scroll = $("scroll"), list = $("list"), search = $("search"), formBox = $("form");
   let rows, colours, character = 7, width = 100, height = 100, chosen = 0, chosenItem = null, waiting = false, paper = false;
-  const view = { from: 0, scale: 0, span: span + 1 };  // a scale of 0: as much as there is
+  const view = { from: 0, scale: 0, span: span + 1 };  // scale 0: the whole window
   const cursor = { a: data.cursor, b: null };
-  let drag = null;  // what a pointer does that is down
+  let drag = null;  // the action of a pressed pointer
 
   const absolute = (time) => timeText(origin + BigInt(Math.round(time)), data.scale);
   function cycle(time) {
@@ -125,7 +125,7 @@
       pen.globalAlpha = 1;
     }
   }
-  // Times of the ruler's marks, from the begin of the window; round ones as they are counted in the file.
+  // Times of the ruler's marks, from the begin of the window. They are round in the time of the file.
   function ticks() {
     const by = draw.step(view, 104), begin = Number(origin % BigInt(Math.round(by))), all = [];
     for (let time = Math.ceil((view.from + begin) / by) * by - begin; time <= view.from + width / view.scale && time <= span; time += by) if (time >= 0) all.push(time);
@@ -135,7 +135,7 @@
     const tall = 44, pen = sized(ruler, width, tall), shown = width / view.scale;
     pen.fillStyle = colours.panel;
     pen.fillRect(0, 0, width, tall);
-    // Above: which part of the whole the window shows.
+    // Above: the visible part of the whole window.
     pen.fillStyle = colours.rule;
     pen.fillRect(0, 2, width, 5);
     pen.fillStyle = colours.soft;
@@ -252,7 +252,7 @@
     for (const [key, value] of t.fields) items.push(pair(key, value));
     return `<h2>${escape(t.kind)}: ${escape(t.label)} <small>${escape(t.scope)}</small></h2><dl>${items.join("")}</dl>`;
   }
-  // Lines that declare and drive the signal, with some around them.
+  // Source lines that declare and drive the signal, with some context.
   function sourceDetails(row) {
     const places = rows.sources && rows.sources.of[row.number];
     if (!places || !places.length) return "";
@@ -294,7 +294,7 @@
       arrange();
       tell(`${row.name} as ${form.name}: ${row.at(cursor.a)}`);
     } else {
-      tell(`${name} is no form for ${row.width} bits`);
+      tell(`${name} is not a form for ${row.width} bits`);
       own.hidden = false;
     }
     own.setAttribute("aria-invalid", !own.hidden);
@@ -307,7 +307,7 @@
     tell(`A ${moment(cursor.a)}${row && row.type !== "scope" ? `, ${row.name} ${row.at(cursor.a).slice(0, 80)}` : ""}`);
   }
 
-  // ---- what is chosen ----
+  // ---- the selection ----
   function arrange() {
     const tall = rows.shown.length * ROW;
     $("spacer").style.height = `${Math.max(0, tall - scroll.clientHeight)}px`;
@@ -352,14 +352,14 @@
     else if (parseLength(text, data.scale) < 2 ** 63) time = Number(BigInt(Math.round(parseLength(text, data.scale))) - origin);
     if (!(time >= 0 && time <= span)) {
       $("goto").setAttribute("aria-invalid", "true");
-      tell(`${text} is no time of this window, ${absolute(0)} to ${absolute(span)}`);
+      tell(`${text} is not a time in this window, ${absolute(0)} to ${absolute(span)}`);
       return;
     }
     $("goto").removeAttribute("aria-invalid");
     cursorA(time);
   }
 
-  // The page as other files add to it: pointers, keys, looks.
+  // The interface of the page for other files: pointers, keys, colours.
   const page = {
     $, data, view, cursor, span, canvas, ruler, scroll, list, ROW,
     get rows() { return rows; }, get width() { return width; }, get chosen() { return chosen; },
@@ -388,7 +388,7 @@
     arrange();
     settle();
   }
-  // All rows on a sheet that lies on its side, as far as that makes sense; before it is laid out for paper. The same times are drawn.
+  // Prepares all rows for printing on a landscape sheet, as far as they fit, before the layout for paper. The times stay the same.
   function print() {
     const times = width / view.scale;
     height = Math.min(rows.shown.length, 120) * ROW;
@@ -413,7 +413,7 @@
     root.dataset.ready = "yes";
   }
   start().catch((error) => {
-    $("about").textContent = `These waves cannot be shown: ${error.message}. A browser of 2023 or later is needed.`;
+    $("about").textContent = `These waves cannot be shown: ${error.message}. The page needs a browser from 2023 or later.`;
     root.dataset.ready = "no";
   });
 })();

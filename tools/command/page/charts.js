@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every chart can be saved: as an SVG that opens alone, and its figures as CSV. Without scripts there are no buttons.
+// Saves every chart as a separate SVG, and its figures as CSV. Without scripts there are no buttons.
 "use strict";
 (() => {
   const SVG = "http://www.w3.org/2000/svg", WIDTH = 760, MARGIN = 24;
-  // What a style sheet says of the elements of a chart becomes attributes, which every program that draws SVG reads.
+  // Style properties that become attributes, so that every SVG program can read them.
   const shape = { fill: "", stroke: "none", "stroke-width": "1px", "stroke-dasharray": "none", "stroke-linecap": "butt", opacity: "1" };
   const letters = { ...shape, "font-size": "", "font-weight": "400", "paint-order": "normal", "stroke-linejoin": "miter" };
   const looks = { rect: shape, circle: shape, line: shape, text: letters, tspan: letters };
   const meaning = new Set(["class", "role", "aria-label", "aria-hidden", "tabindex"]);
 
-  // Names are anything; XML has no control characters.
+  // Names may have any character, but XML has no control characters.
   const clean = (text) => text.replace(/[^\t\n\r\x20-\ud7ff\ue000-\ufffd\u{10000}-\u{10ffff}]/gu, "\ufffd");
   function element(name, attributes, ...children) {
     const made = document.createElementNS(SVG, name);
@@ -18,7 +18,7 @@
     return made;
   }
 
-  // A copy that needs no style sheet; percentages become lengths of a plot `width` pixels wide.
+  // A copy that needs no style sheet. Percentages become lengths for a plot `width` pixels wide.
   function plain(node, width) {
     if (node.nodeType === Node.TEXT_NODE) return document.createTextNode(clean(node.data));
     const copy = element(node.localName, {}), style = getComputedStyle(node);
@@ -34,7 +34,7 @@
     return copy;
   }
 
-  // Keys one after the other, in as many lines as they need.
+  // Places the keys of the legend in lines.
   function keys(list, width, top) {
     const group = element("g", {}), ruler = document.createElement("canvas").getContext("2d");
     let x = 0, y = top;
@@ -54,7 +54,7 @@
 
   function picture(figure) {
     const root = document.documentElement, chart = figure.querySelector(".chart"), source = chart.querySelector("svg");
-    root.classList.add("paper");  // in the colours of print, whatever the screen has
+    root.classList.add("paper");  // uses the colours for print
     try {
       const left = parseFloat(getComputedStyle(chart).paddingLeft), width = WIDTH - 2 * MARGIN - left;
       const style = getComputedStyle(document.body), soft = getComputedStyle(figure.querySelector(".tick")).fill;

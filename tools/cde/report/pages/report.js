@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The 3-D view of a run. Without scripts or WebGL the still picture that is in the page stays.
+// The 3-D view of a run. Without scripts or WebGL the still picture in the page stays.
 "use strict";
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
@@ -38,14 +38,14 @@
   const layers = { rays: new THREE.Group(), hits: new THREE.Group() };
   scene.add(layers.rays, layers.hits);
 
-  // What an object looks like; update(state) shows it as it was in a frame.
+  // Makes the view of an object. update(state) shows its state in a frame.
   function surface(object) {
     const geometry = new THREE.BufferGeometry();
     const corners = bytes(object.corners);
     const index = object.corner_bits === 16 ? new Uint16Array(corners) : new Uint32Array(corners);
     geometry.setIndex(new THREE.BufferAttribute(index, 1));
     if (object.points) geometry.setAttribute("position", new THREE.BufferAttribute(floats(object.points), 3));
-    // Phong's flat shading needs no normals; the offset keeps hits in front of what they lie on.
+    // Flat shading needs no normals. The offset keeps hits in front of surfaces.
     const material = new THREE.MeshPhongMaterial({ color: object.colour, side: THREE.DoubleSide, flatShading: index.length < 30000,
       shininess: 0, specular: 0, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 });
     const mesh = new THREE.Mesh(geometry, material);
@@ -62,7 +62,7 @@
       } else {
         const points = floats(state.points);
         first = first || points;
-        const all = first.slice();  // the first view has all of them, others what differs from it
+        const all = first.slice();  // the first view has all points, others only the changed range
         all.set(points, 3 * state.from);
         geometry.setAttribute("position", new THREE.BufferAttribute(all, 3));
         if (!material.flatShading) geometry.computeVertexNormals();
@@ -112,7 +112,7 @@
       met(ends[1]);
     };
   }
-  // A round dot; the points of WebGL are squares.
+  // A round dot. Points in WebGL are squares.
   const disc = document.createElement("canvas").getContext("2d");
   disc.canvas.width = disc.canvas.height = 32;
   disc.fillStyle = "#fff";
@@ -146,9 +146,9 @@
   const objects = data.objects.map((o) => o.kind === "surface" ? surface(o) : o.kind === "rays" ? rays() : solids(o));
   const queries = data.queries.map(hits);
 
-  // The camera goes round the middle of the scene.
+  // The camera turns about the middle of the scene.
   const target = vector(data.camera.target), away = new THREE.Spherical();
-  // Angles of the camera are taken about y, whatever axis is up.
+  // Camera angles are about y, for any up axis.
   const toUp = new THREE.Quaternion(), fromUp = new THREE.Quaternion(), home = new THREE.Vector3();
   const zAxis = new THREE.Vector3(0, 0, 1), yAxis = new THREE.Vector3(0, 1, 0);
   function setUp(axis) {
@@ -165,7 +165,7 @@
     away.setFromVector3(home);
     draw();
   }
-  // A round length as it looks in the middle of the view, and where x, y and z point.
+  // Draws a scale with a round length for the middle of the view, and the directions of x, y and z.
   const scale = document.getElementById("scale"), axes = document.getElementById("axes");
   scale.removeAttribute("hidden");
   axes.removeAttribute("hidden");
@@ -207,7 +207,7 @@
         renderer.setSize(width, height, false);
       }
       camera.aspect = width / height;
-      // On narrow screens the width decides what fits.
+      // On narrow screens the width limits the view.
       camera.fov = 2 * Math.atan(Math.tan(data.camera.fov * Math.PI / 360) * Math.max(1, 2 / camera.aspect)) * 180 / Math.PI;
       camera.position.setFromSpherical(away).applyQuaternion(fromUp).add(target);
       camera.lookAt(target);
@@ -257,7 +257,7 @@
     if (act) { act(); e.preventDefault(); }
   });
 
-  // The hit under the pointer, in words.
+  // Describes the hit under the pointer.
   const readout = document.getElementById("readout");
   let shown = 0;
   function pick(e) {
@@ -291,7 +291,7 @@
   function show(number) {
     shown = number;
     const view = data.views[number];
-    // A state of null is that of the first view.
+    // A null state means the state of the first view.
     view.objects.forEach((state, i) => objects[i](state || data.views[0].objects[i]));
     view.queries.forEach((state, i) => queries[i](state));
     slider.value = number;
