@@ -156,7 +156,7 @@ TEST(PairUnitGap, MayThrowButNotGiveWork) {
       work();
       return 0;
     };
-    expect_in("in a test()", refused([&] { unit->test(a, b, got, gap); }));
+    expect_in("runs a test()", refused([&] { unit->test(a, b, got, gap); }));
     unit->test(a, b, got);
     EXPECT_EQ(got, expected);
   }
@@ -188,7 +188,7 @@ TEST(ReferenceEdges, ObjectsLieWithinTheTriangles) {
   const RayScene scene = beam(random, 4, 30);
   for (const auto& [first, count] : {std::pair{20u, 11u}, {31u, 1u}, {~0u, 2u}, {5u, ~0u - 3}}) {
     const std::vector<Object> objects{{.first = first, .count = count}};
-    expect_in("reaches beyond the 30", refused([&] {
+    expect_in("exceeds the 30", refused([&] {
                 (void)reference::cast(scene.rays, scene.triangles, Mode::kNearest, {}, objects);
               }));
   }

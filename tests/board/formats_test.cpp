@@ -280,10 +280,9 @@ TEST(FormatInput, DefectsAreOfTheFormat) {
   expect_error(ErrorCode::kBadInput, "triangle 1: v1.z is 128.125, must be at most 2^7", [&] {
     upload({{0, 0, 1}, {1, 0, 128.1f}, {0, 1, 1}});
   });
-  expect_error(ErrorCode::kBadInput, "v1.z is 70000, beyond the largest number, 65504 in fp16",
-               [&] {
-                 upload({{0, 0, 1}, {1, 0, 70000}, {0, 1, 1}});
-               });
+  expect_error(ErrorCode::kBadInput, "v1.z is 70000, above the largest number, 65504 in fp16", [&] {
+    upload({{0, 0, 1}, {1, 0, 70000}, {0, 1, 1}});
+  });
   EXPECT_EQ(defect(Sphere{{0, 0, 0}, 1e-8f}, kFp16), "radius is 0, must be > 0 in fp16");
   EXPECT_EQ(defect(Aabb{{1, 1, 1}, {2, 2, 1.0002f}}, kFp16),
             "max.z is 1, must be > min.z = 1 in fp16");

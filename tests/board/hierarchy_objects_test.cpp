@@ -207,7 +207,7 @@ TEST(HierarchyOfObjects, WhatHasNoBoxIsRefused) {
   beyond.translation = {0x1p40f, 0, 0};
   world.objects[1].transform = beyond;
   board.move_object(1, beyond);
-  expect_error(ErrorCode::kBadInput, "beyond 2^40", [&] { board.refit(); });
+  expect_error(ErrorCode::kBadInput, "exceeds 2^40", [&] { board.refit(); });
   EXPECT_EQ(*board.no_way_through({}),
             "objects or their triangles have moved since the last refit(); call refit()");
   expect_error(ErrorCode::kBadInput, "part 1: secondary 0", [&] { (void)world.tree(); });
@@ -247,9 +247,9 @@ TEST(HierarchyOfObjects, MemoryThatIsNoTrees) {
   const std::uint32_t objects_at = 4 * 8 * 1024;  // after the slots of 1,024 nodes
   const std::vector<std::uint64_t> none(tree.order().size() / 2, 3 | std::uint64_t{3} << 32);
   board.bus_write(card::kSpaceSlots, objects_at, none);
-  expect_error(ErrorCode::kDevice, "has an object beyond the 3 there are",
+  expect_error(ErrorCode::kDevice, "has an object above the 3 of the card",
                [&] { (void)board.cast(rays, on); });
-  expect_error(ErrorCode::kDevice, "has an object beyond the 3 there are", [&] {
+  expect_error(ErrorCode::kDevice, "has an object above the 3 of the card", [&] {
     board.move_object(0, world.objects[0].transform);
     board.refit();
   });

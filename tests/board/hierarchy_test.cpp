@@ -294,7 +294,7 @@ TEST(HierarchyDriver, RefitsWhatHasMoved) {
     std::vector<Triangle> bad{scene[7]};
     bad[0].v1.y() = std::numeric_limits<float>::infinity();
     board.update_shapes<Triangle>(7, bad, false);
-    expect_error(ErrorCode::kBadInput, "no box holds it", [&] { (void)board.refit(); });
+    expect_error(ErrorCode::kBadInput, "no box can contain it", [&] { (void)board.refit(); });
     EXPECT_TRUE(board.no_way_through(query));
     board.update_shapes<Triangle>(7, std::span(scene).subspan(7, 1));
     (void)board.refit();
@@ -360,12 +360,10 @@ TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
       EXPECT_LT(c.corrected_words, c.pairs);
     }
     upload_with(word, bit | std::rotl(bit, 7));
-    expect_error(
-        ErrorCode::kDevice,
-        word < 18 ? "node 0 has more wrong bits" : "has more wrong bits than can be corrected",
-        [&] { (void)board.cast(its.rays, query); });
-    expect_error(ErrorCode::kDevice, "has more wrong bits than can be corrected",
-                 [&] { (void)board.refit(); });
+    expect_error(ErrorCode::kDevice,
+                 word < 18 ? "node 0 has an uncorrectable error" : "has an uncorrectable error",
+                 [&] { (void)board.cast(its.rays, query); });
+    expect_error(ErrorCode::kDevice, "has an uncorrectable error", [&] { (void)board.refit(); });
   }
   board.upload(its.tree);
   (void)board.refit();  // the refit writes new check bits
@@ -439,18 +437,18 @@ TEST_F(Malformed, EndsWithItsAddress) {
   root = tree_.nodes()[0];
   root.set_first_node(0);  // a cycle: the root is its own child
   write_node(0, root);
-  expect_fault("the hierarchy in the card's memory is none");
+  expect_fault("the BVH in the card's memory is malformed");
 
   for (std::uint32_t n = 0; n < tree_.nodes().size(); ++n) {
     hierarchy::Node node = tree_.nodes()[n];
     node.set_first_slot(1'280);
     write_node(n, node);
   }
-  expect_fault("is asked for, of 1280");
+  expect_fault("was requested; there are 1280");
 
   const std::vector<std::uint64_t> far(scene_.size() / 2, std::uint64_t{5'000} << 32 | 5'000);
   board_.bus_write(card::kSpaceSlots, 0, far);
-  expect_fault("has a secondary beyond the 1280 uploaded");
+  expect_fault("has a secondary above the 1280 uploaded");
 }
 
 /// Nodes with one child each that repeat forever: the traversal pushes no level on its stack and
@@ -466,7 +464,7 @@ TEST_F(Malformed, WithoutEnd) {
     node.set_corner(true, 0, axis, 255);
   }
   write_node(0, node);
-  expect_fault("there is no end to it");
+  expect_fault("its traversal does not end");
 }
 
 /// Random words and random bits in all memories give an error or records within a bounded number of
@@ -495,7 +493,7 @@ TEST_F(Malformed, RandomWords) {
     } catch (const Error& e) {
       ++faults;
       EXPECT_EQ(e.code(), ErrorCode::kDevice) << e.what();
-      EXPECT_NE(std::string(e.what()).find("is none: "), std::string::npos) << e.what();
+      EXPECT_NE(std::string(e.what()).find("is malformed: "), std::string::npos) << e.what();
     }
     EXPECT_LT(board_.clocks() - before, 300'000u);
     try {

@@ -98,8 +98,8 @@ TEST_F(AccuracyPage, TablesOfPricesThatAreNone) {
     EXPECT_EQ(ran.status, 2);
     EXPECT_TRUE(has(ran.err, "prices.json: " + says));
   };
-  refused("no JSON", "no table of prices");
-  refused("[]", "no table of prices");
+  refused("no JSON", "not a cost table");
+  refused("[]", "not a cost table");
   refused(R"({"rows": [{"what": "add"}]})", "row 1: ");
   json bad = some_prices();
   bad["rows"][3]["lut"] = "many";
@@ -404,7 +404,7 @@ TEST_F(AccuracyPage, ClocksOfScenes) {
   EXPECT_EQ(both.status, 2);
   EXPECT_TRUE(has(both.err, "clock.toml has clock_mhz = 50; only one of them may be given"));
   EXPECT_EQ(none.status, 2);
-  EXPECT_TRUE(has(none.err, "deep.json has none of hx8k"));
+  EXPECT_TRUE(has(none.err, "deep.json has no row of hx8k"));
 }
 
 }  // namespace

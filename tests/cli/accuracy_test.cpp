@@ -195,7 +195,7 @@ TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
   other.insert(other.end(), {"--seed", "7", "--resume", "journal"});
   const Ran refused = accuracy(other);
   EXPECT_EQ(refused.status, 2);
-  EXPECT_TRUE(has(refused.err, "is of a run with seed 1, this one has 7"));
+  EXPECT_TRUE(has(refused.err, "belongs to a run with seed 1; this run has 7"));
   EXPECT_EQ(read("journal"), lines);
   std::string old = lines;
   old.replace(old.find("journal.1"), 9, "journal.0");

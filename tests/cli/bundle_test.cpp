@@ -90,7 +90,7 @@ TEST_F(Bundles, ARecordThatIsKeptWrong) {
   const json j = bundle();
   EXPECT_EQ(j["happened_again"], true);
   EXPECT_EQ(j["differs_alone"], false);
-  EXPECT_EQ(j["stage"], "in what keeps the better answer");
+  EXPECT_EQ(j["stage"], "in the choice of the better answer");
   EXPECT_TRUE(j["wrong_signal"].get<std::string>().ends_with("update.better[0]"));
   EXPECT_EQ(j["cause_lines"][0]["file"], "update_lanes.sv");
   const std::string page = read("cde-failure/fail.txt");
@@ -108,7 +108,7 @@ TEST_F(Bundles, ACardThatHangs) {
   EXPECT_TRUE(has(ran.err, "packed in:   cde-failure\n"));
   EXPECT_EQ(bundle()["failure"], "timeout");
   const std::string page = read("cde-failure/fail.txt");
-  EXPECT_TRUE(has(page, "What had not ended:"));
+  EXPECT_TRUE(has(page, "Unfinished transactions:"));
   EXPECT_TRUE(has(page, "record of primary 0"));
 }
 
@@ -122,8 +122,8 @@ TEST_F(Bundles, APipeThatHangs) {
   EXPECT_EQ(ran.status, 4) << ran.err;
   EXPECT_EQ(ran.out, "") << "no answer was compared, so neither answers nor header are written";
   EXPECT_TRUE(has(ran.err,
-                  "lines 1 to 4: pair_unit: 3 of 3 rows of 1 pairs were taken and 2 "
-                  "answered, the last at clock 12; nothing went on for 1000000 clocks"));
+                  "lines 1 to 4: pair_unit: 3 of 3 rows of 1 pairs were taken and 2 answered, the "
+                  "last at cycle 12; there was no progress for 1000000 cycles"));
   EXPECT_TRUE(has(ran.err, "packed in:   cde-failure\n"));
   const json j = bundle();
   EXPECT_EQ(j["failure"], "timeout");
@@ -135,7 +135,8 @@ TEST_F(Bundles, APipeThatHangs) {
   const Planted other(folder_, "rtl/pair_unit.sv", ".d_i(tag)", ".d_i(tag ^ 32'd1)");
   const Ran exchanged = shell_in(other, query + "--no-bundle < rows");
   EXPECT_EQ(exchanged.status, 4) << exchanged.err;
-  EXPECT_TRUE(has(exchanged.err, "and 0 answered, the last at clock 2; then came an answer that"));
+  EXPECT_TRUE(
+      has(exchanged.err, "and 0 answered, the last at cycle 2; then an answer came for another"));
 }
 
 /// A deadline that the user set is not a failure of the card.

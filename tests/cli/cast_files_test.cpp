@@ -281,14 +281,14 @@ TEST_F(CastFiles, RaysFromArrays) {
   bad("0,0,0,0,0,1\n", "bad.npy: is not a NumPy array");
   bad(array_of("<c8", "(1, 6)", std::string(48, '\0')), "its numbers are '<c8'");
   bad(array_of("[('x', '<f4'), ('y', '<f8')]", "(1,)", std::string(12, '\0')),
-      "its field 'x' of 1 number is none that is read; rays are (..., 6)");
+      "its field 'x' of 1 number is not expected; rays are (..., 6)");
   bad(array_of("<f4", "(1, 5)", std::string(20, '\0')), "its shape is (1, 5)");
   bad(array_of("<f4", "(2, 6)", std::string(24, '\0')), "24 bytes behind its header");
   bad(array_of("<f4", "(9999999999999999999, 6)", std::string(24, '\0')),
-      "claims more than there can be");
+      "claims an impossible size");
   bad(array_of("<f4", "(1, 6)", std::string(24, '\0')), "ray 0: ");
   bad(array_of("<f8", "(1, 6)", bytes<double>({1e300, 0, 0, 0, 0, 1})), "ray 0: 1e+300 overflows");
-  bad(array_of("<f4", "(1, 6)", "").substr(0, 40), "is cut short in its header");
+  bad(array_of("<f4", "(1, 6)", "").substr(0, 40), "is truncated in its header");
 }
 
 /// A mesh with y up gives the same picture as the mesh with z up.

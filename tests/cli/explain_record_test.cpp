@@ -137,7 +137,7 @@ TEST_F(ExplainRecord, AsTextItEndsWithTheWinnerAndItsPair) {
   EXPECT_LT(at("3 more (--max)"), at("card       secondary 1 wins, T 2 (0x40000000)"));
   EXPECT_LT(at("Brute force in the reference: 4 of 5 pairs are candidates."),
             at("Primary 0 and secondary 1 in the pipe alone"));
-  at("The card's answer is the reference's.");
+  at("The card's answer equals the reference's.");
   const std::string none = text("nearest.toml:q:0:2");
   EXPECT_TRUE(has(none, "On the card 0 of 5 pairs are candidates."));
   EXPECT_TRUE(has(none, "no secondary wins"));

@@ -37,7 +37,7 @@ class Explain : public Cli {
 TEST_F(Explain, AGoodPipeIsFoundWholeAndTheSame) {
   const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 1 | 1.5 0 0 1"});
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_TRUE(has(ran.out, "The card's answer is the reference's."));
+  EXPECT_TRUE(has(ran.out, "The card's answer equals the reference's."));
   EXPECT_TRUE(has(ran.out, "sphere_sphere.sv:"));
   const Ran short_form = cde({"explain", "sphere-sphere", "0,0,0,1,1.5,0,0,1", "--json"});
   const json j = json::parse(short_form.out);

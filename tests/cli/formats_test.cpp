@@ -65,7 +65,7 @@ TEST_F(FormatCli, CastRefusesWhatTheFormatHasNot) {
           "most 2^7 in size in fp16");
   refused(cast("one.obj", "fp16", "0,0,300,0,0,1"), "ray 0: origin.z is 300, must be at most 2^7");
   refused(cast("one.obj", "fp16", "0,0,0,0,0,1,0,70000"),
-          "ray 0: tmax is 70000, beyond the largest number, 65504 in fp16");
+          "ray 0: tmax is 70000, above the largest number, 65504 in fp16");
   refused(cast("one.obj", "fp64", "0,0,0,0,0,1"), "fp16, bf16, tf32, fp24 or fp32");
 }
 

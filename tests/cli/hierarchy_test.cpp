@@ -82,11 +82,11 @@ TEST_F(CastHierarchy, OfWatertight) {
 }
 
 TEST_F(CastHierarchy, SaysWhyNot) {
-  refused({"--bvh", "--mode", "all"}, "mode all has records of all triangles");
+  refused({"--bvh", "--mode", "all"}, "mode all reports every triangle");
   refused({"--bvh", "--no-box"}, "the box rule");
   refused({"--bvh", "--algorithm", "watertight", "--no-box"}, "the box rule");
-  refused({"--bvh", "--format", "bf16"}, "percents of it in bf16");
-  refused({"--bvh", "--partition", "2"}, "are swept");
+  refused({"--bvh", "--format", "bf16"}, "bf16 would widen them by percents");
+  refused({"--bvh", "--partition", "2"}, "parts of a mesh use brute force");
   refused({"--no-bvh", "--mode", "occluded"}, "--mode occluded cannot be combined with --no-bvh");
   for (const std::string checks : {"rays", "rays:", "rays:x", "rays:-1", "some"})
     refused({"--check=" + checks}, "--check is '" + checks + "'");
@@ -277,7 +277,7 @@ TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
   std::string all, word;
   while (words >> word) all += word + " ";
   EXPECT_TRUE(has(all, "through a BVH in about")) << text.out;
-  EXPECT_TRUE(has(all, "sweeps of 128 lanes take")) << text.out;
+  EXPECT_TRUE(has(all, "brute force on 128 lanes takes")) << text.out;
   write("bad.toml", flight("hierarchy = \"yes\""));
   const Ran bad = cde({"plan", "bad.toml"});
   EXPECT_EQ(bad.status, 2);

@@ -56,8 +56,8 @@ TEST_F(Query, ABarBetweenAAndB) {
                     none = "0,nan,nan,nan,nan,nan,nan,nan,malformed\n";
   EXPECT_EQ(ran.out, kHeader + answer + answer + answer + none + none);
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err.find("cde: line 4: 3 words before the |, of 8 in all; A has 4\n"
-                         "cde: line 5, column 17: a second |; one stands between A and B\n"),
+  EXPECT_EQ(ran.err.find("cde: line 4: 3 words before the |, of 8 in all; A has 4\ncde: line 5, "
+                         "column 17: a second |; expected one, between A and B\n"),
             0u)
       << ran.err;
   const Ran ray = query({"ray-triangle", "-q"},
@@ -274,13 +274,13 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({"cylinder-cylinder", "--budget", "4,8,65"}, "budget: K2 is 65, expected 0 to 64");
   refused({"cylinder-cylinder", "--budget", "4,8,8,"}, "--budget is '4,8,8,'; it must be M,K1,K2");
   refused({"cylinder-cylinder", "--budget", "13"},
-          "--budget is 13; cylinder-cylinder takes 14 to 334 evaluations");
+          "--budget is 13; cylinder-cylinder needs 14 to 334 evaluations");
   refused({"obb-cylinder", "--budget", "29"},
-          "--budget is 29; obb-cylinder takes 30 to 258 evaluations");
+          "--budget is 29; obb-cylinder needs 30 to 258 evaluations");
   refused({"obb-cylinder", "--budget", "259"},
-          "--budget is 259; obb-cylinder takes 30 to 258 evaluations");
+          "--budget is 259; obb-cylinder needs 30 to 258 evaluations");
   refused({"triangle-cylinder", "--budget", "99999"},
-          "--budget is 99999; triangle-cylinder takes 26 to 254 evaluations");
+          "--budget is 99999; triangle-cylinder needs 26 to 254 evaluations");
   refused({}, "cde query needs PAIR");
 }
 

@@ -87,13 +87,15 @@ TEST_F(Ranks, AJournalOfSomethingElseIsRefused) {
   ASSERT_EQ(cde(cast("whole.csv", {"--resume", "journal"})).status, 0);
   const std::string journal = read("journal");
   refused(cast("x.csv", {"--resume", "journal", "--mode", "any"}),
-          "--resume: journal is of a run with mode \"nearest\", this one has \"any\"");
-  refused(cast("x.csv", {"--resume", "journal", "--no-check"}), "of a run with checked true");
+          "--resume: journal belongs to a run with mode \"nearest\"; this run has \"any\"");
+  refused(cast("x.csv", {"--resume", "journal", "--no-check"}),
+          "belongs to a run with checked true");
   Words other = cast("x.csv", {"--resume", "journal"});
   other[3] = "421x420";
-  refused(other, "journal is of a run with another input: chunk 0 of it differs");
+  refused(other, "journal belongs to a run with another input: its chunk 0 differs");
   write("square.obj", "v 0 0 0\nv 4 0 1\nv 4 3 0\nv 0 3 2\nf 1 2 3\nf 1 3 4\n");
-  refused(cast("x.csv", {"--resume", "journal"}), "journal is of a run with mesh \"square.obj ");
+  refused(cast("x.csv", {"--resume", "journal"}),
+          "journal belongs to a run with mesh \"square.obj ");
   EXPECT_EQ(read("journal"), journal) << "a refused journal must stay unchanged";
   EXPECT_FALSE(exists("x.csv"));
 }
@@ -105,15 +107,15 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
   std::string bad = journal;
   bad[at[1] + 3000] ^= 1;  // in the records of the second chunk
   write("bad", bad);
-  refused(cast("x.csv", {"--resume", "bad"}), "the chunk is not what was written");
-  refused({"merge", "bad"}, "the chunk is not what was written");
+  refused(cast("x.csv", {"--resume", "bad"}), "the chunk is damaged");
+  refused({"merge", "bad"}, "the chunk is damaged");
   bad = journal;
   bad.replace(at[2], 8, "{\"prat\":");
   write("bad", bad);
   refused(cast("x.csv", {"--resume", "bad"}), fmt::format("bad, byte {}: not a chunk", at[2]));
   bad = journal.substr(0, at[2]) + journal.substr(at[1]);
   write("bad", bad);
-  refused(cast("x.csv", {"--resume", "bad"}), "the chunk was there before");
+  refused(cast("x.csv", {"--resume", "bad"}), "the chunk appears twice");
   bad = journal;
   bad.replace(bad.find("\"bytes\":") + 8, 1, "99");
   write("bad", bad);
@@ -156,11 +158,11 @@ TEST_F(Ranks, AJournalThatOthersCouldWriteIsNotRun) {
   ASSERT_EQ(cde(cast("x.csv", {"--resume", "journal"})).status, 0);
   fs::remove(folder_ / "x.csv");
   fs::permissions(folder_ / "journal", fs::perms::others_write, fs::perm_options::add);
-  refused({"merge", "journal"}, "journal is refused, as its command would be run: all users");
+  refused({"merge", "journal"}, "journal is refused, because its command would be run: all users");
   fs::permissions(folder_ / "journal", fs::perms::others_write, fs::perm_options::remove);
   if (::geteuid() == 0) {
     ASSERT_EQ(::chown((folder_ / "journal").c_str(), 65534, 65534), 0);
-    refused({"merge", "journal"}, "it belongs to user 65534; a copy of your own is read");
+    refused({"merge", "journal"}, "it belongs to user 65534; make a copy of your own");
     fs::copy_file(folder_ / "journal", folder_ / "copy");
     ASSERT_EQ(cde({"merge", "copy"}).status, 0);
   }
@@ -174,7 +176,7 @@ TEST_F(Ranks, MergeWritesOverNoJournal) {
 }
 
 TEST_F(Ranks, AJournalKeepsWordsOfUtf8) {
-  refused(cast("\xff.csv", {"--resume", "journal"}), "--resume keeps the command line");
+  refused(cast("\xff.csv", {"--resume", "journal"}), "--resume stores the command line");
 }
 
 TEST_F(Ranks, AJournalIsOfOneProcess) {
@@ -196,18 +198,18 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
   EXPECT_EQ(merged.status, 0) << merged.err;
   EXPECT_TRUE(same("merged.csv", "plain.csv"));
 
-  refused({"merge", "s1", "s3"}, "chunk 1 of 3 is in none of the journals: that of shard 2/3 is");
+  refused({"merge", "s1", "s3"}, "chunk 1 of 3 is in no journal; the journal of shard 2/3 is");
   refused({"merge", "s1", "s2", "s3", "s1"}, "cde merge: chunk 0 is in s1 and in s1");
   const std::string half = read("s2");
   write("s2", half.substr(0, half.size() - 30));
   refused({"merge", "s1", "s2", "s3"}, "s2 (shard 2/3) is not finished");
   ASSERT_EQ(cde(cast("o.csv", {"--mode", "any", "--resume", "any", "--shard", "2/3"})).status, 0);
-  refused({"merge", "s1", "any", "s3"}, "any is of a run with mode \"any\", this one has");
+  refused({"merge", "s1", "any", "s3"}, "any belongs to a run with mode \"any\"; this run has");
   Words others = cast("o.csv", {"--resume", "other", "--shard", "2/3"});
   others[3] = "420x419";
   ASSERT_EQ(cde(others).status, 0);
   write("s2", half);
-  refused({"merge", "s1", "other", "s3"}, "s1 and other are of runs with different inputs");
+  refused({"merge", "s1", "other", "s3"}, "s1 and other belong to runs with different inputs");
   write("empty", "");
   refused({"merge", "s1", "empty", "s3"}, "empty is not finished; its command has not begun");
   write("torn", half.substr(0, 100));
@@ -226,7 +228,7 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
   EXPECT_EQ(printed.out, read("rays.csv")) << printed.err;
   write("rays", rays + "7,7,7,0,0,-1\n");
   EXPECT_EQ(cde({"merge", "printed"}).out, "") << "no part may be printed";
-  refused({"merge", "whole"}, "whole is of a run with another input: chunk 0 of it differs");
+  refused({"merge", "whole"}, "whole belongs to a run with another input: its chunk 0 differs");
   refused(cast("x.csv", {"--shard", "1/2"}), "--shard needs --resume");
   refused(cast("x.csv", {"--shard", "0/2", "--resume", "x"}), "--shard is '0/2'; it must be I/N");
   refused(cast("x.csv", {"--shard", "1/2", "--resume", "x", "--boards", "2"}),
@@ -256,9 +258,9 @@ TEST_F(Ranks, ChunksGoThroughAHierarchy) {
     EXPECT_EQ(counted(rest), counted(one)) << end;
   }
   refused(through("x.csv", kSide, {"--resume", "journal", "--no-bvh"}),
-          "journal is of a run with through \"hierarchy\", this one has \"sweep\"");
+          "journal belongs to a run with through \"hierarchy\"; this run has \"sweep\"");
   refused(through("x.csv", kSide, {"--resume", "journal", "--check=rays:9"}),
-          "journal is of a run with swept_rays 64, this one has 9");
+          "journal belongs to a run with swept_rays 64; this run has 9");
 
   for (const char* i : {"1", "2"}) {
     const Ran ran = cde(through("merged.csv", kSide,
@@ -332,12 +334,12 @@ TEST_F(Ranks, ShardsOfAQueryMakeUpTheWhole) {
   const Ran mixed = shell("\"$CDE\" merge q1 q3");
   EXPECT_EQ(mixed.status, 2);
   EXPECT_EQ(mixed.out, "");
-  EXPECT_TRUE(has(mixed.err, "q1 and q3 are of runs with different inputs"));
+  EXPECT_TRUE(has(mixed.err, "q1 and q3 belong to runs with different inputs"));
   EXPECT_EQ(shell(query + "--resume journal -o answers < pairs").status, 2);
   EXPECT_EQ(read("answers"), plain.out);
   const Ran other = shell("head -n 100000 pairs | " + query + "--resume journal");
   EXPECT_EQ(other.status, 2);
-  EXPECT_TRUE(has(other.err, "journal is of a run with another input"));
+  EXPECT_TRUE(has(other.err, "journal belongs to a run with another input"));
 }
 
 TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
@@ -374,7 +376,7 @@ TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
   EXPECT_EQ(counted("merged.run"), counted("plain.run"));
   const Ran other = cde({"run", run[1], "--frames", "3..8", "--exact-card", "--resume", "1"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_TRUE(has(other.err, "1 is of a run with frames [3,7], this one has [3,8]"));
+  EXPECT_TRUE(has(other.err, "1 belongs to a run with frames [3,7]; this run has [3,8]"));
   for (const Words& more : std::initializer_list<Words>{
            {"--trace", "w.fst"}, {"--report", "r.html"}, {"--fault", "parity@3"}})
     EXPECT_TRUE(has(with({"--resume", "x", more[0], more[1]}).err, "work only in one process"));
@@ -493,7 +495,7 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
   EXPECT_EQ(count(verb.err, "2 ranks were started, and each would do the same"), 1) << verb.err;
   const Ran shard = shell(run(2) + words(cast("x.csv", {"--shard", "1/2", "--resume", "j"})));
   EXPECT_EQ(shard.status, 2);
-  EXPECT_TRUE(has(shard.err, "--shard is for processes that are not ranks"));
+  EXPECT_TRUE(has(shard.err, "--shard cannot be combined with the ranks"));
   // Ranks that disagree: the second one starts with another option.
   const Ran differ = shell(run(1) + words(cast("x.csv")) + " : -n 1 \"$CDE\"" +
                            words(cast("x.csv", {"--no-check"})));
@@ -502,7 +504,7 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
   EXPECT_TRUE(has(differ.err, " '--no-check', rank 0 on "));
   const Ran waves = shell("export CDE_WAVES=.; " + run(2) + words(cast("x.csv")));
   EXPECT_EQ(waves.status, 2);
-  EXPECT_EQ(count(waves.err, "CDE_WAVES is of one process"), 1) << waves.err;
+  EXPECT_EQ(count(waves.err, "CDE_WAVES needs a single process"), 1) << waves.err;
   EXPECT_FALSE(exists("x.csv"));
 }
 

@@ -63,7 +63,7 @@ only_hits = true
             nlohmann::json::array({"hit.000002.csv", "sky.000002.csv"}));
   const Ran other = cde({"run", "two.toml", "-q", "--resume", "journal", "--file-per-frame"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_TRUE(has(other.err, "with file_per_frame false, this one has true")) << other.err;
+  EXPECT_TRUE(has(other.err, "with file_per_frame false; this run has true")) << other.err;
 }
 
 /// The same records as words and as an array. One table has hits only, so its length is unknown at

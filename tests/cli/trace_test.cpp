@@ -55,7 +55,7 @@ TEST_F(TraceWindow, ThatTheRunDoesNotComeToIsSaid) {
       "echo '0,0,0,1,3,0,0,1' | \"$CDE\" query sphere-sphere -q --trace w.fst --trace-window "
       "9000:");
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_TRUE(has(ran.err, "w.fst has no clock of the run"));
+  EXPECT_TRUE(has(ran.err, "w.fst has no cycle of the run"));
 }
 
 TEST_F(TraceWindow, OfACastIsItsClocks) {

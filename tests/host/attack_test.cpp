@@ -193,14 +193,14 @@ TEST(AttackTest, PlyHeaders) {
   const std::string binary = "ply\nformat binary_little_endian 1.0\n";
   expect_error(ErrorCode::kFile, "4294967295 vertex rows are announced, but only 4 bytes follow",
                [&] { load(binary + "element vertex 4294967295\n" + vertex + "end_header\nabcd"); });
-  expect_error(ErrorCode::kFile, "18446744073709551615 vertices are more than 32 bits count", [&] {
+  expect_error(ErrorCode::kFile, "18446744073709551615 vertices exceed the 32-bit limit", [&] {
     load(binary + "element vertex 18446744073709551615\n" + vertex + "end_header\n");
   });
   expect_error(ErrorCode::kFile, "h.ply:3: '-1' is not a count",
                [&] { load(binary + "element vertex -1\n" + vertex + "end_header\n"); });
   expect_error(ErrorCode::kFile, "element 'vertex' has no properties",
                [&] { load(binary + "element vertex 999999999\nend_header\n"); });
-  expect_error(ErrorCode::kFile, "element 'vertex' stands twice",
+  expect_error(ErrorCode::kFile, "element 'vertex' appears twice",
                [&] { load(binary + "element vertex 1\nelement vertex 1\n"); });
   expect_error(ErrorCode::kFile, "needs x, y and z",
                [&] { load(binary + "element vertex 1\nproperty float x\nend_header\n"); });

@@ -49,7 +49,7 @@ TEST(ScheduledFaults, MistakesAreNamed) {
   for (const char* kind :
        {"retry", "master-abort", "lost-interrupt", "no-answer", "no-grant", "hang"})
     refused((kind + std::string(":1:5000@1")).c_str(),
-            (kind + std::string(" has no VALUE; it must be KIND[:COUNT]@FRAME")).c_str());
+            (kind + std::string(" takes no VALUE; it must be KIND[:COUNT]@FRAME")).c_str());
 }
 
 TEST(ScheduledFaults, NeedABusThatCanHaveThem) {

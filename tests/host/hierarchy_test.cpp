@@ -160,14 +160,13 @@ TEST(Hierarchy, RefitFollowsWhatMoves) {
   h.refit(boxes);
   expect_sound(h, boxes);
   boxes.pop_back();
-  expect_error(ErrorCode::kUsage, "2999 secondaries for a hierarchy of 3000",
-               [&] { h.refit(boxes); });
+  expect_error(ErrorCode::kUsage, "2999 secondaries for a BVH of 3000", [&] { h.refit(boxes); });
 }
 
 TEST(Hierarchy, WhatCannotBeBuiltIsSaid) {
-  expect_error(ErrorCode::kUsage, "a hierarchy with leaves of 3: 1 or 2",
+  expect_error(ErrorCode::kUsage, "a BVH with leaves of 3; expected 1 or 2",
                [] { (void)Hierarchy::build(Boxes{}, {.leaf = 3}); });
-  const std::string must = "; it must not be empty, nor beyond 2^40";
+  const std::string must = "; it must not be empty or exceed 2^40";
   const float nan = std::nanf(""), large = 0x1.000002p40f;
   const std::pair<AlignedBox3f, std::string> bad[] = {
       {{Vector3f(1, 0, 0), Vector3f(0, 0, 0)}, "1,0,0 to 0,0,0"},
@@ -223,12 +222,12 @@ TEST(Hierarchy, DamagedFilesAreRefused) {
     }
     return std::string("nothing");
   };
-  EXPECT_EQ(refused(""), ": not a hierarchy (cde.hierarchy.2)");
-  EXPECT_EQ(refused("solid"), ": not a hierarchy (cde.hierarchy.2)");
+  EXPECT_EQ(refused(""), ": not a BVH file (cde.hierarchy.2)");
+  EXPECT_EQ(refused("solid"), ": not a BVH file (cde.hierarchy.2)");
   std::string later = whole;
   later[14] = '1';
-  EXPECT_EQ(refused(later), ": a hierarchy of another version than cde.hierarchy.2");
-  EXPECT_EQ(refused(whole.substr(0, 60)), ": a hierarchy that is cut off in its head");
+  EXPECT_EQ(refused(later), ": a BVH file of another version; expected cde.hierarchy.2");
+  EXPECT_EQ(refused(whole.substr(0, 60)), ": a BVH file that is truncated in its header");
   for (std::size_t size = 14; size < whole.size(); size += 7)
     EXPECT_NE(refused(whole.substr(0, size)), "nothing") << size;
   EXPECT_NE(refused(whole + "x"), "nothing");
@@ -252,13 +251,13 @@ TEST(Hierarchy, DamagedFilesAreRefused) {
   EXPECT_EQ(refused(sealed(whole)), "nothing") << "the file must be accepted";
   std::string other = whole;
   other[16 + 4 * 3 + 2] ^= 1;  // first number of the box
-  EXPECT_EQ(refused(sealed(other)), ": its box is not that of its root");
+  EXPECT_EQ(refused(sealed(other)), ": its box differs from its root's");
   other = whole;
   other[16 + 4 * 9 + 4 * 3] = 127;  // first exponent of the root
-  EXPECT_EQ(refused(sealed(other)), ": node 0 has the exponent 127, must be -80 to 40");
+  EXPECT_EQ(refused(sealed(other)), ": node 0 has exponent 127; expected -80 to 40");
   std::string none =
       whole.substr(0, 16) + std::string(4, '\0') + "\1" + std::string(3 + 4 + 24 + 4, '\0');
-  EXPECT_EQ(refused(sealed(none + std::string(64, 'x'))), ": a hierarchy without a root");
+  EXPECT_EQ(refused(sealed(none + std::string(64, 'x'))), ": a BVH without a root");
 }
 
 // ---- Objects ----
@@ -343,7 +342,7 @@ TEST(HierarchyOfObjects, WhatCannotBeBuiltIsSaid) {
     EXPECT_EQ(std::string(e.what()).find("part 1: secondary 5: its box is"), 0u) << e.what();
   }
   EXPECT_EQ(refused(std::vector<Object>(40'000, {0, 1, {}}), ErrorCode::kCapacity),
-            "a hierarchy of 40000 parts: it may have 32768");
+            "a BVH of 40000 parts; expected at most 32768");
   for (const std::vector<std::uint32_t>& parts :
        {std::vector<std::uint32_t>{}, {39}, {41}, {20, 0, 20}, {~0u, 41}})
     EXPECT_THROW((void)Hierarchy::build(triangles, parts), Error);
@@ -364,18 +363,19 @@ TEST(HierarchyOfObjects, PartsAreCheckedToBeThoseOfTheTree) {
   };
   EXPECT_EQ(defect([](auto&) {}), "nothing");
   EXPECT_EQ(defect([](auto& p) { p[2].first_node += 1; }),
-            "part 2 is not behind the one before it");
-  EXPECT_EQ(defect([](auto& p) { p[0].first_node = 0; }), "part 0 is not behind the one before it");
-  EXPECT_EQ(defect([](auto& p) { p[3].nodes += 1; }), "part 3 reaches beyond all nodes or slots");
-  EXPECT_EQ(defect([](auto& p) { p.pop_back(); }), "the parts do not have all nodes and slots");
+            "part 2 does not follow the part before it");
+  EXPECT_EQ(defect([](auto& p) { p[0].first_node = 0; }),
+            "part 0 does not follow the part before it");
+  EXPECT_EQ(defect([](auto& p) { p[3].nodes += 1; }), "part 3 exceeds the nodes or slots");
+  EXPECT_EQ(defect([](auto& p) { p.pop_back(); }), "the parts do not cover all nodes and slots");
   EXPECT_TRUE(has(defect([](auto& p) {
                     p[1].nodes += 1;
                     p[2].first_node += 1;
                     p[2].nodes -= 1;
                   }),
-                  "has in node"));
-  EXPECT_TRUE(
-      has(defect([](auto& p) { p[1].secondaries -= 1, p[2].secondaries += 1; }), "has in node"));
+                  "has another part's node or slot in node"));
+  EXPECT_TRUE(has(defect([](auto& p) { p[1].secondaries -= 1, p[2].secondaries += 1; }),
+                  "has another part's node or slot in node"));
 }
 
 // ---- Malformed nodes ----
@@ -397,7 +397,7 @@ TEST(HierarchyNodes, AreCheckedToBeATree) {
   ASSERT_GT(good.size(), 2u);
   ASSERT_EQ(good[0].child(0), Child::kNode);
   EXPECT_EQ(defect_in(good, 20), "");
-  EXPECT_EQ(defect_in({}, 0), "a hierarchy without a root");
+  EXPECT_EQ(defect_in({}, 0), "a BVH without a root");
   EXPECT_EQ(defect_in(good, 21), "slot 20 is in no leaf");
   EXPECT_TRUE(has(defect_in(good, 19), "there is no slot 19"));
   const auto with = [&](const std::function<void(Node&)>& change) {
@@ -405,11 +405,12 @@ TEST(HierarchyNodes, AreCheckedToBeATree) {
     change(bad[0]);
     return defect_in(bad, 20);
   };
-  EXPECT_EQ(with([](Node& n) { n.set_first_node(0); }), "node 0 child 0: node 0 is not behind it");
+  EXPECT_EQ(with([](Node& n) { n.set_first_node(0); }),
+            "node 0 child 0: node 0 does not follow its parent");
   EXPECT_EQ(with([](Node& n) { n.set_first_node(1000); }), "node 0 child 0: there is no node 1000");
   EXPECT_NE(with([](Node& n) { n.set_child(0, Child::kNone); }), "");
   EXPECT_EQ(with([](Node& n) { n.set_exponent(1, 41); }),
-            "node 0 has the exponent 41, must be -80 to 40");
+            "node 0 has exponent 41; expected -80 to 40");
   EXPECT_EQ(with([](Node& n) {
               n.set_origin({0, INFINITY, 0});
             }),

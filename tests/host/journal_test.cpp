@@ -52,11 +52,11 @@ TEST_F(Journals, WholeEntriesBehindADamagedOneAreNotDropped) {
     for (const char* number : {"1000000", "4294967295", "1099511627775"}) {
       const std::string damaged = claiming(chunk, number);
       folder_.write("journal", damaged);
-      expect_error(ErrorCode::kFile,
-                   fmt::format("byte {}: the chunk is said to have {} bytes, but another entry "
-                               "begins at byte ",
-                               starts_[chunk], number),
-                   [&] { (void)chunks_of(damaged); });
+      expect_error(
+          ErrorCode::kFile,
+          fmt::format("byte {}: the chunk claims {} bytes, but another entry begins at byte ",
+                      starts_[chunk], number),
+          [&] { (void)chunks_of(damaged); });
       EXPECT_EQ(bytes(), damaged) << "the journal must not be truncated";
     }
   }

@@ -73,7 +73,7 @@ TEST(SceneMemory, ManyObjectsAreCountedTogether) {
     names += fmt::format("{}\"r{}\"", i == 0 ? "" : ", ", i);
   }
   expect_refused(text + query("[" + names + "]"),
-                 {"object 'r3'", "4000000 rays take 611 MB", "with the objects before 2442 MB"});
+                 {"object 'r3'", "4000000 rays need 611 MB", "with earlier objects 2442 MB"});
 }
 
 TEST(SceneMemory, OtherSourcesToo) {

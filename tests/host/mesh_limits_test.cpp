@@ -115,7 +115,7 @@ TEST_F(MeshAttack, ABufferThatIsAFifoIsRefused) {
   ASSERT_EQ(load_mesh(folder_.write("good.gltf", gltf("b.bin", 0))).faces.size(), 1u);
   ASSERT_EQ(::mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   const fs::path mesh = folder_.write("a.gltf", gltf("fifo", 0));
-  expect_error(ErrorCode::kFile, "fifo, which is no regular file",
+  expect_error(ErrorCode::kFile, "fifo, which is not a regular file",
                [&] { (void)load_mesh(mesh, kShort); });
 }
 
@@ -157,7 +157,7 @@ TEST_F(MeshAttack, A3mfThatUnpacksToGigabytes) {
   const std::string bytes = file_of_3mf(1'000'000);
   ASSERT_LT(bytes.size(), 200'000u);
   const fs::path large = folder_.write("large.3mf", bytes);
-  expect_error(ErrorCode::kFile, "of the 100 MB that it may; CDE_MESH_MEMORY sets another limit",
+  expect_error(ErrorCode::kFile, "of its 100 MB; CDE_MESH_MEMORY sets another limit",
                [&] { (void)load_mesh(large, {.memory = 100u << 20}); });
 }
 
@@ -168,7 +168,7 @@ TEST_F(MeshAttack, AssimpsReasonIsTold) {
   const std::string whole = chunks_of_glb(json, std::string(36, '\0'));
   const fs::path cut = folder_.write("cut.glb", whole.substr(0, whole.size() - 60));
   expect_error(ErrorCode::kFile,
-               "cut.glb: is not read as .glb: damaged, cut off or of another version",
+               "cut.glb: cannot be read as .glb: damaged, truncated or of another version",
                [&] { (void)load_mesh(cut); });
   const fs::path unknown = folder_.write("unknown.3mf", zip({{"other.txt", "x"}}));
   expect_error(ErrorCode::kFile,

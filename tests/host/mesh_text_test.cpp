@@ -152,7 +152,7 @@ TEST(MeshText, BytesBehindTheLastFacetAreAWarning) {
       expect_square(mesh);
       ASSERT_EQ(mesh.warnings.size(), 1u);
       EXPECT_TRUE(mesh.warnings[0].ends_with(
-          fmt::format("a.stl: byte 184: {} bytes behind the last of 2 facets are left out", more)))
+          fmt::format("a.stl: byte 184: {} bytes after the last of 2 facets are ignored", more)))
           << mesh.warnings[0];
     }
     expect_error(ErrorCode::kFile,
@@ -170,14 +170,14 @@ TEST(MeshText, BytesBehindTheLastRowOfAPlyAreAWarning) {
   const Mesh ascii = load_mesh(folder.write("a.ply", kPly + "\n 7 8\n"));
   expect_square(ascii);
   ASSERT_EQ(ascii.warnings.size(), 1u);
-  EXPECT_TRUE(ascii.warnings[0].ends_with("a.ply:15: 6 bytes behind the last row are left out"))
+  EXPECT_TRUE(ascii.warnings[0].ends_with("a.ply:15: 6 bytes after the last row are ignored"))
       << ascii.warnings[0];
   const std::string whole = testing::bytes_of(small_mesh("icosphere.ply"));
   const Mesh mesh = load_mesh(folder.write("b.ply", whole + "xyz"));
   EXPECT_EQ(mesh.faces.size(), 1280u);
   ASSERT_EQ(mesh.warnings.size(), 1u);
   EXPECT_TRUE(mesh.warnings[0].ends_with(
-      fmt::format("b.ply: byte {}: 3 bytes behind the last row are left out", whole.size())))
+      fmt::format("b.ply: byte {}: 3 bytes after the last row are ignored", whole.size())))
       << mesh.warnings[0];
 }
 
@@ -193,15 +193,14 @@ TEST(MeshText, PlyValuesThatItsHeaderDoesNotAnnounce) {
   expect_square(mesh);
   ASSERT_EQ(mesh.warnings.size(), 1u);
   EXPECT_TRUE(
-      mesh.warnings[0].ends_with("a.ply:16: face row 0 has more values than the header "
-                                 "announces, as have 1 others; they are left out"))
+      mesh.warnings[0].ends_with("a.ply:16: face row 0 has more values than the header announces, "
+                                 "as have 1 others; they are ignored"))
       << mesh.warnings[0];
   const Mesh vertices = load_mesh(folder.write("a.ply", replaced(kPly, "\n1 0 0", "\n1 0 0 5 5")));
   expect_square(vertices);
   ASSERT_EQ(vertices.warnings.size(), 1u);
-  EXPECT_TRUE(
-      vertices.warnings[0].ends_with("a.ply:11: vertex row 1 has more values than the "
-                                     "header announces; they are left out"))
+  EXPECT_TRUE(vertices.warnings[0].ends_with(
+      "a.ply:11: vertex row 1 has more values than the header announces; they are ignored"))
       << vertices.warnings[0];
   // If a value could shift the corners, the reader refuses the file.
   const std::string before = replaced(kPly, "property list", "property uchar red\nproperty list");

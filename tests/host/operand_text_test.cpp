@@ -128,7 +128,7 @@ TEST(OperandText, HeaderNamesTheColumns) {
       "A.radius, "
       "B.center.x");
   bad(a, "line 7, column 42: column 'B.center.x' is missing");
-  bad(a + "," + b + ",A.radius", "column 'A.radius' is there twice");
+  bad(a + "," + b + ",A.radius", "column 'A.radius' appears twice");
 }
 
 TEST(OperandText, ASingleLine_IsNoHeader) {
@@ -253,7 +253,7 @@ TEST(PairArrays, OtherArrays_AreRefused) {
         (void)words_of("sphere-sphere", FpFormat{},
                        npy("'<f4'", "(2, 6)", bytes(std::vector<float>(12))));
       });
-  expect_error(ErrorCode::kFile, "its field 'A' of 5 numbers is none that is read", [] {
+  expect_error(ErrorCode::kFile, "its field 'A' of 5 numbers is not expected", [] {
     (void)words_of("sphere-sphere", FpFormat{},
                    npy("[('A', '<f4', (5,))]", "(1,)", std::string(20, '\0')));
   });

@@ -42,15 +42,15 @@ TEST(PlanHierarchy, WhereItTakesLess) {
   EXPECT_TRUE(p.queries[0].hierarchy);
   ASSERT_TRUE(p.queries[0].hierarchy_clocks);
   EXPECT_LT(*p.queries[0].hierarchy_clocks, p.queries[0].rows / 2);
-  EXPECT_TRUE(has(hierarchy(p).why, "rays of hit go through a tree of"));
+  EXPECT_TRUE(has(hierarchy(p).why, "rays of hit traverse a BVH of"));
   EXPECT_TRUE(
-      has(hierarchy(p).cost, fmt::format("sweeps of 128 lanes take {}", p.queries[0].rows)));
+      has(hierarchy(p).cost, fmt::format("brute force on 128 lanes takes {}", p.queries[0].rows)));
   EXPECT_EQ(p.board.transform, Transformer::kNone) << "the host moves rays";
 
   const Plan small = of(ground(20) + kManyRays + query());
   EXPECT_FALSE(hierarchy(small).used);
   EXPECT_EQ(small.board.node_units, 0u);
-  EXPECT_TRUE(has(hierarchy(small).why, "from about 2048 triangles on, there are 800"));
+  EXPECT_TRUE(has(hierarchy(small).why, "from about 2048 triangles on; there are 800"));
 }
 
 TEST(PlanHierarchy, AsIsAskedFor) {
@@ -116,11 +116,11 @@ TEST(PlanHierarchy, OfObjectsThatMove) {
   EXPECT_TRUE(hierarchy(p).used);
   EXPECT_EQ(p.board.transform, Transformer::kSecondaries);
   // 1,800 of 5,000 move.
-  EXPECT_TRUE(has(hierarchy(p).cost, "of them for boxes of what moves"));
+  EXPECT_TRUE(has(hierarchy(p).cost, "of them to refit boxes"));
   const Plan whole = of("[card]\nmover = \"host\"\n" + text);
   const auto refit = [](const Plan& plan) {
     const std::string cost = hierarchy(plan).cost;
-    return std::stoul(cost.substr(cost.find("a frame, ") + 9));
+    return std::stoul(cost.substr(cost.find("per frame, ") + 11));
   };
   EXPECT_LT(refit(p), refit(whole) / 2) << hierarchy(p).cost;
 }
@@ -137,7 +137,7 @@ TEST(PlanHierarchy, OfSolids) {
     SCOPED_TRACE(shape);
     const Plan p = of(ground(60) + solids(shape, "normals = true\nmode = \"hits\"\n"));
     EXPECT_TRUE(hierarchy(p).used) << hierarchy(p).why;
-    EXPECT_EQ(hierarchy(p).why.find("primaries of touch go through a tree"), 0u);
+    EXPECT_EQ(hierarchy(p).why.find("primaries of touch traverse a BVH"), 0u);
     EXPECT_TRUE(p.board.box) << "the BVH needs the box rule";
     EXPECT_EQ(p.board.lanes, shape == std::string("sphere") ? 4u : 8u)
         << "no query uses brute force";
@@ -157,12 +157,12 @@ TEST(PlanHierarchy, OfSolids) {
           "secondaries = \"ground\"\nmode = \"hits\"\n";
       const Plan large = of(ground(60) + giants);
       EXPECT_FALSE(hierarchy(large).used);
-      EXPECT_EQ(hierarchy(large).why, "sweeps take less");
+      EXPECT_EQ(hierarchy(large).why, "brute force takes less");
       EXPECT_GT(*large.queries[0].hierarchy_clocks, large.queries[0].rows);
       const Plan both = of(ground(60) + giants + solids(shape, "mode = \"hits\"\n"));
       EXPECT_FALSE(both.queries[0].hierarchy);
       EXPECT_TRUE(both.queries[1].hierarchy);
-      EXPECT_EQ(hierarchy(both).why.find("primaries of touch go through"), 0u);
+      EXPECT_EQ(hierarchy(both).why.find("primaries of touch traverse"), 0u);
     }
     const auto swept = [&](const std::string& card, const std::string& more, const char* why) {
       const Plan none = of(card + ground(60) + solids(shape, more));
@@ -198,15 +198,15 @@ TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
   const Plan spheres = cloud("4000", "probes");
   EXPECT_TRUE(hierarchy(spheres).used) << hierarchy(spheres).why << hierarchy(spheres).cost;
   EXPECT_FALSE(spheres.board.box) << "no pair of this card has the rule";
-  EXPECT_TRUE(has(hierarchy(spheres).cost, "of them for boxes of what moves"));
+  EXPECT_TRUE(has(hierarchy(spheres).cost, "of them to refit boxes"));
   EXPECT_EQ(hierarchy(cloud("200", "probes")).why,
-            "a tree wins from about 256 spheres on, there are 200");
-  EXPECT_TRUE(has(hierarchy(cloud("4000", "cloud")).why, "no shape meets itself"));
+            "a BVH pays off from about 256 spheres on; there are 200");
+  EXPECT_TRUE(has(hierarchy(cloud("4000", "cloud")).why, "no shape is tested with itself"));
   const Plan boxes = cloud("4000", "probes", "obb");
   EXPECT_TRUE(hierarchy(boxes).used) << hierarchy(boxes).why << hierarchy(boxes).cost;
   EXPECT_TRUE(boxes.board.box) << "the pair needs the box rule";
   EXPECT_EQ(hierarchy(cloud("200", "probes", "obb")).why,
-            "a tree wins from about 256 obbs on, there are 200");
+            "a BVH pays off from about 256 obbs on; there are 200");
 }
 
 /// The swapped roles of a pair: the triangles of a mesh among boxes.
@@ -236,7 +236,7 @@ TEST(PlanHierarchy, NotOfADustThatMoves) {
   EXPECT_TRUE(hierarchy(dust("false")).used);
   const Plan p = dust("true");
   EXPECT_FALSE(hierarchy(p).used);
-  EXPECT_EQ(hierarchy(p).why, "sweeps take less");
+  EXPECT_EQ(hierarchy(p).why, "brute force takes less");
   EXPECT_GT(*p.queries[0].hierarchy_clocks, p.queries[0].rows);
 }
 

@@ -102,9 +102,9 @@ TEST(RaysCsvTest, QuotesBelongToFields) {
     expect_error(ErrorCode::kFile, message, [&] { (void)read(text); });
   };
   bad("\"0.5,1,-2,0,0.25,-1\n", "rays.csv:1:1: a quote is not closed");
-  bad("1,\"2\"3,4,5,6,7\n", "rays.csv:1:6: text behind a closing quote; commas separate");
-  bad("1,\"2\"\"\",4,5,6,7\n", "rays.csv:1:6: text behind a closing quote");
-  bad("1 \"2\"3 4 5 6 7\n", "rays.csv:1:6: text behind a closing quote; blanks separate");
+  bad("1,\"2\"3,4,5,6,7\n", "rays.csv:1:6: text after a closing quote; commas separate");
+  bad("1,\"2\"\"\",4,5,6,7\n", "rays.csv:1:6: text after a closing quote");
+  bad("1 \"2\"3 4 5 6 7\n", "rays.csv:1:6: text after a closing quote; blanks separate");
   bad("\"1,5\",2,3,4,5,6",
       "rays.csv:1:1: ox: '1,5' is not a number; a decimal comma is read where semicolons separate");
 }
@@ -155,7 +155,7 @@ TEST(RaysCsvTest, RowNumbersAreLeftOut) {
   bad("0,1,1,1,1,1,1\n2,1,1,1,1,1,1\n", "rays.csv:3:1: row number 2, expected 1");
   bad("0.5,1,1,1,1,1,1\n", "rays.csv:2:1: '0.5' is not a row number");
   bad(",1,1,1,1,1,1\n", "rays.csv:2:1: '' is not a row number");
-  bad("0,1,1,1,1,1\n", "too few fields: 5 of the 6 that the header names");
+  bad("0,1,1,1,1,1\n", "too few fields: 5 of the 6 in the header");
   expect_error(ErrorCode::kFile, "rays.csv:1:4: unknown column ''",
                [] { (void)read("ox,,oy,oz,dx,dy,dz\n"); });
 }
@@ -215,13 +215,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadRay{"ninth_column", "ox,oy,oz,dx,dy,dz,tmin,tmax,w\n", ErrorCode::kFile,
                "rays.csv:1:29: unknown column 'w'; expected"},
         BadRay{"column_twice", "ox,oy,oz,dx,dy,ox\n1,2,3,4,5,6\n", ErrorCode::kFile,
-               "rays.csv:1:16: column 'ox' is there twice; expected ox"},
+               "rays.csv:1:16: column 'ox' appears twice; expected ox"},
         BadRay{"missing_column", "tmin,ox,oy,dx,dy,dz\n1,2,3,4,5,6\n", ErrorCode::kFile,
                "rays.csv:1:20: column 'oz' is missing; expected ox"},
         BadRay{"more_than_the_header", "ox,oy,oz,dx,dy,dz\n1,2,3,4,5,6,7\n", ErrorCode::kFile,
                "rays.csv:2:13: too many fields: the header names 6"},
         BadRay{"less_than_the_header", "tmin,dx,dy,dz,ox,oy,oz\n1,2,3,4,5,6\n", ErrorCode::kFile,
-               "rays.csv:2:12: too few fields: 6 of the 7 that the header names; oz is missing"},
+               "rays.csv:2:12: too few fields: 6 of the 7 in the header; oz is missing"},
         BadRay{"named_number", "dx,dy,dz,ox,oy,oz\n1,2,3,4,inf,6\n", ErrorCode::kBadInput,
                "rays.csv:2:9: oy is infinite"},
         BadRay{"named_direction", "ox,oy,oz,dz,dy,dx\n1,2,3,0,0,0\n", ErrorCode::kBadInput,

@@ -95,7 +95,8 @@ TEST(RecordFile, ArrayOfUnknownLength_HasItsCount) {
     EXPECT_NE(all.substr(0, all.size() - kData).find("'shape': (100,), "), std::string::npos);
   write("none.npy", {}, 0);
   EXPECT_NE(bytes_of(folder / "none.npy").find("'shape': (0,), "), std::string::npos);
-  expect_error(ErrorCode::kDevice, "100 records came of 99", [&] { write("bad.npy", 99, 50); });
+  expect_error(ErrorCode::kDevice, "100 records came; expected 99",
+               [&] { write("bad.npy", 99, 50); });
   EXPECT_FALSE(std::filesystem::exists(folder / "bad.npy"));
 }
 

@@ -106,17 +106,17 @@ TEST(Plan, CountsWork) {
   EXPECT_TRUE(has(effect(p, "transformer").cost, "12000"));
   const Plan objects =
       plan(load_scene(std::filesystem::path(CDE_MESHES) / "scenes/flight_objects.toml"));
-  EXPECT_EQ(effect(objects, "transformer").cost, "24 words a frame; the host would upload 20736");
+  EXPECT_EQ(effect(objects, "transformer").cost, "24 words per frame; the host would upload 20736");
   EXPECT_EQ(objects.queries[0].moved_words, 24u);
 }
 
 TEST(Plan, RefusesAPairThatTheBitstreamHasNot) {
   const Scene s =
       parse_scene("[card]\npairs = [\"obb-obb\", \"ray-triangle\"]\n" + kGood, "s.toml");
-  expect_error(ErrorCode::kUsage,
-               "query 'q' needs a pipe for ray-sphere, but the bitstream asked for has pairs = "
-               "ray-triangle, obb-obb",
-               [&] { (void)plan(s); });
+  expect_error(
+      ErrorCode::kUsage,
+      "query 'q' needs a pipe for ray-sphere, but [card] has pairs = ray-triangle, obb-obb",
+      [&] { (void)plan(s); });
 }
 
 TEST(Plan, MovesObjectsWhereThatTakesFewerWords) {
@@ -150,9 +150,9 @@ TEST(Plan, MovesObjectsWhereThatTakesFewerWords) {
   EXPECT_GT(vertices, 0u);
   EXPECT_EQ(host.queries[0].moved_words, 2 * 216 * 9 + vertices / 2);
   EXPECT_EQ(effect(card, "transformer").cost,
-            fmt::format("{} words a frame; the host would upload 3888", 24 + vertices / 2));
+            fmt::format("{} words per frame; the host would upload 3888", 24 + vertices / 2));
   EXPECT_EQ(effect(host, "transformer").cost,
-            fmt::format("uploads 3888 words a frame; a transformer would take {} for 2 objects",
+            fmt::format("uploads 3888 words per frame; a transformer would take {} for 2 objects",
                         24 + vertices / 2));
 
   EXPECT_EQ(of(all).board.transform, Transformer::kNone) << "one frame";
@@ -183,7 +183,7 @@ TEST(Plan, MovesPrimariesThatStayLoaded) {
     EXPECT_EQ(p.queries[0].primary_words, words);
     EXPECT_EQ(effect(p, "transformer of primaries").why, why);
   };
-  loaded(of(drawn(256, "true") + moving), 256 * 8, "they are other ones in every frame");
+  loaded(of(drawn(256, "true") + moving), 256 * 8, "they deform, so they differ in every frame");
   loaded(of(drawn(257, "false") + moving), 257 * 8, "they are loaded packet by packet");
   loaded(of(drawn(256, "false") + moving, "[card]\nmover=\"host\"\n"), 256 * 8, "mover = \"host\"");
   loaded(of(drawn(1, "false") + moving), 8, "loading them again takes no more words");
@@ -207,9 +207,9 @@ TEST(Plan, TablesOfObjectsHaveAnEnd) {
   EXPECT_EQ(host.board.transform, Transformer::kNone);
   EXPECT_EQ(effect(host, "transformer").why, "more objects than the 2048 of a card's table");
   expect_error(ErrorCode::kUsage,
-               "s.toml: card, mover = \"card\": query 'q' has 2049 objects of secondaries, every "
-               "shape that moves on its own being one, but a card's table holds 2048; use mover = "
-               "\"host\"",
+               "s.toml: card, mover = \"card\": query 'q' has 2049 objects among its secondaries "
+               "(each shape that moves on its own counts as one), but a card's table holds 2048; "
+               "use mover = \"host\"",
                [&] { (void)of(2049, "card"); });
 }
 
@@ -275,7 +275,7 @@ TEST(Plan, TakesTheVerdictsThatAreAskedFor) {
   EXPECT_EQ(hits.board.verdicts, FpFormat::parse("bf16"));
   EXPECT_TRUE(effect(hits, "verdicts").used);
   EXPECT_EQ(effect(hits, "verdicts").choice, "bf16 lanes before one of fp32");
-  EXPECT_EQ(effect(hits, "verdicts").why, "asked for; misses are left out by q");
+  EXPECT_EQ(effect(hits, "verdicts").why, "asked for; q can omit misses");
   const Plan nearest = plan(parse_scene(spheres("verdicts = \"bf16\"", "nearest"), "s.toml"));
   EXPECT_TRUE(has(effect(nearest, "verdicts").why, "every pair goes through the wide lane"));
   const auto refused = [&](const char* card, const char* why) {

@@ -122,7 +122,7 @@ TEST(SceneFile, UnknownKeysAreErrorsWithTheNearestKnownOne) {
       "[[object]]\nname = \"x\"\nsphere = { center = [0,0,0], radius = 1, colour = 3 }\n" + kGood,
       "there is no key 'colour' here");
   malformed("[[object]]\nname = \"x\"\nsphere = { center = [0,0,0], raduis = 1 }\n" + kGood,
-            "the key 'radius' is missing; 'raduis' is no key");
+            "the key 'radius' is missing; 'raduis' is not a key");
   malformed(ball_with("kind = \"velocity\"\nliner = [0,0,0]"), "(did you mean 'linear'?)");
   refused(kGood + "mode = \"neerest\"\n", "did you mean 'nearest'?");
   refused(ball_with("kind = \"pth\""), "did you mean 'path'?");
@@ -166,7 +166,7 @@ TEST(SceneFile, WrongTypes) {
   malformed("[[object]]\nname = \"x\"\nsphere = 3\n" + kGood,
             "object 'x', sphere: must be a table");
   malformed("[[object]]\nname = \"x\"\nsphere = { center = [0, 0], radius = 1 }\n" + kGood,
-            "object 'x', sphere, center: must be an array of 3 numbers, not of 2");
+            "object 'x', sphere, center: must be an array of 3 numbers; it has 2");
   malformed("[[object]]\nname = \"x\"\nsphere = { center = [0, 0, true], radius = 1 }\n" + kGood,
             "must be a number, not true or false");
   malformed("[card]\necc = 1\n" + kGood, "card, ecc: must be true or false, not a number");
@@ -236,12 +236,12 @@ TEST(SceneFile, ReferencesToNothingOrInACircle) {
         "[[object]]\nname=\"{}\"\nparent=\"{}\"\nsphere={{center=[0,0,0],radius=1}}\n", name,
         parent);
   };
-  refused(child("a", "b") + child("b", "c") + child("c", "a") + kGood, "in a circle");
-  refused(child("a", "a") + kGood, "in a circle");
+  refused(child("a", "b") + child("b", "c") + child("c", "a") + kGood, "form a cycle");
+  refused(child("a", "a") + kGood, "form a cycle");
   refused(child("a", "nobody") + kGood, "there is no object 'nobody'");
   EXPECT_NO_THROW((void)parse_scene(child("a", "b") + child("b", "ball") + kGood, "s.toml"));
-  refused(kBall + kGood, "there is another object of that name");
-  refused(kGood + kHit, "there is another query of that name");
+  refused(kBall + kGood, "another object has that name");
+  refused(kGood + kHit, "another query has that name");
   refused(
       kBall + kRays +
           "[[query]]\nname=\"../q\"\npair=\"ray-sphere\"\nprimaries=\"rays\"\nsecondaries=\"ball\"",
@@ -273,7 +273,7 @@ TEST(SceneFile, MeshesAndFilesThatAreNotThere) {
 
 TEST(SceneFile, ImpossibleRequests) {
   const std::string box = "[[object]]\nname=\"box\"\naabb={min=[0,0,0],max=[1,1,1]}\n";
-  const std::string why = "an AABB cannot be rotated, it would become an OBB";
+  const std::string why = "an AABB cannot be rotated; use obb";
   impossible(box + "motion={kind=\"velocity\",angular=[0,0,1]}\n" + kGood, why);
   impossible(box + "motion={kind=\"still\",axis=[0,0,1],degrees=5}\n" + kGood, why);
   impossible(box +
@@ -297,7 +297,7 @@ TEST(SceneFile, ImpossibleRequests) {
                  "\nsecondaries=\"ball\"",
              "a query takes one shape on each side");
   impossible(kGood + "normals = true\n", "rays have no normals");
-  impossible(kGood + "budget = { samples = 8 }\n", "always takes the same work");
+  impossible(kGood + "budget = { samples = 8 }\n", "has no iterations");
   impossible(kGood + "mask = [0]\n", "leaves out every primary");
   refused(kGood + "mask = [5]\n", "must be ascending and within 0..0");
   malformed(kGood + "mask = [\"a..b\"]\n", "is not FIRST..LAST");
@@ -321,10 +321,10 @@ TEST(SceneFile, MotionsThatMakeNoSense) {
             "excludes");
   refused(ball_with("kind = \"path\"\npoints = [[0,0,0]]\nduration = 1"), "must be at least 2");
   refused(ball_with("kind = \"path\"\npoints = [[0,0,0],[0,0,0]]\nduration = 1"),
-          "0 and the next are the same");
+          "0 and the next point are the same");
   refused(
       ball_with("kind = \"path\"\npoints = [[0,0,0],[1,0,0],[0,0,0]]\nloop = true\nduration = 1"),
-      "a loop closes by itself");
+      "a loop closes itself");
   const std::string key = "{time=0,position=[0,0,0]}";
   refused(ball_with("kind = \"keyframes\"\nkeyframe = [" + key + ", " + key + "]"),
           "times must increase");

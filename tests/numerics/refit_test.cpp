@@ -198,7 +198,7 @@ TEST(Refit, SaysWhichTriangleHasNoBox) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::kUsage);
-    EXPECT_STREQ(e.what(), "99 triangles for a hierarchy of 100");
+    EXPECT_STREQ(e.what(), "99 triangles for a BVH of 100");
   }
 }
 

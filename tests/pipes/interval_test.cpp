@@ -145,8 +145,9 @@ TEST(FacetIntervalConfig, IsOneOrThreeOfPairsWithFacets) {
     const auto pair = static_cast<Pair>(p);
     const PairConfig config{.pair = pair, .facet_interval = kInterval};
     if (!has_facets(pair)) {
-      expect_refused(config, "no facets");
-      expect_refused(BoardConfig{.pairs = {pair}, .facet_interval = kInterval}, "no facets");
+      expect_refused(config, "no candidate axes");
+      expect_refused(BoardConfig{.pairs = {pair}, .facet_interval = kInterval},
+                     "no candidate axes");
       continue;
     }
     const auto listed = [](const std::vector<std::string>& parameters) {

@@ -481,7 +481,7 @@ void Board::flip_check(std::uint64_t word, std::uint8_t mask) {
 }
 
 std::string place_on_card(const Board& board, std::uint32_t primary) {
-  return fmt::format("cycle {} (record read), lane {}, row {}", board.clocks(),
+  return fmt::format("clock {} (record read), lane {}, row {}", board.clocks(),
                      primary % board.lanes(), primary / board.lanes());
 }
 

@@ -81,7 +81,7 @@ ModelledTime CardPass::times() const {
 
 void CardPass::timeout(const std::string& what) {
   throw Error(ErrorCode::kTimeout,
-              fmt::format("the card did not finish within its {}: {}", what, state()), fault_at(0));
+              fmt::format("the card did not finish before its {}: {}", what, state()), fault_at(0));
 }
 
 void CardPass::device_error(const std::string& what, std::uint64_t status, std::uint64_t address) {

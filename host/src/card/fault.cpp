@@ -73,7 +73,7 @@ ScheduledFault fault_of(std::string_view text) {
   }
   if (parts.size() > 2) {
     if (fault.bus && !has_value(*fault.bus))
-      refuse(fmt::format("{} has no VALUE; it must be KIND[:COUNT]@FRAME", parts[0]));
+      refuse(fmt::format("{} takes no VALUE; it must be KIND[:COUNT]@FRAME", parts[0]));
     fault.value = number(parts[2], "VALUE", 0);
   }
   if (!fault.bus && (fault.value < 1 || fault.value > 32))

@@ -40,7 +40,7 @@ FpUnit::FpUnit(const Bitstream& bitstream) : state_(std::make_unique<State>(bits
   s.api = abi_table<cde_fp_entry_fn>(s.bitstream, "cde_fp_entry", CDE_FP_ABI);
   s.unit = s.api->create();
   if (s.unit == nullptr)
-    throw Error(ErrorCode::kDevice, fmt::format("bitstream {}: out of memory",
+    throw Error(ErrorCode::kDevice, fmt::format("simulation model {}: out of memory",
                                                 printable_name(bitstream.path().string())));
 }
 
@@ -52,7 +52,7 @@ FpUnit::FpUnit(FpUnit&&) noexcept = default;
 FpUnit& FpUnit::operator=(FpUnit&&) noexcept = default;
 
 FpUnit::State& FpUnit::state() const {
-  if (!state_) throw Error(ErrorCode::kUsage, "this FpUnit is none: it was moved from");
+  if (!state_) throw Error(ErrorCode::kUsage, "this FpUnit is empty: it was moved from");
   return *state_;
 }
 
@@ -78,7 +78,8 @@ void FpUnit::apply(FpOp op, std::span<const uint64_t> a, std::span<const uint64_
   const bool sizes = (fp_operands(op) == 1 ? b.empty() : b.size() == a.size()) &&
                      r.size() == a.size() && (flags.empty() || flags.size() == a.size());
   if (!sizes)
-    throw Error(ErrorCode::kUsage, "FpUnit::apply: operands, results and flags differ in size");
+    throw Error(ErrorCode::kUsage,
+                "FpUnit::apply: operands, results and flags must have the same size");
   if (!flags.empty() && state().api->flags == 0)
     throw Error(ErrorCode::kConfiguration, "the fp_unit was built without flags");
   if (a.empty()) return;

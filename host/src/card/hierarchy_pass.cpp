@@ -27,27 +27,27 @@ std::string node_fault(Board::Impl& card, std::uint64_t fault) {
   const auto what = [&] {
     switch (card::kNodeFaultKind.of(fault)) {
       case card::kNodeFaultNode:
-        return fmt::format("node {} is asked for, of {}", place, card.hierarchy.nodes);
+        return fmt::format("node {} was requested; there are {}", place, card.hierarchy.nodes);
       case card::kNodeFaultSlot:
-        return fmt::format("slot {} is asked for, of {}", place, card.hierarchy.slots);
+        return fmt::format("slot {} was requested; there are {}", place, card.hierarchy.slots);
       case card::kNodeFaultIndex:
-        return fmt::format("slot {} has a secondary beyond the {} uploaded", place,
+        return fmt::format("slot {} has a secondary above the {} uploaded", place,
                            card.secondaries);
       case card::kNodeFaultObject:
-        return fmt::format("slot {} has an object beyond the {} there are", place,
+        return fmt::format("slot {} has an object above the {} of the card", place,
                            card.objects.objects.size());
       case card::kNodeFaultDepth:
-        return fmt::format("the levels above node {} are more than {}", place,
+        return fmt::format("node {} has more than {} levels above it", place,
                            Hierarchy::kMostDepth);
       case card::kNodeFaultNodeBits:
-        return fmt::format("node {} has more wrong bits than can be corrected", place);
+        return fmt::format("node {} has an uncorrectable error", place);
       case card::kNodeFaultSlotBits:
-        return fmt::format("slot {} has more wrong bits than can be corrected", place);
+        return fmt::format("slot {} has an uncorrectable error", place);
       default:
-        return fmt::format("there is no end to it, at last in node {}", place);
+        return fmt::format("its traversal does not end; the last node was {}", place);
     }
   };
-  return "the hierarchy in the card's memory is none: " + what();
+  return "the BVH in the card's memory is malformed: " + what();
 }
 
 HierarchyPass::HierarchyPass(Board::Impl& card, const Query& query,
@@ -172,7 +172,7 @@ void HierarchyPass::check_progress() {
   const std::uint64_t now = card_.clocks();
   if (query_.deadline_clocks != 0) {
     if (now - started_ >= query_.deadline_clocks)
-      timeout(fmt::format("deadline of {} clocks", query_.deadline_clocks));
+      timeout(fmt::format("deadline of {} cycles", query_.deadline_clocks));
     return;
   }
   // The card always ends by itself, unless the memory never answers.
@@ -182,7 +182,7 @@ void HierarchyPass::check_progress() {
                               card_.read_register(card::kRegTested) +
                               card_.read_register(card::kRegWritten);
   if (nodes == last_nodes_ && now - last_progress_ >= still)
-    timeout(fmt::format("{} clocks, in which nothing was read", still));
+    timeout(fmt::format("limit of {} cycles without progress", still));
   if (nodes != last_nodes_) last_progress_ = now;
   last_nodes_ = nodes;
 }
@@ -220,11 +220,12 @@ Counters HierarchyPass::finish() {
   c.records = card_.read_register(card::kRegWritten);
   const std::uint64_t status = check_end(c);
   if (received_ != c.records || has_half_)
-    device_error(fmt::format("{} records downloaded of {}", received_, c.records), status);
+    device_error(fmt::format("{} records downloaded; expected {}", received_, c.records), status);
   c.records = records_.size();
   for (const Record& r : records_) {
     if (r.primary >= numbers_.size())
-      device_error(fmt::format("a record of ray {} of {}", r.primary, numbers_.size()), status);
+      device_error(fmt::format("a record of ray {}; there are {} rays", r.primary, numbers_.size()),
+                   status);
     if (r.bad) ++c.bad_primaries;
   }
   c.total_clocks = card_.clocks() - started_;
@@ -248,7 +249,7 @@ void HierarchyPass::put_in_order(std::vector<Record>& records) {
   std::vector<bool> there(numbers_.size());
   records.resize(numbers_.size());
   if (records_.size() != numbers_.size())
-    device_error(fmt::format("{} records of {} rays", records_.size(), numbers_.size()), 0);
+    device_error(fmt::format("{} records for {} rays", records_.size(), numbers_.size()), 0);
   for (const Record& r : records_) {
     if (there[r.primary]) device_error(fmt::format("ray {} has two records", r.primary), 0);
     there[r.primary] = true;
@@ -280,7 +281,7 @@ Counters RefitPass::execute(std::uint32_t first, std::uint32_t end) {
     const std::uint64_t most =
         1'000'000 + (64 + card_.ddr_latency) * std::uint64_t{card_.hierarchy.slots};
     while (!bit(status, card::kStatusDone)) {
-      if (card_.clocks() - started_ > most) timeout(fmt::format("deadline of {} clocks", most));
+      if (card_.clocks() - started_ > most) timeout(fmt::format("deadline of {} cycles", most));
       status = work(16384);
       check_watchdog();
     }
@@ -295,8 +296,8 @@ Counters RefitPass::execute(std::uint32_t first, std::uint32_t end) {
     if (card::kNodeFaultKind.of(fault) != card::kNodeFaultSecondary)
       device_error(node_fault(card_, fault), status, place);
     throw Error(ErrorCode::kBadInput,
-                fmt::format("the triangle in slot {} of the hierarchy is not finite, or beyond "
-                            "2^40: no box holds it",
+                fmt::format("the triangle in slot {} of the BVH is not finite or exceeds 2^40, so "
+                            "no box can contain it",
                             place));
   } catch (...) {
     abort();

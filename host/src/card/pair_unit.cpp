@@ -31,7 +31,7 @@ std::vector<std::string> PairConfig::parameters() const {
        {latency_add, latency_mul, latency_div, latency_sqrt, latency_compare})
     in_range("latency of an operator", latency, 1, 64);
   if (algorithm != Algorithm::kMoller && pair != Pair::kRayTriangle)
-    throw Error(ErrorCode::kUsage, fmt::format("{} has no choice of algorithm", name(pair)));
+    throw Error(ErrorCode::kUsage, fmt::format("{} has only one algorithm", name(pair)));
   if (box && !has_box_rule(pair))
     throw Error(ErrorCode::kUsage, fmt::format("{} has no box rule", name(pair)));
   if (plane != PlaneSide::kSurface && secondary_shape(pair) != Shape::kPlane)
@@ -95,10 +95,10 @@ PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
       s.api->config_hash != s.bitstream.config_hash())
     throw Error(
         ErrorCode::kConfiguration,
-        fmt::format("bitstream {} is not the {} unit that was asked for", path, name(config.pair)));
+        fmt::format("simulation model {} is not the requested {} unit", path, name(config.pair)));
   s.unit = s.api->create();
   if (s.unit == nullptr)
-    throw Error(ErrorCode::kDevice, fmt::format("bitstream {}: out of memory", path));
+    throw Error(ErrorCode::kDevice, fmt::format("simulation model {}: out of memory", path));
 }
 
 PairUnit::PairUnit(const PairConfig& config)
@@ -109,13 +109,14 @@ PairUnit::PairUnit(PairUnit&&) noexcept = default;
 PairUnit& PairUnit::operator=(PairUnit&&) noexcept = default;
 
 PairUnit::State& PairUnit::state() const {
-  if (!state_) throw Error(ErrorCode::kUsage, "this PairUnit is none: it was moved from");
+  if (!state_) throw Error(ErrorCode::kUsage, "this PairUnit is empty: it was moved from");
   return *state_;
 }
 
 PairUnit::State& PairUnit::idle() const {
   if (state().testing)
-    throw Error(ErrorCode::kUsage, "this PairUnit is in a test(): its gap cannot give it work");
+    throw Error(ErrorCode::kUsage,
+                "this PairUnit runs a test(); its gap must not start other work");
   return state();
 }
 
@@ -127,7 +128,8 @@ unsigned PairUnit::latency() const {
 }
 void PairUnit::set_budget(const PairBudget& budget) {
   if (!has_budget(state().config.pair))
-    throw Error(ErrorCode::kUsage, fmt::format("{} takes no budget", name(state().config.pair)));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} has no iterations to set", name(state().config.pair)));
   budget.check();
   idle().api->set_budget(state().unit, budget.free << 16 | budget.circle << 8 | budget.samples);
 }
@@ -144,12 +146,12 @@ namespace {
   fault.clock = p.clock;
   throw Error(
       ErrorCode::kTimeout,
-      fmt::format("pair_unit: {} of {} rows of {} pairs were taken and {} answered, the "
-                  "last at clock {}; {}",
+      fmt::format("pair_unit: {} of {} rows of {} pairs were taken and {} answered, the last at "
+                  "cycle {}; {}",
                   p.taken, (pairs + api.lanes - 1) / api.lanes, api.lanes, p.answered, p.clock,
                   p.disordered != 0
-                      ? "then came an answer that is not to the next row"
-                      : fmt::format("nothing went on for {} clocks", +CDE_PAIR_PATIENCE)),
+                      ? "then an answer came for another row than the next"
+                      : fmt::format("there was no progress for {} cycles", +CDE_PAIR_PATIENCE)),
       fault);
 }
 
@@ -186,10 +188,11 @@ std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const s
   const std::shared_ptr<State> kept = state_;
   const cde_pair_api& api = *kept->api;
   if (a.size() != results.size() * api.a_words || b.size() != results.size() * api.b_words)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("PairUnit::test: {} pairs need {} and {} operand words, not {} and {}",
-                            results.size(), results.size() * api.a_words,
-                            results.size() * api.b_words, a.size(), b.size()));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("PairUnit::test: {} pairs need {} and {} operand words; there are {} and {}",
+                    results.size(), results.size() * api.a_words, results.size() * api.b_words,
+                    a.size(), b.size()));
   if (results.empty()) return 0;
   auto* context = const_cast<std::function<unsigned()>*>(&gap);
   uint32_t (*call)(void*) = nullptr;
@@ -253,7 +256,7 @@ std::uint64_t PairUnit::watch(std::span<const std::uint64_t> a, std::span<const 
 
 void PairUnit::open_trace(const std::string& path, const TraceOptions& which) {
   if (!state().config.trace)
-    throw Error(ErrorCode::kConfiguration, "the pair_unit was built without trace");
+    throw Error(ErrorCode::kConfiguration, "the pair_unit was built without waves");
   constexpr std::uint64_t kClock = 2;  // each half of a cycle is a time of its own
   open_waves(path, which, std::nullopt, kClock, [this](const cde_trace* wanted) {
     return state().api->trace_open(state().unit, wanted);

@@ -204,7 +204,7 @@ class PciLink final : public CardLink {
     const std::uint32_t id = port_.config_read(0x00);
     if (id != (std::uint32_t{pci::kDeviceId} << 16 | pci::kVendorId))
       throw Error(ErrorCode::kConfiguration,
-                  fmt::format("PCI device {:08x} is no card of cde", id));
+                  fmt::format("PCI device {:08x} is not a card of cde", id));
     port_.config_write(0x10, kBar);
     port_.config_write(0x0C, 0x4008);  // latency timer, cache line size
     port_.config_write(0x04, kCommand);

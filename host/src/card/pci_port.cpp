@@ -96,7 +96,7 @@ void PciPort::failed(int status, std::uint32_t offset, const char* what) {
     case CDE_PCI_PARITY:
       fail(at + ": parity error", fault(pci::kCodeParity));
     default:
-      fail(at + ": nothing but retries", fault(pci::kCodeRetryLimit));
+      fail(at + ": the card only answers with retry", fault(pci::kCodeRetryLimit));
   }
 }
 

@@ -26,7 +26,7 @@ PairBudget split(unsigned evaluations, Pair pair) {
   const unsigned least = takes({.samples = 4, .circle = 0, .free = 0});
   const unsigned most = takes({.samples = 16, .circle = kMost, .free = kMost});
   if (evaluations < least || evaluations > most)
-    throw Error(ErrorCode::kUsage, fmt::format("--budget is {}; {} takes {} to {} evaluations",
+    throw Error(ErrorCode::kUsage, fmt::format("--budget is {}; {} needs {} to {} evaluations",
                                                evaluations, name(pair), least, most));
   const unsigned rest = evaluations - takes({.samples = 0, .circle = 0, .free = 0});
   PairBudget budget;
@@ -53,9 +53,10 @@ unsigned default_lanes(Pair pair, FpFormat format) {
 // each circle; K2: steps on each free track.
 PairBudget budget_named(const std::string& text, Pair pair, std::string_view option) {
   if (!has_budget(pair))
-    throw Error(ErrorCode::kUsage, fmt::format("{} is of cylinder-cylinder, obb-cylinder and "
-                                               "triangle-cylinder; {} always takes the same work",
-                                               option, name(pair)));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} cannot be combined with {}, which has no iterations; expected "
+                            "cylinder-cylinder, obb-cylinder or triangle-cylinder",
+                            option, name(pair)));
   const auto is_all = [&text](int end) { return static_cast<std::size_t>(end) == text.size(); };
   PairBudget budget;
   unsigned evaluations = 0;

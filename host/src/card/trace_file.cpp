@@ -48,7 +48,7 @@ void TraceFile::close() {
   file_.reset();
   // If the run does not reach the window, the file's start time equals its end time.
   if (times && times->first == times->second)
-    say(fmt::format("cde: {} has no clock of the run: nothing ran while waves were written\n",
+    say(fmt::format("cde: {} has no cycle of the run: the run had ended before the waves began\n",
                     printable_name(path_)));
 }
 

@@ -52,8 +52,10 @@ fs::path new_folder(const std::string& wanted, std::optional<OutputFolder>& made
     made->keep();
     if (ours) return folder;
   }
-  throw Error(ErrorCode::kFile, fmt::format("{}: there are {} of them, none is overwritten",
-                                            printable_name(wanted), kMostFolders));
+  throw Error(
+      ErrorCode::kFile,
+      fmt::format("{}: all {} folders of this name exist; remove some, since none is overwritten",
+                  printable_name(wanted), kMostFolders));
 }
 
 /// Lines of the operators that differ first, with the number of operators per line.
@@ -69,7 +71,7 @@ std::string lines_of(const explain::Explanation& e) {
     else
       lines.emplace_back(line, 1);
   }
-  if (lines.empty()) return "  operators that were not found\n";
+  if (lines.empty()) return "  operators without a match\n";
   std::string text;
   for (std::size_t i = 0; i < lines.size() && i < kMostLines; ++i)
     text += fmt::format("  {}. {}, {} operator{}\n", i + 1, lines[i].first, lines[i].second,
@@ -232,7 +234,7 @@ Json places_to_look_at(const Json& j) {
       const Json* own = nullptr;
       for (const Json& line : difference["sources"][0])
         if (own == nullptr || !is_wiring(line["file"])) own = &line;
-      if (own != nullptr) add(*own, "an operator that parts");
+      if (own != nullptr) add(*own, "an operator that differs");
       // Lines that feed the first operator precede other operators.
       for (const Json& line : j["near_lines"])
         if (places.size() == 1) add(line, "feeds it");
@@ -374,19 +376,19 @@ bool bundle_explanation(Bundle& bundle, const explain::Explanation& e, const std
   j["near_lines"] = near_lines(e);
   std::string text;
   if (e.same()) {
-    text = "The pair by itself, between others, is answered as the reference answers it.\n";
+    text = "Alone, the pipe answers the pair as the reference does.\n";
   } else if (e.findings.empty()) {
-    text = "No operation of the pipe differs: what is wrong is behind the operators.\n";
+    text = "No operation of the pipe differs: the error is behind the operators.\n";
   } else {
-    text = "Card and reference part first in\n" + lines_of(e);
+    text = "Card and reference first differ in\n" + lines_of(e);
     std::string near;
     for (const Json& line : j["near_lines"])
       near += fmt::format("  {}:{}  {}\n", line["file"].get<std::string>(), line["line"].get<int>(),
                           line["source_text"].get<std::string>());
-    if (!near.empty()) text += fmt::format("\nWhat is wrong there comes from\n{}", near);
+    if (!near.empty()) text += fmt::format("\nThe wrong words there come from\n{}", near);
   }
   text += fmt::format("\nAll operations are in explain.txt; again:\n\n    {}\n", again);
-  bundle.add("Where they part", text);
+  bundle.add("Where they differ", text);
   return !e.same();
 }
 
@@ -422,7 +424,7 @@ void bundle_causes(Bundle& bundle, const std::string& signal, const wave::Origin
     j["made_signal"] = why["cone"]["name"];
     j["made_at"] = why["cone"]["at"];
   } catch (const Error& e) {
-    text = fmt::format("{} has no causes that could be found: {}\n", asked, e.what());
+    text = fmt::format("the causes of {} cannot be found: {}\n", asked, e.what());
   }
   j["wrong_signal"] = signal;
   bundle.write("why.txt", text);

@@ -116,8 +116,9 @@ class Tracker {
     if (shown.empty()) return;
     const auto word = differing_word(sent, numbers_in(shown));
     tell(text,
-         fmt::format("{} is {}{}", what, shown,
-                     word ? fmt::format(", word {} is not what was sent", *word) : ", as sent"),
+         fmt::format(
+             "{} is {}{}", what, shown,
+             word ? fmt::format(", word {} differs from the sent word", *word) : ", as sent"),
          !word, t, stage, word ? fmt::format("{}[{}]", slot, *word) : "");
   }
 
@@ -156,7 +157,7 @@ class Tracker {
         tell(text,
              fmt::format("the pipe says that primary {} and secondary {} {}, {} the reference",
                          f_.place, index, *seen ? "meet" : "do not meet",
-                         *seen == hit ? "as" : "other than"),
+                         *seen == hit ? "as" : "unlike"),
              *seen == hit, t, "in the pipe, or between it and its operands",
              fmt::format("{}f[{}]", port, lane()));
       const auto kept = listed(t, "kept_primaries"), wanted = to_be_kept(index);
@@ -164,8 +165,8 @@ class Tracker {
         tell(text,
              fmt::format("the card {} secondary {} for primary {}, {} the reference",
                          *kept ? "keeps" : "does not keep", index, f_.place,
-                         *kept == *wanted ? "as" : "other than"),
-             *kept == *wanted, t, "in what keeps the better answer",
+                         *kept == *wanted ? "as" : "unlike"),
+             *kept == *wanted, t, "in the choice of the better answer",
              fmt::format("{}update.better[{}]", port, lane()));
       return;
     }
@@ -201,8 +202,8 @@ class Tracker {
       return tell(
           text,
           fmt::format("the record of primary {} has secondary {}, T {}, {}", f_.place, index,
-                      field_of(t, "T"), same ? "as the reference" : "other than the reference"),
-          same, t, "between what is kept and the record", "records.record_o[4]");
+                      field_of(t, "T"), same ? "as the reference" : "unlike the reference"),
+          same, t, "between the kept answer and the record", "records.record_o[4]");
     }
     if (waves_.whole && wanted)
       text += fmt::format("  --> no record of primary {} was written\n", f_.place);
@@ -307,8 +308,7 @@ std::optional<Stage> followed(Bundle& bundle, const Failure& failure, const Card
   bundle.json()["happened_again"] = same;
   if (!same)
     bundle.add("Not repeated",
-               "The same on a card with waves gives another record: what the waves show is not "
-               "what went wrong.\n");
+               "A card with waves gives another record: the waves do not show the error.\n");
   return stage;
 }
 
@@ -334,9 +334,9 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
   const fs::path whole_file = bundle.file("whole.fst");
   std::string text;
   const std::optional<Stage> stage = followed(bundle, failure, f, budget, wrong, whole_file, text);
-  if (text.empty()) text = "The waves have nothing of this primary.\n";
+  if (text.empty()) text = "The waves do not contain this primary.\n";
   if (stage) {
-    text += fmt::format("\nThe first that is wrong is {}.\n", stage->name);
+    text += fmt::format("\nThe first error is {}.\n", stage->name);
     bundle.json()["stage"] = stage->name;
   }
   bundle.add("On the card", text);

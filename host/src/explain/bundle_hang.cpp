@@ -54,8 +54,8 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
         text += fmt::format("  {:>12}  {:<9}  {:<8}  {}\n", times.text(t.begin), t.kind, t.outcome,
                             t.label);
     };
-    lines("The last that ended:", last);
-    lines("What had not ended:", open);
+    lines("Last finished transactions:", last);
+    lines("Unfinished transactions:", open);
     if (f.unit) {
       // Rising edges are at odd times. The answer is visible after this many edges.
       const std::uint64_t edges = std::max<std::uint64_t>(f.clock - from, 1);
@@ -66,14 +66,14 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
     bundle.add("Again", fmt::format("{}\n\n    {}\n",
                                     f.unit ? "In this folder:" : "Repeat with:", failure.repeat));
   if (!f.unit)
-    bundle.add("On the card", text.empty() ? "Nothing happened in these clocks.\n" : text);
+    bundle.add("On the card", text.empty() ? "Nothing happened in these cycles.\n" : text);
   keep_waves(bundle, whole,
              {.fail = fail,
               .before = kAheadOfHang,
               .behind = kAheadOfHang,
               .shown = f.shown,
               .first = f.shown,
-              .what = "the last that went on"});
+              .what = "the last transaction"});
   std::error_code none;
   fs::remove(whole, none);
 }

@@ -152,8 +152,7 @@ void bundle_waves(Bundle& bundle, const PairFailure& f) {
   if (!same)
     bundle.add(
         "Not repeated",
-        "The same pairs through a unit with waves are answered otherwise than they were: the "
-        "waves show another answer.\n");
+        "A unit with waves answers the same pairs differently: the waves do not show the error.\n");
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ class Report {
     if (!order_.empty()) print_operations();
     put("\ncard       {}\nreference  {}\n", result(e_.card), result(e_.reference));
     if (e_.reference.bad)
-      put("Both sides refuse the pair: no operation says anything.\n");
+      put("Both sides refuse the pair, so its operations explain nothing.\n");
     else
       print_findings();
     return std::move(all_);
@@ -152,7 +152,7 @@ class Report {
         return exchanged(c) ? "the operands are exchanged"
                             : "the operands are right, the result is not";
       case Verdict::kOperands:
-        return "an operand is another";
+        return "an operand differs";
       case Verdict::kUnknown:
         return "not known";
       case Verdict::kMissing:
@@ -189,19 +189,19 @@ class Report {
 
   void print_findings() {
     if (e_.same()) {
-      put("The card's answer is the reference's{}.\n",
-          e_.findings.empty() ? "" : ", though they part on the way");
+      put("The card's answer equals the reference's{}.\n",
+          e_.findings.empty() ? "" : ", although operations differ");
       if (e_.findings.empty()) return;
     } else if (e_.findings.empty()) {
-      put("No operation differs: what is wrong is behind the operators, in a selection or sign on "
-          "the way to the outputs of the pipe.\n");
+      put("No operation differs: the error is behind the operators, in a selection or sign before "
+          "the outputs of the pipe.\n");
       return;
     }
     constexpr std::size_t kSensible = 20;
     if (e_.findings.size() > kSensible)
-      put("{} operations differ while all before them is right: this says little.\n",
+      put("{} operations differ although all their inputs are right: this is little evidence.\n",
           e_.findings.size());
-    put("\nThe card differs from the reference first in\n");
+    put("\nThe card first differs from the reference in\n");
     std::size_t number = 0;
     for (const Finding& f : e_.findings) {
       if (number == kSensible) {
@@ -210,7 +210,7 @@ class Report {
       }
       const std::string apart = f.compared.verdict == Verdict::kResult ? ulps(f.compared) : "";
       put("  {}. {}\n", ++number,
-          f.sources.empty() ? "an operator that was not found" : f.sources[0].text());
+          f.sources.empty() ? "an operator without a match" : f.sources[0].text());
       put("     {}{}{}\n", verdict(f.compared), apart.empty() ? "" : ", ", apart);
       if (f.compared.seat.which >= 0) put("     card       {}\n", operation(f.compared, false));
       put("     reference  {}\n", operation(f.compared, true));

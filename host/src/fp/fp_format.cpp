@@ -65,7 +65,7 @@ FpFormat FpFormat::parse(std::string_view text) {
   std::string names;
   for (const NamedFpFormat& f : kFpFormats) names.append(f.name).append(" ");
   throw Error(ErrorCode::kUsage,
-              fmt::format("format {}: not one of {}nor eEmM with E 3..11 and M 2..52",
+              fmt::format("format {}; expected one of {}or eEmM with E 3..11 and M 2..52",
                           in_quotes(text), names.insert(names.size() - 1, ",")));
 }
 

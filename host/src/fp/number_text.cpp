@@ -140,7 +140,7 @@ std::optional<std::uint64_t> WordText::parse(std::string_view text, std::string&
       why = fmt::format("{} is not a number", in_quotes(text));
       if (text.size() > 1 && text.front() == '-' && has_hex_prefix(text.substr(1)) &&
           is_word(text.substr(3)))
-        why += ": 0x and digits are the bits of a word, its sign among them; a hexfloat has a 'p'";
+        why += ": 0x and digits are the bits of a word, including its sign; a hexfloat has a 'p'";
       break;
   }
   return std::nullopt;

@@ -161,7 +161,7 @@ Defect overflow(const P& primitive) {
     return first_of(field, [&](Eigen::Index k, float word) -> Defect {
       using std::isinf;
       if (!std::isfinite(word) || !isinf(S(word))) return std::nullopt;
-      return fmt::format("{} is {}, beyond the largest number, {}",
+      return fmt::format("{} is {}, above the largest number, {}",
                          word_name(name, words_of(field), k), word,
                          static_cast<float>(std::numeric_limits<S>::max()));
     });

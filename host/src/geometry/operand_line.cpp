@@ -66,7 +66,7 @@ text::TableForm operand_table(PairName named) {
   if (has_ray(named.pair)) form.widths.push_back(most - 2);
   form.groups = {{"A", 0, a_words}, {"B", a_words, most - a_words}};
   form.expected = fmt::format("expected {}, in any order", fmt::join(form.names, ", "));
-  if (has_ray(named.pair)) form.expected += "; tmin and tmax may be left out";
+  if (has_ray(named.pair)) form.expected += "; tmin and tmax are optional";
   form.arrays = fmt::format(
       "pairs are (..., {}) numbers, {} words of A, a {}, and {} of B, a {}, or "
       "structures of A and B",

@@ -124,7 +124,7 @@ void check_facet_interval(unsigned interval, std::span<const Pair> pairs) {
     std::string names;
     for (const Pair pair : pairs) names.append(names.empty() ? "" : ", ").append(name(pair));
     throw Error(ErrorCode::kUsage,
-                fmt::format("facet interval is {}, but {} has no facets", interval, names));
+                fmt::format("facet interval is {}, but {} has no candidate axes", interval, names));
   }
 }
 

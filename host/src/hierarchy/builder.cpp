@@ -214,7 +214,7 @@ Eigen::AlignedBox3f aligned(const Box& box) {
 
 void check_count(std::size_t count) {
   if (count > hierarchy::Node::kMostNumber)
-    throw Error(ErrorCode::kCapacity, fmt::format("a hierarchy of {} secondaries: it may have {}",
+    throw Error(ErrorCode::kCapacity, fmt::format("a BVH of {} secondaries; expected at most {}",
                                                   count, hierarchy::Node::kMostNumber));
 }
 
@@ -223,11 +223,10 @@ void check_box(std::size_t i, const Eigen::AlignedBox3f& b) {
   const float most = std::max(b.min().cwiseAbs().maxCoeff(), b.max().cwiseAbs().maxCoeff());
   // A NaN fails this test.
   if (!((b.min().array() <= b.max().array()).all() && most <= kMost))
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("secondary {}: its box is from {},{},{} to {},{},{}; it must not be "
-                            "empty, nor beyond 2^40",
-                            i, b.min().x(), b.min().y(), b.min().z(), b.max().x(), b.max().y(),
-                            b.max().z()));
+    throw Error(ErrorCode::kBadInput, fmt::format("secondary {}: its box is from {},{},{} to "
+                                                  "{},{},{}; it must not be empty or exceed 2^40",
+                                                  i, b.min().x(), b.min().y(), b.min().z(),
+                                                  b.max().x(), b.max().y(), b.max().z()));
 }
 
 /// c - r, rounded down. c + r rounded up is -below(-c, r).
@@ -378,7 +377,7 @@ Hierarchy Hierarchy::build(std::size_t count, const BoxOf& box, const HierarchyO
                            unsigned depth) {
   if (options.leaf != 1 && options.leaf != 2)
     throw Error(ErrorCode::kUsage,
-                fmt::format("a hierarchy with leaves of {}: 1 or 2", options.leaf));
+                fmt::format("a BVH with leaves of {}; expected 1 or 2", options.leaf));
   check_count(count);
   Hierarchy made;
   if (count == 0) return made;
@@ -437,14 +436,14 @@ Hierarchy Hierarchy::build(std::span<const Obb> boxes, std::span<const std::uint
 
 Hierarchy Hierarchy::build(std::size_t count, const BoxOf& box,
                            std::span<const std::uint32_t> parts, const HierarchyOptions& options) {
-  if (parts.empty()) throw Error(ErrorCode::kUsage, "a hierarchy of no parts");
+  if (parts.empty()) throw Error(ErrorCode::kUsage, "a BVH needs at least one part");
   if (parts.size() > kMostParts)
     throw Error(ErrorCode::kCapacity,
-                fmt::format("a hierarchy of {} parts: it may have {}", parts.size(), kMostParts));
+                fmt::format("a BVH of {} parts; expected at most {}", parts.size(), kMostParts));
   const std::uint64_t all = std::accumulate(parts.begin(), parts.end(), std::uint64_t{0});
   if (all != count || std::find(parts.begin(), parts.end(), 0u) != parts.end())
     throw Error(ErrorCode::kUsage,
-                fmt::format("parts of {} secondaries in all, of {}: none may be empty or left out",
+                fmt::format("the parts have {} secondaries; expected all {}, and no empty part",
                             all, count));
   std::vector<Hierarchy> trees;
   std::size_t first = 0;
@@ -520,7 +519,7 @@ void Hierarchy::add_part(const Hierarchy& tree, std::size_t root) {
 void Hierarchy::refit(std::span<const Eigen::AlignedBox3f> boxes) {
   if (boxes.size() != order_.size())
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} secondaries for a hierarchy of {}", boxes.size(), order_.size()));
+                fmt::format("{} secondaries for a BVH of {}", boxes.size(), order_.size()));
   for (std::size_t i = 0; i < boxes.size(); ++i) check_box(i, boxes[i]);
   std::vector<Eigen::AlignedBox3f> of_nodes(nodes_.size());
   for (std::size_t n = nodes_.size(); n-- > 0;) {  // children follow their parents

@@ -100,21 +100,21 @@ Hierarchy Hierarchy::load(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path.string()), what));
   };
-  if (!bytes.starts_with("cde.hierarchy.")) fail("not a hierarchy (cde.hierarchy.2)");
-  if (!bytes.starts_with(kMagic)) fail("a hierarchy of another version than cde.hierarchy.2");
+  if (!bytes.starts_with("cde.hierarchy.")) fail("not a BVH file (cde.hierarchy.2)");
+  if (!bytes.starts_with(kMagic)) fail("a BVH file of another version; expected cde.hierarchy.2");
   const std::size_t head = kMagic.size() + 4 * kHeadWords;
-  if (bytes.size() < head + kDigits) fail("a hierarchy that is cut off in its head");
+  if (bytes.size() < head + kDigits) fail("a BVH file that is truncated in its header");
   SavedWords words(
       std::string_view(bytes).substr(kMagic.size(), bytes.size() - kMagic.size() - kDigits));
   const std::size_t nodes = words.next(), slots = words.next(), parts = words.next();
   const std::size_t size = head + 4 * (nodes * Node::kWords + slots + kPartWords * parts) + kDigits;
   if (bytes.size() != size)
     fail(fmt::format(
-        "a hierarchy of {} nodes, {} secondaries and {} parts has {} bytes, this has {}", nodes,
+        "a BVH file of {} nodes, {} secondaries and {} parts has {} bytes; this file has {}", nodes,
         slots, parts, size, bytes.size()));
   const std::size_t end = bytes.size() - kDigits;
   if (sha256(std::string_view(bytes).substr(0, end)) != std::string_view(bytes).substr(end))
-    fail("a damaged hierarchy: its checksum is another");
+    fail("a damaged BVH file: its checksum differs");
   Hierarchy read;
   for (Eigen::Vector3f* corner : {&read.box_.min(), &read.box_.max()})
     for (float& x : *corner) x = words.next_float();
@@ -125,8 +125,8 @@ Hierarchy Hierarchy::load(const std::filesystem::path& path) {
   for (std::size_t s = 0; s < slots; ++s) {
     const std::uint32_t index = words.next();
     if (index >= slots || there[index])
-      fail(fmt::format("slot {} has secondary {}, which is {}", s, index,
-                       index >= slots ? "none" : "in another one, too"));
+      fail(fmt::format("slot {} has secondary {}, which {}", s, index,
+                       index >= slots ? "does not exist" : "is also in another slot"));
     there[index] = true;
     read.order_.push_back(index);
   }
@@ -142,7 +142,7 @@ Hierarchy Hierarchy::load(const std::filesystem::path& path) {
   }
   // The margin of a ray follows from this box.
   if (slots != 0 && (!read.box_.max().allFinite() || read.box_.min() != read.nodes_[0].origin()))
-    fail("its box is not that of its root");
+    fail("its box differs from its root's");
   return read;
 }
 

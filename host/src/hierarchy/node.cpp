@@ -66,10 +66,10 @@ class Check {
  public:
   Check(std::span<const Node> nodes, std::size_t slots)
       : nodes_(nodes), levels_(nodes.size(), 0), filled_(slots, false) {
-    if (nodes.empty()) throw Error(ErrorCode::kBadInput, "a hierarchy without a root");
+    if (nodes.empty()) throw Error(ErrorCode::kBadInput, "a BVH without a root");
     levels_[0] = 1;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
-      if (levels_[n] == 0) fail(n, "is below no other");
+      if (levels_[n] == 0) fail(n, "has no parent");
       depth_ = std::max(depth_, levels_[n]);
       look_at(n);
     }
@@ -88,7 +88,7 @@ class Check {
     if (!node.origin().allFinite()) fail(n, "has an origin that is not finite");
     for (int k = 0; k < 3; ++k)
       if (node.exponent(k) < Node::kLeastExponent || node.exponent(k) > Node::kMostExponent)
-        fail(n, fmt::format("has the exponent {}, must be {} to {}", node.exponent(k),
+        fail(n, fmt::format("has exponent {}; expected {} to {}", node.exponent(k),
                             Node::kLeastExponent, Node::kMostExponent));
     for (unsigned i = 0; i < Node::kChildren; ++i) {
       if (node.child(i) == Child::kNone) continue;
@@ -104,8 +104,9 @@ class Check {
 
   void below(std::size_t n, unsigned i, std::uint32_t child) {
     if (child >= nodes_.size()) fail(n, fmt::format("child {}: there is no node {}", i, child));
-    if (child <= n) fail(n, fmt::format("child {}: node {} is not behind it", i, child));
-    if (levels_[child] != 0) fail(n, fmt::format("child {}: node {} has a parent", i, child));
+    if (child <= n) fail(n, fmt::format("child {}: node {} does not follow its parent", i, child));
+    if (levels_[child] != 0)
+      fail(n, fmt::format("child {}: node {} already has a parent", i, child));
     levels_[child] = levels_[n] + 1;
     if (levels_[child] > Hierarchy::kMostDepth)
       fail(n, fmt::format("child {} is deeper than {} levels", i, Hierarchy::kMostDepth));
@@ -114,7 +115,7 @@ class Check {
   void leaf(std::size_t n, unsigned i, std::uint32_t slot, unsigned count) {
     for (std::uint32_t s = slot; s < slot + count; ++s) {
       if (s >= filled_.size()) fail(n, fmt::format("child {}: there is no slot {}", i, s));
-      if (filled_[s]) fail(n, fmt::format("child {}: slot {} is in another leaf", i, s));
+      if (filled_[s]) fail(n, fmt::format("child {}: slot {} is also in another leaf", i, s));
       filled_[s] = true;
     }
   }
@@ -139,22 +140,22 @@ void check(std::span<const Node> nodes, std::size_t slots, std::span<const Hiera
       throw Error(ErrorCode::kBadInput, fmt::format("part {} {}", k, what));
     };
     const std::size_t nodes_end = node + parts[k].nodes, slots_end = slot + parts[k].secondaries;
-    if (node == 0 || parts[k].first_node != node) fail("is not behind the one before it");
-    if (nodes_end > nodes.size() || slots_end > slots) fail("reaches beyond all nodes or slots");
+    if (node == 0 || parts[k].first_node != node) fail("does not follow the part before it");
+    if (nodes_end > nodes.size() || slots_end > slots) fail("exceeds the nodes or slots");
     for (std::size_t n = node; n < nodes_end; ++n) {
       for (unsigned i = 0; i < Node::kChildren; ++i) {
         const std::size_t place = nodes[n].place(i), count = slots_of(nodes[n].child(i));
         if (nodes[n].child(i) == Child::kNode
                 ? place < node || place >= nodes_end
                 : count != 0 && (place < slot || place + count > slots_end))
-          fail(fmt::format("has in node {} what is not its own", n));
+          fail(fmt::format("has another part's node or slot in node {}", n));
       }
     }
     node = nodes_end;
     slot = slots_end;
   }
   if (node != nodes.size() || slot != slots)
-    throw Error(ErrorCode::kBadInput, "the parts do not have all nodes and slots");
+    throw Error(ErrorCode::kBadInput, "the parts do not cover all nodes and slots");
 }
 
 }  // namespace cde::hierarchy

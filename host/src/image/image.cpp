@@ -198,8 +198,8 @@ void check_hits(const PixelHits& hits) {
 
 void check_index(const PixelHits& hits, std::size_t i, const Mesh& mesh) {
   if (hits.index[i] >= mesh.faces.size()) {
-    throw Error(ErrorCode::kBadInput,
-                fmt::format("pixel {}: face {} of {}", i, hits.index[i], mesh.faces.size()));
+    throw Error(ErrorCode::kBadInput, fmt::format("pixel {}: face {}, but there are {} faces", i,
+                                                  hits.index[i], mesh.faces.size()));
   }
 }
 

@@ -117,9 +117,9 @@ class HeaderReader {
     try {
       dict = LiteralReader(text).whole();
     } catch (const NotPython& e) {
-      fail(fmt::format("its header, byte {}: is no dictionary of Python", e.at));
+      fail(fmt::format("its header, byte {}: not a Python dictionary", e.at));
     }
-    if (dict.kind != Literal::Kind::kDict) fail("its header is no dictionary of Python");
+    if (dict.kind != Literal::Kind::kDict) fail("its header is not a Python dictionary");
     header_.fortran_order = flag(value(dict, "fortran_order"));
     header_.shape = shape(value(dict, "shape"));
     take_type(value(dict, "descr"));
@@ -142,7 +142,7 @@ class HeaderReader {
       fail(fmt::format("NumPy format {}.{}, expected 1.0 to 3.0", version, at(7)));
     std::size_t length = at(8) | at(9) << 8;
     if (version > 1) length |= at(10) << 16 | at(11) << 24;
-    if (length > bytes.size() - start) fail("is cut short in its header");
+    if (length > bytes.size() - start) fail("is truncated in its header");
     if (length > kMostHeader)
       fail(fmt::format("its header has {} bytes, expected at most {}", length, kMostHeader));
     header_.data = start + length;
@@ -165,9 +165,9 @@ class HeaderReader {
 
   std::vector<std::uint64_t> shape(const Literal& value) const {
     std::vector<std::uint64_t> all;
-    if (value.kind != Literal::Kind::kTuple) fail("its header: shape is no tuple");
+    if (value.kind != Literal::Kind::kTuple) fail("its header: shape is not a tuple");
     for (const Literal& item : value.items) {
-      if (item.kind != Literal::Kind::kNumber) fail("its header: shape is no tuple of numbers");
+      if (item.kind != Literal::Kind::kNumber) fail("its header: shape is not a tuple of numbers");
       all.push_back(item.number);
     }
     return all;
@@ -190,8 +190,8 @@ class HeaderReader {
       return type;
     }
     fail(
-        fmt::format("{} {}; read are floats of 2, 4 or 8 bytes ('<f2', '<f4', '<f8') and whole "
-                    "numbers ('<i4'), in either order of bytes",
+        fmt::format("{} {}; expected floats of 2, 4 or 8 bytes ('<f2', '<f4', '<f8') or whole "
+                    "numbers ('<i4'), in either byte order",
                     whose, in_quotes(text)));
   }
 
@@ -208,13 +208,12 @@ class HeaderReader {
 
   void take_field(const Literal& field) {
     if (field.kind != Literal::Kind::kTuple || field.items.size() < 2 || field.items.size() > 3)
-      fail("its header: a field is no (name, type) or (name, type, shape)");
+      fail("its header: a field is not (name, type) or (name, type, shape)");
     const Literal &name = field.items[0], &type = field.items[1];
     if (name.kind != Literal::Kind::kText)
-      fail(fmt::format("its fields have titles beside their names; {}", expected_));
+      fail(fmt::format("its fields have titles besides names; {}", expected_));
     if (type.kind != Literal::Kind::kText)
-      fail(fmt::format("its field {} is a structure of its own; {}", in_quotes(name.text),
-                       expected_));
+      fail(fmt::format("its field {} is a structure; {}", in_quotes(name.text), expected_));
     std::uint32_t padding = 0;
     if (name.text.empty() && type.text.starts_with("|V") &&
         text::parse_int(std::string_view(type.text).substr(2), padding)) {
@@ -237,7 +236,7 @@ class HeaderReader {
     std::uint64_t all = 1;
     if (std::find(factors.begin(), factors.end(), 0u) != factors.end()) return 0;
     for (const std::uint64_t factor : factors) {
-      if (all > (std::uint64_t{1} << 48) / factor) fail("its header claims more than there can be");
+      if (all > (std::uint64_t{1} << 48) / factor) fail("its header claims an impossible size");
       all *= factor;
     }
     return all;

@@ -111,7 +111,7 @@ void ArrayTable::take_fields(const ArrayHeader& header) {
     else if (name != form_.names.end() && field.count == 1)
       take_column(static_cast<std::size_t>(name - form_.names.begin()), field.type, field.offset);
     else
-      fail(fmt::format("its field {} of {} number{} is none that is read", in_quotes(field.name),
+      fail(fmt::format("its field {} of {} number{} is not expected", in_quotes(field.name),
                        field.count, field.count == 1 ? "" : "s"));
   }
   for (std::size_t name = 0; name < has_.size(); ++name)

@@ -58,10 +58,10 @@ const text::TableForm& ray_table() {
       .optional = {false, false, false, false, false, false, true, true},
       .widths = {6, 7, 8},
       .groups = {{"o", 0, 3}, {"d", 3, 3}},
-      .expected = "expected ox, oy, oz, dx, dy, dz and, if wanted, tmin, tmax, in any order",
+      .expected = "expected ox, oy, oz, dx, dy, dz and optionally tmin, tmax, in any order",
       .arrays =
-          "rays are (..., 6), (..., 7) or (..., 8) numbers, ox, oy, oz, dx, dy, dz, tmin, tmax, "
-          "or structures of o and d of 3 numbers each and, if wanted, tmin and tmax"};
+          "rays are (..., 6), (..., 7) or (..., 8) numbers, ox, oy, oz, dx, dy, dz, tmin, tmax, or "
+          "structures of o and d of 3 numbers each and optionally tmin and tmax"};
   return kForm;
 }
 

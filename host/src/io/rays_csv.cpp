@@ -75,7 +75,7 @@ Ray ray_of(const text::TableText& table, std::string_view line, const CsvPlace& 
     place.fail(
         ErrorCode::kFile, line.size() + 1,
         table.named()
-            ? fmt::format("too few fields: {} of the {} that the header names; {} is missing",
+            ? fmt::format("too few fields: {} of the {} in the header; {} is missing",
                           fields.size(), columns, ray_table().names[field])
             : fmt::format("too few fields: {} of at least 6 ({})", fields.size(), kExpected));
   }
@@ -102,8 +102,7 @@ std::vector<Ray> read_rays_csv(std::istream& in, std::string_view name) {
 std::vector<Ray> rays_in_text(std::string_view bytes, std::string_view name) {
   text::require_utf8(bytes, name);
   if (io::is_array(bytes))
-    throw Error(ErrorCode::kFile,
-                fmt::format("{}: is a NumPy array; rays as text are read here", name));
+    throw Error(ErrorCode::kFile, fmt::format("{}: is a NumPy array; expected rays as text", name));
   std::vector<Ray> rays;
   text::Lines lines(text::without_mark(bytes));
   text::TableText table(ray_table());

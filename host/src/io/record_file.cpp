@@ -314,7 +314,7 @@ void RecordFile::add_text(std::string_view text) {
 void RecordFile::commit() {
   const std::uint64_t records = is_array() ? written_ / text_.record_bytes() : 0;
   if (is_array() && count_ && *count_ != records)
-    throw Error(ErrorCode::kDevice, fmt::format("{} records came of {}", records, *count_));
+    throw Error(ErrorCode::kDevice, fmt::format("{} records came; expected {}", records, *count_));
   if (is_array() && !count_ && !file_.can_replace_start()) {
     file_.write(text_.head(records, true));
     file_.write(waiting_);

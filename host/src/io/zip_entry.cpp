@@ -45,7 +45,7 @@ class Archive {
   /// The archive's central directory.
   [[nodiscard]] std::vector<Entry> entries() const {
     const std::size_t end = bytes_.rfind("PK\x05\x06");
-    if (end == std::string_view::npos) fail("the archive is damaged or cut short: it has no end");
+    if (end == std::string_view::npos) fail("the archive is damaged or truncated: it has no end");
     std::uint64_t count = number(end + 10, 2), at = number(end + 16, 4);
     if (count == kShort || at == kLong) {
       if (end < 20 || part(end - 20, 4) != "PK\x06\x07") fail("the archive's end is damaged");
@@ -116,7 +116,7 @@ std::string inflated(const Archive& archive, std::string_view packed, std::uint6
     if (status == Z_OK && had_in == stream.avail_in && had_out == stream.avail_out) break;
   }
   inflateEnd(&stream);
-  if (status != Z_STREAM_END || out != size) archive.fail("an array in it is damaged or cut short");
+  if (status != Z_STREAM_END || out != size) archive.fail("an array in it is damaged or truncated");
   return bytes;
 }
 
@@ -132,7 +132,7 @@ std::string only_array(std::string_view bytes, const std::string& name,
     for (std::size_t i = 0; i < std::min<std::size_t>(entries.size(), 8); ++i)
       names.push_back(in_quotes(entries[i].name));
     archive.fail(fmt::format(
-        "{}; an .npz file with one array is read: {}",
+        "{}; expected an .npz file with one array: {}",
         names.empty() ? "has no array"
                       : fmt::format("has {} files, {}{}", entries.size(), fmt::join(names, ", "),
                                     names.size() < entries.size() ? ", ..." : ""),
@@ -144,14 +144,14 @@ std::string only_array(std::string_view bytes, const std::string& name,
   if ((e.flags & 1) != 0) archive.fail("the array in it is encrypted");
   if (e.method != 0 && e.method != 8)
     archive.fail(
-        fmt::format("the array in it is compressed by method {}; numpy.savez stores it and "
-                    "numpy.savez_compressed deflates it, which is read",
+        fmt::format("the array in it is compressed by method {}; expected stored (numpy.savez) or "
+                    "deflated (numpy.savez_compressed)",
                     e.method));
   const std::string_view packed = archive.packed(e);
   if (e.method == 0 && e.size != e.packed) archive.fail("the array in it has two sizes");
   std::string array = e.method == 0 ? std::string(packed) : inflated(archive, packed, e.size);
   if (crc32_z(0, reinterpret_cast<const Bytef*>(array.data()), array.size()) != e.crc)
-    archive.fail("the array in it is damaged: its checksum is another one");
+    archive.fail("the array in it is damaged: its checksum differs");
   return array;
 }
 

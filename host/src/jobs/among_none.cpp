@@ -12,8 +12,8 @@ std::unique_ptr<Dealing::Ranks> Dealing::Ranks::if_started() {
     const char* size = std::getenv(name);
     if (size != nullptr && std::atoi(size) > 1)
       throw Error(ErrorCode::kConfiguration,
-                  "this cde was built without MPI (CDE_MPI), and every rank would do the whole: "
-                  "use --shard, or build it where Open MPI is");
+                  "this cde was built without MPI (CDE_MPI), so every rank would do all the work; "
+                  "use --shard, or build cde with Open MPI");
   }
   return nullptr;
 }

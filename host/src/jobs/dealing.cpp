@@ -152,7 +152,7 @@ void Dealing::begin(const DealOptions& options, Json run, bool quiet) {
   all.update(run);
   if (among_) check_ranks(all);
   if (shards_ > 1 && ranks() > 1)
-    throw Error(ErrorCode::kUsage, "--shard is for processes that are not ranks of one run");
+    throw Error(ErrorCode::kUsage, "--shard cannot be combined with the ranks of one run");
   config_hash_ = run.value("config_hash", std::string());
   if (!merged_.empty()) {
     config_hash_ = merged_.front()->run().value("config_hash", std::string());
@@ -164,7 +164,7 @@ void Dealing::begin(const DealOptions& options, Json run, bool quiet) {
     (void)Json(words_).dump();
   } catch (const Json::type_error&) {
     throw Error(ErrorCode::kUsage,
-                "--resume keeps the command line, which must be UTF-8: give its files other names");
+                "--resume stores the command line, which must be UTF-8; rename its files");
   }
   all["shard"] = options.shard;
   journal_ = std::make_unique<Journal>("--resume", options.resume, Journal::Use::kGoOn, all,
@@ -278,7 +278,7 @@ bool Dealing::deal_merged(const Part& part) {
   }
   if (part.inputs_again && part.input(chunks))
     throw Error(ErrorCode::kUsage,
-                fmt::format("cde merge: {} is of a run of {}, there are more now",
+                fmt::format("cde merge: {} belongs to a run of {}; now there are more",
                             printable_name(merged_.front()->path()), chunks_text(chunks)));
   ++parts_;
   return true;
@@ -308,10 +308,11 @@ void Dealing::check_merged() const {
     for (std::uint64_t number = 0; number < chunks; ++number) {
       if (from.contains({p, number})) continue;
       const auto shards = parse_shard(merged_.front()->run().value("shard", "1/1")).second;
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("cde merge: chunk {} of {} is in none of the journals: that of shard "
-                              "{}/{} is missing",
-                              number, chunks, number % shards + 1, shards));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format(
+              "cde merge: chunk {} of {} is in no journal; the journal of shard {}/{} is missing",
+              number, chunks, number % shards + 1, shards));
     }
   }
 }
@@ -324,17 +325,18 @@ void Dealing::check_ends(unsigned part) const {
     const auto end = journal->end_of(part);
     if (!end)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("cde merge: {} (shard {}) is not finished: give its command again",
+                  fmt::format("cde merge: {} (shard {}) is not finished; run its command again",
                               name(*journal), journal->run().value("shard", "1/1")));
     const auto other = first.end_of(part);
     if (*other == *end) continue;
     if (other->chunks != end->chunks)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("cde merge: {} is of a run of {}, {} of one of {}", name(first),
-                              chunks_text(other->chunks), name(*journal), end->chunks));
-    throw Error(ErrorCode::kUsage, fmt::format("cde merge: {} and {} are of runs with different "
-                                               "inputs",
-                                               name(first), name(*journal)));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("cde merge: {} belongs to a run of {}, but {} to one of {}", name(first),
+                      chunks_text(other->chunks), name(*journal), end->chunks));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("cde merge: {} and {} belong to runs with different inputs",
+                            name(first), name(*journal)));
   }
 }
 
@@ -348,12 +350,12 @@ void Dealing::start(const std::vector<std::string>& words) {
   check_words();
   if (words.empty()) return;
   if (!words[0].starts_with("-") && words[0] != "help" && !is_dealt(words[0]))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} ranks were started, and each would do the same: what is dealt to "
-                            "ranks is cde {}",
-                            ranks(), fmt::join(kDealt, ", ")));
+    throw Error(ErrorCode::kUsage, fmt::format("{} ranks were started, and each would do the same "
+                                               "work; ranks can share the work of cde {}",
+                                               ranks(), fmt::join(kDealt, ", ")));
   if (std::getenv("CDE_WAVES") != nullptr)
-    throw Error(ErrorCode::kUsage, "CDE_WAVES is of one process: ranks would write the same files");
+    throw Error(ErrorCode::kUsage,
+                "CDE_WAVES needs a single process: ranks would write the same files");
 }
 
 /// Checks that every rank got the same command line.
@@ -376,7 +378,7 @@ void Dealing::check_words() const {
 
 void Dealing::end() {
   if (journal_ && shards_ > 1 && !quiet_)
-    say(fmt::format("cde: shard {}/{} is whole: {} in {}; cde merge puts the shards together\n",
+    say(fmt::format("cde: shard {}/{} is complete: {} in {}; cde merge combines the shards\n",
                     shard_, shards_, chunks_text(journal_->size()),
                     printable_name(journal_->path())));
   if (among_ && !released_) (void)among_->broadcast({});  // for a verb that deals no work

@@ -108,9 +108,9 @@ void Journal::check_owner(const struct stat& status) {
   throw Error(
       ErrorCode::kFile,
       fmt::format(
-          "{}: {} is refused, as its command would be run: {}", what_, printable_name(path_),
+          "{}: {} is refused, because its command would be run: {}", what_, printable_name(path_),
           ours ? "all users can write it (chmod o-w)"
-               : fmt::format("it belongs to user {}; a copy of your own is read", status.st_uid)));
+               : fmt::format("it belongs to user {}; make a copy of your own", status.st_uid)));
 }
 
 void Journal::fail(const char* doing) const {
@@ -206,16 +206,15 @@ bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& nex
     // Only the last entry may be unfinished. If another entry begins within it, its byte count is
     // wrong.
     if (const auto another = entry_within(next))
-      damaged(at, fmt::format("the chunk is said to have {} bytes, but another entry begins at "
-                              "byte {}",
+      damaged(at, fmt::format("the chunk claims {} bytes, but another entry begins at byte {}",
                               place.bytes, *another));
     return false;
   }
   next += place.bytes;
-  if (*bytes_at(file_, next, 1) != "\n") damaged(at, "the chunk does not end where it says");
+  if (*bytes_at(file_, next, 1) != "\n") damaged(at, "the chunk has another length than it claims");
   ++next;
   if (!chunks_.emplace(ChunkNumber{part, count("chunk")}, place).second)
-    damaged(at, "the chunk was there before");
+    damaged(at, "the chunk appears twice");
   return true;
 }
 
@@ -223,9 +222,10 @@ void Journal::check_run(const Json& run) const {
   for (const auto& [key, value] : run.items()) {
     const Json there = run_.contains(key) ? run_.at(key) : Json();
     if (there == value) continue;
-    throw Error(ErrorCode::kUsage, fmt::format("{}: {} is of a run with {} {}, this one has {}",
-                                               what_, printable_name(path_), key,
-                                               json_text(there, -1), json_text(value, -1)));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: {} belongs to a run with {} {}; this run has {}", what_,
+                    printable_name(path_), key, json_text(there, -1), json_text(value, -1)));
   }
 }
 
@@ -233,15 +233,14 @@ std::string Journal::read(ChunkNumber number) const {
   const ChunkPlace& place = chunks_.at(number);
   const auto bytes = bytes_at(file_, place.at, place.bytes);
   if (!bytes) fail("cannot read");
-  if (fingerprint(*bytes) != place.fingerprint)
-    damaged(place.at, "the chunk is not what was written");
+  if (fingerprint(*bytes) != place.fingerprint) damaged(place.at, "the chunk is damaged");
   return *bytes;
 }
 
 void Journal::check_input(ChunkNumber number, const std::string& input) const {
   if (chunks_.at(number).input == input) return;
   throw Error(ErrorCode::kUsage,
-              fmt::format("{}: {} is of a run with another input: chunk {} of it differs", what_,
+              fmt::format("{}: {} belongs to a run with another input: its chunk {} differs", what_,
                           printable_name(path_), number.chunk));
 }
 
@@ -281,8 +280,8 @@ void Journal::end_part(unsigned part, const PartEnd& end) {
     if (*known == end) return;
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("{}: {} is of a run with another input: it has {} chunks, this one {}{}", what_,
-                    printable_name(path_), known->chunks, end.chunks,
+        fmt::format("{}: {} belongs to a run with another input: it has {} chunks, this run {}{}",
+                    what_, printable_name(path_), known->chunks, end.chunks,
                     known->chunks == end.chunks ? ", and they differ" : ""));
   }
   append(json_text(Json{{"part", part}, {"chunks", end.chunks}, {"inputs", end.inputs}}, -1) +

@@ -210,7 +210,7 @@ class LastRemark final : public Assimp::LogStream {
 std::string refusal(const Assimp::Importer& importer, const std::string& path) {
   std::string why = importer.GetErrorString();
   if (why.starts_with("No suitable reader"))
-    why = fmt::format("is not read as {}: damaged, cut off or of another version",
+    why = fmt::format("cannot be read as {}: damaged, truncated or of another version",
                       printable_name(std::filesystem::path(path).extension().string()));
   return why;
 }
@@ -228,7 +228,8 @@ std::string import(const std::string& path) {
     importer.SetIOHandler(noting);  // the importer owns it from now on
     const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
     if (!noting->refused().empty())
-      return kMessageFollows + fmt::format("names {}, which is no regular file", noting->refused());
+      return kMessageFollows +
+             fmt::format("names {}, which is not a regular file", noting->refused());
     if (scene == nullptr) {
       const std::string why = refusal(importer, path);
       if (why.find("bad_alloc") != std::string::npos) return std::string(1, kTooLarge);
@@ -305,9 +306,8 @@ std::uint64_t most_resident_bytes() {
 std::string with_memory(std::string answer, std::uint64_t before, std::uint64_t memory) {
   const std::uint64_t most = most_resident_bytes(), taken = most - std::min(most, before);
   if (answer.front() != kMessageFollows || taken < memory / 2) return answer;
-  return answer +
-         fmt::format(" (it took {} of the {} MB that it may; CDE_MESH_MEMORY sets another limit)",
-                     taken >> 20, memory >> 20);
+  return answer + fmt::format(" (it used {} of its {} MB; CDE_MESH_MEMORY sets another limit)",
+                              taken >> 20, memory >> 20);
 }
 
 [[noreturn]] void run_child(int out, const std::string& path, std::chrono::seconds time,
@@ -356,7 +356,7 @@ Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits)
   if (!take_array(rest, mesh.vertices) || !take_array(rest, mesh.faces) ||
       !take_array(rest, dropped) || dropped.size() != 1 || !take_parts(rest, mesh.parts) ||
       !take_names(rest, files)) {
-    fail("the importer's answer is cut short");
+    fail("the importer's answer is truncated");
   }
   mesh.dropped = dropped[0];
   for (const std::string& file : files)

@@ -125,8 +125,9 @@ void check(const Mesh& mesh, std::string_view what) {
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     for (const auto corner : mesh.faces[i]) {
       if (corner >= mesh.vertices.size()) {
-        throw Error(ErrorCode::kBadInput, fmt::format("{}: face {} names vertex {} of {}", what, i,
-                                                      corner, mesh.vertices.size()));
+        throw Error(ErrorCode::kBadInput,
+                    fmt::format("{}: face {} names vertex {}, but there are {} vertices", what, i,
+                                corner, mesh.vertices.size()));
       }
     }
   }
@@ -288,8 +289,9 @@ void save_mesh(const Mesh& mesh, const std::filesystem::path& path) {
   if (extension == ".obj") return write_file(path, to_obj(mesh));
   if (extension == ".ply") return write_file(path, to_ply(mesh));
   if (extension == ".stl") return write_file(path, to_stl(mesh));
-  throw Error(ErrorCode::kUsage, fmt::format("{}: meshes are written as .obj, .ply or .stl",
-                                             printable_name(path.string())));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{}: cannot write this format; expected .obj, .ply or .stl",
+                          printable_name(path.string())));
 }
 
 }  // namespace cde

@@ -91,7 +91,7 @@ class PlyReader {
       if (element.count > 0) read_element(element);
     for (const auto& [row, c] : waiting_) polygon(row, c);
     if (body_.find_first_not_of(ascii_ ? " \t\r\n" : "") != std::string_view::npos)
-      warn(fmt::format("{} bytes behind the last row are left out", body_.size()));
+      warn(fmt::format("{} bytes after the last row are ignored", body_.size()));
     return std::move(mesh_);
   }
 
@@ -166,18 +166,17 @@ class PlyReader {
     const std::string_view count = text::next_word(rest);
     if (!text::parse_int(count, e.count)) fail(fmt::format("{} is not a count", in_quotes(count)));
     for (const auto& other : elements_) {
-      if (other.name == e.name) fail(fmt::format("element {} stands twice", in_quotes(e.name)));
+      if (other.name == e.name) fail(fmt::format("element {} appears twice", in_quotes(e.name)));
     }
     if (e.name == "vertex") {
-      if (e.count > 0xffffffffu)
-        fail(fmt::format("{} vertices are more than 32 bits count", e.count));
+      if (e.count > 0xffffffffu) fail(fmt::format("{} vertices exceed the 32-bit limit", e.count));
       vertex_count_ = e.count;
     }
     elements_.push_back(std::move(e));
   }
 
   void property(std::string_view rest) {
-    if (elements_.empty()) fail("a property stands before the first element");
+    if (elements_.empty()) fail("a property precedes the first element");
     Element& e = elements_.back();
     Property p;
     std::string_view word = text::next_word(rest);
@@ -225,7 +224,7 @@ class PlyReader {
     for (row_ = 0; row_ < e.count; ++row_) read_row(e);
     if (too_long_ > 0)
       mesh_.warnings.push_back(fmt::format(
-          "{}:{}: {} row {} has more values than the header announces{}; they are left out", name_,
+          "{}:{}: {} row {} has more values than the header announces{}; they are ignored", name_,
           first_too_long_.line, e.name, first_too_long_.row,
           too_long_ > 1 ? fmt::format(", as have {} others", too_long_ - 1) : ""));
   }

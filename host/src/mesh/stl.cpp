@@ -82,15 +82,14 @@ class AsciiReader {
 
   void expect(std::string_view what) {
     const std::string_view w = word();
-    if (w.empty())
-      fail(fmt::format("the file ends where '{}' should stand: it is truncated", what));
+    if (w.empty()) fail(fmt::format("the file ends where '{}' should be: it is truncated", what));
     if (!is(w, what)) fail(fmt::format("expected '{}', not {}", what, in_quotes(w)));
   }
 
   float number() {
     const std::string_view w = word();
     float value = 0.0f;
-    if (w.empty()) fail("the file ends where a number should stand: it is truncated");
+    if (w.empty()) fail("the file ends where a number should be: it is truncated");
     const text::Number result = text::parse_float(w, value);
     if (result == text::Number::kOverflow) fail(fmt::format("{} overflows a float", in_quotes(w)));
     if (result != text::Number::kOk) fail(fmt::format("{} is not a number", in_quotes(w)));
@@ -163,7 +162,7 @@ Mesh read_stl(std::string_view bytes, const std::string& name) {
   if (count == 0) fail(counted + ": its writer did not set the count");
   Mesh mesh = read_binary(bytes, count);
   mesh.warnings.push_back(
-      fmt::format("{}: byte {}: {} bytes behind the last of {} facets are left out", name, expected,
+      fmt::format("{}: byte {}: {} bytes after the last of {} facets are ignored", name, expected,
                   bytes.size() - expected, count));
   return mesh;
 }

@@ -164,7 +164,7 @@ Elaboration::Elaboration(const fs::path& rtl, const std::string& top,
   try {
     netlist_.emplace(elaborated(rtl, top, parameters, hidden));
   } catch (const NetlistError& e) {
-    throw ElaborationError("what verilator says of " + top + " is not understood: " + e.what());
+    throw ElaborationError("verilator's description of " + top + " cannot be read: " + e.what());
   }
   for (const Element* cell : netlist_->cells().children()) read_cells(*cell);
   for (const Element* e : netlist_->netlist().children()) {

@@ -75,8 +75,8 @@ class Writer {
   }
 
   void note(const Json& node, unsigned depth) {
-    if (depth > kMostNodeDepth) throw NetlistError("nodes are too deep in each other");
-    if (!node.is_object()) throw NetlistError("a node is no object");
+    if (depth > kMostNodeDepth) throw NetlistError("nodes are nested too deeply");
+    if (!node.is_object()) throw NetlistError("a node is not an object");
     if (const std::string address = text(node, "addr"); !address.empty()) {
       by_address_.emplace(address, &node);
       ids_.emplace(address, static_cast<unsigned>(ids_.size()) + 1);
@@ -90,7 +90,7 @@ class Writer {
   void cell(const Json& module, const std::string& name, const std::string& path,
             const std::string& location, unsigned depth) {
     if (depth > kMostNodeDepth / 10 || out_.size() > (std::size_t{1} << 30))
-      throw NetlistError("instances are too deep in each other, or too many");
+      throw NetlistError("instances are too many or nested too deeply");
     out_ +=
         fmt::format("<cell loc=\"{}\" name=\"{}\" submodname=\"{}\" hier=\"{}\">", place(location),
                     xml_text(name), xml_text(text(module, "name")), xml_text(path));
@@ -250,7 +250,7 @@ void check_depth(const std::string& text) {
     }
     quoted = c == '"';
     if ((c == '{' || c == '[') && ++depth > 2 * kMostNodeDepth)
-      throw NetlistError("nodes are too deep in each other");
+      throw NetlistError("nodes are nested too deeply");
     if ((c == '}' || c == ']') && depth > 0) --depth;
   }
 }
@@ -258,7 +258,7 @@ void check_depth(const std::string& text) {
 Json parsed(const std::string& text, const char* what) {
   check_depth(text);
   Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object()) throw NetlistError(fmt::format("{} is no JSON, or cut off", what));
+  if (!json.is_object()) throw NetlistError(fmt::format("{} is not JSON, or truncated", what));
   return json;
 }
 

@@ -90,14 +90,14 @@ Netlist::Netlist(std::string xml) : text_(std::make_unique<const std::string>(st
     if (comment || element.empty() || element.front() == '?') continue;
     if (element.front() == '/') {
       if (open.empty() || open.back()->tag_ != element.substr(1))
-        throw NetlistError("elements are not closed in their order");
+        throw NetlistError("elements are not closed in order");
       ended = open.size() == 1;
       open.pop_back();
       continue;
     }
     const bool empty = element.back() == '/';
     if (empty) element.remove_suffix(1);
-    if (open.size() >= kMostOpen) throw NetlistError("elements are too deep in each other");
+    if (open.size() >= kMostOpen) throw NetlistError("elements are nested too deeply");
     Element& e = elements_.emplace_back();
     e.tag_ = element.substr(0, element.find_first_of(" \n\t"));
     e.attributes_ = element.substr(e.tag_.size());
@@ -112,7 +112,7 @@ Netlist::Netlist(std::string xml) : text_(std::make_unique<const std::string>(st
     if (!empty) open.push_back(&e);
   }
   if (!begun) throw NetlistError("it is not what verilator --xml-only writes");
-  if (!ended) throw NetlistError("it is cut off");
+  if (!ended) throw NetlistError("it is truncated");
   if (netlist_ == nullptr || cells_ == nullptr || types == nullptr)
     throw NetlistError("it has no netlist");
   read_types(*types);

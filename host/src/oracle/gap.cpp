@@ -392,7 +392,7 @@ Gap plane_gap(const Shape& a, const Plane& b) {
   const Vec c = center(a);
   const double height = (b.n.dot(c) - b.d) / length;
   if (std::holds_alternative<Plane>(a))
-    throw std::invalid_argument("two planes have no signed gap");
+    throw std::invalid_argument("two planes have no signed distance");
   const Shape centred = moved(a, -c);
   const double above =
       height - support(centred, -n);  // A is on the side of the normal, so A to B is -n

@@ -385,7 +385,7 @@ Shape moved(const Shape& shape, const Vec& by) {
 
 Shape turned(const Shape& shape, const Frame& by) {
   return changed(shape, [&]<class X>(Field field, X& x) {
-    if (field == Field::kCorner) throw std::invalid_argument("an AABB does not turn");
+    if (field == Field::kCorner) throw std::invalid_argument("an AABB cannot be rotated");
     if constexpr (!std::is_same_v<X, double>)
       if (field != Field::kSize) x = by * x;
   });

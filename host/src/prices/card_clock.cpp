@@ -74,7 +74,7 @@ std::vector<PipeFigures> figures_of(const std::vector<PipeChoice>& pipes) {
   try {
     netlist::examine_all(wanted, {});
   } catch (const Error& e) {
-    say(fmt::format("cde: clocks and operators are not known: {}\n", e.what()));
+    say(fmt::format("cde: latencies and operators are unknown: {}\n", e.what()));
     return all;
   }
   for (std::size_t i = 0; i < pipes.size(); ++i)

@@ -175,9 +175,9 @@ PriceTable PriceTable::of_project() {
   const Json all = Json::parse(read_file(table.file_), nullptr, false);
   const auto rows = all.is_object() ? all.find("rows") : all.end();
   if (!all.is_object() || rows == all.end() || !rows->is_array())
-    throw Error(ErrorCode::kFile, fmt::format("{}: no table of prices: no list \"rows\" "
-                                              "(tools/synthesis makes one)",
-                                              table.file_));
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: not a cost table: no list \"rows\" (tools/synthesis makes one)",
+                            table.file_));
   for (std::size_t i = 0; i < rows->size(); ++i) {
     try {
       const Json& row = (*rows)[i];
@@ -214,7 +214,7 @@ std::string PriceTable::rows_of(const std::string& target) const {
     if (row.target == target && row.mhz)
       there.push_back(fmt::format("{}{}{} {} LAT {}", row.what, row.algorithm.empty() ? "" : " ",
                                   row.algorithm, row.format, row.lat));
-  return there.empty() ? fmt::format("{} has none of {}", file_, target)
+  return there.empty() ? fmt::format("{} has no row of {}", file_, target)
                        : fmt::format("{} has {}", file_, fmt::join(there, ", "));
 }
 

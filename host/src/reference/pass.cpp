@@ -226,7 +226,8 @@ void check_query(const PassQuery& query, const Shapes& primaries, std::size_t nu
   (void)name_of(query.mode);  // throws for an unknown mode
   if (size(primaries) > card::kMostPrimaries || size(primaries) != numbers)
     throw Error(ErrorCode::kUsage,
-                fmt::format("a pass of {} primaries with {} numbers", size(primaries), numbers));
+                fmt::format("a pass of {} primaries has {} numbers; expected as many as primaries",
+                            size(primaries), numbers));
   if (!is_card_format(query.format))
     throw Error(ErrorCode::kUsage, fmt::format("no card has the format {}", query.format.name()));
   Shape first = primary_shape(query.pair), second = secondary_shape(query.pair);
@@ -277,7 +278,8 @@ SweptPrimary sweep(const PassQuery& query, const Shapes& primaries, std::uint32_
   const Shapes one = std::visit(
       [number](const auto& list) -> Shapes {
         if (number >= list.size())
-          throw Error(ErrorCode::kUsage, fmt::format("primary {} of {}", number, list.size()));
+          throw Error(ErrorCode::kUsage,
+                      fmt::format("primary {}, but there are {}", number, list.size()));
         return std::decay_t<decltype(list)>{list[number]};
       },
       primaries);
@@ -305,7 +307,7 @@ SweptPrimary sweep(const PassQuery& query, const Shapes& primaries, std::uint32_
 }
 
 std::span<const Record> Pass::next() {
-  if (!impl_) throw Error(ErrorCode::kUsage, "this pass is none: it was moved from");
+  if (!impl_) throw Error(ErrorCode::kUsage, "this Pass is empty: it was moved from");
   return impl_->next();
 }
 

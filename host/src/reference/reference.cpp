@@ -52,12 +52,14 @@ class Sweep::Impl {
         any_(!sweeps_fast(algorithm, format)) {
     (void)name_of(mode);  // throws for an unknown mode
     if (packet == 0 || packet > RayBlock::kRays)
-      throw Error(ErrorCode::kUsage, fmt::format("a packet of {} rays", packet));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("a packet of {} rays; expected 1 to the most primaries of a card", packet));
     for (const Object& object : objects)
       if (object.first > triangles.size() || object.count > triangles.size() - object.first)
         throw Error(ErrorCode::kUsage,
-                    fmt::format("an object of {} triangles from {} on reaches beyond the {}",
-                                object.count, object.first, triangles.size()));
+                    fmt::format("an object of {} triangles from {} on exceeds the {}", object.count,
+                                object.first, triangles.size()));
     if (!objects.empty() || any_) swept_ = swept(triangles, objects, format);
     if (!objects.empty()) triangles_ = TriangleView(swept_.shapes);
     if (any_) {

@@ -121,7 +121,7 @@ Refitted refit(std::span<const Node> nodes, std::span<const std::uint32_t> order
                const TriangleView& triangles) {
   if (triangles.size() != order.size())
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} triangles for a hierarchy of {}", triangles.size(), order.size()));
+                fmt::format("{} triangles for a BVH of {}", triangles.size(), order.size()));
   (void)hierarchy::check(nodes, order.size());
   Refitted refitted{{nodes.begin(), nodes.end()}, {}};
   for (std::size_t n = nodes.size(); n-- > 0;) {

@@ -112,7 +112,7 @@ Record answer(const P& primary, const L& secondary, std::uint32_t number, std::u
   else if constexpr (requires { pipe(secondary, primary); })
     return record_from(bounded<float>(pipe(secondary, primary), secondary, primary), number, index);
   else
-    throw Error(ErrorCode::kUsage, fmt::format("{}s have no way through a hierarchy over {}s",
+    throw Error(ErrorCode::kUsage, fmt::format("{}s cannot traverse a BVH over {}s",
                                                name(kShapeOf<P>), name(kShapeOf<L>)));
 }
 
@@ -247,8 +247,8 @@ Traversal::Traversal(Secondaries secondaries, std::size_t count, std::string_vie
     : secondaries_(secondaries), hierarchy_(hierarchy), algorithm_(algorithm) {
   (void)name(algorithm);  // throws for an unknown algorithm
   if (count != hierarchy.order().size())
-    throw Error(ErrorCode::kUsage, fmt::format("{} {}s with a hierarchy of {}", count, shape,
-                                               hierarchy.order().size()));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} {}s for a BVH of {}", count, shape, hierarchy.order().size()));
 }
 Traversal::Traversal(const TriangleView& triangles, const Hierarchy& hierarchy, Algorithm algorithm)
     : Traversal(triangles, triangles.size(), name(Shape::kTriangle), hierarchy, algorithm) {}
@@ -262,9 +262,9 @@ Traversal::Traversal(std::span<const Obb> boxes, const Hierarchy& hierarchy)
 template <class P>
 std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number, Mode mode) {
   if (mode == Mode::kAll)
-    throw Error(ErrorCode::kUsage, "mode all has records of all secondaries: not by a hierarchy");
+    throw Error(ErrorCode::kUsage, "mode all reports every secondary, so it cannot use a BVH");
   if (mode == Mode::kFarthest && !std::is_same_v<P, Ray>)
-    throw Error(ErrorCode::kUsage, "what is farthest from a solid is not found by a hierarchy");
+    throw Error(ErrorCode::kUsage, "a BVH cannot find the farthest shape from a solid");
   std::vector<Record> records;
   const Record none = unanswered(primary, number, false, {});
   if (!none.bad && !hierarchy_.order().empty()) {

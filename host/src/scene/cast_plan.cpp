@@ -79,20 +79,21 @@ void use_built_card(const CastRequest& r, CastPlan& plan, std::uint64_t rays,
 }  // namespace
 
 std::optional<std::string> why_not_traversable(const CastRequest& r) {
-  if (r.mode == Mode::kAll) return "mode all has records of all triangles, hit or not";
-  if (!r.box) return "without the box rule no tree answers as all triangles do";
+  if (r.mode == Mode::kAll) return "mode all reports every triangle, hit or not";
+  if (!r.box) return "without the box rule a BVH would not give the same records";
   if (r.format != FpFormat{})
-    return fmt::format("boxes are widened by 2^-16 of the scene, percents of it in {}",
-                       r.format.name());
-  if (r.parts) return "parts of a mesh are swept";
+    return fmt::format(
+        "a BVH widens boxes by 2^-16 of the scene, and {} would widen them by percents",
+        r.format.name());
+  if (r.parts) return "parts of a mesh use brute force";
   return std::nullopt;
 }
 
 bool may_traverse(const CastRequest& r, std::uint64_t triangles) {
   const auto why_not = why_not_traversable(r);
   if (r.mode == Mode::kOccluded && (why_not || !r.hierarchy.value_or(true)))
-    throw Error(ErrorCode::kUsage,
-                "mode occluded is of a hierarchy: " + why_not.value_or("not with --no-bvh"));
+    throw Error(ErrorCode::kUsage, "mode occluded needs a BVH: " +
+                                       why_not.value_or("it cannot be combined with --no-bvh"));
   if (r.hierarchy.value_or(false) && why_not) throw Error(ErrorCode::kUsage, "--bvh: " + *why_not);
   return !why_not && (must_traverse(r) || (!r.hierarchy && !r.lanes)) && traverses(r, triangles);
 }

@@ -120,18 +120,17 @@ void check_ancestors(const Scene& scene, std::size_t number, const Table& t) {
   for (auto above = object.parent; above; above = scene.objects[*above].parent) {
     const SceneObject& parent = scene.objects[*above];
     if (!seen.insert(*above).second)
-      t.fail("parent", fmt::format("objects {} and {} follow each other in a circle",
+      t.fail("parent", fmt::format("the parents of {} and {} form a cycle",
                                    in_quotes(object.name), in_quotes(parent.name)));
     if (has_member_poses(parent))
       t.fail(ErrorCode::kUsage, "parent",
-             fmt::format("every shape of {} moves on its own; none of them can be followed",
+             fmt::format("every shape of {} moves on its own, so no object can follow it",
                          in_quotes(parent.name)));
     turned = turned || rotates(parent.motion);
   }
   if (turned && shape_of(object.shapes) == Shape::kAabb)
     t.fail(ErrorCode::kUsage, t.has("motion") ? "motion" : "parent",
-           "an AABB cannot be rotated, it would become an OBB; use obb, or a motion without "
-           "rotation");
+           "an AABB cannot be rotated; use obb, or a motion without rotation");
 }
 
 void read_objects(Scene& scene, Tables tables, const std::filesystem::path& folder, Names& names) {
@@ -142,7 +141,7 @@ void read_objects(Scene& scene, Tables tables, const std::filesystem::path& fold
     parents.push_back(t.text("parent", ""));
     t.finish();
     if (!names.numbers.emplace(object.name, scene.objects.size()).second)
-      t.fail("name", "there is another object of that name");
+      t.fail("name", "another object has that name");
     for (const std::string& warning : object.warnings)
       scene.warnings.push_back(fmt::format("object '{}': {}", object.name, warning));
     scene.objects.push_back(std::move(object));
@@ -183,8 +182,9 @@ void check_name(const Table& t, const std::string& name) {
   constexpr std::string_view kLegal =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
   if (name.empty() || name.size() > 64 || name.find_first_not_of(kLegal) != std::string::npos)
-    t.fail("name", fmt::format("{} becomes part of file names: 1 to 64 of letters, digits, _ and -",
-                               in_quotes(name)));
+    t.fail("name",
+           fmt::format("{} becomes part of file names; expected 1 to 64 letters, digits, _ and -",
+                       in_quotes(name)));
 }
 
 SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
@@ -213,10 +213,11 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   if (q.normals && !is_solid(q.pair)) t.fail(ErrorCode::kUsage, "normals", "rays have no normals");
   if (auto budget = t.table("budget")) {
     if (!has_budget(q.pair))
-      t.fail(ErrorCode::kUsage, "budget",
-             fmt::format("{} always takes the same work; only pairs with a cylinder that is no "
-                         "ray's have a budget",
-                         name(q.pair)));
+      t.fail(
+          ErrorCode::kUsage, "budget",
+          fmt::format(
+              "{} has no iterations; expected cylinder-cylinder, obb-cylinder or triangle-cylinder",
+              name(q.pair)));
     q.budget.samples = budget->integer<unsigned>("samples", q.budget.samples, 4, 16);
     q.budget.circle = budget->integer<unsigned>("circle", q.budget.circle, 0, card::kBudgetMost);
     q.budget.free = budget->integer<unsigned>("free", q.budget.free, 0, card::kBudgetMost);
@@ -235,8 +236,8 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   const auto most = t.integer<std::uint64_t>("packets", packets, 1, 1 << 24);
   if (packets > most)
     t.fail(ErrorCode::kUsage, "packets",
-           fmt::format("{} primaries overflow {} packet{} of {} and need {}: as many passes",
-                       primaries, most, most == 1 ? "" : "s", card::kMostPrimaries, packets));
+           fmt::format("{} primaries overflow {} packet{} of {} and need {} packets", primaries,
+                       most, most == 1 ? "" : "s", card::kMostPrimaries, packets));
   t.finish();
   return q;
 }
@@ -291,7 +292,7 @@ Scene parse_scene(std::string_view text, const std::string& name) {
   for (Table& query : t.tables("query")) {
     scene.queries.push_back(read_query(scene, names, query));
     if (!query_names.insert(scene.queries.back().name).second)
-      query.fail("name", "there is another query of that name");
+      query.fail("name", "another query has that name");
   }
   warn_of_unused(scene);
   t.finish();

@@ -54,8 +54,8 @@ Path read_path(Table& t) {
   for (std::size_t i = 0; i + (path.loop ? 0 : 1) < path.points.size(); ++i) {
     const double step = (path.points[(i + 1) % path.points.size()] - path.points[i]).norm();
     if (!(step > 0))
-      t.fail("points", fmt::format("{} and the next are the same{}", i,
-                                   path.loop ? "; a loop closes by itself" : ""));
+      t.fail("points", fmt::format("{} and the next point are the same{}", i,
+                                   path.loop ? "; a loop closes itself" : ""));
     length += step;
   }
   path.smooth = t.choice("interpolation", {"linear", "smooth"}, 0) == 1;
@@ -88,9 +88,9 @@ RandomMotion read_random(Table& t, const SceneObject& object) {
   m.each = t.flag("each", false);
   if (m.each && object.rays)
     t.fail(ErrorCode::kUsage, "each",
-           "random_rays start at the object's origin and have no places");
+           "random_rays start at the object's origin and cannot move alone");
   if (m.each && std::holds_alternative<std::vector<Plane>>(object.shapes))
-    t.fail(ErrorCode::kUsage, "each", "a plane has no place that it could move from");
+    t.fail(ErrorCode::kUsage, "each", "a plane has no position to move from");
   if (!m.each) m.place = read_place(t);
   m.seed = t.integer<std::uint64_t>("seed", 1, 0, std::numeric_limits<std::int64_t>::max());
   m.min = t.vector("min");

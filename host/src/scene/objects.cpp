@@ -280,7 +280,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     object.source = counted(size(object.shapes), source);
   }
   if (t.has("deform") && !object.deform)
-    t.fail(ErrorCode::kUsage, "deform", "moves the vertices of a mesh; this object has none");
+    t.fail(ErrorCode::kUsage, "deform", "moves the vertices of a mesh; this object has no mesh");
 }
 
 /// Shapes of fp32 are checked where they are read.
@@ -305,9 +305,8 @@ void Memory::add(const Table& t, const char* key, const std::string& what, std::
   if (bytes_ <= kMost) return;
   t.fail(
       ErrorCode::kCapacity, key,
-      fmt::format("{} take {} MB to play, with the objects before {} MB; the limit of a scene "
-                  "is {} MB",
-                  what, (bytes + kMega - 1) / kMega, (bytes_ + kMega - 1) / kMega, kMost / kMega));
+      fmt::format("{} need {} MB, with earlier objects {} MB; the limit of a scene is {} MB", what,
+                  (bytes + kMega - 1) / kMega, (bytes_ + kMega - 1) / kMega, kMost / kMega));
 }
 
 void Memory::add(const Table& t, const char* key, Shape shape, std::uint64_t count) {

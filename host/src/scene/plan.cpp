@@ -115,8 +115,8 @@ std::vector<Pair> pairs_of(const Scene& scene) {
   for (const SceneQuery& q : scene.queries) {
     if (std::find(asked.begin(), asked.end(), q.pair) == asked.end())
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{}: query '{}' needs a pipe for {}, but the bitstream asked for has "
-                              "pairs = {}; add it, or leave out pairs in [card]",
+                  fmt::format("{}: query '{}' needs a pipe for {}, but [card] has pairs = {}; add "
+                              "the pair, or omit pairs",
                               printable_name(scene.file), q.name, name(q.pair), join(asked)));
   }
   return asked;
@@ -170,13 +170,13 @@ void check_capacity(const Scene& scene, const Plan& plan) {
     if (w.secondary_words > held)
       throw Error(
           ErrorCode::kCapacity,
-          fmt::format("{}: query '{}': {} secondaries are {} words, but the card's DDR holds {}",
+          fmt::format("{}: query '{}': {} secondaries have {} words, but the card's DDR holds {}",
                       printable_name(scene.file), w.name, w.secondaries, w.secondary_words, held));
     if (w.most_records > ~std::uint32_t{0})
       throw Error(
           ErrorCode::kCapacity,
-          fmt::format("{}: query '{}': mode {} may keep {} records, more than the 2^32 - 1 "
-                      "that a card counts; use nearest, farthest or any",
+          fmt::format("{}: query '{}': mode {} may keep {} records, more than the 2^32 - 1 of a "
+                      "card; use nearest, farthest or any",
                       printable_name(scene.file), w.name,
                       name_of(scene.queries[&w - plan.queries.data()].mode), w.most_records));
   }
@@ -194,7 +194,7 @@ Effect pipes(const Scene& scene, const Plan& plan) {
   Effect e{"pipes", true, join(plan.board.pairs), "", ""};
   e.why = scene.card.pairs.empty() ? "the pairs of the queries" : "asked for in [card]";
   if (plan.board.pairs.size() < kPairs) {
-    e.why += fmt::format("; the other {} are left out", kPairs - plan.board.pairs.size());
+    e.why += fmt::format("; the other {} are omitted", kPairs - plan.board.pairs.size());
     e.cost = fmt::format("with all {}, {}", kPairs, simulation_text("pipes"));
   }
   return e;
@@ -211,13 +211,13 @@ Effect box_rule(const Plan& plan) {
   if (plan.board.box) {
     why = rays ? "a ray's hit must lie in the triangle's box" : "";
     if (solids)
-      why +=
-          fmt::format("{}the gap of two shapes is at least that of their boxes", rays ? "; " : "");
+      why += fmt::format("{}the distance of two shapes is at least that of their boxes",
+                         rays ? "; " : "");
   } else if (rays) {
-    why = "the plain pipe is asked for: a hit may be far from an edge-on triangle";
+    why = "the plain pipe was requested: a hit may be far from an edge-on triangle";
   } else if (solids) {
-    why = plan.board.verdicts ? "narrow lanes prove misses of solids"
-                              : "the plain pipes are asked for: solids go through no hierarchy";
+    why = plan.board.verdicts ? "the certified filter proves misses of solids"
+                              : "the plain pipes were requested: solids cannot traverse a BVH";
   }
   return {"box rule", plan.board.box, plan.board.box ? "built in" : "none", why,
           simulation_text("box rule")};
@@ -228,8 +228,8 @@ Effect lanes(const Scene& scene, const Plan& plan) {
   Effect e{"lanes", true, fmt::format("{}", n), "", ""};
   if (std::all_of(plan.queries.begin(), plan.queries.end(),
                   [](const QueryWork& w) { return w.hierarchy; })) {
-    e.why = scene.card.lanes ? "asked for in [card]" : "nothing is swept";
-    e.cost = "0 rows a frame";
+    e.why = scene.card.lanes ? "asked for in [card]" : "no query uses brute force";
+    e.cost = "0 rows per frame";
     return e;
   }
   std::uint64_t most = 0;
@@ -238,12 +238,12 @@ Effect lanes(const Scene& scene, const Plan& plan) {
   if (scene.card.lanes)
     e.why = "asked for in [card]";
   else if (n >= most)
-    e.why = fmt::format("the largest packet has {} primaries: one row a secondary{}", most,
+    e.why = fmt::format("the largest packet has {} primaries: one row per secondary{}", most,
                         n >= 2 * most ? "; cards of 16, 64 and 128 lanes are shared" : "");
   else
     e.why = fmt::format(
-        "the largest packet has {} primaries, and a card of {} is built with at most "
-        "{} lanes unless the scene says otherwise",
+        "the largest packet has {} primaries, and a card of {} gets at most {} lanes unless [card] "
+        "sets more",
         most,
         std::any_of(plan.board.pairs.begin(), plan.board.pairs.end(), plan_card::is_large)
             ? "these pipes"
@@ -251,7 +251,7 @@ Effect lanes(const Scene& scene, const Plan& plan) {
                                                     : "any pipes",
         n);
   const auto rows = [&](unsigned lanes) { return rows_of(scene, lanes); };
-  e.cost = fmt::format("{} rows a frame", rows(n));
+  e.cost = fmt::format("{} rows per frame", rows(n));
   if (n > 1) e.cost += fmt::format("; {} with {} lanes", rows(n / 2), n / 2);
   if (n < card::kMostPrimaries) e.cost += fmt::format("; {} with {}", rows(n * 2), n * 2);
   return e;
@@ -260,7 +260,7 @@ Effect lanes(const Scene& scene, const Plan& plan) {
 Effect arithmetic(const Plan& plan) {
   const bool gates = plan.board.arithmetic == Arithmetic::kRtl;
   return {"gates", gates, gates ? "rtl" : "host",
-          gates ? "asked for in [card]" : "the host's arithmetic gives the same bits and clocks",
+          gates ? "asked for in [card]" : "the host's arithmetic gives the same bits and cycles",
           simulation_text("gates")};
 }
 
@@ -269,29 +269,30 @@ Effect number_format(const Plan& plan) {
   const bool other = f != FpFormat{};
   return {
       "number format", other, f.name(),
-      other ? fmt::format("asked for in [card]: {} exponent and {} fraction bits, words of 32 bits "
-                          "all the same",
-                          f.exp_bits, f.man_bits)
-            : "[card] asks for no other",
+      other
+          ? fmt::format(
+                "asked for in [card]: {} exponent and {} fraction bits, still in words of 32 bits",
+                f.exp_bits, f.man_bits)
+          : "[card] sets no other format",
       other ? "host arithmetic rounds to it in several steps; not measured" : "none"};
 }
 
 Effect verdicts(const Scene& scene, const Plan& plan) {
   if (!plan.board.verdicts)
     return {"verdicts", false, "none", "not asked for",
-            "would take a clock a row, and one a pair that is left open"};
+            "would take a cycle per row, and one per uncertain pair"};
   std::vector<std::string_view> spared;
   for (const SceneQuery& q : scene.queries)
     if (has_verdicts(q.pair) && (q.mode == Mode::kHits || q.mode == Mode::kAny))
       spared.push_back(q.name);
   const std::string why =
-      spared.empty() ? "asked for, but no query of these pairs leaves misses out (modes any and "
-                       "hits): every pair goes through the wide lane"
-                     : fmt::format("asked for; misses are left out by {}", fmt::join(spared, ", "));
+      spared.empty() ? "asked for, but no query of these pairs omits misses (modes any and hits): "
+                       "every pair goes through the wide lane"
+                     : fmt::format("asked for; {} can omit misses", fmt::join(spared, ", "));
   return {"verdicts", true,
           fmt::format("{} lanes before one of {}", plan.board.verdicts->name(),
                       plan.board.format.name()),
-          why, "a clock a row, and one a pair that is left open; not measured"};
+          why, "a cycle per row, and one per uncertain pair; not measured"};
 }
 
 Effect modes(const Scene& scene, const Plan& plan) {
@@ -302,12 +303,13 @@ Effect modes(const Scene& scene, const Plan& plan) {
     const char* sep = i == 0 ? "" : "; ";
     e.choice += fmt::format("{}{} {}", sep, q.name, name_of(q.mode));
     const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
-    e.why += fmt::format("{}{} {} {} records a frame", sep, q.name,
+    e.why += fmt::format("{}{} {} {} records per frame", sep, q.name,
                          stream ? "writes at most" : "keeps", w.most_records);
     const std::uint64_t bytes = 28 * (q.normals ? 2 : 1) * (w.primaries - w.masked) * w.secondaries;
-    e.cost += q.mode == Mode::kAll ? fmt::format("{}{} writes {} bytes a frame", sep, q.name, bytes)
-                                   : fmt::format("{}in mode all {} would write {} bytes a frame",
-                                                 sep, q.name, bytes);
+    e.cost +=
+        q.mode == Mode::kAll
+            ? fmt::format("{}{} writes {} bytes per frame", sep, q.name, bytes)
+            : fmt::format("{}in mode all {} would write {} bytes per frame", sep, q.name, bytes);
   }
   return e;
 }
@@ -322,7 +324,8 @@ Effect normals(const Scene& scene, const Plan& plan) {
                          : "no query asks for them";
   e.cost = simulation_text(e.name);
   if (records != 0)
-    e.cost += fmt::format("; at most {} further records a frame, a clock each to write", records);
+    e.cost +=
+        fmt::format("; at most {} further records per frame, one cycle each to write", records);
   return e;
 }
 
@@ -331,8 +334,8 @@ Effect masks(const Plan& plan) {
   Effect e{"masks", masked != 0, fmt::format("{} primaries", masked), "", ""};
   std::uint64_t saved = 0;
   for (const QueryWork& w : plan.queries) saved += w.masked * w.secondaries;
-  e.why = masked != 0 ? "the queries leave these out" : "no query leaves primaries out";
-  e.cost = masked != 0 ? fmt::format("saves {} tests a frame", saved) : "0 tests a frame";
+  e.why = masked != 0 ? "the queries omit these" : "no query omits primaries";
+  e.cost = masked != 0 ? fmt::format("saves {} tests per frame", saved) : "0 tests per frame";
   return e;
 }
 
@@ -344,10 +347,10 @@ Effect self_pairs(const Scene& scene, const Plan& plan) {
     const Mode mode = scene.queries[i].mode;
     const bool stream = mode == Mode::kAll || mode == Mode::kHits;
     const char* sep = e.why.empty() ? "" : "; ";
-    e.why += fmt::format("{}{} has an object on both sides: no shape meets itself{}", sep, w.name,
-                         stream ? ", and each pair counts once" : "");
+    e.why += fmt::format("{}{} has an object on both sides: no shape is tested with itself{}", sep,
+                         w.name, stream ? ", and each pair counts once" : "");
     const std::uint64_t all = (w.primaries - w.masked) * w.secondaries;
-    e.cost += fmt::format("{}{} of {} tests are left, in {} pass{}", sep, w.tests, all, w.passes,
+    e.cost += fmt::format("{}{} of {} tests remain, in {} pass{}", sep, w.tests, all, w.passes,
                           w.passes == 1 ? "" : "es");
     if (w.passes != w.packets) e.cost += fmt::format(" instead of {}", w.packets);
   }
@@ -365,9 +368,10 @@ Effect residence(const Plan& plan) {
   Effect e{"re-upload of secondaries", !plan.resident, plan.resident ? "none" : "every pass", "",
            ""};
   const std::uint64_t all = total(plan, &QueryWork::secondary_words);
-  e.why = plan.resident ? "all queries have the same secondaries, which stay in DDR"
-                        : "queries have different secondaries, and DDR holds those of one";
-  e.cost = fmt::format("{}{} words a frame", plan.resident ? "would be " : "", all);
+  e.why = plan.resident
+              ? "all queries have the same secondaries, which stay in DDR"
+              : "queries have different secondaries, and DDR holds the secondaries of one query";
+  e.cost = fmt::format("{}{} words per frame", plan.resident ? "would be " : "", all);
   return e;
 }
 
@@ -391,13 +395,12 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
        simulation_text("two pairs at a time")},
       {"bus timing", cycle, cycle ? "cycle" : "functional",
        fmt::format("{}; host {}, {} bits, bursts of {} bytes",
-                   cycle ? "asked for: PCI clock by clock"
-                         : "what PCI would take is computed, not simulated",
+                   cycle ? "asked for: PCI clock by clock" : "PCI time is computed, not simulated",
                    scene.card.host.name, scene.card.narrow ? 32 : 64, scene.card.burst),
        simulation_text("bus timing")},
       {"memory timing", banks, banks ? "cycle" : "ideal",
        banks ? "asked for: DDR-400 with banks, rows and refresh"
-             : "a slot a clock behind a fixed latency",
+             : "one slot per cycle after a fixed latency",
        simulation_text("memory timing")},
       {"ecc", plan.board.ecc, plan.board.ecc ? "check bits in DDR" : "none",
        plan.board.ecc ? "asked for" : "not asked for", simulation_text("ecc")},
@@ -441,7 +444,7 @@ Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan)
   plan.board.nodes = choice.nodes;
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
     plan.queries[q].hierarchy = choice.queries[q];
-  plan_mover::leave_primaries(movers, "they are written on their way into the hierarchy");
+  plan_mover::leave_primaries(movers, "the host writes them during BVH traversal");
   const bool sweeps =
       std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end();
   const std::vector<Pair>& pairs = plan.board.pairs;

@@ -49,15 +49,17 @@ bool meets_triangles(const SceneQuery& q) {
 /// Why the query must test all secondaries; nothing if it can traverse.
 std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, const Plan& plan) {
   if (!way_through(q.pair, q.swap))
-    return fmt::format("{}{} has no way through one", name(q.pair),
+    return fmt::format("{}{} cannot traverse a BVH", name(q.pair),
                        q.swap ? " with its roles swapped" : "");
-  if (q.mode == Mode::kAll) return "mode all has records of all secondaries, hit or not";
+  if (q.mode == Mode::kAll) return "mode all reports every secondary, hit or not";
   if (q.normals && is_ray(q)) return "rays have no normals";
   if (!is_ray(q) && q.mode == Mode::kFarthest)
-    return "what is farthest from a solid is in no box that could be left out";
-  if (has_verdicts(q.pair) && plan.board.verdicts) return "narrow lanes that prove misses sweep";
-  if (work.self_pairs) return "no shape meets itself, which sweeps of ranges see to";
-  if (!plan.resident) return "queries have different secondaries, and each would need another tree";
+    return "no box can be culled in a search for the farthest shape from a solid";
+  if (has_verdicts(q.pair) && plan.board.verdicts)
+    return "pairs with the certified filter use brute force";
+  if (work.self_pairs)
+    return "no shape is tested with itself, which needs passes over ranges of secondaries";
+  if (!plan.resident) return "queries have different secondaries, and each would need its own BVH";
   return std::nullopt;
 }
 
@@ -121,7 +123,7 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, con
           if constexpr (reference::Solid<P>)
             return reference::Traversal(list, tree);
           else
-            throw Error(ErrorCode::kUsage, "no hierarchy is over such shapes");
+            throw Error(ErrorCode::kUsage, "no BVH can be over such shapes");
         },
         met.placed());
   };
@@ -219,12 +221,12 @@ Choice choose(const Scene& scene, Plan& plan) {
         tree_choice::Cost{static_cast<double>(traversal), static_cast<double>(brute_force)});
   };
   if (!tree_choice::traverses(asked, leaf, work.secondaries))
-    return none(fmt::format("a tree wins from about {} {}s on, there are {}",
+    return none(fmt::format("a BVH pays off from about {} {}s on; there are {}",
                             tree_choice::fewest(leaf), name(leaf), work.secondaries));
   if (const auto why = against(scene, plan.board, BoardConfig{}.nodes)) return none(*why);
   std::string why;
   const auto tree = tree_of(scene, plan, why);
-  if (!tree) return none("there is no tree: " + why);
+  if (!tree) return none("there is no BVH: " + why);
   // A BVH keeps its structure, so other poses need no extra room.
   choice.nodes = tree_choice::node_memory(*tree, work.secondaries);
   if (const auto reason = against(scene, plan.board, choice.nodes)) return none(*reason);
@@ -238,26 +240,23 @@ Choice choose(const Scene& scene, Plan& plan) {
         clocks(scene.queries[q], plan.queries[q], plan, scene, *tree);
     if (!traverses(*plan.queries[q].hierarchy_clocks, plan.queries[q].rows)) {
       choice.queries[q] = false;  // this query alone is faster with brute force
-      least = least.empty() ? fmt::format("about {} clocks a frame; sweeps of {} lanes take {}",
-                                          *plan.queries[q].hierarchy_clocks, plan.board.lanes,
-                                          plan.queries[q].rows)
-                            : least;
+      least = least.empty()
+                  ? fmt::format("about {} cycles per frame; brute force on {} lanes takes {}",
+                                *plan.queries[q].hierarchy_clocks, plan.board.lanes,
+                                plan.queries[q].rows)
+                  : least;
       continue;
     }
     rows += plan.queries[q].rows;
     through += *plan.queries[q].hierarchy_clocks;
   }
-  const std::string both =
-      fmt::format("about {} clocks a frame{}; sweeps of {} lanes take {}", through,
-                  refit == 0 ? ""
-                             : fmt::format(", {} of them for boxes of "
-                                           "what moves",
-                                           refit),
-                  plan.board.lanes, rows);
+  const std::string both = fmt::format(
+      "about {} cycles per frame{}; brute force on {} lanes takes {}", through,
+      refit == 0 ? "" : fmt::format(", {} of them to refit boxes", refit), plan.board.lanes, rows);
   if (!traverses(through, rows)) {
     choice.nodes = 0;
     e.cost = rows == 0 ? least : both;
-    e.why = "sweeps take less";
+    e.why = "brute force takes less";
     choice.queries.assign(scene.queries.size(), false);
     return choice;
   }
@@ -268,8 +267,8 @@ Choice choose(const Scene& scene, Plan& plan) {
     names.push_back(scene.queries[q].name);
     rays = rays && is_ray(scene.queries[q]);
   }
-  e = {"hierarchy", true, fmt::format("{} node units", tree_choice::kNodeUnits),
-       fmt::format("{}{} of {} go through a tree of {} nodes", asked ? "asked for: " : "",
+  e = {"hierarchy", true, fmt::format("{} traversal units", tree_choice::kNodeUnits),
+       fmt::format("{}{} of {} traverse a BVH of {} nodes", asked ? "asked for: " : "",
                    rays ? "rays" : "primaries", fmt::join(names, ", "), tree->nodes().size()),
        both};
   return choice;

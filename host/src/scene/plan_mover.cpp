@@ -93,9 +93,9 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
     const std::uint64_t n = entries(scene, q.secondaries, by_card);
     if (asked && n > kMostEntries)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{}: card, mover = \"card\": query '{}' has {} of secondaries, every "
-                              "shape that moves on its own being one, but a card's table holds {}; "
-                              "use mover = \"host\"",
+                  fmt::format("{}: card, mover = \"card\": query '{}' has {} among its secondaries "
+                              "(each shape that moves on its own counts as one), but a card's "
+                              "table holds {}; use mover = \"host\"",
                               printable_name(scene.file), q.name, objects(n), kMostEntries));
     movers.entries = std::max(movers.entries,
                               static_cast<unsigned>(std::min<std::uint64_t>(n, kMostEntries + 1)));
@@ -105,17 +105,18 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
     e.why = "no secondary moves as a rigid body";
     e.cost = simulation_text(e.name);
   } else if (scene.card.mover == Mover::kHost) {
-    e.why = "mover = \"host\": what moves is posed by the host and uploaded again";
+    e.why = "mover = \"host\": the host poses moving shapes and uploads them again";
   } else if (asked) {
     e.why = "asked for: mover = \"card\"";
   } else if (scene.frames == 1) {
     e.why = "in a single frame everything is uploaded once";
   } else if (!resident) {
-    e.why = "queries have different secondaries, which are uploaded again for each of them";
+    e.why = "queries have different secondaries, which are uploaded again for each query";
   } else if (sweeps_ranges(scene)) {
-    e.why = "a query leaves out pairs of a thing with itself, and for that sweeps parts of DDR";
+    e.why =
+        "a query omits pairs of a shape with itself, which needs passes over ranges of secondaries";
   } else if (!cheaper) {
-    e.why = "uploading what moves again takes no more words";
+    e.why = "uploading the moving shapes again takes no more words";
   } else if (movers.entries > kMostEntries) {
     e.why = fmt::format("more objects than the {} of a card's table", kMostEntries);
   } else {
@@ -127,10 +128,10 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
   const Sums sums = sums_of(scene, move, by_card);
   if (e.used) {
     e.choice = "secondaries";
-    e.cost = fmt::format("{} words a frame; the host would upload {}", sums.chosen, sums.host);
+    e.cost = fmt::format("{} words per frame; the host would upload {}", sums.chosen, sums.host);
   } else if (!move.empty()) {
-    e.cost = fmt::format("uploads {} words a frame; a transformer would take {} for {}", sums.host,
-                         sums.card, objects(sums.entries));
+    e.cost = fmt::format("uploads {} words per frame; a transformer would take {} for {}",
+                         sums.host, sums.card, objects(sums.entries));
   }
   movers.effects.push_back(e);
 }
@@ -144,7 +145,7 @@ std::string against_staying(const Scene& scene) {
     if (q.primaries != all) return "queries have different primaries, which are loaded for each";
   if (count > card::kMostPrimaries) return "they are loaded packet by packet";
   for (const std::size_t i : all)
-    if (!deforming(scene.objects[i]).empty()) return "they are other ones in every frame";
+    if (!deforming(scene.objects[i]).empty()) return "they deform, so they differ in every frame";
   return "";
 }
 
@@ -172,11 +173,11 @@ void choose_primaries(const Scene& scene, Movers& movers) {
     e.used = true;
     e.choice = objects(n);
     e.why = "they stay in the register file";
-    e.cost = fmt::format("{} words a frame; the host would load {}", 12 * n, load);
+    e.cost = fmt::format("{} words per frame; the host would load {}", 12 * n, load);
     for (const std::size_t i : move) movers.primaries[i] = true;
   }
   if (load_again.empty() && (e.used || n == 0)) movers.primary_words = 12 * n;
-  if (!e.used) e.cost = movers.primary_words ? "0 words a frame" : "loaded in every pass";
+  if (!e.used) e.cost = movers.primary_words ? "0 words per frame" : "loaded in every pass";
   movers.effects.push_back(e);
 }
 

@@ -212,7 +212,7 @@ Hierarchy tree_of(const Row& row) {
         if constexpr (reference::Solid<P>)
           return Hierarchy::build(list);
         else
-          throw Error(ErrorCode::kUsage, "no hierarchy is over such shapes");
+          throw Error(ErrorCode::kUsage, "no BVH can be over such shapes");
       },
       row.placed());
 }

@@ -106,7 +106,7 @@ const toml::node* Table::find(const char* key, bool optional) {
     for (const auto& [other, value] : *table_) {
       if (std::find(known_.begin(), known_.end(), other.str()) == known_.end() &&
           !suggestion(other.str(), {key}).empty())
-        near = fmt::format("; '{}' is no key", other.str());
+        near = fmt::format("; '{}' is not a key", other.str());
     }
     fail(ErrorCode::kFile, "", fmt::format("the key '{}' is missing{}", key, near));
   }
@@ -178,7 +178,7 @@ Eigen::Vector3d Table::vector_of(const char* key, const toml::node& node) const 
   if (array == nullptr) wrong_type(key, node, "an array of 3 numbers");
   if (array->size() != 3)
     fail_at(ErrorCode::kFile, node.source().begin, key,
-            fmt::format("must be an array of 3 numbers, not of {}", array->size()));
+            fmt::format("must be an array of 3 numbers; it has {}", array->size()));
   Eigen::Vector3d v;
   for (int k = 0; k < 3; ++k) v[k] = number_of(key, (*array)[static_cast<std::size_t>(k)], {});
   return v;

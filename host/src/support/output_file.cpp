@@ -367,7 +367,7 @@ void OutputFolder::check() const {
   if (::fstat(folder_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 &&
       ours.st_dev == named.st_dev && ours.st_ino == named.st_ino)
     return;
-  throw Error(ErrorCode::kFile, fmt::format("{}: the folder was moved or replaced meanwhile",
+  throw Error(ErrorCode::kFile, fmt::format("{}: the folder was moved or replaced in the meantime",
                                             printable_name(path_.string())));
 }
 

@@ -30,7 +30,7 @@ namespace {
 std::array<int, 2> new_pipe(ErrorCode code = ErrorCode::kBuild) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-    throw Error(code, fmt::format("no pipe can be made: {}", std::strerror(errno)));
+    throw Error(code, fmt::format("cannot create a pipe: {}", std::strerror(errno)));
   return ends;
 }
 
@@ -198,7 +198,8 @@ void work_as_child(int done, pid_t parent, const std::function<void()>& work) {
 pid_t fork_process() {
   const pid_t child = ::fork();
   if (child < 0)
-    throw Error(ErrorCode::kFile, fmt::format("no child process: {}", std::strerror(errno)));
+    throw Error(ErrorCode::kFile,
+                fmt::format("cannot start a child process: {}", std::strerror(errno)));
   return child;
 }
 

@@ -57,7 +57,7 @@ class Splitter {
       if (!(blanks && at_bar()))
         if (auto problem = take()) return problem;
       if (at_bar()) {
-        if (to_.bar != kNoBar) return Problem{at_ + 1, "a second |; one stands between A and B"};
+        if (to_.bar != kNoBar) return Problem{at_ + 1, "a second |; expected one, between A and B"};
         to_.bar = to_.fields.size();
       }
       if (at_ == line_.size()) return std::nullopt;
@@ -96,9 +96,9 @@ class Splitter {
       return std::nullopt;
     skip_pad();
     if (at_ < line_.size() && !at_separator() && !at_bar())
-      return Problem{at_ + 1, fmt::format("text behind a closing quote; {} separate the fields of "
-                                          "this line",
-                                          plural(to_.separator))};
+      return Problem{at_ + 1,
+                     fmt::format("text after a closing quote; {} separate the fields of this line",
+                                 plural(to_.separator))};
     return std::nullopt;
   }
 
@@ -203,7 +203,7 @@ std::optional<Problem> TableText::take_names(std::string_view line) {
     const auto name = static_cast<std::size_t>(found - form_.names.begin());
     if (seen[name])
       return Problem{fields[i].column,
-                     fmt::format("column '{}' is there twice; {}", *found, form_.expected)};
+                     fmt::format("column '{}' appears twice; {}", *found, form_.expected)};
     seen[name] = true;
     names_.push_back(name);
   }

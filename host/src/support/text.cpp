@@ -15,7 +15,7 @@ namespace cde::text {
 
 void no_entry(std::string_view what, std::size_t number, std::size_t entries) {
   throw Error(ErrorCode::kUsage,
-              fmt::format("there is no {} {}; they are 0 to {}", what, number, entries - 1));
+              fmt::format("there is no {} {}; expected 0 to {}", what, number, entries - 1));
 }
 
 Number parse_float(std::string_view text, float& value) {

@@ -365,7 +365,7 @@ template <class T, template <class> class P, class S>
 /// Why a card would flag this primitive as bad input ("direction is zero"), or nothing if it is
 /// valid. It agrees with reference::bad (geometry/check.hpp). For another number format the words
 /// are first rounded to nearest. A finite number that is too large for the format is also a defect:
-/// "tmax is 70000, beyond the largest number, 65504 in fp16". Error kUsage for a format not in
+/// "tmax is 70000, above the largest number, 65504 in fp16". Error kUsage for a format not in
 /// kPairFormats (fp/scalars.hpp).
 [[nodiscard]] std::optional<std::string> defect(Shape shape, std::span<const float> words,
                                                 FpFormat format = {});
