@@ -85,7 +85,7 @@ TEST_F(TuiTerminal, ShowsMovesAndQuits) {
   seen = wait_for("A 85ns cyc:8");
   EXPECT_TRUE(has(seen, "signal 2 of 4"));
   keys("F1");
-  wait_for("zoom in and out");
+  wait_for("zoom in or out");
   keys("Escape");
   wait_for("A 85ns");
   keys("Right");
