@@ -407,7 +407,7 @@ TEST_F(Tui, TransactionsOfAKind) {
   EXPECT_EQ(f.cursor_after("T"), 255u);
   EXPECT_EQ(f.cursor_after("$T"), 1335u);
   EXPECT_TRUE(has(f.message_after("t"), "no transaction after the cursor"));
-  EXPECT_TRUE(has(f.message_after("ypci\n"), "no transaction of kind pci behind"));
+  EXPECT_TRUE(has(f.message_after("ypci\n"), "no transaction of kind pci after"));
   EXPECT_TRUE(has(f.message_after("ydma\n"), "has no transaction of kind dma"));
   EXPECT_TRUE(has(f.message_after("ypcie\n"), "there are: pci, bus"));
 }
