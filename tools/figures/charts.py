@@ -96,7 +96,7 @@ def accuracy(root):
         c.dot(at, 11, "m" + hue, 4)
         c.text(at + 8, 15, form, size=12)
         at += 68
-    c.text(10, bottom + 28, "Across: LUTs + 2 carry cells of one lane on an ECP5 (LFE5U-85F), a sum of measured operators, without delays.", size=12)
+    c.text(10, bottom + 28, "Across: LUTs + 2 x carry cells of one lane on an ECP5 (LFE5U-85F): a sum of measured operators, without delays. S: size of the pair.", size=12)
     c.text(10, bottom + 46, f"~{cases:,} cases per pipe; ray-triangle by watertight with the box rule; cylinder pairs with iterations 8, 8, 8.", size=12)
     c.height = bottom + 56
     return c

@@ -72,7 +72,7 @@ def explain(root):
     c.text(734, 262, "first", size=12, kind="tr")
     c.arrow((15, 258), (15, 386), (24, 386), hue="r")
     c.box(24, 366, 330, 40, [f"*ray_triangle_moller.sv:{line}  op_s[0]", "the operands are right, the result is not"], "fr", size=12)
-    c.texts_at(380, 362, ("Drawn: a subtraction became an addition. Places where both", "sides part first are listed last, each with its line of RTL.",
+    c.texts_at(380, 362, ("Drawn: a subtraction became an addition. The output ends with", "the operators that differ first, each with its line of RTL.",
                           "~--from-record RUN:QUERY:FRAME:PRIMARY explains a record."), size=12, leading=18)
     return c
 

@@ -104,8 +104,8 @@ def inside(_root):
         c.text(x, 252, f"F = {int(s <= 0)}, T = {abs(s):.2f}")
         c.text(x, 272, "T: " + ("depth against one triangle" if s <= 0 else "least distance to a triangle"), size=12, kind="tu")
         c.text(x, 294, f"`inside = {is_in}", kind="tb" if is_in else "tx")
-    c.texts_at(16, 322, ("The card sees triangles and no body behind them. Outside and wholly inside have records of the same form; inside tells them apart.",
-                         "~Section through a closed mesh, mode nearest. inside is of the sphere's centre, by its winding number, computed on the host."),
+    c.texts_at(16, 322, ("The card tests triangles, not the enclosed body. Outside and wholly inside have records of the same form; inside tells them apart.",
+                         "~Section through a closed mesh, mode nearest. The host computes inside for the sphere's centre, by its winding number."),
                              size=12)
     return c
 

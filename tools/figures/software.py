@@ -70,9 +70,9 @@ def layers(root):
 
 def programs(_root):
     c = Canvas(820, 372, "The five programs, their verbs and libraries",
-               "cde has the verbs cast, render, query, run, plan, fp, merge, doctor and help. It starts cde-wave, cde-explain, cde-accuracy and cde-bench for "
+               "cde has the verbs cast, render, query, run, plan, fp, merge, doctor, help and version. It starts cde-wave, cde-explain, cde-accuracy and cde-bench for "
                "the other verbs.")
-    c.box(10, 130, 250, 116, ["*cde", "cast, render, query,", "run, plan, fp,", "merge, doctor, help"], "fg", size=13)
+    c.box(10, 130, 250, 116, ["*cde", "cast, render, query,", "run, plan, fp,", "merge, doctor, help,", "version"], "fg", size=13)
     rows = (("cde-wave", "wave COMMAND", "wave", "ncurses for tui"), ("cde-explain", "explain", "explain", ""), ("cde-accuracy", "accuracy, advise",
         "accuracy", "Boost"),
             ("cde-bench", "bench, reproduce, inventory", "wave", "FCL, Embree in part"))
