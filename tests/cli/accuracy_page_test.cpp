@@ -392,8 +392,8 @@ TEST_F(AccuracyPage, ClocksOfScenes) {
     EXPECT_EQ(j["clock_hz"], hz) << file;
     EXPECT_TRUE(has(j["clock_is"].get<std::string>(), is)) << j["clock_is"];
   };
-  clock("plain.toml", 90e6, "measured of the whole lane");
-  clock("box.toml", 70e6, "estimated: the least of its operators");
+  clock("plain.toml", 90e6, "measured for the whole lane");
+  clock("box.toml", 70e6, "estimated: the slowest of its operators");
   write("bf16.toml", scene("format = \"bf16\"\n"));
   EXPECT_TRUE(has(plan({"bf16.toml", "--target", "ecp5-85"}).err,
                   "no clock of ray-triangle moller box bf16"))

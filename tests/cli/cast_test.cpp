@@ -395,9 +395,10 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
   // A ray through an edge of two triangles hits the triangle that it should miss.
   ASSERT_TRUE(std::regex_search(ran.err, match, std::regex("differ in (.*)\n"))) << ran.err;
   EXPECT_EQ(match[1], "index") << ran.err;
-  ASSERT_TRUE(std::regex_search(ran.err, match,
-                                std::regex("where     clock ([0-9]+) \\(record read\\), lane "
-                                           "([0-9]+), row ([0-9]+)\n(?:.*\n)*  ray ([0-9]+):")))
+  ASSERT_TRUE(std::regex_search(
+      ran.err, match,
+      std::regex("where     clock ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
+                 "(?:.*\n)*  ray ([0-9]+):")))
       << ran.err;
   EXPECT_GT(std::stoul(match[1]), 18u * 21) << "18 triangles times 21 rows of 4 rays come before";
   EXPECT_LT(std::stoul(match[1]), 5000u);

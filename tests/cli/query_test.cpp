@@ -56,8 +56,8 @@ TEST_F(Query, ABarBetweenAAndB) {
                     none = "0,nan,nan,nan,nan,nan,nan,nan,malformed\n";
   EXPECT_EQ(ran.out, kHeader + answer + answer + answer + none + none);
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err.find("cde: line 4: 3 words before the |, of 8 in all; A has 4\ncde: line 5, "
-                         "column 17: a second |; expected one, between A and B\n"),
+  EXPECT_EQ(ran.err.find("cde: line 4: 3 words before the |, of 8 in all; A has 4\n"
+                         "cde: line 5, column 17: a second |; expected one, between A and B\n"),
             0u)
       << ran.err;
   const Ran ray = query({"ray-triangle", "-q"},

@@ -340,9 +340,10 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
       ran.err, match,
       std::regex("  differ in (F, )?(T, CPx, CPy, CPz, index|index|T, CPz, index)\n")))
       << ran.err;
-  ASSERT_TRUE(std::regex_search(ran.err, match,
-                                std::regex("where     clock ([0-9]+) \\(record read\\), lane "
-                                           "([0-9]+), row ([0-9]+)\n  primary ([0-9]+):")))
+  ASSERT_TRUE(std::regex_search(
+      ran.err, match,
+      std::regex("where     clock ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
+                 "  primary ([0-9]+):")))
       << ran.err;
   EXPECT_GT(std::stoul(match[1]), 100u);
   EXPECT_EQ(4 * std::stoul(match[3]) + std::stoul(match[2]), std::stoul(match[4]) % 256);

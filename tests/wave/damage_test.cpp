@@ -33,8 +33,8 @@ TEST_F(Damage, WhatIsNoFstIsToldApart) {
   write("cut.fst", whole_.substr(0, whole_.size() - 1));
   std::filesystem::create_directory(folder_ / "folder");
   const std::vector<std::pair<std::string, std::string>> all = {
-      {"empty.fst", "is empty"},   {"text.vcd", "in its header"}, {"other.fst", "no FST"},
-      {"short.fst", "cut off"},    {"cut.fst", "cut off"},        {"folder", "no regular"},
+      {"empty.fst", "is empty"},   {"text.vcd", "in its header"}, {"other.fst", "not an FST file"},
+      {"short.fst", "cut off"},    {"cut.fst", "cut off"},        {"folder", "not a regular"},
       {"none.fst", "No such file"}};
   for (const auto& [name, message] : all) {
     const Ran ran = cde({"wave", "info", name});

@@ -213,7 +213,7 @@ TEST_F(WaveFiles, WrongVcdIsRefusedByItsLine) {
       {head + "#0\n0?\n#1\n", "v.vcd:5: no signal has the identifier"},
       {head + "#0\nb0q1 !\n#1\n", "v.vcd:5: value"},
       {head + "#0\nb0111 !\n#1\n", "v.vcd:5: a value of 4 bits for a signal of 2"},
-      {head + "#0\nrabc !\n#1\n", "v.vcd:5: 'abc' is no number"},
+      {head + "#0\nrabc !\n#1\n", "v.vcd:5: 'abc' is not a number"},
       {head + "#x\n", "v.vcd:4: time 'x'"},
       {head + "#0\n$foo\n0!\n", "v.vcd:5: '$foo' among the changes"},
       {head + "#0\n?!\n0!\n", "v.vcd:5: '?!'; expected"},
@@ -311,7 +311,8 @@ TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
   whole.resize(at);
   for (const std::size_t word : {9u, 17u, 41u, 49u, 57u, 65u}) whole.replace(word, 8, 8, '\0');
   write("u.fst", whole + '\xff' + std::string(8, '\0') + "rest");
-  refused({"wave", "info", "u.fst"}, "u.fst.hier for most writers, which is missing");
+  refused({"wave", "info", "u.fst"},
+          "most writers keep them in u.fst.hier until the end, and that file is missing");
   using namespace std::string_literals;
   const std::string names = "\xfe\0top\0\0\x10\0a\0\x08\0\x10\0name\0\x01\0"s;
   write("u.fst.hier", names + "\x10\0cut"s);
@@ -356,9 +357,9 @@ TEST_F(WaveFiles, Latin1IsShownAsUtf8) {
 TEST_F(WaveFiles, OtherFormatsAreRefusedByName) {
   write("a.bin", "GHDLwave\n........");
   refused({"wave", "info", "a.bin"},
-          "is GHW of GHDL, which is not read; let GHDL write `--fst=FILE`");
+          "is GHW of GHDL, which cde cannot read; let GHDL write `--fst=FILE`");
   write("a.fsdb", "binary");
-  refused({"wave", "info", "a.fsdb"}, "is FSDB of Verdi, which is not read; `fsdb2vcd");
+  refused({"wave", "info", "a.fsdb"}, "is FSDB of Verdi, which cde cannot read; `fsdb2vcd");
   write("a.wlf", "binary");
   refused({"wave", "info", "a.wlf"}, "`wlf2vcd");
   write("a.vcd.gz", packed(kVcd));

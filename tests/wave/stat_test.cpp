@@ -283,7 +283,7 @@ TEST_F(Stat, WhatMakesNoSenseIsAMessage) {
   write_chain();
   EXPECT_TRUE(has(error({"chain.fst", "frnt"}), "no signal"));
   EXPECT_TRUE(has(error({"chain.fst", "--from", "5us"}), "outside"));
-  EXPECT_TRUE(has(error({"chain.fst", "--from", "60", "--to", "20"}), "behind"));
+  EXPECT_TRUE(has(error({"chain.fst", "--from", "60", "--to", "20"}), "after"));
   EXPECT_TRUE(has(error({"chain.fst", "--clock", "nothing"}), "no signal"));
   EXPECT_TRUE(has(error({"chain.fst", "--on", "posedge clk"}), "has no option '--on'"));
   EXPECT_TRUE(has(error({"nothing.fst"}), "nothing.fst"));

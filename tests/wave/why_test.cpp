@@ -141,7 +141,7 @@ TEST_P(Forms, ALineEachAndNoMoreThanAskedFor) {
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(ran.out,
             "top.count is 07 at 75ns, cyc:7\n"
-            "names below are of top\n"
+            "names below are in top\n"
             "signal   value  taken  line       source\n"
             "count    07     75ns   top.sv:21  always_ff @(posedge clk) count <= count + 8'd1;\n"
             "  count  06     65ns   top.sv:21  always_ff @(posedge clk) count <= count + 8'd1;\n"
@@ -236,7 +236,7 @@ TEST_P(Rich, MemoriesAreWrittenWhereTheIndexWas) {
   // mem[3] is not in the waves. The search goes edge by edge; at 10, with x = 3, en was 0.
   const Json other = why("rich.fst", "bench.dut.mem[3]@50", "rich.xml")["cone"];
   EXPECT_EQ(other["in_waves"], false);
-  EXPECT_EQ(other["remark"], "assigned before, when is not known");
+  EXPECT_EQ(other["remark"], "assigned earlier, at an unknown time");
 }
 
 TEST_P(Rich, GenerateBlocksAndPortsAreWires) {
@@ -259,7 +259,7 @@ TEST_F(Why, WhatMakesNoSenseIsSaid) {
   for (const std::string what : {"count", "@75ns", "count@", "count@@", "count@foo", ""})
     (void)error("a.fst", what, "top.xml");
   EXPECT_TRUE(has(error("a.fst", "count@75ns", "other.xml"), "no scope"));
-  EXPECT_TRUE(has(error("a.fst", "count@75ns", "top.sv"), "no structure"));
+  EXPECT_TRUE(has(error("a.fst", "count@75ns", "top.sv"), "not a structure file"));
   EXPECT_TRUE(has(error("a.fst", "count@75ns", "none.xml"), "none.xml"));
   EXPECT_TRUE(has(error("a.fst", "count@75ns", "."), "is a folder, not a file"));
   EXPECT_EQ(cde({"wave", "why", "a.fst"}).status, 2);
@@ -289,7 +289,7 @@ TEST_F(Why, WavesOfAnotherBitstreamAreRefused) {
                                     "bitstream board LANES=4;reboot configuration=0123456789abcdef",
                                     "bitstream board configuration=zz"}) {
     waves(comment);
-    EXPECT_TRUE(has(error("card.fst", "count@5", ""), "does not say")) << comment;
+    EXPECT_TRUE(has(error("card.fst", "count@5", ""), "does not name")) << comment;
   }
 }
 
@@ -298,7 +298,7 @@ TEST_F(Why, DamagedStructuresNeverCrashIt) {
   const std::string whole = read("top.xml");
   for (std::size_t n = 0; n < whole.size() - 20; n += 611) {
     write("cut.xml", whole.substr(0, n));
-    EXPECT_TRUE(has(error("a.fst", "data@75", "cut.xml"), "is no structure")) << n;
+    EXPECT_TRUE(has(error("a.fst", "data@75", "cut.xml"), "not a structure file")) << n;
   }
   std::mt19937 random(14);
   unsigned good = 0;
@@ -336,7 +336,7 @@ TEST_P(Forms, DamagedJsonNeverCrashesIt) {
   write("bad.tree.meta.json", meta);
   for (std::size_t n = 0; n < tree.size() - 20; n += 611) {
     write("bad.tree.json", tree.substr(0, n));
-    EXPECT_TRUE(has(error("a.fst", "data@75", "bad.tree.json"), "is no structure")) << n;
+    EXPECT_TRUE(has(error("a.fst", "data@75", "bad.tree.json"), "not a structure file")) << n;
   }
   std::mt19937 random(15);
   unsigned good = 0;
@@ -380,7 +380,7 @@ TEST_F(Why, AVerilatorWithoutXmlIsAskedForJson) {
                       {"PATH=" + (folder_ / "bin").string() + ":" + std::getenv("PATH"),
                        "CDE_CACHE=" + (folder_ / "cache").string()});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_TRUE(has(ran.err, "is no structure of c.fst: no scope"));
+  EXPECT_TRUE(has(ran.err, "is not the structure of c.fst: no scope"));
 }
 
 /// A card's waves name their model, so no further argument is needed.

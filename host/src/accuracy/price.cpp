@@ -50,7 +50,7 @@ std::string Price::clock_is() const {
   if (!lane) return "not known: " + why_not;
   return fmt::format(
       "{:.1f} MHz on {}, {}", lane->mhz, target.name,
-      lane->estimated ? "estimated: the least of its operators" : "measured of the whole lane");
+      lane->estimated ? "estimated: the slowest of its operators" : "measured for the whole lane");
 }
 
 Json Price::to_json() const {

@@ -98,8 +98,8 @@ CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,
     if (!least.is.empty() && found.price->mhz >= least.mhz) continue;
     least = {found.price->mhz,
              fmt::format("of {} on {}, {}", pipes[i].name(), target.name,
-                         found.price->estimated ? "estimated: the least of its operators"
-                                                : "measured of the whole lane")};
+                         found.price->estimated ? "estimated: the slowest of its operators"
+                                                : "measured for the whole lane")};
   }
   return least;
 }

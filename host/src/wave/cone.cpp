@@ -172,7 +172,7 @@ void Cone::expand(Waiting& w, std::vector<std::size_t>& next) {
   }
   if (now.empty()) {
     nodes_[n].remark =
-        nodes_[n].in_waves ? "has not changed" : "assigned before, when is not known";
+        nodes_[n].in_waves ? "has not changed" : "assigned earlier, at an unknown time";
     return;
   }
   for (Driver& d : now) {

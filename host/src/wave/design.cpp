@@ -25,12 +25,12 @@ constexpr unsigned kMostDepth = 200;
 void place_parts(Design::Elaborated& all, std::uint32_t unit, unsigned depth,
                  const std::unordered_map<std::string, std::uint32_t>& bodies) {
   if (depth > kMostDepth || all.units.size() > kMostUnits)
-    throw netlist::NetlistError("instances are too deep in each other, or too many");
+    throw netlist::NetlistError("instances are too many or nested too deeply");
   const std::uint32_t body = all.units[unit].body;
   for (std::int64_t outer = all.units[unit].parent; outer >= 0;
        outer = all.units[static_cast<std::size_t>(outer)].parent)
     if (all.units[static_cast<std::size_t>(outer)].body == body)
-      throw netlist::NetlistError("a module is in itself");
+      throw netlist::NetlistError("a module contains itself");
   for (std::uint32_t p = 0; p < all.bodies[body].parts.size(); ++p) {
     const Part& part = all.bodies[body].parts[p];
     const auto found = bodies.find(part.module);
@@ -174,8 +174,8 @@ Design::Design(std::string xml, std::string file) try
   place_parts(*all_, 0, 0, bodies);
   all_->prefix = all_->bodies[static_cast<std::size_t>(top)].source_name;
 } catch (const netlist::NetlistError& e) {
-  throw Error(ErrorCode::kFile,
-              fmt::format("{}: is no structure: {}", printable_name(file), printable(e.what())));
+  throw Error(ErrorCode::kFile, fmt::format("{}: not a structure file: {}", printable_name(file),
+                                            printable(e.what())));
 }
 Design::~Design() = default;
 Design::Design(Design&&) noexcept = default;

@@ -68,8 +68,8 @@ std::string structure_text(const std::string& file) {
   try {
     return netlist::xml_of_json(read_file(file), read_file(meta));
   } catch (const netlist::NetlistError& e) {
-    throw Error(ErrorCode::kFile,
-                fmt::format("{}: is no structure: {}", printable_name(file), printable(e.what())));
+    throw Error(ErrorCode::kFile, fmt::format("{}: not a structure file: {}", printable_name(file),
+                                              printable(e.what())));
   }
 }
 
@@ -118,9 +118,8 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
     const std::uint64_t here = bitstream_hash(origin.kind, origin.parameters);
     if (fmt::format("{:016x}", here) != origin.hash)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is of {} of other RTL than that here (configuration {}, here "
-                              "{:016x}): write the waves again, or name their structure with "
-                              "--structure",
+                  fmt::format("{} comes from {} with other RTL (configuration {}; here {:016x}); "
+                              "write the waves again, or name their structure with --structure",
                               printable_name(waves), what, origin.hash, here));
     const fs::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
     std::vector<std::string> parameters = origin.parameters;
@@ -177,11 +176,12 @@ std::string as_text(const std::string& number) {
 /// Error kUsage if the named design belongs to another simulation model than the waves.
 void check_origin(const Design::Elaborated& all, const Origin& origin, const std::string& waves) {
   const auto differ = [&](const std::string& of_waves, const std::string& of_structure) {
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} is of bitstream {}, and {} is of another design: {} there, {} "
-                            "here",
-                            printable_name(waves), origin.text(), printable_name(all.file),
-                            of_waves, printable(of_structure)));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format(
+            "{} comes from simulation model {}, but {} describes another design: {} there, {} here",
+            printable_name(waves), origin.text(), printable_name(all.file), of_waves,
+            printable(of_structure)));
   };
   if (all.body(0).source_name != origin.kind) differ(origin.kind, all.body(0).source_name);
   for (const std::string& p : origin.parameters) {
@@ -249,7 +249,7 @@ void Design::choose_prefix(Trace& trace) {
                     [](const Variable& v) { return !v.declared->attribute("pinIndex").empty(); }));
   if (most == 0 || score[best] * 2 < std::min<std::size_t>(ports, top.variables.size()))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} is no structure of {}: no scope there has the signals of {}",
+                fmt::format("{} is not the structure of {}: no scope there has the signals of {}",
                             printable_name(all_->file), printable_name(trace.file().string()),
                             printable_name(top.source_name)));
   all_->prefix = best;
@@ -261,9 +261,8 @@ Design Design::of(Trace& trace, const std::string& structure) {
   if (structure.empty()) {
     if (!origin)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{} does not say what design it is of: name its structure with "
-                              "--structure FILE, which `verilator -O0 --xml-only` or --json-only "
-                              "writes",
+                  fmt::format("{} does not name its design; name its structure with --structure "
+                              "FILE, which `verilator -O0 --xml-only` or --json-only writes",
                               printable_name(waves)));
     std::optional<Design> design = design_of(*origin, waves, true);
     design->choose_prefix(trace);

@@ -101,7 +101,7 @@ class PassDecoder : public EngineDecoder {
     field(t, "bubbles", bubbles_);
     field(t, "writeback", writeback_clocks_);
     t.label =
-        fmt::format("pass {}: {}, {}, {} primaries, {} secondaries swept, {} records",
+        fmt::format("pass {}: {}, {}, {} primaries, {} secondaries tested, {} records",
                     t.fields[0].second, pairs_, mode_text_, primaries_.decimal(), swept_, records_);
   }
 

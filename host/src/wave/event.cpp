@@ -22,8 +22,8 @@ Event::Event(Trace& trace, const std::string& text) {
                             in_quotes(text)));
   const Signal& s = find_signal(trace, text.substr(begin));
   if (s.width != 1)
-    throw Error(ErrorCode::kUsage, fmt::format("--on: {} has {} bits; an edge is of one",
-                                               printable_name(s.name), s.width));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--on: {} has {} bits; expected 1", printable_name(s.name), s.width));
   handle = s.handle;
   name = s.name;
 }

@@ -22,7 +22,7 @@ namespace {
 using Fst = std::unique_ptr<void, void (*)(void*)>;
 
 [[noreturn]] void cannot_write(const std::filesystem::path& path) {
-  throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written as a whole; is the disk full?",
+  throw Error(ErrorCode::kFile, fmt::format("{}: cannot be written completely; is the disk full?",
                                             printable_name(path.string())));
 }
 

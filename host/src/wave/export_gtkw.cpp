@@ -130,7 +130,8 @@ std::string whole_path(const std::filesystem::path& file) {
 void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& options,
                 const std::filesystem::path& path) {
   if (options.waves.empty() && trace.file() == "-")
-    throw Error(ErrorCode::kUsage, "a save file of GTKWave needs waves in a file, not stdin");
+    throw Error(ErrorCode::kUsage,
+                "a save file of GTKWave cannot be combined with waves from stdin; name a file");
   std::string text = "[*] Save file of GTKWave, written by cde wave export\n";
   text += fmt::format("[dumpfile] \"{}\"\n",
                       whole_path(options.waves.empty() ? trace.file() : options.waves));

@@ -82,9 +82,8 @@ std::vector<bool> chosen_signals(Trace& trace, std::span<const View> views,
   std::set<std::string> names;
   for (const View& v : views) {
     if (v.width != v.signal.width)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} has whole signals, not {}; leave out the index", kind,
-                              in_quotes(v.label)));
+      throw Error(ErrorCode::kUsage, fmt::format("{} writes whole signals, not {}; omit the index",
+                                                 kind, in_quotes(v.label)));
     names.insert(v.signal.name);
   }
   std::vector<bool> chosen;

@@ -348,7 +348,7 @@ void write_svg(Trace& trace, Times& times, std::span<const View> views, std::uin
   const std::vector<View> all = views_or_all(trace, views);
   if (all.size() > kMostSignals)
     throw Error(ErrorCode::kUsage,
-                fmt::format("a picture has at most {} signals, and these are {}; name some",
+                fmt::format("a picture has at most {} signals, and {} are selected; name fewer",
                             kMostSignals, all.size()));
   write_file(path, Picture(trace, times, all, {from, to}, options).draw());
 }

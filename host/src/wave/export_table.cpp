@@ -188,8 +188,8 @@ std::vector<std::uint64_t> columns_of(Trace& trace, Times& times, const std::vec
     if (time > begins.back()) begins.push_back(time);
     if (begins.size() > kMostColumns)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("a picture of WaveDrom would have more than {} columns; --from, --to "
-                              "or --around take a window",
+                  fmt::format("a picture of WaveDrom would have more than {} columns; select a "
+                              "window with --from, --to or --around",
                               kMostColumns));
   };
   if (times.clock_if_any() != nullptr && !times.edges().empty()) {

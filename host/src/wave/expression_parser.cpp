@@ -107,8 +107,8 @@ class ExpressionParser {
       for (const Tree& kid : n.kids) alone(*kid);
     } else if (computes) {
       if (width > 64 && n.kind != Node::Kind::kChoice)
-        fail(n.at, fmt::format("this is computed with {} bits beside so many; {{}} around it keeps "
-                               "its own width, and at most 64 are computed with",
+        fail(n.at, fmt::format("the other operand extends this to {} bits; put {{}} around it to "
+                               "keep its own width, since at most 64 bits are computed",
                                width));
       n.width = width;
       n.is_signed = is_signed;
@@ -172,7 +172,7 @@ class ExpressionParser {
     }
     const View* const v = other.kind == Node::Kind::kView ? &to_.views[other.view] : nullptr;
     if (v == nullptr || v->form.kind != Form::Kind::kNames)
-      fail(text.at, "a text is beside a signal whose values have names, or a signal of text");
+      fail(text.at, "a text needs a signal beside it whose values have names, or a signal of text");
     std::vector<std::string> known;
     for (const auto& [bits, name] : *v->form.names) {
       known.push_back(name);
@@ -403,13 +403,13 @@ class ExpressionParser {
       if (c == '_') continue;
       if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '?') break;
       if (each == 0) {
-        if (!is_digit(c)) fail(at_, "this is no digit of this base");
+        if (!is_digit(c)) fail(at_, "this is not a digit of this base");
         number.push_back(c);
       } else if (c == 'x' || c == 'z' || c == '?') {
         bits.append(each, c == 'x' ? 'x' : 'z');
       } else {
         const int digit = c >= 'a' ? c - 'a' + 10 : c - '0';
-        if (digit >= 1 << each) fail(at_, "this is no digit of this base");
+        if (digit >= 1 << each) fail(at_, "this is not a digit of this base");
         for (unsigned i = each; i-- > 0;) bits.push_back((digit >> i & 1) != 0 ? '1' : '0');
       }
     }

@@ -68,14 +68,14 @@ std::uint64_t varint(const Mapped& file, std::uint64_t block, std::uint64_t& at,
 /// Error kFile if the first block is not a complete header.
 void check_header(const Mapped& file) {
   if (file.size() < kFstHeaderBytes)
-    file.fail(fmt::format("is cut off: {} bytes are no whole header of an FST", file.size()));
+    file.fail(fmt::format("is cut off: {} bytes are not a complete FST header", file.size()));
   if (file.word(1) != kFstHeaderBytes - 1)
-    file.fail("is no FST file: it does not begin with the header of one");
+    file.fail("is not an FST file: it does not begin with an FST header");
   constexpr double kEnd = 2.7182818284590452354;
   double value = 0;
   std::memcpy(&value, file.bytes() + 25, sizeof value);
   if (value != kEnd)
-    file.fail("is no FST file of this kind of machine: its header is not as it must be");
+    file.fail("is not an FST file for this kind of machine: its header has an unexpected value");
 }
 
 /// Checks the places and lengths of the signals' changes in a block.
@@ -121,7 +121,7 @@ Section check_changes(const Mapped& file, std::uint64_t block, std::uint64_t len
   const Section section{file.word(block + 9), file.word(block + 17)};
   if (section.begin > section.end) file.corrupt(block, "ends before it begins");
   if (file.word(block + 25) > kMostExpansion * length + 65536)
-    file.corrupt(block, "says that it is larger than it can be");
+    file.corrupt(block, "claims an impossible size");
   const std::uint64_t times_large = file.word(end - 24), times = file.word(end - 16),
                       count = file.word(end - 8);
   const std::uint64_t inner = length - 8 - 24 - 24 - 8;
@@ -166,7 +166,7 @@ std::vector<Blackout> read_blackouts(const Mapped& file, std::uint64_t block, st
   const std::uint64_t end = block + 1 + length;
   std::uint64_t at = block + 9, time = 0;
   const std::uint64_t count = varint(file, block, at, end);
-  if (count > length / 2) file.corrupt(block, "has more of $dumpoff than it has bytes");
+  if (count > length / 2) file.corrupt(block, "has more $dumpoff times than bytes");
   std::vector<Blackout> all;
   bool off = false;
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -237,7 +237,7 @@ FstBlocks find_fst_blocks(const WaveBytes& bytes) {
     }
     if (b.type == FST_BL_HDR) file.corrupt(at, "is a second header");
     if (b.type > FST_BL_VCDATA_DYN_ALIAS2)
-      file.corrupt(at, fmt::format("is of kind {}, which there is not", b.type));
+      file.corrupt(at, fmt::format("has the unknown kind {}", b.type));
     found.blocks.push_back(b);
     at += 1 + b.length;
   }
@@ -286,7 +286,7 @@ FstWidths read_fst_widths(const WaveBytes& bytes, const FstBlocks& found) {
       value |= std::uint64_t{*data & 0x7fu} << shift;
       more = (*data++ & 0x80u) != 0;
     }
-    if (more || value > UINT32_MAX) file.corrupt(b->at, "has a width that is none");
+    if (more || value > UINT32_MAX) file.corrupt(b->at, "has an invalid width");
     all.real.push_back(value == 0);
     all.bytes.push_back(value == 0            ? 8
                         : value == UINT32_MAX ? 0

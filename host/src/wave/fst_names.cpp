@@ -97,7 +97,7 @@ void FstNames::read(std::string_view text, const SourceVisit& visit) const {
         ++open;
         if (visit.open) visit.open(std::move(s));
       } else if (tag == FST_ST_VCD_UPSCOPE) {
-        if (open-- == 0) fail("ends a scope that none began");
+        if (open-- == 0) fail("ends a scope that did not begin");
         if (visit.close) visit.close();
       } else if (tag == FST_ST_GEN_ATTRBEGIN) {
         Attribute a;
@@ -115,14 +115,14 @@ void FstNames::read(std::string_view text, const SourceVisit& visit) const {
         const RawVariable v = raw_variable(in, tag);
         const std::uint64_t handle = v.alias != 0 ? v.alias : handles + std::uint64_t{1};
         if (handle > most || v.length > UINT32_MAX || v.direction > FST_VD_MAX)
-          fail(fmt::format("has a signal that cannot be: handle {} of {}, {} bits, direction {}",
+          fail(fmt::format("has an impossible signal: handle {} of {}, {} bits, direction {}",
                            handle, most, v.length, v.direction));
         if (v.alias == 0) ++handles;
         if (visit.variable)
           visit.variable({tag, v.direction, utf8_text(std::string(v.name)), width_of(v),
                           static_cast<std::uint32_t>(handle)});
       } else {
-        fail(fmt::format("is {}, which begins no name", tag));
+        fail(fmt::format("is {}, which does not begin a name", tag));
       }
     }
   } catch (const NamesEnd&) {

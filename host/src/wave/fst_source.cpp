@@ -93,13 +93,13 @@ FstSource::FstSource(WaveBytes file, const std::filesystem::path& path)
   if (blocks_.structure.sections.empty())
     file_.fail(blocks_.closed ? "is cut off or corrupt: it has no changes"
                               : "has no changes, or was not closed by its writer: the simulation "
-                                "still runs, or was killed, and no block of changes is whole");
+                                "still runs, or was killed, and no block of changes is complete");
   note_facts();
   open_reader();
 }
 
 void FstSource::corrupt() const {
-  file_.fail("is corrupt: Verilator's reader of FST cannot make sense of it");
+  file_.fail("is corrupt: Verilator's FST reader cannot read it");
 }
 
 /// Unpacks a file that is compressed with gzip as a whole, as GHDL and NVC write it.
@@ -117,7 +117,7 @@ void FstSource::unpack() {
   const std::uint64_t length = word(1), size = word(9);
   if (length == 0)
     file_.fail(
-        "was not closed by its writer: it is packed in gzip as a whole, and that has no end");
+        "was not closed by its writer: it is compressed with gzip, and the gzip stream has no end");
   if (length < 16 || length > file_.size() - 1)
     file_.fail(fmt::format("is cut off or corrupt: it has {} bytes and announces {}", file_.size(),
                            length));
@@ -138,11 +138,11 @@ void FstSource::find_names(const std::filesystem::path& path) {
     const std::filesystem::path beside = path.string() + ".hier";
     std::error_code none;
     if (path == "-" || !std::filesystem::exists(beside, none))
-      file_.fail(fmt::format(
-          "was not closed by its writer: the simulation still runs, or was killed. It has {} whole "
-          "blocks of changes, but no names; until the end these are in {} for most writers, which "
-          "is missing",
-          blocks_.blocks.size(), printable_name(beside.string())));
+      file_.fail(
+          fmt::format("was not closed by its writer: the simulation still runs, or was killed. It "
+                      "has {} complete blocks of changes, but no names; most writers keep them in "
+                      "{} until the end, and that file is missing",
+                      blocks_.blocks.size(), printable_name(beside.string())));
     const WaveBytes names(beside);
     if (names.size() > kMostNamesFile) names.fail("is larger than names can be");
     names_.resize(names.size());
@@ -175,7 +175,7 @@ void FstSource::note_facts() {
     facts_.end = sections.front().end;
     for (const Section& s : sections) facts_.end = std::max(facts_.end, s.end);
     facts_.ending = fmt::format(
-        "not closed by its writer; {} whole blocks of changes are read, what came behind them is "
+        "not closed by its writer; {} complete blocks of changes are read, and later changes are "
         "not in the file{}",
         sections.size(), names_file_.empty() ? "" : ", names are of " + names_file_);
   }

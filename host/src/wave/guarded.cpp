@@ -51,10 +51,10 @@ int guarded(const std::string& file, const std::function<void()>& work,
     return ended->status;
   }
   if (!ended->worked || signal != 0)
-    throw Error(ErrorCode::kFile,
-                printable_name(file) +
-                    ": is corrupt: Verilator's reader of FST crashed on it, and what is printed "
-                    "above, if anything, is not to be trusted");
+    throw Error(
+        ErrorCode::kFile,
+        printable_name(file) +
+            ": is corrupt: Verilator's FST reader crashed on it; do not trust any output above");
   process::write_all(STDERR_FILENO, last_words);
   return ended->status;
 }

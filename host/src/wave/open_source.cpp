@@ -64,11 +64,12 @@ std::unique_ptr<WaveSource> open_source(const std::filesystem::path& path) {
   for (const OtherFormat& other : kOthers)
     if ((!other.magic.empty() && head.starts_with(other.magic)) ||
         (suffix == other.suffix && !begins_as_vcd(head)))
-      file.fail(fmt::format("is {}, which is not read; {}", other.name, other.converter));
+      file.fail(fmt::format("is {}, which cde cannot read; {}", other.name, other.converter));
   if (head.starts_with("\x1f\x8b"))
     file.fail("is packed by gzip; `gzip -dc FILE | cde wave COMMAND -` reads it");
   if (begins_as_vcd(head)) return std::make_unique<VcdSource>(std::move(file));
-  file.fail("is no FST file, which begins with its header, and no VCD, which begins with $");
+  file.fail(
+      "is neither an FST file, which begins with its header, nor a VCD file, which begins with $");
 }
 
 }  // namespace cde::wave

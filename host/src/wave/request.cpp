@@ -57,7 +57,7 @@ Window window(const Request& r, Trace& trace, Times& times) {
   Window w{trace.start(), trace.end()};
   if (!r.around.empty()) {
     if (!r.from.empty() || !r.to.empty())
-      throw Error(ErrorCode::kUsage, "--around and --from or --to exclude each other");
+      throw Error(ErrorCode::kUsage, "--around cannot be combined with --from or --to");
     const std::uint64_t middle = times.parse(r.around), n = r.window == 0 ? 10 : r.window;
     if (times.clock_if_any() != nullptr && !times.edges().empty()) {
       const auto& edges = times.edges();
@@ -75,7 +75,7 @@ Window window(const Request& r, Trace& trace, Times& times) {
   if (!r.to.empty()) w.to = times.parse(r.to);
   if (w.from > w.to)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--from {} is behind --to {}", times.text(w.from), times.text(w.to)));
+                fmt::format("--from {} is after --to {}", times.text(w.from), times.text(w.to)));
   return w;
 }
 

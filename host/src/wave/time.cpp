@@ -89,7 +89,7 @@ const Signal& Times::clock() {
     throw_usage("cycles need a clock, and no signal looks like one: --clock SIGNAL");
   if (found->width != 1)
     throw_usage(
-        fmt::format("{} has {} bits and is no clock", printable_name(found->name), found->width));
+        fmt::format("{} has {} bits; a clock has 1", printable_name(found->name), found->width));
   return *found;
 }
 
@@ -171,8 +171,8 @@ std::uint64_t Times::base(const std::string& text, const std::string& whole) {
   const auto found = length(digits);
   if (!found || *found > 1.8e19)
     throw_usage(
-        fmt::format("no time {}; it must be a number, in units of the file or with fs, ps, ns, "
-                    "us, ms or s, cyc:N, start, end or fail, and perhaps +N or -N behind it",
+        fmt::format("no time {}; it must be a number, in units of the file or with fs, ps, ns, us, "
+                    "ms or s, cyc:N, start, end or fail, optionally followed by +N or -N",
                     in_quotes(whole)));
   return from_zero(negative, static_cast<std::uint64_t>(*found + 0.5), whole);
 }

@@ -175,8 +175,8 @@ void narrow(View& v, const std::string& index, const std::string& word) {
   const unsigned lane = range ? 0 : lane_bits(v.form, v.width);
   if (lane != 0 && lane < v.width) {
     if (v.width % lane != 0)
-      throw_usage(fmt::format("{}: {} bits are no whole number of lanes of {}", in_quotes(word),
-                              v.width, lane));
+      throw_usage(fmt::format("{}: {} bits are not a multiple of the lane width {}",
+                              in_quotes(word), v.width, lane));
     const unsigned lanes = v.width / lane;
     if (left < 0 || static_cast<unsigned>(left) >= lanes)
       throw_usage(fmt::format("{}: there are lanes 0 to {}", in_quotes(word), lanes - 1));
@@ -187,7 +187,7 @@ void narrow(View& v, const std::string& index, const std::string& word) {
   const unsigned from = character(v.signal, left, word),
                  to = character(v.signal, range ? right : left, word);
   if (from > to)
-    throw_usage(fmt::format("{}: the range runs against that of the signal, [{}:{}]",
+    throw_usage(fmt::format("{}: the range has the opposite direction of the signal's, [{}:{}]",
                             in_quotes(word), v.signal.left, v.signal.right));
   v.first = from;
   v.width = to - from + 1;
@@ -198,13 +198,12 @@ void check_form(const View& v, const std::string& word) {
   const unsigned lane = lane_bits(v.form, v.width);
   if (lane == 0) return;
   if (v.width % lane != 0)
-    throw_usage(
-        fmt::format("{}: {} bits are no whole number of lanes of {}; NAME[LEFT:RIGHT] takes some "
-                    "of them",
-                    in_quotes(word), v.width, lane));
+    throw_usage(fmt::format(
+        "{}: {} bits are not a multiple of the lane width {}; NAME[LEFT:RIGHT] takes some of them",
+        in_quotes(word), v.width, lane));
   if (v.form.kind == Form::Kind::kFloat && lane < static_cast<unsigned>(v.form.format.width()))
-    throw_usage(fmt::format("{}: {} has {} bits and not {}", in_quotes(word), v.form.format.name(),
-                            v.form.format.width(), lane));
+    throw_usage(fmt::format("{}: {} has {} bits; a lane has {}", in_quotes(word),
+                            v.form.format.name(), v.form.format.width(), lane));
 }
 
 std::string no_signal(Trace& trace, std::string_view name) {

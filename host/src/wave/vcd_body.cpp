@@ -125,7 +125,7 @@ std::string_view VcdBody::identifier() {
   std::string_view word;
   if (!words_.next(word)) {
     if (words_.cut()) throw VcdCut();
-    words_.fail("the file ends behind a value; expected its identifier");
+    words_.fail("the file ends after a value; expected its identifier");
   }
   return word;
 }

@@ -98,7 +98,7 @@ class VcdIndex : public VcdEvents {
   void finish() {
     if (off_) blackouts.back().to = now_;
     if (more_comments != 0)
-      comments.push_back(fmt::format("({} more comments are left out)", more_comments));
+      comments.push_back(fmt::format("({} more comments are omitted)", more_comments));
   }
   [[nodiscard]] std::uint64_t now() const { return now_; }
 
@@ -117,7 +117,7 @@ class VcdIndex : public VcdEvents {
     }
     if (kind == 'r') {
       if (!is_real_text(value))
-        body_.fail(fmt::format("{} is no number; expected r and a decimal", in_quotes(value)));
+        body_.fail(fmt::format("{} is not a number; expected r and a decimal", in_quotes(value)));
       s |= VcdSource::kReal;
     } else if (kind == 'p') {
       s |= VcdSource::kBits;
@@ -226,7 +226,7 @@ VcdSource::VcdSource(WaveBytes file) : file_(std::move(file)) {
   } catch (const VcdCut&) {
     cut = true;
     facts_.ending = fmt::format(
-        "the file ends within line {}, which is left out: the simulation still runs, or was killed",
+        "the file ends within line {}, which is ignored: the simulation still runs, or was killed",
         words.line());
   }
   index.finish();

@@ -77,7 +77,7 @@ WaveBytes::WaveBytes(const std::filesystem::path& file)
   }
   if (!S_ISREG(status.st_mode)) {
     ::close(descriptor_);
-    fail("is no regular file; waves are read from one, or from a pipe");
+    fail("is not a regular file; expected a regular file or a pipe");
   }
   size_ = static_cast<std::uint64_t>(status.st_size);
 }
@@ -123,7 +123,7 @@ void WaveBytes::append(const char* bytes, std::size_t count) {
 
 void WaveBytes::spool(int from) {
   descriptor_ = nameless_file();
-  if (descriptor_ < 0) fail("no temporary file can be made: " + error_text());
+  if (descriptor_ < 0) fail("cannot create a temporary file: " + error_text());
   std::vector<char> part(kSpoolPart);
   try {
     while (true) {
@@ -132,8 +132,7 @@ void WaveBytes::spool(int from) {
       if (n < 0) fail("cannot be read: " + error_text());
       if (n == 0) break;
       if (size_ + static_cast<std::uint64_t>(n) > kMostSpooled)
-        fail(fmt::format("is longer than {} GiB, the most that is read from a pipe",
-                         kMostSpooled >> 30));
+        fail(fmt::format("exceeds {} GiB, the limit for a pipe", kMostSpooled >> 30));
       append(part.data(), static_cast<std::size_t>(n));
     }
   } catch (...) {
@@ -146,7 +145,7 @@ WaveBytes WaveBytes::inflated(std::uint64_t offset, std::uint64_t size) const {
   WaveBytes all;
   all.name_ = name_;
   all.descriptor_ = nameless_file();
-  if (all.descriptor_ < 0) fail("no temporary file can be made: " + error_text());
+  if (all.descriptor_ < 0) fail("cannot create a temporary file: " + error_text());
   Inflater inflater;
   if (!inflater.begun) fail("cannot be unpacked: zlib has no memory");
   z_stream& z = inflater.stream;

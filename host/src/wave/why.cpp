@@ -50,7 +50,7 @@ Asked asked(const Request& r, Trace& trace, Times& times, const Design& design) 
   const std::string& word = r.words.front();
   const std::size_t sign = word.rfind('@');
   if (sign == std::string::npos || sign == 0 || sign + 1 == word.size())
-    throw Error(ErrorCode::kUsage, fmt::format("{} is no SIGNAL@TIME", in_quotes(word)));
+    throw Error(ErrorCode::kUsage, fmt::format("{} is not SIGNAL@TIME", in_quotes(word)));
   Asked a;
   a.time = times.parse(word.substr(sign + 1));
   const std::string name = word.substr(0, sign);
@@ -253,7 +253,7 @@ Slice slice_named(Trace& trace, const Design& design, const std::string& name,
     throw;
   }
   if (v.signal.real || v.signal.event)
-    throw Error(ErrorCode::kUsage, fmt::format("{} is of kind {}; why follows bits",
+    throw Error(ErrorCode::kUsage, fmt::format("{} has kind {}; expected a signal of bits",
                                                printable_name(v.signal.name), v.signal.kind));
   auto found = slice_of(trace, design, v.signal);
   if (!found || found->width != v.signal.width)
@@ -295,7 +295,7 @@ std::string why_text(const Request& r) {
   std::string text = fmt::format("{} is {} at {}{}\n", printable_name(design.name(root.slice)),
                                  texts.of(root), times.text(a.time), cycle);
   if (cone.nodes().size() > 1 && !picture.scope().empty())
-    text += fmt::format("names below are of {}\n",
+    text += fmt::format("names below are in {}\n",
                         printable_name(picture.scope().substr(0, picture.scope().size() - 1)));
   return text + picture.text() + lines.rest();
 }
