@@ -291,7 +291,7 @@ TEST_F(PlayerFlips, OfTwoBitsAreOneError) {
     FAIL() << "the check bits found no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kDevice);
-    EXPECT_NE(std::string(error.what()).find("3 words of DDR have errors that cannot be corrected"),
+    EXPECT_NE(std::string(error.what()).find("3 words of DDR have uncorrectable errors"),
               std::string::npos)
         << error.what();
   }

@@ -152,7 +152,7 @@ TEST_F(RunScene, FaultsInDdrAreCorrectedOrFoundOut) {
 
   ran = cde({"run", "ecc.toml", "--fault", "ddr:1:2@1", "--fault", "ddr@3"});
   EXPECT_EQ(ran.status, 4) << ran.err;
-  EXPECT_TRUE(has(ran.err, "1 word of DDR has errors that cannot be corrected"));
+  EXPECT_TRUE(has(ran.err, "1 word of DDR has uncorrectable errors"));
   EXPECT_TRUE(has(ran.err, "1 of 2 injected"));
   const auto j = run_json("ecc.run");
   EXPECT_EQ(j["finished"], false);

@@ -101,7 +101,7 @@ void CardPass::uncorrectable(std::uint64_t words, std::uint64_t status) {
   const auto byte = card_.find_uncorrectable((query_.swap ? card::kCommandSwap : 0) |
                                              card::kCommandPair(*query_.pair));
   device_error(
-      fmt::format("{} of DDR {} errors that cannot be corrected, {}", counted(words, "word"),
+      fmt::format("{} of DDR {} uncorrectable errors, {}", counted(words, "word"),
                   words == 1 ? "has" : "have",
                   byte ? fmt::format("in secondary {} at byte {:#x}",
                                      *byte / (4 * cde::words(card_.secondary_shape)), *byte)

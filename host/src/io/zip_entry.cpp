@@ -31,7 +31,7 @@ class Archive {
   }
   [[nodiscard]] std::string_view part(std::uint64_t at, std::uint64_t size) const {
     if (at > bytes_.size() || size > bytes_.size() - at)
-      fail("the archive is damaged or cut short");
+      fail("the archive is damaged or truncated");
     return bytes_.substr(at, size);
   }
   [[nodiscard]] std::uint64_t number(std::uint64_t at, unsigned size) const {

@@ -76,7 +76,7 @@ std::string latencies(const Json& row) {
 
 /// The median of a row's clock rates, one per seed.
 std::optional<double> median_mhz(const Json& row) {
-  constexpr const char* kMustBe = "clock rates in MHz, more than 0 and at most 10000, one a seed";
+  constexpr const char* kMustBe = "clock rates in MHz, more than 0 and at most 10000, one per seed";
   const auto all = row.find("fmax");
   if (all == row.end() || !all->is_object()) wrong_field("fmax", row, kMustBe);
   std::vector<double> rates;

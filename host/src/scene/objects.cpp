@@ -261,7 +261,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     object.rays = read_random_rays(*t.table(key), memory);
     object.shapes = std::vector<Ray>(object.rays->count);
     object.source = fmt::format("{}{}, seed {}", counted(object.rays->count, "random ray"),
-                                object.rays->redraw ? " a frame" : "", object.rays->seed);
+                                object.rays->redraw ? " per frame" : "", object.rays->seed);
   } else if (source == "rays_csv") {
     const std::string file = t.text(key);
     object.file = folder / file;

@@ -275,7 +275,7 @@ std::size_t Table::choice(const char* key, const std::vector<std::string>& words
   const std::string word = text(key);
   const auto found = std::find(words.begin(), words.end(), word);
   if (found == words.end())
-    fail(key, fmt::format("{} is none of {}{}", in_quotes(word), fmt::join(words, ", "),
+    fail(key, fmt::format("{} is not one of {}{}", in_quotes(word), fmt::join(words, ", "),
                           suggestion(word, words)));
   return static_cast<std::size_t>(found - words.begin());
 }
