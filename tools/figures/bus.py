@@ -57,7 +57,7 @@ def words(c):
 
 
 def level(c, y, name, low):
-    """A signal that is low in the clocks of a set; edges follow the rising clock."""
+    """A signal that is low in the cycles of a set; edges follow the rising clock."""
     points, high = [(WAVE_LEFT, y)], True
     for k in range(11):
         x = WAVE_LEFT + k * CLOCK
@@ -76,7 +76,7 @@ def burst(c):
         x = WAVE_LEFT + k * CLOCK
         c.line([(x, y + 34), (x, y + 176)], "lh", 1, "2 3", solid=False)
         c.text(x + CLOCK / 2, y + 26, str(k), "middle", 11, "tu")
-    c.text(WAVE_LEFT - 10, y + 26, "clock", "end", 12, "tu")
+    c.text(WAVE_LEFT - 10, y + 26, "cycle", "end", 12, "tu")
     ad = y + 40
     for start, count, name, kind in ((1, 1, "address", "fa"), (4, 1, "data 0", "fb"), (5, 1, "data 1", "fb"), (6, 1, "data 2", "fb"), (7, 1, "data 3", "fb")):
         c.box(WAVE_LEFT + start * CLOCK + 3, ad - 3, count * CLOCK - 2, 20, name, kind, 11)
@@ -85,7 +85,7 @@ def burst(c):
     level(c, y + 90, "IRDY#", range(2, 8))
     level(c, y + 114, "DEVSEL#", range(3, 8))
     level(c, y + 138, "TRDY#", range(4, 8))
-    c.dimension(WAVE_LEFT + 1.5 * CLOCK, WAVE_LEFT + 4.5 * CLOCK, y + 180, "latency: 3 clocks", size=11)
+    c.dimension(WAVE_LEFT + 1.5 * CLOCK, WAVE_LEFT + 4.5 * CLOCK, y + 180, "latency: 3 cycles", size=11)
     c.text(WAVE_LEFT + 5 * CLOCK, y + 184, "REQ64# follows FRAME#, ACK64# follows DEVSEL#", size=11, kind="tu")
 
 

@@ -20,7 +20,7 @@ def upper(c):
 def middle(c):
     c.box(10, 190, 130, 62, ["*Node memory", "18 words per", "node"], "fa", size=12)
     c.arrow((140, 221), (186, 221))
-    c.box(186, 172, 164, 98, ["*Node unit", "near, far of eight boxes;", "culls, sorts children;", "one node per cycle"], "fb", size=12)
+    c.box(186, 172, 164, 98, ["*Traversal unit", "near, far of eight boxes;", "culls, sorts children;", "one node per cycle"], "fb", size=12)
     c.line([(350, 190), (436, 190)])
     c.arrow((436, 190), (436, 144))
     c.text(358, 184, "others met", size=12, kind="tu")
@@ -43,7 +43,7 @@ def leaves(c):
     c.arrow((450, 369), (482, 369))
     c.box(482, 340, 162, 58, ["*Leaf pipes, two lanes", "F, T, CP of one or two", "secondaries"], "fb", size=12)
     c.arrow((644, 369), (680, 369))
-    c.box(680, 340, 130, 58, ["*Better of", "(T, index)"], "fb", size=12)
+    c.box(680, 340, 130, 58, ["*Better record", "least (T, index)"], "fb", size=12)
     c.arrow((745, 340), (745, 112), (644, 112))
     c.text(738, 205, "best record,", "end", 12, "tu")
     c.text(738, 220, "T interval", "end", 12, "tu")
@@ -52,15 +52,15 @@ def leaves(c):
 
 def traversal(_root):
     c = Canvas(820, 476, "BVH traversal in the card",
-               "A ray takes a free context and starts at the root. The node unit reads a node, tests its eight boxes and sorts the children that "
+               "A ray takes a free context and starts at the root. The traversal unit reads a node, tests its eight boxes and sorts the children that "
                "the ray meets. The first child is visited next, the others wait on the stack of the context. Secondaries of leaves come "
                "from DDR and are tested by two lanes. The better of T and index shrinks the T interval of the ray.")
     for part in (upper, middle, leaves):
         part(c)
     c.texts_at(10, 426,
-        ("A child is culled if near > far, far < tmin, or near > the best T so far (mode nearest). Equal keys stay, so ties are those of brute force.",
-                         "Node units, leaf fetch and pipes take one operation per cycle and never wait for a context; contexts wait in "
-                         "queues that hold all of them.",
+        ("A child is culled if near > far, far < tmin, or near > the best T so far (mode nearest). All comparisons are strict, so ties survive.",
+                         "Traversal units, leaf fetch and pipes take one operation per cycle and never wait for a context; "
+                         "queues hold every context.",
                          "~Each traversal unit has its own copy of the node memory and its share of the contexts. Leaf fetch and leaf pipes are shared."),
                              size=11.5)
     return c
