@@ -21,8 +21,7 @@ struct Number {
   const char* name;
   unsigned (*get)(const BoardConfig&);
   void (*set)(BoardConfig&, unsigned);
-  Transformer since =
-      Transformer::kNone;  ///< cards with a lesser transformer do not have this number
+  Transformer since = Transformer::kNone;  ///< the least transformer with this number
 };
 
 template <auto Member>

@@ -135,8 +135,7 @@ void Board::Impl::write_hierarchy(const Hierarchy& tree) {
     check_object(objects, i, objects.objects[i]);
   hierarchy = {};
   constexpr std::size_t kChunk = 4096;
-  constexpr unsigned kFront =
-      16;  // the first words of a node lie together; the rest lies behind all nodes
+  constexpr unsigned kFront = 16;  // leading words of a node; the rest is behind all nodes
   const auto nodes = tree.nodes();
   std::vector<std::uint32_t> front, rest;
   for (std::size_t first = 0; first < nodes.size(); first += kChunk) {

@@ -125,8 +125,7 @@ class Board::Impl {
   std::uint64_t capacity = 0, sram_records = 0;  ///< capacity: bytes of DDR
   std::uint32_t secondaries = 0;                 ///< number of uploaded secondaries
   std::uint32_t loaded = 0;                      ///< number of primaries in the register file
-  std::uint32_t second_loaded =
-      0;  ///< number of the second pair's primaries, which follow on the next full row
+  std::uint32_t second_loaded = 0;  ///< primaries of the second pair, on the next full row
   Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay, second_shape = Shape::kRay;
   std::vector<Pair> pairs;
   bool can_swap = false, has_normals = false, parallel = false;

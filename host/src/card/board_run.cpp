@@ -411,8 +411,7 @@ std::size_t most_of_a_pass(const Board::Impl& card, Shape shape, Mode mode) {
 Counters Board::run(const Query& query, const RecordSink& sink) {
   idle_card().link->alive();
   require_sink(sink);
-  const std::shared_ptr<Impl> kept =
-      impl_;  // keeps the state alive if the callback destroys the board
+  const std::shared_ptr<Impl> kept = impl_;  // survives if a callback destroys the board
   Impl& it = *kept;
   const auto present = [&kept] {
     if (kept.use_count() == 1)

@@ -26,8 +26,7 @@ constexpr double kDrain = 4.3;  // from the last word on the local bus to the en
 constexpr double kSlice = 64;   // latency timer: a request of the CPU may cut a burst after this
 constexpr double kCut = 6;      // to resume a cut burst, without the latency
 constexpr double kStep = 5;     // cost of a poll that cuts no burst
-constexpr std::uint64_t kLead =
-    14;  // from the tail write to the data, without descriptor and pages
+constexpr std::uint64_t kLead = 14;  // tail write to data, without descriptor and pages
 // Clocks of PCI and of the core until a read of the card's registers has its data.
 constexpr double kReadPci = 3.8, kReadCore = 5;
 

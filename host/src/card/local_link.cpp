@@ -256,11 +256,10 @@ class LocalLink final : public CardLink {
   unsigned retries_;
   BusTime bus_;
   Pace pace_;
-  std::uint64_t now_ = 0;  // modelled time
-  std::uint64_t core_ =
-      0;                  // a pass has been simulated up to here; sometimes slightly ahead of now_
-  bool running_ = false;  // a pass is running
-  bool posted_ = false;   // a register was written and none read since
+  std::uint64_t now_ = 0;   // modelled time
+  std::uint64_t core_ = 0;  // end of a pass's simulated time; sometimes slightly ahead
+  bool running_ = false;    // a pass is running
+  bool posted_ = false;     // a register was written and none read since
   DeviceLoss loss_;
   std::uint32_t unanswering_ = 0;  // host transactions that the card will not answer
   std::uint64_t unanswered_ = 0;   // host transactions without an answer so far

@@ -30,9 +30,8 @@ using wave::Transaction;
 /// Shorter passes are traced whole, with their primaries and records.
 constexpr std::uint64_t kWhole = 6000;
 constexpr std::uint64_t kWindow = 600;
-constexpr std::uint64_t kAhead = 200;  // cycles of waves before the error
-constexpr std::uint64_t kEnd =
-    12'000;  // cycles from the earliest possible end of a brute-force pass
+constexpr std::uint64_t kAhead = 200;   // cycles of waves before the error
+constexpr std::uint64_t kEnd = 12'000;  // from the earliest end of a brute-force pass
 
 struct Waves {
   std::vector<Transaction> all;

@@ -24,8 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "cde.journal.1";
 constexpr std::uint64_t kMostOfAnything = std::uint64_t{1} << 40;  ///< largest number in a journal
-constexpr std::size_t kLongestLine =
-    1 << 20;  ///< bytes of a line of JSON; the words of the command take most of it
+constexpr std::size_t kLongestLine = 1 << 20;  ///< bytes of JSON; mostly the words of the command
 
 /// Bytes from a place of a file on: fewer at the end of the file, nothing if it cannot be read.
 std::optional<std::string> bytes_at(int file, std::uint64_t at, std::size_t count) {

@@ -164,8 +164,7 @@ std::optional<std::string> without_area(const Mesh& mesh, std::string_view what)
 void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file,
                                   const std::string& name) {
   const auto add = [&](const std::string& one) {
-    const std::filesystem::path file =
-        mesh_file.parent_path() / one;  // an absolute path replaces the folder
+    const std::filesystem::path file = mesh_file.parent_path() / one;  // or `one`, if absolute
     std::error_code none;
     if (!std::filesystem::is_regular_file(file, none)) return;
     if (std::filesystem::equivalent(file, mesh_file, none)) return;
@@ -187,8 +186,7 @@ void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std
   const std::size_t before = mesh.files.size();
   mesh_readers::add_named_file(mesh, mesh_file, name);
   if (mesh.files.size() == before) return;
-  const std::filesystem::path library =
-      mesh.files[before];  // the name exactly as written comes first
+  const std::filesystem::path library = mesh.files[before];  // the name as written comes first
   std::ifstream in(library);
   for (std::string line; std::getline(in, line);) {
     std::string_view rest = line;

@@ -212,9 +212,8 @@ class Search {
   static constexpr int kTightenings = 4;
   static constexpr int kHardTightenings = 20;
   static constexpr int kSeparationSteps = 60;
-  static constexpr long kHard = 300;  // evaluations after which a pair counts as hard
-  static constexpr double kNear =
-      0.25;  // share of the way down to lo_ below which another step is not worthwhile
+  static constexpr long kHard = 300;     // evaluations after which a pair counts as hard
+  static constexpr double kNear = 0.25;  // least share of the way to lo_ for a step
 
   /// The point of B - A with the least n.y, which is g(n).
   Vec evaluate(const Vec& n) {

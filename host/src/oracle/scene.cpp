@@ -70,8 +70,7 @@ Shape put(Random& random, const Shape& shape, const Scene& scene) {
     const double top = support(other, Vec::UnitZ());
     return at_rest(moved(shape, across + aside), sinks ? top - sunk : top);
   }
-  const Vec n =
-      random.flipped(Vec::Unit(random.below(2)));  // beside the other one, on the same ground
+  const Vec n = random.flipped(Vec::Unit(random.below(2)));  // beside it, on the same ground
   const double ground = -support(other, -Vec::UnitZ());
   const Shape level = at_rest(moved(shape, across + aside - n.dot(aside) * n), ground);
   const double gap = support(other, n) + support(level, -n) - (sinks ? sunk : 0);

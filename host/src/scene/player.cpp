@@ -273,8 +273,7 @@ class Player::Impl {
     }
     if (active.empty()) return;  // no work for the card
     packet.active = active.size();
-    const bool streams =
-        through(packet, query);  // they are written during the pass, so nothing is loaded
+    const bool streams = through(packet, query);  // written during the pass, not loaded
     if (through_[packet.query] && !streams)
       result.swept_as = secondaries_.no_tree().value_or(*board_.no_way_through(query));
     std::optional<PassCheck> check;

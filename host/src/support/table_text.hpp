@@ -55,11 +55,10 @@ class TableText {
 
   /// Classifies a line. After a row, fields() and related getters describe it.
   /// - Nothing: an empty line or a comment (#).
-  /// - A header: the first line of the table, whose first field begins with a letter and is not a
-  /// number. It names the columns.
-  /// A comment before the first row is a header if it consists of column names, as numpy.savetxt
-  /// writes it. A first name that is empty or "Unnamed: 0" marks row numbers, as pandas writes
-  /// them: whole numbers that count from 0 or 1.
+  /// - A header: the first line of the table, if its first field begins with a letter and is not a
+  ///   number. It names the columns. A comment before the first row is also a header if it consists
+  ///   of column names, as numpy.savetxt writes it. A first name that is empty or "Unnamed: 0"
+  ///   marks row numbers, as pandas writes them: whole numbers that count from 0 or 1.
   /// - A row: any other line.
   [[nodiscard]] std::optional<Problem> read(std::string_view line, Kind& kind);
   /// Reads a line that must be a row.
