@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -160,11 +161,14 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
 class FileLock {
  public:
   FileLock(const Place& place, const std::string& what)
-      : fd_(::open(place.inside.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666)) {
+      : fd_(::open(place.inside.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600)) {
     if (fd_ < 0) {
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(place.named.string()),
                                                 std::strerror(errno)));
     }
+    // Any user who can read the file could hold its lock for ever.
+    struct stat info {};
+    if (::fstat(fd_, &info) == 0 && (info.st_mode & 077) != 0) (void)::fchmod(fd_, 0600);
     if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
     if (!BuildProgress::quiet())
       say(fmt::format("cde: waiting for another process that builds simulation model {}\n", what));

@@ -283,6 +283,10 @@ fs::path Bundle::file(std::string_view name) const {
   return fs::path(fmt::format("/proc/{}/fd/{}", ::getpid(), made_->descriptor())) / name;
 }
 
+void Bundle::check() const {
+  made_->check();
+}
+
 void Bundle::add(std::string_view heading, std::string_view text) {
   sections_.push_back(fmt::format("{}\n{:=<{}}\n\n{}{}", heading, "", heading.size(), text,
                                   text.ends_with('\n') ? "" : "\n"));
@@ -321,6 +325,11 @@ Packed pack(const std::string& folder, const Failure& f) {
     packed.missing = e.what();
   }
   bundle.finish();
+  try {
+    bundle.check();
+  } catch (const Error& e) {
+    packed.missing = e.what();
+  }
   return packed;
 }
 

@@ -12,6 +12,7 @@
 #include "cde/support/message.hpp"
 #include "mesh/readers.hpp"
 #include "scene/parts.hpp"
+#include "support/file_io.hpp"
 #include "support/text.hpp"
 
 namespace cde::scene_parts {
@@ -266,6 +267,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     const std::string file = t.text(key);
     object.file = folder / file;
     try {
+      (void)file_io::check_regular(object.file);  // a FIFO would wait for a writer
       object.shapes = read_rays_csv(object.file);
     } catch (const Error& e) {
       t.fail(e.code(), key, e.what());

@@ -148,7 +148,7 @@ std::optional<OutputTarget> input_target(const FileUse& use) {
 }
 
 bool same_file(const OutputTarget& a, const OutputTarget& b) {
-  if (!a.info || !b.info) return !a.info && !b.info && !a.descriptor && a.path == b.path;
+  if (!a.info || !b.info) return !a.info && !b.info && !a.descriptor && same_name(a, b);
   if (S_ISCHR(a.info->st_mode) && S_ISCHR(b.info->st_mode))
     return a.info->st_rdev == b.info->st_rdev;
   return a.info->st_dev == b.info->st_dev && a.info->st_ino == b.info->st_ino;
@@ -306,7 +306,7 @@ void OutputFile::put_in_place(int fd) {
     throw Error(ErrorCode::kFile,
                 fmt::format("{}: cannot write: another user of its folder has replaced {}",
                             printable_name(path_.string()),
-                            printable_name((target_.parent_path() / name).string())));
+                            printable_name((path_.parent_path() / name).string())));
   if (::renameat(folder_, name, folder_, target.c_str()) != 0) fail("write");
   forget(files, temporary_);
   temporary_ = {};
@@ -358,6 +358,7 @@ OutputFolder::OutputFolder(const fs::path& path) : path_(path) {
     folder = std::move(inner);
   }
   if (missing.empty()) check_folder_link(path, folder.get());
+  keep_folder(path, Descriptor(::fcntl(folder.get(), F_DUPFD_CLOEXEC, 0)));
   folder_ = folder.release();
 }
 
@@ -426,6 +427,13 @@ void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> in
                     fmt::format("{} would write to {}, which {} reads", output.option,
                                 shown(output, "stdout"), other.use->option));
     written.push_back({&output, std::move(target)});
+  }
+  // Keep the folders open: another user may replace one before the file is opened.
+  for (const Checked& output : written) {
+    const OutputTarget& target = output.target;
+    if (target.descriptor || (target.info && !S_ISREG(target.info->st_mode))) continue;
+    keep_folder(target.linked ? target.path.parent_path() : target.named.parent_path(),
+                folder_of(target));
   }
 }
 

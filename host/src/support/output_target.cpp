@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <string>
 
 #include "cde/support/error.hpp"
@@ -19,15 +21,44 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The folder's descriptor in /proc/self/fd/FOLDER/NAME, if this process holds it open.
+/// The folder's descriptor in /proc/self/fd/FOLDER/NAME or /proc/PID/fd/FOLDER/NAME, if this process
+/// holds it open.
 std::optional<int> held_folder(const fs::path& path) {
   const fs::path folder = path.parent_path();
-  if (folder.parent_path() != "/proc/self/fd") return std::nullopt;
+  const fs::path all = folder.parent_path();
+  if (all != "/proc/self/fd" && all != fs::path("/proc") / std::to_string(::getpid()) / "fd")
+    return std::nullopt;
   const std::string digits = folder.filename();
   int number = 0;
   const auto [stop, bad] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
   if (bad != std::errc() || stop != digits.data() + digits.size()) return std::nullopt;
   return number;
+}
+
+std::mutex kept_mutex;
+std::map<fs::path, Descriptor>& kept_folders() {
+  static std::map<fs::path, Descriptor> kept;
+  return kept;
+}
+
+/// The absolute name of a folder; empty if it contains "..", which a link may lead anywhere.
+fs::path key_of(const fs::path& folder) {
+  std::error_code error;
+  const fs::path whole = fs::absolute(folder.empty() ? fs::path(".") : folder, error);
+  for (const fs::path& part : whole)
+    if (error || part == "..") return {};
+  const fs::path key = whole.lexically_normal();
+  return key.has_filename() ? key : key.parent_path();
+}
+
+/// The descriptor of a folder that keep_folder() was given, unless that folder was removed.
+std::optional<int> kept_folder(const fs::path& folder) {
+  const std::lock_guard lock(kept_mutex);
+  const auto found = kept_folders().find(key_of(folder));
+  if (found == kept_folders().end()) return std::nullopt;
+  const auto info = info_of(found->second.get());
+  if (!info || info->st_nlink == 0) return std::nullopt;
+  return found->second.get();
 }
 
 /// The path to show: a name in a held folder is shown with that folder's name.
@@ -39,6 +70,19 @@ std::string shown(const fs::path& path) {
 }
 
 }  // namespace
+
+void keep_folder(const fs::path& folder, Descriptor opened) {
+  const fs::path key = key_of(folder);
+  if (key.empty() || opened.get() < 0) return;
+  const std::lock_guard lock(kept_mutex);
+  kept_folders().insert_or_assign(key, std::move(opened));
+}
+
+bool same_name(const OutputTarget& a, const OutputTarget& b) {
+  std::error_code error;
+  return a.path.filename() == b.path.filename() &&
+         fs::equivalent(a.path.parent_path(), b.path.parent_path(), error);
+}
 
 void fail_output(const fs::path& path, const char* doing, int number) {
   throw Error(ErrorCode::kFile,
@@ -111,19 +155,22 @@ OutputTarget follow_output(const fs::path& named) {
   constexpr int kMostLinks = 40;
   fs::path path = named;
   std::optional<uid_t> stranger;  // owner of another user's link on the way
+  bool linked = false;
   const auto found = [&](std::optional<struct stat> info) {
-    OutputTarget target{named, path, std::nullopt, info, stranger};
+    OutputTarget target{named, path, std::nullopt, info, stranger, linked};
     if (struct stat folder{}; info)
       check_link(target, *info);
-    else if (::lstat(path.parent_path().c_str(), &folder) == 0)
+    else if (::stat(path.parent_path().c_str(), &folder) == 0)
       check_link(target, folder);
     return target;
   };
   for (int links = 0; links < kMostLinks; ++links) {
     if (!path.has_filename()) fail_output(named, "write", path.empty() ? ENOENT : EISDIR);
     std::error_code error;
-    const fs::path folder =
-        fs::canonical(path.has_parent_path() ? path.parent_path() : fs::path("."), error);
+    const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const auto kept = kept_folder(parent);
+    const fs::path folder = kept ? fs::path("/proc/self/fd") / std::to_string(*kept)
+                                 : fs::canonical(parent, error);
     if (error) fail_output(named, "create", error.value());
     const std::string name = path.filename();
     if (folder == fs::path("/proc") / std::to_string(::getpid()) / "fd") {
@@ -148,6 +195,7 @@ OutputTarget follow_output(const fs::path& named) {
     if (info.st_uid != 0 && info.st_uid != ::geteuid()) stranger = info.st_uid;
     const fs::path link = fs::read_symlink(path, error);
     if (error) fail_output(named, "write", error.value());
+    linked = true;
     path = folder / link;  // an absolute link replaces the folder
   }
   fail_output(named, "write", ELOOP);

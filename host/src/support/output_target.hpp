@@ -25,6 +25,7 @@ struct OutputTarget {
       descriptor;  ///< a descriptor of this process, as for /dev/stdout and /dev/fd/N
   std::optional<struct stat> info;  ///< nothing if the file does not exist yet
   std::optional<uid_t> stranger;    ///< another user whose link was followed
+  bool linked = false;              ///< the last component was a link
 };
 
 /// Follows links in the last component by hand. Links in /proc/self/fd are not paths, and a link to
@@ -36,6 +37,14 @@ struct OutputTarget {
 /// Checks a folder that was opened by name. Error kFile if another user's link led to a folder that
 /// this user does not own, or if the name leads elsewhere by now.
 void check_folder_link(const std::filesystem::path& named, int folder);
+
+/// Keeps a folder open under its absolute name. From then on, follow_output() finds outputs in that
+/// folder through the descriptor, even if the folder is renamed or replaced. A later folder of the
+/// same name takes its place.
+void keep_folder(const std::filesystem::path& folder, Descriptor opened);
+
+/// Whether two targets are the same name in the same folder.
+[[nodiscard]] bool same_name(const OutputTarget& a, const OutputTarget& b);
 
 /// Opens the target's folder component by component. A component that has become a link is an
 /// error. The owner of a followed link must still own the target.

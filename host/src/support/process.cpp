@@ -60,10 +60,21 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
   argv.reserve(command.size() + 1);
   for (const std::string& word : command) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
+  // A child must receive the signals that end it, and the exit statuses of its own children.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none, to_default;
+  ::sigemptyset(&none);
+  ::sigemptyset(&to_default);
+  ::sigaddset(&to_default, SIGCHLD);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &to_default);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   pid_t child = 0;
   const int failed =
-      ::posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environment().data());
+      ::posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environment().data());
   posix_spawn_file_actions_destroy(&actions);
+  posix_spawnattr_destroy(&attributes);
   if (failed != 0)
     throw Error(ErrorCode::kBuild, fmt::format("cannot run {}: {}", printable_name(command[0]),
                                                std::strerror(failed)));
@@ -74,8 +85,13 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
 int wait_for(pid_t child, std::uint64_t* resident_kb = nullptr, int* signal = nullptr) {
   int status = 0;
   rusage used{};
-  while (::wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
-  }
+  pid_t ended = -1;
+  do {
+    ended = ::wait4(child, &status, 0, &used);
+  } while (ended < 0 && errno == EINTR);
+  if (ended < 0)  // SIGCHLD is ignored, so the system keeps no exit status
+    throw Error(ErrorCode::kBuild,
+                fmt::format("cannot wait for a child process: {}", std::strerror(errno)));
   if (resident_kb != nullptr) *resident_kb = static_cast<std::uint64_t>(used.ru_maxrss);
   if (signal != nullptr) *signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

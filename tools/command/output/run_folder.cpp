@@ -176,6 +176,8 @@ void RunFolder::write(const Json& json) const {
 }
 
 Json RunFolder::run_in(const fs::path& folder) {
+  std::error_code none;
+  if (!fs::is_regular_file(folder / kMarker, none)) return nullptr;
   std::ifstream in(folder / kMarker);
   if (!in) return nullptr;
   Json json = Json::parse(in, nullptr, false);

@@ -49,6 +49,7 @@ void prepare_streams() {
     // write.
     (void)!::open("/dev/null", fd == STDOUT_FILENO ? O_RDONLY : O_WRONLY);
   }
+  std::signal(SIGCHLD, SIG_DFL);  // ignored, the system would keep no exit status of a child
   if (std::signal(SIGPIPE, note_broken_pipe) == SIG_IGN) {
     pipe_signal_ignored = true;
     std::signal(SIGPIPE, SIG_IGN);
