@@ -39,6 +39,8 @@ class Bundle {
   void write(const std::string& name, std::string_view text);
   /// Writes fail.json and fail.txt.
   void finish();
+  /// Error kFile if the folder's name leads elsewhere by now.
+  void check() const;
 
  private:
   std::optional<OutputFolder> made_;
