@@ -23,6 +23,14 @@ namespace cde::mesh_readers {
 [[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits);
 
+/// ".obj" of "a.OBJ".
+[[nodiscard]] std::string lower_extension(const std::filesystem::path& path);
+
+/// Checks that the numbers of a glTF 2.0 file (.gltf or .glb) that say where its data lie are whole
+/// and within their buffers. A file that is no JSON is left to the importer. Error kFile names the
+/// field.
+void check_gltf_ranges(const std::filesystem::path& path);
+
 /// Adds a file that the mesh `mesh_file` names, if it is there and not in mesh.files yet: a path of
 /// its own, or relative to the mesh's folder, also with Windows' separators, or as a URI (%20).
 void add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file, const std::string& name);
