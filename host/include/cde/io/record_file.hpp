@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -26,7 +27,8 @@ enum class RecordField {
   kNormal,  ///< geometric normal, unit, by the right-hand rule over the corners
   kSide,    ///< 1: the ray meets the side that the normal points from, -1 the other, 0 no hit
   kNode,    ///< object, group or node of the mesh file that the triangle came from
-  kInside,  ///< whether the ray starts inside the mesh, which must be closed (Inside)
+  kInside,  ///< whether the ray starts inside the mesh, which must be closed (Inside); of a scene
+            ///< whether the primary's middle is inside a secondary object (SceneInside)
 };
 /// "u", "v", "normal", "side", "node", "inside".
 [[nodiscard]] std::vector<std::string> field_names();
@@ -61,6 +63,10 @@ class RecordText {
   /// Fields are computed from mesh and rays, which must outlive it. Error kBadInput of a mesh that
   /// is not closed if `inside` is one of them.
   explicit RecordText(RecordFormat format, const Mesh* mesh = nullptr, RayView rays = {});
+  /// Whether a primary is inside, in a frame.
+  using IsInside = std::function<bool(std::uint32_t frame, std::uint32_t primary)>;
+  /// Of a scene, whose only field can be `inside`.
+  RecordText(RecordFormat format, IsInside is_inside);
   /// The header. `count`: of the records, which .npy alone needs. If the count may grow, the
   /// header has as many bytes for every count.
   [[nodiscard]] std::string head(std::uint64_t count = 0, bool may_grow = false) const;
@@ -73,16 +79,15 @@ class RecordText {
   template <class Cells>
   void row(const Record& record, std::uint32_t frame, const Cells& cells) const;
   template <class Cells>
-  void fields(const Record& record, const Cells& cells) const;
+  void fields(const Record& record, std::uint32_t frame, const Cells& cells) const;
 
   RecordFormat format_;
   const Mesh* mesh_;
   RayView rays_;
-  [[nodiscard]] bool starts_inside(std::uint32_t ray) const;
+  [[nodiscard]] bool has(RecordField field) const;
 
   std::size_t node_bytes_ = 1;  ///< of the longest name of a node
-  std::shared_ptr<const Inside> inside_;
-  mutable std::optional<std::pair<std::uint32_t, bool>> last_inside_;  ///< of the ray asked last
+  IsInside is_inside_;
 };
 
 /// Records as a file, written as they come. An array whose count is not known gets its header last:

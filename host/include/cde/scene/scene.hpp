@@ -87,6 +87,8 @@ struct SceneQuery {
   std::vector<std::size_t> primaries, secondaries;  ///< numbers of objects, each of one shape
   Mode mode = Mode::kNearest;
   bool normals = false;
+  bool inside = false;  ///< records tell whether the primary is inside a secondary object
+                        ///< (SceneInside)
   PairBudget budget;
   std::vector<Range> mask;  ///< primaries left out, ascending, with gaps between
   bool self = false;  ///< of an object on both sides, pairs of a shape with itself count, and those
