@@ -398,6 +398,40 @@ TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
   EXPECT_EQ(cde({"wave", "info", "u.fst"}).status, 2);
 }
 
+/// Signals with the same changes share bytes in a block, which becomes much larger than it is.
+TEST_F(WaveFiles, ManySignalsWithTheSameChanges_AreRead) {
+  {
+    Writer w(folder_ / "same.fst");
+    std::vector<fstHandle> all;
+    for (unsigned i = 0; i < 100; ++i) all.push_back(w.signal(fmt::format("s{} [63:0]", i), 64));
+    for (unsigned t = 0; t < 4000; ++t) {
+      w.time(t);
+      for (const fstHandle s : all) w.set(s, t % 2 == 0 ? ~std::uint64_t{0} : 0);
+    }
+  }
+  EXPECT_EQ(cde({"wave", "find", "same.fst", "s0 == s99 && s1 == 0", "--count"}).out, "2000\n");
+}
+
+/// A block's table has one number for a run of signals without changes.
+TEST_F(WaveFiles, RunsOfQuietSignals_AreCounted) {
+  {
+    Writer w(folder_ / "quiet.fst");
+    const fstHandle busy = w.signal("busy", 1);
+    for (unsigned i = 0; i < 199; ++i) (void)w.signal(fmt::format("quiet{}", i), 1);
+    for (unsigned t = 0; t < 10; ++t) w.time(t), w.set(busy, t % 2);
+  }
+  EXPECT_EQ(info("quiet.fst")["signals"], 200);
+  EXPECT_EQ(changes("quiet.fst", "quiet198"), "0=x");
+  // One quiet signal more than there are: the run is twice its length, in seven bits a byte.
+  std::string bytes = read("quiet.fst");
+  const std::size_t run = bytes.find("\x8e\x03");
+  ASSERT_NE(run, std::string::npos);
+  ASSERT_EQ(bytes.find("\x8e\x03", run + 1), std::string::npos);
+  bytes[run] = '\x90';
+  write("quiet.fst", bytes);
+  refused({"wave", "info", "quiet.fst"}, "has more signals than the file");
+}
+
 TEST_F(WaveFiles, NamesOfFstHaveAnyLength) {
   const std::string name(2000, 'n');
   {
