@@ -64,6 +64,9 @@ struct Expression::Parsed {
   Value unary(expression::Node& n);
   Value binary(expression::Node& n);
   Value call(expression::Node& n);
+  /// Whether all signals in it are events.
+  [[nodiscard]] bool of_events(const expression::Node& n) const;
+  void begin(expression::Node& n);
 };
 
 namespace expression {

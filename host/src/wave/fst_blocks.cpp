@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 
@@ -287,6 +288,35 @@ void check_fst_blocks(const WaveBytes& bytes, FstBlocks& found,
     if (b.type == FST_BL_BLACKOUT)
       for (const Blackout& off : read_blackouts(file, b.at, b.length, last))
         found.blackouts.push_back(off);
+}
+
+std::uint64_t first_fst_time(const WaveBytes& bytes, const FstBlock& block) {
+  const Mapped file(bytes);
+  const std::uint64_t end = block.at + 1 + block.length;
+  const std::uint64_t large = file.word(end - 24), packed = file.word(end - 16);
+  const unsigned char* const data = file.bytes() + end - 24 - packed;
+  constexpr std::size_t kMostBytes = 10;  // of a number
+  std::array<unsigned char, kMostBytes> first{};
+  if (packed == large) {
+    std::copy_n(data, std::min<std::uint64_t>(packed, kMostBytes), first.data());
+  } else {
+    z_stream z{};
+    if (::inflateInit(&z) != Z_OK) file.corrupt(block.at, "has times that cannot be unpacked");
+    z.next_in = const_cast<unsigned char*>(data);
+    z.avail_in = static_cast<uInt>(std::min<std::uint64_t>(packed, UINT32_MAX));
+    z.next_out = first.data();
+    z.avail_out = kMostBytes;
+    const int status = ::inflate(&z, Z_SYNC_FLUSH);
+    ::inflateEnd(&z);
+    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR)
+      file.corrupt(block.at, "has times that cannot be unpacked");
+  }
+  std::uint64_t time = 0;
+  for (std::size_t i = 0; i < kMostBytes; ++i) {
+    time |= std::uint64_t{first[i] & 0x7fu} << 7 * i;
+    if ((first[i] & 0x80u) == 0) break;
+  }
+  return time;
 }
 
 FstWidths read_fst_widths(const WaveBytes& bytes, const FstBlocks& found) {

@@ -51,6 +51,9 @@ struct FstBlocks {
 void check_fst_blocks(const WaveBytes& file, FstBlocks& found,
                       const std::vector<std::uint32_t>& widths);
 
+/// The first time in the table of times of a block of changes.
+[[nodiscard]] std::uint64_t first_fst_time(const WaveBytes& file, const FstBlock& block);
+
 /// Bytes of each handle's value, 0 of texts, and whether it is real, as the file's own block says.
 struct FstWidths {
   std::vector<std::uint32_t> bytes;

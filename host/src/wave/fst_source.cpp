@@ -45,10 +45,15 @@ struct FstReceiver {
   const WaveSource::Change& visit;
   const FstWidths& widths;
   const std::vector<std::uint32_t>& port;
+  std::vector<bool>& frame;
   std::string own;
 
   void bits(std::uint64_t time, std::uint32_t handle, const char* value) {
     const std::size_t i = handle - 1;
+    if (frame[i]) {  // the initial value of an event does not trigger it
+      frame[i] = false;
+      return;
+    }
     if (widths.real[i]) {
       double number = 0;
       std::memcpy(&number, value, sizeof number);
@@ -260,15 +265,33 @@ void FstSource::names(const SourceVisit& visit) {
                      !blocks_.closed};
   SourceVisit mine = visit;
   port_.assign(widths_.bytes.size(), 0);
+  event_.assign(widths_.bytes.size(), false);
   mine.variable = [&](VariableName&& v) {
     const std::size_t i = v.handle - 1;
     if (v.type == FST_VT_VCD_PORT && widths_.bytes[i] == 3 * std::uint64_t{v.width} + 2)
       port_[i] = v.width;
+    if (v.type == FST_VT_VCD_EVENT) event_[i] = true;
     if (visit.variable) visit.variable(std::move(v));
   };
   if (!names_file_.empty()) return all.read(names_, mine);
   all.read(read_fst_names(file_, *blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO)),
            mine);
+}
+
+/// The reader reports initial values for the first block that it does not skip. It leaves them out
+/// for the first block of the file if that block starts at its first time.
+void FstSource::find_frame(std::uint64_t from, std::span<const std::uint32_t> handles) {
+  frame_.assign(widths_.bytes.size(), false);
+  const auto& sections = facts_.structure.sections;
+  const auto read = std::find_if(sections.begin(), sections.end(),
+                                 [&](const Section& s) { return s.end >= from; });
+  if (read == sections.end()) return;
+  bool told = read != sections.begin(), asked = false;
+  for (const std::uint32_t h : handles) asked = asked || event_[h - 1];
+  if (!asked) return;
+  if (!told) told = first_fst_time(file_, blocks_.changes().front()) != read->begin;
+  for (const std::uint32_t h : handles)
+    frame_[h - 1] = told && event_[h - 1] && widths_.bytes[h - 1] != 0;
 }
 
 void FstSource::changes(std::span<const std::uint32_t> handles, std::uint64_t from,
@@ -282,7 +305,8 @@ void FstSource::changes(std::span<const std::uint32_t> handles, std::uint64_t fr
   for (const Section& s : facts_.structure.sections)
     if (s.begin <= from) first = std::min(from, s.end);
   fstReaderSetLimitTimeRange(reader_.get(), first, to);
-  FstReceiver receiver{visit, widths_, port_, {}};
+  find_frame(first, handles);
+  FstReceiver receiver{visit, widths_, port_, frame_, {}};
   try {
     fstReaderIterBlocks2(reader_.get(), take_bits, take_text, &receiver, nullptr);
   } catch (const FstStop&) {

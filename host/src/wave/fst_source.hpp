@@ -27,6 +27,8 @@ class FstSource : public WaveSource {
   void find_names(const std::filesystem::path& path);
   void names_beside(const std::filesystem::path& beside);
   void check_blocks();
+  /// Marks the events whose initial value the reader reports first when it reads from `from` on.
+  void find_frame(std::uint64_t from, std::span<const std::uint32_t> handles);
   void note_facts();
   void open_reader();
   [[noreturn]] void corrupt() const;
@@ -38,6 +40,8 @@ class FstSource : public WaveSource {
   std::string names_;       ///< kept only if they are not in the file
   FstWidths widths_;
   std::vector<std::uint32_t> port_;  ///< bits, of handles that are ports with strengths
+  std::vector<bool> event_;          ///< handles that are events
+  std::vector<bool> frame_;          ///< events whose initial value comes next
   std::unique_ptr<void, void (*)(void*)> reader_;
 };
 
