@@ -501,6 +501,9 @@ TEST_F(Why, ElementsInAScopeOfTheirArray_HaveTheirOwnDrivers) {
       if (t == 15) w.set(p10, 7);
     }
   }
+  EXPECT_EQ(cde({"wave", "at", "cells.fst", "12", "mm[2]", "mm[2][2:0]", "pp[1][0]"}).out,
+            "at 12ns\nTOP.cells.mm.mm[2]         07\nTOP.cells.mm.mm[2][2:0]    7\n"
+            "TOP.cells.pp.[1].pp[1][0]  00\n");
   const Json element = why("cells.fst", "TOP.cells.mm.mm[2]@12", "cells.xml", {"--depth", "1"});
   ASSERT_EQ(element["cone"]["statements"].size(), 1u);
   EXPECT_EQ(element["cone"]["statements"][0]["line"], 5);
