@@ -501,9 +501,10 @@ TEST_F(Why, ElementsInAScopeOfTheirArray_HaveTheirOwnDrivers) {
       if (t == 15) w.set(p10, 7);
     }
   }
-  EXPECT_EQ(cde({"wave", "at", "cells.fst", "12", "mm[2]", "mm[2][2:0]", "pp[1][0]"}).out,
-            "at 12ns\nTOP.cells.mm.mm[2]         07\nTOP.cells.mm.mm[2][2:0]    7\n"
-            "TOP.cells.pp.[1].pp[1][0]  00\n");
+  EXPECT_EQ(
+      cde({"wave", "at", "cells.fst", "12", "cells.mm[2]", "cells.mm[2][2:0]", "pp[1][0]"}).out,
+      "at 12ns\nTOP.cells.mm.mm[2]         07\nTOP.cells.mm.mm[2][2:0]    7\n"
+      "TOP.cells.pp.[1].pp[1][0]  00\n");
   const Json element = why("cells.fst", "TOP.cells.mm.mm[2]@12", "cells.xml", {"--depth", "1"});
   ASSERT_EQ(element["cone"]["statements"].size(), 1u);
   EXPECT_EQ(element["cone"]["statements"][0]["line"], 5);
@@ -521,8 +522,8 @@ class Integers : public Why {
     Why::SetUp();
     structure("numbers",
               "module numbers(input logic clk, input logic [7:0] v);\n"
-              "  integer total, at, first, acc, j, k;\n"
-              "  int count;\n"
+              "  integer total, at, first, acc, j;\n"
+              "  int count, k;\n"
               "  logic [7:0] mem [0:1];\n"
               "  logic [7:0] turned;\n"
               "  logic low;\n"
@@ -557,9 +558,10 @@ class Integers : public Why {
     };
     const fstHandle clk = w.signal("clk", 1), v = w.signal("v [7:0]", 8), total = number("total"),
                     at = number("at"), first = number("first"), acc = number("acc"),
-                    j = number("j"), k = number("k"), count = number("count", FST_VT_SV_INT),
-                    m0 = w.signal("mem[0] [7:0]", 8), m1 = w.signal("mem[1] [7:0]", 8),
-                    turned = w.signal("turned [7:0]", 8), low = w.signal("low", 1);
+                    j = number("j"), k = number("k", FST_VT_SV_INT),
+                    count = number("count", FST_VT_SV_INT), m0 = w.signal("mem[0] [7:0]", 8),
+                    m1 = w.signal("mem[1] [7:0]", 8), turned = w.signal("turned [7:0]", 8),
+                    low = w.signal("low", 1);
     std::uint32_t cells[2] = {3, 5}, sum = 0;
     for (unsigned t = 0; t <= 60; t += 5) {
       const unsigned edges = (t + 5) / 10;
