@@ -79,7 +79,7 @@ bool Expression::Parsed::of_events(const Node& n) const {
 
 /// Before the first instant an event is not triggered. Any other value is unknown then.
 void Expression::Parsed::begin(Node& n) {
-  if (n.has_last || !of_events(*n.kids[0])) return;
+  if (n.has_last || !is_back(n.op) || !of_events(*n.kids[0])) return;
   const std::vector<Value> now = values;
   for (std::size_t i = 0; i < views.size(); ++i)
     if (views[i].signal.event) values[i] = of_bits("0", false);
