@@ -516,41 +516,11 @@ TEST_F(Why, ElementsInAScopeOfTheirArray_HaveTheirOwnDrivers) {
 }
 
 /// Variables of the kind integer and int: registers, indices, loops, and comparisons with a sign.
-class Integers : public Why {
+class Integers : public Forms {
  protected:
   void SetUp() override {
-    Why::SetUp();
-    structure("numbers",
-              "module numbers(input logic clk, input logic [7:0] v);\n"
-              "  integer total, at, first, acc, j;\n"
-              "  int count, k;\n"
-              "  logic [7:0] mem [0:1];\n"
-              "  logic [7:0] turned;\n"
-              "  logic low;\n"
-              "  always @(posedge clk) begin\n"
-              "    count <= count + 1;\n"
-              "    at <= 1 - at;\n"
-              "    mem[at] <= v;\n"
-              "    total <= total + mem[at[0]];\n"
-              "    if (count < 0) low <= v[0];\n"
-              "    else low <= v[7];\n"
-              "  end\n"
-              "  always @* begin\n"
-              "    first = -1;\n"
-              "    for (j = 7; j >= 0; j = j - 1)\n"
-              "      if (v[j] && first == -1) first = j;\n"
-              "    acc = 0;\n"
-              "    if (acc == 0) acc = count;\n"
-              "    acc = acc + 2;\n"
-              "  end\n"
-              "  always @* begin\n"
-              "    k = -4;\n"
-              "    while (k < 4) begin\n"
-              "      turned[k + 4] = v[3 - k];\n"
-              "      k = k + 1;\n"
-              "    end\n"
-              "  end\n"
-              "endmodule\n");
+    Forms::SetUp();
+    structure("numbers");
     Writer w(folder_ / "n.fst");
     w.scope("numbers");
     const auto number = [&](const char* name, fstVarType kind = FST_VT_VCD_INTEGER) {
@@ -583,43 +553,46 @@ class Integers : public Why {
   }
 };
 
-TEST_F(Integers, Registers_AreFollowed) {
+INSTANTIATE_TEST_SUITE_P(Structure, Integers, ::testing::Values(".xml", ".tree.json"),
+                         [](const auto& form) { return form.index == 0 ? "Xml" : "Json"; });
+
+TEST_P(Integers, Registers_AreFollowed) {
   const Json total = statements("total@25");
   ASSERT_EQ(total.size(), 1u) << total;
-  EXPECT_EQ(total[0]["line"], 11);
+  EXPECT_EQ(total[0]["line"], 12);
   const Texts from = causes(total[0]);
   ASSERT_EQ(from.size(), 3u) << total;
   EXPECT_TRUE(from[0].starts_with("numbers.total=0")) << from[0];
-  EXPECT_EQ(from[1], "numbers.mem[0]=00010110@24:10");
-  EXPECT_EQ(from[2], "numbers.at[0]=0@24:9");
+  EXPECT_EQ(from[1], "numbers.mem[0]=00010110@24:11");
+  EXPECT_EQ(from[2], "numbers.at[0]=0@24:10");
 }
 
-TEST_F(Integers, ComparisonsWithThem_HaveASign) {
+TEST_P(Integers, ComparisonsWithThem_HaveASign) {
   const Json before = statements("low@15"), behind = statements("low@35");
   ASSERT_EQ(before.size(), 1u) << before;
-  EXPECT_EQ(before[0]["line"], 12);
+  EXPECT_EQ(before[0]["line"], 13);
   ASSERT_EQ(behind.size(), 1u) << behind;
-  EXPECT_EQ(behind[0]["line"], 13);
+  EXPECT_EQ(behind[0]["line"], 14);
 }
 
 /// first is -1 within the instant, and the waves have what it is at the end.
-TEST_F(Integers, ValuesWithinAnInstant_AreNotThoseOfTheWaves) {
+TEST_P(Integers, ValuesWithinAnInstant_AreNotThoseOfTheWaves) {
   const Json first = statements("first@12");
   ASSERT_EQ(first.size(), 1u) << first;
-  EXPECT_EQ(first[0]["line"], 18);
+  EXPECT_EQ(first[0]["line"], 19);
   EXPECT_EQ(first[0]["certain"], false);
   const Json acc = statements("acc@12");
   ASSERT_FALSE(acc.empty());
-  EXPECT_EQ(acc.back()["line"], 21);
+  EXPECT_EQ(acc.back()["line"], 22);
   EXPECT_TRUE(causes(acc.back()).empty()) << "itself, from within the instant";
   EXPECT_FALSE(statements("j@12").empty()) << "the step of a loop assigns it";
 }
 
 /// k is 4 in the waves; the turn that assigns bit 1 is that of -3.
-TEST_F(Integers, TurnsOfAWhileLoop_MayBeNegative) {
+TEST_P(Integers, TurnsOfAWhileLoop_MayBeNegative) {
   const Json turned = statements("turned[1]@12");
   ASSERT_EQ(turned.size(), 1u) << turned;
-  EXPECT_EQ(turned[0]["line"], 26);
+  EXPECT_EQ(turned[0]["line"], 27);
   EXPECT_EQ(causes(turned[0]), Texts{"numbers.v[6]=0@12"});
 }
 
