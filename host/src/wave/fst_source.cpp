@@ -147,7 +147,7 @@ void FstSource::find_names(const std::filesystem::path& path) {
     std::error_code none;
     if (path == "-" || !std::filesystem::exists(beside, none)) {
       const std::size_t count = blocks_.changes().size();
-      const std::string name = printable_name(beside.string());
+      const std::string name = path == "-" ? "FILE.hier" : printable_name(beside.string());
       file_.fail(fmt::format(
           "was not closed by its writer: the simulation still runs, or was killed. {} of changes "
           "can be read, but the names of the signals are missing. {}Let the same model trace a few "
