@@ -10,6 +10,7 @@
 namespace cde::wave {
 
 constexpr std::uint64_t kFstHeaderBytes = 330;
+constexpr double kFstByteOrder = 2.7182818284590452354;  ///< byte 25 of the header
 
 /// A block of an FST file: its kind, where it begins, and the bytes behind its kind.
 struct FstBlock {
@@ -23,15 +24,21 @@ struct FstBlocks {
   std::vector<FstBlock> blocks;
   std::uint64_t whole = 0;  ///< where the last whole block ends
   bool closed = true;       ///< the writer has come to its end
+  bool headless = false;    ///< the header is zeros: its writer writes it at the end
   Structure structure;
   std::vector<Blackout> blackouts;
 
   /// Of the header; what begins at this byte.
   [[nodiscard]] std::uint64_t word(std::size_t at) const;
   [[nodiscard]] std::uint64_t handles() const { return word(57); }
+  /// Blocks of changes, as many as there are sections.
+  [[nodiscard]] std::vector<FstBlock> changes() const;
   /// The first block of one of two kinds; null if there is none.
   [[nodiscard]] const FstBlock* find(int type, int other = -1, int third = -1) const;
 };
+
+/// Whether the file begins with the header of an FST.
+[[nodiscard]] bool has_fst_header(const WaveBytes& file);
 
 /// Finds the blocks. Error kFile for a file that is no FST or is cut off. Blocks of one that was
 /// not closed are those that are whole.
@@ -43,6 +50,9 @@ struct FstBlocks {
 /// file must have values of as many.
 void check_fst_blocks(const WaveBytes& file, FstBlocks& found,
                       const std::vector<std::uint32_t>& widths);
+
+/// The first time in the table of times of a block of changes.
+[[nodiscard]] std::uint64_t first_fst_time(const WaveBytes& file, const FstBlock& block);
 
 /// Bytes of each handle's value, 0 of texts, and whether it is real, as the file's own block says.
 struct FstWidths {

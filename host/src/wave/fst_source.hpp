@@ -11,8 +11,9 @@
 
 namespace cde::wave {
 
-/// FST files: packed as a whole, too, and those that were not closed, with the names that their
-/// writer keeps in FILE.hier until then. Changes are read by Verilator's reader.
+/// FST files: packed as a whole, too, and those that were not closed. Names of these are in
+/// FILE.hier, as GTKWave's writer leaves them there, or in a closed FST of that name. Changes are
+/// read by Verilator's reader.
 class FstSource : public WaveSource {
  public:
   FstSource(WaveBytes file, const std::filesystem::path& path);
@@ -24,6 +25,10 @@ class FstSource : public WaveSource {
  private:
   void unpack();
   void find_names(const std::filesystem::path& path);
+  void names_beside(const std::filesystem::path& beside);
+  void check_blocks();
+  /// Marks the events whose initial value the reader reports first when it reads from `from` on.
+  void find_frame(std::uint64_t from, std::span<const std::uint32_t> handles);
   void note_facts();
   void open_reader();
   [[noreturn]] void corrupt() const;
@@ -35,6 +40,8 @@ class FstSource : public WaveSource {
   std::string names_;       ///< kept only if they are not in the file
   FstWidths widths_;
   std::vector<std::uint32_t> port_;  ///< bits, of handles that are ports with strengths
+  std::vector<bool> event_;          ///< handles that are events
+  std::vector<bool> frame_;          ///< events whose initial value comes next
   std::unique_ptr<void, void (*)(void*)> reader_;
 };
 

@@ -66,8 +66,8 @@ class WaveSource {
   /// Changes of handles (sorted, each once) in the order of time: of each the last one at or before
   /// `from`, perhaps after earlier ones, then all up to and with `to`, and perhaps more. Bits are
   /// as many characters as the signal is wide: 0, 1, x, z, or another state as the file has it.
-  /// Reals are the shortest decimal that is the same number, texts their bytes. An event is any
-  /// value.
+  /// Reals are the shortest decimal that is the same number, texts their bytes. Any value but 0
+  /// triggers an event.
   virtual void changes(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
                        const Change& visit) = 0;
 
