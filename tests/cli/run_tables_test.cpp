@@ -120,6 +120,48 @@ TEST_F(RunScene, TablesAsWordsAndArrays_HaveTheRecordsOfCsv) {
   EXPECT_EQ(files, "");
 }
 
+/// A ball flies through a mesh, which is a surface: records alone do not tell where it is inside.
+TEST_F(RunScene, Inside_IsAColumnInEveryForm) {
+  write("tetrahedron.obj",
+        "v 0 0 0\nv 6 0 0\nv 0 6 0\nv 0 0 6\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const auto scene = [](const std::string& results) {
+    return "frames = 3\nrate = 1\n[report]\nresults = \"" + results + R"("
+[[object]]
+name = "balls"
+sphere = [{ center = [-3, 1, 1], radius = 0.125 }, { center = [9, 1, 1], radius = 0.125 }]
+motion = { kind = "velocity", linear = [4, 0, 0] }
+[[object]]
+name = "mesh"
+mesh = "tetrahedron.obj"
+[[query]]
+name = "q"
+pair = "sphere-triangle"
+primaries = "balls"
+secondaries = "mesh"
+inside = true
+)";
+  };
+  for (const std::string results : {"csv", "binary", "npy"}) {
+    write(results + ".toml", scene(results));
+    ASSERT_EQ(cde({"run", results + ".toml", "-q"}).status, 0);
+  }
+  std::istringstream csv(read("csv.run/q.csv"));
+  std::string line, inside;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "frame,primary,F,bad,T,CPx,CPy,CPz,index,inside");
+  while (std::getline(csv, line)) inside += line.back();
+  EXPECT_EQ(inside, "001000");
+  const std::string words = read("binary.run/q.bin"), npy = read("npy.run/q.npy");
+  ASSERT_EQ(words.size(), 6u * 9 * 4);
+  EXPECT_TRUE(has(npy, "('index', '<u4'), ('inside', '|b1')]"));
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(words[(9 * i + 8) * 4], inside[i] - '0');
+    EXPECT_EQ(npy[npy.size() - 31 * (6 - i) + 30], inside[i] - '0');
+  }
+  ASSERT_EQ(cde({"run", "csv.toml", "-q", "-o", "dealt", "--resume", "journal"}).status, 0);
+  EXPECT_EQ(read("dealt/q.csv"), read("csv.run/q.csv"));
+}
+
 TEST_F(RunScene, NoResults_WritesRunJsonAlone) {
   write("flight.toml", kFlight + "[report]\nresults = \"none\"\n");
   for (const Words& more : {Words{}, Words{"--file-per-frame"}}) {

@@ -119,6 +119,54 @@ TEST_F(MeshAttack, ABufferThatIsAFifoIsRefused) {
                [&] { (void)load_mesh(mesh, kShort); });
 }
 
+/// The text of a glTF with one part of it exchanged.
+std::string with(std::string text, const std::string& part, const std::string& other) {
+  const std::size_t at = text.find(part);
+  EXPECT_NE(at, std::string::npos) << part;
+  return text.replace(at, part.size(), other);
+}
+
+TEST_F(MeshAttack, GltfDataOutsideItsBufferIsRefused) {
+  const std::string good = gltf("b.bin", 0);
+  struct Case {
+    const char *part, *other, *message;
+  };
+  for (const Case& c : {
+           Case{"\"componentType\":5126", "\"byteOffset\":-8,\"componentType\":5126",
+                "accessors[0] has byteOffset -8; expected a whole number from 0 to 2^53"},
+           Case{"\"buffer\":0,", "\"buffer\":0,\"byteOffset\":-8,",
+                "bufferViews[0] has byteOffset -8"},
+           Case{"\"buffer\":0,", "\"buffer\":0,\"byteOffset\":8,",
+                "bufferViews[0] ends at byte 44 of buffers[0], which has 36"},
+           Case{"\"buffer\":0,", "\"buffer\":0,\"byteStride\":1.5,",
+                "bufferViews[0] has byteStride 1.5"},
+           Case{"\"buffer\":0,", "\"buffer\":1,",
+                "bufferViews[0] names buffers[1], which the file does not have"},
+           Case{"\"bufferView\":0", "\"bufferView\":7",
+                "accessors[0] names bufferViews[7], which the file does not have"},
+           Case{"\"componentType\":5126", "\"byteOffset\":4,\"componentType\":5126",
+                "accessors[0] has 3 elements of 12 bytes from byte 4; bufferViews[0] holds 2"},
+           Case{"\"count\":3", "\"count\":18446744073709551615",
+                "accessors[0] has count 18446744073709551615"},
+           Case{"\"count\":3", "\"counts\":3", "accessors[0] has no count"},
+       }) {
+    const std::string json = with(good, c.part, c.other);
+    expect_error(ErrorCode::kFile, std::string("a.gltf: ") + c.message,
+                 [&] { (void)load_mesh(folder_.write("a.gltf", json)); });
+    expect_error(ErrorCode::kFile, std::string("a.GLB: ") + c.message, [&] {
+      (void)load_mesh(folder_.write("a.GLB", chunks_of_glb(json, std::string(36, '\0'))));
+    });
+  }
+  for (const std::string& json :
+       {std::string(), std::string("[]"), std::string("{"), std::string("{\"accessors\":[1]}"),
+        std::string(100000, '['), std::string("{\"bufferViews\":[{}]}")})
+    for (const char* name : {"b.gltf", "b.glb"})
+      expect_error(ErrorCode::kFile, name,
+                   [&, text = name[3] == 'l' ? chunks_of_glb(json, "") : json] {
+                     (void)load_mesh(folder_.write(name, text));
+                   });
+}
+
 TEST_F(MeshAttack, MemoryFollowsTheSizeOfTheFile) {
   const fs::path doubling = folder_.write("doubling.gltf", gltf("b.bin", 26));
   expect_error(ErrorCode::kFile, "doubling.gltf: takes more than 512 MB to read",

@@ -109,6 +109,20 @@ TEST(SceneFile, EveryPrimitive) {
   }
 }
 
+TEST(SceneFile, APairsNameInEitherOrder_IsThePair) {
+  for (const std::string name : {"ray-sphere", "sphere-ray"}) {
+    const Scene s = parse_scene(kBall + kRays + "[[query]]\nname=\"q\"\npair=\"" + name +
+                                    "\"\nprimaries=\"rays\"\nsecondaries=\"ball\"\n",
+                                "s.toml");
+    EXPECT_EQ(s.queries[0].pair, Pair::kRaySphere);
+    EXPECT_FALSE(s.queries[0].swap);
+  }
+  impossible(kBall + kRays +
+                 "[[query]]\nname=\"q\"\npair=\"sphere-cylinder\"\nprimaries=\"rays\"\n"
+                 "secondaries=\"ball\"\n",
+             "pair: ");
+}
+
 TEST(SceneFile, UnknownKeysAreErrorsWithTheNearestKnownOne) {
   malformed("framse = 3\n" + kGood,
             "s.toml:1:1: there is no key 'framse' here (did you mean 'frames'?)");

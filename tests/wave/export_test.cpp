@@ -332,6 +332,16 @@ TEST_F(Export, GtkwHasGroupsFormsAndTheMarker) {
   EXPECT_TRUE(has(read("p.gtkw"), " 33 33 -1"));
 }
 
+/// GTKWave counts times of 10 ps in ps, and adds $timezero itself where it shows a time.
+TEST_F(Export, TimesOfGtkw_AreThoseOfGtkwave) {
+  write("t.vcd",
+        "$timescale 10 ps $end\n$timezero -2 $end\n$comment fail 3 $end\n"
+        "$var wire 1 ! a $end\n$enddefinitions $end\n#1\n0!\n#3\n1!\n#9\n0!\n");
+  ASSERT_EQ(cde({"wave", "export", "t.vcd", "-o", "t.gtkw"}).status, 0);
+  EXPECT_TRUE(has(read("t.gtkw"), "[timestart] 10\n")) << read("t.gtkw");
+  EXPECT_TRUE(has(read("t.gtkw"), " 30 30 -1")) << read("t.gtkw");
+}
+
 /// Names and texts of a file send no control codes to a terminal that shows the output, and start
 /// no line.
 TEST_F(Export, NamesControlNoTerminal) {

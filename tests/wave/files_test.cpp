@@ -285,6 +285,77 @@ TEST_F(WaveFiles, PackedFstIsReadAsTheSame) {
   }
 }
 
+/// A file of two blocks of changes as GTKWave's writer closes it, and the blocks in it.
+class UnclosedFst : public WaveFiles {
+ protected:
+  void SetUp() override {
+    WaveFiles::SetUp();
+    write_model("w.fst", 8);
+    whole_ = read("w.fst");
+    while (whole_[changes_end_] == '\x08' || whole_[changes_end_] == '\x05')
+      changes_end_ += 1 + word(changes_end_ + 1);
+  }
+  void write_model(const std::string& name, unsigned width) {
+    Writer w(folder_ / name);
+    w.scope("top");
+    const fstHandle a = w.signal("a", width);
+    w.signal("name", 1);
+    w.up();
+    for (unsigned t = 0; t < 30; ++t) {
+      if (t % 10 == 0 && t != 0) w.block();
+      w.time(t);
+      w.set(a, t);
+    }
+  }
+  [[nodiscard]] std::size_t word(std::size_t at) const {
+    std::size_t n = 0;
+    for (unsigned i = 0; i < 8; ++i) n = n << 8 | static_cast<unsigned char>(whole_[at + i]);
+    return n;
+  }
+  /// As libfstwriter leaves a file when the simulation is killed.
+  [[nodiscard]] std::string headless() const {
+    return std::string(330, '\0') + whole_.substr(330, changes_end_ - 330);
+  }
+  std::string whole_;
+  std::size_t changes_end_ = 330;
+};
+
+TEST_F(UnclosedFst, WithoutNames_SaysWhatIsMissing) {
+  write("u.fst", headless());
+  refused({"wave", "info", "u.fst"}, "blocks of changes can be read, but the names of the signals");
+  refused({"wave", "info", "u.fst"}, "close that, and copy it to u.fst.hier");
+  write("e.fst", "");
+  refused({"wave", "info", "e.fst"}, "is empty: the simulation still runs, or was killed");
+  write("z.fst", std::string(2000, '\0'));
+  refused({"wave", "info", "z.fst"}, "is not an FST file");
+}
+
+TEST_F(UnclosedFst, WithoutHeader_TakesNamesOfAClosedFileOfTheModel) {
+  write("u.fst", headless() + "\x08" + std::string(8, '\0') + "being written");
+  write("u.fst.hier", whole_);
+  const nlohmann::json i = info("u.fst");
+  EXPECT_EQ(i["closed"], false);
+  EXPECT_EQ(i["seconds_a_unit"], 1e-9);
+  EXPECT_TRUE(has(i["ending"].get<std::string>(), "names are of u.fst.hier")) << i["ending"];
+  EXPECT_TRUE(changes("u.fst", "top.a").starts_with("0=00 1=01 2=02"));
+  EXPECT_EQ(cde({"wave", "at", "u.fst", "12", "top.a"}).out, "at 12ns\ntop.a  0c\n");
+  write_model("other.fst", 9);
+  write("u.fst.hier", read("other.fst"));
+  refused({"wave", "info", "u.fst"}, "u.fst.hier must have the names of the same model");
+  std::string open = whole_.substr(0, changes_end_);
+  for (const std::size_t word : {9u, 17u, 57u}) open.replace(word, 8, 8, '\0');
+  write("u.fst.hier", open);
+  refused({"wave", "info", "u.fst"}, "has no names either");
+}
+
+TEST_F(UnclosedFst, WithNamesButWithoutHeader_IsRead) {
+  write("u.fst", std::string(330, '\0') + whole_.substr(330));
+  const nlohmann::json i = info("u.fst");
+  EXPECT_EQ(i["closed"], false);
+  EXPECT_TRUE(has(i["ending"].get<std::string>(), "the unit of time is not known")) << i["ending"];
+  EXPECT_EQ(changes("u.fst", "top.a"), changes("w.fst", "top.a"));
+}
+
 /// An FST file of a running simulation: no counts, names in FILE.hier, and an unfinished block.
 TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
   {
@@ -311,8 +382,7 @@ TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
   whole.resize(at);
   for (const std::size_t word : {9u, 17u, 41u, 49u, 57u, 65u}) whole.replace(word, 8, 8, '\0');
   write("u.fst", whole + '\xff' + std::string(8, '\0') + "rest");
-  refused({"wave", "info", "u.fst"},
-          "most writers keep them in u.fst.hier until the end, and that file is missing");
+  refused({"wave", "info", "u.fst"}, "Most writers keep them in u.fst.hier until the end");
   using namespace std::string_literals;
   const std::string names = "\xfe\0top\0\0\x10\0a\0\x08\0\x10\0name\0\x01\0"s;
   write("u.fst.hier", names + "\x10\0cut"s);
@@ -325,6 +395,44 @@ TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
   // The names of another file do not fit.
   write("u.fst.hier", "\xfe\0top\0\0\x10\0a\0\x20\0"s);
   EXPECT_EQ(cde({"wave", "info", "u.fst"}).status, 2);
+}
+
+/// Signals with the same changes share bytes in a block, which becomes much larger than it is.
+TEST_F(WaveFiles, ManySignalsWithTheSameChanges_AreRead) {
+  {
+    Writer w(folder_ / "same.fst");
+    std::vector<fstHandle> all;
+    for (unsigned i = 0; i < 100; ++i) all.push_back(w.signal(fmt::format("s{} [63:0]", i), 64));
+    for (unsigned t = 0; t < 4000; ++t) {
+      w.time(t);
+      for (const fstHandle s : all) w.set(s, t % 2 == 0 ? ~std::uint64_t{0} : 0);
+    }
+  }
+  EXPECT_EQ(cde({"wave", "find", "same.fst", "s0 == s99 && s1 == 0", "--count"}).out, "2000\n");
+}
+
+/// A block's table has one number for a run of signals without changes.
+TEST_F(WaveFiles, RunsOfQuietSignals_AreCounted) {
+  {
+    Writer w(folder_ / "quiet.fst");
+    const fstHandle busy = w.signal("busy", 1);
+    for (unsigned i = 0; i < 199; ++i) (void)w.signal(fmt::format("quiet{}", i), 1);
+    for (unsigned t = 0; t < 10; ++t) w.time(t), w.set(busy, t % 2);
+  }
+  EXPECT_EQ(wave::Trace(folder_ / "quiet.fst").signals().size(), 200u);
+  // One quiet signal more than there are: the run is twice its length, in seven bits a byte.
+  std::string bytes = read("quiet.fst");
+  const std::size_t run = bytes.find("\x8e\x03");
+  ASSERT_NE(run, std::string::npos);
+  ASSERT_EQ(bytes.find("\x8e\x03", run + 1), std::string::npos);
+  bytes[run] = '\x90';
+  write("quiet.fst", bytes);
+  try {
+    const wave::Trace trace(folder_ / "quiet.fst");
+    ADD_FAILURE() << "a run that is too long is read";
+  } catch (const Error& e) {
+    EXPECT_TRUE(has(e.what(), "has more signals than the file"));
+  }
 }
 
 TEST_F(WaveFiles, NamesOfFstHaveAnyLength) {

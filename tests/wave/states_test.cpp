@@ -3,12 +3,15 @@
 // omissions of exports.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "../has.hpp"
 #include "cde/wave/four_state.hpp"
 #include "run_cde.hpp"
 #include "sample.hpp"
+#include "tui/tui_tracks.hpp"
 
 namespace cde::testing {
 namespace {
@@ -84,6 +87,96 @@ TEST_F(States, Events_AreMarks) {
   EXPECT_TRUE(has(cde({"wave", "export", "s.fst", "ev", "bus", "--format", "wavedrom"}).out,
                   R"("name":"ev","wave":"0P0P")"));
   EXPECT_TRUE(has(cde({"wave", "export", "s.fst", "ev", "--format", "svg"}).out, "wave event"));
+}
+
+/// first is triggered where the file begins, and at 20; never is not. The file has two blocks.
+class Events : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    Writer w(folder_ / "e.fst");
+    w.scope("top");
+    const fstHandle first = w.signal("first", 1, FST_VT_VCD_EVENT);
+    (void)w.signal("never", 1, FST_VT_VCD_EVENT);
+    const fstHandle a = w.signal("a", 1);
+    w.time(0);
+    w.set(first, 1), w.set(a, 0);
+    w.time(20);
+    w.set(first, 1);
+    w.time(30);
+    w.block();
+    w.time(40);
+    w.set(a, 1);
+    w.time(50);
+  }
+  /// Times at which an event is triggered, by several commands, which must agree.
+  std::string times(const std::string& file, const std::string& event,
+                    const std::vector<std::string>& window = {}) {
+    const auto ask = [&](std::vector<std::string> words) {
+      words.insert(words.end(), window.begin(), window.end());
+      const Ran ran = cde(words);
+      EXPECT_LE(ran.status, 1) << ran.err;
+      return ran.out;
+    };
+    std::string all;
+    const Json shown = Json::parse(ask({"wave", "show", file, event, "--json"}));
+    for (const Json& c : shown["signals"][0]["changes"]) all += c["time"].dump() + " ";
+    for (const std::string& condition : {event, "changed(" + event + ")", "rose(" + event + ")"}) {
+      std::string found;
+      const Json j = Json::parse(ask({"wave", "find", file, condition, "--json"}));
+      for (const Json& m : j["matches"]) found += m["time"].dump() + " ";
+      EXPECT_EQ(found, all) << file << ' ' << condition;
+    }
+    std::string rows;
+    for (std::istringstream csv(ask({"wave", "export", file, event, "--format", "csv"})); csv;) {
+      std::string row;
+      std::getline(csv, row);
+      if (row.ends_with(",1")) rows += row.substr(0, row.find(',')) + " ";
+    }
+    EXPECT_EQ(rows, all) << file;
+    const Json stat = Json::parse(ask({"wave", "stat", file, event, "--json"}));
+    EXPECT_EQ(stat["signals"][0]["change_count"], std::count(all.begin(), all.end(), ' ')) << file;
+    const std::string svg = ask({"wave", "export", file, event, "--format", "svg"});
+    EXPECT_EQ(has(svg, "wave event\""), !all.empty()) << file;
+    return all;
+  }
+};
+
+TEST_F(Events, AtTheBegin_IsOneForAllCommands) {
+  EXPECT_EQ(times("e.fst", "first"), "0 20 ");
+  EXPECT_EQ(times("e.fst", "never"), "");
+  for (const std::string other : {"o.fst", "o.vcd"}) {
+    ASSERT_EQ(cde({"wave", "export", "e.fst", "-o", other}).status, 0);
+    EXPECT_EQ(times(other, "first"), "0 20 ");
+    EXPECT_EQ(times(other, "never"), "");
+  }
+  EXPECT_TRUE(has(cde({"wave", "export", "e.fst", "--format", "wavedrom"}).out,
+                  R"("name":"first","wave":"P)"));
+  EXPECT_TRUE(has(cde({"wave", "show", "e.fst", "first", "--ascii"}).out, "\nfirst ^ "));
+  ASSERT_EQ(cde({"wave", "serve", "e.fst", "never", "-o", "p.html"}).status, 0);
+  EXPECT_TRUE(has(cde({"wave", "serve", "e.fst", "never", "-o", "p.html"}).err, "0 changes,"));
+  wave::Trace trace(folder_ / "e.fst");
+  wave::tui::Tracks tracks(trace);
+  EXPECT_EQ(tracks.get(1, 0)->value(0), "1");
+  EXPECT_EQ(tracks.get(2, 0)->value(0), "0");
+}
+
+/// The second block begins with the value that the event had last, which is no event there.
+TEST_F(Events, InitialValueOfABlock_TriggersNothing) {
+  for (const char* from : {"20", "21", "30", "35", "40"})
+    EXPECT_EQ(times("e.fst", "first", {"--from", from}), from == std::string("20") ? "20 " : "")
+        << from;
+  {
+    Writer w(folder_ / "i.fst");
+    w.scope("top");
+    const fstHandle e = w.signal("e", 1, FST_VT_VCD_EVENT), a = w.signal("a", 1);
+    w.set(e, 1), w.set(a, 1);  // before any time
+    w.time(10);
+    w.set(a, 0);
+    w.time(20);
+    w.set(e, 1);
+  }
+  EXPECT_EQ(times("i.fst", "e"), "20 ");
 }
 
 TEST_F(States, Find_ReadsASignalAsTheFileHasIt) {

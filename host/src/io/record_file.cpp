@@ -24,6 +24,9 @@
 namespace cde {
 namespace {
 
+/// A record for the names and types of columns; no primary has its number.
+const Record kHeader{.primary = ~0u};
+
 constexpr std::array kNames = {"u", "v", "normal", "side", "node", "inside"};
 
 /// The secondary that was hit.
@@ -175,26 +178,31 @@ RecordText::RecordText(RecordFormat format, const Mesh* mesh, RayView rays)
     : format_(std::move(format)), mesh_(mesh), rays_(std::move(rays)) {
   if (mesh_ == nullptr) return;
   for (const MeshPart& part : mesh_->parts) node_bytes_ = std::max(node_bytes_, part.name.size());
-  if (std::find(format_.fields.begin(), format_.fields.end(), RecordField::kInside) !=
-      format_.fields.end())
-    inside_ = std::make_shared<const Inside>(*mesh_);
+  if (!has(RecordField::kInside)) return;
+  // In modes all and hits the records of a ray follow one another.
+  is_inside_ = [inside = std::make_shared<const Inside>(*mesh_), rays = rays_,
+                last = std::optional<std::pair<std::uint32_t, bool>>()](std::uint32_t,
+                                                                        std::uint32_t ray) mutable {
+    if (!last || last->first != ray) last = {ray, inside->contains(rays[ray].o)};
+    return last->second;
+  };
 }
 
-bool RecordText::starts_inside(std::uint32_t ray) const {
-  if (ray >= rays_.size()) return false;  // a line of the header
-  if (!last_inside_ || last_inside_->first != ray)
-    last_inside_ = {ray, inside_->contains(rays_[ray].o)};
-  return last_inside_->second;
+RecordText::RecordText(RecordFormat format, IsInside is_inside)
+    : format_(std::move(format)), mesh_(nullptr), is_inside_(std::move(is_inside)) {}
+
+bool RecordText::has(RecordField field) const {
+  return std::find(format_.fields.begin(), format_.fields.end(), field) != format_.fields.end();
 }
 
 template <class Cells>
-void RecordText::fields(const Record& r, const Cells& cells) const {
+void RecordText::fields(const Record& r, std::uint32_t frame, const Cells& cells) const {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   double u = kNone, v = kNone;
   Eigen::Vector3d normal = Eigen::Vector3d::Constant(kNone);
   std::int8_t side = 0;
   std::string_view node;
-  if (r.f) {
+  if (r.f && mesh_ != nullptr) {
     const Triangle t = mesh_->triangle(r.index);
     const Eigen::Vector3d a = t.v0.cast<double>(), ab = t.v1.cast<double>() - a,
                           ac = t.v2.cast<double>() - a, ap = r.cp.cast<double>() - a;
@@ -215,7 +223,8 @@ void RecordText::fields(const Record& r, const Cells& cells) const {
     if (f == RecordField::kNormal) cells("normal", Eigen::Vector3f(normal.cast<float>()));
     if (f == RecordField::kSide) cells("side", side);
     if (f == RecordField::kNode) cells("node", node);
-    if (f == RecordField::kInside) cells("inside", starts_inside(r.primary));
+    if (f == RecordField::kInside)
+      cells("inside", r.primary != kHeader.primary && is_inside_(frame, r.primary));
   }
 }
 
@@ -231,7 +240,10 @@ void RecordText::row(const Record& r, std::uint32_t frame, const Cells& cells) c
     cells("index", r.index);
     cells("T", r.t);
     cells("primary", r.primary);
-    return normals();
+    normals();
+    if (has(RecordField::kInside))
+      cells("inside", std::uint32_t{r.primary != kHeader.primary && is_inside_(frame, r.primary)});
+    return;
   }
   cells(format_.scene ? "primary" : "ray", r.primary);
   cells("F", r.f);
@@ -246,17 +258,17 @@ void RecordText::row(const Record& r, std::uint32_t frame, const Cells& cells) c
     cells("CPy_bits", Hex{r.cp.y()});
     cells("CPz_bits", Hex{r.cp.z()});
   }
-  if (!format_.fields.empty()) fields(r, cells);
+  if (!format_.fields.empty()) fields(r, frame, cells);
 }
 
 std::string RecordText::head(std::uint64_t count, bool may_grow) const {
   std::string text;
   if (format_.kind == RecordFormat::Kind::kNpy) {
-    row({}, 0, NpyType{text, node_bytes_});
+    row(kHeader, 0, NpyType{text, node_bytes_});
     return npy_header("[" + text + "]", format_.shape.value_or(std::vector{count}), may_grow);
   }
   if (format_.kind != RecordFormat::Kind::kCsv) return text;
-  row({}, 0, CsvHead{text});
+  row(kHeader, 0, CsvHead{text});
   text.back() = '\n';
   return text;
 }
@@ -286,7 +298,7 @@ void RecordText::append(std::span<const Record> records, std::string& to,
 
 std::size_t RecordText::record_bytes() const {
   std::string bytes;
-  row({}, 0, Bytes{bytes, node_bytes_});
+  row(kHeader, 0, Bytes{bytes, node_bytes_});
   return bytes.size();
 }
 

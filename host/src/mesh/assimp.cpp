@@ -218,6 +218,8 @@ std::string refusal(const Assimp::Importer& importer, const std::string& path) {
 /// Runs in the child and returns the bytes for the parent.
 std::string import(const std::string& path) {
   try {
+    const std::string extension = lower_extension(path);
+    if (extension == ".gltf" || extension == ".glb") check_gltf_ranges(path);
     std::vector<std::string> files;
     std::string remark;
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);

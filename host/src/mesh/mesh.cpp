@@ -23,16 +23,19 @@
 #include "support/text.hpp"
 
 namespace cde {
-namespace {
 
-static_assert(std::endian::native == std::endian::little,
-              "the binary writers copy words as they lie in memory");
-
-std::string lower_extension(const std::filesystem::path& path) {
+std::string mesh_readers::lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
 }
+
+namespace {
+
+using mesh_readers::lower_extension;
+
+static_assert(std::endian::native == std::endian::little,
+              "the binary writers copy words as they lie in memory");
 
 template <typename T>
 void append_raw(std::string& out, const T& value) {

@@ -23,6 +23,13 @@ namespace cde::mesh_readers {
 [[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits);
 
+/// ".obj" for "a.OBJ".
+[[nodiscard]] std::string lower_extension(const std::filesystem::path& path);
+
+/// Checks a glTF 2.0 file (.gltf or .glb): the numbers that locate its data are whole and within
+/// their buffers. A file that is not JSON is left to the importer. Error kFile names the field.
+void check_gltf_ranges(const std::filesystem::path& path);
+
 /// Adds a file that the mesh file names, if it exists and is not in mesh.files yet. The name is a
 /// path as written, or relative to the mesh's folder. It may have Windows' separators or be a URI
 /// (%20).

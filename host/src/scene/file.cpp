@@ -8,6 +8,7 @@
 
 #include "cde/contract/records.hpp"
 #include "cde/contract/registers.hpp"
+#include "cde/scene/inside.hpp"
 #include "cde/support/message.hpp"
 #include "scene/parts.hpp"
 #include "support/file_io.hpp"
@@ -18,12 +19,6 @@ namespace {
 
 using toml_reader::Table;
 using toml_reader::Tables;
-
-std::vector<std::string> pair_names() {
-  std::vector<std::string> names;
-  for (unsigned i = 0; i < kPairs; ++i) names.emplace_back(name(static_cast<Pair>(i)));
-  return names;
-}
 
 const std::vector<std::string> kModes = {"nearest", "farthest", "any", "all", "hits"};
 
@@ -38,19 +33,22 @@ FpFormat read_format(Table& t, const char* key = "format") {
   }
 }
 
+/// The order of its shapes says nothing: a query's objects do.
+Pair read_pair(const Table& t, const char* key, const std::string& text) {
+  try {
+    return pair_in_any_order(text).pair;
+  } catch (const Error& e) {
+    t.fail(e.code(), key, e.what());
+  }
+}
+
 SceneCard read_card(Table t) {
   SceneCard card;
   if (t.has("lanes")) card.lanes = t.integer<unsigned>("lanes", {}, 1, 256);
   t.also_known({"lanes", "pairs"});
   if (t.has("pairs")) {
     for (const std::string& text : t.texts("pairs")) {
-      const Pair pair = [&] {
-        try {
-          return pair_in_any_order(text).pair;
-        } catch (const Error& e) {
-          t.fail(e.code(), "pairs", e.what());
-        }
-      }();
+      const Pair pair = read_pair(t, "pairs", text);
       if (std::find(card.pairs.begin(), card.pairs.end(), pair) == card.pairs.end())
         card.pairs.push_back(pair);
     }
@@ -187,12 +185,26 @@ void check_name(const Table& t, const std::string& name) {
                        in_quotes(name)));
 }
 
+void check_inside(const Scene& scene, const SceneQuery& q, Shape primary, Shape secondary,
+                  const Table& t) {
+  if (primary == Shape::kPlane || secondary != Shape::kTriangle)
+    t.fail(ErrorCode::kUsage, "inside",
+           fmt::format("needs secondaries that are closed meshes and primaries that have a middle, "
+                       "but the primaries are {}s and the secondaries {}s",
+                       name(primary), name(secondary)));
+  try {
+    SceneInside{scene, q};
+  } catch (const Error& e) {
+    t.fail(e.code(), "inside", e.what());
+  }
+}
+
 SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   SceneQuery q;
   q.name = t.text("name");
   check_name(t, q.name);
   t = t.named(fmt::format("query '{}'", q.name));
-  q.pair = static_cast<Pair>(t.choice("pair", pair_names()));
+  q.pair = read_pair(t, "pair", t.text("pair"));
   q.primaries = read_group(names, t, "primaries");
   q.secondaries = read_group(names, t, "secondaries");
   const Shape primary = common_shape(scene, q.primaries, t, "primaries");
@@ -210,6 +222,8 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   q.mode = *mode_named(kModes[t.choice("mode", kModes, 0)]);
   q.normals = t.flag("normals", false);
   q.self = t.flag("self", false);
+  q.inside = t.flag("inside", false);
+  if (q.inside) check_inside(scene, q, primary, secondary, t);
   if (q.normals && !is_solid(q.pair)) t.fail(ErrorCode::kUsage, "normals", "rays have no normals");
   if (auto budget = t.table("budget")) {
     if (!has_budget(q.pair))

@@ -85,8 +85,7 @@ class Reader {
       v.path = body_.scopes[scope].prefix + name;
       v.declared = &e;
       v.type = e.number("dtype_id");
-      v.local = local || !e.attribute("param").empty() || !e.attribute("localparam").empty() ||
-                e.attribute("vartype") == "integer";
+      v.local = local || !e.attribute("param").empty() || !e.attribute("localparam").empty();
       v.input = e.attribute("dir") == "input";
       v.output = e.attribute("dir") == "output";
       v.in_process = in_process_;
@@ -149,7 +148,8 @@ class Reader {
   /// Reads an assignment. Its target is the last child.
   void drive(const netlist::Element& e, const netlist::Element* edges) {
     if (e.children().size() < 2) return;
-    add({&e, e.children().back(), e.child(0), edges, scope_, process_, guards_});
+    const bool blocking = e.tag() == "assign";
+    add({&e, e.children().back(), e.child(0), edges, scope_, process_, guards_, blocking, loop_});
   }
   void add(Drive d) {
     const auto id = static_cast<std::uint32_t>(body_.drives.size());
@@ -175,6 +175,7 @@ class Reader {
   }
 
   void guarded(Guard guard, const netlist::Element& e, const netlist::Element* edges) {
+    guard.first = static_cast<std::uint32_t>(body_.drives.size());
     guards_.push_back(guard);
     statement(e, edges);
     guards_.pop_back();
@@ -223,8 +224,11 @@ class Reader {
         if (s->children().size() >= 2)
           each_target(*s->children().back(), scope_,
                       [&](std::uint32_t v) { body_.variables[v].local = true; });
-    if (e.child(2) != nullptr)
-      guarded({Guard::Kind::kUnknown, nullptr, nullptr}, *e.child(2), edges);
+    const netlist::Element* const outer = std::exchange(loop_, loop_ != nullptr ? loop_ : &e);
+    for (const std::size_t part : {2u, 3u})
+      if (e.child(part) != nullptr)
+        guarded({Guard::Kind::kUnknown, nullptr, nullptr}, *e.child(part), edges);
+    loop_ = outer;
   }
 
   /// Reads a task call. Each argument that the task writes depends on all others.
@@ -239,7 +243,7 @@ class Reader {
       const netlist::Element* const argument = e.child(at++);
       if (argument == nullptr || argument->child(0) == nullptr) break;
       if (v->attribute("dir") != "input")
-        add({&e, argument->child(0), nullptr, edges, scope_, process_, guards_});
+        add({&e, argument->child(0), nullptr, edges, scope_, process_, guards_, true, loop_});
     }
   }
 
@@ -247,6 +251,7 @@ class Reader {
   std::map<std::uint32_t, std::string> names_;  ///< by scope
   std::map<const netlist::Element*, std::uint32_t> scopes_;
   std::vector<Guard> guards_;
+  const netlist::Element* loop_ = nullptr;
   std::uint32_t scope_ = 0, process_ = 0;
   bool in_process_ = false;
 };

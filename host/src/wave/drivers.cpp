@@ -9,9 +9,10 @@ namespace cde::wave {
 namespace {
 
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
-constexpr std::uint64_t kMostTurns = 256;  // of a loop
+constexpr std::int64_t kMostTurns = 256;  // of a loop, from 0 on, and as many below 0
 
-char guard_holds(const Context& c, const Guard& g) {
+char guard_holds(Context c, const Guard& g) {
+  c.place = g.first;
   switch (g.kind) {
     case Guard::Kind::kIf:
       return holds(c, *g.what, g.swapped);
@@ -78,7 +79,7 @@ class Drivers {
     for (auto d = v.drives.rbegin(); d != v.drives.rend(); ++d) {
       const Drive& drive = body.drives[*d];
       if (settled != 0 && drive.process == settled) continue;
-      const Context c{all_, wanted_.unit, drive.scope, values_, turn_of(drive)};
+      const Context c{all_, wanted_.unit, drive.scope, values_, turn_of(drive, *d), &drive, *d};
       std::vector<Overlap> overlaps;
       collect_overlaps(c, *drive.target, wanted_, overlaps);
       if (overlaps.empty()) continue;
@@ -113,6 +114,7 @@ class Drivers {
           collect_sources(c, *piece.value, o.low, o.width, own.sources,
                           values_ == nullptr ? nullptr : &own.controls);
         if (is_through(drive, own, covers)) own.kind = Driver::Kind::kWire;
+        forget_itself(c, own);
         backwards.push_back(std::move(own));
       }
       std::reverse(backwards.begin() + static_cast<std::ptrdiff_t>(from), backwards.end());
@@ -122,23 +124,35 @@ class Drivers {
                   std::make_move_iterator(backwards.rend()));
   }
 
+  /// A blocking assignment may read its own target as it was earlier in the instant. The waves do
+  /// not have that value, so it is no cause.
+  void forget_itself(const Context& c, Driver& driver) const {
+    if (!driver.edges.empty() || !c.drive->blocking) return;
+    for (std::vector<Slice>* const all : {&driver.sources, &driver.controls})
+      std::erase_if(*all, [&](const Slice& s) {
+        return s.unit == wanted_.unit && s.variable == wanted_.variable && is_passing(c, s);
+      });
+  }
+
   /// The iteration of a loop in which a statement assigns the wanted bits; nothing if there is
   /// none.
-  [[nodiscard]] std::optional<Turn> turn_of(const Drive& drive) const {
+  [[nodiscard]] std::optional<Turn> turn_of(const Drive& drive, std::uint32_t number) const {
     if (values_ == nullptr) return std::nullopt;
-    Context c{all_, wanted_.unit, drive.scope, values_};
+    Context c{all_, wanted_.unit, drive.scope, values_, {}, &drive, number};
     std::optional<Turn> turn;
     std::vector<const netlist::Element*> read = {drive.target};
     for (std::size_t i = 0; i < read.size(); ++i) {
       read.insert(read.end(), read[i]->children().begin(), read[i]->children().end());
       if (!is_reference(*read[i])) continue;
       const auto s = all_.referred(wanted_.unit, drive.scope, *read[i]);
-      if (!s || !all_.variable(*s).local) continue;
+      if (!s || s->variable == wanted_.variable) continue;
+      if (!all_.variable(*s).local && (drive.loop == nullptr || !is_passing(c, *s))) continue;
       if (turn && turn->variable != s->variable) return std::nullopt;
       turn = Turn{s->variable, 0};
     }
-    for (; turn && turn->number < kMostTurns; ++turn->number) {
+    for (std::int64_t i = 0; turn && i < 2 * kMostTurns; ++i) {
       std::vector<Overlap> overlaps;
+      turn->number = static_cast<std::uint64_t>(i < kMostTurns ? i : kMostTurns - 1 - i);
       c.turn = turn;
       collect_overlaps(c, *drive.target, wanted_, overlaps);
       if (overlaps.size() == 1 && overlaps[0].exact && overlaps[0].width == wanted_.width)

@@ -35,13 +35,14 @@ std::string in_turn(const Context& c, const Slice& slice) {
   if (!c.turn || c.turn->variable != slice.variable) return {};
   std::string bits;
   for (std::uint64_t i = slice.low + slice.width; i-- > slice.low;)
-    bits += i < 64 && (c.turn->number >> i & 1) != 0 ? '1' : '0';
+    bits += (c.turn->number >> std::min<std::uint64_t>(i, 63) & 1) != 0 ? '1' : '0';
   return bits;
 }
 
 Known of_signal(const Context& c, const Slice& slice) {
   if (c.values == nullptr || slice.width > kMostBits) return nothing_of(slice.width);
-  const std::string bits = c.all.variable(slice).local ? in_turn(c, slice) : (*c.values)(slice);
+  const bool turns = c.all.variable(slice).local || is_passing(c, slice);
+  const std::string bits = turns ? in_turn(c, slice) : (*c.values)(slice);
   if (bits.empty() || bits.size() != slice.width) return nothing_of(slice.width);
   return Evaluated{of_bits(bits, false), true};
 }

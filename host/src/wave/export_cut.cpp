@@ -53,11 +53,14 @@ std::vector<fstHandle> copy_names(Trace& trace, const std::vector<bool>& chosen,
 
 void copy_changes(Trace& trace, const std::vector<bool>& chosen, std::uint64_t from,
                   std::uint64_t to, const std::vector<fstHandle>& handles, void* fst) {
-  enum class Kind : char { kBits, kReal, kText, kPort };
+  enum class Kind : char { kBits, kReal, kText, kPort, kEvent };
   std::vector<Kind> kinds(trace.handles() + std::size_t{1}, Kind::kBits);
   for (const Signal& s : trace.signals())
-    if (s.real || s.text || s.kind == std::string_view("port"))
-      kinds[s.handle] = s.real ? Kind::kReal : s.text ? Kind::kText : Kind::kPort;
+    if (s.real || s.text || s.event || s.kind == std::string_view("port"))
+      kinds[s.handle] = s.real    ? Kind::kReal
+                        : s.text  ? Kind::kText
+                        : s.event ? Kind::kEvent
+                                  : Kind::kPort;
   BlackoutsIn off(trace, from, to);
   std::uint64_t now = from;
   std::string bits;
@@ -75,6 +78,7 @@ void copy_changes(Trace& trace, const std::vector<bool>& chosen, std::uint64_t f
                    if (time != now) fstWriterEmitTimeChange(fst, now = time);
                  }
                  const fstHandle h = handles[handle];
+                 if (kinds[handle] == Kind::kEvent && value == "0") return true;
                  if (kinds[handle] == Kind::kText) {
                    fstWriterEmitVariableLengthValueChange(fst, h, value.data(),
                                                           static_cast<std::uint32_t>(value.size()));

@@ -119,6 +119,15 @@ class SaveFile {
   std::string scope_, text_;
 };
 
+/// GTKWave counts in s, ms, us, ns, ps or fs. A file in units of 10 ps has ten times as many.
+/// $timezero is not in these times: GTKWave adds it where it shows one.
+std::uint64_t in_units_of_gtkwave(const Trace& trace, std::uint64_t time) {
+  constexpr std::uint64_t kFactors[] = {1, 10, 100};
+  const std::uint64_t factor = kFactors[(trace.scale() % 3 + 3) % 3];
+  constexpr std::uint64_t kMost = INT64_MAX;
+  return time > kMost / factor ? kMost : time * factor;
+}
+
 std::string whole_path(const std::filesystem::path& file) {
   std::error_code none;
   const std::filesystem::path whole = std::filesystem::absolute(file, none);
@@ -137,15 +146,16 @@ void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& op
                       whole_path(options.waves.empty() ? trace.file() : options.waves));
   // If both files have moved, GTKWave finds the waves by the save file's old path.
   if (path != "-") text += fmt::format("[savefile] \"{}\"\n", whole_path(path));
-  const std::uint64_t from = options.from.value_or(trace.start()),
-                      to = options.to.value_or(trace.end());
+  const auto units = [&](std::uint64_t time) { return in_units_of_gtkwave(trace, time); };
+  const std::uint64_t from = units(options.from.value_or(trace.start())),
+                      to = units(options.to.value_or(trace.end()));
   text += fmt::format("[timestart] {}\n[size] 1400 800\n[pos] -1 -1\n", from);
   // The zoom, as the power of two of the units per 200 pixels, of which the window has a little
   // over four; the marker; and the marks A to Z.
-  const double units = std::max(1.0, static_cast<double>(to - from) / 4.2);
-  text += fmt::format("*{:.6f}", -std::log2(units));
+  const double screen = std::max(1.0, static_cast<double>(to - from) / 4.2);
+  text += fmt::format("*{:.6f}", -std::log2(screen));
   for (int mark = 0; mark < 27; ++mark)
-    text += options.fail && mark < 2 ? fmt::format(" {}", *options.fail) : " -1";
+    text += options.fail && mark < 2 ? fmt::format(" {}", units(*options.fail)) : " -1";
   text += "\n";
   if (options.fail) text += "[markername] Afail\n";
   text += "[sst_width] 220\n[signals_width] 260\n[sst_expanded] 1\n";

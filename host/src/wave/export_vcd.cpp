@@ -89,8 +89,9 @@ class VcdText {
         codes_(trace.handles() + std::size_t{1}) {
     for (std::uint32_t h = 1; h < codes_.size(); ++h) codes_[h] = code(h) + "\n";
     for (const Signal& s : trace.signals())
-      kinds_[s.handle] = s.text ? 's' : s.real ? 'r' : s.width == 1 ? '1' : 'b';
+      kinds_[s.handle] = s.event ? 'e' : s.text ? 's' : s.real ? 'r' : s.width == 1 ? '1' : 'b';
   }
+  [[nodiscard]] bool is_event(std::uint32_t handle) const { return kinds_[handle] == 'e'; }
   void put(std::string_view text) {
     text_.append(text);
     if (text_.size() > 1u << 20) flush();
@@ -113,6 +114,9 @@ class VcdText {
       }
       case 'r':
         if (!value.starts_with('x')) put_all({"r", value, " ", codes_[handle]});
+        break;
+      case 'e':
+        if (value == "1") put_all({value, codes_[handle]});
         break;
       case '1':
         put_all({value, codes_[handle]});
@@ -178,6 +182,14 @@ void write_vcd(Trace& trace, std::span<const View> views, std::uint64_t from, st
     if (section) vcd.put("$end\n");
     section = false;
   };
+  // A mark of an event within $dumpvars is a dump of its value and triggers nothing.
+  std::vector<std::uint32_t> triggered;
+  const auto trigger = [&] {
+    if (triggered.empty()) return;
+    end_section();
+    for (const std::uint32_t handle : triggered) vcd.change(handle, "1");
+    triggered.clear();
+  };
   BlackoutsIn off(trace, from, to);
   const auto go_to = [&](std::uint64_t time) {
     end_section();
@@ -194,10 +206,17 @@ void write_vcd(Trace& trace, std::span<const View> views, std::uint64_t from, st
   };
   trace.stream(chosen_handles(trace, chosen), from, to,
                [&](std::uint64_t time, std::uint32_t handle, std::string_view value) {
-                 if (time != now) advance(time);
-                 vcd.change(handle, value);
+                 if (time != now) {
+                   trigger();
+                   advance(time);
+                 }
+                 if (section && vcd.is_event(handle) && value == "1")
+                   triggered.push_back(handle);
+                 else
+                   vcd.change(handle, value);
                  return true;
                });
+  trigger();
   advance(to);
   end_section();
   vcd.flush();

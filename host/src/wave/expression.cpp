@@ -71,7 +71,26 @@ Value Expression::Parsed::binary(Node& n) {
   return arithmetic(n.op[0], a, b, {n.width, n.is_signed, n.real});
 }
 
+bool Expression::Parsed::of_events(const Node& n) const {
+  if (n.kind == Node::Kind::kView) return views[n.view].signal.event;
+  return !n.kids.empty() && std::all_of(n.kids.begin(), n.kids.end(), [&](const Tree& kid) {
+    return kid->kind == Node::Kind::kConstant || of_events(*kid);
+  });
+}
+
+/// Before the first instant an event is not triggered. Any other value is unknown then.
+void Expression::Parsed::begin(Node& n) {
+  if (n.has_last || !is_back(n.op) || !of_events(*n.kids[0])) return;
+  const std::vector<Value> now = values;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (views[i].signal.event) values[i] = of_bits("0", false);
+  n.last = value(*n.kids[0]);
+  n.has_last = true;
+  values = now;
+}
+
 Value Expression::Parsed::call(Node& n) {
+  if (looks_back) begin(n);
   const Value a = value(*n.kids[0]);
   if (n.op == "isnan") return a.unknown() ? unknown_of(1) : of_bool(std::isnan(a.d));
   if (n.op == "isinf") return a.unknown() ? unknown_of(1) : of_bool(std::isinf(a.d));

@@ -545,8 +545,7 @@ class ExpressionParser {
     }
     if (name == "countones") n->width = 32;
     if (name == "abs") narrow_enough(*a);
-    to_.looks_back = to_.looks_back || name == "changed" || name == "rose" || name == "fell" ||
-                     name == "prev" || name == "past";
+    to_.looks_back = to_.looks_back || is_back(name);
     n->kids = list(std::move(a));
     return n;
   }

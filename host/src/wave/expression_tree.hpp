@@ -49,6 +49,11 @@ inline bool is_shift(std::string_view op) {
   return op == "<<" || op == ">>" || op == ">>>";
 }
 
+/// Functions that compare with the last time that the expression was looked at.
+inline bool is_back(std::string_view op) {
+  return op == "changed" || op == "rose" || op == "fell" || op == "prev" || op == "past";
+}
+
 }  // namespace expression
 
 struct Expression::Parsed {
@@ -64,6 +69,9 @@ struct Expression::Parsed {
   Value unary(expression::Node& n);
   Value binary(expression::Node& n);
   Value call(expression::Node& n);
+  /// Whether all signals in it are events.
+  [[nodiscard]] bool of_events(const expression::Node& n) const;
+  void begin(expression::Node& n);
 };
 
 namespace expression {

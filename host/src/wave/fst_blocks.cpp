@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <memory>
 
@@ -65,16 +66,28 @@ std::uint64_t varint(const Mapped& file, std::uint64_t block, std::uint64_t& at,
   file.corrupt(block, "has a number without an end");
 }
 
+bool is_changes(int type) {
+  return type == FST_BL_VCDATA || type == FST_BL_VCDATA_DYN_ALIAS ||
+         type == FST_BL_VCDATA_DYN_ALIAS2;
+}
+
+/// Whether the header is not written yet. libfstwriter (Verilator since 5.050) leaves a hole there
+/// and fills it when the file is closed.
+bool is_headless(const Mapped& file) {
+  return file.size() > kFstHeaderBytes && is_changes(file.bytes()[kFstHeaderBytes]) &&
+         std::all_of(file.bytes(), file.bytes() + kFstHeaderBytes,
+                     [](unsigned char c) { return c == 0; });
+}
+
 /// Error kFile if the first block is not a complete header.
 void check_header(const Mapped& file) {
   if (file.size() < kFstHeaderBytes)
     file.fail(fmt::format("is cut off: {} bytes are not a complete FST header", file.size()));
   if (file.word(1) != kFstHeaderBytes - 1)
     file.fail("is not an FST file: it does not begin with an FST header");
-  constexpr double kEnd = 2.7182818284590452354;
   double value = 0;
   std::memcpy(&value, file.bytes() + 25, sizeof value);
-  if (value != kEnd)
+  if (value != kFstByteOrder)
     file.fail("is not an FST file for this kind of machine: its header has an unexpected value");
 }
 
@@ -120,7 +133,9 @@ Section check_changes(const Mapped& file, std::uint64_t block, std::uint64_t len
   if (length < 8 + 24 + 8 + 24 + 4) file.corrupt(block, "is too short");
   const Section section{file.word(block + 9), file.word(block + 17)};
   if (section.begin > section.end) file.corrupt(block, "ends before it begins");
-  if (file.word(block + 25) > kMostExpansion * length + 65536)
+  // Signals with equal changes share bytes in the file, but not in the memory of the reader.
+  const std::uint64_t share = std::max<std::uint64_t>(handles, 1);
+  if (file.word(block + 25) / share > kMostExpansion * length + 65536)
     file.corrupt(block, "claims an impossible size");
   const std::uint64_t times_large = file.word(end - 24), times = file.word(end - 16),
                       count = file.word(end - 8);
@@ -206,17 +221,33 @@ std::uint64_t FstBlocks::word(std::size_t at) const {
   return value;
 }
 
+std::vector<FstBlock> FstBlocks::changes() const {
+  std::vector<FstBlock> found;
+  for (const FstBlock& b : blocks)
+    if (is_changes(b.type)) found.push_back(b);
+  return found;
+}
+
 const FstBlock* FstBlocks::find(int type, int other, int third) const {
   for (const FstBlock& b : blocks)
     if (b.type == type || b.type == other || b.type == third) return &b;
   return nullptr;
 }
 
+bool has_fst_header(const WaveBytes& bytes) {
+  std::string head(9, '\0');
+  return bytes.read(0, head.data(), head.size()) == head.size() &&
+         head == std::string("\0\0\0\0\0\0\0\x01\x49", 9);
+}
+
 FstBlocks find_fst_blocks(const WaveBytes& bytes) {
   const Mapped file(bytes);
-  check_header(file);
   FstBlocks found;
-  found.header.assign(reinterpret_cast<const char*>(file.bytes()), kFstHeaderBytes);
+  found.headless = is_headless(file);
+  if (!found.headless) check_header(file);
+  found.header.assign(kFstHeaderBytes, '\0');
+  if (!found.headless)
+    found.header.assign(reinterpret_cast<const char*>(file.bytes()), kFstHeaderBytes);
   found.structure.bytes = file.size();
   found.closed = found.word(9) != 0 || found.word(17) != 0 || found.handles() != 0;
   std::uint64_t at = kFstHeaderBytes;
@@ -249,16 +280,43 @@ FstBlocks find_fst_blocks(const WaveBytes& bytes) {
 void check_fst_blocks(const WaveBytes& bytes, FstBlocks& found,
                       const std::vector<std::uint32_t>& widths) {
   const Mapped file(bytes);
-  for (const FstBlock& b : found.blocks)
-    if (b.type == FST_BL_VCDATA || b.type == FST_BL_VCDATA_DYN_ALIAS ||
-        b.type == FST_BL_VCDATA_DYN_ALIAS2)
-      found.structure.sections.push_back(check_changes(file, b.at, b.length, widths));
+  for (const FstBlock& b : found.changes())
+    found.structure.sections.push_back(check_changes(file, b.at, b.length, widths));
   std::uint64_t last = found.word(17);
   for (const Section& s : found.structure.sections) last = std::max(last, s.end);
   for (const FstBlock& b : found.blocks)
     if (b.type == FST_BL_BLACKOUT)
       for (const Blackout& off : read_blackouts(file, b.at, b.length, last))
         found.blackouts.push_back(off);
+}
+
+std::uint64_t first_fst_time(const WaveBytes& bytes, const FstBlock& block) {
+  const Mapped file(bytes);
+  const std::uint64_t end = block.at + 1 + block.length;
+  const std::uint64_t large = file.word(end - 24), packed = file.word(end - 16);
+  const unsigned char* const data = file.bytes() + end - 24 - packed;
+  constexpr std::size_t kMostBytes = 10;  // of a number
+  std::array<unsigned char, kMostBytes> first{};
+  if (packed == large) {
+    std::copy_n(data, std::min<std::uint64_t>(packed, kMostBytes), first.data());
+  } else {
+    z_stream z{};
+    if (::inflateInit(&z) != Z_OK) file.corrupt(block.at, "has times that cannot be unpacked");
+    z.next_in = const_cast<unsigned char*>(data);
+    z.avail_in = static_cast<uInt>(std::min<std::uint64_t>(packed, UINT32_MAX));
+    z.next_out = first.data();
+    z.avail_out = kMostBytes;
+    const int status = ::inflate(&z, Z_SYNC_FLUSH);
+    ::inflateEnd(&z);
+    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR)
+      file.corrupt(block.at, "has times that cannot be unpacked");
+  }
+  std::uint64_t time = 0;
+  for (std::size_t i = 0; i < kMostBytes; ++i) {
+    time |= std::uint64_t{first[i] & 0x7fu} << 7 * i;
+    if ((first[i] & 0x80u) == 0) break;
+  }
+  return time;
 }
 
 FstWidths read_fst_widths(const WaveBytes& bytes, const FstBlocks& found) {

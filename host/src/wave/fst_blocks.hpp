@@ -10,6 +10,7 @@
 namespace cde::wave {
 
 constexpr std::uint64_t kFstHeaderBytes = 330;
+constexpr double kFstByteOrder = 2.7182818284590452354;  ///< byte 25 of the header
 
 /// A block of an FST file: its kind, its place, and the bytes after its kind.
 struct FstBlock {
@@ -23,18 +24,24 @@ struct FstBlocks {
   std::vector<FstBlock> blocks;
   std::uint64_t whole = 0;  ///< end of the last complete block
   bool closed = true;       ///< whether the writer finished the file
+  bool headless = false;    ///< the header is zeros: its writer writes it at the end
   Structure structure;
   std::vector<Blackout> blackouts;
 
   /// The 64-bit word of the header at this byte.
   [[nodiscard]] std::uint64_t word(std::size_t at) const;
   [[nodiscard]] std::uint64_t handles() const { return word(57); }
-  /// The first block of one of these kinds; null if there is none.
+  /// Blocks of changes, as many as there are sections.
+  [[nodiscard]] std::vector<FstBlock> changes() const;
+  /// The first block of one of two kinds; null if there is none.
   [[nodiscard]] const FstBlock* find(int type, int other = -1, int third = -1) const;
 };
 
-/// Finds the blocks. Error kFile for a file that is not FST or is truncated. In a file that was not
-/// closed, only complete blocks count.
+/// Whether the file begins with an FST header.
+[[nodiscard]] bool has_fst_header(const WaveBytes& file);
+
+/// Finds the blocks. Error kFile for a file that is not FST or is truncated. In a file that was
+/// not closed, only complete blocks count.
 [[nodiscard]] FstBlocks find_fst_blocks(const WaveBytes& file);
 
 /// Checks the frame of every block: lengths, and sizes after decompression. Error kFile if a block
@@ -42,6 +49,9 @@ struct FstBlocks {
 /// value from handle 1 on; the file must have values for as many handles.
 void check_fst_blocks(const WaveBytes& file, FstBlocks& found,
                       const std::vector<std::uint32_t>& widths);
+
+/// The first time in the table of times of a block of changes.
+[[nodiscard]] std::uint64_t first_fst_time(const WaveBytes& file, const FstBlock& block);
 
 /// Bytes of each handle's value (0 for texts) and whether it is real, from the file's own block.
 struct FstWidths {

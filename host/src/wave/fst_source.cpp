@@ -45,10 +45,15 @@ struct FstReceiver {
   const WaveSource::Change& visit;
   const FstWidths& widths;
   const std::vector<std::uint32_t>& port;
+  std::vector<bool>& frame;
   std::string own;
 
   void bits(std::uint64_t time, std::uint32_t handle, const char* value) {
     const std::size_t i = handle - 1;
+    if (frame[i]) {  // the initial value of an event does not trigger it
+      frame[i] = false;
+      return;
+    }
     if (widths.real[i]) {
       double number = 0;
       std::memcpy(&number, value, sizeof number);
@@ -87,13 +92,16 @@ FstSource::FstSource(WaveBytes file, const std::filesystem::path& path)
   const std::uint64_t size = file_.size();
   unpack();
   blocks_ = find_fst_blocks(file_);
+  if (blocks_.changes().empty())
+    file_.fail(blocks_.closed
+                   ? "is cut off or corrupt: it has no changes"
+                   : "has no changes, or was not closed by its writer: the simulation still runs, "
+                     "or was killed, and no block of changes is whole. Writers keep changes in "
+                     "memory until a block is full; `flush()` of VerilatedFstC, or $dumpflush, "
+                     "ends a block");
   find_names(path);
-  check_fst_blocks(file_, blocks_, widths_.bytes);
+  check_blocks();
   blocks_.structure.bytes = size;
-  if (blocks_.structure.sections.empty())
-    file_.fail(blocks_.closed ? "is cut off or corrupt: it has no changes"
-                              : "has no changes, or was not closed by its writer: the simulation "
-                                "still runs, or was killed, and no block of changes is complete");
   note_facts();
   open_reader();
 }
@@ -129,7 +137,7 @@ void FstSource::unpack() {
 
 void FstSource::find_names(const std::filesystem::path& path) {
   const FstBlock* const own = blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO);
-  if (blocks_.closed || (own != nullptr && blocks_.find(FST_BL_GEOM) != nullptr)) {
+  if (blocks_.closed) {
     if (own == nullptr) file_.fail("is cut off or corrupt: it has no names");
     widths_ = read_fst_widths(file_, blocks_);
     return;
@@ -137,17 +145,21 @@ void FstSource::find_names(const std::filesystem::path& path) {
   if (own == nullptr) {
     const std::filesystem::path beside = path.string() + ".hier";
     std::error_code none;
-    if (path == "-" || !std::filesystem::exists(beside, none))
-      file_.fail(
-          fmt::format("was not closed by its writer: the simulation still runs, or was killed. It "
-                      "has {} complete blocks of changes, but no names; most writers keep them in "
-                      "{} until the end, and that file is missing",
-                      blocks_.blocks.size(), printable_name(beside.string())));
-    const WaveBytes names(beside);
-    if (names.size() > kMostNamesFile) names.fail("is larger than names can be");
-    names_.resize(names.size());
-    names_.resize(names.read(0, names_.data(), names_.size()));
-    names_file_ = printable_name(beside.string());
+    if (path == "-" || !std::filesystem::exists(beside, none)) {
+      const std::size_t count = blocks_.changes().size();
+      const std::string name = path == "-" ? "FILE.hier" : printable_name(beside.string());
+      file_.fail(fmt::format(
+          "was not closed by its writer: the simulation still runs, or was killed. {} of changes "
+          "can be read, but the names of the signals are missing. {}Let the same model trace a few "
+          "cycles into another FST, close that, and copy it to {}",
+          count == 1 ? "One block" : fmt::format("{} blocks", count),
+          blocks_.headless
+              ? "Verilator since 5.050 writes names only when it closes the file. "
+              : fmt::format("Most writers keep them in {} until the end. Without that file: ",
+                            name),
+          name));
+    }
+    names_beside(beside);
   } else {
     names_ = read_fst_names(file_, *own);
     names_file_ = "its names";
@@ -157,8 +169,40 @@ void FstSource::find_names(const std::filesystem::path& path) {
     file_.fail(fmt::format("was not closed, and {} has no signals", names_file_));
 }
 
+/// Names as GTKWave's writer keeps them while it writes, or those of a closed FST of the same
+/// model.
+void FstSource::names_beside(const std::filesystem::path& beside) {
+  const WaveBytes names(beside);
+  names_file_ = printable_name(beside.string());
+  if (has_fst_header(names)) {
+    const FstBlocks other = find_fst_blocks(names);
+    const FstBlock* const own = other.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO);
+    if (!other.closed || own == nullptr) names.fail("was not closed, and has no names either");
+    names_ = read_fst_names(names, *own);
+    if (blocks_.headless) blocks_.header = other.header;
+    for (const std::size_t word : {9u, 17u}) put_word(blocks_.header, word, 0);
+    return;
+  }
+  if (names.size() > kMostNamesFile) names.fail("is larger than names can be");
+  names_.resize(names.size());
+  names_.resize(names.read(0, names_.data(), names_.size()));
+}
+
+void FstSource::check_blocks() {
+  try {
+    check_fst_blocks(file_, blocks_, widths_.bytes);
+  } catch (const Error& e) {
+    if (names_.empty() || blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO) != nullptr)
+      throw;
+    throw Error(ErrorCode::kFile, fmt::format("{}; {} must have the names of the same model and "
+                                              "trace options",
+                                              e.what(), names_file_));
+  }
+}
+
 void FstSource::note_facts() {
   const std::string& h = blocks_.header;
+  const bool has_scale = blocks_.word(1) != 0;
   facts_.format = packed_ ? "FST, packed in gzip" : "FST";
   facts_.scale = static_cast<signed char>(h[73]);
   facts_.writer = header_text(h, 74, 128);
@@ -176,14 +220,19 @@ void FstSource::note_facts() {
     for (const Section& s : sections) facts_.end = std::max(facts_.end, s.end);
     facts_.ending = fmt::format(
         "not closed by its writer; {} complete blocks of changes are read, and later changes are "
-        "not in the file{}",
-        sections.size(), names_file_.empty() ? "" : ", names are of " + names_file_);
+        "not in the file{}{}",
+        sections.size(), names_file_.empty() ? "" : ", names are of " + names_file_,
+        has_scale ? "" : "; its header was not written, so the unit of time is not known");
   }
 }
 
 void FstSource::open_reader() {
   std::string header = blocks_.header;
   const std::uint64_t handles = widths_.bytes.size();
+  if (blocks_.word(1) == 0) {
+    put_word(header, 1, kFstHeaderBytes - 1);
+    std::memcpy(header.data() + 25, &kFstByteOrder, sizeof kFstByteOrder);
+  }
   // The reader takes a file from 0 to 0 for one that was not closed.
   put_word(header, 9, facts_.start);
   put_word(header, 17, std::max<std::uint64_t>(facts_.end, 1));
@@ -216,15 +265,33 @@ void FstSource::names(const SourceVisit& visit) {
                      !blocks_.closed};
   SourceVisit mine = visit;
   port_.assign(widths_.bytes.size(), 0);
+  event_.assign(widths_.bytes.size(), false);
   mine.variable = [&](VariableName&& v) {
     const std::size_t i = v.handle - 1;
     if (v.type == FST_VT_VCD_PORT && widths_.bytes[i] == 3 * std::uint64_t{v.width} + 2)
       port_[i] = v.width;
+    if (v.type == FST_VT_VCD_EVENT) event_[i] = true;
     if (visit.variable) visit.variable(std::move(v));
   };
   if (!names_file_.empty()) return all.read(names_, mine);
   all.read(read_fst_names(file_, *blocks_.find(FST_BL_HIER, FST_BL_HIER_LZ4, FST_BL_HIER_LZ4DUO)),
            mine);
+}
+
+/// The reader reports initial values for the first block that it does not skip. It leaves them out
+/// for the first block of the file if that block starts at its first time.
+void FstSource::find_frame(std::uint64_t from, std::span<const std::uint32_t> handles) {
+  frame_.assign(widths_.bytes.size(), false);
+  const auto& sections = facts_.structure.sections;
+  const auto read = std::find_if(sections.begin(), sections.end(),
+                                 [&](const Section& s) { return s.end >= from; });
+  if (read == sections.end()) return;
+  bool told = read != sections.begin(), asked = false;
+  for (const std::uint32_t h : handles) asked = asked || event_[h - 1];
+  if (!asked) return;
+  if (!told) told = first_fst_time(file_, blocks_.changes().front()) != read->begin;
+  for (const std::uint32_t h : handles)
+    frame_[h - 1] = told && event_[h - 1] && widths_.bytes[h - 1] != 0;
 }
 
 void FstSource::changes(std::span<const std::uint32_t> handles, std::uint64_t from,
@@ -238,7 +305,8 @@ void FstSource::changes(std::span<const std::uint32_t> handles, std::uint64_t fr
   for (const Section& s : facts_.structure.sections)
     if (s.begin <= from) first = std::min(from, s.end);
   fstReaderSetLimitTimeRange(reader_.get(), first, to);
-  FstReceiver receiver{visit, widths_, port_, {}};
+  find_frame(first, handles);
+  FstReceiver receiver{visit, widths_, port_, frame_, {}};
   try {
     fstReaderIterBlocks2(reader_.get(), take_bits, take_text, &receiver, nullptr);
   } catch (const FstStop&) {

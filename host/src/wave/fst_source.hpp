@@ -11,8 +11,9 @@
 
 namespace cde::wave {
 
-/// FST files, including compressed ones and files that were not closed. The writer keeps an
-/// unclosed file's names in FILE.hier. Verilator's reader reads the changes.
+/// FST files, including compressed ones and files that were not closed. The names of an unclosed
+/// file are in FILE.hier, where GTKWave's writer keeps them, or in a closed FST of that name.
+/// Verilator's reader reads the changes.
 class FstSource : public WaveSource {
  public:
   FstSource(WaveBytes file, const std::filesystem::path& path);
@@ -24,6 +25,10 @@ class FstSource : public WaveSource {
  private:
   void unpack();
   void find_names(const std::filesystem::path& path);
+  void names_beside(const std::filesystem::path& beside);
+  void check_blocks();
+  /// Marks the events whose initial value the reader reports first when it reads from `from` on.
+  void find_frame(std::uint64_t from, std::span<const std::uint32_t> handles);
   void note_facts();
   void open_reader();
   [[noreturn]] void corrupt() const;
@@ -35,6 +40,8 @@ class FstSource : public WaveSource {
   std::string names_;       ///< kept only if they are in another file
   FstWidths widths_;
   std::vector<std::uint32_t> port_;  ///< bits of ports with strengths, by handle
+  std::vector<bool> event_;          ///< handles that are events
+  std::vector<bool> frame_;          ///< events whose initial value comes next
   std::unique_ptr<void, void (*)(void*)> reader_;
 };
 

@@ -54,11 +54,15 @@ bool begins_as_vcd(std::string_view head) {
 
 std::unique_ptr<WaveSource> open_source(const std::filesystem::path& path) {
   WaveBytes file(path);
-  if (file.size() == 0) file.fail("is empty; it must be an FST or VCD file");
+  const std::string suffix = lower_suffix(path);
+  if (file.size() == 0)
+    file.fail(suffix == ".fst"
+                  ? "is empty: the simulation still runs, or was killed before its writer had a "
+                    "block full. `flush()` of VerilatedFstC, or $dumpflush, ends a block"
+                  : "is empty; it must be an FST or VCD file");
   std::string head(4096, '\0');
   head.resize(file.read(0, head.data(), head.size()));
   const int first = static_cast<unsigned char>(head[0]);
-  const std::string suffix = lower_suffix(path);
   if (first == FST_BL_HDR || first == FST_BL_ZWRAPPER)
     return std::make_unique<FstSource>(std::move(file), path);
   for (const OtherFormat& other : kOthers)

@@ -29,8 +29,9 @@ Sampled::Sampled(Trace& trace, const Design& design) : trace_(trace), design_(de
 
 std::vector<Sampled::Part> Sampled::find_parts(Slice s) {
   for (unsigned wires = 0; wires < kMostWires && s.width != 0; ++wires) {
-    const auto pieces =
-        design_.pieces(s, [&](const std::string& name) { return names_.contains(name); });
+    auto pieces = design_.pieces(s, [&](const std::string& name) { return names_.contains(name); });
+    std::sort(pieces.begin(), pieces.end(),
+              [](const auto& a, const auto& b) { return a.slice.low < b.slice.low; });
     std::vector<Part> parts;
     std::uint64_t at = s.low + s.width;  // end of the missing bits
     for (auto p = pieces.rbegin(); p != pieces.rend(); ++p) {

@@ -54,6 +54,37 @@ std::optional<Slice> Design::Elaborated::referred(std::uint32_t unit, std::uint3
   return std::nullopt;
 }
 
+namespace {
+
+/// Whether two statements are in different branches of one if or case.
+bool is_either(const Drive& a, const Drive& b) {
+  for (std::size_t i = 0; i < std::min(a.guards.size(), b.guards.size()); ++i) {
+    const Guard &g = a.guards[i], &h = b.guards[i];
+    if (g.what != h.what || g.what == nullptr) return false;
+    if (g.kind != h.kind || g.item != h.item) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool is_passing(const Context& c, const Slice& slice) {
+  if (c.drive == nullptr || slice.unit != c.unit) return false;
+  const Body& body = c.all.body(c.unit);
+  for (const std::uint32_t number : c.all.variable(slice).drives) {
+    const Drive& other = body.drives[number];
+    if (!other.blocking || other.process != c.drive->process) continue;
+    const bool same_loop = other.loop != nullptr && other.loop == c.drive->loop;
+    const bool before = number < c.place;
+    if (!same_loop && (before != (c.drive->edges != nullptr) || is_either(*c.drive, other)))
+      continue;
+    std::vector<Overlap> overlaps;
+    collect_overlaps({c.all, c.unit, other.scope}, *other.target, slice, overlaps);
+    if (!overlaps.empty()) return true;
+  }
+  return false;
+}
+
 void collect_sources(const Context& c, const netlist::Element& e, std::vector<Slice>& found) {
   collect_sources(c, e, 0, ~std::uint64_t{0}, found);
 }
@@ -62,7 +93,8 @@ namespace {
 
 void add(const Context& c, Slice s, std::uint64_t low, std::uint64_t width,
          std::vector<Slice>& found) {
-  if (c.all.variable(s).local) return;
+  if (c.all.variable(s).local || (c.turn && c.turn->variable == s.variable && s.unit == c.unit))
+    return;
   if (s.width != 0 && low < s.width) {
     s.low += low;
     s.width = std::min(width, s.width - low);

@@ -317,7 +317,7 @@ class Changes {
   }
   void put(std::uint64_t time, std::uint32_t handle, std::string_view value) {
     if (trace_.events_[handle]) {
-      if (time < from_) return;
+      if (time < from_ || value == "0") return;
       value = "1";
     }
     if (time <= from_) {

@@ -12,6 +12,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suggest.hpp"
+#include "cde/wave/design.hpp"
 #include "cde/wave/four_state.hpp"
 #include "wave/wave_bytes.hpp"
 
@@ -424,11 +425,31 @@ const Signal* outermost(Trace& trace, std::string_view name) {
   return found;
 }
 
+/// The outermost element of an array of that name, which stands in a scope of its array: mem[1] is
+/// mem.mem[1] for Verilator since 5.048. Null if there is none.
+const Signal* element(Trace& trace, std::string_view name) {
+  const Signal* found = nullptr;
+  std::ptrdiff_t depth = 0;
+  if (!name.ends_with(']')) return found;
+  for (const Signal& s : trace.signals()) {
+    if (!s.name.ends_with(name.substr(name.rfind('[')))) continue;
+    const std::string plain = without_array_scope(s.name);
+    if (plain == s.name || (plain != name && !plain.ends_with('.' + std::string(name)))) continue;
+    const auto scopes = std::count(plain.begin(), plain.end(), '.');
+    if (found == nullptr || scopes < depth) {
+      found = &s;
+      depth = scopes;
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 const Signal& find_signal(Trace& trace, std::string_view asked) {
   const std::string name = without_blanks(asked);
   const Signal* found = outermost(trace, name);
+  if (found == nullptr) found = element(trace, name);
   if (found == nullptr && name.ends_with("#1")) {
     found = outermost(trace, std::string_view(name).substr(0, name.size() - 2));
     if (found != nullptr && found->number == 1) return *found;
@@ -476,7 +497,10 @@ std::vector<View> views(Trace& trace, const std::string& asked, const Form& form
     const std::size_t dot = escaped.rfind('.', open);
     escaped.insert(dot == std::string::npos ? 0 : dot + 1, 1, '\\');
     whole = named(escaped, "*." + escaped);
+    const Signal* const s = whole ? nullptr : element(trace, w.name);
     if (whole) w.name = escaped;
+    if (s != nullptr) w.name = s->name;
+    whole = whole || s != nullptr;
   }
   const std::size_t bracket = w.name.rfind('[');
   if (!whole && bracket != std::string::npos && w.name.ends_with(']')) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "cde/scene/inside.hpp"
 #include "output/run_folder.hpp"
 
 namespace cde::cli {
@@ -25,12 +26,17 @@ std::vector<std::string> names(const Scene& scene, std::optional<std::uint32_t> 
 }  // namespace
 
 RecordText record_text(const Scene& scene, const SceneQuery& query, RecordFiles files) {
-  return RecordText({.kind = kind_of(scene.results),
-                     .frame = files == RecordFiles::kTables,
-                     .scene = true,
-                     .normals = query.normals,
-                     .bits = scene.bits && scene.results == Results::kCsv,
-                     .only_hits = scene.only_hits});
+  RecordFormat format{.kind = kind_of(scene.results),
+                      .frame = files == RecordFiles::kTables,
+                      .scene = true,
+                      .normals = query.normals,
+                      .bits = scene.bits && scene.results == Results::kCsv,
+                      .only_hits = scene.only_hits};
+  if (!query.inside) return RecordText(std::move(format));
+  format.fields = {RecordField::kInside};
+  return {std::move(format),
+          [inside = std::make_shared<SceneInside>(scene, query)](
+              std::uint32_t frame, std::uint32_t primary) { return inside->of(frame)[primary]; }};
 }
 
 std::vector<std::string> table_names(const Scene& scene, RecordFiles files) {

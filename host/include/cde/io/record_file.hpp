@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -25,7 +26,9 @@ enum class RecordField {
   kNormal,  ///< geometric unit normal, by the right-hand rule over the corners
   kSide,    ///< 1: the ray hits the side that the normal points from; -1: the other side; 0: no hit
   kNode,    ///< object, group or node of the mesh file to which the triangle belongs
-  kInside,  ///< whether the ray starts inside the mesh, which must be closed (Inside)
+  /// Whether the ray starts inside the mesh, which must be closed (Inside). In a scene, whether the
+  /// primary's middle is inside a secondary object (SceneInside).
+  kInside,
 };
 /// "u", "v", "normal", "side", "node", "inside".
 [[nodiscard]] std::vector<std::string> field_names();
@@ -61,6 +64,10 @@ class RecordText {
   /// Fields are computed from mesh and rays, which must outlive this object. Error kBadInput if
   /// `inside` is a field and the mesh is not closed.
   explicit RecordText(RecordFormat format, const Mesh* mesh = nullptr, RayView rays = {});
+  /// Whether a primary is inside, in a frame.
+  using IsInside = std::function<bool(std::uint32_t frame, std::uint32_t primary)>;
+  /// For a scene, whose only field can be `inside`.
+  RecordText(RecordFormat format, IsInside is_inside);
   /// The header. `count` is the number of records; only .npy needs it. With `may_grow` the header
   /// has the same size for every count.
   [[nodiscard]] std::string head(std::uint64_t count = 0, bool may_grow = false) const;
@@ -73,16 +80,15 @@ class RecordText {
   template <class Cells>
   void row(const Record& record, std::uint32_t frame, const Cells& cells) const;
   template <class Cells>
-  void fields(const Record& record, const Cells& cells) const;
+  void fields(const Record& record, std::uint32_t frame, const Cells& cells) const;
 
   RecordFormat format_;
   const Mesh* mesh_;
   RayView rays_;
-  [[nodiscard]] bool starts_inside(std::uint32_t ray) const;
+  [[nodiscard]] bool has(RecordField field) const;
 
   std::size_t node_bytes_ = 1;  ///< length of the longest node name
-  std::shared_ptr<const Inside> inside_;
-  mutable std::optional<std::pair<std::uint32_t, bool>> last_inside_;  ///< for the last ray asked
+  IsInside is_inside_;
 };
 
 /// A record file, written as records arrive. If the count of an array is unknown, its header is

@@ -90,6 +90,8 @@ struct SceneQuery {
   std::vector<std::size_t> primaries, secondaries;
   Mode mode = Mode::kNearest;
   bool normals = false;
+  bool inside = false;  ///< records tell whether the primary is inside a secondary object
+                        ///< (SceneInside)
   PairBudget budget;
   std::vector<Range> mask;  ///< masked primaries, ascending, not adjacent
   /// For an object on both sides: pairs of a shape with itself count, and pairs of two shapes count

@@ -34,7 +34,8 @@ struct Guard {
   Kind kind = Kind::kUnknown;
   const netlist::Element* what = nullptr;  ///< condition, or the case statement
   const netlist::Element* item = nullptr;  ///< of the case
-  bool swapped = false;  ///< the condition is the inverse of the one in the source
+  bool swapped = false;                    ///< the condition is the inverse of the one in the source
+  std::uint32_t first = 0;                 ///< number of the first drive in it, or behind it
 };
 
 struct Drive {
@@ -44,6 +45,8 @@ struct Drive {
   const netlist::Element* edges = nullptr;  ///< `<sentree>` of a register
   std::uint32_t scope = 0, process = 0;
   std::vector<Guard> guards;
+  bool blocking = false;                   ///< later statements of its process see the value
+  const netlist::Element* loop = nullptr;  ///< the outermost that it is in
 };
 
 struct Port {

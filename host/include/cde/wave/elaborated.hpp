@@ -59,7 +59,14 @@ struct Context {
   std::uint32_t unit = 0, scope = 0;
   const Values* values = nullptr;
   std::optional<Turn> turn = {};
+  const Drive* drive = nullptr;  ///< the statement, if it is one of a process
+  std::uint32_t place = 0;       ///< number of that drive, or of the first in a guard
 };
+
+/// Whether an expression may read bits that had another value within the instant than the waves
+/// have. Blocking assignments of the same process change them. A process at an edge is given values
+/// from before the edge, any other process the values from the end of the instant.
+[[nodiscard]] bool is_passing(const Context& c, const Slice& slice);
 
 constexpr std::uint64_t kMostBits = 1u << 16;  ///< largest expression that is computed
 

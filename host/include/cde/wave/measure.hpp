@@ -32,6 +32,7 @@ struct Activity {
   void begin(std::uint64_t time, std::string_view now) {
     last = quiet_from = time;
     value = view.bits(now);
+    if (view.signal.event && value == "1" && (dark == nullptr || !is_dark(*dark, time))) ++changes;
   }
   /// `of_run`: the change comes from the simulation, not from $dumpoff or $dumpon.
   void change(std::uint64_t time, std::string_view whole, bool of_run) {

@@ -68,7 +68,7 @@ class WaveSource {
   /// last change at or before `from`, possibly after earlier ones, then all up to and including
   /// `to`, and possibly more. Bits are as many characters as the signal is wide: 0, 1, x, z, or
   /// another state of the file. Reals are the shortest decimal that gives the same number; texts
-  /// are their bytes. An event is any value.
+  /// are their bytes. Any value but 0 triggers an event.
   virtual void changes(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
                        const Change& visit) = 0;
 

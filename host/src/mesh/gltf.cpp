@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "cde/support/error.hpp"
+#include "mesh/readers.hpp"
+
+// The importer adds offsets and lengths of glTF 2.0 without a check: a negative offset reads memory
+// in front of the buffer.
+namespace cde::mesh_readers {
+namespace {
+
+using nlohmann::json;
+
+std::string whole_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The JSON text of a .gltf, or of the first chunk of a .glb.
+std::string_view json_text(std::string_view bytes) {
+  constexpr std::size_t kHeader = 20;
+  if (!bytes.starts_with("glTF")) return bytes;
+  std::uint32_t length = 0;
+  if (bytes.size() < kHeader) return {};
+  std::memcpy(&length, bytes.data() + 12, sizeof(length));
+  return bytes.substr(kHeader, length);
+}
+
+[[noreturn]] void fail(const std::string& where, const std::string& why) {
+  throw Error(ErrorCode::kFile, where + " " + why);
+}
+
+/// The whole number `key` of `item`, `otherwise` where there is none.
+std::uint64_t number(const json& item, const char* key, const std::string& where,
+                     std::optional<std::uint64_t> otherwise) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 53;
+  const auto found = item.find(key);
+  if (found == item.end()) {
+    if (!otherwise) fail(where, fmt::format("has no {}", key));
+    return *otherwise;
+  }
+  if (!found->is_number_unsigned() || found->get<std::uint64_t>() > kMost)
+    fail(where, fmt::format("has {} {}; expected a whole number from 0 to 2^53", key,
+                            found->dump(-1, ' ', true, json::error_handler_t::replace)));
+  return found->get<std::uint64_t>();
+}
+
+/// Item `index` of the array `list`, or an error that names who refers to it.
+const json& item(const json& file, const char* list, std::uint64_t index, const std::string& from) {
+  const auto found = file.find(list);
+  const std::size_t count = found != file.end() && found->is_array() ? found->size() : 0;
+  if (index >= count || !(*found)[index].is_object())
+    fail(from, fmt::format("names {}[{}], which the file does not have", list, index));
+  return (*found)[index];
+}
+
+void check_view(const json& file, const json& view, const std::string& where) {
+  const std::uint64_t index = number(view, "buffer", where, {});
+  const json& buffer = item(file, "buffers", index, where);
+  const std::uint64_t offset = number(view, "byteOffset", where, 0),
+                      length = number(view, "byteLength", where, {}),
+                      bytes = number(buffer, "byteLength", fmt::format("buffers[{}]", index), {});
+  number(view, "byteStride", where, 0);
+  if (offset + length > bytes)
+    fail(where, fmt::format("ends at byte {} of buffers[{}], which has {}", offset + length, index,
+                            bytes));
+}
+
+/// Bytes of one element. Matrices have padding between columns and are not in meshes: 0.
+std::uint64_t element_bytes(const json& accessor) {
+  static const std::map<std::uint64_t, std::uint64_t> component{{5120, 1}, {5121, 1}, {5122, 2},
+                                                                {5123, 2}, {5125, 4}, {5126, 4}};
+  static const std::map<std::string, std::uint64_t> components{
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
+  const auto type = accessor.find("type"), kind = accessor.find("componentType");
+  if (type == accessor.end() || !type->is_string() || kind == accessor.end() ||
+      !kind->is_number_unsigned())
+    return 0;
+  const auto count = components.find(type->get<std::string>());
+  const auto size = component.find(kind->get<std::uint64_t>());
+  return count == components.end() || size == component.end() ? 0 : count->second * size->second;
+}
+
+void check_accessor(const json& file, const json& accessor, const std::string& where) {
+  const std::uint64_t count = number(accessor, "count", where, {}),
+                      offset = number(accessor, "byteOffset", where, 0),
+                      element = element_bytes(accessor);
+  if (!accessor.contains("bufferView")) return;
+  const std::uint64_t index = number(accessor, "bufferView", where, {});
+  const std::string name = fmt::format("bufferViews[{}]", index);
+  const json& view = item(file, "bufferViews", index, where);
+  if (element == 0 || count == 0) return;
+  const std::uint64_t given = number(view, "byteStride", name, 0),
+                      stride = given == 0 ? element : given,
+                      bytes = number(view, "byteLength", name, {});
+  const std::uint64_t room =
+      offset > bytes || element > bytes - offset ? 0 : (bytes - offset - element) / stride + 1;
+  if (count > room)
+    fail(where, fmt::format("has {} elements of {} bytes from byte {}; {} holds {}", count, element,
+                            offset, name, room));
+}
+
+template <typename Check>
+void each(const json& file, const char* list, const Check& check) {
+  const auto found = file.find(list);
+  if (found == file.end() || !found->is_array()) return;  // glTF 1.0 has objects there
+  for (std::size_t i = 0; i < found->size(); ++i) {
+    const std::string where = fmt::format("{}[{}]", list, i);
+    if (!(*found)[i].is_object()) fail(where, "is not an object");
+    check((*found)[i], where);
+  }
+}
+
+}  // namespace
+
+void check_gltf_ranges(const std::filesystem::path& path) {
+  const std::string bytes = whole_file(path);
+  const json file = json::parse(json_text(bytes), nullptr, false);
+  if (!file.is_object()) return;
+  each(file, "bufferViews",
+       [&](const json& view, const std::string& where) { check_view(file, view, where); });
+  each(file, "accessors", [&](const json& accessor, const std::string& where) {
+    check_accessor(file, accessor, where);
+  });
+}
+
+}  // namespace cde::mesh_readers
