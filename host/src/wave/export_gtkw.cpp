@@ -119,8 +119,8 @@ class SaveFile {
   std::string scope_, text_;
 };
 
-/// GTKWave counts in s, ms, us, ns, ps or fs. A file in units of 10 ps has ten times as many.
-/// $timezero is not in these times: GTKWave adds it where it shows one.
+/// Converts a time to GTKWave's units, which are s, ms, us, ns, ps or fs. A time in units of 10 ps
+/// becomes ten times as large. The time omits $timezero, because GTKWave adds it for display.
 std::uint64_t in_units_of_gtkwave(const Trace& trace, std::uint64_t time) {
   constexpr std::uint64_t kFactors[] = {1, 10, 100};
   const std::uint64_t factor = kFactors[(trace.scale() % 3 + 3) % 3];

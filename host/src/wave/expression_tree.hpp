@@ -49,7 +49,7 @@ inline bool is_shift(std::string_view op) {
   return op == "<<" || op == ">>" || op == ">>>";
 }
 
-/// Functions that compare with the last time that the expression was looked at.
+/// Functions that compare with the last evaluation of the expression.
 inline bool is_back(std::string_view op) {
   return op == "changed" || op == "rose" || op == "fell" || op == "prev" || op == "past";
 }

@@ -295,7 +295,7 @@ std::uint64_t first_fst_time(const WaveBytes& bytes, const FstBlock& block) {
   const std::uint64_t end = block.at + 1 + block.length;
   const std::uint64_t large = file.word(end - 24), packed = file.word(end - 16);
   const unsigned char* const data = file.bytes() + end - 24 - packed;
-  constexpr std::size_t kMostBytes = 10;  // of a number
+  constexpr std::size_t kMostBytes = 10;  // per number
   std::array<unsigned char, kMostBytes> first{};
   if (packed == large) {
     std::copy_n(data, std::min<std::uint64_t>(packed, kMostBytes), first.data());

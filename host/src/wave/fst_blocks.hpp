@@ -33,7 +33,7 @@ struct FstBlocks {
   [[nodiscard]] std::uint64_t handles() const { return word(57); }
   /// Blocks of changes, as many as there are sections.
   [[nodiscard]] std::vector<FstBlock> changes() const;
-  /// The first block of one of two kinds; null if there is none.
+  /// The first block of one of these kinds; null if there is none.
   [[nodiscard]] const FstBlock* find(int type, int other = -1, int third = -1) const;
 };
 

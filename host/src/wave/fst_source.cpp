@@ -169,8 +169,8 @@ void FstSource::find_names(const std::filesystem::path& path) {
     file_.fail(fmt::format("was not closed, and {} has no signals", names_file_));
 }
 
-/// Names as GTKWave's writer keeps them while it writes, or those of a closed FST of the same
-/// model.
+/// Reads the names that GTKWave's writer keeps while it writes, or the names of a closed FST of the
+/// same model.
 void FstSource::names_beside(const std::filesystem::path& beside) {
   const WaveBytes names(beside);
   names_file_ = printable_name(beside.string());

@@ -425,8 +425,8 @@ const Signal* outermost(Trace& trace, std::string_view name) {
   return found;
 }
 
-/// The outermost element of an array of that name, which stands in a scope of its array: mem[1] is
-/// mem.mem[1] for Verilator since 5.048. Null if there is none.
+/// The outermost array element of that name within a scope of its array: mem[1] is mem.mem[1] in
+/// waves of Verilator since 5.048. Null if there is none.
 const Signal* element(Trace& trace, std::string_view name) {
   const Signal* found = nullptr;
   std::ptrdiff_t depth = 0;
