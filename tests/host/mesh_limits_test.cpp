@@ -167,6 +167,41 @@ TEST_F(MeshAttack, GltfDataOutsideItsBufferIsRefused) {
                    });
 }
 
+TEST_F(MeshAttack, GltfThatIsNotReadRight_IsRefused) {
+  const std::string good = gltf("b.bin", 0);
+  const auto refused = [&](const std::string& json, const std::string& message) {
+    expect_error(ErrorCode::kFile, "a.gltf: " + message,
+                 [&] { (void)load_mesh(folder_.write("a.gltf", json)); });
+  };
+  refused(with(good, "5126", "5123"),
+          "accessors[0] has positions of componentType 5123 and type \"VEC3\"; expected 5126");
+  refused(with(good, "VEC3", "VEC2"), "accessors[0] has positions of componentType 5126 and type");
+  refused(with(good, "{", "{\"extensionsRequired\":[\"KHR_texture_transform\",\"EXT_new\"],"),
+          "extensionsRequired has \"EXT_new\", which is not read");
+  EXPECT_EQ(load_mesh(folder_.write("a.gltf", with(good, "{",
+                                                   "{\"extensionsRequired\":["
+                                                   "\"KHR_materials_unlit\"],")))
+                .faces.size(),
+            1u);
+}
+
+/// A mesh of a stranger could otherwise copy bytes of any file of the user into an output.
+TEST_F(MeshAttack, AFileOutsideTheFolderOfTheMesh_IsRefused) {
+  const fs::path inner = folder_ / "inner";
+  fs::create_directory(inner);
+  fs::create_symlink("../b.bin", inner / "link.bin");
+  fs::create_symlink(inner / "a.gltf", folder_ / "link.gltf");
+  for (const std::string name : {"../b.bin", "%2e%2e/b.bin", "link.bin"}) {
+    folder_.write("inner/a.gltf", gltf(name, 0));
+    expect_error(ErrorCode::kFile, "which is outside the folder of the mesh",
+                 [&] { (void)load_mesh(inner / "a.gltf"); });
+  }
+  fs::create_directory(inner / "below");
+  fs::copy_file(folder_ / "b.bin", inner / "below/b.bin");
+  folder_.write("inner/a.gltf", gltf("below/b.bin", 0));
+  EXPECT_EQ(load_mesh(inner / "a.gltf").faces.size(), 1u);
+}
+
 TEST_F(MeshAttack, MemoryFollowsTheSizeOfTheFile) {
   const fs::path doubling = folder_.write("doubling.gltf", gltf("b.bin", 26));
   expect_error(ErrorCode::kFile, "doubling.gltf: takes more than 512 MB to read",

@@ -104,6 +104,42 @@ TEST_F(SwappedOutputs, ABundleIsWrittenToTheFolderThatItMade) {
   EXPECT_EQ(bytes_of(bundle.file("why.txt")), "why");
 }
 
+TEST_F(SwappedOutputs, OutputsAreWrittenToTheFolderThatWasChecked) {
+  std::ofstream(mine_ / "out.csv") << "secret";
+  std::ofstream(theirs_ / "sub/old.csv") << "old";
+  const fs::path out = theirs_ / "sub/out.csv", old = theirs_ / "sub/./old.csv";
+  check_outputs(std::vector<FileUse>{{"-o", out}, {"--report", old}}, {});
+  swap();
+  write_file(out, "answer");
+  write_file(old, "new");
+  EXPECT_EQ(bytes_of(mine_ / "out.csv"), "secret");
+  EXPECT_FALSE(fs::exists(mine_ / "old.csv"));
+  EXPECT_EQ(bytes_of(theirs_ / "away/out.csv"), "answer");
+  EXPECT_EQ(bytes_of(theirs_ / "away/old.csv"), "new");
+  expect_error(ErrorCode::kUsage, "-o and --report both write to", [&] {
+    check_outputs(std::vector<FileUse>{{"-o", theirs_ / "sub/x"}, {"--report", theirs_ / "away/x"}},
+                  {});
+  });
+}
+
+TEST_F(SwappedOutputs, AFileInAFolderThatWasMade_StaysThere) {
+  const OutputFolder made(theirs_ / "sub/made");
+  swap();
+  write_file(theirs_ / "sub/made/page.html", "page");
+  EXPECT_FALSE(fs::exists(mine_ / "made/page.html"));
+  EXPECT_EQ(bytes_of(theirs_ / "away/made/page.html"), "page");
+}
+
+/// Without the folder that was checked, its name counts.
+TEST_F(SwappedOutputs, AFolderThatWasRemoved_IsTakenAnew) {
+  const fs::path out = theirs_ / "sub/out.csv";
+  check_outputs(std::vector<FileUse>{{"-o", out}}, {});
+  fs::remove(theirs_ / "sub");
+  fs::create_directory(theirs_ / "sub");
+  write_file(out, "answer");
+  EXPECT_EQ(bytes_of(out), "answer");
+}
+
 TEST_F(SwappedOutputs, AFolderThatWasMovedIsNotWhereItWasWanted) {
   OutputFolder made(theirs_ / "made");
   made.check();

@@ -160,6 +160,12 @@ TEST(RayArrays, Archives_HoldOneArray) {
   const std::size_t entry = bomb.find("PK\x01\x02");
   bomb.replace(entry + 24, 4, testing::word(0xfffffff0, 4));
   expect_error(ErrorCode::kFile, "claims to be larger than it is", [&] { (void)read(bomb); });
+  std::string noise(1 << 20, '\0');
+  std::mt19937 random(1);
+  for (char& c : noise) c = static_cast<char>(random());
+  std::string large = npz({{"arr_0.npy", noise}}, true);
+  large.replace(large.find("PK\x01\x02") + 24, 4, testing::word(700u << 20, 4));
+  expect_error(ErrorCode::kFile, "over 64 times its packed size", [&] { (void)read(large); });
 }
 
 TEST(RayArrays, FirstBytes_SayWhatAFileIs) {

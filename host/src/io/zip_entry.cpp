@@ -99,9 +99,10 @@ std::string inflated(const Archive& archive, std::string_view packed, std::uint6
     archive.fail("an array in it claims to be larger than it is");
   constexpr std::uint64_t kLeast = 512u << 20, kPerByte = 64;  // as for meshes
   if (size > kLeast + kPerByte * packed.size())
-    archive.fail(fmt::format("an array in it has {} bytes, over {} times its packed size; expected "
-                             "at most {} MB and {} times the packed size: unpack the file first",
-                             size, kPerByte, kLeast >> 20, kPerByte));
+    archive.fail(
+        fmt::format("an array in it has {} bytes, over {} times its packed size; expected "
+                    "at most {} MB and {} times the packed size: unpack the file first",
+                    size, kPerByte, kLeast >> 20, kPerByte));
   std::string bytes(size, '\0');
   z_stream stream{};
   if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) archive.fail("zlib does not start");

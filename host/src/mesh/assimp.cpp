@@ -123,23 +123,26 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
 }
 
 /// Keeps the names of the files that an importer opens. Opens regular files only, since a FIFO
-/// would block for ever. assimp takes the URIs of glTF for file names. If no file has that name,
-/// this class opens the file that the URI means.
+/// would block for ever. Opens files in the folder of the mesh only: a mesh of a stranger must not
+/// copy other files of the user into an output. assimp takes the URIs of glTF for file names. If no
+/// file has that name, this class opens the file that the URI means.
 class NotingFiles : public Assimp::DefaultIOSystem {
  public:
-  explicit NotingFiles(std::vector<std::string>& names) : names_(names) {}
+  NotingFiles(std::vector<std::string>& names, std::string mesh)
+      : names_(names), mesh_(std::move(mesh)) {}
   bool Exists(const char* name) const override { return is_there(file_of(name)); }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     names_.push_back(file_of(name));
     std::error_code none;
     const auto kind = std::filesystem::status(names_.back(), none).type();
-    if (kind == std::filesystem::file_type::regular ||
-        kind == std::filesystem::file_type::not_found)
-      return DefaultIOSystem::Open(names_.back().c_str(), mode);
-    refused_ = names_.back();
-    return nullptr;
+    if (kind != std::filesystem::file_type::regular &&
+        kind != std::filesystem::file_type::not_found)
+      return refuse("is not a regular file");
+    if (kind == std::filesystem::file_type::regular && is_outside(names_.back()))
+      return refuse("is outside the folder of the mesh; copy it there");
+    return DefaultIOSystem::Open(names_.back().c_str(), mode);
   }
-  /// The file that an importer wanted and that is no regular file; empty if there was none.
+  /// The file that an importer wanted and may not have, and why; empty if there was none.
   [[nodiscard]] const std::string& refused() const { return refused_; }
 
  private:
@@ -147,12 +150,32 @@ class NotingFiles : public Assimp::DefaultIOSystem {
     const std::string meant = text::percent_decoded(name);
     return !is_there(name) && is_there(meant) ? meant : name;
   }
+  Assimp::IOStream* refuse(const char* why) {
+    refused_ = fmt::format("{}, which {}", names_.back(), why);
+    return nullptr;
+  }
+  /// With links followed.
+  [[nodiscard]] bool is_outside(const std::string& name) const {
+    namespace fs = std::filesystem;
+    if (name == mesh_) return false;
+    std::error_code error;
+    const fs::path file = fs::canonical(name, error);
+    const fs::path beside = fs::path(mesh_).parent_path();
+    for (const fs::path& folder : {fs::canonical(beside.empty() ? fs::path(".") : beside, error),
+                                   fs::canonical(mesh_, error).parent_path()})
+      if (!folder.empty() &&
+          std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first ==
+              folder.end())
+        return false;
+    return true;
+  }
   /// assimp's own version would open the file.
   static bool is_there(const std::string& name) {
     std::error_code none;
     return std::filesystem::exists(name, none);
   }
   std::vector<std::string>& names_;
+  std::string mesh_;
   std::string refused_;
 };
 
@@ -226,12 +249,11 @@ std::string import(const std::string& path) {
     Assimp::DefaultLogger::get()->attachStream(new LastRemark(remark),
                                                Assimp::Logger::Warn | Assimp::Logger::Err);
     Assimp::Importer importer;
-    auto* const noting = new NotingFiles(files);
+    auto* const noting = new NotingFiles(files, path);
     importer.SetIOHandler(noting);  // the importer owns it from now on
     const aiScene* scene = importer.ReadFile(path, aiProcess_Triangulate);
     if (!noting->refused().empty())
-      return kMessageFollows +
-             fmt::format("names {}, which is not a regular file", noting->refused());
+      return kMessageFollows + fmt::format("names {}", noting->refused());
     if (scene == nullptr) {
       const std::string why = refusal(importer, path);
       if (why.find("bad_alloc") != std::string::npos) return std::string(1, kTooLarge);

@@ -10,8 +10,8 @@
 #include "cde/support/error.hpp"
 #include "mesh/readers.hpp"
 
-// The importer adds offsets and lengths of glTF 2.0 without a check: a negative offset reads memory
-// in front of the buffer.
+// Checks the ranges in glTF 2.0. The importer adds offsets and lengths without a check, so a
+// negative offset would read memory before the buffer.
 namespace cde::mesh_readers {
 namespace {
 
@@ -36,7 +36,7 @@ std::string_view json_text(std::string_view bytes) {
   throw Error(ErrorCode::kFile, where + " " + why);
 }
 
-/// The whole number `key` of `item`, `otherwise` where there is none.
+/// The whole number `key` of `item`; `otherwise` if it is missing.
 std::uint64_t number(const json& item, const char* key, const std::string& where,
                      std::optional<std::uint64_t> otherwise) {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 53;
@@ -51,7 +51,7 @@ std::uint64_t number(const json& item, const char* key, const std::string& where
   return found->get<std::uint64_t>();
 }
 
-/// Item `index` of the array `list`, or an error that names who refers to it.
+/// Item `index` of the array `list`. Error kFile names the item that refers to it.
 const json& item(const json& file, const char* list, std::uint64_t index, const std::string& from) {
   const auto found = file.find(list);
   const std::size_t count = found != file.end() && found->is_array() ? found->size() : 0;
@@ -106,6 +106,45 @@ void check_accessor(const json& file, const json& accessor, const std::string& w
                             offset, name, room));
 }
 
+/// The importer reads positions of whole numbers (KHR_mesh_quantization) as floats.
+void check_positions(const json& file, const json& mesh, const std::string& where) {
+  constexpr std::uint64_t kFloat = 5126;
+  const auto primitives = mesh.find("primitives");
+  if (primitives == mesh.end() || !primitives->is_array()) return;
+  for (const json& primitive : *primitives) {
+    if (!primitive.is_object() || !primitive.contains("attributes")) continue;
+    const json& attributes = primitive["attributes"];
+    if (!attributes.is_object() || !attributes.contains("POSITION")) continue;
+    const std::uint64_t index = number(attributes, "POSITION", where, {});
+    const json& accessor = item(file, "accessors", index, where);
+    const std::string name = fmt::format("accessors[{}]", index);
+    const std::uint64_t kind = number(accessor, "componentType", name, {});
+    if (kind != kFloat || accessor.value("type", json()) != "VEC3")
+      fail(name,
+           fmt::format("has positions of componentType {} and type {}; expected {} (float) and "
+                       "\"VEC3\"",
+                       kind, accessor.value("type", json("none")).dump(), kFloat));
+  }
+}
+
+/// Extensions without which the importer reads the geometry right.
+bool is_harmless(const std::string& extension) {
+  for (const char* const kind : {"KHR_materials_", "EXT_materials_", "KHR_texture_", "EXT_texture_",
+                                 "MSFT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"})
+    if (extension.starts_with(kind)) return true;
+  return extension == "KHR_mesh_quantization" || extension == "KHR_draco_mesh_compression";
+}
+
+void check_extensions(const json& file) {
+  const auto required = file.find("extensionsRequired");
+  if (required == file.end() || !required->is_array()) return;
+  for (const json& extension : *required)
+    if (!extension.is_string() || !is_harmless(extension.get<std::string>()))
+      fail("extensionsRequired",
+           fmt::format("has {}, which is not read",
+                       extension.dump(-1, ' ', true, json::error_handler_t::replace)));
+}
+
 template <typename Check>
 void each(const json& file, const char* list, const Check& check) {
   const auto found = file.find(list);
@@ -123,11 +162,14 @@ void check_gltf_ranges(const std::filesystem::path& path) {
   const std::string bytes = whole_file(path);
   const json file = json::parse(json_text(bytes), nullptr, false);
   if (!file.is_object()) return;
+  check_extensions(file);
   each(file, "bufferViews",
        [&](const json& view, const std::string& where) { check_view(file, view, where); });
   each(file, "accessors", [&](const json& accessor, const std::string& where) {
     check_accessor(file, accessor, where);
   });
+  each(file, "meshes",
+       [&](const json& mesh, const std::string& where) { check_positions(file, mesh, where); });
 }
 
 }  // namespace cde::mesh_readers

@@ -33,7 +33,7 @@ FpFormat read_format(Table& t, const char* key = "format") {
   }
 }
 
-/// The order of its shapes says nothing: a query's objects do.
+/// Reads a pair. Its shapes may have any order: the query's objects decide the roles.
 Pair read_pair(const Table& t, const char* key, const std::string& text) {
   try {
     return pair_in_any_order(text).pair;
@@ -118,8 +118,8 @@ void check_ancestors(const Scene& scene, std::size_t number, const Table& t) {
   for (auto above = object.parent; above; above = scene.objects[*above].parent) {
     const SceneObject& parent = scene.objects[*above];
     if (!seen.insert(*above).second)
-      t.fail("parent", fmt::format("the parents of {} and {} form a cycle",
-                                   in_quotes(object.name), in_quotes(parent.name)));
+      t.fail("parent", fmt::format("the parents of {} and {} form a cycle", in_quotes(object.name),
+                                   in_quotes(parent.name)));
     if (has_member_poses(parent))
       t.fail(ErrorCode::kUsage, "parent",
              fmt::format("every shape of {} moves on its own, so no object can follow it",

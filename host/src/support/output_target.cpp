@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The folder's descriptor in /proc/self/fd/FOLDER/NAME or /proc/PID/fd/FOLDER/NAME, if this process
-/// holds it open.
+/// The folder's descriptor in /proc/self/fd/FOLDER/NAME or /proc/PID/fd/FOLDER/NAME, if this
+/// process holds it open.
 std::optional<int> held_folder(const fs::path& path) {
   const fs::path folder = path.parent_path();
   const fs::path all = folder.parent_path();
@@ -101,10 +101,11 @@ namespace {
 /// which of this user's files is replaced.
 void check_link(const OutputTarget& target, const struct stat& owned) {
   if (!target.stranger || owned.st_uid == *target.stranger) return;
-  throw Error(ErrorCode::kFile,
-              fmt::format("{}: cannot write: it is a link owned by user {} to {}, which user {} owns",
-                          shown(target.named), *target.stranger,
-                          printable_name(target.path.string()), owned.st_uid));
+  throw Error(
+      ErrorCode::kFile,
+      fmt::format("{}: cannot write: it is a link owned by user {} to {}, which user {} owns",
+                  shown(target.named), *target.stranger, printable_name(target.path.string()),
+                  owned.st_uid));
 }
 
 [[noreturn]] void fail_replaced(const fs::path& named) {
@@ -169,8 +170,8 @@ OutputTarget follow_output(const fs::path& named) {
     std::error_code error;
     const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
     const auto kept = kept_folder(parent);
-    const fs::path folder = kept ? fs::path("/proc/self/fd") / std::to_string(*kept)
-                                 : fs::canonical(parent, error);
+    const fs::path folder =
+        kept ? fs::path("/proc/self/fd") / std::to_string(*kept) : fs::canonical(parent, error);
     if (error) fail_output(named, "create", error.value());
     const std::string name = path.filename();
     if (folder == fs::path("/proc") / std::to_string(::getpid()) / "fd") {

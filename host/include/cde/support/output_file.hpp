@@ -133,8 +133,8 @@ struct FileUse {
 /// Error kUsage, naming both options, if two outputs are the same file, or an output is an input.
 /// Files are the same if they have the same inode. /dev/null may be several outputs; a terminal may
 /// be input and output. Error kFile if an output cannot be written: its folder is missing, or it is
-/// a folder. The folders stay open in this process: an OutputFile of the same path is written to the
-/// folder that was checked, even if another one has taken its name.
+/// a folder. The folders stay open in this process: an OutputFile of the same path is written to
+/// the folder that was checked, even if another one has taken its name.
 void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> inputs);
 
 /// Whether a name is one that OutputFile gives to unfinished files.

@@ -34,8 +34,8 @@ struct Guard {
   Kind kind = Kind::kUnknown;
   const netlist::Element* what = nullptr;  ///< condition, or the case statement
   const netlist::Element* item = nullptr;  ///< of the case
-  bool swapped = false;                    ///< the condition is the inverse of the one in the source
-  std::uint32_t first = 0;                 ///< number of the first drive in it, or behind it
+  bool swapped = false;     ///< the condition is the inverse of the one in the source
+  std::uint32_t first = 0;  ///< number of the first drive in it, or behind it
 };
 
 struct Drive {
