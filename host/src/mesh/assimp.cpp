@@ -123,9 +123,9 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
 }
 
 /// Keeps the names of the files that an importer opens. Opens regular files only, since a FIFO
-/// would block for ever. Opens files in the folder of the mesh only: a mesh of a stranger must not
-/// copy other files of the user into an output. assimp takes the URIs of glTF for file names. If no
-/// file has that name, this class opens the file that the URI means.
+/// would block for ever. Opens files in the mesh's folder only: a stranger's mesh must not copy
+/// other files of the user into an output. assimp takes the URIs of glTF for file names. If no file
+/// has that name, this class opens the file that the URI means.
 class NotingFiles : public Assimp::DefaultIOSystem {
  public:
   NotingFiles(std::vector<std::string>& names, std::string mesh)
@@ -142,7 +142,7 @@ class NotingFiles : public Assimp::DefaultIOSystem {
       return refuse("is outside the folder of the mesh; copy it there");
     return DefaultIOSystem::Open(names_.back().c_str(), mode);
   }
-  /// The file that an importer wanted and may not have, and why; empty if there was none.
+  /// The file that was refused to an importer, and the reason; empty if there was none.
   [[nodiscard]] const std::string& refused() const { return refused_; }
 
  private:
@@ -154,7 +154,7 @@ class NotingFiles : public Assimp::DefaultIOSystem {
     refused_ = fmt::format("{}, which {}", names_.back(), why);
     return nullptr;
   }
-  /// With links followed.
+  /// Whether the file is outside the mesh's folder, with all links followed.
   [[nodiscard]] bool is_outside(const std::string& name) const {
     namespace fs = std::filesystem;
     if (name == mesh_) return false;

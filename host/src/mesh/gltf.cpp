@@ -106,7 +106,7 @@ void check_accessor(const json& file, const json& accessor, const std::string& w
                             offset, name, room));
 }
 
-/// The importer reads positions of whole numbers (KHR_mesh_quantization) as floats.
+/// Requires float positions: the importer reads whole numbers (KHR_mesh_quantization) as floats.
 void check_positions(const json& file, const json& mesh, const std::string& where) {
   constexpr std::uint64_t kFloat = 5126;
   const auto primitives = mesh.find("primitives");
@@ -127,7 +127,7 @@ void check_positions(const json& file, const json& mesh, const std::string& wher
   }
 }
 
-/// Extensions without which the importer reads the geometry right.
+/// Whether the importer reads the geometry correctly without this extension.
 bool is_harmless(const std::string& extension) {
   for (const char* const kind : {"KHR_materials_", "EXT_materials_", "KHR_texture_", "EXT_texture_",
                                  "MSFT_texture_", "KHR_lights_", "EXT_lights_", "KHR_xmp"})
