@@ -128,7 +128,7 @@ def convex(_root):
                "the contact point CP between them, and the normal n from A to B. F is 1 if s is at most 0; T is the size of s.")
     for i, (name, apart, overlap) in enumerate(CONVEX):
         pair(c, 4 + (i % 3) * WIDE, 4 + (i // 3) * HIGH, name, (apart, overlap))
-    key(c, 3 * HIGH + 22, "Sections of bodies that extend alike in depth. A flat triangle appears as a line. s > 0 is the distance, s ≤ 0 minus the depth.")
+    key(c, 3 * HIGH + 22, "Sections through the witness points. A flat triangle appears as a line. s > 0 is the distance, s ≤ 0 minus the depth.")
     return c
 
 

@@ -83,7 +83,7 @@ def moeller(_root):
         "registers", 92)))
     c.texts_at(LEFT, y + 26,
         ("A lane has 27 multipliers, 1 divider, 12 adders, 15 subtractors and 8 comparators. The pipe takes L pairs per cycle and never stalls.",
-                              "Not every operand has an arrow: the boxes name all. An operand that is early is delayed. The inside test needs no division.",
+                              "Not every operand has an arrow. u and v are barycentric coordinates times det, so the inside test needs no division.",
                               "~With the box rule the latency is 13 cycles. A miss has F = 0, T = +∞, CP = 0."), size=11.5)
     return c
 
