@@ -11,39 +11,39 @@
 set(CDE_DEFAULT_fp FpFormat.* FpReference.* ScalarOps.*)
 
 # Cards: tests that need no other simulation models than those of tools/mutants.
-set(CDE_DEFAULT_board Bitstreams.OneOf* Bitstreams.The* Bitstreams.Trust* CardChoice.ParametersAreReadBack Checker.* Contract.* HierarchyDriver.ConfigurationsThatNoCardHas HierarchyOfSolids.ConfigurationsThatNoCardHas NoEcc.*
-  Cases/ReferenceKnown.* FormatConfig.NamesWhatACardHasNot FormatWords.* Registers.*)
-set(CDE_DEFAULT_bus BusFaults.NamesAreReadBack PciBar.* PciConfig.* PciCardTest.ShowsWhatItIs)
-set(CDE_DEFAULT_pipe Moller.TakesTenClocksAtOneAnOperator)
+set(CDE_DEFAULT_board SimulationModels.FileOfAnotherKey_IsRebuiltOnce SimulationModels.Fifo_IsNotRead SimulationModels.LastResortCacheAsLink_IsRefused SimulationModels.BuilderInputs_MustBeTrusted CardChoice.Parameters_ReadBackEqual Checker.* Contract.* BvhDriver.ImpossibleConfigurations_AreRefused BvhForSolids.ImpossibleConfigurations_AreRefused WithoutEcc.*
+  */ReferenceKnown.* FormatConfig.UnsupportedFormat_IsNamed FormatWords.* Registers.*)
+set(CDE_DEFAULT_bus BusFaults.Names_ReadBackEqual PciBar.* PciConfig.* PciCardTest.Registers_IdentifyTheCard)
+set(CDE_DEFAULT_pipe Moller.SingleCycleOperators_GiveTenCycles)
 set(CDE_DEFAULT_pair PairFailure.*)
 
 # Files, meshes, plans and messages.
 set(CDE_DEFAULT_host *)
-set(CDE_NOT_DEFAULT_host Plan.RefusesMoreThanTheMemoryHolds)  # two minutes
+set(CDE_NOT_DEFAULT_host Plan.TooLargeScene_IsRefused)  # two minutes
 
 # The command: every verb and every group of options, on the installed simulation models and few others.
 set(CDE_DEFAULT_cli
   Accuracy.* AccuracyPage.* Advise.*
-  Bench.QuickUnits Bench.UnknownSection Bundles.ADeadlineIsNotPacked
-  Cast.* CastFiles.* CastHierarchy.* Doctor.*
-  Explain.TheManualShowsWhatTheCommandPrints Explain.WhatMakesNoSenseIsRefused ExplainLine.* ExplainRecord.*
-  FormatCli.*Refuse* PlantedBugsTable.*
-  Building.SignalToTheCommandAlone Folders.* Outputs.* Streams.*
-  CommandLine.* Help.* JsonKeys.* NamedFiles.*
-  InventoryCache.* Inventory.TextMarkdownAndUsage
-  Pages.ReportSaysWhatRunJsonSays Pages.ReportThatCannotBeWritten
-  Query.* Ranks.ADamagedJournalIsNamed Ranks.AJournalOfSomethingElseIsRefused Ranks.ShardsOfACastMakeUpTheWhole MpiRanks.WhatIsWrongIsSaidOnce
-  RunScene.* SceneHierarchy.SameRecordsAsSweeps TraceWindow.OfAQueryIsItsClocks TraceWindow.ThatMakesNoSenseIsRefused Tutorial.*)
+  Bench.QuickUnits_ReportPlausibleFigures Bench.UnknownSection_IsRefused Bundles.Deadline_IsNotPacked
+  Cast.* CastFiles.* CastBvh.* Doctor.*
+  Explain.Manual_ShowsThePrintedOutput Explain.InvalidUsage_IsRefused ExplainLine.* ExplainRecord.*
+  FormatCli.Cast_RefusesUnsupportedFormats FormatCli.Scene_RefusesUnsupportedFormats PlantedBugsTable.*
+  ModelBuild.SignalToTheCommand_EndsTheBuild RunFolders.* Outputs.* Streams.*
+  CommandLine.* Help.* JsonKeys.* MeshInputFiles.*
+  InventoryCache.* Inventory.TextMarkdownAndUsage_AreCorrect
+  Pages.Report_EqualsRunJson Pages.UnwritableReport_IsRefusedBeforeTheRun
+  Query.* Ranks.DamagedJournal_IsNamed Ranks.ForeignJournal_IsRefused Ranks.ShardsOfACast_AddUpToTheWhole MpiRanks.Errors_ArePrintedOnce
+  RunScene.* SceneBvh.MovingObjects_GiveTheBytesOfBruteForce TraceWindow.WindowOfAQuery_HoldsItsCycles TraceWindow.InvalidWindow_IsRefused Tutorial.*)
 # Long tests, and tests that build a simulation model which no other test uses.
 set(CDE_NOT_DEFAULT_cli
-  Accuracy.MoreBitsAreNearerTheTruth AccuracyPage.Clocks* AccuracyPage.WorstCases
-  Cast.BothArithmetics* Cast.FaultyCard* Cast.MoreCards* CastFiles.Algorithms CastHierarchy.OfWatertight
-  ExplainRecord.WhatTheUpdateEngineKeepsWrongIsNamed ExplainRecord.WhatThePipeMissesIsLacking
-  Query.AMillionPairsInOrder Query.APlane* Query.BothArithmetics* Query.BudgetSets* Query.FacetsOfLongWords* Query.FaultyPipe* Query.TheBoxRule*
-  RunScene.BuiltCardStandsIn RunScene.FaultyCard* RunScene.FaultsOfTheBus* RunScene.MixedScene* Streams.AReaderThatHasEnough)
+  Accuracy.MoreBits_HaveSmallerErrors AccuracyPage.ModelledClock_ComesFromTheCardsOperators AccuracyPage.ModelledClock_ComesFromTheScenesOperators AccuracyPage.WorstCase_RepeatsWithItsCommand
+  Cast.BothArithmetics_GiveTheSameFile Cast.FaultyCard_IsFound Cast.MoreCards_GiveTheSameFile CastFiles.Algorithms_FindTheSameHits CastBvh.Watertight_EqualsReferenceAndBruteForce
+  ExplainRecord.WrongUpdate_IsNamed ExplainRecord.MissedPair_IsListedAsMissing
+  Query.MillionPairs_AreAnsweredInOrder Query.HalfSpaceOption_MakesThePlaneSolid Query.BothArithmetics_GiveTheSameAnswers Query.Budget_SetsTheCyclesOfACylinderPair Query.CandidateAxesOfLongWords_UseOneLane Query.FaultyPipe_IsFound Query.BoxRule_MissesTrianglesWithoutArea
+  RunScene.BuiltCard_StandsIn RunScene.FaultyCard_IsFound RunScene.BusFaults_AreRetriedOrOneError RunScene.MixedScene_IsCheckedCompletely Streams.ClosedPipe_EndsQuietly)
 
 # Transactions in the waves of a card. cde_wave_tests needs one simulation model and runs completely.
-set(CDE_DEFAULT_wave_card TxCard.TheBusOfACardBehindPciIsWhatTheCardCounts)
+set(CDE_DEFAULT_wave_card TxCard.CardBehindPci_MatchesTheCardsCounters)
 
 # Tests that are not GoogleTests run in the default tier, except these.
 set(CDE_FULL_ONLY bitstream.concurrent bitstream.interrupted bitstream.plain fp_cli.formats lint.rtl mpi.hosts mutate.faults)

@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A folder and changes of the environment, for one test.
-class Bitstreams : public ::testing::Test {
+class SimulationModels : public ::testing::Test {
  protected:
   void SetUp() override {
     std::string name = (fs::temp_directory_path() / "cde-bitstreams-XXXXXX").string();
@@ -80,7 +80,7 @@ class Bitstreams : public ::testing::Test {
   std::vector<std::pair<const char*, std::optional<std::string>>> before_;
 };
 
-TEST_F(Bitstreams, ReadyMadeOneIsFoundWithoutBuilding) {
+TEST_F(SimulationModels, ReadyMade_OpensWithoutBuild) {
   const Board board = Board::open(host_config());
   EXPECT_FALSE(fs::exists(folder_ / "cache"));
   EXPECT_EQ(board.config_hash(), bitstream_hash("board", host_config().parameters()));
@@ -91,7 +91,7 @@ TEST_F(Bitstreams, ReadyMadeOneIsFoundWithoutBuilding) {
       << "Table 1 of the paper: 10 cycles with operators of one cycle";
 }
 
-TEST_F(Bitstreams, WrongConfigurationIsRefused) {
+TEST_F(SimulationModels, WrongConfiguration_IsRefused) {
   const fs::path host = bitstream_path("board", host_config().parameters());
   expect_error(ErrorCode::kConfiguration, "configuration hash is",
                [&] { (void)Board::open(rtl_config(), {.file = host}); });
@@ -103,7 +103,7 @@ TEST_F(Bitstreams, WrongConfigurationIsRefused) {
   EXPECT_NO_THROW((void)Board::open(host_config(), {.file = host, .config_hash = hash}));
 }
 
-TEST_F(Bitstreams, FilesThatAreNone) {
+TEST_F(SimulationModels, NotAModelFile_IsRefused) {
   const fs::path host = bitstream_path("board", host_config().parameters());
   expect_error(ErrorCode::kConfiguration, "not a simulation model",
                [&] { (void)Bitstream::load(folder_ / "none.so", 0); });
@@ -125,7 +125,7 @@ TEST_F(Bitstreams, FilesThatAreNone) {
 }
 
 /// Names within messages cannot move the cursor or start a line that looks like another message.
-TEST_F(Bitstreams, NamesInMessagesArePrintable) {
+TEST_F(SimulationModels, ControlCharactersInNames_ArePrintedEscaped) {
   const std::string odd = "a\x1b[2Jb\ncde: built";
   const auto says = [&](const std::function<void()>& statement) {
     try {
@@ -165,7 +165,7 @@ TEST_F(Bitstreams, NamesInMessagesArePrintable) {
   says([&] { (void)bitstream_hash("board", {}); });
 }
 
-TEST_F(Bitstreams, DamagedReadyMadeOneIsPassedOver) {
+TEST_F(SimulationModels, DamagedReadyMade_IsSkipped) {
   copy_of_host_board("cache");
   const fs::path ready = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");
@@ -178,7 +178,7 @@ TEST_F(Bitstreams, DamagedReadyMadeOneIsPassedOver) {
 
 /// One flipped bit anywhere in the file. Flipped code could crash, or give wrong records with exit
 /// status 0.
-TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
+TEST_F(SimulationModels, FlippedBit_IsNotLoaded) {
   const auto size = fs::file_size(bitstream_path("board", host_config().parameters()));
   for (const std::uintmax_t at :
        {std::uintmax_t{0}, std::uintmax_t{0x18}, size / 4, size / 2, size - 1}) {
@@ -198,7 +198,7 @@ TEST_F(Bitstreams, FlippedBitsAreNotLoaded) {
 }
 
 /// Opening a FIFO without a writer blocks forever, so the search must not open it.
-TEST_F(Bitstreams, TheFifoIsNotRead) {
+TEST_F(SimulationModels, Fifo_IsNotRead) {
   const fs::path file = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");
   for (const auto& [name, why] :
@@ -213,7 +213,7 @@ TEST_F(Bitstreams, TheFifoIsNotRead) {
   }
 }
 
-TEST_F(Bitstreams, WithoutChecksumOneIsNotLoaded) {
+TEST_F(SimulationModels, WithoutChecksum_IsNotLoaded) {
   const fs::path file = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");
   fs::remove(fs::path(file) += ".sha256");
@@ -223,7 +223,7 @@ TEST_F(Bitstreams, WithoutChecksumOneIsNotLoaded) {
       << said;
 }
 
-TEST_F(Bitstreams, WhatOthersCanWriteIsNotLoaded) {
+TEST_F(SimulationModels, WritableByOthers_IsNotLoaded) {
   using fs::perms;
   for (const perms who : {perms::group_write, perms::others_write}) {
     SCOPED_TRACE(static_cast<unsigned>(who));
@@ -259,7 +259,7 @@ TEST_F(Bitstreams, WhatOthersCanWriteIsNotLoaded) {
   }
 }
 
-TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
+TEST_F(SimulationModels, OwnedByOthers_IsNotLoaded) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to change the owner of a file";
   const fs::path file = copy_of_host_board("ready");
   set("CDE_BITSTREAMS", folder_ / "ready");
@@ -292,7 +292,7 @@ TEST_F(Bitstreams, WhatBelongsToOthersIsNotLoaded) {
 
 /// ../../lib/cde/bitstreams is the folder of an installation. Beside a clone, anyone may own it.
 /// The build folder's models belong to programs of the build tree only.
-TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
+TEST_F(SimulationModels, InstalledFolder_IsUsedOnlyInAnInstallation) {
   const fs::path source = bitstream_builder().parent_path().parent_path(),
                  clone = folder_ / "share/clone";
   copy_rtl(source, clone);
@@ -314,7 +314,7 @@ TEST_F(Bitstreams, InstalledFoldersOnlyInAnInstallation) {
 }
 
 /// The builder compiles RTL, scripts and headers: they must be as trusted as the builder itself.
-TEST_F(Bitstreams, TrustCoversWhatTheBuilderCompiles) {
+TEST_F(SimulationModels, BuilderInputs_MustBeTrusted) {
   const fs::path source = bitstream_builder().parent_path().parent_path(),
                  clone = folder_ / "clone";
   copy_rtl(source, clone);
@@ -342,7 +342,7 @@ TEST_F(Bitstreams, TrustCoversWhatTheBuilderCompiles) {
 
 /// An attacker creates the last-resort cache folder before the victim: as a link to a folder that
 /// the victim would trust, or to a folder of the attacker.
-TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
+TEST_F(SimulationModels, LastResortCacheAsLink_IsRefused) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   constexpr uid_t kVictim = 64'123, kAttacker = 4242;
   // The build has no model with these parameters. The attacker's file has the right name and other
@@ -384,7 +384,7 @@ TEST_F(Bitstreams, TheCacheOfLastResortIsNoLink) {
 }
 
 /// A file under the name of another key, with a correct checksum, is rebuilt once.
-TEST_F(Bitstreams, OneOfAnotherKeyIsBuiltAgain) {
+TEST_F(SimulationModels, FileOfAnotherKey_IsRebuiltOnce) {
   const auto parameters = [](const char* pair) {
     return std::vector<std::string>{std::string("PAIR=") + pair, "ARITH=host", "LANES=1"};
   };
@@ -427,7 +427,7 @@ TEST_F(Bitstreams, OneOfAnotherKeyIsBuiltAgain) {
   expect_error(ErrorCode::kBuild, file.string() + " is refused: it is a folder", hash);
 }
 
-TEST_F(Bitstreams, CacheIsAPrivateFolder) {
+TEST_F(SimulationModels, Cache_IsAPrivateFolder) {
   const auto cache = [] {
     return bitstream_file("board", {"LANES=1", "SRAM_RECORDS=2"}).path.parent_path();
   };
@@ -462,7 +462,7 @@ TEST_F(Bitstreams, CacheIsAPrivateFolder) {
 
 /// Two processes use a configuration for the first time at once: one build serves both. Then the
 /// file is truncated and rebuilt.
-TEST_F(Bitstreams, BuiltOnFirstUseAndWhenDamaged) {
+TEST_F(SimulationModels, FirstUseOrDamage_BuildsOnce) {
   const auto parameters = BoardConfig{.lanes = 1}.parameters();
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
@@ -500,7 +500,7 @@ TEST_F(Bitstreams, BuiltOnFirstUseAndWhenDamaged) {
   }
 }
 
-TEST_F(Bitstreams, BuilderThatCannotWork) {
+TEST_F(SimulationModels, FailingBuilder_GivesBuildError) {
   const auto unbuilt = BoardConfig{.lanes = 2}.parameters();
   expect_error(ErrorCode::kBuild, "unknown kind 'nothing'",
                [] { (void)Bitstream::open("nothing", {}); });
@@ -518,7 +518,7 @@ TEST_F(Bitstreams, BuilderThatCannotWork) {
 
 /// Shells and Perl warn about a locale that is not installed. The warning must not become part of
 /// an answer.
-TEST_F(Bitstreams, ALocaleThatIsNotInstalledChangesNothing) {
+TEST_F(SimulationModels, MissingLocale_ChangesNoHash) {
   const auto parameters = host_config().parameters();
   const std::uint64_t hash = bitstream_hash("board", parameters);
   set("LC_ALL", "xx_NOWHERE.UTF-8");
@@ -527,7 +527,7 @@ TEST_F(Bitstreams, ALocaleThatIsNotInstalledChangesNothing) {
 
 /// A folder above the cache is replaced by a link while a build fails. The log stays in the folder
 /// of the lock.
-TEST_F(Bitstreams, ACacheThatIsSwappedForALink) {
+TEST_F(SimulationModels, CacheSwappedForLink_KeepsVictimUntouched) {
   const std::string key(24, 'a');
   const fs::path clone = folder_ / "clone";
   copy_rtl(bitstream_builder().parent_path().parent_path(), clone);
@@ -547,7 +547,7 @@ TEST_F(Bitstreams, ACacheThatIsSwappedForALink) {
   EXPECT_EQ(log_in("moved"), "error: no\n");
 }
 
-TEST_F(Bitstreams, UnwritableCacheIsNamed) {
+TEST_F(SimulationModels, UnwritableCache_IsNamed) {
   set("CDE_CACHE", "/proc/no-folder");
   expect_error(ErrorCode::kFile, "/proc/no-folder",
                [] { (void)Bitstream::open("board", BoardConfig{.lanes = 2}.parameters()); });

@@ -72,7 +72,7 @@ class CardChoice : public ::testing::Test {
   std::optional<std::string> before_;
 };
 
-TEST_F(CardChoice, ParametersAreReadBack) {
+TEST_F(CardChoice, Parameters_ReadBackEqual) {
   const BoardConfig odd = {.lanes = 8,
                            .arithmetic = Arithmetic::kRtl,
                            .pairs = {Pair::kRayTriangle, Pair::kSphereSphere},
@@ -109,7 +109,7 @@ TEST_F(CardChoice, ParametersAreReadBack) {
     EXPECT_FALSE(BoardConfig::of(none)) << fmt::format("{}", fmt::join(none, " "));
 }
 
-TEST_F(CardChoice, TheCheapestThatServes) {
+TEST_F(CardChoice, SeveralBuiltCards_CheapestServes) {
   const cde::Scene s = scene();
   const BoardConfig best = slow_adders({.pairs = {Pair::kRaySphere}});
   Plan p = planned(s);
@@ -140,7 +140,7 @@ TEST_F(CardChoice, TheCheapestThatServes) {
   EXPECT_EQ(p.board.parameters(), best.parameters());
 }
 
-TEST_F(CardChoice, WhatDoesNotServeIsNotTaken) {
+TEST_F(CardChoice, UnsuitableCards_AreNotChosen) {
   const std::vector<Pair> rays = {Pair::kRaySphere};
   for (BoardConfig card :
        {BoardConfig{.pairs = {Pair::kRayTriangle}},  // another pipe
@@ -161,7 +161,7 @@ TEST_F(CardChoice, WhatDoesNotServeIsNotTaken) {
   EXPECT_FALSE(kept_bitstreams("card").empty());
 }
 
-TEST_F(CardChoice, WhatTheSceneAsksForIsKept) {
+TEST_F(CardChoice, ScenesRequests_AreKept) {
   keep(slow_adders({.pairs = {Pair::kRayTriangle, Pair::kRaySphere}, .swap = false}));
   EXPECT_TRUE(planned(scene()).stands_in_for);
   EXPECT_TRUE(planned(scene(10, "lanes = 16\n")).stands_in_for);
@@ -175,7 +175,7 @@ TEST_F(CardChoice, WhatTheSceneAsksForIsKept) {
 }
 
 /// The comment in a checksum file is only a hint: the key and the checksum decide.
-TEST_F(CardChoice, DamagedAndForeignEntriesAreNotTaken) {
+TEST_F(CardChoice, DamagedOrForeignEntries_AreNotChosen) {
   const BoardConfig card = slow_adders({.pairs = {Pair::kRayTriangle, Pair::kRaySphere}});
   const fs::path file = keep(card), sum = fs::path(file) += ".sha256";
   ASSERT_TRUE(planned(scene()).stands_in_for);

@@ -274,7 +274,7 @@ void time_functions(Calls& call) {
     }
 }
 
-TEST(Contract, IsTheSameInBothLanguages) {
+TEST(Contract, Packages_EqualCppConstants) {
   if (std::system("command -v verilator >/dev/null") != 0)
     GTEST_SKIP() << "needs verilator, to evaluate the packages";
   const fs::path contract(CDE_CONTRACT_FOLDER);
@@ -346,7 +346,7 @@ TEST(Contract, IsTheSameInBothLanguages) {
 
 /// One file lists each parameter three times: as a parameter, as a field and in the assignment that
 /// joins them.
-TEST(Contract, EveryParameterOfACardIsAFieldOfItsConfiguration) {
+TEST(Contract, EveryCardParameter_IsAConfigField) {
   std::stringstream text;
   text << std::ifstream(fs::path(CDE_CONTRACT_FOLDER) / "config.svh").rdbuf();
   const std::string all = text.str();

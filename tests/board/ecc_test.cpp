@@ -32,7 +32,7 @@ class Ecc : public ::testing::Test {
   std::vector<Record> expected_;
 };
 
-TEST_F(Ecc, EverySingleBitOfASlotIsCorrectedAndCounted) {
+TEST_F(Ecc, AnySingleBitOfASlot_IsCorrectedAndCounted) {
   for (unsigned bit = 0; bit < 288; ++bit) {
     SCOPED_TRACE(bit);
     const std::uint64_t byte = 36 * random_.below(60) + bit / 8;
@@ -48,7 +48,7 @@ TEST_F(Ecc, EverySingleBitOfASlotIsCorrectedAndCounted) {
   EXPECT_EQ(counters.corrected_words, 0u);
 }
 
-TEST_F(Ecc, OneBitInEachOfManyWordsIsCorrected) {
+TEST_F(Ecc, OneBitInManyWords_IsCorrected) {
   for (unsigned word = 0; word < 60 * 9; ++word)
     board_.flip_ddr(4 * word + random_.below(4), static_cast<std::uint8_t>(1u << random_.below(8)));
   Counters counters;
@@ -56,7 +56,7 @@ TEST_F(Ecc, OneBitInEachOfManyWordsIsCorrected) {
   EXPECT_EQ(counters.corrected_words, 60u * 9);
 }
 
-TEST_F(Ecc, TwoBitsOfAWordAreOneClearErrorAndNoRecordIsWrong) {
+TEST_F(Ecc, TwoBitsOfAWord_GiveOneErrorAndNoWrongRecord) {
   for (unsigned i = 0; i < 32 * 31 / 2; ++i) {
     unsigned one = 0, two = 0, n = i;
     while (n >= 31 - one) n -= 31 - one++;
@@ -90,7 +90,7 @@ TEST_F(Ecc, TwoBitsOfAWordAreOneClearErrorAndNoRecordIsWrong) {
   }
 }
 
-TEST_F(Ecc, ACheckBitIsCorrectedAndCounted) {
+TEST_F(Ecc, CheckBitFlip_IsCorrectedAndCounted) {
   for (unsigned bit = 0; bit < 7; ++bit) {
     const std::uint64_t word = random_.below(9 * 60);
     board_.flip_check(word, static_cast<std::uint8_t>(1u << bit));
@@ -104,12 +104,12 @@ TEST_F(Ecc, ACheckBitIsCorrectedAndCounted) {
   EXPECT_THROW(board_.flip_ddr(36'000, 1), Error);
 }
 
-TEST(NoEcc, HasNoCheckBits) {
+TEST(WithoutEcc, FlipCheck_Throws) {
   Board board = Board::open(small_config());
   EXPECT_THROW(board.flip_check(0, 1), Error);
 }
 
-TEST(NoEcc, AFlippedBitIsAnotherTriangle) {
+TEST(WithoutEcc, FlippedBit_ChangesRecords) {
   Board board = Board::open(small_config());
   Random random;
   const RayScene scene = beam(random, 40, 60);

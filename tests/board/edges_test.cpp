@@ -31,9 +31,10 @@ void expect_in(const std::string& part, const std::string& text) {
   EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
-class Edges : public ::testing::Test {
+class BoardEdgeCases : public ::testing::Test {
  protected:
-  Edges() : board(Board::open(rich_config(Bus::kFunctional))), scene(beam(random, 20, 30)) {
+  BoardEdgeCases()
+      : board(Board::open(rich_config(Bus::kFunctional))), scene(beam(random, 20, 30)) {
     board->upload(scene.triangles);
     board->load(scene.rays);
   }
@@ -50,7 +51,7 @@ class Edges : public ::testing::Test {
   RecordSink nothing = [](std::span<const Record>) {};
 };
 
-TEST_F(Edges, EveryCallOfABoardThatWasMovedFromIsAnError) {
+TEST_F(BoardEdgeCases, EveryCallAfterMove_IsAnError) {
   Board other = std::move(*board);
   Board& gone = *board;
   std::vector<std::uint64_t> beats{1, 2};
@@ -104,7 +105,7 @@ TEST_F(Edges, EveryCallOfABoardThatWasMovedFromIsAnError) {
   expect_right();
 }
 
-TEST(MovedFrom, UnitsAndPasses) {
+TEST(MovedFrom, UnitsAndPassesAfterMove_AreErrors) {
   FpUnit fp({5, 10}, Arithmetic::kHost, 4);
   const FpUnit fp_now = std::move(fp);
   for (const auto& call : std::vector<std::function<void()>>{
@@ -125,7 +126,7 @@ TEST(MovedFrom, UnitsAndPasses) {
 }
 
 /// When the gap callback throws, rows stay in flight. Their results must not reach the next test.
-TEST(PairUnitGap, MayThrowButNotGiveWork) {
+TEST(PairUnitCallback, ThrowingOrNestedCallback_LeavesNoStaleResult) {
   std::optional<PairUnit> unit(std::in_place, PairConfig{.pair = Pair::kSphereSphere});
   constexpr FpFormat kFp32{8, 23};
   constexpr std::size_t kCount = 100;
@@ -170,7 +171,7 @@ TEST(PairUnitGap, MayThrowButNotGiveWork) {
 }
 
 /// NaN is not a time: comparisons with NaN are false, so such a watchdog would never fire.
-TEST_F(Edges, AWatchdogIsATime) {
+TEST_F(BoardEdgeCases, InvalidWatchdog_IsRefused) {
   for (const double seconds : {std::nan(""), -1.0, -std::numeric_limits<double>::infinity()}) {
     Query q = query;
     q.watchdog = std::chrono::duration<double>(seconds);
@@ -183,7 +184,7 @@ TEST_F(Edges, AWatchdogIsATime) {
   expect_right();
 }
 
-TEST(ReferenceEdges, ObjectsLieWithinTheTriangles) {
+TEST(ReferenceObjects, ObjectsBeyondTheTriangles_AreRefused) {
   Random random;
   const RayScene scene = beam(random, 4, 30);
   for (const auto& [first, count] : {std::pair{20u, 11u}, {31u, 1u}, {~0u, 2u}, {5u, ~0u - 3}}) {
@@ -197,7 +198,7 @@ TEST(ReferenceEdges, ObjectsLieWithinTheTriangles) {
 }
 
 /// The driver touches no register.
-TEST_F(Edges, WhatNoEnumerationHasIsRefusedFirst) {
+TEST_F(BoardEdgeCases, InvalidEnumerations_AreRefusedBeforeAnyAccess) {
   const std::uint64_t before = board->bus_counters().register_accesses;
   for (const unsigned mode : {6u, 9u, 255u}) {
     Query q = query;
@@ -232,7 +233,7 @@ TEST_F(Edges, WhatNoEnumerationHasIsRefusedFirst) {
   expect_right();
 }
 
-TEST_F(Edges, AnEmptySinkIsRefusedFirst) {
+TEST_F(BoardEdgeCases, EmptySink_IsRefusedBeforeAnyAccess) {
   const std::uint64_t before = board->bus_counters().register_accesses;
   expect_in("sink", refused([&] { board->run(query, RecordSink()); }));
   expect_in("sink", refused([&] { board->cast(scene.rays, query, RecordSink()); }));
@@ -242,7 +243,7 @@ TEST_F(Edges, AnEmptySinkIsRefusedFirst) {
 }
 
 /// One sink per kind of call that would give the board other work during a pass.
-TEST_F(Edges, NoOtherWorkInAPass) {
+TEST_F(BoardEdgeCases, OtherWorkDuringAPass_IsRefused) {
   const std::vector<std::function<void()>> calls = {
       [&] { board->upload(scene.triangles); },
       [&] { board->update_shapes<Triangle>(0, scene.triangles); },
@@ -268,7 +269,7 @@ TEST_F(Edges, NoOtherWorkInAPass) {
   }
 }
 
-TEST_F(Edges, ASinkThatDestroysItsBoardEndsThePass) {
+TEST_F(BoardEdgeCases, SinkDestroysItsBoard_EndsThePass) {
   unsigned pieces = 0;
   const RecordSink destroys = [&](std::span<const Record> some) {
     EXPECT_FALSE(some.empty());
@@ -294,7 +295,7 @@ TEST_F(Edges, ASinkThatDestroysItsBoardEndsThePass) {
 }
 
 /// Same as destruction: the pass belongs to the replaced board.
-TEST_F(Edges, ASinkThatReplacesItsBoardEndsThePass) {
+TEST_F(BoardEdgeCases, SinkReplacesItsBoard_EndsThePass) {
   expect_in("destroyed", refused([&] {
               board->run(query, [&](std::span<const Record>) {
                 *board = Board::open(rich_config(Bus::kFunctional));
@@ -305,7 +306,7 @@ TEST_F(Edges, ASinkThatReplacesItsBoardEndsThePass) {
   expect_right();
 }
 
-TEST_F(Edges, ASinkMayMoveItsBoard) {
+TEST_F(BoardEdgeCases, SinkMovesItsBoard_PassContinues) {
   std::optional<Board> other;
   const std::vector<Ray> many(300, scene.rays[0]);
   std::size_t records = 0;
@@ -322,7 +323,7 @@ TEST_F(Edges, ASinkMayMoveItsBoard) {
 }
 
 /// A pass over a range of secondaries equals a pass over a board that holds only that range.
-TEST_F(Edges, APassSweepsARangeOfTheSecondaries) {
+TEST_F(BoardEdgeCases, RangeOfSecondaries_EqualsABoardWithThatRange) {
   const std::uint64_t first = 7, count = 11;
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
     SCOPED_TRACE(name_of(mode));

@@ -18,8 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Fails, after work on a card, in the process that FailingTest.LeavesWavesOfItsBoards starts.
-TEST(FailingTest, CardThatWorks) {
+/// Fails, after work on a card, in the process that FailingTest.Failure_LeavesWavesOfItsBoards
+/// starts.
+TEST(FailingTest, CardThatWorks_FailsOnRequest) {
   Board board = Board::open(small_config());
   const std::vector<Triangle> triangles = {{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}};
   board.upload_shapes<Triangle>(triangles);
@@ -37,12 +38,12 @@ std::string contents(const fs::path& file) {
 /// Command line of this program that runs CardThatWorks alone.
 std::string card_that_works() {
   return quoted(fs::read_symlink("/proc/self/exe").string()) +
-         " --gtest_filter=FailingTest.CardThatWorks 2>&1";
+         " --gtest_filter=FailingTest.CardThatWorks_FailsOnRequest 2>&1";
 }
 
-TEST(FailingTest, LeavesWavesOfItsBoards) {
+TEST(FailingTest, Failure_LeavesWavesOfItsBoards) {
   const fs::path folder = fs::path(::testing::TempDir()) / "cde failing test",
-                 test = folder / "FailingTest.CardThatWorks";
+                 test = folder / "FailingTest.CardThatWorks_FailsOnRequest";
   fs::remove_all(folder);
   const Ran ran = run_shell("CDE_TEST_FAILS=1 CDE_FAILURES=" + quoted(folder.string()) + " " +
                             card_that_works());
@@ -60,13 +61,13 @@ TEST(FailingTest, LeavesWavesOfItsBoards) {
   fs::remove_all(folder);
 }
 
-TEST(FailingTest, WavesIntoAFolderThatIsNotThereAreAnError) {
+TEST(FailingTest, WavesIntoMissingFolder_AreAnError) {
   const Ran ran = run_shell("CDE_WAVES=/nowhere/at/all " + card_that_works());
   EXPECT_EQ(ran.status, 1);
   EXPECT_NE(ran.said.find("/nowhere/at/all/board-0.fst"), std::string::npos) << ran.said;
 }
 
-TEST(FailingTest, WavesBehindALinkOfAnotherUserAreAnError) {
+TEST(FailingTest, WavesBehindForeignLink_AreAnError) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   std::string folder = (fs::temp_directory_path() / "cde-waves-XXXXXX").string();
   ASSERT_NE(::mkdtemp(folder.data()), nullptr);

@@ -103,7 +103,7 @@ std::vector<Object> moving_objects(const Kind& kind, Random& random, std::uint32
   return all;
 }
 
-class Formats : public ::testing::TestWithParam<Kind> {
+class CardFormats : public ::testing::TestWithParam<Kind> {
  protected:
   template <class P, class S>
   void check_role(Pair pair, bool swap) {
@@ -165,7 +165,7 @@ class Formats : public ::testing::TestWithParam<Kind> {
   std::size_t records_ = 0, hits_ = 0, bad_ = 0;
 };
 
-TEST_P(Formats, EveryRecordIsTheReferences) {
+TEST_P(CardFormats, AllPairsAndModes_EqualTheReference) {
   EXPECT_EQ(board_.format(), GetParam().format);
   for (const Pair pair : GetParam().pairs) {
     if (pair == Pair::kRayTriangle) check_roles<Ray, Triangle>(pair);
@@ -181,14 +181,14 @@ TEST_P(Formats, EveryRecordIsTheReferences) {
   EXPECT_LT(hits_ + bad_, records_ * 9 / 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Boards, Formats,
+INSTANTIATE_TEST_SUITE_P(Boards, CardFormats,
                          ::testing::Values(kFp16Rays, kBf16Solids, kTf32Rays, kFp24Solids,
                                            kFp16Gates),
                          [](const auto& info) { return info.param.name; });
 
 /// The reference of a whole cast, with packets, a stencil and the box rule. Its records equal those
 /// for the same rays and triangles rounded to the format.
-TEST(FormatCast, ChecksAsTheCardCasts) {
+TEST(FormatCast, WholeCast_EqualsTheReference) {
   Board board = Board::open(config_of(kFp16Rays));
   Random random;
   const RayScene scene = beam(random, 300, 80, 3.0f);
@@ -223,7 +223,7 @@ TEST(FormatCast, ChecksAsTheCardCasts) {
 }
 
 /// Overlapping objects in any order: the slot breaks ties, not the order of the pass.
-TEST(FormatCast, ChecksObjects) {
+TEST(FormatCast, OverlappingObjects_BreakTiesBySlot) {
   Board board = Board::open(config_of(kTf32Rays));
   Random random;
   const MovingRays scene = rays(random, 100, 60);
@@ -239,7 +239,7 @@ TEST(FormatCast, ChecksObjects) {
   }
 }
 
-TEST(FormatConfig, NamesWhatACardHasNot) {
+TEST(FormatConfig, UnsupportedFormat_IsNamed) {
   BoardConfig c;
   c.format = kFp64;
   expect_error(ErrorCode::kUsage, "a card cannot use fp64: the words of its buses",
@@ -257,7 +257,7 @@ TEST(FormatConfig, NamesWhatACardHasNot) {
 }
 
 /// The card's number format differs from the requested one.
-TEST(FormatConfig, ACardOfAnotherFormatIsRefused) {
+TEST(FormatConfig, CardOfAnotherFormat_IsRefused) {
   const BoardConfig narrow = config_of(kFp16Rays);
   BoardConfig wide = narrow;
   wide.format = {};
@@ -268,7 +268,7 @@ TEST(FormatConfig, ACardOfAnotherFormatIsRefused) {
 }
 
 /// The rounded word decides whether input is valid. No word silently becomes infinite.
-TEST(FormatInput, DefectsAreOfTheFormat) {
+TEST(FormatInput, RoundedWords_DecideValidity) {
   Board board = Board::open(config_of(kFp16Rays));
   const Triangle small{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   const auto upload = [&](const Triangle& t) {
@@ -307,7 +307,7 @@ TEST(FormatInput, DefectsAreOfTheFormat) {
                });
 }
 
-TEST(FormatWords, AreTheNearestAndComeBackExactly) {
+TEST(FormatWords, Words_RoundToNearestAndReadBackExactly) {
   Random random;
   for (const FpFormat format : kPairFormats) {
     if (!is_card_format(format)) continue;

@@ -88,7 +88,7 @@ void in_scenes(std::size_t most, const Test& test) {
 }
 
 /// CDE_FULL=1: 20,000 primaries of each shape.
-TEST(HierarchyOverBoxes, RecordsAreThoseOfASweepAndOfTheReference) {
+TEST(BvhOverBoxes, AllPrimaries_EqualBruteForceAndReference) {
   Board board = Board::open(boxes_config());
   in_scenes(2000, [&](const TriangleScene& scene) {
     const auto boxes = obbs_of(scene);
@@ -100,14 +100,14 @@ TEST(HierarchyOverBoxes, RecordsAreThoseOfASweepAndOfTheReference) {
   });
 }
 
-TEST(HierarchyOverBoxes, OfSpheresRecordsAreThoseOfASweepAndOfTheReference) {
+TEST(BvhOverBoxes, SpherePrimaries_EqualBruteForceAndReference) {
   Board board = Board::open(sphere_pairs_config());
   in_scenes(2000, [&](const TriangleScene& scene) {
     expect_same_as_all<Sphere>(board, obbs_of(scene), 100);
   });
 }
 
-TEST(HierarchyOverBoxes, TheOtherRoleOfAPair) {
+TEST(BvhOverBoxes, SwappedRoles_EqualBruteForceAndReference) {
   Board board = Board::open(solids_config());
   in_scenes(400, [&](const TriangleScene& scene) {
     expect_same_as_all<Triangle>(board, obbs_of(scene), some(60, 2500));
@@ -117,7 +117,7 @@ TEST(HierarchyOverBoxes, TheOtherRoleOfAPair) {
 }
 
 /// Boxes take two beats of memory and spheres take one. Check bits, slow operators.
-TEST(HierarchyOverBoxes, InGates) {
+TEST(BvhOverBoxes, InGates_EqualsBruteForceAndReference) {
   Board board = Board::open(spheres_gates_config());
   in_scenes(100, [&](const TriangleScene& scene) {
     const auto boxes = obbs_of(scene);
@@ -127,7 +127,7 @@ TEST(HierarchyOverBoxes, InGates) {
 }
 
 /// Memory that answers late, and DDR.
-TEST(HierarchyOverBoxes, WithMemoryOfEveryKind) {
+TEST(BvhOverBoxes, LateOrCycleMemory_EqualsBruteForceAndReference) {
   for (const OpenOptions& options :
        {OpenOptions{.ddr_latency = 300}, OpenOptions{.memory = Memory::kCycle}}) {
     Board board = Board::open(boxes_config(), options);
@@ -137,7 +137,7 @@ TEST(HierarchyOverBoxes, WithMemoryOfEveryKind) {
   }
 }
 
-TEST(HierarchyOverBoxes, WithNormals) {
+TEST(BvhOverBoxes, WithNormals_EqualsBruteForce) {
   Board board = Board::open(boxes_config());
   const auto boxes = obbs_of(kScenes[5].make());
   board.upload(boxes, Hierarchy::build(boxes));
@@ -154,7 +154,7 @@ TEST(HierarchyOverBoxes, WithNormals) {
   compare(hard_ones<Obb>(boxes, 60));
 }
 
-TEST(HierarchyOverBoxes, TheyMoveAndAreRefitted) {
+TEST(BvhOverBoxes, MovedBoxes_AreRefitted) {
   Board board = Board::open(boxes_config());
   auto boxes = obbs_of(kScenes[0].make());
   Hierarchy tree = Hierarchy::build(boxes);
@@ -172,7 +172,7 @@ TEST(HierarchyOverBoxes, TheyMoveAndAreRefitted) {
   expect_error(ErrorCode::kUsage, "for obbs call Hierarchy::refit()", [&] { (void)board.refit(); });
 }
 
-TEST(HierarchyOverBoxes, ObjectsMove) {
+TEST(BvhOverBoxes, MovingObjects_EqualBruteForce) {
   Board board = Board::open(boxes_config());
   const auto boxes = obbs_of(kScenes[0].make());
   const auto half = static_cast<std::uint32_t>(boxes.size() / 2);
@@ -202,7 +202,7 @@ TEST(HierarchyOverBoxes, ObjectsMove) {
 }
 
 /// A fault can end a pass between the two beats of a box. The next pass then reads its own boxes.
-TEST(HierarchyOverBoxes, APassThatIsLeftBetweenTwoBeats) {
+TEST(BvhOverBoxes, AbortBetweenTwoBeats_NextPassIsClean) {
   Board board = Board::open(sphere_pairs_config(), {.memory = Memory::kCycle});
   const auto boxes = obbs_of(kScenes[0].make());
   const Hierarchy tree = Hierarchy::build(boxes);
@@ -233,7 +233,7 @@ TEST(HierarchyOverBoxes, APassThatIsLeftBetweenTwoBeats) {
   EXPECT_GT(faults, 8u);
 }
 
-TEST(HierarchyOverBoxes, SaysWhatIsWrong) {
+TEST(BvhOverBoxes, BadObjectsOrRequests_AreNamed) {
   const std::vector<Aabb> two = {{{0, 0, 0}, {1, 1, 1}}, {{2, 2, 2}, {3, 3, 3}}};
   std::vector<Object> turned = {{.first = 0, .count = 2}};
   turned[0].transform.rotation = Eigen::Quaternionf(0, 1, 0, 0).toRotationMatrix();

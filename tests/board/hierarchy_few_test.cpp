@@ -73,18 +73,18 @@ void expect_few(Board& board, const std::vector<Secondary>& all, std::size_t cou
   EXPECT_GT(found, count / 4);
 }
 
-class HierarchyOfAFew : public ::testing::TestWithParam<Card> {};
+class BvhSmallBatchCards : public ::testing::TestWithParam<Card> {};
 const Card kFewSolids{"solids", solids_config}, kFewMeshes{"meshes", meshes_config},
     kFewSpheres{"spheres", spheres_config}, kFewBoxes{"boxes", boxes_config},
     kFewBoxesDdr{"boxes_ddr", boxes_config, {.memory = Memory::kCycle}},
     kFewSpheresGates{"spheres_gates", spheres_gates_config};
-INSTANTIATE_TEST_SUITE_P(Cards, HierarchyOfAFew,
+INSTANTIATE_TEST_SUITE_P(Cards, BvhSmallBatchCards,
                          ::testing::Values(kFast, kDdr, kGates, kLate, kWatertight, kFewSolids,
                                            kFewMeshes, kFewSpheres, kFewBoxes, kFewBoxesDdr,
                                            kFewSpheresGates),
                          [](const auto& card) { return std::string(card.param.name); });
 
-TEST_P(HierarchyOfAFew, RecordsAreThoseOfTheReference) {
+TEST_P(BvhSmallBatchCards, PassesOfFewPrimaries_EqualReferenceAndBruteForce) {
   const BoardConfig config = GetParam().config();
   const bool gates = config.arithmetic == Arithmetic::kRtl;
   const std::size_t count = gates ? 8 : GetParam().name == kLate.name ? 30 : 80;
@@ -109,7 +109,7 @@ TEST_P(HierarchyOfAFew, RecordsAreThoseOfTheReference) {
 }
 
 /// A pass is aborted while its leaves are outstanding: the next pass does not see them.
-TEST(HierarchyOfAFewOthers, APassThatIsLeft) {
+TEST(BvhSmallBatch, AbortWithOutstandingLeaves_NextPassIsClean) {
   Board board = Board::open(boxes_config(), {.memory = Memory::kCycle});
   const auto boxes = obbs_of(kScenes[6].make());
   const Hierarchy tree = Hierarchy::build(boxes);
@@ -135,7 +135,7 @@ TEST(HierarchyOfAFewOthers, APassThatIsLeft) {
 
 /// Abort in any cycle, including the cycle of a leaf request: no memory response reaches the next
 /// pass, by BVH or brute force.
-TEST(HierarchyOfAFewOthers, APassThatIsLeftInAnyClock) {
+TEST(BvhSmallBatch, AbortAtAnyCycle_NextPassIsClean) {
   Board board = Board::open(spheres_config(), {.memory = Memory::kCycle});
   const auto cloud = cloud_of(kScenes[6].make());
   board.upload(cloud, Hierarchy::build(cloud));

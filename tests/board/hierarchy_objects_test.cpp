@@ -59,13 +59,13 @@ struct Moving {
   hard::Draw draw{11};
 };
 
-class HierarchyObjects : public ::testing::TestWithParam<Card> {};
-INSTANTIATE_TEST_SUITE_P(Cards, HierarchyObjects,
+class BvhObjectCards : public ::testing::TestWithParam<Card> {};
+INSTANTIATE_TEST_SUITE_P(Cards, BvhObjectCards,
                          ::testing::Values(kObjects, kObjectsDdr, kGates, kSlow, kLate),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: a million rays with host arithmetic.
-TEST_P(HierarchyObjects, RecordsAreThoseOfASweepAndOfTheReference) {
+TEST_P(BvhObjectCards, MovingObjects_EqualBruteForceAndReference) {
   const BoardConfig config = GetParam().config();
   Board board = Board::open(config, GetParam().options);
   const bool gates = config.arithmetic == Arithmetic::kRtl, slow = config.latency_add > 1,
@@ -108,13 +108,13 @@ TEST_P(HierarchyObjects, RecordsAreThoseOfASweepAndOfTheReference) {
   EXPECT_GT(hits, count);
 }
 
-TEST(HierarchyOfObjects, NoTreeOfATransformThatNoCardTakes) {
+TEST(BvhOverObjects, InvalidTransform_BuildsNoBvh) {
   Moving world(kScenes[6].make(), 4);
   world.objects[2].transform.rotation(0, 1) += 0.25f;
   expect_error(ErrorCode::kBadInput, "object 2: ", [&] { (void)world.tree(); });
 }
 
-TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
+TEST(BvhOverObjects, WhyNotTraversable_NamesTheReason) {
   Board board = Board::open(objects_config());
   Moving world(kScenes[6].make(), 4);
   const auto why = [&] { return board.no_way_through({}).value_or(""); };
@@ -170,7 +170,7 @@ TEST(HierarchyOfObjects, SaysWhyThereIsNoWayThrough) {
 
 /// Over objects, a BVH without parts is refitted as a whole. A BVH with parts is refitted where it
 /// moved.
-TEST(HierarchyOfObjects, RefitsWhatHasMoved) {
+TEST(BvhOverObjects, MovedObjects_AreRefitted) {
   Board board = Board::open(objects_config());
   Moving world(hard::triangles_of(make_terrain({.quads_x = 50, .quads_y = 50})), 8);
   const std::vector<Ray> rays = hard_rays(world.swept().shapes, 300);
@@ -194,7 +194,7 @@ TEST(HierarchyOfObjects, RefitsWhatHasMoved) {
 
 /// Triangles that a transform moves beyond 2^40 have no box: the refit fails, and a brute-force
 /// pass still works.
-TEST(HierarchyOfObjects, WhatHasNoBoxIsRefused) {
+TEST(BvhOverObjects, TriangleWithoutBox_RefitIsRefused) {
   Board board = Board::open(objects_config());
   TriangleScene wide = kScenes[6].make();
   for (Triangle& t : wide)
@@ -221,7 +221,7 @@ TEST(HierarchyOfObjects, WhatHasNoBoxIsRefused) {
 }
 
 /// Object tables lie above the registers in the same address space.
-TEST(HierarchyOfObjects, EntriesOfTablesAreNoRegisters) {
+TEST(BvhOverObjects, TableEntries_AliasNoRegister) {
   Board board = Board::open(slow_config());
   const std::array<std::uint32_t, 8> registers = {
       card::kRegNodeFlip, card::kRegRoot,      card::kRegRoot + 24, card::kRegNodeCount,
@@ -235,7 +235,7 @@ TEST(HierarchyOfObjects, EntriesOfTablesAreNoRegisters) {
     EXPECT_EQ(board.read_register(registers[i]), before[i]) << registers[i];
 }
 
-TEST(HierarchyOfObjects, MemoryThatIsNoTrees) {
+TEST(BvhOverObjects, MalformedMemory_GivesAnError) {
   Board board = Board::open(objects_config());
   Moving world(kScenes[6].make(), 3);
   const std::vector<Ray> rays = hard_rays(world.swept().shapes, 300);

@@ -89,20 +89,20 @@ const Card kSolidsDdr{"solids_ddr", solids_config, {.memory = Memory::kCycle}};
 const Card kMeshes{"meshes", meshes_config}, kSolidsGates{"gates", spheres_gates_config},
     kSpherePairs{"spheres", sphere_pairs_config};
 
-class HierarchySolids : public ::testing::TestWithParam<Card> {
+class BvhSolidCards : public ::testing::TestWithParam<Card> {
  protected:
   /// The first count, or the second one with CDE_FULL=1.
   static std::size_t some(std::size_t quick, std::size_t thorough) {
     return std::getenv("CDE_FULL") != nullptr ? thorough : quick;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Cards, HierarchySolids,
+INSTANTIATE_TEST_SUITE_P(Cards, BvhSolidCards,
                          ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate, kMeshes, kSolidsGates,
                                            kSpherePairs),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: 20,000 of each shape on the first card, and of triangles on the card of meshes.
-TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
+TEST_P(BvhSolidCards, AllSolids_EqualBruteForceAndReference) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool fast = GetParam().name == kSolids.name || GetParam().name == kSpherePairs.name;
   const bool late = GetParam().name == kLate.name;
@@ -115,7 +115,7 @@ TEST_P(HierarchySolids, RecordsAreThoseOfASweepAndOfTheReference) {
 
 /// One card, alternating passes: rays, and solids that take one or two places of the traversal
 /// ring.
-TEST(HierarchyOfSolids, ShapesTakeTurns) {
+TEST(BvhForSolids, AlternatingShapes_GiveCorrectRecords) {
   Board board = Board::open(solids_config());
   const TriangleScene scene = kScenes[6].make();
   const Hierarchy tree = Hierarchy::build(scene);
@@ -144,7 +144,7 @@ TEST(HierarchyOfSolids, ShapesTakeTurns) {
 }
 
 /// A second record follows each record. A small record ring fills up between the two.
-TEST(HierarchyOfSolids, WithNormals) {
+TEST(BvhForSolids, WithNormals_EqualsBruteForce) {
   for (const Card& card : {kSolids, kSolidsDdr}) {
     Board board = Board::open(card.config(), card.options);
     const TriangleScene scene = kScenes[5].make();
@@ -171,7 +171,7 @@ TEST(HierarchyOfSolids, WithNormals) {
 }
 
 /// The triangles of one mesh against those of another: one record each, followed by normals.
-TEST(HierarchyOfSolids, AMeshAgainstAMesh) {
+TEST(BvhForSolids, MeshAgainstMesh_EqualsBruteForce) {
   Board board = Board::open(meshes_config());
   const TriangleScene ground = kScenes[6].make(), ball = hard::icosphere({1, 1, 0.4f}, 0.7f);
   const Hierarchy tree = Hierarchy::build(ground);
@@ -187,7 +187,7 @@ TEST(HierarchyOfSolids, AMeshAgainstAMesh) {
   }
 }
 
-TEST(HierarchyOfSolids, ObjectsMove) {
+TEST(BvhForSolids, MovingObjects_EqualBruteForce) {
   Board board = Board::open(solids_config());
   const TriangleScene scene = kScenes[0].make();
   std::vector<Object> objects = {{.first = 0, .count = 640}, {.first = 640, .count = 640}};
@@ -217,7 +217,7 @@ TEST(HierarchyOfSolids, ObjectsMove) {
   }
 }
 
-TEST(HierarchyOfSolids, SaysWhyThereIsNoWayThrough) {
+TEST(BvhForSolids, WhyNotTraversable_NamesTheReason) {
   Board board = Board::open(solids_config());
   const TriangleScene scene = kScenes[2].make();
   board.upload(scene, Hierarchy::build(scene));
@@ -243,7 +243,7 @@ TEST(HierarchyOfSolids, SaysWhyThereIsNoWayThrough) {
   });
 }
 
-TEST(HierarchyOfSolids, ConfigurationsThatNoCardHas) {
+TEST(BvhForSolids, ImpossibleConfigurations_AreRefused) {
   BoardConfig config = solids_config();
   config.pairs = {Pair::kTriangleSphere};
   EXPECT_NO_THROW((void)config.parameters());

@@ -85,14 +85,14 @@ bool full() {
 const Card kSpheres{"host", spheres_config}, kSpheresGates{"gates", spheres_gates_config},
     kSpheresLate{"late", spheres_config, {.ddr_latency = 300}};
 
-class HierarchySpheres : public ::testing::TestWithParam<Card> {};
-INSTANTIATE_TEST_SUITE_P(Cards, HierarchySpheres,
+class BvhSphereCards : public ::testing::TestWithParam<Card> {};
+INSTANTIATE_TEST_SUITE_P(Cards, BvhSphereCards,
                          ::testing::Values(kSpheres, kSpheresGates, kSpheresLate),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: 80,000 rays and 80,000 spheres in all on the first card, 8,000 of each on the other
 /// cards.
-TEST_P(HierarchySpheres, RecordsAreThoseOfASweepAndOfTheReference) {
+TEST_P(BvhSphereCards, RaysAndSpheres_EqualBruteForceAndReference) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool fast = GetParam().name == kSpheres.name, gates = GetParam().name == kSpheresGates.name;
   const std::size_t count = fast ? (full() ? 10'000 : 500) : full() ? 1000 : gates ? 30 : 60;
@@ -100,7 +100,7 @@ TEST_P(HierarchySpheres, RecordsAreThoseOfASweepAndOfTheReference) {
   expect_all<Sphere>(board, count, !gates);
 }
 
-TEST(HierarchyOverSpheres, TheyMoveAndAreRefitted) {
+TEST(BvhOverSpheres, MovedSpheres_AreRefitted) {
   Board board = Board::open(spheres_config());
   Cloud cloud = cloud_of(kScenes[0].make());
   Hierarchy tree = Hierarchy::build(cloud);
@@ -121,7 +121,7 @@ TEST(HierarchyOverSpheres, TheyMoveAndAreRefitted) {
   expect_error(ErrorCode::kUsage, "Hierarchy::refit()", [&] { (void)board.refit(); });
 }
 
-TEST(HierarchyOverSpheres, ObjectsMove) {
+TEST(BvhOverSpheres, MovingObjects_EqualBruteForce) {
   Board board = Board::open(spheres_config());
   const Cloud cloud = cloud_of(kScenes[0].make());
   std::vector<Object> objects = {{.first = 0, .count = 500}, {.first = 500, .count = 780}};
@@ -149,7 +149,7 @@ TEST(HierarchyOverSpheres, ObjectsMove) {
   }
 }
 
-TEST(HierarchyOverSpheres, WithNormals) {
+TEST(BvhOverSpheres, WithNormals_EqualsBruteForce) {
   Board board = Board::open(spheres_config());
   const Cloud cloud = cloud_of(kScenes[5].make());
   board.upload(cloud, Hierarchy::build(cloud));
@@ -163,7 +163,7 @@ TEST(HierarchyOverSpheres, WithNormals) {
   }
 }
 
-TEST(HierarchyOverSpheres, SaysWhyThereIsNoWayThrough) {
+TEST(BvhOverSpheres, WhyNotTraversable_NamesTheReason) {
   Board board = Board::open(spheres_config());
   const Cloud cloud = {{{0, 0, 0}, 1}, {{3, 0, 0}, 1}};
   expect_error(ErrorCode::kUsage, "a BVH of 2 secondaries cannot be over 1 sphere",

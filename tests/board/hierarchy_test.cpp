@@ -28,13 +28,13 @@ using namespace through;
 
 // ---- Records ----
 
-class HierarchyCard : public ::testing::TestWithParam<Card> {};
-INSTANTIATE_TEST_SUITE_P(Cards, HierarchyCard,
+class BvhCards : public ::testing::TestWithParam<Card> {};
+INSTANTIATE_TEST_SUITE_P(Cards, BvhCards,
                          ::testing::Values(kFast, kGates, kSlow, kPci, kWatertight, kDdr, kLate),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: more than a million rays with host arithmetic, 100,000 with gates.
-TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
+TEST_P(BvhCards, HardRays_EqualTheReference) {
   const BoardConfig config = GetParam().config();
   Board board = Board::open(config, GetParam().options);
   const bool gates = config.arithmetic == Arithmetic::kRtl,
@@ -73,7 +73,7 @@ TEST_P(HierarchyCard, RecordsAreThoseOfTheReference) {
 }
 
 /// The same card's brute-force pass with several packets, modes and stencils. run() equals cast().
-TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
+TEST_P(BvhCards, Modes_EqualBruteForce) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const bool gates = GetParam().config().arithmetic == Arithmetic::kRtl;
   const TriangleScene scene = kScenes[2].make();  // flat, with duplicates
@@ -102,7 +102,7 @@ TEST_P(HierarchyCard, RecordsAreThoseOfASweep) {
 
 /// A hit that lies in no box, because |T d| overflows: neither traversal nor brute force reports
 /// it.
-TEST_P(HierarchyCard, NoHitIsBeyondItsBox) {
+TEST_P(BvhCards, HitOutsideItsBox_IsNotReported) {
   Board board = Board::open(GetParam().config(), GetParam().options);
   const TriangleScene scene = edge_on();
   const Ray ray = beyond_numbers();
@@ -113,7 +113,7 @@ TEST_P(HierarchyCard, NoHitIsBeyondItsBox) {
 }
 
 /// Rays from inside a closed mesh at its edges and vertices, near and far from the origin.
-TEST(HierarchyWatertight, DoesNotLeak) {
+TEST(BvhWatertight, RaysInsideAClosedMesh_DoNotLeak) {
   Board board = Board::open(watertight_config());
   Draw draw(6);
   for (const Vector3f& centre : {Vector3f(0, 0, 0), Vector3f(37, -1234, 5)}) {
@@ -145,7 +145,7 @@ struct Found {
   std::vector<Record> should;
 };
 
-TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
+TEST(BvhDriver, WhyNotTraversable_NamesTheReason) {
   const TriangleScene scene = kScenes[0].make();
   const Hierarchy tree = Hierarchy::build(scene);
   Board plain = Board::open(small_config());
@@ -181,7 +181,7 @@ TEST(HierarchyDriver, SaysWhyThereIsNoWayThrough) {
   refused("no BVH was uploaded", {.pair = Pair::kRayTriangle});
 }
 
-TEST(HierarchyDriver, ProgressGoesUpToOne) {
+TEST(BvhDriver, Progress_RisesToOne) {
   Board board = Board::open(fast_config());
   const TriangleScene scene = kScenes[6].make();
   board.upload(scene, Hierarchy::build(scene));
@@ -195,7 +195,7 @@ TEST(HierarchyDriver, ProgressGoesUpToOne) {
   EXPECT_EQ(shares.back(), 1);
 }
 
-TEST(HierarchyDriver, WhatDoesNotFitIsRefusedWithTheSizes) {
+TEST(BvhDriver, TooLargeBvh_IsRefusedWithSizes) {
   Board board = Board::open(fast_config());
   const Mesh mesh = make_terrain({.quads_x = 100, .quads_y = 100});
   const Hierarchy tree = Hierarchy::build(mesh);
@@ -207,7 +207,7 @@ TEST(HierarchyDriver, WhatDoesNotFitIsRefusedWithTheSizes) {
       [&] { board.upload(mesh, tree); });
 }
 
-TEST(HierarchyDriver, ConfigurationsThatNoCardHas) {
+TEST(BvhDriver, ImpossibleConfigurations_AreRefused) {
   const auto refused = [](const char* why, BoardConfig config) {
     expect_error(ErrorCode::kUsage, why, [&] { (void)config.parameters(); });
   };
@@ -228,7 +228,7 @@ TEST(HierarchyDriver, ConfigurationsThatNoCardHas) {
   refused("no node memory", c);
 }
 
-TEST(HierarchyDriver, StaysOverResetAndPassesThatFail) {
+TEST(BvhDriver, ResetOrFailedPass_KeepsTheBvh) {
   Board board = Board::open(fast_config());
   const Found its(700, Mode::kNearest);
   board.upload(its.scene, its.tree);
@@ -255,7 +255,7 @@ TEST(HierarchyDriver, StaysOverResetAndPassesThatFail) {
 
 /// update_shapes() marks the BVH as outdated. The card refits it bit-identically to the reference,
 /// or the host refits it.
-TEST(HierarchyDriver, RefitsWhatHasMoved) {
+TEST(BvhDriver, MovedTriangles_AreRefitted) {
   for (const Card& card : {kFast, kSlow, kGates, kDdr}) {
     SCOPED_TRACE(card.name);
     Board board = Board::open(card.config(), card.options);
@@ -303,7 +303,7 @@ TEST(HierarchyDriver, RefitsWhatHasMoved) {
 }
 
 /// 256 rays, then streams: cycles from the first ray to the last record, without the bus.
-TEST(HierarchyDriver, ClocksOfTheTerrain) {
+TEST(BvhDriver, Terrain_TakesTheStatedCycles) {
   BoardConfig config = fast_config();
   const Mesh mesh = make_terrain({.quads_x = 60, .quads_y = 60});
   const Hierarchy tree = Hierarchy::build(mesh);
@@ -332,7 +332,7 @@ TEST(HierarchyDriver, ClocksOfTheTerrain) {
 
 /// Every bit of a node's words and of the slots. One wrong bit is corrected and counted. Two wrong
 /// bits end the pass, with the address of the first word read.
-TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
+TEST(BvhDriver, FlippedBitsOfNodesAndSlots_AreCorrectedOrNamed) {
   Board board = Board::open(slow_config());
   const Found its(100, Mode::kHits);
   const Query query{.mode = Mode::kHits, .pair = Pair::kRayTriangle};
@@ -374,7 +374,7 @@ TEST(HierarchyDriver, CheckBitsOfNodesAndSlots) {
 }
 
 /// The same for triangles in DDR, as in a brute-force pass.
-TEST(HierarchyDriver, WrongBitsOfTriangles) {
+TEST(BvhDriver, FlippedBitsOfTriangles_AreCorrectedOrNamed) {
   Board board = Board::open(slow_config());
   const Found its(100, Mode::kNearest);
   const auto hit =
@@ -397,9 +397,9 @@ TEST(HierarchyDriver, WrongBitsOfTriangles) {
 
 // ---- Malformed BVHs ----
 
-class Malformed : public ::testing::Test {
+class MalformedBvh : public ::testing::Test {
  protected:
-  Malformed() : board_(Board::open(fast_config())) {}
+  MalformedBvh() : board_(Board::open(fast_config())) {}
   void upload(const Hierarchy& tree) {
     tree_ = tree;
     board_.upload(scene_, tree_);
@@ -427,7 +427,7 @@ class Malformed : public ::testing::Test {
   Board board_;
 };
 
-TEST_F(Malformed, EndsWithItsAddress) {
+TEST_F(MalformedBvh, BadNode_EndsThePassWithItsAddress) {
   upload(Hierarchy::build(scene_));
   hierarchy::Node root = tree_.nodes()[0];
   root.set_first_node(5'000);
@@ -453,7 +453,7 @@ TEST_F(Malformed, EndsWithItsAddress) {
 
 /// Nodes with one child each that repeat forever: the traversal pushes no level on its stack and
 /// never ends.
-TEST_F(Malformed, WithoutEnd) {
+TEST_F(MalformedBvh, EndlessNodes_EndThePass) {
   upload(Hierarchy::build(scene_));
   hierarchy::Node node = tree_.nodes()[0];
   for (unsigned i = 0; i < 8; ++i) node.set_child(i, hierarchy::Child::kNone);
@@ -469,7 +469,7 @@ TEST_F(Malformed, WithoutEnd) {
 
 /// Random words and random bits in all memories give an error or records within a bounded number of
 /// cycles.
-TEST_F(Malformed, RandomWords) {
+TEST_F(MalformedBvh, RandomWords_GiveAnErrorOrRecords) {
   upload(Hierarchy::build(scene_));
   Draw draw(9);
   const auto word = [&] { return static_cast<std::uint32_t>(draw.below(1ull << 32)); };
@@ -509,7 +509,7 @@ TEST_F(Malformed, RandomWords) {
 }
 
 /// Invalid accesses to registers and memories of the BVH.
-TEST_F(Malformed, AccessesThatMayNotBe) {
+TEST_F(MalformedBvh, InvalidAccesses_AreRefused) {
   upload(Hierarchy::build(scene_));
   const auto refused = [&](auto access) {
     access();

@@ -19,7 +19,7 @@ const auto kKindName = [](const auto& info) { return info.param.name; };
 
 class Modes : public ::testing::TestWithParam<Kind> {};
 
-TEST_P(Modes, EveryModeMatches) {
+TEST_P(Modes, EveryMode_EqualsTheReference) {
   Board board = Board::open(GetParam().config());
   Random random;
   const RayScene scene = cloud(random, 300, 400);
@@ -37,7 +37,7 @@ TEST_P(Modes, EveryModeMatches) {
   }
 }
 
-TEST_P(Modes, EveryPacketSize) {
+TEST_P(Modes, EveryPacketSize_EqualsTheReference) {
   Board board = Board::open(GetParam().config());
   Random random;
   const RayScene all = cloud(random, 256, 20);
@@ -50,7 +50,7 @@ TEST_P(Modes, EveryPacketSize) {
   }
 }
 
-TEST_P(Modes, StencilMasksInEveryMode) {
+TEST_P(Modes, StencilMasks_ApplyInEveryMode) {
   Board board = Board::open(GetParam().config());
   Random random;
   const RayScene scene = cloud(random, 200, 60);
@@ -69,7 +69,7 @@ TEST_P(Modes, StencilMasksInEveryMode) {
   }
 }
 
-TEST_P(Modes, BadRaysAndTrianglesAreFlaggedAndCounted) {
+TEST_P(Modes, BadRaysAndTriangles_AreFlaggedAndCounted) {
   Board board = Board::open(GetParam().config());
   Random random;
   RayScene scene = beam(random, 100, 50);
@@ -88,7 +88,7 @@ TEST_P(Modes, BadRaysAndTrianglesAreFlaggedAndCounted) {
   EXPECT_EQ(bad, 2u * 50 + 3u * 100 - 6);
 }
 
-TEST_P(Modes, NoClockIsLost) {
+TEST_P(Modes, FullRows_LoseNoCycle) {
   Board board = Board::open(GetParam().config());
   Random random;
   const RayScene scene = cloud(random, 256, 1000);
@@ -108,7 +108,7 @@ TEST_P(Modes, NoClockIsLost) {
   EXPECT_DOUBLE_EQ(c.modelled_seconds(1e8), static_cast<double>(c.cycles + c.writeback) * 1e-8);
 }
 
-TEST_P(Modes, AnyEndsEarly) {
+TEST_P(Modes, AnyMode_EndsEarly) {
   Board board = Board::open(GetParam().config());
   RayScene scene;
   for (int i = 0; i < 10; ++i)
@@ -127,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(Boards, Modes,
                                            Kind{"SmallAndSlow", small_config}),
                          kKindName);
 
-TEST(Driver, RefusesWhatMakesNoSense) {
+TEST(Driver, InvalidRequests_AreRefused) {
   Board board = Board::open(small_config());
   Random random;
   const RayScene scene = beam(random, 4, 1001);
@@ -161,14 +161,14 @@ TEST(Driver, RefusesWhatMakesNoSense) {
   EXPECT_EQ(board.run(Query{}).size(), 4u) << "a reset keeps the triangles";
 }
 
-TEST(Driver, FewerRaysAfterMore) {
+TEST(Driver, FewerRaysAfterMore_GiveCorrectRecords) {
   Board board = Board::open(host_config());
   Random random;
   for (const std::size_t n : {256u, 3u, 200u, 17u, 1u, 256u})
     EXPECT_EQ(cast_and_compare(board, cloud(random, n, 30), {}).size(), n);
 }
 
-TEST(Driver, SlowMemoryChangesTimeOnly) {
+TEST(Driver, SlowMemory_ChangesOnlyTime) {
   Random random;
   const RayScene scene = cloud(random, 256, 300);
   std::uint64_t before = 0;
@@ -181,7 +181,7 @@ TEST(Driver, SlowMemoryChangesTimeOnly) {
   }
 }
 
-TEST(Driver, MemoryFaultIsFound) {
+TEST(Driver, FlippedDdrBit_IsFound) {
   Board board = Board::open(host_config());
   Random random;
   const RayScene scene = beam(random, 64, 40);

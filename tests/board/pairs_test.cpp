@@ -17,10 +17,10 @@ struct Kind {
   friend void PrintTo(const Kind& k, std::ostream* out) { *out << k.name; }
 };
 
-class Pairs : public ::testing::TestWithParam<Kind> {};
+class BoardPairs : public ::testing::TestWithParam<Kind> {};
 
 /// A million pairs on the full boards, over scales from 2^-50 to 2^50.
-TEST_P(Pairs, RandomPairsMatchBitForBit) {
+TEST_P(BoardPairs, RandomPairs_MatchBitForBit) {
   Board board = Board::open(GetParam().config());
   Random random;
   std::uint64_t pairs = 0, hits = 0;
@@ -37,7 +37,7 @@ TEST_P(Pairs, RandomPairsMatchBitForBit) {
   EXPECT_LT(share, 0.7);
 }
 
-TEST_P(Pairs, DirectedPairsMatchBitForBit) {
+TEST_P(BoardPairs, DirectedPairs_MatchBitForBit) {
   Board board = Board::open(GetParam().config());
   const RayScene scene = directed();
   std::size_t hits = 0, bad = 0;
@@ -50,7 +50,7 @@ TEST_P(Pairs, DirectedPairsMatchBitForBit) {
 }
 
 /// The same pairs, one secondary stream, through each reduction.
-TEST_P(Pairs, DirectedCasesReduceAlike) {
+TEST_P(BoardPairs, DirectedCases_ReduceCorrectly) {
   Board board = Board::open(GetParam().config());
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits}) {
     SCOPED_TRACE(name_of(mode));
@@ -58,7 +58,7 @@ TEST_P(Pairs, DirectedCasesReduceAlike) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Boards, Pairs,
+INSTANTIATE_TEST_SUITE_P(Boards, BoardPairs,
                          ::testing::Values(Kind{"Host", host_config, 8, 500},
                                            Kind{"Rtl", rtl_config, 8, 500},
                                            Kind{"SmallAndSlow", small_config, 4, 100}),

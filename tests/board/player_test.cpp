@@ -91,7 +91,7 @@ std::string query(const char* name, const std::string& secondaries, const std::s
       name, secondaries, more);
 }
 
-TEST(PlayerMoves, AMovedObjectCostsTwelveWords) {
+TEST(SceneRunnerMoves, MovedObject_CostsTwelveWords) {
   Played played(terrain("still", "") + terrain("moving", kTurning) +
                 terrain("child",
                         "parent = \"moving\"\nmotion = { kind = \"velocity\", position = "
@@ -107,7 +107,7 @@ TEST(PlayerMoves, AMovedObjectCostsTwelveWords) {
 }
 
 /// The host updates vertices in the object's frame; the object table holds the pose.
-TEST(PlayerMoves, MeshesThatDeformAndMove) {
+TEST(SceneRunnerMoves, DeformingMovingMesh_CostsChangedVerticesAndAPose) {
   Played played(terrain("heaving", kBand) + terrain("both", kBand + kTurning) + kRays +
                 query("hit", R"(["heaving", "both"])"));
   const std::uint64_t moved = played.plan().queries[0].moved_words;
@@ -123,7 +123,7 @@ TEST(PlayerMoves, MeshesThatDeformAndMove) {
 }
 
 /// Transforms on the host and on the card give bit-identical records.
-TEST(PlayerMoves, TheHostFindsTheSame) {
+TEST(SceneRunnerMoves, HostTransforms_GiveTheSameRecords) {
   const std::string scene = terrain("moving", kTurning) + terrain("still", "") + kRays +
                             query("hit", R"(["moving", "still"])");
   Played card(scene), host("[card]\nmover = \"host\"\n" + scene);
@@ -137,7 +137,7 @@ TEST(PlayerMoves, TheHostFindsTheSame) {
   }
 }
 
-TEST(PlayerMoves, ObjectsThatStopCostNothing) {
+TEST(SceneRunnerMoves, StoppedObject_CostsNothing) {
   Played played(terrain("path",
                         "motion = { kind = \"path\", points = [[0, 0, 0], [4, 0, 0]], duration = "
                         "0.1 }\n") +
@@ -149,7 +149,7 @@ TEST(PlayerMoves, ObjectsThatStopCostNothing) {
 }
 
 /// Each query has other objects in DDR: all are written again, and the records stay correct.
-TEST(PlayerMoves, QueriesOfDifferentObjects) {
+TEST(SceneRunnerMoves, QueriesOfDifferentObjects_GiveCorrectRecords) {
   const std::string scene = terrain("a", kTurning) + terrain("b", kBand + "parent = \"a\"\n") +
                             kRays + query("one", R"(["b", "a"])") +
                             query("two", "\"a\"", "mode = \"hits\"\nmask = [\"0..250\"]\n") +
@@ -185,7 +185,7 @@ std::string boxes_and_planes(const char* primaries, const char* secondaries) {
 
 /// A box has 15 words and a sphere has 4. A transform per box is therefore cheaper, and a transform
 /// per sphere is not.
-TEST(PlayerMoves, ShapesThatMoveOnTheirOwn) {
+TEST(SceneRunnerMoves, SeparatelyMovingShapes_UseTheCheaperTransform) {
   Played boxes(shapes("boxes", "obb", 40, kEach) + shapes("planes", "plane", 9, "") +
                boxes_and_planes("\"planes\"", "\"boxes\""));
   EXPECT_EQ(boxes.secondary_words(0), 40u * (15 + 14));
@@ -208,7 +208,7 @@ TEST(PlayerMoves, ShapesThatMoveOnTheirOwn) {
 }
 
 /// Primaries that fit one packet stay in the register file.
-TEST(PlayerMoves, PrimariesStayLoaded) {
+TEST(SceneRunnerMoves, PrimariesOfOnePacket_StayLoaded) {
   Played played(shapes("robot", "obb", 30, kTurning) + shapes("base", "obb", 5, "") +
                 shapes("hand", "obb", 3, "parent = \"robot\"\n" + kEach) +
                 shapes("planes", "plane", 9, kTurning) +
@@ -224,7 +224,7 @@ TEST(PlayerMoves, PrimariesStayLoaded) {
 }
 
 /// Primaries that do not move are loaded once, for all pairs.
-TEST(PlayerMoves, PrimariesThatStayAreLoadedOnce) {
+TEST(SceneRunnerMoves, UnmovedPrimaries_AreLoadedOnce) {
   Played played("[[object]]\nname = \"rays\"\nrandom_rays = { count = 200, redraw = false }\n" +
                 terrain("ground", "") + shapes("pipes", "cylinder", 30, kEach) +
                 query("ground", "\"ground\"") +
@@ -243,7 +243,7 @@ TEST(PlayerMoves, PrimariesThatStayAreLoadedOnce) {
 }
 
 /// An error in the middle of a frame leaves a card that can run the next frame.
-TEST(PlayerMoves, FramesAfterAnError) {
+TEST(SceneRunnerMoves, ErrorInAFrame_NextFrameRuns) {
   const Scene scene = parse_scene(
       "frames = 9\n" + terrain("moving", kTurning) + kRays + query("hit", "\"moving\""), "s.toml");
   bool stop = false;
@@ -260,7 +260,7 @@ TEST(PlayerMoves, FramesAfterAnError) {
 
 // ---- Wrong bits in DDR ----
 
-class PlayerFlips : public ::testing::Test {
+class SceneRunnerFlips : public ::testing::Test {
  protected:
   Player open(bool ecc, const char* fault) {
     Plan p = plan(scene_);
@@ -273,7 +273,7 @@ class PlayerFlips : public ::testing::Test {
                              "s.toml");
 };
 
-TEST_F(PlayerFlips, AreCorrectedAndCounted) {
+TEST_F(SceneRunnerFlips, OneBit_IsCorrectedAndCounted) {
   Player player = open(true, "ddr:17@1");
   for (const std::uint32_t f : {0u, 1u, 2u}) {
     const QueryFrame result = player.play(f)[0];
@@ -283,7 +283,7 @@ TEST_F(PlayerFlips, AreCorrectedAndCounted) {
   EXPECT_EQ(player.injected(), std::vector<bool>{true});
 }
 
-TEST_F(PlayerFlips, OfTwoBitsAreOneError) {
+TEST_F(SceneRunnerFlips, TwoBits_GiveOneError) {
   Player player = open(true, "ddr:3:2@1");
   EXPECT_EQ(player.play(0)[0].mismatches, 0u);
   try {
@@ -297,13 +297,13 @@ TEST_F(PlayerFlips, OfTwoBitsAreOneError) {
   }
 }
 
-TEST_F(PlayerFlips, WithoutCheckBitsTheReferenceTells) {
+TEST_F(SceneRunnerFlips, WithoutCheckBits_ReferenceFindsTheFlip) {
   Player player = open(false, "ddr:200:20@1");
   EXPECT_EQ(player.play(0)[0].mismatches, 0u);
   EXPECT_GT(player.play(1)[0].mismatches, 0u);
 }
 
-TEST_F(PlayerFlips, NeedAsManyWords) {
+TEST_F(SceneRunnerFlips, FlipBeyondTheData_IsRefused) {
   Player player = open(false, "ddr:1945@0");
   EXPECT_THROW((void)player.play(0), Error);
 }

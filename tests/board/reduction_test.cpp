@@ -21,7 +21,7 @@ Triangle triangle_in(std::size_t column, float z = 1) {
 
 /// Each ray hits its own triangle in turn, and one ray hits only the last triangle. The pass goes
 /// on while any ray has no hit, for every ray and row.
-TEST(Reduction, AnyGoesOnWhileOneRayIsMissing) {
+TEST(Reduction, AnyMode_ContinuesUntilEveryRayHits) {
   Board board = Board::open(small_config());
   constexpr std::size_t kRays = 11, kBetween = 400;
   for (std::size_t last = 0; last < kRays; ++last) {
@@ -44,7 +44,7 @@ TEST(Reduction, AnyGoesOnWhileOneRayIsMissing) {
 }
 
 /// The pass does not wait for masked rays, and their hits do not count for other rays.
-TEST(Reduction, AnyCountsOnlyActiveRays) {
+TEST(Reduction, AnyMode_CountsOnlyActiveRays) {
   Board board = Board::open(small_config());
   RayScene scene;
   Stencil masked;
@@ -65,7 +65,7 @@ TEST(Reduction, AnyCountsOnlyActiveRays) {
 }
 
 /// The same triangle several times, among nearer and farther ones: the first equal one is kept.
-TEST(Reduction, TiesGoToTheLowestIndex) {
+TEST(Reduction, EqualT_KeepsTheLowestIndex) {
   Board board = Board::open(small_config());
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest}) {
     SCOPED_TRACE(name_of(mode));
@@ -88,7 +88,7 @@ TEST(Reduction, TiesGoToTheLowestIndex) {
 }
 
 /// A brute-force pass follows the object table, so a later object can have the lower index.
-TEST(Reduction, TiesGoToTheLowestIndexWhateverTheOrder) {
+TEST(Reduction, EqualTInAnyOrder_KeepsTheLowestIndex) {
   Board board = Board::open(config_of(kMany));
   const std::vector<Triangle> equal(40, triangle_in(0));
   std::vector<Ray> rays(9, ray_in(0));
@@ -115,7 +115,7 @@ TEST(Reduction, TiesGoToTheLowestIndexWhateverTheOrder) {
 
 /// Rays that start in the planes of triangles, seen from both sides: T is zero. Zeros of both signs
 /// tie.
-TEST(Reduction, ZerosTie) {
+TEST(Reduction, ZerosOfBothSigns_Tie) {
   Board board = Board::open(small_config());
   RayScene scene;
   for (const float dz : {1.0f, -1.0f, 0.5f})
@@ -137,7 +137,7 @@ TEST(Reduction, ZerosTie) {
 
 /// Spheres that touch have the signed distance -0: below any positive distance, above any negative
 /// one.
-TEST(Reduction, TouchingIsBetweenApartAndDeep) {
+TEST(Reduction, TouchingSpheres_RankBetweenApartAndDeep) {
   BoardConfig config;
   config.lanes = 8;
   config.ddr_slots = 1000;

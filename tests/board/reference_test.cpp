@@ -54,7 +54,7 @@ void expect_same(const std::vector<Record>& a, const std::vector<Record>& b) {
   for (std::size_t i = 0; i < a.size(); ++i) ASSERT_TRUE(same_bits(a[i], b[i])) << "record " << i;
 }
 
-TEST(Reference, VectorCodeEqualsTheTemplate) {
+TEST(Reference, VectorCode_EqualsTheTemplate) {
   Random random;
   Stencil some;
   for (std::size_t i = 0; i < 256; ++i) some[i] = random.below(4) == 0;
@@ -75,7 +75,7 @@ TEST(Reference, VectorCodeEqualsTheTemplate) {
 }
 
 /// The pairs of one primary, in each mode: the record kept last is its result.
-TEST(Reference, TheSweepOfAPrimaryEndsWithItsRecord) {
+TEST(Reference, LastKeptPair_IsTheRecord) {
   Random random;
   const RayScene scene = beam(random, 20, 60);
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
@@ -122,7 +122,7 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 
 class ReferenceKnown : public ::testing::TestWithParam<Known> {};
 
-TEST_P(ReferenceKnown, Outcome) {
+TEST_P(ReferenceKnown, Case_HasItsOutcome) {
   const Known& known = GetParam();
   const Record r = reference::record_of(known.ray, known.triangle, 7, 3);
   EXPECT_EQ(r.f, known.f);
@@ -172,7 +172,7 @@ INSTANTIATE_TEST_SUITE_P(
               kOrigin}),
     [](const auto& info) { return info.param.name; });
 
-TEST(Reference, TiesGoToTheLowestIndexAndBothZerosTie) {
+TEST(Reference, TiesAndZeros_KeepTheLowestIndex) {
   RayScene scene;
   scene.rays.push_back({.o = {0.25f, 0.25f, 1}, .d = {0, 0, 1}, .tmin = -1});
   // is +0 for one orientation and -0 for the other.
@@ -187,7 +187,7 @@ TEST(Reference, TiesGoToTheLowestIndexAndBothZerosTie) {
   }
 }
 
-TEST(Reference, DoubleAgreesWithFloatOnExactCases) {
+TEST(Reference, ExactCases_DoubleEqualsFloat) {
   using V = Eigen::Vector3d;
   const auto r = reference::ray_triangle_moller<double>(V(0.25, 0.25, 0), V(0, 0, 2), 0.0, 10.0,
                                                         V(0, 0, 1), V(1, 0, 1), V(0, 1, 1));
@@ -200,7 +200,7 @@ TEST(Reference, DoubleAgreesWithFloatOnExactCases) {
   EXPECT_EQ(std::bit_cast<std::uint64_t>(bad.t), 0x7ff8000000000000u);
 }
 
-TEST(Checker, HasThePairsOfADifferenceForExplain) {
+TEST(Checker, Difference_HasPairsForExplain) {
   const RayScene scene{{{{0.25f, 0.25f, 0}, {0, 0, 1}}}, {kPlain}};
   auto records = reference::cast(scene.rays, scene.triangles);
   reference::Checker right(scene.rays, scene.triangles, Mode::kNearest, {}, 256, "");
@@ -216,7 +216,7 @@ TEST(Checker, HasThePairsOfADifferenceForExplain) {
             "0x3f800000 0x00000000 0x3f800000 0x3f800000'");
 }
 
-TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
+TEST(Checker, Difference_NamesItAndHowToRepeatIt) {
   Random random;
   const RayScene scene = beam(random, 10, 20);
   auto records = reference::cast(scene.rays, scene.triangles);
@@ -252,7 +252,7 @@ TEST(Checker, NamesTheDifferenceAndHowToRepeatIt) {
 }
 
 /// `cde cast` reports this: every record is compared, also after a difference.
-TEST(Checker, CountsWhatMatches) {
+TEST(Checker, Matches_AreCounted) {
   Random random;
   const RayScene scene = beam(random, 10, 20);
   const auto all = reference::cast(scene.rays, scene.triangles);

@@ -57,7 +57,7 @@ class Registers : public ::testing::Test {
   RayScene scene_;
 };
 
-TEST_F(Registers, ReadOnlyAndUnmapped) {
+TEST_F(Registers, ReadOnlyOrUnmapped_IsRefused) {
   for (const std::uint32_t r :
        {kRegId,        kRegCaps,      kRegConfigHash,  kRegCaps2,   kRegCapacity,  kRegStatus,
         kRegRecords,   kRegFaultAddr, kRegCycles,      kRegRows,    kRegStalls,    kRegBubbles,
@@ -78,7 +78,7 @@ TEST_F(Registers, ReadOnlyAndUnmapped) {
   }
 }
 
-TEST_F(Registers, Unaligned) {
+TEST_F(Registers, UnalignedAccess_IsRefused) {
   for (const std::uint32_t low : {1u, 2u, 4u, 7u}) {
     expect_write_refused(kSpaceReg, kRegCommand + low);
     expect_read_refused(kSpaceReg, kRegId + low);
@@ -87,7 +87,7 @@ TEST_F(Registers, Unaligned) {
   }
 }
 
-TEST_F(Registers, BeyondTheMemories) {
+TEST_F(Registers, AccessBeyondTheMemories_IsRefused) {
   expect_write_refused(kSpacePrim, 256 * 32);
   expect_write_refused(kSpacePrim, 0x80000000u);
   expect_write_refused(kSpaceDdr, 36'000);  // 1,000 slots
@@ -100,7 +100,7 @@ TEST_F(Registers, BeyondTheMemories) {
   EXPECT_EQ(status(), 0u);
 }
 
-TEST_F(Registers, SpacesThatTheCardDoesNotHave) {
+TEST_F(Registers, UnknownSpaces_AreRefused) {
   start(kModeNearest, 8, 0, 20);  // state that refused accesses must not change
   board_.wait(100'000);
   const std::uint64_t command = board_.read_register(kRegCommand);
@@ -121,7 +121,7 @@ TEST_F(Registers, SpacesThatTheCardDoesNotHave) {
   cast_and_compare(board_, scene_, {});
 }
 
-TEST_F(Registers, EmptyRing) {
+TEST_F(Registers, ReadOfAnEmptyRing_IsRefused) {
   expect_read_refused(kSpaceSram, 0);
   EXPECT_EQ(board_.read_register(kRegRecords), 0u);
   // Also after the last record of a pass.
@@ -133,14 +133,14 @@ TEST_F(Registers, EmptyRing) {
   expect_read_refused(kSpaceSram, 0);
 }
 
-TEST_F(Registers, OnlyTheFirstFaultIsKept) {
+TEST_F(Registers, SeveralFaults_KeepTheFirst) {
   board_.write_register(kRegId, 1);
   board_.write_register(kRegCaps, 1);
   EXPECT_EQ(board_.read_register(kRegFaultAddr), kRegId);
   clear();
 }
 
-TEST_F(Registers, CommandsOutOfRange) {
+TEST_F(Registers, CommandsOutOfRange_AreRefused) {
   struct Command {
     std::uint64_t command, primaries, first, count;
   };
@@ -165,7 +165,7 @@ TEST_F(Registers, CommandsOutOfRange) {
 }
 
 /// Unwritten slots violate the contract. They are not rays of zeros.
-TEST_F(Registers, PrimariesNeverWrittenAreBad) {
+TEST_F(Registers, UnwrittenPrimaries_AreBad) {
   board_.reset();
   board_.load(std::span(scene_.rays).first(2));
   start(kModeNearest, 4, 0, 20);
@@ -180,7 +180,7 @@ TEST_F(Registers, PrimariesNeverWrittenAreBad) {
   }
 }
 
-TEST_F(Registers, WritesWhileBusyAreRefusedAndHarmless) {
+TEST_F(Registers, WritesWhileBusy_AreRefusedAndHarmless) {
   start(kModeNearest, 256, 0, 500);
   for (const std::uint32_t r :
        {std::uint32_t{kRegCommand}, std::uint32_t{kRegPrimCount}, std::uint32_t{kRegSecFirst},
@@ -217,13 +217,13 @@ TEST_F(Registers, WritesWhileBusyAreRefusedAndHarmless) {
         << i;
 }
 
-TEST_F(Registers, AbortWithoutAPassIsHarmless) {
+TEST_F(Registers, AbortWithoutAPass_IsHarmless) {
   for (int i = 0; i < 3; ++i) board_.write_register(kRegControl, kControlAbort);
   EXPECT_EQ(status(), 0u);
   cast_and_compare(board_, scene_, {});
 }
 
-TEST_F(Registers, RandomAccessesNeverHangTheCard) {
+TEST_F(Registers, RandomAccesses_NeverHangTheCard) {
   Random random;
   for (int round = 0; round < 20; ++round) {
     for (int i = 0; i < 200; ++i) {

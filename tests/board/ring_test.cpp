@@ -6,7 +6,7 @@
 namespace cde::testing {
 namespace {
 
-TEST(Ring, TinyRingLosesNothing) {
+TEST(RecordRing, TinyRing_LosesNothing) {
   Board board = Board::open(small_config());
   ASSERT_EQ(board.sram_records(), 64u);
   Random random;
@@ -22,7 +22,7 @@ TEST(Ring, TinyRingLosesNothing) {
 }
 
 /// More records than the seven SRAM chips hold.
-TEST(Ring, MoreRecordsThanTheCardHolds) {
+TEST(RecordRing, MoreRecordsThanTheRing_AreAllDelivered) {
   Board board = Board::open(host_config());
   ASSERT_EQ(board.sram_records(), 524'288u);
   Random random;
@@ -94,7 +94,7 @@ void read_randomly(const RayScene& scene, std::size_t triangles) {
   }
 }
 
-TEST(Ring, RandomReaderSeesEveryRecordInOrder) {
+TEST(RecordRing, RandomReader_SeesEveryRecordInOrder) {
   Random random;
   read_randomly(beam(random, 256, 30), 30);
   read_randomly(beam(random, 151, 21), 21);  // an odd number of records
@@ -102,7 +102,7 @@ TEST(Ring, RandomReaderSeesEveryRecordInOrder) {
 
 /// During a pass, the last word of a lone record waits for the next record. Reading it is refused,
 /// like reading an empty ring.
-TEST(Ring, BeatOfTwoRecordsIsThereWhenBothAre) {
+TEST(RecordRing, BeatOfTwoRecords_IsReadableWhenBothExist) {
   // A core so slow that the host can see single records arrive.
   Board board = Board::open(small_config(), {.clock_period_ps = 1'000'000});
   Random random;
@@ -143,7 +143,7 @@ TEST(Ring, BeatOfTwoRecordsIsThereWhenBothAre) {
   EXPECT_EQ(rest.back() & 0xffffffff, std::bit_cast<std::uint32_t>(expected[19].t));
 }
 
-TEST(Ring, ExceptionInTheSinkLeavesTheBoardUsable) {
+TEST(RecordRing, ExceptionInTheSink_LeavesTheBoardUsable) {
   Random random;
   for (const auto config : {host_config, small_config}) {
     Board board = Board::open(config());
@@ -165,7 +165,7 @@ TEST(Ring, ExceptionInTheSinkLeavesTheBoardUsable) {
   }
 }
 
-TEST(Ring, DeadlineAndWatchdog) {
+TEST(RecordRing, DeadlineOrWatchdog_EndsThePass) {
   Board board = Board::open(host_config());
   Random random;
   const RayScene scene = cloud(random, 256, 1000);
@@ -190,7 +190,7 @@ TEST(Ring, DeadlineAndWatchdog) {
 }
 
 /// Abort and reset at random cycles of passes in every mode; the next full pass is correct.
-TEST(Ring, AbortAndResetInMidPass) {
+TEST(RecordRing, AbortOrResetMidPass_NextPassIsCorrect) {
   Random random;
   for (const auto config : {host_config, small_config}) {
     Board board = Board::open(config());

@@ -105,7 +105,7 @@ double gap(const Record& r) {
   return r.f ? -static_cast<double>(r.t) : static_cast<double>(r.t);
 }
 
-TEST_P(SelfPairs, AreLeftOutAndEachPairCountsOnce) {
+TEST_P(SelfPairs, PairsOfAQueryWithItself_CountOnce) {
   const Case& c = cases()[std::get<0>(GetParam())];
   const Mode mode = std::get<1>(GetParam());
   Scene scene;
@@ -183,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, SelfPairs,
                          });
 
 /// Half of the tests, and no records of pairs that precede their own packet.
-TEST(SelfPairsCost, ASweepBeginsBehindThePacketsFirst) {
+TEST(SelfPairsCost, OneSidedPass_BeginsAfterItsPacket) {
   const Case& c = cases()[0];
   Scene scene;
   const Played once = played(c, Mode::kHits, false, scene);

@@ -66,7 +66,7 @@ BoardConfig small(Arithmetic arithmetic) {
 
 class Solids : public ::testing::TestWithParam<Arithmetic> {};
 
-TEST_P(Solids, SpheresWithNormalsAndRolesExchanged) {
+TEST_P(Solids, SwappedSpheresWithNormals_EqualTheReference) {
   BoardConfig config = small(GetParam());
   config.pairs = {Pair::kSphereSphere};
   config.swap = config.normals = true;
@@ -77,7 +77,7 @@ TEST_P(Solids, SpheresWithNormalsAndRolesExchanged) {
       check_all_modes(board, Pair::kSphereSphere, s.few, s.many, swap, normals);
 }
 
-TEST_P(Solids, SeveralPipesOneAfterTheOther) {
+TEST_P(Solids, PipesOneAfterTheOther_EqualTheReference) {
   BoardConfig config = small(GetParam());
   config.pairs = {Pair::kRayTriangle, Pair::kSphereSphere};
   Board board = Board::open(config);
@@ -102,7 +102,7 @@ std::vector<Cylinder> cylinders(std::size_t count, unsigned seed) {
 
 /// An iterative pipeline: rows wait at its input port. Each row takes one cycle per iteration, and
 /// the query sets the iterations.
-TEST_P(Solids, CylindersWithTheBudgetOfTheQuery) {
+TEST_P(Solids, Cylinders_UseTheQuerysIterations) {
   BoardConfig config = small(GetParam());
   const bool gates = GetParam() == Arithmetic::kRtl;
   config.pairs = {Pair::kCylinderCylinder};
@@ -153,7 +153,7 @@ Board board_of_boxes(Arithmetic arithmetic, unsigned interval) {
 
 /// With SAT_II > 1 the candidate axes share hardware: the same records, three cycles per row,
 /// counted as stalls.
-TEST(SolidsInterval, FacetsInTurnTakeThreeClocksARow) {
+TEST(SolidsSatInterval, SharedCandidateAxes_TakeThreeCyclesPerRow) {
   std::vector<Obb> few = boxes(19, 1), many = boxes(43, 2);
   few[2].half.x() = -1;
   many[4].rotation *= 2;
@@ -176,7 +176,7 @@ TEST(SolidsInterval, FacetsInTurnTakeThreeClocksARow) {
       << "the pipe latency grows by three cycles";
 }
 
-TEST_P(Solids, OnlyPairsWithFacetsWait) {
+TEST_P(Solids, SharedCandidateAxes_DelayOnlyTheirPairs) {
   Board board = board_of_boxes(GetParam(), 3);
   const bool gates = GetParam() == Arithmetic::kRtl;
   const std::vector<Obb> few = boxes(gates ? 6 : 19, 1), many = boxes(gates ? 9 : 43, 2);
@@ -192,7 +192,7 @@ TEST_P(Solids, OnlyPairsWithFacetsWait) {
   }
 }
 
-TEST(SolidsRing, RefusesBudgetsOutOfRange) {
+TEST(SolidsIterativePipe, BudgetsOutOfRange_AreRefused) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kCylinderCylinder};
   config.normals = true;
@@ -217,7 +217,7 @@ TEST(SolidsRing, RefusesBudgetsOutOfRange) {
 }
 
 /// The same with other pipes: after a register, one cycle before its operands.
-TEST(SolidsRing, BesideAnotherPipe) {
+TEST(SolidsIterativePipe, BesideAnotherPipe_EqualsTheReference) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kSphereSphere, Pair::kCylinderCylinder};
   Board board = Board::open(config);
@@ -231,7 +231,7 @@ TEST(SolidsRing, BesideAnotherPipe) {
 
 /// Rays and spheres meet a mesh in one pass, each in its own pipe. The records equal those of two
 /// passes, and the cycles equal those of the longer one.
-TEST_P(Solids, TwoPipesAtATime) {
+TEST_P(Solids, TwoParallelPipes_EqualTwoPasses) {
   BoardConfig config = small(GetParam());
   config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
   config.swap = config.parallel = true;
@@ -281,7 +281,7 @@ INSTANTIATE_TEST_SUITE_P(Arithmetic, Solids, ::testing::Values(Arithmetic::kHost
                            return info.param == Arithmetic::kHost ? "host" : "rtl";
                          });
 
-TEST(SolidsDriver, RefusesWhatDoesNotFit) {
+TEST(SolidsDriver, UnfittingRequests_AreRefused) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kRayTriangle, Pair::kSphereSphere};
   Board board = Board::open(config);
@@ -312,7 +312,7 @@ TEST(SolidsDriver, RefusesWhatDoesNotFit) {
   EXPECT_THROW(board.upload_shapes(std::span<const Sphere>(s.many)), Error) << "a bad sphere";
 }
 
-TEST(SolidsDriver, ShapesThatBreakTheirContract_AreErrorsOfEveryLoad) {
+TEST(SolidsDriver, ShapesOutOfContract_AreErrorsOfEveryLoad) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
   config.swap = config.parallel = true;
@@ -342,7 +342,7 @@ TEST(SolidsDriver, ShapesThatBreakTheirContract_AreErrorsOfEveryLoad) {
   for (std::size_t i = 0; i < records.size(); ++i) EXPECT_EQ(records[i].bad, i == 2);
 }
 
-TEST(SolidsDriver, RefusesSecondPairsThatDoNotFit) {
+TEST(SolidsDriver, UnfittingSecondPairs_AreRefused) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};
   config.swap = config.parallel = true;

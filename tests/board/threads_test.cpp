@@ -13,7 +13,7 @@
 namespace cde::testing {
 namespace {
 
-TEST(Threads, BoardsInThreadsAreIndependent) {
+TEST(Threads, BoardsInThreads_AreIndependent) {
   Random random;
   const std::array<RayScene, 2> scenes = {cloud(random, 512, 500), cloud(random, 512, 500)};
   std::vector<std::thread> threads;
@@ -36,7 +36,7 @@ TEST(Threads, BoardsInThreadsAreIndependent) {
 
 /// The Verilated model keeps its context in a thread-local variable. With assertions, closing a
 /// board after another board of the same thread must not crash.
-TEST(Threads, BoardsCloseInAnyOrderAndThread) {
+TEST(Threads, Boards_CloseInAnyOrderAndThread) {
   Random random;
   const RayScene scene = cloud(random, 20, 20);
   for (const bool first_goes_first : {true, false}) {
@@ -55,7 +55,7 @@ TEST(Threads, BoardsCloseInAnyOrderAndThread) {
 
 /// Every driver operation on two kinds of boards in parallel: faults, retries, errors, resets, and
 /// the first opening of a model by both threads.
-TEST(Threads, BoardsOfEveryKindAtATime) {
+TEST(Threads, BoardsOfEveryKind_RunInParallel) {
   const std::array<BoardConfig, 4> kinds = {small_config(), host_config(), small_config(),
                                             rich_config(Bus::kFunctional)};
   std::array<std::uint64_t, 4> records{};
@@ -82,7 +82,7 @@ TEST(Threads, BoardsOfEveryKindAtATime) {
 }
 
 /// Scenes are read, planned and run in parallel.
-TEST(Threads, PlayersAreIndependent) {
+TEST(Threads, SceneRunners_AreIndependent) {
   std::array<std::uint64_t, 2> compared{};
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < compared.size(); ++i) {

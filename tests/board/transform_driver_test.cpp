@@ -12,7 +12,7 @@ namespace {
 using namespace card;
 
 /// Words that only the transform makes too large: the check comes after the transformer.
-TEST(ObjectDriver, WhatMovesOutOfTheRangeIsBadInput) {
+TEST(ObjectDriver, MovedOutOfRange_IsBadInput) {
   Board board = Board::open(config_of(kSlowHost));
   Random random;
   MovingRays scene = rays(random, 9, 12);
@@ -38,7 +38,7 @@ TEST(ObjectDriver, WhatMovesOutOfTheRangeIsBadInput) {
 }
 
 /// Far from the origin the corners of a small box coincide: bad input.
-TEST(ObjectDriver, BoxesThatVanishAreBadInput) {
+TEST(ObjectDriver, BoxesThatVanish_AreBadInput) {
   Board board = Board::open(config_of(kBoxes));
   Random random;
   const auto mesh = shapes<Triangle>(random, 10);
@@ -59,7 +59,7 @@ TEST(ObjectDriver, BoxesThatVanishAreBadInput) {
 }
 
 /// A pass with another shape does not use the posed primaries of the first.
-TEST(ObjectDriver, PrimariesOfAnotherPairArePosedAgain) {
+TEST(ObjectDriver, AnotherPair_PosesPrimariesAgain) {
   Board board = Board::open(config_of(kMany));
   Random random;
   const std::vector<Object> posing{{2, 3, motion(random)}};
@@ -80,7 +80,7 @@ TEST(ObjectDriver, PrimariesOfAnotherPairArePosedAgain) {
 
 /// Primaries of two pairs in one pass, each posed as its own shape. The second pair's primaries use
 /// later rows of their own.
-TEST(ObjectDriver, PrimariesOfBothPairsMove) {
+TEST(ObjectDriver, PrimariesOfBothPairs_Move) {
   BoardConfig config = config_of(kParallel);
   config.parallel = true;
   Board board = Board::open(config);
@@ -134,7 +134,7 @@ TEST(ObjectDriver, PrimariesOfBothPairsMove) {
   }
 }
 
-TEST(ObjectDriver, AMoveUploadsTwelveWords) {
+TEST(ObjectDriver, Move_UploadsTwelveWords) {
   Board board = Board::open(config_of(kMany));
   Random random;
   const MovingRays scene = rays(random, 40, 60);
@@ -161,7 +161,7 @@ TEST(ObjectDriver, AMoveUploadsTwelveWords) {
 }
 
 /// Any range, including ranges that begin or end within a beat of DDR; neighbours stay unchanged.
-TEST(ObjectDriver, PartOfTheSecondariesIsUploadedAgain) {
+TEST(ObjectDriver, PartOfTheSecondaries_IsUploadedAgain) {
   Board board = Board::open(config_of(kMany));
   Random random;
   const auto primaries = shapes<Ray>(random, 8);
@@ -186,7 +186,7 @@ TEST(ObjectDriver, PartOfTheSecondariesIsUploadedAgain) {
   check_pass(board, Pair::kObbPlane, true, planes, boxes, {}, {}, {Mode::kAll});
 }
 
-TEST(ObjectDriver, RefusesWhatMakesNoSense) {
+TEST(ObjectDriver, InvalidRequests_AreRefused) {
   BoardConfig config = config_of(kMany);
   config.objects = 8;
   EXPECT_THROW((void)config_of(kMany, Transformer::kNone).parameters().at(99), std::out_of_range);
@@ -239,7 +239,7 @@ TEST(ObjectDriver, RefusesWhatMakesNoSense) {
   });
 }
 
-TEST(ObjectDriver, AabbsAreNotRotated) {
+TEST(ObjectDriver, RotatedAabbs_AreRefused) {
   Board board = Board::open(config_of(kBoxes));
   Random random;
   const auto mesh = shapes<Triangle>(random, 10);
@@ -265,7 +265,7 @@ TEST(ObjectDriver, AabbsAreNotRotated) {
   expect_error(ErrorCode::kDevice, "command refused", [&] { (void)board.run({.swap = true}); });
 }
 
-TEST(ObjectDriver, CardsWithoutATransformerRefuse) {
+TEST(ObjectDriver, CardsWithoutATransformer_Refuse) {
   Random random;
   const MovingRays scene = rays(random, 10, 20);
   for (const Transformer transform : {Transformer::kNone, Transformer::kSecondaries}) {
@@ -307,7 +307,7 @@ TEST(ObjectDriver, CardsWithoutATransformerRefuse) {
 }
 
 /// The reference cast supports objects.
-TEST(ObjectDriver, CastsAreCheckedLikeOthers) {
+TEST(ObjectDriver, CastsWithObjects_AreChecked) {
   Board board = Board::open(config_of(kSlowHost));
   Random random;
   const MovingRays scene = rays(random, 600, 50);

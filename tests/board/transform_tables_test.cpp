@@ -49,7 +49,7 @@ class ObjectTableBus : public ::testing::Test {
   Board board_ = Board::open(config_of(kSlowHost));
 };
 
-TEST_F(ObjectTableBus, EntriesOutOfContractAreRefused) {
+TEST_F(ObjectTableBus, EntriesOutOfContract_AreRefused) {
   EXPECT_TRUE(refused(0)) << "no range in the registers either";
   EXPECT_TRUE(refused(1)) << "never written";
   write_range(kObjectTable, 0, 0, 30);
@@ -119,7 +119,7 @@ TEST_F(ObjectTableBus, EntriesOutOfContractAreRefused) {
   EXPECT_FALSE(refused(1, 0));
 }
 
-TEST_F(ObjectTableBus, IsWrittenOnlyAndNotWhileBusy) {
+TEST_F(ObjectTableBus, ReadsOrWritesWhileBusy_AreRefused) {
   write_range(kObjectTable, 0, 0, 4000);  // long enough for the accesses below
   write_transform(kObjectTable, 0, {});
   const auto fault = [&] {
@@ -151,7 +151,7 @@ TEST_F(ObjectTableBus, IsWrittenOnlyAndNotWhileBusy) {
 }
 
 /// For any content of the tables the card answers, and the next scene is correct.
-TEST_F(ObjectTableBus, GarbageNeverHangsTheCard) {
+TEST_F(ObjectTableBus, Garbage_NeverHangsTheCard) {
   int started = 0;
   for (int round = 0; round < 200; ++round) {
     for (unsigned entry = 0; entry < 3; ++entry) {
@@ -185,7 +185,7 @@ TEST_F(ObjectTableBus, GarbageNeverHangsTheCard) {
 }
 
 /// After an abort in any cycle of posing or of the pass, the next pass is correct.
-TEST_F(ObjectTableBus, AbortAtAnyTime) {
+TEST_F(ObjectTableBus, AbortAtAnyCycle_NextPassIsCorrect) {
   std::vector<Object> moving = objects(random_, 30, 5, false),
                       posing = objects(random_, 20, 4, false);
   for (std::uint64_t clocks = 0; clocks < 700; clocks += clocks < 20 ? 1 : 23) {

@@ -36,7 +36,7 @@ class Objects : public ::testing::TestWithParam<MovingBoard> {};
 
 /// Every shape as secondary and as primary: random overlapping ranges, single slots, bad input and
 /// overflow.
-TEST_P(Objects, EveryShapeInBothRoles) {
+TEST_P(Objects, EveryShapeInBothRoles_EqualsTheReference) {
   Board board = Board::open(config_of(GetParam()));
   Random random;
   for (const Pair pair : GetParam().pairs) {
@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Boards, Objects,
                          ::testing::Values(kMany, kMovingGates, kSlowGates, kSlowHost, kBoxes),
                          [](const auto& info) { return info.param.name; });
 
-TEST(ObjectClocks, AreThoseOfTheGates) {
+TEST(ObjectCycles, HostArithmetic_TakesTheCyclesOfGates) {
   std::vector<Counters> counted;
   for (const MovingBoard& kind : {kSlowHost, kSlowGates}) {
     Random random;
@@ -75,7 +75,7 @@ TEST(ObjectClocks, AreThoseOfTheGates) {
 
 /// With one row of primaries every cycle needs another secondary. Objects of one slot are as fast
 /// as one object with all slots.
-TEST(ObjectClocks, NoneIsLostBetweenObjects) {
+TEST(ObjectCycles, ManyObjects_LoseNoCycle) {
   Board board = Board::open(config_of(kMany));
   Random random;
   std::vector<Sphere> few, many;
@@ -106,7 +106,7 @@ TEST(ObjectClocks, NoneIsLostBetweenObjects) {
 
 /// An unchanged scene costs no cycles. A moved primary object costs its slots, and a changed range
 /// costs all primaries.
-TEST(ObjectClocks, PrimariesArePosedWhenTheyMoved) {
+TEST(ObjectCycles, MovedPrimaries_ArePosedAgain) {
   Board board = Board::open(config_of(kMany));
   Random random;
   const MovingRays scene = rays(random, 100, 50);

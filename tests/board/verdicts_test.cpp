@@ -126,10 +126,10 @@ void check(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B
 }
 
 template <class T>
-class Verdicts : public ::testing::Test {};
-TYPED_TEST_SUITE(Verdicts, All);
+class CertifiedFilter : public ::testing::Test {};
+TYPED_TEST_SUITE(CertifiedFilter, All);
 
-TYPED_TEST(Verdicts, RecordsAreThoseOfWideLanes) {
+TYPED_TEST(CertifiedFilter, AllModes_EqualWideLanes) {
   Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {TypeParam::kPair}));
   check(board, TypeParam::kPair, shapes<typename TypeParam::A>(37, 1),
         shapes<typename TypeParam::B>(61, 2));
@@ -142,12 +142,12 @@ std::vector<Sphere> spheres(std::size_t count, unsigned seed) {
   return all;
 }
 
-TEST(VerdictCards, GatesAnswerTheSame) {
+TEST(CertifiedFilterCards, Gates_AnswerTheSame) {
   Board board = Board::open(narrow_first(Arithmetic::kRtl, 2, {kSpheres}));
   check(board, kSpheres, spheres(37, 1), spheres(61, 2));
 }
 
-TEST(VerdictCards, OperatorsOfSeveralClocks) {
+TEST(CertifiedFilterCards, SlowOperators_EqualTheReference) {
   for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl}) {
     Board board = Board::open(slow(narrow_first(arithmetic, 2, {kSpheres})));
     check(board, kSpheres, spheres(37, 1), spheres(61, 2));
@@ -156,7 +156,7 @@ TEST(VerdictCards, OperatorsOfSeveralClocks) {
 
 /// Several pairs, swapped roles, normals, and a record ring that is drained slowly. 200 secondaries
 /// whose pairs are all uncertain fill the slots where rows wait for the wide lane.
-TEST(VerdictCards, SeveralPairsUnderPressure) {
+TEST(CertifiedFilterCards, SeveralPairsUnderPressure_EqualTheReference) {
   BoardConfig config = slow(narrow_first(Arithmetic::kHost, 8, {kSpheres, Pair::kSphereObb}));
   config.pairs.push_back(Pair::kRayTriangle);
   config.swap = config.normals = true;
@@ -173,7 +173,7 @@ TEST(VerdictCards, SeveralPairsUnderPressure) {
 
 /// Below 2^length_low the filter does not scale a pair up, and the wide pipe treats small lengths
 /// as zero. It then finds hits where the filter would prove a miss.
-TEST(VerdictCards, NothingIsProvedOfPairsTooSmallForTheWidePipe) {
+TEST(CertifiedFilterCards, TooSmallPairs_ProveNothing) {
   constexpr Pair kPair = Pair::kTriangleAabb;
   Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {kPair}));
   for (const int exponent : {-30, -34, -40, -100, -127, -135}) {
@@ -188,7 +188,7 @@ TEST(VerdictCards, NothingIsProvedOfPairsTooSmallForTheWidePipe) {
 }
 
 /// The slowest adders make the filter, its proof and the wide pipe as deep as possible.
-TEST(VerdictCards, SlowAdders) {
+TEST(CertifiedFilterCards, SlowAdders_EqualTheReference) {
   BoardConfig config = narrow_first(Arithmetic::kHost, 2, {Pair::kTriangleObb});
   config.latency_add = 16;
   Board board = Board::open(config);
@@ -196,7 +196,7 @@ TEST(VerdictCards, SlowAdders) {
 }
 
 /// Two such pairs in one pass have the records of two passes.
-TEST(VerdictCards, TwoPairsAtATime) {
+TEST(CertifiedFilterCards, TwoParallelPairs_EqualTwoPasses) {
   BoardConfig config =
       narrow_first(Arithmetic::kHost, 8, {kSpheres, Pair::kSphereObb, Pair::kTriangleSphere});
   config.swap = config.parallel = true;
@@ -228,7 +228,7 @@ TEST(VerdictCards, TwoPairsAtATime) {
 }
 
 /// Masked primaries are not tested, so their pairs are not uncertain.
-TEST(VerdictCards, MaskedPrimariesAreNotOpen) {
+TEST(CertifiedFilterCards, MaskedPrimaries_AreNotUncertain) {
   Board board = Board::open(narrow_first(Arithmetic::kHost, 8, {kSpheres}));
   const std::vector<Sphere> few = shapes<Sphere>(37, 1), many = shapes<Sphere>(61, 2);
   board.upload_shapes(std::span<const Sphere>(many));

@@ -39,7 +39,7 @@ struct Link : BusCard {
   }
 };
 
-TEST(PciBandwidth, IdealHostReachesNineTenthsOfThePeak) {
+TEST(PciBandwidth, IdealHost_ReachesNineTenthsOfThePeak) {
   Link link("ideal", 4096);
   EXPECT_GE(link.rate(false), 0.9 * kPeak);
   EXPECT_GE(link.rate(true), 0.9 * kPeak);
@@ -48,12 +48,12 @@ TEST(PciBandwidth, IdealHostReachesNineTenthsOfThePeak) {
 }
 
 /// Published: 147 MB/s with 256-byte read bursts, 315 MB/s with 512-byte write bursts.
-TEST(PciBandwidth, HostOf2001IsThePublishedOne) {
+TEST(PciBandwidth, HostOf2001_HasThePublishedRates) {
   EXPECT_NEAR(Link("p64-2001", 256).rate(false), 147e6, 0.05 * 147e6);
   EXPECT_NEAR(Link("p64-2001", 512).rate(true), 315e6, 0.05 * 315e6);
 }
 
-TEST(PciBandwidth, Table) {
+TEST(PciBandwidth, LargerTransfers_AreNotSlower) {
   std::printf(
       "MB/s of one transfer from the write of the tail to the interrupt, bursts of 4,096 bytes\n");
   std::printf("%10s", "bytes");
@@ -82,7 +82,7 @@ TEST(PciBandwidth, Table) {
 }
 
 /// The card's own cycles per burst, without those of the host. docs/reference/pci.md states them.
-TEST(PciBandwidth, OverheadOfABurst) {
+TEST(PciBandwidth, Burst_HasTheDocumentedOverhead) {
   for (const HostProfile& p : kHostProfiles)
     for (const bool to_host : {false, true}) {
       Link link(std::string(p.name), 512);

@@ -88,7 +88,7 @@ struct PciCard : BusCard {
   }
 };
 
-TEST(PciCardTest, ShowsWhatItIs) {
+TEST(PciCardTest, Registers_IdentifyTheCard) {
   PciCard card("ideal");
   EXPECT_EQ(card.read(card::kRegId), std::uint64_t{card::kIdMagic} << 32 | card::kInterfaceVersion);
   EXPECT_EQ(card.read(card::kRegConfigHash), card.api().config_hash);
@@ -125,7 +125,7 @@ void expect_same(Board& board, PciCard& card) {
   }
 }
 
-TEST(PciCardTest, SameRecordsAndClocksAsTheFunctionalBus) {
+TEST(PciCardTest, Pass_EqualsTheFunctionalBusInRecordsAndCycles) {
   Board board = Board::open(small_config());
   for (const char* const profile : {"ideal", "p64-2001"}) {
     SCOPED_TRACE(profile);
@@ -135,7 +135,7 @@ TEST(PciCardTest, SameRecordsAndClocksAsTheFunctionalBus) {
 }
 
 /// Each clock domain leaves the reset with its own clock (rtl/bus/reset_sync.sv).
-TEST(PciCardTest, SameWithResetSynchronisers) {
+TEST(PciCardTest, WithResetSynchronisers_EqualsTheFunctionalBus) {
   Board board = Board::open(small_config());
   std::vector<std::string> parameters = small_config().parameters();
   parameters.emplace_back("RESET_STAGES=2");
@@ -144,7 +144,7 @@ TEST(PciCardTest, SameWithResetSynchronisers) {
 }
 
 /// A DMA that the board refuses shows in its status, as on the functional bus.
-TEST(PciCardTest, TransferOutsideASpaceIsReported) {
+TEST(PciCardTest, TransferOutsideASpace_IsReported) {
   PciCard card("ideal");
   EXPECT_EQ(card.transfer(PciCard::kTriangles, 64, card::kSpaceDdr, 36'000 - 32, false).code,
             pci::kCodeOk);
@@ -155,7 +155,7 @@ TEST(PciCardTest, TransferOutsideASpaceIsReported) {
 }
 
 /// The bridge does not check space numbers. An unknown number reaches the card, which refuses it.
-TEST(PciCardTest, SpacesThatTheCardDoesNotHave) {
+TEST(PciCardTest, UnknownSpaces_AreRefused) {
   PciCard card("ideal");
   const std::vector<std::uint8_t> before(64, 0xC3);
   for (std::uint32_t number = card::kSpaces; number < 1u << card::kSpaceBits; ++number) {

@@ -32,7 +32,7 @@ cde_pci_transaction wide(std::uint32_t command, std::uint32_t address, std::uint
   return t;
 }
 
-TEST(PciConfig, Identity) {
+TEST(PciConfig, ConfigurationSpace_IdentifiesTheCard) {
   const BusCard card;
   EXPECT_EQ(card.config(0x00), pci::kDeviceId << 16 | pci::kVendorId);
   EXPECT_EQ(card.config(0x04), 0x02200000u) << "66 MHz, medium DEVSEL#, all commands off";
@@ -47,7 +47,7 @@ TEST(PciConfig, Identity) {
     EXPECT_EQ(card.config(offset), 0u) << offset;
 }
 
-TEST(PciConfig, BarSizing) {
+TEST(PciConfig, BarSizing_ReportsItsSize) {
   const BusCard card;
   card.set_config(0x10, ~0u);
   EXPECT_EQ(card.config(0x10), 0xFFFF0000u) << "64 KB of 32-bit memory, not prefetchable";
@@ -59,7 +59,7 @@ TEST(PciConfig, BarSizing) {
   }
 }
 
-TEST(PciConfig, WritableBitsAndByteEnables) {
+TEST(PciConfig, WritableBits_FollowByteEnables) {
   const BusCard card;
   card.set_config(0x04, 0xFFFF);
   EXPECT_EQ(card.config(0x04) & 0xFFFF, 0x0546u)
@@ -76,7 +76,7 @@ TEST(PciConfig, WritableBitsAndByteEnables) {
 }
 
 /// Every set of byte enables on every writable register: disabled bytes keep their value.
-TEST(PciConfig, ByteEnablesOfEveryRegister) {
+TEST(PciConfig, AnyByteEnables_KeepDisabledBytes) {
   struct Register {
     std::uint32_t offset, writable;
   };
@@ -97,7 +97,7 @@ TEST(PciConfig, ByteEnablesOfEveryRegister) {
 }
 
 /// A 1 in an enabled byte clears a bit of the status register.
-TEST(PciConfig, ByteEnablesOfTheStatusRegister) {
+TEST(PciConfig, StatusBits_ClearByEnabledOnes) {
   BusCard card;
   card.enumerate();
   cde_pci_transaction hole = single(kMemoryRead, BusCard::kBar + 0x2000);
@@ -115,7 +115,7 @@ TEST(PciConfig, ByteEnablesOfTheStatusRegister) {
   }
 }
 
-TEST(PciConfig, BurstsAreCutAndOtherFunctionsAreNotThere) {
+TEST(PciConfig, Bursts_AreCutAndOtherFunctionsAreAbsent) {
   const BusCard card;
   cde_pci_transaction t = single(kConfigRead, 0);
   t.dwords = 3;
@@ -129,7 +129,7 @@ TEST(PciConfig, BurstsAreCutAndOtherFunctionsAreNotThere) {
   }
 }
 
-TEST(PciConfig, MemoryAnswersOnlyWhereAndWhenItShould) {
+TEST(PciConfig, Memory_AnswersOnlyWhenEnabledAndAddressed) {
   BusCard card;
   cde_pci_transaction t = single(kMemoryRead, BusCard::kBar + pci::kRegStatus);
   EXPECT_EQ(card.transact(t), CDE_PCI_MASTER_ABORT) << "memory space is off";
@@ -145,7 +145,7 @@ TEST(PciConfig, MemoryAnswersOnlyWhereAndWhenItShould) {
   }
 }
 
-TEST(PciBar, DelayedRead) {
+TEST(PciBar, DelayedRead_IsRetriedOnce) {
   BusCard card;
   card.enumerate();
   card.write(pci::kRegIrqMask, 5);
@@ -163,7 +163,7 @@ TEST(PciBar, DelayedRead) {
   }
 }
 
-TEST(PciBar, ReadNobodyFetchesIsDropped) {
+TEST(PciBar, UnfetchedRead_IsDropped) {
   BusCard card;
   card.enumerate();
   card.write(pci::kRegIrqMask, 5);
@@ -179,7 +179,7 @@ TEST(PciBar, ReadNobodyFetchesIsDropped) {
 }
 
 /// A register of the card over the local bus, one of the bridge, and one of the page table.
-TEST(PciBar, EveryWidthReadsAndWritesARegister) {
+TEST(PciBar, EveryWidth_ReadsAndWritesARegister) {
   for (const bool narrow : {false, true}) {
     SCOPED_TRACE(narrow);
     BusCard card({.narrow = narrow});
@@ -208,7 +208,7 @@ TEST(PciBar, EveryWidthReadsAndWritesARegister) {
   }
 }
 
-TEST(PciBar, HalvesAndPartsOfRegistersAreRefused) {
+TEST(PciBar, PartialOrUnmappedAccess_AbortsWithoutEffect) {
   BusCard card;
   card.enumerate();
   card.write(0x028, 0x1122334455667788);
@@ -237,7 +237,7 @@ TEST(PciBar, HalvesAndPartsOfRegistersAreRefused) {
   EXPECT_EQ(card.read(0x028), 99u);
 }
 
-TEST(PciBar, PostedBursts) {
+TEST(PciBar, PostedBursts_WriteEveryWord) {
   for (const bool narrow : {false, true})
     for (const std::uint32_t waits : {0u, 1u, 5u}) {
       SCOPED_TRACE(waits);
@@ -261,7 +261,7 @@ TEST(PciBar, PostedBursts) {
 }
 
 /// Bursts longer than the FIFO, and bursts up to the end of BAR0.
-TEST(PciBar, LongBurstsAreFollowedUp) {
+TEST(PciBar, LongBursts_ContinueToTheEnd) {
   for (const bool narrow : {false, true}) {
     BusCard card({.narrow = narrow});
     card.enumerate();
@@ -280,7 +280,7 @@ TEST(PciBar, LongBurstsAreFollowedUp) {
 
 /// A core so slow that the FIFO of posted writes is mostly full. Bursts write as far as there is
 /// space, and no accepted word is lost.
-TEST(PciBar, PostedWritesThatFillTheFifo) {
+TEST(PciBar, PostedWritesThatFillTheFifo_LoseNothing) {
   constexpr std::uint32_t kBursts = 40, kRegisters = 512;
   for (const bool narrow : {false, true}) {
     SCOPED_TRACE(narrow ? "32 bits" : "64 bits");
@@ -313,7 +313,7 @@ TEST(PciBar, PostedWritesThatFillTheFifo) {
 }
 
 /// A burst past the end of BAR0 ends there and does not wrap to the beginning.
-TEST(PciBar, BurstsEndWithTheBar) {
+TEST(PciBar, BurstBeyondTheBar_EndsWithIt) {
   constexpr std::uint32_t kInside = 4, kEnd = 0x10000;
   for (const bool narrow : {false, true}) {
     SCOPED_TRACE(narrow ? "32 bits" : "64 bits");
@@ -339,7 +339,7 @@ TEST(PciBar, BurstsEndWithTheBar) {
   }
 }
 
-TEST(PciBar, BurstThatIsNotLinearGetsOnePhase) {
+TEST(PciBar, NonlinearBurst_GetsOnePhase) {
   BusCard card;
   card.enumerate();
   cde_pci_transaction t = wide(kMemoryWrite, BusCard::kBar + 0x100 + 2, 0x77);
@@ -350,7 +350,7 @@ TEST(PciBar, BurstThatIsNotLinearGetsOnePhase) {
   EXPECT_EQ(t.stopped, 1u);
 }
 
-TEST(PciBar, AddressParity) {
+TEST(PciBar, BadAddressParity_IsNotClaimed) {
   BusCard card;
   card.enumerate();
   card.write(0x028, 1);
@@ -367,7 +367,7 @@ TEST(PciBar, AddressParity) {
   EXPECT_EQ(card.config(4) & (kDetectedParity | kSignaledSerr), kDetectedParity);
 }
 
-TEST(PciBar, DataParity) {
+TEST(PciBar, BadDataParity_IsNotWritten) {
   for (const bool narrow : {false, true}) {
     BusCard card({.narrow = narrow});
     card.enumerate();

@@ -9,7 +9,7 @@ namespace {
 
 using card::kSpaceDdr;
 
-TEST(PciDma, BothWaysEverySizeAndPlace) {
+TEST(PciDma, EverySizeAndPlace_MovesBothWays) {
   for (const bool narrow : {false, true}) {
     SCOPED_TRACE(narrow);
     BusCard card({.narrow = narrow});
@@ -57,7 +57,7 @@ struct Running : BusCard {
 };
 constexpr std::uint32_t kData = BusCard::kFirstFree * 4096;
 
-TEST(PciDma, BurstsKeepToTheRegister) {
+TEST(PciDma, Bursts_FollowTheBurstRegister) {
   for (const std::uint32_t burst : {64u, 72u, 256u, 512u, 4096u}) {
     Running card({}, 16, burst);
     const std::uint64_t before = card.read(pci::kRegBursts);
@@ -79,7 +79,7 @@ TEST(PciDma, BurstsKeepToTheRegister) {
 }
 
 /// Several laps, several descriptors together, a full ring, records in order.
-TEST(PciDma, RingWraps) {
+TEST(PciDma, RingWraps_KeepRecordsInOrder) {
   for (const unsigned size : {2u, 3u, 16u, 128u}) {
     SCOPED_TRACE(size);
     Running card({}, size);
@@ -107,7 +107,7 @@ TEST(PciDma, RingWraps) {
   }
 }
 
-TEST(PciDma, SpacesAndScatteredPages) {
+TEST(PciDma, ScatteredPages_ReachEverySpace) {
   Running card;
   Numbers numbers(8);
   // Three pages in another order, one of them twice.
@@ -129,7 +129,7 @@ TEST(PciDma, SpacesAndScatteredPages) {
   }
 }
 
-TEST(PciDma, RefusedDescriptors) {
+TEST(PciDma, InvalidDescriptors_HaltWithTheirCode) {
   struct Case {
     pci::Descriptor descriptor;
     pci::Code code;
@@ -180,7 +180,7 @@ TEST(PciDma, RefusedDescriptors) {
 
 /// The address check refuses a transfer before any data moves, wherever in the range the bad page
 /// is.
-TEST(PciDma, AddressCheck) {
+TEST(PciDma, BadPage_IsRefusedBeforeDataMoves) {
   Running card({}, 16, 512);
   const std::vector<std::uint8_t> untouched(20 * 4096, 0x5A);
   for (const bool to_host : {false, true})
@@ -220,7 +220,7 @@ TEST(PciDma, AddressCheck) {
 
 /// Transfers that end one word before the end of their page, at it, and one word after it. They
 /// start at several places in the page. The next page is checked if and only if data lies in it.
-TEST(PciDma, EndsAtAPage) {
+TEST(PciDma, TransferToAPageEnd_ChecksOnlyItsPages) {
   constexpr std::uint32_t kPage = 4096, kFirst = 20 * kPage;
   for (const bool to_host : {false, true})
     for (const std::uint32_t pages : {1u, 2u})
@@ -259,7 +259,7 @@ TEST(PciDma, EndsAtAPage) {
 }
 
 /// A core so slow that the FIFO towards it fills up: bursts wait for space, and no word is lost.
-TEST(PciDma, BurstsWaitForRoom) {
+TEST(PciDma, FullFifo_MakesBurstsWait) {
   constexpr std::uint32_t kBytes = 32768;
   Running card({.core_period_ps = 400'000});
   Numbers numbers(12);
@@ -272,7 +272,7 @@ TEST(PciDma, BurstsWaitForRoom) {
 
 /// Ring addresses go through the same table. An error that no record can report is in the
 /// registers.
-TEST(PciDma, RingsOutsideTheTable) {
+TEST(PciDma, RingsOutsideTheTable_HaltWithStatus) {
   for (const bool descriptors : {true, false}) {
     Running card;
     const std::uint32_t page = descriptors ? BusCard::kRingPage : BusCard::kCompletionPage;
@@ -288,7 +288,7 @@ TEST(PciDma, RingsOutsideTheTable) {
   }
 }
 
-TEST(PciDma, SettingsAreChecked) {
+TEST(PciDma, InvalidSettings_HaltTheRing) {
   BusCard card;
   card.enumerate();
   card.map_range(0, 63);
@@ -325,7 +325,7 @@ TEST(PciDma, SettingsAreChecked) {
   EXPECT_TRUE(card.halted()) << "tail outside the ring";
 }
 
-TEST(PciDma, MasteringOffHaltsTheRing) {
+TEST(PciDma, MasteringOff_HaltsTheRing) {
   Running card;
   card.set_config(4, 0x142);
   EXPECT_EQ(card.transfer(kData, 64, kSpaceDdr, 0, false).code, kNoRecord);
@@ -333,7 +333,7 @@ TEST(PciDma, MasteringOffHaltsTheRing) {
   EXPECT_EQ(card.counters().bytes_read, 0u);
 }
 
-TEST(PciDma, StopFinishesTheDescriptor) {
+TEST(PciDma, Stop_FinishesTheDescriptor) {
   Running card;
   for (int i = 0; i < 3; ++i) card.stage(BusCard::descriptor(kData, 40000, kSpaceDdr, 0, false));
   card.publish();
@@ -347,7 +347,7 @@ TEST(PciDma, StopFinishesTheDescriptor) {
   EXPECT_EQ(card.read(pci::kRegRingHead), 1u);
 }
 
-TEST(PciDma, InterruptsAndPolling) {
+TEST(PciDma, Completions_InterruptOrPoll) {
   Running card;
   card.write(pci::kRegIrqMask, 0);
   card.submit(BusCard::descriptor(kData, 64, kSpaceDdr, 0, false));
@@ -382,7 +382,7 @@ TEST(PciDma, InterruptsAndPolling) {
 }
 
 /// Skipping idle cycles changes neither bits nor times, for any ratio of the clocks.
-TEST(PciDma, SkippedClocksChangeNothing) {
+TEST(PciDma, SkippedCycles_ChangeNothing) {
   for (const std::uint32_t core : {3'000u, 7'001u, 10'000u, 15'000u, 40'000u}) {
     std::vector<std::uint64_t> seen[2];
     for (const bool all : {false, true}) {
@@ -418,7 +418,7 @@ TEST(PciDma, SkippedClocksChangeNothing) {
 }
 
 /// RST# at any time of a transfer: no state survives, and everything works again.
-TEST(PciDma, ResetInMidTransfer) {
+TEST(PciDma, ResetMidTransfer_ClearsAllState) {
   for (const std::uint64_t when : {0u, 200'000u, 1'000'000u, 5'000'000u, 12'345'678u}) {
     Running card;
     Numbers numbers(10);

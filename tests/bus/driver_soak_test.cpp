@@ -276,7 +276,7 @@ void print(const Tally& t) {
       t.bus.lost_interrupts, t.bus.pci_clocks);
 }
 
-TEST(DriverSoak, NothingIsLostDoubledOrWrong) {
+TEST(DriverSoak, RandomFaults_LoseOrRepeatNoRecord) {
   const bool full = std::getenv("CDE_FULL") != nullptr;
   const std::uint64_t each = full ? 10'000 : 40;
   struct Setting {

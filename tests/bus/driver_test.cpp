@@ -19,7 +19,7 @@ OpenOptions options(const char* host, std::uint32_t burst = 4096) {
 
 class PciDriver : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(PciDriver, EveryModeMatches) {
+TEST_P(PciDriver, EveryMode_EqualsTheReference) {
   Board board = Board::open(pci_config(), options(GetParam(), 256));
   Random random;
   const RayScene scene = cloud(random, 300, 400);
@@ -51,7 +51,7 @@ class PciFaults : public ::testing::TestWithParam<Fault> {};
 
 /// Faults before an upload, before a load and during a pass: correct records, or one clear error
 /// and correct records after it.
-TEST_P(PciFaults, EndInRightRecordsOrOneClearError) {
+TEST_P(PciFaults, RandomFaults_EndInCorrectRecordsOrOneError) {
   Board board = Board::open(pci_config(), options("good", 256));
   Random random;
   std::uint64_t errors = 0;
@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, PciFaults,
 /// Repeated faults at every stage of one pass while its records arrive. The driver repeats the pass
 /// and delivers each record once, in order. A large ring delivers many thousands of records
 /// together, a small ring only a few.
-TEST(PciDriverErrors, ARepeatedPassDeliversEachRecordOnce) {
+TEST(PciDriverErrors, RepeatedPass_DeliversEachRecordOnce) {
   constexpr std::size_t kRays = 256, kTriangles = 100;
   for (const bool small_ring : {true, false}) {
     SCOPED_TRACE(small_ring ? "ring of 64" : "ring of 524,288");
@@ -143,7 +143,7 @@ TEST(PciDriverErrors, ARepeatedPassDeliversEachRecordOnce) {
 }
 
 /// A transfer that fails in the middle of its data continues where it ended, also on the card.
-TEST(PciDriverErrors, ATransferIsTakenUpWhereItEnded) {
+TEST(PciDriverErrors, FailedTransfer_ContinuesWhereItEnded) {
   Board board = Board::open(pci_config(), options("ideal", 256));
   Random random;
   const RayScene scene = beam(random, 20, 100);
@@ -159,7 +159,7 @@ TEST(PciDriverErrors, ATransferIsTakenUpWhereItEnded) {
 }
 
 /// More consecutive failures than the driver retries are an error with the device's status.
-TEST(PciDriverErrors, AnAbortThatStaysIsOneError) {
+TEST(PciDriverErrors, PersistentAbort_IsOneError) {
   Board board = Board::open(pci_config(), options("ideal"));
   Random random;
   const RayScene scene = beam(random, 20, 100);
@@ -217,7 +217,7 @@ class PciEcc : public ::testing::Test {
   std::vector<Record> expected_;
 };
 
-TEST_F(PciEcc, OneBitIsCorrectedAndCounted) {
+TEST_F(PciEcc, OneBit_IsCorrectedAndCounted) {
   for (unsigned bit = 0; bit < 32; ++bit)
     with_flip(false, 4 * random_.below(9 * 60) + bit / 8, 1u << bit % 8,
               [&] { expect_corrected(); });
@@ -225,7 +225,7 @@ TEST_F(PciEcc, OneBitIsCorrectedAndCounted) {
     with_flip(true, random_.below(9 * 60), 1u << bit, [&] { expect_corrected(); });
 }
 
-TEST_F(PciEcc, TwoBitsAreAnErrorThatSaysWhere) {
+TEST_F(PciEcc, TwoBits_AreAnErrorWithAddress) {
   for (unsigned i = 0; i < 40; ++i) {
     const std::uint32_t slot = i == 0 ? 0 : i == 1 ? 59 : random_.below(60);
     const unsigned bit = random_.below(7);

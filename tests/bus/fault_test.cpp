@@ -98,14 +98,14 @@ class PciFault : public ::testing::TestWithParam<FaultSetting> {
   std::vector<std::uint8_t> source;
 };
 
-TEST_P(PciFault, Retries) {
+TEST_P(PciFault, Retries_MoveAllData) {
   card.fault(CDE_PCI_FAULT_RETRY, 25);
   EXPECT_EQ(move().code, pci::kCodeOk);
   EXPECT_TRUE(same_bytes(moved(), source));
   EXPECT_EQ(card.read(pci::kRegRetries), 25u);
 }
 
-TEST_P(PciFault, RetryLimit) {
+TEST_P(PciFault, RetryLimit_EndsTheTransfer) {
   card.write(pci::kRegRetryLimit, 10);
   after_fetch([&] { card.fault(CDE_PCI_FAULT_RETRY, 10); });
   fails(pci::kCodeRetryLimit);
@@ -113,14 +113,14 @@ TEST_P(PciFault, RetryLimit) {
   EXPECT_EQ(move().code, pci::kCodeOk);
 }
 
-TEST_P(PciFault, SlowTarget) {
+TEST_P(PciFault, SlowTarget_MovesAllData) {
   card.fault(CDE_PCI_FAULT_SLOW, 1000, 3);
   EXPECT_EQ(move().code, pci::kCodeOk);
   EXPECT_TRUE(same_bytes(moved(), source));
   EXPECT_GT(card.read(pci::kRegWaits), 2u * kBytes / 8);
 }
 
-TEST_P(PciFault, Disconnects) {
+TEST_P(PciFault, Disconnects_MoveAllData) {
   for (const std::uint32_t kind : {CDE_PCI_FAULT_DISCONNECT, CDE_PCI_FAULT_DISCONNECT_EMPTY})
     for (const std::uint32_t beat : {1u, 2u, 3u, 7u, 63u, 64u, 127u}) {
       SCOPED_TRACE(::testing::Message() << kind << " at " << beat);
@@ -133,7 +133,7 @@ TEST_P(PciFault, Disconnects) {
   EXPECT_GT(card.read(pci::kRegDisconnects), 100u);
 }
 
-TEST_P(PciFault, Parity) {
+TEST_P(PciFault, ParityError_EndsTheTransfer) {
   for (const std::uint32_t beat : {1u, 2u, 5u, 32u}) {
     SCOPED_TRACE(beat);
     fresh();
@@ -148,7 +148,7 @@ TEST_P(PciFault, Parity) {
   }
 }
 
-TEST_P(PciFault, TargetAbort) {
+TEST_P(PciFault, TargetAbort_EndsTheTransfer) {
   for (const std::uint32_t beat : {0u, 1u, 8u, 31u}) {
     SCOPED_TRACE(beat);
     fresh();
@@ -160,14 +160,14 @@ TEST_P(PciFault, TargetAbort) {
   EXPECT_EQ(card.read(pci::kRegAborts), 4u);
 }
 
-TEST_P(PciFault, MasterAbort) {
+TEST_P(PciFault, MasterAbort_EndsTheTransfer) {
   after_fetch([&] { card.fault(CDE_PCI_FAULT_MASTER_ABORT, 1); });
   fails(pci::kCodeMasterAbort);
   EXPECT_EQ(card.config(4) >> 29 & 1, 1u) << "received master abort";
 }
 
 /// The frame is a valid page, but no memory answers there.
-TEST_P(PciFault, PageWithoutMemory) {
+TEST_P(PciFault, PageWithoutMemory_IsAMasterAbort) {
   card.write(pci::kPageTable + 8 * 50, 0xE0000003);
   const Result r = card.transfer(50 * 4096 + 80, 64, card::kSpaceDdr, 0, GetParam().to_host);
   EXPECT_EQ(r.code, pci::kCodeMasterAbort);
@@ -176,7 +176,7 @@ TEST_P(PciFault, PageWithoutMemory) {
 }
 
 /// Without GNT# the latency timer ends the burst, and the card resumes it later.
-TEST_P(PciFault, GrantTakenAway) {
+TEST_P(PciFault, RemovedGrant_ResumesTheBurst) {
   for (const std::uint32_t timer : {0u, 8u, 40u, 255u}) {
     SCOPED_TRACE(timer);
     fresh();
@@ -195,7 +195,7 @@ TEST_P(PciFault, GrantTakenAway) {
   }
 }
 
-TEST_P(PciFault, DescriptorAndRecordCannotBeReached) {
+TEST_P(PciFault, UnreachableDescriptorOrRecord_HaltsTheRing) {
   card.fault(CDE_PCI_FAULT_TARGET_ABORT, 1);
   EXPECT_EQ(move().code, kNoRecord);
   EXPECT_EQ(card.status_code(), pci::kCodeTargetAbort);

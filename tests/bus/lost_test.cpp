@@ -33,7 +33,7 @@ void expect_in(const std::string& part, const std::string& text) {
 
 // ---- A card that does not answer ----
 
-TEST(NoAnswer, ShortOnesEndRight) {
+TEST(CardOutage, ShortOutage_EndsInCorrectRecords) {
   Board board = Board::open(pci_config());
   Random random;
   for (unsigned round = 0; round < 40; ++round) {
@@ -45,13 +45,13 @@ TEST(NoAnswer, ShortOnesEndRight) {
   EXPECT_GE(board.bus_counters().access_retries, 60u);
 }
 
-class Lost : public ::testing::Test {
+class PciStall : public ::testing::Test {
  protected:
-  explicit Lost(Bus bus = Bus::kCycle)
+  explicit PciStall(Bus bus = Bus::kCycle)
       : board(Board::open(rich_config(bus))), scene(beam(random, 20, 30)) {
     fill();
   }
-  ~Lost() override { EXPECT_EQ(board.bus_violation(), ""); }
+  ~PciStall() override { EXPECT_EQ(board.bus_violation(), ""); }
 
   void fill() {
     board.upload(scene.triangles);
@@ -102,7 +102,7 @@ class Lost : public ::testing::Test {
 };
 
 /// Runs on either bus.
-class LostCard : public Lost, public ::testing::WithParamInterface<Bus> {
+class LostCard : public PciStall, public ::testing::WithParamInterface<Bus> {
  protected:
   LostCard() : Lost(GetParam()) {}
 };
@@ -110,7 +110,7 @@ class LostCard : public Lost, public ::testing::WithParamInterface<Bus> {
 /// Any call may detect the loss, and all later calls then report the same error. The last call,
 /// wait(), does not access the card when it sees an interrupt, so it does not always detect the
 /// loss.
-TEST_P(LostCard, EveryCallIsTheSameErrorUntilReset) {
+TEST_P(LostCard, EveryCall_GivesTheSameErrorUntilReset) {
   const std::size_t all = calls().size();
   for (std::size_t first = 0; first + 1 < all; ++first) {
     const auto call = calls();
@@ -138,7 +138,7 @@ TEST_P(LostCard, EveryCallIsTheSameErrorUntilReset) {
   }
 }
 
-TEST_P(LostCard, InTheMiddleOfAPass) {
+TEST_P(LostCard, LossMidPass_IsAnError) {
   for (unsigned round = 0; round < 10; ++round) {
     unsigned pieces = 0;
     const auto met = raised([&] {
@@ -154,7 +154,7 @@ TEST_P(LostCard, InTheMiddleOfAPass) {
   }
 }
 
-TEST_P(LostCard, ACardThatStaysAwayStaysLostOverAReset) {
+TEST_P(LostCard, LossThroughResets_StaysLost) {
   board.inject(BusFault::kNoAnswer, 1000);
   ASSERT_TRUE(raised([&] { board.load(scene.rays); }));
   unsigned resets = 0;
@@ -173,7 +173,7 @@ INSTANTIATE_TEST_SUITE_P(Buses, LostCard, ::testing::Values(Bus::kFunctional, Bu
                          });
 
 /// Retried accesses are counted on either bus.
-TEST_P(LostCard, ShortOnesEndRight) {
+TEST_P(LostCard, ShortOutage_CountsRetries) {
   const std::uint64_t before = board.bus_counters().access_retries;
   for (unsigned round = 0; round < 10; ++round) {
     board.inject(BusFault::kNoAnswer, 1 + random.below(4));
@@ -198,7 +198,7 @@ void one_pair(Board& board) {
 }
 
 /// The clear is a posted write: it may still be under way when the driver starts to wait.
-TEST_P(LostCard, AnInterruptBeforeAClearDoesNotCount) {
+TEST_P(LostCard, InterruptBeforeAClear_DoesNotCount) {
   board.set_objects({});
   board.set_primary_objects({});
   for (const bool lost : {false, true}) {
@@ -216,7 +216,7 @@ TEST_P(LostCard, AnInterruptBeforeAClearDoesNotCount) {
 
 /// If the card cannot read a descriptor, it writes no completion record. The ring halts, and the
 /// interrupt of the halt can also be lost.
-TEST_F(Lost, TheInterruptOfAHaltedRingIsCountedToo) {
+TEST_F(PciStall, InterruptOfAHaltedRing_IsCounted) {
   for (const unsigned lost : {0u, 1u}) {
     const BusCounters before = board.bus_counters();
     board.inject(BusFault::kMasterAbort, 1);
@@ -230,7 +230,7 @@ TEST_F(Lost, TheInterruptOfAHaltedRingIsCountedToo) {
 
 // ---- DMA engines and buses that hang ----
 
-TEST_F(Lost, GrantNeverGiven) {
+TEST_F(PciStall, GrantNeverGiven_IsATimeout) {
   board.inject(BusFault::kNoGrant, kUntilReset);
   const std::uint64_t before = board.time_ps();
   const auto met = raised([&] { board.upload(scene.triangles); });
@@ -250,13 +250,13 @@ TEST_F(Lost, GrantNeverGiven) {
   expect_right_after_reset();
 }
 
-TEST_F(Lost, GrantGivenLate) {
+TEST_F(PciStall, GrantGivenLate_GivesCorrectRecords) {
   board.inject(BusFault::kNoGrant, 10'000);
   (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
 }
 
 /// Host memory that retries forever: the card's retry limit ends it, and nothing is lost.
-TEST_F(Lost, NothingButRetries) {
+TEST_F(PciStall, EndlessRetries_AreADeviceError) {
   board.inject(BusFault::kRetry, kUntilReset);
   const auto met = raised([&] { board.upload(scene.triangles); });
   ASSERT_TRUE(met);
@@ -269,14 +269,14 @@ TEST_F(Lost, NothingButRetries) {
 }
 
 /// More retries than the card's limit, fewer than the driver's limit.
-TEST_F(Lost, RetryStorm) {
+TEST_F(PciStall, RetryStorm_GivesCorrectRecords) {
   board.inject(BusFault::kRetry, 40'000);
   (void)cast_and_compare(board, scene, {.pair = Pair::kRayTriangle});
   EXPECT_GE(board.bus_counters().transfer_retries, 2u);
 }
 
 /// A target that inserts wait states forever: the host itself no longer gets the bus.
-TEST_F(Lost, TheBusHangs) {
+TEST_F(PciStall, EndlessWaitStates_LoseTheCard) {
   board.inject(BusFault::kSlow, 1, ~0u);
   const auto met = raised([&] { board.upload(scene.triangles); });
   ASSERT_TRUE(met);
@@ -287,7 +287,7 @@ TEST_F(Lost, TheBusHangs) {
   expect_right_after_reset();
 }
 
-TEST(LinkWatchdog, EndsATransferInWallTime) {
+TEST(BusWatchdog, WatchdogInWallTime_EndsATransfer) {
   OpenOptions options;
   options.watchdog = std::chrono::microseconds(1);
   Board board = Board::open(pci_config(), options);
@@ -302,9 +302,9 @@ TEST(LinkWatchdog, EndsATransferInWallTime) {
 
 // ---- An engine that hangs ----
 
-class Hang : public ::testing::TestWithParam<Bus> {
+class EngineHang : public ::testing::TestWithParam<Bus> {
  protected:
-  Hang() : board(Board::open(rich_config(GetParam()))), scene(beam(random, 20, 60)) {
+  EngineHang() : board(Board::open(rich_config(GetParam()))), scene(beam(random, 20, 60)) {
     board.upload(scene.triangles);
     board.load(scene.rays);
     board.set_objects(std::vector<Object>{{.first = 0, .count = 60}});
@@ -323,7 +323,7 @@ class Hang : public ::testing::TestWithParam<Bus> {
   std::vector<Record> expected;
 };
 
-TEST_P(Hang, ShortOnesAreWaitedFor) {
+TEST_P(EngineHang, ShortHang_IsWaitedFor) {
   for (const std::uint32_t clocks : {1u, 2u, 19u, 20u, 21u, 100u, 5000u}) {
     SCOPED_TRACE(clocks);
     Counters counters;
@@ -338,7 +338,7 @@ TEST_P(Hang, ShortOnesAreWaitedFor) {
 }
 
 /// The deadline in modelled time ends the pass. The abort waits for memory and ends with it.
-TEST_P(Hang, TheDeadlineEndsThePass) {
+TEST_P(EngineHang, Deadline_EndsThePass) {
   Query hasty = query;
   hasty.deadline_clocks = 20'000;
   board.inject(BusFault::kHang, 21'000);
@@ -352,7 +352,7 @@ TEST_P(Hang, TheDeadlineEndsThePass) {
 }
 
 /// Only a reset ends this hang. The next pass loads rays and objects again.
-TEST_P(Hang, AnAbortThatDoesNotEndBecomesAReset) {
+TEST_P(EngineHang, AbortThatDoesNotEnd_BecomesAReset) {
   board.move_object(0, {.translation = {0.125f, 0, 0}});
   expected = board.run(query);
   board.inject(BusFault::kHang, kUntilReset);
@@ -363,7 +363,7 @@ TEST_P(Hang, AnAbortThatDoesNotEndBecomesAReset) {
   expect_same();
 }
 
-TEST_P(Hang, TheWatchdogEndsThePass) {
+TEST_P(EngineHang, Watchdog_EndsThePass) {
   Query patient = query;
   patient.deadline_clocks = std::uint64_t{1} << 40;
   patient.watchdog = std::chrono::milliseconds(50);
@@ -378,10 +378,10 @@ TEST_P(Hang, TheWatchdogEndsThePass) {
 }
 
 /// The tests of buses that can also fail.
-class HangAndBus : public Hang {};
+class EngineHangWithBusFaults : public EngineHang {};
 
 /// A bus fault during recovery must not lose any restored state.
-TEST_P(HangAndBus, AnInterruptedRecoveryIsTakenUpAgain) {
+TEST_P(EngineHangWithBusFaults, InterruptedRecovery_IsResumed) {
   board.inject(BusFault::kHang, kUntilReset);
   ASSERT_TRUE(raised([&] { (void)board.run(query); }));
   board.inject(BusFault::kTargetAbort, kUntilReset, 0);
@@ -390,16 +390,16 @@ TEST_P(HangAndBus, AnInterruptedRecoveryIsTakenUpAgain) {
   expect_same();
 }
 
-INSTANTIATE_TEST_SUITE_P(Buses, Hang, ::testing::Values(Bus::kFunctional, Bus::kCycle),
+INSTANTIATE_TEST_SUITE_P(Buses, EngineHang, ::testing::Values(Bus::kFunctional, Bus::kCycle),
                          [](const auto& info) {
                            return info.param == Bus::kCycle ? "Cycle" : "Functional";
                          });
-INSTANTIATE_TEST_SUITE_P(Buses, HangAndBus, ::testing::Values(Bus::kCycle),
+INSTANTIATE_TEST_SUITE_P(Buses, EngineHangWithBusFaults, ::testing::Values(Bus::kCycle),
                          [](const auto&) { return "Cycle"; });
 
 // ---- Names of faults ----
 
-TEST(BusFaults, NamesAreReadBack) {
+TEST(BusFaults, Names_ReadBackEqual) {
   for (std::uint32_t kind = 0; kind < kBusFaults; ++kind) {
     const auto fault = static_cast<BusFault>(kind);
     EXPECT_EQ(fault_named(name_of(fault)), fault);
@@ -407,7 +407,7 @@ TEST(BusFaults, NamesAreReadBack) {
   EXPECT_FALSE(fault_named("none"));
 }
 
-TEST(BusFaults, TheFunctionalBusHasTwo) {
+TEST(BusFaults, FunctionalBus_SupportsTwoFaults) {
   Board board = Board::open(small_config());
   for (std::uint32_t kind = 0; kind < kBusFaults; ++kind) {
     const auto fault = static_cast<BusFault>(kind);

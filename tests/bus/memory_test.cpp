@@ -44,7 +44,7 @@ class MemoryTimes : public ::testing::TestWithParam<MemorySetting> {
   }
 };
 
-TEST_P(MemoryTimes, AreNearlyThoseOfIdealMemory) {
+TEST_P(MemoryTimes, CycleMemory_IsNearlyAsFastAsIdeal) {
   const Mesh mesh = make_terrain({});
   std::vector<Triangle> triangles;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));

@@ -89,7 +89,7 @@ std::string check(const Trace& trace) {
   return monitor.violation();
 }
 
-TEST(PciMonitor, LegalTransactionsPass) {
+TEST(PciMonitor, LegalTransactions_Pass) {
   for (const bool write : {false, true}) {
     for (const bool wide : {false, true}) EXPECT_EQ(check(transaction(write, wide)), "");
     EXPECT_EQ(check(disconnected(write)), "");
@@ -100,7 +100,7 @@ TEST(PciMonitor, LegalTransactionsPass) {
   }
 }
 
-TEST(PciMonitor, ParityIsExcusedOnlyWhenSaidSo) {
+TEST(PciMonitor, UnexcusedBadParity_IsReported) {
   Trace t = transaction(true, false);
   t[3].spoil = true;
   EXPECT_EQ(check(t), "PCI clock 3: PAR is wrong");
@@ -117,7 +117,7 @@ struct Broken {
 
 class PciMonitorRule : public ::testing::TestWithParam<Broken> {};
 
-TEST_P(PciMonitorRule, IsNamed) {
+TEST_P(PciMonitorRule, BrokenRule_IsNamed) {
   const Broken& b = GetParam();
   Trace t = transaction(b.write, true);
   b.spoil(t);

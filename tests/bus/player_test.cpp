@@ -31,7 +31,7 @@ secondaries = "terrain"
 mode = "all"
 )";
 
-class PlayerFaults : public ::testing::Test {
+class SceneRunnerFaults : public ::testing::Test {
  protected:
   /// The model of the driver's tests: a small DDR, a ring of 64 records.
   static Plan planned(const Scene& scene) {
@@ -54,7 +54,7 @@ class PlayerFaults : public ::testing::Test {
   std::optional<Player> player_;
 };
 
-TEST_F(PlayerFaults, OfEveryKindAndTheRecordsAreRight) {
+TEST_F(SceneRunnerFaults, EveryFaultKind_GivesCorrectRecords) {
   std::vector<ScheduledFault> faults;
   for (const char* text : {"retry:5@1", "slow:9:3@1", "disconnect:4:2@1", "disconnect-empty:4:2@2",
                            "grant:6:1@2", "lost-interrupt:2@2", "parity:2:1@3", "parity:1:5@4",
@@ -73,7 +73,7 @@ TEST_F(PlayerFaults, OfEveryKindAndTheRecordsAreRight) {
   EXPECT_GE(c.transfer_retries + c.access_retries + c.pass_retries, 3u);
 }
 
-TEST_F(PlayerFaults, ThatStayAreOneError) {
+TEST_F(SceneRunnerFaults, PersistentFault_IsOneError) {
   Player& player = open({fault_of("target-abort:1000:0@2")});
   play(2);
   try {
@@ -88,7 +88,7 @@ TEST_F(PlayerFaults, ThatStayAreOneError) {
   EXPECT_EQ(player.injected(), std::vector<bool>{true});
 }
 
-TEST_F(PlayerFaults, AreRefusedBeforeAnythingRuns) {
+TEST_F(SceneRunnerFaults, UnsupportedFault_IsRefusedBeforeTheRun) {
   Plan functional = planned(scene_);
   functional.board.bus = Bus::kFunctional;
   EXPECT_THROW(Player(scene_, functional, {.faults = {fault_of("retry@0")}}), Error);

@@ -119,7 +119,7 @@ class RandomStart : public ::testing::TestWithParam<Start> {
   }
 };
 
-TEST_P(RandomStart, ChangesNothing) {
+TEST_P(RandomStart, RandomRegisters_ChangeNothing) {
   const unsigned seeds = std::getenv("CDE_FULL") != nullptr ? 20 : 3;
   const Played zeros = play(GetParam(), 0);
   const unsigned least = GetParam().every ? 100 : 10;

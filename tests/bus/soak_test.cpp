@@ -225,7 +225,7 @@ class Soak {
   std::uint64_t accesses_ = 0, faults_ = 0, failed_ = 0, unrecorded_ = 0, batches_ = 0, bytes_ = 0;
 };
 
-TEST(PciSoak, NoByteLostDoubledOrWrong) {
+TEST(PciSoak, RandomTrafficAndFaults_LoseOrRepeatNoByte) {
   const char* const full = std::getenv("CDE_FULL");
   const bool all = full != nullptr && *full == '1';
   std::uint64_t transactions = 0, faults = 0, failed = 0, unrecorded = 0, bytes = 0;

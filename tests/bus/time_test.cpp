@@ -97,7 +97,7 @@ void compare(Twins& twins, const RayScene& scene, const std::string& name) {
 
 class BusTimes : public ::testing::TestWithParam<std::uint32_t> {};
 
-TEST_P(BusTimes, AreThoseOfTheSignals) {
+TEST_P(BusTimes, FunctionalBus_MatchesSignalTimes) {
   Random random;
   const RayScene scene = cloud(random, 64, 300);
   for (const char* host : {"ideal", "good", "p64-2001"})
@@ -117,7 +117,7 @@ TEST_P(BusTimes, AreThoseOfTheSignals) {
 INSTANTIATE_TEST_SUITE_P(CorePeriods, BusTimes, ::testing::Values(20'000u, 10'000u, 5'000u));
 
 /// Whenever the record ring is full, the pass waits for the host.
-TEST(BusTimesOfAFullRing, AreThoseOfTheSignals) {
+TEST(BusTimesFullRing, FullRing_MatchesSignalTimes) {
   Random random;
   const RayScene scene = cloud(random, 60, 100);
   for (const char* host : {"ideal", "good", "p64-2001"}) {
@@ -128,7 +128,7 @@ TEST(BusTimesOfAFullRing, AreThoseOfTheSignals) {
   }
 }
 
-TEST(BusTimesCounters, CountWhatTheSignalsDo) {
+TEST(BusTimesCounters, Counters_MatchTheSignals) {
   Random random;
   const RayScene scene = cloud(random, 100, 500);
   for (const char* host : {"ideal", "p64-2001"}) {

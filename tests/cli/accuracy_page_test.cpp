@@ -36,7 +36,7 @@ const Words kSome = {"--pair",       "ray-triangle,sphere-sphere",
                      "--cases",      "120"};
 
 /// Measured and estimated costs come from the rows, and no sum mixes both.
-TEST_F(AccuracyPage, PricesAreOfTheTable) {
+TEST_F(AccuracyPage, Costs_ComeFromTheTable) {
   Words words = kSome;
   words.emplace_back("--json");
   const Ran ran = priced(words);
@@ -91,7 +91,7 @@ TEST_F(AccuracyPage, PricesAreOfTheTable) {
   EXPECT_EQ(kinds, (std::set<std::string>{"none", "measured", "too large", "estimated"}));
 }
 
-TEST_F(AccuracyPage, TablesOfPricesThatAreNone) {
+TEST_F(AccuracyPage, InvalidCostTables_AreRefused) {
   const auto refused = [&](const std::string& text, const std::string& says) {
     write("prices.json", text);
     const Ran ran = priced({"--pair", "sphere-sphere", "--formats", "fp16", "--cases", "20"});
@@ -125,7 +125,7 @@ TEST_F(AccuracyPage, TablesOfPricesThatAreNone) {
   refused(bad.dump(), "row 2: fmax is not there");
 }
 
-TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {
+TEST_F(AccuracyPage, FreshAndKeptResults_GiveTheSamePage) {
   Words words = kSome;
   words.insert(words.end(), {"--profiles", "30", "--page", "p.html", "--json"});
   const Ran fresh = priced(words);
@@ -152,7 +152,7 @@ TEST_F(AccuracyPage, FromAFreshSweepAndFromAKeptOne) {
   EXPECT_EQ(data.at("entries").size(), json::parse(fresh.out).at("configurations").size());
 }
 
-TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
+TEST_F(AccuracyPage, Charts_AreSavedWithTheirFigures) {
   if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the page";
   Words words = kSome;
   words.insert(words.end(), {"--profiles", "30", "--page", "p.html"});
@@ -173,7 +173,7 @@ TEST_F(AccuracyPage, ChartsAreSavedAndMarksShowTheirFigures) {
 }
 
 /// The line of best trade-offs follows the chosen formats, and a chart can be zoomed.
-TEST_F(AccuracyPage, FilterAndZoom_ChangeChartsTablesAndTheBestLine) {
+TEST_F(AccuracyPage, FilterAndZoom_ChangeChartsTablesAndBestLine) {
   if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the page";
   Words words = kSome;
   words.insert(words.end(), {"--page", "p.html"});
@@ -231,7 +231,7 @@ addEventListener("load", () => {
   EXPECT_EQ(told["whole"], before);
 }
 
-TEST_F(AccuracyPage, WrongPixelsOfAMesh) {
+TEST_F(AccuracyPage, WrongPixelsOfAMesh_AreShown) {
   const Ran ran =
       priced({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on", "--algorithms",
               "badouel,moller", "--formats", "bf16,fp64", "--page", "m.html", "--json"});
@@ -276,7 +276,7 @@ TEST_F(AccuracyPage, WrongPixelsOfAMesh) {
   }
 }
 
-TEST_F(AccuracyPage, WhatCannotBeAPage) {
+TEST_F(AccuracyPage, ImpossiblePage_IsRefused) {
   const auto refused = [&](const Words& words, const std::string& text) {
     const Ran ran = priced(words);
     EXPECT_EQ(ran.status, 2) << text;
@@ -298,7 +298,7 @@ TEST_F(AccuracyPage, WhatCannotBeAPage) {
 }
 
 /// The worst case of a pipe is the worst of its families, and its command repeats it.
-TEST_F(AccuracyPage, WorstCases) {
+TEST_F(AccuracyPage, WorstCase_RepeatsWithItsCommand) {
   Words words = {"--pair", "ray-triangle", "--formats", "fp32", "--algorithms",   "badouel",
                  "--box",  "off",          "--cases",   "600",  "--no-operators", "--json"};
   const Ran ran = priced(words);
@@ -330,7 +330,7 @@ TEST_F(AccuracyPage, WorstCases) {
 }
 
 /// A modelled clock comes from the rows of a card's operators, or is refused.
-TEST_F(AccuracyPage, ClocksOfCards) {
+TEST_F(AccuracyPage, ModelledClock_ComesFromTheCardsOperators) {
   json rows = some_prices();
   for (const char* what : {"add", "mul", "div", "lt"})
     rows["rows"].push_back(price_row(what, "fp32", "1", 500, 4, *what == 'd' ? 40 : 60));
@@ -361,7 +361,7 @@ TEST_F(AccuracyPage, ClocksOfCards) {
 }
 
 /// A scene has its own latencies, so rows of deep operators give its clock.
-TEST_F(AccuracyPage, ClocksOfScenes) {
+TEST_F(AccuracyPage, ModelledClock_ComesFromTheScenesOperators) {
   json rows = some_prices();
   rows["rows"].push_back(
       price_row("ray-triangle", "fp32", "8/9/16/15/1", 50000, 108, 90, "moller"));

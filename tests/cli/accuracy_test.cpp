@@ -39,7 +39,7 @@ class Accuracy : public Cli {
   void refused(const Words& words, const std::string& text) { Cli::refused(command(words), text); }
 };
 
-TEST_F(Accuracy, TheSameSeedGivesTheSameFigures) {
+TEST_F(Accuracy, SameSeed_GivesTheSameFigures) {
   const Words some = {"--pair",       "sphere-sphere,ray-triangle",
                       "--formats",    "fp16,fp32",
                       "--cases",      "60",
@@ -58,7 +58,7 @@ TEST_F(Accuracy, TheSameSeedGivesTheSameFigures) {
     EXPECT_TRUE(has(first.out, text));
 }
 
-TEST_F(Accuracy, MoreBitsAreNearerTheTruth) {
+TEST_F(Accuracy, MoreBits_HaveSmallerErrors) {
   const Json all = pipes({"--pair", "obb-plane", "--formats", "fp16,fp32,fp64", "--cases", "200"});
   ASSERT_EQ(all.size(), 3u);
   const auto differ = [&](std::size_t i) {
@@ -81,7 +81,7 @@ TEST_F(Accuracy, MoreBitsAreNearerTheTruth) {
 
 /// Variants that no card has, for comparison: worse quadratic formulas, and separating axes that
 /// give F only.
-TEST_F(Accuracy, VariantsStandBesideTheCard) {
+TEST_F(Accuracy, Variants_AreComparedWithTheCard) {
   const Json rays = pipes({"--pair", "ray-sphere", "--formats", "fp32", "--cases", "2800",
                            "--variants", "card,fused,textbook"});
   ASSERT_EQ(rays.size(), 3u);
@@ -113,7 +113,7 @@ TEST_F(Accuracy, VariantsStandBesideTheCard) {
 }
 
 /// Triangles that are single points: coarse formats round small triangles far away to them.
-TEST_F(Accuracy, PointsHaveErrorsOfNumbers) {
+TEST_F(Accuracy, PointTriangles_HaveFiniteErrors) {
   const Json all = pipes({"--pair", "triangle-triangle", "--formats", "bf16", "--cases", "2400"})
                        .at(0)
                        .at("all_families");
@@ -121,7 +121,7 @@ TEST_F(Accuracy, PointsHaveErrorsOfNumbers) {
   EXPECT_TRUE(all.at("oracle_u").at("largest").is_number()) << all.at("oracle_u");
 }
 
-TEST_F(Accuracy, PromisesAreThoseOfTheDocs) {
+TEST_F(Accuracy, Promises_EqualTheDocs) {
   std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/tables/stability.md");
   const std::string docs{std::istreambuf_iterator<char>(in), {}};
   const Ran ran = accuracy({"--promises", "--cases", "10000", "--formats", "fp16,fp32,fp64",
@@ -133,7 +133,7 @@ TEST_F(Accuracy, PromisesAreThoseOfTheDocs) {
   EXPECT_EQ(count, 2u + 9u);
 }
 
-TEST_F(Accuracy, WhatIsCertainIsTrue) {
+TEST_F(Accuracy, CertainDecisions_AreTrue) {
   const Ran ran = accuracy({"--verdicts", "--pair", "obb-obb,triangle-cylinder", "--formats",
                             "bf16", "--cases", "2901", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -159,7 +159,7 @@ TEST_F(Accuracy, WhatIsCertainIsTrue) {
   EXPECT_TRUE(has(table.out, "sphere-sphere fp16 random"));
 }
 
-TEST_F(Accuracy, VerdictsThatThereAreNotAreRefused) {
+TEST_F(Accuracy, UnsupportedFilters_AreRefused) {
   refused({"--verdicts", "--pair", "ray-sphere"},
           "--verdicts: ray-sphere is not possible; expected pairs of solids without a plane");
   refused({"--verdicts", "--mesh", "terrain"}, "--verdicts");
@@ -172,7 +172,7 @@ TEST_F(Accuracy, VerdictsThatThereAreNotAreRefused) {
 }
 
 /// A run that ended anywhere, even within a line, continues to the same file and table.
-TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
+TEST_F(Accuracy, InterruptedRun_ContinuesWhereItEnded) {
   const Words some = {"--pair", "sphere-plane,ray-sphere", "--formats", "bf16,fp32", "--cases",
                       "90"};
   const auto with = [&](const std::string& file) {
@@ -206,7 +206,7 @@ TEST_F(Accuracy, ASweepGoesOnWhereItEnded) {
   EXPECT_EQ(read("journal"), old);
 }
 
-TEST_F(Accuracy, ShardsMakeUpTheWhole) {
+TEST_F(Accuracy, Shards_AddUpToTheWhole) {
   const Words some = {"--pair", "sphere-sphere", "--formats", "fp16,bf16,fp32", "--cases", "60"};
   for (const char* shard : {"1/2", "2/2"}) {
     Words words = some;
@@ -220,7 +220,7 @@ TEST_F(Accuracy, ShardsMakeUpTheWhole) {
   EXPECT_EQ(both.out, accuracy(some).out);
 }
 
-TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
+TEST_F(Accuracy, UnknownNames_GetSuggestions) {
   refused({"--pair", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?");
   refused({"--formats", "fp32,fp8"}, "no format 'fp8'; ");
   refused({"--algorithms", "mollar"}, "no algorithm 'mollar'; did you mean moller?");
@@ -239,7 +239,7 @@ TEST_F(Accuracy, WhatIsNotKnownIsNamed) {
 }
 
 /// A repeated budget is measured once.
-TEST_F(Accuracy, EachBudgetOnce) {
+TEST_F(Accuracy, RepeatedBudget_IsMeasuredOnce) {
   const Json all = pipes({"--pair", "obb-cylinder", "--formats", "fp16", "--cases", "20",
                           "--budgets", "4,0,0:4,2,2:4,0,0"});
   ASSERT_EQ(all.size(), 2u);
@@ -247,7 +247,7 @@ TEST_F(Accuracy, EachBudgetOnce) {
   EXPECT_EQ(all[1].at("budget"), "4,2,2");
 }
 
-TEST_F(Accuracy, EachFamilyOnce) {
+TEST_F(Accuracy, RepeatedFamily_IsMeasuredOnce) {
   const Ran ran = accuracy({"--pair", "sphere-sphere", "--formats", "fp16", "--cases", "20",
                             "--families", "random,deep,random", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -256,7 +256,7 @@ TEST_F(Accuracy, EachFamilyOnce) {
 }
 
 /// An option without effect is refused, and nothing is measured or written.
-TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
+TEST_F(Accuracy, OptionsWithoutEffect_AreRefused) {
   const Words mesh = {"--mesh", "terrain:8,8,1", "--grid", "4x4"};
   for (const Words& more : std::initializer_list<Words>{{"--check", "10"},
                                                         {"--cases", "5"},
@@ -295,7 +295,7 @@ TEST_F(Accuracy, OptionsWithoutAMeaningAreRefused) {
 
 /// The share of cases that the reference cannot decide grows with the quantile, and so do its
 /// bounds.
-TEST_F(Accuracy, BoundsOfTheJudgeGrow) {
+TEST_F(Accuracy, OracleBounds_GrowWithTheQuantile) {
   const Json all = pipes({"--pair", "obb-obb", "--formats", "fp64", "--cases", "1400", "--short"});
   const Json& oracle = all.at(0).at("all_families").at("oracle_u");
   EXPECT_GT(oracle.at("largest"), oracle.at("p999"));
@@ -312,7 +312,7 @@ TEST_F(Accuracy, BoundsOfTheJudgeGrow) {
 }
 
 /// A mesh with a known picture: formats with few bits give other pixels.
-TEST_F(Accuracy, PixelsOfAPicture) {
+TEST_F(Accuracy, FewBits_ChangePixelsOfAPicture) {
   const Ran ran = accuracy({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on",
                             "--algorithms", "badouel", "--formats", "bf16,fp64", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;

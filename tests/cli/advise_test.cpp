@@ -33,7 +33,7 @@ class Advise : public Cli {
   static std::string first_line(const Ran& ran) { return ran.out.substr(0, ran.out.find('\n')); }
 };
 
-TEST_F(Advise, TheCheapestThatMeetsTheDemands) {
+TEST_F(Advise, Demands_GetTheCheapestConfiguration) {
   const Ran ran = advise({"--no-leaks", "--max-error", "0.1", "--time", "10ms"});
   ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
   EXPECT_TRUE(first_line(ran).starts_with("ray-triangle watertight ")) << ran.out;
@@ -53,7 +53,7 @@ TEST_F(Advise, TheCheapestThatMeetsTheDemands) {
   EXPECT_TRUE(has(fast.out, "on 4 lanes,"));
 }
 
-TEST_F(Advise, JsonHasAllOfThemInTheSameOrder) {
+TEST_F(Advise, Json_HasAllConfigurationsInTheSameOrder) {
   const Words demands = {"--no-leaks", "--max-error", "0.1", "--time", "10ms"};
   Words with = demands;
   with.push_back("--json");
@@ -74,7 +74,7 @@ TEST_F(Advise, JsonHasAllOfThemInTheSameOrder) {
   EXPECT_FALSE(meets);
 }
 
-TEST_F(Advise, WhatIsInTheWay) {
+TEST_F(Advise, UnmetDemands_NameTheObstacle) {
   const Ran ran = advise({"--max-error", "1e-5", "--no-leaks", "--time", "1ms"});
   EXPECT_EQ(ran.status, 1) << ran.out;
   EXPECT_TRUE(
@@ -99,7 +99,7 @@ TEST_F(Advise, WhatIsInTheWay) {
   EXPECT_TRUE(has(assumed.out, "area is unknown"));
 }
 
-TEST_F(Advise, DemandsThatMakeNoSense) {
+TEST_F(Advise, InvalidDemands_AreRefused) {
   const auto refused = [&](const Words& words, const std::string& text) {
     const Ran ran = advise(words);
     EXPECT_EQ(ran.status, 2) << text << ran.out;
@@ -127,7 +127,7 @@ TEST_F(Advise, DemandsThatMakeNoSense) {
 }
 
 /// A pipe of unknown area is not the cheapest choice on a device that is too small for the others.
-TEST_F(Advise, WhatMayNotFitIsNoAdvice) {
+TEST_F(Advise, UnknownArea_IsNotAdvised) {
   const Ran ran = cde({"advise", "--pair", "obb-obb", "--max-error", "1e-2"});
   EXPECT_EQ(ran.status, 1) << ran.out;
   EXPECT_TRUE(has(ran.out, "% of the usable logic"));
@@ -135,7 +135,7 @@ TEST_F(Advise, WhatMayNotFitIsNoAdvice) {
 }
 
 /// The printed commands repeat the figures: with these families alone, and costs for this target.
-TEST_F(Advise, CommandsRepeatTheFigures) {
+TEST_F(Advise, PrintedCommands_RepeatTheFigures) {
   const Ran swept = cde({"accuracy", "--pair", "ray-sphere", "--formats", "bf16", "--families",
                          "anywhere", "--cases", "300", "-q", "--json", "-o", "some.json"});
   ASSERT_EQ(swept.status, 0) << swept.err;
@@ -149,7 +149,7 @@ TEST_F(Advise, CommandsRepeatTheFigures) {
 
 /// With several pairs, each command has the families of its own pair. Without judged cases, no
 /// result is called good.
-TEST_F(Advise, FamiliesOfSeveralPairs) {
+TEST_F(Advise, SeveralPairs_KeepTheirOwnFamilies) {
   const Ran swept =
       cde({"accuracy", "--pair", "sphere-sphere,ray-triangle", "--algorithms", "moller", "--box",
            "off", "--formats", "fp16", "--families", "near-contact,mesh-edges", "--cases", "40",
@@ -168,7 +168,7 @@ TEST_F(Advise, FamiliesOfSeveralPairs) {
 }
 
 /// Contradicting counts are reported with their configuration.
-TEST_F(Advise, SweepsThatContradictThemselves) {
+TEST_F(Advise, ContradictingCounts_AreRefused) {
   const json kept = json::parse(read("kept.json"));
   const auto refused = [&](const char* pointer, const json& value, const std::string& text) {
     json other = kept;
@@ -187,7 +187,7 @@ TEST_F(Advise, SweepsThatContradictThemselves) {
 
 /// docs/accuracy.json matches the output of its command: two of its configurations are measured
 /// again.
-TEST_F(Advise, TheKeptTableIsNotStale) {
+TEST_F(Advise, KeptTable_MatchesANewMeasurement) {
   std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/accuracy.json");
   const json kept = json::parse(in, nullptr, false);
   ASSERT_TRUE(kept.is_object());

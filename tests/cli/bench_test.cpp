@@ -11,7 +11,7 @@ namespace {
 
 class Bench : public Cli {};
 
-TEST_F(Bench, QuickRays) {
+TEST_F(Bench, QuickRays_ReportPlausibleFigures) {
   const Ran ran = cde({"bench", "rays", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out);
@@ -34,7 +34,7 @@ TEST_F(Bench, QuickRays) {
   EXPECT_GT(j["rays"]["two_boards"]["throughput_ratio"], 0);
 }
 
-TEST_F(Bench, QuickUnits) {
+TEST_F(Bench, QuickUnits_ReportPlausibleFigures) {
   const Ran ran = cde({"bench", "fp", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out);
@@ -54,7 +54,7 @@ TEST_F(Bench, QuickUnits) {
   }
 }
 
-TEST_F(Bench, QuickPairs) {
+TEST_F(Bench, QuickPairs_ReportPlausibleFigures) {
   const Ran ran = cde({"bench", "pairs", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out)["pairs"];
@@ -74,7 +74,7 @@ TEST_F(Bench, QuickPairs) {
   EXPECT_GE(fcl["hits_agreeing"], j["cases"].get<int>() - 2) << "fp32 compared with binary64";
 }
 
-TEST_F(Bench, QuickHierarchy) {
+TEST_F(Bench, QuickBvh_ReportsPlausibleFigures) {
   const Ran ran = cde({"bench", "hierarchy", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out)["hierarchy"];
@@ -104,7 +104,7 @@ TEST_F(Bench, QuickHierarchy) {
   }
 }
 
-TEST_F(Bench, QuickBus) {
+TEST_F(Bench, QuickBus_ReportsPlausibleFigures) {
   const Ran ran = cde({"bench", "bus", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out)["bus"];
@@ -133,7 +133,7 @@ TEST_F(Bench, QuickBus) {
   EXPECT_LT(s["total"], 1e-3);
 }
 
-TEST_F(Bench, QuickEffects) {
+TEST_F(Bench, QuickEffects_ReportPlausibleFigures) {
   const Ran ran = cde({"bench", "effects", "--quick", "--json", "--markdown"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   // The table for people goes to stderr, beside the JSON.
@@ -170,7 +170,7 @@ TEST_F(Bench, QuickEffects) {
   EXPECT_EQ(j["promises"][1]["figure"], cards[0]["frame_over_pass"]);
 }
 
-TEST_F(Bench, UnknownSection) {
+TEST_F(Bench, UnknownSection_IsRefused) {
   const Ran ran = cde({"bench", "cars"});
   EXPECT_EQ(ran.status, 2);
   EXPECT_TRUE(has(ran.err, "no section 'cars'"));

@@ -37,7 +37,7 @@ class Bundles : public Cli {
 
 const char* const kPair = "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0\n";
 
-TEST_F(Bundles, APairThatAPipeAnswersWrong) {
+TEST_F(Bundles, WrongPair_IsPacked) {
   const Planted fault(folder_, "rtl/pipes/ray_triangle_moller.sv", "`DF_DOT(u, p, s)",
                       "`DF_DOT(u, p, e1)");
   std::string pairs;
@@ -80,7 +80,7 @@ TEST_F(Bundles, APairThatAPipeAnswersWrong) {
 const char* const kTwice =
     "v 0 0 1\nv 2 0 1\nv 0 2 1\nf 1 2 3\nf 1 2 3\nv 0 0 0\nv 2 0 0\nv 0 2 0\nf 4 5 6\n";
 
-TEST_F(Bundles, ARecordThatIsKeptWrong) {
+TEST_F(Bundles, WrongRecord_IsPacked) {
   const Planted fault(folder_, "rtl/update/update_lanes.sv", "{CW{index_i < f_index[row_i][l]}}",
                       "{CW{index_i > f_index[row_i][l]}}");
   write("twice.obj", kTwice);
@@ -97,7 +97,7 @@ TEST_F(Bundles, ARecordThatIsKeptWrong) {
   EXPECT_TRUE(has(page, "the pipe says that primary 0 and secondary 1 meet, as the reference"));
 }
 
-TEST_F(Bundles, ACardThatHangs) {
+TEST_F(Bundles, HangingCard_IsPacked) {
   const Planted fault(folder_, "rtl/engine/engine_control.sv",
                       "assign done_o = state_q == WRITEBACK && pending_q == 0",
                       "assign done_o = state_q == WRITEBACK && pending_q == 3");
@@ -113,7 +113,7 @@ TEST_F(Bundles, ACardThatHangs) {
 }
 
 /// A pipe that never returns its last row, and a pipe that answers a later row first.
-TEST_F(Bundles, APipeThatHangs) {
+TEST_F(Bundles, HangingPipe_IsPacked) {
   write("rows", "0,0,0,1,0,0,0,1\n0,0,0,1,1.5,0,0,1\nno pair\n0,0,0,1,5,0,0,1\n");
   const std::string query = "\"$CDE\" query sphere-sphere --lanes 1 -q ";
   const Planted fault(folder_, "rtl/engine/issue_history.sv", "valid_mem[then_q];",
@@ -140,7 +140,7 @@ TEST_F(Bundles, APipeThatHangs) {
 }
 
 /// A deadline that the user set is not a failure of the card.
-TEST_F(Bundles, ADeadlineIsNotPacked) {
+TEST_F(Bundles, Deadline_IsNotPacked) {
   write("twice.obj", kTwice);
   EXPECT_EQ(
       cde({"cast", "twice.obj", "--ray", "0.5,0.5,5,0,0,-1", "-q", "--deadline", "10"}).status, 4);

@@ -56,7 +56,7 @@ T at(const std::string& data, std::size_t byte) {
   return value;
 }
 
-TEST_F(CastFiles, AMeshAloneShowsItself) {
+TEST_F(CastFiles, MeshAlone_WritesItsPicture) {
   write("one.obj", kTwoObjects);
   const Ran ran = render({"one.obj"});
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -68,7 +68,7 @@ TEST_F(CastFiles, AMeshAloneShowsItself) {
 }
 
 /// of the same picture as PNG, PFM and NumPy array; hits lie at the height of the triangle.
-TEST_F(CastFiles, DepthsNormalsAndIndices) {
+TEST_F(CastFiles, DepthsNormalsAndIndices_ShowTheMesh) {
   write("one.obj", kTwoObjects);
   const Ran ran = render({"one.obj", "--grid", "4x2", "--image", "d.npy", "--normals", "n.pfm",
                           "--indices", "i.npy", "-q", "--lanes", "16"});
@@ -99,7 +99,7 @@ TEST_F(CastFiles, DepthsNormalsAndIndices) {
 }
 
 /// The output of `cde render` is its picture, or records with another suffix.
-TEST_F(CastFiles, OutputOfRenderIsThePicture) {
+TEST_F(CastFiles, RenderOutput_IsThePictureOrRecords) {
   write("one.obj", kTwoObjects);
   ASSERT_EQ(render({"one.obj", "--grid", "4x2", "-o", "a.png", "-q"}).status, 0);
   ASSERT_EQ(render({"one.obj", "--grid", "4x2", "--shaded", "b.png", "-q"}).status, 0);
@@ -110,7 +110,7 @@ TEST_F(CastFiles, OutputOfRenderIsThePicture) {
           "--output and --shaded both name the picture", "render");
 }
 
-TEST_F(CastFiles, OtherSuffixesAreRefused) {
+TEST_F(CastFiles, UnknownSuffixes_AreRefused) {
   write("one.obj", kTwoObjects);
   const Words grid = {"one.obj", "--grid", "4x2"};
   const auto with = [&](const std::string& option, const std::string& value) {
@@ -137,7 +137,7 @@ TEST_F(CastFiles, OtherSuffixesAreRefused) {
 }
 
 /// Names in a mesh file must not control the terminal.
-TEST_F(CastFiles, ControlCharactersOfNamesAreShownAsNumbers) {
+TEST_F(CastFiles, ControlCharactersInNames_ArePrintedEscaped) {
   write("evil.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\no \033[31mred\007\nf 1 2 3\n");
   const Ran ran =
       cast({"evil.obj", "--ray", "0.2,0.2,5,0,0,-1", "--fields", "node", "-q", "-o", "-"});
@@ -146,7 +146,7 @@ TEST_F(CastFiles, ControlCharactersOfNamesAreShownAsNumbers) {
 }
 
 /// Fields that the host adds to a record, in all three formats.
-TEST_F(CastFiles, FieldsOfRecords) {
+TEST_F(CastFiles, Fields_AreEqualInAllFormats) {
   write("one.obj", kTwoObjects);
   const Words words = {"one.obj",           "--ray",
                        "0.25,0.5,0,0,0,1",  "--ray",
@@ -185,7 +185,7 @@ TEST_F(CastFiles, FieldsOfRecords) {
 }
 
 /// Scene files without a mesh: formats whose reader finds none, and a file with a skeleton only.
-TEST_F(CastFiles, AFileWithoutMeshesSaysSo) {
+TEST_F(CastFiles, FileWithoutMeshes_IsRefused) {
   write("none.gltf",
         R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"name":"n"}]})");
   write("none.dae",
@@ -198,7 +198,7 @@ TEST_F(CastFiles, AFileWithoutMeshesSaysSo) {
 }
 
 /// Nodes of a file that assimp reads.
-TEST_F(CastFiles, NodesOfBoxes) {
+TEST_F(CastFiles, AssimpNodes_AreNamed) {
   const Ran ran = cast({std::string(CDE_SOURCE_DIR) + "/meshes/boxes.glb", "--grid", "6x4", "--up",
                         "z", "-o", "-", "--fields", "node", "-q", "--lanes", "16"});
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -207,7 +207,7 @@ TEST_F(CastFiles, NodesOfBoxes) {
 }
 
 /// Each record tells whether its ray starts within a closed mesh. A mesh with a hole has no inside.
-TEST_F(CastFiles, InsideOfAClosedMesh) {
+TEST_F(CastFiles, ClosedMesh_ReportsRaysInside) {
   const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
   write("closed.obj", corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   write("open.obj", corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\n");
@@ -224,7 +224,7 @@ TEST_F(CastFiles, InsideOfAClosedMesh) {
 }
 
 /// The number of hits is unknown before the cast ends.
-TEST_F(CastFiles, ArrayOfHits) {
+TEST_F(CastFiles, ArrayOfHits_HasItsLength) {
   write("one.obj", kTwoObjects);
   ASSERT_EQ(cast({"one.obj", "--grid", "4x2", "--mode", "hits", "-o", "h.npy", "-q"}).status, 0);
   const Npy array = npy(read("h.npy"));
@@ -250,7 +250,7 @@ std::string bytes(const std::vector<T>& numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(T)};
 }
 
-TEST_F(CastFiles, RaysFromArrays) {
+TEST_F(CastFiles, RayArrays_KeepTheirAxes) {
   write("one.obj", kTwoObjects);
   write("r4.npy",
         array_of("<f4", "(2, 6)", bytes<float>({.25f, .5f, 0, 0, 0, 1, .5f, .75f, 2, 0, 0, -1})));
@@ -292,7 +292,7 @@ TEST_F(CastFiles, RaysFromArrays) {
 }
 
 /// A mesh with y up gives the same picture as the mesh with z up.
-TEST_F(CastFiles, AxisThatIsUp) {
+TEST_F(CastFiles, UpAxis_GivesTheSamePicture) {
   write("z.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nv 0 0 3\nf 1 2 4\nf 2 3 4\nf 1 3 2\n");
   write("y.obj", "v 0 0 0\nv 2 0 0\nv 0 0 -1\nv 0 3 0\nf 1 2 4\nf 2 3 4\nf 1 3 2\n");
   write("x.obj", "v 0 0 0\nv 0 0 -2\nv 0 1 0\nv 3 0 0\nf 1 2 4\nf 2 3 4\nf 1 3 2\n");
@@ -315,7 +315,7 @@ TEST_F(CastFiles, AxisThatIsUp) {
 }
 
 /// Shadows are a second pass: more records, checked like the first pass, and another picture.
-TEST_F(CastFiles, ShadowsAreASecondPass) {
+TEST_F(CastFiles, Shadows_AreACheckedSecondPass) {
   const auto shaded = [&](bool shadows) {
     Words words = {"terrain:24,24,1", "--size", "48x32", "--shaded", "s.png", "--json", "-q"};
     if (shadows) words.emplace_back("--shadows");
@@ -335,7 +335,7 @@ TEST_F(CastFiles, ShadowsAreASecondPass) {
 
 /// A picture beyond the address space is refused by its size before the cast. No allocation fails
 /// first.
-TEST_F(CastFiles, APictureTooLargeForTheMemoryNamesItsSize) {
+TEST_F(CastFiles, TooLargePicture_IsRefusedWithItsSize) {
   const auto limited = [&](const std::string& words) {
     return shell("ulimit -v 4000000 && \"$CDE\" render terrain:3,3,1 -q " + words);
   };
@@ -353,7 +353,7 @@ TEST_F(CastFiles, APictureTooLargeForTheMemoryNamesItsSize) {
 }
 
 /// Another algorithm uses another card and another reference, and finds the same hits.
-TEST_F(CastFiles, Algorithms) {
+TEST_F(CastFiles, Algorithms_FindTheSameHits) {
   const auto hits = [&](const std::string& algorithm, const std::string& mode) {
     const Ran ran = cast({"terrain:6,6,1", "--grid", "20x15", "--algorithm", algorithm, "--mode",
                           mode, "--lanes", "16", "--json", "-q"});

@@ -32,7 +32,7 @@ const char* const kTwo = "v 0 0 1\nv 1 0 1\nv 0 1 1\nv 0 0 2\nv 1 0 2\nv 0 1 2\n
 
 class Cast : public Cli {};
 
-TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
+TEST_F(Cast, CsvOnStdout_IsTheOnlyOutput) {
   write("one.obj", kOneTriangle);
   const Ran ran =
       cde({"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--ray=-5,0,0,0,0,1", "-o", "-"});
@@ -45,7 +45,7 @@ TEST_F(Cast, CsvOnStdoutIsAllThatIsThere) {
 }
 
 /// No card with 4 lanes exists without waves, but one with waves does.
-TEST_F(Cast, BuiltCardStandsIn) {
+TEST_F(Cast, BuiltCard_StandsIn) {
   write("one.obj", kOneTriangle);
   const Words environment = {"CDE_CACHE=" + (folder_ / "cache").string()};
   Words words = {"cast",    "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--algorithm", "moller",
@@ -88,7 +88,7 @@ TEST_F(Cast, BuiltCardStandsIn) {
 }
 
 /// A ray in the plane of a sliver: the pipe without the box rule reports a hit in empty space.
-TEST_F(Cast, SaysWhetherItHasTheBoxRule) {
+TEST_F(Cast, Summary_TellsWhetherTheBoxRuleApplies) {
   write("one.obj", kOneTriangle);
   const Words ray = {"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "--json"};
   Ran ran = cde(ray);
@@ -103,7 +103,7 @@ TEST_F(Cast, SaysWhetherItHasTheBoxRule) {
   EXPECT_EQ(nlohmann::json::parse(ran.out)["box"], false);
 }
 
-TEST_F(Cast, BitsQuietAndFile) {
+TEST_F(Cast, BitsQuietAndFile_WriteOnlyTheFile) {
   write("one.obj", kOneTriangle);
   const Ran ran =
       cde({"cast", "one.obj", "--ray", "0.25,0.25,0,0,0,2", "-o", "hits.csv", "--bits", "-q"});
@@ -114,7 +114,7 @@ TEST_F(Cast, BitsQuietAndFile) {
             "0,1,0.5,0.25,0.25,1,0,3f000000,3e800000,3e800000,3f800000\n");
 }
 
-TEST_F(Cast, EveryMode) {
+TEST_F(Cast, EveryMode_HasItsRecords) {
   write("two.obj", kTwo);
   const std::map<std::string, std::string> expected = {
       {"nearest", "0,1,1,0.25,0.25,1,0\n1,0,inf,0,0,0,4294967295\n"},
@@ -132,7 +132,7 @@ TEST_F(Cast, EveryMode) {
   }
 }
 
-TEST_F(Cast, RaysFromAFileInSeveralPackets) {
+TEST_F(Cast, RaysOfSeveralPackets_GiveAllRecords) {
   write("one.obj", kOneTriangle);
   std::string rays = "ox,oy,oz,dx,dy,dz\n";
   for (int i = 0; i < 600; ++i) rays += fmt::format("{},0.001,0,0,0,1\n", i / 400.0);
@@ -157,7 +157,7 @@ TEST_F(Cast, RaysFromAFileInSeveralPackets) {
   EXPECT_TRUE(has(csv, "\n599,0,inf"));
 }
 
-TEST_F(Cast, BothArithmeticsGiveTheSameFile) {
+TEST_F(Cast, BothArithmetics_GiveTheSameFile) {
   for (const char* arithmetic : {"host", "rtl"}) {
     const Ran ran = cde({"cast", "terrain:12,9,3", "--grid", "20x17", "--bits", "-o",
                          fmt::format("{}.csv", arithmetic), "--arith", arithmetic});
@@ -169,7 +169,7 @@ TEST_F(Cast, BothArithmeticsGiveTheSameFile) {
 
 /// Three packets on one card and on three: the same records in the same order, in a third of the
 /// modelled time.
-TEST_F(Cast, MoreCardsGiveTheSameFile) {
+TEST_F(Cast, MoreCards_GiveTheSameFile) {
   for (const char* mode : {"nearest", "hits"}) {
     nlohmann::json summary[2];
     for (int i = 0; i < 2; ++i) {
@@ -195,7 +195,7 @@ TEST_F(Cast, MoreCardsGiveTheSameFile) {
 
 /// Parallel cards buffer records that have to wait, and each holds a mesh. Excess memory is refused
 /// with the sizes before anything is built or cast. One card buffers none.
-TEST_F(Cast, TheMemoryOfManyCardsIsLimited) {
+TEST_F(Cast, MemoryOfManyCards_IsLimited) {
   const Ran ran = cde({"cast", "terrain:64,64,1", "--grid", "8192x8192", "--mode", "all",
                        "--boards", "64", "-o", "x.csv"});
   EXPECT_EQ(ran.status, 2);
@@ -212,7 +212,7 @@ TEST_F(Cast, TheMemoryOfManyCardsIsLimited) {
   EXPECT_TRUE(files().empty());
 }
 
-TEST_F(Cast, ClockChangesTheModelledTimeOnly) {
+TEST_F(Cast, Clock_ChangesOnlyTheModelledTime) {
   write("one.obj", kOneTriangle);
   const auto at = [&](const char* mhz) {
     return nlohmann::json::parse(
@@ -225,7 +225,7 @@ TEST_F(Cast, ClockChangesTheModelledTimeOnly) {
     EXPECT_EQ(at(clock)["clock_hz"], 2e8) << clock;
 }
 
-TEST_F(Cast, Pictures) {
+TEST_F(Cast, Pictures_HaveTheirSize) {
   const Ran ran = cde({"render", "terrain:20,20,1", "--size", "48x32", "--image", "depth.png",
                        "--shaded", "sun.png"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -241,7 +241,7 @@ TEST_F(Cast, Pictures) {
             0);
 }
 
-TEST_F(Cast, Waves) {
+TEST_F(Cast, Waves_HaveEverySignal) {
   write("one.obj", kOneTriangle);
   Ran ran =
       cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", "waves.fst"});
@@ -270,7 +270,7 @@ TEST_F(Cast, Waves) {
   EXPECT_EQ(files(), (Words{"one.obj", "waves.fst"}));
 }
 
-TEST_F(Cast, BadInputIsRefusedAndNamed) {
+TEST_F(Cast, BadInput_IsRefusedAndNamed) {
   write("one.obj", kOneTriangle);
   write("empty.obj", "");
   write("points.obj", "v 0 0 0\n");
@@ -335,7 +335,7 @@ TEST_F(Cast, BadInputIsRefusedAndNamed) {
           "no-folder/x.fst");
 }
 
-TEST_F(Cast, TimeoutIsStatus4AndKeepsTheOldFile) {
+TEST_F(Cast, Timeout_IsStatus4AndKeepsTheOldFile) {
   write("one.obj", kOneTriangle);
   write("hits.csv", "old");
   refused({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--deadline", "10", "-o", "hits.csv"},
@@ -349,7 +349,7 @@ TEST_F(Cast, TimeoutIsStatus4AndKeepsTheOldFile) {
 
 /// The signal comes as soon as the file exists. The command must then already be able to remove the
 /// file.
-TEST_F(Cast, InterruptLeavesNothing) {
+TEST_F(Cast, Interrupt_LeavesNoFile) {
   for (int i = 0; i < 15; ++i) {
     const int signal = std::array{SIGINT, SIGTERM, SIGHUP}.at(i % 3);
     SCOPED_TRACE(fmt::format("signal {}, round {}", signal, i / 3));
@@ -364,7 +364,7 @@ TEST_F(Cast, InterruptLeavesNothing) {
 }
 
 /// Later, in the middle of the cast.
-TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
+TEST_F(Cast, InterruptWhileCasting_LeavesNoFile) {
   const pid_t child = start({"cast", "terrain", "--grid", "1000x1000", "-o", "hits.csv"});
   const bool began = wait_for_file(child);
   ::usleep(500'000);
@@ -377,7 +377,7 @@ TEST_F(Cast, InterruptWhileCastingLeavesNothing) {
 
 /// A faulty card: without the comparison of the third edge, hits lie outside triangles. The cast
 /// ends with status 3 and keeps no file. The printed command finds the same difference.
-TEST_F(Cast, FaultyCardIsFoundOut) {
+TEST_F(Cast, FaultyCard_IsFound) {
   const Words environment = faulty_card(folder_);
   const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "9x9", "--lanes", "4", "--algorithm",
                        "moller", "--json", "-o", "hits.csv", "--no-bundle"},
@@ -417,7 +417,7 @@ TEST_F(Cast, FaultyCardIsFoundOut) {
 /// Waves into a file with a size limit, from 100 bytes to all bytes except one: one error line and
 /// no file. Verilator's writer reports no such error, and its own temporary file can end it with
 /// SIGBUS.
-TEST_F(Cast, WavesThatDoNotFitAreAnError) {
+TEST_F(Cast, WavesBeyondTheFileLimit_AreAnError) {
   write("one.obj", kOneTriangle);
   const Words words = {"cast", "one.obj", "--ray",     "0,0,0,0,0,1", "--lanes",
                        "4",    "--trace", "waves.fst", "--quiet"};
@@ -436,7 +436,7 @@ TEST_F(Cast, WavesThatDoNotFitAreAnError) {
 }
 
 /// The same on a full disk: a small one in memory.
-TEST_F(Cast, WavesOnAFullDiskAreAnError) {
+TEST_F(Cast, WavesOnAFullDisk_AreAnError) {
   write("one.obj", kOneTriangle);
   const auto cast_to = [&](const std::string& file) {
     return cde({"cast", "one.obj", "--ray", "0,0,0,0,0,1", "--lanes", "4", "--trace", file, "-q"});
@@ -468,7 +468,7 @@ TEST_F(Cast, WavesOnAFullDiskAreAnError) {
 
 class Doctor : public Cli {};
 
-TEST_F(Doctor, AllIsWell) {
+TEST_F(Doctor, CompleteInstallation_Passes) {
   const Ran ran = cde({"doctor", "--build"}, {"CDE_CACHE=" + (folder_ / "cache").string()});
   EXPECT_EQ(ran.status, 0) << ran.out << ran.err;
   EXPECT_FALSE(has(ran.out, "BAD"));
@@ -479,7 +479,7 @@ TEST_F(Doctor, AllIsWell) {
   }
 }
 
-TEST_F(Doctor, BuildsNothingUnlessAsked) {
+TEST_F(Doctor, WithoutBuild_BuildsNothing) {
   const Ran ran = cde({"doctor"}, {"CDE_CACHE=" + (folder_ / "cache").string(),
                                    "CDE_BITSTREAMS=" + (folder_ / "none").string(),
                                    "CDE_MARCH=x86-64-v2"});  // no model exists for this processor
@@ -490,7 +490,7 @@ TEST_F(Doctor, BuildsNothingUnlessAsked) {
   EXPECT_TRUE(has(ran.out, "--   card, rtl  rtl arithmetic: the card is not built"));
 }
 
-TEST_F(Doctor, SaysWhatIsWrongAndWhatToDo) {
+TEST_F(Doctor, Problems_AreNamedWithRemedies) {
   Ran ran = cde({"doctor"}, {"CDE_CLANG=no-such-compiler"});
   EXPECT_EQ(ran.status, 1);
   EXPECT_TRUE(has(ran.out, "no-such-compiler is missing"));

@@ -84,7 +84,7 @@ std::string missing(const explain::Explanation& e) {
 
 class ExplainGood : public ::testing::TestWithParam<Pipe> {};
 
-TEST_P(ExplainGood, FindsEveryOperatorAndNamesNoPlace) {
+TEST_P(ExplainGood, CorrectPipe_FindsEveryOperatorAndNamesNoPlace) {
   const Pipe& pipe = GetParam();
   PairOptions options;
   options.pair = name(pipe.pair);

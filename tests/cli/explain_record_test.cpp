@@ -81,7 +81,7 @@ class ExplainRecord : public Cli {
 using List = std::vector<int>;
 using Bits = std::vector<bool>;
 
-TEST_F(ExplainRecord, EveryCandidateIsThereWithWhatItWasHeldAgainst) {
+TEST_F(ExplainRecord, Candidates_AreListedWithTheirComparison) {
   const json j = told("nearest.toml:q:1:0");
   EXPECT_EQ(j["frame"], 1);
   EXPECT_EQ(j["lane"], 0);
@@ -110,7 +110,7 @@ TEST_F(ExplainRecord, EveryCandidateIsThereWithWhatItWasHeldAgainst) {
   EXPECT_TRUE(j["too_many"].empty());
 }
 
-TEST_F(ExplainRecord, OtherModesKeepOthers) {
+TEST_F(ExplainRecord, OtherModes_KeepOtherCandidates) {
   const json far = told("farthest.toml:q:0:0")["candidates"];
   EXPECT_EQ(stored(far), (Bits{true, false, false, false}));
   EXPECT_EQ(far[1]["reason"], "not kept, 2 < 4 of secondary 0");
@@ -125,7 +125,7 @@ TEST_F(ExplainRecord, OtherModesKeepOthers) {
   EXPECT_EQ(told("all.toml:q:0:0")["candidates"].size(), 5u);
 }
 
-TEST_F(ExplainRecord, AsTextItEndsWithTheWinnerAndItsPair) {
+TEST_F(ExplainRecord, Text_EndsWithTheWinnerAndItsPair) {
   const std::string all = text("nearest.toml:q:0:0", {"--max", "1"});
   const auto at = [&all](const char* part) {
     EXPECT_TRUE(has(all, part));
@@ -145,7 +145,7 @@ TEST_F(ExplainRecord, AsTextItEndsWithTheWinnerAndItsPair) {
       has(text("hits.toml:q:0:0"), "In mode hits every hit has a record. There is no winner"));
 }
 
-TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
+TEST_F(ExplainRecord, Manual_ShowsThePrintedOutput) {
   write("stack.toml", scene("nearest"));
   std::ifstream in(std::filesystem::path(CDE_SOURCE_DIR) / "docs/guides/explain.md");
   const std::string manual{std::istreambuf_iterator<char>(in), {}};
@@ -159,7 +159,7 @@ TEST_F(ExplainRecord, TheManualShowsWhatTheCommandPrints) {
 
 /// Waves of a BVH traversal show few pairs. The explanation uses brute force, which has the same
 /// record.
-TEST_F(ExplainRecord, WhatGoesThroughAHierarchyIsSwept) {
+TEST_F(ExplainRecord, BvhQuery_IsExplainedByBruteForce) {
   std::string tree = scene("nearest");
   tree.insert(tree.find("[card]\n") + 7, "hierarchy = \"on\"\n");
   write("tree.toml", tree);
@@ -173,12 +173,12 @@ TEST_F(ExplainRecord, WhatGoesThroughAHierarchyIsSwept) {
   EXPECT_EQ(told("nearest.toml:q:0:0")["swept_instead"], false);
 }
 
-TEST_F(ExplainRecord, ARunIsNamedByItsFolder) {
+TEST_F(ExplainRecord, RunFolder_NamesTheRun) {
   ASSERT_EQ(cde({"run", "nearest.toml", "--out", "out", "-q", "--frames", "0..1"}).status, 0);
   EXPECT_EQ(told("out:q:1:1")["candidates"].size(), 2u);
 }
 
-TEST_F(ExplainRecord, WhatTheUpdateEngineKeepsWrongIsNamed) {
+TEST_F(ExplainRecord, WrongUpdate_IsNamed) {
   const Planted fault(folder_, "rtl/update/update_lanes.sv", "{CW{index_i < f_index[row_i][l]}}",
                       "{CW{index_i > f_index[row_i][l]}}");
   const json j = told("nearest.toml:q:0:0", 3, fault.environment());
@@ -200,7 +200,7 @@ TEST_F(ExplainRecord, WhatTheUpdateEngineKeepsWrongIsNamed) {
   EXPECT_EQ(again["first_frame"], 0);
 }
 
-TEST_F(ExplainRecord, WhatThePipeMissesIsLacking) {
+TEST_F(ExplainRecord, MissedPair_IsListedAsMissing) {
   const Planted fault(folder_, "rtl/pipes/ray_triangle_moller.sv", "`DF_DOT(u, p, s)",
                       "`DF_DOT(u, p, e1)");
   std::string moller = scene("nearest");
@@ -214,7 +214,7 @@ TEST_F(ExplainRecord, WhatThePipeMissesIsLacking) {
   EXPECT_EQ(place["line"], fault.line());
 }
 
-TEST_F(ExplainRecord, WhatIsNoRecordIsRefused) {
+TEST_F(ExplainRecord, InvalidRecordName_IsRefused) {
   const auto no = [this](const std::string& record, const std::string& why) {
     refused({"explain", "--from-record", record}, why);
   };
@@ -236,7 +236,7 @@ TEST_F(ExplainRecord, WhatIsNoRecordIsRefused) {
 
 class ExplainLine : public Cli {};
 
-TEST_F(ExplainLine, OfATestOrOfCdeQueryIsRead) {
+TEST_F(ExplainLine, LineOfATestOrQuery_IsRead) {
   const std::string words = "0x1p+0 0x0 0 0x40000000 | 0x3fc00000 0 0 1";
   const Ran plain = cde({"explain", "sphere-sphere", "--arith", "host", words});
   ASSERT_EQ(plain.status, 0) << plain.err;
@@ -259,7 +259,7 @@ TEST_F(ExplainLine, OfATestOrOfCdeQueryIsRead) {
   EXPECT_TRUE(json::parse(half.out)["same"].get<bool>());
 }
 
-TEST_F(ExplainLine, ThatCannotBeReadIsRefused) {
+TEST_F(ExplainLine, UnreadableLine_IsRefused) {
   for (const char* line :
        {"", "case 3", "cde explain sphere-sphere", "echo '1 2' | cde query spheer-sphere",
         "cde explain sphere-sphere '0 0 0 1", "cde explain sphere-sphere --depth 3 '0 0 0 1'"}) {
@@ -275,7 +275,7 @@ TEST_F(ExplainLine, ThatCannotBeReadIsRefused) {
 }
 
 /// A failing pipe test leaves the same package as `cde query`, and its line can be read.
-TEST_F(ExplainLine, AFailingTestOfAPipeLeavesABundle) {
+TEST_F(ExplainLine, FailingPipeTest_LeavesABundle) {
   const Planted fault(folder_, "rtl/pipes/sphere_sphere.sv", "`DF_VSUB(", "`DF_VADD(");
   std::string exports;
   for (const std::string& variable : fault.environment()) exports += "export " + variable + "\n";

@@ -34,7 +34,7 @@ class Explain : public Cli {
   }
 };
 
-TEST_F(Explain, AGoodPipeIsFoundWholeAndTheSame) {
+TEST_F(Explain, CorrectPipe_IsExplainedCompletely) {
   const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 1 | 1.5 0 0 1"});
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.out, "The card's answer equals the reference's."));
@@ -49,7 +49,7 @@ TEST_F(Explain, AGoodPipeIsFoundWholeAndTheSame) {
 
 /// With host arithmetic the box rule has no operators, and some of its operands equal those of
 /// moller.
-TEST_F(Explain, HostArithmeticWithTheBoxRuleIsNoDifference) {
+TEST_F(Explain, HostArithmeticWithTheBoxRule_HasNoDifference) {
   const Ran ran = cde({"explain", "ray-triangle", "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0",
                        "--arith", "host", "--json"});
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -58,7 +58,7 @@ TEST_F(Explain, HostArithmeticWithTheBoxRuleIsNoDifference) {
   EXPECT_TRUE(j["first_differences"].empty()) << ran.out;
 }
 
-TEST_F(Explain, TheManualShowsWhatTheCommandPrints) {
+TEST_F(Explain, Manual_ShowsThePrintedOutput) {
   std::ifstream in(fs::path(CDE_SOURCE_DIR) / "docs/guides/explain.md");
   const std::string manual{std::istreambuf_iterator<char>(in), {}};
   const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 1 | 1.5 0 0 1", "--max", "3"});
@@ -69,15 +69,15 @@ TEST_F(Explain, TheManualShowsWhatTheCommandPrints) {
   EXPECT_TRUE(has(manual, indented));
 }
 
-TEST_F(Explain, AnotherOperationIsFoundAtItsLine) {
+TEST_F(Explain, WrongOperation_IsFoundAtItsLine) {
   expect_found("`DF_VSUB(s, o, v0)", "`DF_VADD(s, o, v0)");
 }
 
-TEST_F(Explain, AWrongOperandIsFoundAtItsLine) {
+TEST_F(Explain, WrongOperand_IsFoundAtItsLine) {
   expect_found("`DF_DOT(u, p, s)", "`DF_DOT(u, p, e1)");
 }
 
-TEST_F(Explain, WhatMakesNoSenseIsRefused) {
+TEST_F(Explain, InvalidUsage_IsRefused) {
   const auto refused = [this](const std::vector<std::string>& words, const char* text) {
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 2) << ran.out;
@@ -92,7 +92,7 @@ TEST_F(Explain, WhatMakesNoSenseIsRefused) {
   refused({"explain", "spheer-sphere", "0"}, "sphere-sphere");
 }
 
-TEST_F(Explain, AnOperandOutOfContract_IsRefusedBeforeAnythingIsBuilt) {
+TEST_F(Explain, OperandOutOfContract_IsRefusedBeforeTheBuild) {
   const Ran ran = cde({"explain", "sphere-sphere", "0 0 0 -1 | 1.5 0 0 1"},
                       {"CDE_CACHE=" + (folder_ / "cache").string()});
   EXPECT_EQ(ran.status, 2) << ran.err;

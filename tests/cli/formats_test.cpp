@@ -30,7 +30,7 @@ const std::string kBall =
 
 class FormatCli : public Cli {};
 
-TEST_F(FormatCli, CastIsOfTheFormat) {
+TEST_F(FormatCli, Cast_UsesTheFormat) {
   write("one.obj", kOneTriangle);
   const Words cast = {"cast",  "one.obj",           "--format",
                       "fp16",  "--lanes",           "4",
@@ -54,7 +54,7 @@ TEST_F(FormatCli, CastIsOfTheFormat) {
   EXPECT_EQ(j["hits"], 2);
 }
 
-TEST_F(FormatCli, CastRefusesWhatTheFormatHasNot) {
+TEST_F(FormatCli, Cast_RefusesUnsupportedFormats) {
   write("one.obj", kOneTriangle);
   write("far.obj", "v 0 0 1\nv 200 0 1\nv 0 1 1\nf 1 2 3\n");
   const auto cast = [](const std::string& mesh, const std::string& format, const std::string& ray) {
@@ -69,7 +69,7 @@ TEST_F(FormatCli, CastRefusesWhatTheFormatHasNot) {
   refused(cast("one.obj", "fp64", "0,0,0,0,0,1"), "fp16, bf16, tf32, fp24 or fp32");
 }
 
-TEST_F(FormatCli, SceneIsPlayedAndPlannedInTheFormat) {
+TEST_F(FormatCli, Scene_IsRunAndPlannedInTheFormat) {
   write("ball.toml", scene("format = \"fp16\"", kBall));
   const Ran ran = cde({"run", "ball.toml", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -83,7 +83,7 @@ TEST_F(FormatCli, SceneIsPlayedAndPlannedInTheFormat) {
   EXPECT_TRUE(has(plan.out, "number format"));
 }
 
-TEST_F(FormatCli, SceneWithVerdictsHasTheSameRecords) {
+TEST_F(FormatCli, SceneWithACertifiedFilter_HasTheSameRecords) {
   const auto spheres = [](const char* card) {
     return std::string("frames = 2\n[card]\nlanes = 8\n") + card +
            "\n[[object]]\nname = \"balls\"\nrandom = { shape = \"sphere\", count = 60, min = [-4, "
@@ -113,7 +113,7 @@ TEST_F(FormatCli, SceneWithVerdictsHasTheSameRecords) {
   }
 }
 
-TEST_F(FormatCli, AccuracyOfAScene) {
+TEST_F(FormatCli, AccuracyOfAScene_ReportsEveryFormat) {
   write("ball.toml", scene("", kBall));
   const Ran ran = cde({"accuracy", "--scene", "ball.toml", "--frames", "1..2", "--formats",
                        "bf16,fp16,fp64", "--clock", "50", "--json", "-q"});
@@ -144,7 +144,7 @@ TEST_F(FormatCli, AccuracyOfAScene) {
   refused({"accuracy", "--scene", "ball.toml", "--mesh", "terrain"}, "--mesh");
 }
 
-TEST_F(FormatCli, SceneRefusesWhatTheFormatHasNot) {
+TEST_F(FormatCli, Scene_RefusesUnsupportedFormats) {
   write("wide.toml", scene("format = \"fp64\"", kBall));
   refused({"run", "wide.toml"}, "a card cannot use fp64: the words of its buses");
   write("none.toml", scene("format = \"fp15\"", kBall));

@@ -80,7 +80,7 @@ class Help : public Cli {
   }
 };
 
-TEST_F(Help, VersionsAreThoseOfTheBuild) {
+TEST_F(Help, Versions_AreThoseOfTheBuild) {
   const Ran ran = cde({"--version"});
   EXPECT_EQ(cde({"version"}).out, ran.out);
   EXPECT_EQ(ran.status, 0);
@@ -88,7 +88,7 @@ TEST_F(Help, VersionsAreThoseOfTheBuild) {
   for (const char* text : {"Verilator 5", "clang version", "GNU"}) EXPECT_TRUE(has(ran.out, text));
 }
 
-TEST_F(Help, SameByVerbAndByOptionOnStdout) {
+TEST_F(Help, VerbAndOption_PrintTheSameOnStdout) {
   EXPECT_EQ(cde({"help"}).out, cde({"--help"}).out);
   for (const std::string& verb : kVerbs) {
     SCOPED_TRACE(verb);
@@ -103,7 +103,7 @@ TEST_F(Help, SameByVerbAndByOptionOnStdout) {
 }
 
 /// The pages of all programs, each as the verb itself prints it.
-TEST_F(Help, AllHasEveryVerbOfEveryProgram) {
+TEST_F(Help, HelpAll_HasEveryVerbOfEveryProgram) {
   const Ran ran = cde({"--help-all"}, {"COLUMNS=120"});
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(ran.err, "");
@@ -118,7 +118,7 @@ TEST_F(Help, AllHasEveryVerbOfEveryProgram) {
     EXPECT_TRUE(has(alone.err, fmt::format("cde: {} is not installed", program)));
 }
 
-TEST_F(Help, OfAVerbOfAVerb) {
+TEST_F(Help, VerbOfAVerb_HasItsOwnPage) {
   const Ran ran = cde({"help", "wave", "info"});
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(ran.out, cde({"wave", "info", "--help"}).out);
@@ -126,7 +126,7 @@ TEST_F(Help, OfAVerbOfAVerb) {
 }
 
 /// The help of a verb lists its own exit statuses and variables, and so does its manual page.
-TEST_F(Help, EndsWithStatusesAndVariablesOfTheVerb) {
+TEST_F(Help, Pages_EndWithStatusesAndVariables) {
   write_manuals();
   const std::string status = "\n  ([0-9]+(?: \\+ N)?) ", variable = "\n  ([A-Z_]+) ",
                     entry = "\\.TP\n.fB([^\\\\]*).fR";
@@ -161,7 +161,7 @@ TEST_F(Help, EndsWithStatusesAndVariablesOfTheVerb) {
 
 /// Options of a verb stand under "Options" or under other headings. Manual pages have the same
 /// headings.
-TEST_F(Help, NoHeadingHasMoreThanEightOptions) {
+TEST_F(Help, Headings_HaveAtMostEightOptions) {
   write_manuals();
   constexpr std::size_t kMost = 8;
   const std::string option = "\n  (?:-[a-z], )?(--[a-z-]+)";
@@ -187,7 +187,7 @@ TEST_F(Help, NoHeadingHasMoreThanEightOptions) {
 }
 
 /// Defaults stand in square brackets after the text.
-TEST_F(Help, DefaultsStandInSquareBrackets) {
+TEST_F(Help, Defaults_StandInSquareBrackets) {
   const std::regex other(
       "\\((?:on|off|all|default [^)]*|stdout|[0-9,.]+|the terminal's|[A-Z]+\\.run)\\)|"
       " if (?:it is )?not given|\\[\\[");
@@ -203,7 +203,7 @@ TEST_F(Help, DefaultsStandInSquareBrackets) {
 }
 
 /// Lines fit the terminal, except examples, which stay whole so that users can copy them.
-TEST_F(Help, FitsTheTerminal) {
+TEST_F(Help, Lines_FitTheTerminal) {
   for (const unsigned columns : {60u, 80u, 100u}) {
     std::size_t longest = 0;
     for (const std::string& verb : kVerbs) {
@@ -224,7 +224,7 @@ TEST_F(Help, FitsTheTerminal) {
 }
 
 /// Every verb has at least two examples, and their options exist.
-TEST_F(Help, ExamplesHaveOptionsThatExist) {
+TEST_F(Help, Examples_UseExistingOptions) {
   for (const Words& words : all_verbs()) {
     const std::string verb = fmt::format("{}", fmt::join(words, " "));
     SCOPED_TRACE(verb);
@@ -250,7 +250,7 @@ TEST_F(Help, ExamplesHaveOptionsThatExist) {
 }
 
 /// The first example of cde wave makes the file of all others; other.fst is a cast of other rays.
-TEST_F(Help, ExamplesOfWaveRun) {
+TEST_F(Help, WaveExamples_Run) {
   const auto examples_of = [&](const Words& verb) {
     return matches(section(page_of(verb), "Examples"), "\n    (cde [^\n]*)");
   };
@@ -273,7 +273,7 @@ TEST_F(Help, ExamplesOfWaveRun) {
   }
 }
 
-TEST_F(Help, SuggestsWhatWasMeant) {
+TEST_F(Help, Misspellings_GetSuggestions) {
   const auto says = [&](const Words& words, const std::string& text) {
     const Ran ran = cde(words);
     EXPECT_EQ(ran.status, 2);
@@ -295,7 +295,7 @@ TEST_F(Help, SuggestsWhatWasMeant) {
 
 /// Every option of every verb is in its manual page and in the completions of the three shells. The
 /// command itself writes these files.
-TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
+TEST_F(Help, ManualAndCompletions_HaveEveryOption) {
   write_manuals();
   EXPECT_FALSE(has(cde({"--help"}).out, "write-manual")) << "write-manual is hidden";
   const fs::path share = folder_ / "share";
@@ -321,7 +321,7 @@ TEST_F(Help, ManualAndCompletionsHaveEveryOption) {
 }
 
 /// Completions of bash for partly typed words.
-TEST_F(Help, BashCompletes) {
+TEST_F(Help, PartialWords_AreCompletedInBash) {
   write_manuals();
   write("mesh.ply", "");
   const auto offers = [&](const std::string& typed) {
@@ -352,7 +352,7 @@ TEST_F(Help, BashCompletes) {
 }
 
 /// groff reports no problem. Skipped if groff is not installed.
-TEST_F(Help, ManualPagesAreWellFormed) {
+TEST_F(Help, ManualPages_AreWellFormed) {
   if (std::system("command -v groff >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs groff";
   write_manuals();
   for (const auto& page : fs::directory_iterator(folder_ / "share/man/man1")) {

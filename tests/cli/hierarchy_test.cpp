@@ -10,7 +10,7 @@
 namespace cde::testing {
 namespace {
 
-class CastHierarchy : public Cli {
+class CastBvh : public Cli {
  protected:
   std::string records(std::vector<std::string> words, const std::string& more) {
     words.insert(words.end(), {more, "-o", "-", "-q", "--bits"});
@@ -24,7 +24,7 @@ class CastHierarchy : public Cli {
   }
 };
 
-TEST_F(CastHierarchy, SameBytesAsASweep) {
+TEST_F(CastBvh, Modes_GiveTheBytesOfBruteForce) {
   for (const std::string mode : {"nearest", "farthest", "any", "hits"}) {
     SCOPED_TRACE(mode);
     const std::vector<std::string> words = {
@@ -36,7 +36,7 @@ TEST_F(CastHierarchy, SameBytesAsASweep) {
   }
 }
 
-TEST_F(CastHierarchy, IsTakenWhereItIsWorthIt) {
+TEST_F(CastBvh, WorthwhileCasts_UseTheBvh) {
   Ran ran = cde({"cast", "terrain:40,40,3", "--grid", "32x32", "--json", "--check=rays:9"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   auto j = nlohmann::json::parse(ran.out);
@@ -64,7 +64,7 @@ TEST_F(CastHierarchy, IsTakenWhereItIsWorthIt) {
 
 /// Another algorithm also uses the BVH. Every record equals the reference traversal, and some rays
 /// are also checked against every triangle.
-TEST_F(CastHierarchy, OfWatertight) {
+TEST_F(CastBvh, Watertight_EqualsReferenceAndBruteForce) {
   for (const std::string mode : {"nearest", "hits", "occluded"}) {
     SCOPED_TRACE(mode);
     const Ran ran = cde({"cast", "terrain:40,40,3", "--grid", "32x32", "--algorithm", "watertight",
@@ -81,7 +81,7 @@ TEST_F(CastHierarchy, OfWatertight) {
   }
 }
 
-TEST_F(CastHierarchy, SaysWhyNot) {
+TEST_F(CastBvh, ImpossibleRequests_NameTheReason) {
   refused({"--bvh", "--mode", "all"}, "mode all reports every triangle");
   refused({"--bvh", "--no-box"}, "the box rule");
   refused({"--bvh", "--algorithm", "watertight", "--no-box"}, "the box rule");
@@ -93,7 +93,7 @@ TEST_F(CastHierarchy, SaysWhyNot) {
 }
 
 /// A triangle without a bounding box forces brute force, with a message. With --bvh it is an error.
-TEST_F(CastHierarchy, WhatNoBoxHolds) {
+TEST_F(CastBvh, TriangleWithoutBox_UsesBruteForce) {
   std::string text = "v 0 0 1\nv 1e20 0 1\nv 0 1 1\n";
   for (int i = 0; i < 3000; ++i) text += "f 1 2 3\n";
   write("far.obj", text);
@@ -110,7 +110,7 @@ TEST_F(CastHierarchy, WhatNoBoxHolds) {
 }
 
 /// Shadow rays use the same method as the other rays, and the picture is the same.
-TEST_F(CastHierarchy, ShadowsGoThroughIt) {
+TEST_F(CastBvh, Shadows_UseTheBvh) {
   for (const std::string way : {"bvh", "no-bvh"}) {
     const Ran ran = cde({"render", "terrain:40,40,3", "--size", "64x48", "--shaded", way + ".png",
                          "--shadows", "--" + way, "--json", "-q"});
@@ -124,7 +124,7 @@ TEST_F(CastHierarchy, ShadowsGoThroughIt) {
   EXPECT_EQ(read("bvh.png"), read("no-bvh.png"));
 }
 
-TEST_F(CastHierarchy, OccludedSaysNoTriangle) {
+TEST_F(CastBvh, OccludedMode_NamesNoTriangle) {
   write("one.obj", "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
   std::vector<std::string> words = {"cast",   "one.obj",  "--ray", "0.2,0.2,0,0,0,1",
                                     "--mode", "occluded", "-o",    "r.jsonl"};
@@ -136,7 +136,7 @@ TEST_F(CastHierarchy, OccludedSaysNoTriangle) {
 }
 
 /// Boxes that all overlap cull nothing: brute force is faster.
-TEST_F(CastHierarchy, OneHeapIsSwept) {
+TEST_F(CastBvh, OverlappingTriangles_UseBruteForce) {
   std::string text = "v 0 0 1\nv 1 0 1\nv 0 1 1\n";
   for (int i = 0; i < 3000; ++i) text += "f 1 2 3\n";
   write("heap.obj", text);
@@ -185,7 +185,7 @@ mode = "hits"
 )";
 }
 
-class SceneHierarchy : public Cli {
+class SceneBvh : public Cli {
  protected:
   /// Runs the scene; returns its run.json and the bytes of its records.
   nlohmann::json run(const std::string& name, const std::string& card, std::string& records) {
@@ -200,7 +200,7 @@ class SceneHierarchy : public Cli {
 };
 
 /// Transforms on the host and on the card give the bytes of brute force.
-TEST_F(SceneHierarchy, SameRecordsAsSweeps) {
+TEST_F(SceneBvh, MovingObjects_GiveTheBytesOfBruteForce) {
   std::string swept, through, posed;
   const auto off = run("off", "hierarchy = \"off\"\nlanes = 16\nmover = \"card\"", swept);
   const auto on = run("on", "mover = \"card\"", through);
@@ -214,7 +214,7 @@ TEST_F(SceneHierarchy, SameRecordsAsSweeps) {
 }
 
 /// A frame with a triangle that has no bounding box uses brute force, and the run reports it.
-TEST_F(SceneHierarchy, FramesWithoutATreeAreSwept) {
+TEST_F(SceneBvh, FramesWithoutBoxes_UseBruteForce) {
   const auto scene = [](const std::string& card) {
     return "frames = 4\nrate = 1\n[card]\n" + card + R"(
 [[object]]
@@ -256,7 +256,7 @@ secondaries = ["ball", "ring"]
 }
 
 /// Node counts of a frame are the same in a run that begins with it.
-TEST_F(SceneHierarchy, FramesDoNotDependOnThoseBefore) {
+TEST_F(SceneBvh, Frames_DoNotDependOnEarlierFrames) {
   write("s.toml", flight("mover = \"card\""));
   ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "all"}).status, 0);
   ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "one", "--frames", "2"}).status, 0);
@@ -269,7 +269,7 @@ TEST_F(SceneHierarchy, FramesDoNotDependOnThoseBefore) {
   }
 }
 
-TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
+TEST_F(SceneBvh, Plan_ShowsCyclesOfBoth) {
   write("s.toml", flight(""));
   const Ran text = cde({"plan", "s.toml"});
   ASSERT_EQ(text.status, 0) << text.err;
@@ -286,7 +286,7 @@ TEST_F(SceneHierarchy, PlanHasClocksOfBoth) {
 }
 
 /// Spheres that fall onto a terrain: the same bytes as brute force, including normals.
-TEST_F(SceneHierarchy, OfSpheres) {
+TEST_F(SceneBvh, SpherePrimaries_GiveTheBytesOfBruteForce) {
   const auto scene = [](const std::string& card) {
     return "frames = 3\n[card]\n" + card + R"(
 [[object]]
@@ -336,7 +336,7 @@ mode = "hits"
 
 /// Rays and spheres against spheres that move separately: the BVH is rebuilt for each frame.
 /// Records are compared with brute force.
-TEST_F(SceneHierarchy, OverSpheres) {
+TEST_F(SceneBvh, MovingSpheres_RebuildTheBvh) {
   write("cloud.toml", R"(
 frames = 3
 [[object]]

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Building : public Cli {
+class ModelBuild : public Cli {
  protected:
   pid_t start_building() {
     return start({"cast", "terrain:3,3,1", "--grid", "4x4", "--lanes", "2", "-o", "hits.csv"},
@@ -66,7 +66,7 @@ class Building : public Cli {
   }
 };
 
-TEST_F(Building, SignalToTheCommandAlone) {
+TEST_F(ModelBuild, SignalToTheCommand_EndsTheBuild) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     SCOPED_TRACE(signal);
     const pid_t child = start_building();
@@ -81,7 +81,7 @@ TEST_F(Building, SignalToTheCommandAlone) {
 }
 
 /// A run that never began leaves neither its folder nor its page.
-TEST_F(Building, SignalBeforeARunLeavesNoFolder) {
+TEST_F(ModelBuild, SignalBeforeARun_LeavesNoFolder) {
   write("s.toml",
         "[card]\nlanes = 2\n[[object]]\nname = \"t\"\nmesh = \"terrain:3,3,1\"\n[[object]]\n"
         "name = \"rays\"\nrandom_rays = { count = 2 }\n[[query]]\nname = \"q\"\n"
@@ -97,7 +97,7 @@ TEST_F(Building, SignalBeforeARunLeavesNoFolder) {
   EXPECT_EQ(files(), (std::vector<std::string>{"cache", "s.toml"}));
 }
 
-TEST_F(Building, SignalToTheBuilderAlone) {
+TEST_F(ModelBuild, SignalToTheBuilder_EndsTheCommand) {
   for (const int signal : {SIGINT, SIGTERM}) {
     SCOPED_TRACE(signal);
     const pid_t child = start_building();
@@ -113,7 +113,7 @@ TEST_F(Building, SignalToTheBuilderAlone) {
 }
 
 /// SIGKILL leaves no time to clean up; the child processes notice that the command is gone.
-TEST_F(Building, KilledCommandLeavesNoCompiler) {
+TEST_F(ModelBuild, KilledCommand_LeavesNoCompiler) {
   const pid_t child = start_building();
   const bool began = wait_for_compiler(child);
   ::kill(child, SIGKILL);
@@ -125,7 +125,7 @@ TEST_F(Building, KilledCommandLeavesNoCompiler) {
 }
 
 /// nohup, and `&` of a shell without job control.
-TEST_F(Building, IgnoredSignalsStayIgnored) {
+TEST_F(ModelBuild, IgnoredSignals_StayIgnored) {
   for (const int signal : {SIGINT, SIGHUP}) ::signal(signal, SIG_IGN);
   const pid_t child = start_building();
   for (const int signal : {SIGINT, SIGHUP}) ::signal(signal, SIG_DFL);
@@ -141,7 +141,7 @@ TEST_F(Building, IgnoredSignalsStayIgnored) {
 }
 
 /// The same during a run: `cde run` handles signals itself.
-TEST_F(Building, IgnoredSignalsStayIgnoredInARun) {
+TEST_F(ModelBuild, IgnoredSignals_StayIgnoredInARun) {
   ::signal(SIGHUP, SIG_IGN);
   const pid_t child =
       start({"run", std::string(CDE_SOURCE_DIR) + "/meshes/scenes/mixed.toml", "--frames", "0..1"});

@@ -55,7 +55,7 @@ class InventoryCache : public Cli {
 };
 
 /// Verilator takes a second for pair_pipe, which has all pipes, unless their bodies are hidden.
-TEST_F(InventoryCache, TheSameRtlIsElaboratedOnce) {
+TEST_F(InventoryCache, SameRtl_IsElaboratedOnce) {
   const Ran first = inventory({"sphere-sphere"});
   ASSERT_EQ(first.status, 0) << first.err;
   const Words tops = {"pair_pipe", "sphere_sphere", "sphere_sphere"};
@@ -82,7 +82,7 @@ TEST_F(InventoryCache, TheSameRtlIsElaboratedOnce) {
 
 class Inventory : public Cli {};
 
-TEST_F(Inventory, JsonHasThePapersFiguresAndOurs) {
+TEST_F(Inventory, Json_HasThePapersFiguresAndOurs) {
   const Ran ran = cde({"inventory", "ray-triangle", "sphere-sphere", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out);
@@ -107,7 +107,7 @@ TEST_F(Inventory, JsonHasThePapersFiguresAndOurs) {
   EXPECT_EQ(spheres["initiation_interval"], 1);
 }
 
-TEST_F(Inventory, EveryKindOfPipeHasALatencyAndAnInterval) {
+TEST_F(Inventory, EveryKindOfPipe_HasLatencyAndInterval) {
   const Ran ran = cde({"inventory", "ray-sphere", "ray-cylinder", "sphere-obb", "obb-plane",
                        "obb-cylinder", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -121,7 +121,7 @@ TEST_F(Inventory, EveryKindOfPipeHasALatencyAndAnInterval) {
 }
 
 /// Pairs without candidate axes accept one row per cycle with any interval.
-TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
+TEST_F(Inventory, SharedCandidateAxes_NeedFewerUnits) {
   const Ran ran = cde({"inventory", "obb-obb", "sphere-sphere", "--facet-interval", "3", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out);
@@ -133,7 +133,7 @@ TEST_F(Inventory, FacetsInTurnAreFewerUnits) {
 }
 
 /// The figures follow the present RTL: once with an additional operator, once without its pipe.
-TEST_F(Inventory, FollowsTheRtl) {
+TEST_F(Inventory, ChangedRtl_ChangesTheFigures) {
   Planted rtl(folder_, "rtl/pipes/sphere_sphere.sv", "`DF_ADD(reach, a_r, b_r)",
               "`DF_ADD(reach0, a_r, b_r)\n`DF_MUL(reach, reach0, one)");
   rtl.change("rtl/pipes/pair_pipe.sv", "PAIR == int'(pairs_pkg::PAIR_RAY_TRIANGLE)", "PAIR == 99");
@@ -153,7 +153,7 @@ TEST_F(Inventory, FollowsTheRtl) {
   EXPECT_TRUE(has(broken.err, "no_such"));
 }
 
-TEST_F(Inventory, TextMarkdownAndUsage) {
+TEST_F(Inventory, TextMarkdownAndUsage_AreCorrect) {
   const Ran text = cde({"inventory", "sphere-sphere", "--latencies", "2,4,9,8,1"});
   EXPECT_EQ(text.status, 0) << text.err;
   EXPECT_TRUE(has(text.out, "add 2, mul 4, div 9, sqrt 8, cmp 1"));

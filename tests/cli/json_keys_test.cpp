@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 class JsonKeys : public Cli {};
 
 /// Each key is in the first column of one table, once, and the sources still use it.
-TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
+TEST_F(JsonKeys, EachKey_IsExplainedOnceAndUsed) {
   std::string sources;
   for (const char* folder : {"tools", "host/src"})
     for (const auto& file : fs::recursive_directory_iterator(fs::path(CDE_SOURCE_DIR) / folder))
@@ -41,7 +41,7 @@ TEST_F(JsonKeys, EachIsExplainedOnceAndUsed) {
 
 /// Quantities of several verbs have one name. Each test that runs a verb with --json compares its
 /// keys with the table.
-TEST_F(JsonKeys, TheSameQuantityHasTheSameKey) {
+TEST_F(JsonKeys, SameQuantity_HasTheSameKey) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n0,0,0,1,9,0,0,1\n");
   write("s.toml",
         "[[object]]\nname = \"t\"\nmesh = \"terrain:3,3,1\"\n[[object]]\nname = \"rays\"\n"
@@ -70,7 +70,7 @@ TEST_F(JsonKeys, TheSameQuantityHasTheSameKey) {
   EXPECT_FALSE(documented_keys().contains("pairs_compared"));
 }
 
-TEST_F(JsonKeys, RecordsInJsonLines) {
+TEST_F(JsonKeys, JsonLinesOfRecords_HaveDocumentedKeys) {
   const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "4x4", "--lanes", "16", "-q", "-o",
                        "r.jsonl", "--fields", "u,v,normal,side,node"});
   ASSERT_EQ(ran.status, 0) << ran.err;

@@ -58,7 +58,7 @@ std::string last_line(const std::string& text) {
 }
 
 /// Root must not replace a device by a file.
-TEST_F(Outputs, DevicesStayDevices) {
+TEST_F(Outputs, Devices_StayDevices) {
   const fs::path device = folder_ / "null";
   if (::mknod(device.c_str(), S_IFCHR | 0666, makedev(1, 3)) != 0)
     GTEST_SKIP() << "cannot create a device: " << std::strerror(errno);
@@ -79,7 +79,7 @@ TEST_F(Outputs, DevicesStayDevices) {
 }
 
 /// Waves for a pipe first go to a file in $TMPDIR, whose disk may be full.
-TEST_F(Outputs, OnADiskThatIsFull) {
+TEST_F(Outputs, FullDisk_IsAnError) {
   fs::create_directory(folder_ / "small");
   const auto on_small = [&](const std::string& command) {
     return shell(
@@ -100,7 +100,7 @@ TEST_F(Outputs, OnADiskThatIsFull) {
 }
 
 /// The checked file is loaded through /proc/self/fd; programs are found through /proc/self/exe.
-TEST_F(Outputs, WithoutProcNothingIsDone) {
+TEST_F(Outputs, WithoutProc_NothingIsDone) {
   const Ran ran =
       shell("unshare -m bash -c 'mount -t tmpfs none /proc && \"$CDE\" cast one.obj -o x'");
   if (ran.err.find("cde: ") == std::string::npos) GTEST_SKIP() << "cannot mount a file system";
@@ -109,7 +109,7 @@ TEST_F(Outputs, WithoutProcNothingIsDone) {
   EXPECT_FALSE(exists("x"));
 }
 
-TEST_F(Outputs, PipesAndDescriptorsAreWrittenTo) {
+TEST_F(Outputs, PipesAndDescriptors_AreWritten) {
   const std::string cast = "\"$CDE\" cast one.obj --rays rays.csv --lanes 4 -q ";
   EXPECT_EQ(shell(cast + "-o /dev/stdout").out, kCsv);
   EXPECT_EQ(shell("echo head; " + cast + "-o /dev/stdout").out, "head\n" + std::string(kCsv))
@@ -120,7 +120,7 @@ TEST_F(Outputs, PipesAndDescriptorsAreWrittenTo) {
   EXPECT_EQ(ran.out, kCsv);
 }
 
-TEST_F(Outputs, OfALinkTheTargetIsWritten) {
+TEST_F(Outputs, Link_WritesItsTarget) {
   fs::create_directory(folder_ / "there");
   fs::create_symlink("there/hits.csv", folder_ / "link");
   ASSERT_EQ(cde(cast({"-o", "link"})).status, 0);
@@ -129,7 +129,7 @@ TEST_F(Outputs, OfALinkTheTargetIsWritten) {
   EXPECT_EQ(files(), (Words{"link", "one.obj", "rays.csv", "scene.toml", "there"}));
 }
 
-TEST_F(Outputs, DashIsStdoutAndStdin) {
+TEST_F(Outputs, Dash_IsStdoutAndStdin) {
   const std::string picture = "\"$CDE\" render one.obj --grid 4x4 --lanes 4 -q ";
   for (const char* option : {"--image", "--shaded"}) {
     ASSERT_EQ(shell(picture + option + " file.png").status, 0);
@@ -152,7 +152,7 @@ TEST_F(Outputs, DashIsStdoutAndStdin) {
   EXPECT_FALSE(exists("-"));
 }
 
-TEST_F(Outputs, AnInputIsNotWrittenOver) {
+TEST_F(Outputs, Input_IsNotOverwritten) {
   fs::create_symlink("one.obj", folder_ / "soft");
   fs::create_hard_link(folder_ / "rays.csv", folder_ / "hard");
   refused_saying(cast({"-o", "one.obj"}), "-o would write to one.obj, which MESH reads");
@@ -176,7 +176,7 @@ TEST_F(Outputs, AnInputIsNotWrittenOver) {
   expect_inputs();
 }
 
-TEST_F(Outputs, TwoOutputsAreNotOneFile) {
+TEST_F(Outputs, TwoOutputsInOneFile_AreRefused) {
   refused_saying(cast({"-o", "x", "--trace", "./x"}), "-o and --trace both write to ./x");
   refused_saying({"render", "one.obj", "--grid", "4x4", "--image", "x", "--shaded", "x"},
                  "--image and --shaded both write to x");
@@ -192,7 +192,7 @@ TEST_F(Outputs, TwoOutputsAreNotOneFile) {
 }
 
 /// Errors that can be found before the work starts.
-TEST_F(Outputs, WhatCannotBeWrittenIsFoundOutBefore) {
+TEST_F(Outputs, UnwritableOutput_IsFoundBeforeTheWork) {
   fs::create_directory(folder_ / "folder");
   const Words big = {"render", "terrain", "--grid", "512x512", "-q"};
   for (const char* option : {"--image", "--shaded", "-o"}) {
@@ -204,7 +204,7 @@ TEST_F(Outputs, WhatCannotBeWrittenIsFoundOutBefore) {
   }
 }
 
-TEST_F(Outputs, WhatAKilledOneLeavesIsSweptAway) {
+TEST_F(Outputs, FilesOfAKilledCommand_AreRemoved) {
   for (const std::string option : {"-o", "--trace"}) {
     const std::string out = option == "-o" ? "out.csv" : "out.fst";
     const pid_t child = start({"cast", "terrain:60,60,1", "--grid", "300x300", "--lanes",

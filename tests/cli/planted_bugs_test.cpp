@@ -128,7 +128,7 @@ std::size_t found(const std::vector<Named>& all, const std::string& file, int li
 
 class PlantedBugs : public Cli, public ::testing::WithParamInterface<std::size_t> {};
 
-TEST_P(PlantedBugs, AreFoundFromTheBundle) {
+TEST_P(PlantedBugs, PlantedFault_IsFoundFromTheBundle) {
   const Bug& bug = bugs()[GetParam()];
   const Planted fault(folder_, bug.file(), bug["from"], bug["to"]);
   for (const auto& entry : fs::directory_iterator(kFolder / "planted"))
@@ -185,7 +185,7 @@ struct Count {
 
 /// Each fault test checks the table's entry. This test checks the table against the promised
 /// totals, and the manual against the table.
-TEST(PlantedBugsTable, FindsEnough) {
+TEST(PlantedBugsTable, Table_MeetsItsPromises) {
   Count pipes, around, all;
   for (const Bug& bug : bugs()) {
     SCOPED_TRACE(bug["mutant"]);

@@ -40,7 +40,7 @@ std::string exact_decimal(long double value) {
 /// Decimals halfway between two words, and 1e-1200 above and below. Concentric spheres of one
 /// radius have CP at their centre, so CP shows the word. Values go up to the largest coordinate of
 /// the contract. In formats that scale their pairs, only values that stay normal are used.
-TEST_P(QueryFormat, DecimalsAreRoundedOnceToNearestEven) {
+TEST_P(QueryFormat, Decimals_RoundOnceToNearestEven) {
   const Format f = GetParam();
   std::mt19937_64 random(7);
   std::string input;
@@ -86,7 +86,7 @@ TEST_P(QueryFormat, DecimalsAreRoundedOnceToNearestEven) {
 }
 
 /// Printed numbers read back as the same word: as decimals, as bits and with --no-check.
-TEST_P(QueryFormat, DecimalsReadBackAsTheSameWord) {
+TEST_P(QueryFormat, Decimals_ReadBackAsTheSameWord) {
   const Format f = GetParam();
   std::mt19937_64 random(11);
   std::string input;
@@ -122,7 +122,7 @@ TEST_P(QueryFormat, DecimalsReadBackAsTheSameWord) {
   EXPECT_EQ(fields_of(lines_of(bits.out)[1])[1].size(), 2 + digits);
 }
 
-TEST_P(QueryFormat, TheLargestNumberAndBeyond) {
+TEST_P(QueryFormat, NumbersAtAndBeyondTheLargest_AreClassified) {
   const Format f = GetParam();
   const std::uint64_t infinity = ((std::uint64_t{1} << f.exponent_bits) - 1) << f.fraction_bits;
   const std::uint64_t nan = infinity | (std::uint64_t{1} << (f.fraction_bits - 1));

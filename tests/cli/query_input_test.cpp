@@ -10,7 +10,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Texts of the same pairs with different headers, quotes and line ends.
-TEST_F(Query, TextsAsOthersWriteThem) {
+TEST_F(Query, ForeignTexts_AreRead) {
   const std::string answers = kHeader + "1,0.5,0.75,0,0,1,0,0,\n0,2.5,2.25,0,0,1,0,0,\n";
   const std::string a = "A.center.x,A.center.y,A.center.z,A.radius",
                     b = "B.center.x,B.center.y,B.center.z,B.radius";
@@ -40,7 +40,7 @@ TEST_F(Query, TextsAsOthersWriteThem) {
   EXPECT_TRUE(has(wide.err, "stdin: text in UTF-16"));
 }
 
-TEST_F(Query, ArraysHaveAPairARow) {
+TEST_F(Query, Arrays_HaveAPairPerRow) {
   const std::vector<float> numbers = {0, 0, 0, 1, 1.5f, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, -2};
   std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 1, 8), }";
   header.append(63 - (10 + header.size()) % 64, ' ').push_back('\n');

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST_F(Query, AnswersInOrderWhateverTheSpelling) {
+TEST_F(Query, AnySpelling_AnswersInOrder) {
   const Ran ran = query({"sphere-sphere"},
                         "# two spheres\n"
                         "0,0,0,1,1.5,0,0,1\n"
@@ -45,7 +45,7 @@ TEST_F(Query, AnswersInOrderWhateverTheSpelling) {
 }
 
 /// The form in which tests and `cde run` print a pair.
-TEST_F(Query, ABarBetweenAAndB) {
+TEST_F(Query, BarBetweenAAndB_IsAccepted) {
   const Ran ran = query({"sphere-sphere", "-q"},
                         "0,0,0,1 | 1.5,0,0,1\n"
                         "0x00000000 0x00000000 0x00000000 0x3f800000 | 0x3fc00000 0 0 1\n"
@@ -68,7 +68,7 @@ TEST_F(Query, ABarBetweenAAndB) {
 }
 
 /// A failing builder prints its cause first, then much else.
-TEST_F(Query, AFailedBuildNamesItsCauseAndItsLog) {
+TEST_F(Query, FailedBuild_NamesItsCauseAndLog) {
   std::filesystem::create_directories(folder_ / "share/verilator");
   std::filesystem::create_directories(folder_ / "share/rtl");
   const std::string builder = write("share/verilator/bitstream", R"(#!/bin/bash
@@ -94,7 +94,7 @@ exit 1
 }
 
 /// A header without answers would look like a result.
-TEST_F(Query, NothingIsWrittenWhereNoAnswerFollows) {
+TEST_F(Query, WithoutAnswers_NothingIsWritten) {
   const std::string cache = "CDE_CACHE=" + (folder_ / "cache").string();
   const Ran unbuilt = query({"sphere-sphere", "-q"}, "0,0,0,1,2,0,0,1\n",
                             {"CDE_BITSTREAMS=/nowhere", cache, "CDE_SHARE=/nowhere"});
@@ -108,14 +108,14 @@ TEST_F(Query, NothingIsWrittenWhereNoAnswerFollows) {
   EXPECT_EQ(too_long.out, "");
 }
 
-TEST_F(Query, EmptyInputIsAnEmptyTable) {
+TEST_F(Query, EmptyInput_GivesAnEmptyTable) {
   const Ran ran = query({"sphere-sphere", "-q"}, "");
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(ran.out, kHeader);
   EXPECT_EQ(ran.err, "");
 }
 
-TEST_F(Query, RaysOfSixAndEightWordsWithoutANormal) {
+TEST_F(Query, RaysOfSixAndEightWords_AreAccepted) {
   const std::string triangle = ",-1,-1,0,1,-1,0,0,1,0\n";
   const Ran ran = query({"ray-triangle"}, "0,0,2,0,0,-1" + triangle +          // the whole ray
                                               "0,0,2,0,0,-1,0,1" + triangle +  // ends before it
@@ -132,7 +132,7 @@ TEST_F(Query, RaysOfSixAndEightWordsWithoutANormal) {
 }
 
 /// A triangle without area. The pipe without the box rule reports a hit 3.4 away from it.
-TEST_F(Query, TheBoxRuleMissesTrianglesWithoutArea) {
+TEST_F(Query, BoxRule_MissesTrianglesWithoutArea) {
   const std::string line = "0.2 2.8 -2.3 -0.1 -0.9 0.7 0.1 0.7 -0.4 0.2 -0.4 0.9 0.2 -0.4 0.9\n";
   Ran ran = query({"ray-triangle", "--algorithm", "pluecker"}, line);
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -147,7 +147,7 @@ TEST_F(Query, TheBoxRuleMissesTrianglesWithoutArea) {
 }
 
 /// and CP of a hit are finite, and T is never -0.
-TEST_F(Query, ARaysHitIsFinite) {
+TEST_F(Query, HitsOfRays_AreFinite) {
   const Ran ran = query({"ray-triangle", "-q"},
                         "0 0 20 0 0 -1e-38 -1 -1 0 2 -1 0 -1 2 0\n"
                         "0 0 20 0 0 -0x1p-34 -1 -1 0 2 -1 0 -1 2 0\n"
@@ -158,7 +158,7 @@ TEST_F(Query, ARaysHitIsFinite) {
                          "1,0,0,0,0,,,,\n");
 }
 
-TEST_F(Query, MalformedLinesAreNamedAndTheOthersAnswered) {
+TEST_F(Query, MalformedLines_AreNamedAndOthersAnswered) {
   const std::string good = "0,0,0,1,1.5,0,0,1\n";
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"0,0,abc,1,1,0,0,1", "line 2, word 3: 'abc' is not a number"},
@@ -195,7 +195,7 @@ TEST_F(Query, MalformedLinesAreNamedAndTheOthersAnswered) {
   EXPECT_EQ(ray.out, kHeader + "0,0x7fc00000,0x7fc00000,0x7fc00000,0x7fc00000,,,,malformed\n");
 }
 
-TEST_F(Query, BadOperandsAreNamedAndFlagged) {
+TEST_F(Query, BadOperands_AreNamedAndFlagged) {
   struct BadPair {
     const char *pair, *line, *message;
   };
@@ -227,14 +227,14 @@ TEST_F(Query, BadOperandsAreNamedAndFlagged) {
 }
 
 // A box deep below a plane: separated from the surface, inside the half-space.
-TEST_F(Query, APlaneMayBeAHalfSpace) {
+TEST_F(Query, HalfSpaceOption_MakesThePlaneSolid) {
   const std::string below = "0,0,-5,1,1,1,1,0,0,0,1,0,0,0,1,0,0,1,0\n";
   EXPECT_EQ(query({"obb-plane", "-q"}, below).out, kHeader + "0,4,0,0,-2,0,0,1,\n");
   EXPECT_EQ(query({"obb-plane", "--half-space", "-q"}, below).out,
             kHeader + "1,6,0,0,-3,-0,-0,-1,\n");
 }
 
-TEST_F(Query, MessagesKeepTheOrderOfLines) {
+TEST_F(Query, Messages_KeepTheOrderOfLines) {
   const Ran ran =
       query({"sphere-sphere", "-q"}, "0,0,0,-1,0,0,0,1\n0,0,0,x,0,0,0,1\n0,0,0,1,0,0,0,-1\n1\n");
   const auto lines = lines_of(ran.err);
@@ -243,7 +243,7 @@ TEST_F(Query, MessagesKeepTheOrderOfLines) {
     EXPECT_TRUE(lines[i].starts_with(fmt::format("cde: line {}", i + 1))) << ran.err;
 }
 
-TEST_F(Query, NoPairsHaveNoSpeed) {
+TEST_F(Query, NoPairs_PrintNoRate) {
   const Ran ran = query({"sphere-sphere"}, "");
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out, "F,T,CPx,CPy,CPz,nx,ny,nz,flags\n");
@@ -251,7 +251,7 @@ TEST_F(Query, NoPairsHaveNoSpeed) {
   EXPECT_TRUE(has(ran.err, "0 of 0 answers match"));
 }
 
-TEST_F(Query, WrongUsageIsRefused) {
+TEST_F(Query, WrongUsage_IsRefused) {
   refused({"teapot"}, "no pair 'teapot'; there are: ray-triangle, obb-obb");
   refused({"ray-triangle", "--algorithm", "mollar"}, "--algorithm is 'mollar'; it must be moller");
   refused({"sphere-sphere", "--algorithm", "badouel"},
@@ -284,7 +284,7 @@ TEST_F(Query, WrongUsageIsRefused) {
   refused({}, "cde query needs PAIR");
 }
 
-TEST_F(Query, BudgetSetsTheWorkOfACylinderPair) {
+TEST_F(Query, Budget_SetsTheCyclesOfACylinderPair) {
   const std::string pair = "0,0,0,0,0,1,1,0.5,2,0.3,0.1,0.6,0,0.8,1,0.5\n";
   const auto clocks = [&](const Words& budget) {
     Words words = {"cylinder-cylinder", "--json"};
@@ -308,7 +308,7 @@ TEST_F(Query, BudgetSetsTheWorkOfACylinderPair) {
 
 // ---- Complete runs ----
 
-TEST_F(Query, FacetsOfLongWordsHaveOneLane) {
+TEST_F(Query, CandidateAxesOfLongWords_UseOneLane) {
   const std::string box = "1,1,1,1,0,0,0,1,0,0,0,1";  // unit half extents, not rotated
   const Ran ran = query({"obb-obb", "--format", "fp64", "--json"},
                         "0,0,0," + box + ",3.5,0,0," + box + "\n" +  //
@@ -323,7 +323,7 @@ TEST_F(Query, FacetsOfLongWordsHaveOneLane) {
   EXPECT_TRUE(lines[2].starts_with("1,0.5,")) << lines[2];
 }
 
-TEST_F(Query, BothArithmeticsGiveTheSame) {
+TEST_F(Query, BothArithmetics_GiveTheSameAnswers) {
   std::mt19937_64 random(3);
   std::string input;
   for (int i = 0; i < 1000; ++i)
@@ -336,7 +336,7 @@ TEST_F(Query, BothArithmeticsGiveTheSame) {
   EXPECT_EQ(rtl.err, host.err);
 }
 
-TEST_F(Query, AMillionPairsInOrder) {
+TEST_F(Query, MillionPairs_AreAnsweredInOrder) {
   constexpr int kPairs = 1'000'000;
   std::string input;
   input.reserve(20 * kPairs);
@@ -373,7 +373,7 @@ std::string stdout_of(pid_t child) {
 }
 
 /// A line is answered as soon as it is complete, not when the input ends.
-TEST_F(Query, AnswersWhileTheInputIsOpen) {
+TEST_F(Query, OpenInput_IsAnsweredLineByLine) {
   int in[2];
   ASSERT_EQ(::pipe(in), 0);
   const int own = ::dup(STDIN_FILENO);
@@ -406,7 +406,7 @@ TEST_F(Query, AnswersWhileTheInputIsOpen) {
 
 /// A card whose sphere-sphere pipe puts CP on the wrong side. The query ends with status 3, and the
 /// printed command finds the same difference.
-TEST_F(Query, FaultyPipeIsFoundOut) {
+TEST_F(Query, FaultyPipe_IsFound) {
   const Planted fault(folder_, "rtl/pipes/sphere_sphere.sv", "`DF_VADD(cp, a_c, offset)",
                       "`DF_VSUB(cp, a_c, offset)");
   Words environment = fault.environment();
@@ -498,7 +498,7 @@ class Ports {
 
 /// Each row shows its operands in the cycle in which it enters, and its results one pipe latency
 /// later. docs/reference/pairs.md states these times.
-TEST_F(Query, WavesShowOperandsAndResults) {
+TEST_F(Query, Waves_ShowOperandsAndResults) {
   constexpr unsigned kLanes = 8, kLatency = 11, kRows = 3;
   std::string text;
   for (unsigned i = 0; i < kLanes * kRows; ++i) text += fmt::format("0,0,0,1,{},0,0,1\n", 3 + i);
@@ -527,7 +527,7 @@ TEST_F(Query, WavesShowOperandsAndResults) {
 }
 
 /// Answers are written when all pairs are known. Their number and the file are checked first.
-TEST_F(Query, WavesAreWholeOrAnError) {
+TEST_F(Query, Waves_AreCompleteOrAnError) {
   const std::string pair = "0,0,0,1,3,0,0,1\n";
   std::string many = "# a line that is none\n";
   std::mt19937 random(7);

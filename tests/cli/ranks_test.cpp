@@ -67,7 +67,7 @@ class Ranks : public Cli {
   }
 };
 
-TEST_F(Ranks, ACastGoesOnFromAnyByteOfItsJournal) {
+TEST_F(Ranks, CastFromAnyByteOfItsJournal_Continues) {
   ASSERT_EQ(cde(cast("whole.csv", {"--resume", "journal"})).status, 0);
   EXPECT_TRUE(same("whole.csv", "plain.csv"));
   const std::string journal = read("journal");
@@ -83,7 +83,7 @@ TEST_F(Ranks, ACastGoesOnFromAnyByteOfItsJournal) {
   }
 }
 
-TEST_F(Ranks, AJournalOfSomethingElseIsRefused) {
+TEST_F(Ranks, ForeignJournal_IsRefused) {
   ASSERT_EQ(cde(cast("whole.csv", {"--resume", "journal"})).status, 0);
   const std::string journal = read("journal");
   refused(cast("x.csv", {"--resume", "journal", "--mode", "any"}),
@@ -100,7 +100,7 @@ TEST_F(Ranks, AJournalOfSomethingElseIsRefused) {
   EXPECT_FALSE(exists("x.csv"));
 }
 
-TEST_F(Ranks, ADamagedJournalIsNamed) {
+TEST_F(Ranks, DamagedJournal_IsNamed) {
   ASSERT_EQ(cde(cast("whole.csv", {"--resume", "journal"})).status, 0);
   const std::string journal = read("journal");
   const std::vector<std::size_t> at = ends(journal);
@@ -154,7 +154,7 @@ TEST_F(Ranks, ADamagedJournalIsNamed) {
 }
 
 /// `merge` runs the command of a journal, and the command names outputs.
-TEST_F(Ranks, AJournalThatOthersCouldWriteIsNotRun) {
+TEST_F(Ranks, JournalWritableByOthers_IsNotRun) {
   ASSERT_EQ(cde(cast("x.csv", {"--resume", "journal"})).status, 0);
   fs::remove(folder_ / "x.csv");
   fs::permissions(folder_ / "journal", fs::perms::others_write, fs::perm_options::add);
@@ -168,18 +168,18 @@ TEST_F(Ranks, AJournalThatOthersCouldWriteIsNotRun) {
   }
 }
 
-TEST_F(Ranks, MergeWritesOverNoJournal) {
+TEST_F(Ranks, Merge_OverwritesNoJournal) {
   ASSERT_EQ(cde(cast("j.csv", {"--resume", "journal"})).status, 0);
   fs::copy_file(folder_ / "journal", folder_ / "j.csv", fs::copy_options::overwrite_existing);
   refused({"merge", "j.csv"}, "-o would write to j.csv, which merge reads");
   EXPECT_TRUE(same("j.csv", "journal"));
 }
 
-TEST_F(Ranks, AJournalKeepsWordsOfUtf8) {
+TEST_F(Ranks, NonUtf8Arguments_AreRefused) {
   refused(cast("\xff.csv", {"--resume", "journal"}), "--resume stores the command line");
 }
 
-TEST_F(Ranks, AJournalIsOfOneProcess) {
+TEST_F(Ranks, JournalOfAnotherProcess_IsRefused) {
   write("journal", "");
   const int file = ::open((folder_ / "journal").c_str(), O_RDWR | O_CLOEXEC);
   ASSERT_EQ(::flock(file, LOCK_EX), 0);
@@ -187,7 +187,7 @@ TEST_F(Ranks, AJournalIsOfOneProcess) {
   ::close(file);
 }
 
-TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
+TEST_F(Ranks, ShardsOfACast_AddUpToTheWhole) {
   for (const int i : {3, 1, 2}) {
     const Ran ran = cde(
         cast("merged.csv", {"--resume", fmt::format("s{}", i), fmt::format("--shard={}/3", i)}));
@@ -235,7 +235,7 @@ TEST_F(Ranks, ShardsOfACastMakeUpTheWhole) {
           "--boards works only in one process");
 }
 
-TEST_F(Ranks, ChunksGoThroughAHierarchy) {
+TEST_F(Ranks, ChunksWithABvh_AddUpToTheWhole) {
   constexpr unsigned kSide = 260;  // three chunks
   const Ran one = cde(through("one.csv", kSide));
   ASSERT_EQ(one.status, 0) << one.err;
@@ -275,7 +275,7 @@ TEST_F(Ranks, ChunksGoThroughAHierarchy) {
 }
 
 /// The run is killed as soon as one of eight chunks is in the journal.
-TEST_F(Ranks, AKilledRunGoesOnThroughAHierarchy) {
+TEST_F(Ranks, KilledRunWithABvh_Continues) {
   const auto words = [](const char* records) {
     return through(records, 512, {"--no-check", "--resume", "journal"});
   };
@@ -299,7 +299,7 @@ TEST_F(Ranks, AKilledRunGoesOnThroughAHierarchy) {
   EXPECT_EQ(counted(rest), counted(one));
 }
 
-TEST_F(Ranks, ShardsOfAQueryMakeUpTheWhole) {
+TEST_F(Ranks, ShardsOfAQuery_AddUpToTheWhole) {
   std::ofstream lines(folder_ / "pairs");
   std::mt19937 random(7);
   std::uniform_real_distribution<float> some(-2, 2);
@@ -342,7 +342,7 @@ TEST_F(Ranks, ShardsOfAQueryMakeUpTheWhole) {
   EXPECT_TRUE(has(other.err, "journal belongs to a run with another input"));
 }
 
-TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
+TEST_F(Ranks, ShardsOfARun_AddUpToTheWhole) {
   const Words run = {"run",          std::string(CDE_SOURCE_DIR) + "/meshes/scenes/spheres.toml",
                      "--frames",     "3..7",
                      "--exact-card", "-q"};
@@ -383,7 +383,7 @@ TEST_F(Ranks, ShardsOfARunMakeUpTheWhole) {
 }
 
 /// In every mode the lower index wins ties between parts of a mesh.
-TEST_F(Ranks, PartsOfAMeshGiveTheRecordsOfOneCard) {
+TEST_F(Ranks, PartsOfAMesh_GiveTheRecordsOfOneCard) {
   // Two squares in one plane, each triangle four times: every hit is a tie.
   std::string twice = "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\n";
   for (int i = 0; i < 4; ++i) twice += "f 1 2 3\nf 1 3 4\n";
@@ -434,7 +434,7 @@ class MpiRanks : public Ranks {
   }
 };
 
-TEST_F(MpiRanks, GiveTheOutputOfOne) {
+TEST_F(MpiRanks, SeveralRanks_GiveTheOutputOfOne) {
   for (const unsigned ranks : {1u, 2u, 3u}) {
     const Ran ran = shell(run(ranks) + words(cast("ranks.csv")));
     EXPECT_EQ(ran.status, 0) << ran.err;
@@ -454,7 +454,7 @@ TEST_F(MpiRanks, GiveTheOutputOfOne) {
   EXPECT_EQ(shell(run(2) + some).out, shell("\"$CDE\"" + some).out);
 }
 
-TEST_F(MpiRanks, GoThroughAHierarchyAsOneDoes) {
+TEST_F(MpiRanks, SeveralRanksWithABvh_GiveTheOutputOfOne) {
   for (const char* mode : {"nearest", "hits", "occluded"}) {
     const auto of = [&](const char* records) {
       return through(records, 260, {"--mode", mode, "--check=rays:50"});
@@ -469,7 +469,7 @@ TEST_F(MpiRanks, GoThroughAHierarchyAsOneDoes) {
   }
 }
 
-TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
+TEST_F(MpiRanks, Errors_ArePrintedOnce) {
   const auto count = [](const std::string& text, const std::string& what) {
     int n = 0;
     for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++n;
@@ -509,7 +509,7 @@ TEST_F(MpiRanks, WhatIsWrongIsSaidOnce) {
 }
 
 /// A rank or mpirun is killed at any time: no rank survives, and the next run continues.
-TEST_F(MpiRanks, AKilledRunGoesOn) {
+TEST_F(MpiRanks, KilledRun_Continues) {
   const unsigned kills = std::getenv("CDE_FULL") != nullptr ? 100 : 6;
   const std::string cast = " cast square.obj --grid 1300x1300 -q -o ";
   ASSERT_EQ(shell("\"$CDE\"" + cast + "whole.csv").status, 0);

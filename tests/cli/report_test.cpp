@@ -27,7 +27,7 @@ random_rays = { count = 30, seed = 7 }
 motion = { kind = "still", position = [60, 45, 300] }
 )" + hit_query("terrain");
 
-TEST_F(Pages, ReportSaysWhatRunJsonSays) {
+TEST_F(Pages, Report_EqualsRunJson) {
   write("scene.toml", kReportScene);
   const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "1..4"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -73,7 +73,7 @@ TEST_F(Pages, ReportSaysWhatRunJsonSays) {
 }
 
 /// The page holds the CSV data of a chart, with or without scripts.
-TEST_F(Pages, ChartsCarryTheirFigures) {
+TEST_F(Pages, Charts_CarryTheirFigures) {
   write("scene.toml", kReportScene);
   const Ran ran = cde({"run", "scene.toml", "--report", "page.html", "--frames", "1..4"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -109,7 +109,7 @@ TEST_F(Pages, ChartsCarryTheirFigures) {
   }
 }
 
-TEST_F(Pages, ChartsAreSaved) {
+TEST_F(Pages, Charts_AreSaved) {
   if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the pages";
   write("scene.toml", kReportScene);
   ASSERT_EQ(cde({"run", "scene.toml", "--report", "page.html", "--frames", "0..3"}).status, 0);
@@ -143,7 +143,7 @@ TEST_F(Pages, SceneWithoutRays_HasNoLegendOfRays) {
 }
 
 /// Bodies, contacts with normals, masks and parents.
-TEST_F(Pages, ReportOfTheMixedScene) {
+TEST_F(Pages, MixedScene_IsReportedCompletely) {
   const std::string scene = std::string(CDE_SOURCE_DIR) + "/meshes/scenes/mixed.toml";
   const Ran ran = cde({"run", scene, "--out", "out", "--report", "page.html", "--frames", "0..2"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -179,7 +179,7 @@ TEST_F(Pages, ReportOfTheMixedScene) {
   EXPECT_FALSE(has(html, "/meshes/")) << "the page must contain no path of this machine";
 }
 
-TEST_F(Pages, ReportThatCannotBeWritten) {
+TEST_F(Pages, UnwritableReport_IsRefusedBeforeTheRun) {
   write("scene.toml", kReportScene);
   const Ran ran = cde({"run", "scene.toml", "--frames", "0", "--report", "none/page.html"});
   EXPECT_EQ(ran.status, 2);
@@ -227,7 +227,7 @@ void expect_hierarchy(const json& j, const std::string& html) {
   EXPECT_EQ(count(chapters[0], "Embree is not in this build of cde") > 0, j["embree"] == false);
 }
 
-TEST_F(Pages, QuickReproduction) {
+TEST_F(Pages, QuickReproduction_WritesEveryEntry) {
   const Ran ran = cde({"reproduce", "--quick", "--json", "--out", "r.html"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("r.html");

@@ -32,7 +32,7 @@ random_rays = { count = 3, seed = 7 }
 motion = { kind = "still", position = [15, 15, 300] }
 )" + hit_query("terrain");
 
-class Folders : public Cli {
+class RunFolders : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
@@ -63,7 +63,7 @@ class Folders : public Cli {
 
 /// The owner of the parent folder replaces the run folder by a link, again and again. Files are
 /// removed and written only in the locked folder.
-TEST_F(Folders, AFolderThatIsSwappedForALink) {
+TEST_F(RunFolders, FolderSwappedForALink_KeepsVictimUntouched) {
   fs::create_directory(folder_ / "victim");
   write("victim/shadow", "secret");
   fs::create_directory_symlink("victim", folder_ / "alt");
@@ -94,7 +94,7 @@ TEST_F(Folders, AFolderThatIsSwappedForALink) {
 }
 
 /// A link of another user leads to one of our runs.
-TEST_F(Folders, AnotherUsersLinkLeadsToNoRunOfOurs) {
+TEST_F(RunFolders, ForeignLink_ReachesNoRunOfOurs) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   ASSERT_EQ(run({"-o", "d"}).status, 0);
   const std::string before = read("d/run.json");
@@ -109,7 +109,7 @@ TEST_F(Folders, AnotherUsersLinkLeadsToNoRunOfOurs) {
 }
 
 /// Folders are created exactly where the system resolves their names.
-TEST_F(Folders, NamesThatAreTooLongOrGoUp) {
+TEST_F(RunFolders, TooLongOrParentNames_ResolveOrFail) {
   std::string deep;
   for (int i = 0; i < 2060; ++i) deep += "d/";
   Ran ran = run({"-o", deep, "--frames", "0"});
@@ -127,7 +127,7 @@ TEST_F(Folders, NamesThatAreTooLongOrGoUp) {
   EXPECT_FALSE(exists("d"));
 }
 
-TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
+TEST_F(RunFolders, SecondRun_RemovesTheFirst) {
   ASSERT_EQ(run({"-o", "d", "--file-per-frame"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "hit.000002.csv", "hit.000003.csv",
                             "run.json"}));
@@ -149,7 +149,7 @@ TEST_F(Folders, ASecondRunLeavesNothingOfTheFirst) {
   EXPECT_EQ(in("d"), (Words{"hit.bin", "run.json"}));
 }
 
-TEST_F(Folders, OneThatIsNotARunsIsRefused) {
+TEST_F(RunFolders, FolderWithoutARun_IsRefused) {
   fs::create_directory(folder_ / "d");
   write("d/thesis.tex", "years of work");
   Ran ran = run({"--out", "d"});
@@ -182,7 +182,7 @@ TEST_F(Folders, OneThatIsNotARunsIsRefused) {
   EXPECT_EQ(run({"--out", "empty"}).status, 0);
 }
 
-TEST_F(Folders, WhatTheSceneReadsIsNotRemoved) {
+TEST_F(RunFolders, SceneInputs_AreNotRemoved) {
   Ran ran = cde({"run", "scene.toml", "--out", "."});
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err, "cde: --output is ., which contains the scene scene.toml\n");
@@ -195,7 +195,7 @@ TEST_F(Folders, WhatTheSceneReadsIsNotRemoved) {
 }
 
 /// A failure before the first frame keeps the previous run.
-TEST_F(Folders, ARunThatDoesNotBeginChangesNothing) {
+TEST_F(RunFolders, RunThatDoesNotStart_ChangesNothing) {
   ASSERT_EQ(run({"--out", "d"}).status, 0);
   const std::string before = read("d/run.json");
   EXPECT_EQ(run({"--out", "d", "--frames", "9"}).status, 2);
@@ -211,7 +211,7 @@ TEST_F(Folders, ARunThatDoesNotBeginChangesNothing) {
 }
 
 /// A killed run leaves no table, only an unfinished file, which the next run removes.
-TEST_F(Folders, KillInTheMiddle_LeavesNoTable) {
+TEST_F(RunFolders, KillMidRun_LeavesNoTable) {
   write("long.toml", std::string(kFolderScene).replace(0, 10, "frames = 1000000"));
   const pid_t child = start({"run", "long.toml", "--out", "d"});
   for (int i = 0; i < 600 && (!exists("d/run.json") || written("d", "hit.csv") == 0); ++i)
@@ -229,7 +229,7 @@ TEST_F(Folders, KillInTheMiddle_LeavesNoTable) {
 }
 
 /// After a kill the folder is recognised as a run's, and the next run removes its content.
-TEST_F(Folders, AfterAKill) {
+TEST_F(RunFolders, RunAfterAKill_RemovesTheOldContent) {
   std::string scene = kFolderScene;
   write("long.toml", scene.replace(0, 10, "frames = 100000"));
   const pid_t child = start({"run", "long.toml", "--out", "d", "--file-per-frame"});
@@ -244,7 +244,7 @@ TEST_F(Folders, AfterAKill) {
 
 /// Two runs at the same time do not mix their files: the second is refused, and the first
 /// continues. The lock ends with its process, also after a kill.
-TEST_F(Folders, AFolderIsOneRunsAtATime) {
+TEST_F(RunFolders, FolderInUse_IsRefused) {
   std::string scene = kFolderScene;
   write("long.toml", scene.replace(0, 10, "frames = 100000"));
   const pid_t child = start({"run", "long.toml", "--out", "d", "-q", "--file-per-frame"});
@@ -270,7 +270,7 @@ TEST_F(Folders, AFolderIsOneRunsAtATime) {
 
 /// Runs that start simultaneously into a new folder: at least one runs, and each of the others
 /// gives a reason.
-TEST_F(Folders, RunsThatStartAtATimeDoNotMix) {
+TEST_F(RunFolders, SimultaneousRuns_DoNotMix) {
   const Ran ran = shell(
       "for i in 1 2 3 4; do (\"$CDE\" run scene.toml --out d -q --frames 0..1 2>err.$i; echo $? "
       ">status.$i) & done; wait");

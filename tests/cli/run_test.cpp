@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-TEST_F(RunScene, PlaysChecksAndWrites) {
+TEST_F(RunScene, Run_ChecksAndWritesEveryRecord) {
   write("flight.toml", kFlight);
   const Ran ran = cde({"run", "flight.toml", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -71,7 +71,7 @@ TEST_F(RunScene, PlaysChecksAndWrites) {
 }
 
 /// A frame does not depend on earlier frames or on the arithmetic back end.
-TEST_F(RunScene, FramesAreReproducible) {
+TEST_F(RunScene, Frames_AreReproducible) {
   write("flight.toml", kFlight);
   std::string gates = kFlight;
   gates.replace(gates.find("lanes = 16"), 10, "lanes = 16\narithmetic = \"rtl\"");
@@ -91,7 +91,7 @@ TEST_F(RunScene, FramesAreReproducible) {
 }
 
 /// A mesh that moves and deforms costs the words of its vertices and one transform.
-TEST_F(RunScene, TheCardMovesObjects) {
+TEST_F(RunScene, CardTransforms_CostPoseAndChangedVertices) {
   const std::string motion =
       "[object.motion]\nkind = \"velocity\"\nlinear = [30, 0, 0]\nangular = [0, 0, 5]\n";
   std::string scene = kFlight;
@@ -124,7 +124,7 @@ TEST_F(RunScene, TheCardMovesObjects) {
 
 // A ray that starts beyond the range is bad input, and its record is no hit. A run reports this
 // once.
-TEST_F(RunScene, SaysWhatHasLeftTheRange) {
+TEST_F(RunScene, OutOfRangeRay_IsReportedOnce) {
   std::string text = flight("lanes = 16");
   const std::string points = "[90, 60, 250]";
   text.replace(text.find(points), points.size(), "[1e30, 60, 250]");
@@ -139,7 +139,7 @@ TEST_F(RunScene, SaysWhatHasLeftTheRange) {
   EXPECT_EQ(ran.err.find(said, at + 1), std::string::npos) << ran.err;
 }
 
-TEST_F(RunScene, FaultsInDdrAreCorrectedOrFoundOut) {
+TEST_F(RunScene, DdrFlips_AreCorrectedOrFound) {
   write("ecc.toml", flight("lanes = 4\necc = true"));
   Ran ran = cde({"run", "ecc.toml", "--fault", "ddr:20@1", "--fault", "ddr@2", "--frames", "0..2"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -164,7 +164,7 @@ TEST_F(RunScene, FaultsInDdrAreCorrectedOrFoundOut) {
   EXPECT_EQ(run_json("bare.run")["faults"]["injected"], 1);
 }
 
-TEST_F(RunScene, FaultsOfTheBusAreRepeatedOrOneError) {
+TEST_F(RunScene, BusFaults_AreRetriedOrOneError) {
   write("cycle.toml", flight("lanes = 4\nbus = \"cycle\""));
   Ran ran = cde({"run", "cycle.toml", "--frames", "0..1", "--fault", "target-abort:2:0@1",
                  "--fault", "disconnect:9:2@0", "--fault", "lost-interrupt@0"});
@@ -181,7 +181,7 @@ TEST_F(RunScene, FaultsOfTheBusAreRepeatedOrOneError) {
 }
 
 /// Several pairs, swapped roles, normals, masks, and other secondaries for every query.
-TEST_F(RunScene, MixedSceneOfTheRepository) {
+TEST_F(RunScene, MixedScene_IsCheckedCompletely) {
   const std::string scene = std::string(CDE_SOURCE_DIR) + "/meshes/scenes/mixed.toml";
   const Ran ran = cde({"run", scene, "--out", "out", "--frames", "0..5"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -202,7 +202,7 @@ TEST_F(RunScene, MixedSceneOfTheRepository) {
   EXPECT_FALSE(has(read("out/scan.csv"), "\n0,3,")) << "ray 3 is masked";
 }
 
-TEST_F(RunScene, SamplesAndSkippedChecksSaySo) {
+TEST_F(RunScene, SampledOrSkippedChecks_AreReported) {
   write("flight.toml", kFlight);
   Ran ran = cde({"run", "flight.toml", "--frames", "0..1", "--check", "sample"});
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -214,7 +214,7 @@ TEST_F(RunScene, SamplesAndSkippedChecksSaySo) {
   EXPECT_EQ(run_json("flight.run")["check"], "none");
 }
 
-TEST_F(RunScene, BinaryRecords) {
+TEST_F(RunScene, BinaryRecords_EqualCsv) {
   std::string scene = kFlight;
   write("csv.toml", scene + "[report]\nbits = true\nonly_hits = true\n");
   write("bin.toml", scene + "[report]\nresults = \"binary\"\n");
@@ -245,7 +245,7 @@ TEST_F(RunScene, BinaryRecords) {
   EXPECT_FALSE(std::getline(csv, line));
 }
 
-TEST_F(RunScene, WrongUsageIsRefused) {
+TEST_F(RunScene, WrongUsage_IsRefused) {
   write("flight.toml", kFlight);
   for (const char* frames : {"4", "0..4", "3..2", "x", "1..", "-1..2", "0..1x"})
     refused({"run", "flight.toml", fmt::format("--frames={}", frames)},
@@ -268,7 +268,7 @@ TEST_F(RunScene, WrongUsageIsRefused) {
     refused({verb, "burst.toml"}, "card, burst: is 100; it must be a multiple of 8 bytes");
 }
 
-TEST_F(RunScene, DeadlineEndsWithStatus4AndAReadableFile) {
+TEST_F(RunScene, Deadline_IsStatus4AndLeavesAReadableFile) {
   write("flight.toml", kFlight);
   const Ran ran = cde({"run", "flight.toml", "--deadline", "100"});
   EXPECT_EQ(ran.status, 4) << ran.err;
@@ -277,7 +277,7 @@ TEST_F(RunScene, DeadlineEndsWithStatus4AndAReadableFile) {
   EXPECT_TRUE(has(j["error"].get<std::string>(), "deadline of 100 cycles"));
 }
 
-TEST_F(RunScene, InterruptLeavesReadableFiles) {
+TEST_F(RunScene, Interrupt_LeavesReadableFiles) {
   std::string scene = kFlight;
   scene.replace(0, 10, "frames = 100000");
   write("long.toml", scene);
@@ -300,7 +300,7 @@ TEST_F(RunScene, InterruptLeavesReadableFiles) {
   EXPECT_EQ(csv, played);
 }
 
-TEST_F(RunScene, Waves) {
+TEST_F(RunScene, Waves_AreWrittenOrRemoved) {
   std::string scene = kFlight;
   scene.replace(scene.find("lanes = 16"), 10, "lanes = 4");
   write("small.toml", scene);
@@ -321,7 +321,7 @@ TEST_F(RunScene, Waves) {
 
 /// A faulty card: hits lie outside triangles. The run stops after the frame with status 3, and
 /// run.json counts the mismatches. The printed command finds them again.
-TEST_F(RunScene, FaultyCardIsFoundOut) {
+TEST_F(RunScene, FaultyCard_IsFound) {
   const Words environment = faulty_card(folder_);
   std::string scene = kFlight;
   scene.replace(scene.find("lanes = 16"), 10, "lanes = 4\nalgorithm = \"moller\"");
@@ -368,7 +368,7 @@ TEST_F(RunScene, FaultyCardIsFoundOut) {
 }
 
 /// The card of mixed.toml, which has one pipe more than this scene needs.
-TEST_F(RunScene, BuiltCardStandsIn) {
+TEST_F(RunScene, BuiltCard_StandsIn) {
   write("s.toml", R"(frames = 2
 [card]
 lanes = 8
@@ -422,7 +422,7 @@ normals = true
   EXPECT_GT(j["totals"]["hits"], 0);
 }
 
-TEST_F(RunScene, PlanSaysWhatAndWhy) {
+TEST_F(RunScene, Plan_NamesPartsAndReasons) {
   write("flight.toml", kFlight);
   const Ran text = cde({"plan", "flight.toml"});
   ASSERT_EQ(text.status, 0) << text.err;

@@ -63,7 +63,7 @@ class Streams : public Cli {
   }
 };
 
-TEST_F(Streams, AStdoutThatCannotBeWrittenIsStatus2AndOneLine) {
+TEST_F(Streams, UnwritableStdout_IsStatus2AndOneLine) {
   for (const Command& command : kPrinting) {
     // Building models now keeps their messages out of the test.
     (void)shell(fmt::format("\"$CDE\" {} > /dev/null 2>&1", command.words));
@@ -78,7 +78,7 @@ TEST_F(Streams, AStdoutThatCannotBeWrittenIsStatus2AndOneLine) {
 }
 
 /// The command writes nothing to stdout, so any stdout will do.
-TEST_F(Streams, AStdoutThatIsNotNeeded) {
+TEST_F(Streams, UnneededStdout_IsIgnored) {
   const Ran ran =
       shell("\"$CDE\" cast one.obj --ray 0.25,0.25,0,0,0,2 --lanes 4 -q -o hits.csv >&- 2>&- <&-");
   EXPECT_EQ(ran.status, 0);
@@ -86,7 +86,7 @@ TEST_F(Streams, AStdoutThatIsNotNeeded) {
       << "no file may get the number of stdout";
 }
 
-TEST_F(Streams, WithoutAStderrTheCommandGoesOn) {
+TEST_F(Streams, WithoutStderr_CommandContinues) {
   const auto run_all = [this](std::span<const Command> commands, bool print) {
     for (const Command& command : commands) {
       for (const char* to : {"2> /dev/full", "2>&-"}) {
@@ -112,7 +112,7 @@ TEST_F(Streams, WithoutAStderrTheCommandGoesOn) {
 }
 
 /// On a closed pipe (`| head`) the command exits quietly with SIGPIPE, and leaves no file.
-TEST_F(Streams, AReaderThatHasEnough) {
+TEST_F(Streams, ClosedPipe_EndsQuietly) {
   const Ran ran = shell(
       "\"$CDE\" render terrain:60,60,1 --grid 300x300 --lanes 16 -o - --shaded x.png | head -1;"
       "echo ${PIPESTATUS[0]}");
@@ -127,7 +127,7 @@ TEST_F(Streams, AReaderThatHasEnough) {
       << "the signal is ignored, so the error is reported";
 }
 
-TEST_F(Streams, ResultsAreOnStdout) {
+TEST_F(Streams, Results_AreOnStdout) {
   const Ran query = shell("\"$CDE\" query sphere-sphere --json < pairs");
   EXPECT_EQ(query.err, "");
   EXPECT_EQ(std::count(query.out.begin(), query.out.end(), '\n'), 3) << query.out;
@@ -140,7 +140,7 @@ TEST_F(Streams, ResultsAreOnStdout) {
   EXPECT_TRUE(has(json.err, "gate-level units"));
 }
 
-TEST_F(Streams, NamesThatAreNoUtf8) {
+TEST_F(Streams, NonUtf8Names_AreAccepted) {
   const std::string odd = "a\xff\xc3";
   fs::rename(folder_ / "one.obj", folder_ / (odd + ".obj"));
   fs::create_directory(folder_ / odd);
@@ -164,7 +164,7 @@ TEST_F(Streams, NamesThatAreNoUtf8) {
 }
 
 /// Names and texts in files that would clear a terminal, change its title or fake a line.
-TEST_F(Streams, ControlCharactersOfFilesAreShownAsNumbers) {
+TEST_F(Streams, ControlCharactersInFiles_ArePrintedEscaped) {
   const auto quiet = [](const std::string& text) {
     return std::none_of(text.begin(), text.end(),
                         [](char c) { return c != '\n' && static_cast<unsigned char>(c) < 0x20; }) &&

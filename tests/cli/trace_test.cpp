@@ -28,7 +28,7 @@ class TraceWindow : public Cli {
 };
 
 /// 64 pairs in 8 lanes; each half of a cycle is one time in a unit's waves.
-TEST_F(TraceWindow, OfAQueryIsItsClocks) {
+TEST_F(TraceWindow, WindowOfAQuery_HoldsItsCycles) {
   std::string text;
   for (int i = 0; i < 64; ++i) text += fmt::format("0,0,0,1,{},0,0,1\n", 3 + i);
   write("pairs", text);
@@ -50,7 +50,7 @@ TEST_F(TraceWindow, OfAQueryIsItsClocks) {
   EXPECT_EQ(traced({"--trace-window", "5:"}).first["to"], all["to"]);
 }
 
-TEST_F(TraceWindow, ThatTheRunDoesNotComeToIsSaid) {
+TEST_F(TraceWindow, WindowBeyondTheRun_IsReported) {
   const Ran ran = shell(
       "echo '0,0,0,1,3,0,0,1' | \"$CDE\" query sphere-sphere -q --trace w.fst --trace-window "
       "9000:");
@@ -58,7 +58,7 @@ TEST_F(TraceWindow, ThatTheRunDoesNotComeToIsSaid) {
   EXPECT_TRUE(has(ran.err, "w.fst has no cycle of the run"));
 }
 
-TEST_F(TraceWindow, OfACastIsItsClocks) {
+TEST_F(TraceWindow, WindowOfACast_HoldsItsCycles) {
   const auto traced = [&](const Words& more) {
     Words words = {"cast", "terrain:3,3,1", "--grid", "4x4",     "--lanes",
                    "4",    "--exact-card",  "-q",     "--trace", "w.fst"};
@@ -77,7 +77,7 @@ TEST_F(TraceWindow, OfACastIsItsClocks) {
 }
 
 /// Ports of a scope are aliases of signals around it, which are not written.
-TEST_F(TraceWindow, AScopeIsWrittenAsWithAllAroundIt) {
+TEST_F(TraceWindow, Scope_EqualsTheWholeTrace) {
   const auto traced = [&](const std::string& file, const Words& more) {
     Words words = {"cast", "terrain:3,3,1", "--grid", "4x4",     "--lanes",
                    "4",    "--exact-card",  "-q",     "--trace", file};
@@ -112,7 +112,7 @@ TEST_F(TraceWindow, AScopeIsWrittenAsWithAllAroundIt) {
                  "waves of 'contr?': the card has no signal or scope of that name");
 }
 
-TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {
+TEST_F(TraceWindow, InvalidWindow_IsRefused) {
   for (const char* bad :
        {"7:5", "7", ":", "a:b", "1:2:3", "-1:5", "1.5:7", "99999999999999999999:"})
     refused_saying(
@@ -131,7 +131,7 @@ TEST_F(TraceWindow, ThatMakesNoSenseIsRefused) {
 
 /// A signal during a long run must leave readable waves. At most one block is unwritten then, so
 /// the command ends at once.
-class WavesAndSignal : public TraceWindow, public ::testing::WithParamInterface<int> {
+class WavesOnSignal : public TraceWindow, public ::testing::WithParamInterface<int> {
  protected:
   /// Size of the waves in the folder, under any name.
   std::uint64_t bytes_of_waves() const {
@@ -160,16 +160,16 @@ class WavesAndSignal : public TraceWindow, public ::testing::WithParamInterface<
         << ran.err;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Signals, WavesAndSignal, ::testing::Values(SIGINT, SIGTERM),
+INSTANTIATE_TEST_SUITE_P(Signals, WavesOnSignal, ::testing::Values(SIGINT, SIGTERM),
                          [](const auto& info) { return info.param == SIGINT ? "Int" : "Term"; });
 
-TEST_P(WavesAndSignal, OfACast) {
+TEST_P(WavesOnSignal, Cast_LeavesReadableWaves) {
   stop({"cast", "terrain:300,300,1", "--grid", "64x64", "--lanes", "4", "--exact-card", "-q",
         "--no-check", "--trace", "w.fst"});
   EXPECT_EQ(files(), Words{"w.fst"});
 }
 
-TEST_P(WavesAndSignal, OfARun) {
+TEST_P(WavesOnSignal, Run_LeavesReadableWaves) {
   write("s.toml",
         "[card]\nlanes = 4\nhierarchy = \"off\"\n[[object]]\nname = \"t\"\n"
         "mesh = \"terrain:200,200,1\"\n[[object]]\nname = \"rays\"\n"

@@ -36,7 +36,7 @@ std::vector<Step> steps_of(const std::string& document) {
 
 class Tutorial : public Cli {};
 
-TEST_F(Tutorial, LeadsFromAWrongAnswerToItsLine) {
+TEST_F(Tutorial, Tutorial_LeadsToTheWrongLine) {
   const std::vector<Step> steps = steps_of(CDE_SOURCE_DIR "/docs/start/tutorial.md");
   ASSERT_GE(steps.size(), 8u);
   // A separator line that no command prints.

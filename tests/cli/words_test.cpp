@@ -19,7 +19,7 @@ using Words = std::vector<std::string>;
 class CommandLine : public Cli {};
 
 /// The first invalid argument is reported.
-TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
+TEST_F(CommandLine, SeveralMistakes_ReportTheFirst) {
   struct Case {
     Words words;
     std::string text;
@@ -89,7 +89,7 @@ TEST_F(CommandLine, IsRefusedInTheOrderTyped) {
 }
 
 /// Options and flags without effect are refused before any file is read.
-TEST_F(CommandLine, OptionsWithoutMeaning_AreRefused) {
+TEST_F(CommandLine, OptionsWithoutEffect_AreRefused) {
   struct Case {
     std::string words, text;
   };
@@ -151,7 +151,7 @@ TEST_F(CommandLine, OptionsWithoutMeaning_AreRefused) {
 }
 
 /// A request for help always succeeds, whatever other mistakes the line has.
-TEST_F(CommandLine, HelpIsGivenBesideMistakes) {
+TEST_F(CommandLine, HelpBesideMistakes_IsPrinted) {
   const std::string text = cde({"help", "cast"}).out;
   for (const Words& words :
        {Words{"cast", "--bogus", "--help"}, Words{"cast", "--clock", "x", "-h"},
@@ -165,7 +165,7 @@ TEST_F(CommandLine, HelpIsGivenBesideMistakes) {
 /// The help states the ranges that are checked. Both ends of a range are accepted, and values
 /// beyond it are refused with the same range. A mistake after the value tells whether the value was
 /// accepted.
-TEST_F(CommandLine, NumbersAreCheckedAsTheHelpSays) {
+TEST_F(CommandLine, Numbers_AreCheckedAsTheHelpStates) {
   static const std::regex option(
       R"(\n  (?:-[a-z], )?(--[a-z-]+) (?:NUMBER|CLOCK)((?:\n? {3,}[^\n]*)+))");
   static const std::regex range(R"(\(([0-9.e+]+) to ([0-9.e+]+)( [A-Za-z]+)?\))");
@@ -204,7 +204,7 @@ TEST_F(CommandLine, NumbersAreCheckedAsTheHelpSays) {
 }
 
 /// The same for words: each word in the help is accepted, and another one is refused.
-TEST_F(CommandLine, WordsAreCheckedAsTheHelpSays) {
+TEST_F(CommandLine, Words_AreCheckedAsTheHelpStates) {
   static const std::regex option(R"(\n  (?:-[a-z], )?(--[a-z-]+) ((?:[a-z0-9]+\|)+[a-z0-9]+))");
   unsigned checked = 0;
   for (const Words& verb : {Words{"cast", "m.obj"}, Words{"query", "sphere-sphere"},
@@ -226,17 +226,17 @@ TEST_F(CommandLine, WordsAreCheckedAsTheHelpSays) {
 }
 
 /// A header without records would look like a result.
-TEST_F(CommandLine, ACardThatFailsLeavesStdoutEmpty) {
+TEST_F(CommandLine, FailingCard_LeavesStdoutEmpty) {
   const Ran ran = cde({"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "--lanes", "4", "-q", "-o",
                        "-", "--deadline", "10"});
   EXPECT_EQ(ran.status, 4) << ran.err;
   EXPECT_EQ(ran.out, "");
 }
 
-class NamedFiles : public Cli {};
+class MeshInputFiles : public Cli {};
 
 /// Materials, buffers and textures of a mesh are inputs, even if the reader does not open them.
-TEST_F(NamedFiles, AreNotWrittenOver) {
+TEST_F(MeshInputFiles, FilesNamedByAMesh_AreNotOverwritten) {
   write("one.obj", "mtllib one.mtl\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
   write("one.mtl", "newmtl a\nmap_Kd -bm 0.5 skin.png\n");
   write("skin.png", "pixels");

@@ -19,7 +19,7 @@ bool from_integer(FpOp op) {
   return op >= FpOp::kFromI32 && op <= FpOp::kFromUi64;
 }
 
-TEST_P(TinyFormat, Exhaustively) {
+TEST_P(TinyFormat, EveryOperand_EqualsTheReference) {
   const FpFormat f = GetParam().format;
   UnitCheck check(GetParam());
   const uint64_t words = uint64_t{1} << f.width();
@@ -36,7 +36,7 @@ TEST_P(TinyFormat, Exhaustively) {
   check.finish();
 }
 
-TEST_P(SixteenBitFormat, OperationsOfOneOperandExhaustively) {
+TEST_P(SixteenBitFormat, EveryUnaryOperand_EqualsTheReference) {
   UnitCheck check(GetParam());
   for (uint32_t i = 0; i < kFpOps; i++) {
     const FpOp op = op_at(i);
@@ -48,7 +48,7 @@ TEST_P(SixteenBitFormat, OperationsOfOneOperandExhaustively) {
 
 /// Every fp16 and bf16 number, every midpoint of two neighbours, and the words next to both,
 /// narrowed from a wider format.
-TEST_P(Narrowing, AtEveryRoundingBoundary) {
+TEST_P(Narrowing, EveryRoundingBoundary_EqualsTheReference) {
   const FpFormat f = GetParam().format;
   UnitCheck check(GetParam());
   for (const std::size_t target : {0, 1, 6, 7}) {
@@ -66,7 +66,7 @@ TEST_P(Narrowing, AtEveryRoundingBoundary) {
   check.finish();
 }
 
-TEST_P(Unit, SpecialValuesCrossed) {
+TEST_P(Unit, AllSpecialValuePairs_EqualTheReference) {
   UnitCheck check(GetParam());
   const auto words = special_words(GetParam().format);
   for (uint32_t i = 0; i < kFpOps; i++) {
@@ -83,7 +83,7 @@ TEST_P(Unit, SpecialValuesCrossed) {
   EXPECT_EQ(check.other_nans() > 0, GetParam().any_nan()) << "the back end must follow CANON";
 }
 
-TEST_P(Unit, RoundingBoundaries) {
+TEST_P(Unit, RoundingBoundaries_EqualTheReference) {
   UnitCheck check(GetParam());
   std::mt19937_64 random(kSeed);
   for (const auto& [a, b] : boundary_pairs(GetParam().format, random))
@@ -92,20 +92,18 @@ TEST_P(Unit, RoundingBoundaries) {
   check.finish();
 }
 
-INSTANTIATE_TEST_SUITE_P(Bitstreams, Unit, ::testing::ValuesIn(test_units()), unit_name);
-INSTANTIATE_TEST_SUITE_P(Bitstreams, TinyFormat,
-                         ::testing::ValuesIn(units_where([](const TestUnit& u) {
+INSTANTIATE_TEST_SUITE_P(Models, Unit, ::testing::ValuesIn(test_units()), unit_name);
+INSTANTIATE_TEST_SUITE_P(Models, TinyFormat, ::testing::ValuesIn(units_where([](const TestUnit& u) {
                            return u.format.width() <= 8;
                          })),
                          unit_name);
-INSTANTIATE_TEST_SUITE_P(Bitstreams, SixteenBitFormat,
+INSTANTIATE_TEST_SUITE_P(Models, SixteenBitFormat,
                          ::testing::ValuesIn(units_where([](const TestUnit& u) {
                            return u.format.width() == 16;
                          })),
                          unit_name);
 /// fp32 and fp64, in gates without register cuts.
-INSTANTIATE_TEST_SUITE_P(Bitstreams, Narrowing,
-                         ::testing::ValuesIn(units_where([](const TestUnit& u) {
+INSTANTIATE_TEST_SUITE_P(Models, Narrowing, ::testing::ValuesIn(units_where([](const TestUnit& u) {
                            return u.format.width() >= 32 && !u.gives("OPS=") &&
                                   (u.arith == "host" || u.parameters.empty());
                          })),

@@ -12,7 +12,7 @@
 namespace cde::testing {
 namespace {
 
-TEST(FpFormat, NamesParse) {
+TEST(FpFormat, Names_ParseAndPrint) {
   for (const NamedFpFormat& f : kFpFormats) {
     EXPECT_EQ(FpFormat::parse(f.name), f.format);
     EXPECT_EQ(f.format.name(), f.name);
@@ -25,7 +25,7 @@ TEST(FpFormat, NamesParse) {
     EXPECT_THROW(FpFormat::parse(bad), Error) << bad;
 }
 
-TEST(FpFormat, ExactValuesSurviveDecodeAndEncode) {
+TEST(FpFormat, ExactValues_SurviveDecodeAndEncode) {
   std::mt19937_64 random(kSeed);
   for (const NamedFpFormat& named : kFpFormats) {
     const FpFormat f = named.format;
@@ -39,7 +39,7 @@ TEST(FpFormat, ExactValuesSurviveDecodeAndEncode) {
   }
 }
 
-TEST(FpFormat, Fp32AndFp64AreTheHosts) {
+TEST(FpFormat, Fp32AndFp64_EqualTheHosts) {
   std::mt19937_64 random(kSeed);
   for (int i = 0; i < 100000; i++) {
     const uint64_t w = random();
@@ -54,7 +54,7 @@ TEST(FpFormat, Fp32AndFp64AreTheHosts) {
   }
 }
 
-TEST(FpFormat, KnownWords) {
+TEST(FpFormat, KnownValues_HaveTheirWords) {
   EXPECT_EQ((FpFormat{5, 10}).encode(65504.0), 0x7bffu);
   EXPECT_EQ((FpFormat{5, 10}).encode(65520.0), 0x7c00u);
   EXPECT_EQ((FpFormat{5, 10}).encode(-std::ldexp(1.0, -24)), 0x8001u);

@@ -20,7 +20,7 @@ struct Latencies {
   int add, mul, div, sqrt, compare, convert, lanes;
 };
 
-TEST(Latency, IsWhatTheBitstreamWasBuiltWith) {
+TEST(Latency, EachUnit_HasItsBuiltLatency) {
   for (const Latencies& want : {Latencies{"fp32_rtl", 1, 1, 1, 1, 1, 1, 8},
                                 {"fp16_rtl_cuts2", 2, 2, 2, 2, 2, 2, 3},
                                 {"fp32_rtl_cuts4", 4, 4, 9, 10, 3, 3, 1},
@@ -38,7 +38,7 @@ TEST(Latency, IsWhatTheBitstreamWasBuiltWith) {
   }
 }
 
-TEST(Latency, NeighboursInTheStreamDiffer) {
+TEST(Latency, StreamedNeighbours_KeepTheirResults) {
   FpUnit unit = load(unit_of("fp32_rtl_cuts4"));
   const FpFormat f = unit.format();
   std::vector<uint64_t> a(1000), b(1000), r(1000);
@@ -53,7 +53,7 @@ TEST(Latency, NeighboursInTheStreamDiffer) {
   }
 }
 
-TEST(FpUnit, RefusesOperandsOfDifferentSizes) {
+TEST(FpUnit, OperandsOfDifferentSizes_AreRefused) {
   FpUnit unit = load(unit_of("fp32_host"));
   std::vector<uint64_t> three(3), two(2);
   EXPECT_THROW(unit.apply(FpOp::kAdd, three, two, three), Error);
@@ -61,13 +61,13 @@ TEST(FpUnit, RefusesOperandsOfDifferentSizes) {
   EXPECT_THROW(unit.apply(FpOp::kAdd, three, three, two), Error);
 }
 
-TEST(FpUnit, RefusesAnOperationThatWasLeftOut) {
+TEST(FpUnit, OmittedOperation_IsRefused) {
   FpUnit unit = load(unit_of("fp64_rtl_cuts6"));
   std::vector<uint64_t> one(1);
   EXPECT_THROW(unit.apply(FpOp::kToI32, one, {}, one), Error);
 }
 
-TEST(FpUnit, MeasuresARate) {
+TEST(FpUnit, Measurement_ReturnsARate) {
   FpUnit unit = load(unit_of("fp32_host"));
   EXPECT_GT(unit.measure(FpOp::kAdd, 0.01), 1e5);
 }

@@ -9,7 +9,7 @@ namespace {
 
 class RandomOperands : public ::testing::TestWithParam<TestUnit> {};
 
-TEST_P(RandomOperands, MatchReference) {
+TEST_P(RandomOperands, RandomOperands_EqualTheReference) {
   const TestUnit& unit = GetParam();
   UnitCheck check(unit);
   std::mt19937_64 random(kSeed);
@@ -30,7 +30,7 @@ TEST_P(RandomOperands, MatchReference) {
   check.finish();
 }
 
-INSTANTIATE_TEST_SUITE_P(Bitstreams, RandomOperands, ::testing::ValuesIn(test_units()), unit_name);
+INSTANTIATE_TEST_SUITE_P(Models, RandomOperands, ::testing::ValuesIn(test_units()), unit_name);
 
 }  // namespace
 }  // namespace cde::testing

@@ -76,10 +76,10 @@ void compare_with_host(FpFormat f) {
   EXPECT_GT(flagged, 10000);  // the edges were reached
 }
 
-TEST(FpReference, Fp32IsTheHosts) {
+TEST(FpReference, Fp32_EqualsTheHost) {
   compare_with_host<float>({8, 23});
 }
-TEST(FpReference, Fp64IsTheHosts) {
+TEST(FpReference, Fp64_EqualsTheHost) {
   compare_with_host<double>({11, 52});
 }
 
@@ -99,7 +99,7 @@ uint64_t nearest_by_search(FpFormat f, double x, bool minus) {
   return best | (minus ? f.sign_bit() : 0);
 }
 
-TEST(FpReference, TinyFormatsAreTheNearestWord) {
+TEST(FpReference, TinyFormats_RoundToTheNearestWord) {
   for (const FpFormat f : {FpFormat{4, 3}, FpFormat{3, 2}}) {
     const uint64_t words = uint64_t{1} << f.width();
     for (uint64_t a = 0; a < words; a++) {
@@ -127,7 +127,7 @@ TEST(FpReference, TinyFormatsAreTheNearestWord) {
   }
 }
 
-TEST(FpReference, IntegersAreTheHosts) {
+TEST(FpReference, Integers_EqualTheHost) {
   std::mt19937_64 random(kSeed);
   const FpFormat f{8, 23}, d{11, 52};
   for (int i = 0; i < 100000; i++) {
@@ -157,7 +157,7 @@ TEST(FpReference, IntegersAreTheHosts) {
   EXPECT_EQ(fp_reference(FpOp::kToI32, f, f.canonical_nan()), (FpResult{0x7fffffff, kFpInvalid}));
 }
 
-TEST(FpReference, MinimumAndMaximum) {
+TEST(FpReference, MinAndMax_OrderZerosAndSkipNan) {
   const FpFormat f{8, 23};
   const uint64_t nan = f.canonical_nan(), signalling = f.infinity() | 1, one = f.encode(1),
                  zero = 0, minus_zero = f.sign_bit();

@@ -52,7 +52,7 @@ void compare(FpFormat f, std::uint64_t a, std::uint64_t b) {
         << "comparison " << static_cast<int>(op) << std::hex << " of " << a << " " << b;
 }
 
-TYPED_TEST(Scalar, EveryOperationIsTheUnits) {
+TYPED_TEST(Scalar, EveryOperation_EqualsTheUnit) {
   const FpFormat f{TypeParam::kExponentBits, TypeParam::kFractionBits};
   std::mt19937_64 random(kSeed);
   const std::vector<std::uint64_t> special = special_words(f);
@@ -65,7 +65,7 @@ TYPED_TEST(Scalar, EveryOperationIsTheUnits) {
   }
 }
 
-TYPED_TEST(Scalar, ConversionsRoundOnceAndAreExactWhereTheyCanBe) {
+TYPED_TEST(Scalar, Conversions_RoundOnce) {
   const FpFormat f{TypeParam::kExponentBits, TypeParam::kFractionBits};
   std::mt19937_64 random(kSeed);
   for (int i = 0; i < 100000; ++i) {
@@ -87,7 +87,7 @@ TYPED_TEST(Scalar, ConversionsRoundOnceAndAreExactWhereTheyCanBe) {
   }
 }
 
-TYPED_TEST(Scalar, BitsMoveOnWires) {
+TYPED_TEST(Scalar, SignOperationsAndClasses_FollowTheBits) {
   const FpFormat f{TypeParam::kExponentBits, TypeParam::kFractionBits};
   for (const std::uint64_t word : special_words(f)) {
     const TypeParam x = of<TypeParam>(word);
@@ -103,7 +103,7 @@ TYPED_TEST(Scalar, BitsMoveOnWires) {
   }
 }
 
-TYPED_TEST(Scalar, LimitsAreThoseOfTheFormat) {
+TYPED_TEST(Scalar, Limits_AreThoseOfTheFormat) {
   using Limits = std::numeric_limits<TypeParam>;
   const FpFormat f{TypeParam::kExponentBits, TypeParam::kFractionBits};
   EXPECT_EQ(Limits::infinity().bits(), f.infinity());
@@ -119,7 +119,7 @@ TYPED_TEST(Scalar, LimitsAreThoseOfTheFormat) {
 }
 
 /// min and max of float and double equal those of the operators.
-TEST(ScalarOps, MinAndMaxOfNativeTypesAreTheUnits) {
+TEST(ScalarOps, NativeMinAndMax_EqualTheUnit) {
   const FpFormat f{8, 23};
   int zeros = 0;
   for (const std::uint64_t a : special_words(f)) {
@@ -136,7 +136,7 @@ TEST(ScalarOps, MinAndMaxOfNativeTypesAreTheUnits) {
   EXPECT_EQ(zeros, 4);
 }
 
-TEST(ScalarOps, EigenTakesIt) {
+TEST(ScalarOps, EigenVectors_Compute) {
   using Vector = Eigen::Matrix<Fp16, 3, 1>;
   const Vector a(Fp16(1), Fp16(-2), Fp16(2));
   EXPECT_EQ(a.squaredNorm(), Fp16(9));

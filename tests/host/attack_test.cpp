@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(Files, EveryMesh, ::testing::ValuesIn(kMeshes), [](cons
   return name;
 });
 
-TEST_P(EveryMesh, RandomDamage) {
+TEST_P(EveryMesh, RandomDamage_IsAnErrorOrAValidMesh) {
   const Folder folder;
   const std::string whole = bytes_of(small_mesh(GetParam()));
   const bool is_assimp = std::string(GetParam()).ends_with(".glb");
@@ -69,7 +69,7 @@ TEST_P(EveryMesh, RandomDamage) {
   EXPECT_LT(survived, rounds);
 }
 
-TEST_P(EveryMesh, TruncatedAnywhere) {
+TEST_P(EveryMesh, Truncation_IsAnErrorOrAValidMesh) {
   const Folder folder;
   const std::string whole = bytes_of(small_mesh(GetParam()));
   const bool is_assimp = std::string(GetParam()).ends_with(".glb");
@@ -88,7 +88,7 @@ TEST_P(EveryMesh, TruncatedAnywhere) {
   }
 }
 
-TEST(AttackTest, MissingDirectoryEmptyGarbage) {
+TEST(HostileFiles, MissingFileFolderOrGarbage_IsAnError) {
   const Folder folder;
   std::mt19937 random(7);
   std::string garbage(5000, '\0');
@@ -178,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(
                 ErrorCode::kFile, "a.stl:4: 'b' is not a number"}),
     [](const auto& info) { return std::string(info.param.name); });
 
-TEST_P(BadMesh, IsAnError) {
+TEST_P(BadMesh, BadText_IsAnError) {
   const Folder folder;
   const BadText& bad = GetParam();
   const std::string bytes =
@@ -186,7 +186,7 @@ TEST_P(BadMesh, IsAnError) {
   expect_error(bad.code, bad.message, [&] { (void)load_mesh(folder.write(bad.file, bytes)); });
 }
 
-TEST(AttackTest, PlyHeaders) {
+TEST(HostileFiles, BadPlyHeaders_AreErrors) {
   const Folder folder;
   const auto load = [&](const std::string& text) { (void)load_mesh(folder.write("h.ply", text)); };
   const std::string vertex = "property float x\nproperty float y\nproperty float z\n";
@@ -217,7 +217,7 @@ TEST(AttackTest, PlyHeaders) {
   });
 }
 
-TEST(AttackTest, RaysSurviveDamage) {
+TEST(HostileFiles, DamagedRays_AreErrorsOrValidRays) {
   constexpr std::uint32_t kSeed = 11;
   std::mt19937 random(kSeed);
   const std::string wholes[] = {

@@ -43,7 +43,7 @@ class CacheEntry : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(CacheEntry, IsReadBackAsItWasWritten) {
+TEST_F(CacheEntry, WrittenEntry_ReadsBackEqual) {
   EXPECT_FALSE(read_cache_entry("entry"));
   EXPECT_FALSE(fs::exists(folder_ / "cache")) << "reading must create no folder";
   const mode_t before = ::umask(0);
@@ -58,7 +58,7 @@ TEST_F(CacheEntry, IsReadBackAsItWasWritten) {
   }
 }
 
-TEST_F(CacheEntry, DamagedOrForeignIsNotRead) {
+TEST_F(CacheEntry, DamagedOrForeignEntry_IsNotRead) {
   write_cache_entry("entry", "text\n");
   std::ofstream(file()) << "texd\n";
   expect_refused("is damaged: its checksum differs");
@@ -82,13 +82,13 @@ TEST_F(CacheEntry, DamagedOrForeignIsNotRead) {
   EXPECT_EQ(read_cache_entry("entry"), "text\n");
 }
 
-TEST_F(CacheEntry, AFolderThatCannotBeMadeIsNoError) {
+TEST_F(CacheEntry, UncreatableFolder_IsNoError) {
   std::ofstream(folder_ / "cache") << "a file";
   write_cache_entry("entry", "text\n");
   EXPECT_FALSE(read_cache_entry("entry"));
 }
 
-TEST(CacheKey, TellsPartsApart) {
+TEST(CacheKey, DifferentParts_HaveDifferentKeys) {
   EXPECT_EQ(cache_key({"a", "b"}).size(), 24u);
   EXPECT_EQ(cache_key({"a", "b"}), cache_key({"a", "b"}));
   EXPECT_NE(cache_key({"a", "b"}), cache_key({"ab"}));

@@ -13,7 +13,7 @@ namespace {
 
 using testing::expect_error;
 
-TEST(PrimitivesTest, Defects) {
+TEST(PrimitivesTest, BadPrimitives_AreNamed) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const Ray good{{0, 0, 0}, {0, 0, 1}};
@@ -37,7 +37,7 @@ TEST(PrimitivesTest, Defects) {
   });
 }
 
-TEST(CameraTest, RaysRowByRowFromTheTop) {
+TEST(CameraTest, Rays_RunRowByRowFromTheTop) {
   Camera camera{{0, 0, 10}, {0, 5, 10}};  // looks north
   camera.fov_degrees = 90.0f;
   const auto rays = camera.rays({4, 2});
@@ -53,7 +53,7 @@ TEST(CameraTest, RaysRowByRowFromTheTop) {
   EXPECT_TRUE((rays[6].d / rays[6].d.y()).isApprox(Eigen::Vector3f(0.5f, 1, -0.5f), 1e-6f));
 }
 
-TEST(CameraTest, StraightDownHasNorthUp) {
+TEST(CameraTest, StraightDownCamera_HasNorthUp) {
   const auto rays = Camera{{0, 0, 9}, {0, 0, 0}}.rays({1, 2});
   EXPECT_GT(rays[0].d.y(), 0.0f);
   EXPECT_LT(rays[1].d.y(), 0.0f);
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Framing{"huge", {-1e30f, -1e30f, 0}, {1e30f, 1e30f, 1e30f}, {640, 480}}),
     [](const auto& info) { return std::string(info.param.name); });
 
-TEST_P(CameraFor, ShowsAllOfTheBoxAndFillsThePicture) {
+TEST_P(CameraFor, Box_FillsThePicture) {
   const auto& [name, low, high, size] = GetParam();
   const Eigen::AlignedBox3f box(low, high);
   const Camera camera = camera_for(box, size);
@@ -105,7 +105,7 @@ TEST_P(CameraFor, ShowsAllOfTheBoxAndFillsThePicture) {
 
 /// The camera centres the visible points, not their box: for example a long object along the box's
 /// diagonal.
-TEST(CameraTest, PointsAreCentred) {
+TEST(CameraTest, Points_AreCentred) {
   const std::vector<Eigen::Vector3f> points{{0, 0, 0}, {10, 0, 4}, {2, 9, 1}, {3, 2, 0}};
   const Resolution size{640, 480};
   const Camera camera = camera_for(points, size);
@@ -126,7 +126,7 @@ TEST(CameraTest, PointsAreCentred) {
   EXPECT_GT(fills, 0.9);
 }
 
-TEST(CameraTest, GridLooksDown) {
+TEST(CameraTest, Grid_LooksDown) {
   const auto rays = grid_rays({Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(8, 4, 1)}, {4, 2});
   ASSERT_EQ(rays.size(), 8u);
   EXPECT_EQ(rays[0].o, Eigen::Vector3f(1, 3, 9));
@@ -135,7 +135,7 @@ TEST(CameraTest, GridLooksDown) {
   for (const Ray& ray : rays) EXPECT_EQ(ray.d, Eigen::Vector3f(0, 0, -1));
 }
 
-TEST(CameraTest, Parsers) {
+TEST(CameraTest, CameraTexts_AreParsedOrRefused) {
   const Camera camera = parse_camera("1,2,3, 4,5,6 , 30");
   EXPECT_EQ(camera.target, Eigen::Vector3f(4, 5, 6));
   EXPECT_EQ(camera.fov_degrees, 30.0f);

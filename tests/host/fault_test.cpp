@@ -7,7 +7,7 @@
 namespace cde::testing {
 namespace {
 
-TEST(ScheduledFaults, SayWhatTheySay) {
+TEST(ScheduledFaults, Text_ParsesToItsFault) {
   const ScheduledFault parity = fault_of("parity:3:7@12");
   EXPECT_EQ(parity.bus, BusFault::kParity);
   EXPECT_EQ(parity.count, 3u);
@@ -27,7 +27,7 @@ TEST(ScheduledFaults, SayWhatTheySay) {
   }
 }
 
-TEST(ScheduledFaults, MistakesAreNamed) {
+TEST(ScheduledFaults, Mistakes_AreNamed) {
   const auto refused = [](const char* text, const char* why) {
     SCOPED_TRACE(text);
     expect_error(ErrorCode::kUsage, why, [&] { (void)fault_of(text); });
@@ -52,7 +52,7 @@ TEST(ScheduledFaults, MistakesAreNamed) {
             (kind + std::string(" takes no VALUE; it must be KIND[:COUNT]@FRAME")).c_str());
 }
 
-TEST(ScheduledFaults, NeedABusThatCanHaveThem) {
+TEST(ScheduledFaults, UnsupportingBus_IsRefused) {
   BoardConfig board;
   EXPECT_NO_THROW(check_fault(fault_of("ddr:3@0"), board));
   expect_error(ErrorCode::kUsage,

@@ -89,7 +89,7 @@ AlignedBox3f point(float x, float y = 0, float z = 0) {
   return {Vector3f(x, y, z), Vector3f(x, y, z)};
 }
 
-TEST(Hierarchy, BoxesContainWhatIsBelow) {
+TEST(Bvh, Boxes_ContainEverythingBelow) {
   for (const unsigned leaf : {1u, 2u}) {
     for (const std::size_t count : {1, 2, 3, 7, 8, 9, 16, 17, 100, 5000}) {
       const Boxes boxes = random_boxes(count, static_cast<unsigned>(count));
@@ -102,7 +102,7 @@ TEST(Hierarchy, BoxesContainWhatIsBelow) {
   }
 }
 
-TEST(Hierarchy, NoSecondaries) {
+TEST(Bvh, NoSecondaries_BuildOneEmptyNode) {
   const Hierarchy none = Hierarchy::build(Boxes{});
   EXPECT_EQ(none.nodes().size(), 1u);
   EXPECT_EQ(none.depth(), 1u);
@@ -111,7 +111,7 @@ TEST(Hierarchy, NoSecondaries) {
 }
 
 /// Secondaries for which a binary tree of least surface area would be a chain.
-TEST(Hierarchy, NoTreeIsTooDeep) {
+TEST(Bvh, DegenerateSecondaries_StayWithinTheDepthLimit) {
   Boxes doubling, same(100'000, point(1, 2, 3)), nested;
   for (int i = 0; i < 4000; ++i) doubling.push_back(point(std::ldexp(1.0f, i % 190 - 149)));
   for (int i = 0; i < 300; ++i) {
@@ -128,7 +128,7 @@ TEST(Hierarchy, NoTreeIsTooDeep) {
   }
 }
 
-TEST(Hierarchy, ThreadsDoNotChangeIt) {
+TEST(Bvh, ThreadCount_DoesNotChangeTheBvh) {
   const Boxes boxes = random_boxes(50'000, 3);
   const Hierarchy one = Hierarchy::build(boxes, {.threads = 1});
   for (const unsigned threads : {2u, 5u, 0u}) {
@@ -138,7 +138,7 @@ TEST(Hierarchy, ThreadsDoNotChangeIt) {
   }
 }
 
-TEST(Hierarchy, OfTheTerrain) {
+TEST(Bvh, Terrain_HasFewExpectedVisits) {
   const Mesh mesh = make_terrain();
   const Hierarchy h = Hierarchy::build(mesh);
   EXPECT_EQ(h.order().size(), mesh.faces.size());
@@ -149,7 +149,7 @@ TEST(Hierarchy, OfTheTerrain) {
   EXPECT_LT(visits.secondaries, 8);
 }
 
-TEST(Hierarchy, RefitFollowsWhatMoves) {
+TEST(Bvh, Refit_FollowsMovedBoxes) {
   Boxes boxes = random_boxes(3000, 7);
   Hierarchy h = Hierarchy::build(boxes);
   const std::vector<Node> before(h.nodes().begin(), h.nodes().end());
@@ -163,7 +163,7 @@ TEST(Hierarchy, RefitFollowsWhatMoves) {
   expect_error(ErrorCode::kUsage, "2999 secondaries for a BVH of 3000", [&] { h.refit(boxes); });
 }
 
-TEST(Hierarchy, WhatCannotBeBuiltIsSaid) {
+TEST(Bvh, UnbuildableInput_IsNamed) {
   expect_error(ErrorCode::kUsage, "a BVH with leaves of 3; expected 1 or 2",
                [] { (void)Hierarchy::build(Boxes{}, {.leaf = 3}); });
   const std::string must = "; it must not be empty or exceed 2^40";
@@ -192,7 +192,7 @@ TEST(Hierarchy, WhatCannotBeBuiltIsSaid) {
 
 // ---- Files ----
 
-TEST(Hierarchy, FilesReadBack) {
+TEST(Bvh, Files_ReadBackEqual) {
   const Folder folder;
   for (const std::size_t count : {0, 1, 500}) {
     const Boxes boxes = random_boxes(count, 9);
@@ -207,7 +207,7 @@ TEST(Hierarchy, FilesReadBack) {
   }
 }
 
-TEST(Hierarchy, DamagedFilesAreRefused) {
+TEST(Bvh, DamagedFiles_AreRefused) {
   const Folder folder;
   const Boxes boxes = random_boxes(20, 9);
   Hierarchy::build(boxes).save(folder / "h");
@@ -288,7 +288,7 @@ std::vector<Object> objects_of(std::size_t count, std::uint32_t each) {
   return all;
 }
 
-TEST(HierarchyOfObjects, HasATreeForEachBelowOne) {
+TEST(BvhOverObjects, Objects_HaveOnePartEach) {
   for (const std::size_t count : {1, 2, 7, 9, 300, 2048}) {
     for (const std::uint32_t each : {1u, 2u, 5u, 40u}) {
       if (count == 2048 && each == 40) continue;
@@ -311,7 +311,7 @@ TEST(HierarchyOfObjects, HasATreeForEachBelowOne) {
   }
 }
 
-TEST(HierarchyOfObjects, WhatCannotBeBuiltIsSaid) {
+TEST(BvhOverObjects, UnbuildableInput_IsNamed) {
   const auto triangles = random_triangles(40);
   const auto refused = [&](const std::vector<Object>& objects, ErrorCode code) {
     try {
@@ -348,7 +348,7 @@ TEST(HierarchyOfObjects, WhatCannotBeBuiltIsSaid) {
     EXPECT_THROW((void)Hierarchy::build(triangles, parts), Error);
 }
 
-TEST(HierarchyOfObjects, PartsAreCheckedToBeThoseOfTheTree) {
+TEST(BvhOverObjects, ForeignParts_AreRefused) {
   const Hierarchy h = hierarchy_of(random_triangles(200), objects_of(4, 50));
   const auto defect = [&](const std::function<void(std::vector<Hierarchy::Part>&)>& change) {
     std::vector<Hierarchy::Part> parts(h.parts().begin(), h.parts().end());
@@ -390,7 +390,7 @@ std::string defect_in(std::vector<Node> nodes, std::size_t slots) {
   return "";
 }
 
-TEST(HierarchyNodes, AreCheckedToBeATree) {
+TEST(BvhNodes, MalformedNodes_AreNamed) {
   const Boxes boxes = random_boxes(20, 9);
   const Hierarchy h = Hierarchy::build(boxes);
   const std::vector<Node> good(h.nodes().begin(), h.nodes().end());

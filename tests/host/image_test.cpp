@@ -83,7 +83,7 @@ double brightness(const std::array<std::uint8_t, 3>& p) {
   return (p[0] + p[1] + p[2]) / 3.0;
 }
 
-TEST(ImageTest, ColourPngDecodesToTheSamePixels) {
+TEST(ImageTest, ColourPng_DecodesToTheSamePixels) {
   const Folder folder;
   Image image{{5, 3}, {}};
   for (std::uint8_t i = 0; i < 15; ++i)
@@ -98,7 +98,7 @@ TEST(ImageTest, ColourPngDecodesToTheSamePixels) {
   EXPECT_EQ(folder.files(), 1u) << "a temporary file was left behind";
 }
 
-TEST(ImageTest, GreyPngKeepsSixteenBits) {
+TEST(ImageTest, GreyPng_KeepsSixteenBits) {
   const Folder folder;
   write_png(GreyImage{{3, 1}, {0, 0x1234, 65535}}, folder / "g.png");
   const std::string bytes = testing::bytes_of(folder / "g.png");
@@ -114,7 +114,7 @@ TEST(ImageTest, GreyPngKeepsSixteenBits) {
   EXPECT_EQ(values[2], 65535);
 }
 
-TEST(ImageTest, WriteErrors) {
+TEST(ImageTest, UnwritablePng_IsAnError) {
   const Folder folder;
   const Image image{{1, 1}, {{1, 2, 3}}};
   expect_error(ErrorCode::kFile, "x.png: cannot create: No such file",
@@ -126,7 +126,7 @@ TEST(ImageTest, WriteErrors) {
   EXPECT_EQ(folder.files(), 0u);
 }
 
-TEST(ImageTest, DepthIsBrighterNearby) {
+TEST(ImageTest, NearDepth_IsBrighter) {
   const std::vector<std::uint8_t> hit = {1, 0, 1, 1};
   const std::vector<float> t = {10, std::numeric_limits<float>::infinity(), 20, 15};
   const GreyImage image = depth_image({{2, 2}, {}, hit, t, {}, {}});
@@ -135,7 +135,7 @@ TEST(ImageTest, DepthIsBrighterNearby) {
   EXPECT_EQ(depth_image({{2, 2}, {}, none, t, {}, {}}).pixels, std::vector<std::uint16_t>(4, 0));
 }
 
-TEST(ImageTest, SlopesTowardsTheSunAreBrighter) {
+TEST(ImageTest, SlopesTowardsTheSun_AreBrighter) {
   // A roof: two slopes of 45 degrees, with the ridge along y.
   Mesh roof;
   roof.vertices = {{-1, 0, 0}, {0, 0, 1}, {0, 2, 1}, {-1, 2, 0}, {1, 0, 0}, {1, 2, 0}};
@@ -156,7 +156,7 @@ TEST(ImageTest, SlopesTowardsTheSunAreBrighter) {
             brightness(east.pixels[15]) - 30);
 }
 
-TEST(ImageTest, SunRaysFindShadows) {
+TEST(ImageTest, SunRays_FindShadows) {
   // A plate over a floor, with the sun straight above.
   Mesh mesh;
   mesh.vertices = {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0},
@@ -175,7 +175,7 @@ TEST(ImageTest, SunRaysFindShadows) {
   }
 }
 
-TEST(ImageTest, SkyMarkersAndBadArguments) {
+TEST(ImageTest, SkyAndMarkers_AreDrawnAndBadArgumentsRefused) {
   const Mesh cube = load_mesh(small_mesh("cube.obj"));
   const Resolution size{48, 32};
   Answers a = cast(cube, size, camera_for(bounds(cube), size).rays(size));
@@ -203,7 +203,7 @@ TEST(ImageTest, SkyMarkersAndBadArguments) {
   expect_error(ErrorCode::kUsage, "t has 1535 entries", [&] { (void)shade(a.pixels(), cube, {}); });
 }
 
-TEST(ImageTest, TerrainPictureIsALandscape) {
+TEST(ImageTest, TerrainPicture_IsNotFlatOrClipped) {
   const Mesh terrain = make_terrain({60, 60, 1});
   const Resolution size{96, 64};
   const Answers a = cast(terrain, size, camera_for(bounds(terrain), size).rays(size));

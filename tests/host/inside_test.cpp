@@ -17,7 +17,7 @@ Eigen::Vector3f drawn(std::mt19937& random, float reach) {
   return {one(random), one(random), one(random)};
 }
 
-TEST(InsideTest, PointsOfACube) {
+TEST(InsideTest, PointsOfACube_AreClassified) {
   const Inside inside(load_mesh(small_mesh("cube.obj")));  // from -1 to 1
   std::mt19937 random(1);
   for (int i = 0; i < 5000; ++i) {
@@ -37,7 +37,7 @@ TEST(InsideTest, PointsOfACube) {
   EXPECT_NEAR(inside.winding_number({0.999999f, 0.5f, 0.25f}), 1.0, 1e-9);
 }
 
-TEST(InsideTest, ATurnedBodyCountsFromTheOtherSide) {
+TEST(InsideTest, InvertedFaces_CountFromTheOtherSide) {
   Mesh cube = load_mesh(small_mesh("cube.obj"));
   for (auto& f : cube.faces) std::swap(f[1], f[2]);
   const Inside inside(cube);
@@ -45,7 +45,7 @@ TEST(InsideTest, ATurnedBodyCountsFromTheOtherSide) {
   EXPECT_TRUE(inside.contains({0, 0, 0}));
 }
 
-TEST(InsideTest, AHoleIsOutside) {
+TEST(InsideTest, HoleOfATorus_IsOutside) {
   const Inside torus(load_mesh(small_mesh("torus.stl")));  // each facet has its own vertices
   std::mt19937 random(2);
   const Mesh mesh = load_mesh(small_mesh("torus.stl"));
@@ -61,7 +61,7 @@ TEST(InsideTest, AHoleIsOutside) {
   EXPECT_GT(within, 20);
 }
 
-TEST(InsideTest, AMeshThatIsNotClosedIsAnError) {
+TEST(InsideTest, OpenMesh_IsAnError) {
   const Folder folder;
   const auto refused = [&](const std::string& text, const std::string& what) {
     const Mesh mesh = load_mesh(folder.write("a.obj", text));

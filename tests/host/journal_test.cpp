@@ -39,7 +39,7 @@ class Journals : public ::testing::Test {
   std::string whole_;
 };
 
-TEST_F(Journals, AnUnfinishedLastEntryIsCut) {
+TEST_F(Journals, UnfinishedLastEntry_IsCut) {
   for (std::size_t size = starts_.back() + 1; size < whole_.size(); ++size) {
     EXPECT_EQ(chunks_of(whole_.substr(0, size)), kChunks - 1) << size;
     EXPECT_EQ(bytes(), whole_.substr(0, starts_.back())) << size;
@@ -47,7 +47,7 @@ TEST_F(Journals, AnUnfinishedLastEntryIsCut) {
   EXPECT_EQ(chunks_of(whole_), kChunks);
 }
 
-TEST_F(Journals, WholeEntriesBehindADamagedOneAreNotDropped) {
+TEST_F(Journals, DamagedCount_IsAnErrorAndKeepsTheJournal) {
   for (std::size_t chunk = 0; chunk + 1 < kChunks; ++chunk) {
     for (const char* number : {"1000000", "4294967295", "1099511627775"}) {
       const std::string damaged = claiming(chunk, number);

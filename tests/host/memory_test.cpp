@@ -56,7 +56,7 @@ void expect_refused(const std::string& text, const std::vector<std::string>& par
   expect_grown(before, 700);  // objects before the limit may be allocated
 }
 
-TEST(SceneMemory, ALargeCameraIsRefusedWithItsSize) {
+TEST(SceneMemory, LargeCamera_IsRefusedWithItsSize) {
   expect_refused(kBall +
                      "[[object]]\nname = \"eye\"\ncamera = { eye = [0, 0, 9], target = [0, 0, 0], "
                      "width = 4096, height = 4096 }\n" +
@@ -66,7 +66,7 @@ TEST(SceneMemory, ALargeCameraIsRefusedWithItsSize) {
                   "2048 MB"});
 }
 
-TEST(SceneMemory, ManyObjectsAreCountedTogether) {
+TEST(SceneMemory, ManyObjects_AreCountedTogether) {
   std::string text = kBall, names;
   for (unsigned i = 0; i < 200; ++i) {
     text += rays(fmt::format("r{}", i), 4'000'000);
@@ -76,7 +76,7 @@ TEST(SceneMemory, ManyObjectsAreCountedTogether) {
                  {"object 'r3'", "4000000 rays need 611 MB", "with earlier objects 2442 MB"});
 }
 
-TEST(SceneMemory, OtherSourcesToo) {
+TEST(SceneMemory, OtherLargeSources_AreRefusedWithTheirSize) {
   expect_refused(kBall + rays("r", 1 << 24) + query("\"r\""), {"16777216 rays"});
   expect_refused(
       kBall +
@@ -90,7 +90,7 @@ TEST(SceneMemory, OtherSourcesToo) {
 }
 
 /// Two hundred ranges of four million: 3 GB as single numbers.
-TEST(SceneMemory, MasksAreRanges) {
+TEST(SceneMemory, Masks_AreStoredAsRanges) {
   std::string mask = "mask = [7";
   for (unsigned i = 0; i < 200; ++i) mask += ", \"10..3999998\"";
   const double before = peak_mb();
@@ -115,7 +115,7 @@ TEST(SceneMemory, MasksAreRanges) {
   expect_grown(before, 500);
 }
 
-TEST(Pictures, TheLargestTakesNoMemory) {
+TEST(Pictures, LargestPicture_TakesNoMemory) {
   const Eigen::AlignedBox3f box(Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(8, 4, 1));
   const double before = peak_mb();
   const Resolution largest{32768, 32768};
@@ -130,7 +130,7 @@ TEST(Pictures, TheLargestTakesNoMemory) {
   expect_grown(before, 50);
 }
 
-TEST(Pictures, AViewOfThemIsTheRaysThemselves) {
+TEST(Pictures, RayView_EqualsTheRays) {
   const Camera camera{{3, -4, 5}, {0, 1, 0}};
   const Resolution size{37, 23};
   const std::vector<Ray> all = camera.rays(size);

@@ -102,16 +102,16 @@ std::uint64_t data_bytes() {
   return pages[5] * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-class MeshAttack : public ::testing::Test {
+class HostileMesh : public ::testing::Test {
  protected:
-  MeshAttack() {
+  HostileMesh() {
     const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     folder_.write("b.bin", std::string(reinterpret_cast<const char*>(corners), sizeof corners));
   }
   const Folder folder_;
 };
 
-TEST_F(MeshAttack, ABufferThatIsAFifoIsRefused) {
+TEST_F(HostileMesh, FifoAsBuffer_IsRefused) {
   ASSERT_EQ(load_mesh(folder_.write("good.gltf", gltf("b.bin", 0))).faces.size(), 1u);
   ASSERT_EQ(::mkfifo((folder_ / "fifo").c_str(), 0600), 0);
   const fs::path mesh = folder_.write("a.gltf", gltf("fifo", 0));
@@ -126,7 +126,7 @@ std::string with(std::string text, const std::string& part, const std::string& o
   return text.replace(at, part.size(), other);
 }
 
-TEST_F(MeshAttack, GltfDataOutsideItsBufferIsRefused) {
+TEST_F(HostileMesh, GltfDataOutsideItsBufferIsRefused) {
   const std::string good = gltf("b.bin", 0);
   struct Case {
     const char *part, *other, *message;
@@ -167,7 +167,7 @@ TEST_F(MeshAttack, GltfDataOutsideItsBufferIsRefused) {
                    });
 }
 
-TEST_F(MeshAttack, GltfThatIsNotReadRight_IsRefused) {
+TEST_F(HostileMesh, GltfThatIsNotReadRight_IsRefused) {
   const std::string good = gltf("b.bin", 0);
   const auto refused = [&](const std::string& json, const std::string& message) {
     expect_error(ErrorCode::kFile, "a.gltf: " + message,
@@ -186,7 +186,7 @@ TEST_F(MeshAttack, GltfThatIsNotReadRight_IsRefused) {
 }
 
 /// A mesh of a stranger could otherwise copy bytes of any file of the user into an output.
-TEST_F(MeshAttack, AFileOutsideTheFolderOfTheMesh_IsRefused) {
+TEST_F(HostileMesh, AFileOutsideTheFolderOfTheMesh_IsRefused) {
   const fs::path inner = folder_ / "inner";
   fs::create_directory(inner);
   fs::create_symlink("../b.bin", inner / "link.bin");
@@ -202,7 +202,7 @@ TEST_F(MeshAttack, AFileOutsideTheFolderOfTheMesh_IsRefused) {
   EXPECT_EQ(load_mesh(inner / "a.gltf").faces.size(), 1u);
 }
 
-TEST_F(MeshAttack, MemoryFollowsTheSizeOfTheFile) {
+TEST_F(HostileMesh, MemoryBeyondTheLimit_IsRefused) {
   const fs::path doubling = folder_.write("doubling.gltf", gltf("b.bin", 26));
   expect_error(ErrorCode::kFile, "doubling.gltf: takes more than 512 MB to read",
                [&] { (void)load_mesh(doubling); });
@@ -216,7 +216,7 @@ TEST_F(MeshAttack, MemoryFollowsTheSizeOfTheFile) {
 }
 
 /// An accessor without data, of 500 bytes, that claims 3.6 GB of zeros.
-TEST_F(MeshAttack, AGlbThatClaimsGigabytes) {
+TEST_F(HostileMesh, GlbClaimingGigabytes_IsRefused) {
   const auto file = [&](unsigned count) {
     std::string json = fmt::format(
         R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],)"
@@ -235,7 +235,7 @@ TEST_F(MeshAttack, AGlbThatClaimsGigabytes) {
 }
 
 /// XML that repeats one line a million times: 80 kB, and half a gigabyte as a tree.
-TEST_F(MeshAttack, A3mfThatUnpacksToGigabytes) {
+TEST_F(HostileMesh, UnpackedGigabytesOf3mf_AreRefused) {
   EXPECT_EQ(load_mesh(folder_.write("good.3mf", file_of_3mf(2))).faces.size(), 2u);
   const std::string bytes = file_of_3mf(1'000'000);
   ASSERT_LT(bytes.size(), 200'000u);
@@ -245,7 +245,7 @@ TEST_F(MeshAttack, A3mfThatUnpacksToGigabytes) {
 }
 
 /// A file that assimp refuses is refused with assimp's reason, or with ours if assimp gives none.
-TEST_F(MeshAttack, AssimpsReasonIsTold) {
+TEST_F(HostileMesh, RefusalByAssimp_HasItsReason) {
   std::string json = R"({"asset":{"version":"2.0"}})";
   json.resize(28, ' ');
   const std::string whole = chunks_of_glb(json, std::string(36, '\0'));
@@ -260,7 +260,7 @@ TEST_F(MeshAttack, AssimpsReasonIsTold) {
 
 /// The readers of OBJ, PLY and STL run in this process. They allocate no memory for counts in a
 /// header.
-TEST_F(MeshAttack, OwnReadersBelieveNoCount) {
+TEST_F(HostileMesh, CountsInHeaders_AllocateNothing) {
   const auto ply = [](const char* format, const char* vertices) {
     return fmt::format(
         "ply\nformat {} 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
@@ -290,7 +290,7 @@ TEST_F(MeshAttack, OwnReadersBelieveNoCount) {
 }
 
 /// A file that takes forever: doubling nodes that exceed the time limit before the memory limit.
-TEST_F(MeshAttack, TimeIsLimited) {
+TEST_F(HostileMesh, SlowFile_EndsAtTheTimeLimit) {
   const fs::path mesh = folder_.write("slow.gltf", gltf("b.bin", 40));
   const auto began = std::chrono::steady_clock::now();
   expect_error(ErrorCode::kFile, "slow.gltf: not read within 1 s", [&] {
@@ -300,7 +300,7 @@ TEST_F(MeshAttack, TimeIsLimited) {
 }
 
 /// Importers of a killed process end with it.
-TEST_F(MeshAttack, NoImporterOutlivesTheProcess) {
+TEST_F(HostileMesh, KilledProcess_LeavesNoImporter) {
   const fs::path mesh = folder_.write("slow.gltf", gltf("b.bin", 40));
   const pid_t child = ::fork();
   if (child == 0) {
@@ -329,7 +329,7 @@ TEST_F(MeshAttack, NoImporterOutlivesTheProcess) {
   EXPECT_TRUE(ended);
 }
 
-TEST(MeshLimits, OfTheEnvironment) {
+TEST(MeshLimits, EnvironmentVariables_SetTheLimits) {
   ASSERT_EQ(::setenv("CDE_MESH_SECONDS", "5", 1), 0);
   ASSERT_EQ(::setenv("CDE_MESH_MEMORY", "100", 1), 0);
   EXPECT_EQ(MeshLimits::of_environment().time, std::chrono::seconds(5));

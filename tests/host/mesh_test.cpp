@@ -69,7 +69,7 @@ void expect_same_triangles(const Mesh& a, const Mesh& b) {
     ASSERT_EQ(words_of(a.triangle(i)), words_of(b.triangle(i))) << "face " << i;
 }
 
-TEST(MeshTest, ObjQuadsBecomeTrianglesInPlace) {
+TEST(MeshTest, ObjQuads_BecomeTrianglesInPlace) {
   const Mesh cube = load_mesh(small_mesh("cube.obj"));
   EXPECT_EQ(cube.name, "cube.obj");
   ASSERT_EQ(cube.vertices.size(), 8u);
@@ -81,7 +81,7 @@ TEST(MeshTest, ObjQuadsBecomeTrianglesInPlace) {
   EXPECT_TRUE(is_closed(cube));
 }
 
-TEST(MeshTest, BinaryPlyIcosphereIsClosed) {
+TEST(MeshTest, BinaryPlyIcosphere_IsClosed) {
   const Mesh sphere = load_mesh(small_mesh("icosphere.ply"));
   EXPECT_EQ(sphere.vertices.size(), 642u);
   EXPECT_EQ(sphere.faces.size(), 1280u);
@@ -89,20 +89,20 @@ TEST(MeshTest, BinaryPlyIcosphereIsClosed) {
   EXPECT_NEAR(volume(sphere), 4.18879, 0.05);
 }
 
-TEST(MeshTest, BinaryStlSharesEqualVertices) {
+TEST(MeshTest, BinaryStl_SharesEqualVertices) {
   const Mesh torus = load_mesh(small_mesh("torus.stl"));
   EXPECT_EQ(torus.faces.size(), 1024u);
   EXPECT_EQ(torus.vertices.size(), 512u);
   EXPECT_TRUE(is_closed(torus));
 }
 
-TEST(MeshTest, AsciiStl) {
+TEST(MeshTest, AsciiStl_IsRead) {
   const Mesh tetrahedron = load_mesh(small_mesh("tetrahedron.stl"));
   EXPECT_EQ(tetrahedron.faces.size(), 4u);
   EXPECT_NEAR(volume(tetrahedron), 1.0 / 6.0, 1e-12);
 }
 
-TEST(MeshTest, GlbNodesAreApplied) {
+TEST(MeshTest, GlbNodes_AreApplied) {
   const Mesh boxes = load_mesh(small_mesh("boxes.glb"));
   ASSERT_EQ(boxes.faces.size(), 24u);
   EXPECT_DOUBLE_EQ(volume(boxes), 8.0 + 64.0);
@@ -113,7 +113,7 @@ TEST(MeshTest, GlbNodesAreApplied) {
   EXPECT_TRUE(box.max().isApprox(Eigen::Vector3f(12, 26, 32))) << box.max().transpose();
 }
 
-TEST(MeshTest, GltfWithEmbeddedBuffer) {
+TEST(MeshTest, GltfWithEmbeddedBuffer_IsRead) {
   const Folder folder;
   const auto path =
       folder.write("t.gltf", R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
@@ -126,7 +126,7 @@ TEST(MeshTest, GltfWithEmbeddedBuffer) {
   EXPECT_EQ(mesh.triangle(0).v1, Eigen::Vector3f(2, 0, 0));
 }
 
-TEST(MeshTest, AwkwardFacesAreKept) {
+TEST(MeshTest, AwkwardFaces_AreKept) {
   const Mesh mesh = load_mesh(small_mesh("awkward.ply"));
   EXPECT_EQ(mesh.dropped, 1u);
   ASSERT_EQ(mesh.faces.size(), 15u);
@@ -143,7 +143,7 @@ TEST(MeshTest, AwkwardFacesAreKept) {
   EXPECT_DOUBLE_EQ(area(pentagon), 16.0 - 6.0) << "triangles cover the notch, or overlap";
 }
 
-TEST(MeshTest, ObjRelativeNumbersSlashesAndContinuation) {
+TEST(MeshTest, ObjRelativeNumbersSlashesAndContinuation_AreRead) {
   const Folder folder;
   const Mesh mesh =
       load_mesh(folder.write("a.obj",
@@ -155,7 +155,7 @@ TEST(MeshTest, ObjRelativeNumbersSlashesAndContinuation) {
   EXPECT_EQ(mesh.dropped, 2u);
 }
 
-TEST(MeshTest, ObjMaterialsDoNotReorderFaces) {
+TEST(MeshTest, ObjMaterials_DoNotReorderFaces) {
   const Folder folder;
   const Mesh mesh = load_mesh(folder.write("a.obj",
                                            "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl a\nf 1 2 "
@@ -163,7 +163,7 @@ TEST(MeshTest, ObjMaterialsDoNotReorderFaces) {
   EXPECT_EQ(mesh.faces, (std::vector<Face>{{0, 1, 2}, {1, 2, 3}, {0, 1, 3}}));
 }
 
-TEST(MeshTest, ConcavePolygonsAreCoveredOnce) {
+TEST(MeshTest, ConcavePolygons_AreCoveredOnce) {
   const Folder folder;
   // A comb: ten teeth of area 1 on a back of area 20, in each plane and from either side.
   for (const char* order : {"xyz", "yzx", "zxy", "yxz"}) {
@@ -194,7 +194,7 @@ TEST(MeshTest, ConcavePolygonsAreCoveredOnce) {
   }
 }
 
-TEST(MeshTest, PlyVariants) {
+TEST(MeshTest, PlyVariants_AreRead) {
   const Folder folder;
   const Mesh ascii =
       load_mesh(folder.write("a.ply",
@@ -225,7 +225,7 @@ TEST(MeshTest, PlyVariants) {
   EXPECT_EQ(mesh.triangle(0).v2, Eigen::Vector3f(0, 2, -2));
 }
 
-TEST(MeshTest, SavedMeshesReadBackToTheSameBits) {
+TEST(MeshTest, SavedMeshes_ReadBackBitIdentically) {
   const Folder folder;
   for (const Mesh& mesh : {load_mesh(small_mesh("awkward.ply")), make_terrain({40, 30, 7})}) {
     for (const char* name : {"m.obj", "m.ply", "m.stl"}) {
@@ -236,7 +236,7 @@ TEST(MeshTest, SavedMeshesReadBackToTheSameBits) {
   EXPECT_EQ(folder.files(), 3u) << "a temporary file was left behind";
 }
 
-TEST(MeshTest, SaveErrors) {
+TEST(MeshTest, UnsavableMeshes_AreErrors) {
   const Folder folder;
   const Mesh cube = load_mesh(small_mesh("cube.obj"));
   expect_error(ErrorCode::kUsage, "c.fbx: cannot write this format",
@@ -249,7 +249,7 @@ TEST(MeshTest, SaveErrors) {
   EXPECT_EQ(folder.files(), 1u) << "a temporary file was left behind";
 }
 
-TEST(MeshTest, Builtin) {
+TEST(MeshTest, BuiltinNames_MakeMeshesOrAreRefused) {
   EXPECT_EQ(load_mesh_or_builtin("terrain:3,4,5").faces.size(), 24u);
   EXPECT_EQ(load_mesh_or_builtin(small_mesh("cube.obj").string()).faces.size(), 12u);
   for (const char* bad : {"terrain:", "terrain:3", "terrain:3,4", "terrain:3,4,5,6",
@@ -265,7 +265,7 @@ TEST(MeshTest, Builtin) {
                [] { (void)load_mesh_or_builtin("terrian"); });
 }
 
-TEST(MeshTest, ScannedMesh) {
+TEST(MeshTest, ScannedMesh_HasItsSize) {
   const std::string command =
       std::string("\"") + CDE_FETCH_MESH + "\" \"" + CDE_FETCHED + "\" >/dev/null 2>&1";
   const int status = std::system(command.c_str());  // NOLINT(cert-env33-c): a path of this build

@@ -71,7 +71,7 @@ std::string mixed(const std::string& text, const std::string& odd, const std::st
   return out;
 }
 
-TEST(MeshText, EveryLineEndMarkAndMissingLastLineEnd) {
+TEST(MeshText, LineEndsAndMarks_DoNotMatter) {
   const Folder folder;
   for (const auto& [file, text] : {std::pair{"a.obj", kObj}, {"a.stl", kStl}, {"a.ply", kPly}}) {
     for (const char* mark : {"", "\xef\xbb\xbf"}) {
@@ -94,7 +94,7 @@ TEST(MeshText, EveryLineEndMarkAndMissingLastLineEnd) {
   }
 }
 
-TEST(MeshText, Utf16IsRefusedByName) {
+TEST(MeshText, Utf16_IsRefusedByName) {
   const Folder folder;
   for (const char* file : {"a.obj", "a.stl", "a.ply"})
     for (const std::string& mark : {std::string("\xff\xfe"), std::string("\xfe\xff"),
@@ -103,7 +103,7 @@ TEST(MeshText, Utf16IsRefusedByName) {
                    [&] { (void)load_mesh(folder.write(file, mark + "v\0 \0")); });
 }
 
-TEST(MeshText, LinesAreCountedWhateverEndsThem) {
+TEST(MeshText, ErrorLines_AreCountedForEveryLineEnd) {
   const Folder folder;
   for (const char* end : {"\n", "\r\n", "\r"})
     expect_error(ErrorCode::kFile, "a.obj:3: 'x' is not a number", [&] {
@@ -111,7 +111,7 @@ TEST(MeshText, LinesAreCountedWhateverEndsThem) {
     });
 }
 
-TEST(MeshText, StlKeywordsInAnyCaseAndBlanksInFront) {
+TEST(MeshText, StlKeywords_AllowAnyCaseAndLeadingBlanks) {
   const Folder folder;
   for (const std::string& text :
        {upper(kStl), "  \n\t" + kStl, "\r\n\r\n \v\f" + upper(kStl),
@@ -135,7 +135,7 @@ std::string binary_stl(const std::string& head, std::uint32_t count) {
   return bytes;
 }
 
-TEST(MeshText, BinaryStlWhoseHeaderBeginsWithSolid) {
+TEST(MeshText, BinaryStlStartingWithSolid_IsReadAsBinary) {
   const Folder folder;
   for (const std::string& head : {std::string("solid"), std::string("SOLID part"),
                                   std::string("solid ") + std::string(74, 'x'),
@@ -143,7 +143,7 @@ TEST(MeshText, BinaryStlWhoseHeaderBeginsWithSolid) {
     expect_square_without_warning(load_mesh(folder.write("a.stl", binary_stl(head, 2))));
 }
 
-TEST(MeshText, BytesBehindTheLastFacetAreAWarning) {
+TEST(MeshText, BytesAfterTheLastFacet_AreAWarning) {
   const Folder folder;
   for (const char* head : {"", "solid x"}) {
     for (const std::size_t more : {1u, 37u, 50u, 5000u}) {
@@ -165,7 +165,7 @@ TEST(MeshText, BytesBehindTheLastFacetAreAWarning) {
   }
 }
 
-TEST(MeshText, BytesBehindTheLastRowOfAPlyAreAWarning) {
+TEST(MeshText, BytesAfterTheLastPlyRow_AreAWarning) {
   const Folder folder;
   const Mesh ascii = load_mesh(folder.write("a.ply", kPly + "\n 7 8\n"));
   expect_square(ascii);
@@ -181,7 +181,7 @@ TEST(MeshText, BytesBehindTheLastRowOfAPlyAreAWarning) {
       << mesh.warnings[0];
 }
 
-TEST(MeshText, PlyValuesThatItsHeaderDoesNotAnnounce) {
+TEST(MeshText, PlyValuesBeyondTheHeader_AreAWarningOrAnError) {
   const Folder folder;
   // MeshLab announces four scalars for the colour of a face and writes a list.
   const std::string lists =
@@ -210,7 +210,7 @@ TEST(MeshText, PlyValuesThatItsHeaderDoesNotAnnounce) {
   });
 }
 
-TEST(MeshText, PlyWithBlanksInItsHeader) {
+TEST(MeshText, BlanksInAPlyHeader_AreAccepted) {
   const Folder folder;
   for (const std::string& text :
        {replaced(kPly, "ply\n", "ply \t\n"), replaced(kPly, "end_header", " end_header \t"),
@@ -220,7 +220,7 @@ TEST(MeshText, PlyWithBlanksInItsHeader) {
                [&] { (void)load_mesh(folder.write("a.ply", "\n" + kPly)); });
 }
 
-TEST(MeshText, PlyElementsAndPropertiesInAnyOrder) {
+TEST(MeshText, PlyElementsAndProperties_ComeInAnyOrder) {
   const Folder folder;
   const std::string faces =
       "element face 2\nproperty uchar q\nproperty list uchar int vertex_index\nproperty list uchar "
@@ -254,7 +254,7 @@ TEST(MeshText, PlyElementsAndPropertiesInAnyOrder) {
   });
 }
 
-TEST(MeshText, PlyTriangleStrips) {
+TEST(MeshText, PlyTriangleStrips_AreRead) {
   const Folder folder;
   const Mesh mesh = load_mesh(folder.write(
       "a.ply",
@@ -265,7 +265,7 @@ TEST(MeshText, PlyTriangleStrips) {
 }
 
 /// Binary bodies that begin with the bytes of a line end.
-TEST(MeshText, BinaryPlyBehindEveryLineEnd) {
+TEST(MeshText, BinaryPly_FollowsEveryLineEnd) {
   const Folder folder;
   for (const char* end : {"\n", "\r\n", "\r"}) {
     for (const unsigned char first : {0x00, 0x0a, 0x0d, 0x20}) {

@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::string_literals;
 
-TEST(Message, WhatControlsATerminalIsShownAsItsNumber) {
+TEST(Message, ControlCharacters_ArePrintedEscaped) {
   EXPECT_EQ(printable("plain, \xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\n\t"),
             "plain, \xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\n\t");
   EXPECT_EQ(printable("\x1b[31m\r\a\x7f\0."s), "\\x1b[31m\\x0d\\x07\\x7f\\x00.");
@@ -27,7 +27,7 @@ TEST(Message, WhatControlsATerminalIsShownAsItsNumber) {
 }
 
 /// The sequences of Unicode's table 3-8, and others at the edges of table 3-7.
-TEST(Message, BytesThatAreNoUtf8) {
+TEST(Message, InvalidUtf8_IsReplaced) {
   const auto replaced = [](std::string_view text) { return valid_utf8(text); };
   const std::string mark = "\xef\xbf\xbd";
   EXPECT_EQ(replaced("\x61\xf1\x80\x80\xe1\x80\xc2\x62\x80\x63\x80\xbf\x64"),

@@ -66,7 +66,7 @@ std::vector<std::pair<const char*, Motion>> all_motions() {
 }
 
 /// The card's conditions on a rotation, after rounding to fp32.
-TEST(Motion, RotationsAreOrthonormal) {
+TEST(Motion, Rotations_AreOrthonormal) {
   for (const auto& [name, motion] : all_motions()) {
     for (int i = 0; i <= 1000; ++i) {
       const double time = 0.0173 * i;
@@ -83,7 +83,7 @@ TEST(Motion, RotationsAreOrthonormal) {
 }
 
 /// Small steps in time are small steps in space, also at corners and walls.
-TEST(Motion, IsContinuous) {
+TEST(Motion, EveryMotion_IsContinuous) {
   constexpr double kStep = 1e-3, kFastest = 12, kFastestTurn = 4;
   for (const auto& [name, motion] : all_motions()) {
     double moved = 0;
@@ -101,14 +101,14 @@ TEST(Motion, IsContinuous) {
   }
 }
 
-TEST(Motion, VelocityIsExact) {
+TEST(Motion, Velocity_IsExact) {
   const Pose p = pose(velocity(), 2);
   EXPECT_LE((p.translation() - Eigen::Vector3d(3, -2, 4)).norm(), 1e-15);
   EXPECT_LE((p * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(2, -2, 4)).norm(), 1e-14)
       << "half a turn about its own origin";
 }
 
-TEST(Motion, PathsRunThroughTheirPoints) {
+TEST(Motion, Paths_PassTheirPoints) {
   for (const bool smooth : {false, true}) {
     const Path open = triangle_path(smooth, false), loop = triangle_path(smooth, true);
     const auto at = [](const Path& p, double t) { return pose(Motion(p), t).translation().eval(); };
@@ -129,7 +129,7 @@ TEST(Motion, PathsRunThroughTheirPoints) {
   EXPECT_GT(std::fabs(pose(triangle_path(true, false), 1.5).translation().y()), 0.1);
 }
 
-TEST(Motion, KeyframesTurnAtConstantSpeed) {
+TEST(Motion, Keyframes_TurnAtConstantSpeed) {
   const Keyframes k = keyframes();
   const auto angle = [&](double t) {
     return Eigen::AngleAxisd(pose(Motion(k), t).linear()).angle() * 180 / std::numbers::pi;
@@ -144,7 +144,7 @@ TEST(Motion, KeyframesTurnAtConstantSpeed) {
   EXPECT_TRUE(pose(Motion(loop), 1.5 + 3).isApprox(pose(Motion(k), 1.5), 1e-12));
 }
 
-TEST(Motion, RandomStaysInItsBoxAndRepeats) {
+TEST(Motion, RandomMotion_StaysInItsBoxAndRepeats) {
   const RandomMotion m = random_motion();
   RandomMotion other = m;
   other.seed = 6;
@@ -166,7 +166,7 @@ TEST(Motion, RandomStaysInItsBoxAndRepeats) {
       << "the motion must fill its box";
 }
 
-TEST(Motion, MembersMoveFromTheirPlaces) {
+TEST(Motion, Members_MoveFromTheirPlaces) {
   RandomMotion m = random_motion();
   m.each = true;
   const Eigen::Vector3d centre(0.25, -1, 2);
@@ -183,7 +183,7 @@ TEST(Motion, MembersMoveFromTheirPlaces) {
 }
 
 /// Golden values: the same with every compiler.
-TEST(Motion, RandomNumbersAreFixed) {
+TEST(Motion, RandomNumbers_AreFixed) {
   EXPECT_EQ(random_bits(1, 2, 3), random_bits(1, 2, 3));
   EXPECT_NE(random_bits(1, 2, 3), random_bits(1, 3, 2));
   double sum = 0;
@@ -200,7 +200,7 @@ TEST(Motion, RandomNumbersAreFixed) {
   EXPECT_LE((directions / 4000).norm(), 5 / std::sqrt(4000.0));
 }
 
-TEST(Motion, KnowsWhatRotates) {
+TEST(Motion, Rotates_IsTrueOnlyForRotations) {
   Still placed;
   placed.place.translation() = Eigen::Vector3d(1, 2, 3);
   EXPECT_FALSE(rotates(placed));

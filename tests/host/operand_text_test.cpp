@@ -82,7 +82,7 @@ TEST(OperandText, WrongLines_AreMalformed) {
   lines.expect_malformed("\"0;0;0;1;1;0;0;1", "line 7, column 1: a quote is not closed");
 }
 
-TEST(OperandText, RaysMayLackTheirInterval) {
+TEST(OperandText, RaysWithoutInterval_AreAccepted) {
   const std::vector<float> triangle = {1, 2, 3, 4, 5, 6, 7, 8, 9};
   Lines lines("ray-triangle");
   lines.expect("0 0 2 0 0 -1 1 2 3 4 5 6 7 8 9", {0, 0, 2, 0, 0, -1, 0, kInfinity}, triangle);
@@ -95,7 +95,7 @@ TEST(OperandText, RaysMayLackTheirInterval) {
   exchanged.expect("1 2 3 4 5 6 7 8 9 0 0 2 0 0 -1 3 4", {0, 0, 2, 0, 0, -1, 3, 4}, triangle);
 }
 
-TEST(OperandText, HeaderNamesTheColumns) {
+TEST(OperandText, Header_NamesTheColumns) {
   const std::string a = "A.center.x,A.center.y,A.center.z,A.radius",
                     b = "B.center.x,B.center.y,B.center.z,B.radius";
   Lines lines("sphere-sphere");
@@ -222,7 +222,7 @@ TEST(PairArrays, LastAxisOrFields_HaveTheWords) {
             (std::vector<float>{0, 0, 2, 0, 0, -1, 0, kInfinity, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
 }
 
-TEST(PairArrays, NumbersAreRoundedOnce) {
+TEST(PairArrays, Numbers_AreRoundedOnce) {
   // Halfway between two words of fp32, and just above.
   const double tie = 1 + 0x1p-24, above = tie + 0x1p-52;
   const Words words =

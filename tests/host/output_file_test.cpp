@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST(OutputFile, ReplacesWhatIsThereWhenItIsWhole) {
+TEST(OutputFile, CompleteFile_ReplacesTheOldOne) {
   const Folder folder;
   folder.write("a", "old");
   fs::permissions(folder / "a", fs::perms::owner_read | fs::perms::owner_write);
@@ -48,7 +48,7 @@ TEST(OutputFile, ReplacesWhatIsThereWhenItIsWhole) {
   EXPECT_EQ(static_cast<unsigned>(fs::status(folder / "b").permissions()), 0640u);
 }
 
-TEST(OutputFile, LinksStay) {
+TEST(OutputFile, Links_StayLinks) {
   const Folder folder;
   fs::create_directory(folder / "there");
   folder.write("there/target", "old");
@@ -66,7 +66,7 @@ TEST(OutputFile, LinksStay) {
                [&] { write_file(folder / "circle", ""); });
 }
 
-TEST(OutputFile, WhatIsNoRegularFileIsWrittenTo) {
+TEST(OutputFile, SpecialFiles_AreWrittenDirectly) {
   const Folder folder;
   ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
   std::string got;
@@ -92,7 +92,7 @@ TEST(OutputFile, WhatIsNoRegularFileIsWrittenTo) {
 }
 
 /// A descriptor from the shell continues at its position, even in a file.
-TEST(OutputFile, DescriptorsAreContinued) {
+TEST(OutputFile, Descriptors_ContinueAtTheirPosition) {
   const Folder folder;
   const int fd = ::open((folder / "log").c_str(), O_WRONLY | O_CREAT, 0600);
   ASSERT_GE(fd, 0);
@@ -106,7 +106,7 @@ TEST(OutputFile, DescriptorsAreContinued) {
                [&] { write_file(fmt::format("/dev/fd/{}", fd), "x"); });
 }
 
-TEST(OutputFile, WhatCannotBeWrittenIsNamed) {
+TEST(OutputFile, UnwritableOutputs_AreNamed) {
   const Folder folder;
   fs::create_directory(folder / "folder");
   expect_error(ErrorCode::kFile, "none/a: cannot create: No such file or directory",
@@ -123,7 +123,7 @@ TEST(OutputFile, WhatCannotBeWrittenIsNamed) {
 
 /// The next writer of a name removes the unfinished file of a killed process. Files of other users
 /// and files in use stay.
-TEST(OutputFile, WhatWasLeftBehindIsSweptAway) {
+TEST(OutputFile, AbandonedFiles_AreRemoved) {
   const Folder folder;
   const auto die_writing = [&](const std::string& name) {
     const pid_t child = ::fork();
@@ -155,7 +155,7 @@ TEST(OutputFile, WhatWasLeftBehindIsSweptAway) {
   EXPECT_EQ(folder.files(), 5u) << "the unfinished file of b must also be gone";
 }
 
-TEST(OutputFile, WhatAZombieLeftIsSweptAway) {
+TEST(OutputFile, FilesOfAZombie_AreRemoved) {
   const Folder folder;
   const pid_t child = ::fork();
   if (child == 0) {
@@ -170,7 +170,7 @@ TEST(OutputFile, WhatAZombieLeftIsSweptAway) {
   ::waitpid(child, nullptr, 0);
 }
 
-TEST(OutputFile, SignalsRemoveWhatIsUnfinished) {
+TEST(OutputFile, Signals_RemoveUnfinishedFiles) {
   const Folder folder;
   OutputFile one(folder / "one");
   std::vector<std::unique_ptr<OutputFile>> many;
@@ -214,7 +214,7 @@ class ForeignFolder : public ::testing::Test {
   const Folder mine_, theirs_;
 };
 
-TEST_F(ForeignFolder, GetsNeitherOwnerNorModeOfWhatALinkLeadsTo) {
+TEST_F(ForeignFolder, LinkTarget_GivesNeitherOwnerNorMode) {
   OutputFile file(theirs_ / "out");
   file.write("new");
   replace_unfinished();
@@ -223,7 +223,7 @@ TEST_F(ForeignFolder, GetsNeitherOwnerNorModeOfWhatALinkLeadsTo) {
   EXPECT_EQ(bytes_of(theirs_ / "out"), "old");
 }
 
-TEST_F(ForeignFolder, DoesNotChooseWhatIsWrittenByName) {
+TEST_F(ForeignFolder, SwappedLink_GetsNoDataByName) {
   OutputFile file(theirs_ / "out", OutputFile::Use::kByName);
   replace_unfinished();
   std::ofstream(file.by_name()) << "waves";
@@ -231,7 +231,7 @@ TEST_F(ForeignFolder, DoesNotChooseWhatIsWrittenByName) {
   EXPECT_EQ(bytes_of(file.by_name()), "waves");
 }
 
-TEST_F(ForeignFolder, HasLinksOnlyToWhatBelongsToItsOwner) {
+TEST_F(ForeignFolder, Links_LeadOnlyToFilesOfTheirOwner) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   fs::create_symlink(mine_ / "secret", theirs_ / "to_secret");
   fs::create_symlink(mine_ / "new", theirs_ / "to_new");
@@ -247,7 +247,7 @@ TEST_F(ForeignFolder, HasLinksOnlyToWhatBelongsToItsOwner) {
   EXPECT_EQ(bytes_of(theirs_ / "out"), "new");
 }
 
-TEST(CheckOutputs, TwoOutputsAreNotOneFile) {
+TEST(CheckOutputs, TwoOutputsInOneFile_AreRefused) {
   const Folder folder;
   folder.write("a", "");
   fs::create_hard_link(folder / "a", folder / "hard");
@@ -271,7 +271,7 @@ TEST(CheckOutputs, TwoOutputsAreNotOneFile) {
   expect_error(ErrorCode::kFile, "none/x: cannot create", [&] { both("-", folder / "none/x"); });
 }
 
-TEST(CheckOutputs, AnOutputIsNoInput) {
+TEST(CheckOutputs, OutputOverAnInput_IsRefused) {
   const Folder folder;
   folder.write("in", "");
   fs::create_hard_link(folder / "in", folder / "hard");

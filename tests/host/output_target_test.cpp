@@ -14,16 +14,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Swapped : public ::testing::Test {
+class SwappedFolder : public ::testing::Test {
  protected:
-  Swapped() {
+  SwappedFolder() {
     mine_.write("out", "secret");
     fs::create_directory(theirs_ / "sub");
   }
   const Folder mine_, theirs_;
 };
 
-TEST_F(Swapped, AFolderThatHasBecomeALink) {
+TEST_F(SwappedFolder, FolderReplacedByALink_IsRefused) {
   std::ofstream(theirs_ / "sub/out") << "old";
   fs::create_symlink("sub/out", theirs_ / "link");
   for (const char* name : {"sub/out", "sub/new", "link"}) {
@@ -40,7 +40,7 @@ TEST_F(Swapped, AFolderThatHasBecomeALink) {
   EXPECT_EQ(mine_.files(), 1u);
 }
 
-TEST_F(Swapped, AFifoThatHasBecomeALinkOrAFile) {
+TEST_F(SwappedFolder, FifoReplacedByALinkOrFile_IsRefused) {
   const fs::path fifo = theirs_ / "fifo";
   ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
   const OutputTarget target = follow_output(fifo);
@@ -55,7 +55,7 @@ TEST_F(Swapped, AFifoThatHasBecomeALinkOrAFile) {
 }
 
 /// A folder of ours with the same name as one that was created in a folder of theirs.
-class SwappedOutputs : public Swapped {
+class SwappedOutputs : public SwappedFolder {
  protected:
   SwappedOutputs() { fs::create_directory(mine_ / "made"); }
   void swap() const {
@@ -64,7 +64,7 @@ class SwappedOutputs : public Swapped {
   }
 };
 
-TEST_F(SwappedOutputs, FoldersAreTakenBackFromWhereTheyWereMade) {
+TEST_F(SwappedOutputs, Folders_AreRemovedWhereTheyWereMade) {
   fs::remove(mine_ / "made");
   for (const bool by_signal : {false, true}) {
     auto folder = std::make_unique<OutputFolder>(theirs_ / "sub/made/inner");
@@ -81,7 +81,7 @@ TEST_F(SwappedOutputs, FoldersAreTakenBackFromWhereTheyWereMade) {
   }
 }
 
-TEST_F(SwappedOutputs, UnfinishedFilesAreRemovedFromWhereTheyWereMade) {
+TEST_F(SwappedOutputs, UnfinishedFiles_AreRemovedWhereTheyWereMade) {
   OutputFile file(theirs_ / "sub/out");
   const std::string name = fs::directory_iterator(theirs_ / "sub")->path().filename();
   std::ofstream(mine_ / name) << "secret";
@@ -91,7 +91,7 @@ TEST_F(SwappedOutputs, UnfinishedFilesAreRemovedFromWhereTheyWereMade) {
   EXPECT_TRUE(fs::is_empty(theirs_ / "away"));
 }
 
-TEST_F(SwappedOutputs, ABundleIsWrittenToTheFolderThatItMade) {
+TEST_F(SwappedOutputs, Bundle_IsWrittenToItsOwnFolder) {
   std::ofstream(mine_ / "made/fail.json") << "secret";
   Bundle bundle((theirs_ / "sub/made").string());
   swap();
@@ -140,7 +140,7 @@ TEST_F(SwappedOutputs, AFolderThatWasRemoved_IsTakenAnew) {
   EXPECT_EQ(bytes_of(out), "answer");
 }
 
-TEST_F(SwappedOutputs, AFolderThatWasMovedIsNotWhereItWasWanted) {
+TEST_F(SwappedOutputs, MovedFolder_IsNoticed) {
   OutputFolder made(theirs_ / "made");
   made.check();
   fs::rename(theirs_ / "made", theirs_ / "away");
@@ -149,7 +149,7 @@ TEST_F(SwappedOutputs, AFolderThatWasMovedIsNotWhereItWasWanted) {
 
 /// Our folder behind a link of theirs, with all endings of its name, and behind our link to that
 /// link.
-TEST_F(Swapped, AFolderBehindTheirLinkIsRefused) {
+TEST_F(SwappedFolder, FolderBehindTheirLink_IsRefused) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   constexpr uid_t kOther = 65534;
   fs::create_directory_symlink(mine_ / "", theirs_ / "link");
@@ -168,7 +168,7 @@ TEST_F(Swapped, AFolderBehindTheirLinkIsRefused) {
 }
 
 /// The owner of a link must still own its target.
-TEST_F(Swapped, ATargetThatIsNoLongerTheLinksOwners) {
+TEST_F(SwappedFolder, TargetOfAnotherOwner_IsRefused) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
   constexpr uid_t kOther = 65534;
   std::ofstream(theirs_ / "sub/out") << "old";

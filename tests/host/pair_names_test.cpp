@@ -12,7 +12,7 @@ namespace {
 
 using testing::expect_error;
 
-TEST(PairNames, EveryPairHasItsNameAndTheOneExchanged) {
+TEST(PairNames, EveryPair_HasItsNameAndItsReverse) {
   for (const std::string& text : pair_names()) {
     SCOPED_TRACE(text);
     const Pair pair = *pair_named(text);
@@ -28,7 +28,7 @@ TEST(PairNames, EveryPairHasItsNameAndTheOneExchanged) {
   EXPECT_EQ(pair_in_any_order("box-box").pair, Pair::kObbObb);
 }
 
-TEST(PairNames, OfShapesWithoutAPairTheOthersAreListed) {
+TEST(PairNames, ShapesWithoutAPair_ListTheOthers) {
   const auto refused = [](const char* text, const char* why) {
     expect_error(ErrorCode::kUsage, why, [&] { (void)pair_in_any_order(text); });
   };
@@ -43,7 +43,7 @@ TEST(PairNames, OfShapesWithoutAPairTheOthersAreListed) {
     refused(text, "no pair '");
 }
 
-TEST(PairNames, OperandsStandInTheOrderOfTheName) {
+TEST(PairNames, Operands_StandInTheOrderOfTheName) {
   const WordText text(FpFormat{});
   const auto read = [&](const char* name, const char* line) {
     std::vector<std::uint64_t> a, b;

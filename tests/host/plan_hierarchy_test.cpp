@@ -33,7 +33,7 @@ Plan of(const std::string& text) {
   return plan(parse_scene("frames = 3\n" + text, "s.toml"));
 }
 
-TEST(PlanHierarchy, WhereItTakesLess) {
+TEST(PlanBvh, CheaperBvh_IsUsed) {
   const Plan p = of(ground(40) + kManyRays + query());
   EXPECT_TRUE(hierarchy(p).used);
   EXPECT_EQ(p.board.node_units, 2u);
@@ -53,7 +53,7 @@ TEST(PlanHierarchy, WhereItTakesLess) {
   EXPECT_TRUE(has(hierarchy(small).why, "from about 2048 triangles on; there are 800"));
 }
 
-TEST(PlanHierarchy, AsIsAskedFor) {
+TEST(PlanBvh, RequestedBvh_IsUsedOrNot) {
   const std::string on = "[card]\nhierarchy = \"on\"\n", off = "[card]\nhierarchy = \"off\"\n";
   const Plan small = of(on + ground(20) + kManyRays + query());
   EXPECT_TRUE(hierarchy(small).used);
@@ -81,7 +81,7 @@ TEST(PlanHierarchy, AsIsAskedFor) {
 }
 
 /// Another query of the same triangles uses brute force: the card has lanes for it.
-TEST(PlanHierarchy, BesideQueriesThatSweep) {
+TEST(PlanBvh, OtherQueriesByBruteForce_KeepTheirLanes) {
   const Plan p = of(ground(40) + kManyRays + query() +
                     "[[query]]\nname = \"b\"\npair = \"ray-triangle\"\nprimaries = \"rays\"\n"
                     "secondaries = \"ground\"\nmode = \"all\"\n");
@@ -92,7 +92,7 @@ TEST(PlanHierarchy, BesideQueriesThatSweep) {
 }
 
 /// Rays that the card moves in its register file cannot use the BVH.
-TEST(PlanHierarchy, RaysAreMovedByTheHostWhereAnyGoThroughIt) {
+TEST(PlanBvh, RaysForABvh_AreMovedByTheHost) {
   const std::string ray = "{ origin = [0, 0, 0], direction = [0, 0, -1] }";
   const std::string rays = "[[object]]\nname = \"rays\"\nray = [" + ray + ", " + ray +
                            "]\nmotion = { kind = \"velocity\", linear = [1, 0, 0] }\n";
@@ -107,7 +107,7 @@ TEST(PlanHierarchy, RaysAreMovedByTheHostWhereAnyGoThroughIt) {
   EXPECT_FALSE(card_moves("on"));
 }
 
-TEST(PlanHierarchy, OfObjectsThatMove) {
+TEST(PlanBvh, MovingObjects_UseABvh) {
   const std::string moving =
       "[[object]]\nname = \"ball\"\nmesh = \"terrain:30,30,5\"\n"
       "motion = { kind = \"velocity\", angular = [0, 0, 9] }\n";
@@ -132,7 +132,7 @@ std::string solids(const std::string& shape, const std::string& more = "") {
          shape + "\"\nprimaries = \"things\"\nsecondaries = \"ground\"\n" + more;
 }
 
-TEST(PlanHierarchy, OfSolids) {
+TEST(PlanBvh, SolidPrimaries_UseABvh) {
   for (const char* shape : {"sphere", "obb"}) {
     SCOPED_TRACE(shape);
     const Plan p = of(ground(60) + solids(shape, "normals = true\nmode = \"hits\"\n"));
@@ -176,7 +176,7 @@ TEST(PlanHierarchy, OfSolids) {
 }
 
 /// A mesh against a mesh, and spheres that move among each other, with a BVH that is rebuilt.
-TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
+TEST(PlanBvh, MeshesAndSpheres_UseABvh) {
   const Plan meshes =
       of(ground(60) +
          "[[object]]\nname = \"other\"\nmesh = \"terrain:10,10,5\"\n"
@@ -210,7 +210,7 @@ TEST(PlanHierarchy, OfMeshesAndOfSpheres) {
 }
 
 /// The swapped roles of a pair: the triangles of a mesh among boxes.
-TEST(PlanHierarchy, OfAMeshAmongBoxes) {
+TEST(PlanBvh, MeshAmongBoxes_UsesABvh) {
   for (const char* shape : {"obb", "aabb"}) {
     SCOPED_TRACE(shape);
     const Plan p = of(std::string("[[object]]\nname = \"boxes\"\nrandom = { shape = \"") + shape +
@@ -225,7 +225,7 @@ TEST(PlanHierarchy, OfAMeshAmongBoxes) {
 }
 
 /// Many shapes that move among each other leave little of a BVH valid.
-TEST(PlanHierarchy, NotOfADustThatMoves) {
+TEST(PlanBvh, ManyMovingShapes_UseBruteForce) {
   const auto dust = [](const char* each) {
     return of(std::string("[[object]]\nname = \"ground\"\nrandom = { shape = \"triangle\", count = "
                           "3000, min = [0, 0, 0], max = [1000, 1000, 1000], size = [5, 30] }\n"

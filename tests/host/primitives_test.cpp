@@ -26,7 +26,7 @@ P numbered() {
   return from_words<P>(words);
 }
 
-TEST(Words, StandInSlotOrder) {
+TEST(PrimitiveWords, Words_StandInSlotOrder) {
   const Ray ray = numbered<Ray>();
   EXPECT_EQ(ray.o, Eigen::Vector3f(0, 1, 2));
   EXPECT_EQ(ray.d, Eigen::Vector3f(3, 4, 5));
@@ -58,7 +58,7 @@ void expect_round_trip() {
   for (std::size_t i = 0; i < wide.size(); ++i) EXPECT_EQ(wide[i], static_cast<double>(i));
 }
 
-TEST(Words, SurviveARoundTripAndACast) {
+TEST(PrimitiveWords, Words_SurviveRoundTripAndCast) {
   for (unsigned shape = 0; shape < kShapes; ++shape)
     with_shape<float>(static_cast<Shape>(shape), []<class P>() { expect_round_trip<P>(); });
   Ray ray = numbered<Ray>();
@@ -80,7 +80,7 @@ P with(P primitive, std::size_t word, float value) {
   return from_words<P>(words);
 }
 
-TEST(Contract, HoldsForPlainPrimitives) {
+TEST(PrimitiveContract, PlainPrimitives_AreValid) {
   EXPECT_EQ(defect(kSphere), std::nullopt);
   EXPECT_EQ(defect(kAabb), std::nullopt);
   EXPECT_EQ(defect(kPlane), std::nullopt);
@@ -91,7 +91,7 @@ TEST(Contract, HoldsForPlainPrimitives) {
   EXPECT_EQ(defect(mirrored), std::nullopt) << "a reflected box is the same box";
 }
 
-TEST(Contract, SaysWhichFieldAndWhatWasExpected) {
+TEST(PrimitiveContract, Violation_NamesFieldAndExpectation) {
   EXPECT_EQ(defect(with(kSphere, 1, kNan)), "center.y is nan");
   EXPECT_EQ(defect(with(kSphere, 3, kInf)), "radius is inf");
   EXPECT_EQ(defect(with(kSphere, 3, 0)), "radius is 0, must be > 0");
@@ -121,7 +121,7 @@ TEST(Contract, SaysWhichFieldAndWhatWasExpected) {
                [] { check(with(kSphere, 3, 0), "sphere 3"); });
 }
 
-TEST(Contract, ToleranceOfUnitVectorsIsTwoToTheMinusTwenty) {
+TEST(PrimitiveContract, UnitVectors_HaveTheStatedTolerance) {
   EXPECT_EQ(reference::kUnitTolerance<float>, 0x1p-20);
   EXPECT_EQ(reference::kUnitTolerance<double>, 0x1p-20);
   EXPECT_EQ(reference::kUnitTolerance<Fp16>, 0x1p-7);
@@ -150,7 +150,7 @@ void expect_agreement(const P& plain, std::mt19937& random, int& flagged, int& c
   }
 }
 
-TEST(Contract, WordsAndBitsAgree) {
+TEST(PrimitiveContract, DefectAndBad_Agree) {
   constexpr unsigned kSeed = 13;
   std::mt19937 random(kSeed);
   int flagged = 0, clean = 0;

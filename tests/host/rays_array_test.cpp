@@ -251,7 +251,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "ray 0: direction is zero", ErrorCode::kBadInput}),
     [](const auto& info) { return std::string(info.param.name); });
 
-TEST_P(BadRayArrays, AreRefusedWithTheirReason) {
+TEST_P(BadRayArrays, BadArray_IsRefusedWithItsReason) {
   expect_error(GetParam().code, GetParam().message, [] { (void)read(GetParam().file); });
 }
 

@@ -24,7 +24,7 @@ std::vector<Ray> read(const std::string& text) {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-TEST(RaysCsvTest, FieldsCommentsHeaderLineEnds) {
+TEST(RaysCsvTest, FieldsCommentsHeaderAndLineEnds_AreRead) {
   const auto rays = read(
       "\xef\xbb\xbfox, oy,oz,dx,dy,dz,tmin,tmax\r\n\r\n# comment\n1,2,3,0,0,-1\r\n  4 ,\t5,6 , "
       "1e2,-0,.5, 0.25\n7,8,9,0x1.8p3,-0X.1p-1,+1,-inf,INF\n0,0,0,1,0,0,5,2");
@@ -42,7 +42,7 @@ TEST(RaysCsvTest, FieldsCommentsHeaderLineEnds) {
   EXPECT_GT(rays[3].tmin, rays[3].tmax) << "an empty interval is legal";
 }
 
-TEST(RaysCsvTest, HeaderNamesTheColumns) {
+TEST(RaysCsvTest, Header_NamesTheColumns) {
   const Ray want = {{1, 2, 3}, {4, 5, 6}, 7, 8};
   const auto same = [&](const std::string& text) {
     const auto rays = read(text);
@@ -93,7 +93,7 @@ TEST(RaysCsvTest, AnySeparator_ReadsTheSame) {
   expect_rays("# dz dy dx oz oy ox\nox oy oz dx dy dz\n" + savetxt);
 }
 
-TEST(RaysCsvTest, QuotesBelongToFields) {
+TEST(RaysCsvTest, Quotes_BelongToFields) {
   expect_rays("\"0.5\",\"1\", \"-2\" ,0,\" 0.25\",\"-1\"");
   expect_rays("\"ox\" \"oy\" oz dx dy dz\n\"0.5\" 1 -2 \"0\" 0.25 -1\n");
   expect_rays("\"0,5\";1;-2;0;\"0,25\";-1");
@@ -124,7 +124,7 @@ TEST(RaysCsvTest, DecimalCommas_NeedSemicolons) {
   bad("0,5 1,0 2 0 0 -1", "rays.csv:1:3: oy: '5 1' is not a number; commas separate the fields");
 }
 
-TEST(RaysCsvTest, EmptyFieldsShiftNothing) {
+TEST(RaysCsvTest, EmptyFields_ShiftNothing) {
   const auto bad = [](const std::string& text, const std::string& message) {
     SCOPED_TRACE(text);
     expect_error(ErrorCode::kFile, message, [&] { (void)read(text); });
@@ -137,7 +137,7 @@ TEST(RaysCsvTest, EmptyFieldsShiftNothing) {
 }
 
 /// The form of pandas.DataFrame.
-TEST(RaysCsvTest, RowNumbersAreLeftOut) {
+TEST(RaysCsvTest, RowNumbers_AreIgnored) {
   expect_rays(",ox,oy,oz,dx,dy,dz\n0,.5,1,-2,0,.25,-1\n1,1,1,1,1,1,1\n", 2);
   expect_rays("Unnamed: 0,ox,oy,oz,dx,dy,dz\n1,.5,1,-2,0,.25,-1\n2,1,1,1,1,1,1\n", 2);
   expect_rays("\"\",\"ox\",\"oy\",\"oz\",\"dx\",\"dy\",\"dz\"\n\"0\",\"0.5\",1,-2,0,.25,-1\n");
@@ -160,20 +160,20 @@ TEST(RaysCsvTest, RowNumbersAreLeftOut) {
                [] { (void)read("ox,,oy,oz,dx,dy,dz\n"); });
 }
 
-TEST(RaysCsvTest, OtherEncodingsAreNamed) {
+TEST(RaysCsvTest, OtherEncodings_AreNamed) {
   for (const std::string mark : {"\xff\xfe", "\xfe\xff"})
     expect_error(ErrorCode::kFile, "rays.csv: text in UTF-16 or UTF-32; save it as UTF-8",
                  [&] { (void)read(mark + std::string("1\0,\0", 4)); });
   expect_error(ErrorCode::kFile, "rays.csv: is a NumPy array", [] { (void)read("\x93NUMPY"); });
 }
 
-TEST(RaysCsvTest, NothingIsAnEmptyList) {
+TEST(RaysCsvTest, EmptyText_IsAnEmptyList) {
   EXPECT_TRUE(read("").empty());
   EXPECT_TRUE(read("\n\n# only this").empty());
   EXPECT_TRUE(read("ox,oy,oz,dx,dy,dz\n").empty());
 }
 
-TEST(RaysCsvTest, NumbersAreNearestFloats) {
+TEST(RaysCsvTest, Numbers_AreNearestFloats) {
   const auto ray = read("0.1,16777217,1e-46,1e-45,0x1.000001p0,1,3.4028235e38")[0];
   EXPECT_EQ(ray.o, Eigen::Vector3f(0.1f, 16777216.0f, 0.0f));
   EXPECT_EQ(ray.d.x(), std::numeric_limits<float>::denorm_min());
@@ -246,11 +246,11 @@ INSTANTIATE_TEST_SUITE_P(
                "rays.csv:1:7: direction is zero"}),
     [](const auto& info) { return std::string(info.param.name); });
 
-TEST_P(BadRays, NameLineAndColumn) {
+TEST_P(BadRays, BadLine_IsNamedWithColumn) {
   expect_error(GetParam().code, GetParam().message, [] { (void)read(GetParam().text); });
 }
 
-TEST(RaysCsvTest, ParseRay) {
+TEST(RaysCsvTest, RayText_IsParsedOrRefused) {
   const Ray ray = parse_ray(" 1,2,3, 0,0,1, 0,10 ");
   EXPECT_EQ(ray.tmax, 10.0f);
   expect_error(ErrorCode::kFile, "--ray:6: too few fields", [] { (void)parse_ray("1,2,3"); });
@@ -260,7 +260,7 @@ TEST(RaysCsvTest, ParseRay) {
                [] { (void)parse_ray("1,2,3,0,0,0"); });
 }
 
-TEST(RaysCsvTest, FilesAndAMillionLines) {
+TEST(RaysCsvTest, MissingFilesAreErrors_AndAMillionLinesAreRead) {
   const Folder folder;
   expect_error(ErrorCode::kFile, "none.csv: cannot be opened",
                [&] { (void)read_rays_csv(folder / "none.csv"); });

@@ -18,7 +18,7 @@ const Effect& effect(const Plan& p, const std::string& name) {
   throw std::runtime_error("no effect " + name);
 }
 
-TEST(Plan, TakesWhatTheSceneNeeds) {
+TEST(Plan, Scene_GetsTheCardItNeeds) {
   const Scene s = parse_scene(kGood, "s.toml");
   const Plan p = plan(s);
   EXPECT_EQ(p.board.pairs, std::vector<Pair>{Pair::kRaySphere});
@@ -30,7 +30,7 @@ TEST(Plan, TakesWhatTheSceneNeeds) {
   EXPECT_FALSE(effect(p, "trace").used);
 }
 
-TEST(Plan, WhatSimulationsCostIsMeasured) {
+TEST(Plan, Effects_HaveMeasuredCosts) {
   const Plan p = plan(parse_scene(kGood, "s.toml"));
   for (const char* name : {"pipes", "gates", "transformer", "normals", "exchange of roles",
                            "two pairs at a time", "bus timing", "memory timing", "ecc", "trace"}) {
@@ -43,7 +43,7 @@ TEST(Plan, WhatSimulationsCostIsMeasured) {
   EXPECT_FALSE(simulation_cost("lanes")) << "computed from the scene";
 }
 
-TEST(Plan, LanesGrowWithThePrimaries) {
+TEST(Plan, MorePrimaries_GetMoreLanes) {
   const auto lanes = [](unsigned count, const char* card = "") {
     return plan(parse_scene(
                     fmt::format("{}[[object]]\nname=\"many\"\nrandom={{shape=\"ray\",count={}"
@@ -63,7 +63,7 @@ TEST(Plan, LanesGrowWithThePrimaries) {
 }
 
 /// The card has everything that any query needs, in any order of queries.
-TEST(Plan, TakesWhatAnyQueryNeeds) {
+TEST(Plan, NeedsOfAnyQuery_AreMet) {
   const std::string objects =
       "[[object]]\nname = \"balls\"\nsphere = { center = [1, 2, 3], radius = 0.5 }\n"
       "[[object]]\nname = \"box\"\nobb = { center = [0, 0, 0], half = [1, 2, 3] }\n";
@@ -88,7 +88,7 @@ TEST(Plan, TakesWhatAnyQueryNeeds) {
       }
 }
 
-TEST(Plan, CountsWork) {
+TEST(Plan, Work_IsCounted) {
   const Plan p = plan(load_scene(std::filesystem::path(CDE_MESHES) / "scenes/spheres.toml"));
   ASSERT_EQ(p.queries.size(), 1u);
   const QueryWork& w = p.queries[0];
@@ -110,7 +110,7 @@ TEST(Plan, CountsWork) {
   EXPECT_EQ(objects.queries[0].moved_words, 24u);
 }
 
-TEST(Plan, RefusesAPairThatTheBitstreamHasNot) {
+TEST(Plan, RequestedModelWithoutThePair_IsRefused) {
   const Scene s =
       parse_scene("[card]\npairs = [\"obb-obb\", \"ray-triangle\"]\n" + kGood, "s.toml");
   expect_error(
@@ -119,7 +119,7 @@ TEST(Plan, RefusesAPairThatTheBitstreamHasNot) {
       [&] { (void)plan(s); });
 }
 
-TEST(Plan, MovesObjectsWhereThatTakesFewerWords) {
+TEST(Plan, Objects_MoveWhereFewerWordsAreSent) {
   const auto mesh = [](const char* name, const std::string& more) {
     return fmt::format("[[object]]\nname=\"{}\"\nmesh=\"terrain:12,9,3\"\n{}", name, more);
   };
@@ -162,7 +162,7 @@ TEST(Plan, MovesObjectsWhereThatTakesFewerWords) {
   EXPECT_EQ(of("frames=2\n[card]\nmover=\"card\"\n" + two).card_moves, moved);
 }
 
-TEST(Plan, MovesPrimariesThatStayLoaded) {
+TEST(Plan, LoadedPrimaries_AreMovedByTheCard) {
   const auto of = [](const std::string& rays, const std::string& more = "") {
     return plan(parse_scene(
         "frames=2\n" + more + "[[object]]\nname=\"rays\"\n" + rays + kBall + kHit, "s.toml"));
@@ -189,7 +189,7 @@ TEST(Plan, MovesPrimariesThatStayLoaded) {
   loaded(of(drawn(1, "false") + moving), 8, "loading them again takes no more words");
 }
 
-TEST(Plan, TablesOfObjectsHaveAnEnd) {
+TEST(Plan, TooManyObjects_AreMovedByTheHost) {
   const auto of = [](int boxes, const char* mover) {
     return plan(parse_scene(
         fmt::format("frames=2\n[card]\nmover=\"{}\"\n[[object]]\nname=\"boxes\"\n"
@@ -214,7 +214,7 @@ TEST(Plan, TablesOfObjectsHaveAnEnd) {
 }
 
 /// A range that the host writes again is one entry, however many of its shapes move.
-TEST(Plan, WhatTheHostMovesIsOneEntry) {
+TEST(Plan, HostMovedRange_IsOneEntry) {
   const Plan p = plan(parse_scene(
       "frames=2\n" + kRays +
           "[[object]]\nname=\"shards\"\n"
@@ -231,7 +231,7 @@ TEST(Plan, WhatTheHostMovesIsOneEntry) {
 }
 
 /// DDR holds the secondaries of one query: they stay only if every query has the same.
-TEST(Plan, SecondariesStayIfAllQueriesHaveTheSame) {
+TEST(Plan, SameSecondariesInAllQueries_StayLoaded) {
   const auto resident = [](std::initializer_list<const char*> secondaries) {
     std::string scene =
         kBall + kRays + "[[object]]\nname=\"other\"\nsphere={center=[0,0,0]" + ",radius=1}\n";
@@ -248,7 +248,7 @@ TEST(Plan, SecondariesStayIfAllQueriesHaveTheSame) {
   EXPECT_FALSE(resident({"ball", "other", "ball"}));
 }
 
-TEST(Plan, TakesTheBusAndTheCheckBitsThatAreAskedFor) {
+TEST(Plan, RequestedBusAndCheckBits_AreUsed) {
   const Plan bare = plan(parse_scene(kGood, "s.toml"));
   EXPECT_EQ(bare.board.bus, Bus::kFunctional);
   EXPECT_FALSE(bare.board.ecc);
@@ -261,7 +261,7 @@ TEST(Plan, TakesTheBusAndTheCheckBitsThatAreAskedFor) {
   EXPECT_TRUE(effect(both, "ecc").used);
 }
 
-TEST(Plan, TakesTheVerdictsThatAreAskedFor) {
+TEST(Plan, RequestedFilters_AreUsedOrRefused) {
   const auto spheres = [](const char* card, const char* mode) {
     return fmt::format(
         "[card]\n{}\n{}[[query]]\nname=\"q\"\npair=\"sphere-sphere\"\nprimaries=\"ball\"\n"
@@ -301,7 +301,7 @@ TEST(Plan, TakesTheVerdictsThatAreAskedFor) {
   }
 }
 
-TEST(Plan, SaysWhoseTimesAreModelled) {
+TEST(Plan, ModelledTimes_NameTheirSource) {
   const Plan bare = plan(parse_scene(kGood, "s.toml"));
   EXPECT_TRUE(has(effect(bare, "bus timing").why, "host ideal, 64 bits, bursts of 4096 bytes"));
   EXPECT_FALSE(effect(bare, "memory timing").used);
@@ -327,7 +327,7 @@ TEST(Plan, SaysWhoseTimesAreModelled) {
   refuses("narrow = 32", "narrow", ErrorCode::kFile);
 }
 
-TEST(Plan, RefusesMoreThanTheMemoryHolds) {
+TEST(Plan, TooLargeScene_IsRefused) {
   Scene s = parse_scene(kGood, "s.toml");
   // 2^24 spheres per group, more groups than DDR holds. Built by hand, because a file would take
   // minutes.

@@ -25,7 +25,7 @@ std::string ball_with(const std::string& motion) {
   return kBall + "[object.motion]\n" + motion + "\n" + kRays + kHit;
 }
 
-TEST(SceneFile, SaysWhatItSays) {
+TEST(SceneFile, Text_ParsesToItsScene) {
   const Scene s = parse_scene(
       "title = \"t\"\nframes = 7\nrate = 10\ncheck = \"sample\"\n"
       "[card]\nlanes = 8\nclock_mhz = 50\n"
@@ -63,7 +63,7 @@ TEST(SceneFile, ObjectsThatNoQueryUses_AreNamed) {
             std::vector<std::string>{});
 }
 
-TEST(SceneFile, EverySceneOfTheRepositoryIsPlanned) {
+TEST(SceneFile, RepositoryScenes_ArePlanned) {
   int scenes = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::filesystem::path(CDE_MESHES) / "scenes")) {
@@ -81,7 +81,7 @@ TEST(SceneFile, EverySceneOfTheRepositoryIsPlanned) {
   EXPECT_GE(scenes, 5);
 }
 
-TEST(SceneFile, EveryPrimitive) {
+TEST(SceneFile, EveryPrimitive_IsParsed) {
   const Scene s = parse_scene(
       "[[object]]\nname=\"a\"\ntriangle={v0=[0,0,0],v1=[1,0,0],v2=[0,1,0]}\n"
       "[[object]]\nname=\"b\"\naabb={min=[0,0,0],max=[1,2,3]}\n"
@@ -123,7 +123,7 @@ TEST(SceneFile, APairsNameInEitherOrder_IsThePair) {
              "pair: ");
 }
 
-TEST(SceneFile, UnknownKeysAreErrorsWithTheNearestKnownOne) {
+TEST(SceneFile, UnknownKeys_GetSuggestions) {
   malformed("framse = 3\n" + kGood,
             "s.toml:1:1: there is no key 'framse' here (did you mean 'frames'?)");
   malformed("[card]\nlane = 8\n" + kGood,
@@ -143,7 +143,7 @@ TEST(SceneFile, UnknownKeysAreErrorsWithTheNearestKnownOne) {
   malformed("[[objekt]]\n" + kGood, "there is no key 'objekt' here (did you mean 'object'?)");
 }
 
-TEST(SceneFile, TruncatedAtEveryByte) {
+TEST(SceneFile, TruncatedText_IsAnErrorOrAValidScene) {
   const std::string text = "frames = 2\n" + ball_with("kind = \"velocity\"\nlinear = [1, 0, 0]");
   int errors = 0;
   for (std::size_t n = 0; n < text.size(); ++n) {
@@ -158,7 +158,7 @@ TEST(SceneFile, TruncatedAtEveryByte) {
   EXPECT_NO_THROW((void)parse_scene(text, "s.toml"));
 }
 
-TEST(SceneFile, NotToml) {
+TEST(SceneFile, InvalidToml_IsAnErrorWithItsPlace) {
   malformed("= 3", "s.toml:1:1");
   malformed("a = [1,\n", "s.toml:");
   malformed(std::string("a = \"\0\"", 7), "s.toml:1:");
@@ -168,7 +168,7 @@ TEST(SceneFile, NotToml) {
   malformed("frames = 1\nframes = 2\n" + kGood, "s.toml:2:1");
 }
 
-TEST(SceneFile, WrongTypes) {
+TEST(SceneFile, WrongTypes_AreErrors) {
   malformed("frames = \"3\"\n" + kGood, "s.toml:1:10: frames: must be a whole number, not a text");
   malformed("frames = 3.5\n" + kGood, "must be a whole number");
   malformed("frames = [3]\n" + kGood, "not an array");
@@ -189,7 +189,7 @@ TEST(SceneFile, WrongTypes) {
             "primaries: must be a text or an array of texts");
 }
 
-TEST(SceneFile, NumbersOutOfRange) {
+TEST(SceneFile, NumbersOutOfRange_AreErrors) {
   for (const char* number : {"0", "-1", "1000001", "9223372036854775807"})
     refused(fmt::format("frames = {}\n", number) + kGood, "it must be 1 to 1000000");
   malformed("frames = 9223372036854775808\n" + kGood, "s.toml:1:");
@@ -229,7 +229,7 @@ TEST(SceneFile, NumbersOutOfRange) {
   refused("[card]\nclock_mhz = 0\n" + kGood, "clock_mhz: is 0");
 }
 
-TEST(SceneFile, EmptyArrays) {
+TEST(SceneFile, EmptyArrays_AreErrors) {
   refused("object = []\n" + kHit, "s.toml:1:10: object: is empty");
   refused("[[object]]\nname=\"x\"\nsphere=[]\n" + kGood, "object 'x', sphere: is empty");
   refused(kBall + kRays +
@@ -241,7 +241,7 @@ TEST(SceneFile, EmptyArrays) {
   malformed("", "there is no [[object]]");
 }
 
-TEST(SceneFile, ReferencesToNothingOrInACircle) {
+TEST(SceneFile, MissingOrCircularReferences_AreErrors) {
   refused(kBall + kRays +
               "[[query]]\nname=\"q\"\npair=\"ray-sphere\"\nprimaries=\"rays\"\nsecondaries=\"bal\"",
           "there is no object 'bal' (did you mean 'ball'?)");
@@ -262,7 +262,7 @@ TEST(SceneFile, ReferencesToNothingOrInACircle) {
       "becomes part of file names");
 }
 
-TEST(SceneFile, MeshesAndFilesThatAreNotThere) {
+TEST(SceneFile, MissingMeshesAndFiles_AreErrors) {
   const Folder folder;
   const std::string name = folder.write("s.toml", "").string();
   const auto with = [&](const std::string& source) {
@@ -285,7 +285,7 @@ TEST(SceneFile, MeshesAndFilesThatAreNotThere) {
             "there must be one of");
 }
 
-TEST(SceneFile, ImpossibleRequests) {
+TEST(SceneFile, ImpossibleRequests_AreRefused) {
   const std::string box = "[[object]]\nname=\"box\"\naabb={min=[0,0,0],max=[1,1,1]}\n";
   const std::string why = "an AABB cannot be rotated; use obb";
   impossible(box + "motion={kind=\"velocity\",angular=[0,0,1]}\n" + kGood, why);
@@ -328,7 +328,7 @@ TEST(SceneFile, ImpossibleRequests) {
              "257 primaries overflow 1 packet of 256 and need 2");
 }
 
-TEST(SceneFile, MotionsThatMakeNoSense) {
+TEST(SceneFile, InvalidMotions_AreErrors) {
   malformed(ball_with("kind = \"path\"\npoints = [[0,0,0],[1,0,0]]"),
             "there must be one of duration, speed");
   malformed(ball_with("kind = \"path\"\npoints = [[0,0,0],[1,0,0]]\nduration = 1\nspeed = 2"),
@@ -350,7 +350,7 @@ TEST(SceneFile, MotionsThatMakeNoSense) {
           "shape 0 starts outside the box");
 }
 
-TEST(SceneShapes, ChainsOfParents) {
+TEST(SceneShapes, ChainsOfParents_AddTheirPoses) {
   const Scene s = parse_scene(
       "rate = 1\n[[object]]\nname=\"arm\"\nsphere={center=[0,0,0],radius=1}\n"
       "motion={kind=\"velocity\",angular=[0,0,90]}\n"
@@ -365,7 +365,7 @@ TEST(SceneShapes, ChainsOfParents) {
 }
 
 /// Only triangles at moving vertices change, and the ranges contain all of them.
-TEST(SceneShapes, DeformationStaysInItsRanges) {
+TEST(SceneShapes, Deformation_StaysInItsRanges) {
   for (const char* kind : {"kind=\"random\"", "kind=\"wave\",period=1,wavelength=30"}) {
     const Scene s = parse_scene(fmt::format("[[object]]\nname=\"t\"\nmesh=\"terrain:10,10,1\"\n"
                                             "deform={{{},vertices=[30,45],amplitude=[1,2,3]}}\n",
@@ -397,7 +397,7 @@ TEST(SceneShapes, DeformationStaysInItsRanges) {
 }
 
 /// Poses in binary32 compared with binary64.
-TEST(SceneShapes, PosesAreRigid) {
+TEST(SceneShapes, Poses_AreRigid) {
   std::string text = "rate = 30\n";
   for (const char* shape : {"ray", "triangle", "sphere", "plane", "cylinder", "obb"}) {
     const bool sized = std::string(shape) != "ray" && std::string(shape) != "plane";

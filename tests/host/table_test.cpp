@@ -42,14 +42,14 @@ void expect_errors(const std::string& file, const std::map<std::string, std::str
   }
 }
 
-TEST(Tables, OfAnotherVersion) {
+TEST(ModelTables, AnotherVersion_IsRefused) {
   const std::string text = "C interface version ";
   expect_errors(CDE_LATER_TABLES,
                 {{"board", text}, {"card", text}, {"pair_unit", text}, {"fp_unit", text}},
                 ErrorCode::kConfiguration);
 }
 
-TEST(Tables, OfAnotherSize) {
+TEST(ModelTables, AnotherSize_IsRefused) {
   const std::string text = " bytes; expected ";
   expect_errors(CDE_LONGER_TABLES,
                 {{"board", text}, {"card", text}, {"pair_unit", text}, {"fp_unit", text}},
@@ -57,7 +57,7 @@ TEST(Tables, OfAnotherSize) {
 }
 
 /// The same library with the driver's own numbers is accepted and called.
-TEST(Tables, OfTheSameVersionAndSizeAreCalled) {
+TEST(ModelTables, SameVersionAndSize_AreCalled) {
   expect_errors(CDE_OWN_TABLES,
                 {{"board", "no memory for the card's models"},
                  {"card", "no memory for the card's models"},

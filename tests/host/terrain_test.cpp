@@ -23,7 +23,7 @@ std::uint64_t hash(const Mesh& mesh) {
   return h;
 }
 
-TEST(TerrainTest, DefaultShape) {
+TEST(TerrainTest, DefaultTerrain_HasItsShape) {
   const Mesh mesh = make_terrain();
   EXPECT_EQ(mesh.name, "terrain");
   EXPECT_EQ(mesh.vertices.size(), 292u * 447u);
@@ -45,14 +45,14 @@ TEST(TerrainTest, DefaultShape) {
 
 // Every compiler, optimisation level and processor must make the same bits. A change of the
 // generator changes every figure measured on the terrain: acknowledge it here.
-TEST(TerrainTest, GoldenBits) {
+TEST(TerrainTest, Terrain_HasGoldenBits) {
   const std::uint64_t whole = hash(make_terrain());
   const std::uint64_t small = hash(make_terrain({17, 5, 42}));
   EXPECT_EQ(whole, 0xd782bedf5cd0bc9du) << std::hex << whole;
   EXPECT_EQ(small, 0xc206b6b7fa22066au) << std::hex << small;
 }
 
-TEST(TerrainTest, SeedAndSizeMatter) {
+TEST(TerrainTest, SeedAndSize_ChangeTheTerrain) {
   EXPECT_NE(hash(make_terrain({20, 20, 1})), hash(make_terrain({20, 20, 2})));
   const Mesh one = make_terrain({1, 1, 0});
   EXPECT_EQ(one.vertices.size(), 4u);
@@ -60,7 +60,7 @@ TEST(TerrainTest, SeedAndSizeMatter) {
   for (const auto& v : one.vertices) EXPECT_TRUE(v.allFinite());
 }
 
-TEST(TerrainTest, SizesOutOfRange) {
+TEST(TerrainTest, SizesOutOfRange_AreRefused) {
   testing::expect_error(ErrorCode::kUsage, "terrain of 291 x 0 quads", [] {
     (void)make_terrain({291, 0, 1});
   });

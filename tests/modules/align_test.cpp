@@ -9,7 +9,7 @@ namespace cde::testing {
 namespace {
 
 // A line has no reset: its start values come out first and may hide the first word.
-TEST(Align, LinesOfMemoriesDelayAsLinesOfRegisters) {
+TEST(PipeDelay, MemoryLines_DelayLikeRegisterLines) {
   constexpr int kLongest = 61;
   Clocked<AlignLines> lines;
   std::mt19937_64 engine{Clocked<AlignLines>::kSeed};

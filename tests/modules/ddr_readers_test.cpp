@@ -144,7 +144,7 @@ class Traffic {
   bool popped_ = false;
 };
 
-TEST(DdrReaders, NothingIsLostAndNobodyStarves) {
+TEST(DdrReaders, RandomTraffic_LosesNothingAndStarvesNoReader) {
   Traffic traffic;
   traffic.reset();
   for (const auto& [asks, answers] :
@@ -168,7 +168,7 @@ TEST(DdrReaders, NothingIsLostAndNobodyStarves) {
 }
 
 /// Responses outstanding at a reset reach no reader.
-TEST(DdrReaders, ResetForgetsWhatIsOwed) {
+TEST(DdrReaders, Reset_ForgetsOutstandingResponses) {
   Traffic traffic;
   for (int i = 0; i < 20; ++i) {
     traffic.reset();
@@ -180,7 +180,7 @@ TEST(DdrReaders, ResetForgetsWhatIsOwed) {
   traffic.drain();
 }
 
-TEST(DdrReaders, OneAloneIsAlwaysTaken) {
+TEST(DdrReaders, LoneReader_IsAlwaysServed) {
   Clocked<DdrReaderAlone> readers;
   Dice dice;
   unsigned read = 0, valid = 0;

@@ -60,7 +60,7 @@ void expect_bounds(std::size_t count) {
   }
 }
 
-TEST(GapBound, IsThatOfTheReference) {
+TEST(DistanceBound, Bounds_EqualTheReference) {
   expect_bounds<GapBoundSphere, Sphere>(200);
   expect_bounds<GapBoundObb, Obb>(200);
   expect_bounds<GapBoundSphereGates, Sphere>(50);
@@ -105,7 +105,7 @@ void expect_at_least() {
   EXPECT_LT(held, 4500u);
 }
 
-TEST(GapBound, HoldsAPipesAnswer) {
+TEST(DistanceBound, ResultOfAPipe_IsRaisedToTheBound) {
   expect_at_least<GapAtLeastHost>();
   expect_at_least<GapAtLeastGates>();
 }
@@ -141,7 +141,7 @@ void expect_fronts() {
   }
 }
 
-TEST(SolidFront, IsThatOfTheReference) {
+TEST(SolidFront, Fronts_EqualTheReference) {
   expect_fronts<SolidFrontSphere, Sphere>();
   expect_fronts<SolidFrontObb, Obb>();
   expect_fronts<SolidFrontObbGates, Obb>();

@@ -106,13 +106,13 @@ void test_rays(unsigned latency, Shape leaf = Shape::kTriangle) {
   EXPECT_LT(infinite, 10'000u);
 }
 
-TEST(RayFront, IsThatOfTheReference) {
+TEST(RayFront, Fronts_EqualTheReference) {
   test_rays<RayFrontShort>(7);                     // all operators take one cycle
   test_rays<RayFrontLong>(4 + 3 * 2 + 3 + 4 + 4);  // 4 add, 3 mul, 2 compare, 12 div
   test_rays<RayFrontSpheres>(9, Shape::kSphere);   // 3 mul
 }
 
-TEST(NodeBoxes, AreThoseOfTheReference) {
+TEST(NodeBoxes, Boxes_EqualTheReference) {
   Clocked<NodeBoxes> module;
   Draw draw;
   struct Expected {

@@ -93,10 +93,10 @@ void expect_reference(Algorithm algorithm, std::size_t count) {
   }
 }
 
-TEST(LeafPairs, OfBadouel) {
+TEST(LeafPairs, Badouel_EqualsTheReference) {
   expect_reference<LeafPairsBadouel>(Algorithm::kBadouel, 3000);
 }
-TEST(LeafPairs, OfPluecker) {
+TEST(LeafPairs, Pluecker_EqualsTheReference) {
   expect_reference<LeafPairsPluecker>(Algorithm::kPluecker, 3000);
 }
 

@@ -48,7 +48,7 @@ std::vector<std::uint32_t> group_of(Clocked<Module>& module, const Visit& visit)
   return group;
 }
 
-TEST(NodeUnit, IsTheSameInGatesAndByTheHost) {
+TEST(TraversalUnit, Gates_EqualHostArithmetic) {
   Clocked<NodeUnitGates> gates;
   Clocked<NodeUnitHost> host;
   std::mt19937 engine(20240611);

@@ -18,7 +18,7 @@ using namespace card;
 constexpr unsigned kFirst = 2, kHere = 5;  // of the table in CMakeLists.txt
 constexpr unsigned kBits = 4;              // card_pkg::COUNT_BITS
 
-TEST(PassCounters, EveryCounterIsAtItsRegister) {
+TEST(PassCounters, EveryCounter_IsReadAtItsRegister) {
   const std::span<const Register> ours(kCounterRegisters + kFirst, kHere);
   VerilatedContext context;
   PassCounters counters(&context);
@@ -67,7 +67,7 @@ TEST(PassCounters, EveryCounterIsAtItsRegister) {
 }
 
 /// A counter has one register, and only counters of the table have registers.
-TEST(PassCounters, NoRegisterIsListedTwice) {
+TEST(PassCounters, Registers_AreListedOnce) {
   std::array<std::uint32_t, kCounters> offsets = {};
   std::copy(std::begin(kCounterRegisters), std::end(kCounterRegisters), offsets.begin());
   std::sort(offsets.begin(), offsets.end());

@@ -14,7 +14,7 @@ namespace {
 
 constexpr unsigned kUnits = 3;  // as in CMakeLists.txt
 
-TEST(PassDispatch, EveryPassIsDoneOnceByItsUnit) {
+TEST(PassDispatch, EveryPass_RunsOnceOnItsUnit) {
   Clocked<PassDispatch> dispatch;
   Dice dice;
   struct Unit {
@@ -91,7 +91,7 @@ TEST(PassDispatch, EveryPassIsDoneOnceByItsUnit) {
 }
 
 /// With one unit there is no delay and no state between the registers and the engine.
-TEST(PassDispatch, OneUnitIsWired) {
+TEST(PassDispatch, OneUnit_IsWiredThrough) {
   Clocked<PassDispatchOne> dispatch;
   Dice dice;
   unsigned gos = 0, busies = 0;

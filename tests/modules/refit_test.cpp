@@ -210,16 +210,16 @@ void expect_reference_of_scenes() {
   }
 }
 
-TEST(RefitModule, IsTheReference) {
+TEST(RefitModule, Scenes_EqualTheReference) {
   expect_reference_of_scenes<Refit>();
 }
 
-TEST(RefitModule, IsTheReferenceWithTwoContexts) {
+TEST(RefitModule, TwoContexts_EqualTheReference) {
   expect_reference_of_scenes<RefitTwo>();
 }
 
 /// Children close behind their parents, and of any kind.
-TEST(RefitModule, IsTheReferenceInAnyTree) {
+TEST(RefitModule, AnyBvh_EqualsTheReference) {
   RefitDice dice(2);
   for (unsigned i = 0; i < 400; ++i) {
     const RandomTree tree = random_tree(1 + dice.below(40), dice);
@@ -239,7 +239,7 @@ TEST(RefitModule, IsTheReferenceInAnyTree) {
 }
 
 /// A refit from any node on leaves the nodes before it unchanged and takes no time for them.
-TEST(RefitModule, LeavesWhatComesBefore) {
+TEST(RefitModule, PartialRefit_LeavesEarlierNodes) {
   RefitDice dice(3);
   for (const RefitScene& scene : kRefitScenes) {
     SCOPED_TRACE(scene.name);
@@ -264,7 +264,7 @@ TEST(RefitModule, LeavesWhatComesBefore) {
   }
 }
 
-TEST(RefitModule, OfNothing) {
+TEST(RefitModule, EmptyBvh_EqualsTheReference) {
   expect_reference<Refit>(std::vector<Node>(1), {}, {});
   const std::vector<std::uint32_t> order;
   const Triangles triangles;
@@ -274,7 +274,7 @@ TEST(RefitModule, OfNothing) {
   EXPECT_EQ(none.writes, 0u);
 }
 
-TEST(RefitModule, EndsAtATriangleWithoutABox) {
+TEST(RefitModule, TriangleWithoutABox_EndsTheRefit) {
   RefitDice dice(3);
   const Triangles good = kRefitScenes[1].make(300, dice);
   for (const unsigned leaf : {1u, 2u}) {
@@ -304,7 +304,7 @@ TEST(RefitModule, EndsAtATriangleWithoutABox) {
 }
 
 /// At any stage of the next requests.
-TEST(RefitModule, EndsWithNothingUnderWay) {
+TEST(RefitModule, EarlyEnd_LeavesNoRequest) {
   std::vector<Node> nodes(2);
   nodes[0].set_first_node(1);
   nodes[0].set_first_slot(8);
@@ -326,7 +326,7 @@ TEST(RefitModule, EndsWithNothingUnderWay) {
 }
 
 /// No state survives a reset during a refit.
-TEST(RefitModule, StartsAnewAfterAReset) {
+TEST(RefitModule, Reset_ClearsAllState) {
   RefitDice dice(4);
   const Triangles triangles = kRefitScenes[1].make(200, dice);
   const Tree tree = built(triangles, 2);
@@ -348,7 +348,7 @@ TEST(RefitModule, StartsAnewAfterAReset) {
 }
 
 /// Arbitrary nodes, including nodes that no refit makes.
-TEST(RefitModule, BoxOfANode) {
+TEST(RefitModule, Nodes_HaveTheReferencesBox) {
   constexpr std::size_t kLatency = 5;
   RefitDice dice(5);
   Clocked<RefitNode> module;
@@ -387,7 +387,7 @@ TEST(RefitModule, BoxOfANode) {
   }
 }
 
-TEST(RefitModule, OfTheTerrain) {
+TEST(RefitModule, Terrain_TakesTheDocumentedCycles) {
   const Mesh mesh = make_terrain();
   Triangles triangles;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));

@@ -303,16 +303,16 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
 }
 
 /// With the algorithm of the longest latency; a card has moller in gates.
-TEST(Traversal, IsThatOfTheReferenceInGates) {
+TEST(Traversal, Gates_EqualTheReference) {
   expect_reference<TraversalGates>(300, Algorithm::kWatertight);
 }
 
-TEST(Traversal, IsThatOfTheReferenceWithHostArithmetic) {
+TEST(Traversal, HostArithmetic_EqualsTheReference) {
   expect_reference<TraversalHost>(kStream);
 }
 
 /// One packet, then a stream of rays from within the terrain in any direction.
-TEST(Traversal, OfTheTerrain) {
+TEST(Traversal, Terrain_TakesTheDocumentedCycles) {
   const Mesh mesh = make_terrain();
   std::vector<Triangle> triangles;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));
@@ -349,7 +349,7 @@ TEST(Traversal, OfTheTerrain) {
 }
 
 /// One unit and at most two rays in flight.
-TEST(Traversal, IsThatOfTheReferenceWithTwoContexts) {
+TEST(Traversal, TwoContexts_EqualTheReference) {
   expect_reference<TraversalOne>(1000);
 }
 
@@ -402,7 +402,7 @@ void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
   }
 }
 
-TEST(Traversal, OfSpheresIsThatOfTheReference) {
+TEST(Traversal, Spheres_EqualTheReference) {
   for (const hard::Case& c : std::span(hard::kScenes).subspan(2)) {  // the first two are large
     SCOPED_TRACE(c.name);
     expect_spheres<TraversalSolids>(c.make(), 60);
@@ -458,7 +458,7 @@ void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& 
   }
 }
 
-TEST(Traversal, AheadOfItsLeaves) {
+TEST(Traversal, PassesAheadOfTheirLeaves_EqualTheReferenceFaster) {
   const Scene s = scene(300);
   std::vector<Sphere> spheres;
   for (std::size_t i = 0; i < s.rays.size(); ++i)
@@ -474,7 +474,7 @@ TEST(Traversal, AheadOfItsLeaves) {
 }
 
 /// The same module with other pairs.
-TEST(Traversal, OfRaysBesideSolids) {
+TEST(Traversal, RaysBesideSolids_EqualTheReference) {
   expect_reference<TraversalSolids>(500);
 }
 

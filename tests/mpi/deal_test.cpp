@@ -78,7 +78,7 @@ std::vector<std::uint64_t> all(std::uint64_t count) {
   return numbers;
 }
 
-TEST(Deal, EveryChunkOnce) {
+TEST(Deal, EveryChunk_RunsOnce) {
   for (const std::uint64_t chunks : {0, 1, 2, 100}) {
     for (const std::size_t bytes : {std::size_t{0}, std::size_t{10}, std::size_t{3} << 20}) {
       if (chunks * bytes > 100u << 20) continue;
@@ -92,7 +92,7 @@ TEST(Deal, EveryChunkOnce) {
 
 /// The overhead of distribution limits how many ranks one rank can feed. The test prints it without
 /// a check.
-TEST(Deal, TenThousandChunksOfNothing) {
+TEST(Deal, EmptyChunks_PrintTheOverhead) {
   constexpr std::uint64_t kChunks = 10'000;
   const auto start = std::chrono::steady_clock::now();
   const Dealt dealt = deal({.chunks = kChunks});
@@ -102,7 +102,7 @@ TEST(Deal, TenThousandChunksOfNothing) {
   std::printf("%.1f us a chunk of nothing\n", took.count() / kChunks);
 }
 
-TEST(Deal, ASlowRankGetsLess) {
+TEST(Deal, SlowRank_GetsFewerChunks) {
   const Dealt dealt =
       deal({.chunks = 60, .run = [](const Chunk&) {
               std::this_thread::sleep_for(std::chrono::milliseconds(ranks->rank() == 1 ? 100 : 10));
@@ -113,7 +113,7 @@ TEST(Deal, ASlowRankGetsLess) {
   EXPECT_LT(dealt.of_rank.at(1), 12);
 }
 
-TEST(Deal, ChunksOfARankGoToIt) {
+TEST(Deal, OwnedChunks_GoToTheirRank) {
   const Dealt dealt =
       deal({.chunks = 41,
             .run = [](const Chunk& c) { EXPECT_EQ(c.number % 3, ranks->rank()); },
@@ -122,7 +122,7 @@ TEST(Deal, ChunksOfARankGoToIt) {
 }
 
 /// An error on any rank reaches all ranks, and they can continue with other work.
-TEST(Deal, AnErrorEndsTheWorkOnAllRanks) {
+TEST(Deal, Error_EndsTheWorkOnAllRanks) {
   for (const unsigned bad : {0u, 1u, 2u}) {
     const Dealt dealt = deal({.chunks = 1000, .bytes = 1 << 20, .run = [&](const Chunk& c) {
                                 if (c.number > 5 && ranks->rank() == bad)
@@ -141,7 +141,7 @@ TEST(Deal, AnErrorEndsTheWorkOnAllRanks) {
   EXPECT_NE(taken.error.find("disk is full"), std::string::npos) << taken.error;
 }
 
-TEST(Collective, EverybodyHasWhatRankZeroHas) {
+TEST(Collective, Broadcast_ReachesEveryRank) {
   const bool first = ranks->rank() == 0;
   const std::string bytes(5 << 20, 'x');
   EXPECT_EQ(ranks->broadcast(first ? bytes : "other"), bytes);

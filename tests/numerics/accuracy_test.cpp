@@ -26,7 +26,7 @@ ErrorCounts counts(const std::vector<double>& sizes) {
   return all;
 }
 
-TEST(ErrorCountsTest, QuantilesAreNeverTooSmallAndAThirtySecondTooLargeAtMost) {
+TEST(ErrorCountsTest, Quantiles_AreRoundedUpByAtMostAThirtySecond) {
   oracle::Random random(1, 2, 3);
   std::vector<double> sizes;
   for (int i = 0; i < 5000; ++i) sizes.push_back(random.decades(1e-30, 1e30));
@@ -41,7 +41,7 @@ TEST(ErrorCountsTest, QuantilesAreNeverTooSmallAndAThirtySecondTooLargeAtMost) {
   EXPECT_EQ(all.quantile(1), sizes.back());
 }
 
-TEST(ErrorCountsTest, ZerosAndInfinitiesHaveTheirPlaces) {
+TEST(ErrorCountsTest, ZerosAndInfinities_AreCounted) {
   const ErrorCounts none, zeros = counts({0, 0, 0}), mixed = counts({0, 0, 3, kInf});
   EXPECT_EQ(none.quantile(0.5), 0);
   EXPECT_EQ(zeros.quantile(1), 0);
@@ -53,7 +53,7 @@ TEST(ErrorCountsTest, ZerosAndInfinitiesHaveTheirPlaces) {
   EXPECT_EQ(mixed.count(), 4u);
 }
 
-TEST(ErrorCountsTest, PartsAddUpAndComeBackFromJson) {
+TEST(ErrorCountsTest, Parts_AddUpAndReadBackFromJson) {
   const std::vector<double> one = {0, 1e-3, 0.7, 12}, two = {5e-324, 0.7, kInf};
   std::vector<double> both = one;
   both.insert(both.end(), two.begin(), two.end());
@@ -67,7 +67,7 @@ TEST(ErrorCountsTest, PartsAddUpAndComeBackFromJson) {
 }
 
 /// Values of Wilson's interval from published tables.
-TEST(Wilson, IsThatOfTheTables) {
+TEST(WilsonInterval, Intervals_EqualPublishedTables) {
   EXPECT_NEAR(wilson(10, 100).low, 0.0552, 1e-4);
   EXPECT_NEAR(wilson(10, 100).high, 0.1744, 1e-4);
   EXPECT_EQ(wilson(0, 100).low, 0);
@@ -96,7 +96,7 @@ Tally judged(FpFormat format, const PairResult& r) {
   return tally;
 }
 
-TEST(Judge, AnExactAnswerHasNoError) {
+TEST(AnswerCheck, ExactAnswer_HasNoError) {
   for (const FpFormat format : {kFp16, kFp32}) {
     const Tally t = judged(format, answer(format, false, 2));
     EXPECT_EQ(t.t.largest(), 0);
@@ -107,7 +107,7 @@ TEST(Judge, AnExactAnswerHasNoError) {
   }
 }
 
-TEST(Judge, AnErrorOfOneUlpIsOne) {
+TEST(AnswerCheck, OneUlp_CountsAsOne) {
   for (const FpFormat format : {kFp16, kFp32}) {
     const double ulp = std::ldexp(1, 1 - format.man_bits);  // of 2
     const Tally t = judged(format, answer(format, false, 2 + ulp));
@@ -117,7 +117,7 @@ TEST(Judge, AnErrorOfOneUlpIsOne) {
   }
 }
 
-TEST(Judge, AWrongDecisionIsCountedOnTheRightSide) {
+TEST(AnswerCheck, WrongDecision_CountsOnItsSide) {
   EXPECT_EQ(judged(kFp32, answer(kFp32, true, 2)).false_hits, 1u);
   Tally tally;
   oracle::Case deep = apart_by_two();
@@ -133,7 +133,7 @@ TEST(Judge, AWrongDecisionIsCountedOnTheRightSide) {
   EXPECT_EQ(tally.false_hits + tally.false_misses, 0u);
 }
 
-TEST(Judge, WhatIsRefusedOrNoNumberIsSaid) {
+TEST(AnswerCheck, RefusedOrNonFiniteAnswers_AreCounted) {
   PairResult bad;
   bad.bad = true;
   EXPECT_EQ(judged(kFp32, bad).refused, 1u);
@@ -144,7 +144,7 @@ TEST(Judge, WhatIsRefusedOrNoNumberIsSaid) {
 }
 
 /// All formats get the same cases, each rounded to the format.
-TEST(Drawn, FormatsHaveTheSameCases) {
+TEST(DrawnCases, Formats_GetTheSameCases) {
   for (const oracle::Family& family : oracle::families(Pair::kTriangleSphere)) {
     const DrawnCases wide = drawn({.pair = Pair::kTriangleSphere, .format = kFp64}, family, 9, 3),
                      narrow = drawn({.pair = Pair::kTriangleSphere, .format = kFp16}, family, 9, 3);
@@ -155,7 +155,7 @@ TEST(Drawn, FormatsHaveTheSameCases) {
   }
 }
 
-TEST(Families, HaveNamesOfTheirOwnAndAreWhatTheyAreCalled) {
+TEST(CaseFamilies, Names_AreUniqueAndMatchTheCases) {
   for (const oracle::Pair pair : oracle::kPairs) {
     std::set<std::string> names;
     for (const oracle::Family& family : oracle::families(pair)) {
@@ -171,7 +171,7 @@ TEST(Families, HaveNamesOfTheirOwnAndAreWhatTheyAreCalled) {
 }
 
 /// Watertight does not leak, while Moeller's rays show that these cases can leak.
-TEST(Leaks, OfAnIcosphere) {
+TEST(Leaks, Icosphere_LeaksOnlyWithoutWatertight) {
   const auto leaks = [](Algorithm algorithm, const std::string& family) {
     return measured_leaks({.algorithm = algorithm, .format = kFp32}, family, 1, 0, 150);
   };

@@ -18,7 +18,7 @@ Obb box(const Eigen::Vector3f& c, const Eigen::Vector3f& half) {
 
 // Two boxes resting on each other. Nearly parallel edges give a normal of rounding noise, which
 // must not produce a phantom depth of the size of the boxes.
-TEST(ConvexPairDirected, BoxesFaceToFaceHaveNoPhantomDepth) {
+TEST(ConvexPairDirected, BoxesFaceToFace_HaveNoPhantomDepth) {
   const Obb lower = box({0, 0, 0}, {1, 1, 0.5f});
   for (const float angle : {0.0f, 1e-7f, 1e-6f, 1e-4f, 0.3f, 3.14159265f}) {
     Obb upper = box({0.25f, -0.125f, 1}, {1, 1, 0.5f});
@@ -33,7 +33,7 @@ TEST(ConvexPairDirected, BoxesFaceToFaceHaveNoPhantomDepth) {
 
 // Centres with an equal coordinate: the depth axis has two directions. All candidate axes in one
 // plane must choose the same direction, or CP lies outside a body.
-TEST(ConvexPairDirected, WitnessPointsOfTiedDepthAxesLieInTheirBodies) {
+TEST(ConvexPairDirected, TiedDepthAxes_KeepWitnessPointsInTheBodies) {
   const Obb a = box({0, 0, 0}, {3, 3, 1}), b = box({3, 2, 0}, {4, 3, 1});
   const auto boxes = reference::obb_obb(a, b);
   EXPECT_TRUE(boxes.f);
@@ -59,7 +59,7 @@ TEST(ConvexPairDirected, WitnessPointsOfTiedDepthAxesLieInTheirBodies) {
 // Two thin, nearly parallel boxes: a polishing step may rotate v so far that its signed distance is
 // useless. Then the distance of the candidate axes alone would be 137 u S too small. And two boxes
 // that nearly touch: |v| alone is 8 u S too large, but the mean with the signed distance is not.
-TEST(ConvexPairDirected, DistancesOfBoxesTiltedByTheirRoundingHold) {
+TEST(ConvexPairDirected, TiltedBoxes_KeepTheirDistance) {
   const oracle::Case plates{Pair::kObbObb,
                             0,
                             0,
@@ -93,7 +93,7 @@ TEST(ConvexPairDirected, DistancesOfBoxesTiltedByTheirRoundingHold) {
 
 // Exact touching counts as contact in every pair and in either order; a distance of one ulp does
 // not.
-TEST(ConvexPairDirected, TouchingIsAHit) {
+TEST(ConvexPairDirected, Touching_IsAHit) {
   const float above = std::nextafter(2.0f, 3.0f);
   const Obb one = box({0, 0, 0}, {1, 1, 1});
   const Plane floor{{0, 0, 1}, -1};
@@ -122,7 +122,7 @@ TEST(ConvexPairDirected, TouchingIsAHit) {
   }
 }
 
-TEST(ConvexPairDirected, ConcentricSpheresPointUp) {
+TEST(ConvexPairDirected, ConcentricSpheres_HaveAnUpwardNormal) {
   const auto o = reference::sphere_sphere(Sphere{{5, 6, 7}, 1}, Sphere{{5, 6, 7}, 2});
   EXPECT_TRUE(o.f);
   EXPECT_EQ(o.t, 3);
@@ -131,7 +131,7 @@ TEST(ConvexPairDirected, ConcentricSpheresPointUp) {
 }
 
 // A sphere whose centre is inside a box leaves it through the nearest face.
-TEST(ConvexPairDirected, SphereInsideABoxTakesTheNearestFaceAndTheLowestAxisOnTies) {
+TEST(ConvexPairDirected, SphereInABox_LeavesByTheNearestFace) {
   const Obb cube = box({0, 0, 0}, {2, 2, 2});
   const auto near_x = reference::sphere_obb(Sphere{{1.5f, 1, -1}, 0.25f}, cube);
   EXPECT_EQ(near_x.t, 0.75f);
@@ -143,7 +143,7 @@ TEST(ConvexPairDirected, SphereInsideABoxTakesTheNearestFaceAndTheLowestAxisOnTi
   EXPECT_EQ(tie.n, Eigen::Vector3f(-1, 0, 0));
 }
 
-TEST(ConvexPairDirected, BoxOnAPlaneTouchesAtTheCentroidOfItsFaceOrEdge) {
+TEST(ConvexPairDirected, BoxOnAPlane_TouchesAtACentroid) {
   const Plane floor{{0, 0, 1}, 0};
   const auto face = reference::obb_plane(box({3, 4, 0.75f}, {1, 2, 0.5f}), floor);
   EXPECT_FALSE(face.f);
@@ -161,7 +161,7 @@ TEST(ConvexPairDirected, BoxOnAPlaneTouchesAtTheCentroidOfItsFaceOrEdge) {
 }
 
 // A triangle without area is treated as the segment or point that it covers.
-TEST(ConvexPairDirected, TrianglesWithoutAreaAreSegmentsAndPoints) {
+TEST(ConvexPairDirected, TrianglesWithoutArea_AreSegmentsAndPoints) {
   const Eigen::Vector3f p(1, 2, 3), q(-3, 2, 3), middle(-1, 2, 3);
   for (const Triangle& t : {Triangle{p, q, middle}, Triangle{middle, p, q}, Triangle{q, q, p}}) {
     const auto o = reference::triangle_sphere(t, Sphere{{-1, 2, 4}, 0.5f});
@@ -181,7 +181,7 @@ TEST(ConvexPairDirected, TrianglesWithoutAreaAreSegmentsAndPoints) {
   EXPECT_FLOAT_EQ(point.n.y(), 0.8f);
 }
 
-TEST(ConvexPairDirected, BadInputIsFlagged) {
+TEST(ConvexPairDirected, BadInput_IsFlagged) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto expect_bad = [](const Outcome<float>& o) {
     EXPECT_TRUE(o.bad);

@@ -34,7 +34,7 @@ constexpr int kDirected = 4000;
 
 class ConvexPair : public ::testing::TestWithParam<Pair> {};
 
-TEST_P(ConvexPair, CertificateHoldsNearContactAndInDirectedFamilies) {
+TEST_P(ConvexPair, NearContactAndDirected_CertificateHolds) {
   Report report(std::string(oracle::to_string(GetParam())) + ", seed " + std::to_string(kSeed));
   for (int i = 0; i < kCases; ++i) {
     const oracle::Case c = oracle::generate(GetParam(), kSeed, i);
@@ -49,7 +49,7 @@ TEST_P(ConvexPair, CertificateHoldsNearContactAndInDirectedFamilies) {
 // The hardest normals: the nearest features change between vertex, edge and face within tiny
 // distances. The distance is small, edges and faces are nearly parallel, and triangles are nearly
 // segments.
-TEST_P(ConvexPair, CertificateHoldsWhereFeaturesChange) {
+TEST_P(ConvexPair, ChangingFeatures_CertificateHolds) {
   Report report(std::string(oracle::to_string(GetParam())) + ", directed");
   int apart = 0;
   for (const DirectedFamily family : kDirectedFamilies) {
@@ -66,7 +66,7 @@ TEST_P(ConvexPair, CertificateHoldsWhereFeaturesChange) {
 }
 
 // Everyday scenes: whole numbers, equal coordinates, one shape upon another.
-TEST_P(ConvexPair, CertificateHoldsInEverydayScenes) {
+TEST_P(ConvexPair, EverydayScenes_CertificateHolds) {
   const int count = amount(2000, 20000);
   Report report(std::string(oracle::to_string(GetParam())) + ", everyday");
   for (int i = 0; i < count; ++i) {
@@ -93,7 +93,7 @@ double witness_miss(const oracle::Case& c) {
 // If the depth has two directions, or faces are nearly parallel, the certificates of T and n hold
 // while CP may lie outside a body. CDE_FULL runs a million cases. There, pairs with candidate axes
 // may miss by what docs/reference/pairs_convex.md states under "Limits".
-TEST_P(ConvexPair, WitnessPointsLieInTheirBodies) {
+TEST_P(ConvexPair, WitnessPoints_LieInTheBodies) {
   const int count = amount(40000, 1000000);
   const bool facets = GetParam() == Pair::kObbObb || GetParam() == Pair::kTriangleObb ||
                       GetParam() == Pair::kTriangleAabb;
@@ -152,7 +152,7 @@ void judge_half_space(Pair pair, Pipe pipe) {
   EXPECT_GT(deep, kCases / 10);
 }
 
-TEST(ConvexPairHalfSpace, CertificateHolds) {
+TEST(ConvexPairHalfSpace, PlaneAsSolid_CertificateHolds) {
   judge_half_space<BasicObb>(Pair::kObbPlane, reference::obb_plane<float>);
   judge_half_space<BasicSphere>(Pair::kSpherePlane, reference::sphere_plane<float>);
 }
@@ -185,13 +185,13 @@ void other_format(const char* name, double smallest, double largest, double fart
   }
 }
 
-TEST(ConvexPairFormat, Fp16) {
+TEST(ConvexPairFormat, Fp16_CertificateHolds) {
   other_format<Fp16>("fp16", 2.5, 60, 60);
 }
-TEST(ConvexPairFormat, Bf16) {
+TEST(ConvexPairFormat, Bf16_CertificateHolds) {
   other_format<Bf16>("bf16", 1e-6, 1e6, 8);
 }
-TEST(ConvexPairFormat, Fp24) {
+TEST(ConvexPairFormat, Fp24_CertificateHolds) {
   other_format<Fp24>("fp24", 1e-4, 1e4, 1e4);
 }
 
@@ -263,7 +263,7 @@ void small_triangles(const char* name) {
 
 // The product of two edges of a small triangle can underflow, and so can the square of its normal.
 // A triangle of 1/16 of the scene in fp16 must keep its corners.
-TEST(ConvexPairFormat, TrianglesAreTwoToThirtyTwoTimesSmallerThanTheOther) {
+TEST(ConvexPairFormat, SmallTriangles_CertificateHolds) {
   small_triangles<Fp16>("fp16");
   small_triangles<Bf16>("bf16");
   small_triangles<Fp24>("fp24");
@@ -299,7 +299,7 @@ struct WordsOf {
 
 // The oracle's interval is 1e-8 S wide, which limits the check: 16 u S with u = 2^-29, which is
 // 2^24 times the u of binary64.
-TEST(ConvexPairFormat, Fp64) {
+TEST(ConvexPairFormat, Fp64_CertificateHolds) {
   for (const Pair pair : kConvexPairs) {
     Report report(std::string("fp64 ") + oracle::to_string(pair));
     for (int i = 0; i < kFormatCases; ++i) {
@@ -314,7 +314,7 @@ TEST(ConvexPairFormat, Fp64) {
 }
 
 // The three pairs of equal shapes: swapping the shapes reverses the normal, and keeps s and F.
-TEST(ConvexPairSwapped, LikeShapesAgree) {
+TEST(ConvexPairSwapped, SwappedShapes_Agree) {
   for (const Pair pair : {Pair::kSphereSphere, Pair::kObbObb, Pair::kTriangleTriangle}) {
     Report report(std::string(oracle::to_string(pair)) + ", exchanged");
     for (int i = 0; i < kDirected; ++i) {
@@ -333,7 +333,7 @@ TEST(ConvexPairSwapped, LikeShapesAgree) {
 }
 
 // The same bodies in other words: vertices in another order, box axes permuted or reflected.
-TEST(ConvexPairSwapped, OtherWordsOfTheSameBodyHold) {
+TEST(ConvexPairSwapped, OtherWordsOfTheSameBody_CertificateHolds) {
   for (const Pair pair : {Pair::kTriangleSphere, Pair::kTriangleAabb, Pair::kTriangleObb,
                           Pair::kObbObb, Pair::kSphereObb, Pair::kObbPlane}) {
     Report report(std::string(oracle::to_string(pair)) + ", other words");
@@ -357,7 +357,7 @@ std::string with_commas(int n) {
   return n < 1000 ? fmt::format("{}", n) : fmt::format("{},{:03}", n / 1000, n % 1000);
 }
 
-TEST(ConvexPairTables, AccuracyAndCostAreThoseOfTheDocs) {
+TEST(ConvexPairTables, AccuracyAndCost_EqualTheDocs) {
   std::vector<std::string> lines;
   for (const Pair pair : kConvexPairs) {
     Worst all;
@@ -378,7 +378,7 @@ TEST(ConvexPairTables, AccuracyAndCostAreThoseOfTheDocs) {
   expect_in_docs("tables/pairs_convex.md", lines);
 }
 
-TEST(ConvexPairTables, EverydayFamiliesAreThoseOfTheDocs) {
+TEST(ConvexPairTables, EverydayFamilies_EqualTheDocs) {
   std::vector<std::string> lines;
   for (const Pair pair : kConvexPairs) {
     Worst all;
@@ -396,7 +396,7 @@ TEST(ConvexPairTables, EverydayFamiliesAreThoseOfTheDocs) {
 }
 
 // The pipe scales by the largest coordinate, so small shapes have few exponents left in fp16.
-TEST(ConvexPairTables, SmallScenesInCoarseFormatsAreThoseOfTheDocs) {
+TEST(ConvexPairTables, SmallScenesInCoarseFormats_EqualTheDocs) {
   std::vector<std::string> lines;
   for (const Pair pair : kConvexPairs) {
     std::string line = fmt::format("| {} |", oracle::to_string(pair));
@@ -436,7 +436,7 @@ double error_at(Pair pair, double far) {
 
 // Centres are subtracted first, so T is equally good anywhere. The d of a plane is measured from
 // the world's origin, so n.c - d cancels.
-TEST(ConvexPairTables, ErrorWhereTheSceneStandsIsThatOfTheDocs) {
+TEST(ConvexPairTables, DistanceFromTheOrigin_EqualsTheDocs) {
   std::vector<std::string> lines;
   for (const Pair pair : kConvexPairs) {
     std::vector<double> errors;

@@ -94,7 +94,7 @@ const std::pair<const char*, std::map<std::string, std::string>> kOperators[] = 
       {"project", "186 mul, 7 div, 3 sqrt, 98 add, 89 sub, 28 cmp, 18 min/max, depth 54"}}},
 };
 
-TEST(CylinderOperators, AreThoseOfTheDocument) {
+TEST(CylinderOperators, Operators_EqualTheDocs) {
   namespace cylinder = reference::cylinder;
   using C = Counted;
   const auto make = [](oracle::Pair pair, auto tag) {

@@ -268,7 +268,7 @@ void Survey::print() const {
 
 class CylinderPairs : public ::testing::TestWithParam<std::tuple<oracle::Pair, int>> {};
 
-TEST_P(CylinderPairs, AgreeWithTheOracle) {
+TEST_P(CylinderPairs, EveryBudget_AgreesWithTheOracle) {
   const oracle::Pair pair = std::get<0>(GetParam());
   const CaseSet& set = kSets[std::get<1>(GetParam())];
   Survey survey(pair, set);
@@ -311,7 +311,7 @@ INSTANTIATE_TEST_SUITE_P(All, CylinderPairs,
 
 /// An axis-parallel box beside and below an upright cylinder. Both ends of every bracket share one
 /// support point: the corner against the rim.
-TEST(CylinderRegression, BoxBelowARim) {
+TEST(CylinderRegression, BoxBelowARim_HasItsDistance) {
   const Obb box{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(6, 2, 1), Eigen::Matrix3f::Identity()};
   const Cylinder cylinder{Eigen::Vector3f(0, 4, 5), Eigen::Vector3f(0, 0, 1), 3, 1};
   for (const Budget budget : {Budget{4, 6, 6}, Budget{8, 8, 8}, Budget{16, 64, 64}}) {
@@ -323,7 +323,7 @@ TEST(CylinderRegression, BoxBelowARim) {
   }
 }
 
-TEST(CylinderRegression, TriangleBelowARim) {
+TEST(CylinderRegression, TriangleBelowARim_HasItsDistance) {
   const Triangle triangle{Eigen::Vector3f(-6, 0, 0), Eigen::Vector3f(6, 0, 0),
                           Eigen::Vector3f(0, -5, 0)};
   const Cylinder cylinder{Eigen::Vector3f(0, 5, 2), Eigen::Vector3f(0, 0, 1), 1, 4};
@@ -336,7 +336,7 @@ TEST(CylinderRegression, TriangleBelowARim) {
 }
 
 /// Two rims that miss each other by 1.851e-4, where Newton's matrix is not definite.
-TEST(CylinderRegression, RimsThatMiss) {
+TEST(CylinderRegression, MissingRims_HaveTheirDistance) {
   const std::vector<double> a = {0,          0,          0, -0.213993683, 0.738440633, -0.639462352,
                                  1.26860404, 0.357277811};
   const std::vector<double> b = {0.19473657,   0.921042919, -2.12024307, -0.494172364,
@@ -348,7 +348,7 @@ TEST(CylinderRegression, RimsThatMiss) {
 
 /// Flat faces that touch in one point, which is CP up to s n/2: a triangle with a corner under a
 /// rim, and a face that ends there. Projections converge slowly along the tangent.
-TEST(CylinderRegression, TriangleThatEndsUnderARim) {
+TEST(CylinderRegression, TriangleEndingUnderARim_HasItsWitnessPoint) {
   const Triangle triangle{Eigen::Vector3f(3, -2, 2), Eigen::Vector3f(3, -6, 2),
                           Eigen::Vector3f(-1, -2, 2)};
   const Cylinder cylinder{Eigen::Vector3f(-1, 2, -3), Eigen::Vector3f(0, 0, 1), 1, 4};
@@ -358,7 +358,7 @@ TEST(CylinderRegression, TriangleThatEndsUnderARim) {
   EXPECT_NEAR((got.cp.cast<double>() - Vec(-1, -2, 0)).norm(), 0, 1e-5);
 }
 
-TEST(CylinderRegression, SideThatEndsUnderARim) {
+TEST(CylinderRegression, FaceEndingUnderARim_HasItsWitnessPoint) {
   const Cylinder lying{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(0, -1, 0), 1, 1};
   const Cylinder upright{Eigen::Vector3f(4, 1, 7), Eigen::Vector3f(0, 0, 1), 4, 4};
   const Outcome<float> got = reference::cylinder_cylinder<float>(lying, upright);
@@ -368,7 +368,7 @@ TEST(CylinderRegression, SideThatEndsUnderARim) {
 }
 
 /// Three points of a line, on a cap: the triangle ends at its outer points.
-TEST(CylinderRegression, TriangleWithoutAreaOnACap) {
+TEST(CylinderRegression, TriangleWithoutAreaOnACap_HasItsWitnessPoint) {
   const oracle::Triangle flat{Vec(4, -4, 2), Vec(-5, -4, -5), Vec(-2.75, -4, -3.25)};
   const oracle::Cylinder cylinder{Vec(-5, -6, -6.5), Vec(0, 1, 0), 2, 3};
   const Outcome<float> got = answer<float>(oracle::Pair::kTriangleCylinder, oracle::to_words(flat),
@@ -381,7 +381,7 @@ TEST(CylinderRegression, TriangleWithoutAreaOnACap) {
 
 /// A vertex on the rim of a cap, and another on the axis, from which all points of the rim are
 /// equally near.
-TEST(CylinderRegression, TriangleFromTheAxisToARim) {
+TEST(CylinderRegression, TriangleFromAxisToRim_HasItsWitnessPoint) {
   const oracle::Triangle triangle{Vec(0, 0, 0), Vec(1, -1, 0), Vec(-1, -1, 0)};
   const oracle::Cylinder cylinder{Vec(-2, 0, 0), Vec(1, 0, 0), 1, 1};
   const Outcome<float> got = answer<float>(
@@ -393,7 +393,7 @@ TEST(CylinderRegression, TriangleFromTheAxisToARim) {
 
 /// An edge beside a cylinder with a tilt of 1/1000. Over 2e-4 radian g is constant up to rounding,
 /// but the direction between the nearest points is not.
-TEST(CylinderRegression, NormalWhereTheGapIsFlat) {
+TEST(CylinderRegression, FlatDistance_HasACorrectNormal) {
   const std::vector<double> box = {0, 0, 0, 1, 2, 1, 0, 0, -1, 0, 1, 0, 1, 0, 0};
   const std::vector<double> cylinder = {3, 6, 0, 0.000936599099f, 0.000456357229f, 0.999999464f,
                                         4, 2};
@@ -406,7 +406,7 @@ TEST(CylinderRegression, NormalWhereTheGapIsFlat) {
 
 /// Upright edges and faces, deep inside. All samples must lie where the signed distance may have
 /// two maxima, none between a kink and itself.
-TEST(CylinderRegression, TriangleWithASecondMaximum) {
+TEST(CylinderRegression, TriangleWithASecondMaximum_FindsTheHigherOne) {
   const std::vector<double> triangles[] = {{2, 9, 0, 2, 1, 0, 2, 1, -1},
                                            {3, -8, -1, 3, 0, -1, 3, 0, 0},
                                            {0, -3.5, -3, 0, -2.5, -4, 0, 3.5, 4}};
@@ -422,7 +422,7 @@ TEST(CylinderRegression, TriangleWithASecondMaximum) {
 }
 
 /// A triangle that is a point on the axis: the lateral surface is equally near in all directions.
-TEST(CylinderRegression, PointOnTheAxis) {
+TEST(CylinderRegression, PointOnTheAxis_HasItsDistance) {
   const std::vector<double> cylinder = {0, 9, 14, 0, 0, -1, 4, 1};
   const std::vector<double> point = {0, 9, 11.5, 0, 9, 11.5, 0, 9, 11.5};
   const Outcome<float> got = answer<float>(oracle::Pair::kTriangleCylinder, point, cylinder, {});
@@ -433,7 +433,7 @@ TEST(CylinderRegression, PointOnTheAxis) {
 }
 
 /// A sliver whose normal is tilted by rounding, and its plane with it.
-TEST(CylinderRegression, WitnessOfASliver) {
+TEST(CylinderRegression, Sliver_HasItsWitnessPoint) {
   const std::vector<double> triangle = {23.3295059f, 21.9699345f, -12.1292601f,
                                         15.883009f,  17.2394485f, -6.54605389f,
                                         23.0407219f, 21.7864799f, -11.9127369f};
@@ -453,7 +453,7 @@ class CylinderWitnesses : public ::testing::TestWithParam<std::tuple<oracle::Pai
 
 /// How many of a million everyday pairs have a witness point beyond tolP. A distance decides it,
 /// without the oracle.
-TEST_P(CylinderWitnesses, LieOnTheBodies) {
+TEST_P(CylinderWitnesses, WitnessPoints_LieOnTheBodies) {
   const auto [pair, most_of_a_million] = GetParam();
   const int count = full() ? 1000000 : 20000;
   int beyond = 0;
@@ -529,7 +529,7 @@ oracle::Shape exact(const BasicTriangle<S>& t) {
 
 /// Scenes of size 1, operands rounded to the format. s_K is never above s. All but a counted few
 /// are within 2^8 u S (or the oracle's 1e-8 S) of it.
-TYPED_TEST(CylinderFormats, LowerBound) {
+TYPED_TEST(CylinderFormats, Formats_GiveALowerBound) {
   using S = TypeParam;
   const double u = reference::kUnitRoundoff<S>;
   int tried = 0, flagged = 0, low = 0;
@@ -567,7 +567,7 @@ TYPED_TEST(CylinderFormats, LowerBound) {
 
 // ---- The input contract ----
 
-TEST(CylinderContract, BadInputIsFlagged) {
+TEST(CylinderContract, BadInput_IsFlagged) {
   const oracle::Case good = oracle::generate(oracle::Pair::kCylinderCylinder, kSeed, 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();

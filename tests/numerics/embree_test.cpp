@@ -126,17 +126,17 @@ std::vector<Ray> rays_around(const Mesh& mesh, int n) {
   return rays;
 }
 
-TEST(Embree, AgreesOnTheTerrain) {
+TEST(Embree, Terrain_AgreesWithEmbree) {
   const Mesh mesh = cde::make_terrain({});
   compare("terrain", mesh, rays_around(mesh, 1024));
 }
 
-TEST(Embree, AgreesOnAClosedSphere) {
+TEST(Embree, ClosedSphere_AgreesWithEmbree) {
   const Mesh mesh = cde::load_mesh(CDE_SOURCE_DIR "/meshes/icosphere.ply");
   compare("icosphere", mesh, rays_around(mesh, 20000));
 }
 
-TEST(Embree, AgreesOnATorus) {
+TEST(Embree, Torus_AgreesWithEmbree) {
   const Mesh mesh = cde::load_mesh(CDE_SOURCE_DIR "/meshes/torus.stl");
   compare("torus", mesh, rays_around(mesh, 20000));
 }

@@ -45,34 +45,34 @@ void expect_hard_ones(const std::vector<Secondary>& all, std::size_t count) {
                      [](const Solid& s) { return text(s); });
 }
 
-class EverySolid : public ::testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(Scenes, EverySolid, ::testing::ValuesIn(kScenes),
+class BvhEverySolid : public ::testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, BvhEverySolid, ::testing::ValuesIn(kScenes),
                          [](const auto& test) { return std::string(test.param.name); });
 
 /// CDE_FULL=1: 20,000 of each in all.
-TEST_P(EverySolid, SphereIsThatOfAllTriangles) {
+TEST_P(BvhEverySolid, SphereAgainstTriangles_EqualsBruteForce) {
   expect_hard_ones<Sphere>(GetParam().make(), full() ? 2500 : 300);
 }
-TEST_P(EverySolid, ObbIsThatOfAllTriangles) {
+TEST_P(BvhEverySolid, ObbAgainstTriangles_EqualsBruteForce) {
   expect_hard_ones<Obb>(GetParam().make(), full() ? 2500 : 60);
 }
-TEST_P(EverySolid, TriangleIsThatOfAllTriangles) {
+TEST_P(BvhEverySolid, TriangleAgainstTriangles_EqualsBruteForce) {
   expect_hard_ones<Triangle>(GetParam().make(), full() ? 2500 : 60);
 }
 
-TEST_P(EverySolid, AabbIsThatOfAllTriangles) {
+TEST_P(BvhEverySolid, AabbAgainstTriangles_EqualsBruteForce) {
   expect_hard_ones<Aabb>(GetParam().make(), full() ? 2500 : 60);
 }
-TEST_P(EverySolid, OfAnyShapeIsThatOfAllObbs) {
+TEST_P(BvhEverySolid, SolidsAgainstObbs_EqualBruteForce) {
   const std::vector<Obb> boxes = obbs_of(GetParam().make());
   expect_hard_ones<Sphere>(boxes, full() ? 2500 : 150);
   expect_hard_ones<Obb>(boxes, full() ? 2500 : 60);
   expect_hard_ones<Triangle>(boxes, full() ? 2500 : 60);
 }
-TEST_P(EverySolid, TriangleIsThatOfAllAabbs) {
+TEST_P(BvhEverySolid, TriangleAgainstAabbs_EqualsBruteForce) {
   expect_hard_ones<Triangle>(aabbs_of(GetParam().make()), full() ? 2500 : 60);
 }
-TEST_P(EverySolid, OfAnyShapeIsThatOfAllSpheres) {
+TEST_P(BvhEverySolid, SolidsAgainstSpheres_EqualBruteForce) {
   const Cloud cloud = cloud_of(GetParam().make());
   expect_hard_ones<Obb>(cloud, full() ? 2500 : 150);
   expect_hard_ones<Triangle>(cloud, full() ? 2500 : 150);
@@ -101,7 +101,7 @@ void expect_rule_is_quiet(const std::vector<Secondary>& all, Pipe pipe, std::siz
   EXPECT_EQ(verdicts, 0u);
 }
 
-TEST_P(EverySolid, TheRuleChangesNoGap) {
+TEST_P(BvhEverySolid, BoxRule_ChangesNoDistance) {
   const TriangleScene scene = GetParam().make();
   const std::size_t count = std::max<std::size_t>(10, (full() ? 2'000'000 : 40'000) / scene.size());
   const std::size_t some = count / 8 + 10;
@@ -114,7 +114,7 @@ TEST_P(EverySolid, TheRuleChangesNoGap) {
 }
 
 /// If a pipe's answer is too small, the box distance replaces it, and F follows.
-TEST(GapBound, HoldsWhatIsTooLittle) {
+TEST(DistanceBound, TooSmallAnswer_IsRaisedToTheBound) {
   const Triangle t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Sphere sphere{{0.25f, 0.25f, 3}, 1};
   EXPECT_EQ(reference::gap_bound<float>(t, sphere), 2 - 4 * 0x1p-17f);
@@ -128,7 +128,7 @@ TEST(GapBound, HoldsWhatIsTooLittle) {
 }
 
 /// Nodes read for a sphere far from all triangles.
-TEST(HierarchyOfSolids, FarFromAll) {
+TEST(BvhForSolids, FarSphere_ReadsFewNodes) {
   const TriangleScene scene = triangles_of(make_terrain({.quads_x = 200, .quads_y = 200}));
   const Hierarchy tree = Hierarchy::build(scene);
   for (const float quads : {1.0f, 4.0f, 16.0f, 64.0f}) {
@@ -146,7 +146,7 @@ TEST(HierarchyOfSolids, FarFromAll) {
   }
 }
 
-TEST(HierarchyOfSolids, HasNoFarthest) {
+TEST(BvhForSolids, FarthestMode_IsRefused) {
   const TriangleScene scene = flat();
   const Hierarchy tree = Hierarchy::build(scene);
   reference::Traversal walk(scene, tree);

@@ -30,12 +30,12 @@ void expect_all(const Cloud& cloud, const std::vector<P>& primaries, std::size_t
   expect_all_records(cloud, primaries, modes, least, [](const P& p) { return text(p); });
 }
 
-class EveryCloud : public ::testing::TestWithParam<Case> {};
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryCloud, ::testing::ValuesIn(kScenes),
+class BvhEveryCloud : public ::testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, BvhEveryCloud, ::testing::ValuesIn(kScenes),
                          [](const auto& test) { return std::string(test.param.name); });
 
 /// CDE_FULL=1: a million rays and 200,000 spheres in all.
-TEST_P(EveryCloud, RayIsThatOfAllSpheres) {
+TEST_P(BvhEveryCloud, RaysAgainstSpheres_EqualBruteForce) {
   const Cloud cloud = cloud_of(GetParam().make());
   CloudRays draw(cloud, kSeed);
   std::vector<Ray> rays;
@@ -43,7 +43,7 @@ TEST_P(EveryCloud, RayIsThatOfAllSpheres) {
     rays.push_back(draw(i % CloudRays::kKinds));
   expect_all(cloud, rays, rays.size());
 }
-TEST_P(EveryCloud, SphereIsThatOfAllSpheres) {
+TEST_P(BvhEveryCloud, SpheresAgainstSpheres_EqualBruteForce) {
   const Cloud cloud = cloud_of(GetParam().make());
   CloudSpheres draw(cloud, kSeed);
   std::vector<Sphere> spheres;
@@ -53,7 +53,7 @@ TEST_P(EveryCloud, SphereIsThatOfAllSpheres) {
 }
 
 /// Where T^2 is not a normal number a hit can be anywhere: such rays meet all boxes.
-TEST(HierarchyOfSpheres, RaysOfAnyLength) {
+TEST(BvhOverSpheres, RaysOfAnyLength_EqualBruteForce) {
   for (const float size : {0x1p-33f, 0x1p-26f, 0x1p38f}) {
     Cloud cloud = cloud_of(kScenes[0].make());
     for (Sphere& s : cloud) s.c *= size, s.r = std::max(s.r * size, 0x1p-34f);
@@ -65,7 +65,7 @@ TEST(HierarchyOfSpheres, RaysOfAnyLength) {
 }
 
 /// Boxes are rounded outwards, so nodes contain their spheres.
-TEST(HierarchyOfSpheres, BoxesContainThem) {
+TEST(BvhOverSpheres, Boxes_ContainTheirSpheres) {
   Draw draw(kSeed);
   for (int i = 0; i < 100'000; ++i) {
     const Sphere s{draw.point() * draw.power(-30, 30), draw.power(-34, 30) * draw(1, 1.999f)};
@@ -82,7 +82,7 @@ TEST(HierarchyOfSpheres, BoxesContainThem) {
 }
 
 /// Spheres that moved keep their BVH, with new boxes.
-TEST(HierarchyOfSpheres, Refits) {
+TEST(BvhOverSpheres, Refit_KeepsRecordsEqualToBruteForce) {
   Cloud cloud = cloud_of(kScenes[0].make());
   Hierarchy tree = Hierarchy::build(cloud);
   Draw draw(kSeed);
@@ -99,7 +99,7 @@ TEST(HierarchyOfSpheres, Refits) {
   EXPECT_LT(walk.counts().secondaries, spheres.size() * cloud.size() / 4);
 }
 
-TEST(HierarchyOfSpheres, WhatIsRefused) {
+TEST(BvhOverSpheres, InvalidUse_IsRefused) {
   const Cloud cloud = {{{0, 0, 0}, 1}, {{3, 0, 0}, 1}};
   const Hierarchy tree = Hierarchy::build(cloud);
   EXPECT_THROW(reference::Traversal(std::span(cloud).first(1), tree), Error);

@@ -33,7 +33,7 @@ using namespace hard;
 constexpr Algorithm kAll[] = {Algorithm::kMoller, Algorithm::kBadouel, Algorithm::kPluecker,
                               Algorithm::kWatertight};
 
-class EveryRecord : public ::testing::TestWithParam<std::tuple<Case, Algorithm>> {
+class BvhEveryRecord : public ::testing::TestWithParam<std::tuple<Case, Algorithm>> {
  protected:
   /// The number of rays by algorithm: brute force with Moeller is fast, the others get fewer rays.
   [[nodiscard]] std::size_t rays(std::size_t by_moller) const {
@@ -53,7 +53,7 @@ class EveryRecord : public ::testing::TestWithParam<std::tuple<Case, Algorithm>>
   TriangleScene scene_ = std::get<0>(GetParam()).make();
   Algorithm algorithm_ = std::get<1>(GetParam());
 };
-INSTANTIATE_TEST_SUITE_P(Scenes, EveryRecord,
+INSTANTIATE_TEST_SUITE_P(Scenes, BvhEveryRecord,
                          ::testing::Combine(::testing::ValuesIn(kScenes),
                                             ::testing::ValuesIn(kAll)),
                          [](const auto& test) {
@@ -74,7 +74,7 @@ void expect_hits(reference::Traversal& traversal, const std::vector<Record>& all
 }
 
 /// CDE_FULL=1: ten million rays in all with moller, 2.5 million with watertight.
-TEST_P(EveryRecord, IsThatOfAllTriangles) {
+TEST_P(BvhEveryRecord, HardRays_EqualBruteForce) {
   const std::size_t count = rays(std::getenv("CDE_FULL") != nullptr ? 1'250'000 : 6'000);
   const TriangleScene& scene = scene_;
   Rays draw(scene, 1);
@@ -120,7 +120,7 @@ TEST_P(EveryRecord, IsThatOfAllTriangles) {
 }
 
 /// A BVH after a card's refit, with triangles that moved since it was built.
-TEST_P(EveryRecord, IsThatOfAllTrianglesAfterACardsRefit) {
+TEST_P(BvhEveryRecord, CardRefit_EqualsBruteForce) {
   const std::size_t count = rays(std::getenv("CDE_FULL") != nullptr ? 200'000 : 2'000);
   TriangleScene scene = scene_;
   for (const unsigned leaf : {1u, 2u}) {
@@ -160,7 +160,7 @@ TEST_P(EveryRecord, IsThatOfAllTrianglesAfterACardsRefit) {
 
 /// d is finite, but the sum of its components overflows. An infinite margin would accept a hit
 /// outside every box.
-TEST(BoxRule, HoldsWhereItsMarginOverflows) {
+TEST(BoxRule, OverflowingMargin_DropsTheHit) {
   const Ray ray = beyond_numbers();
   const TriangleScene scene = edge_on();
   const Record plain = reference::record_of(ray, scene[0], 0, 0);
@@ -186,7 +186,7 @@ double nodes_a_ray(const TriangleScene& scene, const Hierarchy& tree) {
 
 /// For few objects that moved among each other, the old BVH over them is as good as a new one.
 /// Prints the figures of docs/tables/bvh.md.
-TEST(HierarchyOfObjects, IsGoodWithinObjects) {
+TEST(BvhOverObjects, OldBvhOverFewObjects_IsAsGoodAsANewOne) {
   constexpr struct { std::uint32_t objects, each; } kCases[] = {{8, 320}, {40, 64}, {200, 12}};
   for (const auto& [objects, each] : kCases) {
     Draw draw(objects);
@@ -215,7 +215,7 @@ TEST(HierarchyOfObjects, IsGoodWithinObjects) {
 
 /// Rays from inside a closed mesh at its edges and vertices, for any position and size: a ray
 /// without a hit has left through a gap. CDE_FULL=1: four million rays.
-TEST(Watertight, DoesNotLeakThroughAHierarchy) {
+TEST(Watertight, RaysInAClosedMesh_DoNotLeak) {
   const std::size_t count = std::getenv("CDE_FULL") != nullptr ? 1'000'000 : 4'000;
   struct Place {
     float size;

@@ -344,7 +344,7 @@ std::array<Seen, kInvariants.size()> measured(const Parameter& p) {
 
 class Invariants : public ::testing::TestWithParam<Parameter> {};
 
-TEST_P(Invariants, Hold) {
+TEST_P(Invariants, Changes_KeepTheAnswer) {
   const Parameter p = GetParam();
   const auto all = measured(p);
   for (std::size_t k = 0; k < kInvariants.size(); ++k) {
@@ -379,7 +379,7 @@ std::string line_of(const Parameter& p, const std::array<Seen, kInvariants.size(
   return line;
 }
 
-TEST(InvariantsTable, IsThatOfTheDocs) {
+TEST(InvariantsTable, Figures_EqualTheDocs) {
   std::vector<std::string> lines;
   for (const Parameter& p : parameters())
     if (p.format == FpFormat{}) lines.push_back(line_of(p, measured(p)));

@@ -141,7 +141,7 @@ oracle::Verdict judged(const oracle::Case& c, const Outcome<float>& o) {
                        {.u = 0x1p-24, .gap = {}});
 }
 
-TEST(MeshNeighbours, CertificateHolds) {
+TEST(MeshNeighbours, Families_CertificateHolds) {
   for (const Family& family : kFamilies) {
     int hits = 0, wrong = 0;
     double c1 = 0, c2 = 0, witness = 0;
@@ -169,7 +169,7 @@ TEST(MeshNeighbours, CertificateHolds) {
 }
 
 // Whole coordinates give exact answers.
-TEST(MeshNeighbours, AreAnsweredExactlyWhereTheyStandInOnePlane) {
+TEST(MeshNeighbours, CoplanarTriangles_AreAnsweredExactly) {
   const Triangle one = primitive({0, 0, 0, 4, 0, 0, 0, 4, 0});
   const auto with = [&](const std::vector<double>& w) {
     return reference::triangle_triangle(one, primitive(w));
@@ -193,7 +193,7 @@ TEST(MeshNeighbours, AreAnsweredExactlyWhereTheyStandInOnePlane) {
 }
 
 // Exactly parallel edges, and a depth with two sides of which only one has the witness.
-TEST(MeshNeighbours, ThatWereWrongOnce) {
+TEST(MeshNeighbours, ParallelEdgesAndTwoSidedDepth_CertificateHolds) {
   const oracle::Case apart{oracle::Pair::kTriangleTriangle, 0, 0, "", {0, 0, 0, 3, 0, -3, -1, 0, 0},
                            {6, 0, -3, 0, 0, 1, 2, 0, 1}};
   const oracle::Case deep{

@@ -98,7 +98,7 @@ Truth decide(const Ray& ray, const ExactHit& exact, const cde::MollerBound& boun
 
 class MollerAgainstExact : public ::testing::TestWithParam<Case> {};
 
-TEST_P(MollerAgainstExact, DecidesRightOutsideTheBandAndKeepsItsBounds) {
+TEST_P(MollerAgainstExact, Decisions_AreRightOutsideTheBand) {
   constexpr int kRays = 40, kTriangles = 500;
   Generator generate(GetParam());
   cde::Board board = cde::Board::open(cde::BoardConfig{});
@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, MollerAgainstExact,
                                            Case{"Small", 0, 1e-3, 0.5}, Case{"Large", 0, 1e3, 0.5}),
                          [](const auto& info) { return info.param.name; });
 
-TEST(Exact, KnowsAHitByHand) {
+TEST(Exact, HandWorkedHit_IsExact) {
   Ray ray;
   ray.o = Vector3f(0.25f, 0.25f, 2);
   ray.d = Vector3f(0, 0, -0.5f);

@@ -107,7 +107,7 @@ Triangle flat_triangle(Random& random) {
   }
 }
 
-TEST_P(BoxRule, NoTriangleWithoutAreaIsHit) {
+TEST_P(BoxRule, TriangleWithoutArea_IsNeverHit) {
   constexpr int kCases = 4000;
   Random random;
   int cases = 0, plain = 0, boxed = 0;
@@ -132,7 +132,7 @@ TEST_P(BoxRule, NoTriangleWithoutAreaIsHit) {
   EXPECT_EQ(boxed, 0);
 }
 
-TEST_P(BoxRule, RaysInThePlaneHitTheBoxOrNothing) {
+TEST_P(BoxRule, RaysInThePlane_HitTheBoxOrNothing) {
   constexpr int kCases = 4000;
   Random random;
   int cases = 0, plain = 0, boxed = 0;
@@ -248,7 +248,7 @@ bool certain(const Algorithm& algorithm, const Ray& ray, const Triangle& triangl
          t * direction > kU * depth / cos;
 }
 
-TEST_P(BoxRule, DropsNoCertainHitOfPlainTriangles) {
+TEST_P(BoxRule, CertainHitsOfPlainTriangles_AreKept) {
   constexpr int kPairs = 20000;
   const bool own_t = std::string(GetParam().name) == "pluecker";  // divided by N.D
   for (const Scene& scene : kScenes) {
@@ -291,7 +291,7 @@ std::string grouped(int n) {
 }
 
 /// Dropped hits of rays aimed at the inside of needles, by their height over their length.
-TEST(Needles, CertainHitsAreDroppedAsTheDocsSay) {
+TEST(Needles, DroppedCertainHits_EqualTheDocs) {
   constexpr int kPairs = 10000;
   std::vector<std::string> lines;
   for (const int width : {4, 8, 10, 12, 14, 16}) {
@@ -334,7 +334,7 @@ TEST(Needles, CertainHitsAreDroppedAsTheDocsSay) {
   expect_in_docs("tables/pairs.md", lines);
 }
 
-TEST(FlatTriangle, IsFlatAtEveryScale) {
+TEST(FlatTriangle, FlatTriangle_IsFlatAtEveryScale) {
   // A triangle is flat at any size: the test scales.
   for (const float size : {0x1p-50f, 1.0f, 0x1p50f}) {
     const auto scaled = [size](float x, float y, float z) -> Vector3f {
@@ -347,7 +347,7 @@ TEST(FlatTriangle, IsFlatAtEveryScale) {
   }
 }
 
-TEST(FlatTriangle, IsFlatInEveryFormat) {
+TEST(FlatTriangle, FlatTriangle_IsFlatInEveryFormat) {
   // 4 u against the roundings of edges and products, where u is largest.
   const auto count = []<typename S>(S) {
     Random random;
@@ -386,7 +386,7 @@ void with_every_pipe(With with) {
   with("ray-cylinder", [&](const Ray& r) { return reference::ray_cylinder(r, cylinder); });
 }
 
-TEST(RayHits, AreFinite) {
+TEST(RayHits, Hits_AreFinite) {
   with_every_pipe([](const std::string& name, auto run) {
     SCOPED_TRACE(name);
     const auto met = run({{0, 0, 20}, {0, 0, -1}});
@@ -412,7 +412,7 @@ TEST(RayHits, AreFinite) {
   });
 }
 
-TEST(RayHits, AreNeverAtMinusZero) {
+TEST(RayHits, HitsAtZero_AreNeverMinusZero) {
   with_every_pipe([](const std::string& name, auto run) {
     SCOPED_TRACE(name);
     int zeros = 0;
@@ -431,7 +431,7 @@ TEST(RayHits, AreNeverAtMinusZero) {
 
 /// Lengths whose fourth powers leave the format, over the range of the contract: only products of
 /// two lengths remain.
-TEST(RayHits, KeepTheirRange) {
+TEST(RayHits, WholeRange_KeepsHits) {
   for (int e = -34; e <= 38; e += 4) {
     const float s = std::ldexp(1.0f, e);
     const auto ball = reference::ray_sphere(Ray{{0, 0, -3 * s}, {0, 0, s}}, Sphere{{0, 0, 0}, s});
@@ -447,7 +447,7 @@ TEST(RayHits, KeepTheirRange) {
 
 // ---- Ties of the dominant axis ----
 
-TEST(DominantAxis, TiesGoToTheLowestIndex) {
+TEST(DominantAxis, Ties_TakeTheLowestAxis) {
   for (int low = 0; low < 3; ++low)
     for (int high = low + 1; high < 3; ++high)
       for (const float a : {1.0f, -1.0f})
@@ -466,7 +466,7 @@ TEST(DominantAxis, TiesGoToTheLowestIndex) {
 
 /// Triangles in x + y = 1 and similar planes, and rays equally steep along two axes, against exact
 /// arithmetic. Either choice of the axis must be right where the answer is certain.
-TEST_P(BoxRule, TiesOfTheDominantAxisAreRight) {
+TEST_P(BoxRule, TiesOfTheDominantAxis_AreRight) {
   Random random;
   int hits = 0, sure = 0, dominant = 0;
   for (int i = 0; i < 6000; ++i) {

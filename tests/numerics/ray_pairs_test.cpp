@@ -255,7 +255,7 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(std::get<0>(info.param).name) + "_" + std::get<1>(info.param)->name;
     });
 
-TEST_P(RayTriangle, IsRightOutsideItsBand) {
+TEST_P(RayTriangle, Decisions_AreRightOutsideTheBand) {
   const auto& [scene, algorithm] = GetParam();
   expect_right<float>(*algorithm, scene, 4000, "fp32");
 }
@@ -265,7 +265,7 @@ INSTANTIATE_TEST_SUITE_P(Algorithms, RayTriangleFormats,
                          ::testing::Values(&kBadouel, &kPluecker, &kWatertight),
                          [](const auto& info) { return std::string(info.param->name); });
 
-TEST_P(RayTriangleFormats, TheBandScalesWithTheRoundoff) {
+TEST_P(RayTriangleFormats, Band_ScalesWithTheRoundoff) {
   const Scene scene{"Unit", 0, 4, 2, 0.1, 1, 0.3};
   expect_right<Fp16>(*GetParam(), scene, 2000, "fp16");
   expect_right<Bf16>(*GetParam(), scene, 2000, "bf16", 0.95);
@@ -300,7 +300,7 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
 
 /// Rays from inside a closed mesh, aimed at its edges and vertices, where the rounded point lies on
 /// either side.
-TEST(Leaks, IcosphereFromInside) {
+TEST(Leaks, RaysInAnIcosphere_LeakOnlyWithoutWatertight) {
   constexpr int kRays = 20000;
   const std::vector<Triangle> mesh =
       triangles_of(load_mesh(std::string(CDE_SOURCE_DIR) + "/meshes/icosphere.ply"));
@@ -326,7 +326,7 @@ TEST(Leaks, IcosphereFromInside) {
 /// Embree's recipe: a sphere of radius 2 with 200 by 200 quads, and rays from anywhere inside in
 /// any direction. It lies so far from the world's origin that vertices stand on a grid of 1/64. On
 /// this grid differences and products are exact, so Moeller does not leak either.
-TEST(Leaks, SphereFarFromTheOrigin) {
+TEST(Leaks, FarSphere_LeaksOnlyInWorldCoordinates) {
   constexpr int kSteps = 200, kRays = 300;
   const Vector3d centre(148376, 1234, -223423);
   std::vector<Vector3f> vertices;
@@ -394,7 +394,7 @@ int leaks_of_octahedron(int rays) {
   return leaked;
 }
 
-TEST(Leaks, NoneInAnyFormat) {
+TEST(Leaks, Watertight_LeaksInNoFormat) {
   constexpr int kRays = 20000;
   EXPECT_EQ(leaks_of_octahedron<Fp16>(kRays), 0);
   EXPECT_EQ(leaks_of_octahedron<Bf16>(kRays), 0);
@@ -431,7 +431,7 @@ reference::Outcome<float> woop(const Ray& ray, const Triangle& triangle, float& 
   return r;
 }
 
-TEST(Watertight, IsTheAlgorithmOfItsAuthors) {
+TEST(Watertight, Watertight_EqualsThePublishedAlgorithm) {
   Random random;
   int hits = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -456,7 +456,7 @@ INSTANTIATE_TEST_SUITE_P(Algorithms, EveryAlgorithm, ::testing::ValuesIn(kAll),
 
 const Triangle kPlain{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}};
 
-TEST_P(EveryAlgorithm, HitsCornersEdgesAndBothFaces) {
+TEST_P(EveryAlgorithm, CornersEdgesAndBothFaces_AreHit) {
   const ReferenceF run = GetParam().second;
   const Triangle turned{kPlain.v0, kPlain.v2, kPlain.v1};
   for (const Triangle& triangle : {kPlain, turned}) {
@@ -479,7 +479,7 @@ TEST_P(EveryAlgorithm, HitsCornersEdgesAndBothFaces) {
   }
 }
 
-TEST_P(EveryAlgorithm, IntervalEndsBelongToIt) {
+TEST_P(EveryAlgorithm, IntervalEnds_AreInside) {
   const ReferenceF run = GetParam().second;
   const auto hit = [&](float tmin, float tmax) {
     return run({{0.25f, 0.25f, 0}, {0, 0, 1}, tmin, tmax}, kPlain).f;
@@ -494,7 +494,7 @@ TEST_P(EveryAlgorithm, IntervalEndsBelongToIt) {
   EXPECT_FALSE(hit(-kInf, 0));
 }
 
-TEST_P(EveryAlgorithm, MissesWhatHasNoAreaAsItSeesIt) {
+TEST_P(EveryAlgorithm, TrianglesWithoutApparentArea_AreMissed) {
   const ReferenceF run = GetParam().second;
   const Vector3f a(0, 0, 2), b(1, 0, 2), c(2, 0, 2);
   const Ray down{{0.5f, 0, 0}, {0, 0, 1}};
@@ -505,7 +505,7 @@ TEST_P(EveryAlgorithm, MissesWhatHasNoAreaAsItSeesIt) {
   EXPECT_FALSE(run({{-1, 0.25f, 1}, {1, 0, 0}}, kPlain).f) << "ray parallel to its plane";
 }
 
-TEST_P(EveryAlgorithm, AMissIsInfinityAndZero) {
+TEST_P(EveryAlgorithm, Miss_IsInfinityAndZero) {
   const auto got = GetParam().second({{5, 5, 0}, {0, 0, 1}}, kPlain);
   EXPECT_FALSE(got.f);
   EXPECT_FALSE(got.bad);
@@ -513,7 +513,7 @@ TEST_P(EveryAlgorithm, AMissIsInfinityAndZero) {
   EXPECT_EQ(got.cp, Vector3f(0, 0, 0));
 }
 
-TEST_P(EveryAlgorithm, FlagsBadInputInEveryWord) {
+TEST_P(EveryAlgorithm, BadInputInAnyWord_IsFlagged) {
   const ReferenceF run = GetParam().second;
   const Ray ray{{0.25f, 0.25f, 0}, {0, 0, 1}};
   for (const float poison : {std::numeric_limits<float>::quiet_NaN(), kInf, -kInf}) {
@@ -532,7 +532,7 @@ TEST_P(EveryAlgorithm, FlagsBadInputInEveryWord) {
 
 // ---- The table of docs/reference/pairs_rays.md ----
 
-TEST(Operators, AreThoseOfTheDocs) {
+TEST(Operators, Counts_EqualTheDocs) {
   std::string multipliers = "| multipliers |", dividers = "| dividers |",
               adders = "| adders, subtractors |", comparators = "| comparators |",
               clocks = "| cycles at one per operator |";

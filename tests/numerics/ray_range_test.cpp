@@ -160,7 +160,7 @@ std::unique_ptr<Expected> expected(const oracle::Case& c, Algorithm algorithm, d
 
 class RayRange : public ::testing::TestWithParam<Parameter> {};
 
-TEST_P(RayRange, AnswersAreWithinTheBandsOverAllOfIt) {
+TEST_P(RayRange, WholeRange_IsRightOutsideTheBands) {
   const auto [pair, algorithm, format] = GetParam();
   const Shape target = secondary_shape(pair);
   const LengthRange range = LengthRange::of(format.exp_bits, format.man_bits),

@@ -249,7 +249,7 @@ std::string scene_name(const ::testing::TestParamInfo<Scene>& info) {
 class RaySphereScene : public ::testing::TestWithParam<Scene> {};
 INSTANTIATE_TEST_SUITE_P(Scenes, RaySphereScene, ::testing::ValuesIn(kScenes), scene_name);
 INSTANTIATE_TEST_SUITE_P(Tangents, RaySphereScene, ::testing::ValuesIn(kTangents), scene_name);
-TEST_P(RaySphereScene, IsRightOutsideItsBand) {
+TEST_P(RaySphereScene, Decisions_AreRightOutsideTheBand) {
   expect_right<float, SphereCase>(GetParam(), 10000, "fp32");
 }
 
@@ -258,7 +258,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, RayCylinderScene, ::testing::ValuesIn(kScenes),
 INSTANTIATE_TEST_SUITE_P(Tangents, RayCylinderScene, ::testing::ValuesIn(kTangents), scene_name);
 INSTANTIATE_TEST_SUITE_P(Shapes, RayCylinderScene, ::testing::ValuesIn(kCylinderShapes),
                          scene_name);
-TEST_P(RayCylinderScene, IsRightOutsideItsBand) {
+TEST_P(RayCylinderScene, Decisions_AreRightOutsideTheBand) {
   expect_right<float, CylinderCase>(GetParam(), 10000, "fp32");
 }
 
@@ -315,7 +315,7 @@ double worst_miss(std::span<const Scene> scenes, int rays) {
 
 // More rays find larger distances: the page states the figures for a million and ten million rays
 // per scene.
-TEST(RaySolidFigures, SurfacesAreMissedByWhatTheDocsSay) {
+TEST(RaySolidFigures, RandomRays_MissSurfacesAsTheDocsState) {
   const int millions = amount(1, 10);
   std::vector<Scene> balls(std::begin(kScenes), std::end(kScenes));
   balls.insert(balls.end(), std::begin(kTangents), std::end(kTangents));
@@ -371,7 +371,7 @@ double worst_found(int searches) {
 }
 
 // The bounds are sums of roundings. Random rays do not come close to them; searches come closer.
-TEST(RaySolidFigures, SearchesForTheWorstFindWhatTheDocsSay) {
+TEST(RaySolidFigures, SearchesForTheWorst_EqualTheDocs) {
   constexpr int kSearches = 600;
   const double sphere = worst_found<SphereCase>(kSearches),
                cylinder = worst_found<CylinderCase>(kSearches);
@@ -386,13 +386,13 @@ TEST(RaySolidFigures, SearchesForTheWorstFindWhatTheDocsSay) {
 
 const Scene kUnitScene{"Unit", 1, -0.2, 0.5, 0, 0.3};
 
-TEST(RaySolidFormats, Sphere) {
+TEST(RaySolidFormats, Sphere_IsRightInEveryFormat) {
   expect_right<Fp16, SphereCase>(kUnitScene, 4000, "fp16");
   expect_right<Bf16, SphereCase>(kUnitScene, 4000, "bf16");
   expect_right<Fp24, SphereCase>(kUnitScene, 4000, "fp24");
   expect_right<double, SphereCase>(kUnitScene, 4000, "fp64");
 }
-TEST(RaySolidFormats, Cylinder) {
+TEST(RaySolidFormats, Cylinder_IsRightInEveryFormat) {
   expect_right<Fp16, CylinderCase>(kUnitScene, 4000, "fp16");
   expect_right<Bf16, CylinderCase>(kUnitScene, 4000, "bf16");
   expect_right<Fp24, CylinderCase>(kUnitScene, 4000, "fp24");
@@ -459,7 +459,7 @@ INSTANTIATE_TEST_SUITE_P(
         Known{"CylinderTinyDirection", true, {{0, 0, 0}, {0x1p-34f, 0, 0x1p-34f}}, true, 0x1p34f}),
     [](const auto& info) { return info.param.name; });
 
-TEST_P(RaySolidKnown, Answer) {
+TEST_P(RaySolidKnown, Case_HasItsAnswer) {
   const Known& known = GetParam();
   const reference::Outcome<float> got = known.cylinder ? reference::ray_cylinder(known.ray, kCan)
                                                        : reference::ray_sphere(known.ray, kBall);
@@ -471,7 +471,7 @@ TEST_P(RaySolidKnown, Answer) {
 }
 
 /// The reason for the pipe's formula: b^2 - ac would be wrong in a quarter of the cases.
-TEST(RaySphere, TenThousandRadiiAwayTheTextbookIsWrong) {
+TEST(RaySphere, FarRay_IsRightWhereTheTextbookIsWrong) {
   Random random;
   const Scene far{"", 1, 4, 4, 0, 0, 0, false, 0};
   constexpr int kPairs = 10000;
@@ -496,7 +496,7 @@ TEST(RaySphere, TenThousandRadiiAwayTheTextbookIsWrong) {
 
 /// A ray nearly along the axis, from 10,000 radii away. There n = d x a is only rounding error. If
 /// n kept its part along the axis, w.n would multiply that part by 10,000.
-TEST(RayCylinder, RoundingOfTheNormalAlongTheAxisDoesNotCount) {
+TEST(RayCylinder, RayNearTheAxis_IgnoresRoundingOfTheNormal) {
   Random random;
   int hits = 0;
   constexpr int kRays = 2000;
@@ -514,7 +514,7 @@ TEST(RayCylinder, RoundingOfTheNormalAlongTheAxisDoesNotCount) {
 
 /// Every angle from the axis down to zero. (e/A)^2 and r^2/A overflow long before 1 / A does. If 1
 /// / A alone decided that a ray is parallel to the axis, rays through the solid would miss it.
-TEST(RayCylinder, TiltedByAnythingFromTheAxis) {
+TEST(RayCylinder, AnyTiltFromTheAxis_HitsTheSolid) {
   Random random;
   int hits = 0, misses = 0, tiny = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -580,7 +580,7 @@ void expect_bad_in_every_word(const Ray& ray, const P& solid, Reference run) {
   expect_bad(Ray{ray.o, {0, -0.0f, 0}}, solid, "zero direction");
 }
 
-TEST(RaySolids, BadInputIsFlaggedInEveryWord) {
+TEST(RaySolids, BadInputInAnyWord_IsFlagged) {
   const Ray ray{{1, 2, -5}, {0.1f, 0, 1}};
   expect_bad_in_every_word(ray, kBall, reference::ray_sphere<float>);
   expect_bad_in_every_word(ray, kCan, reference::ray_cylinder<float>);

@@ -107,7 +107,7 @@ void expect_sound(const std::vector<Node>& nodes, const std::vector<std::uint32_
   }
 }
 
-TEST(Refit, BoxesContainTheirTriangles) {
+TEST(Refit, Boxes_ContainTheirTriangles) {
   RefitDice dice(1);
   for (const RefitScene& scene : kRefitScenes) {
     SCOPED_TRACE(scene.name);
@@ -125,7 +125,7 @@ TEST(Refit, BoxesContainTheirTriangles) {
 }
 
 /// BVHs over other triangles, so that nodes have any size anywhere.
-TEST(Refit, BoxesContainTrianglesOfAnyTree) {
+TEST(Refit, BoxesOfAnyBvh_ContainTheirTriangles) {
   RefitDice dice(2);
   for (int i = 0; i < 300; ++i) {
     const RandomTree tree = random_tree(1 + dice.below(60), dice);
@@ -141,7 +141,7 @@ TEST(Refit, BoxesContainTrianglesOfAnyTree) {
   }
 }
 
-TEST(Refit, TwiceIsOnce) {
+TEST(Refit, SecondRefit_ChangesNothing) {
   RefitDice dice(3);
   for (const RefitScene& scene : kRefitScenes) {
     const Triangles triangles = scene.make(500, dice);
@@ -151,14 +151,14 @@ TEST(Refit, TwiceIsOnce) {
   }
 }
 
-TEST(Refit, OfNothing) {
+TEST(Refit, EmptyBvh_StaysEmpty) {
   const auto refitted = reference::refit(Hierarchy().nodes(), {}, Triangles{});
   EXPECT_TRUE(std::ranges::equal(refitted.nodes, Hierarchy().nodes()));
   EXPECT_FALSE(refitted.bad);
 }
 
 /// Boxes are built from boxes of bytes, so rays visit more nodes than in a new BVH.
-TEST(Refit, CostsFewVisits) {
+TEST(Refit, RefittedBvh_CostsFewMoreVisits) {
   const Mesh mesh = make_terrain();
   Triangles triangles;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));
@@ -179,7 +179,7 @@ TEST(Refit, CostsFewVisits) {
   }
 }
 
-TEST(Refit, SaysWhichTriangleHasNoBox) {
+TEST(Refit, TriangleWithoutABox_IsNamed) {
   RefitDice dice(5);
   const Triangles good = kRefitScenes[1].make(100, dice);
   const Hierarchy tree = Hierarchy::build(good);

@@ -45,7 +45,7 @@ bool agree(const PairResult& r, FpFormat format) {
 
 class Scaling : public ::testing::TestWithParam<Parameter> {};
 
-TEST_P(Scaling, ByAPowerOfTwoIsExact) {
+TEST_P(Scaling, PowerOfTwo_ScalesExactly) {
   const auto [pair, algorithm, plane, format] = GetParam();
   const Shape a = primary_shape(pair), b = secondary_shape(pair);
   const double least = std::ldexp(1, 2 - (1 << (format.exp_bits - 1)));
@@ -140,7 +140,7 @@ TEST_P(Scaling, ByAPowerOfTwoIsExact) {
 
 /// Sizes and coordinates with every ratio that the range allows, in a pair of solids. Answers meet
 /// the contract of the convex pairs: 16 u S, and 16 u S + 4 u L for the witness points.
-TEST_P(Scaling, SizesMayHaveAnyRatio) {
+TEST_P(Scaling, SizesOfAnyRatio_MeetTheContract) {
   const auto [pair, algorithm, plane, format] = GetParam();
   if (!is_solid(pair) || plane == PlaneSide::kHalfSpace) return;
   const auto [low, high] = LengthRange::of(format.exp_bits, format.man_bits);
@@ -226,7 +226,7 @@ std::string label(const ::testing::TestParamInfo<Parameter>& info) {
 INSTANTIATE_TEST_SUITE_P(Pairs, Scaling, ::testing::ValuesIn(parameters()), label);
 
 /// Touching pairs in fp16, whose T is below the normal numbers: F = 1, or T is not zero.
-TEST(Touching, FAndTAgree) {
+TEST(Touching, FAndT_Agree) {
   constexpr FpFormat kFp16{5, 10};
   struct Touching {
     Pair pair;
@@ -250,7 +250,7 @@ TEST(Touching, FAndTAgree) {
 }
 
 /// Pairs far from size one whose answers are known in closed form.
-TEST(Range, KnownAnswers) {
+TEST(Range, KnownPairs_HaveTheirAnswers) {
   struct Known {
     Pair pair;
     FpFormat format;

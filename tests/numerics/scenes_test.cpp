@@ -90,7 +90,7 @@ Row judge_ray(const Case& c, const Result& o) {
 
 class Everyday : public ::testing::TestWithParam<Kind> {};
 
-TEST_P(Everyday, IsRight) {
+TEST_P(Everyday, Scenes_AreRight) {
   const Kind pair = GetParam();
   const int count = amount(2000, 20000);
   std::map<std::string, Row> families;

@@ -47,7 +47,7 @@ std::string row(Pair pair, const char* whose, const Tally& t) {
                      t.add + t.sub + t.mul + t.div + t.sqrt + t.cmp + t.minmax);
 }
 
-TEST(Textbook, OperatorsAreThoseOfTheDocs) {
+TEST(Textbook, Operators_EqualTheDocs) {
   namespace book = accuracy::textbook;
   using S = Counted;
   using Triangle = BasicTriangle<S>;

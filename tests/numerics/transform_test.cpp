@@ -65,7 +65,7 @@ double share(const Eigen::Vector3f& got, const Eigen::Vector3d& exact,
   return ((got.cast<double>() - exact).cwiseAbs().array() / bound.array()).maxCoeff();
 }
 
-TEST(TransformNumerics, EveryWordIsWithinItsRoundings) {
+TEST(TransformNumerics, EveryWord_IsWithinItsRounding) {
   Motions random;
   double point = 0, direction = 0, distance = 0, box = 0;
   for (int i = 0; i < 200'000; ++i) {
@@ -162,7 +162,7 @@ class Gaps {
   int hits_ = 0, misses_ = 0;
 };
 
-TEST(TransformNumerics, AnswersAreThoseOfTheMotionInDoublePrecision) {
+TEST(TransformNumerics, Answers_EqualTheMotionInDoublePrecision) {
   Motions random;
   Gaps spheres(Pair::kSphereSphere), triangles(Pair::kTriangleSphere), boxes(Pair::kSphereObb);
   for (int i = 0; i < 50'000; ++i) {

@@ -85,10 +85,10 @@ class Proposals {
 };
 
 template <class>
-class Verdict : public ::testing::Test {};
-TYPED_TEST_SUITE(Verdict, AllBodies);
+class CertifiedFilter : public ::testing::Test {};
+TYPED_TEST_SUITE(CertifiedFilter, AllBodies);
 
-TYPED_TEST(Verdict, IsTrueWhateverIsProposed) {
+TYPED_TEST(CertifiedFilter, AnyProposal_GivesOnlyTrueCertainties) {
   using A = typename TypeParam::template A<float>;
   using B = typename TypeParam::template B<float>;
   Proposals proposals;
@@ -112,7 +112,7 @@ TYPED_TEST(Verdict, IsTrueWhateverIsProposed) {
 }
 
 /// The signed distance along n in binary32 and binary64 on the same words.
-TYPED_TEST(Verdict, RoundingIsWithinItsBound) {
+TYPED_TEST(CertifiedFilter, Rounding_IsWithinItsBound) {
   using A = typename TypeParam::template A<float>;
   using B = typename TypeParam::template B<float>;
   using WideA = typename TypeParam::template A<double>;
@@ -139,7 +139,7 @@ TYPED_TEST(Verdict, RoundingIsWithinItsBound) {
   EXPECT_GT(most, 0.1);
 }
 
-TYPED_TEST(Verdict, OperatorsAreThoseOfTheDocs) {
+TYPED_TEST(CertifiedFilter, Operators_EqualTheDocs) {
   using cde::testing::Counted;
   const oracle::Case c = oracle::generate(TypeParam::kPair, kSeed, 2);
   const auto count = [&](auto decide) {
@@ -164,7 +164,7 @@ TYPED_TEST(Verdict, OperatorsAreThoseOfTheDocs) {
       {fmt::format("| {} | {} | {} | {} |", name(TypeParam::kPair), text, sum, pipe)});
 }
 
-TYPED_TEST(Verdict, LeavesLittleOpenOfRandomPairs) {
+TYPED_TEST(CertifiedFilter, RandomPairs_AreMostlyCertain) {
   std::vector<std::uint64_t> a, b;
   std::size_t count = 0;
   for (const oracle::Family& family : oracle::families(TypeParam::kPair)) {

@@ -40,7 +40,7 @@ struct Valid {
 
 class EveryPair : public testing::TestWithParam<Pair> {};
 
-TEST_P(EveryPair, GeneratesValidWordsTheSameEveryTime) {
+TEST_P(EveryPair, Cases_AreValidAndReproducible) {
   std::map<std::string, int> families;
   for (int i = 0; i < kCount; ++i) {
     const Case c = generate(GetParam(), kSeed, i), again = generate(GetParam(), kSeed, i);
@@ -63,7 +63,7 @@ TEST_P(EveryPair, GeneratesValidWordsTheSameEveryTime) {
             generate(GetParam(), kSeed + 1, 0).describe());
 }
 
-TEST_P(EveryPair, IsDecidedBothWaysAndHalfOfItNearTheDecision) {
+TEST_P(EveryPair, Cases_AreHalfNearTheDecision) {
   int near = 0, hits = 0, even_hits = 0, band = 0;
   for (int i = 0; i < kCount; ++i) {
     const Case c = generate(GetParam(), kSeed, i);
@@ -93,7 +93,7 @@ TEST_P(EveryPair, IsDecidedBothWaysAndHalfOfItNearTheDecision) {
 }
 
 /// The processor rounds to nearest even in binary32.
-TEST(Formats, RoundAndStepAsTheProcessorDoes) {
+TEST(OracleFormats, RoundAndStep_EqualTheProcessor) {
   const Format format;
   Random random(kSeed, 0, 0);
   int checked = 0;
@@ -129,7 +129,7 @@ TEST(Formats, RoundAndStepAsTheProcessorDoes) {
     }
 }
 
-TEST_P(EveryPair, IsOfTheFormatItIsAskedFor) {
+TEST_P(EveryPair, Cases_FitTheRequestedFormat) {
   for (const Format format : {Format{5, 10}, Format{8, 7}, Format{7, 16}, Format{11, 52}}) {
     int finer = 0;
     for (int i = 0; i < 280; ++i) {
@@ -147,7 +147,7 @@ TEST_P(EveryPair, IsOfTheFormatItIsAskedFor) {
   }
 }
 
-TEST_P(EveryPair, EverydayCasesAreValidOfTheirFormatAndTheSameEveryTime) {
+TEST_P(EveryPair, EverydayCases_AreValidAndReproducible) {
   for (const Format format : {Format{}, Format{5, 10}, Format{11, 52}}) {
     std::map<std::string, int> families;
     int whole = 0;
@@ -173,7 +173,7 @@ TEST_P(EveryPair, EverydayCasesAreValidOfTheirFormatAndTheSameEveryTime) {
   EXPECT_NE(everyday(GetParam(), kSeed, 0).describe(), generate(GetParam(), kSeed, 0).describe());
 }
 
-TEST_P(EveryPair, KeepsItsShapeThroughTheWords) {
+TEST_P(EveryPair, Words_KeepTheShape) {
   for (int i = 0; i < 100; ++i) {
     const Case c = generate(GetParam(), kSeed, i);
     EXPECT_EQ(to_words(c.shape_b()), c.b);
@@ -187,7 +187,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryPair, testing::ValuesIn(kPairs), [](const aut
   return name;
 });
 
-TEST(Words, AreInTheOrderOfTheSlot) {
+TEST(OracleWords, Words_AreInSlotOrder) {
   const std::vector<double> words = {1, 2, 3, 4, 5, 6, 0, -1, 0, 1, 0, 0, 0, 0, 1};
   const auto box = std::get<Obb>(shape_from_words(ShapeKind::kObb, words));
   EXPECT_EQ(box.c, Vec(1, 2, 3));

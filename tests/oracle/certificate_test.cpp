@@ -43,7 +43,7 @@ SpherePair sphere_pair(int i) {
 
 constexpr int kCount = 500;
 
-TEST(Certificate, PassesTheRightAnswer) {
+TEST(Certificate, CorrectAnswer_Passes) {
   int hits = 0, band = 0;
   for (int i = 0; i < kCount; ++i) {
     const SpherePair p = sphere_pair(i);
@@ -58,7 +58,7 @@ TEST(Certificate, PassesTheRightAnswer) {
   EXPECT_GT(band, kCount / 20);
 }
 
-TEST(Certificate, NamesWhatIsWrong) {
+TEST(Certificate, WrongAnswer_IsNamed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   int decided = 0;
   for (int i = 0; i < kCount; ++i) {
@@ -95,7 +95,7 @@ TEST(Certificate, NamesWhatIsWrong) {
   EXPECT_GT(decided, kCount / 3);
 }
 
-TEST(Certificate, CountsAWrongFlagInsideTheBandInsteadOfFailingIt) {
+TEST(Certificate, WrongFlagInTheBand_IsCounted) {
   const Shape a = Sphere{Vec::Zero(), 1}, b = Sphere{Vec(0, 0, 2 + 1e-7), 1};
   const Result result{true, 0, Vec(0, 0, 1), Vec::UnitZ()};
   const Verdict v = check(a, b, result);
@@ -105,7 +105,7 @@ TEST(Certificate, CountsAWrongFlagInsideTheBandInsteadOfFailingIt) {
   EXPECT_EQ(check(a, b, result, {.u = 0x1p-40}).failure, Failure::kFlag);
 }
 
-TEST(Certificate, KnowsThatAPlaneHasTwoNormals) {
+TEST(Certificate, BothNormalsOfAPlane_AreAccepted) {
   const Shape box = Obb{Vec(0, 0, 3), Vec::Ones(), Eigen::Matrix3d::Identity()};
   const Shape plane = Plane{Vec::UnitZ(), 1};
   const Result right{false, 1, Vec(0.5, -0.5, 1.5), -Vec::UnitZ()};
@@ -123,7 +123,7 @@ TEST(Certificate, KnowsThatAPlaneHasTwoNormals) {
   EXPECT_EQ(check(box, plane, flipped).failure, Failure::kCertificate);
 }
 
-TEST(Certificate, OfALowerBoundReportsTheShortfallAndStillRefusesAMiss) {
+TEST(Certificate, LowerBound_ReportsShortfallAndRefusesAMiss) {
   int short_of = 0, false_hits = 0, refused = 0;
   for (int i = 0; i < kCount; ++i) {
     const Case c = generate(Pair::kCylinderCylinder, kSeed, i);
@@ -156,7 +156,7 @@ TEST(Certificate, OfALowerBoundReportsTheShortfallAndStillRefusesAMiss) {
   EXPECT_GT(refused, kCount / 5);
 }
 
-TEST(Certificate, SaysSoWhenTheOracleItselfIsTooVague) {
+TEST(Certificate, VagueOracle_IsReported) {
   const Case c = generate(Pair::kObbObb, kSeed, 3);
   const Shape a = c.shape_a(), b = c.shape_b();
   const Gap gap = signed_gap(a, b, {1e-12, 200000});

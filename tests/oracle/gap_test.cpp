@@ -44,9 +44,9 @@ void PrintTo(const Known& known, std::ostream* out) {
   *out << known.name;
 }
 
-class KnownGap : public testing::TestWithParam<Known> {};
+class KnownDistance : public testing::TestWithParam<Known> {};
 
-TEST_P(KnownGap, IsInTheIntervalEitherWayRound) {
+TEST_P(KnownDistance, KnownDistance_LiesInTheInterval) {
   const auto& [name, a, b, s] = GetParam();
   for (const bool swapped : {false, true}) {
     const Gap gap = swapped ? signed_gap(b, a) : signed_gap(a, b);
@@ -62,7 +62,7 @@ const double kRoot2 = std::sqrt(2.0);
 const Vec kX = Vec::UnitX(), kY = Vec::UnitY(), kZ = Vec::UnitZ(), kO = Vec::Zero();
 
 INSTANTIATE_TEST_SUITE_P(
-    All, KnownGap,
+    All, KnownDistance,
     testing::Values(
         Known{"spheres_apart", Sphere{kO, 1}, Sphere{Vec(3, 4, 0), 2}, 2},
         Known{"spheres_touching", Sphere{kO, 1}, Sphere{Vec(0, 3, 4), 4}, 0},
@@ -121,7 +121,7 @@ double point_to_cylinder(const Vec& p, double half_height, double radius) {
   return q.maxCoeff() > 0 ? q.cwiseMax(0).norm() : q.maxCoeff();
 }
 
-TEST(Gap, OfAPointIsItsSignedDistanceFromBoxAndCylinder) {
+TEST(SignedDistance, PointToBoxAndCylinder_HasItsSignedDistance) {
   int inside = 0, converged = 0;
   constexpr int kCount = 3000;
   for (int i = 0; i < kCount; ++i) {
@@ -150,7 +150,7 @@ TEST(Gap, OfAPointIsItsSignedDistanceFromBoxAndCylinder) {
 
 class EveryConvexPair : public testing::TestWithParam<Pair> {};
 
-TEST_P(EveryConvexPair, HasOneGapWhicheverComesFirst) {
+TEST_P(EveryConvexPair, SwappedShapes_HaveTheSameDistance) {
   constexpr int kCount = 1000;
   int converged = 0;
   double widest = 0;
@@ -169,7 +169,7 @@ TEST_P(EveryConvexPair, HasOneGapWhicheverComesFirst) {
               to_string(GetParam()), converged, kCount, widest);
 }
 
-TEST_P(EveryConvexPair, IsBoundedByEveryNormalAndByEveryPairOfPoints) {
+TEST_P(EveryConvexPair, Distance_IsBoundedByNormalsAndPoints) {
   for (int i = 0; i < 200; ++i) {
     const Case c = generate(GetParam(), kSeed + 1, i);
     const Shape a = c.shape_a(), b = c.shape_b();
@@ -185,7 +185,7 @@ TEST_P(EveryConvexPair, IsBoundedByEveryNormalAndByEveryPairOfPoints) {
   }
 }
 
-TEST_P(EveryConvexPair, ShrinksByTheWayTheShapesAreMovedTogether) {
+TEST_P(EveryConvexPair, Approach_ReducesTheDistanceEqually) {
   // Along the normal s falls by exactly the translation while the shapes stay apart.
   int apart = 0;
   for (int i = 0; i < 400; ++i) {
@@ -216,7 +216,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryConvexPair,
                            return name;
                          });
 
-TEST(Gap, StopsAtItsBudgetWithAWideButRightInterval) {
+TEST(SignedDistance, ExhaustedBudget_GivesAWideTrueInterval) {
   // Two cylinders about one centre, slightly tilted: a whole circle of normals is nearly best.
   const Shape a = Cylinder{kO, kZ, 5, 1}, b = Cylinder{kO, Vec(1e-6, 0, 1).normalized(), 5, 1};
   const Gap wide = signed_gap(a, b, {1e-9, 2000}), narrow = signed_gap(a, b, {1e-7, 2000000});
@@ -228,7 +228,7 @@ TEST(Gap, StopsAtItsBudgetWithAWideButRightInterval) {
   EXPECT_GE(narrow.hi, -2);
 }
 
-TEST(Gap, RefusesTwoPlanes) {
+TEST(SignedDistance, TwoPlanes_AreRefused) {
   EXPECT_THROW((void)signed_gap(Plane{kZ, 0}, Plane{kZ, 1}), std::invalid_argument);
 }
 

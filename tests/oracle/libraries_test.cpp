@@ -20,9 +20,9 @@ namespace {
 
 constexpr std::uint64_t kSeed = 3;
 
-class FclAgrees : public testing::TestWithParam<Pair> {};
+class FclOracle : public testing::TestWithParam<Pair> {};
 
-TEST_P(FclAgrees, OnTheSignedGap) {
+TEST_P(FclOracle, SignedDistance_AgreesWithFcl) {
   constexpr int kCount = 1500;
   std::vector<std::pair<Shape, Shape>> pairs;
   for (int i = 0; i < kCount; ++i) {
@@ -65,7 +65,7 @@ TEST_P(FclAgrees, OnTheSignedGap) {
   EXPECT_GT(compared - apart, kCount / 8);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, FclAgrees,
+INSTANTIATE_TEST_SUITE_P(All, FclOracle,
                          testing::Values(Pair::kObbObb, Pair::kTriangleAabb, Pair::kTriangleObb,
                                          Pair::kSphereSphere, Pair::kTriangleSphere,
                                          Pair::kTriangleCylinder, Pair::kCylinderCylinder,
@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(All, FclAgrees,
                            return name;
                          });
 
-TEST(CgalAgrees, OnTheDistanceFromATriangle) {
+TEST(CgalOracle, DistanceFromATriangle_AgreesWithCgal) {
   int needles = 0;
   for (int i = 0; i < 3000; ++i) {
     Random random(kSeed, 100, i);
@@ -97,7 +97,7 @@ TEST(CgalAgrees, OnTheDistanceFromATriangle) {
   EXPECT_GT(needles, 1000);
 }
 
-TEST(CgalAgrees, OnTrianglesMeetingBoxes) {
+TEST(CgalOracle, TrianglesMeetingBoxes_AgreeWithCgal) {
   int met = 0, decided = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c = generate(Pair::kTriangleAabb, kSeed, i);
@@ -123,7 +123,7 @@ TEST(CgalAgrees, OnTrianglesMeetingBoxes) {
   EXPECT_LT(met, 2100);
 }
 
-TEST(CgalAgrees, OnRaysHittingTriangles) {
+TEST(CgalOracle, RaysHittingTriangles_AgreeWithCgal) {
   int hits = 0, compared = 0;
   for (int i = 0; i < 3000; ++i) {
     const Case c = generate(Pair::kRayTriangle, kSeed, i);

@@ -37,7 +37,7 @@ RayAnswer cast_at(const Ray& ray, const Shape& target) {
 
 class KnownRay : public testing::TestWithParam<Known> {};
 
-TEST_P(KnownRay, IsAnswered) {
+TEST_P(KnownRay, Case_HasItsAnswer) {
   const auto& [name, ray, target, t, margin] = GetParam();
   const RayAnswer answer = cast_at(ray, target);
   EXPECT_EQ(answer.hit, t < kInf);
@@ -94,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(
               kInf, 0.5}),
     [](const auto& info) { return info.param.name; });
 
-TEST(RayMargin, IsADisplacementThatTheDecisionSurvives) {
+TEST(RayMargin, DisplacementWithinTheMargin_KeepsTheDecision) {
   for (const Pair pair : {Pair::kRaySphere, Pair::kRayCylinder}) {
     int kept = 0, flipped = 0;
     for (int i = 0; i < 1500; ++i) {
@@ -122,7 +122,7 @@ TEST(RayMargin, IsADisplacementThatTheDecisionSurvives) {
   }
 }
 
-TEST(RayCheck, JudgesFAndTByTheBandsGiven) {
+TEST(RayCheck, FAndT_AreCheckedAgainstTheBands) {
   const Ray ray = from(Vec(-6, 1, 0), kX);
   const RayAnswer answer = cast(ray, kBall);
   ASSERT_TRUE(answer.hit);
@@ -143,12 +143,12 @@ TEST(RayCheck, JudgesFAndTByTheBandsGiven) {
   EXPECT_FALSE(check(past, miss, true, 6, Vec(0, 2, 0), 0x1p-20, tolerance).ok);
 }
 
-TEST(RayAnswer, RefusesADirectionOfZero) {
+TEST(RayAnswer, ZeroDirection_IsRefused) {
   for (const Shape& target : {Shape(kBall), Shape(kCan), Shape(kFlat)})
     EXPECT_THROW((void)cast_at(from(kX, kO), target), std::invalid_argument);
 }
 
-TEST(RayAnswer, KnowsHowSteeplyTheRayMeetsTheSurfaceAndHowThinATriangleIs) {
+TEST(RayAnswer, CosineAndThinness_AreKnown) {
   EXPECT_DOUBLE_EQ(cast(from(Vec(-6, 1, 0), kX), kBall).cosine, std::sqrt(0.75));
   EXPECT_DOUBLE_EQ(cast(from(Vec(0.25, 0, -6), kZ), kCan).cosine, 1);
   EXPECT_DOUBLE_EQ(cast(from(Vec(-4, 0.5, 0), kX), kCan).cosine, std::sqrt(0.75));
@@ -157,7 +157,7 @@ TEST(RayAnswer, KnowsHowSteeplyTheRayMeetsTheSurfaceAndHowThinATriangleIs) {
   EXPECT_EQ(cast(from(Vec(1, 1, 0), kZ), Triangle{kO, kX, 2 * kX}).aspect, kInf);
 }
 
-TEST(RayTriangle, IsExactInBinary64) {
+TEST(RayTriangle, Decision_IsExactInBinary64) {
   const double inside = 0x1p-52, outside = -0x1p-52;  // of the edge on the y axis
   EXPECT_TRUE(cast(from(Vec(inside, 0.5, -1), kZ), kFlat).hit);
   EXPECT_TRUE(cast(from(Vec(0, 0.5, -1), kZ), kFlat).hit);

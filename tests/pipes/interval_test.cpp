@@ -56,9 +56,9 @@ struct Parameter {
   friend void PrintTo(const Parameter& p, std::ostream* out) { *out << name(p.pair); }
 };
 
-class FacetInterval : public ::testing::TestWithParam<Parameter> {};
+class SatInterval : public ::testing::TestWithParam<Parameter> {};
 
-TEST_P(FacetInterval, TakesARowInThreeClocks) {
+TEST_P(SatInterval, SharedAxes_TakeARowPerThreeCycles) {
   const Parameter p = GetParam();
   // The gates of more lanes take minutes to build.
   const PairConfig config{.pair = p.pair,
@@ -116,7 +116,7 @@ std::string test_name(const ::testing::TestParamInfo<Parameter>& info) {
 // Taking a pair costs one cycle more than with an interval of 1. Two boxes wait two cycles for the
 // last of three edges. With a triangle, every edge waits longer, for the triangle's own face.
 INSTANTIATE_TEST_SUITE_P(
-    Fp32, FacetInterval,
+    Fp32, SatInterval,
     ::testing::Values(Parameter{Pair::kObbObb, Arithmetic::kHost, 107 + 3},
                       Parameter{Pair::kObbObb, Arithmetic::kRtl, 107 + 3},
                       Parameter{Pair::kTriangleAabb, Arithmetic::kHost, 109 + 1},
@@ -136,7 +136,7 @@ void expect_refused(const Config& config, const char* why) {
   }
 }
 
-TEST(FacetIntervalConfig, IsOneOrThreeOfPairsWithFacets) {
+TEST(SatIntervalConfig, UnsupportedIntervals_AreRefused) {
   for (const unsigned interval : {0u, 2u, 4u, 9u}) {
     expect_refused(PairConfig{.pair = Pair::kObbObb, .facet_interval = interval}, "1 or 3");
     expect_refused(BoardConfig{.pairs = {Pair::kObbObb}, .facet_interval = interval}, "1 or 3");

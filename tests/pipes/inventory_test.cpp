@@ -35,19 +35,19 @@ Operators without_ands(Operators o) {
   return o;
 }
 
-TEST(Inventory, MollerHasThePapersOperators) {
+TEST(Inventory, Moller_HasThePapersOperators) {
   const Elaboration design(kRtl, "ray_triangle_moller");
   EXPECT_EQ(without_ands(design.operators("ray_triangle_moller")), kPaper);
   EXPECT_EQ(design.constant("ray_triangle_moller", "LATENCY"), 10u);
 }
 
-TEST(Inventory, MoreLanesAreTheSameOperatorsWider) {
+TEST(Inventory, MoreLanes_AreTheSameOperatorsWider) {
   const Elaboration design(kRtl, "ray_triangle_moller", {"LANES=4"});
   EXPECT_EQ(without_ands(design.operators("ray_triangle_moller")), kPaper);
   EXPECT_EQ(design.bits("ray_triangle_moller", "b_i"), 9u * 4 * 32);
 }
 
-TEST(Inventory, CountsWhatIsThere) {
+TEST(Inventory, Part_IsCountedAlone) {
   // Counts a part alone, so that a count that always returned the paper's figures would fail.
   const Elaboration design(kRtl, "ray_triangle_moller");
   const Operators cross{.multipliers = 6, .subtractors = 3};
@@ -57,7 +57,7 @@ TEST(Inventory, CountsWhatIsThere) {
 
 /// The operators that the box rule adds, as reference/pipes/ray_box.hpp states them: in gates, and
 /// as calls per lane with host arithmetic. All lanes share the triangle's part.
-TEST(Inventory, TheBoxRuleAddsItsOperators) {
+TEST(Inventory, BoxRule_AddsItsOperators) {
   const Elaboration design(kRtl, "ray_triangle_moller",
                            {"ARITH=rtl", "BOX=1", "LANES=4", "B_LANES=1"});
   const std::string box = "ray_triangle_moller.box_hit";
@@ -112,7 +112,7 @@ Operators counted(Pair pair, Algorithm algorithm = Algorithm::kMoller) {
 
 class PipeInventory : public ::testing::TestWithParam<Pipe> {};
 
-TEST_P(PipeInventory, IsWhatTheReferenceComputesWith) {
+TEST_P(PipeInventory, Pipe_HasTheReferencesOperators) {
   // Host arithmetic has the same operators and elaborates faster.
   const Elaboration design(kRtl, GetParam().module, {"ARITH=host"});
   EXPECT_EQ(without_ands(design.operators(GetParam().module)),
@@ -165,9 +165,9 @@ const Turns kTurns[] = {{"obb_obb",
                          110,
                          109}};
 
-class FacetsInTurn : public ::testing::TestWithParam<Turns> {};
+class SharedSatUnits : public ::testing::TestWithParam<Turns> {};
 
-TEST_P(FacetsInTurn, AreFewerUnits) {
+TEST_P(SharedSatUnits, SharedAxes_NeedFewerUnits) {
   const char* module = GetParam().module;
   const Elaboration gates(kRtl, module, {"ARITH=rtl", "FACET_II=3"});
   EXPECT_EQ(without_ands(gates.operators(module)), GetParam().stated);
@@ -180,10 +180,10 @@ TEST_P(FacetsInTurn, AreFewerUnits) {
   EXPECT_EQ(one.constant(module, "LATENCY"), GetParam().latency_of_one);
 }
 
-INSTANTIATE_TEST_SUITE_P(Convex, FacetsInTurn, ::testing::ValuesIn(kTurns),
+INSTANTIATE_TEST_SUITE_P(Convex, SharedSatUnits, ::testing::ValuesIn(kTurns),
                          [](const auto& info) { return std::string(info.param.module); });
 
-TEST(Inventory, BehindThePairsMouthNothingIsAddedOrLost) {
+TEST(Inventory, WrappedPipe_HasTheSameOperators) {
   for (const char* arith : {"ARITH=rtl", "ARITH=host"}) {
     const Elaboration design(kRtl, "pair_pipe",
                              {"PAIR=0", latency_parameter(3, 1, 12, 1, 1), arith});
@@ -196,7 +196,7 @@ TEST(Inventory, BehindThePairsMouthNothingIsAddedOrLost) {
 
 // The last result depends on the latencies of operators: no delay may become negative. Iterative
 // pipelines take minutes to elaborate this often, and so do candidate axes unless they are shared.
-TEST(Inventory, SlowComparisonsElaborate) {
+TEST(Inventory, SlowComparisons_Elaborate) {
   for (unsigned p = 0; p < cde::kPairs; ++p) {
     if ((cde::contract::kRingPairs >> p & 1) != 0) continue;
     std::vector<std::string> parameters = {"PAIR=" + std::to_string(p), "ARITH=host",
@@ -206,7 +206,7 @@ TEST(Inventory, SlowComparisonsElaborate) {
   }
 }
 
-TEST(Inventory, HiddenBodies_LeaveTheConstantsOfTheTop) {
+TEST(Inventory, HiddenBodies_KeepTheConstantsOfTheTop) {
   const std::vector<std::string> parameters = {"ARITH=host", latency_parameter(3, 3, 12, 12, 1)};
   const Elaboration whole(kRtl, "obb_plane", parameters);
   const Elaboration outline(kRtl, "obb_plane", parameters, [](std::string_view) { return true; });
@@ -259,9 +259,9 @@ const Ring kRings[] = {{"cylinder_cylinder",
                         70,
                         5260}};
 
-class RingInventory : public ::testing::TestWithParam<Ring> {};
+class IterativePipeInventory : public ::testing::TestWithParam<Ring> {};
 
-TEST_P(RingInventory, IsWhatItsHeaderStates) {
+TEST_P(IterativePipeInventory, Pipe_HasTheOperatorsOfItsHeader) {
   const Elaboration design(kRtl, "pair_unit", {GetParam().parameter, "ARITH=host"});
   const char* pipe = "pair_unit.pipe";
   EXPECT_EQ(design.module_of(pipe), "cylinder_pair");
@@ -270,10 +270,10 @@ TEST_P(RingInventory, IsWhatItsHeaderStates) {
   EXPECT_EQ(design.constant(pipe, "LATENCY"), GetParam().latency);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cylinders, RingInventory, ::testing::ValuesIn(kRings),
+INSTANTIATE_TEST_SUITE_P(Cylinders, IterativePipeInventory, ::testing::ValuesIn(kRings),
                          [](const auto& info) { return std::string(info.param.pair); });
 
-TEST(Inventory, WhatCannotBeElaboratedSaysWhy) {
+TEST(Inventory, FailedElaboration_NamesTheReason) {
   try {
     const Elaboration design(kRtl, "pair_pipe", {"PAIR=" + std::to_string(cde::kPairs)});
     FAIL() << "expected an error: no pair has this code";

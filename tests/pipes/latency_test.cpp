@@ -8,12 +8,12 @@ namespace {
 
 using cde::BoardConfig;
 
-TEST(Moller, TakesTenClocksAtOneAnOperator) {
+TEST(Moller, SingleCycleOperators_GiveTenCycles) {
   cde::Board board = cde::Board::open(BoardConfig{});
   EXPECT_EQ(board.pipe_latency(), 10u);
 }
 
-TEST(Moller, LatencyFollowsTheOperators) {
+TEST(Moller, Latency_FollowsTheOperators) {
   const BoardConfig config{.lanes = 4,
                            .latency_add = 2,
                            .latency_mul = 3,
@@ -29,7 +29,7 @@ TEST(Moller, LatencyFollowsTheOperators) {
 
 class Throughput : public ::testing::TestWithParam<unsigned> {};
 
-TEST_P(Throughput, OneRowAClockWithoutBubbles) {
+TEST_P(Throughput, FullStream_TakesOneRowPerCycle) {
   const unsigned rays = GetParam();
   cde::Board board = cde::Board::open(BoardConfig{});
   const cde::Triangle triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

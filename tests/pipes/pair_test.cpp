@@ -266,7 +266,7 @@ void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count
 
 /// Witness points so close that fp16 has no direction between them. The card and the reference must
 /// then agree on the result.
-TEST(PairRegression, PointsTooNearForADirection) {
+TEST(PairRegression, PointsTooCloseForADirection_EqualTheReference) {
   struct Line {
     cde::Pair pair;
     std::vector<double> a, b;
@@ -317,7 +317,7 @@ std::string typed(std::string line) {
 
 /// The failure text of a test is correct: `cde query` repeats the pair and prints the reference's
 /// answer, and the text names the differing fields and the pair's place.
-TEST(PairFailure, SaysWhatAndWhereAndHowToAskAgain) {
+TEST(PairFailure, Message_RepeatsThePairAndNamesTheFields) {
   const std::vector<std::pair<PairConfig, cde::PairBudget>> all = {
       {{.pair = Pair::kSphereSphere}, {}},
       {{.pair = Pair::kSphereSphere, .format = {5, 10}, .lanes = 1}, {}},
@@ -362,7 +362,7 @@ TEST(PairFailure, SaysWhatAndWhereAndHowToAskAgain) {
   }
 }
 
-TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
+TEST_P(PairPipe, Pipe_EqualsItsReferenceBitForBit) {
   const Parameter& parameter = GetParam();
   if (const auto reason = reason_to_skip(parameter)) GTEST_SKIP() << *reason;
   PairConfig config = parameter;
@@ -395,9 +395,9 @@ TEST_P(PairPipe, EqualsItsReferenceBitForBit) {
   EXPECT_GT(bad_, 0u);
 }
 
-class CylinderBudget : public ::testing::TestWithParam<Parameter> {};
+class CylinderIterations : public ::testing::TestWithParam<Parameter> {};
 
-TEST_P(CylinderBudget, SetsTheWorkOfAPair) {
+TEST_P(CylinderIterations, Budget_SetsTheWorkOfAPair) {
   if (const auto reason = reason_to_skip(GetParam())) GTEST_SKIP() << *reason;
   const PairConfig config = GetParam();
   cde::PairUnit unit(config);
@@ -568,7 +568,8 @@ std::vector<Parameter> box_rule() {
 
 INSTANTIATE_TEST_SUITE_P(BoxRule, PairPipe, ::testing::ValuesIn(box_rule()), test_name);
 INSTANTIATE_TEST_SUITE_P(Fp32, PairPipe, ::testing::ValuesIn(fp32()), test_name);
-INSTANTIATE_TEST_SUITE_P(Fp32, CylinderBudget, ::testing::ValuesIn(cylinder_pairs()), test_name);
+INSTANTIATE_TEST_SUITE_P(Fp32, CylinderIterations, ::testing::ValuesIn(cylinder_pairs()),
+                         test_name);
 INSTANTIATE_TEST_SUITE_P(Formats, PairPipe, ::testing::ValuesIn(other_formats()), test_name);
 INSTANTIATE_TEST_SUITE_P(SlowOperators, PairPipe, ::testing::ValuesIn(slow_operators()), test_name);
 

@@ -58,7 +58,7 @@ class Range : public ::testing::TestWithParam<PairConfig> {
   }
 };
 
-TEST_P(Range, PipesAnswerAtEverySize) {
+TEST_P(Range, EverySize_EqualsTheReference) {
   const PairConfig& config = GetParam();
   const Shape a = primary_shape(config.pair), b = secondary_shape(config.pair);
   std::mt19937_64 random(kSeed);
@@ -89,7 +89,7 @@ TEST_P(Range, PipesAnswerAtEverySize) {
   EXPECT_LT(bad, got.size() / 20);  // boxes whose corners coincide in a coarse format
 }
 
-TEST_P(Range, BeginsAndEndsWhereItIsStated) {
+TEST_P(Range, Range_BeginsAndEndsWhereStated) {
   const PairConfig& config = GetParam();
   const FpFormat f = config.format;
   const auto [low, high] = lengths();
@@ -188,7 +188,7 @@ std::string label(const ::testing::TestParamInfo<PairConfig>& info) {
 INSTANTIATE_TEST_SUITE_P(Pipes, Range, ::testing::ValuesIn(configurations()), label);
 
 /// Two touching boxes in fp16. At size one, T is below the normal numbers, so F is 1.
-TEST(Touching, PipesSayIt) {
+TEST(Touching, TouchingBoxes_AreAHit) {
   const PairConfig config{.pair = Pair::kObbObb, .format = FpFormat{5, 10}, .lanes = 1};
   std::vector<std::uint64_t> a, b;
   for (const double w : {0., 0., 0., .75, .875, 1., 1., 0., 0., 0., 1., 0., 0., 0., 1.})

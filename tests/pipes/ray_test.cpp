@@ -61,12 +61,12 @@ Words exchanged(Words words, std::size_t stride, std::size_t vectors, std::size_
   return words;
 }
 
-class Ties : public ::testing::TestWithParam<Algorithm> {};
+class DominantAxisTies : public ::testing::TestWithParam<Algorithm> {};
 
 /// Triangles in x + y = 1, and the same for every pair of axes, against rays that are equally steep
 /// along both axes. With the two axes exchanged the reference selects the other one, and some
 /// answers differ in bits. A pipe that selects the wrong axis would fail.
-TEST_P(Ties, GoToTheLowestAxis) {
+TEST_P(DominantAxisTies, TiedAxes_TakeTheLowest) {
   const PairConfig config{.algorithm = GetParam()};
   std::mt19937 random(kSeed);
   const auto unit = [&random] { return static_cast<float>(random()) * 0x1p-32f; };
@@ -108,7 +108,7 @@ TEST_P(Ties, GoToTheLowestAxis) {
   expect_equal(config, all_a, all_b);
 }
 
-INSTANTIATE_TEST_SUITE_P(Algorithms, Ties,
+INSTANTIATE_TEST_SUITE_P(Algorithms, DominantAxisTies,
                          ::testing::Values(Algorithm::kBadouel, Algorithm::kWatertight),
                          [](const auto& info) { return std::string(name(info.param)); });
 
@@ -117,9 +117,9 @@ INSTANTIATE_TEST_SUITE_P(Algorithms, Ties,
 struct RayPipe : PairConfig {
   friend void PrintTo(const RayPipe& p, std::ostream* out) { *out << name(p.pair); }
 };
-class Extremes : public ::testing::TestWithParam<RayPipe> {};
+class RayExtremes : public ::testing::TestWithParam<RayPipe> {};
 
-TEST_P(Extremes, HitsAreFiniteAndNeverAtMinusZero) {
+TEST_P(RayExtremes, Hits_AreFiniteAndNeverMinusZero) {
   const PairConfig config = GetParam();
   std::mt19937 random(kSeed);
   Words a, b;
@@ -149,7 +149,7 @@ TEST_P(Extremes, HitsAreFiniteAndNeverAtMinusZero) {
 }
 
 /// Every angle from a cylinder's axis down to zero. r^2 / A overflows long before 1 / A does.
-TEST(AllButAlongTheAxis, RaysHitWhatTheyGoThrough) {
+TEST(RayNearCylinderAxis, AnyTilt_HitsTheCylinder) {
   const PairConfig config{.pair = Pair::kRayCylinder};
   std::mt19937 random(kSeed);
   Words a, b;
@@ -180,7 +180,7 @@ std::vector<RayPipe> ray_pipes() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Rays, Extremes, ::testing::ValuesIn(ray_pipes()), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(Rays, RayExtremes, ::testing::ValuesIn(ray_pipes()), [](const auto& info) {
   const PairConfig& c = info.param;
   std::string text(name(c.pair));
   if (c.pair == Pair::kRayTriangle) text.append("_").append(name(c.algorithm));

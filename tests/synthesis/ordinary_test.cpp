@@ -86,22 +86,22 @@ void compare_many(Format format) {
   }
 }
 
-TEST(Ordinary, EveryPairOfE4m3) {
+TEST(Ordinary, EveryPairOfE4m3_EqualsOurs) {
   compare_all<OrdinaryE4m3>({4, 3});
 }
-TEST(Ordinary, EveryPairOfE3m2) {
+TEST(Ordinary, EveryPairOfE3m2_EqualsOurs) {
   compare_all<OrdinaryE3m2>({3, 2});
 }
-TEST(Ordinary, Fp16) {
+TEST(Ordinary, HardPairsOfFp16_EqualOurs) {
   compare_many<OrdinaryFp16>({5, 10});
 }
-TEST(Ordinary, Bf16) {
+TEST(Ordinary, HardPairsOfBf16_EqualOurs) {
   compare_many<OrdinaryBf16>({8, 7});
 }
-TEST(Ordinary, Fp24) {
+TEST(Ordinary, HardPairsOfFp24_EqualOurs) {
   compare_many<OrdinaryFp24>({7, 16});
 }
-TEST(Ordinary, Fp32) {
+TEST(Ordinary, HardPairsOfFp32_EqualOurs) {
   compare_many<OrdinaryFp32>({8, 23});
 }
 

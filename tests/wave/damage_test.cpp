@@ -15,7 +15,7 @@
 namespace cde::testing {
 namespace {
 
-class Damage : public Cli {
+class DamagedWaves : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
@@ -25,7 +25,7 @@ class Damage : public Cli {
   std::string whole_;
 };
 
-TEST_F(Damage, WhatIsNoFstIsToldApart) {
+TEST_F(DamagedWaves, NonFstFiles_AreToldApart) {
   write("empty.fst", "");
   write("text.vcd", "$date today $end\n");
   write("other.fst", std::string(1000, 'q'));
@@ -44,7 +44,7 @@ TEST_F(Damage, WhatIsNoFstIsToldApart) {
   }
 }
 
-TEST_F(Damage, EveryLengthIsAMessage) {
+TEST_F(DamagedWaves, TruncationAtAnyLength_IsAnError) {
   for (std::size_t n = 0; n < whole_.size(); n += 37) {
     write("cut.fst", whole_.substr(0, n));
     const Ran ran = cde({"wave", "at", "cut.fst", "75ns", "*"});
@@ -79,7 +79,7 @@ const std::vector<Words> kAsked = {
     {"serve", "bad.fst", "-o", "x.html"},
 };
 
-TEST_F(Damage, FlippedBytesNeverCrashIt) {
+TEST_F(DamagedWaves, FlippedBytes_NeverCrash) {
   const double seconds = fuzz_seconds();
   const std::random_device::result_type seed = seconds > 0 ? std::random_device()() : 20;
   SCOPED_TRACE("seed " + std::to_string(seed));

@@ -164,7 +164,7 @@ class Export : public Cli {
   }
 };
 
-TEST_F(Export, VcdSaysTheSame) {
+TEST_F(Export, Vcd_HasTheSameValues) {
   write_kinds();
   for (const std::string file : {"a.fst", "kinds.fst"}) {
     const std::uint64_t end = wave::Trace(folder_ / file).end();
@@ -185,7 +185,7 @@ TEST_F(Export, VcdSaysTheSame) {
   EXPECT_EQ(story_of_vcd(text), window);
 }
 
-TEST_F(Export, ACutFstSaysTheSameOfItsWindow) {
+TEST_F(Export, CutFst_HasTheSameValuesInItsWindow) {
   write_kinds();
   (void)out({"kinds.fst", "-o", "cut.fst", "--from", "20", "--to", "67"});
   EXPECT_EQ(story_of(folder_ / "cut.fst", 20, 67), story_of(folder_ / "kinds.fst", 20, 67));
@@ -217,7 +217,7 @@ TEST_F(Export, ACutFstSaysTheSameOfItsWindow) {
             "at 75ns\ntop.core.count  7\n");
 }
 
-TEST_F(Export, CsvHasARowAChangeOrARowACycle) {
+TEST_F(Export, Csv_HasARowPerChangeOrCycle) {
   EXPECT_EQ(out({"a.fst", "count:dec", "data[0]:fp32", "state", "--to", "30", "--format", "csv"}),
             "time,cycle,top.count,top.data[0],top.state\n"
             "0,,x,x,x\n"
@@ -242,7 +242,7 @@ TEST_F(Export, CsvHasARowAChangeOrARowACycle) {
   EXPECT_EQ(out({"odd.fst", "--format", "csv"}), "time,\"top.a,\"\"b\"\"\"\n0,5\n");
 }
 
-TEST_F(Export, WaveDromHasAColumnACycle) {
+TEST_F(Export, WaveDrom_HasAColumnPerCycle) {
   (void)out({"a.fst", "clk", "count:dec", "valid", "state", "top.core", "-o", "o.json"});
   const Json j = Json::parse(read("o.json"));
   ASSERT_EQ(j["signal"].size(), 2u);  // one group per scope
@@ -284,7 +284,7 @@ bool balanced(const std::string& text) {
   return open.empty();
 }
 
-TEST_F(Export, SvgDrawsValuesAndTheFailure) {
+TEST_F(Export, Svg_DrawsValuesAndTheFailure) {
   (void)out({"a.fst", "clk", "data[1]:fp32", "state", "count:dec", "-o", "o.svg"});
   const std::string svg = read("o.svg");
   EXPECT_TRUE(balanced(svg));
@@ -311,7 +311,7 @@ TEST_F(Export, SvgDrawsValuesAndTheFailure) {
   EXPECT_TRUE(balanced(out({"odd.fst", "--format", "svg"})));
 }
 
-TEST_F(Export, GtkwHasGroupsFormsAndTheMarker) {
+TEST_F(Export, Gtkw_HasGroupsFormatsAndTheMarker) {
   (void)out(
       {"a.fst", "clk", "count:signed", "data:fp32", "data[1]:fp32", "top.core", "-o", "o.gtkw"});
   const std::string text = read("o.gtkw");
@@ -344,7 +344,7 @@ TEST_F(Export, TimesOfGtkw_AreThoseOfGtkwave) {
 
 /// Names and texts of a file send no control codes to a terminal that shows the output, and start
 /// no line.
-TEST_F(Export, NamesControlNoTerminal) {
+TEST_F(Export, Names_SendNoControlCodes) {
   {
     Writer w(folder_ / "names.fst");
     w.scope("t\x1b[31mp");
@@ -367,7 +367,7 @@ TEST_F(Export, NamesControlNoTerminal) {
   EXPECT_FALSE(has(read("names.gtkw"), "\n@28\x1b"));
 }
 
-TEST_F(Export, FilesAreWholeOrNotThere) {
+TEST_F(Export, Files_AreCompleteOrAbsent) {
   write_large(folder_ / "large.fst", 200, 2000, 50);
   const std::set<std::string> before = {"a.fst", "large.fst", "old.vcd"};
   write("old.vcd", "as it was");
@@ -389,7 +389,7 @@ TEST_F(Export, FilesAreWholeOrNotThere) {
   }
 }
 
-TEST_F(Export, WhatMakesNoSenseIsAMessage) {
+TEST_F(Export, InvalidUsage_IsRefused) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
       {{"a.fst", "-o", "a.fst"}, "would write to a.fst"},
       {{"a.fst", "-o", "o.txt"}, "must end in .vcd"},

@@ -112,7 +112,7 @@ stwo\x20words and more +
 1&
 )";
 
-TEST_F(WaveFiles, VcdHasSignalsAndValues) {
+TEST_F(WaveFiles, Vcd_HasSignalsAndValues) {
   write("a.vcd", kVcd);
   EXPECT_EQ(changes("a.vcd", "top.clk"), "0=0 1=1 2=x 4=0 5=1");
   EXPECT_EQ(changes("a.vcd", "top.count"), "0=00 1=05 2=xx 4=06");
@@ -134,7 +134,7 @@ TEST_F(WaveFiles, VcdHasSignalsAndValues) {
   EXPECT_NEAR(i["seconds_a_unit"].get<double>(), 1e-11, 1e-20);
 }
 
-TEST_F(WaveFiles, PicturesAndPagesMarkWhereNothingIsDumped) {
+TEST_F(WaveFiles, UndumpedTimes_AreMarkedInPicturesAndPages) {
   write("a.vcd", kVcd);
   ASSERT_EQ(cde({"wave", "export", "a.vcd", "-o", "a.svg"}).status, 0);
   EXPECT_TRUE(has(read("a.svg"), "<title>not dumped, 20ps to 40ps</title>"));
@@ -142,7 +142,7 @@ TEST_F(WaveFiles, PicturesAndPagesMarkWhereNothingIsDumped) {
   EXPECT_TRUE(has(read("a.html"), "\"dark\":[[2,4]]"));
 }
 
-TEST_F(WaveFiles, VcdComesThroughAPipe) {
+TEST_F(WaveFiles, VcdThroughAPipe_IsRead) {
   write("a.vcd", kVcd);
   const Ran ran = shell("cat a.vcd | \"$CDE\" wave at - 1 count");
   EXPECT_EQ(ran.status, 0) << ran.err;
@@ -150,7 +150,7 @@ TEST_F(WaveFiles, VcdComesThroughAPipe) {
   EXPECT_EQ(shell("\"$CDE\" wave at <(cat a.vcd) 1 count").out, ran.out);
 }
 
-TEST_F(WaveFiles, BitsOfAVectorWrittenOneByOneAreOneVector) {
+TEST_F(WaveFiles, BitsWrittenSeparately_AreOneVector) {
   write("a.vcd", kVcd);
   EXPECT_TRUE(has(cde({"wave", "ls", "a.vcd", "q"}).out, "2  wire  [1:0]"));
   EXPECT_TRUE(has(cde({"wave", "at", "a.vcd", "1", "q", "q[0]", "q[1]"}).out, "top.q     3"));
@@ -160,7 +160,7 @@ TEST_F(WaveFiles, BitsOfAVectorWrittenOneByOneAreOneVector) {
   EXPECT_EQ(changes("b.vcd", "q", {"--as", "bin"}), "0=01 1=11");
 }
 
-TEST_F(WaveFiles, SignalsOfOneNameAreBothReached) {
+TEST_F(WaveFiles, SignalsOfOneName_AreBothReached) {
   write("a.vcd", kVcd);
   refused({"wave", "at", "a.vcd", "0", "top.twin"}, "ask for top.twin#1, top.twin#2");
   EXPECT_EQ(changes("a.vcd", "top.twin#1"), "0=0");
@@ -168,7 +168,7 @@ TEST_F(WaveFiles, SignalsOfOneNameAreBothReached) {
   EXPECT_EQ(cde({"wave", "find", "a.vcd", "twin#2 == 1 && twin#1 == 0", "--count"}).out, "1\n");
 }
 
-TEST_F(WaveFiles, NothingIsCountedWhereNothingIsDumped) {
+TEST_F(WaveFiles, UndumpedTimes_AreNotCounted) {
   write("a.vcd", kVcd);
   const Ran ran = cde({"wave", "stat", "a.vcd", "clk", "top.count", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -179,7 +179,7 @@ TEST_F(WaveFiles, NothingIsCountedWhereNothingIsDumped) {
   EXPECT_TRUE(has(cde({"wave", "show", "a.vcd", "clk"}).out, "no dump from 20ps to 40ps"));
 }
 
-TEST_F(WaveFiles, ExportsKeepWhereNothingIsDumped) {
+TEST_F(WaveFiles, UndumpedTimes_SurviveExports) {
   write("a.vcd", kVcd);
   for (const std::string other : {"b.fst", "b.vcd"}) {
     ASSERT_EQ(cde({"wave", "export", "a.vcd", "-o", other}).status, 0);
@@ -189,7 +189,7 @@ TEST_F(WaveFiles, ExportsKeepWhereNothingIsDumped) {
   }
 }
 
-TEST_F(WaveFiles, TimesCountFromTheTimeZero) {
+TEST_F(WaveFiles, Times_CountFromTimeZero) {
   std::string text = kVcd;
   text.insert(text.find("$scope"), "$timezero -2 $end\n");
   write("a.vcd", text);
@@ -206,7 +206,7 @@ TEST_F(WaveFiles, TimesCountFromTheTimeZero) {
   EXPECT_TRUE(has(cde({"wave", "export", "a.vcd", "clk", "--format", "csv"}).out, "\n-1,"));
 }
 
-TEST_F(WaveFiles, WrongVcdIsRefusedByItsLine) {
+TEST_F(WaveFiles, WrongVcd_IsRefusedWithItsLine) {
   const std::string head = "$timescale 1ns $end\n$var wire 2 ! a $end\n$enddefinitions $end\n";
   const std::vector<std::pair<std::string, std::string>> all = {
       {head + "#5\n0!\n#4\n1!\n", "v.vcd:6: time goes back from 5 to 4"},
@@ -230,7 +230,7 @@ TEST_F(WaveFiles, WrongVcdIsRefusedByItsLine) {
   }
 }
 
-TEST_F(WaveFiles, VcdThatIsCutOffIsReadToItsLastWholeLine) {
+TEST_F(WaveFiles, TruncatedVcd_IsReadToItsLastWholeLine) {
   const std::string text = kVcd;
   for (std::size_t n = text.find("$enddefinitions") + 20; n < text.size(); ++n) {
     write("a.vcd", text.substr(0, n));
@@ -247,7 +247,7 @@ TEST_F(WaveFiles, VcdThatIsCutOffIsReadToItsLastWholeLine) {
 }
 
 /// Large enough that reading a window does not start at the beginning.
-TEST_F(WaveFiles, AWindowOfALongVcdIsThatOfTheWhole) {
+TEST_F(WaveFiles, WindowOfALongVcd_EqualsTheWhole) {
   std::string text =
       "$timescale 1ns $end\n$var wire 1 ! clk $end\n$var wire 32 # n $end\n"
       "$var wire 8 % rare $end\n$var event 1 & ev $end\n$enddefinitions $end\n";
@@ -265,7 +265,7 @@ TEST_F(WaveFiles, AWindowOfALongVcdIsThatOfTheWhole) {
   EXPECT_EQ(cde({"wave", "find", "a.vcd", "n == 199999 && rare == 4", "--count"}).out, "1\n");
 }
 
-TEST_F(WaveFiles, PackedFstIsReadAsTheSame) {
+TEST_F(WaveFiles, PackedFst_EqualsThePlainOne) {
   write_sample(folder_ / "a.fst");
   const std::string plain = read("a.fst"), gz = packed(plain);
   const std::string head = '\xfe' + big_endian(gz.size() + 16);
@@ -357,7 +357,7 @@ TEST_F(UnclosedFst, WithNamesButWithoutHeader_IsRead) {
 }
 
 /// An FST file of a running simulation: no counts, names in FILE.hier, and an unfinished block.
-TEST_F(WaveFiles, UnclosedFstIsReadToItsLastWholeBlock) {
+TEST_F(WaveFiles, UnclosedFst_IsReadToItsLastWholeBlock) {
   {
     Writer w(folder_ / "w.fst");
     w.scope("top");
@@ -435,7 +435,7 @@ TEST_F(WaveFiles, RunsOfQuietSignals_AreCounted) {
   }
 }
 
-TEST_F(WaveFiles, NamesOfFstHaveAnyLength) {
+TEST_F(WaveFiles, FstNames_HaveAnyLength) {
   const std::string name(2000, 'n');
   {
     Writer w(folder_ / "n.fst");
@@ -451,7 +451,7 @@ TEST_F(WaveFiles, NamesOfFstHaveAnyLength) {
   EXPECT_EQ(changes("n.fst", name + "b"), "0=2");
 }
 
-TEST_F(WaveFiles, Latin1IsShownAsUtf8) {
+TEST_F(WaveFiles, Latin1_IsShownAsUtf8) {
   std::string text = kVcd;
   text.replace(text.find("a tool"), 6,
                "Gr\xfc\xdf"
@@ -462,7 +462,7 @@ TEST_F(WaveFiles, Latin1IsShownAsUtf8) {
   EXPECT_EQ(changes("a.vcd", "top.state"), "0= 1=LÄUFT");
 }
 
-TEST_F(WaveFiles, OtherFormatsAreRefusedByName) {
+TEST_F(WaveFiles, OtherFormats_AreRefusedByName) {
   write("a.bin", "GHDLwave\n........");
   refused({"wave", "info", "a.bin"},
           "is GHW of GHDL, which cde cannot read; let GHDL write `--fst=FILE`");
@@ -474,7 +474,7 @@ TEST_F(WaveFiles, OtherFormatsAreRefusedByName) {
   refused({"wave", "info", "a.vcd.gz"}, "`gzip -dc FILE | cde wave COMMAND -` reads it");
 }
 
-TEST_F(WaveFiles, DamagedVcdIsReadOrRefused) {
+TEST_F(WaveFiles, DamagedVcd_IsReadOrRefused) {
   std::mt19937 random(20);
   const std::string whole = kVcd;
   unsigned refused = 0, read_anyway = 0;

@@ -12,7 +12,7 @@
 namespace cde::testing {
 namespace {
 
-class Forms : public Cli {
+class ValueFormats : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
@@ -53,17 +53,17 @@ class Forms : public Cli {
   }
 };
 
-TEST_F(Forms, TheFileSaysHowSignalsAreWritten) {
+TEST_F(ValueFormats, FormatsInTheFile_AreUsed) {
   EXPECT_EQ(at("0", {"*"}), nlohmann::json({"200", "1.5", "true", "ffff", "{1 -2}",
                                             "000000000000000000000000", "SWEEP", "3"}));
 }
 
-TEST_F(Forms, AValueWithoutANameIsHexadecimal) {
+TEST_F(ValueFormats, ValueWithoutAName_IsHexadecimal) {
   EXPECT_EQ(at("10", {"state"})[0], "5");
   EXPECT_EQ(at("20", {"state"})[0], "DONE");
 }
 
-TEST_F(Forms, WhatSomebodySaysComesFirst) {
+TEST_F(ValueFormats, RequestedFormat_TakesPrecedence) {
   EXPECT_EQ(at("0", {"state:bin", "count:hex", "t[0]:hex", "state:auto"}),
             nlohmann::json({"011", "c8", "3fc00000", "SWEEP"}));
   EXPECT_EQ(at("0", {"count", "t[1]", "state", "--as", "hex"}),
@@ -72,12 +72,12 @@ TEST_F(Forms, WhatSomebodySaysComesFirst) {
   EXPECT_EQ(at("0", {"t[1]:fp32|mask", "wide[1]"}), nlohmann::json({"true", "-2"}));
 }
 
-TEST_F(Forms, ExpressionsAreOfBits) {
+TEST_F(ValueFormats, Expressions_CompareBits) {
   const Ran ran = cde({"wave", "find", "f.fst", "state == 3 && t[1] == 32'hffffffff", "--first"});
   EXPECT_EQ(ran.status, 0) << ran.err;
 }
 
-TEST_F(Forms, PicturesAndPagesWriteThemToo) {
+TEST_F(ValueFormats, PicturesAndPages_UseTheFilesFormats) {
   const Ran show = cde({"wave", "show", "f.fst", "state", "t[0]", "--columns", "90"});
   EXPECT_TRUE(has(show.out, "SWEEP")) << show.err;
   EXPECT_TRUE(has(show.out, "1.5"));
@@ -88,7 +88,7 @@ TEST_F(Forms, PicturesAndPagesWriteThemToo) {
 }
 
 /// Constructs of other simulators: events, signed kinds, names with a backslash.
-class OtherKinds : public Cli {
+class ForeignWaves : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
@@ -124,7 +124,7 @@ class OtherKinds : public Cli {
   }
 };
 
-TEST_F(OtherKinds, IntegersHaveTheSignOfTheirKind) {
+TEST_F(ForeignWaves, Integers_HaveTheSignOfTheirKind) {
   EXPECT_EQ(count("i < 0 && changed(i)"), "3\n");  // -4 to 3; at 0 nothing has changed yet
   EXPECT_EQ(count("i == -4"), "1\n");
   EXPECT_EQ(count("b < 0"), "4\n");
@@ -135,7 +135,7 @@ TEST_F(OtherKinds, IntegersHaveTheSignOfTheirKind) {
 }
 
 /// IEEE 1800, 11.6 and 11.8, checked against Icarus Verilog.
-TEST_F(OtherKinds, WidthsAndSignsGoDownToTheOperands) {
+TEST_F(ForeignWaves, WidthsAndSigns_ReachTheOperands) {
   for (const char* yes :
        {"(4'd1 - 4'd3) >> 1 == 4'd7",  // a 32-bit amount gives the left side no width
         "(4'd9 + 4'd9) << 2 == 4'd8", "-4'd1 >> 1 == 4'd7", "~4'd0 >> 1 == 4'd7",
@@ -148,7 +148,7 @@ TEST_F(OtherKinds, WidthsAndSignsGoDownToTheOperands) {
     EXPECT_EQ(count(std::string("i == -4 && (") + yes + ")"), "1\n") << yes;
 }
 
-TEST_F(OtherKinds, UnknownBitsMoveAndMerge) {
+TEST_F(ForeignWaves, UnknownBits_ShiftAndMerge) {
   for (const char* yes :
        {"(4'b101x >> 1) == 4'b0101", "(4'b101x << 3) === 4'bx000",
         "(4'b101x << 3 | 4'b1000) == 4'b1000", "(4'bx010 >>> 1) === 4'b0x01",
@@ -158,7 +158,7 @@ TEST_F(OtherKinds, UnknownBitsMoveAndMerge) {
     EXPECT_EQ(count(std::string("i == -4 && (") + yes + ")"), "1\n") << yes;
 }
 
-TEST_F(OtherKinds, EventsAreInstants) {
+TEST_F(ForeignWaves, Events_AreInstants) {
   EXPECT_EQ(count("ev"), "3\n");
   EXPECT_EQ(count("changed(ev)"), "3\n");
   EXPECT_EQ(count("ev && i >= 0"), "1\n");
@@ -169,12 +169,12 @@ TEST_F(OtherKinds, EventsAreInstants) {
   EXPECT_EQ(answer["signals"][0]["change_count"], 3) << ran.out;
 }
 
-TEST_F(OtherKinds, ANameMayKeepItsBackslash) {
+TEST_F(ForeignWaves, Name_MayKeepItsBackslash) {
   EXPECT_EQ(count("\\odd+name! == 3"), "1\n");
   EXPECT_EQ(count("\\top.\\odd+name! == 3"), "1\n");
 }
 
-TEST_F(OtherKinds, AnEscapedNameMayHaveColonsDotsAndBrackets) {
+TEST_F(ForeignWaves, EscapedName_MayHaveColonsDotsAndBrackets) {
   EXPECT_EQ(count("\\we:ird  == 3"), "1\n");
   EXPECT_EQ(count("\\a.b[2]  == 3"), "1\n");
   EXPECT_EQ(cde({"wave", "find", "k.fst", "\\a.b[2]  == 3"}).out, "30ns  \\a.b[2]=3\n");
@@ -187,18 +187,18 @@ TEST_F(OtherKinds, AnEscapedNameMayHaveColonsDotsAndBrackets) {
   EXPECT_TRUE(cde({"wave", "at", "k.fst", "30ns", "word[1]"}).out.ends_with("top.word[1]  1\n"));
 }
 
-TEST_F(OtherKinds, InstancesMayHaveIndices) {
+TEST_F(ForeignWaves, Instances_MayHaveIndices) {
   EXPECT_EQ(count("u[1].q == 3"), "1\n");
   EXPECT_EQ(count("top.u[1].q[3:1] == 3"), "1\n");
   EXPECT_EQ(count("\\u[1].q [3:1] == 3"), "1\n");
 }
 
-TEST_F(OtherKinds, SignalsOfOneNameAreComparedInTheirOrder) {
+TEST_F(ForeignWaves, SignalsOfOneName_AreComparedInOrder) {
   const Ran ran = cde({"wave", "diff", "k.fst", "k.fst"});
   EXPECT_EQ(ran.status, 0) << ran.out;
 }
 
-TEST_F(OtherKinds, RealsMayBeNear) {
+TEST_F(ForeignWaves, CloseReals_CompareWithATolerance) {
   for (const bool other : {false, true}) {
     Writer w(folder_ / (other ? "y.fst" : "x.fst"));
     w.scope("top");
@@ -217,7 +217,7 @@ TEST_F(OtherKinds, RealsMayBeNear) {
   EXPECT_EQ(status("1e-8"), 1);
 }
 
-TEST_F(OtherKinds, WordsThatMakeNoSenseAreRefused) {
+TEST_F(ForeignWaves, InvalidWords_AreRefused) {
   EXPECT_EQ(cde({"wave", "info", "k.fst", "more"}).status, 2);
   EXPECT_EQ(cde({"wave", "find", "k.fst", "b && && wire"}).status, 2);
 }

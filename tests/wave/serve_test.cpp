@@ -102,7 +102,7 @@ class Serve : public Pages {
 #define NEEDS_BROWSER \
   if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the page"
 
-TEST_F(Serve, ThePageIsOneFileThatLoadsNothing) {
+TEST_F(Serve, Page_IsOneFileThatLoadsNothing) {
   const std::string html = page({"a.fst"});
   const auto policies =
       between(html, "<meta http-equiv=\"Content-Security-Policy\" content=\"", "\">");
@@ -118,7 +118,7 @@ TEST_F(Serve, ThePageIsOneFileThatLoadsNothing) {
   EXPECT_LT(html.size(), 100'000u);
 }
 
-TEST_F(Serve, JsonSaysWhatIsInThePage) {
+TEST_F(Serve, Json_DescribesThePage) {
   const Ran ran = cde({"wave", "serve", "a.fst", "count", "data", "--around", "fail", "--window",
                        "2", "--output", "page.html", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
@@ -132,7 +132,7 @@ TEST_F(Serve, JsonSaysWhatIsInThePage) {
   EXPECT_EQ(j["page_bytes"], read("page.html").size());
 }
 
-TEST_F(Serve, NamesCannotLeaveTheirPlace) {
+TEST_F(Serve, Names_CannotLeaveTheirPlace) {
   {
     Writer w(folder_ / "<title><img src=x>.fst");
     w.scope("</script><script>alert(1)</script>");
@@ -153,7 +153,7 @@ TEST_F(Serve, NamesCannotLeaveTheirPlace) {
   EXPECT_EQ(told["bold"], 0);
 }
 
-TEST_F(Serve, WhatIsTooLargeIsRefusedAndToldHowToMakeItSmaller) {
+TEST_F(Serve, TooLargePage_IsRefusedWithAdvice) {
   {
     // Words that do not compress: 8 bytes per change.
     Writer w(folder_ / "large.fst");
@@ -176,7 +176,7 @@ TEST_F(Serve, WhatIsTooLargeIsRefusedAndToldHowToMakeItSmaller) {
   EXPECT_GT(page({"large.fst", "--max", "0"}).size(), 2'000'000u);
 }
 
-TEST_F(Serve, WhatMakesNoSenseIsSaid) {
+TEST_F(Serve, InvalidUsage_IsRefused) {
   EXPECT_TRUE(has(error({"a.fst"}), "--output PAGE.html"));
   EXPECT_TRUE(has(error({"a.fst", "cuont", "-o", "p.html"}), "did you mean"));
   EXPECT_TRUE(has(error({"a.fst", "-o", "p.html", "--from", "1ms"}), "outside of the file"));
@@ -189,7 +189,7 @@ TEST_F(Serve, WhatMakesNoSenseIsSaid) {
 }
 
 /// The page computes the values of `cde wave at`, in every form, from words of all kinds.
-TEST_F(Serve, ValuesAtACursorAreThoseOfAt) {
+TEST_F(Serve, ValuesAtACursor_EqualThoseOfAt) {
   NEEDS_BROWSER;
   {
     Writer w(folder_ / "words.fst");
@@ -248,7 +248,7 @@ TEST_F(Serve, ValuesAtACursorAreThoseOfAt) {
   EXPECT_GT(seen.size(), 200u);
 }
 
-TEST_F(Serve, ZoomAndMovesChangeWhatIsDrawn) {
+TEST_F(Serve, ZoomAndMoves_ChangeTheDrawing) {
   NEEDS_BROWSER;
   const json told = ask(page({"a.fst"}), R"js(
     const box = $("waves").getBoundingClientRect();
@@ -288,7 +288,7 @@ TEST_F(Serve, ZoomAndMovesChangeWhatIsDrawn) {
   EXPECT_GT(told["ink"], 5'000);
 }
 
-TEST_F(Serve, CursorsTellTheirDifferenceInTimeAndCycles) {
+TEST_F(Serve, Cursors_ShowTheirDifferenceInTimeAndCycles) {
   NEEDS_BROWSER;
   const json told = ask(page({"a.fst", "count:dec", "data:fp32", "--from", "20ns"}), R"js(
     told.start = $("cursors").textContent;
@@ -323,7 +323,7 @@ TEST_F(Serve, CursorsTellTheirDifferenceInTimeAndCycles) {
   EXPECT_TRUE(has(told["said"].get<std::string>(), "20ns to 195ns"));
 }
 
-TEST_F(Serve, SignalsAreSearchedFoldedAndWrittenInOtherForms) {
+TEST_F(Serve, Signals_AreSearchedFoldedAndReformatted) {
   NEEDS_BROWSER;
   const json told = ask(page({"a.fst"}), R"js(
     told.all = names();
@@ -364,7 +364,7 @@ TEST_F(Serve, SignalsAreSearchedFoldedAndWrittenInOtherForms) {
   EXPECT_EQ(told["pinned"], json({"▾ Pinned", "data ★", "▾ top"}));
 }
 
-TEST_F(Serve, ColoursAreThoseThatTheReaderPrefers) {
+TEST_F(Serve, Colours_FollowTheReadersPreference) {
   NEEDS_BROWSER;
   const std::string html = page({"a.fst"});
   const char* const script = R"js(
@@ -387,7 +387,7 @@ TEST_F(Serve, ColoursAreThoseThatTheReaderPrefers) {
   EXPECT_EQ(dark["changed"][0], "light");
 }
 
-TEST_F(Serve, TransactionsStandAboveTheSignals) {
+TEST_F(Serve, Transactions_StandAboveTheSignals) {
   NEEDS_BROWSER;
   write_pci(folder_ / "pci.fst");
   const json expected = json::parse(cde({"wave", "tx", "pci.fst", "--json"}).out)["transactions"];

@@ -105,7 +105,7 @@ class Stat : public Cli {
   }
 };
 
-TEST_F(Stat, HandshakesAreCountedByTheCycle) {
+TEST_F(Stat, Handshakes_AreCountedPerCycle) {
   write_chain();
   const Json j = json({"chain.fst"});
   EXPECT_EQ(j["schema"], "cde.wave.stat.1");
@@ -122,7 +122,7 @@ TEST_F(Stat, HandshakesAreCountedByTheCycle) {
             "4\n");
 }
 
-TEST_F(Stat, AChainOfStallsNamesTheOneThatStartsIt) {
+TEST_F(Stat, ChainOfStalls_NamesItsOrigin) {
   write_chain();
   const Json j = json({"chain.fst"});
   ASSERT_EQ(j["chains"].size(), 1u) << j["chains"];
@@ -139,7 +139,7 @@ TEST_F(Stat, AChainOfStallsNamesTheOneThatStartsIt) {
                   "  top.back.valid_o/ready_i\n"));
 }
 
-TEST_F(Stat, HandshakesOfSeparateFlowsAreNoChain) {
+TEST_F(Stat, SeparateFlows_AreNoChain) {
   // Two parallel flows, both stalled in cycle 1, and a third within the first.
   write_patterns(folder_ / "two.fst", {{"p", "valid_i", "1111"},
                                        {"p", "ready_o", "1011"},
@@ -157,7 +157,7 @@ TEST_F(Stat, HandshakesOfSeparateFlowsAreNoChain) {
   EXPECT_EQ(j["chains"][0]["origin"], "top.p.valid_o/ready_i");
 }
 
-TEST_F(Stat, BubblesLieBetweenTheFirstAndTheLastValid) {
+TEST_F(Stat, IdleCycles_LieBetweenFirstAndLastValid) {
   write_chain();
   const Json j = json({"chain.fst"});
   ASSERT_EQ(j["bubbles"].size(), 1u);  // the valid of a handshake belongs to no pipe
@@ -172,7 +172,7 @@ TEST_F(Stat, BubblesLieBetweenTheFirstAndTheLastValid) {
   EXPECT_EQ(b["last_valid"], 75);
 }
 
-TEST_F(Stat, AWindowCountsItsOwnCyclesAlone) {
+TEST_F(Stat, Window_CountsOnlyItsCycles) {
   write_chain();
   const Json j = json({"chain.fst", "--from", "20", "--to", "60"});
   EXPECT_EQ(j["cycles"], 4);
@@ -183,7 +183,7 @@ TEST_F(Stat, AWindowCountsItsOwnCyclesAlone) {
   expect_use(named(around["handshakes"], "top.back.valid_o/ready_i"), {2, 1, 0, 0, 1, 45});
 }
 
-TEST_F(Stat, RequestsUnknownLevelsAndNamesOfAxi) {
+TEST_F(Stat, RequestsUnknownLevelsAndAxiNames_AreRecognised) {
   write_patterns(folder_ / "more.fst", {{"top", "mem_req", "xx0110"},
                                         {"top", "mem_ack", "000101"},
                                         {"axi", "m_wvalid", "110011"},
@@ -202,7 +202,7 @@ TEST_F(Stat, RequestsUnknownLevelsAndNamesOfAxi) {
   expect_use(named(h, "top.low.valid_n/ready_n"), {2, 2, 2, 0, 2, 45});
 }
 
-TEST_F(Stat, PciHasDataPhasesWaitsAndAddressPhases) {
+TEST_F(Stat, Pci_HasDataPhasesWaitsAndAddressPhases) {
   write_patterns(folder_ / "pci.fst", {{"bus", "frame_n", "100001101011"},
                                        {"bus", "irdy_n", "110000110100"},
                                        {"bus", "trdy_n", "111010110110"},
@@ -217,7 +217,7 @@ TEST_F(Stat, PciHasDataPhasesWaitsAndAddressPhases) {
   expect_use(h, {4, 3, 2, 0, 1, 25});
 }
 
-TEST_F(Stat, ActivityOfSignals) {
+TEST_F(Stat, Signals_HaveTheirActivity) {
   {
     Writer w(folder_ / "s.fst");
     w.scope("top");
@@ -265,7 +265,7 @@ TEST_F(Stat, ActivityOfSignals) {
   EXPECT_EQ(clocked["signals"][0]["changes_per_cycle"], 1.5);
 }
 
-TEST_F(Stat, ScopesAndPatternsChoose) {
+TEST_F(Stat, ScopesAndPatterns_SelectSignals) {
   write_chain();
   const Json j = json({"chain.fst", "back"});
   EXPECT_EQ(j["handshakes"].size(), 2u);
@@ -279,7 +279,7 @@ TEST_F(Stat, ScopesAndPatternsChoose) {
   EXPECT_TRUE(has(text.out, "... 1 more"));
 }
 
-TEST_F(Stat, WhatMakesNoSenseIsAMessage) {
+TEST_F(Stat, InvalidUsage_IsRefused) {
   write_chain();
   EXPECT_TRUE(has(error({"chain.fst", "frnt"}), "no signal"));
   EXPECT_TRUE(has(error({"chain.fst", "--from", "5us"}), "outside"));

@@ -55,7 +55,7 @@ class States : public Cli {
   }
 };
 
-TEST_F(States, NineStates_AreOfTwoCasesAndHAndLAreNumbers) {
+TEST_F(States, NineStates_IgnoreCaseAndReadHAndLAsNumbers) {
   EXPECT_EQ(times("changed(bus)"), "10 20 ");
   EXPECT_EQ(times("bus === 4'bzzzz"), "10 ");
   EXPECT_EQ(times("bus == 12"), "20 ");
@@ -65,7 +65,7 @@ TEST_F(States, NineStates_AreOfTwoCasesAndHAndLAreNumbers) {
   EXPECT_TRUE(has(cde({"wave", "at", "s.fst", "20", "bus:dec"}).out, "12"));
 }
 
-TEST_F(States, AValueThatIsGoneWithinItsInstant_IsNoChange) {
+TEST_F(States, ValueGoneWithinItsInstant_IsNoChange) {
   EXPECT_EQ(times("changed(glitch)"), "40 ");
   const Json j = Json::parse(cde({"wave", "stat", "s.fst", "glitch", "bus", "--json"}).out);
   EXPECT_EQ(j["signals"][0]["change_count"], 1);
@@ -179,7 +179,7 @@ TEST_F(Events, InitialValueOfABlock_TriggersNothing) {
   EXPECT_EQ(times("i.fst", "e"), "20 ");
 }
 
-TEST_F(States, Find_ReadsASignalAsTheFileHasIt) {
+TEST_F(States, Find_ReadsSignalsAsTheFileStates) {
   EXPECT_EQ(times("t_o > 0.5"), "0 ");
   EXPECT_EQ(times("t_o < 1"), "20 ");
   EXPECT_EQ(times("t_o == 32'h3e800000"), "20 ") << "compared with bits, the value is bits";
@@ -191,7 +191,7 @@ TEST_F(States, Find_ReadsASignalAsTheFileHasIt) {
   EXPECT_TRUE(has(cde({"wave", "find", "s.fst", "state + \"RUN\""}).err, "only be compared"));
 }
 
-TEST_F(States, Exports_ShortenOnlyWhatReadersFillUp) {
+TEST_F(States, Exports_ShortenOnlyWhatReadersExtend) {
   const std::string vcd = cde({"wave", "export", "s.fst", "--format", "vcd"}).out;
   EXPECT_TRUE(has(vcd, "bUUUU "));
   EXPECT_TRUE(has(vcd, "bz "));
@@ -208,7 +208,7 @@ TEST_F(States, AFileBelowDev_IsAFile) {
   EXPECT_TRUE(std::filesystem::remove(file));
 }
 
-TEST(FourState, WideArithmetic_IsThatOfWords) {
+TEST(FourState, WideArithmetic_EqualsThatOfWords) {
   const auto wide = [](std::uint64_t v) {
     wave::Value r;
     r.width = 64;

@@ -15,16 +15,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-class TuiTerminal : public Cli {
+class TuiTerminal : public TuiCommand {
  protected:
   void SetUp() override {
-    Cli::SetUp();
+    TuiCommand::SetUp();
     write_sample(folder_ / "a.fst");
     if (shell("command -v tmux").status != 0) GTEST_SKIP() << "needs tmux";
   }
   void TearDown() override {
     (void)tmux("kill-server");
-    Cli::TearDown();
+    TuiCommand::TearDown();
   }
   Ran tmux(const std::string& words) {
     return shell(fmt::format("unset TMUX; tmux -S '{}' -f /dev/null {}", socket(), words));
@@ -76,7 +76,7 @@ class TuiTerminal : public Cli {
   unsigned server_ = 0;  ///< each test has a new server, because an old one needs time to end
 };
 
-TEST_F(TuiTerminal, ShowsMovesAndQuits) {
+TEST_F(TuiTerminal, Keys_ShowMoveAndQuit) {
   open("a.fst clk count:dec valid data:fp32 --around fail --window 3");
   std::string seen = wait_for("A 75ns cyc:7");
   EXPECT_TRUE(has(seen, "{3.5 nan}"));
@@ -96,7 +96,7 @@ TEST_F(TuiTerminal, ShowsMovesAndQuits) {
   expect_restored("status 0");
 }
 
-TEST_F(TuiTerminal, FollowsTheSizeOfTheTerminal) {
+TEST_F(TuiTerminal, Resize_RedrawsTheScreen) {
   open("a.fst");
   wait_for("A 75ns cyc:7");
   EXPECT_EQ(tmux("resize-window -x 30 -y 10").status, 0);
@@ -110,7 +110,7 @@ TEST_F(TuiTerminal, FollowsTheSizeOfTheTerminal) {
 
 /// The terminal is restored after signals to the command or its child, after a crash, and after
 /// SIGKILL.
-TEST_F(TuiTerminal, LeavesAWorkingTerminal) {
+TEST_F(TuiTerminal, AnyEnd_LeavesAWorkingTerminal) {
   const std::vector<std::tuple<std::string, bool, std::string>> ways = {
       {"TERM", false, "status 143"}, {"INT", false, "status 130"}, {"HUP", false, "status 129"},
       {"TERM", true, "status 143"},  {"KILL", true, "status 137"}, {"SEGV", true, "status 2"},
@@ -126,7 +126,7 @@ TEST_F(TuiTerminal, LeavesAWorkingTerminal) {
   }
 }
 
-TEST_F(TuiTerminal, StopsAndGoesOn) {
+TEST_F(TuiTerminal, StopAndResume_KeepTheScreen) {
   write("job.sh", fmt::format("set -m\ncd '{}'\nexport LC_ALL=C.UTF-8\n\"{}\" wave tui a.fst\necho "
                               "stopped\nread -r\nfg\necho \"status $?\"\nsleep 1000\n",
                               folder_.string(), CDE_COMMAND));
@@ -143,7 +143,7 @@ TEST_F(TuiTerminal, StopsAndGoesOn) {
   wait_for("status 0");
 }
 
-TEST_F(TuiTerminal, TerminalsOfAllKinds) {
+TEST_F(TuiTerminal, TerminalsOfAllKinds_ShowTheWaves) {
   for (const char* environment : {"LC_ALL=C", "TERM=vt100 LC_ALL=C", "NO_COLOR=1 LC_ALL=C.UTF-8"}) {
     SCOPED_TRACE(environment);
     open("a.fst --around fail --window 3", 80, 24, environment);
@@ -164,7 +164,7 @@ TEST_F(TuiTerminal, TerminalsOfAllKinds) {
   EXPECT_TRUE(has(wait_for("status 2"), "is not known here"));
 }
 
-TEST_F(Cli, WaveTuiNeedsATerminal) {
+TEST_F(TuiCommand, WaveTuiWithoutATerminal_IsRefused) {
   write_sample(folder_ / "a.fst");
   const Ran ran = shell("\"$CDE\" wave tui a.fst < /dev/null");
   EXPECT_EQ(ran.status, 2);

@@ -146,7 +146,7 @@ class Tui : public Cli {
   }
 };
 
-TEST_F(Tui, SignalsWithValuesAtTheCursorAndWaves) {
+TEST_F(Tui, Signals_ShowValuesAndWaves) {
   Fake f = sample({"clk", "count:dec", "valid", "data:fp32", "data[1]:fp32", "state:bin"});
   EXPECT_EQ(f.row(0).substr(0, 13), " a.fst  top  ") << f.all();
   EXPECT_TRUE(f.row(0).ends_with("45ns to 115ns")) << f.all();
@@ -163,7 +163,7 @@ TEST_F(Tui, SignalsWithValuesAtTheCursorAndWaves) {
 }
 
 /// A rising edge is drawn in the column of its time, as are the ruler's tick and the cursor.
-TEST_F(Tui, RulerCursorAndEdgesAgree) {
+TEST_F(Tui, RulerCursorAndEdges_Agree) {
   Fake f = sample({"clk"}, {0, 195}, 0);
   for (const unsigned time : {35u, 75u, 115u}) {
     f.type(fmt::format("g{}\n", time));
@@ -176,7 +176,7 @@ TEST_F(Tui, RulerCursorAndEdgesAgree) {
   EXPECT_EQ(f.row(1).substr(columns.at(0), 6), "|100ns") << f.all();
 }
 
-TEST_F(Tui, TheRulerMarksWhereNothingIsDumped) {
+TEST_F(Tui, Ruler_MarksUndumpedTimes) {
   write("d.vcd",
         "$timescale 1ns $end\n$var wire 1 ! a $end\n$enddefinitions $end\n#0\n0!\n#20\n$dumpoff\n"
         "x!\n$end\n#80\n$dumpon\n1!\n$end\n#100\n0!\n");
@@ -187,7 +187,7 @@ TEST_F(Tui, TheRulerMarksWhereNothingIsDumped) {
   EXPECT_EQ(all.row(1).find('/'), std::string::npos) << all.all();
 }
 
-TEST_F(Tui, UnicodeAndAsciiHaveTheSameColumns) {
+TEST_F(Tui, UnicodeAndAscii_HaveTheSameColumns) {
   Fake ascii = sample({"clk", "count", "valid", "state"}, {0, 195}, 35);
   Fake unicode(path("a.fst"), {"clk", "count", "valid", "state"}, {0, 195}, 35, "", false);
   EXPECT_TRUE(has(unicode.row(2), "╱▔")) << unicode.all();
@@ -199,7 +199,7 @@ TEST_F(Tui, UnicodeAndAsciiHaveTheSameColumns) {
   }
 }
 
-TEST_F(Tui, EdgesOfTheChosenSignal) {
+TEST_F(Tui, EdgeKeys_FollowTheChosenSignal) {
   Fake f = sample({"count", "valid", "data[1]:fp32"});
   EXPECT_EQ(f.cursor_after("w"), 85u);
   EXPECT_EQ(f.cursor_after("bb"), 65u);
@@ -216,7 +216,7 @@ TEST_F(Tui, EdgesOfTheChosenSignal) {
   EXPECT_TRUE(has(f.message(), "after the cursor")) << f.all();
 }
 
-TEST_F(Tui, TimesAreThoseOfAllCommands) {
+TEST_F(Tui, Times_EqualThoseOfAllCommands) {
   Fake f = sample({"count:dec"});
   EXPECT_EQ(f.cursor_after("gcyc:12\n"), 125u);
   EXPECT_EQ(f.cursor_after("gfail-4cyc\n"), 35u);
@@ -234,7 +234,7 @@ TEST_F(Tui, TimesAreThoseOfAllCommands) {
   EXPECT_EQ(f->cursor(), 100u);
 }
 
-TEST_F(Tui, SecondCursorHasTheDifference) {
+TEST_F(Tui, SecondCursor_ShowsTheDifference) {
   Fake f = sample({"count:dec"});
   f.type("mgcyc:10\n");
   EXPECT_EQ(f.status().substr(0, 57), " A 105ns cyc:10   B 75ns cyc:7   A-B 30ns 3 cycles       ")
@@ -254,7 +254,7 @@ TEST_F(Tui, SecondCursorHasTheDifference) {
   EXPECT_TRUE(has(f.message_after("z"), "no second cursor")) << f.all();
 }
 
-TEST_F(Tui, ZoomKeepsTheCursorInItsColumn) {
+TEST_F(Tui, Zoom_KeepsTheCursorInItsColumn) {
   Fake f = sample({"count"}, {0, 195}, 75);
   const auto column = [&] { return f.columns(2, [](auto s) { return s.cursor; }).at(0); };
   const std::size_t before = column();
@@ -275,7 +275,7 @@ TEST_F(Tui, ZoomKeepsTheCursorInItsColumn) {
   EXPECT_EQ(f->window().end, all.end);
 }
 
-TEST_F(Tui, CursorAndWindowMove) {
+TEST_F(Tui, Keys_MoveCursorAndWindow) {
   Fake f = sample({"count"}, {45, 115}, 75);
   f.type("h");
   EXPECT_LT(f->cursor(), 75u);
@@ -294,7 +294,7 @@ TEST_F(Tui, CursorAndWindowMove) {
 }
 
 /// In both directions the cursor stops where `cde wave find` finds the expression, across blocks.
-TEST_F(Tui, ExpressionsAreFoundWhereFindFindsThem) {
+TEST_F(Tui, Expressions_AreFoundWhereFindFindsThem) {
   write_blocks();
   const std::array<std::array<std::string, 2>, 6> asked = {{
       {"odd == 2 && clk", ""},
@@ -330,7 +330,7 @@ TEST_F(Tui, ExpressionsAreFoundWhereFindFindsThem) {
   }
 }
 
-TEST_F(Tui, WrongExpressionsAreSaid) {
+TEST_F(Tui, WrongExpressions_AreReported) {
   Fake f = sample({"count"});
   EXPECT_TRUE(has(f.message_after("n"), "no expression yet")) << f.all();
   for (const char* wrong :
@@ -341,7 +341,7 @@ TEST_F(Tui, WrongExpressionsAreSaid) {
   }
 }
 
-TEST_F(Tui, SignalsAreFoundByName) {
+TEST_F(Tui, Signals_AreFoundByName) {
   Fake f = sample({"*"});
   EXPECT_TRUE(has(f.status_after("/dat\n"), "signal 5 of 7"));
   EXPECT_TRUE(has(f.status_after("/*count\n"), "signal 7 of 7"));
@@ -350,7 +350,7 @@ TEST_F(Tui, SignalsAreFoundByName) {
   EXPECT_TRUE(has(f.message_after("/nothing\n"), "no signal nothing")) << f.all();
 }
 
-TEST_F(Tui, SignalsAreAddedAndRemoved) {
+TEST_F(Tui, Signals_AreAddedAndRemoved) {
   Fake f = sample({"clk"});
   f.type("acount");
   EXPECT_TRUE(has(f.row(1), "2 of 7 signals")) << f.all();
@@ -381,7 +381,7 @@ TEST_F(Tui, SignalsAreAddedAndRemoved) {
   EXPECT_NE(f->message(), "");
 }
 
-TEST_F(Tui, FormsOfValues) {
+TEST_F(Tui, Keys_ChangeTheFormatOfValues) {
   Fake f = sample({"data", "count", "data[0]:fp32"});
   for (const char* value : {"9205357", "9205357", "01111111", "{3.5 nan}", "2.2471", "7fc0000"}) {
     f.type("v");
@@ -396,7 +396,7 @@ TEST_F(Tui, FormsOfValues) {
   EXPECT_TRUE(has(f.line("data[0]"), "1080033280")) << f.all();
 }
 
-TEST_F(Tui, TransactionsOfAKind) {
+TEST_F(Tui, Transactions_AreFoundByKind) {
   write_pci(folder_ / "pci.fst");
   Fake f(path("pci.fst"), {"*"}, {}, 0);
   EXPECT_EQ(f.cursor_after("t"), 45u);
@@ -412,7 +412,7 @@ TEST_F(Tui, TransactionsOfAKind) {
   EXPECT_TRUE(has(f.message_after("ypcie\n"), "there are: pci, bus"));
 }
 
-TEST_F(Tui, DifferencesAreMarkedAndFound) {
+TEST_F(Tui, Differences_AreMarkedAndFound) {
   write_sample(folder_ / "b.fst", {.late = 0, .wrong_at = 9, .cycles = 15});
   Fake f(path("a.fst"), {"count", "data[0]:fp32", "data[1]:fp32"}, {45, 115}, 50, path("b.fst"));
   EXPECT_TRUE(f.row(0).starts_with(" a.fst | b.fst  top"));
@@ -440,7 +440,7 @@ TEST_F(Tui, DifferencesAreMarkedAndFound) {
 }
 
 /// Differences that begin or end at block boundaries, or span several blocks, count once each.
-TEST_F(Tui, DifferencesAcrossBlocks) {
+TEST_F(Tui, DifferencesAcrossBlocks_CountOnce) {
   const std::vector<Stretch> wrong = {{40, 49}, {300, 319}, {350, 649}, {690, 699}, {990, 999}};
   for (const bool differs : {false, true}) {
     Writer w(folder_ / (differs ? "y.fst" : "x.fst"));
@@ -477,12 +477,12 @@ TEST_F(Tui, DifferencesAcrossBlocks) {
   }
 }
 
-TEST_F(Tui, WithoutASecondFileThereIsNoDifference) {
+TEST_F(Tui, WithoutASecondFile_DifferencesAreRefused) {
   Fake f = sample({"count"});
   EXPECT_TRUE(has(f.message_after("d"), "--diff OTHER.fst")) << f.all();
 }
 
-TEST_F(Tui, OnlyBlocksThatAreSeenAreRead) {
+TEST_F(Tui, Blocks_AreReadOnlyWhenSeen) {
   write_blocks();
   Fake f(path("blocks.fst"), {"odd", "late"}, {250, 260}, 255);
   EXPECT_EQ(f->loads(), 2u);
@@ -498,7 +498,7 @@ TEST_F(Tui, OnlyBlocksThatAreSeenAreRead) {
 
 /// Any keys on any screen: the window stays in the file, the cursor in the window, and the values
 /// are those of the file.
-TEST_F(Tui, AnyKeysOnAnyScreen) {
+TEST_F(Tui, AnyKeysOnAnyScreen_KeepTheViewValid) {
   write_blocks();
   std::mt19937 random(3);
   const std::string keys = "hjkl0$HLwb+-=uczm'nNtT/fgayJKB^G?dDio\n\t ckotd:1*";
@@ -531,7 +531,7 @@ TEST_F(Tui, AnyKeysOnAnyScreen) {
   EXPECT_GT(compared, 500u);
 }
 
-TEST_F(Tui, SmallAndLargeScreens) {
+TEST_F(Tui, SmallAndLargeScreens_AreDrawn) {
   Fake f = sample({"*"});
   f.size(30, 5);
   EXPECT_EQ(f.row(0), "too small");
@@ -546,7 +546,7 @@ TEST_F(Tui, SmallAndLargeScreens) {
   EXPECT_TRUE(has(f.line("data"), "7fc0000040600000")) << f.all();
 }
 
-TEST_F(Tui, HelpListsAllKeys) {
+TEST_F(Tui, Help_ListsAllKeys) {
   Fake f = sample({"clk"});
   f.size(80, 60);
   f.press(U'?');
@@ -563,7 +563,7 @@ TEST_F(Tui, HelpListsAllKeys) {
 }
 
 /// Names may contain anything: they are shown and send no control codes to the terminal.
-TEST_F(Tui, NamesControlNoTerminal) {
+TEST_F(Tui, Names_SendNoControlCodes) {
   {
     Writer w(folder_ / "names.fst");
     w.scope("t\x1b[31mp");
@@ -581,7 +581,7 @@ TEST_F(Tui, NamesControlNoTerminal) {
   EXPECT_TRUE(has(f.all(), "a\\x07\xc3\xbf\\x1b[2J"));
 }
 
-TEST_F(Tui, KeysAreAnsweredAtOnce) {
+TEST_F(Tui, Keys_AreAnsweredAtOnce) {
   Fake f = sample({"*"}, {0, 195}, 0);
   std::vector<double> times;
   for (const char k : std::string("wlb+-=jkLHtn$0wwwwww")) {

@@ -197,7 +197,7 @@ void expect_engine(const std::map<std::string, std::uint64_t>& counters,
   }
 }
 
-TEST_F(TxCard, TheEngineBehindTheFunctionalBusIsWhatTheDriverCounts) {
+TEST_F(TxCard, FunctionalBus_MatchesTheDriversCounters) {
   const auto counters = play("");
   ASSERT_FALSE(counters.empty());
   expect_signals(folder_ / "w.fst", {"pci", "dma"});
@@ -224,7 +224,7 @@ TEST_F(TxCard, TheEngineBehindTheFunctionalBusIsWhatTheDriverCounts) {
   }());
 }
 
-TEST_F(TxCard, TheBusOfACardBehindPciIsWhatTheCardCounts) {
+TEST_F(TxCard, CardBehindPci_MatchesTheCardsCounters) {
   const auto counters = play("bus = \"cycle\"");
   ASSERT_FALSE(counters.empty());
   expect_signals(folder_ / "w.fst", {});
@@ -254,7 +254,7 @@ TEST_F(TxCard, TheBusOfACardBehindPciIsWhatTheCardCounts) {
 }
 
 /// Counters of the card, in the order of its registers.
-TEST_F(TxCard, FaultsOfTheBusAreToldAsTheCardCountsThem) {
+TEST_F(TxCard, BusFaults_MatchTheCardsCounters) {
   for (const Words& faults : {Words{},
                               {"--fault", "disconnect:9:2@0"},
                               {"--fault", "retry:5@0"},

@@ -54,7 +54,7 @@ class Tx : public Cli {
   }
 };
 
-TEST_F(Tx, EveryEndOfAPciTransactionIsTold) {
+TEST_F(Tx, EveryEndOfAPciTransaction_IsReported) {
   const auto j = json({"pci.fst"});
   EXPECT_EQ(j["schema"], "cde.wave.tx.1");
   EXPECT_EQ(j["kinds"], nlohmann::json({"pci"}));
@@ -94,7 +94,7 @@ TEST_F(Tx, EveryEndOfAPciTransactionIsTold) {
   EXPECT_EQ(value(j["transactions"][1], "access"), "read");
 }
 
-TEST_F(Tx, AWindowHasWhatReachesIntoIt) {
+TEST_F(Tx, Window_IncludesOverlappingTransactions) {
   // 300 ns lies in the retried read (255 to 345).
   const auto one = json({"pci.fst", "--from", "300", "--to", "320"});
   ASSERT_EQ(one["transactions"].size(), 1u);
@@ -104,7 +104,7 @@ TEST_F(Tx, AWindowHasWhatReachesIntoIt) {
   EXPECT_EQ(json({"pci.fst", "--around", "cyc:10", "--window", "1"})["transactions"].size(), 1u);
 }
 
-TEST_F(Tx, ConditionsCompareNumbersTimesAndText) {
+TEST_F(Tx, Conditions_CompareNumbersTimesAndText) {
   const std::vector<std::pair<std::string, std::size_t>> all = {
       {"kind == pci", 8},
       {"kind=pci", 8},
@@ -133,7 +133,7 @@ TEST_F(Tx, ConditionsCompareNumbersTimesAndText) {
   for (const auto& [condition, count] : all) EXPECT_EQ(where(condition), count) << condition;
 }
 
-TEST_F(Tx, AWrongConditionIsShownWithAMarkUnderThePlace) {
+TEST_F(Tx, WrongCondition_IsMarkedAtItsPlace) {
   const std::vector<std::pair<std::string, std::size_t>> wrong = {{"wrods > 1", 0},
                                                                   {"words >", 7},
                                                                   {"words", 5},
@@ -159,7 +159,7 @@ TEST_F(Tx, AWrongConditionIsShownWithAMarkUnderThePlace) {
   EXPECT_EQ(where("hits > 1"), 0u);
 }
 
-TEST_F(Tx, WrongUsageIsRefused) {
+TEST_F(Tx, WrongUsage_IsRefused) {
   EXPECT_TRUE(has(error({"pci.fst", "pcj"}), "did you mean pci?"));
   EXPECT_TRUE(has(error({"pci.fst", "--histogram", "lantency"}), "did you mean latency?"));
   (void)error({"pci.fst", "--csv", "--json"});
@@ -168,7 +168,7 @@ TEST_F(Tx, WrongUsageIsRefused) {
   (void)error({"none.fst"});
 }
 
-TEST_F(Tx, AFileWithoutACardSaysSo) {
+TEST_F(Tx, FileWithoutACard_IsReported) {
   Ran ran = tx({"a.fst"});
   EXPECT_EQ(ran.status, 1);
   EXPECT_EQ(ran.out, "");
@@ -193,7 +193,7 @@ TEST_F(Tx, AFileWithoutACardSaysSo) {
   EXPECT_TRUE(has(ran.err, "clk, trdy_n, stop_n, ..."));
 }
 
-TEST_F(Tx, OutputIsBoundedAndSaysHowManyMore) {
+TEST_F(Tx, Output_IsBoundedAndCountsTheRest) {
   const Ran ran = tx({"pci.fst", "--max", "2"});
   EXPECT_EQ(ran.status, 0);
   EXPECT_TRUE(has(ran.out, "\n... 6 more (--max 0 prints all)\n8 pci\n"));
@@ -209,7 +209,7 @@ TEST_F(Tx, OutputIsBoundedAndSaysHowManyMore) {
   EXPECT_EQ(csv.err, "cde: ... 7 more (--max 0 prints all)\n");
 }
 
-TEST_F(Tx, HistogramsCountValuesAndSteps) {
+TEST_F(Tx, Histograms_CountValuesAndSteps) {
   const auto j = json({"pci.fst", "--histogram", "words"});
   EXPECT_EQ(j["count"], 8);
   ASSERT_EQ(j["bars"].size(), 4u);
@@ -224,7 +224,7 @@ TEST_F(Tx, HistogramsCountValuesAndSteps) {
 }
 
 /// Transactions are reported as they end and need not be kept; the reader may stop early.
-TEST_F(Tx, TheReaderMayStop) {
+TEST_F(Tx, Reader_MayStopEarly) {
   wave::Trace trace(folder_ / "pci.fst");
   unsigned seen = 0;
   wave::each_transaction(trace, {}, trace.start(), trace.end(), [&](const wave::Transaction& t) {
@@ -237,7 +237,7 @@ TEST_F(Tx, TheReaderMayStop) {
 }
 
 /// Undriven values and damaged files do not crash the command.
-TEST_F(Tx, UnknownValuesAndDamagedFilesAreNoCrash) {
+TEST_F(Tx, UnknownValuesAndDamagedFiles_NeverCrash) {
   {
     Writer w(folder_ / "x.fst");
     w.scope("b");

@@ -51,7 +51,7 @@ class Wave : public Cli {
   }
 };
 
-TEST_F(Wave, InfoTellsWhatTheFileIs) {
+TEST_F(Wave, Info_DescribesTheFile) {
   const auto j = json({"info", "a.fst"});
   EXPECT_EQ(j["schema"], "cde.wave.info.1");
   EXPECT_EQ(j["writer"], "sample");
@@ -64,7 +64,7 @@ TEST_F(Wave, InfoTellsWhatTheFileIs) {
   EXPECT_EQ(j["cycles"], 20);
 }
 
-TEST_F(Wave, LsListsNamesWidthsAndKinds) {
+TEST_F(Wave, Ls_ListsNamesWidthsAndKinds) {
   EXPECT_EQ(out({"ls", "a.fst", "count"}),
             "top.count           8  wire  [7:0]\n"
             "top.core.count      8  wire input [7:0]\n");
@@ -74,7 +74,7 @@ TEST_F(Wave, LsListsNamesWidthsAndKinds) {
   EXPECT_TRUE(has(error({"ls", "a.fst", "cuont"}), "did you mean"));
 }
 
-TEST_F(Wave, AtGivesValuesInEveryForm) {
+TEST_F(Wave, At_GivesValuesInEveryFormat) {
   EXPECT_EQ(out({"at", "a.fst", "75ns", "count", "count:dec", "count:bin", "data", "data:fp32",
                  "data[0]:fp32", "data[1]:fp32", "data[31:16]:bf16", "data[0]:hex/32", "state"}),
             "at 75ns\n"
@@ -93,7 +93,7 @@ TEST_F(Wave, AtGivesValuesInEveryForm) {
   EXPECT_TRUE(has(out({"at", "long.fst", "cyc:249", "count:signed"}), "-7\n"));
 }
 
-TEST_F(Wave, TimesHaveManyForms) {
+TEST_F(Wave, Times_HaveManyForms) {
   for (const std::string time : {"75ns", "75", "75000ps", "0.075us", "cyc:7", "fail", "fail+2ns",
                                  "cyc:9-2cyc", "end-120", "end-12cyc", "start+75"})
     EXPECT_TRUE(has(out({"at", "a.fst", time, "count:dec"}), "top.count  7\n")) << time;
@@ -105,7 +105,7 @@ TEST_F(Wave, TimesHaveManyForms) {
     EXPECT_TRUE(has(error({"at", "a.fst", time, "count"}), "no time")) << time;
 }
 
-TEST_F(Wave, ValueAtAnyTimeIsThatOfAWalkThroughTheFile) {
+TEST_F(Wave, ValueAtAnyTime_EqualsASequentialRead) {
   // Several blocks: a file whose writer is flushed now and then.
   const auto file = folder_ / "blocks.fst";
   std::vector<std::uint64_t> expected;
@@ -135,7 +135,7 @@ TEST_F(Wave, ValueAtAnyTimeIsThatOfAWalkThroughTheFile) {
   }
 }
 
-TEST_F(Wave, ShowDrawsWaves) {
+TEST_F(Wave, Show_DrawsWaves) {
   const std::vector<std::string> words = {"show",  "a.fst", "clk",       "count:dec",
                                           "valid", "state", "--from",    "cyc:3",
                                           "--to",  "cyc:6", "--columns", "49"};
@@ -166,7 +166,7 @@ TEST_F(Wave, ShowDrawsWaves) {
   (void)error({"show", "a.fst", "clk", "--window", "3"});
 }
 
-TEST_F(Wave, FindFollowsSystemVerilog) {
+TEST_F(Wave, Find_FollowsSystemVerilog) {
   EXPECT_EQ(out({"find", "a.fst", "isnan(data[1]:fp32)"}), "75ns  cyc:7  data[1]=nan\n");
   EXPECT_EQ(out({"find", "a.fst", "count == 8'h0a", "--first"}), "105ns  cyc:10  count=0a\n");
   EXPECT_EQ(out({"find", "a.fst", "count == 1_0", "--first"}), "105ns  cyc:10  count=0a\n");
@@ -206,7 +206,7 @@ TEST_F(Wave, FindFollowsSystemVerilog) {
   EXPECT_EQ(json({"find", "a.fst", "rose(clk)", "--last"})["matches"][0]["cycle"], 19);
 }
 
-TEST_F(Wave, AWrongExpressionIsShownWithAMarkUnderThePlace) {
+TEST_F(Wave, WrongExpression_IsMarkedAtItsPlace) {
   const std::vector<std::pair<std::string, std::size_t>> wrong = {
       {"count == ", 9},     {"count == 8'hfg", 13},    {"(count", 6},
       {"cuont == 1", 0},    {"count ** 2", 7},         {"isnan(count)", 6},
@@ -226,7 +226,7 @@ TEST_F(Wave, AWrongExpressionIsShownWithAMarkUnderThePlace) {
   (void)error({"find", "a.fst", "clk", "--ulp", "1"});
 }
 
-TEST_F(Wave, DiffNamesTheFirstDivergenceOfEachSignal) {
+TEST_F(Wave, Diff_NamesTheFirstDifferenceOfEachSignal) {
   EXPECT_EQ(out({"diff", "a.fst", "a.fst"}), "0 of 6 signals differ\n");
   const Ran ran = cde({"wave", "diff", "a.fst", "b.fst", "--as", "fp32"});
   EXPECT_EQ(ran.status, 1);
@@ -248,7 +248,7 @@ TEST_F(Wave, DiffNamesTheFirstDivergenceOfEachSignal) {
   EXPECT_TRUE(has(error({"diff", "a.fst", "nothing.fst"}), "nothing.fst"));
 }
 
-TEST_F(Wave, ElementsOfArraysHaveBracketsInTheirNames) {
+TEST_F(Wave, ArrayElements_KeepTheirBrackets) {
   {
     Writer w(folder_ / "array.fst");
     w.scope("top");
@@ -270,7 +270,7 @@ TEST_F(Wave, ElementsOfArraysHaveBracketsInTheirNames) {
   EXPECT_TRUE(has(error({"at", "array.fst", "0", "row[]"}), "the index must be"));
 }
 
-TEST_F(Wave, ANameWithoutScopesIsTheOutermostOfItsName) {
+TEST_F(Wave, NameWithoutScopes_IsTheOutermost) {
   {
     Writer w(folder_ / "scopes.fst");
     w.scope("top");
@@ -289,7 +289,7 @@ TEST_F(Wave, ANameWithoutScopesIsTheOutermostOfItsName) {
   EXPECT_TRUE(has(error({"at", "scopes.fst", "0", "y"}), "top.p.y or top.q.y"));
 }
 
-TEST_F(Wave, ManySignalsAreListedInTheirOrderAndFoundByPatterns) {
+TEST_F(Wave, ManySignals_AreListedInOrderAndFoundByPattern) {
   write_large(folder_ / "large.fst", 1000, 300, 50);
   const auto j = json({"ls", "large.fst", "--max", "0"});
   ASSERT_EQ(j["signals"].size(), 1001u);
@@ -299,7 +299,7 @@ TEST_F(Wave, ManySignalsAreListedInTheirOrderAndFoundByPatterns) {
   EXPECT_EQ(json({"diff", "large.fst", "large.fst"})["compared"], 1001);
 }
 
-TEST_F(Wave, TheManualShowsWhatTheCommandPrints) {
+TEST_F(Wave, Manual_ShowsThePrintedOutput) {
   write_structure(folder_);
   std::ifstream manual(std::string(CDE_SOURCE_DIR) + "/docs/guides/waves.md");
   std::string command, expected;

@@ -57,7 +57,7 @@ class WhyOracle : public Cli {
   std::optional<wave::Design> design_;
 };
 
-TEST_F(WhyOracle, RandomStatements_ThoseThatRanAreNamed) {
+TEST_F(WhyOracle, RandomStatements_ExecutedOnesAreNamed) {
   if (shell("iverilog -V && vvp -V").status != 0) GTEST_SKIP() << "needs Icarus Verilog";
   unsigned statements = 0, choices = 0, wrong = 0;
   for (unsigned seed = 1; seed <= 5 && wrong == 0; ++seed) {

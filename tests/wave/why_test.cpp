@@ -73,7 +73,7 @@ class Why : public Cli {
 
 /// A structure in both forms: from the installed Verilator, and from a Verilator without --xml-only
 /// (structures/make).
-class Forms : public Why, public ::testing::WithParamInterface<const char*> {
+class WhyStructure : public Why, public ::testing::WithParamInterface<const char*> {
  protected:
   [[nodiscard]] std::string file(const std::string& xml) const override {
     return xml.substr(0, xml.rfind(".xml")) + GetParam();
@@ -88,10 +88,10 @@ class Forms : public Why, public ::testing::WithParamInterface<const char*> {
       fs::copy_file(folder / "structures" / (name + part), folder_ / (name + part));
   }
 };
-INSTANTIATE_TEST_SUITE_P(Structure, Forms, ::testing::Values(".xml", ".tree.json"),
+INSTANTIATE_TEST_SUITE_P(Structure, WhyStructure, ::testing::Values(".xml", ".tree.json"),
                          [](const auto& form) { return form.index == 0 ? "Xml" : "Json"; });
 
-TEST_P(Forms, LogicIsFollowedAtTheSameTimeAndRegistersToJustBeforeTheirEdge) {
+TEST_P(WhyStructure, Causes_FollowLogicNowAndRegistersBeforeTheirEdge) {
   structure("top");
   const Json j = why("a.fst", "state@cyc:9", "top.xml", {"--depth", "1"});
   EXPECT_EQ(j["schema"], "cde.wave.why.1");
@@ -112,7 +112,7 @@ TEST_P(Forms, LogicIsFollowedAtTheSameTimeAndRegistersToJustBeforeTheirEdge) {
             Texts{"top.count=00000111@84:21"});
 }
 
-TEST_P(Forms, WhatIsNotInTheWavesIsWalkedThrough) {
+TEST_P(WhyStructure, SignalsOutsideTheWaves_AreTraversed) {
   structure("top");
   const Json high = why("a.fst", "data[63:32]:fp32@cyc:7", "top.xml")["cone"];
   EXPECT_EQ(high["value"], "nan");
@@ -134,7 +134,7 @@ TEST_P(Forms, WhatIsNotInTheWavesIsWalkedThrough) {
   EXPECT_EQ(why("a.fst", "top.core.late@cyc:7", "top.xml")["cone"]["statements"][0]["line"], 8);
 }
 
-TEST_P(Forms, ALineEachAndNoMoreThanAskedFor) {
+TEST_P(WhyStructure, Text_HasALineEachUpToTheLimit) {
   structure("top");
   const Ran ran = cde({"wave", "why", "a.fst", "count@cyc:7", "--structure", file("top.xml"),
                        "--max", "2", "--depth", "9"});
@@ -152,10 +152,10 @@ TEST_P(Forms, ALineEachAndNoMoreThanAskedFor) {
 /// Conditions, cases, structures, memories, functions and generate loops (rich.sv). The clock rises
 /// at 10, 20, ..., and reset is at 12. From 15 to 25 en is 1, and x = 1010 goes into s and mem[2].
 /// The state is RUN from 30 on, and STOP from 40 on.
-class Rich : public Forms {
+class WhyRichDesign : public WhyStructure {
  protected:
   void SetUp() override {
-    Forms::SetUp();
+    WhyStructure::SetUp();
     structure("rich");
     Writer w(folder_ / "rich.fst");
     w.scope("bench");
@@ -193,7 +193,7 @@ class Rich : public Forms {
   }
 };
 
-TEST_P(Rich, BranchesThatWereNotTakenAreLeftOut) {
+TEST_P(WhyRichDesign, BranchesNotTaken_AreOmitted) {
   const Json run = why("rich.fst", "state@30", "rich.xml", {"--depth", "1"})["cone"];
   ASSERT_EQ(run["statements"].size(), 1u);
   EXPECT_EQ(run["statements"][0]["line"], 19);
@@ -212,7 +212,7 @@ TEST_P(Rich, BranchesThatWereNotTakenAreLeftOut) {
   EXPECT_EQ(causes(without[0]["causes"][0]["statements"][0]), Texts{"bench.dut.s.d=010@26:16"});
 }
 
-TEST_P(Rich, ARegisterThatKeptItsValueSaysSinceWhenAndWhy) {
+TEST_P(WhyRichDesign, UnchangedRegister_NamesSinceWhenAndWhy) {
   const Json kept = why("rich.fst", "s.d@45", "rich.xml")["cone"]["statements"];
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_EQ(kept[0]["kept"], true);
@@ -228,7 +228,7 @@ TEST_P(Rich, ARegisterThatKeptItsValueSaysSinceWhenAndWhy) {
   EXPECT_EQ(reset[0]["taken_time"], 12);
 }
 
-TEST_P(Rich, MemoriesAreWrittenWhereTheIndexWas) {
+TEST_P(WhyRichDesign, MemoryWrites_AreFoundByTheirIndex) {
   const Json written = why("rich.fst", "mem[2]@50", "rich.xml", {"--depth", "1"})["cone"];
   const Json& last = written["statements"].back();
   EXPECT_EQ(last["taken_time"], 20);
@@ -239,7 +239,7 @@ TEST_P(Rich, MemoriesAreWrittenWhereTheIndexWas) {
   EXPECT_EQ(other["remark"], "assigned earlier, at an unknown time");
 }
 
-TEST_P(Rich, GenerateBlocksAndPortsAreWires) {
+TEST_P(WhyRichDesign, GenerateBlocksAndPorts_AreWires) {
   const Json y = why("rich.fst", "y[3:2]@30", "rich.xml", {"--depth", "1"})["cone"];
   EXPECT_EQ(y["driven_name"], "bench.dut.half[1].part.q");
   EXPECT_EQ(y["statements"][0]["line"], 4);
@@ -248,7 +248,7 @@ TEST_P(Rich, GenerateBlocksAndPortsAreWires) {
   EXPECT_EQ(why("rich.fst", "y@30", "rich.xml")["cone"]["statements"][0]["causes"].size(), 2u);
 }
 
-TEST_F(Why, WhatMakesNoSenseIsSaid) {
+TEST_F(Why, InvalidUsage_IsRefused) {
   write_structure(folder_);
   structure("other",
             "module other(input logic nothing, output logic of_it); assign of_it = nothing;"
@@ -266,7 +266,7 @@ TEST_F(Why, WhatMakesNoSenseIsSaid) {
   EXPECT_EQ(cde({"wave", "find", "a.fst", "clk", "--depth", "2"}).status, 2);
 }
 
-TEST_F(Why, WavesOfAnotherBitstreamAreRefused) {
+TEST_F(Why, WavesOfAnotherModel_AreRefused) {
   write_structure(folder_);
   const auto waves = [&](const std::string& comment) {
     Writer w(folder_ / "card.fst");
@@ -293,7 +293,7 @@ TEST_F(Why, WavesOfAnotherBitstreamAreRefused) {
   }
 }
 
-TEST_F(Why, DamagedStructuresNeverCrashIt) {
+TEST_F(Why, DamagedXml_NeverCrashes) {
   write_structure(folder_);
   const std::string whole = read("top.xml");
   for (std::size_t n = 0; n < whole.size() - 20; n += 611) {
@@ -325,7 +325,7 @@ TEST_F(Why, DamagedStructuresNeverCrashIt) {
   EXPECT_TRUE(has(error("a.fst", "data@75", "deep.xml"), "too deep"));
 }
 
-TEST_P(Forms, DamagedJsonNeverCrashesIt) {
+TEST_P(WhyStructure, DamagedJson_NeverCrashes) {
   structure("top");
   const std::string tree = read("top.tree.json"), meta = read("top.tree.meta.json");
   if (std::string(GetParam()) == ".xml") {
@@ -358,7 +358,7 @@ TEST_P(Forms, DamagedJsonNeverCrashesIt) {
 }
 
 /// For a Verilator without --xml-only its other output is read, here that of another design.
-TEST_F(Why, AVerilatorWithoutXmlIsAskedForJson) {
+TEST_F(Why, VerilatorWithoutXml_IsAskedForJson) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n");
   ASSERT_EQ(shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs").status, 0);
   const std::string stored = std::string(CDE_SOURCE_DIR) + "/tests/wave/structures/top.tree";
@@ -384,7 +384,7 @@ TEST_F(Why, AVerilatorWithoutXmlIsAskedForJson) {
 }
 
 /// A card's waves name their model, so no further argument is needed.
-TEST_F(Why, ACardsWavesNameTheirStructure) {
+TEST_F(Why, CardWaves_NameTheirStructure) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n");
   const Ran query = shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs");
   ASSERT_EQ(query.status, 0) << query.err;
@@ -412,12 +412,12 @@ TEST_F(Why, ACardsWavesNameTheirStructure) {
   EXPECT_EQ(again.err, "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Structure, Rich, ::testing::Values(".xml", ".tree.json"),
+INSTANTIATE_TEST_SUITE_P(Structure, WhyRichDesign, ::testing::Values(".xml", ".tree.json"),
                          [](const auto& form) { return form.index == 0 ? "Xml" : "Json"; });
 
 /// Verilator merges an if and its else into one assignment. In a loop, only one iteration assigns
 /// each element.
-TEST_P(Forms, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
+TEST_P(WhyStructure, LoopsAndBranches_NameTheExecutedOne) {
   structure("turns");
   {
     Writer w(folder_ / "turns.fst");
@@ -446,7 +446,7 @@ TEST_P(Forms, OfALoopTheTurnAndOfItsIfTheBranchThatWasTaken) {
 }
 
 /// The condition of ? : is not a part of the word, even if it is equally wide.
-TEST_F(Why, AWordIsHandedOnByTheSideThatWasTaken) {
+TEST_F(Why, ConditionalOperator_FollowsTheSelectedSide) {
   structure("sides",
             "module sides(input [7:0] at, input [7:0] a, input [7:0] b, output [7:0] y);\n"
             "assign y = at % 8'd2 == 8'd1 ? a : b;\n"
@@ -472,7 +472,7 @@ TEST_F(Why, AWordIsHandedOnByTheSideThatWasTaken) {
 }
 
 /// Verilator 5.048 writes elements of arrays into a scope with the array's name.
-TEST_F(Why, ElementsInAScopeOfTheirArray_HaveTheirOwnDrivers) {
+TEST_F(Why, ElementsInTheirArraysScope_HaveTheirOwnDrivers) {
   structure("cells",
             "module cells(input clk, input [1:0] at, input [7:0] d);\n"
             "logic [7:0] mm [0:3];\n"
@@ -517,10 +517,10 @@ TEST_F(Why, ElementsInAScopeOfTheirArray_HaveTheirOwnDrivers) {
 }
 
 /// Variables of the kind integer and int: registers, indices, loops, and comparisons with a sign.
-class Integers : public Forms {
+class Integers : public WhyStructure {
  protected:
   void SetUp() override {
-    Forms::SetUp();
+    WhyStructure::SetUp();
     structure("numbers");
     Writer w(folder_ / "n.fst");
     w.scope("numbers");
