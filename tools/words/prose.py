@@ -62,7 +62,7 @@ def comment_of(line, mark, block):
         tail = re.search(r"(?<![:\"'])//[/!<]* (.*)", line) if mark == "//" else re.search(r"  # (.*)", line)
         return (tail.group(1), True) if tail else ("", False)
     body = stripped.lstrip("/#!<")
-    if mark == "//" and body.startswith("     "):  # a table or an example
+    if body.startswith("     " if mark == "//" else "   "):  # a table or an example
         return "", False
     item = re.match(r"\s*- ", body)
     return (body[item.end():], True) if item else (body.strip(), False)
@@ -94,4 +94,4 @@ def of_file(path, text):
 
 def sentences(paragraph):
     """Sentences of a paragraph. A colon or semicolon ends none."""
-    return [s for s in re.split(r"(?<=[.!?])[\")]*\s+(?=[A-Z`(\"])", paragraph) if s]
+    return [s for s in re.split(r"(?<=[.!?])[\")]*\s+(?=\S)", paragraph) if s]

@@ -19,8 +19,8 @@ struct Movers {
   std::vector<Effect> effects;
 };
 
-/// `resident`: all queries have the same secondaries. Error kUsage if the scene asks for mover =
-/// "card" and the card cannot move them.
+/// `resident`: all queries have the same secondaries. Error kUsage if the scene asks for
+/// `mover = "card"` and the card cannot move them.
 [[nodiscard]] Movers choose(const Scene& scene, bool resident);
 
 /// Makes the host move all primaries, for a reason that overrides all others.
