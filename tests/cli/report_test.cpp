@@ -249,7 +249,10 @@ TEST_F(Pages, QuickReproduction_WritesEveryEntry) {
   };
   const json& one = j["figure_5"][0];
   EXPECT_EQ(one["tests"], 4000);
-  if (!browser().empty()) expect_saved(clicked(html), 5);
+  if (!browser().empty()) {
+    expect_saved(clicked(html), 5);
+    expect_fits_a_phone(html);
+  }
   expect_hierarchy(j, html);
   // The times in the paper are for the full terrain, not for that of a quick run.
   EXPECT_EQ(j["paper"]["card_seconds"], 0.031);

@@ -153,6 +153,15 @@ TEST_F(Serve, Names_CannotLeaveTheirPlace) {
   EXPECT_EQ(told["bold"], 0);
 }
 
+TEST_F(Serve, Page_FitsAPhone) {
+  NEEDS_BROWSER;
+  const json told = ask(page({"a.fst"}),
+                        "document.documentElement.style.width = '400px'; await settled(); "
+                        "told.wide = document.body.scrollWidth;",
+                        "--window-size=500,900");
+  EXPECT_LE(told["wide"], 400);
+}
+
 TEST_F(Serve, TooLargePage_IsRefusedWithAdvice) {
   {
     // Words that do not compress: 8 bytes per change.
