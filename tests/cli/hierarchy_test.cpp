@@ -320,9 +320,9 @@ mode = "hits"
     ASSERT_EQ(ran.status, 0) << ran.err;
     const auto j = nlohmann::json::parse(read(name + ".run/run.json"));
     EXPECT_EQ(j["totals"]["mismatches"], 0);
+    for (const auto& file : j["files"])
+      records[name] += read(name + ".run/" + file.get<std::string>());
     for (const auto& frame : j["played"]) {
-      for (const auto& file : frame["files"])
-        records[name] += read(name + ".run/" + file.get<std::string>());
       for (const auto& query : frame["queries"]) {
         EXPECT_EQ(query["counters"]["nodes"] > 0, name == "on");
         EXPECT_EQ(query["swept_as"], nullptr);

@@ -143,10 +143,10 @@ TEST_F(Query, BoxRule_MissesTrianglesWithoutArea) {
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out.substr(kHeader.size(), 4), "1,0,") << ran.out;
   EXPECT_FALSE(has(ran.err, "box rule"));
-  refused({"sphere-sphere", "--box"}, "sphere-sphere has no box rule");
+  refused({"sphere-sphere", "--box"}, "--box cannot be combined with sphere-sphere; expected a pair of a triangle");
 }
 
-/// and CP of a hit are finite, and T is never -0.
+/// T and CP of a hit are finite, and T is never -0.
 TEST_F(Query, HitsOfRays_AreFinite) {
   const Ran ran = query({"ray-triangle", "-q"},
                         "0 0 20 0 0 -1e-38 -1 -1 0 2 -1 0 -1 2 0\n"
