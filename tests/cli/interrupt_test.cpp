@@ -140,6 +140,16 @@ TEST_F(ModelBuild, IgnoredSignals_StayIgnored) {
   EXPECT_TRUE(exists("hits.csv"));
 }
 
+/// The builder ends its own children, and the command learns their statuses.
+TEST_F(ModelBuild, IgnoredTermAndChildSignals_LetTheBuildEnd) {
+  for (const int signal : {SIGTERM, SIGCHLD}) ::signal(signal, SIG_IGN);
+  const pid_t child = start_building();
+  for (const int signal : {SIGTERM, SIGCHLD}) ::signal(signal, SIG_DFL);
+  const Ran ran = finish(child);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(exists("hits.csv"));
+}
+
 /// The same during a run: `cde run` handles signals itself.
 TEST_F(ModelBuild, IgnoredSignals_StayIgnoredInARun) {
   ::signal(SIGHUP, SIG_IGN);

@@ -86,6 +86,18 @@ TEST_F(Streams, UnneededStdout_IsIgnored) {
       << "no file may get the number of stdout";
 }
 
+/// With SIGCHLD ignored the system keeps no exit status of the child process that reads the file.
+TEST_F(Streams, IgnoredChildSignal_KeepsTheExitStatus) {
+  write("bad.vcd", "$var wire\n");
+  for (const char* file : {"none.fst", "bad.vcd"})
+    EXPECT_EQ(
+        shell(fmt::format("perl -e '$SIG{{CHLD}} = \"IGNORE\"; exec @ARGV' \"$CDE\" wave info {}",
+                          file))
+            .status,
+        2)
+        << file;
+}
+
 TEST_F(Streams, WithoutStderr_CommandContinues) {
   const auto run_all = [this](std::span<const Command> commands, bool print) {
     for (const Command& command : commands) {
