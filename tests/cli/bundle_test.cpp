@@ -72,9 +72,10 @@ TEST_F(Bundles, WrongPair_IsPacked) {
   EXPECT_TRUE(exists("cde-failure-2/fail.txt"));
   EXPECT_EQ(shell_in(fault, query + " --no-bundle").status, 3);
   EXPECT_FALSE(exists("cde-failure-3"));
-  const Ran nowhere = shell_in(fault, query + " --bundle none/there");
+  write("file", "");
+  const Ran nowhere = shell_in(fault, query + " --bundle file/there");
   EXPECT_EQ(nowhere.status, 3);
-  EXPECT_TRUE(has(nowhere.err, "not packed:  none/there"));
+  EXPECT_TRUE(has(nowhere.err, "not packed:  file/there"));
 }
 
 const char* const kTwice =
