@@ -54,8 +54,8 @@ module pair_unit #(
 
   logic [LANES-1:0][CW-1:0] bad_a, bad_b, bad_check, bad, f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
-  // Host arithmetic takes operands from registers.
-  // Verilator would evaluate logic on inputs at both edges of every clock.
+  // Host arithmetic takes operands from registers: otherwise,
+  // the simulator would evaluate logic on inputs at both edges of every clock.
   localparam bit HELD = ARITH != "rtl";
   logic [31:0] tag;
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
