@@ -104,7 +104,7 @@ class PciStall : public ::testing::Test {
 /// Runs on either bus.
 class LostCard : public PciStall, public ::testing::WithParamInterface<Bus> {
  protected:
-  LostCard() : Lost(GetParam()) {}
+  LostCard() : PciStall(GetParam()) {}
 };
 
 /// Any call may detect the loss, and all later calls then report the same error. The last call,

@@ -15,16 +15,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-class TuiTerminal : public TuiCommand {
+class TuiTerminal : public Cli {
  protected:
   void SetUp() override {
-    TuiCommand::SetUp();
+    Cli::SetUp();
     write_sample(folder_ / "a.fst");
     if (shell("command -v tmux").status != 0) GTEST_SKIP() << "needs tmux";
   }
   void TearDown() override {
     (void)tmux("kill-server");
-    TuiCommand::TearDown();
+    Cli::TearDown();
   }
   Ran tmux(const std::string& words) {
     return shell(fmt::format("unset TMUX; tmux -S '{}' -f /dev/null {}", socket(), words));
@@ -163,6 +163,8 @@ TEST_F(TuiTerminal, TerminalsOfAllKinds_ShowTheWaves) {
   open("a.fst", 80, 24, "TERM=no-such-terminal");
   EXPECT_TRUE(has(wait_for("status 2"), "is not known here"));
 }
+
+class TuiCommand : public Cli {};
 
 TEST_F(TuiCommand, WaveTuiWithoutATerminal_IsRefused) {
   write_sample(folder_ / "a.fst");
