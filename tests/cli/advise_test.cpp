@@ -179,7 +179,7 @@ TEST_F(Advise, ContradictingCounts_AreRefused) {
     EXPECT_TRUE(has(ran.err, "other.json: " + text));
   };
   refused("/configurations/1/all_families/false_hits/count", 5000,
-          "configuration 2: of 400 cases ");
+          "configuration 2: 400 cases, of these ");
   refused("/configurations/0/all_families/cases", -5, "configuration 1: cases is -5; it must be");
   refused("/seed", -1, "seed is -1; it must be a whole number");
   refused("/seed", "one", "seed is \"one\"");

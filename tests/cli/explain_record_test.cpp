@@ -286,7 +286,7 @@ TEST_F(ExplainLine, FailingPipeTest_LeavesABundle) {
                         "BitForBit/sphere_sphere_fp32_host");
   EXPECT_EQ(ran.status, 1) << ran.out << ran.err;
   const std::string folder =
-      "failures/Fp32_PairPipe.EqualsItsReferenceBitForBit_sphere_sphere_fp32_host";
+      "failures/Fp32_PairPipe.Pipe_EqualsItsReferenceBitForBit_sphere_sphere_fp32_host";
   EXPECT_TRUE(has(ran.out, "packed in:   "));
   EXPECT_TRUE(exists(folder + "/waves.fst"));
   EXPECT_FALSE(exists(folder + "-2")) << "one folder per test";

@@ -143,7 +143,8 @@ TEST_F(Query, BoxRule_MissesTrianglesWithoutArea) {
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(ran.out.substr(kHeader.size(), 4), "1,0,") << ran.out;
   EXPECT_FALSE(has(ran.err, "box rule"));
-  refused({"sphere-sphere", "--box"}, "--box cannot be combined with sphere-sphere; expected a pair of a triangle");
+  refused({"sphere-sphere", "--box"},
+          "--box cannot be combined with sphere-sphere; expected a pair of a triangle");
 }
 
 /// T and CP of a hit are finite, and T is never -0.

@@ -135,7 +135,7 @@ TEST_F(RunScene, OutOfRangeRay_IsReportedOnce) {
       "query 'hit': 300 of its primaries and 0 of its secondaries are bad input";
   const std::size_t at = ran.err.find(said);
   ASSERT_NE(at, std::string::npos) << ran.err;
-  EXPECT_TRUE(has(ran.err, "exceed 2^40"));
+  EXPECT_TRUE(has(ran.err, "beyond 2^40"));
   EXPECT_EQ(ran.err.find(said, at + 1), std::string::npos) << ran.err;
 }
 
@@ -144,7 +144,7 @@ TEST_F(RunScene, DdrFlips_AreCorrectedOrFound) {
   Ran ran = cde({"run", "ecc.toml", "--fault", "ddr:20@1", "--fault", "ddr@2", "--frames", "0..2"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.err, "900 of 900 records compared with the reference, 0 differ"));
-  EXPECT_TRUE(has(ran.err, "2 of 2 injected; repeated 0 transfers"));
+  EXPECT_TRUE(has(ran.err, "2 of 2 injected; repeated: 0 transfers"));
   auto faults = run_json("ecc.run")["faults"];
   EXPECT_EQ(faults["scheduled"][0]["fault"], "ddr:20:1@1");
   EXPECT_EQ(faults["injected"], 2);
@@ -253,9 +253,10 @@ TEST_F(RunScene, WrongUsage_IsRefused) {
   refused({"run", "flight.toml", "--check", "some"}, "--check is 'some'");
   refused({"run", "flight.toml", "--fault", "retry@1"},
           "fault 'retry:1@1': the functional bus has no such fault; it needs bus = \"cycle\"");
-  refused({"run", "flight.toml", "--fault", "ddr@4"}, "frame 4 is not among 0..3");
+  refused({"run", "flight.toml", "--fault", "ddr@4"},
+          "frame 4 is not among the frames of the run, 0..3");
   refused({"run", "flight.toml", "--fault", "ddr@0", "--frames", "1..2"},
-          "frame 0 is not among 1..2");
+          "frame 0 is not among the frames of the run, 1..2");
   refused({"run", "flight.toml", "--fault", "dddr@0"}, "there is no kind 'dddr'");
   refused({"run", "none.toml"}, "none.toml");
   refused({"plan", "none.toml"}, "none.toml");

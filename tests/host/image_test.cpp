@@ -198,7 +198,8 @@ TEST(ImageTest, SkyAndMarkers_AreDrawnAndBadArgumentsRefused) {
   const auto first =
       static_cast<std::size_t>(std::find(a.hit.begin(), a.hit.end(), 1) - a.hit.begin());
   a.index[first] = 12;
-  expect_error(ErrorCode::kBadInput, "face 12 of 12", [&] { (void)shade(a.pixels(), cube, {}); });
+  expect_error(ErrorCode::kBadInput, "face 12, but there are 12 faces",
+               [&] { (void)shade(a.pixels(), cube, {}); });
   a.t.pop_back();
   expect_error(ErrorCode::kUsage, "t has 1535 entries", [&] { (void)shade(a.pixels(), cube, {}); });
 }

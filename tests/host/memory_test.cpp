@@ -61,7 +61,7 @@ TEST(SceneMemory, LargeCamera_IsRefusedWithItsSize) {
                      "[[object]]\nname = \"eye\"\ncamera = { eye = [0, 0, 9], target = [0, 0, 0], "
                      "width = 4096, height = 4096 }\n" +
                      query("\"eye\""),
-                 {"s.toml:6:", "object 'eye'", "16777216 rays take 2560 MB",
+                 {"s.toml:6:", "object 'eye'", "16777216 rays need 2560 MB",
                   "limit of a scene is "
                   "2048 MB"});
 }
@@ -83,10 +83,10 @@ TEST(SceneMemory, OtherLargeSources_AreRefusedWithTheirSize) {
           "[[object]]\nname = \"r\"\nrandom = { shape = \"obb\", count = 16777216, min = "
           "[0, 0, 0], max = [1, 1, 1], size = [1, 2] }\n" +
           query("\"r\""),
-      {"16777216 obbs take 4800 MB"});
+      {"16777216 obbs need 4800 MB"});
   expect_refused(
       kBall + "[[object]]\nname = \"r\"\nmesh = \"terrain:4096,4096,1\"\n" + query("\"r\""),
-      {"33554432 triangles take 5760 MB"});
+      {"33554432 triangles need 5760 MB"});
 }
 
 /// Two hundred ranges of four million: 3 GB as single numbers.

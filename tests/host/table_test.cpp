@@ -63,7 +63,7 @@ TEST(ModelTables, SameVersionAndSize_AreCalled) {
                  {"card", "no memory for the card's models"},
                  {"fp_unit", "out of memory"}},
                 ErrorCode::kDevice);
-  expect_errors(CDE_OWN_TABLES, {{"pair_unit", "is not the ray-triangle unit"}},
+  expect_errors(CDE_OWN_TABLES, {{"pair_unit", "is not the requested ray-triangle unit"}},
                 ErrorCode::kConfiguration);
 }
 

@@ -33,8 +33,12 @@ TEST_F(DamagedWaves, NonFstFiles_AreToldApart) {
   write("cut.fst", whole_.substr(0, whole_.size() - 1));
   std::filesystem::create_directory(folder_ / "folder");
   const std::vector<std::pair<std::string, std::string>> all = {
-      {"empty.fst", "is empty"},   {"text.vcd", "in its header"}, {"other.fst", "not an FST file"},
-      {"short.fst", "cut off"},    {"cut.fst", "cut off"},        {"folder", "not a regular"},
+      {"empty.fst", "is empty"},
+      {"text.vcd", "in its header"},
+      {"other.fst", "is neither an FST file"},
+      {"short.fst", "cut off"},
+      {"cut.fst", "cut off"},
+      {"folder", "not a regular"},
       {"none.fst", "No such file"}};
   for (const auto& [name, message] : all) {
     const Ran ran = cde({"wave", "info", name});

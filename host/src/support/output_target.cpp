@@ -75,6 +75,11 @@ void keep_folder(const fs::path& folder, Descriptor opened) {
   const fs::path key = key_of(folder);
   if (key.empty() || opened.get() < 0) return;
   const std::lock_guard lock(kept_mutex);
+  const auto found = kept_folders().find(key);
+  if (found != kept_folders().end()) {  // resolved targets name the descriptor
+    const auto kept = info_of(found->second.get()), now = info_of(opened.get());
+    if (kept && now && kept->st_dev == now->st_dev && kept->st_ino == now->st_ino) return;
+  }
   kept_folders().insert_or_assign(key, std::move(opened));
 }
 
