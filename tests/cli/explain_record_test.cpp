@@ -282,7 +282,7 @@ TEST_F(ExplainLine, FailingPipeTest_LeavesABundle) {
   const Ran ran = shell(exports +
                         "export CDE_FAILURES=$PWD/failures CDE_CASES=64\n"
                         "'" CDE_PAIR_TESTS
-                        "' --gtest_filter=Fp32/PairPipe.EqualsItsReference"
+                        "' --gtest_filter=Fp32/PairPipe.Pipe_EqualsItsReference"
                         "BitForBit/sphere_sphere_fp32_host");
   EXPECT_EQ(ran.status, 1) << ran.out << ran.err;
   const std::string folder =

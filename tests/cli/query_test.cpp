@@ -144,7 +144,7 @@ TEST_F(Query, BoxRule_MissesTrianglesWithoutArea) {
   EXPECT_EQ(ran.out.substr(kHeader.size(), 4), "1,0,") << ran.out;
   EXPECT_FALSE(has(ran.err, "box rule"));
   refused({"sphere-sphere", "--box"},
-          "--box cannot be combined with sphere-sphere; expected a pair of a triangle");
+          "--box cannot be combined with sphere-sphere; expected a pair with a triangle");
 }
 
 /// T and CP of a hit are finite, and T is never -0.
