@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The card without its bus bridge: local bus, primary and secondary register files, collision detection engine, update
 // engine, record memory. DDR and SRAM chips are outside, and the ports carry their signals. There is one core clock;
-// the engine's part is gated while no pass runs. This module is wiring. Its parameters are those of config.svh, and
+// the engine's part is gated while no pass runs. This module is wiring. config.svh lists its parameters, and
 // everything else comes from CONFIG.
 `include "config.svh"
 module board #(

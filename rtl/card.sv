@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A PCI card: pci_bridge on one side, the board on the other, and the local bus between them.
-// It has two clocks: the PCI clock, and the core clock for everything else. The ports are those of the two modules.
+// It has two clocks: the PCI clock, and the core clock for everything else. The ports belong to the two modules.
 // Reset: `rst_i` is one line for both domains, held for at least four cycles of each. With RESET_STAGES = 0 it must be
 // synchronous to both, as in a simulation. Hardware has 2 or more: then reset begins at once, and each domain leaves it
 // with its own clock, in any order. Constraints: card.sdc.

@@ -93,7 +93,8 @@ package formats_pkg;
   function automatic int lane_word(input int exp, input int man, input bit least);
     lane_word = least ? larger(1 + exp + man, man + 6) : (1 + exp + man <= 32 && man <= 23) ? 32 : 64;
   endfunction
-  // Bits of an exponent in a datapath, in two's complement. The least width holds those of all products and quotients.
+  // Bits of an exponent in a datapath, in two's complement. The least width holds the exponents of all products and
+  // quotients.
   function automatic int lane_exponent(input int exp, input int man, input bit least);
     lane_exponent = least ? $clog2(3 * (1 << (exp - 1)) + 2 * man + 4) + 1 : lane_word(exp, man, least);
   endfunction

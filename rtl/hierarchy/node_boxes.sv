@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A ray and the eight boxes of a node: the T interval of the ray in each box (stretch() of
 // reference/pipes/ray_node.hpp).
-// The children are lanes. host/include/cde/hierarchy/node.hpp lists the node's words. Operators per node: those of
+// The children are lanes. host/include/cde/hierarchy/node.hpp lists the node's words. Operators per node: see
 // node_planes.sv. Operators per child: 6 mul, 6 add, 4 min/max; one factor of each product is a byte.
 // Latency: NODE_T_BOXES cycles (hierarchy.svh).
 // Throughput: one node per cycle.

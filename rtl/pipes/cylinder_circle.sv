@@ -166,7 +166,7 @@ module cylinder_circle #(
 
   `undef DF_ON
   `define DF_ON refine_next_i
-  // ---- Newton. In a refinement, e x n and its slope are those of n ----
+  // ---- Newton. In a refinement, e x n and its slope belong to n ----
   `DF_DOT(vb, b_v, t)
   `DF_MUL(vbvb, vb, vb)
   `DF_MUL(curve_b, b_kappa, vbvb)

@@ -3,7 +3,7 @@
 // box: (|P_k - c_k| - h_k) < 64 u |t d|_1 on every axis. A NaN or an infinite P is outside. The box of a triangle
 // without area holds no point. An infinite |t d|_1 gives no margin. The triangle's part is computed once for all lanes
 // if the triangle is broadcast. Without BOX the module is a wire.
-// Operators per ray: 1 mul, 2 add, 6 sub, 3 compare. Operators per triangle: those of triangle_bounds.sv.
+// Operators per ray: 1 mul, 2 add, 6 sub, 3 compare. Operators per triangle: see triangle_bounds.sv.
 // Latency: to stage time RAY_T_IN_BOX (ray_box.svh); 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.

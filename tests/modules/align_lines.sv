@@ -3,7 +3,7 @@
 module align_lines (
     input logic clk_i,
     input logic [36:0] d_i,
-    output logic [6:0] differ_o  // after 5, 6, 9, 17, 18, 22 and 61 cycles: the shortest, one memory, and several memories
+    output logic [6:0] differ_o  // after each of CLOCKS cycles: the shortest, one memory, and several memories
 );
   localparam logic [6:0][31:0] CLOCKS = {32'd61, 32'd22, 32'd18, 32'd17, 32'd9, 32'd6, 32'd5};
   for (genvar i = 0; i < 7; i++) begin : line

@@ -279,7 +279,7 @@ Case everyday(Pair pair, std::uint64_t seed, std::uint64_t index, const Format& 
                                                   ray_flat,       ray_scaled};
   static_assert(kConvex.size() == detail::kEverydayFamilies &&
                 kRays.size() == detail::kEverydayFamilies);
-  // Every pair has its own random stream, separate from those of generate().
+  // Every pair has its own random stream, separate from the streams of generate().
   Pieces p{{Random(seed, 500 + static_cast<std::uint64_t>(pair), index)},
            format,
            primary(pair),

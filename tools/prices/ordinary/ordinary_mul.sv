@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Multiplier in the ordinary style, to compare areas. Its result equals rtl/fp/fp_mul.sv bit by bit, without flags.
-// A subnormal significand is normalised before the multiplier, only of the smaller operand if two subnormals always give
-// zero. A result below the normal range is shifted back after the multiplier.
+// A subnormal significand is normalised before the multiplier. If two subnormals always give zero, only the smaller
+// operand is normalised. A result below the normal range is shifted back after the multiplier.
 // Latency: 1 cycle, the input registers. Throughput: one per cycle. Stall: none.
 module ordinary_mul #(
     parameter  int EXP = 8,   // 3..11

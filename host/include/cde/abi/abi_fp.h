@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /** @file
    C interface of a simulation model of fp_unit. A unit is single-threaded. Operands and results are
-   the low bits of 64-bit words. Operations are those of cde/contract/formats.hpp. */
+   the low bits of 64-bit words. cde/contract/formats.hpp lists the operations. */
 #pragma once
 #include <stdint.h>
 

@@ -90,7 +90,8 @@ enum {
 };
 #define CDE_PCI_UNTIL_RESET 0xFFFFFFFFu
 
-/** A space of local_memory beside those of the local bus: check bits of DDR, one byte per word. */
+/** A space of local_memory that the local bus does not have: check bits of DDR, one byte per word.
+ */
 #define CDE_PCI_SPACE_CHECK 0x100u
 
 typedef struct cde_pci_counters {

@@ -37,7 +37,7 @@ struct PictureAccuracy {
   std::uint64_t refused = 0;  ///< triangles that the input contract refuses
   int scaled_by = 0;          ///< all lengths are scaled by this power of two, to fit the format
   PixelCounts of_scene;       ///< against the given mesh and rays
-  std::vector<PixelKind> pixels;  ///< those of of_scene, one per ray
+  std::vector<PixelKind> pixels;  ///< pixels of of_scene, one per ray
   std::vector<WrongPoint> wrong;  ///< the wrong pixels of of_scene
   PixelCounts of_words;           ///< against mesh and rays rounded to the format
 };

@@ -12,7 +12,7 @@ namespace cde::accuracy {
 struct Simulated {
   Arithmetic arithmetic = Arithmetic::kHost;
   unsigned lanes = 0;
-  std::uint64_t compared = 0;  ///< results, all equal to those of the reference
+  std::uint64_t compared = 0;  ///< results; all equal the reference
   double seconds = 0;          ///< wall time of the simulation
   [[nodiscard]] double seconds_per_million() const {
     return 1e6 * seconds / static_cast<double>(compared);

@@ -88,7 +88,7 @@ struct DrawnCases {
 /// and then rounded, so that every format gets the same cases.
 [[nodiscard]] DrawnCases drawn(const AccuracyPipe& pipe, const oracle::Family& family,
                                std::uint64_t seed, std::uint64_t count);
-/// Results of the mirror reference, which are those of the card.
+/// Results of the mirror reference, equal to the results of the card.
 [[nodiscard]] std::vector<PairResult> answers(const AccuracyPipe& pipe, const DrawnCases& cases);
 
 /// Errors of a result in u S: of T if it was judged, and of a wrong decision.
@@ -105,8 +105,8 @@ void keep_worst(std::optional<WorstCase>& kept, const WorstCase& found);
 [[nodiscard]] Tally measured(const AccuracyPipe& pipe, const oracle::Family& family,
                              std::uint64_t seed, std::uint64_t first, std::uint64_t count);
 
-/// Names of the families of rays from inside a closed mesh. Ray-triangle has them beside those of
-/// the oracles.
+/// Names of the families of rays from inside a closed mesh. Ray-triangle has them in
+/// addition to the families of the oracles.
 [[nodiscard]] const std::vector<std::string>& leak_families();
 /// Statistics of `count` rays of a family from number `first` on, each against all triangles of an
 /// icosphere. After rounding, a ray may no longer start inside the mesh. A leak is therefore a ray

@@ -13,7 +13,7 @@ namespace cde::accuracy {
 /// sums. A plane's distance is already a short sum, and rays have no normal.
 [[nodiscard]] bool has_proofs(Pair pair);
 
-/// Certified decisions for pairs in binary32. Operand words are those of reference::test_pairs. The
+/// Certified decisions for pairs in binary32. Operand words are as for reference::test_pairs. The
 /// pair's pipe in the narrow format proposes normal and point. Bad input is uncertain. Error kUsage
 /// for a pair without filter, a format without pairs, or iterations out of range.
 void test_certain(Pair pair, FpFormat narrow, const PairBudget& budget,

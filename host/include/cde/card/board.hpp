@@ -169,10 +169,10 @@ class Board {
                [&](std::size_t i, float* words) { to_words(shapes[i], slot<P>(words)); });
   }
 
-  /// Primaries of Query::second. They follow those of load_shapes(), start on a row of their own,
-  /// and are dropped by the next load_shapes(). In records their numbers follow those of the first.
-  /// Errors: kUsage without BoardConfig::parallel, before load_shapes(), or if they do not fit;
-  /// kBadInput as for load_shapes().
+  /// Primaries of Query::second. They follow the primaries of load_shapes(), start on a row of
+  /// their own, and are dropped by the next load_shapes(). In records their numbers follow the
+  /// numbers of the first. Errors: kUsage without BoardConfig::parallel, before load_shapes(), or
+  /// if they do not fit; kBadInput as for load_shapes().
   template <class P>
   void load_second_shapes(std::span<const P> shapes, bool validate = true) {
     if (validate) check_contract(shapes);

@@ -65,7 +65,7 @@ struct WaveWindow {
   std::uint64_t fail = 0;  ///< in time units of the file
   std::uint64_t before = 40, behind = 10;
   std::vector<std::string> shown = {};
-  std::vector<std::string> first = {};  ///< those of `shown` for a command that looks at the waves
+  std::vector<std::string> first = {};  ///< words of `shown` for a command that looks at the waves
   std::string what = "the wrong answer";  ///< what happens at `fail`
 };
 void keep_waves(Bundle& bundle, const std::filesystem::path& whole, const WaveWindow& window);

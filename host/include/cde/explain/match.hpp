@@ -8,8 +8,8 @@
 #include "cde/explain/record.hpp"
 
 /// @file
-/// Matches the card's operators with those of the mirror reference. Other pairs, run in the failing
-/// model, show which operator computes the k-th operation of the reference. It has the same
+/// Matches the card's operators with the operators of the mirror reference. Other pairs, run in the
+/// failing model, show which operator computes the k-th operation of the reference. It has the same
 /// operands a fixed number of cycles after each pair has entered.
 namespace cde::explain {
 

@@ -12,7 +12,7 @@ namespace cde::explain {
 /// Steps of the mirror reference for one pair of operands.
 struct PairRecording {
   std::vector<Step> steps;
-  /// Operators among the steps, without those of the input contract's check. References are
+  /// Operators among the steps, without the operators of the input contract's check. References are
   /// straight-line code, except where a number of iterations repeats something. Without iterations
   /// the k-th operator is the same operation for any pair.
   std::vector<std::int32_t> operators;

@@ -101,7 +101,7 @@ template <typename S>
   return true;  // an entry that is not finite makes its column's product infinite or NaN
 }
 
-/// Operators: those of its fields; 3 cmp for an AABB.
+/// Operators: the operators of all fields; 3 cmp for an AABB.
 template <typename P>
 [[nodiscard]] bool bad(const P& primitive) {
   using S = typename P::Scalar;

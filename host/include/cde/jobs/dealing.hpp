@@ -32,7 +32,7 @@ struct Part {
   std::optional<std::uint64_t> chunks;  ///< number of chunks, if known in advance
   /// Input of a chunk; nothing after the last one. Called once per chunk, in order.
   std::function<std::optional<std::string>(std::uint64_t)> input;
-  /// Whether a merge also computes the inputs, to compare them with those of the shards.
+  /// Whether a merge also computes the inputs, to compare them with the inputs of the shards.
   bool inputs_again = true;
   /// Result of a chunk. It depends on the input alone; any rank may compute it.
   std::function<std::string(std::uint64_t, const std::string& input)> run;

@@ -100,7 +100,7 @@ namespace detail {
                                     const Format& format);
 [[nodiscard]] Case hard_ray_case(Pair pair, std::uint64_t seed, std::uint64_t index,
                                  const Format& format);
-// Number of families: directed ones of generate() at odd indices, and those of the others.
+// Number of families: directed ones of generate() at odd indices, and the other families.
 inline constexpr std::uint64_t kConvexFamilies = 14, kRayFamilies = 12, kEverydayFamilies = 8,
                                kHardConvexFamilies = 8, kHardRayFamilies = 6;
 }  // namespace detail

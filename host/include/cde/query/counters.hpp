@@ -35,7 +35,7 @@ struct Counters {
   std::uint64_t bad_secondaries = 0;  ///< secondaries refused as bad input
   std::uint64_t secondaries = 0;      ///< secondaries streamed (mode any may end early)
   std::uint64_t pairs = 0;  ///< pair tests: secondaries streamed times unmasked primaries.
-  // BVH passes, whose `pairs` are those of the visited leaves:
+  // BVH passes, whose `pairs` count the pairs of the visited leaves:
   std::uint64_t nodes = 0;          ///< nodes read
   std::uint64_t leaves = 0;         ///< leaves visited
   std::uint64_t deepest = 0;        ///< most groups on a ray's stack at a time

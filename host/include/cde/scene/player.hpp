@@ -44,8 +44,8 @@ struct PlayOptions {
 
 /// Figures of one query in one frame.
 struct QueryFrame {
-  Counters counters;  ///< sums over the packets. Records are those of the query. Tests also include
-                      ///< pairs that do not count (SceneQuery::self)
+  Counters counters;  ///< sums over the packets. Records are counted for the query. Tests also
+                      ///< include pairs that do not count (SceneQuery::self)
   std::uint64_t card_records = 0;  ///< records that the card wrote; more than the query's if pairs
                                    ///< of a shape with itself do not count
   std::uint64_t passes = 0;

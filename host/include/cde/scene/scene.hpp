@@ -117,7 +117,7 @@ enum class UseHierarchy {
 /// What the scene requests of the card. The planner chooses for an empty optional.
 struct SceneCard {
   std::optional<unsigned> lanes;
-  std::vector<Pair> pairs;  ///< pipes of the card; empty: those of the queries
+  std::vector<Pair> pairs;  ///< pipes of the card; empty: the pairs of the queries
   Arithmetic arithmetic = Arithmetic::kHost;
   FpFormat format = {};                             ///< BoardConfig::format
   std::optional<FpFormat> verdicts = std::nullopt;  ///< `BoardConfig::verdicts`

@@ -140,7 +140,8 @@ void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> in
 /// Whether a name is one that OutputFile gives to unfinished files.
 [[nodiscard]] bool is_unfinished_name(std::string_view name);
 
-/// Removes unfinished files that no process is working on from a folder: those of one NAME, or all.
+/// Removes unfinished files that no process is working on from a folder: the files of one NAME, or
+/// all.
 void sweep_unfinished(const std::filesystem::path& folder, std::string_view name = {});
 
 }  // namespace cde

@@ -14,7 +14,7 @@ namespace cde::wave {
 /// A field of a transaction as text. Also "kind", "label", "scope", "begin", "end", "latency",
 /// "stalls" and "outcome"; times are in units of the file. Nothing if it lacks the field.
 [[nodiscard]] std::optional<std::string> field_of(const Transaction& t, std::string_view name);
-/// Common fields, then those of these kinds (all kinds if none is named), without duplicates.
+/// Common fields, then the fields of these kinds (all kinds if none is named), without duplicates.
 [[nodiscard]] std::vector<std::string> field_names(const std::vector<std::string>& kinds);
 /// The number that a text means: decimal, or hexadecimal with 0x.
 [[nodiscard]] std::optional<double> as_number(std::string_view text);

@@ -7,8 +7,8 @@
 
 namespace cde::wave {
 
-/// Consecutive cycles in which a handshake is stalled. Cycles are those of its clock, from 0 in the
-/// window.
+/// Consecutive cycles in which a handshake is stalled. Cycles are counted on its clock, from 0 in
+/// the window.
 struct Stall {
   std::size_t handshake;
   std::uint64_t first, last;  ///< cycles

@@ -16,7 +16,7 @@ struct Form {
   enum class Kind { kHex, kUnsigned, kSigned, kBinary, kFloat, kNames, kFile };
   Kind kind = Kind::kHex;  ///< kFile: form given in the file, which default_form() looks up
   FpFormat format;         ///< for kFloat
-  unsigned lane = 0;       ///< bits per lane; 0: those of the format, or all
+  unsigned lane = 0;       ///< bits per lane; 0: the width of the format, or all bits
   /// For kFloat: a word of all ones, which no operator produces, is a condition.
   bool mask = false;
   std::shared_ptr<const Names> names = {};  ///< for kNames

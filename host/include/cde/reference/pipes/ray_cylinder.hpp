@@ -91,7 +91,7 @@ template <typename S>
 ///
 /// 44 mul, 3 div, 1 sqrt, 16 add, 16 sub, 10 cmp, 3 min/max; 21 cycles with one cycle per operator.
 /// The equation is first divided by A, so that D, like t^2, is a ratio of products of two lengths.
-/// Ranges are those of the sphere, and so is the reason for the minimum.
+/// Ranges and the reason for the minimum are as for the sphere.
 ///
 /// If A = 0, or is so small that r^2 / A overflows, the ray runs along the axis. The lateral
 /// surface then bounds nothing if C <= 0, and everything otherwise. Testing 1 / A is not enough:

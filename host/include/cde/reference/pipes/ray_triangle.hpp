@@ -116,7 +116,7 @@ inline constexpr double kBadouelBand = 8, kBadouelDepth = 8;
 /// 22 mul, 1 div, 10 add, 14 sub, 8 cmp; 16 cycles with one cycle per operator. The paper's Table 2
 /// has 27 mul, 2 div, 13 add, 23 sub, 6 cmp, and Table 1 the same 16 cycles. Here alpha and beta
 /// are compared with N_k instead of divided by it. That saves the second divider and rounds less.
-/// The paper does not explain its other operators. Two comparators more are those of the interval.
+/// The paper does not explain its other operators. Two more comparators test the interval.
 template <typename S, bool Box = false, bool AtSizeOne = false>
 [[nodiscard]] Outcome<S> ray_triangle_badouel(const BasicRay<S>& ray,
                                               const BasicTriangle<S>& triangle) {

@@ -61,7 +61,7 @@ class Countdown {
   int left_;
 };
 
-/// Passes of the witness points, after those of the search.
+/// Passes of the witness points, after the passes of the search.
 [[nodiscard]] inline Pass witness_pass(Countdown k) {
   for (int t = 0; t < 2; ++t) {
     if (k.take(1)) return {Phase::kTouch, t, 0};
