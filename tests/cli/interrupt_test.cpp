@@ -148,6 +148,14 @@ TEST_F(ModelBuild, IgnoredTermAndChildSignals_LetTheBuildEnd) {
   const Ran ran = finish(child);
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(exists("hits.csv"));
+  // Any user who can read a lock file can hold its lock.
+  int locks = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "cache")) {
+    if (entry.path().extension() != ".lock") continue;
+    ++locks;
+    EXPECT_EQ(entry.status().permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  }
+  EXPECT_EQ(locks, 1);
 }
 
 /// The same during a run: `cde run` handles signals itself.

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -208,6 +209,15 @@ TEST_F(RunFolders, RunThatDoesNotStart_ChangesNothing) {
   EXPECT_EQ(ran.status, 2) << ran.err;
   EXPECT_EQ(read("d/run.json"), before);
   EXPECT_EQ(in("d"), (Words{"hit.csv", "run.json"}));
+}
+
+/// Another user may have made the folder; a run must not wait for a writer of the FIFO.
+TEST_F(RunFolders, FifoAsRunJson_IsRefusedAtOnce) {
+  fs::create_directory(folder_ / "d");
+  ASSERT_EQ(::mkfifo((folder_ / "d/run.json").c_str(), 0600), 0);
+  const Ran ran = run({"--out", "d"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err, "d is not empty")) << ran.err;
 }
 
 /// A killed run leaves no table, only an unfinished file, which the next run removes.

@@ -6,10 +6,19 @@
 
 #include <string>
 
+#include "cde/support/shell_word.hpp"
+
 namespace cde {
 namespace {
 
 using namespace std::string_literals;
+
+TEST(ShellWord, ControlCharacters_StayOnOneLine) {
+  EXPECT_EQ(shell_word("a/b.toml"), "a/b.toml");
+  EXPECT_EQ(shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(shell_word(""), "''");
+  EXPECT_EQ(shell_word("1\n2\x1b'\\"), "$'1\\0122\\033\\'\\\\'");
+}
 
 TEST(Message, ControlCharacters_ArePrintedEscaped) {
   EXPECT_EQ(printable("plain, \xc3\xa9\xe2\x82\xac\xf0\x9f\x98\x80\n\t"),

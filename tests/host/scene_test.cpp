@@ -3,6 +3,7 @@
 #include "cde/scene/scene.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <string>
@@ -275,6 +276,8 @@ TEST(SceneFile, MissingMeshesAndFiles_AreErrors) {
   fails("rays_csv = \"none.csv\"", "object 'x', rays_csv: ");
   folder.write("bad.csv", "1,2,3\n");
   fails("rays_csv = \"bad.csv\"", "bad.csv:1");
+  ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
+  fails("rays_csv = \"fifo\"", "fifo: is not a regular file");
   folder.write("empty.csv", "\n");
   expect_error(ErrorCode::kBadInput, "empty.csv has no rays",
                [&] { (void)parse_scene(with("rays_csv = \"empty.csv\""), name); });

@@ -20,7 +20,7 @@ std::string shell_word(const std::string& word) {
     std::string quoted = "$'";
     for (const char c : word) {
       if (control(c))
-        quoted += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+        quoted += fmt::format("\\{:03o}", static_cast<unsigned char>(c));
       else if (c == '\'' || c == '\\')
         quoted += std::string{'\\', c};
       else
