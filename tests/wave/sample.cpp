@@ -51,6 +51,9 @@ void Writer::time(std::uint64_t t) {
 void Writer::block() {
   fstWriterFlushContext(fst_);
 }
+void Writer::dump(bool on) {
+  fstWriterEmitDumpActive(fst_, on ? 1 : 0);
+}
 void Writer::set(fstHandle signal, std::uint64_t value) {
   fstWriterEmitValueChange64(fst_, signal, widths_.at(signal), value);
 }

@@ -28,6 +28,7 @@ class Writer {
   void time(std::uint64_t t);
   /// Ends a block.
   void block();
+  void dump(bool on);  ///< $dumpon or $dumpoff
   void set(fstHandle signal, std::uint64_t value);
   void set(fstHandle signal, const std::string& bits);
   void real(fstHandle signal, double value);

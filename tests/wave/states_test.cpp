@@ -179,6 +179,40 @@ TEST_F(Events, InitialValueOfABlock_TriggersNothing) {
   EXPECT_EQ(times("i.fst", "e"), "20 ");
 }
 
+/// Icarus marks every event when it begins to dump and at $dumpon. A second mark there is a
+/// trigger.
+TEST_F(Events, DumpOfAllValues_TriggersNothing) {
+  {
+    Writer w(folder_ / "d.fst");
+    w.scope("top");
+    const fstHandle once = w.signal("once", 1, FST_VT_VCD_EVENT);
+    const fstHandle both = w.signal("both", 1, FST_VT_VCD_EVENT);
+    const fstHandle a = w.signal("a", 1);
+    w.time(5);
+    w.set(a, 0), w.set(once, 1), w.set(both, 1);
+    w.set(both, 1);
+    w.time(10);
+    w.set(once, 1);
+    w.time(20);
+    w.dump(false);
+    w.time(30);
+    w.dump(true);
+    w.set(a, 1), w.set(once, 1), w.set(both, 1);
+    w.time(40);
+    w.set(both, 1);
+    w.time(50);
+  }
+  EXPECT_EQ(times("d.fst", "once"), "10 ");
+  EXPECT_EQ(times("d.fst", "both"), "5 40 ");
+  EXPECT_EQ(times("d.fst", "once", {"--from", "30"}), "");
+  EXPECT_EQ(times("d.fst", "both", {"--from", "5", "--to", "5"}), "5 ");
+  for (const std::string other : {"o.fst", "o.vcd"}) {
+    ASSERT_EQ(cde({"wave", "export", "d.fst", "-o", other}).status, 0);
+    EXPECT_EQ(times(other, "once"), "10 ");
+    EXPECT_EQ(times(other, "both"), "5 40 ");
+  }
+}
+
 TEST_F(States, Find_ReadsSignalsAsTheFileStates) {
   EXPECT_EQ(times("t_o > 0.5"), "0 ");
   EXPECT_EQ(times("t_o < 1"), "20 ");

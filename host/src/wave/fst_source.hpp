@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +13,30 @@
 #include "wave/wave_bytes.hpp"
 
 namespace cde::wave {
+
+/// Instants at which a writer marked every event because it dumped all values.
+class FstEventDumps {
+ public:
+  explicit FstEventDumps(std::vector<bool> events)
+      : events_(std::move(events)), skipped_(events_.size(), kNever) {}
+  void add(std::uint64_t time) { times_.push_back(time); }
+  void restart() { skipped_.assign(skipped_.size(), kNever); }
+  /// Whether this mark of an event is the first in such an instant. Marks that follow it are
+  /// triggers.
+  bool skips(std::uint64_t time, std::uint32_t handle) {
+    if (!events_[handle - 1]) return false;
+    std::uint64_t& last = skipped_[handle - 1];
+    if (last == time || std::find(times_.begin(), times_.end(), time) == times_.end()) return false;
+    last = time;
+    return true;
+  }
+
+ private:
+  static constexpr std::uint64_t kNever = UINT64_MAX;
+  std::vector<bool> events_;  ///< by handle
+  std::vector<std::uint64_t> times_;
+  std::vector<std::uint64_t> skipped_;  ///< per handle, the last instant whose mark was skipped
+};
 
 /// FST files, including compressed ones and files that were not closed. The names of an unclosed
 /// file are in FILE.hier, where GTKWave's writer keeps them, or in a closed FST of that name.
@@ -29,6 +56,10 @@ class FstSource : public WaveSource {
   void check_blocks();
   /// Marks the events whose initial value the reader reports first when it reads from `from` on.
   void find_frame(std::uint64_t from, std::span<const std::uint32_t> handles);
+  void find_event_dumps();
+  void read_changes(std::span<const std::uint32_t> handles, std::uint64_t from, std::uint64_t to,
+                    const Change& visit);
+  [[nodiscard]] bool has_event(std::span<const std::uint32_t> handles) const;
   void note_facts();
   void open_reader();
   [[noreturn]] void corrupt() const;
@@ -41,7 +72,8 @@ class FstSource : public WaveSource {
   FstWidths widths_;
   std::vector<std::uint32_t> port_;  ///< bits of ports with strengths, by handle
   std::vector<bool> event_;          ///< handles that are events
-  std::vector<bool> frame_;          ///< events whose initial value comes next
+  std::optional<FstEventDumps> event_dumps_;
+  std::vector<bool> frame_;  ///< events whose initial value comes next
   std::unique_ptr<void, void (*)(void*)> reader_;
 };
 
