@@ -48,7 +48,7 @@ struct Activity {
     waits = false;
     if (next == value && !view.signal.event) return;
     if (counts) ++changes;
-    if (counts && bits && next.size() == value.size()) {
+    if (counts && bits && !view.signal.event && next.size() == value.size()) {
       // Branch-free: with large files most of the time is spent here.
       unsigned flips = 0;
       for (std::size_t i = 0; i < next.size(); ++i)
