@@ -128,6 +128,20 @@ TEST_F(RunFolders, TooLongOrParentNames_ResolveOrFail) {
   EXPECT_FALSE(exists("d"));
 }
 
+TEST_F(RunFolders, DanglingLink_CreatesItsTarget) {
+  fs::create_directory_symlink("new", folder_ / "link");
+  Ran ran = run({"-o", "link", "--frames", "0"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(exists("new/run.json"));
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  fs::create_directory_symlink("none/new", folder_ / "nowhere");
+  ran = run({"-o", "nowhere", "--frames", "0"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err,
+            "cde: nowhere: cannot create: it is a link to none/new, whose folder does not "
+            "exist\n");
+}
+
 TEST_F(RunFolders, SecondRun_RemovesTheFirst) {
   ASSERT_EQ(run({"-o", "d", "--file-per-frame"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.000000.csv", "hit.000001.csv", "hit.000002.csv", "hit.000003.csv",

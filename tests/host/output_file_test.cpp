@@ -66,6 +66,59 @@ TEST(OutputFile, Links_StayLinks) {
                [&] { write_file(folder / "circle", ""); });
 }
 
+TEST(OutputFile, LinkIntoAMissingFolder_NamesTheTarget) {
+  const Folder folder;
+  folder.write("file", "a file");
+  fs::create_symlink("none/new", folder / "nowhere");
+  fs::create_symlink("file/new", folder / "below");
+  fs::create_symlink("nowhere", folder / "twice");
+  for (const char* link : {"nowhere", "twice"})
+    expect_error(ErrorCode::kFile,
+                 fmt::format("{}: cannot create: it is a link to none/new, whose folder does not "
+                             "exist",
+                             link),
+                 [&] { write_file(folder / link, "x"); });
+  expect_error(ErrorCode::kFile, "below: cannot create: it is a link to file/new, whose folder is",
+               [&] { write_file(folder / "below", "x"); });
+  EXPECT_EQ(folder.files(), 4u);
+}
+
+TEST(OutputFolder, DanglingLink_CreatesItsTarget) {
+  const Folder folder;
+  fs::create_directory(folder / "there");
+  folder.write("file", "a file");
+  fs::create_symlink("there/new/", folder / "link");
+  fs::create_symlink(folder / "link", folder / "to_link");
+  {
+    const OutputFolder made(folder / "to_link/inner");
+    EXPECT_TRUE(made.made());
+    write_file(folder / "to_link/inner/a", "a");
+    EXPECT_EQ(bytes_of(folder / "there/new/inner/a"), "a");
+    made.check();
+    fs::remove(folder / "there/new/inner/a");
+  }
+  EXPECT_TRUE(fs::is_empty(folder / "there")) << "made folders must be removed where they are";
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  fs::create_symlink("none/new", folder / "nowhere");
+  fs::create_symlink("file/new", folder / "below");
+  expect_error(ErrorCode::kFile,
+               "nowhere: cannot create: it is a link to none/new, whose folder does not exist",
+               [&] { (void)OutputFolder(folder / "nowhere"); });
+  expect_error(ErrorCode::kFile,
+               "below: cannot create: ", [&] { (void)OutputFolder(folder / "below"); });
+}
+
+/// A stranger's link could choose where our folder is created.
+TEST(OutputFolder, DanglingLinkOfAnotherUser_IsRefused) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
+  const Folder folder;
+  fs::create_symlink("new", folder / "link");
+  ASSERT_EQ(::lchown((folder / "link").c_str(), 65534, 65534), 0);
+  expect_error(ErrorCode::kFile, "it is a link owned by user 65534 to new, which does not exist",
+               [&] { (void)OutputFolder(folder / "link"); });
+  EXPECT_EQ(folder.files(), 1u);
+}
+
 TEST(OutputFile, SpecialFiles_AreWrittenDirectly) {
   const Folder folder;
   ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);

@@ -338,6 +338,10 @@ OutputFolder::OutputFolder(const fs::path& path) : path_(path) {
   fs::path there = fs::absolute(path);
   for (auto what = fs::status(there, none); !fs::exists(what); what = fs::status(there, none)) {
     if (what.type() == fs::file_type::none) fail(none.value());
+    if (fs::is_symlink(fs::symlink_status(there, none))) {
+      there = behind_link(path, there);
+      continue;
+    }
     const fs::path name = there.filename();
     if (name == "..") fail(ENOENT);  // ".." below a missing folder
     if (!name.empty() && name != ".") missing.push_back(name);

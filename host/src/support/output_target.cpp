@@ -113,6 +113,14 @@ void check_link(const OutputTarget& target, const struct stat& owned) {
                   owned.st_uid));
 }
 
+/// For a link to `to`, whose folder cannot be entered for this reason.
+[[noreturn]] void fail_link(const fs::path& named, const fs::path& to, int number) {
+  throw Error(
+      ErrorCode::kFile,
+      fmt::format("{}: cannot create: it is a link to {}, whose folder {}", shown(named),
+                  printable_name(to.string()), number == ENOTDIR ? "is a file" : "does not exist"));
+}
+
 [[noreturn]] void fail_replaced(const fs::path& named) {
   throw Error(
       ErrorCode::kFile,
@@ -144,6 +152,25 @@ void check_folder_link(const fs::path& named, int folder) {
   check_link(target, *target.info);
 }
 
+fs::path behind_link(const fs::path& named, const fs::path& link) {
+  struct stat info {};
+  if (::lstat(link.c_str(), &info) != 0) fail_output(named, "create", errno);
+  std::error_code error;
+  const fs::path to = fs::read_symlink(link, error);
+  if (error) fail_output(named, "create", error.value());
+  if (info.st_uid != 0 && info.st_uid != ::geteuid())
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: cannot create: it is a link owned by user {} to {}, which does "
+                            "not exist",
+                            shown(named), info.st_uid, printable_name(to.string())));
+  fs::path target = link.parent_path() / to;
+  while (target.has_relative_path() && (!target.has_filename() || target.filename() == "."))
+    target = target.parent_path();
+  if (::stat(target.parent_path().c_str(), &info) != 0) fail_link(named, to, errno);
+  if (!S_ISDIR(info.st_mode)) fail_link(named, to, ENOTDIR);
+  return target;
+}
+
 OutputTarget follow_output(const fs::path& named) {
   if (const auto folder = held_folder(named)) {
     // The folder's name may lead elsewhere by now, so the code does not use it.
@@ -161,9 +188,13 @@ OutputTarget follow_output(const fs::path& named) {
   constexpr int kMostLinks = 40;
   fs::path path = named;
   std::optional<uid_t> stranger;  // owner of another user's link on the way
-  bool linked = false;
+  fs::path link;                  // what the last followed link says
+  const auto fail = [&](const char* doing, int number) {
+    if (!link.empty() && (number == ENOENT || number == ENOTDIR)) fail_link(named, link, number);
+    fail_output(named, doing, number);
+  };
   const auto found = [&](std::optional<struct stat> info) {
-    OutputTarget target{named, path, std::nullopt, info, stranger, linked};
+    OutputTarget target{named, path, std::nullopt, info, stranger, !link.empty()};
     if (struct stat folder{}; info)
       check_link(target, *info);
     else if (::stat(path.parent_path().c_str(), &folder) == 0)
@@ -177,7 +208,7 @@ OutputTarget follow_output(const fs::path& named) {
     const auto kept = kept_folder(parent);
     const fs::path folder =
         kept ? fs::path("/proc/self/fd") / std::to_string(*kept) : fs::canonical(parent, error);
-    if (error) fail_output(named, "create", error.value());
+    if (error) fail("create", error.value());
     const std::string name = path.filename();
     if (folder == fs::path("/proc") / std::to_string(::getpid()) / "fd") {
       int number = 0;
@@ -192,16 +223,15 @@ OutputTarget follow_output(const fs::path& named) {
     struct stat info {};
     if (::lstat(path.c_str(), &info) != 0) {
       if (errno == ENOENT) return found(std::nullopt);
-      fail_output(named, "write", errno);
+      fail("write", errno);
     }
     if (!S_ISLNK(info.st_mode)) {
       if (S_ISDIR(info.st_mode)) fail_output(named, "write", EISDIR);
       return found(info);
     }
     if (info.st_uid != 0 && info.st_uid != ::geteuid()) stranger = info.st_uid;
-    const fs::path link = fs::read_symlink(path, error);
+    link = fs::read_symlink(path, error);
     if (error) fail_output(named, "write", error.value());
-    linked = true;
     path = folder / link;  // an absolute link replaces the folder
   }
   fail_output(named, "write", ELOOP);

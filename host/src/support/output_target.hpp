@@ -38,6 +38,11 @@ struct OutputTarget {
 /// this user does not own, or if the name leads elsewhere by now.
 void check_folder_link(const std::filesystem::path& named, int folder);
 
+/// Where a link to a missing folder leads, one link further. Error kFile if the link is another
+/// user's, or if the target's own folder does not exist. `named` is the name for the text.
+[[nodiscard]] std::filesystem::path behind_link(const std::filesystem::path& named,
+                                                const std::filesystem::path& link);
+
 /// Keeps a folder open under its absolute name. From then on, follow_output() finds outputs in that
 /// folder through the descriptor, even if the folder is renamed or replaced. A later folder of the
 /// same name takes its place.

@@ -84,7 +84,8 @@ class OutputFile {
   int spool_ = -1;
 };
 
-/// A folder for outputs, created with its parents if missing. Folders that it created are removed
+/// A folder for outputs, created with its parents if missing. A symbolic link to a missing folder
+/// stays, and that folder is created if its own folder exists. Folders that it created are removed
 /// again if they are empty and keep() was not called. The destructor or
 /// OutputFile::remove_unfinished() removes them. They are removed by descriptor, even if a parent
 /// was renamed.
