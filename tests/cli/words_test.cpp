@@ -225,6 +225,25 @@ TEST_F(CommandLine, Words_AreCheckedAsTheHelpStates) {
   EXPECT_GE(checked, 9u);
 }
 
+TEST_F(CommandLine, LongWords_AreShortenedInMessages) {
+  const std::string name(100'000, 'n');
+  const std::string cut =
+      std::string(100, 'n') + "..." + std::string(50, 'n') + " (100000 characters)";
+  Ran ran = cde({"cast", name, "--ray", "0,0,9,0,0,-1"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err, cut));
+  EXPECT_LT(ran.err.size(), 1000u);
+  ran = cde({"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "-o", name});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err, cut));
+  std::string words = "mesh = \"";
+  while (words.size() < 1'000'000) words += "part of a name ";
+  write("s.toml", "[[object]]\nname = \"t\"\n" + words + ".stl\"\n" + hit_query("t"));
+  ran = cde({"plan", "s.toml"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_LT(ran.err.size(), 6000u);
+}
+
 /// A header without records would look like a result.
 TEST_F(CommandLine, FailingCard_LeavesStdoutEmpty) {
   const Ran ran = cde({"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1", "--lanes", "4", "-q", "-o",

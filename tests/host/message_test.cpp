@@ -2,6 +2,7 @@
 // Text from files, before it is printed.
 #include "cde/support/message.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -33,6 +34,32 @@ TEST(Message, ControlCharacters_ArePrintedEscaped) {
             "a\\u202eb\\u2066");
   EXPECT_EQ(printable_name("two\nlines\tand"), "two\\x0alines\\x09and");
   EXPECT_EQ(printable_json("{\n \"a\x7f\xc2\x9b\"}"), "{\n \"a\\u007f\\u009b\"}");
+}
+
+TEST(Message, LongWords_LoseTheirMiddle) {
+  const std::string path(990, 'p');
+  EXPECT_EQ(shortened(path + ":12: wrong"), path + ":12: wrong");
+  const std::string word = std::string(100, 'a') + std::string(1'000'000, 'b');
+  const std::string cut =
+      std::string(100, 'a') + "..." + std::string(50, 'b') + " (1000100 characters)";
+  EXPECT_EQ(shortened("x: '" + word + "': wrong\nsecond line"),
+            "x: '" + cut + "': wrong\nsecond line");
+  EXPECT_EQ(shortened(word + ": wrong " + word), cut + ": wrong " + cut);
+  std::string accents;
+  for (int i = 0; i < 1001; ++i) accents += "\xc3\xa9";
+  EXPECT_EQ(shortened(accents),
+            accents.substr(0, 200) + "..." + accents.substr(0, 100) + " (1001 characters)");
+  EXPECT_EQ(shortened(std::string(2000, ':')).size(), 2000u) << "marks alone are no word";
+}
+
+TEST(Message, LongMessages_LoseTheirMiddle) {
+  std::string words = "first ";
+  while (words.size() < 1'000'000) words += "12 ";
+  const std::string cut = shortened(words + "last");
+  EXPECT_TRUE(cut.starts_with("first 12 "));
+  EXPECT_TRUE(cut.ends_with(fmt::format("last ({} characters)", words.size() + 4))) << cut;
+  EXPECT_LT(cut.size(), 5100u);
+  EXPECT_EQ(shortened(words.substr(0, 6000)), words.substr(0, 6000));
 }
 
 /// The sequences of Unicode's table 3-8, and others at the edges of table 3-7.

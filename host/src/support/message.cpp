@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 
@@ -70,6 +71,28 @@ std::string escaped(std::string_view text, std::string_view allowed, Style style
   return out;
 }
 
+std::size_t count_characters(std::string_view text) {
+  std::size_t count = 0;
+  for (; !text.empty(); ++count) text.remove_prefix(first(text).length);
+  return count;
+}
+
+/// The text without its first characters.
+std::string_view after(std::string_view text, std::size_t characters) {
+  for (; characters > 0; --characters) text.remove_prefix(first(text).length);
+  return text;
+}
+
+/// The first and last characters of a text of more than `most` characters, with their number.
+std::string without_middle(std::string_view text, std::size_t most, std::size_t at_front,
+                           std::size_t at_end) {
+  if (text.size() <= most) return std::string(text);
+  const std::size_t count = count_characters(text);
+  if (count <= most) return std::string(text);
+  const std::string_view front = text.substr(0, text.size() - after(text, at_front).size());
+  return fmt::format("{}...{} ({} characters)", front, after(text, count - at_end), count);
+}
+
 }  // namespace
 
 std::string printable(std::string_view text) {
@@ -78,6 +101,28 @@ std::string printable(std::string_view text) {
 
 std::string printable_name(std::string_view name) {
   return escaped(name, "");
+}
+
+std::string shortened(std::string_view message) {
+  constexpr std::size_t kLongestWord = 1000, kLongest = 6000;
+  if (message.size() <= kLongestWord) return std::string(message);
+  // The marks around a name belong to the message.
+  constexpr std::string_view kBlanks = " \t\r\n", kBefore = "'\"`(", kBehind = "'\"`),;:.";
+  std::string out;
+  while (!message.empty()) {
+    const std::size_t end = std::min(message.find_first_of(kBlanks), message.size());
+    const std::string_view word = message.substr(0, end);
+    const std::size_t begins = std::min(word.find_first_not_of(kBefore), end);
+    const std::size_t ends = std::max(word.find_last_not_of(kBehind) + 1, begins);
+    out += word.substr(0, begins);
+    out += without_middle(word.substr(begins, ends - begins), kLongestWord, 100, 50);
+    out += word.substr(ends);
+    message.remove_prefix(end);
+    if (message.empty()) break;
+    out += message.front();
+    message.remove_prefix(1);
+  }
+  return without_middle(out, kLongest, 4000, 1000);
 }
 
 std::string printable_json(std::string_view json) {

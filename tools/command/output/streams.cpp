@@ -39,7 +39,7 @@ void flush_stdout() {
 }  // namespace
 
 void warn(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) say("cde: warning: {}\n", warning);
+  for (const std::string& warning : warnings) say("cde: warning: {}\n", shortened(warning));
 }
 
 void prepare_streams() {

@@ -22,10 +22,10 @@
 namespace cde::cli {
 namespace {
 
-/// Prints "cde: message" on stderr. The message may contain text from files.
+/// Prints "cde: message" on stderr. The message may contain text from files and long words.
 void complain(const std::string& message) {
   std::fputs(may_colour(STDERR_FILENO) ? "\033[1;31mcde:\033[0m " : "cde: ", stderr);
-  say(message + "\n");
+  say(shortened(message) + "\n");
 }
 
 /// Prints the help of the program and of its verbs and, if this is cde, that of the other programs.

@@ -18,6 +18,11 @@ namespace cde {
 /// A word of a file or of the command line, for a message: escaped, quoted and shortened.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
+/// An error message of readable length. In a word of more than 1,000 characters the middle is left
+/// out: `first 100...last 50 (N characters)`. The same holds for a message of more than 6,000
+/// characters, which keeps its first 4,000 and last 1,000.
+[[nodiscard]] std::string shortened(std::string_view message);
+
 /// The same as printable() for JSON text, whose strings name such characters as `\u001b`. Line
 /// feeds stay.
 [[nodiscard]] std::string printable_json(std::string_view json);
