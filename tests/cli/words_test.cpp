@@ -151,6 +151,21 @@ TEST_F(CommandLine, OptionsWithoutEffect_AreRefused) {
 }
 
 /// A request for help always succeeds, whatever other mistakes the line has.
+TEST_F(CommandLine, BundleWithoutAName_IsRefused) {
+  for (const std::string verb :
+       {"query sphere-sphere", "cast terrain:3,3,1 --ray 0,0,9,0,0,-1", "run none.toml"})
+    for (const auto& [folder, why] : {std::pair<std::string, std::string>{".", "ends with ."},
+                                      {"..", "ends with .."},
+                                      {"x/..", "ends with .."},
+                                      {"x/./", "ends with ."},
+                                      {"/", "is the root of the file system"}}) {
+      std::istringstream text(verb + " --bundle " + folder);
+      refused_saying(
+          {std::istream_iterator<std::string>(text), {}},
+          fmt::format("--bundle {}: it {}; expected the name of a new folder", folder, why));
+    }
+}
+
 TEST_F(CommandLine, HelpBesideMistakes_IsPrinted) {
   const std::string text = cde({"help", "cast"}).out;
   for (const Words& words :

@@ -104,6 +104,16 @@ TEST_F(SwappedOutputs, Bundle_IsWrittenToItsOwnFolder) {
   EXPECT_EQ(bytes_of(bundle.file("why.txt")), "why");
 }
 
+TEST(BundleFolder, PathWithoutAName_IsRefused) {
+  const Folder folder;
+  for (const char* name : {".", "..", "there/..", "there/.", "there/.//"})
+    expect_error(ErrorCode::kUsage, "it ends with .", [&] { Bundle((folder / name).string()); });
+  expect_error(ErrorCode::kUsage, "/: it is the root", [] { Bundle("//"); });
+  expect_error(ErrorCode::kUsage, "it is empty", [] { Bundle(""); });
+  EXPECT_EQ(folder.files(), 0u);
+  EXPECT_EQ(Bundle((folder / "new//").string()).folder(), folder / "new");
+}
+
 TEST_F(SwappedOutputs, OutputsAreWrittenToTheFolderThatWasChecked) {
   std::ofstream(mine_ / "out.csv") << "secret";
   std::ofstream(theirs_ / "sub/old.csv") << "old";

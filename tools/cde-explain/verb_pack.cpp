@@ -51,7 +51,7 @@ void add_pack(CLI::App& app) {
   auto folder = std::make_shared<std::string>();
   CLI::App* verb = app.add_subcommand("pack", "Pack a failure, described on stdin, into a folder");
   verb->group("");
-  folder_value(verb->add_option("folder", *folder, "Folder")->required(), "FOLDER");
+  new_folder_value(verb->add_option("folder", *folder, "Folder")->required(), "FOLDER");
   verb->callback([folder] { pack_failure(*folder); });
 }
 

@@ -42,6 +42,9 @@ constexpr std::size_t kMostLines = 10, kMostCauses = 24;  // lines of fail.txt
 
 /// FOLDER, or the first of FOLDER-2, FOLDER-3, ... that does not exist.
 fs::path new_folder(const std::string& wanted, std::optional<OutputFolder>& made) {
+  if (const auto why = why_no_new_folder(wanted))
+    throw Error(ErrorCode::kUsage, fmt::format("{}: {}; expected the name of a new folder",
+                                               printable_name(wanted), *why));
   std::string name = wanted;
   while (name.size() > 1 && name.ends_with('/')) name.pop_back();
   for (unsigned n = 1; n <= kMostFolders; ++n) {

@@ -441,6 +441,16 @@ void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> in
   }
 }
 
+std::optional<std::string> why_no_new_folder(const fs::path& path) {
+  fs::path trimmed = path;
+  while (trimmed.has_relative_path() && !trimmed.has_filename()) trimmed = trimmed.parent_path();
+  if (!trimmed.has_relative_path())
+    return path.empty() ? "it is empty" : "it is the root of the file system";
+  const fs::path last = trimmed.filename();
+  if (last == "." || last == "..") return fmt::format("it ends with {}", last.string());
+  return std::nullopt;
+}
+
 bool is_unfinished_name(std::string_view name) {
   return unfinished(name).has_value();
 }

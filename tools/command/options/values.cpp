@@ -17,6 +17,7 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/output_file.hpp"
 #include "cde/support/progress.hpp"
 #include "cde/support/suggest.hpp"
 
@@ -158,6 +159,16 @@ CLI::Option* file_value(CLI::Option* option, const std::string& name) {
 
 CLI::Option* folder_value(CLI::Option* option, const std::string& name) {
   return label(option, {Takes::Kind::kFolder, {}, name, {}});
+}
+
+CLI::Option* new_folder_value(CLI::Option* option, const std::string& name) {
+  folder_value(option, name);
+  registered()[option].check = [option](const std::string& text) {
+    if (const auto why = why_no_new_folder(text))
+      throw Error(ErrorCode::kUsage, fmt::format("{} {}: {}; expected the name of a new folder",
+                                                 called(option), printable_name(text), *why));
+  };
+  return option;
 }
 
 CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& more) {

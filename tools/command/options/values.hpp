@@ -46,6 +46,9 @@ CLI::Option* whole_number_in(CLI::Option* option, std::uint64_t least, std::uint
 /// "MESH".
 CLI::Option* file_value(CLI::Option* option, const std::string& name);
 CLI::Option* folder_value(CLI::Option* option, const std::string& name);
+/// A folder that is created under this name, or under this name with a number. Refuses paths that
+/// end with . or .. and the root.
+CLI::Option* new_folder_value(CLI::Option* option, const std::string& name);
 
 /// Lanes of a card: a power of two. `more` are words that are also allowed.
 CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& more = {});

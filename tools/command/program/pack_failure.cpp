@@ -45,13 +45,14 @@ void BundleRequest::check(bool compares, const std::string& option) const {
 }
 
 void add_bundle_options(CLI::App& verb, BundleRequest& request) {
-  folder_value(verb.add_option("--bundle", request.folder,
-                               "Where a wrong answer is packed: waves around it, the line of RTL "
-                               "where card and reference first differ, commands that repeat it. An "
-                               "existing folder stays; the next one is FOLDER-2")
-                   ->capture_default_str()
-                   ->each([&request](const std::string&) { request.named = true; }),
-               "FOLDER");
+  new_folder_value(
+      verb.add_option("--bundle", request.folder,
+                      "Where a wrong answer is packed: waves around it, the line of RTL "
+                      "where card and reference first differ, commands that repeat it. An "
+                      "existing folder stays; the next one is FOLDER-2")
+          ->capture_default_str()
+          ->each([&request](const std::string&) { request.named = true; }),
+      "FOLDER");
   verb.add_flag_callback(
       "--no-bundle", [&request] { request.wanted = false; }, "Do not pack a wrong answer");
   excludes(verb, "--bundle", {"--no-bundle"});

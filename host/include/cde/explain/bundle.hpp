@@ -26,6 +26,7 @@ namespace cde {
 class Bundle {
  public:
   /// Creates the folder, or the first of FOLDER-2, FOLDER-3, ... that does not exist. Error kFile.
+  /// Error kUsage if the path cannot name a new folder, as "." cannot.
   explicit Bundle(const std::string& folder);
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
@@ -50,7 +51,7 @@ class Bundle {
 };
 
 /// Creates the folder, packs the failure into it, and returns its path. What cannot be packed is
-/// named in fail.json and in `missing`. Error kFile if no folder can be created.
+/// named in fail.json and in `missing`. Errors as those of Bundle.
 struct Packed {
   std::filesystem::path folder;
   std::string missing;

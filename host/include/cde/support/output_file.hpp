@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -137,6 +138,9 @@ struct FileUse {
 /// a folder. The folders stay open in this process: an OutputFile of the same path is written to
 /// the folder that was checked, even if another one has taken its name.
 void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> inputs);
+
+/// Why a path cannot name a new folder, as "it ends with .."; nothing if it can.
+[[nodiscard]] std::optional<std::string> why_no_new_folder(const std::filesystem::path& path);
 
 /// Whether a name is one that OutputFile gives to unfinished files.
 [[nodiscard]] bool is_unfinished_name(std::string_view name);
