@@ -269,6 +269,11 @@ TEST_F(ExplainLine, UnreadableLine_IsRefused) {
     if (*line == '\0') continue;  // an empty value counts as none
     EXPECT_TRUE(has(ran.err, "expected a line with \"cde explain PAIR"));
   }
+  refused({"explain", "--from-test", "cde explain sphere-sphere --depth 3 '0 0 0 1'"},
+          "--from-test: cde explain has no option '--depth'; `cde explain --help` lists them; "
+          "expected a line");
+  refused({"explain", "--from-test", "cde query sphere-sphere --depth 3"},
+          "--from-test: cde query has no option '--depth'; `cde query --help` lists them");
   const Ran words = cde({"explain", "--from-test", "cde explain sphere-sphere '0 0 0 1'"});
   EXPECT_EQ(words.status, 2);
   EXPECT_TRUE(has(words.err, "4 words, must be 8"));

@@ -84,7 +84,7 @@ NamedPair pair_in_line(const std::string& line) {
 
   NamedPair found;
   std::vector<std::string> operands;
-  CLI::App app;
+  CLI::App app("", "cde");
   CLI::App* verb = app.add_subcommand(typed[0], "");
   if (typed[0] == "explain") found.options.arithmetic = "rtl";
   add_pair_options(*verb, found.options);
