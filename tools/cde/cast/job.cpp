@@ -82,6 +82,8 @@ CastPlan planned(const CastTask& t, const CastRequest& request, const CastJob& j
     const Progress busy("building a BVH", t.quiet || job.config.node_units == 0);
     return plan_cast(request, job.mesh, job.rays.size());
   } catch (const Error& e) {
+    // Other errors come from the search for a simulation model.
+    if (e.code() != ErrorCode::kBadInput && e.code() != ErrorCode::kCapacity) throw;
     throw Error(e.code(),
                 fmt::format("{}: cannot build a BVH: {}", printable_name(t.mesh), e.what()));
   }
