@@ -194,8 +194,12 @@ TEST(MeshText, PlyValuesBeyondTheHeader_AreAWarningOrAnError) {
   ASSERT_EQ(mesh.warnings.size(), 1u);
   EXPECT_TRUE(
       mesh.warnings[0].ends_with("a.ply:16: face row 0 has more values than the header announces, "
-                                 "as have 1 others; they are ignored"))
+                                 "as has 1 other; they are ignored"))
       << mesh.warnings[0];
+  const Mesh three = load_mesh(folder.write("a.ply", replaced(kPly, " 0\n", " 0 5\n")));
+  ASSERT_EQ(three.warnings.size(), 1u);
+  EXPECT_TRUE(three.warnings[0].ends_with("announces, as have 3 others; they are ignored"))
+      << three.warnings[0];
   const Mesh vertices = load_mesh(folder.write("a.ply", replaced(kPly, "\n1 0 0", "\n1 0 0 5 5")));
   expect_square(vertices);
   ASSERT_EQ(vertices.warnings.size(), 1u);

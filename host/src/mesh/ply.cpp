@@ -226,7 +226,9 @@ class PlyReader {
       mesh_.warnings.push_back(fmt::format(
           "{}:{}: {} row {} has more values than the header announces{}; they are ignored", name_,
           first_too_long_.line, e.name, first_too_long_.row,
-          too_long_ > 1 ? fmt::format(", as have {} others", too_long_ - 1) : ""));
+          too_long_ == 1   ? ""
+          : too_long_ == 2 ? ", as has 1 other"
+                           : fmt::format(", as have {} others", too_long_ - 1)));
   }
 
   void read_row(const Element& e) {
