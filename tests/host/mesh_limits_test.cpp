@@ -79,11 +79,14 @@ std::string zip(const std::vector<std::pair<std::string, std::string>>& files) {
          word(static_cast<std::uint32_t>(out.size())) + half(0);
 }
 
-std::string file_of_3mf(unsigned triangles) {
+/// A mesh of one triangle, repeated. `x` is the first coordinate of its first corner.
+std::string file_of_3mf(unsigned triangles, const std::string& x = "0") {
   const std::string site = "http://schemas.openxmlformats.org/package/2006/";
   std::string model =
       "<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources>"
-      "<object id=\"1\" type=\"model\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/>"
+      "<object id=\"1\" type=\"model\"><mesh><vertices><vertex x=\"" +
+      x +
+      "\" y=\"0\" z=\"5\"/>"
       "<vertex x=\"1\" y=\"0\" z=\"0\"/><vertex x=\"0\" y=\"1\" z=\"0\"/></vertices><triangles>";
   for (unsigned i = 0; i < triangles; ++i) model += "<triangle v1=\"0\" v2=\"1\" v3=\"2\"/>";
   model += "</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>";
@@ -242,6 +245,13 @@ TEST_F(HostileMesh, UnpackedGigabytesOf3mf_AreRefused) {
   const fs::path large = folder_.write("large.3mf", bytes);
   expect_error(ErrorCode::kFile, "of its 100 MB; CDE_MESH_MEMORY sets another limit",
                [&] { (void)load_mesh(large, {.memory = 100u << 20}); });
+}
+
+/// docs/guides/meshes.md says so.
+TEST_F(HostileMesh, WordAsCoordinateOf3mf_ReadsZero) {
+  const Mesh mesh = load_mesh(folder_.write("word.3mf", file_of_3mf(1, "one")));
+  ASSERT_EQ(mesh.vertices.size(), 3u);
+  EXPECT_EQ(mesh.triangle(0).v0, Eigen::Vector3f(0, 0, 5));
 }
 
 /// A file that assimp refuses is refused with assimp's reason, or with ours if assimp gives none.
