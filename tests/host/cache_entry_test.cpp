@@ -4,12 +4,17 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
+#include "../expect_error.hpp"
 #include "../has.hpp"
+#include "cde/bitstream/bitstream.hpp"
 
 namespace cde {
 namespace {
@@ -80,6 +85,47 @@ TEST_F(CacheEntry, DamagedOrForeignEntry_IsNotRead) {
   write_cache_entry("entry", "other\n");  // no error, and the entry is not stored
   ::chmod((folder_ / "cache").c_str(), 0700);
   EXPECT_EQ(read_cache_entry("entry"), "text\n");
+}
+
+/// A default ACL: files that are created in the folder get these permissions, and the umask is
+/// ignored. False if the file system has no ACLs.
+bool set_default_acl(const fs::path& folder, std::uint16_t group, std::uint16_t other) {
+  struct {
+    std::uint32_t version = 2;
+    struct {
+      std::uint16_t tag, permissions;
+      std::uint32_t id = ~0u;
+    } entries[3];
+  } acl{};
+  acl.entries[0] = {0x01, 7};
+  acl.entries[1] = {0x04, group};
+  acl.entries[2] = {0x20, other};
+  return ::setxattr(folder.c_str(), "system.posix_acl_default", &acl, sizeof acl, 0) == 0;
+}
+
+TEST_F(CacheEntry, DefaultAclAboveTheCache_IsNotInherited) {
+  if (!set_default_acl(folder_, 7, 7)) GTEST_SKIP() << "no ACLs: " << std::strerror(errno);
+  const mode_t before = ::umask(022);
+  write_cache_entry("entry", "text\n");
+  std::ofstream(file(".log")) << "as the builder writes";
+  ::umask(before);
+  EXPECT_EQ(read_cache_entry("entry"), "text\n");
+  for (const fs::path& path : {folder_ / "cache", file(), file(".log")}) {
+    struct stat status {};
+    ASSERT_EQ(::stat(path.c_str(), &status), 0) << path;
+    EXPECT_EQ(status.st_mode & 022, 0u) << path;
+  }
+}
+
+TEST_F(CacheEntry, DefaultAclOfTheCache_IsRefused) {
+  const fs::path cache = bitstream_cache();
+  if (!set_default_acl(cache, 7, 5)) GTEST_SKIP() << "no ACLs: " << std::strerror(errno);
+  const std::string remedy = "remove the ACL with: setfacl -k " + cache.string();
+  testing::expect_error(ErrorCode::kFile, remedy, [] { (void)bitstream_cache(); });
+  ASSERT_TRUE(set_default_acl(cache, 5, 7));
+  testing::expect_error(ErrorCode::kFile, remedy, [] { (void)bitstream_cache(); });
+  ASSERT_TRUE(set_default_acl(cache, 5, 5));
+  EXPECT_EQ(bitstream_cache(), cache) << "others may only read";
 }
 
 TEST_F(CacheEntry, UncreatableFolder_IsNoError) {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bitstream/folders.hpp"
 
+#include <endian.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/magic.h>
+#include <linux/posix_acl.h>
+#include <linux/posix_acl_xattr.h>
 #include <pwd.h>
 #include <sys/stat.h>
 #include <sys/vfs.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <array>
@@ -19,6 +23,8 @@
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/shell_word.hpp"
+#include "support/descriptor.hpp"
 
 /// The installation folder, in programs that found cde by CMake (cdeConfig.cmake); else null.
 extern "C" __attribute__((weak)) const char* cde_installed_share();
@@ -177,13 +183,49 @@ bool can_be_written(fs::path folder) {
                           printable_name(folder.string()), why));
 }
 
-void make_private(const fs::path& folder) {
+constexpr const char* kAccessAcl = "system.posix_acl_access";
+constexpr const char* kDefaultAcl = "system.posix_acl_default";
+
+/// Creates a folder and its parents; false if it exists.
+bool make_private(const fs::path& folder) {
   if (folder.has_parent_path() && folder.parent_path() != folder) {
     std::error_code none;
-    if (!fs::exists(folder.parent_path(), none)) make_private(folder.parent_path());
+    if (!fs::exists(folder.parent_path(), none)) (void)make_private(folder.parent_path());
   }
-  if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-    refuse(folder, fmt::format("cannot be created: {}", std::strerror(errno)));
+  if (::mkdir(folder.c_str(), 0700) == 0) return true;
+  if (errno != EEXIST) refuse(folder, fmt::format("cannot be created: {}", std::strerror(errno)));
+  return false;
+}
+
+/// Removes the ACLs that a new folder inherits from its parent. With a default ACL the system would
+/// ignore the umask for all files in the folder.
+void drop_acls(const fs::path& folder) {
+  const Descriptor made(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  struct stat status {};
+  if (made.get() < 0 || ::fstat(made.get(), &status) != 0 || status.st_uid != ::geteuid()) return;
+  for (const char* acl : {kAccessAcl, kDefaultAcl}) (void)::fremovexattr(made.get(), acl);
+  (void)::fchmod(made.get(), 0700);
+}
+
+/// Whether other users may write the files that are created in the folder, because of its default
+/// ACL.
+bool default_acl_shares(const fs::path& folder) {
+  const ssize_t size = ::getxattr(folder.c_str(), kDefaultAcl, nullptr, 0);
+  if (size <= 0) return false;
+  std::string acl(static_cast<std::size_t>(size), '\0');
+  if (::getxattr(folder.c_str(), kDefaultAcl, acl.data(), acl.size()) != size) return true;
+  unsigned group = 0, other = 0;  // permissions of a new file
+  bool masked = false;
+  posix_acl_xattr_entry entry{};
+  for (std::size_t at = sizeof(posix_acl_xattr_header); at + sizeof entry <= acl.size();
+       at += sizeof entry) {
+    std::memcpy(&entry, acl.data() + at, sizeof entry);
+    const unsigned tag = le16toh(entry.e_tag), permissions = le16toh(entry.e_perm);
+    if (tag == ACL_OTHER) other = permissions;
+    if (tag == ACL_MASK || (tag == ACL_GROUP_OBJ && !masked)) group = permissions;
+    masked = masked || tag == ACL_MASK;
+  }
+  return ((group | other) & ACL_WRITE) != 0;
 }
 
 }  // namespace
@@ -263,10 +305,14 @@ Opened make_cache() {
                       "CDE_CACHE to use another folder)\n",
                       printable_name(own->string()), printable_name(folder.string())));
     });
-  make_private(folder);
+  if (make_private(folder)) drop_acls(folder);
   auto made = open(folder);
   if (!made) refuse(folder, "has disappeared");
   if (made->distrust) refuse(folder, *made->distrust);
+  if (default_acl_shares(made->inside))
+    refuse(folder, fmt::format("its default ACL lets other users write new files; remove the ACL "
+                               "with: setfacl -k {}",
+                               shell_word(folder.string())));
   return std::move(*made);
 }
 

@@ -38,8 +38,8 @@ struct Opened {
 /// The checksum file beside a cached file: comments, and a line in the format of sha256sum.
 [[nodiscard]] std::filesystem::path checksum_file(const std::filesystem::path& file);
 
-/// The cache, created for its owner alone if necessary. Error kFile if it cannot be created or is
-/// not trusted.
+/// The cache, created for its owner alone if necessary, without an ACL. Error kFile if it cannot be
+/// created, is not trusted, or has a default ACL that lets other users write new files.
 [[nodiscard]] Opened make_cache();
 
 }  // namespace cde::folders
