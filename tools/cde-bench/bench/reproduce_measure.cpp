@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "baselines/baseline.hpp"
 #include "baselines/rivals.hpp"
@@ -95,18 +96,23 @@ struct Lab {
   baseline::Kind vector = baseline::Kind::kScalar;
   std::vector<Ray> fresh;  ///< new rays of the same kind as in Figure 5
   std::string doing;
-  double steps = 1, begun = 0;
+  std::vector<double> works;  ///< estimated work per step, in the order of the steps
+  std::size_t begun = 0;      ///< steps
   Progress progress{"measuring"};
 
   void step(unsigned number, const std::string& what) {
     doing = fmt::format("{} of 4: {}", number, what);
     if (::isatty(STDERR_FILENO) == 0) say("measuring {}\n", doing);
     ++begun;
-    progress((begun - 1) / steps, doing);
+    progress(share(), doing);
   }
   /// Shows the current measurement within a step.
-  void detail(const std::string& what) {
-    progress((begun - 1) / steps, fmt::format("{}, {}", doing, what));
+  void detail(const std::string& what) { progress(share(), fmt::format("{}, {}", doing, what)); }
+  /// Share of the work in the completed steps.
+  [[nodiscard]] double share() const {
+    const auto now = works.begin() + static_cast<std::ptrdiff_t>(begun - 1);
+    return std::accumulate(works.begin(), now, 0.0) /
+           std::accumulate(works.begin(), works.end(), 0.0);
   }
 };
 
@@ -346,9 +352,41 @@ std::vector<std::size_t> spheres_of(const ReproduceOptions& o) {
                  : std::vector<std::size_t>{125, 250, 500, 1000};
 }
 
+/// Rays that are measured with a BVH.
+std::size_t tree_rays_of(const ReproduceOptions& o) {
+  return o.quick ? 8'192 : 65'536;
+}
+
+/// Estimated work of a frame with brute force, in simulated cycles of a card with one lane.
+double frame_work(std::span<const Setup> cards, std::size_t primaries, std::size_t secondaries) {
+  constexpr double kCyclesPerRecord = 12;  // over the bus, if the record of every pair leaves
+  constexpr double kRestOfCard = 20;       // work to simulate it, in lanes
+  double work = 0;
+  for (const Setup& card : cards)
+    work += card.all_records ? kCyclesPerRecord
+                             : (card.lanes + kRestOfCard) / (card.lanes * (1 + kRestOfCard));
+  return work * static_cast<double>(primaries) * static_cast<double>(secondaries);
+}
+
+/// Estimated work per step: Figures 5 and 6, Figure 7 once per number of spheres, and the terrains
+/// with a BVH. The last terrain is that of Figure 5. The work weighs the steps in the progress
+/// line.
+std::vector<double> works_of(const ReproduceOptions& o, std::span<const Setup> cards,
+                             std::size_t triangles) {
+  constexpr double kCyclesPerTreeRay = 64;  // with both memories, and the software beside them
+  const double one_ray = frame_work(cards, 1, triangles);
+  std::vector<double> works = {
+      one_ray + frame_work(cards.subspan(1), card::kMostPrimaries, triangles), one_ray};
+  for (const std::size_t count : spheres_of(o)) works.push_back(frame_work(cards, count, count));
+  const double tree = kCyclesPerTreeRay * static_cast<double>(tree_rays_of(o));
+  for (const unsigned quads : sides_of(o))
+    works.push_back(tree + frame_work(cards.last(1), kTreePacket, std::size_t{2} * quads * quads));
+  works.push_back(tree);
+  return works;
+}
+
 /// Measures terrains with a BVH, up to that of Figure 5, whose brute-force time is known.
 void with_hierarchy(Lab& lab, const Mesh& terrain) {
-  const bool quick = lab.result.options.quick;
   std::vector<Mesh> meshes;
   for (const unsigned quads : sides_of(lab.result.options))
     meshes.push_back(make_terrain({.quads_x = quads, .quads_y = quads}));
@@ -361,7 +399,8 @@ void with_hierarchy(Lab& lab, const Mesh& terrain) {
     WithHierarchy row;
     std::optional<EmbreeFrames> known;
     if (&mesh == &meshes.back()) known = of_figure5(lab.result.figure5.back(), row.sweep);
-    row.tree = measure_tree(mesh, quick ? 8'192 : 65'536, lab.result.options.clock_hz, known);
+    row.tree =
+        measure_tree(mesh, tree_rays_of(lab.result.options), lab.result.options.clock_hz, known);
     lab.result.records_compared += row.tree.records_compared;
     if (&mesh != &meshes.back()) {
       lab.detail("card " + best.setup().name);
@@ -408,9 +447,7 @@ Reproduction reproduce(const ReproduceOptions& options) {
     lab.result.embree_build_seconds = thread_seconds() - start;
   }
   EmbreeRival* rival = embree ? &*embree : nullptr;
-  // Steps: Figures 5 and 6, Figure 7 once per number of spheres, and the terrains, including that
-  // of Figure 5.
-  lab.steps = static_cast<double>(3 + spheres_of(options).size() + sides_of(options).size());
+  lab.works = works_of(options, lab.result.setups, mesh.faces.size());
   lab.step(1, "Figure 5, static objects");
   figure5(lab, mesh, rival);
   lab.step(2, "Figure 6, moving vertices");
