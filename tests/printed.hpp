@@ -3,7 +3,7 @@
 #include <ostream>
 #include <string>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/pair_unit.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/query/record.hpp"

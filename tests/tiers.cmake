@@ -46,7 +46,7 @@ set(CDE_NOT_DEFAULT_cli
 set(CDE_DEFAULT_wave_card TxCard.CardBehindPci_MatchesTheCardsCounters)
 
 # Tests that are not GoogleTests run in the default tier, except these.
-set(CDE_FULL_ONLY bitstream.concurrent bitstream.interrupted bitstream.plain fp_cli.formats lint.rtl mpi.hosts mutate.faults)
+set(CDE_FULL_ONLY fp_cli.formats lint.rtl model.concurrent model.interrupted model.plain mpi.hosts mutate.faults)
 
 # ---- Functions that apply the lists ----
 
@@ -138,10 +138,10 @@ endfunction()
 
 # cde_needs(TARGET MODEL ...) builds the models of the tier before the target.
 function(cde_needs target)
-  foreach(bitstream IN LISTS ARGN)
-    get_target_property(full ${bitstream} CDE_FULL_TIER)
+  foreach(model IN LISTS ARGN)
+    get_target_property(full ${model} CDE_FULL_TIER)
     if(CDE_FULL_TESTS OR NOT full)
-      add_dependencies(${target} ${bitstream})
+      add_dependencies(${target} ${model})
     endif()
   endforeach()
 endfunction()
@@ -159,18 +159,18 @@ function(cde_in_tier test result)
 endfunction()
 
 # Checks that simulation models which tools/mutants builds belong to the default tier.
-function(cde_check_planted_bitstreams)
+function(cde_check_planted_models)
   file(GLOB tables ${PROJECT_SOURCE_DIR}/tools/mutants/*.txt)
   foreach(table IN LISTS tables)
     file(STRINGS ${table} lines REGEX "^tests .* BUILD=")
     foreach(line IN LISTS lines)
       string(REGEX REPLACE "^.* BUILD=([^ ]+).*$" "\\1" name "${line}")
       if(NOT TARGET ${name})
-        message(FATAL_ERROR "${table} names the bitstream ${name}, which no CMakeLists.txt has")
+        message(FATAL_ERROR "${table} names the simulation model ${name}, which no CMakeLists.txt has")
       endif()
       get_target_property(full ${name} CDE_FULL_TIER)
       if(full)
-        message(FATAL_ERROR "${table} names the bitstream ${name}, which is of the full tier alone: take FULL from its cde_add_bitstream")
+        message(FATAL_ERROR "${table} names the simulation model ${name}, which only the full tier builds: remove FULL from its cde_add_model")
       endif()
     endforeach()
   endforeach()

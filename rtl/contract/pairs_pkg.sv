@@ -105,7 +105,7 @@ package pairs_pkg;
     SHAPE_INDEX'(SHAPE_TRIANGLE),  // triangle-triangle
     {PAIR_PLACES-PAIRS{SHAPE_INDEX'(SHAPE_CYLINDER)}}};
   // Sets of pairs (bit p: pair p), such as a card's parameter PAIRS. SET_NAME are the named configurations: the option
-  // PAIRS=name of verilator/bitstream selects one.
+  // PAIRS=name of verilator/model_builder selects one.
   localparam int SET_EVERYTHING = (1 << PAIRS) - 1;
   localparam int SET_RAYS = 1 << PAIR_RAY_TRIANGLE | 1 << PAIR_RAY_CYLINDER | 1 << PAIR_RAY_SPHERE;
   localparam int SET_SOLIDS = SET_EVERYTHING & ~SET_RAYS;  // T is a signed distance

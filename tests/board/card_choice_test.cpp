@@ -38,8 +38,8 @@ class CardChoice : public ::testing::Test {
   /// Adds a cache entry for a card as the builder leaves it. Its code belongs to another card,
   /// because the choice does not read the code.
   static fs::path keep(const BoardConfig& card) {
-    const fs::path code = bitstream_path("board", host_config().parameters());
-    const fs::path file = bitstream_file(card.top(), card.parameters()).path;
+    const fs::path code = model_path("board", host_config().parameters());
+    const fs::path file = model_file(card.top(), card.parameters()).path;
     fs::copy_file(code, file, fs::copy_options::overwrite_existing);
     std::ifstream in(fs::path(code) += ".sha256");
     std::string comment, sum;
@@ -157,8 +157,8 @@ TEST_F(CardChoice, UnsuitableCards_AreNotChosen) {
   EXPECT_FALSE(p.stands_in_for) << fmt::format("{}", fmt::join(p.board.parameters(), " "));
   // Each entry is valid: it is found where it is the planned card, or where it would serve.
   EXPECT_EQ(planned(scene(10, "lanes = 8\n")).board.lanes, 8u);
-  EXPECT_TRUE(bitstream_file("card", slow_adders({.pairs = rays}).parameters()).built);
-  EXPECT_FALSE(kept_bitstreams("card").empty());
+  EXPECT_TRUE(model_file("card", slow_adders({.pairs = rays}).parameters()).built);
+  EXPECT_FALSE(kept_models("card").empty());
 }
 
 TEST_F(CardChoice, ScenesRequests_AreKept) {

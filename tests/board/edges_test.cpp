@@ -86,7 +86,7 @@ TEST_F(BoardEdgeCases, EveryCallAfterMove_IsAnError) {
       [&] { (void)gone.pipe_latency(); },
       [&] { (void)gone.upload_clocks(); },
       [&] { (void)gone.words_uploaded(); },
-      [&] { (void)gone.bitstream(); },
+      [&] { (void)gone.model_path(); },
       [&] { (void)gone.config_hash(); },
       [&] { (void)gone.read_register(card::kRegId); },
       [&] { gone.write_register(card::kRegControl, 0); },

@@ -261,8 +261,8 @@ TEST(FormatConfig, CardOfAnotherFormat_IsRefused) {
   const BoardConfig narrow = config_of(kFp16Rays);
   BoardConfig wide = narrow;
   wide.format = {};
-  const auto file = bitstream_path(narrow.top(), narrow.parameters());
-  const std::uint64_t hash = bitstream_hash(narrow.top(), narrow.parameters());
+  const auto file = model_path(narrow.top(), narrow.parameters());
+  const std::uint64_t hash = model_hash(narrow.top(), narrow.parameters());
   expect_error(ErrorCode::kConfiguration, "exponent width is 5; expected 8",
                [&] { (void)Board::open(wide, {.file = file, .config_hash = hash}); });
 }

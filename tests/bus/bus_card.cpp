@@ -78,20 +78,20 @@ cde_pci_profile profile(const std::string& name) {
 namespace {
 
 /// Looking up a model takes a third of a second, and each test opens a card.
-Bitstream bitstream(const BusOptions& options) {
-  static std::map<std::pair<std::string, std::vector<std::string>>, Bitstream> known;
+SimulationModel model(const BusOptions& options) {
+  static std::map<std::pair<std::string, std::vector<std::string>>, SimulationModel> known;
   const auto key = std::pair(options.kind, options.parameters);
   const auto found = known.find(key);
   return found != known.end()
              ? found->second
-             : known.emplace(key, Bitstream::open(options.kind, options.parameters)).first->second;
+             : known.emplace(key, SimulationModel::open(options.kind, options.parameters)).first->second;
 }
 
 }  // namespace
 
 BusCard::BusCard(const BusOptions& options)
-    : bitstream_(bitstream(options)),
-      api_(reinterpret_cast<cde_pci_entry_fn>(bitstream_.symbol("cde_pci_entry"))()) {
+    : model_(model(options)),
+      api_(reinterpret_cast<cde_pci_entry_fn>(model_.symbol("cde_pci_entry"))()) {
   if (api_->head.version != CDE_PCI_ABI || api_->head.size != sizeof *api_)
     throw std::runtime_error("another version of abi_pci.h");
   const cde_pci_options o = {.core_period_ps = options.core_period_ps,

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cde/abi/abi_pci.h"
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/contract/pci.hpp"
 #include "cde/contract/registers.hpp"
 
@@ -120,7 +120,7 @@ class BusCard {
   bool halted() const { return (read(pci::kRegStatus) >> pci::kStatusHalted & 1) != 0; }
 
  private:
-  Bitstream bitstream_;
+  SimulationModel model_;
   const cde_pci_api* api_;
   void* handle_;
   unsigned size_ = 0, tail_ = 0, next_ = 0;

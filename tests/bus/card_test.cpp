@@ -92,7 +92,7 @@ TEST(PciCardTest, Registers_IdentifyTheCard) {
   PciCard card("ideal");
   EXPECT_EQ(card.read(card::kRegId), std::uint64_t{card::kIdMagic} << 32 | card::kInterfaceVersion);
   EXPECT_EQ(card.read(card::kRegConfigHash), card.api().config_hash);
-  EXPECT_EQ(card.read(card::kRegConfigHash), bitstream_hash("card", small_config().parameters()));
+  EXPECT_EQ(card.read(card::kRegConfigHash), model_hash("card", small_config().parameters()));
   EXPECT_EQ(card.read(card::kRegCapacity), 36'000u);
   EXPECT_EQ(card.api().container_bits, 32u);
 }

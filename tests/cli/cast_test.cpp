@@ -481,7 +481,7 @@ TEST_F(Doctor, CompleteInstallation_Passes) {
 
 TEST_F(Doctor, WithoutBuild_BuildsNothing) {
   const Ran ran = cde({"doctor"}, {"CDE_CACHE=" + (folder_ / "cache").string(),
-                                   "CDE_BITSTREAMS=" + (folder_ / "none").string(),
+                                   "CDE_MODELS=" + (folder_ / "none").string(),
                                    "CDE_MARCH=x86-64-v2"});  // no model exists for this processor
   EXPECT_EQ(ran.status, 0) << ran.out << ran.err;
   EXPECT_TRUE(has(ran.out,

@@ -111,9 +111,9 @@ TEST_F(CastBvh, TriangleWithoutBox_UsesBruteForce) {
 
 TEST_F(CastBvh, MissingBuilder_IsNoErrorOfTheBvh) {
   const Ran ran = cde({"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1"},
-                      {"CDE_BITSTREAMS=/nowhere", "CDE_SHARE=/nowhere"});
+                      {"CDE_MODELS=/nowhere", "CDE_SHARE=/nowhere"});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err, "cde: cannot run /nowhere/verilator/bitstream: No such file or directory\n");
+  EXPECT_EQ(ran.err, "cde: cannot run /nowhere/verilator/model_builder: No such file or directory\n");
 }
 
 /// Shadow rays use the same method as the other rays, and the picture is the same.

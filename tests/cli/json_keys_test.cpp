@@ -61,7 +61,7 @@ TEST_F(JsonKeys, SameQuantity_HasTheSameKey) {
           "device_cycles", "hits", "records_compared", "records_matching", "simulation_seconds"})
       EXPECT_TRUE(verb.contains(key)) << key << " is not in " << &verb - keys;
   }
-  for (const char* key : {"parameters", "bitstream", "stands_in_for", "clock_hz", "tests", "rows"})
+  for (const char* key : {"parameters", "model", "stands_in_for", "clock_hz", "tests", "rows"})
     for (const std::string& text : {cast.out, run.out, plan.out})
       EXPECT_TRUE(keys_of(text).contains(key)) << key;
   EXPECT_EQ(nlohmann::json::parse(query.out.substr(query.out.find('{')))["tests"], 2);

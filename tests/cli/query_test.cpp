@@ -71,7 +71,7 @@ TEST_F(Query, BarBetweenAAndB_IsAccepted) {
 TEST_F(Query, FailedBuild_NamesItsCauseAndLog) {
   std::filesystem::create_directories(folder_ / "share/verilator");
   std::filesystem::create_directories(folder_ / "share/rtl");
-  const std::string builder = write("share/verilator/bitstream", R"(#!/bin/bash
+  const std::string builder = write("share/verilator/model_builder", R"(#!/bin/bash
 [[ $1 == hash ]] && { echo 0123456789abcdef 0123456789abcdef01234567; exit; }
 echo "compiling a great deal" >&2
 echo "%Error: lane.sv:12:3: no such signal" >&2
@@ -81,7 +81,7 @@ exit 1
 )");
   std::filesystem::permissions(folder_ / builder, std::filesystem::perms::owner_all);
   const Ran ran = query({"sphere-sphere", "-q"}, "0,0,0,1,2,0,0,1\n",
-                        {"CDE_BITSTREAMS=/nowhere", "CDE_CACHE=" + (folder_ / "cache").string(),
+                        {"CDE_MODELS=/nowhere", "CDE_CACHE=" + (folder_ / "cache").string(),
                          "CDE_SHARE=" + (folder_ / "share").string()});
   EXPECT_EQ(ran.status, 2) << ran.err;
   EXPECT_TRUE(
@@ -97,7 +97,7 @@ exit 1
 TEST_F(Query, WithoutAnswers_NothingIsWritten) {
   const std::string cache = "CDE_CACHE=" + (folder_ / "cache").string();
   const Ran unbuilt = query({"sphere-sphere", "-q"}, "0,0,0,1,2,0,0,1\n",
-                            {"CDE_BITSTREAMS=/nowhere", cache, "CDE_SHARE=/nowhere"});
+                            {"CDE_MODELS=/nowhere", cache, "CDE_SHARE=/nowhere"});
   EXPECT_EQ(unbuilt.status, 2) << unbuilt.err;
   EXPECT_EQ(unbuilt.out, "");
   const Ran folder = shell("\"$CDE\" query sphere-sphere -q < .");

@@ -218,7 +218,7 @@ TEST_F(RunFolders, RunThatDoesNotStart_ChangesNothing) {
   EXPECT_EQ(run({"--out", "new", "--report", "none/page.html"}).status, 2);
   EXPECT_FALSE(exists("new"));
   const Ran ran = cde({"run", "scene.toml", "--out", "d"},
-                      {"CDE_BITSTREAMS=/nowhere", "CDE_CACHE=" + (folder_ / "cache").string(),
+                      {"CDE_MODELS=/nowhere", "CDE_CACHE=" + (folder_ / "cache").string(),
                        "CDE_CLANG=no-such-compiler"});
   EXPECT_EQ(ran.status, 2) << ran.err;
   EXPECT_EQ(read("d/run.json"), before);

@@ -419,7 +419,7 @@ normals = true
   EXPECT_TRUE(has(ran.err, "100 of 100 records compared with the reference, 0 differ"));
   const auto j = run_json("s.run");
   EXPECT_EQ(j["plan"]["stands_in_for"], planned["stands_in_for"]);
-  EXPECT_EQ(j["bitstream"], planned["bitstream"]);
+  EXPECT_EQ(j["model"], planned["model"]);
   EXPECT_GT(j["totals"]["hits"], 0);
 }
 
@@ -440,7 +440,7 @@ TEST_F(RunScene, Plan_NamesPartsAndReasons) {
   // For a model that does not exist, the plan names the file that would be built.
   const Ran empty =
       cde({"plan", "flight.toml", "--json"},
-          {"CDE_SHARE=" + std::string(CDE_SOURCE_DIR), "CDE_BITSTREAMS=/nowhere",
+          {"CDE_SHARE=" + std::string(CDE_SOURCE_DIR), "CDE_MODELS=/nowhere",
            "CDE_CACHE=" + (folder_ / "cache").string(), "CDE_ASSERT=0", "CDE_MARCH=x86-64-v2"});
   ASSERT_EQ(empty.status, 0) << empty.err;
   EXPECT_EQ(nlohmann::json::parse(empty.out)["built"], false);

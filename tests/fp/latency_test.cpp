@@ -12,7 +12,7 @@ namespace {
 const TestUnit& unit_of(const std::string& label) {
   for (const TestUnit& u : test_units())
     if (u.label == label) return u;
-  throw std::runtime_error("no test bitstream " + label);
+  throw std::runtime_error("no test model " + label);
 }
 
 struct Latencies {

@@ -11,13 +11,13 @@ namespace cde::testing {
 
 const std::vector<TestUnit>& test_units() {
   static const std::vector<TestUnit> units{
-#include "fp_bitstreams.inc"
+#include "fp_models.inc"
   };
   return units;
 }
 
 FpUnit load(const TestUnit& unit) {
-  return FpUnit(Bitstream::load(unit.path, 0));
+  return FpUnit(SimulationModel::load(unit.path, 0));
 }
 
 const char* op_name(FpOp op) {

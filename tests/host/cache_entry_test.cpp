@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Text entries in the cache beside the simulation models: which are read back, and which are not.
-#include "cde/bitstream/cache_entry.hpp"
+#include "cde/model/cache_entry.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -14,7 +14,7 @@
 
 #include "../expect_error.hpp"
 #include "../has.hpp"
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 
 namespace cde {
 namespace {
@@ -118,14 +118,14 @@ TEST_F(CacheEntry, DefaultAclAboveTheCache_IsNotInherited) {
 }
 
 TEST_F(CacheEntry, DefaultAclOfTheCache_IsRefused) {
-  const fs::path cache = bitstream_cache();
+  const fs::path cache = model_cache();
   if (!set_default_acl(cache, 7, 5)) GTEST_SKIP() << "no ACLs: " << std::strerror(errno);
   const std::string remedy = "remove the ACL with: setfacl -k " + cache.string();
-  testing::expect_error(ErrorCode::kFile, remedy, [] { (void)bitstream_cache(); });
+  testing::expect_error(ErrorCode::kFile, remedy, [] { (void)model_cache(); });
   ASSERT_TRUE(set_default_acl(cache, 5, 7));
-  testing::expect_error(ErrorCode::kFile, remedy, [] { (void)bitstream_cache(); });
+  testing::expect_error(ErrorCode::kFile, remedy, [] { (void)model_cache(); });
   ASSERT_TRUE(set_default_acl(cache, 5, 5));
-  EXPECT_EQ(bitstream_cache(), cache) << "others may only read";
+  EXPECT_EQ(model_cache(), cache) << "others may only read";
 }
 
 TEST_F(CacheEntry, UncreatableFolder_IsNoError) {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "../has.hpp"
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/card/fp_unit.hpp"
 #include "cde/card/pair_unit.hpp"
@@ -23,8 +23,8 @@ const Openers& openers() {
       {"board", [](const std::string& file) { (void)Board::open({}, {.file = file}); }},
       {"card",
        [](const std::string& file) { (void)Board::open({.bus = Bus::kCycle}, {.file = file}); }},
-      {"pair_unit", [](const std::string& file) { PairUnit(Bitstream::load(file, 0), {}); }},
-      {"fp_unit", [](const std::string& file) { FpUnit{Bitstream::load(file, 0)}; }}};
+      {"pair_unit", [](const std::string& file) { PairUnit(SimulationModel::load(file, 0), {}); }},
+      {"fp_unit", [](const std::string& file) { FpUnit{SimulationModel::load(file, 0)}; }}};
   return all;
 }
 

@@ -212,15 +212,15 @@ TEST_F(Why, WavesOfAnotherModel_AreRefused) {
     w.time(10);
     w.set(clk, 1);
   };
-  waves("bitstream board LANES=4 TRACE=1 TAP=0 configuration=0123456789abcdef");
+  waves("model board LANES=4 TRACE=1 TAP=0 configuration=0123456789abcdef");
   EXPECT_TRUE(has(error("card.fst", "count@5", "top.xml"), "another design: board"));
   EXPECT_TRUE(has(error("card.fst", "count@5", ""), "configuration 0123456789abcdef"));
-  waves("bitstream top TRACE=1 configuration=0123456789abcdef");
+  waves("model top TRACE=1 configuration=0123456789abcdef");
   EXPECT_EQ(why("card.fst", "count@5", "top.xml")["cone"]["value"], "00");
   // Comments that our writers do not produce name nothing.
-  for (const std::string comment : {"bitstream", "bitstream ../../x configuration=0123456789abcdef",
-                                    "bitstream board LANES=4;reboot configuration=0123456789abcdef",
-                                    "bitstream board configuration=zz"}) {
+  for (const std::string comment : {"model", "model ../../x configuration=0123456789abcdef",
+                                    "model board LANES=4;reboot configuration=0123456789abcdef",
+                                    "model board configuration=zz"}) {
     waves(comment);
     EXPECT_TRUE(has(error("card.fst", "count@5", ""), "does not name")) << comment;
   }

@@ -12,7 +12,7 @@
 
 #include "accuracy/advice.hpp"
 #include "accuracy/names.hpp"
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -73,7 +73,7 @@ void run(const AdviseOptions& o) {
   const Target target = parse_target(o.target);
   const std::string file =
       o.from.empty()
-          ? (bitstream_builder().parent_path().parent_path() / "docs" / "accuracy.json").string()
+          ? (model_builder().parent_path().parent_path() / "docs" / "accuracy.json").string()
           : o.from;
   const KeptSweep sweep = read_sweep(file, target);
   const std::vector<Candidate> all = advise(sweep, demands);

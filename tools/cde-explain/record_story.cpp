@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <map>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/fp/scalars.hpp"
 #include "cde/reference/pass.hpp"
@@ -89,7 +89,7 @@ class Teller {
   RecordStory tell() {
     const Scratch scratch("cde-record");
     const std::string waves = scratch / "waves.fst";
-    (void)bitstream_path(plan_.board.top(), plan_.board.parameters());  // prints its own progress
+    (void)model_path(plan_.board.top(), plan_.board.parameters());  // prints its own progress
     const Progress busy("playing the packet", quiet_);
     const QueryFrame alone = play(name_.frame, waves);
     // State from earlier frames may cause the error.

@@ -143,7 +143,7 @@ def trust(_root):
     c.text(413, 236, "writes", size=12, kind="tu")
     c.box(310, 262, 190, 56, ["*Outputs", "complete or absent", "renamed when whole"], "fa", size=12.5)
     c.texts_at(10, 346, ("A user who can write your home, PATH, environment or the installation can run anything as you.",
-                         "~Folders that CDE_BITSTREAMS and CDE_CACHE name follow the same rules. Open MPI uses the network where ranks run."), size=12,
+                         "~Folders that CDE_MODELS and CDE_CACHE name follow the same rules. Open MPI uses the network where ranks run."), size=12,
                              leading=18)
     return c
 

@@ -67,10 +67,10 @@ class WaveFile {
     return by > UINT64_MAX - time ? UINT64_MAX : time + by;
   }
 
-  /// Describes the source of the waves: "bitstream KIND NAME=VALUE ...
+  /// Describes the source of the waves: "model KIND NAME=VALUE ...
   /// configuration=0123456789abcdef".
   static std::string origin() {
-    std::string text = "bitstream " CDE_KIND " ";
+    std::string text = "model " CDE_KIND " ";
     for (const char c : std::string_view(kParameters)) text.push_back(c == '\n' ? ' ' : c);
     char hash[32];
     std::snprintf(hash, sizeof hash, "configuration=%016llx",

@@ -12,7 +12,7 @@
 
 namespace cde {
 
-void check_table(const Bitstream& bitstream, const cde_abi_head& head, const cde_abi_head& built) {
+void check_table(const SimulationModel& model, const cde_abi_head& head, const cde_abi_head& built) {
   if (head.version == built.version && head.size == built.size) return;
   const std::string what =
       head.version != built.version
@@ -20,7 +20,7 @@ void check_table(const Bitstream& bitstream, const cde_abi_head& head, const cde
           : fmt::format("its table of functions has {} bytes; expected {}", head.size, built.size);
   throw Error(ErrorCode::kConfiguration,
               fmt::format("simulation model {}: {}; it was built from other sources",
-                          printable_name(bitstream.path().string()), what));
+                          printable_name(model.path().string()), what));
 }
 
 void no_memory_for_models() {

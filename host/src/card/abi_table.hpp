@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "cde/abi/abi_head.h"
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/card/trace.hpp"
 
@@ -15,14 +15,14 @@ namespace cde {
 
 /// Checks the version and size of a simulation model's function table against the driver's. Error
 /// kConfiguration if they differ.
-void check_table(const Bitstream& bitstream, const cde_abi_head& head, const cde_abi_head& built);
+void check_table(const SimulationModel& model, const cde_abi_head& head, const cde_abi_head& built);
 
 /// The function table of a simulation model. `Entry` is the type of the only function that the
 /// model exports. Error kConfiguration if it exports no such function or another table.
 template <class Entry>
-[[nodiscard]] auto abi_table(const Bitstream& bitstream, const char* entry, std::uint32_t version) {
-  const auto* const table = reinterpret_cast<Entry>(bitstream.symbol(entry))();
-  check_table(bitstream, table->head, {version, static_cast<std::uint32_t>(sizeof *table)});
+[[nodiscard]] auto abi_table(const SimulationModel& model, const char* entry, std::uint32_t version) {
+  const auto* const table = reinterpret_cast<Entry>(model.symbol(entry))();
+  check_table(model, table->head, {version, static_cast<std::uint32_t>(sizeof *table)});
   return table;
 }
 

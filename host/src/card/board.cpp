@@ -202,17 +202,17 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
   BoardConfig wanted = config;
   wanted.trace = config.trace || waves;
   const std::vector<std::string> parameters = wanted.parameters();
-  Bitstream bitstream =
-      options.file ? Bitstream::load(*options.file, options.config_hash
+  SimulationModel model =
+      options.file ? SimulationModel::load(*options.file, options.config_hash
                                                         ? *options.config_hash
-                                                        : bitstream_hash(config.top(), parameters))
-                   : Bitstream::open(config.top(), parameters);
-  const std::uint64_t expected = options.config_hash.value_or(bitstream.config_hash());
-  const std::string file = bitstream.path().string();
+                                                        : model_hash(config.top(), parameters))
+                   : SimulationModel::open(config.top(), parameters);
+  const std::uint64_t expected = options.config_hash.value_or(model.config_hash());
+  const std::string file = model.path().string();
 
   auto impl =
-      std::make_shared<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(bitstream), options)
-                                                       : local_link(std::move(bitstream), options),
+      std::make_shared<Impl>(config.bus == Bus::kCycle ? pci_link(std::move(model), options)
+                                                       : local_link(std::move(model), options),
                              file, config.format, options);
   check_identity(*impl, wanted, expected, file);
   Board board(std::move(impl));
@@ -426,8 +426,8 @@ std::uint64_t Board::upload_clocks() const {
 std::uint64_t Board::words_uploaded() const {
   return card().words_uploaded;
 }
-const std::filesystem::path& Board::bitstream() const {
-  return card().bitstream;
+const std::filesystem::path& Board::model_path() const {
+  return card().model_path;
 }
 std::uint64_t Board::config_hash() const {
   return card().link->config_hash();

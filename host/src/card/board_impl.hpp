@@ -49,7 +49,7 @@ class Board::Impl {
       : format(numbers),
         coding(numbers),
         link(std::move(way)),
-        bitstream(std::move(file)),
+        model_path(std::move(file)),
         bus(options),
         period_ps(options.clock_period_ps),
         ddr_latency(options.ddr_latency),
@@ -116,7 +116,7 @@ class Board::Impl {
   FpFormat format;
   FloatWords coding;  ///< of the card's format
   std::unique_ptr<CardLink> link;
-  std::filesystem::path bitstream;
+  std::filesystem::path model_path;
   BusTime bus;              ///< timing of either link, for deadlines
   std::uint64_t period_ps;  ///< of the core clock
   unsigned ddr_latency;

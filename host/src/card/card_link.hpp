@@ -111,7 +111,7 @@ class CardLink {
 /// A link that drives the local bus directly. It computes the time that PCI would take
 /// (bus_time.hpp), counted from a card that the host has set up. Error kConfiguration if the
 /// simulation model has another interface, kDevice if there is no memory for the card.
-[[nodiscard]] std::unique_ptr<CardLink> local_link(Bitstream bitstream, const OpenOptions& options);
+[[nodiscard]] std::unique_ptr<CardLink> local_link(SimulationModel model, const OpenOptions& options);
 
 /// A card behind PCI. Registers use single accesses. Everything else uses the card's DMA engine and
 /// pages that this link maps for it. The link repeats transfers that fail for a transient reason,
@@ -119,6 +119,6 @@ class CardLink {
 /// DeviceFault. So is a failed read of the record stream, which cannot be repeated without losing
 /// records. If the card stops answering, or its bus or DMA engine hangs, every call throws until
 /// reset(). Opening has the errors of local_link().
-[[nodiscard]] std::unique_ptr<CardLink> pci_link(Bitstream bitstream, const OpenOptions& options);
+[[nodiscard]] std::unique_ptr<CardLink> pci_link(SimulationModel model, const OpenOptions& options);
 
 }  // namespace cde

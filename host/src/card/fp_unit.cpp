@@ -7,18 +7,18 @@
 
 #include "card/abi_table.hpp"
 #include "cde/abi/abi_fp.h"
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 
 namespace cde {
 
 struct FpUnit::State {
-  Bitstream bitstream;
+  SimulationModel model;
   const cde_fp_api* api = nullptr;
   cde_fp_unit* unit = nullptr;
 
-  explicit State(const Bitstream& b) : bitstream(b) {}
+  explicit State(const SimulationModel& m) : model(m) {}
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() {
@@ -35,17 +35,17 @@ std::vector<std::string> fp_unit_parameters(FpFormat format, Arithmetic arithmet
           fmt::format("FLAGS={}", flags ? 1 : 0)};
 }
 
-FpUnit::FpUnit(const Bitstream& bitstream) : state_(std::make_unique<State>(bitstream)) {
+FpUnit::FpUnit(const SimulationModel& model) : state_(std::make_unique<State>(model)) {
   State& s = *state_;
-  s.api = abi_table<cde_fp_entry_fn>(s.bitstream, "cde_fp_entry", CDE_FP_ABI);
+  s.api = abi_table<cde_fp_entry_fn>(s.model, "cde_fp_entry", CDE_FP_ABI);
   s.unit = s.api->create();
   if (s.unit == nullptr)
     throw Error(ErrorCode::kDevice, fmt::format("simulation model {}: out of memory",
-                                                printable_name(bitstream.path().string())));
+                                                printable_name(model.path().string())));
 }
 
 FpUnit::FpUnit(FpFormat format, Arithmetic arithmetic, int lanes, bool flags)
-    : FpUnit(Bitstream::open("fp_unit", fp_unit_parameters(format, arithmetic, lanes, flags))) {}
+    : FpUnit(SimulationModel::open("fp_unit", fp_unit_parameters(format, arithmetic, lanes, flags))) {}
 
 FpUnit::~FpUnit() = default;
 FpUnit::FpUnit(FpUnit&&) noexcept = default;

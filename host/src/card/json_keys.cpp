@@ -23,8 +23,8 @@ Json card_json(const BoardConfig& config) {
           {"parameters", config.parameters()}};
 }
 
-Json bitstream_json(const std::filesystem::path& file, std::uint64_t config_hash) {
-  return {{"bitstream", file.string()}, {"config_hash", fmt::format("{:016x}", config_hash)}};
+Json model_json(const std::filesystem::path& file, std::uint64_t config_hash) {
+  return {{"model", file.string()}, {"config_hash", fmt::format("{:016x}", config_hash)}};
 }
 
 Json counters_json(const Counters& c) {

@@ -22,12 +22,12 @@ constexpr std::uint64_t kAccessClocks = 1000;  // more than any single access ta
 /// simulated.
 class LocalLink final : public CardLink {
  public:
-  LocalLink(Bitstream bitstream, const OpenOptions& options)
-      : bitstream_(std::move(bitstream)),
+  LocalLink(SimulationModel model, const OpenOptions& options)
+      : model_(std::move(model)),
         period_ps_(options.clock_period_ps),
         retries_(options.bus_retries),
         bus_(options) {
-    api_ = abi_table<cde_board_entry_fn>(bitstream_, "cde_board_entry", CDE_BOARD_ABI);
+    api_ = abi_table<cde_board_entry_fn>(model_, "cde_board_entry", CDE_BOARD_ABI);
     const cde_board_options card_options = {.memory = static_cast<std::uint32_t>(options.memory),
                                             .ddr_latency = options.ddr_latency,
                                             .clock_period_ps = options.clock_period_ps};
@@ -251,7 +251,7 @@ class LocalLink final : public CardLink {
                {.address = offset, .clock = clocks()});
   }
 
-  Bitstream bitstream_;
+  SimulationModel model_;
   std::uint32_t period_ps_;
   unsigned retries_;
   BusTime bus_;
@@ -270,8 +270,8 @@ class LocalLink final : public CardLink {
 
 }  // namespace
 
-std::unique_ptr<CardLink> local_link(Bitstream bitstream, const OpenOptions& options) {
-  return std::make_unique<LocalLink>(std::move(bitstream), options);
+std::unique_ptr<CardLink> local_link(SimulationModel model, const OpenOptions& options) {
+  return std::make_unique<LocalLink>(std::move(model), options);
 }
 
 }  // namespace cde

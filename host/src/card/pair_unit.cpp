@@ -69,7 +69,7 @@ struct Buffers {
 }  // namespace
 
 struct PairUnit::State {
-  Bitstream bitstream;
+  SimulationModel model;
   PairConfig config;
   const cde_pair_api* api = nullptr;
   cde_pair_unit* unit = nullptr;
@@ -77,7 +77,7 @@ struct PairUnit::State {
   Buffers<std::uint32_t> narrow;
   Buffers<std::uint64_t> wide;
 
-  State(const Bitstream& b, const PairConfig& c) : bitstream(b), config(c) {}
+  State(const SimulationModel& m, const PairConfig& c) : model(m), config(c) {}
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() {
@@ -85,14 +85,14 @@ struct PairUnit::State {
   }
 };
 
-PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
-    : state_(std::make_shared<State>(bitstream, config)) {
+PairUnit::PairUnit(const SimulationModel& model, const PairConfig& config)
+    : state_(std::make_shared<State>(model, config)) {
   State& s = *state_;
-  s.api = abi_table<cde_pair_entry_fn>(s.bitstream, "cde_pair_entry", CDE_PAIR_ABI);
-  const std::string path = printable_name(bitstream.path().string());
+  s.api = abi_table<cde_pair_entry_fn>(s.model, "cde_pair_entry", CDE_PAIR_ABI);
+  const std::string path = printable_name(model.path().string());
   if (s.api->lanes != config.lanes || s.api->a_words != primary_words(config.pair) ||
       s.api->b_words != secondary_words(config.pair) ||
-      s.api->config_hash != s.bitstream.config_hash())
+      s.api->config_hash != s.model.config_hash())
     throw Error(
         ErrorCode::kConfiguration,
         fmt::format("simulation model {} is not the requested {} unit", path, name(config.pair)));
@@ -102,7 +102,7 @@ PairUnit::PairUnit(const Bitstream& bitstream, const PairConfig& config)
 }
 
 PairUnit::PairUnit(const PairConfig& config)
-    : PairUnit(Bitstream::open("pair_unit", config.parameters()), config) {}
+    : PairUnit(SimulationModel::open("pair_unit", config.parameters()), config) {}
 
 PairUnit::~PairUnit() = default;
 PairUnit::PairUnit(PairUnit&&) noexcept = default;

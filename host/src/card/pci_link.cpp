@@ -51,8 +51,8 @@ const char* text_of(std::uint32_t code) {
 
 class PciLink final : public CardLink {
  public:
-  PciLink(Bitstream bitstream, const OpenOptions& options)
-      : port_(std::move(bitstream), options,
+  PciLink(SimulationModel model, const OpenOptions& options)
+      : port_(std::move(model), options,
               std::uint64_t{2} * (kDataPage + kDataPages) * kPageBytes),
         period_ps_(options.clock_period_ps),
         retries_(options.bus_retries),
@@ -372,8 +372,8 @@ class PciLink final : public CardLink {
 
 }  // namespace
 
-std::unique_ptr<CardLink> pci_link(Bitstream bitstream, const OpenOptions& options) {
-  return std::make_unique<PciLink>(std::move(bitstream), options);
+std::unique_ptr<CardLink> pci_link(SimulationModel model, const OpenOptions& options) {
+  return std::make_unique<PciLink>(std::move(model), options);
 }
 
 }  // namespace cde

@@ -8,12 +8,12 @@
 
 namespace cde {
 
-PciPort::PciPort(Bitstream bitstream, const OpenOptions& options, std::uint64_t memory_bytes)
-    : bitstream_(std::move(bitstream)),
+PciPort::PciPort(SimulationModel model, const OpenOptions& options, std::uint64_t memory_bytes)
+    : model_(std::move(model)),
       period_ps_(options.clock_period_ps),
       retries_(options.bus_retries),
       watchdog_(options.watchdog) {
-  api_ = abi_table<cde_pci_entry_fn>(bitstream_, "cde_pci_entry", CDE_PCI_ABI);
+  api_ = abi_table<cde_pci_entry_fn>(model_, "cde_pci_entry", CDE_PCI_ABI);
   const HostProfile& p = options.host;
   const cde_pci_options card_options = {
       .core_period_ps = period_ps_,

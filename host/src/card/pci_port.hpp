@@ -32,7 +32,7 @@ class PciPort {
  public:
   /// Error kConfiguration if the simulation model has another interface, kDevice if there is no
   /// memory for the card. The host gets `memory_bytes` of memory.
-  PciPort(Bitstream bitstream, const OpenOptions& options, std::uint64_t memory_bytes);
+  PciPort(SimulationModel model, const OpenOptions& options, std::uint64_t memory_bytes);
   PciPort(const PciPort&) = delete;
   PciPort& operator=(const PciPort&) = delete;
   ~PciPort() { api_->destroy(host_); }
@@ -78,7 +78,7 @@ class PciPort {
   [[noreturn]] void failed(int status, std::uint32_t offset, const char* what);
   [[nodiscard]] DeviceFault complete(DeviceFault fault);
 
-  Bitstream bitstream_;
+  SimulationModel model_;
   const cde_pci_api* api_ = nullptr;
   void* host_ = nullptr;
   std::uint32_t period_ps_;

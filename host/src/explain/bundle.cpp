@@ -160,7 +160,7 @@ Json near_lines(const explain::Explanation& e) {
   if (before.empty() && inside.empty()) return Json::array();
   PairConfig plain = e.config;
   plain.tap = plain.trace = false;
-  const wave::Design design = wave::Design::of_bitstream("pair_unit", plain.parameters());
+  const wave::Design design = wave::Design::of_model("pair_unit", plain.parameters());
   Json lines = Json::array();
   const auto add = [&](const std::vector<std::string>& signals, const wave::Passing& passing) {
     for (const auto& [p, drivers] : wave::fed_by(design, signals, kSteps, 4 * kMostNear, passing)) {

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cde/bitstream/bitstream.hpp"
-#include "cde/bitstream/cache_entry.hpp"
+#include "cde/model/model.hpp"
+#include "cde/model/cache_entry.hpp"
 #include "cde/check/random_pairs.hpp"
 #include "cde/netlist/kept.hpp"
 #include "cde/support/error.hpp"
@@ -55,7 +55,7 @@ Rows rows_around(const PairConfig& config, std::span<const std::uint64_t> a,
 netlist::Elaboration design_of(const PairConfig& config) {
   PairConfig plain = config;
   plain.tap = plain.trace = false;
-  const std::filesystem::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
+  const std::filesystem::path rtl = model_builder().parent_path().parent_path() / "rtl";
   try {
     return {rtl, "pair_unit", plain.parameters()};
   } catch (const netlist::ElaborationError& e) {

@@ -15,7 +15,7 @@
 #include <thread>
 #include <tuple>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/jobs/among.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/support/error.hpp"

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "cde/bitstream/bitstream.hpp"
-#include "cde/bitstream/cache_entry.hpp"
+#include "cde/model/model.hpp"
+#include "cde/model/cache_entry.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::netlist {
@@ -14,7 +14,7 @@ std::optional<std::string> kept_name(const std::string& kind,
                                      const std::vector<std::string>& parameters,
                                      std::string_view suffix) {
   try {
-    const BitstreamFile rtl = bitstream_file(kind, parameters);
+    const ModelFile rtl = model_file(kind, parameters);
     std::ifstream program("/proc/self/exe", std::ios::binary);
     const std::string code(std::istreambuf_iterator<char>(program), {});
     if (code.empty()) return std::nullopt;

@@ -10,8 +10,8 @@
 #include <optional>
 #include <thread>
 
-#include "cde/bitstream/bitstream.hpp"
-#include "cde/bitstream/cache_entry.hpp"
+#include "cde/model/model.hpp"
+#include "cde/model/cache_entry.hpp"
 #include "cde/netlist/kept.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/progress.hpp"
@@ -32,7 +32,7 @@ std::string path(const Pipe& pipe) {
 }
 
 Elaboration elaborate(const Pipe& pipe, const Profile& p, const Hidden& hidden) {
-  const std::filesystem::path folder = bitstream_builder().parent_path().parent_path() / "rtl";
+  const std::filesystem::path folder = model_builder().parent_path().parent_path() / "rtl";
   const bool alone = top(pipe) == pipe.module;
   // Host arithmetic has the same operators and latency, and elaborates faster. But only gates share
   // SAT units and have operators of the box rule.

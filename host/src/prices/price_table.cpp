@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/input_file.hpp"
@@ -170,7 +170,7 @@ PriceTable PriceTable::of_project() {
   const bool given = named != nullptr && *named != '\0';
   table.file_ =
       given ? std::string(named)
-            : (bitstream_builder().parent_path().parent_path() / "docs" / "prices.json").string();
+            : (model_builder().parent_path().parent_path() / "docs" / "prices.json").string();
   if (!given && !std::filesystem::exists(table.file_)) return table;
   const Json all = Json::parse(read_file(table.file_), nullptr, false);
   const auto rows = all.is_object() ? all.find("rows") : all.end();

@@ -88,9 +88,9 @@ namespace cde {
 
 std::optional<BuiltCard> built_card(const BoardConfig& planned, const SceneCard& asked,
                                     const Rows& rows) {
-  if (bitstream_file(planned.top(), planned.parameters()).built) return std::nullopt;
+  if (model_file(planned.top(), planned.parameters()).built) return std::nullopt;
   std::vector<BuiltCard> some;
-  for (const std::vector<std::string>& parameters : kept_bitstreams(planned.top())) {
+  for (const std::vector<std::string>& parameters : kept_models(planned.top())) {
     std::optional<BoardConfig> card = BoardConfig::of(parameters);
     if (!card) continue;
     card->bus = planned.bus;  // only the simulation model depends on it
@@ -102,7 +102,7 @@ std::optional<BuiltCard> built_card(const BoardConfig& planned, const SceneCard&
   std::stable_sort(some.begin(), some.end(),
                    [](const BuiltCard& a, const BuiltCard& b) { return a.times < b.times; });
   for (const BuiltCard& card : some)
-    if (bitstream_file(card.board.top(), card.board.parameters()).built) return card;
+    if (model_file(card.board.top(), card.board.parameters()).built) return card;
   return std::nullopt;
 }
 

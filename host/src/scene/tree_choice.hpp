@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/hierarchy/hierarchy.hpp"
 

@@ -7,7 +7,7 @@ namespace cde {
 
 std::string version_text() {
   const std::string commit = kCommit;
-  return fmt::format("cde {}{}\ncompiler         {}\nbitstreams       {}\n                 {}",
+  return fmt::format("cde {}{}\ncompiler         {}\nmodels           {}\n                 {}",
                      kVersion, commit.empty() ? "" : fmt::format(" (commit {})", commit), kCompiler,
                      kVerilator, kClang);
 }

@@ -10,8 +10,8 @@
 #include <set>
 #include <sstream>
 
-#include "cde/bitstream/bitstream.hpp"
-#include "cde/bitstream/cache_entry.hpp"
+#include "cde/model/model.hpp"
+#include "cde/model/cache_entry.hpp"
 #include "cde/netlist/elaborate.hpp"
 #include "cde/netlist/json_tree.hpp"
 #include "cde/support/error.hpp"
@@ -43,7 +43,7 @@ std::optional<Origin> origin_of(Trace& trace) {
     std::istringstream words(comment);
     std::string word;
     Origin origin;
-    if (!(words >> word) || word != "bitstream" || !(words >> origin.kind) ||
+    if (!(words >> word) || word != "model" || !(words >> origin.kind) ||
         !std::regex_match(origin.kind, kKind))
       continue;
     bool good = true;
@@ -110,18 +110,18 @@ struct Kept {
 std::optional<Design> design_of(const Origin& origin, const std::string& waves, bool elaborate) {
   const std::string name =
       cache_key({std::string(kHead), origin.text(), origin.hash}) + ".structure";
-  const std::string what = "bitstream " + origin.text();
+  const std::string what = "simulation model " + origin.text();
   std::optional<Kept> kept;
   if (const auto text = read_cache_entry(name)) kept = Kept::of(*text);
   if (!kept && !elaborate) return std::nullopt;
   if (!kept) {
-    const std::uint64_t here = bitstream_hash(origin.kind, origin.parameters);
+    const std::uint64_t here = model_hash(origin.kind, origin.parameters);
     if (fmt::format("{:016x}", here) != origin.hash)
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} comes from {} with other RTL (configuration {}; here {:016x}); "
                               "write the waves again, or name their structure with --structure",
                               printable_name(waves), what, origin.hash, here));
-    const fs::path rtl = bitstream_builder().parent_path().parent_path() / "rtl";
+    const fs::path rtl = model_builder().parent_path().parent_path() / "rtl";
     std::vector<std::string> parameters = origin.parameters;
     std::erase_if(parameters, [](const std::string& p) {
       return p.starts_with("TRACE=") || p.starts_with("TAP=");
@@ -274,8 +274,8 @@ Design Design::of(Trace& trace, const std::string& structure) {
   return design;
 }
 
-Design Design::of_bitstream(const std::string& kind, const std::vector<std::string>& parameters) {
-  const Origin origin{kind, fmt::format("{:016x}", bitstream_hash(kind, parameters)), parameters};
+Design Design::of_model(const std::string& kind, const std::vector<std::string>& parameters) {
+  const Origin origin{kind, fmt::format("{:016x}", model_hash(kind, parameters)), parameters};
   std::optional<Design> design = design_of(origin, "", true);
   return std::move(*design);
 }

@@ -12,8 +12,8 @@ int main(int argc, char** argv) try {
   const cde::Mesh mesh = cde::make_terrain({.quads_x = 40, .quads_y = 30});
   cde::Board board = cde::Board::open({.lanes = 16});  // initializeDevice
   board.upload(mesh);                                  // secondaryUpload
-  if (argc > 1 && !board.bitstream().string().starts_with(argv[1])) {
-    std::fprintf(stderr, "%s is not in %s\n", board.bitstream().c_str(), argv[1]);
+  if (argc > 1 && !board.model_path().string().starts_with(argv[1])) {
+    std::fprintf(stderr, "%s is not in %s\n", board.model_path().c_str(), argv[1]);
     return 3;
   }
 

@@ -254,8 +254,8 @@ class Card {
  private:
   Board open() {
     const std::vector<std::string> parameters = config_.parameters();
-    if (!bitstream_file(config_.top(), parameters).built)
-      build_seconds_ = timed([&] { (void)bitstream_path(config_.top(), parameters); }).wall;
+    if (!model_file(config_.top(), parameters).built)
+      build_seconds_ = timed([&] { (void)model_path(config_.top(), parameters); }).wall;
     return Board::open(config_, {.memory = variant_.memory});
   }
   static double least(const std::vector<double>& v) {

@@ -28,7 +28,7 @@ constexpr std::array kOperations = {Operation{"add", FpOp::kAdd}, Operation{"mul
 double measure(FpFormat format, const Operation& operation, int lanes, double seconds) {
   std::vector<std::string> parameters = fp_unit_parameters(format, Arithmetic::kRtl, lanes, false);
   parameters.push_back(fmt::format("OPS={}", 1u << static_cast<unsigned>(operation.op)));
-  FpUnit unit(Bitstream::open("fp_unit", parameters));
+  FpUnit unit(SimulationModel::open("fp_unit", parameters));
   return unit.measure(operation.op, seconds);
 }
 

@@ -130,7 +130,7 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
   }
   result.modelled_seconds = result.counters.modelled_seconds(o.clock.mhz * 1e6);
   result.upload_clocks = board.upload_clocks();
-  result.bitstream = board.bitstream().string();
+  result.model = board.model_path().string();
   result.config_hash = board.config_hash();
   return result;
 }
@@ -208,7 +208,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
   SharedMemory memory(o, job, shares.size(), job.rays.size() - shares.front().size);
   CastTask of_share = o;
   of_share.swept_rays = (o.swept_rays + shares.size() - 1) / shares.size();
-  (void)Bitstream::open(job.config.top(),
+  (void)SimulationModel::open(job.config.top(),
                         job.config.parameters());  // built once, before all cards need it
   for (std::size_t i = 0; i < shares.size(); ++i) {
     Share& share = shares[i];
@@ -245,7 +245,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
     all.upload_clocks += one.upload_clocks;
     all.modelled_seconds = std::max(all.modelled_seconds, one.modelled_seconds);
     all.simulation_seconds = std::max(all.simulation_seconds, one.simulation_seconds);
-    all.bitstream = one.bitstream;
+    all.model = one.model;
     all.config_hash = one.config_hash;
   }
   return all;

@@ -11,7 +11,7 @@
 
 #include "cast/job.hpp"
 #include "cast/parts.hpp"
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -78,7 +78,7 @@ struct Head {
   std::uint64_t hits = 0, compared = 0, matching = 0, swept_rays = 0, upload_clocks = 0,
                 config_hash = 0;
   double modelled_seconds = 0, simulation_seconds = 0;
-  std::uint64_t bitstream_bytes = 0, records = 0;
+  std::uint64_t model_bytes = 0, records = 0;
 };
 static_assert(std::is_trivially_copyable_v<Head>);
 static_assert(std::is_standard_layout_v<Record>);
@@ -93,10 +93,10 @@ std::string as_bytes(const CastOutcome& r, std::span<const Record> records) {
                   .config_hash = r.config_hash,
                   .modelled_seconds = r.modelled_seconds,
                   .simulation_seconds = r.simulation_seconds,
-                  .bitstream_bytes = r.bitstream.size(),
+                  .model_bytes = r.model.size(),
                   .records = records.size()};
   std::string bytes(reinterpret_cast<const char*>(&head), sizeof head);
-  bytes.append(r.bitstream);
+  bytes.append(r.model);
   return bytes.append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
 }
 
@@ -114,9 +114,9 @@ CastOutcome outcome_in(const std::string& bytes, std::size_t first, std::vector<
   r.config_hash = head.config_hash;
   r.modelled_seconds = head.modelled_seconds;
   r.simulation_seconds = head.simulation_seconds;
-  r.bitstream = bytes.substr(sizeof head, head.bitstream_bytes);
+  r.model = bytes.substr(sizeof head, head.model_bytes);
   records.resize(head.records);
-  std::memcpy(static_cast<void*>(records.data()), bytes.data() + sizeof head + head.bitstream_bytes,
+  std::memcpy(static_cast<void*>(records.data()), bytes.data() + sizeof head + head.model_bytes,
               records.size() * sizeof(Record));
   for (Record& record : records) record.primary += static_cast<std::uint32_t>(first);
   return r;
@@ -143,7 +143,7 @@ class Sum {
     all.swept_rays += one.swept_rays;
     all.simulation_seconds += one.simulation_seconds;
     all.upload_clocks = std::max(all.upload_clocks, one.upload_clocks);
-    all.bitstream = std::move(one.bitstream);
+    all.model = std::move(one.model);
     all.config_hash = one.config_hash;
     double& card = parts_ > 1 ? free_at_[part] : *std::ranges::min_element(free_at_);
     card += one.modelled_seconds;
@@ -266,7 +266,7 @@ void begin_dealt(const CastTask& o, const CastJob& job) {
   if (job.hierarchy && o.check) run["swept_rays"] = o.swept_rays;
   if (!dealing.merges())
     run["config_hash"] =
-        fmt::format("{:016x}", bitstream_hash(job.config.top(), job.config.parameters()));
+        fmt::format("{:016x}", model_hash(job.config.top(), job.config.parameters()));
   dealing.begin(o.deal, run, o.quiet);
 }
 

@@ -45,7 +45,7 @@ struct CastOutcome {
   std::optional<Difference> first_difference;  ///< the same as data
   double modelled_seconds = 0;                 ///< of the passes, on the slowest card
   double simulation_seconds = 0;
-  std::string bitstream;
+  std::string model;
   std::uint64_t config_hash = 0;
 };
 

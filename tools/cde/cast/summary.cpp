@@ -42,7 +42,7 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
             {"partition", o.partition},
             {"network", has_network(o) ? nlohmann::ordered_json(kNetwork) : nullptr}});
   j.update(card_json(job.config));
-  j.update(bitstream_json(r.bitstream, r.config_hash));
+  j.update(model_json(r.model, r.config_hash));
   j.update(stand_in_json(job.stands_in_for));
   j.update({{"clock_hz", o.clock.mhz * 1e6},
             {"clock_is", o.clock_is},

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "cast/job.hpp"
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "verbs/verbs.hpp"

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <optional>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
@@ -121,7 +121,7 @@ void begin_frames(const DealOptions& options, const DealtFrames& f, bool quiet) 
               {"parameters", f.plan.board.parameters()}};
   if (!dealing.merges())
     run["config_hash"] =
-        fmt::format("{:016x}", bitstream_hash(f.plan.board.top(), f.plan.board.parameters()));
+        fmt::format("{:016x}", model_hash(f.plan.board.top(), f.plan.board.parameters()));
   dealing.begin(options, run, quiet);
 }
 

@@ -42,12 +42,12 @@ std::string first_line(const std::vector<std::string>& command) {
   }
 }
 
-/// How models are built. verilator/bitstream decides with the same list.
+/// How models are built. verilator/model_builder decides with the same list.
 std::string mode_of(const std::string& version) {
   const char* plain = std::getenv("CDE_PLAIN");  // NOLINT(concurrency-mt-unsafe)
   if (plain != nullptr && std::string_view(plain) == "1") return "models are plain (CDE_PLAIN)";
   try {
-    std::ifstream known(bitstream_builder().parent_path() / "accelerator/versions");
+    std::ifstream known(model_builder().parent_path() / "accelerator/versions");
     for (std::string line; std::getline(known, line);)
       if (!line.empty() && line.front() != '#' && version.starts_with("Verilator " + line + " "))
         return "models are accelerated";
@@ -95,7 +95,7 @@ Finding processor() {
 
 Finding cache() {
   try {
-    const std::filesystem::path folder = bitstream_cache();
+    const std::filesystem::path folder = model_cache();
     if (::access(folder.c_str(), W_OK) != 0) {
       return {fmt::format("model cache {} cannot be written", printable_name(folder.string())),
               "set CDE_CACHE to a folder of yours"};
@@ -107,7 +107,7 @@ Finding cache() {
       if (entry.path().extension() == ".so" && !gone) ++files, bytes += size;
     }
     return {fmt::format("model cache {}: {}, {:.1f} MB", printable_name(folder.string()),
-                        counted(files, "bitstream"), static_cast<double>(bytes) / 1e6),
+                        counted(files, "model"), static_cast<double>(bytes) / 1e6),
             ""};
   } catch (const std::exception& e) {
     return {e.what(), "set CDE_CACHE to a folder of yours"};
@@ -116,7 +116,7 @@ Finding cache() {
 
 Finding builder() {
   try {
-    return {fmt::format("builder {}", printable_name(bitstream_builder().string())), ""};
+    return {fmt::format("builder {}", printable_name(model_builder().string())), ""};
   } catch (const Error& e) {
     return {e.what(), "reinstall, or set CDE_SHARE"};
   }
@@ -131,7 +131,7 @@ Finding small_cast(Arithmetic arithmetic, bool builds) {
     const Mesh mesh = make_terrain({.quads_x = quads, .quads_y = quads});
     const std::vector<Ray> rays = grid_rays(bounds(mesh), {20, 20});
     const BoardConfig card{.arithmetic = arithmetic, .algorithm = kLeakFree, .box = true};
-    if (!builds && !bitstream_file(card.top(), card.parameters()).built)
+    if (!builds && !model_file(card.top(), card.parameters()).built)
       return {fmt::format("{} arithmetic: the card is not built; cde doctor --build builds and "
                           "checks it, in about {:.0f} s",
                           name, usual_build_seconds(card.parameters())),

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/jobs/dealing.hpp"
 #include "cde/support/counted.hpp"
@@ -135,7 +135,7 @@ std::optional<QueryTotals> deal_pairs(const QueryOptions& o, const PairConfig& c
                                 {"checked", o.check},
                                 {"keep_going", o.keep_going}};
   if (!dealing.merges())
-    run["config_hash"] = fmt::format("{:016x}", bitstream_hash("pair_unit", config.parameters()));
+    run["config_hash"] = fmt::format("{:016x}", model_hash("pair_unit", config.parameters()));
   dealing.begin(o.deal, run, o.quiet);
   QueryChunks pairs(o, config);
   std::optional<QueryPipe> pipe;

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/card/machine.hpp"
 #include "cde/contract/records.hpp"
@@ -132,7 +132,7 @@ class Run {
     json_ = program_json();
     json_.update(card_json(plan.board));
     json_.update(
-        Json{{"bitstream", nullptr}, {"config_hash", nullptr}});  // until the model is loaded
+        Json{{"model", nullptr}, {"config_hash", nullptr}});  // until the model is loaded
     json_.update({{"scene", scene.file},
                   {"title", scene.title},
                   {"frames", {frames_.first, frames_.last}},
@@ -158,7 +158,7 @@ class Run {
     std::optional<OutputFile> waves;
     if (o_.trace.wanted()) waves.emplace(o_.trace.file, OutputFile::Use::kByName);
     try {
-      (void)bitstream_path(plan.board.top(), plan.board.parameters());  // prints its own progress
+      (void)model_path(plan.board.top(), plan.board.parameters());  // prints its own progress
       std::optional<Progress> uploading(std::in_place, "uploading the scene", o_.quiet);
       std::optional<Progress> bar;
       Player player(
@@ -180,9 +180,9 @@ class Run {
       began_ = player.board().clocks();
       interrupts.emplace();
       bar.emplace("playing", o_.quiet);
-      json_["plan"]["bitstream"] = player.board().bitstream().string();
+      json_["plan"]["model"] = player.board().model_path().string();
       json_["plan"]["built"] = true;
-      json_.update(bitstream_json(player.board().bitstream(), player.board().config_hash()));
+      json_.update(model_json(player.board().model_path(), player.board().config_hash()));
       begin();
       try {
         for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
@@ -214,7 +214,7 @@ class Run {
   void deal(const Plan& plan) {
     json_["config_hash"] = Dealing::here().config_hash();
     if (!Dealing::here().merges())  // only on rank 0; each host has its own model
-      json_["bitstream"] = bitstream_file(plan.board.top(), plan.board.parameters()).path.string();
+      json_["model"] = model_file(plan.board.top(), plan.board.parameters()).path.string();
     begin();
     (void)deal_frames(
         {.scene = scene_,

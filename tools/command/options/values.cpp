@@ -12,7 +12,7 @@
 #include <optional>
 #include <utility>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/geometry/pair.hpp"
 #include "cde/support/error.hpp"

@@ -28,7 +28,7 @@ struct Variable {
 constexpr Variable kVariables[] = {
     {"CDE_CACHE", "folder for simulation models and figures of the RTL [~/.cache/cde]",
      kModels | kSources},
-    {"CDE_BITSTREAMS", "folder that is searched first for simulation models", kModels},
+    {"CDE_MODELS", "folder that is searched first for simulation models", kModels},
     {"CDE_SHARE",
      "folder with rtl/, verilator/, docs/ and host/include/, in place of this project's",
      kModels | kSources | kPrices},

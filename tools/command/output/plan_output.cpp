@@ -61,9 +61,9 @@ std::string stand_in_text(const BoardConfig& used, const BuiltCard& planned) {
 
 nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
   const std::vector<std::string> parameters = plan.board.parameters();
-  const BitstreamFile file = bitstream_file(plan.board.top(), parameters);
+  const ModelFile file = model_file(plan.board.top(), parameters);
   nlohmann::ordered_json j = {
-      {"parameters", parameters}, {"bitstream", file.path.string()}, {"built", file.built}};
+      {"parameters", parameters}, {"model", file.path.string()}, {"built", file.built}};
   j.update(stand_in_json(plan.stands_in_for));
   j["clock_hz"] = scene.card.clock_hz;
   for (const Effect& e : plan.effects)
@@ -126,7 +126,7 @@ void print_plan(const Scene& scene, const Plan& plan) {
                     plan.resident ? w.moved_words : w.secondary_words, w.secondary_words),
         kName);
   }
-  const BitstreamFile file = bitstream_file(plan.board.top(), plan.board.parameters());
+  const ModelFile file = model_file(plan.board.top(), plan.board.parameters());
   put("\nmodel      {}\n           {} ({})\n", card_text(plan.board),
       printable_name(file.path.string()),
       file.built ? "built" : "not built; the first run builds it");

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/host_profile.hpp"
 #include "cde/card/memory.hpp"
 #include "cde/card/trace.hpp"
@@ -75,7 +75,7 @@ class Board {
   class Impl;  ///< the driver's implementation
   /// The paper's initializeDevice: finds or builds the simulation model, loads it and resets the
   /// card. Error kConfiguration unless interface version, configuration hash, lanes, format and
-  /// algorithm are as requested. Other errors: kBuild (bitstream.hpp), kDevice (no memory for the
+  /// algorithm are as requested. Other errors: kBuild (model.hpp), kDevice (no memory for the
   /// card).
   /// If $CDE_WAVES is an existing folder, cards without a given file or hash have waves. They write
   /// them from the start to board-N.fst in it, where N counts boards of the process from 0. Error
@@ -240,7 +240,7 @@ class Board {
   [[nodiscard]] std::uint64_t upload_clocks() const;  ///< cycles of the last upload()
   /// 32-bit words of shapes, ranges and transforms written to the card since it was opened.
   [[nodiscard]] std::uint64_t words_uploaded() const;
-  [[nodiscard]] const std::filesystem::path& bitstream() const;
+  [[nodiscard]] const std::filesystem::path& model_path() const;
   [[nodiscard]] std::uint64_t config_hash() const;
 
   /// Single accesses on the local bus, below the driver, for tests and diagnosis. A refused access

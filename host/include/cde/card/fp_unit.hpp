@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/fp/fp_reference.hpp"
 
@@ -21,7 +21,7 @@ namespace cde {
 class FpUnit {
  public:
   /// Uses a loaded model. Error kConfiguration if it is not an fp_unit of this version.
-  explicit FpUnit(const Bitstream& bitstream);
+  explicit FpUnit(const SimulationModel& model);
   /// The unit of this configuration, built on first use.
   FpUnit(FpFormat format, Arithmetic arithmetic, int lanes = 16, bool flags = true);
   ~FpUnit();

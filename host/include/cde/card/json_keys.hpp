@@ -15,8 +15,8 @@ namespace cde {
 /// Configuration of the card: "lanes", "arithmetic", "format", "algorithm", "box", "parameters".
 [[nodiscard]] nlohmann::ordered_json card_json(const BoardConfig& config);
 
-/// The loaded simulation model: "bitstream", "config_hash".
-[[nodiscard]] nlohmann::ordered_json bitstream_json(const std::filesystem::path& file,
+/// The loaded simulation model: "model", "config_hash".
+[[nodiscard]] nlohmann::ordered_json model_json(const std::filesystem::path& file,
                                                     std::uint64_t config_hash);
 
 /// Counters of the card: "tests", "rows", "device_cycles" of the passes, "stall_cycles" and

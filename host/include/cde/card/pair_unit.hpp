@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/trace.hpp"
 #include "cde/contract/formats.hpp"
 #include "cde/fp/fp_format.hpp"
@@ -65,7 +65,7 @@ class PairUnit {
   /// The unit of this configuration, built on first use.
   explicit PairUnit(const PairConfig& config);
   /// Uses a loaded model that was built from `config`. Error kConfiguration if it was not.
-  PairUnit(const Bitstream& bitstream, const PairConfig& config);
+  PairUnit(const SimulationModel& model, const PairConfig& config);
   ~PairUnit();
   PairUnit(PairUnit&&) noexcept;
   PairUnit& operator=(PairUnit&&) noexcept;

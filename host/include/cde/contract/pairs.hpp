@@ -111,7 +111,7 @@ constexpr bool has(std::uint32_t set, Pair pair) {
   return (set >> static_cast<unsigned>(pair) & 1) != 0;
 }
 /// All pairs of a shape. Named configurations: PAIRS=everything, rays, solids, spheres of
-/// verilator/bitstream.
+/// verilator/model_builder.
 constexpr std::uint32_t set_with(Shape shape) {
   std::uint32_t set = 0;
   for (unsigned p = 0; p < kPairs; ++p)

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/geometry/motion.hpp"
 #include "cde/geometry/shapes.hpp"

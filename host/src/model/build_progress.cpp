@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bitstream/build_progress.hpp"
+#include "model/build_progress.hpp"
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 namespace cde {
 namespace {
 
-constexpr std::string_view kPhase = "phase ";  // as printed by verilator/bitstream
+constexpr std::string_view kPhase = "phase ";  // as printed by verilator/model_builder
 constexpr const char* kAdvice = "first use of this configuration, kept for the next time";
 
 std::atomic<bool> silent{false};

@@ -28,7 +28,7 @@ struct Opened {
 /// compiles.
 [[nodiscard]] std::filesystem::path share();
 
-/// Folders with ready-made simulation models, in search order: $CDE_BITSTREAMS, then the folder of
+/// Folders with ready-made simulation models, in search order: $CDE_MODELS, then the folder of
 /// the running installation or build.
 [[nodiscard]] std::vector<std::filesystem::path> ready_made();
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <type_traits>
 
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 #include "cde/fp/scalars.hpp"
 #include "cde/support/error.hpp"
 

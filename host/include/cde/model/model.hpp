@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/bitstream/bus.hpp"
+#include "cde/model/bus.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
 
@@ -90,12 +90,12 @@ struct BoardConfig {
 /// library.
 ///
 /// Models are named `CACHE_KEY.so`. The key covers parameters, RTL, harness, tools and CPU. Beside
-/// it `CACHE_KEY.so.sha256` has its checksum. They are first searched for in $CDE_BITSTREAMS. Next
+/// it `CACHE_KEY.so.sha256` has its checksum. They are first searched for in $CDE_MODELS. Next
 /// is the folder of the installation, or of the build if the program is not installed. Last is the
 /// user's cache: $CDE_CACHE, else $XDG_CACHE_HOME/cde, else ~/.cache/cde, else (also if that cannot
 /// be written) /tmp/cde-UID.
 ///
-/// A missing or damaged model is built into the cache by the script `verilator/bitstream` of
+/// A missing or damaged model is built into the cache by the script `verilator/model_builder` of
 /// $CDE_SHARE, else of the installation or source tree. Function usual_build_seconds() estimates
 /// the time; progress goes to stderr. Processes that need the same model wait for each other.
 /// During a build, SIGINT, SIGTERM and SIGHUP first end the build. Then they take their usual
@@ -104,17 +104,17 @@ struct BoardConfig {
 /// Loaded folders and files must belong to the user or to root, and no other user may write them.
 /// Others are skipped with a message on stderr that names them; for the cache itself it is error
 /// kFile.
-class Bitstream {
+class SimulationModel {
  public:
   /// `kind` is a top module, e.g. "board". Error kBuild with the builder's last lines, or with what
   /// is missing. Error kUsage if the builder refuses a parameter.
-  [[nodiscard]] static Bitstream open(const std::string& kind,
+  [[nodiscard]] static SimulationModel open(const std::string& kind,
                                       const std::vector<std::string>& parameters);
 
   /// Loads a file that may be any shared library. Its configuration hash is taken as `config_hash`.
   /// Error kConfiguration if it cannot be loaded, or differs from the checksum beside it. Error
   /// kFile if another user can write it or its folder.
-  [[nodiscard]] static Bitstream load(const std::filesystem::path& file, std::uint64_t config_hash);
+  [[nodiscard]] static SimulationModel load(const std::filesystem::path& file, std::uint64_t config_hash);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
@@ -125,8 +125,8 @@ class Bitstream {
   [[nodiscard]] void* symbol(const char* name) const;
 
  private:
-  Bitstream() = default;
-  static Bitstream link(const std::filesystem::path& named, const std::filesystem::path& inside,
+  SimulationModel() = default;
+  static SimulationModel link(const std::filesystem::path& named, const std::filesystem::path& inside,
                         std::uint64_t config_hash);
   std::shared_ptr<void> library_;
   std::filesystem::path path_;
@@ -139,31 +139,31 @@ class Bitstream {
 /// Whether builds report themselves and their phases on stderr. The default is true.
 void tell_builds(bool tell);
 
-/// File of a configuration, built if necessary: Bitstream::open without loading.
-[[nodiscard]] std::filesystem::path bitstream_path(const std::string& kind,
+/// File of a configuration, built if necessary: SimulationModel::open without loading.
+[[nodiscard]] std::filesystem::path model_path(const std::string& kind,
                                                    const std::vector<std::string>& parameters);
 
 /// Where the file of a configuration is, or would be built.
-struct BitstreamFile {
+struct ModelFile {
   std::filesystem::path path;
   bool built = false;
 };
-/// Builds nothing. Error kBuild as for Bitstream::open.
-[[nodiscard]] BitstreamFile bitstream_file(const std::string& kind,
+/// Builds nothing. Error kBuild as for SimulationModel::open.
+[[nodiscard]] ModelFile model_file(const std::string& kind,
                                            const std::vector<std::string>& parameters);
 
 /// Parameters of the existing simulation models of a kind, in all searched folders. They come from
 /// the comments beside the files; sorted, without duplicates. Nothing else is checked:
-/// bitstream_file() tells whether a configuration's file exists and is intact under its key.
-[[nodiscard]] std::vector<std::vector<std::string>> kept_bitstreams(const std::string& kind);
+/// model_file() tells whether a configuration's file exists and is intact under its key.
+[[nodiscard]] std::vector<std::vector<std::string>> kept_models(const std::string& kind);
 
-/// Hash that the card of a configuration shows. Error kBuild as for Bitstream::open.
-[[nodiscard]] std::uint64_t bitstream_hash(const std::string& kind,
+/// Hash that the card of a configuration shows. Error kBuild as for SimulationModel::open.
+[[nodiscard]] std::uint64_t model_hash(const std::string& kind,
                                            const std::vector<std::string>& parameters);
 
 /// Folders for messages and `cde doctor`.
 /// Created with mode 0700 if missing; error kFile.
-[[nodiscard]] std::filesystem::path bitstream_cache();
-[[nodiscard]] std::filesystem::path bitstream_builder();  ///< the script; error kBuild if not found
+[[nodiscard]] std::filesystem::path model_cache();
+[[nodiscard]] std::filesystem::path model_builder();  ///< the script; error kBuild if not found
 
 }  // namespace cde

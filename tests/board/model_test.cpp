@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Simulation models: search, build and refusal.
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 
 #include <fmt/format.h>
 #include <pwd.h>
@@ -31,7 +31,7 @@ namespace fs = std::filesystem;
 class SimulationModels : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "cde-bitstreams-XXXXXX").string();
+    std::string name = (fs::temp_directory_path() / "cde-models-XXXXXX").string();
     ASSERT_NE(::mkdtemp(name.data()), nullptr);
     folder_ = name;
     set("CDE_CACHE", folder_ / "cache");
@@ -55,7 +55,7 @@ class SimulationModels : public ::testing::Test {
   /// Copies a ready-made model and its checksum to a new folder of this name. Returns the copied
   /// file.
   fs::path copy_of_host_board(const std::string& name) {
-    const fs::path from = bitstream_path("board", host_config().parameters());
+    const fs::path from = model_path("board", host_config().parameters());
     fs::create_directories(folder_ / name);
     const fs::path to = folder_ / name / from.filename();
     fs::copy_file(from, to);
@@ -65,7 +65,7 @@ class SimulationModels : public ::testing::Test {
   /// The folder that the host board is loaded from, and the messages on stderr.
   std::pair<fs::path, std::string> loaded_from() {
     ::testing::internal::CaptureStderr();
-    const fs::path file = bitstream_path("board", host_config().parameters());
+    const fs::path file = model_path("board", host_config().parameters());
     return {file.parent_path(), ::testing::internal::GetCapturedStderr()};
   }
   static void flip_bit(const fs::path& file, std::uintmax_t at) {
@@ -83,7 +83,7 @@ class SimulationModels : public ::testing::Test {
 TEST_F(SimulationModels, ReadyMade_OpensWithoutBuild) {
   const Board board = Board::open(host_config());
   EXPECT_FALSE(fs::exists(folder_ / "cache"));
-  EXPECT_EQ(board.config_hash(), bitstream_hash("board", host_config().parameters()));
+  EXPECT_EQ(board.config_hash(), model_hash("board", host_config().parameters()));
   EXPECT_EQ(board.lanes(), 16u);
   EXPECT_EQ(board.primaries(), 256u);
   EXPECT_EQ(board.capacity(), 55'555'555u);
@@ -92,34 +92,34 @@ TEST_F(SimulationModels, ReadyMade_OpensWithoutBuild) {
 }
 
 TEST_F(SimulationModels, WrongConfiguration_IsRefused) {
-  const fs::path host = bitstream_path("board", host_config().parameters());
+  const fs::path host = model_path("board", host_config().parameters());
   expect_error(ErrorCode::kConfiguration, "configuration hash is",
                [&] { (void)Board::open(rtl_config(), {.file = host}); });
   expect_error(ErrorCode::kConfiguration, "configuration hash is",
                [&] { (void)Board::open(host_config(), {.config_hash = 1}); });
-  const std::uint64_t hash = bitstream_hash("board", host_config().parameters());
+  const std::uint64_t hash = model_hash("board", host_config().parameters());
   expect_error(ErrorCode::kConfiguration, "number of lanes is 16, but 32",
                [&] { (void)Board::open({.lanes = 32}, {.file = host, .config_hash = hash}); });
   EXPECT_NO_THROW((void)Board::open(host_config(), {.file = host, .config_hash = hash}));
 }
 
 TEST_F(SimulationModels, NotAModelFile_IsRefused) {
-  const fs::path host = bitstream_path("board", host_config().parameters());
+  const fs::path host = model_path("board", host_config().parameters());
   expect_error(ErrorCode::kConfiguration, "not a simulation model",
-               [&] { (void)Bitstream::load(folder_ / "none.so", 0); });
+               [&] { (void)SimulationModel::load(folder_ / "none.so", 0); });
   expect_error(ErrorCode::kConfiguration, "not a simulation model",
-               [&] { (void)Bitstream::load(folder_, 0); });
+               [&] { (void)SimulationModel::load(folder_, 0); });
   std::ofstream(folder_ / "text.so") << "int main() {}\n";
   expect_error(ErrorCode::kConfiguration, "not a simulation model",
-               [&] { (void)Bitstream::load(folder_ / "text.so", 0); });
+               [&] { (void)SimulationModel::load(folder_ / "text.so", 0); });
   for (const int percent : {0, 1, 50, 99}) {
     fs::copy_file(host, folder_ / "cut.so", fs::copy_options::overwrite_existing);
     fs::resize_file(folder_ / "cut.so",
                     fs::file_size(host) * static_cast<std::uintmax_t>(percent) / 100);
     expect_error(ErrorCode::kConfiguration, "not a simulation model",
-                 [&] { (void)Bitstream::load(folder_ / "cut.so", 0); });
+                 [&] { (void)SimulationModel::load(folder_ / "cut.so", 0); });
   }
-  const Bitstream board = Bitstream::load(host, 0);
+  const SimulationModel board = SimulationModel::load(host, 0);
   expect_error(ErrorCode::kConfiguration, "exports no cde_nothing",
                [&] { (void)board.symbol("cde_nothing"); });
 }
@@ -140,35 +140,35 @@ TEST_F(SimulationModels, ControlCharactersInNames_ArePrintedEscaped) {
     ADD_FAILURE() << "no error";
   };
   const fs::path loaded = copy_of_host_board(odd);
-  const Bitstream board = Bitstream::load(loaded, 0);
+  const SimulationModel board = SimulationModel::load(loaded, 0);
   says([&] { (void)board.symbol("cde_nothing"); });
   says([&] { (void)FpUnit(board); });
   says([&] { (void)PairUnit(board, {}); });
   says([&] { (void)Board::open(rtl_config(), {.file = loaded}); });
   const fs::path file = copy_of_host_board(odd + " again");  // differs from the mapped file
-  set("CDE_BITSTREAMS", file.parent_path());
+  set("CDE_MODELS", file.parent_path());
   flip_bit(file, 10'000);
-  says([&] { (void)Bitstream::load(file, 0); });
+  says([&] { (void)SimulationModel::load(file, 0); });
   const std::string damaged = loaded_from().second;
   EXPECT_NE(damaged.find("a\\x1b[2Jb\\x0acde: built"), std::string::npos) << damaged;
   EXPECT_EQ(damaged.find('\x1b'), std::string::npos) << damaged;
   fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
-  says([&] { (void)Bitstream::load(file, 0); });
+  says([&] { (void)SimulationModel::load(file, 0); });
   fs::resize_file(file, 100);
-  says([&] { (void)Bitstream::load(file, 0); });
+  says([&] { (void)SimulationModel::load(file, 0); });
   // The same names in the path of the cache.
-  set("CDE_BITSTREAMS", "/nowhere");
+  set("CDE_MODELS", "/nowhere");
   std::ofstream(folder_ / odd / "file");
   set("CDE_CACHE", folder_ / odd / "file");
-  says([&] { (void)bitstream_cache(); });
+  says([&] { (void)model_cache(); });
   set("CDE_SHARE", folder_ / odd);
-  says([&] { (void)bitstream_hash("board", {}); });
+  says([&] { (void)model_hash("board", {}); });
 }
 
 TEST_F(SimulationModels, DamagedReadyMade_IsSkipped) {
   copy_of_host_board("cache");
   const fs::path ready = copy_of_host_board("ready");
-  set("CDE_BITSTREAMS", folder_ / "ready");
+  set("CDE_MODELS", folder_ / "ready");
   ASSERT_EQ(loaded_from().first, folder_ / "ready");
   fs::resize_file(ready, 10'000);
   const auto [folder, said] = loaded_from();
@@ -179,19 +179,19 @@ TEST_F(SimulationModels, DamagedReadyMade_IsSkipped) {
 /// One flipped bit anywhere in the file. Flipped code could crash, or give wrong records with exit
 /// status 0.
 TEST_F(SimulationModels, FlippedBit_IsNotLoaded) {
-  const auto size = fs::file_size(bitstream_path("board", host_config().parameters()));
+  const auto size = fs::file_size(model_path("board", host_config().parameters()));
   for (const std::uintmax_t at :
        {std::uintmax_t{0}, std::uintmax_t{0x18}, size / 4, size / 2, size - 1}) {
     const std::string name = "flipped" + std::to_string(at);
     const fs::path file = copy_of_host_board(name);
     flip_bit(file, at);
-    set("CDE_BITSTREAMS", folder_ / name);
+    set("CDE_MODELS", folder_ / name);
     const auto [folder, said] = loaded_from();
     EXPECT_NE(folder, folder_ / name);
     EXPECT_NE(said.find(file.string() + " is not loaded: it is damaged"), std::string::npos)
         << said;
     expect_error(ErrorCode::kConfiguration, at == 0 ? "is not a simulation model" : "is damaged",
-                 [&] { (void)Bitstream::load(file, 0); });
+                 [&] { (void)SimulationModel::load(file, 0); });
     flip_bit(file, at);
     EXPECT_EQ(loaded_from().first, folder_ / name) << "after the repair";
   }
@@ -200,7 +200,7 @@ TEST_F(SimulationModels, FlippedBit_IsNotLoaded) {
 /// Opening a FIFO without a writer blocks forever, so the search must not open it.
 TEST_F(SimulationModels, Fifo_IsNotRead) {
   const fs::path file = copy_of_host_board("ready");
-  set("CDE_BITSTREAMS", folder_ / "ready");
+  set("CDE_MODELS", folder_ / "ready");
   for (const auto& [name, why] :
        {std::pair{file, "it is no regular file"},
         std::pair{fs::path(file) += ".sha256", "it has a checksum that is no regular file"}}) {
@@ -215,7 +215,7 @@ TEST_F(SimulationModels, Fifo_IsNotRead) {
 
 TEST_F(SimulationModels, WithoutChecksum_IsNotLoaded) {
   const fs::path file = copy_of_host_board("ready");
-  set("CDE_BITSTREAMS", folder_ / "ready");
+  set("CDE_MODELS", folder_ / "ready");
   fs::remove(fs::path(file) += ".sha256");
   const auto [folder, said] = loaded_from();
   EXPECT_NE(folder, folder_ / "ready");
@@ -229,7 +229,7 @@ TEST_F(SimulationModels, WritableByOthers_IsNotLoaded) {
     SCOPED_TRACE(static_cast<unsigned>(who));
     const std::string name = "ready" + std::to_string(static_cast<unsigned>(who));
     const fs::path file = copy_of_host_board(name);
-    set("CDE_BITSTREAMS", folder_ / name);
+    set("CDE_MODELS", folder_ / name);
     ASSERT_EQ(loaded_from().first, folder_ / name);
     fs::permissions(file, who, fs::perm_options::add);
     auto [folder, said] = loaded_from();
@@ -238,7 +238,7 @@ TEST_F(SimulationModels, WritableByOthers_IsNotLoaded) {
               std::string::npos)
         << said;
     expect_error(ErrorCode::kFile, "can be written by others",
-                 [&] { (void)Bitstream::load(file, 0); });
+                 [&] { (void)SimulationModel::load(file, 0); });
     fs::permissions(file, who, fs::perm_options::remove);
     const fs::path sum = fs::path(file) += ".sha256";
     fs::permissions(sum, who, fs::perm_options::add);
@@ -255,14 +255,14 @@ TEST_F(SimulationModels, WritableByOthers_IsNotLoaded) {
               std::string::npos)
         << said;
     expect_error(ErrorCode::kFile, "can be written by others",
-                 [&] { (void)Bitstream::load(file, 0); });
+                 [&] { (void)SimulationModel::load(file, 0); });
   }
 }
 
 TEST_F(SimulationModels, OwnedByOthers_IsNotLoaded) {
   if (::geteuid() != 0) GTEST_SKIP() << "needs root, to change the owner of a file";
   const fs::path file = copy_of_host_board("ready");
-  set("CDE_BITSTREAMS", folder_ / "ready");
+  set("CDE_MODELS", folder_ / "ready");
   ASSERT_EQ(::chown(file.c_str(), 4242, 4242), 0);
   auto [folder, said] = loaded_from();
   EXPECT_NE(folder, folder_ / "ready");
@@ -278,7 +278,7 @@ TEST_F(SimulationModels, OwnedByOthers_IsNotLoaded) {
   fs::create_directory_symlink("ready", folder_ / "link");
   ASSERT_EQ(::lchown((folder_ / "link").c_str(), 4242, 4242), 0);
   for (const char* end : {"", "/", "/.", "//./"}) {
-    set("CDE_BITSTREAMS", (folder_ / "link").string() + end);
+    set("CDE_MODELS", (folder_ / "link").string() + end);
     std::tie(folder, said) = loaded_from();
     EXPECT_NE(fs::weakly_canonical(folder), folder_ / "ready") << end;
     EXPECT_NE(said.find("is refused: it is a link owned by user 4242"), std::string::npos) << said;
@@ -287,39 +287,39 @@ TEST_F(SimulationModels, OwnedByOthers_IsNotLoaded) {
   fs::create_directories(folder_ / "foreign");
   ASSERT_EQ(::chown((folder_ / "foreign").c_str(), 4242, 4242), 0);
   set("CDE_CACHE", folder_ / "foreign");
-  expect_error(ErrorCode::kFile, "foreign: belongs to user 4242", [] { (void)bitstream_cache(); });
+  expect_error(ErrorCode::kFile, "foreign: belongs to user 4242", [] { (void)model_cache(); });
 }
 
-/// ../../lib/cde/bitstreams is the folder of an installation. Beside a clone, anyone may own it.
+/// ../../lib/cde/models is the folder of an installation. Beside a clone, anyone may own it.
 /// The build folder's models belong to programs of the build tree only.
 TEST_F(SimulationModels, InstalledFolder_IsUsedOnlyInAnInstallation) {
-  const fs::path source = bitstream_builder().parent_path().parent_path(),
+  const fs::path source = model_builder().parent_path().parent_path(),
                  clone = folder_ / "share/clone";
   copy_rtl(source, clone);
-  copy_of_host_board("lib/cde/bitstreams");
-  unset("CDE_BITSTREAMS");
+  copy_of_host_board("lib/cde/models");
+  unset("CDE_MODELS");
   set("CDE_SHARE", clone);
-  EXPECT_FALSE(bitstream_file("board", host_config().parameters()).built);
+  EXPECT_FALSE(model_file("board", host_config().parameters()).built);
   std::ofstream(clone / "verilator/toolchain") << "what an installation has\n";
-  EXPECT_EQ(bitstream_path("board", host_config().parameters()).parent_path(),
-            folder_ / "lib/cde/bitstreams");
-  fs::permissions(folder_ / "lib/cde/bitstreams", fs::perms::others_write, fs::perm_options::add);
-  EXPECT_FALSE(bitstream_file("board", host_config().parameters()).built);
+  EXPECT_EQ(model_path("board", host_config().parameters()).parent_path(),
+            folder_ / "lib/cde/models");
+  fs::permissions(folder_ / "lib/cde/models", fs::perms::others_write, fs::perm_options::add);
+  EXPECT_FALSE(model_file("board", host_config().parameters()).built);
 
-  fs::permissions(clone / "verilator/bitstream", fs::perms::others_write, fs::perm_options::add);
+  fs::permissions(clone / "verilator/model_builder", fs::perms::others_write, fs::perm_options::add);
   expect_error(
       ErrorCode::kFile,
-      "the builder of simulation models is refused: " + (clone / "verilator/bitstream").string(),
-      [] { (void)bitstream_builder(); });
+      "the builder of simulation models is refused: " + (clone / "verilator/model_builder").string(),
+      [] { (void)model_builder(); });
 }
 
 /// The builder compiles RTL, scripts and headers: they must be as trusted as the builder itself.
 TEST_F(SimulationModels, BuilderInputs_MustBeTrusted) {
-  const fs::path source = bitstream_builder().parent_path().parent_path(),
+  const fs::path source = model_builder().parent_path().parent_path(),
                  clone = folder_ / "clone";
   copy_rtl(source, clone);
   set("CDE_SHARE", clone);
-  ASSERT_EQ(bitstream_builder(), clone / "verilator/bitstream");
+  ASSERT_EQ(model_builder(), clone / "verilator/model_builder");
   for (const char* part :
        {"rtl", "rtl/board.sv", "rtl/contract/packages.f", "verilator/accelerator/reroll",
         "verilator/models", "verilator/models/board_model.cpp", "host/include/cde/contract",
@@ -329,7 +329,7 @@ TEST_F(SimulationModels, BuilderInputs_MustBeTrusted) {
     expect_error(ErrorCode::kFile,
                  "the builder of simulation models is refused: " + (clone / part).string() +
                      " can be written",
-                 [] { (void)bitstream_builder(); });
+                 [] { (void)model_builder(); });
     fs::permissions(clone / part, before);
   }
   if (::geteuid() != 0) return;
@@ -337,7 +337,7 @@ TEST_F(SimulationModels, BuilderInputs_MustBeTrusted) {
   fs::create_symlink(clone / "rtl/board.sv", link);
   ASSERT_EQ(::lchown(link.c_str(), 4242, 4242), 0);
   expect_error(ErrorCode::kFile, link.string() + " belongs to user 4242",
-               [] { (void)bitstream_builder(); });
+               [] { (void)model_builder(); });
 }
 
 /// An attacker creates the last-resort cache folder before the victim: as a link to a folder that
@@ -349,12 +349,12 @@ TEST_F(SimulationModels, LastResortCacheAsLink_IsRefused) {
   // parameters.
   const std::vector<std::string> parameters = {"LANES=1", "SRAM_RECORDS=2"};
   const fs::path other = copy_of_host_board("ready"),
-                 file = other.parent_path() / bitstream_file("board", parameters).path.filename(),
+                 file = other.parent_path() / model_file("board", parameters).path.filename(),
                  last = "/tmp/cde-" + std::to_string(kVictim);
   fs::permissions(folder_, fs::perms::others_read | fs::perms::others_exec, fs::perm_options::add);
   fs::rename(other, file);
   fs::rename(fs::path(other) += ".sha256", fs::path(file) += ".sha256");
-  const fs::path builder = bitstream_builder();
+  const fs::path builder = model_builder();
   for (const uid_t owner : {uid_t{0}, kAttacker}) {
     ASSERT_EQ(::chown(file.parent_path().c_str(), owner, owner), 0);
     fs::remove(last);
@@ -364,10 +364,10 @@ TEST_F(SimulationModels, LastResortCacheAsLink_IsRefused) {
       ::dup2(out, STDERR_FILENO);
       if (::setgid(kVictim) != 0 || ::setuid(kVictim) != 0) ::_exit(3);
       if (::access(builder.c_str(), R_OK | X_OK) != 0) ::_exit(77);
-      for (const char* name : {"CDE_CACHE", "CDE_BITSTREAMS", "XDG_CACHE_HOME", "HOME"})
+      for (const char* name : {"CDE_CACHE", "CDE_MODELS", "XDG_CACHE_HOME", "HOME"})
         ::unsetenv(name);
       try {
-        const BitstreamFile found = bitstream_file("board", parameters);
+        const ModelFile found = model_file("board", parameters);
         ::_exit(found.built && found.path.parent_path() == last ? 1 : 0);
       } catch (const Error& e) {
         say(e.what());
@@ -388,8 +388,8 @@ TEST_F(SimulationModels, FileOfAnotherKey_IsRebuiltOnce) {
   const auto parameters = [](const char* pair) {
     return std::vector<std::string>{std::string("PAIR=") + pair, "ARITH=host", "LANES=1"};
   };
-  const fs::path other = bitstream_path("pair_unit", parameters("4")),
-                 file = bitstream_file("pair_unit", parameters("13")).path;
+  const fs::path other = model_path("pair_unit", parameters("4")),
+                 file = model_file("pair_unit", parameters("13")).path;
   ASSERT_EQ(file.parent_path(), folder_ / "cache");
   fs::copy_file(other, file);
   std::ifstream sum(fs::path(other) += ".sha256");
@@ -398,29 +398,29 @@ TEST_F(SimulationModels, FileOfAnotherKey_IsRebuiltOnce) {
   text.replace(text.find(name), name.size(), file.filename());
   std::ofstream(fs::path(file) += ".sha256") << text;
   const auto hash = [&] {
-    const Bitstream opened = Bitstream::open("pair_unit", parameters("13"));
+    const SimulationModel opened = SimulationModel::open("pair_unit", parameters("13"));
     return *static_cast<const std::uint64_t*>(opened.symbol("cde_built_config_hash"));
   };
   ::testing::internal::CaptureStderr();
-  EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
+  EXPECT_EQ(hash(), model_hash("pair_unit", parameters("13")));
   const std::string said = ::testing::internal::GetCapturedStderr();
   EXPECT_NE(said.find(file.string() + " is not used: it was built for another configuration"),
             std::string::npos)
       << said;
   ::testing::internal::CaptureStderr();
-  EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
+  EXPECT_EQ(hash(), model_hash("pair_unit", parameters("13")));
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 
   // The same for a folder of ready-made files: it stays unchanged, and the rebuilt model is found.
-  set("CDE_BITSTREAMS", folder_ / "ready");
+  set("CDE_MODELS", folder_ / "ready");
   fs::create_directories(folder_ / "ready");
   const fs::path ready = folder_ / "ready" / file.filename();
   fs::copy_file(other, ready);
   std::ofstream(fs::path(ready) += ".sha256") << text;
   const auto built_at = fs::last_write_time(file);
-  EXPECT_EQ(hash(), bitstream_hash("pair_unit", parameters("13")));
+  EXPECT_EQ(hash(), model_hash("pair_unit", parameters("13")));
   EXPECT_EQ(fs::last_write_time(file), built_at);
-  unset("CDE_BITSTREAMS");
+  unset("CDE_MODELS");
 
   fs::remove(file);
   fs::create_directory(file);
@@ -429,7 +429,7 @@ TEST_F(SimulationModels, FileOfAnotherKey_IsRebuiltOnce) {
 
 TEST_F(SimulationModels, Cache_IsAPrivateFolder) {
   const auto cache = [] {
-    return bitstream_file("board", {"LANES=1", "SRAM_RECORDS=2"}).path.parent_path();
+    return model_file("board", {"LANES=1", "SRAM_RECORDS=2"}).path.parent_path();
   };
   unset("CDE_CACHE");
   set("XDG_CACHE_HOME", folder_ / "xdg");
@@ -438,7 +438,7 @@ TEST_F(SimulationModels, Cache_IsAPrivateFolder) {
   set("XDG_CACHE_HOME", "relative/folder");
   EXPECT_EQ(cache(), folder_ / "home/.cache/cde") << "a relative XDG_CACHE_HOME is ignored";
   const mode_t mask = ::umask(0);
-  EXPECT_EQ(bitstream_cache(), folder_ / "home/.cache/cde");
+  EXPECT_EQ(model_cache(), folder_ / "home/.cache/cde");
   ::umask(mask);
   for (const char* made : {"home", "home/.cache", "home/.cache/cde"})
     EXPECT_EQ(fs::status(folder_ / made).permissions(), fs::perms::owner_all) << made;
@@ -454,10 +454,10 @@ TEST_F(SimulationModels, Cache_IsAPrivateFolder) {
   fs::permissions(folder_ / "home/.cache/cde", fs::perms::others_write, fs::perm_options::add);
   set("HOME", folder_ / "home");
   expect_error(ErrorCode::kFile, "home/.cache/cde: can be written by others",
-               [] { (void)bitstream_cache(); });
+               [] { (void)model_cache(); });
   std::ofstream(folder_ / "file") << "";
   set("CDE_CACHE", folder_ / "file");
-  expect_error(ErrorCode::kFile, "is not a folder", [] { (void)bitstream_cache(); });
+  expect_error(ErrorCode::kFile, "is not a folder", [] { (void)model_cache(); });
 }
 
 /// Two processes use a configuration for the first time at once: one build serves both. Then the
@@ -483,7 +483,7 @@ TEST_F(SimulationModels, FirstUseOrDamage_BuildsOnce) {
   EXPECT_TRUE(mine);
   EXPECT_EQ(status, 0);
 
-  const fs::path file = bitstream_path("board", parameters);
+  const fs::path file = model_path("board", parameters);
   ASSERT_EQ(file.parent_path(), folder_ / "cache");
   const auto size = fs::file_size(file);
   fs::resize_file(file, size / 2);
@@ -503,26 +503,26 @@ TEST_F(SimulationModels, FirstUseOrDamage_BuildsOnce) {
 TEST_F(SimulationModels, FailingBuilder_GivesBuildError) {
   const auto unbuilt = BoardConfig{.lanes = 2}.parameters();
   expect_error(ErrorCode::kBuild, "unknown kind 'nothing'",
-               [] { (void)Bitstream::open("nothing", {}); });
+               [] { (void)SimulationModel::open("nothing", {}); });
   expect_error(ErrorCode::kBuild, "NO_SUCH_PARAMETER",
-               [] { (void)Bitstream::open("board", {"NO_SUCH_PARAMETER=1"}); });
+               [] { (void)SimulationModel::open("board", {"NO_SUCH_PARAMETER=1"}); });
   expect_error(ErrorCode::kBuild, "parameter 'a b; echo' is not NAME=VALUE",
-               [] { (void)Bitstream::open("board", {"a b; echo"}); });
+               [] { (void)SimulationModel::open("board", {"a b; echo"}); });
   set("CDE_CLANG", "no-such-compiler");
   expect_error(ErrorCode::kBuild, "no-such-compiler not found",
-               [&] { (void)Bitstream::open("board", unbuilt); });
+               [&] { (void)SimulationModel::open("board", unbuilt); });
   set("CDE_CLANG", "clang++");
   set("CDE_SHARE", folder_ / "nowhere");
-  expect_error(ErrorCode::kBuild, "cannot run", [&] { (void)Bitstream::open("board", unbuilt); });
+  expect_error(ErrorCode::kBuild, "cannot run", [&] { (void)SimulationModel::open("board", unbuilt); });
 }
 
 /// Shells and Perl warn about a locale that is not installed. The warning must not become part of
 /// an answer.
 TEST_F(SimulationModels, MissingLocale_ChangesNoHash) {
   const auto parameters = host_config().parameters();
-  const std::uint64_t hash = bitstream_hash("board", parameters);
+  const std::uint64_t hash = model_hash("board", parameters);
   set("LC_ALL", "xx_NOWHERE.UTF-8");
-  EXPECT_EQ(bitstream_hash("board", parameters), hash);
+  EXPECT_EQ(model_hash("board", parameters), hash);
 }
 
 /// A folder above the cache is replaced by a link while a build fails. The log stays in the folder
@@ -530,15 +530,15 @@ TEST_F(SimulationModels, MissingLocale_ChangesNoHash) {
 TEST_F(SimulationModels, CacheSwappedForLink_KeepsVictimUntouched) {
   const std::string key(24, 'a');
   const fs::path clone = folder_ / "clone";
-  copy_rtl(bitstream_builder().parent_path().parent_path(), clone);
+  copy_rtl(model_builder().parent_path().parent_path(), clone);
   set("CDE_SHARE", clone);
-  std::ofstream(clone / "verilator/bitstream") << fmt::format(
+  std::ofstream(clone / "verilator/model_builder") << fmt::format(
       "#!/bin/sh\n[ \"$1\" != hash ] || {{ echo 0123456789abcdef {0}; exit; }}\ncd '{1}'\n"
       "mv cache moved; ln -s victim cache; echo 'error: no'; exit 1\n",
       key, folder_.string());
   fs::create_directory(folder_ / "victim");
   std::ofstream(folder_ / "victim" / (key + ".log")) << "mine";
-  expect_error(ErrorCode::kBuild, "error: no", [] { (void)Bitstream::open("board", {}); });
+  expect_error(ErrorCode::kBuild, "error: no", [] { (void)SimulationModel::open("board", {}); });
   const auto log_in = [&](const char* folder) {
     std::ifstream in(folder_ / folder / (key + ".log"));
     return std::string(std::istreambuf_iterator<char>(in), {});
@@ -550,7 +550,7 @@ TEST_F(SimulationModels, CacheSwappedForLink_KeepsVictimUntouched) {
 TEST_F(SimulationModels, UnwritableCache_IsNamed) {
   set("CDE_CACHE", "/proc/no-folder");
   expect_error(ErrorCode::kFile, "/proc/no-folder",
-               [] { (void)Bitstream::open("board", BoardConfig{.lanes = 2}.parameters()); });
+               [] { (void)SimulationModel::open("board", BoardConfig{.lanes = 2}.parameters()); });
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cde/bitstream/cache_entry.hpp"
+#include "cde/model/cache_entry.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "bitstream/folders.hpp"
+#include "model/folders.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cde/bitstream/bus.hpp"
+#include "cde/model/bus.hpp"
 
 #include <algorithm>
 #include <array>

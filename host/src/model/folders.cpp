@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bitstream/folders.hpp"
+#include "model/folders.hpp"
 
 #include <endian.h>
 #include <fcntl.h>
@@ -49,7 +49,7 @@ std::optional<fs::path> absolute_from_environment(const char* name) {
 
 bool has_builder(const fs::path& share) {
   std::error_code none;
-  return fs::exists(share / "verilator/bitstream", none);
+  return fs::exists(share / "verilator/model_builder", none);
 }
 
 bool same(const fs::path& a, const fs::path& b) {
@@ -84,7 +84,7 @@ fs::path find_share() {
     if (has_builder(place)) return place;
     asked += fmt::format("{}{}", asked.empty() ? "" : ", ", printable_name(place.string()));
   }
-  throw Error(ErrorCode::kBuild, fmt::format("no verilator/bitstream in {}; set CDE_SHARE to the "
+  throw Error(ErrorCode::kBuild, fmt::format("no verilator/model_builder in {}; set CDE_SHARE to the "
                                              "folder that holds verilator/ and rtl/",
                                              asked));
 }
@@ -275,12 +275,12 @@ fs::path share() {
 
 std::vector<fs::path> ready_made() {
   std::vector<fs::path> folders;
-  if (auto path = from_environment("CDE_BITSTREAMS")) folders.push_back(fs::absolute(*path));
+  if (auto path = from_environment("CDE_MODELS")) folders.push_back(fs::absolute(*path));
   const fs::path share = find_share();
   if (is_installation(share)) {
-    folders.push_back((share / CDE_SHARE_TO_BITSTREAMS).lexically_normal());
+    folders.push_back((share / CDE_SHARE_TO_MODELS).lexically_normal());
   } else if (same(share, CDE_SOURCE_FOLDER)) {
-    folders.emplace_back(CDE_BITSTREAM_FOLDER);
+    folders.emplace_back(CDE_MODEL_FOLDER);
   }
   return folders;
 }

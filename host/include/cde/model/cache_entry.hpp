@@ -6,7 +6,7 @@
 #include <vector>
 
 /// @file
-/// Expensive texts, cached beside the simulation models (bitstream.hpp) under the same rules. They
+/// Expensive texts, cached beside the simulation models (model.hpp) under the same rules. They
 /// belong to the user or to root, no other user may write them, and each has a checksum file.
 namespace cde {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cde/bitstream/bitstream.hpp"
+#include "cde/model/model.hpp"
 
 #include <dlfcn.h>
 #include <elf.h>
@@ -21,8 +21,8 @@
 #include <set>
 #include <sstream>
 
-#include "bitstream/build_progress.hpp"
-#include "bitstream/folders.hpp"
+#include "model/build_progress.hpp"
+#include "model/folders.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/process.hpp"
@@ -144,7 +144,7 @@ struct Key {
 };
 
 Key key_of(const std::string& kind, const std::vector<std::string>& parameters) {
-  std::vector<std::string> command = {bitstream_builder().string(), "hash", kind};
+  std::vector<std::string> command = {model_builder().string(), "hash", kind};
   command.insert(command.end(), parameters.begin(), parameters.end());
   const process::Result result = process::run(command);
   unsigned long long hash = 0;
@@ -187,7 +187,7 @@ class FileLock {
 /// lock.
 void build(const Place& place, const std::string& kind,
            const std::vector<std::string>& parameters) {
-  std::vector<std::string> command = {bitstream_builder().string(), "attended", kind,
+  std::vector<std::string> command = {model_builder().string(), "attended", kind,
                                       place.named.string()};
   command.insert(command.end(), parameters.begin(), parameters.end());
   const std::string what = joined(kind, parameters);
@@ -275,8 +275,8 @@ Place find_or_build(const Key& key, const std::string& kind,
 }
 
 /// Whether the library was built for this key. Another key's library may have this file name.
-bool is_of(const Bitstream& bitstream, const Key& key) {
-  const auto* hash = static_cast<const std::uint64_t*>(bitstream.symbol("cde_built_config_hash"));
+bool is_of(const SimulationModel& model, const Key& key) {
+  const auto* hash = static_cast<const std::uint64_t*>(model.symbol("cde_built_config_hash"));
   return *hash == key.config_hash;
 }
 
@@ -286,25 +286,25 @@ void tell_builds(bool tell) {
   BuildProgress::set_quiet(!tell);
 }
 
-fs::path bitstream_cache() {
+fs::path model_cache() {
   return folders::make_cache().named;
 }
 
-fs::path bitstream_builder() {
-  return folders::share() / "verilator/bitstream";
+fs::path model_builder() {
+  return folders::share() / "verilator/model_builder";
 }
 
-fs::path bitstream_path(const std::string& kind, const std::vector<std::string>& parameters) {
+fs::path model_path(const std::string& kind, const std::vector<std::string>& parameters) {
   return find_or_build(key_of(kind, parameters), kind, parameters).named;
 }
 
-BitstreamFile bitstream_file(const std::string& kind, const std::vector<std::string>& parameters) {
+ModelFile model_file(const std::string& kind, const std::vector<std::string>& parameters) {
   const Key key = key_of(kind, parameters);
   if (auto found = find_whole(key)) return {found->named, true};
   return {folders::cache() / key.file, false};
 }
 
-std::vector<std::vector<std::string>> kept_bitstreams(const std::string& kind) {
+std::vector<std::vector<std::string>> kept_models(const std::string& kind) {
   std::set<std::vector<std::string>> found;
   for (const fs::path& path : places()) {
     std::error_code none;
@@ -326,15 +326,15 @@ std::vector<std::vector<std::string>> kept_bitstreams(const std::string& kind) {
   return {found.begin(), found.end()};
 }
 
-std::uint64_t bitstream_hash(const std::string& kind, const std::vector<std::string>& parameters) {
+std::uint64_t model_hash(const std::string& kind, const std::vector<std::string>& parameters) {
   return key_of(kind, parameters).config_hash;
 }
 
-Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string>& parameters) {
+SimulationModel SimulationModel::open(const std::string& kind, const std::vector<std::string>& parameters) {
   const Key key = key_of(kind, parameters);
   const Place place = find_or_build(key, kind, parameters);
   try {
-    Bitstream found = link(place.named, place.inside, key.config_hash);
+    SimulationModel found = link(place.named, place.inside, key.config_hash);
     if (is_of(found, key)) return found;
     say_once(fmt::format(
         "cde: simulation model {} is not used: it was built for another configuration\n",
@@ -347,7 +347,7 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
   const FileLock lock = lock_of(kept, kind, parameters);
   std::error_code none;
   if (kept.inside != place.inside && fs::exists(kept.inside, none) && !defect(kept)) {
-    Bitstream found = link(kept.named, kept.inside, key.config_hash);
+    SimulationModel found = link(kept.named, kept.inside, key.config_hash);
     if (is_of(found, key)) return found;
   }
   build_kept(kept, kind, parameters);
@@ -355,7 +355,7 @@ Bitstream Bitstream::open(const std::string& kind, const std::vector<std::string
   return link(kept.named, kept.inside.parent_path() / "." / key.file, key.config_hash);
 }
 
-Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
+SimulationModel SimulationModel::load(const fs::path& file, std::uint64_t config_hash) {
   if (!intact(file)) {
     throw Error(
         ErrorCode::kConfiguration,
@@ -380,9 +380,9 @@ Bitstream Bitstream::load(const fs::path& file, std::uint64_t config_hash) {
   return link(whole, inside, config_hash);
 }
 
-Bitstream Bitstream::link(const fs::path& named, const fs::path& inside,
+SimulationModel SimulationModel::link(const fs::path& named, const fs::path& inside,
                           std::uint64_t config_hash) {
-  Bitstream result;
+  SimulationModel result;
   result.path_ = fs::absolute(named);
   result.config_hash_ = config_hash;
   void* library = ::dlopen(inside.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -397,7 +397,7 @@ Bitstream Bitstream::link(const fs::path& named, const fs::path& inside,
   return result;
 }
 
-void* Bitstream::symbol(const char* name) const {
+void* SimulationModel::symbol(const char* name) const {
   void* address = ::dlsym(library_.get(), name);
   if (address == nullptr) {
     throw Error(ErrorCode::kConfiguration,
