@@ -72,9 +72,9 @@ module board #(
   logic [3:0] ecc_corrected, ecc_failed;
   logic [1:0] open;
   card_pkg::access_t access;
-  logic [63:0] hierarchy_rdata;
+  logic [63:0] bvh_rdata;
   logic provided_good, node_error;
-  logic [1:0] hierarchy_good;
+  logic [1:0] bvh_good;
   logic [7:0] node_corrected;
   assign events = {open, ecc_failed, 8'(ecc_corrected) + node_corrected, record_write, writeback.valid, sec_bad,
       sec_pop, stall, bubble,
@@ -86,13 +86,13 @@ module board #(
       .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command),
       .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency),
       .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy), .posed_i(posed),
-      .access_o(access), .others_i(hierarchy_rdata), .provided_good_i(provided_good),
-      .hierarchy_good_i(hierarchy_good), .node_error_i(node_error));
+      .access_o(access), .others_i(bvh_rdata), .provided_good_i(provided_good),
+      .bvh_good_i(bvh_good), .node_error_i(node_error));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
   // Clock of the brute-force pass. It stands still during a BVH pass.
   logic clk_sweep, walking;
-  logic [hierarchy_pkg::WAY_BITS-1:0] walked_way;
-  if (CONFIG.node_units != 0) begin : g_sweep
+  logic [bvh_pkg::WAY_BITS-1:0] walked_way;
+  if (CONFIG.traversal_units != 0) begin : g_sweep
     clock_gate gate_sweep (.clk_i, .enable_i((busy & !walking) | go | rst_i), .clk_o(clk_sweep));
   end else begin : g_all
     assign clk_sweep = clk_engine;
@@ -106,7 +106,7 @@ module board #(
   logic [BEAT-1:0][CW-1:0] ddr_data;
   logic [3:0] ddr_words;  // words of the beat that belong to a slot
   // Readers of DDR: the secondary register file, and the leaf reader of the BVH.
-  localparam logic [1:0] READERS = {CONFIG.node_units != 0, 1'b1};
+  localparam logic [1:0] READERS = {CONFIG.traversal_units != 0, 1'b1};
   card_pkg::ddr_request_t [1:0] readers_ask;
   card_pkg::ddr_request_t ddr_request;
   logic [1:0] reader_ready, reader_valid;
@@ -149,7 +149,7 @@ module board #(
         .clk_i(clk_sweep), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
         .addr_i(ddr_write_addr_o), .data_i(ddr_write_data_o), .primary_write_i(prim_write), .command_i(command),
         .good_o(objects_good), .busy_o(objects_busy),
-        .pair_i(walking ? walked_way[hierarchy_pkg::WAY_BITS-1:1] : pair[0]),
+        .pair_i(walking ? walked_way[bvh_pkg::WAY_BITS-1:1] : pair[0]),
         .swap_i(walking ? walked_way[0] : swap[0]), .range_entry_i(range_entry),
         .range_o(range), .transform_entry_i(transform_entry[walking]), .moving_i(moving != 0),
         .clk_moving_o(clk_moving),
@@ -169,7 +169,7 @@ module board #(
   end
 
   // ---- Units that do passes ----
-  localparam int UNITS = (CONFIG.node_units != 0) ? card_pkg::UNITS : 1;
+  localparam int UNITS = (CONFIG.traversal_units != 0) ? card_pkg::UNITS : 1;
   logic [UNITS-1:0] unit_valid, unit_ready, unit_abort, unit_busy, unit_done;
   pass_dispatch #(.UNITS(UNITS)) dispatch (
       .clk_i(clk_engine), .rst_i, .go_i(go), .unit_i(command.unit), .abort_i(abort), .busy_o(busy), .done_o(done),
@@ -231,17 +231,17 @@ module board #(
       .sram_count_i(sram_count), .write_o(swept_write), .record_o(swept_record));
   assign record_write = swept_write | walked_write;
   assign record = walked_write ? walked_record : swept_record;
-  if (CONFIG.node_units != 0) begin : g_hierarchy
-    localparam int HIERARCHY = int'(card_pkg::UNIT_HIERARCHY);
-    assign walking = unit_busy[HIERARCHY];
-    localparam int LEAF = hierarchy_pkg::leaf_words(hierarchy_pkg::card_ways(CONFIG));
+  if (CONFIG.traversal_units != 0) begin : g_bvh
+    localparam int BVH = int'(card_pkg::UNIT_BVH);
+    assign walking = unit_busy[BVH];
+    localparam int LEAF = bvh_pkg::leaf_words(bvh_pkg::card_ways(CONFIG));
     logic [LEAF-1:0][CW-1:0] leaf_unmoved;
-    hierarchy_unit #(.CONFIG(CONFIG)) hierarchy (
-        .clk_core_i(clk_i), .clk_bus_i(clk_bus), .rst_i, .access_i(access), .rdata_o(hierarchy_rdata),
-        .wdata_i(ddr_write_data_o), .provided_good_o(provided_good), .good_o(hierarchy_good),
-        .valid_i(unit_valid[HIERARCHY]), .ready_o(unit_ready[HIERARCHY]), .abort_i(unit_abort[HIERARCHY]),
-        .pass_i(command), .busy_o(unit_busy[HIERARCHY]), .way_o(walked_way),
-        .done_o(unit_done[HIERARCHY]), .fault_o(node_error), .corrected_o(node_corrected),
+    bvh_unit #(.CONFIG(CONFIG)) bvh (
+        .clk_core_i(clk_i), .clk_bus_i(clk_bus), .rst_i, .access_i(access), .rdata_o(bvh_rdata),
+        .wdata_i(ddr_write_data_o), .provided_good_o(provided_good), .good_o(bvh_good),
+        .valid_i(unit_valid[BVH]), .ready_o(unit_ready[BVH]), .abort_i(unit_abort[BVH]),
+        .pass_i(command), .busy_o(unit_busy[BVH]), .way_o(walked_way),
+        .done_o(unit_done[BVH]), .fault_o(node_error), .corrected_o(node_corrected),
         .ddr_o(readers_ask[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
         .ddr_words_o(reader_words[1]), .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
         .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((LEAF * CW)'(moved)),
@@ -250,14 +250,14 @@ module board #(
     logic unused_rest;  // slots may be shorter or longer
     assign unused_rest = &{1'b0, leaf_unmoved, walked_way};
   end else begin : g_sweeps_alone
-    assign {node_corrected, hierarchy_rdata, provided_good, hierarchy_good, node_error, walked_write, walking} = '0;
+    assign {node_corrected, bvh_rdata, provided_good, bvh_good, node_error, walked_write, walking} = '0;
     assign {moving[1], transform_entry[1], unmoved[1]} = '0;
     assign readers_ask[1] = '0;
     assign reader_words[1] = '0;
     assign walked_record = '0;
     assign walked_way = '0;
-    logic unused_hierarchy;
-    assign unused_hierarchy = &{1'b0, access, reader_ready[1], reader_valid[1]};
+    logic unused_bvh;
+    assign unused_bvh = &{1'b0, access, reader_ready[1], reader_valid[1]};
   end
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(CONFIG.sram_records)) ring (

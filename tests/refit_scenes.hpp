@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cde/geometry/primitives.hpp"
-#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/bvh/bvh.hpp"
 #include "cde/mesh/terrain.hpp"
 
 /// Triangles and BVHs for tests of refits.
@@ -128,44 +128,44 @@ inline const RefitScene kRefitScenes[] = {
      }},
 };
 
-/// A random BVH that hierarchy::check accepts. Nodes stand in the order in which their parents were
+/// A random BVH that bvh::check accepts. Nodes stand in the order in which their parents were
 /// drawn. Any child slot may be empty, leaves hold one or two secondaries, and some nodes have no
 /// children.
-struct RandomTree {
-  std::vector<hierarchy::Node> nodes;
+struct RandomBvh {
+  std::vector<bvh::Node> nodes;
   std::size_t slots = 0;
 };
-inline RandomTree random_tree(std::size_t nodes, RefitDice& dice) {
-  using hierarchy::Child;
-  RandomTree tree;
+inline RandomBvh random_bvh(std::size_t nodes, RefitDice& dice) {
+  using bvh::Child;
+  RandomBvh bvh;
   std::vector<unsigned> levels = {1};
   std::vector<std::size_t> open = {0};
-  tree.nodes.resize(1);
+  bvh.nodes.resize(1);
   while (!open.empty()) {
     const std::size_t which =
         dice.once_in(2) ? open.size() - 1 : dice.below(static_cast<unsigned>(open.size()));
     const std::size_t n = open[which];
     open.erase(open.begin() + static_cast<std::ptrdiff_t>(which));
-    hierarchy::Node node;
-    node.set_first_node(static_cast<std::uint32_t>(tree.nodes.size()));
-    node.set_first_slot(static_cast<std::uint32_t>(tree.slots));
+    bvh::Node node;
+    node.set_first_node(static_cast<std::uint32_t>(bvh.nodes.size()));
+    node.set_first_slot(static_cast<std::uint32_t>(bvh.slots));
     const unsigned sparse = 1 + dice.below(6);
-    for (unsigned i = 0; i < hierarchy::Node::kChildren; ++i) {
+    for (unsigned i = 0; i < bvh::Node::kChildren; ++i) {
       if (!dice.once_in(sparse) && !(n == 0 && i == 3)) continue;
       auto child = static_cast<Child>(1 + dice.below(3));
-      const bool full = tree.nodes.size() >= nodes || levels[n] == Hierarchy::kMostDepth;
+      const bool full = bvh.nodes.size() >= nodes || levels[n] == Bvh::kMostDepth;
       if (child == Child::kNode && full) child = Child::kLeafOfOne;
       if (n == 0 && i == 3 && nodes > 1) child = Child::kNode;
       node.set_child(i, child);
-      tree.slots += slots_of(child);
+      bvh.slots += slots_of(child);
       if (child != Child::kNode) continue;
-      open.push_back(tree.nodes.size());
+      open.push_back(bvh.nodes.size());
       levels.push_back(levels[n] + 1);
-      tree.nodes.emplace_back();
+      bvh.nodes.emplace_back();
     }
-    tree.nodes[n] = node;
+    bvh.nodes[n] = node;
   }
-  return tree;
+  return bvh;
 }
 
 }  // namespace cde::testing

@@ -11,22 +11,22 @@
 #include <string>
 #include <vector>
 
-#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/bvh/bvh.hpp"
 
 namespace cde::testing {
 
 /// Makes a BVH with other nodes and another box, through its file format with a new checksum.
-inline Hierarchy rewritten(const Hierarchy& hierarchy, const std::vector<hierarchy::Node>& nodes,
+inline Bvh rewritten(const Bvh& bvh, const std::vector<bvh::Node>& nodes,
                            const Eigen::AlignedBox3f& box) {
   namespace fs = std::filesystem;
   std::string name = (fs::temp_directory_path() / "cde-rewritten-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder " + name);
-  const fs::path folder = name, file = folder / "hierarchy", sum = folder / "sum";
+  const fs::path folder = name, file = folder / "bvh", sum = folder / "sum";
   const auto bytes_of = [](const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(in), {});
   };
-  hierarchy.save(file);
+  bvh.save(file);
   std::string bytes = bytes_of(file);
   bytes.resize(bytes.size() - 64);
   std::size_t at = 16 + 3 * 4;  // after the first line and three numbers
@@ -35,13 +35,13 @@ inline Hierarchy rewritten(const Hierarchy& hierarchy, const std::vector<hierarc
   };
   for (const Eigen::Vector3f& corner : {box.min(), box.max()})
     for (const float x : corner) put(std::bit_cast<std::uint32_t>(x));
-  for (const hierarchy::Node& node : nodes)
+  for (const bvh::Node& node : nodes)
     for (const std::uint32_t word : node.words) put(word);
   std::ofstream(file, std::ios::binary) << bytes;
   const std::string command = "sha256sum <'" + file.string() + "' >'" + sum.string() + "'";
   if (std::system(command.c_str()) != 0) throw std::runtime_error("no sha256sum");
   std::ofstream(file, std::ios::binary | std::ios::app) << bytes_of(sum).substr(0, 64);
-  Hierarchy read = Hierarchy::load(file);
+  Bvh read = Bvh::load(file);
   fs::remove_all(folder);
   return read;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host back end of rtl/hierarchy: tests a BVH node against a query, eight children at once.
+// The host back end of rtl/bvh: tests a BVH node against a query, eight children at once.
 #pragma once
 #include "host_fp.h"
 
@@ -12,7 +12,7 @@ inline void expect(const T& object) {
   __builtin_prefetch(at);
   if (sizeof object > 64) __builtin_prefetch(at + sizeof object - 1);
 }
-/// rtl/hierarchy/node_unit.sv: the children that are hit, in order.
+/// rtl/bvh/traversal_unit.sv: the children that are hit, in order.
 struct NodeVisit {
   uint32_t order;      ///< three bits per child; above them the number of children hit
   uint64_t low, high;  ///< culling keys, 16 bits each: low holds the first four
@@ -93,7 +93,7 @@ inline void turn(Signed& x) {
   }
 
   // node_order.sv
-  const auto in_order = [](uint32_t word) {  // hierarchy_pkg::ordered
+  const auto in_order = [](uint32_t word) {  // bvh_pkg::ordered
     int32_t x = int32_t(word);
     turn<int32_t, uint32_t>(x);
     return x == -1 ? 0 : x;

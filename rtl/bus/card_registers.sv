@@ -23,7 +23,7 @@ module card_registers #(
     localparam int TRANSFORM = CONFIG.transform,
     localparam int OBJECTS = CONFIG.objects,
     localparam int PRIM_OBJECTS = CONFIG.prim_objects,
-    localparam int NODE_UNITS = CONFIG.node_units,
+    localparam int TRAVERSAL_UNITS = CONFIG.traversal_units,
     localparam int ECC = CONFIG.ecc,
     localparam int DDR_SLOTS = CONFIG.ddr_slots,
     localparam int SRAM_RECORDS = CONFIG.sram_records,
@@ -68,7 +68,7 @@ module card_registers #(
     output card_pkg::access_t access_o,
     input logic [63:0] others_i,  // read data of other modules
     input logic provided_good_i,  // the value written to REG_RAYS is valid
-    input logic [1:0] hierarchy_good_i,  // settings are valid: of primaries, of nodes
+    input logic [1:0] bvh_good_i,  // settings are valid: of primaries, of nodes
     input logic node_error_i
 );
   logic ready, rvalid_q;
@@ -78,8 +78,8 @@ module card_registers #(
   localparam logic [63:0] CW_BYTES = 64'(CW) / 64'd8;
   localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
   localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * ((PRIM_WORDS * CW + 63) / 64) * 8);
-  localparam logic [31:0] NODE_BYTES = 32'(CONFIG.nodes) * 32'(4 * hierarchy_pkg::NODE_WORDS);
-  localparam logic [31:0] SLOT_BYTES = 32'(CONFIG.nodes) * 32'(4 * hierarchy_pkg::SLOTS_A_NODE) *
+  localparam logic [31:0] NODE_BYTES = 32'(CONFIG.nodes) * 32'(4 * bvh_pkg::NODE_WORDS);
+  localparam logic [31:0] SLOT_BYTES = 32'(CONFIG.nodes) * 32'(4 * bvh_pkg::SLOTS_A_NODE) *
       ((TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? 32'd2 : 32'd1);
   localparam int STENCILS = (PRIMARIES + 63) / 64;
 
@@ -124,8 +124,8 @@ module card_registers #(
 
   localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * records_pkg::OBJECT_WORDS * CW / 8),
       PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * records_pkg::OBJECT_WORDS * CW / 8);
-  logic in_objects, in_hierarchy;
-  assign in_hierarchy = NODE_UNITS != 0 && addr_q >= 32'(registers_pkg::REG_ROOT) && addr_q < registers_pkg::REG_END;
+  logic in_objects, in_bvh;
+  assign in_bvh = TRAVERSAL_UNITS != 0 && addr_q >= 32'(registers_pkg::REG_ROOT) && addr_q < registers_pkg::REG_END;
   assign in_objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && addr_q >= registers_pkg::OBJECT_TABLE &&
       addr_q < registers_pkg::OBJECT_TABLE + OBJECT_BYTES) ||
       (TRANSFORM == pairs_pkg::TRANSFORM_BOTH && addr_q >= registers_pkg::PRIM_OBJECT_TABLE &&
@@ -147,18 +147,18 @@ module card_registers #(
             32'(registers_pkg::REG_NODE_COUNT), 32'(registers_pkg::REG_NODE_FIRST), 32'(registers_pkg::REG_SLOT_COUNT),
                 32'(registers_pkg::REG_RAY_COUNT), 32'(registers_pkg::REG_ROOT), 32'(registers_pkg::REG_ROOT) + 8,
                 32'(registers_pkg::REG_ROOT) + 16,
-                32'(registers_pkg::REG_ROOT) + 24: allowed = NODE_UNITS != 0 && !busy_i;
-            32'(registers_pkg::REG_NODE_FLIP): allowed = NODE_UNITS != 0 && ECC != 0 && !busy_i;
-            32'(registers_pkg::REG_RAYS): allowed = NODE_UNITS != 0 && provided_good_i;
+                32'(registers_pkg::REG_ROOT) + 24: allowed = TRAVERSAL_UNITS != 0 && !busy_i;
+            32'(registers_pkg::REG_NODE_FLIP): allowed = TRAVERSAL_UNITS != 0 && ECC != 0 && !busy_i;
+            32'(registers_pkg::REG_RAYS): allowed = TRAVERSAL_UNITS != 0 && provided_good_i;
             32'(registers_pkg::REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == pairs_pkg::TRANSFORM_BOTH && !busy_i;
             default: allowed = (in_stencil || in_objects) && !busy_i;
           endcase
       registers_pkg::SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
       registers_pkg::SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
       registers_pkg::SPACE_SRAM: allowed = !write_q && sram_readable_i;
-      registers_pkg::SPACE_NODES: allowed = NODE_UNITS != 0 && write_q && !busy_i && addr_q < NODE_BYTES;
-      registers_pkg::SPACE_SLOTS: allowed = NODE_UNITS != 0 && write_q && !busy_i && addr_q < SLOT_BYTES;
-      registers_pkg::SPACE_RAYS: allowed = NODE_UNITS != 0 && write_q && addr_q < 32'(32 * hierarchy_pkg::RAYS);
+      registers_pkg::SPACE_NODES: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i && addr_q < NODE_BYTES;
+      registers_pkg::SPACE_SLOTS: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i && addr_q < SLOT_BYTES;
+      registers_pkg::SPACE_RAYS: allowed = TRAVERSAL_UNITS != 0 && write_q && addr_q < 32'(32 * bvh_pkg::RAYS);
       default: allowed = 0;
     endcase
     allowed = allowed && aligned;
@@ -203,25 +203,25 @@ module card_registers #(
   assign budget_ok = (PAIRS & pairs_pkg::RING_PAIRS) == 0 || ((budget_q.m == 8'd4 || budget_q.m == 8'd8 ||
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
-  // BVH passes are for rays and solids; solids have no mode farthest. No secondary beyond the count is in the tree.
-  localparam hierarchy_pkg::ways_t WAYS = (NODE_UNITS != 0) ? hierarchy_pkg::card_ways(CONFIG) : '0;
+  // BVH passes are for rays and solids; solids have no mode farthest. No secondary beyond the count is in the BVH.
+  localparam bvh_pkg::ways_t WAYS = (TRAVERSAL_UNITS != 0) ? bvh_pkg::card_ways(CONFIG) : '0;
   logic sweep_ok, walk_ok, walk_pair_ok, walks_solid;
-  logic [hierarchy_pkg::WAY_BITS-1:0] way;
+  logic [bvh_pkg::WAY_BITS-1:0] way;
   assign way = {command_q.pair, command_q.swap};
-  assign walks_solid = hierarchy_pkg::solid(int'(way));
+  assign walks_solid = bvh_pkg::solid(int'(way));
   always_comb begin
-    walk_pair_ok = hierarchy_pkg::has_way(WAYS, int'(way)) &&
+    walk_pair_ok = bvh_pkg::has_way(WAYS, int'(way)) &&
         (!walks_solid || command_q.mode != registers_pkg::MODE_FARTHEST);
     if (command_q.mode == registers_pkg::MODE_REFIT)
       walk_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
   end
-  assign walk_ok = NODE_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
-      command_q.mode != registers_pkg::MODE_ALL && hierarchy_good_i[0] &&
-      (hierarchy_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
+  assign walk_ok = TRAVERSAL_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
+      command_q.mode != registers_pkg::MODE_ALL && bvh_good_i[0] &&
+      (bvh_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
       walk_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && walks_solid)) &&
       (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
       sec_end <= DDR_BYTES;
-  assign command_ok = (command_q.hierarchy ? walk_ok : sweep_ok) && !busy_i;
+  assign command_ok = (command_q.bvh ? walk_ok : sweep_ok) && !busy_i;
   assign sweep_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
@@ -232,7 +232,7 @@ module card_registers #(
   assign go_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.go && command_ok;
   assign abort_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.stop;
   always_comb begin
-    pass_o.unit = (NODE_UNITS != 0 && command_q.hierarchy) ? card_pkg::UNIT_HIERARCHY : card_pkg::UNIT_ENGINE;
+    pass_o.unit = (TRAVERSAL_UNITS != 0 && command_q.bvh) ? card_pkg::UNIT_BVH : card_pkg::UNIT_ENGINE;
     pass_o.mode = command_q.mode;
     pass_o.pair = {(PARALLEL != 0 && command_q.second) ? command_q.second_pair : pairs_pkg::NO_PAIR, command_q.pair};
     pass_o.swap = {SWAP != 0 && command_q.second_swap, SWAP != 0 && command_q.swap};
@@ -277,7 +277,7 @@ module card_registers #(
   // Variable fields are assembled where they are read: simulation would otherwise do it in every cycle.
   function automatic registers_pkg::caps2_t caps2_of(input logic [15:0] latency);
     caps2_of = '0;
-    caps2_of.node_units = 8'(NODE_UNITS);
+    caps2_of.traversal_units = 8'(TRAVERSAL_UNITS);
     caps2_of.container = 8'(CW);
     caps2_of.sram_records = 32'(SRAM_RECORDS);
     caps2_of.latency = latency;
@@ -336,7 +336,7 @@ module card_registers #(
       endcase
     end
 
-    if (write_reg && !in_objects && !in_hierarchy) begin
+    if (write_reg && !in_objects && !in_bvh) begin
       case (offset)
         registers_pkg::REG_COMMAND: command_q <= wdata_q & registers_pkg::COMMAND_BITS;
         registers_pkg::REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];

@@ -4,7 +4,7 @@ package card_pkg;
   // Unit that does a pass.
   localparam int UNIT_BITS = 2;
   localparam logic [1:0] UNIT_ENGINE = 2'd0;  // engine_control and the modules that it controls
-  localparam logic [1:0] UNIT_HIERARCHY = 2'd1;  // hierarchy_unit, if the card has one
+  localparam logic [1:0] UNIT_BVH = 2'd1;  // bvh_unit, if the card has one
   localparam int UNITS = 2;
 
   // Request for a pass, from the registers. From go on, the sequencer keeps mode, pairs and swaps.

@@ -18,7 +18,7 @@
 //                 pairs of solids (verdict_pair.sv). The pair then has one lane of the card's format behind them.
 //   TRANSFORM     Objects move by a rigid transform: pairs_pkg::TRANSFORM_*.
 //   OBJECTS       Entries of the object table of secondaries, 2 to 2,048. PRIM_OBJECTS: entries for primaries.
-//   NODE_UNITS    Traversal units of a BVH: 0 (no BVH), 1, 2 or 4. NODES: nodes of their memory, a power of two.
+//   TRAVERSAL_UNITS  Traversal units of a BVH: 0 (no BVH), 1, 2 or 4. NODES: nodes of their memory, a power of two.
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected.
 //   LAT_*         Cycles of the operators; in the structure `lat`.
 //   ARITH         Gates ("rtl") or the simulating processor's arithmetic ("host"); field `host`, 0 or 1.
@@ -44,7 +44,7 @@
     parameter int TRANSFORM = 0, \
     parameter int OBJECTS = 1024, \
     parameter int PRIM_OBJECTS = 64, \
-    parameter int NODE_UNITS = 0, \
+    parameter int TRAVERSAL_UNITS = 0, \
     parameter int NODES = 65536, \
     parameter int ECC = 0, \
     parameter int LAT_ADD = 1, \
@@ -57,8 +57,8 @@
     parameter int SRAM_RECORDS = 524288
 
 `define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, \
-    VERDICT_EXP, VERDICT_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, NODE_UNITS, NODES, ECC, LAT_ADD, LAT_MUL, LAT_DIV, \
-    LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
+    VERDICT_EXP, VERDICT_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, TRAVERSAL_UNITS, NODES, ECC, LAT_ADD, LAT_MUL, \
+    LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
 
 `define CARD_FIELDS \
     int exp; \
@@ -77,7 +77,7 @@
     int transform; \
     int objects; \
     int prim_objects; \
-    int node_units; \
+    int traversal_units; \
     int nodes; \
     int ecc; \
     latency_pkg::latency_t lat; \

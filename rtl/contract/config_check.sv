@@ -26,10 +26,11 @@ module config_check #(
       CONFIG.verdict_exp > CONFIG.exp || CONFIG.verdict_man >= CONFIG.man)) begin : g_verdicts
     $error("board: VERDICT_EXP, VERDICT_MAN must be a narrower format; they need FACET_II = 1 and VERDICT_PAIRS");
   end
-  if (CONFIG.node_units != 0 && ((CONFIG.node_units != 1 && CONFIG.node_units != 2 && CONFIG.node_units != 4) ||
-      CONFIG.exp != 8 || CONFIG.man != 23 || hierarchy_pkg::card_ways(CONFIG) == 0)) begin :
-      g_hierarchy
-    $error("board: NODE_UNITS must be 0, 1, 2 or 4; above 0 needs fp32 and a pair that can traverse a BVH");
+  if (CONFIG.traversal_units != 0 &&
+      ((CONFIG.traversal_units != 1 && CONFIG.traversal_units != 2 && CONFIG.traversal_units != 4) ||
+      CONFIG.exp != 8 || CONFIG.man != 23 || bvh_pkg::card_ways(CONFIG) == 0)) begin :
+      g_bvh
+    $error("board: TRAVERSAL_UNITS must be 0, 1, 2 or 4; above 0 needs fp32 and a pair that can traverse a BVH");
   end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&

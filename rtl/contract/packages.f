@@ -6,4 +6,4 @@ registers_pkg.sv
 pci_pkg.sv
 config_pkg.sv
 card_pkg.sv
-hierarchy_pkg.sv
+bvh_pkg.sv

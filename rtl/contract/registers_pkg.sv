@@ -72,7 +72,7 @@ package registers_pkg;
   // 4 registers: root's box, lower corner x y z, upper corner x y z, then 16 u W (ray_front.sv), 0; one word each
   localparam logic [11:0] REG_ROOT = 12'h120;
   localparam logic [11:0] REG_NODE_CAPS = 12'h140;    // node_caps_t
-  localparam logic [11:0] REG_NODE_COUNT = 12'h148;   // nodes of the tree
+  localparam logic [11:0] REG_NODE_COUNT = 12'h148;   // nodes of the BVH
   localparam logic [11:0] REG_RAY_COUNT = 12'h150;    // primaries of the pass; none is provided yet
   // rays_t; primaries provided so far, also written while the pass runs
   localparam logic [11:0] REG_RAYS = 12'h158;
@@ -80,7 +80,7 @@ package registers_pkg;
   localparam logic [11:0] REG_NODE_FAULT = 12'h168;   // node_fault_t
   localparam logic [11:0] REG_NEW_ROOT = 12'h180;     // 9 registers: the words of the root after a refit
   localparam logic [11:0] REG_NODE_FLIP = 12'h1C8;    // node_flip_t: with check bits, injects bit errors for tests
-  localparam logic [11:0] REG_SLOT_COUNT = 12'h1D0;   // slots of the tree
+  localparam logic [11:0] REG_SLOT_COUNT = 12'h1D0;   // slots of the BVH
   localparam logic [11:0] REG_NODE_FIRST = 12'h1D8;   // refit: nodes before this one stay as they are
   localparam logic [11:0] REG_PAIRS = 12'h1E0;        // bit p: the card has pair p
   localparam logic [31:0] REG_END = 32'h000001E8;
@@ -119,10 +119,10 @@ package registers_pkg;
     logic [15:0] lanes;
   } caps_t;
   typedef struct packed {
-    logic [7:0] node_units;     // traversal units; 0: no BVH
-    logic [7:0] container;      // bits
+    logic [7:0] traversal_units;  // traversal units; 0: no BVH
+    logic [7:0] container;        // bits
     logic [31:0] sram_records;
-    logic [15:0] latency;       // latency of the pipe
+    logic [15:0] latency;         // latency of the pipe
   } caps2_t;
   typedef struct packed {
     logic [15:0] prim_objects;  // entries of the object tables
@@ -145,7 +145,7 @@ package registers_pkg;
   } control_t;
   typedef struct packed {
     logic [55:0] reserved;
-    logic node_error;     // the pass met an invalid tree: REG_NODE_FAULT
+    logic node_error;     // the pass met an invalid BVH: REG_NODE_FAULT
     logic ecc_error;      // the pass read DDR words with uncorrectable errors
     logic irq;            // interrupt: done, an error, or a full ring
     logic sram_wait;      // the SRAM ring is full; the engine waits for the host
@@ -161,7 +161,7 @@ package registers_pkg;
     logic second;             // there is a second pair
     pairs_pkg::pair_t pair;
     logic reserved1;
-    logic hierarchy;          // traverse the BVH with the primaries of SPACE_RAYS
+    logic bvh;                // traverse the BVH with the primaries of SPACE_RAYS
     logic normals;
     logic swap;               // role swap
     logic reserved0;

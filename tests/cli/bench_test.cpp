@@ -75,9 +75,9 @@ TEST_F(Bench, QuickPairs_ReportPlausibleFigures) {
 }
 
 TEST_F(Bench, QuickBvh_ReportsPlausibleFigures) {
-  const Ran ran = cde({"bench", "hierarchy", "--quick", "--json"});
+  const Ran ran = cde({"bench", "bvh", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  const auto j = nlohmann::json::parse(ran.out)["hierarchy"];
+  const auto j = nlohmann::json::parse(ran.out)["bvh"];
   ASSERT_EQ(j.size(), 1u);
   EXPECT_EQ(j[0]["triangles"], 12'800);
   ASSERT_EQ(j[0]["card"].size(), 2u);

@@ -160,16 +160,16 @@ TEST_F(ExplainRecord, Manual_ShowsThePrintedOutput) {
 /// Waves of a BVH traversal show few pairs. The explanation uses brute force, which has the same
 /// record.
 TEST_F(ExplainRecord, BvhQuery_IsExplainedByBruteForce) {
-  std::string tree = scene("nearest");
-  tree.insert(tree.find("[card]\n") + 7, "hierarchy = \"on\"\n");
-  write("tree.toml", tree);
-  const json plan = json::parse(cde({"plan", "tree.toml", "--json"}).out);
-  EXPECT_EQ(plan["queries"][0]["through"], "hierarchy");
-  const json j = told("tree.toml:q:0:0");
+  std::string bvh = scene("nearest");
+  bvh.insert(bvh.find("[card]\n") + 7, "bvh = \"on\"\n");
+  write("bvh.toml", bvh);
+  const json plan = json::parse(cde({"plan", "bvh.toml", "--json"}).out);
+  EXPECT_EQ(plan["queries"][0]["through"], "bvh");
+  const json j = told("bvh.toml:q:0:0");
   EXPECT_EQ(j["swept_instead"], true);
   EXPECT_EQ(j["pairs_tested"], 5);
   EXPECT_EQ(j["card_records_of_it"][0]["index"], 1);
-  EXPECT_TRUE(has(text("tree.toml:q:0:0"), "the packet is tested by brute force"));
+  EXPECT_TRUE(has(text("bvh.toml:q:0:0"), "the packet is tested by brute force"));
   EXPECT_EQ(told("nearest.toml:q:0:0")["swept_instead"], false);
 }
 

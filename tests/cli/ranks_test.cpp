@@ -239,7 +239,7 @@ TEST_F(Ranks, ChunksWithABvh_AddUpToTheWhole) {
   constexpr unsigned kSide = 260;  // three chunks
   const Ran one = cde(through("one.csv", kSide));
   ASSERT_EQ(one.status, 0) << one.err;
-  ASSERT_TRUE(counted(one).starts_with("through \"hierarchy\"\nswept_rays 64\n")) << one.out;
+  ASSERT_TRUE(counted(one).starts_with("through \"bvh\"\nswept_rays 64\n")) << one.out;
   ASSERT_EQ(cde(through("swept.csv", kSide, {"--no-bvh", "--no-check"})).status, 0);
   EXPECT_TRUE(same("swept.csv", "one.csv"));
 
@@ -258,7 +258,7 @@ TEST_F(Ranks, ChunksWithABvh_AddUpToTheWhole) {
     EXPECT_EQ(counted(rest), counted(one)) << end;
   }
   refused(through("x.csv", kSide, {"--resume", "journal", "--no-bvh"}),
-          "journal belongs to a run with through \"hierarchy\"; this run has \"sweep\"");
+          "journal belongs to a run with through \"bvh\"; this run has \"sweep\"");
   refused(through("x.csv", kSide, {"--resume", "journal", "--check=rays:9"}),
           "journal belongs to a run with swept_rays 64; this run has 9");
 
@@ -461,7 +461,7 @@ TEST_F(MpiRanks, SeveralRanksWithABvh_GiveTheOutputOfOne) {
     };
     const Ran one = cde(of("one.csv"));
     ASSERT_EQ(one.status, 0) << one.err;
-    ASSERT_TRUE(counted(one).starts_with("through \"hierarchy\"\nswept_rays 50\n")) << one.out;
+    ASSERT_TRUE(counted(one).starts_with("through \"bvh\"\nswept_rays 50\n")) << one.out;
     const Ran two = shell(run(2) + words(of("two.csv")));
     ASSERT_EQ(two.status, 0) << two.err;
     EXPECT_TRUE(same("two.csv", "one.csv")) << mode;

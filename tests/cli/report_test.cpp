@@ -188,9 +188,9 @@ TEST_F(Pages, UnwritableReport_IsRefusedBeforeTheRun) {
 }
 
 /// The chapter on BVHs: a smaller terrain, and the terrain of Figure 5.
-void expect_hierarchy(const json& j, const std::string& html) {
-  ASSERT_EQ(j["hierarchy"].size(), 2u);
-  for (const json& mesh : j["hierarchy"]) {
+void expect_bvh(const json& j, const std::string& html) {
+  ASSERT_EQ(j["bvh"].size(), 2u);
+  for (const json& mesh : j["bvh"]) {
     SCOPED_TRACE(mesh["triangles"].dump());
     const json& sweep = mesh["sweep"];
     EXPECT_LT(sweep["packet_seconds"], sweep["packet_seconds_with_bus"]);
@@ -212,7 +212,7 @@ void expect_hierarchy(const json& j, const std::string& html) {
     EXPECT_EQ(embree["refit_seconds"], embree["spread_refit"]["median"]);
     EXPECT_GT(embree["build_seconds"], 0);
   }
-  const json& last = j["hierarchy"][1];
+  const json& last = j["bvh"][1];
   EXPECT_EQ(last["triangles"], j["triangles"]);
   for (const json& entry : j["figure_5"][1]["entries"]) {
     if (entry["name"] == last["sweep"]["name"]) {
@@ -253,7 +253,7 @@ TEST_F(Pages, QuickReproduction_WritesEveryEntry) {
     expect_saved(clicked(html), 5);
     expect_fits_a_phone(html);
   }
-  expect_hierarchy(j, html);
+  expect_bvh(j, html);
   // The times in the paper are for the full terrain, not for that of a quick run.
   EXPECT_EQ(j["paper"]["card_seconds"], 0.031);
   EXPECT_EQ(j["paper"]["software_seconds"], 2.1);

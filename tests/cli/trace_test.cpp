@@ -171,7 +171,7 @@ TEST_P(WavesOnSignal, Cast_LeavesReadableWaves) {
 
 TEST_P(WavesOnSignal, Run_LeavesReadableWaves) {
   write("s.toml",
-        "[card]\nlanes = 4\nhierarchy = \"off\"\n[[object]]\nname = \"t\"\n"
+        "[card]\nlanes = 4\nbvh = \"off\"\n[[object]]\nname = \"t\"\n"
         "mesh = \"terrain:200,200,1\"\n[[object]]\nname = \"rays\"\n"
         "random_rays = { count = 4096 }\n" +
             hit_query("t"));

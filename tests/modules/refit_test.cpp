@@ -20,7 +20,7 @@
 namespace cde::testing {
 namespace {
 
-using hierarchy::Node;
+using bvh::Node;
 
 /// Timing of memory responses.
 enum class Way {
@@ -183,12 +183,12 @@ void expect_reference(const std::vector<Node>& nodes, const std::vector<std::uin
   }
 }
 
-struct Tree {
+struct BuiltBvh {
   std::vector<Node> nodes;
   std::vector<std::uint32_t> order;
 };
-Tree built(const Triangles& triangles, unsigned leaf) {
-  const Hierarchy h = Hierarchy::build(triangles, {.leaf = leaf});
+BuiltBvh built(const Triangles& triangles, unsigned leaf) {
+  const Bvh h = Bvh::build(triangles, {.leaf = leaf});
   return {{h.nodes().begin(), h.nodes().end()}, {h.order().begin(), h.order().end()}};
 }
 
@@ -200,10 +200,10 @@ void expect_reference_of_scenes() {
     for (const std::size_t count : {1, 2, 9, 10, 40, 700}) {
       for (const unsigned leaf : {1u, 2u}) {
         const Triangles before = scene.make(count, dice);
-        const Tree tree = built(before, leaf);
-        expect_reference<Module>(tree.nodes, tree.order, before);
+        const BuiltBvh bvh = built(before, leaf);
+        expect_reference<Module>(bvh.nodes, bvh.order, before);
         // Moved: arbitrary other triangles in the same BVH.
-        expect_reference<Module>(tree.nodes, tree.order, scene.make(count, dice));
+        expect_reference<Module>(bvh.nodes, bvh.order, scene.make(count, dice));
         if (::testing::Test::HasFatalFailure()) return;
       }
     }
@@ -222,18 +222,18 @@ TEST(RefitModule, TwoContexts_EqualTheReference) {
 TEST(RefitModule, AnyBvh_EqualsTheReference) {
   RefitDice dice(2);
   for (unsigned i = 0; i < 400; ++i) {
-    const RandomTree tree = random_tree(1 + dice.below(40), dice);
+    const RandomBvh bvh = random_bvh(1 + dice.below(40), dice);
     const auto which = dice.below(static_cast<unsigned>(std::size(kRefitScenes)));
-    Triangles triangles = kRefitScenes[which].make(tree.slots, dice);
-    if (i % 4 == 0 && tree.slots != 0)
-      triangles[dice.below(static_cast<unsigned>(tree.slots))].v1.z() = std::nanf("");
-    std::vector<std::uint32_t> order(tree.slots);
+    Triangles triangles = kRefitScenes[which].make(bvh.slots, dice);
+    if (i % 4 == 0 && bvh.slots != 0)
+      triangles[dice.below(static_cast<unsigned>(bvh.slots))].v1.z() = std::nanf("");
+    std::vector<std::uint32_t> order(bvh.slots);
     std::iota(order.begin(), order.end(), 0u);
     SCOPED_TRACE(i);
     if (i % 2 == 0)
-      expect_reference<Refit>(tree.nodes, order, triangles, i);
+      expect_reference<Refit>(bvh.nodes, order, triangles, i);
     else
-      expect_reference<RefitTwo>(tree.nodes, order, triangles, i);
+      expect_reference<RefitTwo>(bvh.nodes, order, triangles, i);
     if (::testing::Test::HasFatalFailure()) return;
   }
 }
@@ -243,22 +243,22 @@ TEST(RefitModule, PartialRefit_LeavesEarlierNodes) {
   RefitDice dice(3);
   for (const RefitScene& scene : kRefitScenes) {
     SCOPED_TRACE(scene.name);
-    const Tree tree = built(scene.make(300, dice), 2);
+    const BuiltBvh bvh = built(scene.make(300, dice), 2);
     const Triangles moved = scene.make(300, dice);
-    const auto all = reference::refit(tree.nodes, tree.order, moved);
+    const auto all = reference::refit(bvh.nodes, bvh.order, moved);
     for (const Way way : {Way::kSteady, Way::kLate, Way::kAtOnce}) {
-      Bench<Refit> bench(tree.nodes, tree.order, moved, way);
+      Bench<Refit> bench(bvh.nodes, bvh.order, moved, way);
       for (int times = 0; times < 5; ++times) {
-        const auto first = dice.below(static_cast<unsigned>(tree.nodes.size()));
-        bench.nodes = tree.nodes;
+        const auto first = dice.below(static_cast<unsigned>(bvh.nodes.size()));
+        bench.nodes = bvh.nodes;
         bench.first = first;
         bench.writes = 0;
         ASSERT_TRUE(bench.run()) << "the refit did not end";
         if (all.bad) continue;
-        reference::Refitted should{tree.nodes, {}};
+        reference::Refitted should{bvh.nodes, {}};
         std::copy(all.nodes.begin() + first, all.nodes.end(), should.nodes.begin() + first);
         expect_same(bench.nodes, should);
-        EXPECT_EQ(bench.writes, tree.nodes.size() - first);
+        EXPECT_EQ(bench.writes, bvh.nodes.size() - first);
       }
     }
   }
@@ -278,29 +278,29 @@ TEST(RefitModule, TriangleWithoutABox_EndsTheRefit) {
   RefitDice dice(3);
   const Triangles good = kRefitScenes[1].make(300, dice);
   for (const unsigned leaf : {1u, 2u}) {
-    const Tree tree = built(good, leaf);
+    const BuiltBvh bvh = built(good, leaf);
     for (const float x : {std::nanf(""), INFINITY, -INFINITY, 0x1.000002p40f, -0x1.000002p40f}) {
       for (int several = 0; several < 4; ++several) {
         Triangles bad = good;
         for (int k = 0; k <= 2 * several; ++k)
           bad[dice.below(300)].v0[static_cast<int>(dice.below(3))] = x;
-        expect_reference<Refit>(tree.nodes, tree.order, bad);
-        expect_reference<RefitTwo>(tree.nodes, tree.order, bad);
+        expect_reference<Refit>(bvh.nodes, bvh.order, bad);
+        expect_reference<RefitTwo>(bvh.nodes, bvh.order, bad);
         if (::testing::Test::HasFatalFailure()) return;
       }
     }
   }
   // The module still works.
-  const Tree tree = built(good, 2);
+  const BuiltBvh bvh = built(good, 2);
   Triangles some = good;
   some[77].v2.x() = INFINITY;
-  Bench<Refit> bench(tree.nodes, tree.order, some, Way::kLate);
+  Bench<Refit> bench(bvh.nodes, bvh.order, some, Way::kLate);
   ASSERT_TRUE(bench.run());
   EXPECT_TRUE(bench.bad());
   some[77] = good[77];
   ASSERT_TRUE(bench.run());
   EXPECT_FALSE(bench.bad());
-  expect_same(bench.nodes, reference::refit(tree.nodes, tree.order, good));
+  expect_same(bench.nodes, reference::refit(bvh.nodes, bvh.order, good));
 }
 
 /// At any stage of the next requests.
@@ -310,8 +310,8 @@ TEST(RefitModule, EarlyEnd_LeavesNoRequest) {
   nodes[0].set_first_slot(8);
   nodes[1].set_first_slot(0);
   for (unsigned i = 0; i < Node::kChildren; ++i) {
-    nodes[0].set_child(i, i == 7 ? hierarchy::Child::kNode : hierarchy::Child::kLeafOfOne);
-    nodes[1].set_child(i, hierarchy::Child::kLeafOfOne);
+    nodes[0].set_child(i, i == 7 ? bvh::Child::kNode : bvh::Child::kLeafOfOne);
+    nodes[1].set_child(i, bvh::Child::kLeafOfOne);
   }
   Triangles triangles(15, Triangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   triangles[7].v0.x() = INFINITY;
@@ -329,17 +329,17 @@ TEST(RefitModule, EarlyEnd_LeavesNoRequest) {
 TEST(RefitModule, Reset_ClearsAllState) {
   RefitDice dice(4);
   const Triangles triangles = kRefitScenes[1].make(200, dice);
-  const Tree tree = built(triangles, 2);
-  const auto should = reference::refit(tree.nodes, tree.order, triangles);
+  const BuiltBvh bvh = built(triangles, 2);
+  const auto should = reference::refit(bvh.nodes, bvh.order, triangles);
   for (const Way way : {Way::kSteady, Way::kLate, Way::kAtOnce}) {
-    Bench<Refit> bench(tree.nodes, tree.order, triangles, way);
+    Bench<Refit> bench(bvh.nodes, bvh.order, triangles, way);
     for (unsigned at = 1; at < 300; ++at) {
       bench.start();
       for (unsigned c = 0; c < at; ++c) (void)bench.step();
       bench.reset();
       EXPECT_FALSE(bench.busy());
       if (at % 7 != 0) continue;
-      bench.nodes = tree.nodes;
+      bench.nodes = bvh.nodes;
       ASSERT_TRUE(bench.run()) << "reset in cycle " << at;
       expect_same(bench.nodes, should);
       if (::testing::Test::HasFatalFailure()) return;
@@ -366,7 +366,7 @@ TEST(RefitModule, Nodes_HaveTheReferencesBox) {
     }
     node.set_origin(origin);
     for (unsigned c = 0; c < Node::kChildren; ++c) {
-      node.set_child(c, static_cast<hierarchy::Child>(dice.below(4)));
+      node.set_child(c, static_cast<bvh::Child>(dice.below(4)));
       const unsigned most = 1u << dice.below(9);
       for (int k = 0; k < 3; ++k)
         for (const bool upper : {false, true})
@@ -391,18 +391,18 @@ TEST(RefitModule, Terrain_TakesTheDocumentedCycles) {
   const Mesh mesh = make_terrain();
   Triangles triangles;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));
-  const Tree tree = built(triangles, 2);
+  const BuiltBvh bvh = built(triangles, 2);
   for (Triangle& t : triangles)
     for (Eigen::Vector3f* v : {&t.v0, &t.v1, &t.v2}) v->z() += 5 * std::sin(v->x() * 0.01f);
-  const auto should = reference::refit(tree.nodes, tree.order, triangles);
+  const auto should = reference::refit(bvh.nodes, bvh.order, triangles);
   for (const Way way : {Way::kSteady, Way::kAtOnce}) {
-    Bench<Refit> bench(tree.nodes, tree.order, triangles, way);
+    Bench<Refit> bench(bvh.nodes, bvh.order, triangles, way);
     ASSERT_TRUE(bench.run());
     expect_same(bench.nodes, should);
-    EXPECT_EQ(bench.writes, tree.nodes.size());
+    EXPECT_EQ(bench.writes, bvh.nodes.size());
     EXPECT_LT(bench.clocks, 450'000u);
     std::printf("%zu triangles, %zu nodes, memory %s: %u clocks, %.3f a triangle\n",
-                triangles.size(), tree.nodes.size(),
+                triangles.size(), bvh.nodes.size(),
                 way == Way::kSteady ? "of a triangle a clock" : "that is always there",
                 bench.clocks, bench.clocks / static_cast<double>(triangles.size()));
   }

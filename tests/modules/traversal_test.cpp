@@ -26,7 +26,7 @@ namespace {
 using Eigen::Vector3f;
 
 struct Goal {
-  unsigned number;  // hierarchy_pkg::GOAL_*
+  unsigned number;  // bvh_pkg::GOAL_*
   Mode mode;
 };
 constexpr Goal kGoals[] = {{0, Mode::kNearest}, {1, Mode::kFarthest}, {2, Mode::kAny}};
@@ -48,14 +48,14 @@ struct Memory {
 template <class Module>
 class Bench {
  public:
-  Bench(const std::vector<Triangle>& triangles, const Hierarchy& hierarchy)
-      : triangles_(triangles), hierarchy_(hierarchy) {
+  Bench(const std::vector<Triangle>& triangles, const Bvh& bvh)
+      : triangles_(triangles), bvh_(bvh) {
     module_->rst_i = 1;
     module_->ray_valid_i = module_->fetched_valid_i = 0;
     module_->record_ready_i = module_->fetch_ready_i = 0;
     module_.clock();
-    module_->nodes_i = static_cast<IData>(hierarchy.nodes().size());
-    const auto& box = hierarchy.box();
+    module_->nodes_i = static_cast<IData>(bvh.nodes().size());
+    const auto& box = bvh.box();
     const auto root = reference::root_bounds<float>(box.min(), box.max());
     for (unsigned k = 0; k < 3; ++k) {
       module_->root_i[k] = word(root.lower[static_cast<int>(k)]);
@@ -109,8 +109,8 @@ class Bench {
       for (unsigned u = 0; u < kUnits; ++u) at.at(u) = place(u);
       module_.clock();
       for (unsigned u = 0; u < kUnits; ++u) {
-        if (at.at(u) >= hierarchy_.nodes().size()) continue;
-        const auto& words = hierarchy_.nodes()[at.at(u)].words;
+        if (at.at(u) >= bvh_.nodes().size()) continue;
+        const auto& words = bvh_.nodes()[at.at(u)].words;
         std::copy(words.begin(), words.end(), &module_->node_i[words.size() * u]);
       }
     }
@@ -135,7 +135,7 @@ class Bench {
 
  private:
   static constexpr unsigned kUnits =
-      sizeof(Module::node_i) / sizeof(std::array<std::uint32_t, hierarchy::Node::kWords>);
+      sizeof(Module::node_i) / sizeof(std::array<std::uint32_t, bvh::Node::kWords>);
 
   /// Address of the node that a unit requests, 28 bits each.
   std::uint32_t place(unsigned unit) {
@@ -181,7 +181,7 @@ class Bench {
     for (unsigned l = 0; l < 2; ++l) {
       const std::size_t slot = ready->slot + l;
       const bool there = slot < triangles_.size() && (l == 0 || (ready->tag & 1) != 0);
-      const std::uint32_t index = there ? hierarchy_.order()[slot] : 0;
+      const std::uint32_t index = there ? bvh_.order()[slot] : 0;
       const auto words = to_words(triangles_[index]);
       for (unsigned w = 0; w < 9; ++w) module_->fetched_i[9 * l + w] = word(words[w]);
       reinterpret_cast<IData*>(&module_->index_i)[l] = index;
@@ -190,7 +190,7 @@ class Bench {
   }
 
   const std::vector<Triangle>& triangles_;
-  const Hierarchy& hierarchy_;
+  const Bvh& bvh_;
   Clocked<Module> module_;
   Memory memory_;
   std::uint64_t nodes_ = 0, leaves_ = 0, secondaries_ = 0;
@@ -240,9 +240,9 @@ std::vector<Record> by_primary_and_index(std::vector<Record> hits) {
 }
 
 template <class Module>
-void expect_hits(const Scene& s, const Hierarchy& hierarchy, Algorithm algorithm, bool patient) {
-  Bench<Module> bench(s.triangles, hierarchy);
-  reference::Traversal expected(s.triangles, hierarchy, algorithm);
+void expect_hits(const Scene& s, const Bvh& bvh, Algorithm algorithm, bool patient) {
+  Bench<Module> bench(s.triangles, bvh);
+  reference::Traversal expected(s.triangles, bvh, algorithm);
   (void)bench.cast(s.rays, kHits, patient);
   bench.hits = by_primary_and_index(std::move(bench.hits));
   std::size_t at = 0;
@@ -262,11 +262,11 @@ template <class Module>
 void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMoller) {
   const Scene s = scene(count);
   for (const unsigned leaf : {1u, 2u}) {
-    const Hierarchy hierarchy = Hierarchy::build(s.triangles, {.leaf = leaf});
+    const Bvh bvh = Bvh::build(s.triangles, {.leaf = leaf});
     for (const bool patient : {true, false}) {
       for (const Goal& goal : kGoals) {
-        Bench<Module> bench(s.triangles, hierarchy);
-        reference::Traversal expected(s.triangles, hierarchy, algorithm);
+        Bench<Module> bench(s.triangles, bvh);
+        reference::Traversal expected(s.triangles, bvh, algorithm);
         const std::vector<Record> records = bench.cast(s.rays, goal.number, patient);
         std::size_t hits = 0;
         for (std::size_t i = 0; i < s.rays.size(); ++i) {
@@ -289,15 +289,15 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
                       bench.nodes() / static_cast<double>(count),
                       bench.secondaries() / static_cast<double>(count));
       }
-      Bench<Module> bench(s.triangles, hierarchy);
-      reference::Traversal expected(s.triangles, hierarchy, algorithm);
+      Bench<Module> bench(s.triangles, bvh);
+      reference::Traversal expected(s.triangles, bvh, algorithm);
       const std::vector<Record> records = bench.cast(s.rays, kOccluded, patient);
       for (std::size_t i = 0; i < s.rays.size(); ++i)
         ASSERT_EQ(records[i].f, expected.occluded(s.rays[i])) << "ray " << i;
       EXPECT_EQ(bench.nodes(), expected.counts().nodes);
       EXPECT_EQ(bench.secondaries(), expected.counts().secondaries);
       if (patient && count >= kStream) bench.expect_clocks(count);
-      expect_hits<Module>(s, hierarchy, algorithm, patient);
+      expect_hits<Module>(s, bvh, algorithm, patient);
     }
   }
 }
@@ -316,8 +316,8 @@ TEST(Traversal, Terrain_TakesTheDocumentedCycles) {
   const Mesh mesh = make_terrain();
   std::vector<Triangle> triangles;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));
-  const Hierarchy hierarchy = Hierarchy::build(triangles);
-  reference::Traversal expected(triangles, hierarchy);
+  const Bvh bvh = Bvh::build(triangles);
+  reference::Traversal expected(triangles, bvh);
   const auto box = bounds(mesh);
   Dice dice;
   const auto share = [&] { return static_cast<float>(dice.below(1u << 24)) * 0x1p-24f; };
@@ -331,7 +331,7 @@ TEST(Traversal, Terrain_TakesTheDocumentedCycles) {
       }
       rays.push_back(ray);
     }
-    Bench<TraversalHost> bench(triangles, hierarchy);
+    Bench<TraversalHost> bench(triangles, bvh);
     const std::vector<Record> records = bench.cast(rays, 0, true);
     for (std::size_t i = 0; i < count; ++i) {
       const Record should = expected.trace(rays[i], ~0u, Mode::kNearest)[0];
@@ -360,11 +360,11 @@ void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
   std::vector<Sphere> solids;
   for (std::size_t i = 0; i < count; ++i)
     solids.push_back(draws.sphere(static_cast<unsigned>(i % hard::Solids::kKinds)));
-  const Hierarchy tree = Hierarchy::build(triangles, {.leaf = 2});
+  const Bvh bvh = Bvh::build(triangles, {.leaf = 2});
   for (const bool patient : {true, false}) {
     for (const Goal& goal : {kGoals[0], kGoals[2]}) {
-      Bench<Module> bench(triangles, tree);
-      reference::Traversal walk(triangles, tree);
+      Bench<Module> bench(triangles, bvh);
+      reference::Traversal walk(triangles, bvh);
       const std::vector<Record> records = bench.cast(solids, goal.number, patient);
       std::size_t touching = 0;
       for (std::size_t i = 0; i < count; ++i) {
@@ -386,13 +386,13 @@ void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
                     static_cast<double>(bench.nodes()) / static_cast<double>(count),
                     static_cast<double>(bench.secondaries()) / static_cast<double>(count));
     }
-    Bench<Module> bench(triangles, tree);
-    reference::Traversal walk(triangles, tree);
+    Bench<Module> bench(triangles, bvh);
+    reference::Traversal walk(triangles, bvh);
     const std::vector<Record> records = bench.cast(solids, kOccluded, patient);
     for (std::size_t i = 0; i < count; ++i)
       ASSERT_EQ(records[i].f, walk.occluded(solids[i])) << hard::text(solids[i]);
     EXPECT_EQ(bench.nodes(), walk.counts().nodes);
-    Bench<Module> all(triangles, tree);
+    Bench<Module> all(triangles, bvh);
     (void)all.cast(solids, kHits, patient);
     std::vector<Record> hits;
     for (std::uint32_t i = 0; i < count; ++i)
@@ -414,13 +414,13 @@ TEST(Traversal, Spheres_EqualTheReference) {
 template <class Module, class P>
 void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& primaries,
                   bool patient, bool ahead, unsigned& clocks) {
-  const Hierarchy tree = Hierarchy::build(triangles, {.leaf = 2});
-  reference::Traversal walk(triangles, tree);
+  const Bvh bvh = Bvh::build(triangles, {.leaf = 2});
+  reference::Traversal walk(triangles, bvh);
   clocks = 0;
   for (unsigned goal = 0; goal <= kHits; ++goal) {
     if (goal == 1 && !std::is_same_v<P, Ray>) continue;  // no solid is farthest
     SCOPED_TRACE(goal);
-    Bench<Module> bench(triangles, tree);
+    Bench<Module> bench(triangles, bvh);
     bench.ahead = ahead;
     const auto before = walk.counts();
     for (std::size_t first = 0, count = 1; first < primaries.size();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The result of a card's refit, in exact integers: boxes contain their triangles, and are not much
-// larger. hierarchy_test.cpp tests records of rays against such a BVH.
+// larger. bvh_test.cpp tests records of rays against such a BVH.
 #include "cde/reference/refit.hpp"
 
 #include <fmt/format.h>
@@ -20,8 +20,8 @@ namespace cde::testing {
 namespace {
 
 using Eigen::AlignedBox3f;
-using hierarchy::Child;
-using hierarchy::Node;
+using bvh::Child;
+using bvh::Node;
 using Integer = boost::multiprecision::cpp_int;
 
 /// In units of 2^-149: every fp32 number is an integer.
@@ -88,7 +88,7 @@ void expect_axis(const std::vector<Node>& nodes, const Node& node, int axis,
 
 void expect_sound(const std::vector<Node>& nodes, const std::vector<std::uint32_t>& order,
                   const Triangles& triangles) {
-  (void)hierarchy::check(nodes, order.size());
+  (void)bvh::check(nodes, order.size());
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Node& node = nodes[n];
     std::vector<AlignedBox3f> boxes(Node::kChildren);
@@ -114,10 +114,10 @@ TEST(Refit, Boxes_ContainTheirTriangles) {
     for (const std::size_t count : {1, 2, 9, 17, 300, 3000}) {
       const Triangles triangles = scene.make(count, dice);
       for (const unsigned leaf : {1u, 2u}) {
-        const Hierarchy tree = Hierarchy::build(triangles, {.leaf = leaf});
-        const auto refitted = reference::refit(tree.nodes(), tree.order(), triangles);
+        const Bvh bvh = Bvh::build(triangles, {.leaf = leaf});
+        const auto refitted = reference::refit(bvh.nodes(), bvh.order(), triangles);
         ASSERT_FALSE(refitted.bad);
-        expect_sound(refitted.nodes, {tree.order().begin(), tree.order().end()}, triangles);
+        expect_sound(refitted.nodes, {bvh.order().begin(), bvh.order().end()}, triangles);
         if (::testing::Test::HasFatalFailure()) return;
       }
     }
@@ -128,13 +128,13 @@ TEST(Refit, Boxes_ContainTheirTriangles) {
 TEST(Refit, BoxesOfAnyBvh_ContainTheirTriangles) {
   RefitDice dice(2);
   for (int i = 0; i < 300; ++i) {
-    const RandomTree tree = random_tree(1 + dice.below(60), dice);
+    const RandomBvh bvh = random_bvh(1 + dice.below(60), dice);
     const auto which = dice.below(static_cast<unsigned>(std::size(kRefitScenes)));
-    const Triangles triangles = kRefitScenes[which].make(tree.slots, dice);
-    std::vector<std::uint32_t> order(tree.slots);
+    const Triangles triangles = kRefitScenes[which].make(bvh.slots, dice);
+    std::vector<std::uint32_t> order(bvh.slots);
     std::iota(order.begin(), order.end(), 0u);
-    SCOPED_TRACE(fmt::format("tree {} of {}", i, kRefitScenes[which].name));
-    const auto refitted = reference::refit(tree.nodes, order, triangles);
+    SCOPED_TRACE(fmt::format("BVH {} of {}", i, kRefitScenes[which].name));
+    const auto refitted = reference::refit(bvh.nodes, order, triangles);
     ASSERT_FALSE(refitted.bad);
     expect_sound(refitted.nodes, order, triangles);
     if (::testing::Test::HasFatalFailure()) return;
@@ -145,15 +145,15 @@ TEST(Refit, SecondRefit_ChangesNothing) {
   RefitDice dice(3);
   for (const RefitScene& scene : kRefitScenes) {
     const Triangles triangles = scene.make(500, dice);
-    const Hierarchy tree = Hierarchy::build(triangles);
-    const auto once = reference::refit(tree.nodes(), tree.order(), triangles);
-    EXPECT_EQ(reference::refit(once.nodes, tree.order(), triangles).nodes, once.nodes);
+    const Bvh bvh = Bvh::build(triangles);
+    const auto once = reference::refit(bvh.nodes(), bvh.order(), triangles);
+    EXPECT_EQ(reference::refit(once.nodes, bvh.order(), triangles).nodes, once.nodes);
   }
 }
 
 TEST(Refit, EmptyBvh_StaysEmpty) {
-  const auto refitted = reference::refit(Hierarchy().nodes(), {}, Triangles{});
-  EXPECT_TRUE(std::ranges::equal(refitted.nodes, Hierarchy().nodes()));
+  const auto refitted = reference::refit(Bvh().nodes(), {}, Triangles{});
+  EXPECT_TRUE(std::ranges::equal(refitted.nodes, Bvh().nodes()));
   EXPECT_FALSE(refitted.bad);
 }
 
@@ -168,7 +168,7 @@ TEST(Refit, RefittedBvh_CostsFewMoreVisits) {
       {"needles", kRefitScenes[2].make(20'000, dice)},
       {"far away", kRefitScenes[10].make(20'000, dice)}};
   for (const auto& [name, all] : scenes) {
-    const Hierarchy fresh = Hierarchy::build(all);
+    const Bvh fresh = Bvh::build(all);
     const auto nodes = reference::refit(fresh.nodes(), fresh.order(), all).nodes;
     const auto before = fresh.expected_visits();
     const auto after = rewritten(fresh, nodes, fresh.box()).expected_visits();
@@ -182,19 +182,19 @@ TEST(Refit, RefittedBvh_CostsFewMoreVisits) {
 TEST(Refit, TriangleWithoutABox_IsNamed) {
   RefitDice dice(5);
   const Triangles good = kRefitScenes[1].make(100, dice);
-  const Hierarchy tree = Hierarchy::build(good);
+  const Bvh bvh = Bvh::build(good);
   for (const float x : {std::nanf(""), INFINITY, -INFINITY, 0x1.000002p40f, -0x1.000002p40f}) {
     for (const std::uint32_t slot : {0u, 41u, 99u}) {
       Triangles bad = good;
-      bad[tree.order()[slot]].v2.y() = x;
-      const auto refitted = reference::refit(tree.nodes(), tree.order(), bad);
+      bad[bvh.order()[slot]].v2.y() = x;
+      const auto refitted = reference::refit(bvh.nodes(), bvh.order(), bad);
       ASSERT_TRUE(refitted.bad);
       EXPECT_EQ(*refitted.bad, slot);
-      EXPECT_EQ(refitted.nodes[0], tree.nodes()[0]);
+      EXPECT_EQ(refitted.nodes[0], bvh.nodes()[0]);
     }
   }
   try {
-    (void)reference::refit(tree.nodes(), tree.order(), Triangles(99));
+    (void)reference::refit(bvh.nodes(), bvh.order(), Triangles(99));
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::kUsage);

@@ -58,8 +58,8 @@ void expect_all_records(const std::vector<Secondary>& all, const std::vector<P>&
   for (const Mode mode : modes) {
     const std::vector<Record> should = swept(all, primaries, mode);
     for (const unsigned leaf : {1u, 2u}) {
-      const Hierarchy tree = Hierarchy::build(all, {.leaf = leaf});
-      reference::Traversal walk(all, tree);
+      const Bvh bvh = Bvh::build(all, {.leaf = leaf});
+      reference::Traversal walk(all, bvh);
       std::vector<Record> own;
       for (std::uint32_t i = 0; i < primaries.size(); ++i) {
         const std::vector<Record> some = walk.trace(primaries[i], i, mode);

@@ -288,7 +288,7 @@ void run_picture(const AccuracyOptions& o) {
 /// Runs the queries of every frame in each format. Modelled times are for the planned card.
 void run_scene(const AccuracyOptions& o) {
   cde::Scene scene = load_scene(o.scene);
-  scene.card.hierarchy = UseHierarchy::kOff;  // a BVH needs fp32, and rows are those of brute force
+  scene.card.bvh = UseBvh::kOff;  // a BVH needs fp32, and rows are those of brute force
   const Plan planned = plan(scene);
   const Frames frames = frames_of(o.frames, scene);
   SceneAccuracyOptions options{.first = frames.first, .last = frames.last, .quiet = o.quiet};

@@ -28,7 +28,7 @@ struct Section {
 };
 constexpr Section kSections[] = {{"rays", bench_rays},       {"fp", bench_fp},
                                  {"pairs", bench_pairs},     {"bus", bench_bus},
-                                 {"effects", bench_effects}, {"hierarchy", bench_hierarchy},
+                                 {"effects", bench_effects}, {"bvh", bench_bvh},
                                  {"waves", bench_waves}};
 
 std::string field_of(const char* file, const std::string& field) {
@@ -98,9 +98,9 @@ void add_bench(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device cycles, and software on the same machine");
   named(verb->add_option("section", a->sections,
-                         "Sections to run: rays, fp, pairs, bus, effects, hierarchy, waves")
+                         "Sections to run: rays, fp, pairs, bus, effects, bvh, waves")
             ->default_str("all"),
-        {"rays", "fp", "pairs", "bus", "effects", "hierarchy", "waves"}, "SECTION", "section");
+        {"rays", "fp", "pairs", "bus", "effects", "bvh", "waves"}, "SECTION", "section");
   auto* json = verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   quiet_flag(*verb);
   verb->add_flag("--markdown", a->options.markdown,

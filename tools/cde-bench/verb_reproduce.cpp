@@ -44,8 +44,8 @@ void run(const Arguments& a) {
     }
   }
   show("With a BVH\n");
-  for (const WithHierarchy& row : r.hierarchy) {
-    show_tree(row.tree);
+  for (const WithBvh& row : r.bvh) {
+    show_bvh(row.figures);
     show("  brute force with {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
          counted(a.options.lanes, "lane"), duration(row.sweep.seconds));
   }

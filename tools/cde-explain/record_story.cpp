@@ -75,9 +75,9 @@ class Teller {
     s_.scene.card.trace = true;
     find_record();
     plan_ = plan(s_.scene);
-    s_.swept_instead = plan_.queries.at(s_.query).hierarchy;
+    s_.swept_instead = plan_.queries.at(s_.query).bvh;
     if (s_.swept_instead) {
-      s_.scene.card.hierarchy = UseHierarchy::kOff;
+      s_.scene.card.bvh = UseBvh::kOff;
       plan_ = plan(s_.scene);
     }
     if (!exact) use_built_card(s_.scene, plan_);

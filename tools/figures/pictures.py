@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """All pictures by name: functions of the repository's root."""
 import bus
+import bvh
 import card
 import charts
-import hierarchy
 import pairs
 import pass_time
 import pipe
@@ -16,8 +16,8 @@ ALL = {
     "card": card.card,
     "pass": pass_time.picture,
     "shapes": solid_shapes.picture,
-    "traversal": hierarchy.traversal,
-    "bvh_bound": hierarchy.bound,
+    "traversal": bvh.traversal,
+    "bvh_bound": bvh.bound,
     "pipe": pipe.moeller,
     "pipe_spheres": pipe.spheres,
     "bus": bus.picture,

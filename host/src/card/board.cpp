@@ -55,7 +55,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.pipe_latency = card::kCaps2Latency.of(caps2);
   card.sram_records = card::kCaps2SramRecords.of(caps2);
   card.capacity = card.read_register(card::kRegCapacity);
-  card.node_units = card::kCaps2NodeUnits.of(caps2);
+  card.traversal_units = card::kCaps2TraversalUnits.of(caps2);
   const auto field = [&](const char* what, std::uint64_t value, std::uint64_t wanted) {
     if (value != wanted) refuse(fmt::format("{} is {}; expected {}", what, value, wanted));
   };
@@ -77,8 +77,8 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("two pairs at a time", card::kCaps3Parallel.of(caps3), config.parallel);
   field("box rule", card::kCaps3Box.of(caps3), config.box);
   field("verdicts", card::kCaps3Verdicts.of(caps3), config.verdicts.has_value());
-  field("number of traversal units", card.node_units, config.node_units);
-  if (card.node_units != 0) {
+  field("number of traversal units", card.traversal_units, config.traversal_units);
+  if (card.traversal_units != 0) {
     const std::uint64_t node_caps = card.read_register(card::kRegNodeCaps);
     card.node_capacity = card::kNodeCapsNodes.of(node_caps);
     card.ray_places = card::kNodeCapsRays.of(node_caps);
@@ -246,7 +246,7 @@ void Board::upload_words(Shape shape, std::size_t count, const Words& words,
     if (const auto why = defect(i)) throw_defect(shape, i, *why);
   const std::uint64_t start = clocks();
   card().secondaries = 0;
-  card().hierarchy = {};
+  card().bvh = {};
   card().write_slots(shape, 0, count, words);
   card().upload_clocks = clocks() - start;
   card().secondaries = static_cast<std::uint32_t>(count);
@@ -268,7 +268,7 @@ void Board::update_words(Shape shape, std::size_t first, std::size_t count, cons
     if (const auto why = defect(i)) throw_defect(shape, i, *why);
   const std::uint64_t start = clocks();
   const std::uint32_t there = std::exchange(card().secondaries, 0);  // no secondaries if this fails
-  card().outdate_hierarchy(first, count);
+  card().outdate_bvh(first, count);
   card().write_slots(shape, first, count, words);
   card().upload_clocks = clocks() - start;
   card().secondaries = there;

@@ -31,10 +31,10 @@ struct ObjectTable {
 };
 
 /// The BVH in a card's memory.
-struct LoadedHierarchy {
+struct LoadedBvh {
   std::uint32_t nodes = 0, slots = 0;   ///< 0: no BVH
   std::array<std::uint32_t, 8> root{};  ///< as in kRegRoot
-  std::vector<Hierarchy::Part> parts;   ///< one per object
+  std::vector<Bvh::Part> parts;   ///< one per object
   std::vector<std::uint32_t> firsts;    ///< first secondary of each object
   std::vector<std::uint32_t> counts;
   bool stale = false;       ///< secondaries have changed since the upload
@@ -88,15 +88,15 @@ class Board::Impl {
   /// each time. `command` is that of the failed pass. Nothing if no pass finds the error again.
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
   /// Writes nodes and slots into their memories.
-  void write_hierarchy(const Hierarchy& hierarchy);
+  void write_bvh(const Bvh& source);
   /// Writes one word per slot: the word of the secondary at that place of the order.
   void write_slots_of(std::span<const std::uint32_t> order, std::uint64_t byte,
                       const std::function<std::uint32_t(std::uint32_t)>& word);
   /// Writes the registers that traversal and refit share, for the nodes [first, end).
-  void configure_hierarchy(std::uint32_t first, std::uint32_t end);
+  void configure_bvh(std::uint32_t first, std::uint32_t end);
   /// Marks the BVH as stale: secondaries have changed, or an object has moved.
-  void outdate_hierarchy(std::uint64_t first, std::uint64_t count);
-  void outdate_hierarchy(std::size_t object);
+  void outdate_bvh(std::uint64_t first, std::uint64_t count);
+  void outdate_bvh(std::size_t object);
   [[nodiscard]] std::optional<std::string> no_way_through_objects() const;
   /// Why the pass cannot traverse a BVH; nothing if it can.
   [[nodiscard]] std::optional<std::string> no_way_through(const Query& query) const;
@@ -138,9 +138,9 @@ class Board::Impl {
   std::uint64_t register_ps = 0;  ///< spent in register accesses
   std::uint64_t load_ps = 0;      ///< spent in the last load of primaries
   std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
-  unsigned node_units = 0, node_capacity = 0, ray_places = 0;
+  unsigned traversal_units = 0, node_capacity = 0, ray_places = 0;
   std::uint64_t slot_capacity = 0;  ///< leaf slots that the card can hold
-  LoadedHierarchy hierarchy;
+  LoadedBvh bvh;
   ObjectTable objects{"secondaries", card::kObjectTable};
   ObjectTable primary_objects{"primaries", card::kPrimObjectTable};
 

@@ -113,7 +113,7 @@ void Board::Impl::set_objects(ObjectTable& table, std::span<const Object> all) {
     check_object(table, i, all[i]);
   }
   table.assign({all.begin(), all.end()});
-  if (&table == &objects && !hierarchy.firsts.empty()) outdate_hierarchy(0, secondaries);
+  if (&table == &objects && !bvh.firsts.empty()) outdate_bvh(0, secondaries);
   for (std::size_t i = 0; i < all.size(); ++i) {
     write_object(table, i);
     write_transform(table, i);
@@ -133,7 +133,7 @@ void Board::Impl::move_object(ObjectTable& table, std::size_t number, const Tran
   moved.transform = transform;
   check_object(table, number, moved);
   table.objects[number] = moved;
-  if (&table == &objects && !hierarchy.firsts.empty()) outdate_hierarchy(number);
+  if (&table == &objects && !bvh.firsts.empty()) outdate_bvh(number);
   write_transform(table, number);
   check_bus("the upload of a transform");
 }

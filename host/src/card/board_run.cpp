@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "card/card_pass.hpp"
-#include "card/hierarchy_pass.hpp"
+#include "card/bvh_pass.hpp"
 #include "cde/contract/pairs.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/reference/pairs.hpp"
@@ -322,13 +322,13 @@ class Passing {
 };
 
 /// Whether the query traverses the BVH. Error kUsage if it must and cannot.
-bool through_hierarchy(const Board::Impl& card, const Query& query) {
+bool through_bvh(const Board::Impl& card, const Query& query) {
   if (query.through > Through::kSweep)
     throw Error(ErrorCode::kUsage,
                 fmt::format("there is no Through value {}", static_cast<unsigned>(query.through)));
   if (query.through == Through::kSweep) return false;
   const auto why = card.no_way_through(query);
-  if (why && query.through == Through::kHierarchy)
+  if (why && query.through == Through::kBvh)
     throw Error(ErrorCode::kUsage, "this query cannot traverse a BVH: " + *why);
   return !why;
 }
@@ -347,12 +347,12 @@ Counters with_retries(Board::Impl& card, const Attempt& attempt) {
 }
 
 Counters walk(Board::Impl& card, const Query& query, std::span<const std::uint32_t> numbers,
-              const HierarchyPass::Rays& rays, std::vector<Record>& records) {
+              const BvhPass::Rays& rays, std::vector<Record>& records) {
   records.clear();
   if (numbers.empty()) return {};
   return with_retries(card, [&] {
     card.prepare_objects();
-    return HierarchyPass(card, query, numbers, rays).execute(records);
+    return BvhPass(card, query, numbers, rays).execute(records);
   });
 }
 
@@ -426,7 +426,7 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
       present();
     };
   }
-  const bool through = through_hierarchy(it, whole);
+  const bool through = through_bvh(it, whole);
   const Passing passing(it.passing);
   if (!through) return sweep(it, whole, sink, present);
   std::vector<std::uint32_t> numbers;
@@ -468,7 +468,7 @@ Counters Board::cast_words(Shape shape, std::size_t count, const Words& words, c
   idle_card().link->alive();
   require_sink(sink);
   (void)name_of(query.mode);
-  if (count != 0 && through_hierarchy(card(), complete(card(), query, shape)))
+  if (count != 0 && through_bvh(card(), complete(card(), query, shape)))
     return cast_through(shape, count, words, query, sink);
   const std::size_t packet = primaries();
   Counters total;

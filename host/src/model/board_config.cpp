@@ -72,7 +72,7 @@ constexpr Number kFields[] = {
     field<&BoardConfig::facet_interval>("FACET_II"),
     verdict_field<&FpFormat::exp_bits>("VERDICT_EXP"),
     verdict_field<&FpFormat::man_bits>("VERDICT_MAN"),
-    field<&BoardConfig::node_units>("NODE_UNITS"),
+    field<&BoardConfig::traversal_units>("TRAVERSAL_UNITS"),
     field<&BoardConfig::nodes>("NODES"),
     field<&BoardConfig::ecc>("ECC"),
     field<&BoardConfig::transform>("TRANSFORM"),
@@ -143,17 +143,17 @@ void check_verdicts(const BoardConfig& c) {
 
 namespace {
 
-void check_hierarchy(const BoardConfig& c) {
+void check_bvh(const BoardConfig& c) {
   const auto require = [](bool ok, const std::string& why) {
     if (!ok) throw Error(ErrorCode::kUsage, why);
   };
-  if (c.node_units == 0) {
+  if (c.traversal_units == 0) {
     require(c.nodes == BoardConfig().nodes, "a card without traversal units has no node memory");
     return;
   }
   constexpr unsigned kMostUnits = 4, kLeastNodes = 16, kMostNodes = 1u << 22;
-  require(std::has_single_bit(c.node_units) && c.node_units <= kMostUnits,
-          fmt::format("node_units is {}; it must be 0, 1, 2 or 4", c.node_units));
+  require(std::has_single_bit(c.traversal_units) && c.traversal_units <= kMostUnits,
+          fmt::format("traversal_units is {}; it must be 0, 1, 2 or 4", c.traversal_units));
   require(std::has_single_bit(c.nodes) && c.nodes >= kLeastNodes && c.nodes <= kMostNodes,
           fmt::format("nodes is {}; it must be a power of two from {} to {}", c.nodes, kLeastNodes,
                       kMostNodes));
@@ -214,7 +214,7 @@ std::vector<std::string> BoardConfig::parameters() const {
                 "the box rule needs triangles with rays, spheres, AABBs, OBBs or triangles, or "
                 "OBBs with spheres or OBBs; the card has no such pair");
   const BoardConfig standard;
-  check_hierarchy(*this);
+  check_bvh(*this);
   const bool moves = transform != Transformer::kNone, poses = transform == Transformer::kBoth;
   const auto table = [&](unsigned value, const char* name) {
     require(value >= 2 && value <= 2048, name, value, "2 to 2048");

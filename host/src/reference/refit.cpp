@@ -7,15 +7,15 @@
 #include <array>
 #include <bit>
 
-#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/bvh/bvh.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::reference {
 namespace {
 
 using Eigen::AlignedBox3f;
-using hierarchy::Child;
-using hierarchy::Node;
+using bvh::Child;
+using bvh::Node;
 
 /// An fp32 number as mantissa 2^(exponent - 151), with one bit below fp32's.
 struct Number {
@@ -122,7 +122,7 @@ Refitted refit(std::span<const Node> nodes, std::span<const std::uint32_t> order
   if (triangles.size() != order.size())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} triangles for a BVH of {}", triangles.size(), order.size()));
-  (void)hierarchy::check(nodes, order.size());
+  (void)bvh::check(nodes, order.size());
   Refitted refitted{{nodes.begin(), nodes.end()}, {}};
   for (std::size_t n = nodes.size(); n-- > 0;) {
     Node& node = refitted.nodes[n];

@@ -28,8 +28,8 @@
 namespace cde::reference {
 namespace {
 
-using hierarchy::Child;
-using hierarchy::Node;
+using bvh::Child;
+using bvh::Node;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
 /// A key as the card's stack holds it, in 16 bits: rounded up or down.
@@ -136,12 +136,12 @@ class Traversal::Walk {
       tmin_ = primary.tmin;
       tmax_ = primary.tmax;
     }
-    const auto& box = of.hierarchy_.box();
+    const auto& box = of.bvh_.box();
     front_ = front_of(primary, root_bounds<float>(box.min(), box.max()),
                       std::holds_alternative<std::span<const Sphere>>(of.secondaries_)
                           ? Shape::kSphere
                           : Shape::kTriangle);
-    visit(of.hierarchy_.nodes()[0]);
+    visit(of.bvh_.nodes()[0]);
     while (!over_ && depth_ != 0) {
       Group& top = stack_[depth_ - 1];
       const Group::Entry next = top.entries[--top.count];
@@ -150,7 +150,7 @@ class Traversal::Walk {
       if (whole || top.count == 0) --depth_;
       if (whole) continue;
       if (next.child == Child::kNode)
-        visit(of.hierarchy_.nodes()[next.place]);
+        visit(of.bvh_.nodes()[next.place]);
       else
         test(next.place, slots_of(next.child));
     }
@@ -199,7 +199,7 @@ class Traversal::Walk {
   void test(std::uint32_t slot, unsigned count) {
     for (std::uint32_t s = slot; s < slot + count; ++s) {
       ++of_.counts_.secondaries;
-      const std::uint32_t index = of_.hierarchy_.order()[s];
+      const std::uint32_t index = of_.bvh_.order()[s];
       const Record record = std::visit(
           [&](const auto& all) {
             return answer(primary_, all[index], number_, index, of_.algorithm_);
@@ -236,28 +236,28 @@ class Traversal::Walk {
   float tmax_ = 0, tmin_ = 0;  // the interval that still counts
   RayFront<float> front_;
   /// When a node's last child is visited, its group is already popped. So depth is bounded.
-  std::array<Group, Hierarchy::kMostDepth> stack_;
+  std::array<Group, Bvh::kMostDepth> stack_;
   unsigned depth_ = 0;
   std::vector<Record> records_;
   bool over_ = false;
 };
 
 Traversal::Traversal(Secondaries secondaries, std::size_t count, std::string_view shape,
-                     const Hierarchy& hierarchy, Algorithm algorithm)
-    : secondaries_(secondaries), hierarchy_(hierarchy), algorithm_(algorithm) {
+                     const Bvh& bvh, Algorithm algorithm)
+    : secondaries_(secondaries), bvh_(bvh), algorithm_(algorithm) {
   (void)name(algorithm);  // throws for an unknown algorithm
-  if (count != hierarchy.order().size())
+  if (count != bvh.order().size())
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} {}s for a BVH of {}", count, shape, hierarchy.order().size()));
+                fmt::format("{} {}s for a BVH of {}", count, shape, bvh.order().size()));
 }
-Traversal::Traversal(const TriangleView& triangles, const Hierarchy& hierarchy, Algorithm algorithm)
-    : Traversal(triangles, triangles.size(), name(Shape::kTriangle), hierarchy, algorithm) {}
-Traversal::Traversal(std::span<const Sphere> spheres, const Hierarchy& hierarchy)
-    : Traversal(spheres, spheres.size(), name(Shape::kSphere), hierarchy, Algorithm::kMoller) {}
-Traversal::Traversal(std::span<const Aabb> boxes, const Hierarchy& hierarchy)
-    : Traversal(boxes, boxes.size(), name(Shape::kAabb), hierarchy, Algorithm::kMoller) {}
-Traversal::Traversal(std::span<const Obb> boxes, const Hierarchy& hierarchy)
-    : Traversal(boxes, boxes.size(), name(Shape::kObb), hierarchy, Algorithm::kMoller) {}
+Traversal::Traversal(const TriangleView& triangles, const Bvh& bvh, Algorithm algorithm)
+    : Traversal(triangles, triangles.size(), name(Shape::kTriangle), bvh, algorithm) {}
+Traversal::Traversal(std::span<const Sphere> spheres, const Bvh& bvh)
+    : Traversal(spheres, spheres.size(), name(Shape::kSphere), bvh, Algorithm::kMoller) {}
+Traversal::Traversal(std::span<const Aabb> boxes, const Bvh& bvh)
+    : Traversal(boxes, boxes.size(), name(Shape::kAabb), bvh, Algorithm::kMoller) {}
+Traversal::Traversal(std::span<const Obb> boxes, const Bvh& bvh)
+    : Traversal(boxes, boxes.size(), name(Shape::kObb), bvh, Algorithm::kMoller) {}
 
 template <class P>
 std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number, Mode mode) {
@@ -267,7 +267,7 @@ std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number,
     throw Error(ErrorCode::kUsage, "a BVH cannot find the farthest shape from a solid");
   std::vector<Record> records;
   const Record none = unanswered(primary, number, false, {});
-  if (!none.bad && !hierarchy_.order().empty()) {
+  if (!none.bad && !bvh_.order().empty()) {
     const Goal goal = mode == Mode::kNearest    ? Goal::kNearest
                       : mode == Mode::kFarthest ? Goal::kFarthest
                       : mode == Mode::kHits     ? Goal::kHits
@@ -287,7 +287,7 @@ std::vector<Record> Traversal::trace(const Ray& ray, std::uint32_t number, Mode 
 }
 template <class P>
 bool Traversal::meets_any(const P& primary) {
-  if (defect(primary) || hierarchy_.order().empty()) return false;
+  if (defect(primary) || bvh_.order().empty()) return false;
   return !Walk<P>(*this, primary, 0, Goal::kOccluded).records().empty();
 }
 

@@ -6,33 +6,33 @@
 #include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
-#include "scene/tree_choice.hpp"
+#include "scene/bvh_choice.hpp"
 
 namespace cde {
 namespace {
 
 /// Estimated microseconds of simulation. Building a BVH takes 1 us per triangle, and traversing it
 /// 4 us per ray. Brute force on 64 lanes takes 4.6 ns per test (cde bench).
-tree_choice::Cost cost(std::uint64_t triangles, std::uint64_t rays) {
+bvh_choice::Cost cost(std::uint64_t triangles, std::uint64_t rays) {
   const auto t = static_cast<double>(triangles), r = static_cast<double>(rays);
   return {t + 4 * r, 4.6e-3 * t * r};
 }
 
 /// The same per ray, once the BVH is built: overlapping boxes cull little. Simulating a cycle takes
 /// 0.4 us.
-tree_choice::Cost cost(const Hierarchy& tree, std::uint64_t triangles) {
-  const Hierarchy::Visits visits = tree.expected_visits();
-  return {2 + 0.4 * tree_choice::cycles(visits.nodes, visits.secondaries),
+bvh_choice::Cost cost(const Bvh& bvh, std::uint64_t triangles) {
+  const Bvh::Visits visits = bvh.expected_visits();
+  return {2 + 0.4 * bvh_choice::cycles(visits.nodes, visits.secondaries),
           4.6e-3 * static_cast<double>(triangles)};
 }
 
 bool must_traverse(const CastRequest& r) {
-  return r.hierarchy.value_or(false) || r.mode == Mode::kOccluded;
+  return r.bvh.value_or(false) || r.mode == Mode::kOccluded;
 }
 
 bool traverses(const CastRequest& r, std::uint64_t triangles,
-               const std::optional<tree_choice::Cost>& cost = {}) {
-  return tree_choice::traverses(must_traverse(r), Shape::kTriangle, triangles, cost);
+               const std::optional<bvh_choice::Cost>& cost = {}) {
+  return bvh_choice::traverses(must_traverse(r), Shape::kTriangle, triangles, cost);
 }
 
 /// Wide cards simulate more tests per second. But their gates take minutes to compile, their waves
@@ -43,18 +43,18 @@ unsigned lanes_of(const CastRequest& r, std::uint64_t rays) {
 }
 
 /// The BVH, or nothing where brute force is as good. `warning` says why a BVH cannot be built.
-std::shared_ptr<const Hierarchy> built_tree(const CastRequest& r, const Mesh& mesh,
+std::shared_ptr<const Bvh> built_bvh(const CastRequest& r, const Mesh& mesh,
                                             std::string& warning) {
-  std::shared_ptr<const Hierarchy> tree;
+  std::shared_ptr<const Bvh> bvh;
   try {
-    tree = std::make_shared<const Hierarchy>(Hierarchy::build(mesh));
+    bvh = std::make_shared<const Bvh>(Bvh::build(mesh));
   } catch (const Error& e) {
     if (must_traverse(r)) throw;
     warning = e.what();
     return nullptr;
   }
   const std::uint64_t triangles = mesh.faces.size();
-  return traverses(r, triangles, cost(*tree, triangles)) ? tree : nullptr;
+  return traverses(r, triangles, cost(*bvh, triangles)) ? bvh : nullptr;
 }
 
 /// Replaces a card that is not built by a built one, if this adds at most 0.3 minutes or so of
@@ -91,11 +91,11 @@ std::optional<std::string> why_not_traversable(const CastRequest& r) {
 
 bool may_traverse(const CastRequest& r, std::uint64_t triangles) {
   const auto why_not = why_not_traversable(r);
-  if (r.mode == Mode::kOccluded && (why_not || !r.hierarchy.value_or(true)))
+  if (r.mode == Mode::kOccluded && (why_not || !r.bvh.value_or(true)))
     throw Error(ErrorCode::kUsage, "mode occluded needs a BVH: " +
                                        why_not.value_or("it cannot be combined with --no-bvh"));
-  if (r.hierarchy.value_or(false) && why_not) throw Error(ErrorCode::kUsage, "--bvh: " + *why_not);
-  return !why_not && (must_traverse(r) || (!r.hierarchy && !r.lanes)) && traverses(r, triangles);
+  if (r.bvh.value_or(false) && why_not) throw Error(ErrorCode::kUsage, "--bvh: " + *why_not);
+  return !why_not && (must_traverse(r) || (!r.bvh && !r.lanes)) && traverses(r, triangles);
 }
 
 CastPlan plan_cast(const CastRequest& r, const Mesh& mesh, std::uint64_t rays) {
@@ -108,13 +108,13 @@ CastPlan plan_cast(const CastRequest& r, const Mesh& mesh, std::uint64_t rays) {
   plan.card.trace = r.trace;
   plan.card.lanes = lanes_of(r, rays);
   if (may_traverse(r, triangles) && traverses(r, triangles, cost(triangles, rays)))
-    plan.hierarchy = built_tree(r, mesh, plan.warning);
-  if (plan.hierarchy) {
-    plan.card.node_units = tree_choice::kNodeUnits;
-    plan.card.nodes = tree_choice::node_memory(*plan.hierarchy, triangles);
-    if (!r.lanes) plan.card.lanes = tree_choice::kLanes;
+    plan.bvh = built_bvh(r, mesh, plan.warning);
+  if (plan.bvh) {
+    plan.card.traversal_units = bvh_choice::kTraversalUnits;
+    plan.card.nodes = bvh_choice::node_memory(*plan.bvh, triangles);
+    if (!r.lanes) plan.card.lanes = bvh_choice::kLanes;
   }
-  if (!plan.hierarchy) use_built_card(r, plan, rays, triangles);
+  if (!plan.bvh) use_built_card(r, plan, rays, triangles);
   return plan;
 }
 

@@ -80,7 +80,7 @@ SceneCard read_card(Table t) {
   card.ecc = t.flag("ecc", false);
   card.trace = t.flag("trace", false);
   card.mover = static_cast<Mover>(t.choice("mover", {"auto", "host", "card"}, 0));
-  card.hierarchy = static_cast<UseHierarchy>(t.choice("hierarchy", {"auto", "on", "off"}, 0));
+  card.bvh = static_cast<UseBvh>(t.choice("bvh", {"auto", "on", "off"}, 0));
   if (auto latency = t.table("latency")) {
     const auto clocks = [&](const char* key) { return latency->integer<unsigned>(key, 1, 1, 16); };
     card.latency_add = clocks("add");

@@ -12,10 +12,10 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/plan_card.hpp"
-#include "scene/plan_hierarchy.hpp"
+#include "scene/plan_bvh.hpp"
 #include "scene/plan_mover.hpp"
 #include "scene/self_pairs.hpp"
-#include "scene/tree_choice.hpp"
+#include "scene/bvh_choice.hpp"
 
 namespace cde {
 namespace {
@@ -227,7 +227,7 @@ Effect lanes(const Scene& scene, const Plan& plan) {
   const unsigned n = plan.board.lanes;
   Effect e{"lanes", true, fmt::format("{}", n), "", ""};
   if (std::all_of(plan.queries.begin(), plan.queries.end(),
-                  [](const QueryWork& w) { return w.hierarchy; })) {
+                  [](const QueryWork& w) { return w.bvh; })) {
     e.why = scene.card.lanes ? "asked for in [card]" : "no query uses brute force";
     e.cost = "0 rows per frame";
     return e;
@@ -437,13 +437,13 @@ void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan
 
 /// Adds traversal units if queries traverse a BVH. Their primaries are streamed in as the host
 /// moved them. If every query traverses, the lanes are idle and few suffice.
-Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan) {
-  const plan_hierarchy::Choice choice = plan_hierarchy::choose(scene, plan);
+Effect add_bvh(const Scene& scene, plan_mover::Movers& movers, Plan& plan) {
+  const plan_bvh::Choice choice = plan_bvh::choose(scene, plan);
   if (choice.nodes == 0) return choice.effect;
-  plan.board.node_units = tree_choice::kNodeUnits;
+  plan.board.traversal_units = bvh_choice::kTraversalUnits;
   plan.board.nodes = choice.nodes;
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
-    plan.queries[q].hierarchy = choice.queries[q];
+    plan.queries[q].bvh = choice.queries[q];
   plan_mover::leave_primaries(movers, "the host writes them during BVH traversal");
   const bool sweeps =
       std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end();
@@ -451,7 +451,7 @@ Effect add_hierarchy(const Scene& scene, plan_mover::Movers& movers, Plan& plan)
   if (!sweeps && !scene.card.lanes)
     plan.board.lanes = std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)
                            ? kLanesOfLargePipes
-                           : tree_choice::kLanes;
+                           : bvh_choice::kLanes;
   return choice.effect;
 }
 
@@ -479,10 +479,10 @@ Plan plan(const Scene& scene) {
   check_capacity(scene, plan);
   plan_mover::Movers movers = plan_mover::choose(scene, plan.resident);
   plan.card_moves = movers.secondaries;
-  const Effect hierarchy = add_hierarchy(scene, movers, plan);
+  const Effect bvh = add_bvh(scene, movers, plan);
   add_movers(scene, movers, plan);
   plan.effects = effects_of(scene, plan, movers.effects);
-  plan.effects.insert(plan.effects.begin() + 2, hierarchy);
+  plan.effects.insert(plan.effects.begin() + 2, bvh);
   return plan;
 }
 

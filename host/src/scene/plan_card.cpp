@@ -71,7 +71,7 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
          card.latency_div == planned.latency_div && card.latency_sqrt == planned.latency_sqrt &&
          card.latency_compare == planned.latency_compare && card.ddr_slots == planned.ddr_slots &&
          card.sram_records == planned.sram_records && card.bus == planned.bus &&
-         card.ecc == planned.ecc && card.node_units == planned.node_units &&
+         card.ecc == planned.ecc && card.traversal_units == planned.traversal_units &&
          card.nodes >= planned.nodes;
 }
 

@@ -174,7 +174,7 @@ class Player::Impl {
         secondaries_(board_, scene, plan),
         primaries_(board_, scene, plan),
         faults_(board_, options_.faults) {
-    for (std::size_t q = 0; q < through_.size(); ++q) through_[q] = plan.queries[q].hierarchy;
+    for (std::size_t q = 0; q < through_.size(); ++q) through_[q] = plan.queries[q].bvh;
     if (!options_.waves_of) trace_open();
   }
   void trace_close() {
@@ -275,7 +275,7 @@ class Player::Impl {
     packet.active = active.size();
     const bool streams = through(packet, query);  // written during the pass, not loaded
     if (through_[packet.query] && !streams)
-      result.swept_as = secondaries_.no_tree().value_or(*board_.no_way_through(query));
+      result.swept_as = secondaries_.no_bvh().value_or(*board_.no_way_through(query));
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
       check.emplace(q, card_, board_, packet.self, primaries, sampled(active, packet.frame),

@@ -143,8 +143,8 @@ void Row::place(const Change& change) {
 Secondaries::Secondaries(Board& board, const Scene& scene, const Plan& plan)
     : board_(&board),
       has_table_(plan.board.transform != Transformer::kNone),
-      has_tree_(std::any_of(plan.queries.begin(), plan.queries.end(),
-                            [](const QueryWork& w) { return w.hierarchy; })),
+      has_bvh_(std::any_of(plan.queries.begin(), plan.queries.end(),
+                            [](const QueryWork& w) { return w.bvh; })),
       scene_(&scene),
       by_card_(plan.card_moves),
       row_(scene, plan.card_moves, Table::kAll) {}
@@ -153,7 +153,7 @@ void Secondaries::show(const std::vector<std::size_t>& objects, std::uint32_t fr
   const Row::Change change = row_.show(objects, frame);
   try {
     write(change);
-    if (has_tree_) fit_tree(change, objects);
+    if (has_bvh_) fit_bvh(change, objects);
   } catch (...) {
     row_.forget();  // the card's state is now unknown
     throw;
@@ -176,41 +176,41 @@ void Secondaries::write(const Row::Change& change) {
 /// A BVH over triangles is built for the first frame, whichever frame is shown first. If something
 /// moves, the card refits its boxes. A BVH over solids is built for each frame. So the reads of a
 /// frame do not depend on earlier frames.
-void Secondaries::fit_tree(const Row::Change& change, const std::vector<std::size_t>& objects) {
+void Secondaries::fit_bvh(const Row::Change& change, const std::vector<std::size_t>& objects) {
   if (!change.all && change.shapes.empty() && change.entries.empty()) return;
-  no_tree_.reset();
+  no_bvh_.reset();
   try {
     if (!std::holds_alternative<std::vector<Triangle>>(row_.placed())) {
-      board_->upload(tree_of(row_));
+      board_->upload(bvh_of_row(row_));
     } else if (change.all) {
-      tree_there_ = false;
+      bvh_there_ = false;
       Row first(*scene_, by_card_, Table::kAll);
       (void)first.show(objects, 0);
-      board_->upload(tree_of(first));
-      tree_there_ = true;
+      board_->upload(bvh_of_row(first));
+      bvh_there_ = true;
       if (std::any_of(objects.begin(), objects.end(), [&](std::size_t i) {
             return !is_still(*scene_, scene_->objects[i]) || !deforming(scene_->objects[i]).empty();
           }))
         board_->refit();
-    } else if (tree_there_) {
+    } else if (bvh_there_) {
       board_->refit();
     }
   } catch (const Error& e) {
     // Some secondaries exceed the range of boxes: brute force.
     if (e.code() != ErrorCode::kBadInput) throw;
-    no_tree_ = e.what();
+    no_bvh_ = e.what();
   }
 }
 
-Hierarchy tree_of(const Row& row) {
+Bvh bvh_of_row(const Row& row) {
   if (const auto* triangles = std::get_if<std::vector<Triangle>>(&row.shapes()))
-    return row.entries().empty() ? Hierarchy::build(*triangles)
-                                 : hierarchy_of(*triangles, row.entries());
+    return row.entries().empty() ? Bvh::build(*triangles)
+                                 : bvh_of(*triangles, row.entries());
   return std::visit(
-      [](const auto& list) -> Hierarchy {
+      [](const auto& list) -> Bvh {
         using P = typename std::decay_t<decltype(list)>::value_type;
         if constexpr (reference::Solid<P>)
-          return Hierarchy::build(list);
+          return Bvh::build(list);
         else
           throw Error(ErrorCode::kUsage, "no BVH can be over such shapes");
       },

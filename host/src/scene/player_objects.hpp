@@ -84,8 +84,8 @@ class Row {
 };
 
 /// Builds a BVH over triangles, whose parts are the objects that the card moves, or over solids.
-/// Error kUsage for other shapes, and the errors of Hierarchy::build.
-[[nodiscard]] Hierarchy tree_of(const Row& row);
+/// Error kUsage for other shapes, and the errors of Bvh::build.
+[[nodiscard]] Bvh bvh_of_row(const Row& row);
 
 /// The secondaries in the card's DDR.
 class Secondaries {
@@ -99,18 +99,18 @@ class Secondaries {
   /// All secondaries as a pass tests them.
   [[nodiscard]] const Shapes& placed() const { return row_.placed(); }
   /// Why these secondaries have no BVH; nothing if they have one or need none.
-  [[nodiscard]] const std::optional<std::string>& no_tree() const { return no_tree_; }
+  [[nodiscard]] const std::optional<std::string>& no_bvh() const { return no_bvh_; }
   /// Whether passes test whole objects, and so cannot test ranges.
   [[nodiscard]] bool moved_by_card() const { return !row_.entries().empty(); }
 
  private:
   void write(const Row::Change& change);
-  void fit_tree(const Row::Change& change, const std::vector<std::size_t>& objects);
+  void fit_bvh(const Row::Change& change, const std::vector<std::size_t>& objects);
   Board* board_;
-  bool has_table_, has_tree_, tree_there_ = false;
+  bool has_table_, has_bvh_, bvh_there_ = false;
   const Scene* scene_;
   std::vector<bool> by_card_;
-  std::optional<std::string> no_tree_;
+  std::optional<std::string> no_bvh_;
   Row row_;
 };
 

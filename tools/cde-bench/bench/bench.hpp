@@ -17,7 +17,7 @@ nlohmann::ordered_json bench_bus(const BenchOptions& options);
 nlohmann::ordered_json bench_fp(const BenchOptions& options);
 nlohmann::ordered_json bench_pairs(const BenchOptions& options);
 nlohmann::ordered_json bench_effects(const BenchOptions& options);
-nlohmann::ordered_json bench_hierarchy(const BenchOptions& options);
+nlohmann::ordered_json bench_bvh(const BenchOptions& options);
 nlohmann::ordered_json bench_waves(const BenchOptions& options);
 
 /// Processor time of this thread and of the process, in seconds.

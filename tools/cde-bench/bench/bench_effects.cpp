@@ -33,7 +33,7 @@ constexpr unsigned kLanes = 8, kQuickLanes = 16;
 constexpr const char* kScene = R"([card]
 algorithm = "moller"
 lanes = {}
-hierarchy = "off"
+bvh = "off"
 
 [[object]]
 name = "terrain"

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "bench/measured.hpp"
-#include "bench/tree_figures.hpp"
+#include "bench/bvh_figures.hpp"
 #include "cde/card/board.hpp"
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
@@ -60,17 +60,17 @@ template <class Secondary>
 CloudFigures of_cloud(Board& board, std::size_t count) {
   Cloud draws(count);
   const auto all = draws.some<Secondary>(count);
-  const auto primaries = draws.some<Sphere>(kTreeRing);
+  const auto primaries = draws.some<Sphere>(kBvhRing);
   CloudFigures figures;
   figures.shape = kShapeOf<Secondary>;
   figures.secondaries = count;
   figures.lanes = board.lanes();
-  Hierarchy tree = Hierarchy::build(all, {.threads = 1});
-  figures.refit_seconds = measured([&](std::size_t) { tree.refit(all); }).median;
-  board.upload(all, tree);
+  Bvh bvh = Bvh::build(all, {.threads = 1});
+  figures.refit_seconds = measured([&](std::size_t) { bvh.refit(all); }).median;
+  board.upload(all, bvh);
   const std::uint64_t before = board.time_ps();
-  board.upload(tree);
-  figures.tree_upload_seconds = 1e-12 * static_cast<double>(board.time_ps() - before);
+  board.upload(bvh);
+  figures.bvh_upload_seconds = 1e-12 * static_cast<double>(board.time_ps() - before);
   std::vector<Record> records;
   const auto cast = [&](std::size_t first, Through through) {
     records.clear();
@@ -83,10 +83,10 @@ CloudFigures of_cloud(Board& board, std::size_t count) {
                                        records.insert(records.end(), some.begin(), some.end());
                                      });
   };
-  figures.swept_cycles = cast(kTreePacket, Through::kSweep).cycles;
-  figures.packet = cast(kTreePacket, Through::kHierarchy);
-  figures.stream = cast(kTreeRing, Through::kHierarchy);
-  reference::Traversal walk(all, tree);
+  figures.swept_cycles = cast(kBvhPacket, Through::kSweep).cycles;
+  figures.packet = cast(kBvhPacket, Through::kBvh);
+  figures.stream = cast(kBvhRing, Through::kBvh);
+  reference::Traversal walk(all, bvh);
   for (std::uint32_t i = 0; i < primaries.size(); ++i)
     if (!same_bits(records[i], walk.trace(primaries[i], i, Mode::kNearest)[0]))
       throw Error(ErrorCode::kMismatch, fmt::format("sphere {} differs from the reference", i));
@@ -103,7 +103,7 @@ std::vector<CloudFigures> measure_clouds(double clock_hz) {
   Board board = Board::open({.lanes = 16,
                              .pairs = {Pair::kSphereSphere, Pair::kSphereObb},
                              .box = true,
-                             .node_units = kTreeUnits},
+                             .traversal_units = kTraversalUnits},
                             {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz)});
   std::vector<CloudFigures> figures;
   for (const std::size_t count : kCounts) figures.push_back(of_cloud<Sphere>(board, count));
@@ -117,12 +117,12 @@ ordered_json clouds_json(const std::vector<CloudFigures>& figures, double clock_
     all.push_back({{"shape", name(f.shape)},
                    {"secondaries", f.secondaries},
                    {"packet_cycles", f.packet.cycles},
-                   {"seconds_of_a_packet", each(f.packet, kTreePacket) / clock_hz},
-                   {"seconds_of_a_stream", each(f.stream, kTreeRing) / clock_hz},
+                   {"seconds_of_a_packet", each(f.packet, kBvhPacket) / clock_hz},
+                   {"seconds_of_a_stream", each(f.stream, kBvhRing) / clock_hz},
                    {"lanes", f.lanes},
                    {"swept_cycles", f.swept_cycles},
                    {"refit_seconds", f.refit_seconds},
-                   {"tree_upload_seconds", f.tree_upload_seconds}});
+                   {"bvh_upload_seconds", f.bvh_upload_seconds}});
   return all;
 }
 
@@ -133,10 +133,10 @@ void show_clouds(const std::vector<CloudFigures>& figures, double clock_hz) {
         "  {:>6} {:<7} 256 in {} ({:.1f} cycles each), 4,096 in {:.1f} each; brute force with {} "
         "lanes {}; refit by the host {}, upload of the BVH over the bus {}\n",
         f.secondaries, fmt::format("{}s:", name(f.shape)),
-        duration(static_cast<double>(f.packet.cycles) / clock_hz), each(f.packet, kTreePacket),
-        each(f.stream, kTreeRing), f.lanes,
+        duration(static_cast<double>(f.packet.cycles) / clock_hz), each(f.packet, kBvhPacket),
+        each(f.stream, kBvhRing), f.lanes,
         duration(static_cast<double>(f.swept_cycles) / clock_hz), duration(f.refit_seconds),
-        duration(f.tree_upload_seconds));
+        duration(f.bvh_upload_seconds));
 }
 
 }  // namespace cde::cli

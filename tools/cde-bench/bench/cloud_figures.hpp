@@ -18,7 +18,7 @@ struct CloudFigures {
   std::uint64_t swept_cycles = 0;  ///< of the packet by brute force, same card
   unsigned lanes = 0;              ///< of that pass
   double refit_seconds = 0;        ///< processor time of the host
-  double tree_upload_seconds = 0;  ///< over the bus
+  double bvh_upload_seconds = 0;  ///< over the bus
 };
 
 /// Measures 1,000 and 10,000 spheres and OBBs. Error kMismatch if a record differs from the

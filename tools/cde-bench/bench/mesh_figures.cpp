@@ -10,7 +10,7 @@
 #include <span>
 
 #include "baselines/bench_fcl_mesh.hpp"
-#include "bench/tree_figures.hpp"
+#include "bench/bvh_figures.hpp"
 #include "cde/card/board.hpp"
 #include "cde/geometry/motion.hpp"
 #include "cde/mesh/terrain.hpp"
@@ -44,11 +44,11 @@ class Bench {
  public:
   Bench(const Mesh& terrain, double clock_hz)
       : terrain_(terrain),
-        tree_(Hierarchy::build(terrain)),
+        bvh_(Bvh::build(terrain)),
         board_(Board::open(
-            {.lanes = 8, .pairs = {Pair::kTriangleTriangle}, .box = true, .node_units = kTreeUnits},
+            {.lanes = 8, .pairs = {Pair::kTriangleTriangle}, .box = true, .traversal_units = kTraversalUnits},
             {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz)})) {
-    board_.upload(terrain, tree_);
+    board_.upload(terrain, bvh_);
     const Mesh small = make_terrain({.quads_x = kQuads, .quads_y = kQuads});
     for (std::size_t i = 0; i < kPlaces; ++i) meshes_.push_back(placed(small, terrain, i));
   }
@@ -78,7 +78,7 @@ class Bench {
       std::vector<Record> records;
       const Counters c = board_.cast_shapes<Triangle>(
           triangles,
-          {.mode = mode, .pair = Pair::kTriangleTriangle, .through = Through::kHierarchy},
+          {.mode = mode, .pair = Pair::kTriangleTriangle, .through = Through::kBvh},
           [&](std::span<const Record> some) {
             records.insert(records.end(), some.begin(), some.end());
           });
@@ -93,7 +93,7 @@ class Bench {
   }
 
   void check_nearest(const std::vector<Triangle>& triangles, const std::vector<Record>& records) {
-    reference::Traversal walk(terrain_, tree_);
+    reference::Traversal walk(terrain_, bvh_);
     double least = INFINITY;
     for (std::uint32_t i = 0; i < triangles.size(); ++i) {
       if (!same_bits(records[i], walk.trace(triangles[i], i, Mode::kNearest)[0]))
@@ -116,7 +116,7 @@ class Bench {
   }
 
   const Mesh& terrain_;
-  const Hierarchy tree_;
+  const Bvh bvh_;
   Board board_;
   std::vector<Mesh> meshes_;
   std::vector<double> contacts_, distances_;

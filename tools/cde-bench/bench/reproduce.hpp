@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/tree_figures.hpp"
+#include "bench/bvh_figures.hpp"
 #include "cde/card/host_profile.hpp"
 #include "page/time_split.hpp"
 
@@ -49,8 +49,8 @@ struct Setup {
 };
 
 /// A terrain with a BVH, and the best card with brute force on the same rays.
-struct WithHierarchy {
-  TreeFigures tree;
+struct WithBvh {
+  BvhFigures figures;
   Entry sweep;
 };
 
@@ -72,7 +72,7 @@ struct Reproduction {
   std::vector<Experiment> figure5, figure6;
   std::vector<Experiment> figure7;  ///< one per number of spheres, ascending
   std::vector<std::size_t> spheres;
-  std::vector<WithHierarchy> hierarchy;  ///< ascending; the last is the terrain of Figure 5
+  std::vector<WithBvh> bvh;  ///< ascending; the last is the terrain of Figure 5
 };
 
 /// Runs all measurements. Error kMismatch if a record of the card differs from the reference, or

@@ -378,15 +378,15 @@ std::vector<double> works_of(const ReproduceOptions& o, std::span<const Setup> c
   std::vector<double> works = {
       one_ray + frame_work(cards.subspan(1), card::kMostPrimaries, triangles), one_ray};
   for (const std::size_t count : spheres_of(o)) works.push_back(frame_work(cards, count, count));
-  const double tree = kCyclesPerTreeRay * static_cast<double>(tree_rays_of(o));
+  const double bvh = kCyclesPerTreeRay * static_cast<double>(tree_rays_of(o));
   for (const unsigned quads : sides_of(o))
-    works.push_back(tree + frame_work(cards.last(1), kTreePacket, std::size_t{2} * quads * quads));
-  works.push_back(tree);
+    works.push_back(bvh + frame_work(cards.last(1), kBvhPacket, std::size_t{2} * quads * quads));
+  works.push_back(bvh);
   return works;
 }
 
 /// Measures terrains with a BVH, up to that of Figure 5, whose brute-force time is known.
-void with_hierarchy(Lab& lab, const Mesh& terrain) {
+void with_bvh(Lab& lab, const Mesh& terrain) {
   std::vector<Mesh> meshes;
   for (const unsigned quads : sides_of(lab.result.options))
     meshes.push_back(make_terrain({.quads_x = quads, .quads_y = quads}));
@@ -394,24 +394,24 @@ void with_hierarchy(Lab& lab, const Mesh& terrain) {
   Card& best = lab.cards.back();
   for (const Mesh& mesh : meshes) {
     const std::string name =
-        fmt::format("{} rays against {} triangles", kTreePacket, grouped(mesh.faces.size()));
+        fmt::format("{} rays against {} triangles", kBvhPacket, grouped(mesh.faces.size()));
     lab.step(4, "with a BVH, " + name);
-    WithHierarchy row;
+    WithBvh row;
     std::optional<EmbreeFrames> known;
     if (&mesh == &meshes.back()) known = of_figure5(lab.result.figure5.back(), row.sweep);
-    row.tree =
-        measure_tree(mesh, tree_rays_of(lab.result.options), lab.result.options.clock_hz, known);
-    lab.result.records_compared += row.tree.records_compared;
+    row.figures =
+        measure_bvh(mesh, tree_rays_of(lab.result.options), lab.result.options.clock_hz, known);
+    lab.result.records_compared += row.figures.records_compared;
     if (&mesh != &meshes.back()) {
       lab.detail("card " + best.setup().name);
       best.board().upload(mesh);
-      const std::vector<Ray> rays = flight_rays(mesh, kTreePacket);
+      const std::vector<Ray> rays = flight_rays(mesh, kBvhPacket);
       std::vector<Record> records;
       row.sweep = best.frame(Pair::kRayTriangle, Mode::kNearest, std::span(rays), {}, records);
       compare_records(lab, records, reference::cast(rays, triangles_of(mesh), Mode::kNearest),
                       name);
     }
-    lab.result.hierarchy.push_back(std::move(row));
+    lab.result.bvh.push_back(std::move(row));
   }
 }
 
@@ -456,7 +456,7 @@ Reproduction reproduce(const ReproduceOptions& options) {
     lab.step(3, fmt::format("Figure 7, {} moving spheres", grouped(count)));
     figure7(lab, count);
   }
-  with_hierarchy(lab, mesh);
+  with_bvh(lab, mesh);
   return std::move(lab.result);
 }
 

@@ -116,10 +116,10 @@ std::string clock_of(const Reproduction& r) {
 }
 
 /// The assumptions of the card with a BVH.
-std::string tree_card(const Reproduction& r) {
-  return fmt::format("{} traversal units, two lanes for leaves, {}", kTreeUnits, clock_of(r));
+std::string bvh_card(const Reproduction& r) {
+  return fmt::format("{} traversal units, two lanes for leaves, {}", kTraversalUnits, clock_of(r));
 }
-constexpr const char* kTreeBus = "PCI 64/66, host profile ideal, bursts of 4,096 bytes";
+constexpr const char* kBvhBus = "PCI 64/66, host profile ideal, bursts of 4,096 bytes";
 
 std::string sweep_card(const Reproduction& r) {
   return fmt::format("{} lanes, {}", r.options.lanes, clock_of(r));
@@ -130,8 +130,8 @@ std::string embree_on(const Json& machine) {
 }
 
 /// A sentence about a frame of rays with all bus transfers, for the summary.
-std::string tree_in_short(const WithHierarchy& row) {
-  const TreeFigures& f = row.tree;
+std::string bvh_in_short(const WithBvh& row) {
+  const BvhFigures& f = row.figures;
   const double card = with_bus(f.cards.back().packet);
   const std::string rival =
       f.embree ? fmt::format("; compared with Embree with fresh rays, {}, it is {}",
@@ -141,12 +141,12 @@ std::string tree_in_short(const WithHierarchy& row) {
   return fmt::format(
       "{} rays against {} triangles with a BVH, which the paper does not have: a card with "
       "traversal units takes {}. Compared with brute force on the best card it is {}{}.",
-      kTreePacket, grouped(f.triangles), duration(card), against(card, row.sweep.seconds), rival);
+      kBvhPacket, grouped(f.triangles), duration(card), against(card, row.sweep.seconds), rival);
 }
 
 /// The card with a BVH compared with brute force and Embree, without and with the bus.
-std::string tree_summary(const WithHierarchy& row) {
-  const TreeFigures& f = row.tree;
+std::string bvh_summary(const WithBvh& row) {
+  const BvhFigures& f = row.figures;
   const Counters& packet = f.cards.back().packet;
   const double alone = f.seconds(packet.cycles), all = with_bus(packet);
   const auto said = [&](const std::string& rival, double without, double with) {
@@ -157,7 +157,7 @@ std::string tree_summary(const WithHierarchy& row) {
                                "{} rays against {} triangles (modelled cycles): the card with "
                                "traversal units and DDR-400 takes {} from go to done and {} with "
                                "all bus transfers; brute force on the best card takes {} and {}.",
-                               kTreePacket, grouped(f.triangles), duration(alone), duration(all),
+                               kBvhPacket, grouped(f.triangles), duration(alone), duration(all),
                                duration(without_bus(row.sweep)), duration(row.sweep.seconds)) +
                            said("brute force", without_bus(row.sweep), row.sweep.seconds);
   if (!f.embree) return text + " Embree is not in this build of cde.";
@@ -168,8 +168,8 @@ std::string tree_summary(const WithHierarchy& row) {
       said("the same rays again", warm, warm));
 }
 
-std::string tree_lines(const Reproduction& r, const Json& machine) {
-  const bool embree = r.hierarchy.front().tree.embree.has_value();
+std::string bvh_lines(const Reproduction& r, const Json& machine) {
+  const bool embree = r.bvh.front().figures.embree.has_value();
   std::vector<Line> lines;
   const auto add = [&](const std::string& name, int colour, bool software = false) {
     lines.push_back({.name = name, .colour = colour, .dashed = software, .x = {}, .y = {}});
@@ -181,8 +181,8 @@ std::string tree_lines(const Reproduction& r, const Json& machine) {
     add("Embree, fresh rays (measured)", 0, true);
     add("Embree, the same 256 rays again (measured)", 5, true);
   }
-  for (const WithHierarchy& row : r.hierarchy) {
-    const TreeFigures& f = row.tree;
+  for (const WithBvh& row : r.bvh) {
+    const BvhFigures& f = row.figures;
     const Counters& packet = f.cards.back().packet;
     std::vector<double> y = {f.seconds(packet.cycles), with_bus(packet), row.sweep.seconds};
     if (embree) y.insert(y.end(), {f.embree->frame.fresh.median, f.embree->frame.warm.median});
@@ -196,7 +196,7 @@ std::string tree_lines(const Reproduction& r, const Json& machine) {
              "<p class=\"note\">256 rays, nearest hits. Solid lines, modelled cycles: the card "
              "with a BVH ({}, DDR-400) and brute force on the best card ({}, ideal memory), both "
              "on {}.{}</p>\n",
-             tree_card(r), sweep_card(r), kTreeBus,
+             bvh_card(r), sweep_card(r), kBvhBus,
              embree ? fmt::format(" Dashed lines, processor time of {}: Embree.",
                                   escaped(embree_on(machine)))
                     : "");
@@ -205,20 +205,20 @@ std::string tree_lines(const Reproduction& r, const Json& machine) {
 /// A table of the chapter, with one row per mesh and columns of the card and, if available, of
 /// Embree.
 template <class CardCells, class EmbreeCells>
-std::string tree_table(const Reproduction& r, const std::string& caption,
+std::string bvh_table(const Reproduction& r, const std::string& caption,
                        std::vector<std::string> head, const std::vector<std::string>& embree_head,
                        const CardCells& card, const EmbreeCells& embree) {
-  const bool there = r.hierarchy.front().tree.embree.has_value();
+  const bool there = r.bvh.front().figures.embree.has_value();
   head.insert(head.begin(), "triangles");
   if (there) head.insert(head.end(), embree_head.begin(), embree_head.end());
   Rows rows;
-  for (const WithHierarchy& row : r.hierarchy) {
+  for (const WithBvh& row : r.bvh) {
     std::vector<std::string> cells = card(row);
     if (there) {
-      const std::vector<std::string> more = embree(*row.tree.embree, row.tree);
+      const std::vector<std::string> more = embree(*row.figures.embree, row.figures);
       cells.insert(cells.end(), more.begin(), more.end());
     }
-    rows.push_back({grouped(row.tree.triangles)});
+    rows.push_back({grouped(row.figures.triangles)});
     for (const std::string& cell : cells) rows.back().push_back(Cell::figure(cell));
   }
   return table(caption, head, rows);
@@ -232,78 +232,78 @@ std::string millions(double rays_per_second) {
   return fmt::format("{:.3g} M/s", 1e-6 * rays_per_second);
 }
 
-std::string tree_tables(const Reproduction& r, const Json& machine) {
-  const bool there = r.hierarchy.front().tree.embree.has_value();
+std::string bvh_tables(const Reproduction& r, const Json& machine) {
+  const bool there = r.bvh.front().figures.embree.has_value();
   const std::string embree = there ? fmt::format("; Embree: measured, {}", embree_on(machine)) : "",
-                    card = fmt::format("Card: modelled, {}, on {}", tree_card(r), kTreeBus),
+                    card = fmt::format("Card: modelled, {}, on {}", bvh_card(r), kBvhBus),
                     both = fmt::format("{}; brute force: modelled, {}, ideal memory, same bus{}",
                                        card, sweep_card(r), embree);
-  std::string html = tree_table(
+  std::string html = bvh_table(
       r,
       fmt::format("256 rays. {}{}", both,
                   there ? ", median, and range from the 10th to the 90th of 100 measurements" : ""),
       {"card, ideal memory, without the bus", "card, DDR-400, without the bus",
        "card, DDR-400, with the bus", "brute force, without the bus", "brute force, with the bus"},
       {"Embree, fresh rays", "Embree, the same rays again"},
-      [](const WithHierarchy& row) -> std::vector<std::string> {
-        const TreeFigures& f = row.tree;
+      [](const WithBvh& row) -> std::vector<std::string> {
+        const BvhFigures& f = row.figures;
         return {duration(f.seconds(f.cards.front().packet.cycles)),
                 duration(f.seconds(f.cards.back().packet.cycles)),
                 duration(with_bus(f.cards.back().packet)), duration(without_bus(row.sweep)),
                 duration(row.sweep.seconds)};
       },
-      [](const TreeEmbree& e, const TreeFigures&) -> std::vector<std::string> {
+      [](const BvhEmbree& e, const BvhFigures&) -> std::vector<std::string> {
         return {spread_of(e.frame.fresh), spread_of(e.frame.warm)};
       });
-  html += tree_table(
+  html += bvh_table(
       r,
       fmt::format(
           "Rays in a stream: {} in the card's ring buffer without the bus, {} with it. {}{}",
-          grouped(kTreeRing), grouped(r.hierarchy.front().tree.rays), card, embree),
+          grouped(kBvhRing), grouped(r.bvh.front().figures.rays), card, embree),
       {"card, ideal memory, without the bus", "card, DDR-400, without the bus",
        "card, DDR-400, with the bus"},
-      {fmt::format("Embree, {} rays", grouped(r.hierarchy.front().tree.rays))},
-      [](const WithHierarchy& row) -> std::vector<std::string> {
-        const TreeFigures& f = row.tree;
-        const auto ring = [&](const TreeCard& c) {
-          return millions(kTreeRing / f.seconds(c.ring.cycles));
+      {fmt::format("Embree, {} rays", grouped(r.bvh.front().figures.rays))},
+      [](const WithBvh& row) -> std::vector<std::string> {
+        const BvhFigures& f = row.figures;
+        const auto ring = [&](const BvhCard& c) {
+          return millions(kBvhRing / f.seconds(c.ring.cycles));
         };
-        const TreeCard& ddr = f.cards.back();
+        const BvhCard& ddr = f.cards.back();
         return {ring(f.cards.front()), ring(ddr), millions(1 / ddr.per_ray(with_bus(ddr.stream)))};
       },
-      [](const TreeEmbree& e, const TreeFigures& f) -> std::vector<std::string> {
+      [](const BvhEmbree& e, const BvhFigures& f) -> std::vector<std::string> {
         return {millions(static_cast<double>(f.rays) / e.stream.median)};
       });
-  html += tree_table(
+  html += bvh_table(
       r, fmt::format("Refitting after all vertices have moved. {}{}", card, embree),
       {"card, ideal memory, without the bus", "card, DDR-400, without the bus",
        "card, DDR-400, with all triangles over the bus"},
       {"Embree, with its vertices"},
-      [](const WithHierarchy& row) -> std::vector<std::string> {
-        const TreeFigures& f = row.tree;
+      [](const WithBvh& row) -> std::vector<std::string> {
+        const BvhFigures& f = row.figures;
         return {duration(f.seconds(f.cards.front().refit.cycles)),
                 duration(f.seconds(f.cards.back().refit.cycles)),
                 duration(f.cards.back().update_seconds)};
       },
-      [](const TreeEmbree& e, const TreeFigures&) -> std::vector<std::string> {
+      [](const BvhEmbree& e, const BvhFigures&) -> std::vector<std::string> {
         return {duration(e.refit.median)};
       });
-  html += tree_table(
+  html += bvh_table(
       r,
       fmt::format("Building once, measured on {}; upload of triangles and BVH to the card, "
                   "modelled, {}, on {}",
-                  embree_on(machine), clock_of(r), kTreeBus),
+                  embree_on(machine), clock_of(r), kBvhBus),
       {"built by cde", "to the card, with the bus"}, {"built by Embree"},
-      [](const WithHierarchy& row) -> std::vector<std::string> {
-        return {duration(row.tree.build_seconds), duration(row.tree.cards.back().upload_seconds)};
+      [](const WithBvh& row) -> std::vector<std::string> {
+        return {duration(row.figures.build_seconds), duration(row.figures.cards.back().upload_seconds)};
       },
-      [](const TreeEmbree& e, const TreeFigures&) -> std::vector<std::string> {
+      [](const BvhEmbree& e, const BvhFigures&) -> std::vector<std::string> {
         return {duration(e.build_seconds)};
       });
   Rows rows;
-  for (const WithHierarchy& row : r.hierarchy) {
-    const TreeFigures& f = row.tree;
-    const TreeCard& c = f.cards.back();
+  for (const WithBvh& row : r.bvh) {
+    const BvhFigures& f = row.figures;
+    const BvhCard& c = f.cards.back();
     const auto share = [&](std::uint64_t of) {
       return fmt::format("{:.2f}", c.per_ray(static_cast<double>(of)));
     };
@@ -312,7 +312,7 @@ std::string tree_tables(const Reproduction& r, const Json& machine) {
          {fmt::format("{:.0f} %", 100 * c.per_ray(static_cast<double>(f.hits))),
           share(c.stream.nodes), share(c.stream.pairs), grouped(f.nodes), grouped(f.levels),
           fmt::format("{:.1f}", static_cast<double>(f.bytes) / static_cast<double>(f.triangles)),
-          grouped(f.nodes * 72 * kTreeUnits)})
+          grouped(f.nodes * 72 * kTraversalUnits)})
       rows.back().push_back(Cell::figure(cell));
   }
   return html + table("Nodes and triangles per ray, counted by the card, and size of the BVH",
@@ -322,8 +322,8 @@ std::string tree_tables(const Reproduction& r, const Json& machine) {
 }
 
 /// The chapter that compares BVH traversal with the brute force of the figures.
-std::string tree_chapter(const Reproduction& r, const Json& machine) {
-  const bool there = r.hierarchy.front().tree.embree.has_value();
+std::string bvh_chapter(const Reproduction& r, const Json& machine) {
+  const bool there = r.bvh.front().figures.embree.has_value();
   return fmt::format(
       "<section><h2>With a BVH</h2>\n<p>This is not in the paper: its card and the cards above "
       "test every triangle. A card with traversal units traverses a BVH and returns the same "
@@ -336,14 +336,14 @@ std::string tree_chapter(const Reproduction& r, const Json& machine) {
       "answers 20 cycles after a request. DDR-400 has banks, rows and refresh, and may answer "
       "sooner. Each traversal unit has its own copy of the node memory, without a cache, so warm "
       "and fresh rays are the same for the card.</li>\n</ul>\n{}{}</section>\n",
-      escaped(tree_summary(r.hierarchy.back())),
+      escaped(bvh_summary(r.bvh.back())),
       there ? "Embree's figures are the median processor time of one thread of this machine, which "
               "equals wall time if nothing else runs"
             : "Embree, for comparison, is not in this build of cde",
       there ? "Fresh: new rays in every frame. The same again: 256 rays in every frame, so that "
               "Embree's caches are warm."
             : "Figure 5 has software that tests every triangle.",
-      tree_lines(r, machine), tree_tables(r, machine));
+      bvh_lines(r, machine), bvh_tables(r, machine));
 }
 
 /// Sentences that compare card and software, from the figures of this run.
@@ -389,7 +389,7 @@ std::string summary(const Reproduction& r) {
         e.title, duration(card.seconds), rival.name, duration(rival.seconds),
         against(card.seconds, rival.seconds)));
   }
-  say(tree_in_short(r.hierarchy.back()));
+  say(bvh_in_short(r.bvh.back()));
   return html + "</ul>\n";
 }
 
@@ -413,7 +413,7 @@ Rows assumptions(const Reproduction& r, const Json& machine) {
   rows.push_back(
       {"card with traversal units", fmt::format("{}, operators of one cycle; {}, with computed, "
                                                 "not simulated time; memory as stated above",
-                                                tree_card(r), kTreeBus)});
+                                                bvh_card(r), kBvhBus)});
   rows.push_back({"size of the best card and of the card with traversal units",
                   "not placed in an FPGA; it is unknown whether they fit and reach this clock"});
   rows.push_back({"the paper's frame",
@@ -505,12 +505,12 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
     }
     j[fmt::format("figure_{}", number++)] = std::move(list);
   }
-  for (const WithHierarchy& row : r.hierarchy) {
-    Json one = tree_json(row.tree);
+  for (const WithBvh& row : r.bvh) {
+    Json one = bvh_json(row.figures);
     one["sweep"] = {{"name", row.sweep.name},
                     {"packet_seconds", without_bus(row.sweep)},
                     {"packet_seconds_with_bus", row.sweep.seconds}};
-    j["hierarchy"].push_back(std::move(one));
+    j["bvh"].push_back(std::move(one));
   }
   return j;
 }
@@ -556,7 +556,7 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
   std::vector<Experiment> all = r.figure5;
   all.insert(all.end(), r.figure6.begin(), r.figure6.end());
   all.push_back(r.figure7.back());
-  body += tree_chapter(r, machine);
+  body += bvh_chapter(r, machine);
   body += fmt::format("<section><h2>Where the time goes</h2>\n{}</section>\n", split_table(all));
   body += fmt::format(
       "<section><h2>Assumptions</h2>\n{}<p>{} records of the card were compared with the reference "

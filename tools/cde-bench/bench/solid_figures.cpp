@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "baselines/bench_fcl_mesh.hpp"
-#include "bench/tree_figures.hpp"
+#include "bench/bvh_figures.hpp"
 #include "cde/card/board.hpp"
 #include "cde/geometry/motion.hpp"
 #include "cde/reference/traversal.hpp"
@@ -22,7 +22,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr float kQuad = 10;                  ///< edge of the terrain's quads
-constexpr std::size_t kAlone = kTreePacket;  ///< solids that run one by one, as in FCL
+constexpr std::size_t kAlone = kBvhPacket;  ///< solids that run one by one, as in FCL
 constexpr double kSizes[] = {1, 8};
 
 /// A random solid near a vertex of the terrain, at most its own size away.
@@ -52,19 +52,19 @@ Obb solid(const Place& at, float size, const Obb*) {
 template <class Solid>
 class Bench {
  public:
-  Bench(const Mesh& mesh, const Hierarchy& tree, Board& board, double quads)
-      : walk_(mesh, tree), board_(board), mesh_(mesh) {
+  Bench(const Mesh& mesh, const Bvh& bvh, Board& board, double quads)
+      : walk_(mesh, bvh), board_(board), mesh_(mesh) {
     figures_.shape = kShapeOf<Solid>;
     figures_.quads = quads;
     const float size = static_cast<float>(quads) * kQuad;
-    for (std::size_t i = 0; i < kTreeRing; ++i)
+    for (std::size_t i = 0; i < kBvhRing; ++i)
       solids_.push_back(solid(place(mesh, i, size), size, static_cast<const Solid*>(nullptr)));
   }
 
   SolidFigures figures() {
     figures_.cards = {ask("touches", Mode::kOccluded), ask("nearest", Mode::kNearest)};
     std::vector<float> words;
-    for (std::size_t i = 0; i < kTreePacket; ++i) {
+    for (std::size_t i = 0; i < kBvhPacket; ++i) {
       const auto some = to_words(solids_[i]);
       words.insert(words.end(), some.begin(), some.end());
     }
@@ -83,7 +83,7 @@ class Bench {
     Query query{.mode = mode,
                 .pair = std::is_same_v<Solid, Sphere> ? Pair::kTriangleSphere : Pair::kTriangleObb,
                 .swap = true,
-                .through = Through::kHierarchy};
+                .through = Through::kBvh};
     const RecordSink keep = [&](std::span<const Record> some) {
       records_.insert(records_.end(), some.begin(), some.end());
     };
@@ -93,8 +93,8 @@ class Bench {
                                        keep);
     };
     for (std::size_t i = 0; i < kAlone; ++i) card.one += cast(i, 1);
-    card.packet = cast(0, kTreePacket);
-    card.stream = cast(0, kTreeRing);
+    card.packet = cast(0, kBvhPacket);
+    card.stream = cast(0, kBvhRing);
     for (std::size_t i = 0; i < solids_.size(); ++i) {
       const auto number = static_cast<std::uint32_t>(i);
       const bool same = mode == Mode::kOccluded
@@ -143,16 +143,16 @@ std::vector<SolidFigures> measure_solids(const Mesh& terrain, double clock_hz, b
                              .pairs = pairs,
                              .box = true,
                              .swap = true,
-                             .node_units = kTreeUnits},
+                             .traversal_units = kTraversalUnits},
                             {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz)});
-  const Hierarchy tree = Hierarchy::build(terrain);
-  board.upload(terrain, tree);
+  const Bvh bvh = Bvh::build(terrain);
+  board.upload(terrain, bvh);
   std::vector<SolidFigures> all;
   for (const double quads : kSizes)
-    all.push_back(Bench<Sphere>(terrain, tree, board, quads).figures());
+    all.push_back(Bench<Sphere>(terrain, bvh, board, quads).figures());
   if (quick) return all;
   for (const double quads : kSizes)
-    all.push_back(Bench<Obb>(terrain, tree, board, quads).figures());
+    all.push_back(Bench<Obb>(terrain, bvh, board, quads).figures());
   return all;
 }
 
@@ -169,10 +169,10 @@ ordered_json solids_json(const std::vector<SolidFigures>& figures, double clock_
            {"seconds_alone", each(c.one, kAlone) / clock_hz},
            {"packet_cycles", c.packet.cycles},
            {"packet_seconds_with_bus", 1e-12 * static_cast<double>(c.packet.time.total())},
-           {"seconds_of_a_packet", each(c.packet, kTreePacket) / clock_hz},
-           {"seconds_of_a_stream", each(c.stream, kTreeRing) / clock_hz},
-           {"nodes_each", static_cast<double>(c.stream.nodes) / kTreeRing},
-           {"triangles_each", static_cast<double>(c.stream.pairs) / kTreeRing},
+           {"seconds_of_a_packet", each(c.packet, kBvhPacket) / clock_hz},
+           {"seconds_of_a_stream", each(c.stream, kBvhRing) / clock_hz},
+           {"nodes_each", static_cast<double>(c.stream.nodes) / kBvhRing},
+           {"triangles_each", static_cast<double>(c.stream.pairs) / kBvhRing},
            {"fcl_seconds", c.fcl_seconds ? ordered_json(*c.fcl_seconds) : ordered_json()}});
     all.push_back(j);
   }
@@ -188,10 +188,10 @@ void show_solids(const std::vector<SolidFigures>& figures, double clock_hz) {
       show("  {:<7} {} quad{}, {}: {}, {}, {} ({:.1f} nodes, {:.1f} triangles); FCL {}\n",
            name(f.shape), f.quads, f.quads == 1 ? "" : "s", c.question,
            duration(each(c.one, kAlone) / clock_hz),
-           duration(each(c.packet, kTreePacket) / clock_hz),
-           duration(each(c.stream, kTreeRing) / clock_hz),
-           static_cast<double>(c.stream.nodes) / kTreeRing,
-           static_cast<double>(c.stream.pairs) / kTreeRing,
+           duration(each(c.packet, kBvhPacket) / clock_hz),
+           duration(each(c.stream, kBvhRing) / clock_hz),
+           static_cast<double>(c.stream.nodes) / kBvhRing,
+           static_cast<double>(c.stream.pairs) / kBvhRing,
            c.fcl_seconds ? duration(*c.fcl_seconds) : "not available");
 }
 

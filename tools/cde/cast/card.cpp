@@ -28,8 +28,8 @@ double seconds_since(Clock::time_point start) {
 
 /// Uploads the triangles. load_mesh has checked the mesh.
 void upload(Board& board, const CastJob& job) {
-  if (job.hierarchy)
-    board.upload(job.mesh, *job.hierarchy, false);
+  if (job.bvh)
+    board.upload(job.mesh, *job.bvh, false);
   else
     board.upload(job.mesh, false);
 }
@@ -156,7 +156,7 @@ class SharedMemory {
       : boards_(boards), spare_(job.mode == Mode::kHits ? 2 : 1) {
     const std::uint64_t triangles = job.mesh.faces.size();
     cards_ = boards * triangles * 4 * words(Shape::kTriangle);
-    if (o.check && !job.hierarchy &&
+    if (o.check && !job.bvh &&
         !reference::sweeps_fast(job.config.algorithm,
                                 job.config.format))  // the copy that the check makes
       cards_ += boards * triangles * sizeof(Triangle);

@@ -19,9 +19,9 @@ std::string command_of(const CastTask& o, const CastJob& job, Mode mode) {
   if (!r.box) text += " --no-box";
   if (r.format != FpFormat{}) text += " --format " + r.format.name();
   if (r.algorithm != kLeakFree) text += fmt::format(" --algorithm {}", name(r.algorithm));
-  if (job.hierarchy)
+  if (job.bvh)
     text += " --bvh";
-  else if (!r.hierarchy.value_or(true))
+  else if (!r.bvh.value_or(true))
     text += " --no-bvh";
   return text;
 }
@@ -41,8 +41,8 @@ CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const Ray
     return traversal_ ? fmt::format("clock {} (record read)", board.clocks())
                       : place_on_card(board, ray % packet_);
   });
-  if (job.hierarchy) {
-    traversal_.emplace(job.mesh, *job.hierarchy, job.config.algorithm);
+  if (job.bvh) {
+    traversal_.emplace(job.mesh, *job.bvh, job.config.algorithm);
   } else {
     sweep_.emplace(rays, job.mesh, mode, Stencil(), packet_, std::span<const Object>(),
                    o.request.box, job.config.format, job.config.algorithm);

@@ -28,7 +28,7 @@ constexpr double kChunkTests = 3e7;
 constexpr std::size_t kChunkPackets = 128;
 
 std::size_t rays_of_chunk(const CastTask& o, const CastJob& job) {
-  if (job.config.node_units != 0) return card::kMostPrimaries * kChunkPackets;
+  if (job.config.traversal_units != 0) return card::kMostPrimaries * kChunkPackets;
   const double packets =
       kChunkTests / card::kMostPrimaries / (static_cast<double>(job.triangles) / o.partition);
   return card::kMostPrimaries * static_cast<std::size_t>(std::clamp(packets, 1.0, 256.0));
@@ -67,7 +67,7 @@ std::vector<Ray> rays_in(const std::string& input) {
 
 /// How many rays before this one are also checked by brute force; these are spread evenly.
 std::uint64_t swept_before(std::size_t ray, const CastTask& o, const CastJob& job) {
-  if (!job.hierarchy || !o.check) return 0;
+  if (!job.bvh || !o.check) return 0;
   return std::min<std::uint64_t>(o.swept_rays, job.rays.size()) * ray / job.rays.size();
 }
 
@@ -235,8 +235,8 @@ void share_job(const CastTask& o, CastJob& job) {
   else
     dealing.share(job.mesh);
   // Each rank builds the BVH: that is faster than sending it, and all get the same.
-  if (job.config.node_units != 0 && !job.hierarchy)
-    job.hierarchy = std::make_shared<const Hierarchy>(Hierarchy::build(job.mesh));
+  if (job.config.traversal_units != 0 && !job.bvh)
+    job.bvh = std::make_shared<const Bvh>(Bvh::build(job.mesh));
 }
 
 void check_dealt(const CastTask& o) {
@@ -256,14 +256,14 @@ void begin_dealt(const CastTask& o, const CastJob& job) {
   if (o.partition == 1 && !dealing.asked(o.deal)) return;
   Json run = {{"verb", o.verb},
               {"mode", cde::name_of(o.request.mode)},
-              {"through", job.hierarchy ? "hierarchy" : "sweep"},
+              {"through", job.bvh ? "bvh" : "sweep"},
               {"parameters", job.config.parameters()},
               {"checked", o.check},
               {"clock_hz", o.clock.mhz * 1e6},
               {"partition", o.partition},
               {"triangles", job.triangles},
               {"mesh", job.fingerprint}};
-  if (job.hierarchy && o.check) run["swept_rays"] = o.swept_rays;
+  if (job.bvh && o.check) run["swept_rays"] = o.swept_rays;
   if (!dealing.merges())
     run["config_hash"] =
         fmt::format("{:016x}", model_hash(job.config.top(), job.config.parameters()));

@@ -79,7 +79,7 @@ void check_size(const CastTask& t, const CastJob& job) {
 
 CastPlan planned(const CastTask& t, const CastRequest& request, const CastJob& job) {
   try {
-    const Progress busy("building a BVH", t.quiet || job.config.node_units == 0);
+    const Progress busy("building a BVH", t.quiet || job.config.traversal_units == 0);
     return plan_cast(request, job.mesh, job.rays.size());
   } catch (const Error& e) {
     // Other errors come from the search for a simulation model.
@@ -107,7 +107,7 @@ CastJob job_of(const CastTask& t) {
   warn(job.mesh.warnings);
   check_mesh(job.mesh, printable_name(t.mesh), job.config.format);
   warn_of_side(t, job.mesh);
-  job.config.node_units = may_traverse(t.request, job.triangles) ? 2 : 0;
+  job.config.traversal_units = may_traverse(t.request, job.triangles) ? 2 : 0;
   collect_rays(t.source, job);
   check_rays(job);
   check_size(t, job);
@@ -115,16 +115,16 @@ CastJob job_of(const CastTask& t) {
   if (!plan.warning.empty())
     say("cde: warning: {}: {}; every ray is tested with every triangle\n", printable_name(t.mesh),
         plan.warning);
-  if (!plan.hierarchy && job.config.node_units != 0 && job.picture && !t.source.size &&
+  if (!plan.bvh && job.config.traversal_units != 0 && job.picture && !t.source.size &&
       !t.source.grid) {
     // With brute force the picture is smaller.
-    job.config.node_units = 0;
+    job.config.traversal_units = 0;
     aim(t.source, job);
     CastRequest request = t.request;
-    request.hierarchy = false;
+    request.bvh = false;
     plan = planned(t, request, job);
   }
-  job.config = plan.card, job.hierarchy = plan.hierarchy, job.stands_in_for = plan.stands_in_for;
+  job.config = plan.card, job.bvh = plan.bvh, job.stands_in_for = plan.stands_in_for;
   if (job.stands_in_for && !t.quiet)
     say("cde: {}\n", stand_in_text(job.config, *job.stands_in_for));
   return job;

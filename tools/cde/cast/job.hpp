@@ -10,7 +10,7 @@
 
 #include "cast/task.hpp"
 #include "cde/card/board.hpp"
-#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/bvh/bvh.hpp"
 #include "cde/image/camera.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/scene/plan.hpp"
@@ -33,7 +33,7 @@ struct CastJob {
   std::optional<Resolution> picture = {};
   Mode mode = Mode::kNearest;
   BoardConfig config = {};                          ///< with traversal units if rays traverse a BVH
-  std::shared_ptr<const Hierarchy> hierarchy = {};  ///< of the mesh; null if none is built
+  std::shared_ptr<const Bvh> bvh = {};  ///< of the mesh; null if none is built
   std::optional<BuiltCard> stands_in_for = {};      ///< the planned card that `config` replaces
 };
 

@@ -108,7 +108,7 @@ void aim(const RaySource& o, CastJob& job) {
     return;
   }
   // With a BVH the number of triangles hardly matters.
-  const std::size_t met = job.config.node_units != 0 ? 1 : job.mesh.faces.size();
+  const std::size_t met = job.config.traversal_units != 0 ? 1 : job.mesh.faces.size();
   job.picture = o.size.value_or(size_for(met));
   Camera camera;
   if (!o.camera) {
@@ -193,9 +193,9 @@ void CastPicture::look_at_sun(const CastAgain& cast) {
               .listed = {},
               .rays = {},
               .picture = job_.picture,
-              .mode = job_.hierarchy ? Mode::kOccluded : Mode::kAny,
+              .mode = job_.bvh ? Mode::kOccluded : Mode::kAny,
               .config = job_.config,
-              .hierarchy = job_.hierarchy};
+              .bvh = job_.bvh};
   // The offset keeps a shadow ray from hitting its own triangle by rounding.
   const float offset = 1e-4f * bounds(job_.mesh).sizes().norm();
   const Vector3f sun = from_z_up(ShadeOptions{}.sun, o_.source.up);

@@ -59,7 +59,7 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
        {"records_compared", r.compared},
        {"records_matching", r.matching},
        {"mismatches", r.compared - r.matching},
-       {"through", job.hierarchy ? "hierarchy" : "sweep"},
+       {"through", job.bvh ? "bvh" : "sweep"},
        {"swept_rays", r.swept_rays},
        {"checked", o.check}});
   return j;
@@ -105,14 +105,14 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                   name_of(o.request.arithmetic), job.config.format.name(),
                   name(o.request.algorithm), o.request.box ? "box rule" : "no box rule",
                   cde::name_of(o.request.mode)));
-  if (job.hierarchy) {
+  if (job.bvh) {
     const auto a_ray = [&](std::uint64_t n) {
       return static_cast<double>(n) / static_cast<double>(rays);
     };
     row("BVH", fmt::format("{}, {}, {}; per ray {:.1f} nodes read, {:.1f} triangles tested",
-                           counted(job.hierarchy->nodes().size(), "node"),
-                           counted(job.hierarchy->depth(), "level"),
-                           counted(job.config.node_units, "traversal unit"), a_ray(c.nodes),
+                           counted(job.bvh->nodes().size(), "node"),
+                           counted(job.bvh->depth(), "level"),
+                           counted(job.config.traversal_units, "traversal unit"), a_ray(c.nodes),
                            a_ray(c.pairs)));
   }
   row("device cycles", fmt::format("{}, {} for write-back; {}, {}", c.cycles, c.writeback,
@@ -121,7 +121,7 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
       fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers{}", 1e3 * r.modelled_seconds,
                   o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is,
                   has_network(o) ? std::string(", ") + kNetwork : ""));
-  row("simulation", job.hierarchy
+  row("simulation", job.bvh
                         ? fmt::format("{:.3g} s, {:.4g} M rays/s", r.simulation_seconds,
                                       static_cast<double>(rays) / r.simulation_seconds / 1e6)
                         : fmt::format("{:.3g} s, {:.4g} M tests/s", r.simulation_seconds,
@@ -131,7 +131,7 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
       o.check ? fmt::format(
                     "{} of {} {} the reference{}", r.matching, counted(r.compared, "record"),
                     r.compared == 1 ? "matches" : "match",
-                    job.hierarchy
+                    job.bvh
                         ? fmt::format("; {} rays also checked against every triangle", r.swept_rays)
                         : "")
               : "off");

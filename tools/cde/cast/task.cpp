@@ -48,7 +48,7 @@ CastRequest request_of(const CastWords& w) {
   r.box = w.box;
   r.trace = w.trace.wanted();
   if (w.lanes != "auto") r.lanes = static_cast<unsigned>(std::stoul(w.lanes));
-  if (w.bvh != 0) r.hierarchy = w.bvh > 0;
+  if (w.bvh != 0) r.bvh = w.bvh > 0;
   r.parts = w.partition > 1;
   r.exact_card = w.exact;
   return r;

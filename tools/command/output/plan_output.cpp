@@ -35,9 +35,9 @@ std::string sentence(const Effect& e) {
 /// How a query tests its primaries and secondaries: with a BVH or by brute force.
 std::string way_text(const QueryWork& w) {
   const std::string all = counted(w.tests, "test") + " in " + counted(w.rows, "row");
-  if (!w.hierarchy) return all;
+  if (!w.bvh) return all;
   return fmt::format("through a BVH in about {} instead of {}",
-                     counted(*w.hierarchy_clocks, "clock"), all);
+                     counted(*w.bvh_clocks, "clock"), all);
 }
 
 std::string card_text(const BoardConfig& card) {
@@ -73,7 +73,7 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
                             {"why", e.why},
                             {"cost", e.cost}});
   for (const QueryWork& w : plan.queries) {
-    const auto clocks = w.hierarchy_clocks ? nlohmann::ordered_json(*w.hierarchy_clocks) : nullptr;
+    const auto clocks = w.bvh_clocks ? nlohmann::ordered_json(*w.bvh_clocks) : nullptr;
     j["queries"].push_back({{"name", w.name},
                             {"primaries", w.primaries},
                             {"masked", w.masked},
@@ -81,8 +81,8 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
                             {"packets", w.packets},
                             {"tests", w.tests},
                             {"rows", w.rows},
-                            {"through", w.hierarchy ? "hierarchy" : "sweep"},
-                            {"hierarchy_clocks", clocks},
+                            {"through", w.bvh ? "bvh" : "sweep"},
+                            {"bvh_clocks", clocks},
                             {"most_records", w.most_records},
                             {"secondary_words", w.secondary_words},
                             {"moved_words", w.moved_words},

@@ -18,7 +18,7 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/geometry/primitives.hpp"
 #include "cde/geometry/transform.hpp"
-#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/bvh/bvh.hpp"
 #include "cde/image/ray_view.hpp"
 #include "cde/mesh/triangle_view.hpp"
 #include "cde/query/counters.hpp"
@@ -96,23 +96,23 @@ class Board {
   /// secondaries are uploaded. Further errors come before anything is uploaded. Error kUsage: the
   /// card has no traversal units, or the BVH has another number of triangles. Error kCapacity, with
   /// the sizes: its node or slot memory is too small.
-  void upload(const TriangleView& triangles, const Hierarchy& hierarchy, bool validate = true);
+  void upload(const TriangleView& triangles, const Bvh& bvh, bool validate = true);
   /// The same for spheres, AABBs or OBBs; way_through() lists their pairs. Only the number of the
   /// BVH's secondaries is checked. A bad secondary in the BVH is not flagged, so `validate` may be
   /// off only for valid data.
-  void upload(std::span<const Sphere> spheres, const Hierarchy& hierarchy, bool validate = true);
-  void upload(std::span<const Aabb> boxes, const Hierarchy& hierarchy, bool validate = true);
-  void upload(std::span<const Obb> boxes, const Hierarchy& hierarchy, bool validate = true);
+  void upload(std::span<const Sphere> spheres, const Bvh& bvh, bool validate = true);
+  void upload(std::span<const Aabb> boxes, const Bvh& bvh, bool validate = true);
+  void upload(std::span<const Obb> boxes, const Bvh& bvh, bool validate = true);
   /// Replaces the BVH over the uploaded secondaries as they are now. update_shapes() makes the old
   /// BVH unused; upload its refit() again. With objects (set_objects()) it must be a BVH of the
-  /// moved objects (hierarchy_of()). Their ranges must be consecutive in DDR to be traversed.
+  /// moved objects (bvh_of()). Their ranges must be consecutive in DDR to be traversed.
   /// Errors as above.
-  void upload(const Hierarchy& hierarchy);
+  void upload(const Bvh& bvh);
   /// Refits the boxes of the card's BVH on the card after update_shapes() and move_object(); the
-  /// tree stays. In a BVH of objects it refits only changed objects and the nodes above all of
+  /// topology stays. In a BVH of objects it refits only changed objects and the nodes above all of
   /// them, the roots included. Returns the card's counters.
   /// Error kUsage: there is no BVH, it has other objects, or it is not of triangles (use
-  /// Hierarchy::refit()). Error kBadInput, naming a slot: its moved triangle is not finite or
+  /// Bvh::refit()). Error kBadInput, naming a slot: its moved triangle is not finite or
   /// beyond 2^40. Error kDevice as for run(). After kBadInput or kDevice the BVH is unused.
   Counters refit();
   /// upload() for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray) and for Triangle.
@@ -280,7 +280,7 @@ class Board {
   void upload_words(Shape shape, std::size_t count, const Words& words,
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   template <class P>
-  void upload_with(std::span<const P> shapes, const Hierarchy& hierarchy, bool validate);
+  void upload_with(std::span<const P> shapes, const Bvh& bvh, bool validate);
   void update_words(Shape shape, std::size_t first, std::size_t count, const Words& words,
                     const std::function<std::optional<std::string>(std::size_t)>& defect);
   void load_words(Shape shape, std::size_t count, const Words& words);
@@ -294,16 +294,16 @@ class Board {
 
 /// A BVH over the triangles, spheres, AABBs or OBBs of objects, object after object, as a card's
 /// transformer moves them. Each object is a part of it. Error kUsage: no object, a range that is
-/// empty or exceeds the list, or rotated AABBs. Other errors as for Hierarchy::build.
-[[nodiscard]] Hierarchy hierarchy_of(const TriangleView& triangles, std::span<const Object> objects,
-                                     const HierarchyOptions& options = {});
-[[nodiscard]] Hierarchy hierarchy_of(std::span<const Sphere> spheres,
+/// empty or exceeds the list, or rotated AABBs. Other errors as for Bvh::build.
+[[nodiscard]] Bvh bvh_of(const TriangleView& triangles, std::span<const Object> objects,
+                                     const BvhOptions& options = {});
+[[nodiscard]] Bvh bvh_of(std::span<const Sphere> spheres,
                                      std::span<const Object> objects,
-                                     const HierarchyOptions& options = {});
-[[nodiscard]] Hierarchy hierarchy_of(std::span<const Aabb> boxes, std::span<const Object> objects,
-                                     const HierarchyOptions& options = {});
-[[nodiscard]] Hierarchy hierarchy_of(std::span<const Obb> boxes, std::span<const Object> objects,
-                                     const HierarchyOptions& options = {});
+                                     const BvhOptions& options = {});
+[[nodiscard]] Bvh bvh_of(std::span<const Aabb> boxes, std::span<const Object> objects,
+                                     const BvhOptions& options = {});
+[[nodiscard]] Bvh bvh_of(std::span<const Obb> boxes, std::span<const Object> objects,
+                                     const BvhOptions& options = {});
 
 /// Where a record of a packet's primary comes from, for messages. It names the current cycle, at
 /// which the record has been read, and the lane and register-file row of the primary.

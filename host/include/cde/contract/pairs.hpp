@@ -135,7 +135,7 @@ inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
 inline constexpr std::uint32_t kBoundPairs =
     set_of({Pair::kTriangleSphere, Pair::kTriangleAabb, Pair::kTriangleObb, Pair::kTriangleTriangle,
             Pair::kSphereObb, Pair::kObbObb});
-/// Pairs that traverse a BVH without further options (hierarchy_pkg.sv).
+/// Pairs that traverse a BVH without further options (bvh_pkg.sv).
 inline constexpr std::uint32_t kPlainPairs = set_of({Pair::kRaySphere, Pair::kSphereSphere});
 /// Pairs whose misses the certified filter can prove in narrow lanes (`BoardConfig::verdicts`).
 inline constexpr std::uint32_t kVerdictPairs =

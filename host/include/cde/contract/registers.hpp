@@ -140,7 +140,7 @@ inline constexpr Field kIdVersion{0, 32}, kIdMagicField{32, 32};
 inline constexpr Field kCapsLanes{0, 16}, kCapsPrimaries{16, 16}, kCapsExp{32, 8}, kCapsMan{40, 8},
     kCapsAlgorithm{48, 8};
 inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Container{48, 8},
-    kCaps2NodeUnits{56, 8};
+    kCaps2TraversalUnits{56, 8};
 inline constexpr Field kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
     kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Verdicts{23},
     kCaps3PrimWords{24, 8}, kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
@@ -158,7 +158,7 @@ inline constexpr Field kCommandMode{0, 3}, kCommandPair{8, kPairBits},
 /// Bits of kRegCommand other than mode and pair codes.
 inline constexpr std::uint64_t kCommandSwap = 1 << 4;
 inline constexpr std::uint64_t kCommandNormals = 1 << 5;
-inline constexpr std::uint64_t kCommandHierarchy = 1 << 6;
+inline constexpr std::uint64_t kCommandBvh = 1 << 6;
 inline constexpr std::uint64_t kCommandSecond = 1 << 14;
 inline constexpr std::uint64_t kCommandSecondSwap = 1 << 15;
 inline constexpr std::uint64_t kCommandBits = 0x3FFF77;  ///< bits that a field uses

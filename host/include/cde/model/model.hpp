@@ -52,8 +52,8 @@ struct BoardConfig {
       std::nullopt;  ///< certified filter: narrow lanes prove misses of pairs of solids
                      ///< (`has_verdicts`) in modes any and hits. One lane of `format` tests the
                      ///< uncertain pairs. Records are the same
-  unsigned node_units = 0;  ///< BVH traversal units: 0 (none), 1, 2 or 4. Only fp32 cards with a
-                            ///< pair that can traverse a BVH (way_through())
+  unsigned traversal_units = 0;  ///< for a BVH: 0 (none), 1, 2 or 4. Only fp32 cards with a
+                                 ///< pair that can traverse a BVH (way_through())
   unsigned nodes = 65'536;  ///< nodes in its memory, a power of two up to 2^22; with eight slots of
                             ///< leaves per node
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move

@@ -26,7 +26,7 @@ struct SecondPair {
 /// them.
 enum class Through : std::uint8_t {
   kAuto,       ///< traverses the BVH if there is one that can answer the query
-  kHierarchy,  ///< error kUsage, with the reason, if the BVH cannot answer the query
+  kBvh,  ///< error kUsage, with the reason, if the BVH cannot answer the query
   kSweep,
 };
 

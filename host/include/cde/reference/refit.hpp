@@ -6,23 +6,23 @@
 #include <span>
 #include <vector>
 
-#include "cde/hierarchy/node.hpp"
+#include "cde/bvh/node.hpp"
 #include "cde/mesh/triangle_view.hpp"
 
 /// @file
-/// Refit of a card (rtl/hierarchy/refit.sv) for moved triangles, bit-exact. Hierarchy::refit() also
+/// Refit of a card (rtl/bvh/refit.sv) for moved triangles, bit-exact. Bvh::refit() also
 /// keeps the exact boxes, so its nodes are slightly tighter.
 namespace cde::reference {
 
 struct Refitted {
-  std::vector<hierarchy::Node> nodes;
+  std::vector<bvh::Node> nodes;
   /// Slot of the first bad triangle, in the order from the last node to the root. A bad triangle
   /// has a coordinate that is not a number or beyond 2^40. Its node and those before it are
   /// unchanged.
   std::optional<std::uint32_t> bad;
 };
 
-/// Refits the boxes from the last node to the first; the tree stays. Each child's box contains its
+/// Refits the boxes from the last node to the first; the topology stays. Each child's box contains its
 /// triangles, or box_of() its node, exactly, whatever the triangles are:
 ///
 /// - A leaf's box is the minimum and the maximum of words.
@@ -40,14 +40,14 @@ struct Refitted {
 /// - The box of a child that is a node follows from its words: box_of().
 ///
 /// Both zeros become +0. Bytes of missing children are 0. A node without children, which only an
-/// empty tree needs, stays unchanged. To its parent it is the point of its origin. Error kUsage if
-/// the numbers of triangles and slots differ; others as for hierarchy::check.
-[[nodiscard]] Refitted refit(std::span<const hierarchy::Node> nodes,
+/// empty BVH needs, stays unchanged. To its parent it is the point of its origin. Error kUsage if
+/// the numbers of triangles and slots differ; others as for bvh::check.
+[[nodiscard]] Refitted refit(std::span<const bvh::Node> nodes,
                              std::span<const std::uint32_t> order, const TriangleView& triangles);
 
 /// The box from a node's origin to the largest of its children's upper corners, rounded up. It
 /// contains exactly the boxes of all children, as given by their bytes, and of the nodes below
 /// them.
-[[nodiscard]] Eigen::AlignedBox3f box_of(const hierarchy::Node& node);
+[[nodiscard]] Eigen::AlignedBox3f box_of(const bvh::Node& node);
 
 }  // namespace cde::reference

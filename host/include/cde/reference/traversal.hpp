@@ -9,7 +9,7 @@
 
 #include "cde/contract/pairs.hpp"
 #include "cde/geometry/primitives.hpp"
-#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/bvh/bvh.hpp"
 #include "cde/mesh/triangle_view.hpp"
 #include "cde/query/query.hpp"
 
@@ -34,11 +34,11 @@ class Traversal {
  public:
   /// Both arguments must outlive the object. The algorithm is for rays. Error kUsage if the BVH has
   /// another number of secondaries.
-  Traversal(const TriangleView& triangles, const Hierarchy& hierarchy,
+  Traversal(const TriangleView& triangles, const Bvh& bvh,
             Algorithm algorithm = Algorithm::kMoller);
-  Traversal(std::span<const Sphere> spheres, const Hierarchy& hierarchy);
-  Traversal(std::span<const Aabb> boxes, const Hierarchy& hierarchy);
-  Traversal(std::span<const Obb> boxes, const Hierarchy& hierarchy);
+  Traversal(std::span<const Sphere> spheres, const Bvh& bvh);
+  Traversal(std::span<const Aabb> boxes, const Bvh& bvh);
+  Traversal(std::span<const Obb> boxes, const Bvh& bvh);
 
   /// The record of a ray in modes nearest, farthest and any; in mode hits the records of all its
   /// hits by ascending index. Error kUsage in mode all, whose records cover all triangles.
@@ -66,13 +66,13 @@ class Traversal {
   using Secondaries = std::variant<TriangleView, std::span<const Sphere>, std::span<const Aabb>,
                                    std::span<const Obb>>;
   Traversal(Secondaries secondaries, std::size_t count, std::string_view shape,
-            const Hierarchy& hierarchy, Algorithm algorithm);
+            const Bvh& bvh, Algorithm algorithm);
   template <class P>  // of these five
   std::vector<Record> trace_any(const P& primary, std::uint32_t number, Mode mode);
   template <class P>
   bool meets_any(const P& primary);
   Secondaries secondaries_;
-  const Hierarchy& hierarchy_;
+  const Bvh& bvh_;
   Algorithm algorithm_;
   TraversalCounts counts_;
 };

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "cde/hierarchy/hierarchy.hpp"
+#include "cde/bvh/bvh.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/scene/plan.hpp"
 
@@ -23,20 +23,20 @@ struct CastRequest {
   bool box = true;     ///< the box rule
   bool trace = false;  ///< waves are written
   std::optional<unsigned> lanes = {};
-  std::optional<bool> hierarchy = {};  ///< true: must traverse a BVH; false: must not
+  std::optional<bool> bvh = {};  ///< true: must traverse a BVH; false: must not
   bool parts = false;                  ///< the mesh is distributed among cards
   bool exact_card = false;  ///< an existing model may not stand in for one that must be built
 };
 
-/// To use it, open `card`, upload the mesh, with `*hierarchy` if there is one, and cast with the
+/// To use it, open `card`, upload the mesh, with `*bvh` if there is one, and cast with the
 /// Query of the request's mode:
 ///
 ///     Board board = Board::open(plan.card);
-///     plan.hierarchy ? board.upload(mesh, *plan.hierarchy) : board.upload(mesh);
+///     plan.bvh ? board.upload(mesh, *plan.bvh) : board.upload(mesh);
 ///     board.cast(rays, {.mode = request.mode}, take);
 struct CastPlan {
   BoardConfig card = {};
-  std::shared_ptr<const Hierarchy> hierarchy = {};  ///< of the mesh; null: brute force
+  std::shared_ptr<const Bvh> bvh = {};  ///< of the mesh; null: brute force
   std::optional<BuiltCard> stands_in_for = {};      ///< the planned card that `card` replaces
   std::string warning = {};  ///< why a requested BVH could not be built; empty: none
 };
@@ -49,7 +49,7 @@ struct CastPlan {
 [[nodiscard]] bool may_traverse(const CastRequest& request, std::uint64_t triangles);
 
 /// The card and BVH for this many rays. Building a BVH takes about a microsecond per triangle.
-/// Error kUsage as for may_traverse. Error kCapacity and others of Hierarchy::build if the request
+/// Error kUsage as for may_traverse. Error kCapacity and others of Bvh::build if the request
 /// needs a BVH that cannot be built.
 [[nodiscard]] CastPlan plan_cast(const CastRequest& request, const Mesh& mesh, std::uint64_t rays);
 

@@ -108,7 +108,7 @@ enum class Mover {
 };
 
 /// Whether rays traverse a BVH of the triangles.
-enum class UseHierarchy {
+enum class UseBvh {
   kAuto,  ///< if that takes less time
   kOn,
   kOff,
@@ -132,7 +132,7 @@ struct SceneCard {
   bool ecc = false;
   bool trace = false;
   Mover mover = Mover::kAuto;
-  UseHierarchy hierarchy = UseHierarchy::kAuto;
+  UseBvh bvh = UseBvh::kAuto;
   unsigned latency_add = 1, latency_mul = 1, latency_div = 1, latency_sqrt = 1, latency_compare = 1;
 };
 

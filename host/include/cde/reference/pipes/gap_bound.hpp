@@ -32,7 +32,7 @@
 ///
 /// Nodes compare squares (gap_key()), whose roundings are 5 u of a square, 3 u of a distance of at
 /// most 2 (R + e). A triangle or an AABB has e = 0. Its R is the largest distance along an axis
-/// from an end of its box to the other end of the root's box. A solid in the tree has the box of
+/// from an end of its box to the other end of the root's box. A solid in the BVH has the box of
 /// its exact half size. That differs by 3 u of it from the e of the rule, and lies within R.
 namespace cde::reference {
 

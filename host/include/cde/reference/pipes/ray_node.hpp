@@ -5,11 +5,11 @@
 
 #include "cde/contract/pairs.hpp"
 #include "cde/geometry/ops.hpp"
-#include "cde/hierarchy/node.hpp"
+#include "cde/bvh/node.hpp"
 #include "cde/reference/pipes/gap_bound.hpp"
 
 /// @file
-/// A ray and the eight boxes of a node (cde/hierarchy/node.hpp).
+/// A ray and the eight boxes of a node (cde/bvh/node.hpp).
 ///
 /// The box rule (ray_box.hpp) bounds where a hit can be. For its T, exactly as the pipe returns it,
 /// o + T d is within m' of the triangle's box on every axis, and
@@ -124,7 +124,7 @@ struct NodeFront {
 
 /// Once per node: 6 sub, 6 mul; units are wires.
 template <typename S>
-[[nodiscard]] NodeFront<S> node_front(const RayFront<S>& ray, const hierarchy::Node& node) {
+[[nodiscard]] NodeFront<S> node_front(const RayFront<S>& ray, const bvh::Node& node) {
   NodeFront<S> front;
   const Eigen::Vector3f origin = node.origin();
   for (int k = 0; k < 3; ++k) {
@@ -150,7 +150,7 @@ struct AxisStretch {
 /// For one child: 6 mul, 6 add.
 template <typename S>
 [[nodiscard]] AxisStretch<S> axis_stretch(const NodeFront<S>& front, const RayFront<S>& ray,
-                                          const hierarchy::Node& node, unsigned child) {
+                                          const bvh::Node& node, unsigned child) {
   AxisStretch<S> axes;
   for (int k = 0; k < 3; ++k) {
     const S lower(static_cast<float>(node.lower(child, k))),

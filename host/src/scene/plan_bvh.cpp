@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/plan_bvh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <type_traits>
+
+#include "cde/reference/traversal.hpp"
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+#include "scene/player_objects.hpp"
+#include "scene/bvh_choice.hpp"
+
+namespace cde::plan_bvh {
+namespace {
+
+/// Cycles per level of the BVH for the last rays of a packet, when no other rays remain.
+constexpr double kClocksALevel = 30;
+/// Cycles of a solid per secondary that it is tested with, including the nodes above it, if it
+/// waits for each leaf.
+constexpr double kClocksASolid = 75, kClocksTwoSpheres = 25;
+/// In a pass of at most kAhead solids, traversal does not wait for leaves (bvh_pkg::AHEAD).
+/// It takes kClocksToTheFirst cycles until the first test, then kClocksAhead cycles per test.
+constexpr std::uint64_t kAhead = 16;
+constexpr double kClocksToTheFirst = 250, kClocksAhead = 4.5;
+/// Cycles to write a node over the bus, with its share of slots, for a BVH that is not over
+/// triangles.
+constexpr std::uint64_t kClocksANode = 18;
+/// Solids of a query whose traversal is sampled.
+constexpr std::size_t kSampledSolids = 32;
+/// Extra visits per ray for each independently moving part in the BVH, relative to a BVH that is
+/// built anew.
+constexpr double kVisitsAMovingPart = 1.0 / 6;
+
+bool is_ray(const SceneQuery& q) {
+  return !is_solid(q.pair);
+}
+/// The shape of the secondaries in the leaves.
+Shape leaf_of(const SceneQuery& q) {
+  return q.swap ? primary_shape(q.pair) : secondary_shape(q.pair);
+}
+bool meets_triangles(const SceneQuery& q) {
+  return leaf_of(q) == Shape::kTriangle;
+}
+
+/// Why the query must test all secondaries; nothing if it can traverse.
+std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, const Plan& plan) {
+  if (!way_through(q.pair, q.swap))
+    return fmt::format("{}{} cannot traverse a BVH", name(q.pair),
+                       q.swap ? " with its roles swapped" : "");
+  if (q.mode == Mode::kAll) return "mode all reports every secondary, hit or not";
+  if (q.normals && is_ray(q)) return "rays have no normals";
+  if (!is_ray(q) && q.mode == Mode::kFarthest)
+    return "no box can be culled in a search for the farthest shape from a solid";
+  if (has_verdicts(q.pair) && plan.board.verdicts)
+    return "pairs with the certified filter use brute force";
+  if (work.self_pairs)
+    return "no shape is tested with itself, which needs passes over ranges of secondaries";
+  if (!plan.resident) return "queries have different secondaries, and each would need its own BVH";
+  return std::nullopt;
+}
+
+/// Why the card cannot have a BVH; nothing if it can.
+std::optional<std::string> against(const Scene& scene, BoardConfig board, unsigned nodes) {
+  board.box = scene.card.box && std::any_of(board.pairs.begin(), board.pairs.end(), has_box_rule);
+  board.traversal_units = bvh_choice::kTraversalUnits;
+  board.nodes = nodes;
+  try {
+    (void)board.parameters();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return std::nullopt;
+}
+
+/// The BVH that the player builds in the first frame. If there is none, `why` says so.
+std::optional<Bvh> bvh_of_scene(const Scene& scene, const Plan& plan, std::string& why) {
+  player::Row row(scene, plan.card_moves, player::Table::kAll);
+  (void)row.show(scene.queries.front().secondaries, 0);
+  try {
+    return player::bvh_of_row(row);
+  } catch (const Error& e) {
+    why = e.what();
+    return std::nullopt;
+  }
+}
+
+/// Number of parts that move on their own, and so away from their neighbours in the BVH.
+std::uint64_t moving_parts(const Scene& scene) {
+  std::uint64_t sum = 0;
+  for (const std::size_t i : scene.queries.front().secondaries) {
+    const SceneObject& object = scene.objects[i];
+    if (!is_still(scene, object)) sum += has_member_poses(object) ? size(object.shapes) : 1;
+  }
+  return sum;
+}
+
+/// Visits per primary, and the cycles of a packet's last primaries when no others remain.
+struct Way {
+  double nodes = 0, secondaries = 0, last = 0;
+};
+
+/// For rays: expected values from the BVH's boxes.
+Way way_of_rays(const Bvh& bvh) {
+  const Bvh::Visits visits = bvh.expected_visits();
+  return {visits.nodes, visits.secondaries, kClocksALevel * bvh.depth()};
+}
+
+/// For solids: from sampled solids of the first frame.
+Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, const Bvh& bvh,
+                  bool ahead) {
+  player::Row met(scene, plan.card_moves, player::Table::kAll),
+      solids(scene, std::vector<bool>(scene.objects.size(), false), player::Table::kMoved);
+  (void)met.show(q.secondaries, 0);
+  (void)solids.show(q.primaries, 0);
+  const auto walk_of = [&] {
+    return std::visit(
+        [&](const auto& list) -> reference::Traversal {
+          using P = typename std::decay_t<decltype(list)>::value_type;
+          if constexpr (reference::Solid<P>)
+            return reference::Traversal(list, bvh);
+          else
+            throw Error(ErrorCode::kUsage, "no BVH can be over such shapes");
+        },
+        met.placed());
+  };
+  const double each = ahead                           ? kClocksAhead
+                      : q.pair == Pair::kSphereSphere ? kClocksTwoSpheres
+                                                      : kClocksASolid;
+  Way way;
+  std::visit(
+      [&](const auto& list) {
+        using P = typename std::decay_t<decltype(list)>::value_type;
+        if constexpr (reference::Solid<P>) {
+          const std::size_t step = (list.size() + kSampledSolids - 1) / kSampledSolids;
+          std::size_t sampled = 0;
+          for (std::size_t i = 0; i < list.size(); i += std::max<std::size_t>(step, 1), ++sampled) {
+            reference::Traversal walk = walk_of();
+            (void)walk.trace(list[i], 0, q.mode);
+            const auto tested = static_cast<double>(walk.counts().secondaries);
+            way.nodes += static_cast<double>(walk.counts().nodes);
+            way.secondaries += tested;
+            way.last = std::max(way.last, (ahead ? kClocksToTheFirst : 0) + each * tested);
+          }
+          sampled = std::max<std::size_t>(sampled, 1);
+          way.nodes /= static_cast<double>(sampled);
+          way.secondaries /= static_cast<double>(sampled);
+        }
+      },
+      solids.placed());
+  return way;
+}
+
+/// Cycles per frame: visits of all primaries, plus the last primaries of each packet. A BVH over
+/// triangles keeps the structure of the first frame.
+std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, const Scene& scene,
+                     const Bvh& bvh) {
+  const std::uint64_t primaries = w.primaries - w.masked;
+  const Way way =
+      is_ray(q) ? way_of_rays(bvh) : way_of_solids(q, plan, scene, bvh, primaries <= kAhead);
+  const double more =
+      meets_triangles(q) ? kVisitsAMovingPart * static_cast<double>(moving_parts(scene)) : 0;
+  const double each = bvh_choice::cycles(way.nodes + more, way.secondaries + more);
+  return static_cast<std::uint64_t>(
+      std::ceil(each * static_cast<double>(primaries) + way.last * static_cast<double>(w.packets)));
+}
+
+/// Cycles per frame to refit the BVH. Over triangles: one per moving triangle and 1.2 per node
+/// above it. Any other BVH is written over the bus.
+std::uint64_t refit_clocks(const QueryWork& w, const Scene& scene, const Plan& plan,
+                           const Bvh& bvh) {
+  std::uint64_t moving = 0;
+  for (const std::size_t i : scene.queries.front().secondaries)
+    if (!is_still(scene, scene.objects[i]) || !deforming(scene.objects[i]).empty())
+      moving += size(scene.objects[i].shapes);
+  if (moving == 0) return 0;
+  if (!meets_triangles(scene.queries.front())) return kClocksANode * bvh.nodes().size();
+  const bool parts =
+      std::find(plan.card_moves.begin(), plan.card_moves.end(), true) != plan.card_moves.end();
+  const double share =
+      parts ? static_cast<double>(moving) / static_cast<double>(w.secondaries) : 1.0;
+  return static_cast<std::uint64_t>(
+      std::ceil(share * (static_cast<double>(w.secondaries) +
+                         1.2 * static_cast<double>(bvh.nodes().size()))));
+}
+
+}  // namespace
+
+Choice choose(const Scene& scene, Plan& plan) {
+  Choice choice{
+      std::vector<bool>(scene.queries.size(), false), 0, {"bvh", false, "none", "", ""}};
+  Effect& e = choice.effect;
+  const bool asked = scene.card.bvh == UseBvh::kOn;
+  const auto none = [&](const std::string& why) {
+    if (asked)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: card, bvh = \"on\": {}", printable_name(scene.file), why));
+    e.why = why;
+    e.cost = "none";
+    choice.nodes = 0;
+    choice.queries.assign(scene.queries.size(), false);
+    return choice;
+  };
+  if (scene.card.bvh == UseBvh::kOff) return none("bvh = \"off\"");
+  std::string first_why;
+  for (std::size_t q = 0; q < scene.queries.size(); ++q) {
+    const auto why = against(scene.queries[q], plan.queries[q], plan);
+    choice.queries[q] = !why;
+    if (why && first_why.empty()) first_why = fmt::format("{}: {}", scene.queries[q].name, *why);
+  }
+  if (std::find(choice.queries.begin(), choice.queries.end(), true) == choice.queries.end())
+    return none(first_why);
+  const QueryWork& work = plan.queries.front();
+  const Shape leaf = leaf_of(scene.queries.front());
+  const auto traverses = [&](std::uint64_t traversal, std::uint64_t brute_force) {
+    return bvh_choice::traverses(
+        asked, leaf, work.secondaries,
+        bvh_choice::Cost{static_cast<double>(traversal), static_cast<double>(brute_force)});
+  };
+  if (!bvh_choice::traverses(asked, leaf, work.secondaries))
+    return none(fmt::format("a BVH pays off from about {} {}s on; there are {}",
+                            bvh_choice::fewest(leaf), name(leaf), work.secondaries));
+  if (const auto why = against(scene, plan.board, BoardConfig{}.nodes)) return none(*why);
+  std::string why;
+  const auto bvh = bvh_of_scene(scene, plan, why);
+  if (!bvh) return none("there is no BVH: " + why);
+  // A BVH keeps its structure, so other poses need no extra room.
+  choice.nodes = bvh_choice::node_memory(*bvh, work.secondaries);
+  if (const auto reason = against(scene, plan.board, choice.nodes)) return none(*reason);
+
+  const std::uint64_t refit = refit_clocks(work, scene, plan, *bvh);
+  std::uint64_t rows = 0, through = refit;
+  std::string least;  // cost of the first query for which brute force is faster
+  for (std::size_t q = 0; q < scene.queries.size(); ++q) {
+    if (!choice.queries[q]) continue;
+    plan.queries[q].bvh_clocks =
+        clocks(scene.queries[q], plan.queries[q], plan, scene, *bvh);
+    if (!traverses(*plan.queries[q].bvh_clocks, plan.queries[q].rows)) {
+      choice.queries[q] = false;  // this query alone is faster with brute force
+      least = least.empty()
+                  ? fmt::format("about {} cycles per frame; brute force on {} lanes takes {}",
+                                *plan.queries[q].bvh_clocks, plan.board.lanes,
+                                plan.queries[q].rows)
+                  : least;
+      continue;
+    }
+    rows += plan.queries[q].rows;
+    through += *plan.queries[q].bvh_clocks;
+  }
+  const std::string both = fmt::format(
+      "about {} cycles per frame{}; brute force on {} lanes takes {}", through,
+      refit == 0 ? "" : fmt::format(", {} of them to refit boxes", refit), plan.board.lanes, rows);
+  if (!traverses(through, rows)) {
+    choice.nodes = 0;
+    e.cost = rows == 0 ? least : both;
+    e.why = "brute force takes less";
+    choice.queries.assign(scene.queries.size(), false);
+    return choice;
+  }
+  std::vector<std::string_view> names;
+  bool rays = true;
+  for (std::size_t q = 0; q < scene.queries.size(); ++q) {
+    if (!choice.queries[q]) continue;
+    names.push_back(scene.queries[q].name);
+    rays = rays && is_ray(scene.queries[q]);
+  }
+  e = {"bvh", true, fmt::format("{} traversal units", bvh_choice::kTraversalUnits),
+       fmt::format("{}{} of {} traverse a BVH of {} nodes", asked ? "asked for: " : "",
+                   rays ? "rays" : "primaries", fmt::join(names, ", "), bvh->nodes().size()),
+       both};
+  return choice;
+}
+
+}  // namespace cde::plan_bvh

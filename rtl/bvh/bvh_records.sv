@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Records of a BVH pass, one per cycle, in the order they occur: hits of mode hits, finished primaries, and bad
+// primaries. The words are as in record_maker.sv. With normals, a second record follows each one; it has n in the words
+// of CP and the signed distance in T.
+// Latency: 1 cycle; hits wait in queues.
+// Throughput: one record per cycle.
+// Stall: ready_o and bad_ready_o are low while the ring is full or another record goes first. Hits are never stalled:
+// leaf_room_o reserves their space.
+module bvh_records #(
+    parameter config_pkg::config_t CONFIG,
+    parameter int DEPTH = 128,  // hits that wait, per lane; power of two
+    localparam int WORDS = records_pkg::RECORD_WORDS,
+    localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic [2:0] mode_i,  // registers_pkg::MODE_*
+    input logic normals_i,
+
+    // The next leaf can go to the pairs: there is room for its hits.
+    output logic leaf_room_o,
+    input logic leaf_i,
+    input logic leaf_tested_i,
+    input logic [1:0] hit_i,
+    input logic [31:0] hit_number_i,
+    input logic [1:0][31:0] hit_t_i,
+    input logic [POINTS-1:0][1:0][31:0] hit_point_i,
+    input logic [1:0][31:0] hit_index_i,
+
+    input logic valid_i,  // a finished primary
+    output logic ready_o,
+    input logic [31:0] number_i,
+    input logic found_i,  // the record names a pair; f_i: the pair is a hit
+    input logic f_i,
+    input logic [31:0] t_i,
+    input logic [POINTS-1:0][31:0] point_i,
+    input logic [31:0] index_i,
+
+    input logic bad_valid_i,  // a bad primary
+    output logic bad_ready_o,
+    input logic [31:0] bad_number_i,
+
+    input logic sram_full_i,
+    input logic [31:0] sram_count_i,
+    output logic write_o,
+    output logic [WORDS-1:0][31:0] record_o,
+    output logic finished_o,  // a primary has all its records
+    output logic empty_o      // nothing waits
+);
+  localparam logic [31:0] QNAN = 32'(formats_pkg::quiet_nan(CONFIG.exp, CONFIG.man));
+  localparam logic [31:0] INFINITE = 32'h7f80_0000;
+  localparam int DW = $clog2(DEPTH);
+  logic hits, occluded;
+  assign hits = mode_i == registers_pkg::MODE_HITS;
+  assign occluded = mode_i == registers_pkg::MODE_OCCLUDED;
+
+  // ---- Hits, one queue per lane ----
+  typedef struct packed {
+    logic [31:0] number;
+    logic [31:0] t;
+    logic [POINTS-1:0][31:0] point;
+    logic [31:0] index;
+  } hit_t;
+  hit_t [1:0] waiting;
+  logic [1:0] some, read;
+  logic [DW:0] under_way_q;  // number of leaves under way
+  logic [1:0][DW:0] room;
+  for (genvar l = 0; l < 2; l++) begin : lane
+    hit_t hit;
+    logic [DW:0] count;
+    always_comb begin
+      hit = '{number: hit_number_i, t: hit_t_i[l], point: '0, index: hit_index_i[l]};
+      for (int k = 0; k < POINTS; k++) hit.point[k] = hit_point_i[k][l];
+    end
+    sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH)) queue (
+        .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .room_o(room[l]), .count_o(count), .rdata_o(waiting[l]),
+        .read_i(read[l]));
+    assign some[l] = count != 0;
+  end
+  assign leaf_room_o = !hits || (under_way_q < room[0] && under_way_q < room[1]);
+  always_ff @(posedge clk_i)
+    if (rst_i) under_way_q <= '0;
+    else if (hits) under_way_q <= under_way_q + (DW + 1)'(leaf_i) - (DW + 1)'(leaf_tested_i);
+
+  // ---- One record per cycle. A primary's last record follows its hits, which are queued before it arrives ----
+  logic ring_room, room_there, take_hit, lane_1, take_bad, take, second_q;
+  hit_t hit;
+  assign ring_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign room_there = ring_room && !second_q;  // the second record of a pair goes next
+  assign take_hit = room_there && some != 0;
+  assign lane_1 = !some[0];
+  assign hit = waiting[lane_1];
+  assign read = take_hit ? {lane_1, !lane_1} : '0;
+  assign ready_o = room_there && some == 0;
+  assign bad_ready_o = ready_o && !valid_i;
+  assign take = valid_i && ready_o;
+  assign take_bad = bad_valid_i && bad_ready_o;
+  assign finished_o = take || take_bad;
+  assign empty_o = some == 0 && !write_o && !second_q;
+
+  records_pkg::record_flags_t flags;
+  logic found;
+  assign found = take_hit || (found_i && !occluded && !take_bad);
+  assign flags = '{normal: 1'b0, bad: take_bad, f: take_hit || (f_i && !take_bad)};
+  logic [WORDS-1:0][31:0] record;
+  logic [POINTS-1:0][31:0] point;
+  assign point = take_bad ? {POINTS{QNAN}} : !found ? '0 : take_hit ? hit.point : point_i;
+  always_comb begin
+    record[records_pkg::RECORD_FLAGS] = 32'(flags);
+    record[records_pkg::RECORD_PRIMARY] = take_hit ? hit.number : take_bad ? bad_number_i : number_i;
+    record[records_pkg::RECORD_CP+:3] = point[2:0];
+    record[records_pkg::RECORD_INDEX] = !found ? '1 : take_hit ? hit.index : index_i;
+    record[records_pkg::RECORD_T] = take_bad ? QNAN : !found ? INFINITE : take_hit ? hit.t : t_i;
+  end
+  logic written;  // a record is written in this cycle
+  assign written = take_hit || (finished_o && !hits);
+  if (CONFIG.normals != 0) begin : g_normals
+    logic [2:0][31:0] n_q;
+    logic [WORDS-1:0][31:0] second;
+    logic f_q, bad_q;
+    always_comb begin
+      second = record_o;
+      second[records_pkg::RECORD_FLAGS] = 32'({1'b1, bad_q, f_q});
+      second[records_pkg::RECORD_CP+:3] = n_q;
+      if (f_q) second[records_pkg::RECORD_T][31] = 1'b1;
+    end
+    always_ff @(posedge clk_i) begin
+      write_o <= !rst_i && (written || (second_q && ring_room));
+      if (second_q && ring_room) record_o <= second;
+      if (written) record_o <= record;
+      if (written) {n_q, bad_q, f_q} <= {point[POINTS-1:POINTS-3], flags.bad, flags.f};
+      second_q <= !rst_i && (written ? normals_i : second_q && !ring_room);
+    end
+  end else begin : g_alone
+    assign second_q = 1'b0;
+    logic unused;
+    assign unused = normals_i;
+    always_ff @(posedge clk_i) begin
+      write_o <= !rst_i && written;
+      record_o <= record;
+    end
+  end
+endmodule

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the secondaries of leaves from DDR, where they are in the order of their upload. A memory beside the nodes maps
+// a slot of the BVH to a secondary. So DDR holds each secondary once, and the mapping gives its index.
+// A secondary takes one beat, or two beats if it has more than 9 words. With OBJECTS, a second memory maps a slot to
+// its object, and secondaries go through the external transformer.
+// Latency: 2 cycles plus the memory's latency and T_MOVED.
+// Throughput: one beat per cycle.
+// Stall: ready_o, ddr_ready_i.
+module leaf_reader #(
+    parameter int SLOTS = 32768,  // power of two
+    parameter int WORDS = 9,      // of the largest secondary, at least one beat
+    parameter int TAG = 32,       // bits; the lowest bit says that the leaf has two secondaries
+    parameter int DEPTH = 256,    // secondaries requested from DDR or being transformed, power of two
+    parameter int ECC = 0,        // 1: slot words have check bits
+    parameter int OBJECTS = 0,    // most objects of a pass; 0: nothing moves
+    parameter int T_TRANSFORM = 0,
+    parameter ARITH = "rtl",
+    localparam int SW = $clog2(SLOTS),
+    localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1,
+    localparam int T_MOVED = (OBJECTS != 0) ? 1 + T_TRANSFORM : 0,
+    localparam int BEAT = records_pkg::DDR_WORDS
+) (
+    input logic clk_bus_i,
+    input logic write_i,
+    input logic [31:0] addr_i,  // secondaries of slots, and from 4 SLOTS on their objects
+    input logic [63:0] data_i,
+    input logic [1:0][31:0] flip_i,  // injected bit errors of a write
+
+    input logic clk_i,
+    input logic rst_i,
+    input logic clear_i,  // between passes; drops outstanding requests
+    input logic [31:0] slots_i,  // slots of the BVH
+    input logic [31:0] secondaries_i,  // number of secondaries in DDR
+    input pairs_pkg::words_t words_i,  // words per secondary
+    input logic [31:0] objects_i,  // 0: secondaries are not transformed
+    input logic valid_i,
+    output logic ready_o,
+    input logic [bvh_pkg::PLACE-1:0] slot_i,
+    input logic [TAG-1:0] tag_i,
+
+    output card_pkg::ddr_request_t ddr_o,
+    input logic ddr_ready_i,
+    input logic ddr_valid_i,
+    input logic [BEAT-1:0][31:0] ddr_data_i,
+    output logic [3:0] ddr_words_o,  // words of the beat that belong to a secondary
+    output logic owed_o,  // reads are outstanding, or will be by this cycle's request
+
+    // To the object table and the transformer, as in secondary_regfile.sv.
+    output logic [OBJECT_W-1:0] transform_entry_o,  // object of the arriving secondary
+    output logic moving_o,
+    input logic clk_moving_i,
+    output logic [WORDS-1:0][31:0] unmoved_o,
+    input logic [WORDS-1:0][31:0] moved_i,
+
+    output logic valid_o,
+    output logic [TAG-1:0] tag_o,
+    output logic [1:0][WORDS-1:0][31:0] words_o,
+    output logic [1:0][31:0] index_o,
+    output logic fault_o,  // a slot, or the secondary or object in it, does not exist
+    output logic [3:0] fault_kind_o,  // registers_pkg::NODE_FAULT_*
+    output logic [31:0] fault_place_o,
+    output logic [1:0] corrected_o  // corrected words of a slot
+);
+  localparam int DW = $clog2(DEPTH);
+  localparam int TAG_W = 1 + OBJECT_W + 32 + TAG;
+
+  // ---- Slots, one per cycle: their secondaries ----
+  logic second_q, move, asked_q, last_q, beyond_q;  // second_q: the second secondary of a leaf is next
+  logic wide, half, half_q, taken, whole_asked;  // half: the second beat of a secondary is next
+  if (WORDS > BEAT) begin : g_two_beats
+    assign wide = 32'(words_i) > BEAT;
+    assign half = wide && half_q != taken;
+    always_ff @(posedge clk_i) half_q <= half && !rst_i;
+  end else begin : g_a_beat
+    assign {wide, half, half_q} = '0;
+    logic unused_wide;
+    assign unused_wide = wide;
+  end
+  assign taken = ddr_o.valid && ddr_ready_i;
+  assign whole_asked = taken && !half;
+  logic [31:0] slot, index, slot_q;
+  logic [1:0] corrected, failed;
+  logic [TAG-1:0] tag_q;
+  assign slot = second_q ? slot_q + 1 : 32'(slot_i);
+  assign move = !asked_q || whole_asked;
+  assign ready_o = move && !second_q;
+  always_ff @(posedge clk_i) begin
+    if (move) begin
+      asked_q <= valid_i || second_q;
+      if (!second_q) tag_q <= tag_i;
+      last_q <= second_q || !tag_i[0];
+      second_q <= !second_q && valid_i && tag_i[0];
+      slot_q <= slot;
+      beyond_q <= slot >= slots_i;
+    end
+    if (rst_i || clear_i) second_q <= 1'b0;
+    if (rst_i || (clear_i && !half)) asked_q <= 1'b0;  // never between the two beats of a secondary
+  end
+  logic write_objects;
+  assign write_objects = OBJECTS != 0 && addr_i[2+SW];
+  slot_memory #(.SLOTS(SLOTS), .ECC(ECC)) order (
+      .clk_bus_i, .write_i(write_i && !write_objects), .addr_i, .data_i, .flip_i, .clk_i, .read_i(move),
+      .slot_i(slot[SW-1:0]), .word_o(index), .corrected_o(corrected[0]), .failed_o(failed[0]));
+  logic [31:0] object;
+  logic no_object;
+  if (OBJECTS != 0) begin : g_objects
+    slot_memory #(.SLOTS(SLOTS), .ECC(ECC)) whose (
+        .clk_bus_i, .write_i(write_i && write_objects), .addr_i, .data_i, .flip_i, .clk_i, .read_i(move),
+        .slot_i(slot[SW-1:0]), .word_o(object), .corrected_o(corrected[1]), .failed_o(failed[1]));
+    assign no_object = objects_i != 0 && object >= objects_i;
+  end else begin : g_still
+    assign object = '0;
+    assign {corrected[1], failed[1], no_object} = '0;
+    logic unused;
+    assign unused = &{1'b0, objects_i, addr_i, object};
+  end
+  assign corrected_o = corrected & {2{whole_asked}};
+  assign fault_o = asked_q && (beyond_q || failed != 0 || index >= secondaries_i || no_object);
+  assign fault_kind_o = beyond_q ? registers_pkg::NODE_FAULT_SLOT :
+      (failed != 0) ? registers_pkg::NODE_FAULT_SLOT_BITS :
+      no_object ? registers_pkg::NODE_FAULT_OBJECT : registers_pkg::NODE_FAULT_INDEX;
+  assign fault_place_o = slot_q;
+
+  // ---- Secondaries requested or being transformed ----
+  logic [DW:0] owed, write_q, read_q;
+  logic last, valid;
+  logic [31:0] index_now;
+  logic [TAG-1:0] tag;
+  logic [OBJECT_W-1:0] unused_object;
+  logic [TAG_W-1:0] tags[DEPTH];
+  assign ddr_o.valid = asked_q && !fault_o && (half_q || owed != (DW + 1)'(DEPTH));
+  assign ddr_o.word = index * 32'(words_i) + (half_q ? BEAT : 0);
+  assign owed = write_q - read_q;
+  assign owed_o = owed != 0 || ddr_o.valid;  // includes this cycle's request
+  always_ff @(posedge clk_i) begin
+    if (taken && !half_q) begin
+      tags[write_q[DW-1:0]] <= {last_q, object[OBJECT_W-1:0], index, tag_q};
+      write_q <= write_q + 1;
+    end
+    if (valid) read_q <= read_q + 1;
+    if (rst_i) {write_q, read_q} <= '0;
+  end
+  assign {last, unused_object, index_now, tag} = tags[read_q[DW-1:0]];
+
+  // ---- Beats to secondaries ----
+  logic whole;
+  logic [WORDS-1:0][31:0] arrived;
+  if (WORDS > BEAT) begin : g_two
+    logic [BEAT-1:0][31:0] low_q;
+    logic low_there_q;
+    always_ff @(posedge clk_i) begin
+      if (ddr_valid_i) low_q <= ddr_data_i;
+      low_there_q <= !rst_i && wide && (low_there_q != ddr_valid_i);
+    end
+    assign whole = ddr_valid_i && wide == low_there_q;
+    assign arrived = wide ? {ddr_data_i[WORDS-BEAT-1:0], low_q} : (WORDS * 32)'(ddr_data_i);
+    assign ddr_words_o = !wide ? 4'(words_i) : low_there_q ? 4'(32'(words_i) - BEAT) : 4'(BEAT);
+  end else begin : g_one
+    assign whole = ddr_valid_i;
+    assign arrived = ddr_data_i;
+    assign ddr_words_o = 4'(words_i);
+  end
+
+  // ---- Transform of its object ----
+  logic [WORDS-1:0][31:0] moved;
+  if (OBJECTS != 0) begin : g_moved
+    logic [DW:0] arrived_q;
+    logic [WORDS-1:0][31:0] unmoved_q;
+    logic [T_MOVED:0] on_its_way;
+    logic [T_MOVED-1:0] on_its_way_q;
+    always_ff @(posedge clk_i) begin
+      if (whole) arrived_q <= arrived_q + 1;
+      if (rst_i) arrived_q <= '0;
+      on_its_way_q <= rst_i ? '0 : on_its_way[T_MOVED-1:0];
+    end
+    always_ff @(posedge clk_moving_i) unmoved_q <= arrived;
+    assign on_its_way = {on_its_way_q, whole};
+    assign valid = on_its_way[T_MOVED];
+    assign transform_entry_o = tags[arrived_q[DW-1:0]][TAG+32+:OBJECT_W];
+    assign unmoved_o = unmoved_q;
+    // The host back end computes in the cycle after the register.
+    assign moving_o = (ARITH == "rtl") ? on_its_way[T_MOVED-1:0] != '0 : whole;
+    align #(.W(WORDS * 32), .FROM((ARITH == "rtl") ? T_MOVED : 1), .TO(T_MOVED)) align_moved (
+        .clk_i, .d_i(moved_i), .q_o(moved));
+  end else begin : g_as_they_are
+    assign valid = whole;
+    assign moved = arrived;
+    assign transform_entry_o = '0;
+    assign moving_o = 1'b0;
+    assign unmoved_o = '0;
+    logic unused;
+    assign unused = &{1'b0, clk_moving_i, moved_i};
+  end
+
+  // ---- Secondaries to leaves ----
+  logic first_q;
+  logic [WORDS-1:0][31:0] words_q;
+  logic [31:0] first_index_q;
+  always_ff @(posedge clk_i) begin
+    if (valid && !last) {words_q, first_index_q} <= {moved, index_now};
+    if (valid) first_q <= !last;
+    if (rst_i || clear_i) first_q <= 0;
+  end
+  assign valid_o = valid && last && !clear_i;
+  assign tag_o = tag;
+  assign words_o = first_q ? {moved, words_q} : {2{moved}};
+  assign index_o = first_q ? {index_now, first_index_q} : {2{index_now}};
+
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i) assert (!(ddr_valid_i && owed == 0)) else $error("leaf_reader: data without a request");
+`endif
+endmodule

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Distance key of a solid to each of a node's boxes (gap_key() of reference/pipes/ray_node.hpp). It is the squared
+// distance of two boxes that are apart, else the largest distance on an axis. The inputs near_i and far_i are distances
+// on axes, as node_boxes.sv gives them for a solid. The children are lanes. Operators per child: 3 mul, 2 add, 1
+// compare, 8 max.
+// Latency: NODE_T_GAPS - NODE_T_AXES cycles (bvh.svh).
+// Throughput: one node per cycle.
+// Stall: none, runs free.
+`include "bvh.svh"
+module node_gaps #(
+    `DF_PARAMETERS
+) (
+    input logic clk_i,
+    input logic [2:0][LANES-1:0][CW-1:0] near_i,
+    input logic [2:0][LANES-1:0][CW-1:0] far_i,
+    output logic [LANES-1:0][CW-1:0] key_o
+);
+  /*verilator inline_module*/
+  `DF_VIN(near, near_i, 0)
+  `DF_VIN(far, far_i, 0)
+  `DF_CONST(zero, 0)
+  `DF_VCONST(zeros, 0, 0, 0)
+  `DF_VNEG(beyond, far)
+  `DF_VMAX(gap, near, beyond)
+  `DF_PICK(gap_x, gap, 0)
+  `DF_PICK(gap_y, gap, 1)
+  `DF_PICK(gap_z, gap, 2)
+  `DF_MAX(gap_xy, gap_x, gap_y)
+  `DF_MAX(widest, gap_xy, gap_z)
+  `DF_LT(apart, zero, widest)
+  `DF_VMAX(way, gap, zeros)
+  `DF_DOT(square, way, way)
+  `DF_SELECT(key, apart, square, widest)
+  if (T_key != `NODE_T_GAPS - `NODE_T_AXES) $error("node_gaps: NODE_T_GAPS does not match");
+  assign key_o = key;
+endmodule

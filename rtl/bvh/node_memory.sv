@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nodes of a BVH, in their own memory beside the units that read them: external chips or on-chip memory.
+// Each reader has a port, which in hardware is a copy. A write goes to all copies.
+// Node n on the bus: words 0 to 15 are at byte 64 n, words 16 and 17 at 64 NODES + 8 n. So no address needs a division.
+// Latency: 1 cycle; a read in the cycle of a write returns the old word.
+// Throughput: per cycle, one beat or node written, and one node per reader.
+// Stall: none.
+`include "secded.svh"
+module node_memory #(
+    parameter int NODES = 4096,  // power of two
+    parameter int READERS = 2,
+    parameter int ECC = 0,       // 1: words have check bits
+    localparam int NW = $clog2(NODES)
+) (
+    input logic clk_write_i,  // runs during writes and refits
+    input logic write_i,
+    input logic [31:0] addr_i,
+    input logic [63:0] data_i,
+    input logic [17:0][31:0] flip_i,  // injected bit errors, per word
+    input logic refit_i,  // writes a whole node; never together with a bus write
+    input logic [NW-1:0] refit_at_i,
+    input logic [bvh_pkg::NODE_WORDS-1:0][31:0] refit_node_i,
+
+    input logic clk_i,
+    input logic [READERS-1:0][NW-1:0] at_i,
+    output logic [READERS-1:0][bvh_pkg::NODE_WORDS-1:0][31:0] node_o,
+    output logic [READERS-1:0][4:0] corrected_o,  // corrected words of node_o
+    output logic [READERS-1:0] failed_o
+);
+  localparam int WORDS = bvh_pkg::NODE_WORDS;
+  if ((NODES & (NODES - 1)) != 0 || NODES > bvh_pkg::MOST_NODES) begin : g_nodes
+    $error("node_memory: NODES must be a power of two, at most %0d", bvh_pkg::MOST_NODES);
+  end
+  logic [WORDS-1:0][31:0] nodes[NODES];
+  logic last;
+  assign last = addr_i[6+NW];
+  logic unused;
+  assign unused = &{1'b0, addr_i, flip_i};
+  logic [3:0] beat;
+  logic [NW-1:0] row;
+  logic [1:0][31:0] written;
+  assign beat = last ? 4'd8 : {1'b0, addr_i[5:3]};
+  assign row = last ? addr_i[3+:NW] : addr_i[6+:NW];
+  if (ECC != 0) begin : g_flipped
+    assign written = data_i ^ flip_i[{beat, 1'b0}+:2];
+  end else begin : g_whole
+    assign written = data_i;
+  end
+  always_ff @(posedge clk_write_i)
+    if (refit_i) nodes[refit_at_i] <= refit_node_i;
+    else if (write_i) nodes[row][{beat, 1'b0}+:2] <= written;
+  for (genvar r = 0; r < READERS; r++) begin : reader
+    logic [WORDS-1:0][31:0] node_q;
+    always_ff @(posedge clk_i) node_q <= nodes[at_i[r]];
+`ifdef VERILATOR
+    // Prefetches the node in simulation, before the cycle that reads it.
+    always_comb $c("host_fp::expect(", nodes, "[", at_i[r], "]);");
+`endif
+    if (ECC == 0) begin : g_plain
+      assign node_o[r] = node_q;
+      assign {corrected_o[r], failed_o[r]} = '0;
+    end
+  end
+
+  // ---- Check bits ----
+  if (ECC != 0) begin : g_ecc
+    localparam int R = `SECDED_BITS(32);
+    logic [WORDS-1:0][R-1:0] checks[NODES];
+    logic [1:0][R-1:0] written_check;
+    logic [WORDS-1:0][R-1:0] refit_check;
+    for (genvar w = 0; w < 2; w++) begin : of_beat
+      secded_encode #(.W(32)) encode (.data_i(data_i[32*w+:32]), .check_o(written_check[w]));
+    end
+    for (genvar w = 0; w < WORDS; w++) begin : of_node
+      secded_encode #(.W(32)) encode (.data_i(refit_node_i[w]), .check_o(refit_check[w]));
+    end
+    always_ff @(posedge clk_write_i)
+      if (refit_i) checks[refit_at_i] <= refit_check;
+      else if (write_i) checks[row][{beat, 1'b0}+:2] <= written_check;
+    for (genvar r = 0; r < READERS; r++) begin : checked
+      logic [WORDS-1:0][R-1:0] check_q;
+      always_ff @(posedge clk_i) check_q <= checks[at_i[r]];
+      words_ecc #(.WORDS(WORDS)) correct (.data_i(reader[r].node_q), .check_i(check_q), .data_o(node_o[r]),
+          .corrected_o(corrected_o[r]), .failed_o(failed_o[r]));
+    end
+  end
+endmodule

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+// Traversal of a BVH by rays and solids. Each primary has a context with one operation under way. It reads a node and
+// tests its boxes, fetches and tests the secondaries of a leaf, or chooses the next visit from its stack.
+// Units wait only for leaves that memory does not deliver. Contexts wait in queues that hold all of them, so no queue
+// overflows and no deadlock is possible. In a pass of few primaries, pipes are mostly empty, so contexts do not wait
+// for their leaves. They go on with the current best result, and end when all leaves have been tested (ahead_i).
+//
+//   rays -> ray_front -> UNITS x traversal_bank -> leaves -> fetch -> pair pipe -> better of (T, index) -+
+//                            |  ^                                                                        |
+//               records <----+  +------------------------------------------------------------------------+
+//
+// A new primary needs a free context (ray_ready_o). A fetched leaf returns with the tag of its request.
+// Latency: that of the traversal.
+// Throughput: UNITS nodes, one leaf, one primary and one record per cycle.
+// Stall: ray_ready_o, fetch_ready_i, record_ready_i.
+`include "bvh.svh"
+module traversal #(
+    parameter int CONTEXTS = 256,  // powers of two
+    parameter int UNITS = 2,       // traversal units, each with its share of the contexts
+    parameter bvh_pkg::ways_t WAYS = 1,        // bvh_pkg::card_ways
+    parameter int ALGORITHM = 0,   // ray-triangle: pairs_pkg::ALGORITHM_*
+    parameter int NORMALS = 0,     // 1: solids have normals
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
+    parameter ARITH = "rtl",
+    localparam int LANES = 2,  // secondaries of a leaf
+    localparam int WORDS = bvh_pkg::walked_words(WAYS),
+    localparam int LEAF = bvh_pkg::leaf_words(WAYS),
+    localparam int POINTS = (NORMALS != 0) ? 6 : 3,  // words of CP and n
+    localparam int CX = $clog2(CONTEXTS),
+    localparam int TAG = `AT_BITS(CX) + 1
+) (
+    input logic clk_i,
+    input logic rst_i,
+    // Node memory, one port per unit; a read returns one cycle later.
+    input logic [31:0] nodes_i,  // number of nodes
+    output logic [UNITS-1:0] node_read_o,
+    output logic [UNITS-1:0][bvh_pkg::PLACE-1:0] node_at_o,
+    input logic [UNITS-1:0][bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
+    // Settings of all primaries.
+    input logic [6:0][31:0] root_i,  // root's box: lower corner x y z, upper corner x y z, 16 u W (ray_front.sv)
+    input logic [2:0] goal_i,        // bvh_pkg::GOAL_*
+    input logic [bvh_pkg::WAY_BITS-1:0] way_i,
+    input logic ahead_i,
+    // Primaries and their numbers: rays (o x y z, d x y z, tmin, tmax) or solids.
+    input logic ray_valid_i,
+    output logic ray_ready_o,
+    input logic [WORDS-1:0][31:0] ray_i,
+    input logic [31:0] number_i,
+    // Secondaries of leaves, one or two from a slot on, and their indices. The input fetched_valid_i must come from a
+    // register, because it drives the enable of a clock gate.
+    output logic fetch_valid_o,
+    input logic fetch_ready_i,
+    output logic [bvh_pkg::PLACE-1:0] fetch_slot_o,
+    output logic [TAG-1:0] fetch_tag_o,  // its lowest bit: two secondaries
+    input logic fetched_valid_i,
+    input logic [TAG-1:0] fetched_tag_i,
+    input logic [LANES-1:0][LEAF-1:0][31:0] fetched_i,
+    input logic [LANES-1:0][31:0] index_i,
+    // Hits of goal hits, as they are found. Never back-pressured: fetch_ready_i reserves space for the hits of every
+    // outstanding leaf request.
+    output logic tested_o,  // a leaf has been tested; hit_o are its hits
+    output logic [LANES-1:0] hit_o,
+    output logic [31:0] hit_number_o,
+    output logic [LANES-1:0][31:0] hit_t_o,
+    output logic [POINTS-1:0][LANES-1:0][31:0] hit_point_o,
+    output logic [LANES-1:0][31:0] hit_index_o,
+    // Records, one per primary, after its hits. With goal hits they only mark the end.
+    output logic record_valid_o,
+    input logic record_ready_i,
+    output logic [31:0] number_o,
+    output logic found_o,  // the record names a pair; f_o: the pair is a hit
+    output logic f_o,
+    output logic [31:0] t_o,
+    output logic [POINTS-1:0][31:0] point_o,
+    output logic [31:0] index_o,
+    output bvh_pkg::events_t events_o,
+    output logic [4:0] deepest_o,  // deepest stack since reset, in groups
+    output logic [3:0] fault_o,    // registers_pkg::NODE_FAULT_*; a fault ends the pass
+    output logic [bvh_pkg::PLACE-1:0] fault_place_o
+);
+  import bvh_pkg::*;
+  if (CONTEXTS < 2 * UNITS || (CONTEXTS & (CONTEXTS - 1)) != 0) $error("traversal: CONTEXTS must be a power of two");
+  if ((UNITS & (UNITS - 1)) != 0) $error("traversal: UNITS must be a power of two");
+  `BVH_TYPES(CX)
+  localparam bit SOLIDS = has_solids(WAYS);
+  localparam bit ONE = (WAYS & (WAYS - 1)) == 0;  // one kind of traversal: there is nothing to choose
+  localparam logic [31:0] SIGN = 32'h8000_0000, INFINITE = 32'h7f80_0000;
+  logic is_solid;  // the pass's primaries are solids: T is a signed distance until the record
+  assign is_solid = SOLIDS && solid(int'(way_i));
+  localparam int BANK = $clog2(UNITS);
+  // The bank of a context.
+  `define CDE_OWN(CONTEXT) (CONTEXT % CX'(UNITS) == CX'(u))
+
+  // ---- State per primary ----
+  typedef struct packed {
+    logic f;
+    logic [31:0] t;
+    logic [POINTS-1:0][31:0] point;
+    logic [31:0] index;
+  } best_t;
+  logic [WORDS-1:0][31:0] rays[CONTEXTS];
+  logic [31:0] numbers[CONTEXTS];
+  best_t bests[CONTEXTS];
+
+  // ---- Ray input ----
+  logic [CX:0] fresh_q;  // contexts that never had a primary
+  logic [CX:0] free_count;
+  logic [CX-1:0] free, taken;
+  logic take, keep_valid, record_read;
+  logic [CX-1:0] done;
+  sync_fifo #(.W(CX), .DEPTH(CONTEXTS)) queue_free (
+      .clk_i, .rst_i, .write_i(record_read), .wdata_i(done), .room_o(), .count_o(free_count), .rdata_o(free),
+      .read_i(take && fresh_q[CX]));
+  assign taken = fresh_q[CX] ? free : fresh_q[CX-1:0];
+  assign ray_ready_o = (!fresh_q[CX] || free_count != 0) && !keep_valid;
+  assign take = ray_valid_i && ray_ready_o;
+  always_ff @(posedge clk_i) begin
+    if (take && !fresh_q[CX]) fresh_q <= fresh_q + 1;
+    if (rst_i) fresh_q <= '0;
+    if (take) begin
+      rays[taken] <= ray_i;
+      numbers[taken] <= number_i;
+    end
+  end
+  // The secondaries that a kind of ray front is for.
+  function automatic int front_leaf(input int kind);
+    front_leaf = (kind == FRONT_RAY_SPHERE) ? pairs_pkg::SHAPE_SPHERE : pairs_pkg::SHAPE_TRIANGLE;
+  endfunction
+  function automatic bit ray_front_kind(input int kind);
+    ray_front_kind = kind == FRONT_RAY_SPHERE || kind == pairs_pkg::SHAPE_RAY;
+  endfunction
+  function automatic int t_front_of(input int kind);
+    t_front_of = ray_front_kind(kind) ? `RAY_T_FRONT(front_leaf(kind)) : `SOLID_T_FRONT(kind);
+  endfunction
+  function automatic int slowest_front();
+    slowest_front = 0;
+    for (int k = 0; k < FRONTS; k++)
+      if (has_front(WAYS, k) && t_front_of(k) > slowest_front) slowest_front = t_front_of(k);
+  endfunction
+  localparam int T_FRONT = slowest_front();
+  logic [FRONTS-1:0][8:0][31:0] fronts;
+  logic [8:0][31:0] front;
+  logic front_valid;
+  logic [CX-1:0] front_context;
+  logic [$clog2(FRONTS)-1:0] kind;
+  assign kind = ($clog2(FRONTS))'(front_kind(int'(way_i)));
+  for (genvar k = 0; k < FRONTS; k++) begin : front_of
+    if (has_front(WAYS, k)) begin : g_there
+      localparam int F_WORDS = ray_front_kind(k) ? 6 : pairs_pkg::shape_words(k);
+      localparam int T_OWN = t_front_of(k);
+      // The host back end computes in the second cycle. It has its own clock, so without a primary it computes nothing.
+      localparam int T_NOW = (ARITH == "rtl") ? T_OWN : 1;
+      logic [F_WORDS+6:0][31:0] words;  // the primary's words, and the root's box
+      logic [8:0][31:0] now;
+      if (ARITH == "rtl") begin : g_at_once
+        assign words = {root_i, ray_i[F_WORDS-1:0]};
+      end else begin : g_next_clock
+        logic clk;
+        clock_gate gate (.clk_i, .enable_i(take && (ONE || int'(kind) == k)), .clk_o(clk));
+        always_ff @(posedge clk) words <= {root_i, ray_i[F_WORDS-1:0]};
+      end
+      if (ray_front_kind(k)) begin : g_ray
+        ray_front #(
+            .LEAF(front_leaf(k)), .LANES(1), .LAT(LAT), .ARITH(ARITH)
+        ) of_ray (
+            .clk_i, .a_i(words[5:0]), .root_i(words[12:6]), .r_o(now));
+      end else begin : g_solid
+        solid_front #(
+            .SHAPE(k), .LANES(1), .LAT(LAT), .ARITH(ARITH)
+        ) of_solid (
+            .clk_i, .a_i(words[F_WORDS-1:0]), .root_i(words[F_WORDS+:7]), .r_o(now));
+      end
+      align #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) align_front (.clk_i, .d_i(now), .q_o(fronts[k]));
+    end else begin : g_absent
+      assign fronts[k] = '0;
+    end
+  end
+  assign front = ONE ? fronts[front_kind($clog2(WAYS))] : fronts[kind];
+  align #(.W(CX), .TO(T_FRONT)) align_taken (.clk_i, .d_i(taken), .q_o(front_context));
+  align_valid #(.TO(T_FRONT)) align_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
+
+  // ---- Banks ----
+  logic [UNITS-1:0] leaf_valid, leaf_ready, done_valid, done_ready, reads;
+  visit_t [UNITS-1:0] leaf;
+  logic [UNITS-1:0][CX-1:0] dones;
+  logic [UNITS-1:0][4:0] levels;
+  logic [UNITS-1:0][3:0] faults;
+  logic [UNITS-1:0][PLACE-1:0] fault_places;
+  at_t keep_at, tested;
+  logic [1:0] interval_write;
+  logic [1:0][31:0] interval;
+  logic [CX-1:0] interval_context;
+  logic farthest_q;
+  always_ff @(posedge clk_i) farthest_q <= goal_i == GOAL_FARTHEST;
+  for (genvar u = 0; u < UNITS; u++) begin : unit
+    traversal_bank #(
+        .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT(LAT),
+        .ARITH(ARITH), .SOLIDS(32'(SOLIDS))
+    ) bank (
+        .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
+        .farthest_i(farthest_q), .solid_i(is_solid), .ahead_i,
+        .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
+        .interval_context_i(interval_context[CX-1:BANK]),
+        .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),
+        .front_context_i(front_context), .front_i(front), .leaf_valid_o(leaf_valid[u]),
+        .leaf_ready_i(leaf_ready[u]), .leaf_o(leaf[u]), .tested_valid_i(keep_valid && `CDE_OWN(tested.context_)),
+        .tested_i(tested), .done_valid_o(done_valid[u]), .done_ready_i(done_ready[u]), .done_o(dones[u]),
+        .visits_o(reads[u]), .level_o(levels[u]), .fault_o(faults[u]), .fault_place_o(fault_places[u]));
+  end
+  // Round-robin arbiter of the banks.
+  logic [UNITS-1:0] leaf_from, done_from;
+  turns #(.N(UNITS)) leaf_turns (.clk_i, .rst_i, .some_i(leaf_valid), .taken_i(fetch_ready_i), .from_o(leaf_from));
+  turns #(.N(UNITS)) done_turns (.clk_i, .rst_i, .some_i(done_valid), .taken_i(record_ready_i), .from_o(done_from));
+
+  // ---- Leaves ----
+  visit_t leaves;
+  always_comb begin
+    leaves = '0;
+    for (int u = 0; u < UNITS; u++) if (leaf_from[u]) leaves = leaf[u];
+  end
+  assign fetch_valid_o = leaf_valid != '0;
+  assign fetch_slot_o = leaves.place;
+  assign fetch_tag_o = {leaves.at, leaves.two};
+  assign leaf_ready = leaf_from & {UNITS{fetch_ready_i}};
+  logic [1:0] tested_now;
+  logic [LANES-1:0] f, there;
+  logic [LANES-1:0][31:0] t, key, index;
+  logic [POINTS-1:0][LANES-1:0][31:0] point;
+  at_t keep_at_soon;
+  logic unused_soon;
+  assign unused_soon = &{1'b0, keep_at_soon.level, keep_at_soon.fresh};
+  leaf_pairs #(
+      .WAYS(WAYS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT(LAT), .ARITH(ARITH)
+  ) pairs (
+      .clk_i, .rst_i, .way_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
+      .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .secondaries_i(fetched_i), .index_i, .tested_o(tested_now),
+      .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t), .key_o(key),
+      .point_o(point), .index_o(index));
+
+  // ---- The better of the best result so far and the new ones ----
+  best_t best_q, best;
+  // Two zeros are equal: a solid's distance may be either.
+  function automatic logic better(input logic [31:0] t_1, input logic [31:0] index_1, input logic [31:0] t_2,
+                                  input logic [31:0] index_2);
+    logic [31:0] first, second;
+    first = ordered(t_1);
+    second = ordered(t_2);
+    better = (goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED || first == second) ? index_1 < index_2 :
+        (goal_i == GOAL_FARTHEST) == (first > second);
+  endfunction
+  // For solids, the least distance counts, whether they meet or not.
+  logic [LANES-1:0] counts;
+  assign counts = (is_solid && goal_i == GOAL_NEAREST) ? there : f;
+  logic improved;
+  logic [31:0] best_key;
+  always_comb begin
+    best = best_q;
+    improved = 1'b0;
+    best_key = '0;
+    for (int l = 0; l < LANES; l++) begin
+      best_t one;
+      one = '{f: 1'b1, t: t[l], point: '0, index: index[l]};
+      for (int k = 0; k < POINTS; k++) one.point[k] = point[k][l];
+      if (counts[l] && goal_i != GOAL_HITS && (!best.f || better(one.t, one.index, best.t, best.index))) begin
+        best = one;
+        improved = 1'b1;
+        best_key = key[l];
+      end
+    end
+  end
+  // If a context runs ahead of its leaves, its leaves can follow each other directly.
+  logic again;
+  assign again = keep_valid && keep_at.context_ == keep_at_soon.context_;
+  always_ff @(posedge clk_i) best_q <= again ? best : bests[keep_at_soon.context_];
+  always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_soon.context_];
+  assign tested_o = keep_valid;
+  assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
+  for (genvar l = 0; l < LANES; l++) begin : hit
+    assign hit_t_o[l] = is_solid ? t[l] & ~SIGN : t[l];
+  end
+  assign hit_point_o = point;
+  assign hit_index_o = index;
+  // A hit shrinks the T interval, and an occlusion query stops at its first hit. For solids, the interval is of keys up
+  // to that of the best distance (node_gaps.sv), without a lower bound.
+  always_comb begin
+    interval_write = {2{take}};
+    interval_context = taken;
+    interval = !is_solid ? ray_i[7:6] : {(goal_i == GOAL_NEAREST) ? INFINITE : 32'd0, INFINITE | SIGN};
+    tested = keep_at;
+    if (keep_valid) begin
+      interval_write = {improved && (goal_i == GOAL_NEAREST || goal_i == GOAL_OCCLUDED),
+                        improved && goal_i == GOAL_FARTHEST};
+      interval_context = keep_at.context_;
+      interval = {is_solid ? best_key : best.t, best.t};
+      if (best.f && goal_i == GOAL_OCCLUDED) begin
+        tested.level = '0;
+        interval[1] = INFINITE | SIGN;
+      end
+    end
+  end
+  always_ff @(posedge clk_i) if (keep_valid || take) bests[interval_context] <= keep_valid ? best : '0;
+
+  // ---- Records ----
+  always_comb begin
+    done = '0;
+    for (int u = 0; u < UNITS; u++) if (done_from[u]) done = dones[u];
+  end
+  assign record_valid_o = done_valid != '0;
+  assign done_ready = done_from & {UNITS{record_ready_i}};
+  assign record_read = record_valid_o && record_ready_i;
+  assign number_o = numbers[done];
+  best_t answer;
+  assign answer = bests[done];
+  assign found_o = answer.f;
+  assign f_o = answer.f && (!is_solid || goal_i != GOAL_NEAREST || answer.t[31]);
+  assign t_o = is_solid ? answer.t & ~SIGN : answer.t;
+  assign {point_o, index_o} = {answer.point, answer.index};
+  `undef CDE_OWN
+
+  // ---- Counters and faults ----
+  assign events_o.nodes = 4'($countones(reads));
+  assign events_o.leaves = 4'(fetch_valid_o && fetch_ready_i);
+  assign events_o.secondaries = 4'(tested_now);
+  logic [4:0] deepest;
+  always_comb begin
+    deepest = deepest_o;
+    {fault_o, fault_place_o} = '0;
+    for (int u = 0; u < UNITS; u++) begin
+      if (levels[u] > deepest) deepest = levels[u];
+      if (fault_o == 0) {fault_o, fault_place_o} = {faults[u], fault_places[u]};
+    end
+  end
+  always_ff @(posedge clk_i) deepest_o <= rst_i ? '0 : deepest;
+endmodule

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contexts of one traversal unit, and the node or leaf that each visits next. A node is read and its boxes tested. The
+// context visits the first hit child at once, and the others wait on its stack. It takes the next child from the stack
+// when a leaf has been tested or a node had no hit. With ahead_i it does so when a leaf has been sent.
+// Latency: NODE_T_UNIT + 2 cycles (bvh.svh) per visit, 2 per choice.
+// Throughput: one node and one choice per cycle.
+// Stall: leaf_ready_i and done_ready_i only. Contexts wait in queues that hold all of them.
+`include "bvh.svh"
+module traversal_bank #(
+    parameter int CONTEXTS = 128,  // power of two
+    parameter int CX = 8,          // bits of a context's number; the lowest bits select the bank
+    parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
+    parameter ARITH = "rtl",
+    parameter int SOLIDS = 1,      // 0: only rays
+    localparam int CB = $clog2(CONTEXTS)
+) (
+    input logic clk_i,
+    input logic rst_i,
+    // Node memory; a read returns one cycle later.
+    input logic [31:0] nodes_i,  // number of nodes
+    output logic node_read_o,
+    output logic [bvh_pkg::PLACE-1:0] node_at_o,
+    input logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
+    input logic farthest_i,
+    input logic solid_i,
+    input logic ahead_i,  // contexts go on while their leaves are tested
+    // The T interval that counts, from and to: of a new primary, and as hits are found.
+    input logic [1:0] interval_write_i,
+    input logic [CB-1:0] interval_context_i,  // without the bank's bits
+    input logic [1:0][31:0] interval_i,
+    // Ray input.
+    input logic front_valid_i,
+    input logic [CX-1:0] front_context_i,
+    input logic [8:0][31:0] front_i,
+    // Leaves to test, and contexts whose leaf has been tested.
+    output logic leaf_valid_o,
+    input logic leaf_ready_i,
+    output logic [`VISIT_BITS(CX)-1:0] leaf_o,
+    input logic tested_valid_i,
+    input logic [`AT_BITS(CX)-1:0] tested_i,
+    // Contexts that have finished.
+    output logic done_valid_o,
+    input logic done_ready_i,
+    output logic [CX-1:0] done_o,
+    output logic visits_o,  // a node is read
+    output logic [4:0] level_o,  // level of a group put on a stack, from 1; else 0
+    output logic [3:0] fault_o,  // registers_pkg::NODE_FAULT_*; 0: none
+    output logic [bvh_pkg::PLACE-1:0] fault_place_o
+);
+  import bvh_pkg::*;
+  `BVH_TYPES(CX)
+  localparam int LW = $clog2(LEVELS);
+  localparam int BANK = CX - CB;  // bits that select the bank
+
+  logic [8:0][31:0] fronts[CONTEXTS];
+  logic [31:0] floors[CONTEXTS], limits[CONTEXTS];
+  group_t groups[CONTEXTS*LEVELS];
+  logic [3:0] nexts[CONTEXTS*LEVELS];  // visited children of a group; not used for a fresh group, which has one
+  always_ff @(posedge clk_i) begin
+    if (front_valid_i) fronts[front_context_i[CX-1:BANK]] <= front_i;
+    if (interval_write_i[0]) floors[interval_context_i] <= interval_i[0];
+    if (interval_write_i[1]) limits[interval_context_i] <= interval_i[1];
+  end
+
+  `define CDE_QUEUE(NAME, TYPE) \
+    logic NAME``_write, NAME``_read, NAME``_some; TYPE NAME``_in, NAME; logic [CB:0] NAME``_count; \
+    assign NAME``_some = NAME``_count != 0; \
+    sync_fifo #(.W($bits(TYPE)), .DEPTH(CONTEXTS)) queue_``NAME ( \
+        .clk_i, .rst_i, .write_i(NAME``_write), .wdata_i(NAME``_in), .room_o(), .count_o(NAME``_count), \
+        .rdata_o(NAME), .read_i(NAME``_read));
+  `CDE_QUEUE(started, logic [CX-1:0])
+  `CDE_QUEUE(nearer, visit_t)   // nodes to read: first children, and others
+  `CDE_QUEUE(others, visit_t)
+  `CDE_QUEUE(first_leaves, visit_t)
+  `CDE_QUEUE(other_leaves, visit_t)
+  `CDE_QUEUE(missed, at_t)      // inputs of a choice: nodes without hits, leaves, groups that came too late
+  `CDE_QUEUE(tested, at_t)
+  `CDE_QUEUE(dropped, at_t)
+  `CDE_QUEUE(done, logic [CX-1:0])
+  `undef CDE_QUEUE
+  assign started_write = front_valid_i;
+  assign started_in = front_context_i;
+
+  // ---- Leaves that a context runs ahead of: sent and not back yet ----
+  localparam int SENT = 13;  // bits of the counts, for more leaves than pipes and memory hold
+  logic [SENT-1:0] sent[CONTEXTS], back[CONTEXTS];
+  logic leaf_sent;
+  at_t sent_at;
+  assign sent_at = leaf_o[`VISIT_BITS(CX)-1-:`AT_BITS(CX)];
+  assign leaf_sent = ahead_i && leaf_valid_o && leaf_ready_i;
+  assign tested_write = ahead_i ? leaf_sent : tested_valid_i;
+  assign tested_in = ahead_i ? sent_at : tested_i;
+  always_ff @(posedge clk_i) begin
+    if (leaf_sent) sent[sent_at.context_[CX-1:BANK]] <= sent[sent_at.context_[CX-1:BANK]] + 1;
+    // A new primary has none. Otherwise interval_context_i is the leaf's context.
+    if (tested_valid_i && ahead_i) back[interval_context_i] <= back[interval_context_i] + 1;
+    if (interval_write_i != 0 && !tested_valid_i) back[interval_context_i] <= sent[interval_context_i];
+  end
+
+  // ---- Nodes ----
+  localparam int T_UNIT = `NODE_T_UNIT(SOLIDS);
+  at_t visit, visit_q, met_at;
+  logic [PLACE-1:0] visit_node_q;
+  logic visit_valid, visit_valid_q, group_valid;
+  logic [8:0][31:0] front_q;
+  logic [1:0][31:0] interval_q;
+  group_t group;
+  assign visit_valid = nearer_some || others_some || started_some;
+  assign node_read_o = visit_valid;
+  assign nearer_read = nearer_some;
+  assign others_read = others_some && !nearer_some;
+  assign started_read = started_some && !nearer_some && !others_some;
+  assign visit = nearer_some ? nearer.at : others_some ? others.at : '{context_: started, level: '0, fresh: '0};
+  assign node_at_o = nearer_some ? nearer.place : others_some ? others.place : '0;
+  always_ff @(posedge clk_i) begin
+    visit_node_q <= node_at_o;
+    front_q <= fronts[visit.context_[CX-1:BANK]];
+    interval_q <= {limits[visit.context_[CX-1:BANK]], floors[visit.context_[CX-1:BANK]]};
+    visit_q <= visit;
+    visit_valid_q <= visit_valid && !rst_i;
+  end
+  assign visits_o = visit_valid_q;
+  traversal_unit #(
+      .LAT(LAT), .ARITH(ARITH), .SOLIDS(SOLIDS)
+  ) unit (
+      .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .solid_i,
+      .node_i, .group_o(group));
+  align #(.W($bits(at_t)), .TO(T_UNIT)) align_visit (.clk_i, .d_i(visit_q), .q_o(met_at));
+  align_valid #(.TO(T_UNIT)) align_valid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(group_valid));
+
+  logic group_some, group_push, first_is_node;
+  at_t group_at;
+  logic [2:0] first;
+  logic [1:0] first_kind;
+  logic [2*CHILDREN-3:0] behind_first;
+  assign group_some = group_valid && group.count != 0;
+  assign group_push = group_valid && group.count > 1;
+  assign first = group.order[0];
+  assign {behind_first, first_kind} = group.kinds >> {first, 1'b0};
+  assign first_is_node = first_kind == KIND_NODE;
+  always_comb begin
+    group_at = met_at;
+    if (group.count > 1) begin
+      group_at.level = met_at.level + 1;
+      group_at.fresh[met_at.level[LW-1:0]] = 1'b1;
+    end
+  end
+  always_ff @(posedge clk_i) if (group_push) groups[{met_at.context_[CX-1:BANK], met_at.level[LW-1:0]}] <= group;
+  assign missed_write = group_valid && group.count == 0;
+  assign missed_in = met_at;
+  assign nearer_in = '{
+      at: group_at,
+      place: (first_is_node ? group.node : group.slot) + PLACE'(ahead(group.kinds, first)),
+      two: first_kind == KIND_TWO};
+  assign first_leaves_in = nearer_in;
+  assign nearer_write = group_some && first_is_node;
+  assign first_leaves_write = group_some && !first_is_node;
+
+  // ---- The next child of the top group ----
+  at_t choice, choice_q, choice_at;
+  logic choice_valid, choice_valid_q;
+  logic [LW-1:0] top, top_q;
+  group_t top_group_q;
+  logic [3:0] next_q, next;
+  logic [1:0][31:0] choice_interval_q;
+  logic [SENT-1:0] sent_q, back_q;
+  assign choice_valid = missed_some || tested_some || dropped_some;
+  assign missed_read = missed_some;
+  assign tested_read = tested_some && !missed_some;
+  assign dropped_read = dropped_some && !missed_some && !tested_some;
+  assign choice = missed_some ? missed : tested_some ? tested : dropped;
+  assign top = choice.level[LW-1:0] - 1;
+  always_ff @(posedge clk_i) begin
+    top_group_q <= groups[{choice.context_[CX-1:BANK], top}];
+    next_q <= nexts[{choice.context_[CX-1:BANK], top}];
+    choice_interval_q <= {limits[choice.context_[CX-1:BANK]], floors[choice.context_[CX-1:BANK]]};
+    {sent_q, back_q} <= {sent[choice.context_[CX-1:BANK]], back[choice.context_[CX-1:BANK]]};
+    {choice_q, top_q} <= {choice, top};
+    choice_valid_q <= choice_valid && !rst_i;
+  end
+  assign next = choice_q.fresh[top_q] ? 4'd1 : next_q;
+
+  logic [2:0] child;
+  logic [1:0] child_kind;
+  logic [2*CHILDREN-3:0] behind_child;
+  logic [3*CHILDREN-4:0] later;
+  logic [31:0] key;
+  logic beyond, empty, chosen;
+  always_comb begin
+    {later, child} = top_group_q.order >> (5'd3 * 5'(next[2:0]));
+    {behind_child, child_kind} = top_group_q.kinds >> {child, 1'b0};
+    key = ordered({top_group_q.keys[next[2:0]], 16'd0});
+    // Children are in order: if one is beyond the interval, so are those after it.
+    beyond = farthest_i ? key < ordered(choice_interval_q[0]) : key > ordered(choice_interval_q[1]);
+    empty = choice_q.level == 0;
+    choice_at = choice_q;
+    choice_at.fresh[top_q] = 1'b0;
+    if (!empty && (beyond || next + 1 == top_group_q.count)) choice_at.level = choice_q.level - 1;
+  end
+  assign chosen = choice_valid_q && !empty && !beyond;
+  assign done_write = choice_valid_q && empty && sent_q == back_q;
+  assign done_in = choice_q.context_;
+  assign dropped_write = choice_valid_q && (empty ? sent_q != back_q : beyond);  // or it asks again
+  assign dropped_in = choice_at;
+  assign others_in = '{
+      at: choice_at,
+      place: (child_kind == KIND_NODE ? top_group_q.node : top_group_q.slot) +
+             PLACE'(ahead(top_group_q.kinds, child)),
+      two: child_kind == KIND_TWO};
+  assign other_leaves_in = others_in;
+  assign others_write = chosen && child_kind == KIND_NODE;
+  assign other_leaves_write = chosen && child_kind != KIND_NODE;
+  always_ff @(posedge clk_i) if (chosen) nexts[{choice_q.context_[CX-1:BANK], top_q}] <= next + 1;
+
+  // ---- Outputs ----
+  assign leaf_valid_o = first_leaves_some || other_leaves_some;
+  assign leaf_o = first_leaves_some ? first_leaves : other_leaves;
+  assign first_leaves_read = first_leaves_some && leaf_ready_i;
+  assign other_leaves_read = other_leaves_some && !first_leaves_some && leaf_ready_i;
+  assign done_valid_o = done_some;
+  assign done_o = done;
+  assign done_read = done_some && done_ready_i;
+  logic unused;
+  assign unused = &{1'b0, nearer.two, others.two, behind_first, behind_child, later};
+
+  // ---- Invalid BVHs ----
+  logic too_deep;
+  assign too_deep = group_push && int'(met_at.level) >= LEVELS;
+  assign level_o = group_push ? 5'(met_at.level) + 1 : '0;
+  always_comb begin
+    fault_o = '0;
+    fault_place_o = too_deep ? group.node : visit_node_q;
+    if (too_deep) fault_o = registers_pkg::NODE_FAULT_DEPTH;
+    else if (visit_valid_q && 32'(visit_node_q) >= nodes_i) fault_o = registers_pkg::NODE_FAULT_NODE;
+  end
+endmodule

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/bvh_figures.hpp"
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "baselines/rivals.hpp"
+#include "bench/bench.hpp"
+#include "bench/flight_rays.hpp"
+#include "cde/card/board.hpp"
+#include "cde/reference/traversal.hpp"
+#include "cde/support/error.hpp"
+#include "output/streams.hpp"
+#include "page/page.hpp"
+
+namespace cde::cli {
+namespace {
+
+using nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+/// Enough rays that the nodes they need are not in a cache.
+constexpr std::size_t kFreshRays = std::size_t{1} << 20;
+
+/// Compares records with the reference's traversal. Error kMismatch at a difference.
+void compare(BvhFigures& figures, reference::Traversal& walk, std::span<const Ray> rays,
+             std::span<const Record> records) {
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    if (!same_bits(records[i],
+                   walk.trace(rays[i], static_cast<std::uint32_t>(i), Mode::kNearest)[0]))
+      throw Error(ErrorCode::kMismatch, fmt::format("ray {} differs from the reference", i));
+  figures.records_compared += rays.size();
+}
+
+/// Measures a card. `records` gets the records of the last cast, of all rays.
+BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh,
+                   std::span<const Ray> rays, BvhFigures& figures, std::vector<Record>& records) {
+  BvhCard card;
+  card.memory = memory;
+  Board board = Board::open(
+      {.lanes = 4, .box = true, .traversal_units = kTraversalUnits},
+      {.memory = memory, .clock_period_ps = static_cast<std::uint32_t>(1e12 / figures.clock_hz)});
+  std::uint64_t before = board.time_ps();
+  const auto passed = [&] { return 1e-12 * static_cast<double>(board.time_ps() - before); };
+  board.upload(mesh, bvh);
+  card.upload_seconds = passed();
+  reference::Traversal walk(mesh, bvh);
+  const Query query{.through = Through::kBvh};
+  board.load(rays.first(kBvhPacket));
+  compare(figures, walk, rays.first(kBvhPacket), board.run(query, &card.packet));
+  const RecordSink keep = [&](std::span<const Record> some) {
+    records.insert(records.end(), some.begin(), some.end());
+  };
+  card.ring = board.cast(rays.first(kBvhRing), query, keep);
+  records.clear();
+  const auto start = Clock::now();
+  card.stream = board.cast(rays, query, keep);
+  card.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  compare(figures, walk, rays, records);
+  std::vector<Triangle> triangles(mesh.faces.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = mesh.triangle(i);
+  before = board.time_ps();
+  board.update_shapes(0, std::span<const Triangle>(triangles));
+  card.refit = board.refit();
+  card.update_seconds = passed();
+  return card;
+}
+
+BvhEmbree embree_on(const Mesh& mesh, std::span<const Ray> rays, std::span<const Record> records,
+                     const std::optional<EmbreeFrames>& known) {
+  BvhEmbree embree;
+  const double start = thread_seconds();
+  EmbreeRival rival(mesh);
+  embree.build_seconds = thread_seconds() - start;
+  compare_hits(records, rival.cast(rays), "Embree");
+  std::vector<float> hits;
+  const auto cast = [&](std::span<const Ray> some, std::size_t size) {
+    return measured([&, size](std::size_t call) { hits = rival.cast(turn_of(some, size, call)); });
+  };
+  if (known) {
+    embree.frame = *known;
+  } else {
+    embree.frame.fresh = cast(flight_rays(mesh, kFreshRays, rays.size()), kBvhPacket);
+    embree.frame.warm = cast(rays.first(kBvhPacket), kBvhPacket);
+  }
+  embree.stream = cast(rays, rays.size());
+  embree.refit = measured([&](std::size_t) { rival.move(0, mesh.vertices); });
+  return embree;
+}
+
+}  // namespace
+
+const char* name_of(Memory memory) {
+  return memory == Memory::kIdeal ? "ideal" : "DDR-400";
+}
+
+double BvhCard::per_ray(double total) const {
+  return total / static_cast<double>(stream.records);
+}
+
+BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, double clock_hz,
+                         const std::optional<EmbreeFrames>& known) {
+  BvhFigures figures;
+  figures.clock_hz = clock_hz;
+  figures.triangles = mesh.faces.size();
+  figures.rays = count;
+  const double start = thread_seconds();
+  const Bvh bvh = Bvh::build(mesh, {.threads = 1});
+  figures.build_seconds = thread_seconds() - start;
+  figures.nodes = bvh.nodes().size();
+  figures.levels = bvh.depth();
+  figures.bytes = bvh.nodes().size_bytes() + bvh.order().size_bytes();
+  const std::vector<Ray> rays = flight_rays(mesh, count);
+  std::vector<Record> records;
+  for (const Memory memory : {Memory::kIdeal, Memory::kCycle})
+    figures.cards.push_back(card_with(memory, mesh, bvh, rays, figures, records));
+  figures.hits = static_cast<std::size_t>(
+      std::count_if(records.begin(), records.end(), [](const Record& r) { return r.f; }));
+  if (EmbreeRival::available()) figures.embree = embree_on(mesh, rays, records, known);
+  return figures;
+}
+
+ordered_json bvh_json(const BvhFigures& f) {
+  ordered_json j{{"triangles", f.triangles},
+                 {"nodes", f.nodes},
+                 {"levels", f.levels},
+                 {"bytes", f.bytes},
+                 {"rays", f.rays},
+                 {"build_seconds", f.build_seconds},
+                 {"traversal_units", kTraversalUnits},
+                 {"hit_share", static_cast<double>(f.hits) / static_cast<double>(f.rays)},
+                 {"card", ordered_json::array()},
+                 {"embree", nullptr}};
+  for (const BvhCard& c : f.cards) {
+    const double of_ring = static_cast<double>(c.ring.cycles) / kBvhRing,
+                 bus = c.per_ray(1e-12 * static_cast<double>(c.stream.time.total()));
+    j["card"].push_back(
+        {{"memory", name_of(c.memory)},
+         {"packet_cycles", c.packet.cycles},
+         {"packet_seconds", f.seconds(c.packet.cycles)},
+         {"packet_seconds_with_bus", 1e-12 * static_cast<double>(c.packet.time.total())},
+         {"cycles_per_ray", of_ring},
+         {"rays_per_second_device", f.clock_hz / of_ring},
+         {"rays_per_second_with_bus", 1 / bus},
+         {"refit_cycles", c.refit.cycles},
+         {"refit_seconds", f.seconds(c.refit.cycles)},
+         {"refit_seconds_with_bus", c.update_seconds},
+         {"upload_seconds_with_bus", c.upload_seconds},
+         {"nodes_per_ray", c.per_ray(static_cast<double>(c.stream.nodes))},
+         {"triangles_per_ray", c.per_ray(static_cast<double>(c.stream.pairs))},
+         {"rays_per_second_simulated", 1 / c.per_ray(c.wall_seconds)}});
+  }
+  if (f.embree)
+    j["embree"] = {{"build_seconds", f.embree->build_seconds},
+                   {"packet_seconds_warm", f.embree->frame.warm.median},
+                   {"packet_seconds_fresh", f.embree->frame.fresh.median},
+                   {"rays_per_second", static_cast<double>(f.rays) / f.embree->stream.median},
+                   {"refit_seconds", f.embree->refit.median},
+                   {"spread_warm", spread_json(f.embree->frame.warm)},
+                   {"spread_fresh", spread_json(f.embree->frame.fresh)},
+                   {"spread_refit", spread_json(f.embree->refit)}};
+  return j;
+}
+
+void show_bvh(const BvhFigures& f) {
+  show(
+      "\n{} triangles: {} nodes, {} levels, {:.1f} bytes per triangle, built in {} by one thread; "
+      "card with {} traversal units at {:g} MHz, fp32, PCI 64/66, {} rays\n",
+      f.triangles, f.nodes, f.levels,
+      static_cast<double>(f.bytes) / static_cast<double>(f.triangles), duration(f.build_seconds),
+      kTraversalUnits, f.clock_hz / 1e6, f.rays);
+  for (const BvhCard& c : f.cards) {
+    const double of_ring = static_cast<double>(c.ring.cycles) / kBvhRing;
+    show(
+        "  {:<8} 256 rays {}, with all transfers {}; streamed {:.1f} M rays/s ({:.2f} cycles "
+        "each), with all transfers {:.2f} M rays/s; refit {}, with upload of triangles {}; "
+        "simulated {:.0f} k rays/s\n",
+        name_of(c.memory), duration(f.seconds(c.packet.cycles)),
+        duration(1e-12 * static_cast<double>(c.packet.time.total())), 1e-6 * f.clock_hz / of_ring,
+        of_ring, 1e6 / c.per_ray(static_cast<double>(c.stream.time.total())),
+        duration(f.seconds(c.refit.cycles)), duration(c.update_seconds),
+        1e-3 / c.per_ray(c.wall_seconds));
+  }
+  if (!f.embree) {
+    show("  Embree: not in this build of cde\n");
+    return;
+  }
+  show(
+      "  Embree   256 rays {} warm, {} fresh; {:.2f} M rays/s; refit {}, built in {}; one thread, "
+      "its processor time\n",
+      duration(f.embree->frame.warm.median), duration(f.embree->frame.fresh.median),
+      1e-6 * static_cast<double>(f.rays) / f.embree->stream.median,
+      duration(f.embree->refit.median), duration(f.embree->build_seconds));
+}
+
+}  // namespace cde::cli

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/measured.hpp"
+#include "cde/card/memory.hpp"
+#include "cde/mesh/mesh.hpp"
+#include "cde/query/counters.hpp"
+
+/// Measures rays against a BVH: a card with traversal units, and Embree on the same rays, those of
+/// a flight (flight_rays.hpp). `cde bench bvh` and `cde reproduce` print the figures.
+namespace cde::cli {
+
+inline constexpr std::size_t kBvhPacket = 256;  ///< rays per frame
+inline constexpr std::size_t kBvhRing = 4096;   ///< rays on the card before the pass begins
+inline constexpr unsigned kTraversalUnits = 2;        ///< traversal units
+
+/// A card with one kind of memory. All figures but wall_seconds are modelled.
+struct BvhCard {
+  Memory memory = Memory::kIdeal;
+  Counters packet;  ///< one frame
+  Counters ring;    ///< a full ring buffer
+  Counters stream;  ///< all rays
+  Counters refit;
+  double upload_seconds = 0;  ///< upload of triangles and BVH
+  double update_seconds = 0;  ///< upload of all triangles, and the refit
+  double wall_seconds = 0;    ///< time of this machine to simulate `stream`
+
+  [[nodiscard]] double per_ray(double total) const;  ///< a total over the rays of `stream`
+};
+
+/// Embree's processor time per frame, one thread.
+struct EmbreeFrames {
+  Spread warm;   ///< the same rays in every frame
+  Spread fresh;  ///< new rays in every frame
+};
+
+/// Embree's figures, in processor time of one thread.
+struct BvhEmbree {
+  double build_seconds = 0;
+  EmbreeFrames frame;
+  Spread stream;  ///< all rays
+  Spread refit;
+};
+
+/// A mesh and its BVH.
+struct BvhFigures {
+  double clock_hz = 0;
+  std::size_t triangles = 0, nodes = 0, rays = 0, hits = 0;
+  unsigned levels = 0;
+  std::size_t bytes = 0;     ///< size of the BVH
+  double build_seconds = 0;  ///< processor time of one thread
+  std::uint64_t records_compared = 0;
+  std::vector<BvhCard> cards;
+  std::optional<BvhEmbree> embree;  ///< empty in a build without Embree
+
+  [[nodiscard]] double seconds(std::uint64_t clocks) const {
+    return static_cast<double>(clocks) / clock_hz;
+  }
+};
+
+[[nodiscard]] const char* name_of(Memory memory);
+
+/// Error kMismatch if a record differs from the reference's traversal, or if Embree finds other
+/// hits. `known`: Embree's frames on this mesh, if already measured.
+[[nodiscard]] BvhFigures measure_bvh(const Mesh& mesh, std::size_t rays, double clock_hz,
+                                       const std::optional<EmbreeFrames>& known = {});
+
+[[nodiscard]] nlohmann::ordered_json bvh_json(const BvhFigures& figures);
+/// Prints the figures as text.
+void show_bvh(const BvhFigures& figures);
+
+}  // namespace cde::cli

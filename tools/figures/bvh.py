@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rays through a BVH: the traversal unit, and why a widened box loses no hit (rtl/bvh, docs/background/bvh.md)."""
+from canvas import Canvas
+
+
+def upper(c):
+    c.box(10, 20, 130, 62, ["*Ray ring", "4,096 places"], "fa")
+    c.arrow((140, 51), (186, 51))
+    c.box(186, 20, 164, 62, ["*Ray front", "o + M, o − M, 1/d", "once per ray"], "fb", size=12)
+    c.arrow((350, 51), (398, 51))
+    c.box(398, 20, 246, 124, ["*Contexts, 256 rays", "ray, T interval that counts,", "best record: T, CP, index,", "stack of groups, 16 levels;",
+                              "a group: children still to visit"], "fa", size=12)
+    c.arrow((644, 51), (690, 51))
+    c.box(690, 20, 120, 62, ["*Records", "one per ray,", "in any order"], "fa", size=12)
+    c.arrow((268, 82), (268, 172))
+    c.text(276, 122, "starts at", size=12, kind="tu")
+    c.text(276, 137, "the root", size=12, kind="tu")
+
+
+def middle(c):
+    c.box(10, 190, 130, 62, ["*Node memory", "18 words per", "node"], "fa", size=12)
+    c.arrow((140, 221), (186, 221))
+    c.box(186, 172, 164, 98, ["*Traversal unit", "near, far of eight boxes;", "culls, sorts children;", "one node per cycle"], "fb", size=12)
+    c.line([(350, 190), (436, 190)])
+    c.arrow((436, 190), (436, 144))
+    c.text(358, 184, "others met", size=12, kind="tu")
+    c.box(474, 182, 170, 78, ["*Choice", "next child of the top", "group; drops groups", "beyond the T interval"], "fb", size=12)
+    c.arrow((560, 144), (560, 182), both=True)
+    c.arrow((474, 236), (350, 236))
+    c.text(412, 230, "node", "middle", 12, "tu")
+
+
+def leaves(c):
+    c.arrow((230, 270), (230, 304), (75, 304), (75, 340))
+    c.text(150, 298, "leaf met first", "middle", 12, "tu")
+    c.line([(530, 260), (530, 304), (230, 304)])
+    c.text(380, 298, "leaf", "middle", 12, "tu")
+    c.box(10, 340, 130, 58, ["*Slot table", "slot: secondary"], "fa", size=12)
+    c.arrow((140, 369), (172, 369))
+    c.box(172, 340, 128, 58, ["*DDR", "secondaries, a beat", "of 9 words each"], "fa", size=12)
+    c.arrow((300, 369), (332, 369))
+    c.box(332, 340, 118, 58, ["Transformer", "(option)"], "fb", size=12, dash=True)
+    c.arrow((450, 369), (482, 369))
+    c.box(482, 340, 162, 58, ["*Leaf pipes, two lanes", "F, T, CP of one or two", "secondaries"], "fb", size=12)
+    c.arrow((644, 369), (680, 369))
+    c.box(680, 340, 130, 58, ["*Better record", "least (T, index)"], "fb", size=12)
+    c.arrow((745, 340), (745, 112), (644, 112))
+    c.text(738, 205, "best record,", "end", 12, "tu")
+    c.text(738, 220, "T interval", "end", 12, "tu")
+    c.text(738, 235, "gets smaller", "end", 12, "tu")
+
+
+def traversal(_root):
+    c = Canvas(820, 476, "BVH traversal in the card",
+               "A ray takes a free context and starts at the root. The traversal unit reads a node, tests its eight boxes and sorts the children that "
+               "the ray meets. The first child is visited next, the others wait on the stack of the context. Secondaries of leaves come "
+               "from DDR and are tested by two lanes. The better of T and index shrinks the T interval of the ray.")
+    for part in (upper, middle, leaves):
+        part(c)
+    c.texts_at(10, 426,
+        ("A child is culled if near > far, far < tmin, or near > the best T so far (mode nearest). All comparisons are strict, so ties survive.",
+                         "Traversal units, leaf fetch and pipes take one operation per cycle and never wait for a context; "
+                         "queues hold every context.",
+                         "~Each traversal unit has its own copy of the node memory and its share of the contexts. Leaf fetch and leaf pipes are shared."),
+                             size=11.5)
+    return c
+
+
+def bound(_root):
+    c = Canvas(820, 456, "Why a widened box loses no hit",
+               "Nested boxes around a triangle: the box of the triangle, the band in which a computed hit can lie, the box of the node, which is "
+               "rounded outwards, and the node's box widened by M. The stretch of the ray in the widened box contains the computed T.")
+    c.rect(40, 40, 400, 330, "lb", 3, dash=True, solid=False)
+    c.rect(82, 82, 316, 246, "fn", 3, solid=False)
+    c.rect(110, 106, 260, 198, "lr", 3, dash=True, solid=False)
+    c.rect(130, 126, 220, 158, "la", 2, solid=False)
+    triangle = [(130, 284), (350, 226), (214, 126)]
+    c.polygon(triangle, "fa", 1.6)
+    o, far = (14, 78), (462, 382)
+    slope = (far[1] - o[1]) / (far[0] - o[0])
+    def on(x):
+        return x, o[1] + slope * (x - o[0])
+    c.line([on(14), on(452)], "lu", 1.2, "4 3", solid=False)
+    c.line([on(40), on(440)], "lb", 3, solid=False)
+    c.arrow(on(440), on(458), hue="b")
+    c.dot(*on(14), "mb", 4)
+    c.text(14, 66, "o", "middle")
+    c.dot(*on(40), "mx", 3)
+    c.dot(*on(440), "mx", 3)
+    c.text(46, on(40)[1] - 8, "near", size=12)
+    c.text(434, on(440)[1] + 20, "far", "end", 12)
+    t = on(334)
+    c.dot(*t, "mr", 4)
+    c.circle(*t, 7, "lr", 1.4)
+    c.arrow((300, 348), (t[0] - 4, t[1] + 9), hue="r", thick=1.2)
+    c.text(296, 352, "P = o + T d as computed", "end", 12, kind="tr")
+    x, y = 490, 46
+    rows = (("la", None, ("*Box of the triangle", "of the three vertices, exact")),
+            ("lr", "5 4", ("*Box rule", "a hit is accepted only if o + T d is outside", "by less than m'; with T as computed",
+                "m' < 192 u (R + m') (1 + 4u) + 12 u W")),
+            ("lu", None, ("*Box of the child in its node", "contains the triangle; corners are", "bytes times 2^e, rounded outwards")),
+            ("lb", "5 4", ("*Widened for the ray", "on every axis by M = 256 u R + 16 u W")))
+    for kind, dash, lines in rows:
+        c.line([(x, y - 4), (x + 34, y - 4)], kind, 2, dash, solid=False)
+        c.texts_at(x + 44, y, lines, size=12)
+        y += 16 * len(lines) + 20
+    c.texts_at(20, 406, ("Without roundings T lies in [near, far] by 63 u R + 3 u W. Roundings of near and far take less than 16 u R + u W.",
+                         "So near ≤ T ≤ far as computed, for every box above a hit. Culling uses T alone: the argument holds for all four algorithms.",
+                         "~R: largest distance along an axis from o to the root's box. W: largest coordinate of that box. u = 2^-24. "
+                         "Margins are not to scale."),
+               size=12, leading=18)
+    return c
