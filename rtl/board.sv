@@ -90,14 +90,14 @@ module board #(
       .bvh_good_i(bvh_good), .node_error_i(node_error));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
   // Clock of the brute-force pass. It stands still during a BVH pass.
-  logic clk_sweep, walking;
-  logic [bvh_pkg::WAY_BITS-1:0] walked_way;
-  if (CONFIG.traversal_units != 0) begin : g_sweep
-    clock_gate gate_sweep (.clk_i, .enable_i((busy & !walking) | go | rst_i), .clk_o(clk_sweep));
+  logic clk_brute_force, traversing;
+  logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal;
+  if (CONFIG.traversal_units != 0) begin : g_brute_force
+    clock_gate gate_brute_force (.clk_i, .enable_i((busy & !traversing) | go | rst_i), .clk_o(clk_brute_force));
   end else begin : g_all
-    assign clk_sweep = clk_engine;
-    logic unused_walking;
-    assign unused_walking = &{1'b0, walking, walked_way};
+    assign clk_brute_force = clk_engine;
+    logic unused_traversing;
+    assign unused_traversing = &{1'b0, traversing, traversal};
   end
 
   // ---- Secondaries ----
@@ -132,7 +132,7 @@ module board #(
   logic [1:0][SEC_WORDS-1:0][CW-1:0] unmoved;
   logic [1:0][31:0] range;
   secondary_regfile #(.CONFIG(CONFIG)) secondaries (
-      .clk_i(clk_sweep), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
+      .clk_i(clk_brute_force), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
       .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry[0]),
       .moving_o(moving[0]), .clk_moving_i(clk_moving), .unmoved_o(unmoved[0]), .moved_i(moved), .ddr_o(readers_ask[0]),
       .ddr_ready_i(reader_ready[0]), .ddr_valid_i(reader_valid[0]), .ddr_data_i(ddr_data),
@@ -146,14 +146,14 @@ module board #(
   logic [PRIM_WORDS-1:0][CW-1:0] prim_written, pose_slot;
   if (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) begin : g_objects
     objects #(.CONFIG(CONFIG)) tables (
-        .clk_i(clk_sweep), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
+        .clk_i(clk_brute_force), .clk_bus_i(clk_bus), .clk_core_i(clk_i), .rst_i, .write_i(object_write),
         .addr_i(ddr_write_addr_o), .data_i(ddr_write_data_o), .primary_write_i(prim_write), .command_i(command),
         .good_o(objects_good), .busy_o(objects_busy),
-        .pair_i(walking ? walked_way[bvh_pkg::WAY_BITS-1:1] : pair[0]),
-        .swap_i(walking ? walked_way[0] : swap[0]), .range_entry_i(range_entry),
-        .range_o(range), .transform_entry_i(transform_entry[walking]), .moving_i(moving != 0),
+        .pair_i(traversing ? traversal[bvh_pkg::TRAVERSAL_BITS-1:1] : pair[0]),
+        .swap_i(traversing ? traversal[0] : swap[0]), .range_entry_i(range_entry),
+        .range_o(range), .transform_entry_i(transform_entry[traversing]), .moving_i(moving != 0),
         .clk_moving_o(clk_moving),
-        .unmoved_i(unmoved[walking]), .moved_o(moved), .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed),
+        .unmoved_i(unmoved[traversing]), .moved_o(moved), .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed),
         .read_o(prim_read), .written_i(prim_written), .pose_commit_o(pose_commit), .pose_number_o(pose_number),
         .pose_slot_o(pose_slot));
   end else begin : g_fixed
@@ -182,7 +182,8 @@ module board #(
   logic [1:0] retire, ready, credit, gap;
   logic [PRIM_W:0] new_hits;
   engine_control #(.CONFIG(CONFIG)) control (
-      .clk_i(clk_sweep), .rst_i, .go_i(unit_valid[ENGINE]), .ready_o(unit_ready[ENGINE]), .abort_i(unit_abort[ENGINE]),
+      .clk_i(clk_brute_force), .rst_i, .go_i(unit_valid[ENGINE]), .ready_o(unit_ready[ENGINE]),
+      .abort_i(unit_abort[ENGINE]),
       .command_i(command), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy),
       .active_i(active), .busy_o(unit_busy[ENGINE]), .done_o(unit_done[ENGINE]), .flush_o(flush),
       .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear),
@@ -202,7 +203,7 @@ module board #(
   logic [CW-1:0] result_t;
   logic [POINTS-1:0][CW-1:0] result_point;
   cde #(.CONFIG(CONFIG)) engine (
-      .clk_i(clk_sweep), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write),
+      .clk_i(clk_brute_force), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write),
       .prim_addr_i(ddr_write_addr_o), .prim_data_i(ddr_write_data_o), .prim_bad_o(prim_bad), .prim_busy_o(prim_busy),
       .clk_moving_i(clk_moving), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit),
       .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap),
@@ -214,48 +215,48 @@ module board #(
       .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
       .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::fifo_depth(CONFIG))) fifo (
-      .clk_i(clk_sweep), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
+      .clk_i(clk_brute_force), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
       .push_i(retire[0] && streaming), .row_i(row), .index_i(index), .unmasked_i(unmasked), .f_i(f), .bad_i(bad),
       .keep_o(fifo_keep), .write_o(fifo_write), .credit_o(credit), .empty_o(fifo_empty),
       .ready_i(record_ready), .head_o(fifo_head), .streamed_o(streamed));
 
   // ---- Records ----
-  logic [RECORD_WORDS-1:0][CW-1:0] record, swept_record, walked_record;
-  logic swept_write, walked_write;
+  logic [RECORD_WORDS-1:0][CW-1:0] record, brute_force_record, bvh_record;
+  logic brute_force_write, bvh_write;
   logic clk_ring, ring_active;
   record_maker #(.CONFIG(CONFIG)) records (
-      .clk_i(clk_sweep), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
+      .clk_i(clk_brute_force), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
       .second_pair_i(pair[1]), .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
       .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
       .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full),
-      .sram_count_i(sram_count), .write_o(swept_write), .record_o(swept_record));
-  assign record_write = swept_write | walked_write;
-  assign record = walked_write ? walked_record : swept_record;
+      .sram_count_i(sram_count), .write_o(brute_force_write), .record_o(brute_force_record));
+  assign record_write = brute_force_write | bvh_write;
+  assign record = bvh_write ? bvh_record : brute_force_record;
   if (CONFIG.traversal_units != 0) begin : g_bvh
     localparam int BVH = int'(card_pkg::UNIT_BVH);
-    assign walking = unit_busy[BVH];
-    localparam int LEAF = bvh_pkg::leaf_words(bvh_pkg::card_ways(CONFIG));
+    assign traversing = unit_busy[BVH];
+    localparam int LEAF = bvh_pkg::leaf_words(bvh_pkg::card_traversals(CONFIG));
     logic [LEAF-1:0][CW-1:0] leaf_unmoved;
     bvh_unit #(.CONFIG(CONFIG)) bvh (
         .clk_core_i(clk_i), .clk_bus_i(clk_bus), .rst_i, .access_i(access), .rdata_o(bvh_rdata),
         .wdata_i(ddr_write_data_o), .provided_good_o(provided_good), .good_o(bvh_good),
         .valid_i(unit_valid[BVH]), .ready_o(unit_ready[BVH]), .abort_i(unit_abort[BVH]),
-        .pass_i(command), .busy_o(unit_busy[BVH]), .way_o(walked_way),
+        .pass_i(command), .busy_o(unit_busy[BVH]), .traversal_o(traversal),
         .done_o(unit_done[BVH]), .fault_o(node_error), .corrected_o(node_corrected),
         .ddr_o(readers_ask[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
         .ddr_words_o(reader_words[1]), .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
         .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((LEAF * CW)'(moved)),
-        .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(walked_write), .record_o(walked_record));
+        .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(bvh_write), .record_o(bvh_record));
     assign unmoved[1] = (SEC_WORDS * CW)'(leaf_unmoved);
     logic unused_rest;  // slots may be shorter or longer
-    assign unused_rest = &{1'b0, leaf_unmoved, walked_way};
-  end else begin : g_sweeps_alone
-    assign {node_corrected, bvh_rdata, provided_good, bvh_good, node_error, walked_write, walking} = '0;
+    assign unused_rest = &{1'b0, leaf_unmoved, traversal};
+  end else begin : g_brute_force_only
+    assign {node_corrected, bvh_rdata, provided_good, bvh_good, node_error, bvh_write, traversing} = '0;
     assign {moving[1], transform_entry[1], unmoved[1]} = '0;
     assign readers_ask[1] = '0;
     assign reader_words[1] = '0;
-    assign walked_record = '0;
-    assign walked_way = '0;
+    assign bvh_record = '0;
+    assign traversal = '0;
     logic unused_bvh;
     assign unused_bvh = &{1'b0, access, reader_ready[1], reader_valid[1]};
   end

@@ -81,9 +81,9 @@ inline void turn(Signed& x) {
     far = far < f ? far : f;
     if (!solid) continue;
     const Children gap = n > ~f ? n : ~f;  // ~: less than zero by as much
-    const ChildrenFloat way = (ChildrenFloat)(gap > 0 ? gap : 0);
+    const ChildrenFloat clamped = (ChildrenFloat)(gap > 0 ? gap : 0);
     widest = widest > gap ? widest : gap;
-    square += way * way;
+    square += clamped * clamped;
   }
   near = near == kLeast ? Children{} + kNan : near;
   far = far == kMost ? Children{} + kNan : far;

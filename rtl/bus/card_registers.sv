@@ -204,25 +204,25 @@ module card_registers #(
       budget_q.m == 8'd16) &&
       budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
   // BVH passes are for rays and solids; solids have no mode farthest. No secondary beyond the count is in the BVH.
-  localparam bvh_pkg::ways_t WAYS = (TRAVERSAL_UNITS != 0) ? bvh_pkg::card_ways(CONFIG) : '0;
-  logic sweep_ok, walk_ok, walk_pair_ok, walks_solid;
-  logic [bvh_pkg::WAY_BITS-1:0] way;
-  assign way = {command_q.pair, command_q.swap};
-  assign walks_solid = bvh_pkg::solid(int'(way));
+  localparam bvh_pkg::traversals_t TRAVERSALS = (TRAVERSAL_UNITS != 0) ? bvh_pkg::card_traversals(CONFIG) : '0;
+  logic brute_force_ok, bvh_ok, bvh_pair_ok, bvh_solid;
+  logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal;
+  assign traversal = {command_q.pair, command_q.swap};
+  assign bvh_solid = bvh_pkg::solid(int'(traversal));
   always_comb begin
-    walk_pair_ok = bvh_pkg::has_way(WAYS, int'(way)) &&
-        (!walks_solid || command_q.mode != registers_pkg::MODE_FARTHEST);
+    bvh_pair_ok = bvh_pkg::has_traversal(TRAVERSALS, int'(traversal)) &&
+        (!bvh_solid || command_q.mode != registers_pkg::MODE_FARTHEST);
     if (command_q.mode == registers_pkg::MODE_REFIT)
-      walk_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
+      bvh_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
   end
-  assign walk_ok = TRAVERSAL_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
+  assign bvh_ok = TRAVERSAL_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
       command_q.mode != registers_pkg::MODE_ALL && bvh_good_i[0] &&
       (bvh_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
-      walk_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && walks_solid)) &&
+      bvh_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && bvh_solid)) &&
       (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
       sec_end <= DDR_BYTES;
-  assign command_ok = (command_q.bvh ? walk_ok : sweep_ok) && !busy_i;
-  assign sweep_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
+  assign command_ok = (command_q.bvh ? bvh_ok : brute_force_ok) && !busy_i;
+  assign brute_force_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
   // The objects in use, also of primaries, must be in contract, or go is refused. Their ranges replace the range in the

@@ -63,7 +63,7 @@ module bvh_records #(
   } hit_t;
   hit_t [1:0] waiting;
   logic [1:0] some, read;
-  logic [DW:0] under_way_q;  // number of leaves under way
+  logic [DW:0] outstanding_q;  // number of leaves under way
   logic [1:0][DW:0] room;
   for (genvar l = 0; l < 2; l++) begin : lane
     hit_t hit;
@@ -77,10 +77,10 @@ module bvh_records #(
         .read_i(read[l]));
     assign some[l] = count != 0;
   end
-  assign leaf_room_o = !hits || (under_way_q < room[0] && under_way_q < room[1]);
+  assign leaf_room_o = !hits || (outstanding_q < room[0] && outstanding_q < room[1]);
   always_ff @(posedge clk_i)
-    if (rst_i) under_way_q <= '0;
-    else if (hits) under_way_q <= under_way_q + (DW + 1)'(leaf_i) - (DW + 1)'(leaf_tested_i);
+    if (rst_i) outstanding_q <= '0;
+    else if (hits) outstanding_q <= outstanding_q + (DW + 1)'(leaf_i) - (DW + 1)'(leaf_tested_i);
 
   // ---- One record per cycle. A primary's last record follows its hits, which are queued before it arrives ----
   logic ring_room, room_there, take_hit, lane_1, take_bad, take, second_q;

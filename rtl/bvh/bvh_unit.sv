@@ -10,9 +10,9 @@
 module bvh_unit #(
     parameter config_pkg::config_t CONFIG,
     localparam int UNITS = CONFIG.traversal_units,
-    localparam bvh_pkg::ways_t WAYS = bvh_pkg::card_ways(CONFIG),
-    localparam int PRIMARY = bvh_pkg::walked_words(WAYS),
-    localparam int LEAF = bvh_pkg::leaf_words(WAYS),
+    localparam bvh_pkg::traversals_t TRAVERSALS = bvh_pkg::card_traversals(CONFIG),
+    localparam int PRIMARY = bvh_pkg::traverser_words(TRAVERSALS),
+    localparam int LEAF = bvh_pkg::leaf_words(TRAVERSALS),
     localparam int POINTS = (CONFIG.normals != 0) ? 6 : 3,
     localparam int WORDS = records_pkg::RECORD_WORDS,
     localparam int BEAT = records_pkg::DDR_WORDS,
@@ -34,7 +34,7 @@ module bvh_unit #(
     input logic abort_i,
     input card_pkg::pass_t pass_i,
     output logic busy_o,
-    output logic [bvh_pkg::WAY_BITS-1:0] way_o,  // traversal kind of the pass
+    output logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal_o,  // traversal kind of the pass
     output logic done_o,
     output logic fault_o,  // the finished pass failed
     output logic [7:0] corrected_o,  // words corrected in this cycle, in the memories of nodes and slots
@@ -72,9 +72,9 @@ module bvh_unit #(
   logic clk, rst, running, refitting, wrong;
   logic [2:0] mode_q;
   logic normals_q;
-  logic [WAY_BITS-1:0] way_q, way;  // traversal kind of this pass, and of the next one
-  assign way = busy_o ? way_q : {pass_i.pair[0], pass_i.swap[0]};
-  assign way_o = way_q;
+  logic [TRAVERSAL_BITS-1:0] traversal_q, traversal_now;  // traversal kind of this pass, and of the next one
+  assign traversal_now = busy_o ? traversal_q : {pass_i.pair[0], pass_i.swap[0]};
+  assign traversal_o = traversal_q;
   logic [31:0] secondaries_q, objects_q, finished_q;
   logic [31:0] taken, provided, ray_count, nodes, first_node, slots;
   logic finished, records_empty;
@@ -106,7 +106,7 @@ module bvh_unit #(
   assign unused_flip = &{1'b0, flip.reserved};
   bvh_registers #(.NODES(NODES)) registers (
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
-      .wide_i(wide(int'(way))),
+      .wide_i(wide(int'(traversal_now))),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count), .nodes_o(nodes),
       .first_node_o(first_node), .slots_o(slots), .root_o(root), .events_i(running ? events : '0),
       .deepest_i(deepest_q), .fault_i(fault_q), .flip_o(flip),
@@ -137,8 +137,8 @@ module bvh_unit #(
   logic [31:0] ray_number;
   ray_queue #(.CONFIG(CONFIG)) rays (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_RAYS), .addr_i(access_i.addr),
-      .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .way_i(way_q), .provided_i(provided), .taken_o(taken),
-      .valid_o(ray_valid), .ray_o(ray), .number_o(ray_number), .bad_o(ray_bad), .pop_i(ray_pop));
+      .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .traversal_i(traversal_q), .provided_i(provided),
+      .taken_o(taken), .valid_o(ray_valid), .ray_o(ray), .number_o(ray_number), .bad_o(ray_bad), .pop_i(ray_pop));
   assign ray_pop = ray_valid && (ray_bad ? bad_ready : ray_ready);
 
   // ---- Traversal ----
@@ -153,18 +153,17 @@ module bvh_unit #(
   logic [31:0] hit_number, number, t, best_index;
   logic [POINTS-1:0][31:0] point;
   logic tested, record_valid, record_ready, found, f;
-  logic [3:0] way_fault;
-  logic [PLACE-1:0] way_place;
+  logic [3:0] traversal_fault;
+  logic [PLACE-1:0] traversal_place;
   logic [2:0] goal;
   assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
       GOAL_HITS : mode_q;
   traversal #(
-      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .WAYS(WAYS), .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals),
-      .LAT(CONFIG.lat),
-      .ARITH(config_pkg::arith(CONFIG.host))
-  ) walk (
+      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .TRAVERSALS(TRAVERSALS), .ALGORITHM(CONFIG.algorithm),
+      .NORMALS(CONFIG.normals), .LAT(CONFIG.lat), .ARITH(config_pkg::arith(CONFIG.host))
+  ) traversal (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
-      .root_i(root), .goal_i(goal), .way_i(way_q),
+      .root_i(root), .goal_i(goal), .traversal_i(traversal_q),
       .ahead_i(ray_count <= AHEAD),
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
       .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
@@ -172,7 +171,7 @@ module bvh_unit #(
       .tested_o(tested), .hit_o(hit), .hit_number_o(hit_number), .hit_t_o(hit_t), .hit_point_o(hit_point),
       .hit_index_o(hit_index), .record_valid_o(record_valid), .record_ready_i(record_ready), .number_o(number),
       .found_o(found), .f_o(f), .t_o(t), .point_o(point), .index_o(best_index), .events_o(events), .deepest_o(deepest),
-      .fault_o(way_fault), .fault_place_o(way_place));
+      .fault_o(traversal_fault), .fault_place_o(traversal_place));
 
   // ---- Secondaries ----
   logic leaf_fault, owed;
@@ -194,7 +193,7 @@ module bvh_unit #(
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
       .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
       .slots_i(slots), .secondaries_i(secondaries_q),
-      .words_i(pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(leaf_shape(int'(way_q))))),
+      .words_i(pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(leaf_shape(int'(traversal_q))))),
       .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o,
       .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .ddr_words_o, .owed_o(owed), .transform_entry_o, .moving_o,
       .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid), .tag_o(fetched_tag),
@@ -253,7 +252,7 @@ module bvh_unit #(
     node_read_q <= !running ? '0 : refitting ? UNITS'(refit_read) : node_read;
     node_row_q <= node_row;
   end
-  assign wrong = bits_failed || (way_fault != 0 && !refitting) || leaf_fault || endless;
+  assign wrong = bits_failed || (traversal_fault != 0 && !refitting) || leaf_fault || endless;
   assign finished_all = refitting ? refit_done : running && finished_q == ray_count && records_empty;
   assign done_o = finished_all || (state_q == FLUSH && !owed && fault_q != 0);
   assign fault_o = fault_q != 0;
@@ -268,7 +267,7 @@ module bvh_unit #(
         if (valid_i) begin
           state_q <= RUN;
           mode_q <= pass_i.mode;
-          way_q <= way;
+          traversal_q <= traversal_now;
           normals_q <= pass_i.normals;
           secondaries_q <= pass_i.count;
           objects_q <= pass_i.objects;
@@ -278,7 +277,7 @@ module bvh_unit #(
         if (wrong) begin
           state_q <= FLUSH;
           fault_q <= bits_failed ? {registers_pkg::NODE_FAULT_NODE_BITS, 32'(failed_row)} :
-              (way_fault != 0 && !refitting) ? {way_fault, 32'(way_place)} :
+              (traversal_fault != 0 && !refitting) ? {traversal_fault, 32'(traversal_place)} :
               leaf_fault ? {leaf_fault_kind, leaf_place} : {registers_pkg::NODE_FAULT_ENDLESS, 32'(node_row[0])};
         end else if (finished_all) begin
           state_q <= IDLE;

@@ -7,7 +7,7 @@
 `include "bvh.svh"
 `include "ray_box.svh"
 module leaf_pairs #(
-    parameter bvh_pkg::ways_t WAYS = 1,       // bvh_pkg::card_ways
+    parameter bvh_pkg::traversals_t TRAVERSALS = 1,  // bvh_pkg::card_traversals
     parameter int ALGORITHM = 0,  // ray-triangle: pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,    // 1: solids have normals
     parameter int AT = 1,         // bits that accompany a leaf through the pipe
@@ -17,13 +17,13 @@ module leaf_pairs #(
     localparam int MAN = 23,
     localparam int CW = 32,
     localparam int LANES = 2,  // secondaries of a leaf
-    localparam int WORDS = bvh_pkg::walked_words(WAYS),
-    localparam int LEAF = bvh_pkg::leaf_words(WAYS),
+    localparam int WORDS = bvh_pkg::traverser_words(TRAVERSALS),
+    localparam int LEAF = bvh_pkg::leaf_words(TRAVERSALS),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [bvh_pkg::WAY_BITS-1:0] way_i,  // traversal kind of the pass
+    input logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal_i,  // traversal kind of the pass
     input logic valid_i,       // registered, because it drives the enable of a clock gate
     input logic [AT-1:0] at_i,
     input logic two_i,
@@ -43,11 +43,11 @@ module leaf_pairs #(
     output logic [LANES-1:0][31:0] index_o
 );
   /*verilator inline_module*/
-  localparam bit ONE = (WAYS & (WAYS - 1)) == 0;
+  localparam bit ONE = (TRAVERSALS & (TRAVERSALS - 1)) == 0;
   pairs_pkg::pair_t pass_pair;
-  assign pass_pair = way_i[bvh_pkg::WAY_BITS-1:1];
+  assign pass_pair = traversal_i[bvh_pkg::TRAVERSAL_BITS-1:1];
   logic unused_role;  // some cards have one role of each pair
-  assign unused_role = way_i[0];
+  assign unused_role = traversal_i[0];
   logic taken_q, two_q, two;
   logic [AT-1:0] at_q;
   logic [LANES-1:0][31:0] index_q, f, t;
@@ -65,8 +65,8 @@ module leaf_pairs #(
   assign unused = &{1'b0, primary_i, secondaries_i, point_of, key_of};
   for (genvar p = 0; p < pairs_pkg::PAIRS; p++) begin : pair
     // Roles in the card's traversals: one, or both.
-    localparam bit AS_IS = bvh_pkg::has_way(WAYS, 2 * p);
-    localparam bit SWAPPED = bvh_pkg::has_way(WAYS, 2 * p + 1);
+    localparam bit AS_IS = bvh_pkg::has_traversal(TRAVERSALS, 2 * p);
+    localparam bit SWAPPED = bvh_pkg::has_traversal(TRAVERSALS, 2 * p + 1);
     if (AS_IS || SWAPPED) begin : g_there
       localparam int A_WORDS = pairs_pkg::primary_words(p);
       localparam int B_WORDS = pairs_pkg::secondary_words(p);
@@ -84,7 +84,7 @@ module leaf_pairs #(
           end else if (!AS_IS) begin : g_secondary
             assign a_now[w][l] = secondaries_i[l][w];
           end else begin : g_either
-            assign a_now[w][l] = way_i[0] ? secondaries_i[l][w] : primary_i[w];
+            assign a_now[w][l] = traversal_i[0] ? secondaries_i[l][w] : primary_i[w];
           end
         end
         for (genvar w = 0; w < B_WORDS; w++) begin : b_word
@@ -93,7 +93,7 @@ module leaf_pairs #(
           end else if (!AS_IS) begin : g_primary
             assign b_now[w][l] = primary_i[w];
           end else begin : g_either
-            assign b_now[w][l] = way_i[0] ? primary_i[w] : secondaries_i[l][w];
+            assign b_now[w][l] = traversal_i[0] ? primary_i[w] : secondaries_i[l][w];
           end
         end
       end
@@ -133,7 +133,7 @@ module leaf_pairs #(
     end
   end
 
-  if (WAYS == 1) begin : g_rays  // only rays that meet triangles
+  if (TRAVERSALS == 1) begin : g_rays  // only rays that meet triangles
     // Stage time of o + t d. Badouel's t takes one more addition, and the watertight algorithm shears first.
     localparam int RAY = int'(pairs_pkg::PAIR_RAY_TRIANGLE);
     localparam int T_POINT = 5 * LAT.add + 3 * LAT.mul + LAT.div +
@@ -158,7 +158,7 @@ module leaf_pairs #(
         .clk_i, .d_i({two_q, index_q}), .q_o({two, index_o}));
     align_valid #(.TO(T_PAIR)) align_valid (.clk_i, .rst_i, .valid_i(taken_q), .valid_o(valid_o));
     logic unused_pair;
-    assign unused_pair = &{1'b0, way_i, pass_pair};
+    assign unused_pair = &{1'b0, traversal_i, pass_pair};
 `ifndef SYNTHESIS
     always_ff @(posedge clk_i)
       if (!rst_i)

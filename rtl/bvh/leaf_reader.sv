@@ -166,20 +166,20 @@ module leaf_reader #(
   if (OBJECTS != 0) begin : g_moved
     logic [DW:0] arrived_q;
     logic [WORDS-1:0][31:0] unmoved_q;
-    logic [T_MOVED:0] on_its_way;
-    logic [T_MOVED-1:0] on_its_way_q;
+    logic [T_MOVED:0] in_flight;
+    logic [T_MOVED-1:0] in_flight_q;
     always_ff @(posedge clk_i) begin
       if (whole) arrived_q <= arrived_q + 1;
       if (rst_i) arrived_q <= '0;
-      on_its_way_q <= rst_i ? '0 : on_its_way[T_MOVED-1:0];
+      in_flight_q <= rst_i ? '0 : in_flight[T_MOVED-1:0];
     end
     always_ff @(posedge clk_moving_i) unmoved_q <= arrived;
-    assign on_its_way = {on_its_way_q, whole};
-    assign valid = on_its_way[T_MOVED];
+    assign in_flight = {in_flight_q, whole};
+    assign valid = in_flight[T_MOVED];
     assign transform_entry_o = tags[arrived_q[DW-1:0]][TAG+32+:OBJECT_W];
     assign unmoved_o = unmoved_q;
     // The host back end computes in the cycle after the register.
-    assign moving_o = (ARITH == "rtl") ? on_its_way[T_MOVED-1:0] != '0 : whole;
+    assign moving_o = (ARITH == "rtl") ? in_flight[T_MOVED-1:0] != '0 : whole;
     align #(.W(WORDS * 32), .FROM((ARITH == "rtl") ? T_MOVED : 1), .TO(T_MOVED)) align_moved (
         .clk_i, .d_i(moved_i), .q_o(moved));
   end else begin : g_as_they_are

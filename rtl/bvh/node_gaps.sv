@@ -28,8 +28,8 @@ module node_gaps #(
   `DF_MAX(gap_xy, gap_x, gap_y)
   `DF_MAX(widest, gap_xy, gap_z)
   `DF_LT(apart, zero, widest)
-  `DF_VMAX(way, gap, zeros)
-  `DF_DOT(square, way, way)
+  `DF_VMAX(clamped, gap, zeros)
+  `DF_DOT(square, clamped, clamped)
   `DF_SELECT(key, apart, square, widest)
   if (T_key != `NODE_T_GAPS - `NODE_T_AXES) $error("node_gaps: NODE_T_GAPS does not match");
   assign key_o = key;

@@ -34,10 +34,10 @@ module node_planes #(
   `DF_VIN(byte_t, unit, 0)
   `DF_VSUB(from_above, origin, above)
   `DF_VSUB(from_below, origin, below)
-  `DF_VSELECT_EACH(near_way, negative, from_below, from_above)
-  `DF_VSELECT_EACH(far_way, negative, from_above, from_below)
-  `DF_VMUL(near, near_way, inverse)
-  `DF_VMUL(far, far_way, inverse)
+  `DF_VSELECT_EACH(near_offset, negative, from_below, from_above)
+  `DF_VSELECT_EACH(far_offset, negative, from_above, from_below)
+  `DF_VMUL(near, near_offset, inverse)
+  `DF_VMUL(far, far_offset, inverse)
   `DF_VAT(unit_late, byte_t, T_near)
   assign near_o = near;
   assign far_o = far;

@@ -9,8 +9,8 @@ module ray_queue #(
     parameter config_pkg::config_t CONFIG,
     parameter int RAYS = bvh_pkg::RAYS,
     localparam ARITH = config_pkg::arith(CONFIG.host),
-    localparam bvh_pkg::ways_t WAYS = bvh_pkg::card_ways(CONFIG),
-    localparam int WORDS = bvh_pkg::walked_words(WAYS),
+    localparam bvh_pkg::traversals_t TRAVERSALS = bvh_pkg::card_traversals(CONFIG),
+    localparam int WORDS = bvh_pkg::traverser_words(TRAVERSALS),
     localparam int AW = $clog2(RAYS)
 ) (
     input logic clk_bus_i,
@@ -20,7 +20,7 @@ module ray_queue #(
 
     input logic clk_i,
     input logic rst_i,  // between passes: the next primary is number 0
-    input logic [bvh_pkg::WAY_BITS-1:0] way_i,  // traversal kind of the pass
+    input logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal_i,  // traversal kind of the pass
     input logic [31:0] provided_i,  // primaries provided by the host
     output logic [31:0] taken_o,  // primaries whose place is free again
     output logic valid_o,
@@ -34,7 +34,7 @@ module ray_queue #(
   localparam int DW = $clog2(DEPTH);
   logic [DW:0] places_q, queue_count;
   logic unused;
-  assign unused = &{1'b0, addr_i, queue_count, way_i};
+  assign unused = &{1'b0, addr_i, queue_count, traversal_i};
   logic [31:0] next_q;  // next primary to take
   logic [WORDS-1:0][31:0] place;
   if (WORDS > bvh_pkg::PLACE_WORDS) begin : g_wide
@@ -47,7 +47,7 @@ module ray_queue #(
     logic both;
     logic [16*32-WORDS*32-1:0] unused_word;
     logic [AW-2:0] row;
-    assign both = bvh_pkg::wide(int'(way_i));
+    assign both = bvh_pkg::wide(int'(traversal_i));
     assign row = both ? next_q[AW-2:0] : next_q[AW-1:1];
     logic [3:0][63:0] first;
     assign first = (both || !next_q[0]) ? even[row] : odd[row];
@@ -80,7 +80,7 @@ module ray_queue #(
   logic [pairs_pkg::SHAPES-1:0] bad_of;
   logic bad;
   for (genvar s = 0; s < pairs_pkg::SHAPES; s++) begin : shape
-    if (bvh_pkg::walks(WAYS, s)) begin : g_there
+    if (bvh_pkg::has_traverser(TRAVERSALS, s)) begin : g_there
       localparam int P_WORDS = pairs_pkg::shape_words(s);
       logic [P_WORDS-1:0][0:0][31:0] words;
       logic [0:0][31:0] bad_now;
@@ -97,7 +97,8 @@ module ray_queue #(
       assign bad_of[s] = 1'b0;
     end
   end
-  assign bad = ((WAYS & (WAYS - 1)) == 0) ? bad_of != '0 : bad_of[bvh_pkg::walked_shape(int'(way_i))];
+  assign bad = ((TRAVERSALS & (TRAVERSALS - 1)) == 0) ? bad_of != '0 :
+      bad_of[bvh_pkg::traverser_shape(int'(traversal_i))];
   align #(.W((1 + WORDS) * 32), .TO(T_CHECK)) align_ray (.clk_i, .d_i({number_q, ray_q}), .q_o({number, ray}));
   align_valid #(.TO(T_CHECK)) align_asked (.clk_i, .rst_i, .valid_i(asked_q), .valid_o(checked));
   sync_fifo #(.W(1 + (1 + WORDS) * 32), .DEPTH(DEPTH)) queue (

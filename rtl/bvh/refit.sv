@@ -3,11 +3,11 @@
 // first. The children of a node stay. A child's number is larger than its parent's (bvh::check), so its words are
 // new before they are read. The software version host/include/cde/reference/refit.hpp is the same bit by bit.
 //
-//   node memory -> refit_walk -+-> fetch -> refit_leaf -> boxes of leaves -+-> refit_encode -> node memory
-//                              +-> refit_node ----------> boxes of nodes --+
+//   node memory -> refit_traversal -+-> fetch -> refit_leaf -> boxes of leaves -+-> refit_encode -> node memory
+//                                   +-> refit_node ----------> boxes of nodes --+
 //
-// A node holds a context from the request of its children until its boxes are encoded, in order. Only refit_walk waits:
-// for memory, for a context, and for a child that is not written yet.
+// A node holds a context from the request of its children until its boxes are encoded, in order. Only refit_traversal
+// waits: for memory, for a context, and for a child that is not written yet.
 // A triangle with a NaN or a coordinate beyond 2^40 ends the refit. The output bad_o then comes with its slot, the
 // first in the order of the work. Nodes from that triangle's own node to the root keep their words, and the others are
 // new. The ray front takes the root's box as its words say (box_of() there).
@@ -78,7 +78,7 @@ module refit #(
   logic [HEADER-1:0] headers[CONTEXTS];
   logic [CONTEXTS-1:0][CHILDREN-1:0] missing_q;  // outstanding boxes
   assign head = head_q[CX-1:0];
-  refit_walk #(.CX(CX)) walk (
+  refit_traversal #(.CX(CX)) traversal (
       .clk_i, .rst_i, .start_i, .stop_i(bad_q), .first_i(first_node_i), .count_i(node_count_i), .written_i(written_q),
       .room_i(tail_q - head_q != (CX+1)'(CONTEXTS)), .context_i(tail_q[CX-1:0]), .open_o(open), .header_o(header),
       .read_o, .read_at_o, .node_i(node_i[5:3]), .child_o(child_read), .child_at_o(child_at), .fetch_valid_o,

@@ -12,7 +12,7 @@ module refit_encode (
     input logic last_i,
     input logic [2:0] child_i,
     input logic [5:0][31:0] box_i,  // ordered words: lower x y z, upper x y z
-    input logic [71:0] header_i,    // from refit_walk.sv, with the first box
+    input logic [71:0] header_i,    // from refit_traversal.sv, with the first box
     output logic valid_o,
     output logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_o
 );

@@ -17,14 +17,14 @@
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // traversal units, each with its share of the contexts
-    parameter bvh_pkg::ways_t WAYS = 1,        // bvh_pkg::card_ways
+    parameter bvh_pkg::traversals_t TRAVERSALS = 1,  // bvh_pkg::card_traversals
     parameter int ALGORITHM = 0,   // ray-triangle: pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,     // 1: solids have normals
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int LANES = 2,  // secondaries of a leaf
-    localparam int WORDS = bvh_pkg::walked_words(WAYS),
-    localparam int LEAF = bvh_pkg::leaf_words(WAYS),
+    localparam int WORDS = bvh_pkg::traverser_words(TRAVERSALS),
+    localparam int LEAF = bvh_pkg::leaf_words(TRAVERSALS),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,  // words of CP and n
     localparam int CX = $clog2(CONTEXTS),
     localparam int TAG = `AT_BITS(CX) + 1
@@ -39,7 +39,7 @@ module traversal #(
     // Settings of all primaries.
     input logic [6:0][31:0] root_i,  // root's box: lower corner x y z, upper corner x y z, 16 u W (ray_front.sv)
     input logic [2:0] goal_i,        // bvh_pkg::GOAL_*
-    input logic [bvh_pkg::WAY_BITS-1:0] way_i,
+    input logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal_i,
     input logic ahead_i,
     // Primaries and their numbers: rays (o x y z, d x y z, tmin, tmax) or solids.
     input logic ray_valid_i,
@@ -82,11 +82,11 @@ module traversal #(
   if (CONTEXTS < 2 * UNITS || (CONTEXTS & (CONTEXTS - 1)) != 0) $error("traversal: CONTEXTS must be a power of two");
   if ((UNITS & (UNITS - 1)) != 0) $error("traversal: UNITS must be a power of two");
   `BVH_TYPES(CX)
-  localparam bit SOLIDS = has_solids(WAYS);
-  localparam bit ONE = (WAYS & (WAYS - 1)) == 0;  // one kind of traversal: there is nothing to choose
+  localparam bit SOLIDS = has_solids(TRAVERSALS);
+  localparam bit ONE = (TRAVERSALS & (TRAVERSALS - 1)) == 0;  // one kind of traversal: there is nothing to choose
   localparam logic [31:0] SIGN = 32'h8000_0000, INFINITE = 32'h7f80_0000;
   logic is_solid;  // the pass's primaries are solids: T is a signed distance until the record
-  assign is_solid = SOLIDS && solid(int'(way_i));
+  assign is_solid = SOLIDS && solid(int'(traversal_i));
   localparam int BANK = $clog2(UNITS);
   // The bank of a context.
   `define CDE_OWN(CONTEXT) (CONTEXT % CX'(UNITS) == CX'(u))
@@ -135,7 +135,7 @@ module traversal #(
   function automatic int slowest_front();
     slowest_front = 0;
     for (int k = 0; k < FRONTS; k++)
-      if (has_front(WAYS, k) && t_front_of(k) > slowest_front) slowest_front = t_front_of(k);
+      if (has_front(TRAVERSALS, k) && t_front_of(k) > slowest_front) slowest_front = t_front_of(k);
   endfunction
   localparam int T_FRONT = slowest_front();
   logic [FRONTS-1:0][8:0][31:0] fronts;
@@ -143,9 +143,9 @@ module traversal #(
   logic front_valid;
   logic [CX-1:0] front_context;
   logic [$clog2(FRONTS)-1:0] kind;
-  assign kind = ($clog2(FRONTS))'(front_kind(int'(way_i)));
+  assign kind = ($clog2(FRONTS))'(front_kind(int'(traversal_i)));
   for (genvar k = 0; k < FRONTS; k++) begin : front_of
-    if (has_front(WAYS, k)) begin : g_there
+    if (has_front(TRAVERSALS, k)) begin : g_there
       localparam int F_WORDS = ray_front_kind(k) ? 6 : pairs_pkg::shape_words(k);
       localparam int T_OWN = t_front_of(k);
       // The host back end computes in the second cycle. It has its own clock, so without a primary it computes nothing.
@@ -175,7 +175,7 @@ module traversal #(
       assign fronts[k] = '0;
     end
   end
-  assign front = ONE ? fronts[front_kind($clog2(WAYS))] : fronts[kind];
+  assign front = ONE ? fronts[front_kind($clog2(TRAVERSALS))] : fronts[kind];
   align #(.W(CX), .TO(T_FRONT)) align_taken (.clk_i, .d_i(taken), .q_o(front_context));
   align_valid #(.TO(T_FRONT)) align_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
 
@@ -230,9 +230,9 @@ module traversal #(
   logic unused_soon;
   assign unused_soon = &{1'b0, keep_at_soon.level, keep_at_soon.fresh};
   leaf_pairs #(
-      .WAYS(WAYS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT(LAT), .ARITH(ARITH)
+      .TRAVERSALS(TRAVERSALS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT(LAT), .ARITH(ARITH)
   ) pairs (
-      .clk_i, .rst_i, .way_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
+      .clk_i, .rst_i, .traversal_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
       .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .secondaries_i(fetched_i), .index_i, .tested_o(tested_now),
       .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t), .key_o(key),
       .point_o(point), .index_o(index));

@@ -26,78 +26,83 @@ package bvh_pkg;
   localparam logic [2:0] GOAL_OCCLUDED = 3;  // whether there is a hit; stops at the first
   localparam logic [2:0] GOAL_HITS = 4;      // all hits
 
-  // A traversal kind (`way`): pair p has number 2 p. With its roles swapped, so that shape A is in the BVH, it has 2 p
-  // + 1.
+  // The number of a traversal kind: 2 p for pair p; 2 p + 1 with its roles swapped, so that shape A is in the BVH.
   // A set of traversal kinds has one bit for each.
-  localparam int WAYS = 2 * pairs_pkg::PAIRS;
-  localparam int WAY_BITS = pairs_pkg::PAIR_BITS + 1;
-  typedef logic [WAYS-1:0] ways_t;
+  localparam int TRAVERSALS = 2 * pairs_pkg::PAIRS;
+  localparam int TRAVERSAL_BITS = pairs_pkg::PAIR_BITS + 1;
+  typedef logic [TRAVERSALS-1:0] traversals_t;
   // Pairs that need no box rule when they meet spheres: their own roundings are small enough (docs/background/bvh.md).
   // Other pairs need the rule.
   localparam int PLAIN_PAIRS = 1 << pairs_pkg::PAIR_RAY_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_SPHERE;
   // Traversal kinds of a card.
-  function automatic ways_t card_ways(input config_pkg::config_t card);
-    int walked;
-    walked = ((card.box != 0) ? card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE) : 0) |
+  function automatic traversals_t card_traversals(input config_pkg::config_t card);
+    int traversable;
+    traversable = ((card.box != 0) ? card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE) : 0) |
         config_pkg::bound_pairs(card) | (card.pairs & PLAIN_PAIRS & ~config_pkg::verdict_pairs(card));
-    card_ways = '0;
+    card_traversals = '0;
     for (int p = 0; p < pairs_pkg::PAIRS; p++)
-      if (pairs_pkg::has(walked, p)) begin
-        card_ways = card_ways | (WAYS'(1) << (2 * p));
+      if (pairs_pkg::has(traversable, p)) begin
+        card_traversals = card_traversals | (TRAVERSALS'(1) << (2 * p));
         if (card.swap != 0 && pairs_pkg::has(config_pkg::BOUND_PAIRS, p) &&
             pairs_pkg::primary_shape(p) != pairs_pkg::secondary_shape(p))
-          card_ways = card_ways | (WAYS'(1) << (2 * p + 1));
+          card_traversals = card_traversals | (TRAVERSALS'(1) << (2 * p + 1));
       end
   endfunction
-  function automatic bit has_way(input ways_t ways, input int way);
-    has_way = ((ways >> way) & 1) != 0;
+  function automatic bit has_traversal(input traversals_t traversals, input int traversal);
+    has_traversal = ((traversals >> traversal) & 1) != 0;
   endfunction
   // Shape of the secondaries in the BVH, and shape of the primary.
-  function automatic int leaf_shape(input int way);
-    leaf_shape = ((way & 1) != 0) ? pairs_pkg::primary_shape(way >> 1) : pairs_pkg::secondary_shape(way >> 1);
+  function automatic int leaf_shape(input int traversal);
+    leaf_shape = ((traversal & 1) != 0) ? pairs_pkg::primary_shape(traversal >> 1) :
+        pairs_pkg::secondary_shape(traversal >> 1);
   endfunction
-  function automatic int walked_shape(input int way);
-    walked_shape = ((way & 1) != 0) ? pairs_pkg::secondary_shape(way >> 1) : pairs_pkg::primary_shape(way >> 1);
+  function automatic int traverser_shape(input int traversal);
+    traverser_shape = ((traversal & 1) != 0) ? pairs_pkg::secondary_shape(traversal >> 1) :
+        pairs_pkg::primary_shape(traversal >> 1);
   endfunction
-  function automatic bit solid(input int way);  // T is a signed distance until the record
-    solid = walked_shape(way) != pairs_pkg::SHAPE_RAY;
+  function automatic bit solid(input int traversal);  // T is a signed distance until the record
+    solid = traverser_shape(traversal) != pairs_pkg::SHAPE_RAY;
   endfunction
-  function automatic bit wide(input int way);  // the primary takes two places
-    wide = pairs_pkg::shape_words(walked_shape(way)) > PLACE_WORDS;
+  function automatic bit wide(input int traversal);  // the primary takes two places
+    wide = pairs_pkg::shape_words(traverser_shape(traversal)) > PLACE_WORDS;
   endfunction
   // Whether a set has a traversal kind with primaries of this shape, or one with signed distances.
-  function automatic bit walks(input ways_t ways, input int shape);
-    walks = 0;
-    for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && walked_shape(w) == shape) walks = 1;
+  function automatic bit has_traverser(input traversals_t traversals, input int shape);
+    has_traverser = 0;
+    for (int t = 0; t < TRAVERSALS; t++)
+      if (has_traversal(traversals, t) && traverser_shape(t) == shape) has_traverser = 1;
   endfunction
-  function automatic bit has_solids(input ways_t ways);
+  function automatic bit has_solids(input traversals_t traversals);
     has_solids = 0;
-    for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && solid(w)) has_solids = 1;
+    for (int t = 0; t < TRAVERSALS; t++)
+      if (has_traversal(traversals, t) && solid(t)) has_solids = 1;
   endfunction
   // Words stored per primary, for any of these traversal kinds, and per secondary.
-  function automatic int walked_words(input ways_t ways);
-    walked_words = PLACE_WORDS;
-    for (int w = 0; w < WAYS; w++)
-      if (has_way(ways, w) && pairs_pkg::shape_words(walked_shape(w)) > walked_words)
-        walked_words = pairs_pkg::shape_words(walked_shape(w));
+  function automatic int traverser_words(input traversals_t traversals);
+    traverser_words = PLACE_WORDS;
+    for (int t = 0; t < TRAVERSALS; t++)
+      if (has_traversal(traversals, t) && pairs_pkg::shape_words(traverser_shape(t)) > traverser_words)
+        traverser_words = pairs_pkg::shape_words(traverser_shape(t));
   endfunction
-  function automatic int leaf_words(input ways_t ways);
+  function automatic int leaf_words(input traversals_t traversals);
     leaf_words = pairs_pkg::shape_words(pairs_pkg::SHAPE_TRIANGLE);  // triangles, from which the card refits its BVH
-    for (int w = 0; w < WAYS; w++)
-      if (has_way(ways, w) && pairs_pkg::shape_words(leaf_shape(w)) > leaf_words)
-        leaf_words = pairs_pkg::shape_words(leaf_shape(w));
+    for (int t = 0; t < TRAVERSALS; t++)
+      if (has_traversal(traversals, t) && pairs_pkg::shape_words(leaf_shape(t)) > leaf_words)
+        leaf_words = pairs_pkg::shape_words(leaf_shape(t));
   endfunction
 
   // Kind of a primary at the nodes (ray_front.sv, solid_front.sv): its shape. Rays that meet spheres are a separate
   // kind.
   localparam int FRONT_RAY_SPHERE = pairs_pkg::SHAPES;
   localparam int FRONTS = pairs_pkg::SHAPES + 1;
-  function automatic int front_kind(input int way);
-    front_kind = (!solid(way) && leaf_shape(way) == pairs_pkg::SHAPE_SPHERE) ? FRONT_RAY_SPHERE : walked_shape(way);
+  function automatic int front_kind(input int traversal);
+    front_kind = (!solid(traversal) && leaf_shape(traversal) == pairs_pkg::SHAPE_SPHERE) ?
+        FRONT_RAY_SPHERE : traverser_shape(traversal);
   endfunction
-  function automatic bit has_front(input ways_t ways, input int kind);
+  function automatic bit has_front(input traversals_t traversals, input int kind);
     has_front = 0;
-    for (int w = 0; w < WAYS; w++) if (has_way(ways, w) && front_kind(w) == kind) has_front = 1;
+    for (int t = 0; t < TRAVERSALS; t++)
+      if (has_traversal(traversals, t) && front_kind(t) == kind) has_front = 1;
   endfunction
 
   // Events in a cycle, for the counters.

@@ -28,7 +28,7 @@ module config_check #(
   end
   if (CONFIG.traversal_units != 0 &&
       ((CONFIG.traversal_units != 1 && CONFIG.traversal_units != 2 && CONFIG.traversal_units != 4) ||
-      CONFIG.exp != 8 || CONFIG.man != 23 || bvh_pkg::card_ways(CONFIG) == 0)) begin :
+      CONFIG.exp != 8 || CONFIG.man != 23 || bvh_pkg::card_traversals(CONFIG) == 0)) begin :
       g_bvh
     $error("board: TRAVERSAL_UNITS must be 0, 1, 2 or 4; above 0 needs fp32 and a pair that can traverse a BVH");
   end

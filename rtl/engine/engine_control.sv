@@ -58,7 +58,7 @@ module engine_control #(
     output logic bubble_o,
     output logic stall_o
 );
-  typedef enum logic [2:0] {IDLE, POSE, CLEAR, SWEEP, DRAIN, WRITEBACK, FLUSH} state_e;
+  typedef enum logic [2:0] {IDLE, POSE, CLEAR, BRUTE_FORCE, DRAIN, WRITEBACK, FLUSH} state_e;
   state_e state_q;
   logic [ROW_W-1:0] row_q, second_row;
   logic [PRIM_W-1:0] primary;
@@ -89,16 +89,16 @@ module engine_control #(
   assign has_credit = !streaming_mode_o || credits_q != 0;
   assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == 0;
   assign wanted = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
-  assign enter = state_q == SWEEP && secondary_valid_i && has_credit && (wanted & ~ready_i) == 0 && !stop_q;
+  assign enter = state_q == BRUTE_FORCE && secondary_valid_i && has_credit && (wanted & ~ready_i) == 0 && !stop_q;
   assign issue_o.valid = wanted & {2{enter}};
   assign second_row = row_q + ROW_W'(first_rows);
   assign issue_o.row = {8'(second_row), 8'(row_q)};
   assign issue_o.parity = parity_q;
   assign secondary_pop_o = enter && last_row;
   assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
-  assign fetch_stop_o = state_q == SWEEP && stop_q || abort_i;
-  assign bubble_o = state_q == SWEEP && !secondary_valid_i && !stop_q;
-  assign stall_o = state_q == SWEEP && secondary_valid_i && !stop_q && !enter;
+  assign fetch_stop_o = state_q == BRUTE_FORCE && stop_q || abort_i;
+  assign bubble_o = state_q == BRUTE_FORCE && !secondary_valid_i && !stop_q;
+  assign stall_o = state_q == BRUTE_FORCE && secondary_valid_i && !stop_q && !enter;
 
   first_set #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
   assign writeback_o.valid = state_q == WRITEBACK && pending_q != 0;
@@ -130,10 +130,10 @@ module engine_control #(
         row_q <= row_q + 1;
         if (32'(row_q) == ROWS - 1) begin
           row_q <= 0;
-          state_q <= SWEEP;
+          state_q <= BRUTE_FORCE;
         end
       end
-      SWEEP: begin
+      BRUTE_FORCE: begin
         if (enter) row_q <= last_row ? '0 : row_q + 1;
         if (secondary_pop_o) begin
           parity_q <= ~parity_q;

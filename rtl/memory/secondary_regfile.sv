@@ -82,7 +82,7 @@ module secondary_regfile #(
   assign taken = ddr_o.valid && ddr_ready_i;
   assign slot_asked = taken && (!two || second_q);
   assign stop = (stop_i || stopping_q) && (!two || second_q == taken);  // never between the two beats of a slot
-  range_walk #(.ENTRIES(OBJECTS)) walk (
+  address_generator #(.ENTRIES(OBJECTS)) addresses (
       .clk_i, .rst_i, .start_i, .stop_i(stop), .step_i(slot_asked), .stride_i(words),
       .objects_i((OBJECT_W + 1)'(pass_i.objects)), .first_i(pass_i.first), .count_i(pass_i.count),
       .entry_o(range_entry_o), .range_i, .valid_o(asking), .address_o(word), .slot_o(slot_number), .object_o(object),
@@ -113,12 +113,12 @@ module secondary_regfile #(
 
   assign ddr_words_o = !two ? 4'(words) : half_q ? 4'(32'(words) - BEAT) : 4'(BEAT);
 
-  logic [T_CHECKED:0] on_its_way;
-  assign on_its_way[0] = whole;
+  logic [T_CHECKED:0] in_flight;
+  assign in_flight[0] = whole;
   if (T_CHECKED > 0) begin : g_wait
     logic [T_CHECKED-1:0] q;
     always_ff @(posedge clk_i) q <= rst_i ? '0 : T_CHECKED'({q, whole});
-    assign on_its_way[T_CHECKED:1] = q;
+    assign in_flight[T_CHECKED:1] = q;
   end
 
   // ---- Object of each slot, stored with the request ----
@@ -133,7 +133,7 @@ module secondary_regfile #(
       if (rst_i) arrived_q <= '0;
     end
     always_ff @(posedge clk_moving_i) slot_q <= arrived;
-    assign moving_o = (ARITH == "rtl") ? |on_its_way[T_MOVED-1:0] : whole;
+    assign moving_o = (ARITH == "rtl") ? |in_flight[T_MOVED-1:0] : whole;
     assign transform_entry_o = tags[arrived_q[AW-1:0]][32+:OBJECT_W];
     assign unmoved_o = slot_q;
     assign unchecked = moved_i;
@@ -181,11 +181,11 @@ module secondary_regfile #(
   assign bad_o = fifo[read_q[AW-1:0]][WORDS][0];
 
   always_ff @(posedge clk_i) begin
-    if (on_its_way[T_PLACED]) begin
+    if (in_flight[T_PLACED]) begin
       fifo[placed_q[AW-1:0]] <= {CW'(verdicts[shape[pairs_pkg::SHAPE_INDEX-1:0]]), checked_slot};
       placed_q <= placed_q + 1;
     end
-    if (on_its_way[T_CHECKED]) write_q <= write_q + 1;
+    if (in_flight[T_CHECKED]) write_q <= write_q + 1;
     if (taken) second_q <= two && !second_q;
     if (slot_asked) asked_q <= asked_q + 1;
     if (pop_i) read_q <= read_q + 1;
@@ -206,7 +206,7 @@ module secondary_regfile #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(pop_i && !valid_o)) else $error("secondary_regfile: pop of an empty FIFO");
-      assert (!(on_its_way[T_CHECKED] && write_q == asked_q)) else $error("secondary_regfile: data without a request");
+      assert (!(in_flight[T_CHECKED] && write_q == asked_q)) else $error("secondary_regfile: data without a request");
       assert (!(start_i && !idle_o)) else $error("secondary_regfile: started while busy");
     end
 `endif

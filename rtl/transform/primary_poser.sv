@@ -64,40 +64,40 @@ module primary_poser #(
   // ---- Restore, then the objects ----
   typedef enum logic [1:0] {REST, RESTORE, OBJECTS} state_e;
   state_e state_q;
-  logic start, by_object, walking, last;
+  logic start, by_object, slot_valid, last;
   logic [31:0] slot, address;
   logic [ENTRY_W-1:0] object;
-  logic [T_DONE-1:0] on_its_way;  // slots in flight, by age
+  logic [T_DONE-1:0] in_flight;  // slots in flight, by age
   assign by_object = (state_q == REST) ? key == key_q && !ranges_q : 1'b1;  // next work
-  assign start = pose_i && !walking && !on_its_way[0] && (state_q == REST || (state_q == RESTORE && objects_i != 0));
-  range_walk #(.ENTRIES(ENTRIES)) walk (
-      .clk_i, .rst_i(rst_i || !pose_i), .start_i(start), .stop_i(1'b0), .step_i(walking),
+  assign start = pose_i && !slot_valid && !in_flight[0] && (state_q == REST || (state_q == RESTORE && objects_i != 0));
+  address_generator #(.ENTRIES(ENTRIES)) addresses (
+      .clk_i, .rst_i(rst_i || !pose_i), .start_i(start), .stop_i(1'b0), .step_i(slot_valid),
       .stride_i(pairs_pkg::WORDS_BITS'(1)),
       .objects_i((start ? by_object : state_q == OBJECTS) ? (ENTRY_W + 1)'(objects_i) : '0), .first_i(32'd0),
-      .count_i(32'(PRIMARIES)), .entry_o(range_entry_o), .range_i, .valid_o(walking), .address_o(address),
+      .count_i(32'(PRIMARIES)), .entry_o(range_entry_o), .range_i, .valid_o(slot_valid), .address_o(address),
       .slot_o(slot), .object_o(object), .last_o(last));
   always_ff @(posedge clk_i) begin
-    on_its_way <= T_DONE'({on_its_way, walking});
+    in_flight <= T_DONE'({in_flight, slot_valid});
     if (start) state_q <= by_object ? OBJECTS : RESTORE;
     if (rst_i || !pose_i) begin
       state_q <= REST;
-      on_its_way <= '0;
+      in_flight <= '0;
     end
   end
-  assign done_o = pose_i && !walking && on_its_way == '0 && (state_q == OBJECTS ||
+  assign done_o = pose_i && !slot_valid && in_flight == '0 && (state_q == OBJECTS ||
       (state_q == RESTORE && objects_i == 0));
   assign transform_entry_o = object;
   assign read_o = PRIM_W'(slot);
 
   assign plain_o = state_q == RESTORE;
   assign shape_o = shapes_i[read_o >= split_i];
-  assign moving_o = walking || (T_COMMIT > 0 && on_its_way[T_MOVING:0] != '0);
+  assign moving_o = slot_valid || (T_COMMIT > 0 && in_flight[T_MOVING:0] != '0);
 
   // The slot is at the transformer's input one cycle after its step.
   logic [PRIM_W-1:0] number_q;
   always_ff @(posedge clk_i) number_q <= PRIM_W'(slot);
   align #(.W(PRIM_W), .FROM(0), .TO(T_COMMIT)) align_number (.clk_i, .d_i(number_q), .q_o(number_o));
-  assign commit_o = on_its_way[T_COMMIT];
+  assign commit_o = in_flight[T_COMMIT];
   logic unused;
   assign unused = &{1'b0, address, last, slot};
 endmodule

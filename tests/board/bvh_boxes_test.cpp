@@ -67,11 +67,11 @@ void expect_same_as_all(Board& board, const std::vector<Secondary>& all, std::si
     found += expect_same(records, expected(reference::Traversal(all, bvh), primaries, mode));
     EXPECT_EQ(c.secondaries, 0u);
     if (mode == Mode::kNearest) {
-      reference::Traversal walk(all, bvh);
-      for (std::uint32_t i = 0; i < primaries.size(); ++i) (void)walk.trace(primaries[i], i, mode);
-      expect_read(c, walk.counts(), primaries.size());
+      reference::Traversal traversal(all, bvh);
+      for (std::uint32_t i = 0; i < primaries.size(); ++i) (void)traversal.trace(primaries[i], i, mode);
+      expect_read(c, traversal.counts(), primaries.size());
     }
-    expect_same(records, cast(board, primaries, query_of<P, Secondary>(mode, Through::kSweep)));
+    expect_same(records, cast(board, primaries, query_of<P, Secondary>(mode, Through::kBruteForce)));
   }
   EXPECT_GT(found, count / 2);
 }
@@ -143,11 +143,11 @@ TEST(BvhOverBoxes, WithNormals_EqualsBruteForce) {
   board.upload(boxes, Bvh::build(boxes));
   const auto compare = [&]<class P>(const std::vector<P>& primaries) {
     for (const Mode mode : kSolidModes) {
-      Query query = query_of<P, Obb>(mode, Through::kSweep);
+      Query query = query_of<P, Obb>(mode, Through::kBruteForce);
       query.normals = true;
-      const auto swept = cast(board, primaries, query);
+      const auto brute_force = cast(board, primaries, query);
       query.through = Through::kBvh;
-      expect_same(cast(board, primaries, query), swept);
+      expect_same(cast(board, primaries, query), brute_force);
     }
   };
   compare(hard_ones<Sphere>(boxes, 200));
@@ -185,9 +185,9 @@ TEST(BvhOverBoxes, MovingObjects_EqualBruteForce) {
   board.upload_shapes<Obb>(boxes);
   board.set_objects(objects);
   board.upload(bvh_of(boxes, objects));
-  const auto moved = reference::swept(boxes, objects).shapes;
+  const auto moved = reference::pass_secondaries(boxes, objects).shapes;
   board.move_object(1, pose);
-  EXPECT_EQ(board.no_way_through(query_of<Sphere, Obb>(Mode::kAny, Through::kAuto)),
+  EXPECT_EQ(board.why_not_traversable(query_of<Sphere, Obb>(Mode::kAny, Through::kAuto)),
             "objects or their shapes have moved after the upload of their BVH; upload a new BVH");
   board.upload(bvh_of(boxes, objects));
   const auto spheres = hard_ones<Sphere>(moved, 200);
@@ -197,7 +197,7 @@ TEST(BvhOverBoxes, MovingObjects_EqualBruteForce) {
     expect_same(cast(board, spheres, query_of<Sphere, Obb>(mode, Through::kBvh)),
                 expected(reference::Traversal(moved, Bvh::build(moved)), spheres, mode));
     expect_same(cast(board, turned, query_of<Obb, Obb>(mode, Through::kBvh)),
-                cast(board, turned, query_of<Obb, Obb>(mode, Through::kSweep)));
+                cast(board, turned, query_of<Obb, Obb>(mode, Through::kBruteForce)));
   }
 }
 
@@ -251,7 +251,7 @@ TEST(BvhOverBoxes, BadObjectsOrRequests_AreNamed) {
   Board board = Board::open(boxes_config());
   boxes[1] = boxes[0];
   board.upload(boxes, Bvh::build(boxes));
-  const auto why = [&](const Query& query) { return board.no_way_through(query).value_or(""); };
+  const auto why = [&](const Query& query) { return board.why_not_traversable(query).value_or(""); };
   EXPECT_EQ(why(query_of<Sphere, Obb>(Mode::kNearest, Through::kAuto)), "");
   EXPECT_EQ(why(query_of<Triangle, Aabb>(Mode::kNearest, Through::kAuto)), "the BVH is over obbs");
   EXPECT_EQ(why(query_of<Triangle, Obb>(Mode::kNearest, Through::kAuto)),

@@ -13,7 +13,7 @@
 #include "cde/card/board.hpp"
 #include "cde/reference/traversal.hpp"
 #include "hard_rays.hpp"
-#include "pair_through.hpp"
+#include "bvh_pair.hpp"
 
 /// Cards with a BVH and the expected results of traversals, for tests.
 namespace cde::testing::through {
@@ -158,10 +158,10 @@ inline Record f_alone(const Record& any) {
 
 /// Records of the reference traversal, in the order of the card.
 template <class P>
-std::vector<Record> expected(reference::Traversal walk, const std::vector<P>& rays, Mode mode) {
+std::vector<Record> expected(reference::Traversal traversal, const std::vector<P>& rays, Mode mode) {
   std::vector<Record> all;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
-    for (const Record& r : walk.trace(rays[i], i, mode == Mode::kOccluded ? Mode::kAny : mode))
+    for (const Record& r : traversal.trace(rays[i], i, mode == Mode::kOccluded ? Mode::kAny : mode))
       all.push_back(mode == Mode::kOccluded ? f_alone(r) : r);
   }
   if (mode == Mode::kHits)
@@ -195,7 +195,7 @@ inline void expect_read(const Counters& c, const reference::TraversalCounts& ref
 /// The query for a shape of primaries and the secondaries of the BVH.
 template <class P, class Secondary>
 Query query_of(Mode mode, Through through) {
-  const auto [pair, swap] = pair_through<P, Secondary>();
+  const auto [pair, swap] = bvh_pair<P, Secondary>();
   Query query{.mode = mode, .pair = pair, .swap = swap};
   query.through = through;
   return query;

@@ -44,7 +44,7 @@ void expect_few(Board& board, const std::vector<Secondary>& all, std::size_t cou
   if (std::getenv("CDE_FULL") != nullptr) count *= 10;
   const Bvh bvh = Bvh::build(all, {.leaf = all.size() % 3 == 0 ? 1u : 2u});
   board.upload(all, bvh);
-  const auto way = [&] {
+  const auto fresh = [&] {
     if constexpr (std::is_same_v<Secondary, Triangle>)
       return reference::Traversal(all, bvh, algorithm);
     else
@@ -61,13 +61,13 @@ void expect_few(Board& board, const std::vector<Secondary>& all, std::size_t cou
       const std::vector<P> some(begin, begin + static_cast<std::ptrdiff_t>(n));
       Counters c;
       const auto records = cast(board, some, query_of<P, Secondary>(mode, Through::kBvh), &c);
-      found += expect_same(records, expected(way, some, mode));
+      found += expect_same(records, expected(fresh, some, mode));
       if (n == 1 && mode != Mode::kOccluded)
-        expect_same(records, cast(board, some, query_of<P, Secondary>(mode, Through::kSweep)));
+        expect_same(records, cast(board, some, query_of<P, Secondary>(mode, Through::kBruteForce)));
       if (mode != Mode::kNearest) continue;
-      reference::Traversal walk = way;
-      for (std::uint32_t i = 0; i < n; ++i) (void)walk.trace(some[i], i, mode);
-      expect_read(c, walk.counts(), n);
+      reference::Traversal traversal = fresh;
+      for (std::uint32_t i = 0; i < n; ++i) (void)traversal.trace(some[i], i, mode);
+      expect_read(c, traversal.counts(), n);
     }
   }
   EXPECT_GT(found, count / 4);
@@ -140,9 +140,9 @@ TEST(BvhSmallBatch, AbortAtAnyCycle_NextPassIsClean) {
   const auto cloud = cloud_of(kScenes[6].make());
   board.upload(cloud, Bvh::build(cloud));
   Query through = query_of<Sphere, Sphere>(Mode::kNearest, Through::kBvh);
-  const Query sweep = query_of<Sphere, Sphere>(Mode::kNearest, Through::kSweep);
+  const Query brute_force = query_of<Sphere, Sphere>(Mode::kNearest, Through::kBruteForce);
   const std::vector<Sphere> three(cloud.begin(), cloud.begin() + 3);
-  const auto should = cast(board, three, sweep);
+  const auto should = cast(board, three, brute_force);
   hard::Draw draw(3);
   unsigned left = 0;
   for (unsigned i = 0; i < 3000; ++i) {
@@ -156,7 +156,7 @@ TEST(BvhSmallBatch, AbortAtAnyCycle_NextPassIsClean) {
       ++left;
     }
     through.deadline_clocks = 100'000;
-    const auto records = cast(board, three, i % 2 == 0 ? sweep : through);
+    const auto records = cast(board, three, i % 2 == 0 ? brute_force : through);
     ASSERT_TRUE(std::ranges::equal(records, should, same_bits)) << i;
   }
   EXPECT_GT(left, 500u);

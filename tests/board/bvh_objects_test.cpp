@@ -40,12 +40,12 @@ struct Moving {
   void move(std::size_t k) { objects[k].transform = pose(draw, 1.5f, far); }
 
   /// The moved triangles in the order of a pass, and the secondary number of each.
-  [[nodiscard]] reference::Swept<Triangle> swept() const {
-    return reference::swept(scene, objects);
+  [[nodiscard]] reference::PassSecondaries<Triangle> pass_secondaries() const {
+    return reference::pass_secondaries(scene, objects);
   }
   [[nodiscard]] Bvh bvh() const { return bvh_of(scene, objects); }
   [[nodiscard]] std::vector<Record> expected(const std::vector<Ray>& rays, Mode mode) const {
-    const auto all = swept();
+    const auto all = pass_secondaries();
     std::vector<Record> records =
         through::expected(all.shapes, Bvh::build(all.shapes), rays, mode);
     for (Record& r : records)
@@ -86,13 +86,13 @@ TEST_P(BvhObjectCards, MovingObjects_EqualBruteForceAndReference) {
       board.set_objects(world.objects);
       board.upload(world.bvh());
       for (int frame = 0; frame < 2; ++frame) {
-        const std::vector<Ray> rays = hard_rays(world.swept().shapes, count);
+        const std::vector<Ray> rays = hard_rays(world.pass_secondaries().shapes, count);
         for (const Mode mode : kModes) {
           SCOPED_TRACE(name_of(mode));
           Query query{.mode = mode, .pair = Pair::kRayTriangle, .through = Through::kBvh};
           const std::vector<Record> found = board.cast(rays, query);
           hits += expect_same(found, world.expected(rays, mode));
-          query.through = Through::kSweep;
+          query.through = Through::kBruteForce;
           if (mode == Mode::kNearest || !(full || slow))
             expect_same(found, board.cast(rays, query));
         }
@@ -117,7 +117,7 @@ TEST(BvhOverObjects, InvalidTransform_BuildsNoBvh) {
 TEST(BvhOverObjects, WhyNotTraversable_NamesTheReason) {
   Board board = Board::open(objects_config());
   Moving world(kScenes[6].make(), 4);
-  const auto why = [&] { return board.no_way_through({}).value_or(""); };
+  const auto why = [&] { return board.why_not_traversable({}).value_or(""); };
   board.upload(world.scene);
   board.set_objects(world.objects);
   expect_error(ErrorCode::kUsage, "of objects",
@@ -149,7 +149,7 @@ TEST(BvhOverObjects, WhyNotTraversable_NamesTheReason) {
   board.set_objects({});
   EXPECT_EQ(why(), "the BVH is over objects, and the card has no objects now");
   expect_error(ErrorCode::kUsage, "a BVH of 4 objects",
-               [&] { board.upload(world.swept().shapes, world.bvh()); });
+               [&] { board.upload(world.pass_secondaries().shapes, world.bvh()); });
   // The same objects again, after a reset that drops them.
   board.upload(world.scene);
   board.set_objects(world.objects);
@@ -173,11 +173,11 @@ TEST(BvhOverObjects, WhyNotTraversable_NamesTheReason) {
 TEST(BvhOverObjects, MovedObjects_AreRefitted) {
   Board board = Board::open(objects_config());
   Moving world(hard::triangles_of(make_terrain({.quads_x = 50, .quads_y = 50})), 8);
-  const std::vector<Ray> rays = hard_rays(world.swept().shapes, 300);
+  const std::vector<Ray> rays = hard_rays(world.pass_secondaries().shapes, 300);
   board.upload(world.scene);
   board.set_objects(world.objects);
-  board.upload(Bvh::build(world.swept().shapes));
-  EXPECT_TRUE(Bvh::build(world.swept().shapes).parts().empty());
+  board.upload(Bvh::build(world.pass_secondaries().shapes));
+  EXPECT_TRUE(Bvh::build(world.pass_secondaries().shapes).parts().empty());
   world.move(3);
   board.move_object(3, world.objects[3].transform);
   const std::uint64_t whole = board.refit().cycles;
@@ -208,7 +208,7 @@ TEST(BvhOverObjects, TriangleWithoutBox_RefitIsRefused) {
   world.objects[1].transform = beyond;
   board.move_object(1, beyond);
   expect_error(ErrorCode::kBadInput, "exceeds 2^40", [&] { board.refit(); });
-  EXPECT_EQ(*board.no_way_through({}),
+  EXPECT_EQ(*board.why_not_traversable({}),
             "objects or their triangles have moved since the last refit(); call refit()");
   expect_error(ErrorCode::kBadInput, "part 1: secondary 0", [&] { (void)world.bvh(); });
   const std::vector<Ray> rays = hard_rays(world.scene, 60);
@@ -238,7 +238,7 @@ TEST(BvhOverObjects, TableEntries_AliasNoRegister) {
 TEST(BvhOverObjects, MalformedMemory_GivesAnError) {
   Board board = Board::open(objects_config());
   Moving world(kScenes[6].make(), 3);
-  const std::vector<Ray> rays = hard_rays(world.swept().shapes, 300);
+  const std::vector<Ray> rays = hard_rays(world.pass_secondaries().shapes, 300);
   board.upload(world.scene);
   board.set_objects(world.objects);
   const Bvh bvh = world.bvh();

@@ -74,11 +74,11 @@ void expect_all(Board& board, std::size_t count, std::size_t most = 2000) {
       found += expect_same(records, expected(scene, bvh, solids, mode));
       EXPECT_EQ(c.secondaries, 0u);
       if (mode == Mode::kNearest) {
-        reference::Traversal walk(scene, bvh);
-        for (std::uint32_t i = 0; i < solids.size(); ++i) (void)walk.trace(solids[i], i, mode);
-        expect_read(c, walk.counts(), solids.size());
+        reference::Traversal traversal(scene, bvh);
+        for (std::uint32_t i = 0; i < solids.size(); ++i) (void)traversal.trace(solids[i], i, mode);
+        expect_read(c, traversal.counts(), solids.size());
       }
-      expect_same(records, cast(board, solids, query_of(kPairOf<Solid>, mode, Through::kSweep)));
+      expect_same(records, cast(board, solids, query_of(kPairOf<Solid>, mode, Through::kBruteForce)));
     }
   }
   EXPECT_GT(found, 2 * count);
@@ -135,11 +135,11 @@ TEST(BvhForSolids, AlternatingShapes_GiveCorrectRecords) {
   for (std::size_t i = 0; i < stencil.size(); i += 3) stencil[i] = true;
   board.load_shapes<Obb>(std::span(boxes).first(100), false);  // bad boxes among them
   for (const Mode mode : kSolidModes) {
-    Query query = query_of(Pair::kTriangleObb, mode, Through::kSweep);
+    Query query = query_of(Pair::kTriangleObb, mode, Through::kBruteForce);
     query.stencil = stencil;
-    const std::vector<Record> swept = board.run(query);
+    const std::vector<Record> brute_force = board.run(query);
     query.through = Through::kBvh;
-    expect_same(board.run(query), swept);
+    expect_same(board.run(query), brute_force);
   }
 }
 
@@ -153,13 +153,13 @@ TEST(BvhForSolids, WithNormals_EqualsBruteForce) {
       std::size_t with = 0;
       for (const Mode mode : kSolidModes) {
         SCOPED_TRACE(name_of(mode));
-        Query query = query_of(kPairOf<Solid>, mode, Through::kSweep);
+        Query query = query_of(kPairOf<Solid>, mode, Through::kBruteForce);
         query.normals = true;
-        const std::vector<Record> swept = cast(board, solids, query);
+        const std::vector<Record> brute_force = cast(board, solids, query);
         query.through = Through::kBvh;
         Counters c;
         const std::vector<Record> records = cast(board, solids, query, &c);
-        expect_same(records, swept);
+        expect_same(records, brute_force);
         EXPECT_EQ(c.records, records.size());
         for (const Record& r : records) with += r.n.norm() > 0.9f;
       }
@@ -182,7 +182,7 @@ TEST(BvhForSolids, MeshAgainstMesh_EqualsBruteForce) {
     expect_same(records, expected(ground, bvh, ball, mode));
     query.normals = true;
     const std::vector<Record> with = cast(board, ball, query);
-    query.through = Through::kSweep;
+    query.through = Through::kBruteForce;
     expect_same(with, cast(board, ball, query));
   }
 }
@@ -196,7 +196,7 @@ TEST(BvhForSolids, MovingObjects_EqualBruteForce) {
   board.upload(bvh_of(scene, objects));
   hard::Draw draw(3);
   for (int frame = 0; frame < 3; ++frame) {
-    const std::vector<Triangle> moved = reference::swept(scene, objects).shapes;
+    const std::vector<Triangle> moved = reference::pass_secondaries(scene, objects).shapes;
     const std::vector<Sphere> spheres = hard_solids<Sphere>(moved, 300);
     const std::vector<Obb> boxes = hard_solids<Obb>(moved, 60);
     const Bvh bvh = Bvh::build(moved);
@@ -205,7 +205,7 @@ TEST(BvhForSolids, MovingObjects_EqualBruteForce) {
       expect_same(cast(board, spheres, query_of(Pair::kTriangleSphere, mode, Through::kBvh)),
                   expected(moved, bvh, spheres, mode));
       expect_same(cast(board, boxes, query_of(Pair::kTriangleObb, mode, Through::kBvh)),
-                  cast(board, boxes, query_of(Pair::kTriangleObb, mode, Through::kSweep)));
+                  cast(board, boxes, query_of(Pair::kTriangleObb, mode, Through::kBruteForce)));
     }
     Transform& pose = objects[1].transform;
     pose.rotation = Eigen::Quaternionf(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1))
@@ -221,7 +221,7 @@ TEST(BvhForSolids, WhyNotTraversable_NamesTheReason) {
   Board board = Board::open(solids_config());
   const TriangleScene scene = kScenes[2].make();
   board.upload(scene, Bvh::build(scene));
-  const auto why = [&](Query query) { return board.no_way_through(query).value_or(""); };
+  const auto why = [&](Query query) { return board.why_not_traversable(query).value_or(""); };
   Query query = query_of(Pair::kTriangleSphere, Mode::kNearest, Through::kAuto);
   EXPECT_EQ(why(query), "");
   query.swap = false;

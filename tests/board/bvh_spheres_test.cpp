@@ -46,14 +46,14 @@ Query query_of(Mode mode, Through through) {
 
 constexpr Mode kSphereModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::kOccluded};
 
-/// `sweeps` adds large scenes and the card's own brute-force passes, which are slow with gates.
+/// `brute_force` adds large scenes and the card's own brute-force passes, which are slow with gates.
 template <class P>
-void expect_all(Board& board, std::size_t count, bool sweeps) {
+void expect_all(Board& board, std::size_t count, bool brute_force) {
   std::size_t found = 0;
   for (const auto& one : kScenes) {
     SCOPED_TRACE(one.name);
     const Cloud cloud = cloud_of(one.make());
-    if (cloud.size() > (sweeps ? board.capacity(Shape::kSphere) : 300)) continue;
+    if (cloud.size() > (brute_force ? board.capacity(Shape::kSphere) : 300)) continue;
     const Bvh bvh = Bvh::build(cloud, {.leaf = cloud.size() % 3 == 0 ? 1u : 2u});
     board.upload(cloud, bvh);
     const std::vector<P> primaries = hard_ones<P>(cloud, count);
@@ -66,13 +66,13 @@ void expect_all(Board& board, std::size_t count, bool sweeps) {
       found += expect_same(records, expected(reference::Traversal(cloud, bvh), primaries, mode));
       EXPECT_EQ(c.secondaries, 0u);
       if (mode == Mode::kNearest) {
-        reference::Traversal walk(cloud, bvh);
+        reference::Traversal traversal(cloud, bvh);
         for (std::uint32_t i = 0; i < primaries.size(); ++i)
-          (void)walk.trace(primaries[i], i, mode);
-        expect_read(c, walk.counts(), primaries.size());
+          (void)traversal.trace(primaries[i], i, mode);
+        expect_read(c, traversal.counts(), primaries.size());
       }
-      if (sweeps || cloud.size() < 100)
-        expect_same(records, cast(board, primaries, query_of<P>(mode, Through::kSweep)));
+      if (brute_force || cloud.size() < 100)
+        expect_same(records, cast(board, primaries, query_of<P>(mode, Through::kBruteForce)));
     }
   }
   EXPECT_GT(found, 2 * count);
@@ -110,7 +110,7 @@ TEST(BvhOverSpheres, MovedSpheres_AreRefitted) {
   for (int frame = 0; frame < 3; ++frame) {
     for (Sphere& s : cloud) s.c += draw.point() * 0.1f;
     board.update_shapes<Sphere>(0, cloud);
-    EXPECT_EQ(board.no_way_through(query),
+    EXPECT_EQ(board.why_not_traversable(query),
               "secondaries were uploaded or moved after their BVH; upload a new BVH");
     bvh.refit(cloud);
     board.upload(bvh);
@@ -135,7 +135,7 @@ TEST(BvhOverSpheres, MovingObjects_EqualBruteForce) {
     board.upload_shapes<Sphere>(cloud);
     board.set_objects(objects);
     board.upload(bvh_of(cloud, objects));
-    const Cloud moved = reference::swept(cloud, objects).shapes;
+    const Cloud moved = reference::pass_secondaries(cloud, objects).shapes;
     const Bvh bvh = Bvh::build(moved);
     const std::vector<Ray> rays = hard_ones<Ray>(moved, 300);
     const std::vector<Sphere> spheres = hard_ones<Sphere>(moved, 300);
@@ -155,11 +155,11 @@ TEST(BvhOverSpheres, WithNormals_EqualsBruteForce) {
   board.upload(cloud, Bvh::build(cloud));
   const std::vector<Sphere> spheres = hard_ones<Sphere>(cloud, 400);
   for (const Mode mode : kSphereModes) {
-    Query query = query_of<Sphere>(mode, Through::kSweep);
+    Query query = query_of<Sphere>(mode, Through::kBruteForce);
     query.normals = true;
-    const std::vector<Record> swept = cast(board, spheres, query);
+    const std::vector<Record> brute_force = cast(board, spheres, query);
     query.through = Through::kBvh;
-    expect_same(cast(board, spheres, query), swept);
+    expect_same(cast(board, spheres, query), brute_force);
   }
 }
 
@@ -169,7 +169,7 @@ TEST(BvhOverSpheres, WhyNotTraversable_NamesTheReason) {
   expect_error(ErrorCode::kUsage, "a BVH of 2 secondaries cannot be over 1 sphere",
                [&] { board.upload(std::span(cloud).first(1), Bvh::build(cloud)); });
   board.upload(cloud, Bvh::build(cloud));
-  const auto why = [&](const Query& query) { return board.no_way_through(query).value_or(""); };
+  const auto why = [&](const Query& query) { return board.why_not_traversable(query).value_or(""); };
   Query query = query_of<Ray>(Mode::kFarthest, Through::kAuto);
   EXPECT_EQ(why(query), "");
   query.mode = Mode::kAll;

@@ -50,7 +50,7 @@ TEST_P(BvhCards, HardRays_EqualTheReference) {
       board.upload(scene, bvh);
       for (const Mode mode : kModes) {
         SCOPED_TRACE(name_of(mode));
-        reference::Traversal walk(scene, bvh, config.algorithm);
+        reference::Traversal traversal(scene, bvh, config.algorithm);
         std::vector<Record> records;
         const Counters c = board.cast(
             rays, {.mode = mode, .pair = Pair::kRayTriangle, .through = Through::kBvh},
@@ -63,9 +63,9 @@ TEST_P(BvhCards, HardRays_EqualTheReference) {
         EXPECT_EQ(c.records, records.size());
         EXPECT_GE(c.nodes, count * 9 / 10 * (scene.size() > 1 ? 1 : 0));
         if (mode == Mode::kNearest || mode == Mode::kFarthest) {
-          for (std::uint32_t i = 0; i < rays.size(); ++i) (void)walk.trace(rays[i], i, mode);
-          expect_read(c, walk.counts(), rays.size());
-          EXPECT_LE(c.deepest, walk.counts().deepest);
+          for (std::uint32_t i = 0; i < rays.size(); ++i) (void)traversal.trace(rays[i], i, mode);
+          expect_read(c, traversal.counts(), rays.size());
+          EXPECT_LE(c.deepest, traversal.counts().deepest);
         }
       }
     }
@@ -84,13 +84,13 @@ TEST_P(BvhCards, Modes_EqualBruteForce) {
   for (const Mode mode : kModes) {
     SCOPED_TRACE(name_of(mode));
     Query query{.mode = mode, .pair = Pair::kRayTriangle, .stencil = stencil};
-    query.through = Through::kSweep;
-    const std::vector<Record> swept = board.cast(rays, query);
+    query.through = Through::kBruteForce;
+    const std::vector<Record> brute_force = board.cast(rays, query);
     query.through = Through::kAuto;
-    EXPECT_FALSE(board.no_way_through(query));
-    EXPECT_GT(expect_same(board.cast(rays, query), swept), 10u);
+    EXPECT_FALSE(board.why_not_traversable(query));
+    EXPECT_GT(expect_same(board.cast(rays, query), brute_force), 10u);
     board.load(std::span(rays).first(30));
-    query.through = Through::kSweep;
+    query.through = Through::kBruteForce;
     const std::vector<Record> packet = board.run(query);
     query.through = Through::kBvh;
     Counters c;
@@ -107,7 +107,7 @@ TEST_P(BvhCards, HitOutsideItsBox_IsNotReported) {
   const TriangleScene scene = edge_on();
   const Ray ray = beyond_numbers();
   board.upload(scene, Bvh::build(scene));
-  for (const Through through : {Through::kSweep, Through::kBvh})
+  for (const Through through : {Through::kBruteForce, Through::kBvh})
     EXPECT_FALSE(
         board.cast(std::span(&ray, 1), {.pair = Pair::kRayTriangle, .through = through})[0].f);
 }
@@ -129,7 +129,7 @@ TEST(BvhWatertight, RaysInsideAClosedMesh_DoNotLeak) {
     }
     const RayView some = RayView(rays).subview(0, 500);
     expect_same(board.cast(some, {.through = Through::kBvh}),
-                board.cast(some, {.through = Through::kSweep}));
+                board.cast(some, {.through = Through::kBruteForce}));
   }
 }
 
@@ -150,7 +150,7 @@ TEST(BvhDriver, WhyNotTraversable_NamesTheReason) {
   const Bvh bvh = Bvh::build(scene);
   Board plain = Board::open(small_config());
   expect_error(ErrorCode::kUsage, "no traversal units", [&] { plain.upload(scene, bvh); });
-  EXPECT_EQ(*plain.no_way_through({}), "the card has no traversal units");
+  EXPECT_EQ(*plain.why_not_traversable({}), "the card has no traversal units");
 
   Board board = Board::open(slow_config());
   const std::vector<Ray> rays = hard_rays(scene, 20);
@@ -162,10 +162,10 @@ TEST(BvhDriver, WhyNotTraversable_NamesTheReason) {
   expect_error(ErrorCode::kUsage, "of 1280 secondaries cannot be over 1279 triangles",
                [&] { board.upload(std::span(scene).first(1'279), bvh); });
   board.upload(bvh);
-  EXPECT_EQ(board.no_way_through(on), std::nullopt);
+  EXPECT_EQ(board.why_not_traversable(on), std::nullopt);
   const auto refused = [&](const char* why, Query query) {
     SCOPED_TRACE(why);
-    EXPECT_NE(board.no_way_through(query).value_or("").find(why), std::string::npos);
+    EXPECT_NE(board.why_not_traversable(query).value_or("").find(why), std::string::npos);
     query.through = Through::kBvh;
     expect_error(ErrorCode::kUsage, why, [&] { (void)board.cast(rays, query); });
   };
@@ -269,9 +269,9 @@ TEST(BvhDriver, MovedTriangles_AreRefitted) {
         for (Vector3f* v : {&scene[i].v0, &scene[i].v1, &scene[i].v2})
           v->z() += 0.1f * std::sin(static_cast<float>(i + frame));
       board.update_shapes<Triangle>(0, scene);
-      EXPECT_NE(board.no_way_through(query).value_or("").find("moved after their BVH"),
+      EXPECT_NE(board.why_not_traversable(query).value_or("").find("moved after their BVH"),
                 std::string::npos);
-      const std::vector<Record> swept = board.cast(rays, query);
+      const std::vector<Record> brute_force = board.cast(rays, query);
       Bvh own = built;
       own.refit(scene);
       if (frame == 1) {
@@ -281,24 +281,24 @@ TEST(BvhDriver, MovedTriangles_AreRefitted) {
         EXPECT_GT(c.cycles, scene.size() / 2);
         EXPECT_LT(c.cycles, 200'000u);
       }
-      EXPECT_FALSE(board.no_way_through(query));
+      EXPECT_FALSE(board.why_not_traversable(query));
       Counters c;
       std::vector<Record> records;
       c = board.cast(rays, query, [&](std::span<const Record> some) {
         records.insert(records.end(), some.begin(), some.end());
       });
       EXPECT_GT(c.nodes, 0u);
-      EXPECT_GT(expect_same(records, swept), 5u);
+      EXPECT_GT(expect_same(records, brute_force), 5u);
     }
     // A triangle without a bounding box.
     std::vector<Triangle> bad{scene[7]};
     bad[0].v1.y() = std::numeric_limits<float>::infinity();
     board.update_shapes<Triangle>(7, bad, false);
     expect_error(ErrorCode::kBadInput, "no box can contain it", [&] { (void)board.refit(); });
-    EXPECT_TRUE(board.no_way_through(query));
+    EXPECT_TRUE(board.why_not_traversable(query));
     board.update_shapes<Triangle>(7, std::span(scene).subspan(7, 1));
     (void)board.refit();
-    EXPECT_FALSE(board.no_way_through(query));
+    EXPECT_FALSE(board.why_not_traversable(query));
   }
 }
 

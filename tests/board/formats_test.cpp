@@ -125,10 +125,10 @@ class CardFormats : public ::testing::TestWithParam<Kind> {
       }
       const auto posed = reference::posed(std::span<const P>(primaries),
                                           std::span<const Object>(posing), kind.format);
-      const auto swept =
-          reference::swept(secondaries, std::span<const Object>(moving), kind.format);
+      const auto tested =
+          reference::pass_secondaries(secondaries, std::span<const Object>(moving), kind.format);
       for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits})
-        if (n == 0) check_against_pass(pair, swap, mode, posed, swept.shapes);
+        if (n == 0) check_against_pass(pair, swap, mode, posed, tested.shapes);
       if (kind.moves) check_pass(board_, pair, swap, primaries, secondaries, posing, moving);
     }
   }

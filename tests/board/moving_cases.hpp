@@ -99,16 +99,16 @@ void check_pass(Board& board, Pair pair, bool swap, const std::vector<P>& primar
                 std::initializer_list<Mode> modes = {Mode::kNearest, Mode::kFarthest, Mode::kAny,
                                                      Mode::kAll, Mode::kHits}) {
   const FpFormat format = board.format();
-  const auto swept = reference::swept(secondaries, of_secondaries, format);
+  const auto tested = reference::pass_secondaries(secondaries, of_secondaries, format);
   const std::vector<P> posed =
       reference::posed(std::span<const P>(primaries), of_primaries, format);
   std::vector<PairResult> results;
   if constexpr (std::is_same_v<P, S>) {
-    results = swap ? all_pairs(pair, swept.shapes, posed, true, {}, format)
-                   : all_pairs(pair, posed, swept.shapes, false, {}, format);
+    results = swap ? all_pairs(pair, tested.shapes, posed, true, {}, format)
+                   : all_pairs(pair, posed, tested.shapes, false, {}, format);
   } else {
-    if (swap) results = all_pairs(pair, swept.shapes, posed, true, {}, format);
-    if (!swap) results = all_pairs(pair, posed, swept.shapes, false, {}, format);
+    if (swap) results = all_pairs(pair, tested.shapes, posed, true, {}, format);
+    if (!swap) results = all_pairs(pair, posed, tested.shapes, false, {}, format);
   }
   std::vector<bool> bad;
   bad.reserve(posed.size());
@@ -117,7 +117,7 @@ void check_pass(Board& board, Pair pair, bool swap, const std::vector<P>& primar
     SCOPED_TRACE(fmt::format("{}{}, {} over {}", name(pair), swap ? " swapped" : "",
                              of_primaries.size(), of_secondaries.size()));
     compare(board.run({.mode = mode, .pair = pair, .swap = swap}),
-            expected(pair, results, swept.slots, bad, mode, false, format), mode);
+            expected(pair, results, tested.slots, bad, mode, false, format), mode);
   }
 }
 

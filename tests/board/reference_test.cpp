@@ -64,7 +64,7 @@ TEST(Reference, VectorCode_EqualsTheTemplate) {
       for (const Stencil& stencil : {Stencil(), some}) {
         for (const Algorithm algorithm : {Algorithm::kMoller, Algorithm::kWatertight}) {
           SCOPED_TRACE(fmt::format("{} {}", name_of(mode), name(algorithm)));
-          ASSERT_TRUE(reference::sweeps_fast(algorithm, {}));
+          ASSERT_TRUE(reference::has_fast_brute_force(algorithm, {}));
           expect_same(
               reference::cast(scene.rays, scene.triangles, mode, stencil, {}, false, {}, algorithm),
               slow(scene, mode, stencil, algorithm));
@@ -82,14 +82,14 @@ TEST(Reference, LastKeptPair_IsTheRecord) {
     SCOPED_TRACE(name_of(mode));
     const std::vector<Record> all = reference::cast(scene.rays, scene.triangles, mode, {});
     for (std::uint32_t i = 0; i < scene.rays.size(); ++i) {
-      const auto swept =
-          reference::sweep({.mode = mode}, Shapes(scene.rays), i, Shapes(scene.triangles));
+      const auto tested =
+          reference::brute_force({.mode = mode}, Shapes(scene.rays), i, Shapes(scene.triangles));
       std::vector<Record> own, kept;
       for (const Record& r : all)
         if (r.primary == i) own.push_back(r);
-      expect_same(swept.records, own);
-      ASSERT_EQ(swept.pairs.size(), scene.triangles.size());
-      for (const reference::SweptPair& p : swept.pairs) {
+      expect_same(tested.records, own);
+      ASSERT_EQ(tested.pairs.size(), scene.triangles.size());
+      for (const reference::BruteForcePair& p : tested.pairs) {
         EXPECT_EQ(p.candidate, p.record.f || mode == Mode::kAll);
         if (p.kept) kept.assign(1, p.record);
       }
@@ -100,11 +100,11 @@ TEST(Reference, LastKeptPair_IsTheRecord) {
   }
   // Pairs that do not count have no effect.
   const auto odd =
-      reference::sweep({.counts = [](std::uint32_t, std::uint32_t s) { return s % 2 == 1; }},
+      reference::brute_force({.counts = [](std::uint32_t, std::uint32_t s) { return s % 2 == 1; }},
                        Shapes(scene.rays), 0, Shapes(scene.triangles));
   ASSERT_EQ(odd.pairs.size(), 30u);
   for (std::size_t i = 0; i < odd.pairs.size(); ++i) EXPECT_EQ(odd.pairs[i].secondary, 2 * i + 1);
-  EXPECT_THROW((void)reference::sweep({}, Shapes(scene.rays), 20, Shapes(scene.triangles)), Error);
+  EXPECT_THROW((void)reference::brute_force({}, Shapes(scene.rays), 20, Shapes(scene.triangles)), Error);
 }
 
 struct Known {

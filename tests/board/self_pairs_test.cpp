@@ -120,7 +120,7 @@ TEST_P(SelfPairs, PairsOfAQueryWithItself_CountOnce) {
   // Primary number of each shape.
   std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> asks;
   for (const std::uint32_t p : active) asks[primary[p]] = p;
-  const std::set swept(secondary.begin(), secondary.end());
+  const std::set tested(secondary.begin(), secondary.end());
 
   const bool pairwise = mode == Mode::kAll || mode == Mode::kHits;
   std::vector<Record> expected;
@@ -132,7 +132,7 @@ TEST_P(SelfPairs, PairsOfAQueryWithItself_CountOnce) {
     if (pairwise) {
       // The same pair from the other side.
       const auto other = asks.find(b);
-      if (other != asks.end() && swept.contains(a) && other->second < r.primary) continue;
+      if (other != asks.end() && tested.contains(a) && other->second < r.primary) continue;
       if (mode == Mode::kAll || r.f) expected.push_back(r);
       continue;
     }

@@ -99,7 +99,7 @@ TEST(ObjectDriver, PrimariesOfBothPairs_Move) {
     board.set_objects(moving);
     board.set_primary_objects(posing);
     for (int frame = 0; frame < 3; ++frame) {
-      const auto swept = reference::swept(mesh, moving);
+      const auto tested = reference::pass_secondaries(mesh, moving);
       const auto of_rays = reference::posed(std::span<const Ray>(some), std::span(posing).first(1));
       Object shifted = posing[1];
       shifted.first -= 13;
@@ -109,11 +109,11 @@ TEST(ObjectDriver, PrimariesOfBothPairs_Move) {
       for (const Ray& p : of_rays) bad_rays.push_back(defect(p).has_value());
       for (const Sphere& p : of_balls) bad_balls.push_back(defect(p).has_value());
       auto wanted =
-          expected(Pair::kRayTriangle, all_pairs(Pair::kRayTriangle, of_rays, swept.shapes, false),
-                   swept.slots, bad_rays, Mode::kNearest, false);
+          expected(Pair::kRayTriangle, all_pairs(Pair::kRayTriangle, of_rays, tested.shapes, false),
+                   tested.slots, bad_rays, Mode::kNearest, false);
       for (Record r : expected(Pair::kTriangleSphere,
-                               all_pairs(Pair::kTriangleSphere, swept.shapes, of_balls, true),
-                               swept.slots, bad_balls, Mode::kNearest, false)) {
+                               all_pairs(Pair::kTriangleSphere, tested.shapes, of_balls, true),
+                               tested.slots, bad_balls, Mode::kNearest, false)) {
         r.primary += 13;
         wanted.push_back(r);
       }

@@ -95,11 +95,11 @@ TEST(ObjectCycles, ManyObjects_LoseNoCycle) {
     check_pass(board, Pair::kSphereSphere, false, few, many, {}, moving,
                {Mode::kAny, Mode::kNearest});
     (void)board.run(query, &c);
-    const std::uint64_t swept = moving.size() == 333 ? 999 : 1000;
-    EXPECT_EQ(c.secondaries, swept);
-    EXPECT_EQ(c.rows, swept);
+    const std::uint64_t tested = moving.size() == 333 ? 999 : 1000;
+    EXPECT_EQ(c.secondaries, tested);
+    EXPECT_EQ(c.rows, tested);
     EXPECT_EQ(c.bubbles, plain.bubbles);
-    EXPECT_EQ(c.cycles - swept, plain.cycles - 1000);
+    EXPECT_EQ(c.cycles - tested, plain.cycles - 1000);
   }
   EXPECT_LE(plain.bubbles, 20u) << "memory latency at the start of a pass";
 }

@@ -115,7 +115,7 @@ class DriverSoak {
   void flip(Kind kind) {
     if (flipped_ || (stage_ != Stage::kUploaded && stage_ != Stage::kLoaded)) return;
     if (kind == kTwoBits && query_.mode == Mode::kAny) return;  // may end before it reads the word
-    const std::uint32_t word = 9 * swept(random_) + random_.below(9), bit = random_.below(32);
+    const std::uint32_t word = 9 * tested_triangle(random_) + random_.below(9), bit = random_.below(32);
     flipped_ = kind;
     masks_ = {};
     if (kind == kCheckBit) {
@@ -130,7 +130,7 @@ class DriverSoak {
     word_ = word;
     apply_flip();
   }
-  std::uint32_t swept(Random& random) const {
+  std::uint32_t tested_triangle(Random& random) const {
     if (objects_.empty()) return random.below(static_cast<std::uint32_t>(scene_.triangles.size()));
     const Object& o = objects_[random.below(static_cast<std::uint32_t>(objects_.size()))];
     return o.first + random.below(o.count);

@@ -136,9 +136,9 @@ TEST_F(Advise, UnknownArea_IsNotAdvised) {
 
 /// The printed commands repeat the figures: with these families alone, and costs for this target.
 TEST_F(Advise, PrintedCommands_RepeatTheFigures) {
-  const Ran swept = cde({"accuracy", "--pair", "ray-sphere", "--formats", "bf16", "--families",
+  const Ran sweep = cde({"accuracy", "--pair", "ray-sphere", "--formats", "bf16", "--families",
                          "anywhere", "--cases", "300", "-q", "--json", "-o", "some.json"});
-  ASSERT_EQ(swept.status, 0) << swept.err;
+  ASSERT_EQ(sweep.status, 0) << sweep.err;
   const Ran ran =
       cde({"advise", "--from", "some.json", "--pair", "ray-sphere", "--target", "assumed:50MHz"});
   ASSERT_EQ(ran.status, 0) << ran.out;
@@ -150,11 +150,11 @@ TEST_F(Advise, PrintedCommands_RepeatTheFigures) {
 /// With several pairs, each command has the families of its own pair. Without judged cases, no
 /// result is called good.
 TEST_F(Advise, SeveralPairs_KeepTheirOwnFamilies) {
-  const Ran swept =
+  const Ran sweep =
       cde({"accuracy", "--pair", "sphere-sphere,ray-triangle", "--algorithms", "moller", "--box",
            "off", "--formats", "fp16", "--families", "near-contact,mesh-edges", "--cases", "40",
            "-q", "--json", "-o", "two.json"});
-  ASSERT_EQ(swept.status, 0) << swept.err;
+  ASSERT_EQ(sweep.status, 0) << sweep.err;
   const Ran solids = cde({"advise", "--from", "two.json", "--pair", "sphere-sphere", "--json"});
   const auto solid = json::parse(solids.out).at("advised").at(0);
   EXPECT_EQ(solid.at("command"),

@@ -41,7 +41,7 @@ TEST_F(CastBvh, WorthwhileCasts_UseTheBvh) {
   ASSERT_EQ(ran.status, 0) << ran.err;
   auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["through"], "bvh");
-  EXPECT_EQ(j["swept_rays"], 9);
+  EXPECT_EQ(j["brute_force_rays"], 9);
   EXPECT_EQ(j["records_matching"], 1024);
   EXPECT_GT(j["nodes"], 1024);
   EXPECT_LT(j["tests"], 1024 * 20);
@@ -50,11 +50,11 @@ TEST_F(CastBvh, WorthwhileCasts_UseTheBvh) {
   // Too few triangles, then too few rays.
   ran = cde({"cast", "terrain:40,40,3", "--grid", "8x8", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "brute_force");
   ran = cde({"cast", "terrain:20,20,3", "--grid", "64x64", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   j = nlohmann::json::parse(ran.out);
-  EXPECT_EQ(j["through"], "sweep");
+  EXPECT_EQ(j["through"], "brute_force");
   EXPECT_EQ(j["nodes"], 0);
   ran = cde(
       {"cast", "terrain:40,40,3", "--grid", "16x16", "--json", "--no-check", "--mode", "occluded"});
@@ -73,7 +73,7 @@ TEST_F(CastBvh, Watertight_EqualsReferenceAndBruteForce) {
     const auto j = nlohmann::json::parse(ran.out);
     EXPECT_EQ(j["through"], "bvh");
     EXPECT_EQ(j["algorithm"], "watertight");
-    EXPECT_EQ(j["swept_rays"], 40);
+    EXPECT_EQ(j["brute_force_rays"], 40);
     EXPECT_EQ(j["records_matching"], j["records_compared"]);
     EXPECT_EQ(j["records_compared"], j["records"]);
     EXPECT_GE(j["hits"], 1024);  // at least one hit per ray
@@ -101,7 +101,7 @@ TEST_F(CastBvh, TriangleWithoutBox_UsesBruteForce) {
   Ran ran = cde(words);
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.err, "every ray is tested with every triangle"));
-  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "brute_force");
   ran = cde({"cast", "far.obj", "--ray", "0.1,0.1,0,0,0,1", "--bvh"});
   EXPECT_NE(ran.status, 0);
   EXPECT_TRUE(has(ran.err, "far.obj: cannot build a BVH: "));
@@ -118,13 +118,13 @@ TEST_F(CastBvh, MissingBuilder_IsNoErrorOfTheBvh) {
 
 /// Shadow rays use the same method as the other rays, and the picture is the same.
 TEST_F(CastBvh, Shadows_UseTheBvh) {
-  for (const std::string way : {"bvh", "no-bvh"}) {
-    const Ran ran = cde({"render", "terrain:40,40,3", "--size", "64x48", "--shaded", way + ".png",
-                         "--shadows", "--" + way, "--json", "-q"});
+  for (const std::string method : {"bvh", "no-bvh"}) {
+    const Ran ran = cde({"render", "terrain:40,40,3", "--size", "64x48", "--shaded", method + ".png",
+                         "--shadows", "--" + method, "--json", "-q"});
     ASSERT_EQ(ran.status, 0) << ran.err;
     const auto j = nlohmann::json::parse(ran.out);
     EXPECT_EQ(j["records_matching"], j["records_compared"]);
-    if (way == "bvh") {
+    if (method == "bvh") {
       EXPECT_EQ(j["secondaries"], 0);
     }
   }
@@ -149,7 +149,7 @@ TEST_F(CastBvh, OverlappingTriangles_UseBruteForce) {
   write("heap.obj", text);
   const Ran ran = cde({"cast", "heap.obj", "--grid", "32x32", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "sweep");
+  EXPECT_EQ(nlohmann::json::parse(ran.out)["through"], "brute_force");
 }
 
 // ---- Scenes ----
@@ -208,15 +208,15 @@ class SceneBvh : public Cli {
 
 /// Transforms on the host and on the card give the bytes of brute force.
 TEST_F(SceneBvh, MovingObjects_GiveTheBytesOfBruteForce) {
-  std::string swept, through, posed;
-  const auto off = run("off", "bvh = \"off\"\nlanes = 16\nmover = \"card\"", swept);
+  std::string brute_force, through, posed;
+  const auto off = run("off", "bvh = \"off\"\nlanes = 16\nmover = \"card\"", brute_force);
   const auto on = run("on", "mover = \"card\"", through);
   const auto host = run("host", "mover = \"host\"", posed);
-  EXPECT_GT(swept.size(), 100'000u);
-  EXPECT_TRUE(swept == through);
-  EXPECT_TRUE(swept == posed);
+  EXPECT_GT(brute_force.size(), 100'000u);
+  EXPECT_TRUE(brute_force == through);
+  EXPECT_TRUE(brute_force == posed);
   EXPECT_EQ(on["plan"]["queries"][0]["through"], "bvh");
-  EXPECT_EQ(off["plan"]["queries"][0]["through"], "sweep");
+  EXPECT_EQ(off["plan"]["queries"][0]["through"], "brute_force");
   EXPECT_LT(on["totals"]["tests"].get<double>(), off["totals"]["tests"].get<double>() / 100);
 }
 
@@ -256,8 +256,8 @@ secondaries = ["ball", "ring"]
   const auto on = nlohmann::json::parse(read("on.run/run.json"))["played"];
   const auto off = nlohmann::json::parse(read("off.run/run.json"))["played"];
   for (const unsigned f : {0u, 1u, 2u, 3u}) {
-    EXPECT_EQ(on[f]["queries"][0]["swept_as"].is_null(), f < 2) << f;
-    EXPECT_TRUE(off[f]["queries"][0]["swept_as"].is_null());
+    EXPECT_EQ(on[f]["queries"][0]["brute_force_reason"].is_null(), f < 2) << f;
+    EXPECT_TRUE(off[f]["queries"][0]["brute_force_reason"].is_null());
   }
   EXPECT_EQ(read("on.run/hit.csv"), read("off.run/hit.csv"));
 }
@@ -332,7 +332,7 @@ mode = "hits"
     for (const auto& frame : j["played"]) {
       for (const auto& query : frame["queries"]) {
         EXPECT_EQ(query["counters"]["nodes"] > 0, name == "on");
-        EXPECT_EQ(query["swept_as"], nullptr);
+        EXPECT_EQ(query["brute_force_reason"], nullptr);
         EXPECT_GT(query["records_compared"], 0);
       }
     }

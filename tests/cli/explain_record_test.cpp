@@ -166,11 +166,11 @@ TEST_F(ExplainRecord, BvhQuery_IsExplainedByBruteForce) {
   const json plan = json::parse(cde({"plan", "bvh.toml", "--json"}).out);
   EXPECT_EQ(plan["queries"][0]["through"], "bvh");
   const json j = told("bvh.toml:q:0:0");
-  EXPECT_EQ(j["swept_instead"], true);
+  EXPECT_EQ(j["brute_force_instead"], true);
   EXPECT_EQ(j["pairs_tested"], 5);
   EXPECT_EQ(j["card_records_of_it"][0]["index"], 1);
   EXPECT_TRUE(has(text("bvh.toml:q:0:0"), "the packet is tested by brute force"));
-  EXPECT_EQ(told("nearest.toml:q:0:0")["swept_instead"], false);
+  EXPECT_EQ(told("nearest.toml:q:0:0")["brute_force_instead"], false);
 }
 
 TEST_F(ExplainRecord, RunFolder_NamesTheRun) {

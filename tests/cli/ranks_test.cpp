@@ -60,7 +60,7 @@ class Ranks : public Cli {
   static std::string counted(const Ran& ran) {
     const auto json = nlohmann::json::parse(ran.out);
     std::string text;
-    for (const char* key : {"through", "swept_rays", "nodes", "leaves", "deepest", "tests", "hits",
+    for (const char* key : {"through", "brute_force_rays", "nodes", "leaves", "deepest", "tests", "hits",
                             "records", "records_compared", "records_matching"})
       text += fmt::format("{} {}\n", key, json.at(key).dump());
     return text;
@@ -239,9 +239,9 @@ TEST_F(Ranks, ChunksWithABvh_AddUpToTheWhole) {
   constexpr unsigned kSide = 260;  // three chunks
   const Ran one = cde(through("one.csv", kSide));
   ASSERT_EQ(one.status, 0) << one.err;
-  ASSERT_TRUE(counted(one).starts_with("through \"bvh\"\nswept_rays 64\n")) << one.out;
-  ASSERT_EQ(cde(through("swept.csv", kSide, {"--no-bvh", "--no-check"})).status, 0);
-  EXPECT_TRUE(same("swept.csv", "one.csv"));
+  ASSERT_TRUE(counted(one).starts_with("through \"bvh\"\nbrute_force_rays 64\n")) << one.out;
+  ASSERT_EQ(cde(through("brute_force.csv", kSide, {"--no-bvh", "--no-check"})).status, 0);
+  EXPECT_TRUE(same("brute_force.csv", "one.csv"));
 
   const Ran whole = cde(through("whole.csv", kSide, {"--resume", "journal"}));
   ASSERT_EQ(whole.status, 0) << whole.err;
@@ -258,9 +258,9 @@ TEST_F(Ranks, ChunksWithABvh_AddUpToTheWhole) {
     EXPECT_EQ(counted(rest), counted(one)) << end;
   }
   refused(through("x.csv", kSide, {"--resume", "journal", "--no-bvh"}),
-          "journal belongs to a run with through \"bvh\"; this run has \"sweep\"");
+          "journal belongs to a run with through \"bvh\"; this run has \"brute_force\"");
   refused(through("x.csv", kSide, {"--resume", "journal", "--check=rays:9"}),
-          "journal belongs to a run with swept_rays 64; this run has 9");
+          "journal belongs to a run with brute_force_rays 64; this run has 9");
 
   for (const char* i : {"1", "2"}) {
     const Ran ran = cde(through("merged.csv", kSide,
@@ -461,7 +461,7 @@ TEST_F(MpiRanks, SeveralRanksWithABvh_GiveTheOutputOfOne) {
     };
     const Ran one = cde(of("one.csv"));
     ASSERT_EQ(one.status, 0) << one.err;
-    ASSERT_TRUE(counted(one).starts_with("through \"bvh\"\nswept_rays 50\n")) << one.out;
+    ASSERT_TRUE(counted(one).starts_with("through \"bvh\"\nbrute_force_rays 50\n")) << one.out;
     const Ran two = shell(run(2) + words(of("two.csv")));
     ASSERT_EQ(two.status, 0) << two.err;
     EXPECT_TRUE(same("two.csv", "one.csv")) << mode;

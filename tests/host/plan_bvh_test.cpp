@@ -164,14 +164,14 @@ TEST(PlanBvh, SolidPrimaries_UseABvh) {
       EXPECT_TRUE(both.queries[1].bvh);
       EXPECT_EQ(bvh(both).why.find("primaries of touch traverse"), 0u);
     }
-    const auto swept = [&](const std::string& card, const std::string& more, const char* why) {
+    const auto brute_force = [&](const std::string& card, const std::string& more, const char* why) {
       const Plan none = of(card + ground(60) + solids(shape, more));
       EXPECT_FALSE(bvh(none).used);
       EXPECT_TRUE(has(bvh(none).why, why));
     };
-    swept("", "mode = \"farthest\"\n", "farthest shape from a solid");
-    swept("[card]\nbox = false\n", "", "the box rule");
-    swept("[card]\nverdicts = \"fp16\"\n", "", "certified filter");
+    brute_force("", "mode = \"farthest\"\n", "farthest shape from a solid");
+    brute_force("[card]\nbox = false\n", "", "the box rule");
+    brute_force("[card]\nverdicts = \"fp16\"\n", "", "certified filter");
   }
 }
 

@@ -52,7 +52,7 @@ void expect_reference(Algorithm algorithm, std::size_t count) {
     Dice dice;
     Clocked<Module> module;
     module->valid_i = 0;
-    module->way_i = 0;
+    module->traversal_i = 0;
     module->rst_i = 1;
     for (unsigned clock = 0; clock < 100; ++clock) module.clock();
     module->rst_i = 0;

@@ -23,7 +23,7 @@ namespace {
 using bvh::Node;
 
 /// Timing of memory responses.
-enum class Way {
+enum class Timing {
   kSteady,  ///< one triangle per cycle, in order, 20 cycles later; a few requests wait
   kLate,    ///< ready at random, answers after any time, in any order
   kAtOnce,  ///< always ready, one leaf per cycle
@@ -33,8 +33,8 @@ template <class Module>
 class Bench {
  public:
   Bench(std::vector<Node> nodes, const std::vector<std::uint32_t>& order,
-        const Triangles& triangles, Way way, unsigned seed = 1)
-      : nodes(std::move(nodes)), order_(order), triangles_(triangles), way_(way), dice_(seed) {
+        const Triangles& triangles, Timing timing, unsigned seed = 1)
+      : nodes(std::move(nodes)), order_(order), triangles_(triangles), timing_(timing), dice_(seed) {
     module_->start_i = 0;
     reset();
   }
@@ -114,7 +114,7 @@ class Bench {
 
   bool ready() {
     if (asked_ >= held_from && clocks < held_to) return false;
-    if (way_ != Way::kLate) return way_ == Way::kAtOnce || free_ < clocks + 4;
+    if (timing_ != Timing::kLate) return timing_ == Timing::kAtOnce || free_ < clocks + 4;
     if (clocks < free_) return false;
     if (dice_.once_in(100)) free_ = clocks + 60 + dice_.below(200);
     return dice_.once_in(2);
@@ -122,8 +122,8 @@ class Bench {
   void ask(std::uint32_t slot, std::uint32_t tag) {
     ++asked_;
     unsigned due = clocks + 1;
-    if (way_ == Way::kLate) due += dice_.below(dice_.once_in(8) ? 200 : 40);
-    if (way_ == Way::kSteady) {
+    if (timing_ == Timing::kLate) due += dice_.below(dice_.once_in(8) ? 200 : 40);
+    if (timing_ == Timing::kSteady) {
       free_ = std::max(free_, clocks) + 1 + (tag & 1);
       due = free_ + 20;
     }
@@ -132,7 +132,7 @@ class Bench {
   void answer() {
     const auto it = std::find_if(waiting_.begin(), waiting_.end(),
                                  [&](const Asked& a) { return a.due <= clocks; });
-    const bool valid = it != waiting_.end() && (way_ != Way::kLate || !dice_.once_in(4));
+    const bool valid = it != waiting_.end() && (timing_ != Timing::kLate || !dice_.once_in(4));
     module_->fetched_valid_i = valid;
     for (unsigned w = 0; w < 18; ++w) module_->fetched_i[w] = noise();
     module_->fetched_tag_i = static_cast<CData>(noise() & 0x7f);
@@ -148,7 +148,7 @@ class Bench {
 
   const std::vector<std::uint32_t>& order_;
   const Triangles& triangles_;
-  Way way_;
+  Timing timing_;
   RefitDice dice_;
   Clocked<Module> module_;
   std::deque<Asked> waiting_;
@@ -169,8 +169,8 @@ template <class Module>
 void expect_reference(const std::vector<Node>& nodes, const std::vector<std::uint32_t>& order,
                       const Triangles& triangles, unsigned seed = 1) {
   const auto should = reference::refit(nodes, order, triangles);
-  for (const Way way : {Way::kSteady, Way::kLate, Way::kAtOnce}) {
-    Bench<Module> bench(nodes, order, triangles, way, seed);
+  for (const Timing timing : {Timing::kSteady, Timing::kLate, Timing::kAtOnce}) {
+    Bench<Module> bench(nodes, order, triangles, timing, seed);
     for (int times = 0; times < 2; ++times) {  // the second run starts from the result of the first
       ASSERT_TRUE(bench.run()) << "the refit did not end";
       ASSERT_EQ(bench.bad(), should.bad.has_value());
@@ -246,8 +246,8 @@ TEST(RefitModule, PartialRefit_LeavesEarlierNodes) {
     const BuiltBvh bvh = built(scene.make(300, dice), 2);
     const Triangles moved = scene.make(300, dice);
     const auto all = reference::refit(bvh.nodes, bvh.order, moved);
-    for (const Way way : {Way::kSteady, Way::kLate, Way::kAtOnce}) {
-      Bench<Refit> bench(bvh.nodes, bvh.order, moved, way);
+    for (const Timing timing : {Timing::kSteady, Timing::kLate, Timing::kAtOnce}) {
+      Bench<Refit> bench(bvh.nodes, bvh.order, moved, timing);
       for (int times = 0; times < 5; ++times) {
         const auto first = dice.below(static_cast<unsigned>(bvh.nodes.size()));
         bench.nodes = bvh.nodes;
@@ -268,7 +268,7 @@ TEST(RefitModule, EmptyBvh_EqualsTheReference) {
   expect_reference<Refit>(std::vector<Node>(1), {}, {});
   const std::vector<std::uint32_t> order;
   const Triangles triangles;
-  Bench<Refit> none({}, order, triangles, Way::kSteady);  // without a root
+  Bench<Refit> none({}, order, triangles, Timing::kSteady);  // without a root
   ASSERT_TRUE(none.run());
   EXPECT_FALSE(none.bad());
   EXPECT_EQ(none.writes, 0u);
@@ -294,7 +294,7 @@ TEST(RefitModule, TriangleWithoutABox_EndsTheRefit) {
   const BuiltBvh bvh = built(good, 2);
   Triangles some = good;
   some[77].v2.x() = INFINITY;
-  Bench<Refit> bench(bvh.nodes, bvh.order, some, Way::kLate);
+  Bench<Refit> bench(bvh.nodes, bvh.order, some, Timing::kLate);
   ASSERT_TRUE(bench.run());
   EXPECT_TRUE(bench.bad());
   some[77] = good[77];
@@ -317,7 +317,7 @@ TEST(RefitModule, EarlyEnd_LeavesNoRequest) {
   triangles[7].v0.x() = INFINITY;
   std::vector<std::uint32_t> order(15);
   std::iota(order.begin(), order.end(), 0u);
-  Bench<Refit> bench(nodes, order, triangles, Way::kSteady);
+  Bench<Refit> bench(nodes, order, triangles, Timing::kSteady);
   bench.held_from = 8;
   for (bench.held_to = 0; bench.held_to < 120; ++bench.held_to) {
     ASSERT_TRUE(bench.run()) << bench.held_to;
@@ -331,8 +331,8 @@ TEST(RefitModule, Reset_ClearsAllState) {
   const Triangles triangles = kRefitScenes[1].make(200, dice);
   const BuiltBvh bvh = built(triangles, 2);
   const auto should = reference::refit(bvh.nodes, bvh.order, triangles);
-  for (const Way way : {Way::kSteady, Way::kLate, Way::kAtOnce}) {
-    Bench<Refit> bench(bvh.nodes, bvh.order, triangles, way);
+  for (const Timing timing : {Timing::kSteady, Timing::kLate, Timing::kAtOnce}) {
+    Bench<Refit> bench(bvh.nodes, bvh.order, triangles, timing);
     for (unsigned at = 1; at < 300; ++at) {
       bench.start();
       for (unsigned c = 0; c < at; ++c) (void)bench.step();
@@ -395,15 +395,15 @@ TEST(RefitModule, Terrain_TakesTheDocumentedCycles) {
   for (Triangle& t : triangles)
     for (Eigen::Vector3f* v : {&t.v0, &t.v1, &t.v2}) v->z() += 5 * std::sin(v->x() * 0.01f);
   const auto should = reference::refit(bvh.nodes, bvh.order, triangles);
-  for (const Way way : {Way::kSteady, Way::kAtOnce}) {
-    Bench<Refit> bench(bvh.nodes, bvh.order, triangles, way);
+  for (const Timing timing : {Timing::kSteady, Timing::kAtOnce}) {
+    Bench<Refit> bench(bvh.nodes, bvh.order, triangles, timing);
     ASSERT_TRUE(bench.run());
     expect_same(bench.nodes, should);
     EXPECT_EQ(bench.writes, bvh.nodes.size());
     EXPECT_LT(bench.clocks, 450'000u);
     std::printf("%zu triangles, %zu nodes, memory %s: %u clocks, %.3f a triangle\n",
                 triangles.size(), bvh.nodes.size(),
-                way == Way::kSteady ? "of a triangle a clock" : "that is always there",
+                timing == Timing::kSteady ? "of a triangle a clock" : "that is always there",
                 bench.clocks, bench.clocks / static_cast<double>(triangles.size()));
   }
 }

@@ -71,7 +71,7 @@ class Bench {
     std::vector<Record> records(rays.size());
     std::size_t sent = 0, got = 0;
     module_->goal_i = static_cast<CData>(goal);
-    module_->way_i = std::is_same_v<P, Ray> ? 0 : 11;  // ray-triangle, triangle-sphere swapped
+    module_->traversal_i = std::is_same_v<P, Ray> ? 0 : 11;  // ray-triangle, triangle-sphere swapped
     module_->ahead_i = ahead;
     for (clocks = 0; got < rays.size(); ++clocks) {
       if (clocks > 1000 * rays.size() + 1'000'000) {
@@ -364,11 +364,11 @@ void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
   for (const bool patient : {true, false}) {
     for (const Goal& goal : {kGoals[0], kGoals[2]}) {
       Bench<Module> bench(triangles, bvh);
-      reference::Traversal walk(triangles, bvh);
+      reference::Traversal traversal(triangles, bvh);
       const std::vector<Record> records = bench.cast(solids, goal.number, patient);
       std::size_t touching = 0;
       for (std::size_t i = 0; i < count; ++i) {
-        const Record should = walk.trace(solids[i], ~0u, goal.mode)[0];
+        const Record should = traversal.trace(solids[i], ~0u, goal.mode)[0];
         touching += should.f;
         ASSERT_EQ(records[i].f, should.f) << name_of(goal.mode) << ' ' << hard::text(solids[i]);
         if (should.index == ~0u) continue;
@@ -378,8 +378,8 @@ void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
       }
       EXPECT_GT(touching, count / 10);
       EXPECT_LT(touching, count);
-      EXPECT_EQ(bench.nodes(), walk.counts().nodes) << name_of(goal.mode);
-      EXPECT_EQ(bench.secondaries(), walk.counts().secondaries) << name_of(goal.mode);
+      EXPECT_EQ(bench.nodes(), traversal.counts().nodes) << name_of(goal.mode);
+      EXPECT_EQ(bench.secondaries(), traversal.counts().secondaries) << name_of(goal.mode);
       if (patient)
         std::printf("%s: %.2f clocks, %.2f nodes, %.2f triangles a solid\n", name_of(goal.mode),
                     bench.clocks / static_cast<double>(count),
@@ -387,16 +387,16 @@ void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
                     static_cast<double>(bench.secondaries()) / static_cast<double>(count));
     }
     Bench<Module> bench(triangles, bvh);
-    reference::Traversal walk(triangles, bvh);
+    reference::Traversal traversal(triangles, bvh);
     const std::vector<Record> records = bench.cast(solids, kOccluded, patient);
     for (std::size_t i = 0; i < count; ++i)
-      ASSERT_EQ(records[i].f, walk.occluded(solids[i])) << hard::text(solids[i]);
-    EXPECT_EQ(bench.nodes(), walk.counts().nodes);
+      ASSERT_EQ(records[i].f, traversal.occluded(solids[i])) << hard::text(solids[i]);
+    EXPECT_EQ(bench.nodes(), traversal.counts().nodes);
     Bench<Module> all(triangles, bvh);
     (void)all.cast(solids, kHits, patient);
     std::vector<Record> hits;
     for (std::uint32_t i = 0; i < count; ++i)
-      for (const Record& hit : walk.trace(solids[i], i, Mode::kHits)) hits.push_back(hit);
+      for (const Record& hit : traversal.trace(solids[i], i, Mode::kHits)) hits.push_back(hit);
     EXPECT_TRUE(std::ranges::equal(by_primary_and_index(all.hits), hits, same_bits));
     EXPECT_GT(hits.size(), count / 5);
   }
@@ -415,14 +415,14 @@ template <class Module, class P>
 void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& primaries,
                   bool patient, bool ahead, unsigned& clocks) {
   const Bvh bvh = Bvh::build(triangles, {.leaf = 2});
-  reference::Traversal walk(triangles, bvh);
+  reference::Traversal traversal(triangles, bvh);
   clocks = 0;
   for (unsigned goal = 0; goal <= kHits; ++goal) {
     if (goal == 1 && !std::is_same_v<P, Ray>) continue;  // no solid is farthest
     SCOPED_TRACE(goal);
     Bench<Module> bench(triangles, bvh);
     bench.ahead = ahead;
-    const auto before = walk.counts();
+    const auto before = traversal.counts();
     for (std::size_t first = 0, count = 1; first < primaries.size();
          first += count, count = count % 16 + 1) {
       count = std::min(count, primaries.size() - first);
@@ -434,11 +434,11 @@ void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& 
       std::vector<Record> hits;
       for (std::uint32_t i = 0; i < count; ++i) {
         if (goal == kOccluded) {
-          ASSERT_EQ(records[i].f, walk.occluded(some[i])) << first + i;
+          ASSERT_EQ(records[i].f, traversal.occluded(some[i])) << first + i;
         } else if (goal == kHits) {
-          for (const Record& hit : walk.trace(some[i], i, Mode::kHits)) hits.push_back(hit);
+          for (const Record& hit : traversal.trace(some[i], i, Mode::kHits)) hits.push_back(hit);
         } else {
-          const Record should = walk.trace(some[i], ~0u, kGoals[goal].mode)[0];
+          const Record should = traversal.trace(some[i], ~0u, kGoals[goal].mode)[0];
           ASSERT_EQ(records[i].f, should.f) << first + i;
           if (should.index == ~0u) continue;
           ASSERT_TRUE(same_bits(records[i], should)) << first + i;
@@ -446,8 +446,8 @@ void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& 
       }
       ASSERT_TRUE(std::ranges::equal(by_primary_and_index(bench.hits), hits, same_bits)) << first;
     }
-    const std::uint64_t nodes = walk.counts().nodes - before.nodes,
-                        secondaries = walk.counts().secondaries - before.secondaries;
+    const std::uint64_t nodes = traversal.counts().nodes - before.nodes,
+                        secondaries = traversal.counts().secondaries - before.secondaries;
     if (!ahead || goal == 2 || goal == kHits) {  // these goals read every node that is hit
       EXPECT_EQ(bench.nodes(), nodes);
       EXPECT_EQ(bench.secondaries(), secondaries);

@@ -17,7 +17,7 @@
 #include "cde/support/error.hpp"
 #include "hard_solids.hpp"
 #include "hard_spheres.hpp"
-#include "through_and_swept.hpp"
+#include "traversal_and_brute_force.hpp"
 
 namespace cde::testing {
 namespace {
@@ -132,15 +132,15 @@ TEST(BvhForSolids, FarSphere_ReadsFewNodes) {
   const TriangleScene scene = triangles_of(make_terrain({.quads_x = 200, .quads_y = 200}));
   const Bvh bvh = Bvh::build(scene);
   for (const float quads : {1.0f, 4.0f, 16.0f, 64.0f}) {
-    reference::Traversal walk(scene, bvh);
+    reference::Traversal traversal(scene, bvh);
     Draw draw(4);
     for (std::uint32_t i = 0; i < 50; ++i) {
       const Triangle& under = scene[draw.below(scene.size())];
-      (void)walk.trace(Sphere{under.v0 + 10 * quads * Vector3f::UnitZ(), 5}, i, Mode::kNearest);
+      (void)traversal.trace(Sphere{under.v0 + 10 * quads * Vector3f::UnitZ(), 5}, i, Mode::kNearest);
     }
-    const double each = static_cast<double>(walk.counts().secondaries) / 50;
+    const double each = static_cast<double>(traversal.counts().secondaries) / 50;
     fmt::print("a sphere {:g} quads above: {:.1f} nodes, {:.1f} triangles\n", quads,
-               static_cast<double>(walk.counts().nodes) / 50, each);
+               static_cast<double>(traversal.counts().nodes) / 50, each);
     EXPECT_LT(each, 100)
         << "with the largest distance along one axis it would be a tenth of the terrain";
   }
@@ -149,10 +149,10 @@ TEST(BvhForSolids, FarSphere_ReadsFewNodes) {
 TEST(BvhForSolids, FarthestMode_IsRefused) {
   const TriangleScene scene = flat();
   const Bvh bvh = Bvh::build(scene);
-  reference::Traversal walk(scene, bvh);
-  EXPECT_THROW((void)walk.trace(Sphere{{0, 0, 0}, 1}, 0, Mode::kFarthest), Error);
-  EXPECT_THROW((void)walk.trace(Sphere{{0, 0, 0}, 1}, 0, Mode::kAll), Error);
-  const auto bad = walk.trace(Sphere{{0, 0, 0}, -1}, 0, Mode::kNearest);
+  reference::Traversal traversal(scene, bvh);
+  EXPECT_THROW((void)traversal.trace(Sphere{{0, 0, 0}, 1}, 0, Mode::kFarthest), Error);
+  EXPECT_THROW((void)traversal.trace(Sphere{{0, 0, 0}, 1}, 0, Mode::kAll), Error);
+  const auto bad = traversal.trace(Sphere{{0, 0, 0}, -1}, 0, Mode::kNearest);
   ASSERT_EQ(bad.size(), 1u);
   EXPECT_TRUE(bad[0].bad);
 }

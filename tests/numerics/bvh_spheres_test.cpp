@@ -10,7 +10,7 @@
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 #include "hard_spheres.hpp"
-#include "through_and_swept.hpp"
+#include "traversal_and_brute_force.hpp"
 
 namespace cde::testing {
 namespace {
@@ -91,22 +91,22 @@ TEST(BvhOverSpheres, Refit_KeepsRecordsEqualToBruteForce) {
   CloudSpheres draws(cloud, kSeed);
   std::vector<Sphere> spheres;
   for (unsigned i = 0; i < 500; ++i) spheres.push_back(draws(i % CloudSpheres::kKinds));
-  const std::vector<Record> all = swept(cloud, spheres, Mode::kNearest);
-  reference::Traversal walk(cloud, bvh);
+  const std::vector<Record> all = brute_force(cloud, spheres, Mode::kNearest);
+  reference::Traversal traversal(cloud, bvh);
   for (std::uint32_t i = 0; i < spheres.size(); ++i)
-    ASSERT_TRUE(same_bits(walk.trace(spheres[i], i, Mode::kNearest)[0], all[i]))
+    ASSERT_TRUE(same_bits(traversal.trace(spheres[i], i, Mode::kNearest)[0], all[i]))
         << text(spheres[i]);
-  EXPECT_LT(walk.counts().secondaries, spheres.size() * cloud.size() / 4);
+  EXPECT_LT(traversal.counts().secondaries, spheres.size() * cloud.size() / 4);
 }
 
 TEST(BvhOverSpheres, InvalidUse_IsRefused) {
   const Cloud cloud = {{{0, 0, 0}, 1}, {{3, 0, 0}, 1}};
   const Bvh bvh = Bvh::build(cloud);
   EXPECT_THROW(reference::Traversal(std::span(cloud).first(1), bvh), Error);
-  reference::Traversal walk(cloud, bvh);
-  EXPECT_THROW((void)walk.trace(cloud[0], 0, Mode::kFarthest), Error);
+  reference::Traversal traversal(cloud, bvh);
+  EXPECT_THROW((void)traversal.trace(cloud[0], 0, Mode::kFarthest), Error);
   const Aabb box{{0, 0, 0}, {1, 1, 1}};
-  EXPECT_THROW((void)walk.trace(box, 0, Mode::kNearest), Error);
+  EXPECT_THROW((void)traversal.trace(box, 0, Mode::kNearest), Error);
   EXPECT_THROW((void)Bvh::build(Cloud{{{0x1p40f, 0, 0}, 1}}), Error) << "coordinate of 2^40";
   EXPECT_THROW((void)Bvh::build(Cloud{{{0, NAN, 0}, 1}}), Error);
   for (const float r : {0.0f, -1.0f, 0x1p-35f, NAN})

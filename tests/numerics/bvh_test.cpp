@@ -42,7 +42,7 @@ class BvhEveryRecord : public ::testing::TestWithParam<std::tuple<Case, Algorith
                                                   : by_moller / 20;
   }
   /// Brute-force records, mode by mode.
-  [[nodiscard]] std::vector<Record> swept(const TriangleScene& scene, const std::vector<Ray>& rays,
+  [[nodiscard]] std::vector<Record> brute_force(const TriangleScene& scene, const std::vector<Ray>& rays,
                                           Mode mode) const {
     std::vector<Record> all = reference::cast(rays, scene, mode, {}, {}, true, {}, algorithm_);
     std::stable_sort(all.begin(), all.end(), [](const Record& a, const Record& b) {
@@ -83,7 +83,7 @@ TEST_P(BvhEveryRecord, HardRays_EqualBruteForce) {
     rays.push_back(draw(static_cast<unsigned>(i % Rays::kKinds)));
   std::map<Mode, std::vector<Record>> should;
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits})
-    should[mode] = swept(scene, rays, mode);
+    should[mode] = brute_force(scene, rays, mode);
   for (const unsigned leaf : {1u, 2u}) {
     const Bvh bvh = Bvh::build(scene, {.leaf = leaf});
     reference::Traversal traversal(scene, bvh, algorithm_);
@@ -128,8 +128,8 @@ TEST_P(BvhEveryRecord, CardRefit_EqualsBruteForce) {
     Draw draw(7);
     for (Triangle& t : scene) {
       const Vector3f size = (t.v1 - t.v0).cwiseAbs() + (t.v2 - t.v0).cwiseAbs();
-      const Vector3f way = 3 * size.cwiseProduct(draw.point());
-      for (Vector3f* v : {&t.v0, &t.v1, &t.v2}) *v += way;
+      const Vector3f shift = 3 * size.cwiseProduct(draw.point());
+      for (Vector3f* v : {&t.v0, &t.v1, &t.v2}) *v += shift;
     }
     const auto refitted = reference::refit(built.nodes(), built.order(), scene);
     ASSERT_FALSE(refitted.bad);
@@ -142,7 +142,7 @@ TEST_P(BvhEveryRecord, CardRefit_EqualsBruteForce) {
       rays.push_back(make(static_cast<unsigned>(i % Rays::kKinds)));
     std::size_t hits = 0, different = 0;
     for (const Mode mode : kBest) {
-      const std::vector<Record> all = swept(scene, rays, mode);
+      const std::vector<Record> all = brute_force(scene, rays, mode);
       for (std::size_t i = 0; i < count; ++i) {
         const Record own = traversal.trace(rays[i], static_cast<std::uint32_t>(i), mode)[0];
         hits += own.f ? 1 : 0;
@@ -152,7 +152,7 @@ TEST_P(BvhEveryRecord, CardRefit_EqualsBruteForce) {
         }
       }
     }
-    expect_hits(traversal, swept(scene, rays, Mode::kHits), rays);
+    expect_hits(traversal, brute_force(scene, rays, Mode::kHits), rays);
     EXPECT_EQ(different, 0u) << "leaves of " << leaf;
     EXPECT_GT(hits, count / 20);
   }
@@ -178,10 +178,10 @@ TEST(BoxRule, OverflowingMargin_DropsTheHit) {
 double nodes_a_ray(const TriangleScene& scene, const Bvh& bvh) {
   constexpr unsigned kRays = 2000;
   Draw draw(3);
-  reference::Traversal walk(scene, bvh);
+  reference::Traversal traversal(scene, bvh);
   for (unsigned i = 0; i < kRays; ++i)
-    (void)walk.trace({0.5f * draw.point(), draw.point()}, i, Mode::kNearest);
-  return static_cast<double>(walk.counts().nodes) / kRays;
+    (void)traversal.trace({0.5f * draw.point(), draw.point()}, i, Mode::kNearest);
+  return static_cast<double>(traversal.counts().nodes) / kRays;
 }
 
 /// For few objects that moved among each other, the old BVH over them is as good as a new one.
@@ -232,7 +232,7 @@ TEST(Watertight, RaysInAClosedMesh_DoNotLeak) {
     std::vector<Ray> rays;
     for (std::size_t i = 0; i < count; ++i)
       rays.push_back(from_inside(scene, place.at, place.size, draw));
-    const std::vector<Record> swept =
+    const std::vector<Record> brute_force =
         reference::cast(RayView(rays).subview(0, count / 8), scene, Mode::kNearest, {}, {}, true,
                         {}, Algorithm::kWatertight);
     std::size_t leaks = 0, different = 0;
@@ -242,7 +242,7 @@ TEST(Watertight, RaysInAClosedMesh_DoNotLeak) {
       const bool whole = nearest.f && tight.trace(rays[i], number, Mode::kFarthest)[0].f &&
                          tight.trace(rays[i], number, Mode::kAny)[0].f && tight.occluded(rays[i]);
       if (!whole && leaks++ < 3) ADD_FAILURE() << "ray " << i << ": " << text(rays[i]);
-      if (i < swept.size() && !same_bits(nearest, swept[i])) ++different;
+      if (i < brute_force.size() && !same_bits(nearest, brute_force[i])) ++different;
       moller_leaks += moller.occluded(rays[i]) ? 0 : 1;
     }
     EXPECT_EQ(leaks, 0u) << "size " << place.size;

@@ -16,9 +16,9 @@ constexpr std::uint64_t kSeed = 77;
 
 /// The correct answer of two spheres, in binary64.
 Result of_spheres(const Sphere& a, const Sphere& b) {
-  const Vec way = b.c - a.c;
-  const double apart = way.norm();
-  const Vec n = apart > 0 ? Vec(way / apart) : Vec::UnitZ();
+  const Vec offset = b.c - a.c;
+  const double apart = offset.norm();
+  const Vec n = apart > 0 ? Vec(offset / apart) : Vec::UnitZ();
   const double s = apart - a.r - b.r;
   return {s <= 0, std::abs(s), ((a.c + a.r * n) + (b.c - b.r * n)) / 2, n};
 }

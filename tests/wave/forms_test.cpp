@@ -22,7 +22,7 @@ class ValueFormats : public Cli {
     const fstHandle count = w.signal("count", 8), t0 = w.signal("t[0]", 32),
                     t1 = w.signal("t[1]", 32), small = w.signal("t[2]", 16),
                     wide = w.signal("wide", 64), wider = w.signal("inner_wide", 96);
-    w.names({{"IDLE", "0"}, {"SWEEP", "011"}, {"DONE", "100"}});
+    w.names({{"IDLE", "0"}, {"DRAIN", "011"}, {"DONE", "100"}});
     const fstHandle state = w.signal("state", 3), other = w.signal("other", 3);
     w.up();
     w.time(0);
@@ -55,7 +55,7 @@ class ValueFormats : public Cli {
 
 TEST_F(ValueFormats, FormatsInTheFile_AreUsed) {
   EXPECT_EQ(at("0", {"*"}), nlohmann::json({"200", "1.5", "true", "ffff", "{1 -2}",
-                                            "000000000000000000000000", "SWEEP", "3"}));
+                                            "000000000000000000000000", "DRAIN", "3"}));
 }
 
 TEST_F(ValueFormats, ValueWithoutAName_IsHexadecimal) {
@@ -65,7 +65,7 @@ TEST_F(ValueFormats, ValueWithoutAName_IsHexadecimal) {
 
 TEST_F(ValueFormats, RequestedFormat_TakesPrecedence) {
   EXPECT_EQ(at("0", {"state:bin", "count:hex", "t[0]:hex", "state:auto"}),
-            nlohmann::json({"011", "c8", "3fc00000", "SWEEP"}));
+            nlohmann::json({"011", "c8", "3fc00000", "DRAIN"}));
   EXPECT_EQ(at("0", {"count", "t[1]", "state", "--as", "hex"}),
             nlohmann::json({"c8", "ffffffff", "3"}));
   EXPECT_EQ(at("0", {"t[1]:fp32"})[0], "nan");
@@ -79,10 +79,10 @@ TEST_F(ValueFormats, Expressions_CompareBits) {
 
 TEST_F(ValueFormats, PicturesAndPages_UseTheFilesFormats) {
   const Ran show = cde({"wave", "show", "f.fst", "state", "t[0]", "--columns", "90"});
-  EXPECT_TRUE(has(show.out, "SWEEP")) << show.err;
+  EXPECT_TRUE(has(show.out, "DRAIN")) << show.err;
   EXPECT_TRUE(has(show.out, "1.5"));
   EXPECT_EQ(cde({"wave", "serve", "f.fst", "--output", "f.html"}).status, 0);
-  EXPECT_TRUE(has(read("f.html"), R"("names":{"0":"IDLE","100":"DONE","11":"SWEEP"})"));
+  EXPECT_TRUE(has(read("f.html"), R"("names":{"0":"IDLE","100":"DONE","11":"DRAIN"})"));
   const Ran diff = cde({"wave", "diff", "f.fst", "f.fst", "--ulp", "1"});
   EXPECT_EQ(diff.status, 0) << diff.err;
 }

@@ -111,11 +111,11 @@ TEST_F(TuiTerminal, Resize_RedrawsTheScreen) {
 /// The terminal is restored after signals to the command or its child, after a crash, and after
 /// SIGKILL.
 TEST_F(TuiTerminal, AnyEnd_LeavesAWorkingTerminal) {
-  const std::vector<std::tuple<std::string, bool, std::string>> ways = {
+  const std::vector<std::tuple<std::string, bool, std::string>> ends = {
       {"TERM", false, "status 143"}, {"INT", false, "status 130"}, {"HUP", false, "status 129"},
       {"TERM", true, "status 143"},  {"KILL", true, "status 137"}, {"SEGV", true, "status 2"},
   };
-  for (const auto& [signal, child, status] : ways) {
+  for (const auto& [signal, child, status] : ends) {
     SCOPED_TRACE(signal + (child ? " to the child" : ""));
     open("a.fst");
     wait_for("A 75ns cyc:7");

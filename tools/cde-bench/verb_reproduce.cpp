@@ -47,7 +47,7 @@ void run(const Arguments& a) {
   for (const WithBvh& row : r.bvh) {
     show_bvh(row.figures);
     show("  brute force with {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
-         counted(a.options.lanes, "lane"), duration(row.sweep.seconds));
+         counted(a.options.lanes, "lane"), duration(row.brute_force.seconds));
   }
   if (!a.quiet)
     say("check: {} of {} compared with the reference, 0 differ\npage: {}\n", r.records_compared,

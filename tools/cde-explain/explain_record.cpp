@@ -149,7 +149,7 @@ class Text {
       put("No record differs if only frame {} is played, so frames {} to {} were played before "
           "it.\n",
           s_.frame, s_.first_frame, s_.frame - 1);
-    if (s_.swept_instead)
+    if (s_.brute_force_instead)
       put("In the run, primaries traverse a BVH. Here the packet is tested by brute force, with "
           "the same records. If they differ only in the run, the traversal is wrong; cde run "
           "--trace writes waves of it.\n");
@@ -161,7 +161,7 @@ class Text {
         : s_.of_pairs() ? "s are not the reference's"
                         : " is not the reference's");
     list();
-    sweep();
+    brute_force();
     return std::move(all_);
   }
 
@@ -244,14 +244,14 @@ class Text {
       put("{:<9}  secondary {} wins, T {}\n", side, all[0].index, number(s_, all[0].t));
   }
 
-  void sweep() {
+  void brute_force() {
     put("\n");
     if (!s_.of_pairs()) {
       side_wins("card", s_.card);
       side_wins("reference", s_.reference);
     }
     const bool one = s_.candidates == 1;
-    put("Brute force in the reference: {} of {} {}.", s_.candidates, counted(s_.swept, "pair"),
+    put("Brute force in the reference: {} of {} {}.", s_.candidates, counted(s_.pairs_in_reference, "pair"),
         s_.of_pairs() ? one ? "has a record" : "have a record"
         : one         ? "is a candidate"
                       : "are candidates");
@@ -323,11 +323,11 @@ Json json_of(const RecordStory& s, const RecordRequest& r, const std::optional<T
             {"first_frame", s.first_frame},
             {"same", s.same()},
             {"chosen_by_host", s.chosen_by_host},
-            {"swept_instead", s.swept_instead},
+            {"brute_force_instead", s.brute_force_instead},
             {"card_records_of_it", Json::array()},
             {"reference_records_of_it", Json::array()},
             {"pairs_tested", s.arrived.size()},
-            {"pairs_swept", s.swept},
+            {"pairs_in_reference", s.pairs_in_reference},
             {"candidates", Json::array()}});
   for (const Record& record : s.card) j["card_records_of_it"].push_back(record_json(record));
   for (const Record& record : s.reference)

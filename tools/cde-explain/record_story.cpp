@@ -75,8 +75,8 @@ class Teller {
     s_.scene.card.trace = true;
     find_record();
     plan_ = plan(s_.scene);
-    s_.swept_instead = plan_.queries.at(s_.query).bvh;
-    if (s_.swept_instead) {
+    s_.brute_force_instead = plan_.queries.at(s_.query).bvh;
+    if (s_.brute_force_instead) {
       s_.scene.card.bvh = UseBvh::kOff;
       plan_ = plan(s_.scene);
     }
@@ -162,13 +162,13 @@ class Teller {
                                         .budget = q.budget,
                                         .format = s_.board.format,
                                         .counts = made.counts};
-    auto swept = reference::sweep(asked, made.primaries, s_.primary, made.secondaries);
-    s_.reference = std::move(swept.records);
-    s_.swept = swept.pairs.size();
+    auto tested = reference::brute_force(asked, made.primaries, s_.primary, made.secondaries);
+    s_.reference = std::move(tested.records);
+    s_.pairs_in_reference = tested.pairs.size();
     s_.candidates = 0;
     by_secondary_.clear();
     order_.clear();
-    for (const reference::SweptPair& p : swept.pairs) {
+    for (const reference::BruteForcePair& p : tested.pairs) {
       const Record& r = p.record;
       const bool gap = !s_.of_pairs() && is_solid(q.pair) && r.f;
       by_secondary_[p.secondary] = {

@@ -54,8 +54,8 @@ struct RecordStory {
   std::vector<StoryPair> arrived;           ///< pairs, in order of arrival
   std::vector<StoryPair> missing;           ///< candidates that the card did not test
   std::uint64_t passes = 0;                 ///< of the packet
-  std::uint64_t swept = 0, candidates = 0;  ///< pairs of the primary in the reference
-  bool swept_instead =
+  std::uint64_t pairs_in_reference = 0, candidates = 0;  ///< pairs of the primary in the reference
+  bool brute_force_instead =
       false;  ///< brute force replaced the run's BVH traversal, which shows no pairs
   bool chosen_by_host = false;  ///< the host chose among records, because some pairs do not count
   std::vector<float> words;     ///< words of the primary

@@ -4,9 +4,9 @@ from canvas import Canvas
 
 LEFT, CELL, HIGH = 146, 17, 24
 LOAD, CLEAR, BUBBLES, ROWS, SECONDARIES, LATENCY, WRITE = 5, 4, 4, 2, 4, 10, 6
-SWEEP = ROWS * SECONDARIES
+TESTS = ROWS * SECONDARIES
 START = LOAD + CLEAR + BUBBLES  # first cycle in which a row enters
-END = START + SWEEP + LATENCY + 1  # first cycle of the write-back
+END = START + TESTS + LATENCY + 1  # first cycle of the write-back
 
 
 def at(cycle):
@@ -30,7 +30,7 @@ def tracks(c, y, step):
     c.text(at(4) - 2, y - 5, "counts, mode, go", "middle", 12, "tu")
     y += step
     track(c, y, "state")
-    for start, count, words in ((LOAD, CLEAR, "clear"), (LOAD + CLEAR, BUBBLES + SWEEP, "secondaries × rows"), (START + SWEEP, LATENCY + 1, "drain"),
+    for start, count, words in ((LOAD, CLEAR, "clear"), (LOAD + CLEAR, BUBBLES + TESTS, "secondaries × rows"), (START + TESTS, LATENCY + 1, "drain"),
                                 (END, WRITE, "write back")):
         bar(c, y, start, count, words, "fn")
     y += step
@@ -40,11 +40,11 @@ def tracks(c, y, step):
         bar(c, y, START + s * ROWS, ROWS, f"S{s}", "fa")
     y += step
     track(c, y, "row enters pipe")
-    for i in range(SWEEP):
+    for i in range(TESTS):
         bar(c, y, START + i, 1, str(i % ROWS), "fb")
     y += step
     track(c, y, "row leaves pipe")
-    for i in range(SWEEP):
+    for i in range(TESTS):
         bar(c, y, START + LATENCY + i, 1, str(i % ROWS), "fb")
     c.dimension(at(START), at(START + LATENCY), y + 12, "latency, 10 cycles", size=12)
     y += step
@@ -84,7 +84,7 @@ def picture(_root):
                "update engine writes the better T to one of two stencil-T buffers in turn. After the drain the card writes one record per "
                "cycle and raises the interrupt.")
     bottom = tracks(c, 26, 43)
-    for cycle in (LOAD, START, START + SWEEP, END, END + WRITE):
+    for cycle in (LOAD, START, START + TESTS, END, END + WRITE):
         c.line([(at(cycle), 104), (at(cycle), bottom)], "lh", 1, "2 3", solid=False)
     formula(c, bottom + 10)
     return c

@@ -90,8 +90,8 @@ def inside(_root):
         point = min((nearest(*ab, center) for ab in zip(mesh, mesh[1:] + mesh[:1])), key=lambda p: math.dist(p, center))
         distance = math.dist(point, center)
         s = distance - radius
-        way = ((point[0] - center[0]) / distance, (point[1] - center[1]) / distance)
-        on_body = (center[0] + way[0] * radius, center[1] + way[1] * radius)
+        direction = ((point[0] - center[0]) / distance, (point[1] - center[1]) / distance)
+        on_body = (center[0] + direction[0] * radius, center[1] + direction[1] * radius)
         c.line([at(on_body), at(point)], "lr", 2.2, solid=False)
         c.dot(*at(point), "mr")
         c.dot(*at(on_body), "mr")

@@ -24,7 +24,7 @@ S value_of(Fused<S> x) {
 /// Tests every pair of words of shapes A and B. The test computes in the scalar R; S is the
 /// format's scalar.
 template <class S, class R, class A, class B, class Test>
-void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+void test_pairs(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
            std::span<PairResult> results, Test test) {
   const auto shape = []<class P>(P, const std::uint64_t* words) {
     P p;
@@ -61,15 +61,15 @@ void VariantIn<S>::textbook(Pair pair, std::span<const std::uint64_t> a,
   using Aabb = BasicAabb<S>;
   switch (pair) {
     case Pair::kRaySphere:
-      return sweep<S, S, BasicRay<S>, BasicSphere<S>>(a, b, r, textbook::ray_sphere<S>);
+      return test_pairs<S, S, BasicRay<S>, BasicSphere<S>>(a, b, r, textbook::ray_sphere<S>);
     case Pair::kRayCylinder:
-      return sweep<S, S, BasicRay<S>, BasicCylinder<S>>(a, b, r, textbook::ray_cylinder<S>);
+      return test_pairs<S, S, BasicRay<S>, BasicCylinder<S>>(a, b, r, textbook::ray_cylinder<S>);
     case Pair::kObbObb:
-      return sweep<S, S, Obb, Obb>(a, b, r, textbook::obb_obb<S>);
+      return test_pairs<S, S, Obb, Obb>(a, b, r, textbook::obb_obb<S>);
     case Pair::kTriangleObb:
-      return sweep<S, S, T, Obb>(a, b, r, textbook::triangle_box<S, Obb>);
+      return test_pairs<S, S, T, Obb>(a, b, r, textbook::triangle_box<S, Obb>);
     case Pair::kTriangleAabb:
-      return sweep<S, S, T, Aabb>(a, b, r, textbook::triangle_box<S, Aabb>);
+      return test_pairs<S, S, T, Aabb>(a, b, r, textbook::triangle_box<S, Aabb>);
     default:
       throw Error(ErrorCode::kUsage, fmt::format("there is no textbook variant of {}", name(pair)));
   }
@@ -82,7 +82,7 @@ void VariantIn<S>::fused(Pair pair, Algorithm algorithm, bool box, const PairBud
   using R = Fused<S>;
   reference::with_pair<R>(pair, algorithm, box, PlaneSide::kSurface, budget,
                           [&]<class A, class B>(reference::Kinds<A, B>, auto test) {
-                            sweep<S, R, A, B>(a, b, r, test);
+                            test_pairs<S, R, A, B>(a, b, r, test);
                           });
 }
 

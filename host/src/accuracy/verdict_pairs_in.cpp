@@ -16,7 +16,7 @@ P shape_of(const std::uint64_t* words) {
 }
 
 template <class N, template <class> class A, template <class> class B, class Test>
-void sweep(reference::Kinds<A<N>, B<N>>, Test test, Words a, Words b,
+void test_pairs(reference::Kinds<A<N>, B<N>>, Test test, Words a, Words b,
            std::span<reference::verdict::Certain> certain) {
   for (std::size_t i = 0; i < certain.size(); ++i) {
     const auto x = shape_of<A<float>>(&a[i * A<float>::kWords]);
@@ -36,10 +36,10 @@ void CertainIn<N>::test(Pair pair, const PairBudget& budget, Words a, Words b,
       pair, Algorithm::kMoller, false, PlaneSide::kSurface, budget,
       [&]<class A, class B>(reference::Kinds<A, B> kinds, const auto& test) {
         if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> == Shape::kCylinder)
-          sweep<N>(kinds, test, a, b, certain);
+          test_pairs<N>(kinds, test, a, b, certain);
         else if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> != Shape::kPlane &&
                            kShapeOf<B> != Shape::kTriangle)
-          sweep<N>(kinds, reference::verdict::FreePipe(), a, b, certain);
+          test_pairs<N>(kinds, reference::verdict::FreePipe(), a, b, certain);
       });
 }
 

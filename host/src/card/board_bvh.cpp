@@ -19,8 +19,8 @@ namespace {
 bool is_leaf(Shape shape) {
   for (unsigned p = 0; p < kPairs; ++p)
     for (const bool swap : {false, true}) {
-      const auto way = way_through(static_cast<Pair>(p), swap);
-      if (way && way->secondary == shape) return true;
+      const auto shapes = traversal_shapes(static_cast<Pair>(p), swap);
+      if (shapes && shapes->secondary == shape) return true;
     }
   return false;
 }
@@ -30,7 +30,7 @@ void check_fits(const Board::Impl& card, const Bvh& bvh, std::uint64_t secondari
   if (card.traversal_units == 0)
     throw Error(ErrorCode::kUsage, "this card has no traversal units, and so no BVH");
   const std::vector<Object>& objects = card.objects.objects;
-  if (!objects.empty()) secondaries = card.swept({});
+  if (!objects.empty()) secondaries = card.tested_secondaries({});
   if (bvh.order().size() != secondaries)
     throw Error(
         ErrorCode::kUsage,
@@ -220,7 +220,7 @@ Counters Board::refit() {
     throw Error(ErrorCode::kUsage, fmt::format("the card refits a BVH over triangles only; for {}s "
                                                "call Bvh::refit() and upload the result",
                                                name(it.secondary_shape)));
-  if (const auto why = it.no_way_through_objects()) throw Error(ErrorCode::kUsage, *why);
+  if (const auto why = it.why_objects_not_traversable()) throw Error(ErrorCode::kUsage, *why);
   Query query;
   query.pair = Pair::kRayTriangle;
   it.prepare_objects();
@@ -242,7 +242,7 @@ Counters Board::refit() {
 }
 
 /// Checks the card's current objects against the BVH.
-std::optional<std::string> Board::Impl::no_way_through_objects() const {
+std::optional<std::string> Board::Impl::why_objects_not_traversable() const {
   const auto& all = objects.objects;
   if (bvh.firsts.size() != all.size()) {
     return all.empty() ? "the BVH is over objects, and the card has no objects now"
@@ -259,11 +259,11 @@ std::optional<std::string> Board::Impl::no_way_through_objects() const {
   return std::nullopt;
 }
 
-std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
+std::optional<std::string> Board::Impl::why_not_traversable(const Query& q) const {
   (void)name_of(q.mode);  // throws for an unknown mode
   if (traversal_units == 0) return "the card has no traversal units";
   if (bvh.nodes == 0) return "no BVH was uploaded";
-  if (auto why = no_way_through_objects()) return why;
+  if (auto why = why_objects_not_traversable()) return why;
   if (bvh.stale)
     return objects.objects.empty()
                ? "secondaries were uploaded or moved after their BVH; upload a new BVH"
@@ -275,12 +275,12 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   const Pair pair = q.pair.value_or(pairs.front());
   if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end())
     return fmt::format("the card has no pipe for {}", name(pair));
-  const auto way = way_through(pair, q.swap);
-  if (!way)
+  const auto shapes = traversal_shapes(pair, q.swap);
+  if (!shapes)
     return fmt::format("{}{} cannot traverse a BVH", name(pair),
                        q.swap ? " with its roles swapped" : "");
   if (q.swap && !can_swap) return "the card cannot exchange primaries and secondaries";
-  if (way->secondary != secondary_shape)
+  if (shapes->secondary != secondary_shape)
     return fmt::format("the BVH is over {}s", name(secondary_shape));
   if (has_verdicts(pair) && verdicts) return "pairs with the certified filter use brute force";
   if (has_box_rule(pair) && !box) return "the card has no box rule";
@@ -295,8 +295,8 @@ std::optional<std::string> Board::Impl::no_way_through(const Query& q) const {
   return std::nullopt;
 }
 
-std::optional<std::string> Board::no_way_through(const Query& query) const {
-  return card().no_way_through(query);
+std::optional<std::string> Board::why_not_traversable(const Query& query) const {
+  return card().why_not_traversable(query);
 }
 
 namespace {
@@ -321,7 +321,7 @@ Bvh bvh_of_any(const Shapes& shapes, std::span<const Object> objects,
                     fmt::format("object {}: AABBs cannot be rotated", counts.size()));
     counts.push_back(object.count);
   }
-  const auto moved = reference::swept(shapes, objects).shapes;
+  const auto moved = reference::pass_secondaries(shapes, objects).shapes;
   return Bvh::build(std::span(moved), counts, options);
 }
 

@@ -44,11 +44,11 @@ struct LoadedBvh {
 /// State of a Board, and single accesses to its card. Private to the driver.
 class Board::Impl {
  public:
-  Impl(std::unique_ptr<CardLink> way, std::filesystem::path file, FpFormat numbers,
+  Impl(std::unique_ptr<CardLink> connection, std::filesystem::path file, FpFormat numbers,
        const OpenOptions& options)
       : format(numbers),
         coding(numbers),
-        link(std::move(way)),
+        link(std::move(connection)),
         model_path(std::move(file)),
         bus(options),
         period_ps(options.clock_period_ps),
@@ -97,15 +97,15 @@ class Board::Impl {
   /// Marks the BVH as stale: secondaries have changed, or an object has moved.
   void outdate_bvh(std::uint64_t first, std::uint64_t count);
   void outdate_bvh(std::size_t object);
-  [[nodiscard]] std::optional<std::string> no_way_through_objects() const;
+  [[nodiscard]] std::optional<std::string> why_objects_not_traversable() const;
   /// Why the pass cannot traverse a BVH; nothing if it can.
-  [[nodiscard]] std::optional<std::string> no_way_through(const Query& query) const;
+  [[nodiscard]] std::optional<std::string> why_not_traversable(const Query& query) const;
   /// The words of a loaded primary.
   [[nodiscard]] const std::uint32_t* loaded_words(std::uint32_t primary) const {
     return &packets_[0].words[primary * ((slot_words + 1) / 2 * 2)];
   }
   /// Number of secondaries that a brute-force pass tests.
-  [[nodiscard]] std::uint64_t swept(const Query& query) const;
+  [[nodiscard]] std::uint64_t tested_secondaries(const Query& query) const;
 
   /// Encodes a slot's numbers as words of the card; other words of `slot` keep their value. Error
   /// kBadInput for a finite end of an interval beyond the format, which the card would not flag.

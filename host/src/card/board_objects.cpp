@@ -93,7 +93,7 @@ void Board::Impl::prepare_objects() {
   }
 }
 
-std::uint64_t Board::Impl::swept(const Query& query) const {
+std::uint64_t Board::Impl::tested_secondaries(const Query& query) const {
   if (objects.objects.empty())
     return query.secondary_count != 0 ? query.secondary_count : secondaries - query.first_secondary;
   std::uint64_t sum = 0;

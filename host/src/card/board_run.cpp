@@ -20,7 +20,7 @@ namespace {
 class Pass : private CardPass {
  public:
   Pass(Board::Impl& card, const Query& query, const RecordSink& sink)
-      : CardPass(card, query), sink_(sink), swept_(card.swept(query)) {
+      : CardPass(card, query), sink_(sink), secondaries_(card.tested_secondaries(query)) {
     split_ = card.split();
     const unsigned second = query.second ? card.second_loaded : 0;
     slots_ = second != 0 ? split_ + second : card.loaded;
@@ -44,15 +44,15 @@ class Pass : private CardPass {
                                        : verdicts  ? card.lanes
                                        : facets    ? card.facet_interval
                                                    : 1;
-    const std::uint64_t rows_total = rows * swept_ * clocks_a_row;
+    const std::uint64_t rows_total = rows * secondaries_ * clocks_a_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
-    const std::uint64_t records = streaming_ ? active_ * swept_ : active_;
+    const std::uint64_t records = streaming_ ? active_ * secondaries_ : active_;
     expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
     // Twice the worst case: all rows, writing and reading back all records, memory latency per
     // slot, and register accesses.
     constexpr std::uint64_t kAccessesPs = 100'000'000;
     const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_clocks()) * records +
-                                swept_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
+                                secondaries_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
                                 passes * contract::kRingRows + kAccessesPs / card.period_ps;
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
@@ -99,7 +99,7 @@ class Pass : private CardPass {
       card_.write_register(card::kRegPrimObjectCount, card_.primary_objects.objects.size());
     card_.write_register(card::kRegSecFirst, query_.first_secondary);
     card_.write_register(card::kRegSecCount,
-                         card_.objects.objects.empty() ? swept_ : card_.secondaries);
+                         card_.objects.objects.empty() ? secondaries_ : card_.secondaries);
     for (unsigned base = 0; base < card_.primaries; base += 64) {
       std::uint64_t mask = 0;
       for (unsigned p = 0; p < 64; ++p) mask |= std::uint64_t{stencil_[base + p]} << p;
@@ -206,7 +206,7 @@ class Pass : private CardPass {
         device_error(fmt::format("{} {}; expected {}", value, what, wanted), status);
     };
     promise("records downloaded", received_, c.records);
-    if (query_.mode != Mode::kAny) promise("secondaries tested", c.secondaries, swept_);
+    if (query_.mode != Mode::kAny) promise("secondaries tested", c.secondaries, secondaries_);
     const std::uint64_t each = ring_entries_;
     if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_ * each);
     if (!streaming_) promise("records", received_, active_ * each);
@@ -222,13 +222,13 @@ class Pass : private CardPass {
   [[nodiscard]] std::string state() override {
     return fmt::format(
         "status {:#x}, {} of {} secondaries tested, {} rows issued, {} records waiting, clock {}",
-        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries), swept_,
+        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries), secondaries_,
         card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
         card_.clocks());
   }
 
   const RecordSink& sink_;
-  std::uint64_t swept_;  // number of secondaries
+  std::uint64_t secondaries_;  // number of secondaries
   std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
   unsigned active_ = 0, slots_ = 0, split_ = 0;  // numbers of primaries
   Stencil stencil_;
@@ -323,11 +323,11 @@ class Passing {
 
 /// Whether the query traverses the BVH. Error kUsage if it must and cannot.
 bool through_bvh(const Board::Impl& card, const Query& query) {
-  if (query.through > Through::kSweep)
+  if (query.through > Through::kBruteForce)
     throw Error(ErrorCode::kUsage,
                 fmt::format("there is no Through value {}", static_cast<unsigned>(query.through)));
-  if (query.through == Through::kSweep) return false;
-  const auto why = card.no_way_through(query);
+  if (query.through == Through::kBruteForce) return false;
+  const auto why = card.why_not_traversable(query);
   if (why && query.through == Through::kBvh)
     throw Error(ErrorCode::kUsage, "this query cannot traverse a BVH: " + *why);
   return !why;
@@ -346,7 +346,7 @@ Counters with_retries(Board::Impl& card, const Attempt& attempt) {
   }
 }
 
-Counters walk(Board::Impl& card, const Query& query, std::span<const std::uint32_t> numbers,
+Counters traverse(Board::Impl& card, const Query& query, std::span<const std::uint32_t> numbers,
               const BvhPass::Rays& rays, std::vector<Record>& records) {
   records.clear();
   if (numbers.empty()) return {};
@@ -369,7 +369,7 @@ Record f_alone(const Record& any) {
 }
 
 /// A brute-force pass over all secondaries. `present` throws if the board is gone.
-Counters sweep(Board::Impl& card, const Query& query, const RecordSink& sink,
+Counters brute_force(Board::Impl& card, const Query& query, const RecordSink& sink,
                const std::function<void()>& present) {
   Query asked = query;
   std::vector<Record> blank;
@@ -428,7 +428,7 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
   }
   const bool through = through_bvh(it, whole);
   const Passing passing(it.passing);
-  if (!through) return sweep(it, whole, sink, present);
+  if (!through) return brute_force(it, whole, sink, present);
   std::vector<std::uint32_t> numbers;
   for (std::uint32_t p = 0; p < it.loaded; ++p)
     if (!query.stencil[p]) numbers.push_back(p);
@@ -436,7 +436,7 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
   const auto ray = [&](std::uint32_t i, std::uint32_t* words) {
     std::copy_n(it.loaded_words(numbers[i]), cde::words(it.primary_shape), words);
   };
-  Counters c = walk(it, whole, numbers, ray, records);
+  Counters c = traverse(it, whole, numbers, ray, records);
   c.upload_clocks += it.load_clocks;
   c.total_clocks += it.load_clocks;
   c.time.load += it.load_ps;
@@ -514,7 +514,7 @@ Counters Board::cast_through(Shape shape, std::size_t count, const Words& shapes
       };
     }
     const Passing passing(it.passing);
-    total += walk(
+    total += traverse(
         it, each, numbers,
         [&](std::uint32_t i, std::uint32_t* words) {
           std::array<float, contract::kMostWords> floats{};

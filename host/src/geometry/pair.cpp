@@ -105,12 +105,12 @@ bool has_box_rule(Pair pair) {
   return contract::has(contract::kBoxPairs | contract::kBoundPairs, pair);
 }
 
-std::optional<WayThrough> way_through(Pair pair, bool swap) {
+std::optional<TraversalShapes> traversal_shapes(Pair pair, bool swap) {
   if (!has_box_rule(pair) && !contract::has(contract::kPlainPairs, pair)) return std::nullopt;
   const Shape a = primary_shape(pair), b = secondary_shape(pair);
-  if (!swap) return WayThrough{a, b};
+  if (!swap) return TraversalShapes{a, b};
   if (a == b || !contract::has(contract::kBoundPairs, pair)) return std::nullopt;
-  return WayThrough{b, a};
+  return TraversalShapes{b, a};
 }
 
 bool has_verdicts(Pair pair) {

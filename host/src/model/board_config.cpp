@@ -161,10 +161,10 @@ void check_bvh(const BoardConfig& c) {
           fmt::format("a BVH needs fp32, not {}: it widens boxes by 2^-16 of the scene, and a "
                       "coarser format would widen them by percents",
                       c.format.name()));
-  const bool walked = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
-    return c.way_through(pair, false).has_value();
+  const bool traversable = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
+    return c.traversal_shapes(pair, false).has_value();
   });
-  require(walked,
+  require(traversable,
           "no pair of this card can traverse a BVH; expected ray-sphere or sphere-sphere, or, with "
           "the box rule, rays, spheres, AABBs, OBBs and triangles with triangles or OBBs; the "
           "certified filter cannot be combined with a BVH");
@@ -176,10 +176,10 @@ bool BoardConfig::box_rule(Pair pair) const {
   return box && has_box_rule(pair) && !(verdicts && has_verdicts(pair));
 }
 
-std::optional<WayThrough> BoardConfig::way_through(Pair pair, bool swapped) const {
+std::optional<TraversalShapes> BoardConfig::traversal_shapes(Pair pair, bool swapped) const {
   const bool there =
       (swap || !swapped) && (box || !has_box_rule(pair)) && !(verdicts && has_verdicts(pair));
-  return there ? cde::way_through(pair, swapped) : std::nullopt;
+  return there ? cde::traversal_shapes(pair, swapped) : std::nullopt;
 }
 
 std::vector<std::string> BoardConfig::parameters() const {

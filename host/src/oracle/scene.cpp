@@ -55,18 +55,18 @@ Shape put(Random& random, const Shape& shape, const Scene& scene) {
   std::vector<const Shape*> others;
   for (const Body& other : scene)
     if (other.kind != ShapeKind::kPlane) others.push_back(&other.shape);
-  const double way = random.unit();
+  const double choice = random.unit();
   const Vec anywhere = grid_point(random, 16);
   const bool sinks = random.chance(0.3);
   const double sunk = kGrid * (1 + random.below(4));
-  if (others.empty() || way < 0.25) return at_rest(moved(shape, anywhere), sinks ? -sunk : 0);
+  if (others.empty() || choice < 0.25) return at_rest(moved(shape, anywhere), sinks ? -sunk : 0);
 
   const Shape& other =
       *others[static_cast<std::size_t>(random.below(static_cast<int>(others.size())))];
   const Vec c = center(other);
   const Vec across(c.x(), c.y(), 0);
   const Vec aside = random.chance(0.4) ? Vec(Vec::Zero()) : grid_point(random, 3);
-  if (way < 0.65) {
+  if (choice < 0.65) {
     const double top = support(other, Vec::UnitZ());
     return at_rest(moved(shape, across + aside), sinks ? top - sunk : top);
   }

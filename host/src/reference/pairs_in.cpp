@@ -17,7 +17,7 @@ P shape(const std::uint64_t* words) {
 }
 
 template <class S, class A, class B, class Test>
-void sweep(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
+void test_pairs(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
            std::span<PairResult> results, Test test) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     const Outcome<S> o = test(shape<A>(&a[i * A::kWords]), shape<B>(&b[i * B::kWords]));
@@ -40,7 +40,7 @@ void PairsIn<S>::test(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
                       std::span<const std::uint64_t> b, std::span<PairResult> results) {
   with_pair<S>(pair, algorithm, box, plane, budget,
                [&]<class A, class B>(Kinds<A, B>, const auto& test) {
-                 sweep<S, A, B>(a, b, results, test);
+                 test_pairs<S, A, B>(a, b, results, test);
                });
 }
 

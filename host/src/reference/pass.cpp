@@ -30,11 +30,11 @@ class RayPass : public Pass::Impl {
           const std::vector<Triangle>& triangles)
       : rays_(std::move(rays)),
         numbers_(std::move(numbers)),
-        sweep_(rays_, triangles, query.mode, {}, card::kMostPrimaries, {}, query.box, {},
+        brute_force_(rays_, triangles, query.mode, {}, card::kMostPrimaries, {}, query.box, {},
                query.algorithm) {}
 
   std::span<const Record> next() override {
-    const std::span<const Record> some = sweep_.next();
+    const std::span<const Record> some = brute_force_.next();
     records_.assign(some.begin(), some.end());
     for (Record& r : records_) r.primary = numbers_[r.primary];
     return records_;
@@ -43,7 +43,7 @@ class RayPass : public Pass::Impl {
  private:
   std::vector<Ray> rays_;
   std::vector<std::uint32_t> numbers_;
-  Sweep sweep_;
+  BruteForce brute_force_;
   std::vector<Record> records_;
 };
 
@@ -257,7 +257,7 @@ std::vector<Record> all_unanswered(const PassQuery& query, const Shapes& primari
 Pass::Pass(const PassQuery& query, Shapes primaries, std::vector<std::uint32_t> numbers,
            const Shapes& secondaries) {
   check_query(query, primaries, numbers.size(), secondaries);
-  if (query.pair == Pair::kRayTriangle && sweeps_fast(query.algorithm, query.format) &&
+  if (query.pair == Pair::kRayTriangle && has_fast_brute_force(query.algorithm, query.format) &&
       !query.swap && !query.counts) {
     impl_ =
         std::make_unique<RayPass>(query, std::get<std::vector<Ray>>(std::move(primaries)),
@@ -273,7 +273,7 @@ Pass::~Pass() = default;
 Pass::Pass(Pass&&) noexcept = default;
 Pass& Pass::operator=(Pass&&) noexcept = default;
 
-SweptPrimary sweep(const PassQuery& query, const Shapes& primaries, std::uint32_t number,
+BruteForcePrimary brute_force(const PassQuery& query, const Shapes& primaries, std::uint32_t number,
                    const Shapes& secondaries) {
   const Shapes one = std::visit(
       [number](const auto& list) -> Shapes {
@@ -283,7 +283,7 @@ SweptPrimary sweep(const PassQuery& query, const Shapes& primaries, std::uint32_
         return std::decay_t<decltype(list)>{list[number]};
       },
       primaries);
-  SweptPrimary all;
+  BruteForcePrimary all;
   Pass asked(query, one, {number}, secondaries);
   for (auto some = asked.next(); !some.empty(); some = asked.next())
     all.records.insert(all.records.end(), some.begin(), some.end());
@@ -297,11 +297,11 @@ SweptPrimary sweep(const PassQuery& query, const Shapes& primaries, std::uint32_
   for (auto some = pass.next(); !some.empty(); some = pass.next())
     for (const Record& r : some) {
       while (query.counts && !query.counts(number, secondary)) ++secondary;
-      SweptPair& swept = all.pairs.emplace_back(SweptPair{.secondary = secondary++, .record = r});
-      swept.candidate =
+      BruteForcePair& tested = all.pairs.emplace_back(BruteForcePair{.secondary = secondary++, .record = r});
+      tested.candidate =
           pairs ? query.mode == Mode::kAll || r.f : is_candidate(query.pair, query.mode, r);
-      swept.kept = !pairs && better(query.pair, query.mode, r, best);
-      if (swept.kept) best = r;
+      tested.kept = !pairs && better(query.pair, query.mode, r, best);
+      if (tested.kept) best = r;
     }
   return all;
 }

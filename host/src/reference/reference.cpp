@@ -12,7 +12,7 @@
 #include "cde/reference/pipes/transform.hpp"
 #include "cde/support/error.hpp"
 #include "query/record_choice.hpp"
-#include "reference/sweep.hpp"
+#include "reference/ray_block.hpp"
 
 namespace cde::reference {
 
@@ -29,13 +29,13 @@ Record record_of(const Ray& ray, const Triangle& triangle, std::uint32_t primary
   return r;
 }
 
-bool sweeps_fast(Algorithm algorithm, FpFormat format) {
+bool has_fast_brute_force(Algorithm algorithm, FpFormat format) {
   return format == FpFormat{} && inside_test(algorithm) != nullptr;
 }
 
 /// Works on one packet at a time. A reduction returns all records of a packet at once; a stream
 /// returns the records of one triangle at a time.
-class Sweep::Impl {
+class BruteForce::Impl {
  public:
   Impl(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
        unsigned packet, std::span<const Object> objects, bool box, FpFormat format,
@@ -49,7 +49,7 @@ class Sweep::Impl {
         format_(format),
         algorithm_(algorithm),
         inside_(inside_test(algorithm)),
-        any_(!sweeps_fast(algorithm, format)) {
+        any_(!has_fast_brute_force(algorithm, format)) {
     (void)name_of(mode);  // throws for an unknown mode
     if (packet == 0 || packet > RayBlock::kRays)
       throw Error(
@@ -60,10 +60,10 @@ class Sweep::Impl {
         throw Error(ErrorCode::kUsage,
                     fmt::format("an object of {} triangles from {} on exceeds the {}", object.count,
                                 object.first, triangles.size()));
-    if (!objects.empty() || any_) swept_ = swept(triangles, objects, format);
-    if (!objects.empty()) triangles_ = TriangleView(swept_.shapes);
+    if (!objects.empty() || any_) secondaries_ = pass_secondaries(triangles, objects, format);
+    if (!objects.empty()) triangles_ = TriangleView(secondaries_.shapes);
     if (any_) {
-      words_ = std::move(swept_.shapes);
+      words_ = std::move(secondaries_.shapes);
       triangles_ = TriangleView(std::get<std::vector<Triangle>>(words_));
     }
     begin_packet();
@@ -157,7 +157,7 @@ class Sweep::Impl {
 
   /// The slot of the triangle at this place of the brute-force pass.
   [[nodiscard]] std::uint32_t slot(std::uint32_t index) const {
-    return swept_.slots.empty() ? index : swept_.slots[index];
+    return secondaries_.slots.empty() ? index : secondaries_.slots[index];
   }
 
   /// Calls visit(place, record) for every unmasked ray of the packet that hits the triangle.
@@ -221,36 +221,36 @@ class Sweep::Impl {
   TriangleView triangles_;
   std::vector<Record> records_;
   Stencil stencil_;
-  Swept<Triangle> swept_;  // of the objects; empty without objects
+  PassSecondaries<Triangle> secondaries_;  // of the objects; empty without objects
   Mode mode_;
   bool box_;
   FpFormat format_;
   Algorithm algorithm_;
   InsideTest inside_;
   bool any_;      // whether the general reference is used
-  Shapes words_;  // shapes of swept_, if any_
+  Shapes words_;  // shapes of secondaries_, if any_
   std::optional<Pass> pass_;
   std::vector<Record> best_;
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
 };
 
-Sweep::Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
+BruteForce::BruteForce(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
              unsigned packet, std::span<const Object> objects, bool box, FpFormat format,
              Algorithm algorithm)
     : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box, format,
                                    algorithm)) {}
-Sweep::~Sweep() = default;
-std::span<const Record> Sweep::next() {
+BruteForce::~BruteForce() = default;
+std::span<const Record> BruteForce::next() {
   return impl_->next();
 }
 
 std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mode mode,
                          const Stencil& stencil, std::span<const Object> objects, bool box,
                          FpFormat format, Algorithm algorithm) {
-  Sweep sweep(rays, triangles, mode, stencil, card::kMostPrimaries, objects, box, format,
+  BruteForce brute_force(rays, triangles, mode, stencil, card::kMostPrimaries, objects, box, format,
               algorithm);
   std::vector<Record> records;
-  for (auto some = sweep.next(); !some.empty(); some = sweep.next())
+  for (auto some = brute_force.next(); !some.empty(); some = brute_force.next())
     records.insert(records.end(), some.begin(), some.end());
   return records;
 }
@@ -284,11 +284,11 @@ RecordCheck::Told told_of_rays(const RayView& rays, const TriangleView& triangle
 Checker::Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
                  const Stencil& stencil, unsigned packet, std::string command,
                  std::span<const Object> objects, bool box, FpFormat format, Algorithm algorithm)
-    : Checker(std::make_shared<Sweep>(rays, triangles, mode, stencil, packet, objects, box, format,
+    : Checker(std::make_shared<BruteForce>(rays, triangles, mode, stencil, packet, objects, box, format,
                                       algorithm),
               told_of_rays(rays, triangles, std::move(command))) {}
 
-Checker::Checker(std::shared_ptr<Sweep> sweep, Told told)
-    : RecordCheck([sweep = std::move(sweep)] { return sweep->next(); }, std::move(told)) {}
+Checker::Checker(std::shared_ptr<BruteForce> brute_force, Told told)
+    : RecordCheck([brute_force = std::move(brute_force)] { return brute_force->next(); }, std::move(told)) {}
 
 }  // namespace cde::reference

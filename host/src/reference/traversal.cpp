@@ -126,9 +126,9 @@ float gap(const Record& r) {
 
 /// Traverses the BVH for one primary.
 template <class P>
-class Traversal::Walk {
+class Traversal::Trace {
  public:
-  Walk(Traversal& of, const P& primary, std::uint32_t number, Goal goal)
+  Trace(Traversal& of, const P& primary, std::uint32_t number, Goal goal)
       : of_(of), primary_(primary), number_(number), goal_(goal) {
     if constexpr (kSolid) {
       limit(goal == Goal::kNearest ? kInfinite : 0.0f);
@@ -272,7 +272,7 @@ std::vector<Record> Traversal::trace_any(const P& primary, std::uint32_t number,
                       : mode == Mode::kFarthest ? Goal::kFarthest
                       : mode == Mode::kHits     ? Goal::kHits
                                                 : Goal::kAny;
-    records = std::move(Walk<P>(*this, primary, number, goal).records());
+    records = std::move(Trace<P>(*this, primary, number, goal).records());
   }
   if (mode == Mode::kHits)
     std::sort(records.begin(), records.end(),
@@ -288,7 +288,7 @@ std::vector<Record> Traversal::trace(const Ray& ray, std::uint32_t number, Mode 
 template <class P>
 bool Traversal::meets_any(const P& primary) {
   if (defect(primary) || bvh_.order().empty()) return false;
-  return !Walk<P>(*this, primary, 0, Goal::kOccluded).records().empty();
+  return !Trace<P>(*this, primary, 0, Goal::kOccluded).records().empty();
 }
 
 bool Traversal::occluded(const Ray& ray) {

@@ -64,10 +64,10 @@ void add_passes(const Scene& scene, const SceneQuery& q, unsigned lanes, QueryWo
     for (std::uint64_t p = first; !q.mask.empty() && p < first + n; ++p)
       masked += contains(q.mask, p) ? 1 : 0;
     if (masked == n) continue;
-    for (const SelfPairs::Sweep& sweep : self.sweeps(first, n, false)) {
+    for (const SelfPairs::PassRange& range : self.passes(first, n, false)) {
       ++w.passes;
-      w.tests += (n - masked) * sweep.count;
-      w.rows += (n + lanes - 1) / lanes * sweep.count;
+      w.tests += (n - masked) * range.count;
+      w.rows += (n + lanes - 1) / lanes * range.count;
     }
   }
   const bool stream = q.mode == Mode::kAll || q.mode == Mode::kHits;
@@ -445,10 +445,10 @@ Effect add_bvh(const Scene& scene, plan_mover::Movers& movers, Plan& plan) {
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
     plan.queries[q].bvh = choice.queries[q];
   plan_mover::leave_primaries(movers, "the host writes them during BVH traversal");
-  const bool sweeps =
+  const bool brute_force =
       std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end();
   const std::vector<Pair>& pairs = plan.board.pairs;
-  if (!sweeps && !scene.card.lanes)
+  if (!brute_force && !scene.card.lanes)
     plan.board.lanes = std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)
                            ? kLanesOfLargePipes
                            : bvh_choice::kLanes;

@@ -48,7 +48,7 @@ bool meets_triangles(const SceneQuery& q) {
 
 /// Why the query must test all secondaries; nothing if it can traverse.
 std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, const Plan& plan) {
-  if (!way_through(q.pair, q.swap))
+  if (!traversal_shapes(q.pair, q.swap))
     return fmt::format("{}{} cannot traverse a BVH", name(q.pair),
                        q.swap ? " with its roles swapped" : "");
   if (q.mode == Mode::kAll) return "mode all reports every secondary, hit or not";
@@ -99,24 +99,24 @@ std::uint64_t moving_parts(const Scene& scene) {
 }
 
 /// Visits per primary, and the cycles of a packet's last primaries when no others remain.
-struct Way {
+struct TraversalCost {
   double nodes = 0, secondaries = 0, last = 0;
 };
 
 /// For rays: expected values from the BVH's boxes.
-Way way_of_rays(const Bvh& bvh) {
+TraversalCost cost_of_rays(const Bvh& bvh) {
   const Bvh::Visits visits = bvh.expected_visits();
   return {visits.nodes, visits.secondaries, kClocksALevel * bvh.depth()};
 }
 
 /// For solids: from sampled solids of the first frame.
-Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, const Bvh& bvh,
+TraversalCost cost_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, const Bvh& bvh,
                   bool ahead) {
   player::Row met(scene, plan.card_moves, player::Table::kAll),
       solids(scene, std::vector<bool>(scene.objects.size(), false), player::Table::kMoved);
   (void)met.show(q.secondaries, 0);
   (void)solids.show(q.primaries, 0);
-  const auto walk_of = [&] {
+  const auto traversal_of = [&] {
     return std::visit(
         [&](const auto& list) -> reference::Traversal {
           using P = typename std::decay_t<decltype(list)>::value_type;
@@ -130,7 +130,7 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, con
   const double each = ahead                           ? kClocksAhead
                       : q.pair == Pair::kSphereSphere ? kClocksTwoSpheres
                                                       : kClocksASolid;
-  Way way;
+  TraversalCost cost;
   std::visit(
       [&](const auto& list) {
         using P = typename std::decay_t<decltype(list)>::value_type;
@@ -138,20 +138,20 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, con
           const std::size_t step = (list.size() + kSampledSolids - 1) / kSampledSolids;
           std::size_t sampled = 0;
           for (std::size_t i = 0; i < list.size(); i += std::max<std::size_t>(step, 1), ++sampled) {
-            reference::Traversal walk = walk_of();
-            (void)walk.trace(list[i], 0, q.mode);
-            const auto tested = static_cast<double>(walk.counts().secondaries);
-            way.nodes += static_cast<double>(walk.counts().nodes);
-            way.secondaries += tested;
-            way.last = std::max(way.last, (ahead ? kClocksToTheFirst : 0) + each * tested);
+            reference::Traversal traversal = traversal_of();
+            (void)traversal.trace(list[i], 0, q.mode);
+            const auto tested = static_cast<double>(traversal.counts().secondaries);
+            cost.nodes += static_cast<double>(traversal.counts().nodes);
+            cost.secondaries += tested;
+            cost.last = std::max(cost.last, (ahead ? kClocksToTheFirst : 0) + each * tested);
           }
           sampled = std::max<std::size_t>(sampled, 1);
-          way.nodes /= static_cast<double>(sampled);
-          way.secondaries /= static_cast<double>(sampled);
+          cost.nodes /= static_cast<double>(sampled);
+          cost.secondaries /= static_cast<double>(sampled);
         }
       },
       solids.placed());
-  return way;
+  return cost;
 }
 
 /// Cycles per frame: visits of all primaries, plus the last primaries of each packet. A BVH over
@@ -159,13 +159,13 @@ Way way_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, con
 std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, const Scene& scene,
                      const Bvh& bvh) {
   const std::uint64_t primaries = w.primaries - w.masked;
-  const Way way =
-      is_ray(q) ? way_of_rays(bvh) : way_of_solids(q, plan, scene, bvh, primaries <= kAhead);
+  const TraversalCost cost =
+      is_ray(q) ? cost_of_rays(bvh) : cost_of_solids(q, plan, scene, bvh, primaries <= kAhead);
   const double more =
       meets_triangles(q) ? kVisitsAMovingPart * static_cast<double>(moving_parts(scene)) : 0;
-  const double each = bvh_choice::cycles(way.nodes + more, way.secondaries + more);
+  const double each = bvh_choice::cycles(cost.nodes + more, cost.secondaries + more);
   return static_cast<std::uint64_t>(
-      std::ceil(each * static_cast<double>(primaries) + way.last * static_cast<double>(w.packets)));
+      std::ceil(each * static_cast<double>(primaries) + cost.last * static_cast<double>(w.packets)));
 }
 
 /// Cycles per frame to refit the BVH. Over triangles: one per moving triangle and 1.2 per node

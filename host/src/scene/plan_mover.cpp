@@ -75,7 +75,7 @@ Sums sums_of(const Scene& scene, const Group& moving, const std::vector<bool>& b
 
 /// Whether a query keeps one record per primary and leaves out pairs. Its passes then test ranges
 /// of secondaries around the packet's own shapes, which card objects do not allow.
-bool sweeps_ranges(const Scene& scene) {
+bool needs_range_passes(const Scene& scene) {
   return std::any_of(scene.queries.begin(), scene.queries.end(), [&](const SceneQuery& q) {
     return q.mode != Mode::kAll && q.mode != Mode::kHits && SelfPairs(scene, q).any();
   });
@@ -112,7 +112,7 @@ void choose_secondaries(const Scene& scene, bool resident, Movers& movers) {
     e.why = "in a single frame everything is uploaded once";
   } else if (!resident) {
     e.why = "queries have different secondaries, which are uploaded again for each query";
-  } else if (sweeps_ranges(scene)) {
+  } else if (needs_range_passes(scene)) {
     e.why =
         "a query omits pairs of a shape with itself, which needs passes over ranges of secondaries";
   } else if (!cheaper) {

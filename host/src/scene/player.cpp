@@ -275,7 +275,7 @@ class Player::Impl {
     packet.active = active.size();
     const bool streams = through(packet, query);  // written during the pass, not loaded
     if (through_[packet.query] && !streams)
-      result.swept_as = secondaries_.no_bvh().value_or(*board_.no_way_through(query));
+      result.brute_force_reason = secondaries_.no_bvh().value_or(*board_.why_not_traversable(query));
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
       check.emplace(q, card_, board_, packet.self, primaries, sampled(active, packet.frame),
@@ -288,21 +288,21 @@ class Player::Impl {
       result.check_seconds += seconds_since(checking);
       if (packet.sink) packet.sink(packet.query, records);
     };
-    const auto sweeps = packet.self.sweeps(first, count, secondaries_.moved_by_card());
+    const auto passes = packet.self.passes(first, count, secondaries_.moved_by_card());
     const auto& waves = options_.waves_of;
     const bool here = waves && waves->frame == packet.frame && waves->query == packet.query &&
                       waves->number == packet.number;
     if (here && options_.made_of)
       options_.made_of({primaries, secondaries_.placed(), counting(packet.self)});
     if (here) trace_open();
-    if (!sweeps.empty() && !streams) load(first, count, result);
+    if (!passes.empty() && !streams) load(first, count, result);
     if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {
-      for (const SelfPairs::Sweep& sweep : sweeps) pass(packet, query, sweep, deliver, result);
+      for (const SelfPairs::PassRange& range : passes) pass(packet, query, range, deliver, result);
     } else {
       Chosen chosen(q, scene_.card.format, primaries, active);
-      for (const SelfPairs::Sweep& sweep : sweeps)
+      for (const SelfPairs::PassRange& range : passes)
         pass(
-            packet, query, sweep,
+            packet, query, range,
             [&](std::span<const Record> some) {
               for (const Record& r : some) chosen.take(r);
             },
@@ -330,23 +330,23 @@ class Player::Impl {
   }
 
   [[nodiscard]] bool through(const Packet& packet, const Query& query) const {
-    return through_[packet.query] && !board_.no_way_through(query);
+    return through_[packet.query] && !board_.why_not_traversable(query);
   }
 
   /// One pass of the packet, loaded before unless it traverses. `take` gets the records of pairs
   /// that count.
-  void pass(const Packet& packet, Query query, const SelfPairs::Sweep& sweep,
+  void pass(const Packet& packet, Query query, const SelfPairs::PassRange& range,
             const RecordSink& take, QueryFrame& result) {
     const bool streams = through(packet, query);
     if (!streams && !secondaries_.moved_by_card()) {
-      query.first_secondary = static_cast<std::uint32_t>(sweep.first);
-      query.secondary_count = static_cast<std::uint32_t>(sweep.count);
+      query.first_secondary = static_cast<std::uint32_t>(range.first);
+      query.secondary_count = static_cast<std::uint32_t>(range.count);
     }
-    if (sweep.pairwise) query.mode = query.mode == Mode::kAny ? Mode::kHits : Mode::kAll;
+    if (range.pairwise) query.mode = query.mode == Mode::kAny ? Mode::kHits : Mode::kAll;
     if (options_.progress) {
       query.progress = [&](double share) {
         packet.progress(
-            (static_cast<double>(sweep.first) + share * static_cast<double>(sweep.count)) /
+            (static_cast<double>(range.first) + share * static_cast<double>(range.count)) /
             static_cast<double>(size(secondaries_.placed())));
       };
     }
@@ -365,7 +365,7 @@ class Player::Impl {
         // A bad secondary's number is not in its record. But all records arrive in order, so it can
         // be counted.
         const std::uint64_t secondary =
-            query.mode == Mode::kAll ? sweep.first + seen++ / packet.active : r.index;
+            query.mode == Mode::kAll ? range.first + seen++ / packet.active : r.index;
         if (pairwise && !packet.self.counts(r.primary, static_cast<std::uint32_t>(secondary)))
           continue;
         renumbered.push_back(r);

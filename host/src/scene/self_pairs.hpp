@@ -25,14 +25,14 @@ class SelfPairs {
 
   /// Secondaries of one pass. `pairwise`: some pairs among them do not count. One record per
   /// primary could not leave them out, so the pass reports pairs.
-  struct Sweep {
+  struct PassRange {
     std::uint64_t first = 0, count = 0;
     bool pairwise = false;
   };
   /// The passes for the primaries [first, first + count), at least one of which is not masked. They
   /// are the fewest and shortest passes that give every pair that counts; empty if no pair counts.
   /// `whole`: a pass must test all secondaries, as it does with objects.
-  [[nodiscard]] std::vector<Sweep> sweeps(std::uint64_t first, std::uint64_t count,
+  [[nodiscard]] std::vector<PassRange> passes(std::uint64_t first, std::uint64_t count,
                                           bool whole) const;
 
  private:

@@ -49,7 +49,7 @@ const std::vector<KindSignals>& card_signals() {
        {},
        {},
        {"clocks", "pass", "mode", "pair", "second_pair", "primaries", "secondaries", "objects",
-        "swept", "rows", "records", "bubbles", "writeback"}},
+        "tested", "rows", "records", "bubbles", "writeback"}},
       {"primary",
        "primaries, from their first word to the register file",
        {"registers.clk_bus_o", "control.clk_i"},

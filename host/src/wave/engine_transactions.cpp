@@ -56,7 +56,7 @@ class PassDecoder : public EngineDecoder {
     if (!open_ && (starts || busy())) start();
     if (!open_) return;
     rows_ += ones(issue_);
-    swept_ += pop_.on() ? 1 : 0;
+    tested_ += pop_.on() ? 1 : 0;
     bubbles_ += bubble_.on() ? 1 : 0;
     stalls_ += stall_.on() ? 1 : 0;
     writeback_clocks_ += writeback_.on() ? 1 : 0;
@@ -72,7 +72,7 @@ class PassDecoder : public EngineDecoder {
  private:
   void start() {
     open_ = begin();
-    rows_ = swept_ = bubbles_ = stalls_ = writeback_clocks_ = records_ = 0;
+    rows_ = tested_ = bubbles_ = stalls_ = writeback_clocks_ = records_ = 0;
     aborted_ = false;
     Transaction& t = open_->t;
     const auto mode = mode_.number(), pair = pair_.number(), second = second_pair_.number();
@@ -95,21 +95,21 @@ class PassDecoder : public EngineDecoder {
   void describe() {
     Transaction& t = open_->t;
     t.stalls = stalls_;
-    field(t, "swept", swept_);
+    field(t, "tested", tested_);
     field(t, "rows", rows_);
     field(t, "records", records_);
     field(t, "bubbles", bubbles_);
     field(t, "writeback", writeback_clocks_);
     t.label =
         fmt::format("pass {}: {}, {}, {} primaries, {} secondaries tested, {} records",
-                    t.fields[0].second, pairs_, mode_text_, primaries_.decimal(), swept_, records_);
+                    t.fields[0].second, pairs_, mode_text_, primaries_.decimal(), tested_, records_);
   }
 
   const Wire &done_, &abort_, &mode_, &pair_, &second_pair_, &primaries_, &count_, &objects_,
       &issue_, &pop_, &bubble_, &stall_, &writeback_, &record_;
   std::optional<Open> open_;
   std::string pairs_, mode_text_;
-  std::uint64_t rows_ = 0, swept_ = 0, bubbles_ = 0, stalls_ = 0, writeback_clocks_ = 0,
+  std::uint64_t rows_ = 0, tested_ = 0, bubbles_ = 0, stalls_ = 0, writeback_clocks_ = 0,
                 records_ = 0;
   bool aborted_ = false;
 };
@@ -249,7 +249,7 @@ class SecondaryDecoder : public EngineDecoder {
     (void)count_pass();
     if (start_.on() || flush_.on() || done_.on()) drop();
     fetch();
-    if (valid_.on()) sweep();
+    if (valid_.on()) follow_head();
   }
 
  private:
@@ -275,7 +275,7 @@ class SecondaryDecoder : public EngineDecoder {
     fetched_.push_back({std::move(*half_), number_.decimal()});
     half_.reset();
   }
-  void sweep() {
+  void follow_head() {
     if (fetched_.empty()) {  // requested before the file begins
       fetched_.push_back({begin(), ""});
       field(fetched_.back().open.t, "pass", pass());

@@ -26,11 +26,11 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kFreshRays = std::size_t{1} << 20;
 
 /// Compares records with the reference's traversal. Error kMismatch at a difference.
-void compare(BvhFigures& figures, reference::Traversal& walk, std::span<const Ray> rays,
+void compare(BvhFigures& figures, reference::Traversal& traversal, std::span<const Ray> rays,
              std::span<const Record> records) {
   for (std::size_t i = 0; i < rays.size(); ++i)
     if (!same_bits(records[i],
-                   walk.trace(rays[i], static_cast<std::uint32_t>(i), Mode::kNearest)[0]))
+                   traversal.trace(rays[i], static_cast<std::uint32_t>(i), Mode::kNearest)[0]))
       throw Error(ErrorCode::kMismatch, fmt::format("ray {} differs from the reference", i));
   figures.records_compared += rays.size();
 }
@@ -47,10 +47,10 @@ BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh,
   const auto passed = [&] { return 1e-12 * static_cast<double>(board.time_ps() - before); };
   board.upload(mesh, bvh);
   card.upload_seconds = passed();
-  reference::Traversal walk(mesh, bvh);
+  reference::Traversal traversal(mesh, bvh);
   const Query query{.through = Through::kBvh};
   board.load(rays.first(kBvhPacket));
-  compare(figures, walk, rays.first(kBvhPacket), board.run(query, &card.packet));
+  compare(figures, traversal, rays.first(kBvhPacket), board.run(query, &card.packet));
   const RecordSink keep = [&](std::span<const Record> some) {
     records.insert(records.end(), some.begin(), some.end());
   };
@@ -59,7 +59,7 @@ BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh,
   const auto start = Clock::now();
   card.stream = board.cast(rays, query, keep);
   card.wall_seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  compare(figures, walk, rays, records);
+  compare(figures, traversal, rays, records);
   std::vector<Triangle> triangles(mesh.faces.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = mesh.triangle(i);
   before = board.time_ps();

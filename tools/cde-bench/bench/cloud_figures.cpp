@@ -83,12 +83,12 @@ CloudFigures of_cloud(Board& board, std::size_t count) {
                                        records.insert(records.end(), some.begin(), some.end());
                                      });
   };
-  figures.swept_cycles = cast(kBvhPacket, Through::kSweep).cycles;
+  figures.brute_force_cycles = cast(kBvhPacket, Through::kBruteForce).cycles;
   figures.packet = cast(kBvhPacket, Through::kBvh);
   figures.stream = cast(kBvhRing, Through::kBvh);
-  reference::Traversal walk(all, bvh);
+  reference::Traversal traversal(all, bvh);
   for (std::uint32_t i = 0; i < primaries.size(); ++i)
-    if (!same_bits(records[i], walk.trace(primaries[i], i, Mode::kNearest)[0]))
+    if (!same_bits(records[i], traversal.trace(primaries[i], i, Mode::kNearest)[0]))
       throw Error(ErrorCode::kMismatch, fmt::format("sphere {} differs from the reference", i));
   return figures;
 }
@@ -120,7 +120,7 @@ ordered_json clouds_json(const std::vector<CloudFigures>& figures, double clock_
                    {"seconds_of_a_packet", each(f.packet, kBvhPacket) / clock_hz},
                    {"seconds_of_a_stream", each(f.stream, kBvhRing) / clock_hz},
                    {"lanes", f.lanes},
-                   {"swept_cycles", f.swept_cycles},
+                   {"brute_force_cycles", f.brute_force_cycles},
                    {"refit_seconds", f.refit_seconds},
                    {"bvh_upload_seconds", f.bvh_upload_seconds}});
   return all;
@@ -135,7 +135,7 @@ void show_clouds(const std::vector<CloudFigures>& figures, double clock_hz) {
         f.secondaries, fmt::format("{}s:", name(f.shape)),
         duration(static_cast<double>(f.packet.cycles) / clock_hz), each(f.packet, kBvhPacket),
         each(f.stream, kBvhRing), f.lanes,
-        duration(static_cast<double>(f.swept_cycles) / clock_hz), duration(f.refit_seconds),
+        duration(static_cast<double>(f.brute_force_cycles) / clock_hz), duration(f.refit_seconds),
         duration(f.bvh_upload_seconds));
 }
 

@@ -93,10 +93,10 @@ class Bench {
   }
 
   void check_nearest(const std::vector<Triangle>& triangles, const std::vector<Record>& records) {
-    reference::Traversal walk(terrain_, bvh_);
+    reference::Traversal traversal(terrain_, bvh_);
     double least = INFINITY;
     for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-      if (!same_bits(records[i], walk.trace(triangles[i], i, Mode::kNearest)[0]))
+      if (!same_bits(records[i], traversal.trace(triangles[i], i, Mode::kNearest)[0]))
         throw Error(ErrorCode::kMismatch, fmt::format("triangle {} differs from the reference", i));
       least = std::min(least, records[i].f ? 0.0 : static_cast<double>(records[i].t));
     }

@@ -51,7 +51,7 @@ struct Setup {
 /// A terrain with a BVH, and the best card with brute force on the same rays.
 struct WithBvh {
   BvhFigures figures;
-  Entry sweep;
+  Entry brute_force;
 };
 
 struct ReproduceOptions {

@@ -333,10 +333,10 @@ void figure7(Lab& lab, std::size_t count) {
 }
 
 /// Entries of Figure 5 for the same frame: the best card's brute force, and Embree if available.
-std::optional<EmbreeFrames> of_figure5(const Experiment& e, Entry& sweep) {
+std::optional<EmbreeFrames> of_figure5(const Experiment& e, Entry& brute_force) {
   EmbreeFrames frames;
   for (const Entry& entry : e.entries) {
-    if (entry.source == Source::kCard) sweep = entry;  // the last one is the best card's
+    if (entry.source == Source::kCard) brute_force = entry;  // the last one is the best card's
     if (entry.spread) (entry.warm ? frames.warm : frames.fresh) = *entry.spread;
   }
   return EmbreeRival::available() ? std::optional(frames) : std::nullopt;
@@ -398,7 +398,7 @@ void with_bvh(Lab& lab, const Mesh& terrain) {
     lab.step(4, "with a BVH, " + name);
     WithBvh row;
     std::optional<EmbreeFrames> known;
-    if (&mesh == &meshes.back()) known = of_figure5(lab.result.figure5.back(), row.sweep);
+    if (&mesh == &meshes.back()) known = of_figure5(lab.result.figure5.back(), row.brute_force);
     row.figures =
         measure_bvh(mesh, tree_rays_of(lab.result.options), lab.result.options.clock_hz, known);
     lab.result.records_compared += row.figures.records_compared;
@@ -407,7 +407,7 @@ void with_bvh(Lab& lab, const Mesh& terrain) {
       best.board().upload(mesh);
       const std::vector<Ray> rays = flight_rays(mesh, kBvhPacket);
       std::vector<Record> records;
-      row.sweep = best.frame(Pair::kRayTriangle, Mode::kNearest, std::span(rays), {}, records);
+      row.brute_force = best.frame(Pair::kRayTriangle, Mode::kNearest, std::span(rays), {}, records);
       compare_records(lab, records, reference::cast(rays, triangles_of(mesh), Mode::kNearest),
                       name);
     }

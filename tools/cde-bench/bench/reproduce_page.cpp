@@ -103,8 +103,8 @@ const Entry* named(const Experiment& e, std::string_view part) {
 }
 
 /// The pass of a brute-force frame.
-double without_bus(const Entry& sweep) {
-  return sweep.split->compute + sweep.split->memory;
+double without_bus(const Entry& brute_force) {
+  return brute_force.split->compute + brute_force.split->memory;
 }
 
 double with_bus(const Counters& counters) {
@@ -121,7 +121,7 @@ std::string bvh_card(const Reproduction& r) {
 }
 constexpr const char* kBvhBus = "PCI 64/66, host profile ideal, bursts of 4,096 bytes";
 
-std::string sweep_card(const Reproduction& r) {
+std::string brute_force_card(const Reproduction& r) {
   return fmt::format("{} lanes, {}", r.options.lanes, clock_of(r));
 }
 
@@ -141,7 +141,7 @@ std::string bvh_in_short(const WithBvh& row) {
   return fmt::format(
       "{} rays against {} triangles with a BVH, which the paper does not have: a card with "
       "traversal units takes {}. Compared with brute force on the best card it is {}{}.",
-      kBvhPacket, grouped(f.triangles), duration(card), against(card, row.sweep.seconds), rival);
+      kBvhPacket, grouped(f.triangles), duration(card), against(card, row.brute_force.seconds), rival);
 }
 
 /// The card with a BVH compared with brute force and Embree, without and with the bus.
@@ -158,8 +158,8 @@ std::string bvh_summary(const WithBvh& row) {
                                "traversal units and DDR-400 takes {} from go to done and {} with "
                                "all bus transfers; brute force on the best card takes {} and {}.",
                                kBvhPacket, grouped(f.triangles), duration(alone), duration(all),
-                               duration(without_bus(row.sweep)), duration(row.sweep.seconds)) +
-                           said("brute force", without_bus(row.sweep), row.sweep.seconds);
+                               duration(without_bus(row.brute_force)), duration(row.brute_force.seconds)) +
+                           said("brute force", without_bus(row.brute_force), row.brute_force.seconds);
   if (!f.embree) return text + " Embree is not in this build of cde.";
   const double fresh = f.embree->frame.fresh.median, warm = f.embree->frame.warm.median;
   return fmt::format(
@@ -184,7 +184,7 @@ std::string bvh_lines(const Reproduction& r, const Json& machine) {
   for (const WithBvh& row : r.bvh) {
     const BvhFigures& f = row.figures;
     const Counters& packet = f.cards.back().packet;
-    std::vector<double> y = {f.seconds(packet.cycles), with_bus(packet), row.sweep.seconds};
+    std::vector<double> y = {f.seconds(packet.cycles), with_bus(packet), row.brute_force.seconds};
     if (embree) y.insert(y.end(), {f.embree->frame.fresh.median, f.embree->frame.warm.median});
     for (std::size_t k = 0; k < lines.size(); ++k) {
       lines[k].x.push_back(static_cast<double>(f.triangles));
@@ -196,7 +196,7 @@ std::string bvh_lines(const Reproduction& r, const Json& machine) {
              "<p class=\"note\">256 rays, nearest hits. Solid lines, modelled cycles: the card "
              "with a BVH ({}, DDR-400) and brute force on the best card ({}, ideal memory), both "
              "on {}.{}</p>\n",
-             bvh_card(r), sweep_card(r), kBvhBus,
+             bvh_card(r), brute_force_card(r), kBvhBus,
              embree ? fmt::format(" Dashed lines, processor time of {}: Embree.",
                                   escaped(embree_on(machine)))
                     : "");
@@ -237,7 +237,7 @@ std::string bvh_tables(const Reproduction& r, const Json& machine) {
   const std::string embree = there ? fmt::format("; Embree: measured, {}", embree_on(machine)) : "",
                     card = fmt::format("Card: modelled, {}, on {}", bvh_card(r), kBvhBus),
                     both = fmt::format("{}; brute force: modelled, {}, ideal memory, same bus{}",
-                                       card, sweep_card(r), embree);
+                                       card, brute_force_card(r), embree);
   std::string html = bvh_table(
       r,
       fmt::format("256 rays. {}{}", both,
@@ -249,8 +249,8 @@ std::string bvh_tables(const Reproduction& r, const Json& machine) {
         const BvhFigures& f = row.figures;
         return {duration(f.seconds(f.cards.front().packet.cycles)),
                 duration(f.seconds(f.cards.back().packet.cycles)),
-                duration(with_bus(f.cards.back().packet)), duration(without_bus(row.sweep)),
-                duration(row.sweep.seconds)};
+                duration(with_bus(f.cards.back().packet)), duration(without_bus(row.brute_force)),
+                duration(row.brute_force.seconds)};
       },
       [](const BvhEmbree& e, const BvhFigures&) -> std::vector<std::string> {
         return {spread_of(e.frame.fresh), spread_of(e.frame.warm)};
@@ -507,9 +507,9 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
   }
   for (const WithBvh& row : r.bvh) {
     Json one = bvh_json(row.figures);
-    one["sweep"] = {{"name", row.sweep.name},
-                    {"packet_seconds", without_bus(row.sweep)},
-                    {"packet_seconds_with_bus", row.sweep.seconds}};
+    one["brute_force"] = {{"name", row.brute_force.name},
+                    {"packet_seconds", without_bus(row.brute_force)},
+                    {"packet_seconds_with_bus", row.brute_force.seconds}};
     j["bvh"].push_back(std::move(one));
   }
   return j;

@@ -53,7 +53,7 @@ template <class Solid>
 class Bench {
  public:
   Bench(const Mesh& mesh, const Bvh& bvh, Board& board, double quads)
-      : walk_(mesh, bvh), board_(board), mesh_(mesh) {
+      : traversal_(mesh, bvh), board_(board), mesh_(mesh) {
     figures_.shape = kShapeOf<Solid>;
     figures_.quads = quads;
     const float size = static_cast<float>(quads) * kQuad;
@@ -98,8 +98,8 @@ class Bench {
     for (std::size_t i = 0; i < solids_.size(); ++i) {
       const auto number = static_cast<std::uint32_t>(i);
       const bool same = mode == Mode::kOccluded
-                            ? records_[i].f == walk_.occluded(solids_[i])
-                            : same_bits(records_[i], walk_.trace(solids_[i], number, mode)[0]);
+                            ? records_[i].f == traversal_.occluded(solids_[i])
+                            : same_bits(records_[i], traversal_.trace(solids_[i], number, mode)[0]);
       if (!same)
         throw Error(ErrorCode::kMismatch, fmt::format("solid {} differs from the reference", i));
     }
@@ -124,7 +124,7 @@ class Bench {
   SolidFigures figures_;
   std::vector<Solid> solids_;
   std::vector<Record> records_;
-  reference::Traversal walk_;
+  reference::Traversal traversal_;
   Board& board_;
   const Mesh& mesh_;
 };

@@ -157,7 +157,7 @@ class SharedMemory {
     const std::uint64_t triangles = job.mesh.faces.size();
     cards_ = boards * triangles * 4 * words(Shape::kTriangle);
     if (o.check && !job.bvh &&
-        !reference::sweeps_fast(job.config.algorithm,
+        !reference::has_fast_brute_force(job.config.algorithm,
                                 job.config.format))  // the copy that the check makes
       cards_ += boards * triangles * sizeof(Triangle);
     // In double: 2^32 rays times 2^26 triangles of 64 bytes may exceed 64 bits.
@@ -207,7 +207,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
   }
   SharedMemory memory(o, job, shares.size(), job.rays.size() - shares.front().size);
   CastTask of_share = o;
-  of_share.swept_rays = (o.swept_rays + shares.size() - 1) / shares.size();
+  of_share.brute_force_rays = (o.brute_force_rays + shares.size() - 1) / shares.size();
   (void)SimulationModel::open(job.config.top(),
                         job.config.parameters());  // built once, before all cards need it
   for (std::size_t i = 0; i < shares.size(); ++i) {
@@ -235,7 +235,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
     all.hits += one.hits;
     all.compared += one.compared;
     all.matching += one.matching;
-    all.swept_rays += one.swept_rays;
+    all.brute_force_rays += one.brute_force_rays;
     if (all.difference.empty() && !one.difference.empty()) {
       all.difference = one.difference;
       all.first_difference = one.first_difference;

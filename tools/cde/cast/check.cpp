@@ -36,7 +36,7 @@ CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const Ray
       packet_(board.primaries()),
       check_([this] { return next(); },
              reference::told_of_rays(rays, job.mesh, command_of(o, job, mode))) {
-  swept_rays_ = std::min<std::uint64_t>(o.swept_rays, rays.size());
+  brute_force_rays_ = std::min<std::uint64_t>(o.brute_force_rays, rays.size());
   check_.place_by([&board, this](std::uint32_t ray) {
     return traversal_ ? fmt::format("clock {} (record read)", board.clocks())
                       : place_on_card(board, ray % packet_);
@@ -44,7 +44,7 @@ CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const Ray
   if (job.bvh) {
     traversal_.emplace(job.mesh, *job.bvh, job.config.algorithm);
   } else {
-    sweep_.emplace(rays, job.mesh, mode, Stencil(), packet_, std::span<const Object>(),
+    brute_force_.emplace(rays, job.mesh, mode, Stencil(), packet_, std::span<const Object>(),
                    o.request.box, job.config.format, job.config.algorithm);
   }
 }
@@ -52,11 +52,11 @@ CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const Ray
 void CastCheck::end() {
   check_.compare_end();
   if (!traversal_) return;
-  while (swept_ < swept_rays_ && check_.difference().empty()) sweep_packet();
+  while (brute_force_done_ < brute_force_rays_ && check_.difference().empty()) brute_force_packet();
 }
 
 void CastCheck::report(CastOutcome& to) const {
-  to.swept_rays = swept_;
+  to.brute_force_rays = brute_force_done_;
   to.compared = check_.compared();
   to.matching = check_.matching();
   to.difference = check_.difference();
@@ -65,7 +65,7 @@ void CastCheck::report(CastOutcome& to) const {
 
 /// The next records of the reference; empty at the end.
 std::span<const Record> CastCheck::next() {
-  if (sweep_) return sweep_->next();
+  if (brute_force_) return brute_force_->next();
   while (first_ < rays_.size()) {
     const std::size_t first = first_, count = std::min<std::size_t>(packet_, rays_.size() - first);
     first_ += count;
@@ -102,12 +102,12 @@ void CastCheck::traverse_packet(std::size_t first, std::size_t count) {
 
 /// Compares evenly spread rays with brute force, all in one pass over the triangles, which is much
 /// faster than ray by ray.
-void CastCheck::sweep_packet() {
-  const std::uint64_t count = std::min<std::uint64_t>(card::kMostPrimaries, swept_rays_ - swept_);
+void CastCheck::brute_force_packet() {
+  const std::uint64_t count = std::min<std::uint64_t>(card::kMostPrimaries, brute_force_rays_ - brute_force_done_);
   std::vector<Ray> rays;
   std::vector<std::size_t> numbers;
-  for (std::uint64_t k = swept_; k < swept_ + count; ++k) {
-    numbers.push_back(static_cast<std::size_t>(k * rays_.size() / swept_rays_));
+  for (std::uint64_t k = brute_force_done_; k < brute_force_done_ + count; ++k) {
+    numbers.push_back(static_cast<std::size_t>(k * rays_.size() / brute_force_rays_));
     rays.push_back(rays_[numbers.back()]);
   }
   const Mode mode = mode_ == Mode::kOccluded ? Mode::kAny : mode_;
@@ -117,7 +117,7 @@ void CastCheck::sweep_packet() {
     r.primary = static_cast<std::uint32_t>(numbers[r.primary]);
     of_ray.push_back(r);
   }
-  for (std::uint64_t k = 0; k < count; ++k, ++swept_)
+  for (std::uint64_t k = 0; k < count; ++k, ++brute_force_done_)
     if (!as_all_triangles(traversed(numbers[k]), all[k])) return;
 }
 

@@ -27,17 +27,17 @@ class CastCheck {
   [[nodiscard]] std::span<const Record> next();
   [[nodiscard]] std::vector<Record> traversed(std::size_t ray);
   void traverse_packet(std::size_t first, std::size_t count);
-  void sweep_packet();
+  void brute_force_packet();
   [[nodiscard]] bool as_all_triangles(std::span<const Record> some, std::span<const Record> all);
 
   const CastJob& job_;
   Mode mode_;
   RayView rays_;
   unsigned packet_;
-  std::optional<reference::Sweep> sweep_;  ///< brute force; empty with a BVH
+  std::optional<reference::BruteForce> brute_force_;  ///< empty with a BVH
   std::optional<reference::Traversal> traversal_;
   std::vector<Record> traversed_;
-  std::uint64_t swept_rays_ = 0, swept_ = 0;
+  std::uint64_t brute_force_rays_ = 0, brute_force_done_ = 0;
   std::size_t first_ = 0;  ///< first ray of the next packet
   reference::RecordCheck check_;
 };

@@ -37,11 +37,11 @@ std::size_t rays_of_chunk(const CastTask& o, const CastJob& job) {
 /// The data before a chunk's rays. A picture's shadows have a mode of their own. The number of rays
 /// that are also checked by brute force depends on all rays of the run.
 struct InputHead {
-  std::uint64_t mode = 0, swept_rays = 0;
+  std::uint64_t mode = 0, brute_force_rays = 0;
 };
 
-std::string bytes_of(Mode mode, std::uint64_t swept_rays, const RayView& rays) {
-  const InputHead head{.mode = static_cast<std::uint64_t>(mode), .swept_rays = swept_rays};
+std::string bytes_of(Mode mode, std::uint64_t brute_force_rays, const RayView& rays) {
+  const InputHead head{.mode = static_cast<std::uint64_t>(mode), .brute_force_rays = brute_force_rays};
   std::string bytes(reinterpret_cast<const char*>(&head), sizeof head);
   bytes.reserve(sizeof head + rays.size() * sizeof(std::array<float, Ray::kWords>));
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -66,16 +66,16 @@ std::vector<Ray> rays_in(const std::string& input) {
 }
 
 /// How many rays before this one are also checked by brute force; these are spread evenly.
-std::uint64_t swept_before(std::size_t ray, const CastTask& o, const CastJob& job) {
+std::uint64_t brute_force_before(std::size_t ray, const CastTask& o, const CastJob& job) {
   if (!job.bvh || !o.check) return 0;
-  return std::min<std::uint64_t>(o.swept_rays, job.rays.size()) * ray / job.rays.size();
+  return std::min<std::uint64_t>(o.brute_force_rays, job.rays.size()) * ray / job.rays.size();
 }
 
 /// The head of a chunk's result. The name of the simulation model and the records follow. Ranks and
 /// journals must come from one build.
 struct Head {
   Counters counters;
-  std::uint64_t hits = 0, compared = 0, matching = 0, swept_rays = 0, upload_clocks = 0,
+  std::uint64_t hits = 0, compared = 0, matching = 0, brute_force_rays = 0, upload_clocks = 0,
                 config_hash = 0;
   double modelled_seconds = 0, simulation_seconds = 0;
   std::uint64_t model_bytes = 0, records = 0;
@@ -88,7 +88,7 @@ std::string as_bytes(const CastOutcome& r, std::span<const Record> records) {
                   .hits = r.hits,
                   .compared = r.compared,
                   .matching = r.matching,
-                  .swept_rays = r.swept_rays,
+                  .brute_force_rays = r.brute_force_rays,
                   .upload_clocks = r.upload_clocks,
                   .config_hash = r.config_hash,
                   .modelled_seconds = r.modelled_seconds,
@@ -109,7 +109,7 @@ CastOutcome outcome_in(const std::string& bytes, std::size_t first, std::vector<
   r.hits = head.hits;
   r.compared = head.compared;
   r.matching = head.matching;
-  r.swept_rays = head.swept_rays;
+  r.brute_force_rays = head.brute_force_rays;
   r.upload_clocks = head.upload_clocks;
   r.config_hash = head.config_hash;
   r.modelled_seconds = head.modelled_seconds;
@@ -140,7 +140,7 @@ class Sum {
     if (part != 0) all.counters.bad_primaries = bad;
     all.compared += one.compared;
     all.matching += one.matching;
-    all.swept_rays += one.swept_rays;
+    all.brute_force_rays += one.brute_force_rays;
     all.simulation_seconds += one.simulation_seconds;
     all.upload_clocks = std::max(all.upload_clocks, one.upload_clocks);
     all.model = std::move(one.model);
@@ -256,14 +256,14 @@ void begin_dealt(const CastTask& o, const CastJob& job) {
   if (o.partition == 1 && !dealing.asked(o.deal)) return;
   Json run = {{"verb", o.verb},
               {"mode", cde::name_of(o.request.mode)},
-              {"through", job.bvh ? "bvh" : "sweep"},
+              {"through", job.bvh ? "bvh" : "brute_force"},
               {"parameters", job.config.parameters()},
               {"checked", o.check},
               {"clock_hz", o.clock.mhz * 1e6},
               {"partition", o.partition},
               {"triangles", job.triangles},
               {"mesh", job.fingerprint}};
-  if (job.bvh && o.check) run["swept_rays"] = o.swept_rays;
+  if (job.bvh && o.check) run["brute_force_rays"] = o.brute_force_rays;
   if (!dealing.merges())
     run["config_hash"] =
         fmt::format("{:016x}", model_hash(job.config.top(), job.config.parameters()));
@@ -286,13 +286,13 @@ CastOutcome deal_rays(const CastTask& o, const CastJob& job, const std::string& 
     const std::size_t first = c / parts * rays;
     const RayView some = job.rays.subview(first, rays);
     return bytes_of(job.mode,
-                    swept_before(first + some.size(), o, job) - swept_before(first, o, job), some);
+                    brute_force_before(first + some.size(), o, job) - brute_force_before(first, o, job), some);
   };
   part.run = [&](std::uint64_t c, const std::string& input) {
     const auto p = static_cast<unsigned>(c % parts);
     const InputHead head = head_of(input);
     CastTask of_chunk = o;
-    of_chunk.swept_rays = head.swept_rays;
+    of_chunk.brute_force_rays = head.brute_force_rays;
     std::vector<Record> found;
     const CastOutcome one = cast_on(
         cards.card_of_part(p), of_chunk, cards.job_of(p), static_cast<Mode>(head.mode),

@@ -59,8 +59,8 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
        {"records_compared", r.compared},
        {"records_matching", r.matching},
        {"mismatches", r.compared - r.matching},
-       {"through", job.bvh ? "bvh" : "sweep"},
-       {"swept_rays", r.swept_rays},
+       {"through", job.bvh ? "bvh" : "brute_force"},
+       {"brute_force_rays", r.brute_force_rays},
        {"checked", o.check}});
   return j;
 }
@@ -132,7 +132,7 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                     "{} of {} {} the reference{}", r.matching, counted(r.compared, "record"),
                     r.compared == 1 ? "matches" : "match",
                     job.bvh
-                        ? fmt::format("; {} rays also checked against every triangle", r.swept_rays)
+                        ? fmt::format("; {} rays also checked against every triangle", r.brute_force_rays)
                         : "")
               : "off");
 }

@@ -121,7 +121,7 @@ CastTask task_of(const CastWords& w) {
   t.clock = w.clock, t.timeout = w.timeout, t.deadline = w.deadline;
   t.json = w.json, t.quiet = w.quiet;
   t.check = w.checks != "false";
-  if (t.check && w.checks != "true") t.swept_rays = parse_check(w.checks);
+  if (t.check && w.checks != "true") t.brute_force_rays = parse_check(w.checks);
   check_files(t);
   check_options(w, t);
   t.trace.check();

@@ -54,7 +54,7 @@ struct CastTask {
   std::uint64_t deadline = 0;
   bool bits = false, json = false, quiet = false;
   bool check = true;              ///< every record is compared with the reference
-  std::uint64_t swept_rays = 64;  ///< with a BVH: rays also compared with brute force
+  std::uint64_t brute_force_rays = 64;  ///< with a BVH: rays also compared with brute force
 };
 
 /// Error kUsage for options that cannot be combined, before any work starts.

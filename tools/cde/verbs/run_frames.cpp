@@ -31,7 +31,7 @@ Json query_json(const std::string& name, const QueryFrame& f) {
                    {"download_clocks", f.download_clocks}});
   return {{"query", name},
           {"passes", f.passes},
-          {"swept_as", f.swept_as.empty() ? Json() : Json(f.swept_as)},
+          {"brute_force_reason", f.brute_force_reason.empty() ? Json() : Json(f.brute_force_reason)},
           {"records", f.counters.records},
           {"hits", f.hits},
           {"records_compared", f.compared},

@@ -380,8 +380,8 @@ class Run {
       totals_.add(j["queries"][q], scene_.queries[q]);
       warn_of_bad(scene_.queries[q].name, frame, counters["bad_primaries"].get<std::uint64_t>(),
                   counters["bad_secondaries"].get<std::uint64_t>());
-      const Json why = j["queries"][q].value("swept_as", Json());
-      if (!why.is_null() && swept_.insert(scene_.queries[q].name).second)
+      const Json why = j["queries"][q].value("brute_force_reason", Json());
+      if (!why.is_null() && brute_force_.insert(scene_.queries[q].name).second)
         say("cde: warning: frame {}, query '{}': brute force instead of a BVH: {}\n", frame,
             scene_.queries[q].name, why.get<std::string>());
     }
@@ -473,7 +473,7 @@ class Run {
     std::optional<Difference> difference;
     std::string repeat;
   } failure_;
-  std::set<std::string> warned_, swept_;  // names of queries with such a warning
+  std::set<std::string> warned_, brute_force_;  // names of queries with such a warning
   bool waves_whole_ = false;
   std::string waves_defect_;
 };

@@ -33,7 +33,7 @@ std::string sentence(const Effect& e) {
 }
 
 /// How a query tests its primaries and secondaries: with a BVH or by brute force.
-std::string way_text(const QueryWork& w) {
+std::string method_text(const QueryWork& w) {
   const std::string all = counted(w.tests, "test") + " in " + counted(w.rows, "row");
   if (!w.bvh) return all;
   return fmt::format("through a BVH in about {} instead of {}",
@@ -81,7 +81,7 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
                             {"packets", w.packets},
                             {"tests", w.tests},
                             {"rows", w.rows},
-                            {"through", w.bvh ? "bvh" : "sweep"},
+                            {"through", w.bvh ? "bvh" : "brute_force"},
                             {"bvh_clocks", clocks},
                             {"most_records", w.most_records},
                             {"secondary_words", w.secondary_words},
@@ -121,7 +121,7 @@ void print_plan(const Scene& scene, const Plan& plan) {
         fmt::format("{} primar{} in {}, {} secondar{}: {}; {} for primaries, {} for changed "
                     "secondaries, of {}",
                     w.primaries, w.primaries == 1 ? "y" : "ies", counted(w.packets, "packet"),
-                    w.secondaries, w.secondaries == 1 ? "y" : "ies", way_text(w),
+                    w.secondaries, w.secondaries == 1 ? "y" : "ies", method_text(w),
                     counted(w.primary_words, "word"),
                     plan.resident ? w.moved_words : w.secondary_words, w.secondary_words),
         kName);

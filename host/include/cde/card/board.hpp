@@ -97,7 +97,7 @@ class Board {
   /// card has no traversal units, or the BVH has another number of triangles. Error kCapacity, with
   /// the sizes: its node or slot memory is too small.
   void upload(const TriangleView& triangles, const Bvh& bvh, bool validate = true);
-  /// The same for spheres, AABBs or OBBs; way_through() lists their pairs. Only the number of the
+  /// The same for spheres, AABBs or OBBs; traversal_shapes() lists their pairs. Only the number of the
   /// BVH's secondaries is checked. A bad secondary in the BVH is not flagged, so `validate` may be
   /// off only for valid data.
   void upload(std::span<const Sphere> spheres, const Bvh& bvh, bool validate = true);
@@ -189,7 +189,7 @@ class Board {
   [[nodiscard]] std::vector<Record> run(const Query& query, Counters* counters = nullptr);
 
   /// Why run() or cast() would not traverse the BVH for a query; nothing if they would.
-  [[nodiscard]] std::optional<std::string> no_way_through(const Query& query) const;
+  [[nodiscard]] std::optional<std::string> why_not_traversable(const Query& query) const;
 
   /// load() and run() for any number of rays, in packets of primaries(). Each packet is made when
   /// its turn comes. A stencil masks the same slots in every packet. `primary` of the records
@@ -197,7 +197,7 @@ class Board {
   /// and records come in the same order.
   Counters cast(const RayView& rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(const RayView& rays, const Query& query = {});
-  /// The same for any number of shapes, as load_shapes() and run(). Pairs of way_through() traverse
+  /// The same for any number of shapes, as load_shapes() and run(). Pairs of traversal_shapes() traverse
   /// a BVH. Error kBadInput as for load_shapes(), before anything is sent.
   template <class P>
   Counters cast_shapes(std::span<const P> shapes, const Query& query, const RecordSink& sink,

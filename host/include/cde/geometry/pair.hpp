@@ -77,13 +77,13 @@ struct PairBudget {
 [[nodiscard]] bool has_box_rule(Pair pair);
 
 /// Primary and secondary shape of a pair that traverses a BVH.
-struct WayThrough {
+struct TraversalShapes {
   Shape primary, secondary;
 };
 /// The shapes of a pair that can traverse a BVH. `swap` is Query::swap: shape A is in the BVH.
 /// Nothing for a pair that only has brute-force passes. These are pairs with a cylinder or plane,
 /// and `swap` for rays and for equal shapes. A pair with an optional box rule needs that rule.
-[[nodiscard]] std::optional<WayThrough> way_through(Pair pair, bool swap);
+[[nodiscard]] std::optional<TraversalShapes> traversal_shapes(Pair pair, bool swap);
 
 /// Whether the certified filter can prove misses of a pair in narrow lanes
 /// (`BoardConfig::verdicts`).

@@ -53,7 +53,7 @@ struct BoardConfig {
                      ///< (`has_verdicts`) in modes any and hits. One lane of `format` tests the
                      ///< uncertain pairs. Records are the same
   unsigned traversal_units = 0;  ///< for a BVH: 0 (none), 1, 2 or 4. Only fp32 cards with a
-                                 ///< pair that can traverse a BVH (way_through())
+                                 ///< pair that can traverse a BVH (traversal_shapes())
   unsigned nodes = 65'536;  ///< nodes in its memory, a power of two up to 2^22; with eight slots of
                             ///< leaves per node
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
@@ -75,7 +75,7 @@ struct BoardConfig {
   [[nodiscard]] bool box_rule(Pair pair) const;
   /// Shapes with which a pair traverses a BVH on this card; nothing if it has brute-force passes
   /// only.
-  [[nodiscard]] std::optional<WayThrough> way_through(Pair pair, bool swap) const;
+  [[nodiscard]] std::optional<TraversalShapes> traversal_shapes(Pair pair, bool swap) const;
   /// NAME=VALUE for the builder, without values that are the RTL's defaults. Error kUsage, naming
   /// it, if a value is out of range.
   [[nodiscard]] std::vector<std::string> parameters() const;

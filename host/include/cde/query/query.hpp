@@ -27,7 +27,7 @@ struct SecondPair {
 enum class Through : std::uint8_t {
   kAuto,       ///< traverses the BVH if there is one that can answer the query
   kBvh,  ///< error kUsage, with the reason, if the BVH cannot answer the query
-  kSweep,
+  kBruteForce,
 };
 
 /// What a pass does.

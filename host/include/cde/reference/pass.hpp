@@ -50,7 +50,7 @@ class Pass {
 };
 
 /// A pair of a primary, and its treatment in a pass that keeps one record per primary.
-struct SweptPair {
+struct BruteForcePair {
   std::uint32_t secondary = 0;
   Record record;           ///< of the pair
   bool candidate = false;  ///< it may be kept
@@ -58,13 +58,13 @@ struct SweptPair {
 };
 
 /// All pairs of one primary, in the card's order: they explain its record.
-struct SweptPrimary {
-  std::vector<SweptPair> pairs;  ///< pairs that count. In modes all and hits candidates are pairs
+struct BruteForcePrimary {
+  std::vector<BruteForcePair> pairs;  ///< pairs that count. In modes all and hits candidates are pairs
                                  ///< with a record, and none is kept
   std::vector<Record> records;   ///< records of the primary in a Pass of the query
 };
 /// Errors as for Pass.
-[[nodiscard]] SweptPrimary sweep(const PassQuery& query, const Shapes& primaries,
+[[nodiscard]] BruteForcePrimary brute_force(const PassQuery& query, const Shapes& primaries,
                                  std::uint32_t number, const Shapes& secondaries);
 
 }  // namespace cde::reference

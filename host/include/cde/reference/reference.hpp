@@ -33,26 +33,26 @@ namespace cde::reference {
                                std::uint32_t index, bool box = false,
                                Algorithm algorithm = Algorithm::kMoller);
 
-/// Whether vector code handles the misses of a Sweep: moller and watertight in fp32. Other
+/// Whether vector code handles the misses of a BruteForce: moller and watertight in fp32. Other
 /// algorithms and formats take longer, and need a copy of the triangles.
-[[nodiscard]] bool sweeps_fast(Algorithm algorithm, FpFormat format);
+[[nodiscard]] bool has_fast_brute_force(Algorithm algorithm, FpFormat format);
 
 /// Records of a cast by brute force, computed in software; see Board::cast. It is fast enough for
 /// large scenes: vector code handles the misses, which are nearly all pairs. Hits go through the
 /// template.
-class Sweep {
+class BruteForce {
  public:
   /// Each packet of `packet` rays is tested against all triangles, or against those of the objects
   /// (Board::set_objects). Rays and triangles must outlive the object. `format`, here and below, is
   /// the card's: fp32 or a smaller one, to which rays, triangles and transforms are rounded.
-  /// Function sweeps_fast() tells which are fast. Error kUsage if no card has the format, or a
+  /// Function has_fast_brute_force() tells which are fast. Error kUsage if no card has the format, or a
   /// range of the objects exceeds the triangles.
-  Sweep(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
+  BruteForce(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
         unsigned packet = card::kMostPrimaries, std::span<const Object> objects = {},
         bool box = false, FpFormat format = {}, Algorithm algorithm = Algorithm::kMoller);
-  ~Sweep();
-  Sweep(const Sweep&) = delete;
-  Sweep& operator=(const Sweep&) = delete;
+  ~BruteForce();
+  BruteForce(const BruteForce&) = delete;
+  BruteForce& operator=(const BruteForce&) = delete;
 
   /// The next records in the card's order; empty at the end. Valid until the next call.
   [[nodiscard]] std::span<const Record> next();
@@ -74,7 +74,7 @@ class Sweep {
 [[nodiscard]] RecordCheck::Told told_of_rays(const RayView& rays, const TriangleView& triangles,
                                              std::string command);
 
-/// A record check against a Sweep with the same arguments, which must outlive it.
+/// A record check against a BruteForce with the same arguments, which must outlive it.
 class Checker : public RecordCheck {
  public:
   Checker(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
@@ -82,7 +82,7 @@ class Checker : public RecordCheck {
           bool box = false, FpFormat format = {}, Algorithm algorithm = Algorithm::kMoller);
 
  private:
-  Checker(std::shared_ptr<Sweep> sweep, Told told);
+  Checker(std::shared_ptr<BruteForce> brute_force, Told told);
 };
 
 }  // namespace cde::reference

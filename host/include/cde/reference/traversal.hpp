@@ -28,8 +28,8 @@ concept Solid = std::same_as<P, Sphere> || std::same_as<P, Aabb> || std::same_as
     std::same_as<P, Triangle>;
 
 /// Traverses a BVH over triangles, spheres, AABBs or OBBs with rays, spheres, AABBs, OBBs and
-/// triangles, for the pairs of way_through(), with the box rule. Results are bit-identical to those
-/// of Sweep or Pass with that rule, ties included.
+/// triangles, for the pairs of traversal_shapes(), with the box rule. Results are bit-identical to those
+/// of BruteForce or Pass with that rule, ties included.
 class Traversal {
  public:
   /// Both arguments must outlive the object. The algorithm is for rays. Error kUsage if the BVH has
@@ -62,7 +62,7 @@ class Traversal {
  private:
   enum class Goal { kNearest, kFarthest, kHits, kAny, kOccluded };
   template <class P>
-  class Walk;
+  class Trace;
   using Secondaries = std::variant<TriangleView, std::span<const Sphere>, std::span<const Aabb>,
                                    std::span<const Obb>>;
   Traversal(Secondaries secondaries, std::size_t count, std::string_view shape,

@@ -60,7 +60,7 @@ struct QueryFrame {
   /// during the pass, so most of that time counts as compute.
   std::uint64_t download_clocks = 0;
   std::uint64_t hits = 0;  ///< records with F = 1
-  std::string swept_as;  ///< why rays used brute force instead of the requested BVH; empty if they
+  std::string brute_force_reason;  ///< why rays used brute force instead of the requested BVH; empty if they
                          ///< traversed it
   std::uint64_t compared = 0;                  ///< records compared with the reference
   std::uint64_t mismatches = 0;                ///< differing, missing or extra records

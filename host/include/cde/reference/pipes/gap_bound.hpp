@@ -104,9 +104,9 @@ struct AxisGaps {
 template <typename S>
 [[nodiscard]] AxisGaps<S> axis_gaps(const Vector<S>& gap) {
   const S zero(0);
-  const Vector<S> way(max_num(gap[0], zero), max_num(gap[1], zero), max_num(gap[2], zero));
+  const Vector<S> clamped(max_num(gap[0], zero), max_num(gap[1], zero), max_num(gap[2], zero));
   const S widest = max_num(max_num(gap[0], gap[1]), gap[2]);
-  return {zero < widest, dot<S>(way, way), widest};
+  return {zero < widest, dot<S>(clamped, clamped), widest};
 }
 
 /// Sum of both half sizes: 3 add for two solids.

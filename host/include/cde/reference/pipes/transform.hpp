@@ -63,7 +63,7 @@ template <class P>
 
 /// Primitives as a pass tests them, and the slot of each.
 template <typename P>
-struct Swept {
+struct PassSecondaries {
   std::vector<P> shapes;
   std::vector<std::uint32_t> slots;
 };
@@ -72,9 +72,9 @@ struct Swept {
 /// without objects all of them unmoved. Ranges must lie within `shapes`, a span, vector or
 /// TriangleView.
 template <typename Shapes>
-[[nodiscard]] auto swept(const Shapes& shapes, std::span<const Object> objects,
+[[nodiscard]] auto pass_secondaries(const Shapes& shapes, std::span<const Object> objects,
                          FpFormat format = {}) {
-  Swept<std::remove_cvref_t<decltype(shapes[0])>> all;
+  PassSecondaries<std::remove_cvref_t<decltype(shapes[0])>> all;
   for (const Object& object : objects) {
     for (std::uint32_t i = object.first; i < object.first + object.count; ++i) {
       all.shapes.push_back(transformed_in(format, object.transform, shapes[i]));

@@ -267,11 +267,11 @@ template <typename S, typename Gap>
   const S dd = dot<S>(x.v, x.v);
   const S d = square_root(dd);
   const S inverse = S{1} / d;
-  const Direction<S> way{scale<S>(x.v, inverse), d, inverse};
-  const PointGap<S> known = point_gap(way);
+  const Direction<S> direction{scale<S>(x.v, inverse), d, inverse};
+  const PointGap<S> known = point_gap(direction);
   const auto point = apart && usable(dd) && facets.s - tie <= known.gap;
   return {select(point, known.s, facets.s),
-          select<S>(point, way.n, facets.n),
+          select<S>(point, direction.n, facets.n),
           {select<S>(point, x.v, facets.x.v), select<S>(point, x.p, facets.x.p)}};
 }
 

@@ -308,11 +308,11 @@ template <typename S, std::size_t N, typename Support>
   const Facet<S>& witness = of_facets.witness;
   const Nearest<S> nearest = polish_twice<S>(of_facets.start, tie, support);
   return decide<S>({s, witness.n, settle<S>(witness.x, s, witness.n, a)}, nearest.x, S{0} < s, tie,
-                   [&](const Direction<S>& way) {
+                   [&](const Direction<S>& direction) {
                      // The distance is between the two bounds: the midpoint has at most half the
                      // error.
-                     const S gap = way.d - nearest.slack * way.inverse;
-                     return PointGap<S>{gap, (way.d + max_num(s, gap)) * kHalf<S>};
+                     const S gap = direction.d - nearest.slack * direction.inverse;
+                     return PointGap<S>{gap, (direction.d + max_num(s, gap)) * kHalf<S>};
                    });
 }
 

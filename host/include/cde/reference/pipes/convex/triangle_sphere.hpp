@@ -35,8 +35,8 @@ template <typename S>
   const S plane_gap = magnitude(closest.h);
   const Vector<S> to_plane = scale<S>(n, plane_gap);
   const SignedGap<S> centre = decide<S>(
-      {plane_gap, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie, [&](const Direction<S>& way) {
-        return PointGap<S>{least_along<S>(t.p, way.n).value, way.d};
+      {plane_gap, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie, [&](const Direction<S>& direction) {
+        return PointGap<S>{least_along<S>(t.p, direction.n).value, direction.d};
       });
   const S s = centre.s - b.r;
   // CP = pA + (s / 2) n, relative to the sphere's centre.

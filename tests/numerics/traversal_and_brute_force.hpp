@@ -12,7 +12,7 @@
 
 #include "cde/reference/pass.hpp"
 #include "cde/reference/traversal.hpp"
-#include "pair_through.hpp"
+#include "bvh_pair.hpp"
 
 /// Primaries against a BVH, compared with brute force.
 namespace cde::testing {
@@ -24,9 +24,9 @@ inline bool full() {
 
 /// Brute-force records, by ascending primary, then index.
 template <class P, class Secondary>
-std::vector<Record> swept(const std::vector<Secondary>& all, const std::vector<P>& primaries,
+std::vector<Record> brute_force(const std::vector<Secondary>& all, const std::vector<P>& primaries,
                           Mode mode) {
-  const auto [pair, swap] = pair_through<P, Secondary>();
+  const auto [pair, swap] = bvh_pair<P, Secondary>();
   std::vector<Record> records;
   const Shapes secondaries = all;
   for (std::size_t first = 0; first < primaries.size(); first += 256) {
@@ -56,16 +56,16 @@ void expect_all_records(const std::vector<Secondary>& all, const std::vector<P>&
                         std::span<const Mode> modes, std::size_t least, const Text& text) {
   std::size_t meet = 0;
   for (const Mode mode : modes) {
-    const std::vector<Record> should = swept(all, primaries, mode);
+    const std::vector<Record> should = brute_force(all, primaries, mode);
     for (const unsigned leaf : {1u, 2u}) {
       const Bvh bvh = Bvh::build(all, {.leaf = leaf});
-      reference::Traversal walk(all, bvh);
+      reference::Traversal traversal(all, bvh);
       std::vector<Record> own;
       for (std::uint32_t i = 0; i < primaries.size(); ++i) {
-        const std::vector<Record> some = walk.trace(primaries[i], i, mode);
+        const std::vector<Record> some = traversal.trace(primaries[i], i, mode);
         own.insert(own.end(), some.begin(), some.end());
         if (mode == Mode::kAny) {
-          EXPECT_EQ(walk.occluded(primaries[i]), some[0].f);
+          EXPECT_EQ(traversal.occluded(primaries[i]), some[0].f);
         }
       }
       ASSERT_EQ(own.size(), should.size()) << name_of(mode);

@@ -6,19 +6,19 @@
 namespace cde::testing {
 
 /// The pair type for a primary and the secondaries of a BVH, and whether its roles are swapped.
-struct PairThrough {
+struct BvhPair {
   Pair pair;
   bool swap;
 };
 template <class P, class Secondary>
-PairThrough pair_through() {
+BvhPair bvh_pair() {
   for (unsigned p = 0; p < kPairs; ++p)
     for (const bool swap : {false, true}) {
-      const auto way = way_through(static_cast<Pair>(p), swap);
-      if (way && way->primary == kShapeOf<P> && way->secondary == kShapeOf<Secondary>)
+      const auto shapes = traversal_shapes(static_cast<Pair>(p), swap);
+      if (shapes && shapes->primary == kShapeOf<P> && shapes->secondary == kShapeOf<Secondary>)
         return {static_cast<Pair>(p), swap};
     }
-  throw Error(ErrorCode::kUsage, "no way through");
+  throw Error(ErrorCode::kUsage, "this pair cannot traverse a BVH");
 }
 
 }  // namespace cde::testing

@@ -2,7 +2,7 @@
 // The inside tests of ray_triangle_moller and ray_triangle_watertight for a packet of rays, written
 // for vectorisation: every ray gets the same operations, without branches. The results equal the
 // templates bit for bit.
-#include "reference/sweep.hpp"
+#include "reference/ray_block.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -4,7 +4,7 @@
 // Latency: 1 cycle from start_i to the first slot.
 // Throughput: one slot per cycle.
 // Stall: step_i; a slot stays until it is high.
-module range_walk #(
+module address_generator #(
     parameter int ENTRIES = 0,  // entries of the table; 0: no table
     localparam int ENTRY_W = (ENTRIES > 1) ? $clog2(ENTRIES) : 1
 ) (
@@ -72,6 +72,7 @@ module range_walk #(
     if (rst_i) left_q <= 0;
   end
 `ifndef SYNTHESIS
-  always_ff @(posedge clk_i) if (!rst_i) assert (!(step_i && !valid_o)) else $error("range_walk: a step past the end");
+  always_ff @(posedge clk_i)
+    if (!rst_i) assert (!(step_i && !valid_o)) else $error("address_generator: a step past the end");
 `endif
 endmodule

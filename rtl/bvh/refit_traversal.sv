@@ -5,7 +5,7 @@
 // Latency: 3 cycles to the first child.
 // Throughput: one child per cycle.
 // Stall: fetch_ready_i, room_i, written_i.
-module refit_walk #(
+module refit_traversal #(
     parameter int CX = 3,  // bits of a context's number, >= 1
     localparam int HEADER = 2 * bvh_pkg::PLACE + 16
 ) (
