@@ -179,7 +179,7 @@ module board #(
   logic streaming, prim_busy, flush, clear, fifo_empty, record_ready;
   logic [ROW_W-1:0] clear_row;
   logic [CONFIG.lanes-1:0] clear_mask;
-  logic [1:0] retire, ready, credit, gap;
+  logic [1:0] retire, ready, credit, solid;
   logic [PRIM_W:0] new_hits;
   engine_control #(.CONFIG(CONFIG)) control (
       .clk_i(clk_brute_force), .rst_i, .go_i(unit_valid[ENGINE]), .ready_o(unit_ready[ENGINE]),
@@ -207,7 +207,7 @@ module board #(
       .prim_addr_i(ddr_write_addr_o), .prim_data_i(ddr_write_data_o), .prim_bad_o(prim_bad), .prim_busy_o(prim_busy),
       .clk_moving_i(clk_moving), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit),
       .pose_number_i(pose_number), .pose_slot_i(pose_slot), .pair_i(pair), .swap_i(swap),
-      .split_i(command.split[PRIM_W-1:0]), .budget_i(command.budget), .gap_o(gap), .ready_o(ready), .clear_i(clear),
+      .split_i(command.split[PRIM_W-1:0]), .budget_i(command.budget), .solid_o(solid), .ready_o(ready), .clear_i(clear),
       .clear_row_i(clear_row), .clear_mask_i(clear_mask), .issue_i(issue),
       .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode), .streaming_i(streaming),
       .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
@@ -226,7 +226,7 @@ module board #(
   logic clk_ring, ring_active;
   record_maker #(.CONFIG(CONFIG)) records (
       .clk_i(clk_brute_force), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
-      .second_pair_i(pair[1]), .gap_i(gap), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
+      .second_pair_i(pair[1]), .solid_i(solid), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
       .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
       .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full),
       .sram_count_i(sram_count), .write_o(brute_force_write), .record_o(brute_force_record));

@@ -80,14 +80,14 @@ inline void turn(Signed& x) {
     near = near > n ? near : n;
     far = far < f ? far : f;
     if (!solid) continue;
-    const Children gap = n > ~f ? n : ~f;  // ~: less than zero by as much
-    const ChildrenFloat clamped = (ChildrenFloat)(gap > 0 ? gap : 0);
-    widest = widest > gap ? widest : gap;
+    const Children distance = n > ~f ? n : ~f;  // ~: less than zero by as much
+    const ChildrenFloat clamped = (ChildrenFloat)(distance > 0 ? distance : 0);
+    widest = widest > distance ? widest : distance;
     square += clamped * clamped;
   }
   near = near == kLeast ? Children{} + kNan : near;
   far = far == kMost ? Children{} + kNan : far;
-  if (solid) {  // node_gaps.sv
+  if (solid) {  // node_distances.sv
     near = widest > 0 ? (Children)square : widest == kLeast ? Children{} + kNan : widest;
     far = Children{} + kInfinite;
   }

@@ -2,7 +2,7 @@
 // Shared by primaries and nodes of a BVH: stage times and widths of words.
 `ifndef CDE_BVH_SVH
 `define CDE_BVH_SVH
-`include "gap_bound.svh"
+`include "distance_bound.svh"
 
 // Outputs of ray_front.sv: o +- M, and 1 / d.
 `define RAY_T_REACH (LAT.add + 3 * LAT.cmp)
@@ -13,12 +13,12 @@
 // Outputs of solid_front.sv: the corners of its box, widened.
 `define SOLID_T_FRONT(SHAPE) \
   (`DF_MAX2(`SHAPE_T_HULL(SHAPE) + `RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT.cmp) + 3 * LAT.add + LAT.mul)
-// Outputs of node_boxes.sv, near and far of all children: per axis, then combined. Then node_gaps.sv, for solids.
+// Outputs of node_boxes.sv, near and far of all children: per axis, then combined. Then node_distances.sv, for solids.
 `define NODE_T_AXES (LAT.add + 2 * LAT.mul + LAT.add)
 `define NODE_T_BOXES (`NODE_T_AXES + 2 * LAT.cmp)
-`define NODE_T_GAPS (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
+`define NODE_T_DISTANCES (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
 // Outputs of traversal_unit.sv: the children hit, in order.
-`define NODE_T_UNIT(SOLIDS) (((SOLIDS != 0) ? `NODE_T_GAPS : `NODE_T_BOXES) + 2)
+`define NODE_T_UNIT(SOLIDS) (((SOLIDS != 0) ? `NODE_T_DISTANCES : `NODE_T_BOXES) + 2)
 
 // State of a context: its number (CX bits), the number of groups on its stack, and a bit per group. The bit is set
 // while only the group's first child has been visited. A visit adds the node or leaf that the context goes to.

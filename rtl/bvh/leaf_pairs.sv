@@ -36,7 +36,7 @@ module leaf_pairs #(
     output logic [AT-1:0] at_o,
     output logic [LANES-1:0] f_o,  // of the secondaries present
     output logic [LANES-1:0] there_o,
-    // solids: the signed distance; key_o is what nodes compare it by (node_gaps.sv)
+    // solids: the signed distance; key_o is what nodes compare it by (node_distances.sv)
     output logic [LANES-1:0][31:0] t_o,
     output logic [LANES-1:0][31:0] key_o,
     output logic [POINTS-1:0][LANES-1:0][31:0] point_o,  // CP and, with normals, n
@@ -106,17 +106,17 @@ module leaf_pairs #(
             .clk_i, .enter_i(taken_q), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(point_pipe[2:0]),
             .n_o(point_pipe[5:3]), .latency_o(latency));
         `DF_IN(meets, f_pipe, 0)
-        `DF_IN(gap, t_pipe | (f_pipe & {LANES{SIGN}}), 0)
+        `DF_IN(distance, t_pipe | (f_pipe & {LANES{SIGN}}), 0)
         `DF_VIN(cp, point_pipe[2:0], 0)
         `DF_VIN(n, point_pipe[5:3], 0)
-        `DF_MUL(square, gap, gap)
+        `DF_MUL(square, distance, distance)
         `DF_AT(meets_late, meets, LAT.mul)
-        `DF_AT(gap_late, gap, LAT.mul)
+        `DF_AT(distance_late, distance, LAT.mul)
         `DF_VAT(cp_late, cp, LAT.mul)
         `DF_VAT(n_late, n, LAT.mul)
-        `DF_SELECT(key, meets_late, gap_late, square)
+        `DF_SELECT(key, meets_late, distance_late, square)
         assign f_of[p] = meets_late;
-        assign t_of[p] = gap_late;
+        assign t_of[p] = distance_late;
         assign key_of[p] = key;
         assign point_of[p] = {n_late, cp_late};
         assign latency_of[p] = latency + 16'(LAT.mul);

@@ -281,7 +281,7 @@ module traversal #(
   assign hit_point_o = point;
   assign hit_index_o = index;
   // A hit shrinks the T interval, and an occlusion query stops at its first hit. For solids, the interval is of keys up
-  // to that of the best distance (node_gaps.sv), without a lower bound.
+  // to that of the best distance (node_distances.sv), without a lower bound.
   always_comb begin
     interval_write = {2{take}};
     interval_context = taken;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which children of a node a ray hits, and the order of visits (node_boxes.sv, node_order.sv). For a solid,
-// node_gaps.sv replaces near, and no child is behind it.
+// node_distances.sv replaces near, and no child is behind it.
 // Latency: NODE_T_UNIT cycles (bvh.svh).
 // Throughput: one node per cycle.
 // Stall: none, runs free.
@@ -18,7 +18,7 @@ module traversal_unit #(
     input logic [31:0] floor_i,       // lowest T that counts
     input logic [31:0] limit_i,       // highest T that counts
     input logic farthest_i,
-    input logic solid_i,  // limit_i is a key of node_gaps.sv
+    input logic solid_i,  // limit_i is a key of node_distances.sv
     input logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
     output bvh_pkg::group_t group_o
 );
@@ -80,10 +80,10 @@ module traversal_unit #(
     if (SOLIDS != 0) begin : g_solids
       localparam logic [31:0] INFINITE = 32'h7f80_0000;
       logic [CHILDREN-1:0][31:0] key, near_then, far_then;
-      node_gaps #(
+      node_distances #(
           .EXP(EXP), .MAN(MAN), .LANES(CHILDREN), .LAT(LAT),
           .ARITH(ARITH)
-      ) gaps (
+      ) solid_keys (
           .clk_i, .near_i(near_axis), .far_i(far_axis), .key_o(key));
       align #(.W(2 * CHILDREN * 32), .FROM(`NODE_T_BOXES), .TO(T_BOXES)) align_near (
           .clk_i, .d_i({near, far}), .q_o({near_then, far_then}));

@@ -57,7 +57,7 @@ module cde #(
     input logic [1:0] swap_i,
     input logic [PRIM_W-1:0] split_i,  // first primary of the second pair
     input logic [23:0] budget_i,  // iterations of cylinder pairs
-    output logic [1:0] gap_o,  // the pair is one of solids
+    output logic [1:0] solid_o,  // the pair is one of solids
     output logic [1:0] ready_o,  // the pair's pipe takes a row
     input card_pkg::issue_t issue_i,
     input logic [31:0] index_i,
@@ -194,9 +194,9 @@ module cde #(
   end
   for (genvar k = 0; k < 2; k++) begin : of
     if (!MANY) begin : g_one
-      assign gap_o[k] = pairs_pkg::primary_shape($clog2(PAIRS)) != pairs_pkg::SHAPE_RAY;
+      assign solid_o[k] = pairs_pkg::primary_shape($clog2(PAIRS)) != pairs_pkg::SHAPE_RAY;
     end else begin : g_some
-      assign gap_o[k] = pairs_pkg::primary_shape(int'(pair_i[k])) != pairs_pkg::SHAPE_RAY;
+      assign solid_o[k] = pairs_pkg::primary_shape(int'(pair_i[k])) != pairs_pkg::SHAPE_RAY;
     end
   end
 
@@ -235,7 +235,7 @@ module cde #(
         .clk_i, .clk_prim_i(clk_prim), .prim_write_i(prim_commit && 32'(prim_lane) / 32'(GROUP) == 32'(g)),
         .prim_row_i(prim_row), .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i,
         .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]), .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]),
-        .pair_i(pair_i[PORTS-1:0]), .gap_i(gap_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe),
+        .pair_i(pair_i[PORTS-1:0]), .solid_i(solid_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe),
         .row_i(row_in), .secondary_i(secondary), .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0),
         .issue_i(ISSUE ? issue_i.valid[PORTS-1:0] : '0), .ring_row_i(RINGS ? row[PORTS-1:0] : '0),
         .ring_secondary_i(RINGS ? secondary_i : '0), .ring_bad_i(RINGS && secondary_bad_i),

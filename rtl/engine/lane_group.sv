@@ -47,7 +47,7 @@ module lane_group #(
     input logic [LANES-1:0] clear_bad_i /*verilator public_flat_rd*/,  // primaries out of contract
 
     input pairs_pkg::pair_t [PORTS-1:0] pair_i,  // pairs of the pass
-    input logic [PORTS-1:0] gap_i,        // a pair of solids: T is the size of a signed distance
+    input logic [PORTS-1:0] solid_i,      // a pair of solids: T is the size of a signed distance
     input logic [PORTS-1:0] swap_i,
     input logic [N_PAIRS-1:0] clk_pipe_i,  // each runs while its pipe is used
     input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
@@ -275,7 +275,7 @@ module lane_group #(
       assign n_pipe = pair[ONLY].g_there.n;
     end
     lane_results #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .NORMALS(NORMALS)) results (
-        .clk_i, .clear_i, .clear_row_i, .clear_mask_i, .clear_bad_i, .gap_i(gap_i[k]), .mode_i, .streaming_i,
+        .clk_i, .clear_i, .clear_row_i, .clear_mask_i, .clear_bad_i, .solid_i(solid_i[k]), .mode_i, .streaming_i,
         .valid_i(valid_i[k]), .row_i(row_out_i[k]), .parity_i(parity_i[k]), .index_i(index_i[k]),
         .secondary_bad_i(secondary_bad_i[k]), .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe),
         .new_hits_o(new_hits[k]), .f_o(f_stream[k]), .bad_o(bad_stream[k]), .unmasked_o(unmasked_stream[k]),

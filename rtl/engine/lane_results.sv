@@ -21,7 +21,7 @@ module lane_results #(
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,
     input logic [LANES-1:0] clear_bad_i,  // primaries out of contract
-    input logic gap_i,                    // a pair of solids: T is the size of a signed distance
+    input logic solid_i,                  // a pair of solids: T is the size of a signed distance
     input logic [2:0] mode_i,
     input logic streaming_i,
 
@@ -86,7 +86,7 @@ module lane_results #(
   end
 
   update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .POINTS(POINTS)) update (
-      .clk_i, .mode_i, .gap_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i,
+      .clk_i, .mode_i, .solid_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i,
       .parity_i, .index_i, .f_i(f), .bad_i(bad), .t_i(t_o), .point_i(point_o), .new_hits_o, .result_i, .result_row_i,
       .result_lane_i, .result_parity_i, .result_index_o, .result_t_o, .result_point_o);
   always_comb begin

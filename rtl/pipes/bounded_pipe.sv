@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pipe of a pair (scaled_pipe.sv). With BOUND, a signed distance below the box distance is raised to it
-// (gap_bound.sv). The bound comes from the unscaled pair. With BOUND, also its operators, 1 compare and 1 max.
+// (distance_bound.sv). The bound comes from the unscaled pair. With BOUND, also its operators, 1 compare and 1 max.
 // Latency: latency_o: the pipe's latency, and with BOUND LAT.cmp; 0 with ARITH = "host".
 // Throughput: LANES pairs per FACET_II cycles.
 // Stall: none, runs free.
-`include "gap_bound.svh"
+`include "distance_bound.svh"
 module bounded_pipe #(
     `DF_PARAMETERS,
     parameter int PAIR = 0,
@@ -21,7 +21,7 @@ module bounded_pipe #(
     input logic enter_i,
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam int LW = LANES * CW;
@@ -44,18 +44,18 @@ module bounded_pipe #(
       end
     end
     logic [LANES-1:0][CW-1:0] bound_now, bound_late;
-    gap_bound #(`DF_SAME, .A_SHAPE(A_SHAPE), .B_SHAPE(B_SHAPE)) of_boxes (
+    distance_bound #(`DF_SAME, .A_SHAPE(A_SHAPE), .B_SHAPE(B_SHAPE)) of_boxes (
         .clk_i, .a_i, .b_i(b_own), .bound_o(bound_now));
     if (ARITH == "rtl") begin : g_late  // the pipe's latency is a port value, not a parameter
       localparam int SLOWEST = latency_pkg::mean(LAT);
       logic unused_valid;
       issue_history #(.W(LW), .DEPTH(256 << $clog2(SLOWEST))) history (
-          .clk_i, .rst_i(1'b0), .latency_i(latency - 16'(`GAP_T_BOUND(A_SHAPE, B_SHAPE))), .valid_i(1'b1),
+          .clk_i, .rst_i(1'b0), .latency_i(latency - 16'(`DISTANCE_T_BOUND(A_SHAPE, B_SHAPE))), .valid_i(1'b1),
           .d_i(bound_now), .valid_o(unused_valid), .q_o(bound_late));
     end else begin : g_now
       assign bound_late = bound_now;
     end
-    gap_at_least #(`DF_SAME) at_least (
+    distance_at_least #(`DF_SAME) at_least (
         .clk_i, .bound_i(bound_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o, .t_o, .cp_o, .n_o);
     assign latency_o = latency + 16'(LAT.cmp);
   end else begin : g_pipe_alone

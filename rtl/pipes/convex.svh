@@ -103,10 +103,11 @@
   `DF_NEG(SLACK``_after, SLACK``_minus) `DF_LT(SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_SELECT(SLACK, SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_VSELECT(V, SLACK``_worse, ONCE_V, TWICE_V) `DF_VSELECT(P, SLACK``_worse, ONCE_P, TWICE_P)
-// Distance from the nearest point with length D, direction N and SLACK: GAP is the signed distance along N. The
-// distance lies between D and the larger of GAP and FACET_S; S is the middle of the two.
-`define DF_POINT_GAP(GAP, S, N, D, SLACK, FACET_S) `DF_MUL(GAP``_less, SLACK, N``_inverse) `DF_SUB(GAP, D, GAP``_less) \
-  `DF_MAX(S``_low, FACET_S, GAP) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
+// Distance from the nearest point with length D, direction N and SLACK: ALONG is the signed distance along N. The
+// distance lies between D and the larger of ALONG and FACET_S; S is the middle of the two.
+`define DF_POINT_DISTANCE(ALONG, S, N, D, SLACK, FACET_S) `DF_MUL(ALONG``_less, SLACK, N``_inverse) \
+  `DF_SUB(ALONG, D, ALONG``_less) \
+  `DF_MAX(S``_low, FACET_S, ALONG) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
   `DF_MUL(S, S``_twice, S``_half)
 
 // Witness points of the chosen axis FROM: the same point of B, and the nearest point of box A to its ideal place, S N

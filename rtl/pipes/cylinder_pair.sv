@@ -523,7 +523,7 @@ module cylinder_pair #(
   `DF_VADD(cp, origin, middle)
   `DF_SCALAR f_one, t_one, back_end, f_end, t_end, bad_end;
   `DF_VECTOR cp_one, n_one, cp_end, n_end;
-  gap_result #(`DF_SAME, .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(RESULT)) result (
+  distance_result #(`DF_SAME, .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(RESULT)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(s_n), .f_o(f_one), .t_o(t_one), .cp_o(cp_one), .n_o(n_one));
   align #(.W(LW), .FROM(0), .TO(RESULT), .ARITH(ARITH)) align_back_end (.clk_i, .d_i(back_mem[now_q]), .q_o(back_end));
   length_unscale #(`DF_SAME) unscale (

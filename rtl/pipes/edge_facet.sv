@@ -2,8 +2,8 @@
 // Candidate axis (SAT): a box's edge along axis I and an edge q + t f of the other body, low <= t <= 1.
 // The vector n is the edge normal (edge_normal.sv), turned by the sign of `side`. `sign_k` and `sign_l` choose the
 // box's edge on the side that n points to. Nearest points: solve t in the plane perpendicular to the axis, then s on
-// the box's edge, then t again for that s. The output gap is -inf if there is no normal. If s is not at an end, v_I is
-// 0. The output inverse_ff_o is 0 where t is at an end.
+// the box's edge, then t again for that s. The output separation is -inf if there is no normal. If s is not at an end,
+// v_I is 0. The output inverse_ff_o is 0 where t is at an end.
 // Operators: 11 add, 12 mul, 2 compare, 6 min/max.
 // Latency: LATENCY_EDGE_FACET cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
@@ -13,7 +13,7 @@ module edge_facet #(
     `DF_PARAMETERS,
     parameter int I = 0,         // axis, 0..2
     parameter bit CENTRED = 0,   // 1: low is -1; else 0
-    parameter int T_GAP = 0     // stage time of gap_i, at most LATENCY_EDGE_FACET
+    parameter int T_SEPARATION = 0  // stage time of separation_i, at most LATENCY_EDGE_FACET
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // half extents
@@ -27,8 +27,8 @@ module edge_facet #(
     input logic [LANES-1:0][CW-1:0] inverse2_i,
     input logic [LANES-1:0][CW-1:0] valid_i,
     input logic [LANES-1:0][CW-1:0] side_i,
-    input logic [LANES-1:0][CW-1:0] gap_i,
-    output logic [LANES-1:0][CW-1:0] gap_o,
+    input logic [LANES-1:0][CW-1:0] separation_i,
+    output logic [LANES-1:0][CW-1:0] separation_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
@@ -60,7 +60,7 @@ module edge_facet #(
   `DF_IN(inverse2, inverse2_i, 0)
   `DF_IN(valid, valid_i, 0)
   `DF_IN(side, side_i, 0)
-  `DF_IN(gap, gap_i, T_GAP)
+  `DF_IN(separation, separation_i, T_SEPARATION)
   `DF_CONST(zero, 0)
   `DF_CONST(one, ONE)
   `DF_CONST(low, LOW)
@@ -105,18 +105,18 @@ module edge_facet #(
   `DF_MOVE_SIGN(n_k_out, side, n_k)
   `DF_MOVE_SIGN(n_l_out, side, n_l)
   `DF_VAXES(n, I, zero, n_k_out, n_l_out)
-  `DF_SELECT(gap_valid, valid, gap, minus_inf)
+  `DF_SELECT(separation_valid, valid, separation, minus_inf)
 
   localparam int T_OUT = `LATENCY_EDGE_FACET;
   if (`DF_MAX2(T_d2, T_inverse_here) != T_OUT) $error("edge_facet: latency");
-  `DF_AT(gap_out, gap_valid, T_OUT)
+  `DF_AT(separation_out, separation_valid, T_OUT)
   `DF_VAT(n_out, n, T_OUT)
   `DF_VAT(v_out, v, T_OUT)
   `DF_VAT(p_out, p, T_OUT)
   `DF_AT(d2_out, d2, T_OUT)
   `DF_VAT(f_out, f, T_OUT)
   `DF_AT(inverse_out, inverse_here, T_OUT)
-  assign gap_o = gap_out;
+  assign separation_o = separation_out;
   assign n_o = n_out;
   assign v_o = v_out;
   assign p_o = p_out;

@@ -17,7 +17,7 @@ module facet_choice #(
 ) (
     input logic clk_i,
     input logic [1:0] phase_i,  // axes and tie are valid in phase 0
-    input logic [COUNT-1:0][LANES-1:0][CW-1:0] gap_i,
+    input logic [COUNT-1:0][LANES-1:0][CW-1:0] separation_i,
     input logic [COUNT-1:0][2:0][LANES-1:0][CW-1:0] n_i,
     input logic [COUNT-1:0][2:0][LANES-1:0][CW-1:0] v_i,
     input logic [COUNT-1:0][2:0][LANES-1:0][CW-1:0] p_i,
@@ -38,14 +38,15 @@ module facet_choice #(
   localparam int T_TREE = `LATENCY_LEAST(COUNT);
 
   // ---- The largest distance ----
-  logic [COUNT-1:0][LANES-1:0][CW-1:0] minus_gap;
+  logic [COUNT-1:0][LANES-1:0][CW-1:0] minus_separation;
   logic [LANES-1:0][CW-1:0] minus_largest;
   logic [2:0][LANES-1:0][CW-1:0] largest_normal;
   for (genvar i = 0; i < COUNT; i++) begin : g_key
-    fp_sign #(`DF_FORMAT, .OP(formats_pkg::SIGN_NEG)) sign (.a_i(gap_i[i]), .b_i(gap_i[i]), .r_o(minus_gap[i]));
+    fp_sign #(`DF_FORMAT, .OP(formats_pkg::SIGN_NEG)) sign (
+        .a_i(separation_i[i]), .b_i(separation_i[i]), .r_o(minus_separation[i]));
   end
-  least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(3), .LAT(LAT)) by_gap (
-      .clk_i, .key_i(minus_gap), .payload_i(n_i), .key_o(minus_largest), .payload_o(largest_normal));
+  least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(3), .LAT(LAT)) by_separation (
+      .clk_i, .key_i(minus_separation), .payload_i(n_i), .key_o(minus_largest), .payload_o(largest_normal));
   `DF_IN(minus_s, minus_largest, T_TREE)
   `DF_VIN(largest_n, largest_normal, T_TREE)
   `DF_IN(tie, tie_i, 0)
@@ -74,9 +75,9 @@ module facet_choice #(
   for (genvar i = 0; i < COUNT; i += TURNS) begin : g_witness
     localparam int USERS = (TURNS < COUNT - i) ? TURNS : COUNT - i;
     localparam int SECOND = (USERS > 1) ? i + 1 : i, THIRD = (USERS > 2) ? i + 2 : i;
-    `DF_IN(gap0, gap_i[i], 0)
-    `DF_IN(gap1, gap_i[SECOND], 0)
-    `DF_IN(gap2, gap_i[THIRD], 0)
+    `DF_IN(separation0, separation_i[i], 0)
+    `DF_IN(separation1, separation_i[SECOND], 0)
+    `DF_IN(separation2, separation_i[THIRD], 0)
     `DF_VIN(own_n0, n_i[i], 0)
     `DF_VIN(own_n1, n_i[SECOND], 0)
     `DF_VIN(own_n2, n_i[THIRD], 0)
@@ -86,15 +87,15 @@ module facet_choice #(
     `DF_VIN(p0, p_i[i], 0)
     `DF_VIN(p1, p_i[SECOND], 0)
     `DF_VIN(p2, p_i[THIRD], 0)
-    `DF_TURN_PASSING(gap, 0, phase, gap0, gap1, gap2)
+    `DF_TURN_PASSING(separation, 0, phase, separation0, separation1, separation2)
     `DF_VTURN_PASSING(own_n, 0, phase, own_n0, own_n1, own_n2)
     `DF_VTURN_PASSING(v, 0, phase, v0, v1, v2)
     `DF_VTURN_PASSING(p, 0, phase, p0, p1, p2)
     `DF_LEAD(own_lead, leading_held, own_n)
     `DF_MOVE_SIGN(agree, lead_held, own_lead)
     `DF_NEGATIVE(opposite, agree)
-    `DF_SELECT(least_gap, opposite, nearly_held, tied_held)
-    `DF_LE(ties, least_gap, gap)
+    `DF_SELECT(least_separation, opposite, nearly_held, tied_held)
+    `DF_LE(ties, least_separation, separation)
     `DF_VSELECT(n, ties, own_n, largest_n_held)
     `DF_VSCALE(ideal, n, s_held)
     `DF_VSUB(off, v, ideal)

@@ -13,14 +13,14 @@ module facet_results #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
-    input logic [LANES-1:0][CW-1:0] gap_i,
+    input logic [LANES-1:0][CW-1:0] separation_i,
     input logic [2:0][LANES-1:0][CW-1:0] n_i,
     input logic [2:0][LANES-1:0][CW-1:0] v_i,
     input logic [2:0][LANES-1:0][CW-1:0] p_i,
     input logic [LANES-1:0][CW-1:0] d2_i,
     input logic [2:0][LANES-1:0][CW-1:0] f_i,
     input logic [LANES-1:0][CW-1:0] inverse_ff_i,
-    output logic [TURNS-1:0][LANES-1:0][CW-1:0] gap_o,
+    output logic [TURNS-1:0][LANES-1:0][CW-1:0] separation_o,
     output logic [TURNS-1:0][2:0][LANES-1:0][CW-1:0] n_o,
     output logic [TURNS-1:0][2:0][LANES-1:0][CW-1:0] v_o,
     output logic [TURNS-1:0][2:0][LANES-1:0][CW-1:0] p_o,
@@ -30,7 +30,7 @@ module facet_results #(
 );
   /*verilator inline_module*/
   localparam int LW = LANES * CW;
-  after_turns #(.W(LW), .TURNS(TURNS), .ARITH(ARITH)) gap (.clk_i, .d_i(gap_i), .q_o(gap_o));
+  after_turns #(.W(LW), .TURNS(TURNS), .ARITH(ARITH)) separation (.clk_i, .d_i(separation_i), .q_o(separation_o));
   after_turns #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) n (.clk_i, .d_i(n_i), .q_o(n_o));
   after_turns #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) v (.clk_i, .d_i(v_i), .q_o(v_o));
   after_turns #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) p (.clk_i, .d_i(p_i), .q_o(p_o));

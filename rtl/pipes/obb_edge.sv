@@ -4,7 +4,8 @@
 // and M, O those after J. The support edges follow from n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI.
 // The inputs `sign_first` and `sign_second` belong to the last two, in the order of B's axes.
 // The side is that of n.t. If |n.t| <= tie, t has the sign of n's leading component on that side.
-// The gap is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|). Every term is projected, also n.f_J, which should be 0.
+// The separation is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|). Every term is projected, also n.f_J, which should
+// be 0.
 // Operators: 26 add, 22 mul, 4 compare, 6 min/max.
 // Latency: LATENCY_OBB_EDGE cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
@@ -31,7 +32,7 @@ module obb_edge #(
     input logic [LANES-1:0][CW-1:0] inverse2_i,
     input logic [LANES-1:0][CW-1:0] tie_i,
     input logic [LANES-1:0][CW-1:0] valid_i,
-    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [LANES-1:0][CW-1:0] separation_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
@@ -69,7 +70,7 @@ module obb_edge #(
   `DF_IN(tie, tie_i, 0)
   `DF_CONST(zero, 0)
 
-  // ---- The gap ----
+  // ---- The separation ----
   `DF_DOT2(height, n_k, t_k, n_l, t_l)
   `DF_ABS(abs_k, n_k)
   `DF_ABS(abs_l, n_l)
@@ -81,7 +82,7 @@ module obb_edge #(
   `DF_NORM1(radius, on_b)
   `DF_ABS(distance, height)
   `DF_SUB(beyond, distance, on_a)
-  `DF_SUB(gap, beyond, radius)
+  `DF_SUB(separation, beyond, radius)
 
   // ---- The side: component I of n is 0 ----
   `DF_VAXES(n, I, zero, n_k, n_l)
@@ -117,13 +118,13 @@ module obb_edge #(
   `DF_AT(inverse2_q, inverse2, T_q)
   `DF_AT(valid_q, valid, T_q)
   `DF_AT(side_q, side, T_q)
-  localparam int T_LATE = (T_gap > T_q) ? T_gap : T_q;
-  `DF_AT(gap_late, gap, T_LATE)
+  localparam int T_LATE = (T_separation > T_q) ? T_separation : T_q;
+  `DF_AT(separation_late, separation, T_LATE)
   if (T_q + `LATENCY_EDGE_FACET != `LATENCY_OBB_EDGE) $error("obb_edge: latency");
-  edge_facet #(`DF_SAME, .I(I), .CENTRED(1), .T_GAP(T_LATE - T_q)) facet (
+  edge_facet #(`DF_SAME, .I(I), .CENTRED(1), .T_SEPARATION(T_LATE - T_q)) facet (
       .clk_i, .a_i(a_q), .sign_k_i(sign_k_q), .sign_l_i(sign_l_q), .q_i(q), .f_i(f_q), .inverse_ff_i(inverse_ff_q),
       .n_k_i(n_k_q),
-      .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .gap_i(gap_late), .gap_o, .n_o, .v_o,
-      .p_o, .d2_o, .f_o,
+      .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .separation_i(separation_late),
+      .separation_o, .n_o, .v_o, .p_o, .d2_o, .f_o,
       .inverse_ff_o);
 endmodule

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Candidate axis (SAT): face I of box A, on the side of `side`'s sign, and the nearest corner of box B.
 // In A's frame, A's centre is 0 and its axes are e_i; B has centre t and half edges f_j. `signs` is component I of B's
-// turned axes. The gap is |t_I| - a_I - sum of |f_jI|. 18 add, 3 mul, 4 min/max.
+// turned axes. The separation is |t_I| - a_I - sum of |f_jI|. 18 add, 3 mul, 4 min/max.
 // Latency: LATENCY_OBB_FACE cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
 // Stall: none.
@@ -16,7 +16,7 @@ module obb_face #(
     input logic [2:0][2:0][LANES-1:0][CW-1:0] f_i,
     input logic [2:0][LANES-1:0][CW-1:0] signs_i,
     input logic [LANES-1:0][CW-1:0] side_i,
-    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [LANES-1:0][CW-1:0] separation_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
@@ -42,7 +42,7 @@ module obb_face #(
   `DF_NORM1(radius, across)
   `DF_ABS(distance, height)
   `DF_SUB(beyond, distance, a_axis)
-  `DF_SUB(gap, beyond, radius)
+  `DF_SUB(separation, beyond, radius)
 
   `DF_MOVE_SIGN(towards0, side, sign0)
   `DF_MOVE_SIGN(towards1, side, sign1)
@@ -56,6 +56,6 @@ module obb_face #(
   face_facet #(`DF_SAME, .I(I)) facet (
       .clk_i, .a_i(a_q), .side_i(side_q), .q_i(q), .n_o, .v_o, .p_o, .d2_o);
   if (T_q + `LATENCY_FACE_FACET != `LATENCY_OBB_FACE) $error("obb_face: latency");
-  `DF_AT(gap_out, gap, `LATENCY_OBB_FACE)
-  assign gap_o = gap_out;
+  `DF_AT(separation_out, separation, `LATENCY_OBB_FACE)
+  assign separation_o = separation_out;
 endmodule

@@ -20,7 +20,7 @@ module obb_obb #(
     input logic enter_i,  // a pair enters; used with FACET_II = 3
     input logic [14:0][LANES-1:0][CW-1:0] a_i,  // OBB: c x y z, half extents, rotation by rows
     input logic [14:0][LANES-1:0][CW-1:0] b_i,
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam int FACETS = 15;
@@ -109,7 +109,7 @@ module obb_obb #(
   `DF_VAT(t_faces_a, t_faces_b, T_FACES_A)
   `DF_MAT_AT(f_faces_a, f_faces_b, T_FACES_A)
 
-  logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
+  logic [FACETS-1:0][LANES-1:0][CW-1:0] separation, d2, inverse_ff;
   logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p, along;
 
   // ---- Faces. For B: the pair in B's frame, roles exchanged; the axis' vector and normal return to A's frame ----
@@ -140,7 +140,7 @@ module obb_obb #(
   `DF_MTURN(half_edges, 0, phase_faces, f_back_faces_b, f_faces_b, f_faces_b)
   `DF_MTURN(signs, 0, phase_faces, turned_faces_b, turned_columns_b, turned_columns_b)
   for (genvar j = 0; j < 3; j++) begin : g_face
-    logic [LANES-1:0][CW-1:0] gap_b, d2_b;
+    logic [LANES-1:0][CW-1:0] separation_b, d2_b;
     logic [2:0][LANES-1:0][CW-1:0] n_b, v_b, p_b;
     // A's position in B's frame: the normal is reversed.
     `DF_ROW(axis_b, r, j)
@@ -157,30 +157,30 @@ module obb_obb #(
     `DF_TURN(side_turn, 0, phase_faces, side_faces, height_a, height_a)
     obb_face #(`DF_SAME, .I(j)) face (
         .clk_i, .a_i(half_extents), .t_i(centre), .f_i(half_edges), .signs_i(signs[j]), .side_i(side_turn),
-        .gap_o(gap_b), .n_o(n_b),
+        .separation_o(separation_b), .n_o(n_b),
         .v_o(v_b), .p_o(p_b), .d2_o(d2_b));
     if (TURNS == 1) begin : g_a
       `DF_ROW(signs_b, turned_columns_b, j)
       `DF_VAT(signs_a, signs_b, T_FACES_A)
       obb_face #(`DF_SAME, .I(j)) face_a (
           .clk_i, .a_i(a_faces_a), .t_i(t_faces_a), .f_i(f_faces_a), .signs_i(signs_a), .side_i(t_faces_a[j]),
-          .gap_o(gap[j]),
+          .separation_o(separation[j]),
           .n_o(n[j]), .v_o(v[j]), .p_o(p[j]), .d2_o(d2[j]));
       logic unused;
       assign unused = &{1'b0, n_b, p_b};
     end else begin : g_a_in_turn
       localparam int T_V_A = T_V_B + 1;
-      `DF_IN(gap_turn, gap_b, T_V_A)
+      `DF_IN(separation_turn, separation_b, T_V_A)
       `DF_IN(d2_turn, d2_b, T_V_A)
       `DF_VIN(n_turn, n_b, T_V_A)
       `DF_VIN(v_turn, v_b, T_V_A)
       `DF_VIN(p_turn, p_b, T_V_A)
-      `DF_AT(gap_late, gap_turn, T_FACETS)
+      `DF_AT(separation_late, separation_turn, T_FACETS)
       `DF_AT(d2_late, d2_turn, T_FACETS)
       `DF_VAT(n_late, n_turn, T_FACETS)
       `DF_VAT(v_late, v_turn, T_FACETS)
       `DF_VAT(p_late, p_turn, T_FACETS)
-      assign gap[j] = gap_late;
+      assign separation[j] = separation_late;
       assign d2[j] = d2_late;
       assign n[j] = n_late;
       assign v[j] = v_late;
@@ -198,11 +198,11 @@ module obb_obb #(
     `DF_ROW(axis, r_facets, j)
     `DF_VFLIP(minus_n, side, axis)
     `DF_VNEG(n_a, minus_n)
-    `DF_IN(gap_early, gap_b, T_V_B)
+    `DF_IN(separation_early, separation_b, T_V_B)
     `DF_IN(d2_early, d2_b, T_V_B)
-    `DF_AT(gap_a, gap_early, T_FACETS)
+    `DF_AT(separation_a, separation_early, T_FACETS)
     `DF_AT(d2_a, d2_early, T_FACETS)
-    assign gap[3+j] = gap_a;
+    assign separation[3+j] = separation_a;
     assign d2[3+j] = d2_a;
     assign n[3+j] = n_a;
     assign v[3+j] = v_a;
@@ -243,7 +243,7 @@ module obb_obb #(
     `DF_VTURN(sign_second, j, phase_edges, minus_turned1, turned_edges0, minus_turned0)
     for (genvar i = 0; i < 3; i++) begin : g_edge_a
       localparam int K = (i + 1) % 3, L = (i + 2) % 3, FACET = 6 + 3 * i + j;
-      logic [LANES-1:0][CW-1:0] n_k, n_l, inverse2, valid, gap_e, d2_e, inverse_ff_e;
+      logic [LANES-1:0][CW-1:0] n_k, n_l, inverse2, valid, separation_e, d2_e, inverse_ff_e;
       logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, f_e;
       edge_normal #(`DF_SAME) normal (
           .clk_i, .f_k_i(f_early[K]), .f_l_i(f_early[L]), .n_k_o(n_k), .n_l_o(n_l), .inverse2_o(inverse2),
@@ -253,12 +253,13 @@ module obb_obb #(
           .sign_k_i(turned_j[K]),
           .sign_l_i(turned_j[L]), .sign_first_i(sign_first[i]), .sign_second_i(sign_second[i]),
           .inverse_ff_i(inverse_edges), .n_k_i(n_k),
-          .n_l_i(n_l), .inverse2_i(inverse2), .tie_i(tie_edges), .valid_i(valid), .gap_o(gap_e), .n_o(n_e), .v_o(v_e),
-          .p_o(p_e), .d2_o(d2_e), .f_o(f_e),
+          .n_l_i(n_l), .inverse2_i(inverse2), .tie_i(tie_edges), .valid_i(valid), .separation_o(separation_e),
+          .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(f_e),
           .inverse_ff_o(inverse_ff_e));
       facet_results #(`DF_FORMAT, .TURNS(TURNS)) facets (
-          .clk_i, .gap_i(gap_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(f_e), .inverse_ff_i(inverse_ff_e),
-          .gap_o(gap[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p[FACET+:TURNS]),
+          .clk_i, .separation_i(separation_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(f_e),
+          .inverse_ff_i(inverse_ff_e),
+          .separation_o(separation[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p[FACET+:TURNS]),
           .d2_o(d2[FACET+:TURNS]),
           .f_o(along[FACET+:TURNS]), .inverse_ff_o(inverse_ff[FACET+:TURNS]));
     end
@@ -273,7 +274,7 @@ module obb_obb #(
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
   facet_choice #(`DF_SAME, .COUNT(FACETS), .FACET_II(FACET_II)) choice (
-      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along),
+      .clk_i, .phase_i(phase_facets), .separation_i(separation), .n_i(n), .v_i(v), .p_i(p), .d2_i(d2), .f_i(along),
       .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
       .wide_tie_i(wide_tie_facets), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v),
@@ -317,9 +318,9 @@ module obb_obb #(
 
   // ---- The distance along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
-  `DF_POINT_GAP(gap_along, s_between, n_point, d_point, slack, s_facets)
+  `DF_POINT_DISTANCE(distance_along, s_between, n_point, d_point, slack, s_facets)
   `DF_DECIDE(s, n_local, v_local, p_local, s_facets, n_facets, v_facets, p_facets, s_between, n_point, v_point, p_point,
-      usable, gap_along, tie_facets)
+      usable, distance_along, tie_facets)
 
   // ---- Back to the world ----
   `DF_VSCALE(half_v, v_local, half)
@@ -328,5 +329,5 @@ module obb_obb #(
   `DF_VADD(cp, a_c, middle_world)
   `DF_APPLY(n_world, a_rotation, n_local)
 
-  `GAP_RESULT(s, cp, n_world)
+  `DISTANCE_RESULT(s, cp, n_world)
 endmodule

@@ -14,7 +14,7 @@ module obb_plane #(
     input logic clk_i,
     input logic [14:0][LANES-1:0][CW-1:0] a_i,  // OBB: c x y z, half extents, rotation by rows
     input logic [3:0][LANES-1:0][CW-1:0] b_i,  // plane: n x y z, d
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
@@ -61,5 +61,5 @@ module obb_plane #(
   `DF_VADD(from_c, offset, beyond)
   `DF_VADD(cp, c, from_c)
 
-  `GAP_RESULT(s, cp, n)
+  `DISTANCE_RESULT(s, cp, n)
 endmodule

@@ -19,7 +19,7 @@ module pair_pipe #(
     input logic enter_i,  // a pair enters; used with FACET_II = 3
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   if (HALF_SPACE != 0 && pairs_pkg::secondary_shape(PAIR) != pairs_pkg::SHAPE_PLANE)

@@ -27,16 +27,16 @@
       .clk_i, .hit_i(HIT), .t_i(T), .cp_i(CP), .f_o, .t_o, .cp_o);
 
 // ---- Convex pairs ----
-`define GAP_OUTPUTS \
+`define DISTANCE_OUTPUTS \
     output logic [LANES-1:0][CW-1:0] f_o, \
     output logic [LANES-1:0][CW-1:0] t_o, \
     output logic [2:0][LANES-1:0][CW-1:0] cp_o, \
     output logic [2:0][LANES-1:0][CW-1:0] n_o, \
     output logic [15:0] latency_o
 // F and T of the signed distance S, registered with CP and N.
-`define GAP_RESULT(S, CP, N) \
+`define DISTANCE_RESULT(S, CP, N) \
   localparam int LATENCY = `DF_MAX3(T_``CP, T_``N, T_``S + LAT.cmp) + 1; \
   assign latency_o = 16'(LATENCY); \
-  gap_result #(`DF_SAME, .T_S(T_``S), .T_CP(T_``CP), .T_N(T_``N), .LATENCY(LATENCY)) result ( \
+  distance_result #(`DF_SAME, .T_S(T_``S), .T_CP(T_``CP), .T_N(T_``N), .LATENCY(LATENCY)) result ( \
       .clk_i, .s_i(S), .cp_i(CP), .n_i(N), .f_o, .t_o, .cp_o, .n_o);
 `endif

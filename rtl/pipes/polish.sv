@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One polishing step. `near` is about the point of B - A nearest the origin, `far` the point least in its direction.
-// The gap along near.v is near.v.far.v / |near.v|. If that is less than |near.v| - `tie`, the result is the point
+// The distance along near.v is near.v.far.v / |near.v|. If that is less than |near.v| - `tie`, the result is the point
 // nearest the origin on the segment between them, else near. In a point, v is the point of B - A, and p the point of A
 // behind it.
-// The slack is near's: |near.v| (|near.v| - the gap).
+// The slack is near's: |near.v| (|near.v| - the distance).
 // Operators: 16 add, 13 mul, 1 div, 1 compare, 3 min/max.
 // Latency: LATENCY_POLISH cycles from the latest input; 0 with ARITH = "host".
 // Throughput: one point per lane per cycle.

@@ -20,7 +20,7 @@ module scaled_pipe #(
     input logic enter_i,
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam bit SCALED = pairs_pkg::scaled(PAIR, EXP);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lowest and highest points of a shape, per axis (reference/pipes/gap_bound.hpp). They are a triangle's least and
+// Lowest and highest points of a shape, per axis (reference/pipes/distance_bound.hpp). They are a triangle's least and
 // largest coordinates, an AABB's corners, or a solid's centre, which solid_half.sv extends.
 // Operators: 12 min/max for a triangle, else none.
-// Latency: SHAPE_T_HULL cycles (gap_bound.svh); 0 with ARITH = "host".
+// Latency: SHAPE_T_HULL cycles (distance_bound.svh); 0 with ARITH = "host".
 // Throughput: LANES shapes per cycle.
 // Stall: none.
-`include "gap_bound.svh"
+`include "distance_bound.svh"
 module shape_hull #(
     `DF_PARAMETERS,
     parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // sphere, OBB, triangle or AABB

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Half size of a solid's own box, per axis (reference/pipes/gap_bound.hpp). It is r for a sphere and |R| h for an OBB.
+// Half size of a solid's own box, per axis (reference/pipes/distance_bound.hpp). It is r for a sphere and |R| h for an
+// OBB.
 // It is 0 for a triangle or an AABB, whose box shape_hull.sv gives. OBB: 9 mul, 6 add.
-// Latency: SOLID_T_HALF cycles (gap_bound.svh); 0 with ARITH = "host".
+// Latency: SOLID_T_HALF cycles (distance_bound.svh); 0 with ARITH = "host".
 // Throughput: LANES solids per cycle.
 // Stall: none.
-`include "gap_bound.svh"
+`include "distance_bound.svh"
 module solid_half #(
     `DF_PARAMETERS,
     parameter int SHAPE = pairs_pkg::SHAPE_SPHERE,  // sphere, OBB, triangle or AABB

@@ -13,7 +13,7 @@ module sphere_obb #(
     input logic clk_i,
     input logic [3:0][LANES-1:0][CW-1:0] a_i,  // sphere: c x y z, r
     input logic [14:0][LANES-1:0][CW-1:0] b_i,  // OBB: c x y z, half extents, rotation by rows
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
@@ -85,5 +85,5 @@ module sphere_obb #(
   `DF_APPLY(world_m, rotation, m)
   `DF_VNEG(n, world_m)
 
-  `GAP_RESULT(s, cp, n)
+  `DISTANCE_RESULT(s, cp, n)
 endmodule

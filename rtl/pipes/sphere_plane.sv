@@ -13,7 +13,7 @@ module sphere_plane #(
     input logic clk_i,
     input logic [3:0][LANES-1:0][CW-1:0] a_i,  // sphere: c x y z, r
     input logic [3:0][LANES-1:0][CW-1:0] b_i,  // plane: n x y z, d
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] ONE = ((CW'(1) << (EXP - 1)) - 1) << MAN;
@@ -42,5 +42,5 @@ module sphere_plane #(
   `DF_VSCALE(offset, n, along)
   `DF_VADD(cp, c, offset)
 
-  `GAP_RESULT(s, cp, n)
+  `DISTANCE_RESULT(s, cp, n)
 endmodule

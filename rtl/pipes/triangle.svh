@@ -86,8 +86,9 @@
   `DF_NORM1(R``_2, R``_p2) `DF_MAX(R``_12, R``_1, R``_2) `DF_MAX(R, R``_0, R``_12)
 // For a projection LOW .. HIGH and a box's RADIUS about 0: the larger of the distances above and below the box, and its
 // SIDE, a sign.
-`define DF_SIDE(SIDE, GAP, LOW, HIGH, RADIUS, TIE, ORIENTATION) `DF_SUB(GAP``_above, LOW, RADIUS) \
-  `DF_NEG(GAP``_top, HIGH) \
-  `DF_SUB(GAP``_below, GAP``_top, RADIUS) `DF_MAX(GAP, GAP``_above, GAP``_below) `DF_ADD(SIDE``_h, LOW, HIGH) \
+`define DF_SIDE(SIDE, SEPARATION, LOW, HIGH, RADIUS, TIE, ORIENTATION) \
+  `DF_SUB(SEPARATION``_above, LOW, RADIUS) `DF_NEG(SEPARATION``_top, HIGH) \
+  `DF_SUB(SEPARATION``_below, SEPARATION``_top, RADIUS) `DF_MAX(SEPARATION, SEPARATION``_above, SEPARATION``_below) \
+  `DF_ADD(SIDE``_h, LOW, HIGH) \
   `DF_SIDE_OF(SIDE, SIDE``_h, TIE, ORIENTATION)
 `endif

@@ -17,7 +17,7 @@ module triangle_aabb #(
     input logic enter_i,  // a pair enters; used with FACET_II = 3
     input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle: v0 x y z, v1, v2
     input logic [5:0][LANES-1:0][CW-1:0] b_i,  // AABB: min x y z, max
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] HALF = ((CW'(1) << (EXP - 1)) - 2) << MAN;
@@ -39,18 +39,18 @@ module triangle_aabb #(
   `DF_MAT(centres, extents, extents, extents)
   `DF_MSUB(from_low, vertices, lows)
   `DF_MSUB(p, from_low, centres)
-  logic [LANES-1:0][CW-1:0] s_gap;
-  logic [2:0][LANES-1:0][CW-1:0] n_gap, middle_gap;
+  logic [LANES-1:0][CW-1:0] s_found;
+  logic [2:0][LANES-1:0][CW-1:0] n_found, middle_found;
   `DF_PHASE_AT(phase_p, phase, T_p)
   `DF_VAT(half_p, extents, T_p)
-  triangle_box #(`DF_SAME, .FACET_II(FACET_II)) signed_gap (
-      .clk_i, .phase_i(phase_p), .a_i(half_p), .p_i(p), .s_o(s_gap), .n_o(n_gap), .middle_o(middle_gap));
-  `DF_IN(s, s_gap, T_p + `LATENCY_TRIANGLE_BOX)
-  `DF_VIN(n_box, n_gap, T_p + `LATENCY_TRIANGLE_BOX)
-  `DF_VIN(middle, middle_gap, T_p + `LATENCY_TRIANGLE_BOX)
+  triangle_box #(`DF_SAME, .FACET_II(FACET_II)) signed_distance (
+      .clk_i, .phase_i(phase_p), .a_i(half_p), .p_i(p), .s_o(s_found), .n_o(n_found), .middle_o(middle_found));
+  `DF_IN(s, s_found, T_p + `LATENCY_TRIANGLE_BOX)
+  `DF_VIN(n_box, n_found, T_p + `LATENCY_TRIANGLE_BOX)
+  `DF_VIN(middle, middle_found, T_p + `LATENCY_TRIANGLE_BOX)
   `DF_VADD(from_corner, half_p, middle)
   `DF_VADD(cp, low, from_corner)
   `DF_VNEG(n, n_box)
 
-  `GAP_RESULT(s, cp, n)
+  `DISTANCE_RESULT(s, cp, n)
 endmodule

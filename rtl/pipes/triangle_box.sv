@@ -57,7 +57,7 @@ module triangle_box #(
   localparam int T_FACETS = `TRIANGLE_BOX_T_FACETS;
   localparam int T_EDGES = T_FACETS - `FACET_WAIT - `LATENCY_TRIANGLE_BOX_EDGE;
   localparam int T_FACES = T_FACETS - `LATENCY_TRIANGLE_BOX_FACE;
-  logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
+  logic [FACETS-1:0][LANES-1:0][CW-1:0] separation, d2, inverse_ff;
   logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p_box, along;
   `DF_VAT(a_edges, a, T_EDGES)
   `DF_MAT_AT(p_edges, p, T_EDGES)
@@ -85,18 +85,18 @@ module triangle_box #(
     `DF_VTURN(turned_j, j, phase_edges, turned_at_edges0, turned_at_edges1, turned_at_edges2)
     for (genvar i = 0; i < 3; i++) begin : g_axis
       localparam int FACET = 4 + 3 * i + j;
-      logic [LANES-1:0][CW-1:0] gap_e, d2_e, inverse_ff_e;
+      logic [LANES-1:0][CW-1:0] separation_e, d2_e, inverse_ff_e;
       logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, along_e;
       triangle_box_edge #(`DF_SAME, .I(i), .TURNS(TURNS), .J(j)) edges (
           .clk_i, .phase_i(phase_edges), .a_i(a_edges), .p_i(p_edges), .f_i(f_j), .inverse_ff_i(inverse_j),
           .turned_i(turned_j),
-          .side_i(m1_edges[i]), .gap_o(gap_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e), .f_o(along_e),
-          .inverse_ff_o(inverse_ff_e));
+          .side_i(m1_edges[i]), .separation_o(separation_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e),
+          .f_o(along_e), .inverse_ff_o(inverse_ff_e));
       facet_results #(`DF_FORMAT, .TURNS(TURNS)) facets (
-          .clk_i, .gap_i(gap_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(along_e),
+          .clk_i, .separation_i(separation_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(along_e),
           .inverse_ff_i(inverse_ff_e),
-          .gap_o(gap[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]), .p_o(p_box[FACET+:TURNS]),
-          .d2_o(d2[FACET+:TURNS]),
+          .separation_o(separation[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]),
+          .p_o(p_box[FACET+:TURNS]), .d2_o(d2[FACET+:TURNS]),
           .f_o(along[FACET+:TURNS]), .inverse_ff_o(inverse_ff[FACET+:TURNS]));
     end
   end
@@ -104,29 +104,29 @@ module triangle_box #(
     triangle_box_face #(`DF_SAME, .I(i)) face (
         .clk_i, .a_i(a_faces), .p_i(p_faces), .turned_i({turned_faces[2][i], turned_faces[1][i], turned_faces[0][i]}),
         .tie_i(tie_faces),
-        .gap_o(gap[i]), .n_o(n[i]), .v_o(v[i]), .p_o(p_box[i]), .d2_o(d2[i]));
+        .separation_o(separation[i]), .n_o(n[i]), .v_o(v[i]), .p_o(p_box[i]), .d2_o(d2[i]));
     assign along[i] = '0;
     assign inverse_ff[i] = '0;
   end
   logic [2:0][LANES-1:0][CW-1:0] face_n, face_v, face_p;
-  logic [LANES-1:0][CW-1:0] face_gap, face_d2;
+  logic [LANES-1:0][CW-1:0] face_separation, face_d2;
   `DF_AT(tie_m, tie, `TRIANGLE_T_M)
   triangle_face #(`DF_SAME) face (
       .clk_i, .a_i(a), .p_i(p), .m1_i(m1), .f_i(t_f), .inverse_ff_i(t_inverse_ff), .longest0_i(t_longest0),
       .longest1_i(t_longest1),
-      .m_i(t_m), .flat_i(t_flat), .tie_i(tie_m), .gap_o(face_gap), .n_o(face_n), .v_o(face_v), .p_o(face_p),
-      .d2_o(face_d2));
-  `DF_IN(gap_face, face_gap, `TRIANGLE_FACE_T)
+      .m_i(t_m), .flat_i(t_flat), .tie_i(tie_m), .separation_o(face_separation), .n_o(face_n), .v_o(face_v),
+      .p_o(face_p), .d2_o(face_d2));
+  `DF_IN(separation_face, face_separation, `TRIANGLE_FACE_T)
   `DF_IN(d2_face, face_d2, `TRIANGLE_FACE_T)
   `DF_VIN(n_face, face_n, `TRIANGLE_FACE_T)
   `DF_VIN(v_face, face_v, `TRIANGLE_FACE_T)
   `DF_VIN(p_face, face_p, `TRIANGLE_FACE_T)
-  `DF_AT(gap_late, gap_face, T_FACETS)
+  `DF_AT(separation_late, separation_face, T_FACETS)
   `DF_AT(d2_late, d2_face, T_FACETS)
   `DF_VAT(n_late, n_face, T_FACETS)
   `DF_VAT(v_late, v_face, T_FACETS)
   `DF_VAT(p_late, p_face, T_FACETS)
-  assign gap[3] = gap_late;
+  assign separation[3] = separation_late;
   assign d2[3] = d2_late;
   assign n[3] = n_late;
   assign v[3] = v_late;
@@ -143,7 +143,7 @@ module triangle_box #(
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
   facet_choice #(`DF_SAME, .COUNT(FACETS), .FACET_II(FACET_II)) choice (
-      .clk_i, .phase_i(phase_facets), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along),
+      .clk_i, .phase_i(phase_facets), .separation_i(separation), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along),
       .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
       .wide_tie_i(wide_tie_facets), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v),
@@ -181,10 +181,10 @@ module triangle_box #(
 
   // ---- The distance along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
-  `DF_POINT_GAP(gap_along, s_between, n_point, d_point, slack, s_facets)
-  if (T_gap_along != `TRIANGLE_BOX_T_ALONG) $error("triangle_box: stage time");
+  `DF_POINT_DISTANCE(distance_along, s_between, n_point, d_point, slack, s_facets)
+  if (T_distance_along != `TRIANGLE_BOX_T_ALONG) $error("triangle_box: stage time");
   `DF_DECIDE(s, n_box, v_box, p_box_point, s_facets, n_facets, v_facets, p_facets, s_between, n_point, v_point, p_point,
-      usable, gap_along, tie_facets)
+      usable, distance_along, tie_facets)
   `DF_VSCALE(half_v, v_box, half)
   `DF_VADD(middle, p_box_point, half_v)
 

@@ -22,7 +22,7 @@ module triangle_box_edge #(
     input logic [LANES-1:0][CW-1:0] inverse_ff_i,
     input logic [2:0][LANES-1:0][CW-1:0] turned_i,  // the edge turned
     input logic [LANES-1:0][CW-1:0] side_i,
-    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [LANES-1:0][CW-1:0] separation_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
@@ -62,7 +62,7 @@ module triangle_box_edge #(
   `DF_ROW(p_n2, p_n, 2)
   `DF_VTURN(vertex, J, phase_n, p_n0, p_n1, p_n2)
 
-  // ---- The gap ----
+  // ---- The separation ----
   `DF_PICK(a_k, a_n, K)
   `DF_PICK(a_l, a_n, L)
   `DF_ABS(abs_k, n_k)
@@ -80,7 +80,7 @@ module triangle_box_edge #(
   `DF_PICK(on_triangle2, on_triangle, 2)
   `DF_MIN(lower, on_triangle1, on_triangle2)
   `DF_MIN(low, on_triangle0, lower)
-  `DF_SUB(gap, low, on_box)
+  `DF_SUB(separation, low, on_box)
 
   // ---- The candidate axis ----
   `DF_NEG(minus_l, turned_l)
@@ -88,10 +88,10 @@ module triangle_box_edge #(
   `DF_MOVE_SIGN(sign_l, side, turned_k)
   `DF_AT(sign_k_n, sign_k, T_N)
   `DF_AT(sign_l_n, sign_l, T_N)
-  edge_facet #(`DF_SAME, .I(I), .CENTRED(0), .T_GAP(T_gap - T_N)) facet (
+  edge_facet #(`DF_SAME, .I(I), .CENTRED(0), .T_SEPARATION(T_separation - T_N)) facet (
       .clk_i, .a_i(a_n), .sign_k_i(sign_k_n), .sign_l_i(sign_l_n), .q_i(vertex), .f_i(f_n), .inverse_ff_i(inverse_ff_n),
       .n_k_i(n_k),
-      .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .side_i(side_n), .gap_i(gap), .gap_o, .n_o, .v_o, .p_o,
-      .d2_o, .f_o,
+      .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .side_i(side_n), .separation_i(separation), .separation_o,
+      .n_o, .v_o, .p_o, .d2_o, .f_o,
       .inverse_ff_o);
 endmodule

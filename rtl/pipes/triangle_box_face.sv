@@ -16,7 +16,7 @@ module triangle_box_face #(
     input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices
     input logic [2:0][LANES-1:0][CW-1:0] turned_i,  // component I of the turned edges
     input logic [LANES-1:0][CW-1:0] tie_i,
-    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [LANES-1:0][CW-1:0] separation_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
@@ -36,7 +36,7 @@ module triangle_box_face #(
   `DF_TRANSPOSE(columns, p)
   `DF_ROW(heights, columns, I)
   `DF_SPAN(low, high, heights)
-  `DF_SIDE(side, gap, low, high, a_axis, tie, up)
+  `DF_SIDE(side, separation, low, high, a_axis, tie, up)
   `DF_MOVE_SIGN(rise0, side, turned0)
   `DF_MOVE_SIGN(rise1, side, turned1)
   `DF_MOVE_SIGN(rise2, side, turned2)
@@ -51,6 +51,6 @@ module triangle_box_face #(
   face_facet #(`DF_SAME, .I(I)) facet (
       .clk_i, .a_i(a_q), .side_i(side_q), .q_i(q), .n_o, .v_o, .p_o, .d2_o);
   if (T_q + `LATENCY_FACE_FACET != `LATENCY_TRIANGLE_BOX_FACE) $error("triangle_box_face: latency");
-  `DF_AT(gap_out, gap, `LATENCY_TRIANGLE_BOX_FACE)
-  assign gap_o = gap_out;
+  `DF_AT(separation_out, separation, `LATENCY_TRIANGLE_BOX_FACE)
+  assign separation_o = separation_out;
 endmodule

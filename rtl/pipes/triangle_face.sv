@@ -21,7 +21,7 @@ module triangle_face #(
     input logic [2:0][LANES-1:0][CW-1:0] m_i,
     input logic [LANES-1:0][CW-1:0] flat_i,
     input logic [LANES-1:0][CW-1:0] tie_i,  // TRIANGLE_T_M
-    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [LANES-1:0][CW-1:0] separation_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
@@ -46,7 +46,7 @@ module triangle_face #(
   `DF_BOX_RADIUS(radius, t_m, a)
   `DF_LEADING(leading, t_m)
   `DF_LEAD(orientation, leading, t_m)
-  `DF_SIDE(side, gap, low, high, radius, tie, orientation)
+  `DF_SIDE(side, separation, low, high, radius, tie, orientation)
   `DF_VFLIP(n, side, t_m)
   `DF_VFLIP(signs, side, m1)
   `DF_VMOVE_SIGN(corner, signs, a)
@@ -58,10 +58,10 @@ module triangle_face #(
   `DF_VNEG(v, closest_v)
 
   if (T_w != `TRIANGLE_FACE_T_W || T_v != `TRIANGLE_FACE_T) $error("triangle_face: latency");
-  `DF_AT(gap_out, gap, T_v)
+  `DF_AT(separation_out, separation, T_v)
   `DF_VAT(n_out, n, T_v)
   `DF_VAT(p_out, corner, T_v)
-  assign gap_o = gap_out;
+  assign separation_o = separation_out;
   assign n_o = n_out;
   assign v_o = v;
   assign p_o = p_out;

@@ -31,7 +31,8 @@
   `DF_WHICH3(R``_of, R``_zero, R``_minus1, R``_minus2) `DF_LEAST_ROW(R, R``_of, P)
 // For projections P_low .. P_high and Q_low .. Q_high: the distances from P to Q, above, and from Q to P, below. Also
 // the sign of the larger one, or of ONE where that is within TIE.
-`define DF_GAPS(R, P, Q, ONE, TIE) `DF_SUB(R``_above, Q``_low, P``_high) `DF_SUB(R``_below, P``_low, Q``_high) \
+`define DF_SEPARATIONS(R, P, Q, ONE, TIE) \
+  `DF_SUB(R``_above, Q``_low, P``_high) `DF_SUB(R``_below, P``_low, Q``_high) \
   `DF_ADD(R``_q, Q``_low, Q``_high) `DF_ADD(R``_p, P``_low, P``_high) `DF_SUB(R``_h, R``_q, R``_p) \
   `DF_SIDE_OF(R``_side, R``_h, TIE, ONE)
 `endif

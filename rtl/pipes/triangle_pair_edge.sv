@@ -2,9 +2,9 @@
 // Candidate axis (SAT): edge I of triangle A, from p along e, and edge J of triangle B, from q along f. A's first
 // vertex is 0. The normal is e x f, with f less its part along e: perpendicular to both edges at any angle. The third
 // vertices choose its side: A is behind its edge and B before its own. If both are in one plane, it is the side with
-// the larger distance, ties the side of e x f. If there is no normal, gap = -inf. Nearest points: solve t across e,
-// then s on A's edge, then t again for that s. If neither is at an end, v is along the normal. Else v ends on the edge
-// f_o, and inverse_ff_o is 1 / f.f of that edge, or 0 if v ends on no edge.
+// the larger distance, ties the side of e x f. If there is no normal, separation = -inf. Nearest points: solve t across
+// e, then s on A's edge, then t again for that s. If neither is at an end, v is along the normal. Else v ends on the
+// edge f_o, and inverse_ff_o is 1 / f.f of that edge, or 0 if v ends on no edge.
 // Operators: 53 add, 64 mul, 1 div, 1 sqrt, 7 compare, 14 min/max; 47 add with I = 0.
 // Latency: LATENCY_TRIANGLE_PAIR_EDGE cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
@@ -25,7 +25,7 @@ module triangle_pair_edge #(
     input logic [2:0][LANES-1:0][CW-1:0] f_i,
     input logic [LANES-1:0][CW-1:0] inverse_ff_i,
     input logic [LANES-1:0][CW-1:0] tie_i,
-    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [LANES-1:0][CW-1:0] separation_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
@@ -64,12 +64,12 @@ module triangle_pair_edge #(
   `DF_VSCALE(n, m, inverse)
   if (T_n != `LATENCY_TRIANGLE_PAIR_NORMAL) $error("triangle_pair_edge: stage time of the normal");
 
-  // ---- Its side and gap ----
+  // ---- Its side and separation ----
   `DF_ALONG_ZERO(on_a, p, n)
   `DF_APPLY(on_b, q, n)
   `DF_SPAN(a_low, a_high, on_a)
   `DF_SPAN(b_low, b_high, on_b)
-  `DF_GAPS(gaps, a, b, one, tie)
+  `DF_SEPARATIONS(separations, a, b, one, tie)
   `DF_PICK(on_a_edge, on_a, I)
   `DF_PICK(on_a_third, on_a, K)
   `DF_PICK(on_b_edge, on_b, J)
@@ -77,10 +77,10 @@ module triangle_pair_edge #(
   `DF_SUB(before_b, on_b_third, on_b_edge)
   `DF_SUB(behind_a, on_a_third, on_a_edge)
   `DF_SUB(apart, before_b, behind_a)
-  `DF_SIDE_OF(side, apart, tie, gaps_side)
+  `DF_SIDE_OF(side, apart, tie, separations_side)
   `DF_NEGATIVE(turned, side)
-  `DF_SELECT(side_gap, turned, gaps_below, gaps_above)
-  `DF_SELECT(gap, valid, side_gap, minus_inf)
+  `DF_SELECT(side_separation, turned, separations_below, separations_above)
+  `DF_SELECT(separation, valid, side_separation, minus_inf)
   `DF_VFLIP(n_side, side, n)
 
   // ---- t across e ----
@@ -144,13 +144,13 @@ module triangle_pair_edge #(
     `DF_VAT(p_out, at_s, T_OUT)
     assign p_o = p_out;
   end
-  `DF_AT(gap_out, gap, T_OUT)
+  `DF_AT(separation_out, separation, T_OUT)
   `DF_VAT(n_out, n_side, T_OUT)
   `DF_VAT(v_out, v, T_OUT)
   `DF_AT(d2_out, d2, T_OUT)
   `DF_VAT(ends_on_out, ends_on, T_OUT)
   `DF_AT(inverse_out, inverse_here, T_OUT)
-  assign gap_o = gap_out;
+  assign separation_o = separation_out;
   assign n_o = n_out;
   assign v_o = v_out;
   assign d2_o = d2_out;

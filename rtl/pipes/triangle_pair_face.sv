@@ -21,7 +21,7 @@ module triangle_pair_face #(
     input logic [2:0][LANES-1:0][CW-1:0] m_i,
     input logic [LANES-1:0][CW-1:0] flat_i,
     input logic [LANES-1:0][CW-1:0] tie_i,  // TRIANGLE_T_M
-    output logic [LANES-1:0][CW-1:0] gap_o,
+    output logic [LANES-1:0][CW-1:0] separation_o,
     output logic [2:0][LANES-1:0][CW-1:0] n_o,
     output logic [2:0][LANES-1:0][CW-1:0] v_o,
     output logic [2:0][LANES-1:0][CW-1:0] p_o,
@@ -48,12 +48,12 @@ module triangle_pair_face #(
   `DF_VIN(on_other, OF_B ? on_a : on_b, T_on_b)
   `DF_SPAN(face_low, face_high, on_face)
   `DF_SPAN(other_low, other_high, on_other)
-  `DF_GAPS(gaps, face, other, up, tie)
-  `DF_MAX(gap, gaps_above, gaps_below)
-  `DF_VFLIP(n, gaps_side, t_m)
+  `DF_SEPARATIONS(separations, face, other, up, tie)
+  `DF_MAX(separation, separations_above, separations_below)
+  `DF_VFLIP(n, separations_side, t_m)
 
   // ---- The vertex, and the point of the face nearest to it ----
-  `DF_VFLIP(rise, gaps_side, on_other)
+  `DF_VFLIP(rise, separations_side, on_other)
   `DF_PICK(rise0, rise, 0)
   `DF_PICK(rise1, rise, 1)
   `DF_PICK(rise2, rise, 2)
@@ -86,8 +86,8 @@ module triangle_pair_face #(
     assign v_o = v_out;
     assign p_o = p_out;
   end
-  `DF_AT(gap_out, gap, T_OUT)
+  `DF_AT(separation_out, separation, T_OUT)
   `DF_AT(d2_out, closest_d2, T_OUT)
-  assign gap_o = gap_out;
+  assign separation_o = separation_out;
   assign d2_o = d2_out;
 endmodule

@@ -14,7 +14,7 @@ module triangle_sphere #(
     input logic clk_i,
     input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle: v0 x y z, v1, v2
     input logic [3:0][LANES-1:0][CW-1:0] b_i,  // sphere: c x y z, r
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] HALF = ((CW'(1) << (EXP - 1)) - 2) << MAN;
@@ -56,23 +56,23 @@ module triangle_sphere #(
   // ---- The plane's result, and the point's if its distance is not less ----
   `DF_VFLIP(plane_up, closest_h, t_m)
   `DF_VNEG(plane_n, plane_up)
-  `DF_ABS(plane_gap, closest_h)
-  `DF_VSCALE(to_plane, plane_n, plane_gap)
+  `DF_ABS(plane_distance, closest_h)
+  `DF_VSCALE(to_plane, plane_n, plane_distance)
   `DF_VNEG(plane_p, to_plane)
   `DF_DIRECTION(x_n, distance, x_usable, x)
-  `DF_LEAST_ALONG(x_gap, p_once, x_n)
-  `DF_SUB(enough, plane_gap, tie)
-  `DF_LE(x_holds, enough, x_gap)
+  `DF_LEAST_ALONG(distance_along, p_once, x_n)
+  `DF_SUB(enough, plane_distance, tie)
+  `DF_LE(x_holds, enough, distance_along)
   `DF_AND(point, x_usable, x_holds)
-  `DF_SELECT(gap, point, distance, plane_gap)
+  `DF_SELECT(centre_distance, point, distance, plane_distance)
   `DF_VSELECT(n, point, x_n, plane_n)
   `DF_VSELECT(a_p, point, x_p, plane_p)
 
-  `DF_SUB(s, gap, r)
+  `DF_SUB(s, centre_distance, r)
   `DF_MUL(s_half, s, half)
   `DF_VSCALE(beyond, n, s_half)
   `DF_VADD(from_c, a_p, beyond)
   `DF_VADD(cp, c, from_c)
 
-  `GAP_RESULT(s, cp, n)
+  `DISTANCE_RESULT(s, cp, n)
 endmodule

@@ -16,7 +16,7 @@ module triangle_triangle #(
     input logic clk_i,
     input logic [8:0][LANES-1:0][CW-1:0] a_i,  // triangle A: v0 x y z, v1, v2
     input logic [8:0][LANES-1:0][CW-1:0] b_i,  // triangle B
-    `GAP_OUTPUTS
+    `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
   localparam int FACETS = 11;
@@ -56,7 +56,7 @@ module triangle_triangle #(
   // ---- The candidate axes, each as late as possible, so that inputs are delayed, not axes ----
   localparam int T_FACETS = T_p + `TRIANGLE_PAIR_T_FACETS;
   localparam int T_EDGES = T_FACETS - `LATENCY_TRIANGLE_PAIR_EDGE;
-  logic [FACETS-1:0][LANES-1:0][CW-1:0] gap, d2, inverse_ff;
+  logic [FACETS-1:0][LANES-1:0][CW-1:0] separation, d2, inverse_ff;
   logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p_of_a, ends_on;
   `DF_MAT_AT(p_edges, p, T_EDGES)
   `DF_MAT_AT(q_edges, q, T_EDGES)
@@ -73,34 +73,35 @@ module triangle_triangle #(
       triangle_pair_edge #(`DF_SAME, .I(i), .J(j)) edges (
           .clk_i, .p_i(p_edges[2:1]), .q_i(q_edges), .e_i(e_edges[i]), .unit_e_i(along_edges[i]),
           .inverse_e_i(inverse_e_edges[i]), .inverse_ee_i(inverse_ee_edges[i]), .f_i(f_edges[j]),
-          .inverse_ff_i(inverse_ff_edges[j]), .tie_i(tie_edges), .gap_o(gap[FACET]), .n_o(n[FACET]), .v_o(v[FACET]),
+          .inverse_ff_i(inverse_ff_edges[j]), .tie_i(tie_edges), .separation_o(separation[FACET]), .n_o(n[FACET]),
+          .v_o(v[FACET]),
           .p_o(p_of_a[FACET]), .d2_o(d2[FACET]), .f_o(ends_on[FACET]), .inverse_ff_o(inverse_ff[FACET]));
     end
   end
   localparam int T_FACE = T_p + `TRIANGLE_PAIR_FACE_T;
   `DF_AT(tie_a, tie, T_a_m)
-  logic [1:0][LANES-1:0][CW-1:0] face_gap, face_d2;
+  logic [1:0][LANES-1:0][CW-1:0] face_separation, face_d2;
   logic [1:0][2:0][LANES-1:0][CW-1:0] face_n, face_v, face_p;
   triangle_pair_face #(`DF_SAME, .OF_B(0)) face_of_a (
       .clk_i, .p_i(p), .q_i(q), .f_i(a_f), .inverse_ff_i(a_inverse_ff), .longest0_i(a_longest0),
-      .longest1_i(a_longest1), .m_i(a_m), .flat_i(a_flat), .tie_i(tie_a), .gap_o(face_gap[0]), .n_o(face_n[0]),
-      .v_o(face_v[0]), .p_o(face_p[0]), .d2_o(face_d2[0]));
+      .longest1_i(a_longest1), .m_i(a_m), .flat_i(a_flat), .tie_i(tie_a), .separation_o(face_separation[0]),
+      .n_o(face_n[0]), .v_o(face_v[0]), .p_o(face_p[0]), .d2_o(face_d2[0]));
   triangle_pair_face #(`DF_SAME, .OF_B(1)) face_of_b (
       .clk_i, .p_i(p), .q_i(q), .f_i(b_f), .inverse_ff_i(b_inverse_ff), .longest0_i(b_longest0),
-      .longest1_i(b_longest1), .m_i(b_m), .flat_i(b_flat), .tie_i(tie_a), .gap_o(face_gap[1]), .n_o(face_n[1]),
-      .v_o(face_v[1]), .p_o(face_p[1]), .d2_o(face_d2[1]));
+      .longest1_i(b_longest1), .m_i(b_m), .flat_i(b_flat), .tie_i(tie_a), .separation_o(face_separation[1]),
+      .n_o(face_n[1]), .v_o(face_v[1]), .p_o(face_p[1]), .d2_o(face_d2[1]));
   for (genvar i = 0; i < 2; i++) begin : g_face
-    `DF_IN(gap_face, face_gap[i], T_FACE)
+    `DF_IN(separation_face, face_separation[i], T_FACE)
     `DF_IN(d2_face, face_d2[i], T_FACE)
     `DF_VIN(n_face, face_n[i], T_FACE)
     `DF_VIN(v_face, face_v[i], T_FACE)
     `DF_VIN(p_face, face_p[i], T_FACE)
-    `DF_AT(gap_late, gap_face, T_FACETS)
+    `DF_AT(separation_late, separation_face, T_FACETS)
     `DF_AT(d2_late, d2_face, T_FACETS)
     `DF_VAT(n_late, n_face, T_FACETS)
     `DF_VAT(v_late, v_face, T_FACETS)
     `DF_VAT(p_late, p_face, T_FACETS)
-    assign gap[i] = gap_late;
+    assign separation[i] = separation_late;
     assign d2[i] = d2_late;
     assign n[i] = n_late;
     assign v[i] = v_late;
@@ -118,7 +119,7 @@ module triangle_triangle #(
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
   facet_choice #(`DF_SAME, .COUNT(FACETS), .FACET_II(FACET_II)) choice (
-      .clk_i, .phase_i(2'd0), .gap_i(gap), .n_i(n), .v_i(v), .p_i(p_of_a), .d2_i(d2), .f_i(ends_on),
+      .clk_i, .phase_i(2'd0), .separation_i(separation), .n_i(n), .v_i(v), .p_i(p_of_a), .d2_i(d2), .f_i(ends_on),
       .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .wide_tie_i(wide_tie_facets), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v),
       .start_p_o(choice_start_p));
@@ -153,10 +154,10 @@ module triangle_triangle #(
 
   // ---- The distance along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
-  `DF_POINT_GAP(gap_along, s_between, n_point, d_point, slack, s_facets)
+  `DF_POINT_DISTANCE(distance_along, s_between, n_point, d_point, slack, s_facets)
   `DF_SUB(tied, s_facets, tie_facets)
   `DF_MAX(least, tied, tie_facets)
-  `DF_LE(confirmed, least, gap_along)
+  `DF_LE(confirmed, least, distance_along)
   `DF_AND(point, usable, confirmed)
   `DF_SELECT(s, point, s_between, s_facets)
   `DF_VSELECT(n_out, point, n_point, n_facets)
@@ -166,5 +167,5 @@ module triangle_triangle #(
   `DF_VADD(middle, p_out, half_v)
   `DF_VADD(cp, a0, middle)
 
-  `GAP_RESULT(s, cp, n_out)
+  `DISTANCE_RESULT(s, cp, n_out)
 endmodule

@@ -17,7 +17,7 @@ module record_maker #(
     input logic normals_i,
     input logic streaming_i,
     input pairs_pkg::pair_t second_pair_i,  // of the pass
-    input logic [1:0] gap_i,          // the pair is one of solids: T is the size of a signed distance
+    input logic [1:0] solid_i,        // the pair is one of solids: T is the size of a signed distance
     input logic [PRIM_W-1:0] split_i,
 
     input card_pkg::streamed_t streamed_i,
@@ -37,7 +37,7 @@ module record_maker #(
   localparam logic [CW-1:0] QNAN = CW'(formats_pkg::quiet_nan(CONFIG.exp, CONFIG.man));
   records_pkg::record_flags_t flags;
   logic [WORDS-1:0][CW-1:0] record;
-  logic normals, record_f, record_bad, record_gap, record_there, second_q;
+  logic normals, record_f, record_bad, record_solid, record_there, second_q;
   logic sram_room;  // counts the record under way
   logic [CW-1:0] record_t;
   logic [31:0] record_index;
@@ -47,16 +47,16 @@ module record_maker #(
   assign ready_o = sram_room && (!normals || second_q);
   assign record_there = streaming_i ? streamed_i.valid : writeback_i.valid;
   // For solids, the update buffers hold signed distances.
-  assign record_gap = (CONFIG.parallel != 0 && second_pair_i != pairs_pkg::NO_PAIR &&
+  assign record_solid = (CONFIG.parallel != 0 && second_pair_i != pairs_pkg::NO_PAIR &&
       writeback_i.primary[PRIM_W-1:0] >= split_i) ?
-      gap_i[1] : gap_i[0];
+      solid_i[1] : solid_i[0];
   assign flags = {normals && second_q, record_bad, record_f};
   assign record_bad = streaming_i ? streamed_i.bad : writeback_bad_i;
   assign record_f = streaming_i ? streamed_i.f :
-      result_index_i != '1 && (!record_gap || (result_t_i & SIGN) != 0) && !record_bad;
-  assign record_t = record_bad ? QNAN : record_gap ? result_t_i & ~SIGN : result_t_i;
+      result_index_i != '1 && (!record_solid || (result_t_i & SIGN) != 0) && !record_bad;
+  assign record_t = record_bad ? QNAN : record_solid ? result_t_i & ~SIGN : result_t_i;
   assign record_index = !streaming_i ? result_index_i :
-      (streamed_i.f || (record_gap && !streamed_i.bad)) ? streamed_i.index : '1;
+      (streamed_i.f || (record_solid && !streamed_i.bad)) ? streamed_i.index : '1;
   assign record_primary = streaming_i ? PRIM_W'(32'(streamed_i.row) * 32'(CONFIG.lanes) + 32'(streamed_i.lane)) :
       writeback_i.primary[PRIM_W-1:0];
   always_comb begin
@@ -67,7 +67,7 @@ module record_maker #(
     record[records_pkg::RECORD_PRIMARY] = CW'(record_primary);
     if (flags.normal) begin
       record[records_pkg::RECORD_CP+:3] = record_bad ? {3{QNAN}} : result_point_i[POINTS-1:POINTS-3];
-      record[records_pkg::RECORD_T] = (record_f && record_gap) ? record_t | SIGN : record_t;
+      record[records_pkg::RECORD_T] = (record_f && record_solid) ? record_t | SIGN : record_t;
     end
   end
   always_ff @(posedge clk_i) begin

@@ -5,8 +5,8 @@
 // primaries are never updated.
 // Mode nearest keeps the smallest (T, index), farthest the largest T, then the smallest index, any the first hit in
 // stream order. For rays, only hits count.
-// For solids (`gap_i`), every pair has a signed distance s, which is -T if they meet. Mode nearest keeps the smallest s
-// and farthest the largest. The T buffers hold s.
+// For solids (`solid_i`), every pair has a signed distance s, which is -T if they meet. Mode nearest keeps the smallest
+// s and farthest the largest. The T buffers hold s.
 // Latency: 1 cycle.
 // Throughput: one row per cycle.
 // Stall: none.
@@ -23,7 +23,7 @@ module update_lanes #(
 ) (
     input logic clk_i,
     input logic [2:0] mode_i,
-    input logic gap_i,
+    input logic solid_i,
     input logic clear_i,  // reset one row and load its mask
     input logic [ROW_W-1:0] clear_row_i,
     input logic [LANES-1:0] clear_mask_i,  // stencil: 1 masks the lane
@@ -43,7 +43,7 @@ module update_lanes #(
     input logic [LANE_W-1:0] result_lane_i,
     input logic result_parity_i,
     output logic [31:0] result_index_o,
-    output logic [CW-1:0] result_t_o,  // with gap_i the signed distance
+    output logic [CW-1:0] result_t_o,  // with solid_i the signed distance
     output logic [POINTS-1:0][CW-1:0] result_point_o
 );
   /*verilator inline_module*/
@@ -65,11 +65,11 @@ module update_lanes #(
   logic any_hit;
   assign mask = unmasked[row_i];
   // Candidates: hits; for solids, except in mode any, every pair.
-  assign candidate = f_i | ~(bad_i | {(LANES * CW) {!gap_i || mode_i == registers_pkg::MODE_ANY}});
+  assign candidate = f_i | ~(bad_i | {(LANES * CW) {!solid_i || mode_i == registers_pkg::MODE_ANY}});
   assign hit = candidate & mask;
   always_comb begin
     t_value = t_i;
-    if (gap_i) for (int l = 0; l < LANES; l++) t_value[l] = t_i[l] | (f_i[l] & SIGN);
+    if (solid_i) for (int l = 0; l < LANES; l++) t_value[l] = t_i[l] | (f_i[l] & SIGN);
   end
   assign any_hit = valid_i && |hit;
   assign t_old = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];

@@ -37,10 +37,10 @@ module verdict_proof #(
       .clk_i, .rest_i(rest_b), .n_i(minus_n), .nn_i(nn), .h_o(h_b));
   `DF_DOT(along, n, between)
   `DF_ADD(supports, h_a, h_b)
-  `DF_SUB(gap, along, supports)
+  `DF_SUB(distance_along, along, supports)
   `DF_CONST(share, `DF_POWER_OF_TWO(1 - TOLERANCE))
   `DF_MUL(least, size, share)
-  `DF_LT(separate, least, gap)
+  `DF_LT(separate, least, distance_along)
   `DF_CONST(longest, (CW'(`DF_POWER_OF_TWO(0)) | (CW'(1) << (MAN - 2))))  // 1.25
   `DF_LE(short, nn, longest)
   `DF_CONST(smallest, `DF_POWER_OF_TWO(formats_pkg::length_low(EXP, MAN)))

@@ -101,7 +101,7 @@ std::vector<std::pair<std::size_t, std::size_t>> things(const Scene& scene,
 
 class SelfPairs : public ::testing::TestWithParam<std::tuple<std::size_t, Mode>> {};
 
-double gap(const Record& r) {
+double signed_t(const Record& r) {
   return r.f ? -static_cast<double>(r.t) : static_cast<double>(r.t);
 }
 
@@ -139,8 +139,8 @@ TEST_P(SelfPairs, PairsOfAQueryWithItself_CountOnce) {
     Record& kept = best[r.primary];
     const bool none = kept.index == ~0u;
     const bool better = mode == Mode::kAny       ? none && r.f
-                        : mode == Mode::kNearest ? none || gap(r) < gap(kept)
-                                                 : none || gap(r) > gap(kept);
+                        : mode == Mode::kNearest ? none || signed_t(r) < signed_t(kept)
+                                                 : none || signed_t(r) > signed_t(kept);
     if (better) kept = r;
   }
   if (!pairwise)

@@ -88,9 +88,9 @@ TEST_F(Pages, Charts_CarryTheirFigures) {
     for (std::string line; std::getline(in, line);) lines.push_back(line);
     return lines;
   };
-  const auto gaps = lines_of(plain(figures[0])), modelled = lines_of(plain(figures[1]));
-  ASSERT_EQ(gaps.size(), 5u);
-  EXPECT_EQ(gaps[0], "seconds,most,least");
+  const auto distances = lines_of(plain(figures[0])), modelled = lines_of(plain(figures[1]));
+  ASSERT_EQ(distances.size(), 5u);
+  EXPECT_EQ(distances[0], "seconds,most,least");
   ASSERT_EQ(modelled.size(), 5u);
   EXPECT_EQ(modelled[0].substr(0, 6), "frame,");
   EXPECT_TRUE(has(modelled[0], ",\"memory (DDR waits, SRAM write-back) (s)\","));
@@ -102,7 +102,7 @@ TEST_F(Pages, Charts_CarryTheirFigures) {
     EXPECT_EQ(frame, run["played"][i]["frame"]);
     for (double part = 0; fields >> comma >> part;) sum += part;
     EXPECT_NEAR(sum, run["played"][i]["queries"][0]["modelled_seconds"]["total"], 1e-12);
-    std::istringstream(gaps[i + 1]) >> at >> comma >> most >> comma >> least;
+    std::istringstream(distances[i + 1]) >> at >> comma >> most >> comma >> least;
     EXPECT_EQ(at, run["played"][i]["scene_seconds"]);
     EXPECT_GT(least, 0);
     EXPECT_GE(most, least);
@@ -161,18 +161,18 @@ TEST_F(Pages, MixedScene_IsReportedCompletely) {
   ASSERT_LT(hits, 3u);
   EXPECT_EQ(apart, ((3 - hits) * 7 * 4 + 2) / 3 * 4);
   EXPECT_EQ(data["views"][0]["queries"][0]["apart"], "") << "rays have no closest points";
-  const auto gaps = between(html, "<section id=\"gaps\">", "</section>");
-  ASSERT_EQ(gaps.size(), 1u);
+  const auto distances = between(html, "<section id=\"distances\">", "</section>");
+  ASSERT_EQ(distances.size(), 1u);
   for (std::size_t q = 0; q < 3; ++q) {
     std::uint64_t any = data["queries"][q]["rays"] == false ? 1 : 0;
     for (const json& frame : run["played"]) any += frame["queries"][q]["hits"].get<std::uint64_t>();
     const std::string query = data["queries"][q]["name"];
     EXPECT_EQ(
-        count(gaps[0], fmt::format("aria-label=\"{}, signed distance or T over time\"", query)),
+        count(distances[0], fmt::format("aria-label=\"{}, signed distance or T over time\"", query)),
         any > 0 ? 1u : 0u)
         << query;
   }
-  EXPECT_EQ(count(gaps[0], "NaN") + count(gaps[0], "nan"), 0u);
+  EXPECT_EQ(count(distances[0], "NaN") + count(distances[0], "nan"), 0u);
   for (const char* part : {"ground, 38,400 × triangle", "balls, 3 × sphere", "id=\"scale\"",
                            "id=\"axes\"", "<select id=\"up\">"})
     EXPECT_EQ(count(html, part), 1u) << part;

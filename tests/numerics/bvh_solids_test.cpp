@@ -12,7 +12,7 @@
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_triangle.hpp"
-#include "cde/reference/pipes/gap_bound.hpp"
+#include "cde/reference/pipes/distance_bound.hpp"
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 #include "hard_solids.hpp"
@@ -90,12 +90,12 @@ void expect_rule_is_quiet(const std::vector<Secondary>& all, Pipe pipe, std::siz
       ++pairs;
       changed += plain.t != boxed.t;
       verdicts += plain.f != boxed.f;
-      const float gap = boxed.f ? -boxed.t : boxed.t;
-      ASSERT_GE(gap, reference::gap_bound<float>(t, solid));
-      ASSERT_GE(gap, plain.f ? -plain.t : plain.t);
+      const float distance = boxed.f ? -boxed.t : boxed.t;
+      ASSERT_GE(distance, reference::distance_bound<float>(t, solid));
+      ASSERT_GE(distance, plain.f ? -plain.t : plain.t);
     }
   }
-  fmt::print("seed {}, {} pairs: the rule changes {} gaps and {} F\n", kSeed + 1, pairs, changed,
+  fmt::print("seed {}, {} pairs: the rule changes {} distances and {} F\n", kSeed + 1, pairs, changed,
              verdicts);
   EXPECT_EQ(changed, 0u);
   EXPECT_EQ(verdicts, 0u);
@@ -117,7 +117,7 @@ TEST_P(BvhEverySolid, BoxRule_ChangesNoDistance) {
 TEST(DistanceBound, TooSmallAnswer_IsRaisedToTheBound) {
   const Triangle t{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Sphere sphere{{0.25f, 0.25f, 3}, 1};
-  EXPECT_EQ(reference::gap_bound<float>(t, sphere), 2 - 4 * 0x1p-17f);
+  EXPECT_EQ(reference::distance_bound<float>(t, sphere), 2 - 4 * 0x1p-17f);
   reference::Outcome<float> wrong;
   wrong.f = true, wrong.t = 0.5f;
   const auto held = reference::bounded<float>(wrong, t, sphere);

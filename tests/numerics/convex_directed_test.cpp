@@ -82,11 +82,11 @@ TEST(ConvexPairDirected, TiltedBoxes_KeepTheirDistance) {
        0x1.ec6d7cp-1, -0x1.f57bcep-3, -0x1.f639ecp-4}};
   for (const oracle::Case& c : {plates, near}) {
     const Outcome<float> o = run<float>(c.pair, {c.a.begin(), c.a.end()}, {c.b.begin(), c.b.end()});
-    const oracle::Gap gap = oracle::signed_gap(c.shape_a(), c.shape_b());
+    const oracle::SignedDistance distance = oracle::signed_distance(c.shape_a(), c.shape_b());
     const double u_s = 0x1p-24 * oracle::scene_size(c.shape_a(), c.shape_b());
     EXPECT_FALSE(o.f);
-    EXPECT_LE(std::abs(o.t - gap.middle()) / u_s, 5) << c.describe();
-    EXPECT_GE(oracle::gap_along(c.shape_a(), c.shape_b(), o.n.cast<double>()), gap.lo - 8 * u_s)
+    EXPECT_LE(std::abs(o.t - distance.middle()) / u_s, 5) << c.describe();
+    EXPECT_GE(oracle::distance_along(c.shape_a(), c.shape_b(), o.n.cast<double>()), distance.lo - 8 * u_s)
         << c.describe();
   }
 }

@@ -81,7 +81,7 @@ inline oracle::Verdict verdict(const oracle::Shape& a, const oracle::Shape& b,
                                const oracle::Result& r, oracle::CheckOptions options) {
   oracle::Verdict v = oracle::check(a, b, r, options);
   if (v.failure == oracle::Failure::kOracleTooWide) {
-    options.gap.max_evaluations *= 100;
+    options.distance.max_evaluations *= 100;
     v = oracle::check(a, b, r, options);
   }
   return v;
@@ -107,7 +107,7 @@ Worst judge(const Outcome<S>& o, const oracle::Shape& a, const oracle::Shape& b,
     message = "flagged as bad input";
     return {.cases = 1, .failed = 1};
   }
-  const oracle::Verdict v = verdict(a, b, judged(o), {.u = u, .gap = {}});
+  const oracle::Verdict v = verdict(a, b, judged(o), {.u = u, .distance = {}});
   if (!v.ok()) message = v.describe();
   const double us = u * v.scale;
   return {1,

@@ -222,9 +222,9 @@ Sized judge_sizes(Pair pair, double size_a, double size_b, int count) {
     oracle::Shape b = oracle::build_shape(random, oracle::secondary(pair), frame_b, build_b);
     const auto* plane = std::get_if<oracle::Plane>(&b);
     const oracle::Vec n = plane != nullptr ? plane->n : random.direction();
-    const double gap = random.chance(0.5) ? random.uniform(-0.3, 1)
+    const double distance = random.chance(0.5) ? random.uniform(-0.3, 1)
                                           : random.either_sign(random.decades(1e-4, 1e-1));
-    const double to = gap * std::min(size_a, size_b);
+    const double to = distance * std::min(size_a, size_b);
     if (plane != nullptr)
       a = oracle::moved(a, (oracle::support(a, -n) + to) * n);
     else
@@ -425,11 +425,11 @@ double error_at(Pair pair, double far) {
     c.a = oracle::to_words(oracle::moved(at_origin.shape_a(), by));
     c.b = oracle::to_words(oracle::moved(at_origin.shape_b(), by));
     const auto o = judged(run<float>(pair, c.a, c.b));
-    const oracle::Gap gap = oracle::signed_gap(c.shape_a(), c.shape_b());
+    const oracle::SignedDistance distance = oracle::signed_distance(c.shape_a(), c.shape_b());
     const double s = o.f ? -o.t : o.t;
     const double size =
         oracle::scene_size(oracle::moved(c.shape_a(), -by), oracle::moved(c.shape_b(), -by));
-    worst = std::max(worst, std::max({0.0, gap.lo - s, s - gap.hi}) / size);
+    worst = std::max(worst, std::max({0.0, distance.lo - s, s - distance.hi}) / size);
   }
   return worst;
 }

@@ -141,9 +141,9 @@ oracle::Case near_cap(oracle::Pair pair, std::uint64_t index) {
   const double share = random.chance(0.5) ? 0.02 : 0.6;
   const double aside = share * random.unit() * b.radius;
   b.c = support(a, n) - support(b, -n) + aside * n.cross(random.direction()).normalized();
-  const oracle::Gap gap = oracle::signed_gap(a, b);
+  const oracle::SignedDistance distance = oracle::signed_distance(a, b);
   const double wanted = random.either_sign(random.decades(1e-7, 1e-3));
-  b.c += gap.n * (wanted - gap.lo);
+  b.c += distance.n * (wanted - distance.lo);
   return {pair, kCylinderSeed, index, "near a cap axis", oracle::to_words(a), oracle::to_words(b)};
 }
 
@@ -176,9 +176,9 @@ oracle::Case upright(oracle::Pair pair, std::uint64_t index) {
     b = oracle::moved(b, (oracle::support(a, n) + oracle::support(b, -n)) * n);
   }
   if (family == 8) {
-    const oracle::Gap gap = oracle::signed_gap(a, b);
+    const oracle::SignedDistance distance = oracle::signed_distance(a, b);
     const double wanted = random.chance(0.3) ? 0 : random.either_sign(random.decades(1e-7, 1e-3));
-    b = oracle::moved(b, (wanted - gap.lo) * gap.n);
+    b = oracle::moved(b, (wanted - distance.lo) * distance.n);
   }
   return {pair, kCylinderSeed, index, kFamilies[family], oracle::to_words(a), oracle::to_words(b)};
 }

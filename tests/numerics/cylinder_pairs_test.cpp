@@ -60,7 +60,7 @@ Body body(oracle::Pair pair) {
 }
 
 template <typename S>
-double signed_gap_of(const Outcome<S>& outcome) {
+double signed_distance_of(const Outcome<S>& outcome) {
   const double t = static_cast<double>(outcome.t);
   return outcome.f ? -t : t;
 }
@@ -167,7 +167,7 @@ struct Row {
 
 /// The larger distance of a witness point, CP -+ s n/2, from its body, in tolP.
 double off_bodies(const oracle::Shape& a, const oracle::Shape& b, const Outcome<float>& outcome) {
-  const double half = signed_gap_of(outcome) / 2;
+  const double half = signed_distance_of(outcome) / 2;
   const Vec n = outcome.n.cast<double>(), cp = outcome.cp.cast<double>();
   const double tolerance =
       kTolT * oracle::scene_size(a, b) + 4 * 0x1p-24 * oracle::largest_coordinate(a, b);
@@ -202,7 +202,7 @@ class Survey {
 
  private:
   void judge(const oracle::Case& c);
-  void judge_default(const oracle::Case& c, const oracle::Gap& gap, const Outcome<float>& outcome);
+  void judge_default(const oracle::Case& c, const oracle::SignedDistance& distance, const Outcome<float>& outcome);
   [[nodiscard]] std::ptrdiff_t beyond() const {
     return std::count_if(off_.begin(), off_.end(), [](double x) { return x > 1; });
   }
@@ -221,29 +221,29 @@ class Survey {
 
 void Survey::judge(const oracle::Case& c) {
   const auto a = c.shape_a(), b = c.shape_b();
-  const oracle::Gap gap = oracle::signed_gap(a, b);
+  const oracle::SignedDistance distance = oracle::signed_distance(a, b);
   const double size = oracle::scene_size(a, b), tolerance = kTolT * size;
-  meet_ += gap.middle() <= 0, in_band_ += std::abs(gap.middle()) <= tolerance;
+  meet_ += distance.middle() <= 0, in_band_ += std::abs(distance.middle()) <= tolerance;
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     const Outcome<float> outcome = answer<float>(pair_, c.a, c.b, kBudgets[k]);
-    const double s = signed_gap_of(outcome);
-    ASSERT_LE(s, gap.hi + tolerance) << "above the signed distance\n" << c.describe();
-    EXPECT_NEAR(oracle::gap_along(a, b, outcome.n.cast<double>()), s, tolerance) << c.describe();
-    rows_[k].shortfall.push_back(std::max(0.0, gap.lo - s) / size);
-    rows_[k].false_hits += outcome.f && gap.lo > tolerance;
-    if (k == kDefault) judge_default(c, gap, outcome);
+    const double s = signed_distance_of(outcome);
+    ASSERT_LE(s, distance.hi + tolerance) << "above the signed distance\n" << c.describe();
+    EXPECT_NEAR(oracle::distance_along(a, b, outcome.n.cast<double>()), s, tolerance) << c.describe();
+    rows_[k].shortfall.push_back(std::max(0.0, distance.lo - s) / size);
+    rows_[k].false_hits += outcome.f && distance.lo > tolerance;
+    if (k == kDefault) judge_default(c, distance, outcome);
   }
 }
 
 /// Checks the witness points, and n if a signed distance within 1e-13 S determines it and the pair
 /// is clearly apart.
-void Survey::judge_default(const oracle::Case& c, const oracle::Gap& gap,
+void Survey::judge_default(const oracle::Case& c, const oracle::SignedDistance& distance,
                            const Outcome<float>& outcome) {
   const auto a = c.shape_a(), b = c.shape_b();
   const Vec n = outcome.n.cast<double>();
   off_.push_back(off_bodies(a, b, outcome));
-  if (gap.lo < 0.01 * oracle::scene_size(a, b) || std::string(set_.name) != "upright") return;
-  const oracle::Gap exact = oracle::signed_gap(a, b, {1e-13, 1000000});
+  if (distance.lo < 0.01 * oracle::scene_size(a, b) || std::string(set_.name) != "upright") return;
+  const oracle::SignedDistance exact = oracle::signed_distance(a, b, {1e-13, 1000000});
   turned_.push_back((n.normalized() - exact.n).norm());
 }
 
@@ -398,7 +398,7 @@ TEST(CylinderRegression, FlatDistance_HasACorrectNormal) {
   const std::vector<double> cylinder = {3, 6, 0, 0.000936599099f, 0.000456357229f, 0.999999464f,
                                         4, 2};
   const oracle::Case c{oracle::Pair::kObbCylinder, 0, 0, "leaning", box, cylinder};
-  const oracle::Gap exact = oracle::signed_gap(c.shape_a(), c.shape_b(), {1e-13, 1000000});
+  const oracle::SignedDistance exact = oracle::signed_distance(c.shape_a(), c.shape_b(), {1e-13, 1000000});
   const Outcome<float> got = answer<float>(c.pair, c.a, c.b, {});
   EXPECT_FALSE(got.f);
   EXPECT_NEAR((got.n.cast<double>() - exact.n).norm(), 0, 2e-6);
@@ -414,9 +414,9 @@ TEST(CylinderRegression, TriangleWithASecondMaximum_FindsTheHigherOne) {
       {6, 4, -1, 0, 0, -1, 1, 5}, {-1, -3, 1, 0, 0, -1, 2, 5}, {-1, -3, 0, 0, 0, -1, 3, 4}};
   for (int i = 0; i < 3; ++i) {
     const oracle::Case c{oracle::Pair::kTriangleCylinder, 0, 0, "deep", triangles[i], cylinders[i]};
-    const oracle::Gap exact = oracle::signed_gap(c.shape_a(), c.shape_b(), {1e-13, 1000000});
+    const oracle::SignedDistance exact = oracle::signed_distance(c.shape_a(), c.shape_b(), {1e-13, 1000000});
     const Outcome<float> got = answer<float>(c.pair, c.a, c.b, {});
-    EXPECT_NEAR(signed_gap_of(got), exact.lo, 1e-6) << i;
+    EXPECT_NEAR(signed_distance_of(got), exact.lo, 1e-6) << i;
     EXPECT_NEAR((got.n.cast<double>() - exact.n).norm(), 0, 1e-5) << i;
   }
 }
@@ -442,7 +442,7 @@ TEST(CylinderRegression, Sliver_HasItsWitnessPoint) {
   const oracle::Case c{oracle::Pair::kTriangleCylinder, 0, 0, "sliver", triangle, cylinder};
   const Outcome<float> got = answer<float>(c.pair, c.a, c.b, {});
   const Vec n = got.n.cast<double>(), cp = got.cp.cast<double>();
-  const double half = signed_gap_of(got) / 2;
+  const double half = signed_distance_of(got) / 2;
   EXPECT_LE(oracle::distance(cp - half * n, c.shape_a()), 3e-5);
   EXPECT_LE(oracle::distance(cp + half * n, c.shape_b()), 3e-5);
 }
@@ -546,10 +546,10 @@ TYPED_TEST(CylinderFormats, Formats_GiveALowerBound) {
         const Outcome<S> outcome = reference::cylinder::run<S>(a, b, kFull);
         ++tried, flagged += outcome.bad;
         if (outcome.bad) return;
-        const oracle::Gap gap = oracle::signed_gap(exact(a), exact(b));
-        const double size = oracle::scene_size(exact(a), exact(b)), s = signed_gap_of(outcome);
-        above = std::max(above, (s - gap.hi) / (u * size));
-        low += !(gap.lo - s <= std::max(256 * u, 1e-8) * size);
+        const oracle::SignedDistance distance = oracle::signed_distance(exact(a), exact(b));
+        const double size = oracle::scene_size(exact(a), exact(b)), s = signed_distance_of(outcome);
+        above = std::max(above, (s - distance.hi) / (u * size));
+        low += !(distance.lo - s <= std::max(256 * u, 1e-8) * size);
       };
       if (const auto* c = std::get_if<oracle::Cylinder>(&shape)) judge(operand<S>(*c));
       if (const auto* c = std::get_if<oracle::Obb>(&shape)) judge(operand<S>(*c));

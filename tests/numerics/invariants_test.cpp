@@ -22,7 +22,7 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/oracle/cases.hpp"
 #include "cde/oracle/certificate.hpp"
-#include "cde/oracle/gap.hpp"
+#include "cde/oracle/signed_distance.hpp"
 #include "cde/oracle/rays.hpp"
 #include "cde/reference/pairs.hpp"
 #include "in_docs.hpp"
@@ -253,9 +253,9 @@ bool may_differ(const Parameter& p, const Operands& o, double u) {
     return answer.margin <= kBand * u * loss(p, c, answer);
   }
   const oracle::Shape a = c.shape_a(), b = c.shape_b();
-  const oracle::Gap gap = oracle::signed_gap(a, b);
+  const oracle::SignedDistance distance = oracle::signed_distance(a, b);
   const double band = kBand * u * oracle::scene_size(a, b);
-  return gap.lo <= band && gap.hi >= -band;
+  return distance.lo <= band && distance.hi >= -band;
 }
 
 void compare(Seen& seen, const Parameter& p, const Operands& was_of, const PairResult& was,

@@ -138,7 +138,7 @@ Triangle primitive(const std::vector<double>& words) {
 oracle::Verdict judged(const oracle::Case& c, const Outcome<float>& o) {
   return oracle::check(c.shape_a(), c.shape_b(),
                        {o.f, o.t, o.cp.cast<double>(), o.n.cast<double>()},
-                       {.u = 0x1p-24, .gap = {}});
+                       {.u = 0x1p-24, .distance = {}});
 }
 
 TEST(MeshNeighbours, Families_CertificateHolds) {

@@ -58,10 +58,10 @@ Row judge_solids(const Case& c, const Result& o) {
   const oracle::Shape a = c.shape_a(), b = c.shape_b();
   const oracle::Result result{o.f, static_cast<double>(o.t), o.cp.cast<double>(),
                               o.n.cast<double>()};
-  oracle::CheckOptions options{.gap = {}, .lower_bound = oracle::has_cylinder(c.pair)};
+  oracle::CheckOptions options{.distance = {}, .lower_bound = oracle::has_cylinder(c.pair)};
   oracle::Verdict v = oracle::check(a, b, result, options);
   if (v.failure == oracle::Failure::kOracleTooWide) {
-    options.gap.max_evaluations *= 100;
+    options.distance.max_evaluations *= 100;
     v = oracle::check(a, b, result, options);
   }
   EXPECT_TRUE(!o.bad && v.ok()) << v.describe() << '\n' << c.describe();

@@ -112,9 +112,9 @@ TEST(TransformNumerics, EveryWord_IsWithinItsRounding) {
 /// The signed distance. The contract of the pairs is 16 u S (S = |cB - cA|_1 and the extents of
 /// both). No signed distance changes by more than the points of its shapes, so the motion adds
 /// their bounds.
-class Gaps {
+class Distances {
  public:
-  explicit Gaps(Pair pair) : pair_(pair) {}
+  explicit Distances(Pair pair) : pair_(pair) {}
 
   template <class A, class B>
   void add(const A& a, const Transform& ma, double error_a, const B& b, const Transform& mb,
@@ -125,7 +125,7 @@ class Gaps {
     const auto exact_b = reference::transformed(exactly(mb), primitive_cast<double>(b));
     const double scale = extents + (centre(exact_a) - centre(exact_b)).cwiseAbs().sum();
     const double bound = 16 * kU * scale + error_a + error_b;
-    const double got = gap({8, 23}, moved_a, moved_b), wanted = gap({11, 52}, exact_a, exact_b);
+    const double got = distance({8, 23}, moved_a, moved_b), wanted = distance({11, 52}, exact_a, exact_b);
     worst_ = std::max(worst_, std::abs(got - wanted) / bound);
     ++(wanted <= 0 ? hits_ : misses_);
   }
@@ -144,7 +144,7 @@ class Gaps {
   static Eigen::Vector3d centre(const BasicTriangle<double>& x) { return x.v0; }
 
   template <class A, class B>
-  [[nodiscard]] double gap(FpFormat format, const A& a, const B& b) const {
+  [[nodiscard]] double distance(FpFormat format, const A& a, const B& b) const {
     using S = typename A::Scalar;
     using Bits = std::conditional_t<std::is_same_v<S, float>, std::uint32_t, std::uint64_t>;
     std::vector<std::uint64_t> wa, wb;
@@ -164,7 +164,7 @@ class Gaps {
 
 TEST(TransformNumerics, Answers_EqualTheMotionInDoublePrecision) {
   Motions random;
-  Gaps spheres(Pair::kSphereSphere), triangles(Pair::kTriangleSphere), boxes(Pair::kSphereObb);
+  Distances spheres(Pair::kSphereSphere), triangles(Pair::kTriangleSphere), boxes(Pair::kSphereObb);
   for (int i = 0; i < 50'000; ++i) {
     // Both shapes start elsewhere in the world and move to where they meet.
     const float away = random.size();
@@ -192,7 +192,7 @@ TEST(TransformNumerics, Answers_EqualTheMotionInDoublePrecision) {
       error_o += box.half[k] * direction_bound(mo, box.rotation.col(k)).norm();
     boxes.add(a, ma, error_a, box, mo, error_o, 2.0 * (a.r + box.half.cast<double>().sum()));
   }
-  for (const Gaps* gaps : {&spheres, &triangles, &boxes}) gaps->judge();
+  for (const Distances* distances : {&spheres, &triangles, &boxes}) distances->judge();
 }
 
 }  // namespace

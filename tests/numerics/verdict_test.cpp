@@ -55,11 +55,11 @@ using AllBodies = ::testing::Types<Bodies<BasicSphere, BasicSphere, Pair::kSpher
 /// Proposed normals and points: near the true ones by all magnitudes, random ones, and NaNs.
 class Proposals {
  public:
-  Proposal<float> next(const oracle::Gap& gap, double size) {
+  Proposal<float> next(const oracle::SignedDistance& distance, double size) {
     Proposal<float> p;
     const double far = std::exp2(-30 * share_(random_));
     for (int k = 0; k < 3; ++k) {
-      p.n[k] = static_cast<float>(gap.n[k] + far * noise_(random_));
+      p.n[k] = static_cast<float>(distance.n[k] + far * noise_(random_));
       p.point[k] = static_cast<float>(size * far * noise_(random_));
     }
     p.weight[0] = static_cast<float>(share_(random_) * 1.1 - 0.05);
@@ -98,13 +98,13 @@ TYPED_TEST(CertifiedFilter, AnyProposal_GivesOnlyTrueCertainties) {
     const A a = shape_of<A>(c.a);
     const B b = shape_of<B>(c.b);
     if (reference::bad(a) || reference::bad(b)) continue;
-    const oracle::Gap gap = oracle::signed_gap(c.shape_a(), c.shape_b());
+    const oracle::SignedDistance distance = oracle::signed_distance(c.shape_a(), c.shape_b());
     const double size = size_of_pair(Body(a), Body(b));
     for (int k = 0; k < 20; ++k) {
-      const Certain certain = judge(a, b, proposals.next(gap, size));
+      const Certain certain = judge(a, b, proposals.next(distance, size));
       misses += certain == Certain::kMiss, hits += certain == Certain::kHit;
-      ASSERT_FALSE(certain == Certain::kMiss && gap.hi < 0) << c.describe();
-      ASSERT_FALSE(certain == Certain::kHit && gap.lo > 0) << c.describe();
+      ASSERT_FALSE(certain == Certain::kMiss && distance.hi < 0) << c.describe();
+      ASSERT_FALSE(certain == Certain::kHit && distance.lo > 0) << c.describe();
     }
   }
   EXPECT_GT(misses, 1000);
@@ -129,12 +129,12 @@ TYPED_TEST(CertifiedFilter, Rounding_IsWithinItsBound) {
                     static_cast<float>(noise(random)));
     n *= 1.1F / n.norm();
     const Vector<double> wide_n = n.cast<double>();
-    const double narrow = gap_along(Body(a), Body(b), n, dot<float>(n, n));
-    const double wide = gap_along(Body(shape_of<WideA>(c.a)), Body(shape_of<WideB>(c.b)), wide_n,
+    const double narrow = distance_along(Body(a), Body(b), n, dot<float>(n, n));
+    const double wide = distance_along(Body(shape_of<WideA>(c.a)), Body(shape_of<WideB>(c.b)), wide_n,
                                   dot<double>(wide_n, wide_n));
     most = std::max(most, std::abs(narrow - wide) / (kU * size_of_pair(Body(a), Body(b))));
   }
-  std::cout << fmt::format("gap: at most {:.2f} u S off\n", most);
+  std::cout << fmt::format("distance along n: at most {:.2f} u S off\n", most);
   EXPECT_LT(most, 9.2);
   EXPECT_GT(most, 0.1);
 }

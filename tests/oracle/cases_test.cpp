@@ -11,7 +11,7 @@
 #include <map>
 #include <string>
 
-#include "cde/oracle/gap.hpp"
+#include "cde/oracle/signed_distance.hpp"
 #include "cde/oracle/random.hpp"
 #include "cde/oracle/rays.hpp"
 #include "printed.hpp"
@@ -75,10 +75,10 @@ TEST_P(EveryPair, Cases_AreHalfNearTheDecision) {
       band += answer.margin < 0x1p-20;
     } else {
       const Shape a = c.shape_a(), b = c.shape_b();
-      const Gap gap = signed_gap(a, b, {1e-6});
-      hit = gap.middle() <= 0;
-      close = std::abs(gap.middle()) < 2e-3 * scene_size(a, b);
-      band += std::abs(gap.middle()) < 0x1p-20 * scene_size(a, b);
+      const SignedDistance distance = signed_distance(a, b, {1e-6});
+      hit = distance.middle() <= 0;
+      close = std::abs(distance.middle()) < 2e-3 * scene_size(a, b);
+      band += std::abs(distance.middle()) < 0x1p-20 * scene_size(a, b);
     }
     hits += hit;
     if (i % 2 == 0) near += close, even_hits += hit;

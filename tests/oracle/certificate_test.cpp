@@ -82,7 +82,7 @@ TEST(Certificate, WrongAnswer_IsNamed) {
     if (0.004 * (center(p.b) - center(p.a)).norm() > 2 * p.tol_t) {
       const auto tilt = [&](Result& r) {
         r.n = (r.n + 0.1 * r.n.unitOrthogonal()).normalized();
-        const double s = gap_along(p.a, p.b, r.n);
+        const double s = distance_along(p.a, p.b, r.n);
         r.f = s <= 0, r.t = std::abs(s);
       };
       const Failure found = failure(tilt);
@@ -134,19 +134,19 @@ TEST(Certificate, LowerBound_ReportsShortfallAndRefusesAMiss) {
     for (const Vec& guess :
          {Vec(center(b) - center(a)), std::get<Cylinder>(a).axis, std::get<Cylinder>(b).axis})
       for (const double sign : {-1.0, 1.0})
-        if (guess.norm() > 0 && gap_along(a, b, sign * guess) > s)
-          n = sign * guess.normalized(), s = gap_along(a, b, n);
+        if (guess.norm() > 0 && distance_along(a, b, sign * guess) > s)
+          n = sign * guess.normalized(), s = distance_along(a, b, n);
     const Vec cp = (center(a) + center(b)) / 2;
     const CheckOptions lower{.lower_bound = true};
     const Verdict v = check(a, b, {s <= 0, std::abs(s), cp, n}, lower);
     EXPECT_TRUE(v.ok()) << v.describe() << '\n' << c.describe();
-    EXPECT_NEAR(v.shortfall, std::max(0.0, v.gap.lo - s), 1e-12 * v.scale);
+    EXPECT_NEAR(v.shortfall, std::max(0.0, v.distance.lo - s), 1e-12 * v.scale);
     short_of += v.shortfall > v.tolerance_t;
     false_hits += v.false_hit;
     // Claiming more than s is refused, and so is a miss of overlapping shapes.
-    const double more = v.gap.hi + 2 * v.tolerance_t;
+    const double more = v.distance.hi + 2 * v.tolerance_t;
     EXPECT_FALSE(check(a, b, {more <= 0, std::abs(more), cp, n}, lower).ok());
-    if (v.gap.hi < -v.tolerance_t) {
+    if (v.distance.hi < -v.tolerance_t) {
       EXPECT_EQ(check(a, b, {false, 0, cp, n}, lower).failure, Failure::kFlag);
       ++refused;
     }
@@ -159,9 +159,9 @@ TEST(Certificate, LowerBound_ReportsShortfallAndRefusesAMiss) {
 TEST(Certificate, VagueOracle_IsReported) {
   const Case c = generate(Pair::kObbObb, kSeed, 3);
   const Shape a = c.shape_a(), b = c.shape_b();
-  const Gap gap = signed_gap(a, b, {1e-12, 200000});
-  const CheckOptions vague{.u = 0x1p-45, .gap = {1e-3, 200000}, .lower_bound = true};
-  const Verdict v = check(a, b, {gap.lo <= 0, std::abs(gap.lo), center(a), gap.n}, vague);
+  const SignedDistance bounds = signed_distance(a, b, {1e-12, 200000});
+  const CheckOptions vague{.u = 0x1p-45, .distance = {1e-3, 200000}, .lower_bound = true};
+  const Verdict v = check(a, b, {bounds.lo <= 0, std::abs(bounds.lo), center(a), bounds.n}, vague);
   EXPECT_EQ(v.failure, Failure::kOracleTooWide) << v.describe();
 }
 

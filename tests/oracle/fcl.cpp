@@ -63,7 +63,7 @@ struct ToObject {
   std::optional<Object> operator()(const auto&) const { return std::nullopt; }
 };
 
-std::optional<double> signed_distance(const Shape& a, const Shape& b) {
+std::optional<double> fcl_signed_distance(const Shape& a, const Shape& b) {
   const auto object_a = std::visit(ToObject{}, a), object_b = std::visit(ToObject{}, b);
   if (!object_a || !object_b) return std::nullopt;
   const double off = taken_off(a) + taken_off(b);
@@ -87,7 +87,7 @@ void answer_in_child(const std::vector<std::pair<Shape, Shape>>& pairs, std::siz
   const process::Result ran = process::isolated([&](int out) {
     close(STDERR_FILENO);  // the assertion's message
     for (std::size_t i = first; i < pairs.size(); ++i) {
-      const auto answer = signed_distance(pairs[i].first, pairs[i].second);
+      const auto answer = fcl_signed_distance(pairs[i].first, pairs[i].second);
       const double value = answer.value_or(std::numeric_limits<double>::quiet_NaN());
       if (write(out, &value, sizeof value) != sizeof value) _exit(1);
     }

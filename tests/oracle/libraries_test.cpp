@@ -9,7 +9,7 @@
 
 #include "cde/oracle/build_shape.hpp"
 #include "cde/oracle/cases.hpp"
-#include "cde/oracle/gap.hpp"
+#include "cde/oracle/signed_distance.hpp"
 #include "cde/oracle/rays.hpp"
 #include "oracle/cgal.hpp"
 #include "oracle/fcl.hpp"
@@ -44,13 +44,13 @@ TEST_P(FclOracle, SignedDistance_AgreesWithFcl) {
     const double fcl = *answers[i];
     const auto& [a, b] = pairs[i];
     ++compared;
-    const Gap gap = signed_gap(a, b, {1e-9});
+    const SignedDistance bounds = signed_distance(a, b, {1e-9});
     // Near round shapes GJK ends early with the distance of two points, which is too large.
     const double size = scene_size(a, b);
-    const double below = (gap.lo - fcl) / size, above = (fcl - gap.hi) / size;
-    EXPECT_LE(below, 2e-9) << i << ": FCL " << fcl << ", s in [" << gap.lo << ", " << gap.hi << ']';
+    const double below = (bounds.lo - fcl) / size, above = (fcl - bounds.hi) / size;
+    EXPECT_LE(below, 2e-9) << i << ": FCL " << fcl << ", s in [" << bounds.lo << ", " << bounds.hi << ']';
     EXPECT_LE(above, is_round ? 1e-5 : 2e-9)
-        << i << ": FCL " << fcl << ", s in [" << gap.lo << ", " << gap.hi << ']';
+        << i << ": FCL " << fcl << ", s in [" << bounds.lo << ", " << bounds.hi << ']';
     const double error = std::max({0.0, below, above});
     apart += fcl > 0;
     double& worst = fcl > 0 ? worst_apart : worst_overlap;
@@ -90,9 +90,9 @@ TEST(CgalOracle, DistanceFromATriangle_AgreesWithCgal) {
     const Vec p = triangle.v0 + away * random.direction();
     const double exact = std::sqrt(cgal_squared_distance(p, triangle));
     EXPECT_NEAR(distance(p, triangle), exact, 1e-14) << i;
-    const Gap gap = signed_gap(Triangle{p, p, p}, triangle);
-    EXPECT_LE(gap.lo, exact) << i;
-    EXPECT_GE(gap.hi, exact) << i;
+    const SignedDistance bounds = signed_distance(Triangle{p, p, p}, triangle);
+    EXPECT_LE(bounds.lo, exact) << i;
+    EXPECT_GE(bounds.hi, exact) << i;
   }
   EXPECT_GT(needles, 1000);
 }
@@ -110,9 +110,9 @@ TEST(CgalOracle, TrianglesMeetingBoxes_AgreeWithCgal) {
     }
     // Touching counts as contact in both libraries; only distances within the interval's width are
     // uncertain.
-    const Gap gap = signed_gap(a, b);
-    if (gap.lo > 0 || gap.hi < 0) {
-      EXPECT_EQ(meet, gap.hi < 0) << c.describe();
+    const SignedDistance bounds = signed_distance(a, b);
+    if (bounds.lo > 0 || bounds.hi < 0) {
+      EXPECT_EQ(meet, bounds.hi < 0) << c.describe();
       ++decided;
     }
     met += meet;

@@ -198,11 +198,11 @@ class Text {
       put("The card's records of the primary, in order of arrival:\n");
       return;
     }
-    const bool gap = is_solid(s_.asked().pair) && s_.asked().mode != Mode::kAny;
+    const bool is_signed = is_solid(s_.asked().pair) && s_.asked().mode != Mode::kAny;
     if (s_.chosen_by_host)
       put("\nSome pairs of an object with itself do not count, so the host chooses among the "
           "records of several passes. Passes with a record per pair are not listed.\n");
-    put("\nOn the card {}{}{}\n", candidates(count), gap ? "; T is the signed distance" : "",
+    put("\nOn the card {}{}{}\n", candidates(count), is_signed ? "; T is the signed distance" : "",
         count == 0 ? "." : ", in order of arrival at the update engine:");
   }
 

@@ -170,9 +170,9 @@ class Teller {
     order_.clear();
     for (const reference::BruteForcePair& p : tested.pairs) {
       const Record& r = p.record;
-      const bool gap = !s_.of_pairs() && is_solid(q.pair) && r.f;
+      const bool negative = !s_.of_pairs() && is_solid(q.pair) && r.f;
       by_secondary_[p.secondary] = {
-          .f = r.f, .bad = r.bad, .candidate = p.candidate, .kept = p.kept, .t = gap ? -r.t : r.t};
+          .f = r.f, .bad = r.bad, .candidate = p.candidate, .kept = p.kept, .t = negative ? -r.t : r.t};
       order_.push_back(p.secondary);
       s_.candidates += p.candidate ? 1 : 0;
     }

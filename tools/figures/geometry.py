@@ -66,12 +66,12 @@ def closest(a, b):
 
 
 def deepest(a, b):
-    """The normal of the largest gap of two polygons that overlap, that gap, and a witness point on a."""
-    def gap(n):
+    """The normal of the largest separation of two polygons that overlap, that separation, and a witness point on a."""
+    def separation(n):
         return -b.reach((-n[0], -n[1])) - a.reach(n)
     own, other = a.normals(), [(-n[0], -n[1]) for n in b.normals()]
-    n = max(own + other, key=gap)
-    s = gap(n)
+    n = max(own + other, key=separation)
+    s = separation(n)
     on_a = [p for p in a.points if a.reach(n) - dot(n, p) < 1e-9]
     on_b = [q for q in b.points if dot(n, q) + b.reach((-n[0], -n[1])) < 1e-9]
     if len(on_b) == 1:

@@ -26,7 +26,7 @@ MOELLER_ARROWS = (("e2", "p"), ("s", "q"), ("p", "det"), ("p", "u"), ("q", "v"),
           ("v", "uv"), ("u", "in"), ("in", "in2"))
 
 
-# rtl/pipes/sphere_sphere.sv, with gap_result.sv
+# rtl/pipes/sphere_sphere.sv, with distance_result.sv
 SPHERES = {
     "w": (0, 0, 1, ("w =", "cB − cA"), "fb"), "dd": (0, 1, 4, "dd = w · w", "fb"), "d": (0, 4, 5, ("d =", "√dd"), "fr"), "inv": (0, 5, 6, "1 / d", "fr"),
     "n": (0, 6, 7, ("n =", "w / d"), "fb"), "reach": (1, 0, 1, ("sum =", "rA + rB"), "fb"), "s": (1, 5, 6, ("s = d", "− sum"), "fb"), "half": (1, 6, 7,

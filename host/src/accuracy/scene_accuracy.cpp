@@ -79,7 +79,7 @@ class Tester {
   [[nodiscard]] std::size_t primaries() const { return primaries_.all.size() / primaries_.each; }
   [[nodiscard]] const PairResult& result(std::size_t s) const { return results_[s]; }
   /// T; for solids this is the signed distance.
-  [[nodiscard]] double gap(std::size_t s) const {
+  [[nodiscard]] double signed_t(std::size_t s) const {
     const double t = format_.decode(results_[s].t);
     return is_solid(query_.pair) && results_[s].f ? -t : t;
   }
@@ -91,7 +91,7 @@ class Tester {
       if (r.bad || (!r.f && (!is_solid(query_.pair) || query_.mode == Mode::kAny))) continue;
       if (best == kNone) best = s;
       if (query_.mode == Mode::kAny) break;
-      if (query_.mode == Mode::kNearest ? gap(s) < gap(best) : gap(s) > gap(best)) best = s;
+      if (query_.mode == Mode::kNearest ? signed_t(s) < signed_t(best) : signed_t(s) > signed_t(best)) best = s;
     }
     return best;
   }
@@ -135,8 +135,8 @@ class Judge {
     error(is, saw);
     if (is == saw) return;
     const double u = std::ldexp(1, -1 - row_.format.man_bits);
-    const double apart = std::abs(truth_.gap(saw) - truth_.gap(is));
-    ++(apart <= kTieBand * u * std::abs(truth_.gap(is)) ? row_.ties : row_.other);
+    const double apart = std::abs(truth_.signed_t(saw) - truth_.signed_t(is));
+    ++(apart <= kTieBand * u * std::abs(truth_.signed_t(is)) ? row_.ties : row_.other);
   }
 
  private:
@@ -152,7 +152,7 @@ class Judge {
     return false;
   }
   void error(std::size_t is, std::size_t saw) {
-    const double t = truth_.gap(is), seen = seen_.gap(saw);
+    const double t = truth_.signed_t(is), seen = seen_.signed_t(saw);
     if (std::isfinite(t) && t != 0) row_.t.add(std::abs(seen - t) / std::abs(t));
   }
 

@@ -57,7 +57,7 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
   // The interval is u S / 64 wide where binary64 can resolve that and does so fast enough; else it
   // is wider.
   oracle::CheckOptions options{.u = u,
-                               .gap = {std::max(1e-13, u / 64), 30000},
+                               .distance = {std::max(1e-13, u / 64), 30000},
                                .lower_bound = oracle::has_cylinder(pipe.pair)};
   const oracle::Verdict v = oracle::check(words.shape_a(), words.shape_b(), result, options);
   // The oracle computes in binary64. Far from the world's origin it cannot represent the middle of
@@ -65,13 +65,13 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
   const double slack =
       kOracleRounding * oracle::largest_coordinate(words.shape_a(), words.shape_b());
   const double tolerance = v.tolerance_t + slack, unit = u * v.scale;
-  const bool certain_hit = -v.gap.hi > tolerance, certain_miss = v.gap.lo > tolerance;
+  const bool certain_hit = -v.distance.hi > tolerance, certain_miss = v.distance.lo > tolerance;
   Judged judged;
-  if (decide(tally, answer.f, certain_hit, certain_miss, v.gap.middle() <= 0))
-    judged.decision = (certain_hit ? -v.gap.hi : v.gap.lo) / unit;
+  if (decide(tally, answer.f, certain_hit, certain_miss, v.distance.middle() <= 0))
+    judged.decision = (certain_hit ? -v.distance.hi : v.distance.lo) / unit;
   // S is 0 if all corners coincide; a zero error then stays zero.
   const auto in_units = [unit](double error) { return error == 0 ? 0 : error / unit; };
-  if (unit > 0) tally.oracle.add(((v.gap.hi - v.gap.lo) / 2 + slack) / unit);
+  if (unit > 0) tally.oracle.add(((v.distance.hi - v.distance.lo) / 2 + slack) / unit);
   if (!says_distance(pipe.pair, pipe.variant)) return judged;
   if (v.failure == oracle::Failure::kNotFinite) {
     ++tally.not_numbers;
@@ -83,7 +83,7 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
   const double error_t = std::max(0.0, v.error_c2 - slack);
   judged.t = in_units(error_t);
   tally.t.add(*judged.t);
-  tally.t_ulps.add(error_t / ulp(format, v.gap.middle()));
+  tally.t_ulps.add(error_t / ulp(format, v.distance.middle()));
   tally.cp.add(std::max(v.witness_a, v.witness_b) / (v.tolerance_p / kBand));
   tally.n.add(in_units(std::max(0.0, v.error_c1 - slack)));
   return judged;

@@ -24,21 +24,21 @@ constexpr std::uint64_t kAtOnce = 4096;
 /// wide.
 void count(VerdictCounts& counts, const oracle::Case& pair, Certain certain) {
   const oracle::Shape a = pair.shape_a(), b = pair.shape_b();
-  const oracle::Gap gap = oracle::signed_gap(a, b, {.tolerance = 1e-7});
+  const oracle::SignedDistance distance = oracle::signed_distance(a, b, {.tolerance = 1e-7});
   ++counts.cases;
   switch (certain) {
     case Certain::kMiss:
       ++counts.misses;
-      counts.wrong += gap.hi < 0 ? 1 : 0;
+      counts.wrong += distance.hi < 0 ? 1 : 0;
       break;
     case Certain::kHit:
       ++counts.hits;
-      counts.wrong += gap.lo > 0 ? 1 : 0;
+      counts.wrong += distance.lo > 0 ? 1 : 0;
       break;
     case Certain::kNeither:
       ++counts.uncertain;
       const double band = kBand * 0x1p-24 * oracle::scene_size(a, b);
-      counts.near += gap.lo <= band && -gap.hi <= band ? 1 : 0;
+      counts.near += distance.lo <= band && -distance.hi <= band ? 1 : 0;
   }
 }
 

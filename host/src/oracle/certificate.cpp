@@ -57,7 +57,7 @@ std::string Verdict::describe() const {
   out.precision(9);
   out << to_string(failure);
   if (!ok()) out << " by " << excess;
-  out << "; oracle s in [" << gap.lo << ", " << gap.hi << "], |g(n) - s| " << error_c1
+  out << "; oracle s in [" << distance.lo << ", " << distance.hi << "], |g(n) - s| " << error_c1
       << ", s off the interval by " << error_c2 << ", witness A " << witness_a << " B " << witness_b
       << " off, tolT " << tolerance_t << ", tolP " << tolerance_p << ", S " << scale;
   if (in_band) out << ", in the band";
@@ -69,8 +69,8 @@ Verdict check(const Shape& a, const Shape& b, const Result& result, const CheckO
   verdict.scale = scene_size(a, b);
   const double tol_t = verdict.tolerance_t = 16 * options.u * verdict.scale;
   const double tol_p = verdict.tolerance_p = tol_t + 4 * options.u * largest_coordinate(a, b);
-  const Gap gap = verdict.gap = signed_gap(a, b, options.gap);
-  verdict.in_band = gap.lo <= tol_t && gap.hi >= -tol_t;
+  const SignedDistance bounds = verdict.distance = signed_distance(a, b, options.distance);
+  verdict.in_band = bounds.lo <= tol_t && bounds.hi >= -tol_t;
 
   if (!std::isfinite(result.t) || !result.cp.allFinite() || !result.n.allFinite()) {
     fail(verdict, Failure::kNotFinite, std::numeric_limits<double>::infinity());
@@ -79,28 +79,28 @@ Verdict check(const Shape& a, const Shape& b, const Result& result, const CheckO
   fail(verdict, Failure::kNegativeT, -result.t);
   fail(verdict, Failure::kNotUnit, std::abs(result.n.norm() - 1) - 16 * options.u);
 
-  verdict.false_hit = result.f && gap.lo > tol_t;
-  const bool false_miss = !result.f && gap.hi < -tol_t;
+  verdict.false_hit = result.f && bounds.lo > tol_t;
+  const bool false_miss = !result.f && bounds.hi < -tol_t;
   if (false_miss || (verdict.false_hit && !options.lower_bound))
-    fail(verdict, Failure::kFlag, std::max(gap.lo, -gap.hi));
-  verdict.excused = verdict.in_band && result.f != (gap.middle() <= 0);
+    fail(verdict, Failure::kFlag, std::max(bounds.lo, -bounds.hi));
+  verdict.excused = verdict.in_band && result.f != (bounds.middle() <= 0);
 
   const double s = result.f ? -result.t : result.t;
-  verdict.shortfall = std::max(0.0, gap.lo - s);
+  verdict.shortfall = std::max(0.0, bounds.lo - s);
   if (result.n.norm() > 0) {
     const Vec n = snapped_to_plane(a, b, result.n.normalized(), 16 * options.u);
-    verdict.error_c1 = std::abs(gap_along(a, b, n) - s);
+    verdict.error_c1 = std::abs(distance_along(a, b, n) - s);
     fail(verdict, Failure::kCertificate, verdict.error_c1 - tol_t);
   }
-  verdict.error_c2 = std::max({0.0, gap.lo - s, s - gap.hi});
+  verdict.error_c2 = std::max({0.0, bounds.lo - s, s - bounds.hi});
   fail(verdict, Failure::kOutside,
-       (options.lower_bound ? std::max(0.0, s - gap.hi) : verdict.error_c2) - tol_t);
+       (options.lower_bound ? std::max(0.0, s - bounds.hi) : verdict.error_c2) - tol_t);
 
   verdict.witness_a = distance(result.cp - 0.5 * s * result.n, a);
   verdict.witness_b = distance(result.cp + 0.5 * s * result.n, b);
   if (!options.lower_bound)
     fail(verdict, Failure::kWitness, std::max(verdict.witness_a, verdict.witness_b) - tol_p);
-  fail(verdict, Failure::kOracleTooWide, gap.hi - gap.lo - tol_t);
+  fail(verdict, Failure::kOracleTooWide, bounds.hi - bounds.lo - tol_t);
   return verdict;
 }
 

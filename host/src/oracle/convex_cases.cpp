@@ -5,7 +5,7 @@
 
 #include "cde/oracle/build_shape.hpp"
 #include "cde/oracle/cases.hpp"
-#include "cde/oracle/gap.hpp"
+#include "cde/oracle/signed_distance.hpp"
 
 // Makes operands of the convex pairs. Builds both shapes around the origin in frames that the
 // family chooses, rounds them, and places B by the family's rule.
@@ -17,19 +17,19 @@ double size_of(const Shape& shape) {
   return std::holds_alternative<Plane>(shape) ? 1.0 : scene_size(shape, origin);
 }
 
-/// Moves B so that the pair's signed distance is `gap`: it approaches from far away in the given
+/// Moves B so that the pair's signed distance is `distance`: it approaches from far away in the given
 /// direction, then moves back along the separating normal.
-Shape approach(const Shape& a, const Shape& b, const Vec& direction, double gap) {
+Shape approach(const Shape& a, const Shape& b, const Vec& direction, double distance) {
   const double far = 20 * (size_of(a) + size_of(b));
   const Shape b_far = moved(b, center(a) - center(b) + far * direction);
-  const Gap found = signed_gap(a, b_far, {1e-12, 2000});
-  return moved(b_far, (gap - found.middle()) * found.n);
+  const SignedDistance found = signed_distance(a, b_far, {1e-12, 2000});
+  return moved(b_far, (distance - found.middle()) * found.n);
 }
 
-/// Moves B so that its projection on n lies `gap` from A's.
-Shape against(const Shape& a, const Shape& b, const Vec& n, double gap) {
-  if (std::holds_alternative<Plane>(b)) return approach(a, b, n, gap);
-  return moved(b, (gap + support(a, n) + support(b, -n)) * n);
+/// Moves B so that its projection on n lies `distance` from A's.
+Shape against(const Shape& a, const Shape& b, const Vec& n, double distance) {
+  if (std::holds_alternative<Plane>(b)) return approach(a, b, n, distance);
+  return moved(b, (distance + support(a, n) + support(b, -n)) * n);
 }
 
 Vec any_axis(Random& random) {
@@ -61,14 +61,14 @@ struct Draft {
     b = rounded(kind_b, build_shape(random, kind_b, frame_b, build_b), format);
   }
   [[nodiscard]] double size() const { return size_of(a) + size_of(b); }
-  double small_gap() { return small_offset(random, format) * size(); }
+  double small_distance() { return small_offset(random, format) * size(); }
   void near_contact() {
     if (both_flat() && random.chance(0.5)) {
       cross();
       return;
     }
     const Vec direction = random.direction();
-    b = approach(a, b, direction, small_gap());
+    b = approach(a, b, direction, small_distance());
   }
   [[nodiscard]] bool both_flat() const {
     return kind_a == ShapeKind::kTriangle && kind_b == ShapeKind::kTriangle;
@@ -139,7 +139,7 @@ const char* aligned(Draft& d) {
   d.build_a.dyadic = d.build_b.dyadic = true;
   d.build();
   const double fine = 16 * d.format.u(), coarse = std::max(0x1p-10, fine);
-  const std::array gaps = {0.0, 0.0, coarse, -coarse, fine, -fine};
+  const std::array distances = {0.0, 0.0, coarse, -coarse, fine, -fine};
   const Vec n = any_axis(d.random);
   Vec beside{d.random.below(17) - 8., d.random.below(17) - 8., d.random.below(17) - 8.};
   if (d.random.chance(0.3)) beside.setZero();
@@ -148,7 +148,7 @@ const char* aligned(Draft& d) {
     beside = 16 * Vec{d.random.below(3) - 1., d.random.below(3) - 1., d.random.below(3) - 1.};
   }
   d.b = moved(d.b, (beside - n.dot(beside) * n) / 16);
-  d.b = against(d.a, d.b, n, gaps[d.random.below(static_cast<int>(gaps.size()))]);
+  d.b = against(d.a, d.b, n, distances[d.random.below(static_cast<int>(distances.size()))]);
   return "aligned";
 }
 
@@ -206,9 +206,9 @@ const char* tilted(Draft& d) {
   const double aside = d.random.unit();
   d.b = moved(d.b, aside * n.cross(d.random.direction()));
   if (d.random.chance(0.5))
-    d.b = against(d.a, d.b, n, d.small_gap());
+    d.b = against(d.a, d.b, n, d.small_distance());
   else
-    d.b = approach(d.a, d.b, n, d.small_gap());
+    d.b = approach(d.a, d.b, n, d.small_distance());
   return "tilted";
 }
 
@@ -240,7 +240,7 @@ const char* cap_axis(Draft& d) {
   const Vec axis = d.random.flipped((of_b ? d.frame_b : d.frame_a).col(2));
   const double angle = d.random.decades(1e-5, 0.035);
   const Vec n = tilt(d.random, angle) * axis;
-  d.b = approach(d.a, d.b, n, d.small_gap());
+  d.b = approach(d.a, d.b, n, d.small_distance());
   return "cap axis";
 }
 
@@ -269,8 +269,8 @@ const char* offset(Draft& d) {
 const char* close_by(Draft& d) {
   d.build();
   const Vec direction = d.random.direction();
-  const double gap = d.random.either_sign(d.random.decades(1e-4, 1e-1));
-  d.b = approach(d.a, d.b, direction, gap * d.size());
+  const double distance = d.random.either_sign(d.random.decades(1e-4, 1e-1));
+  d.b = approach(d.a, d.b, direction, distance * d.size());
   return "close";
 }
 
@@ -287,7 +287,7 @@ const char* hair_turn(Draft& d) {
   d.frames({d.random.rotation(), slightly});
   d.build();
   const Vec n = d.random.flipped(d.frame_a.col(d.random.below(3)));
-  d.b = against(d.a, d.b, n, d.small_gap());
+  d.b = against(d.a, d.b, n, d.small_distance());
   return "hair turn";
 }
 
@@ -295,7 +295,7 @@ const char* coaxial(Draft& d) {
   d.frames({d.random.rotation(), Frame::Identity()});
   d.build();
   const Vec n = d.random.flipped(d.frame_a.col(2));
-  d.b = against(d.a, d.b, n, d.random.chance(0.7) ? d.small_gap() : -0.3 * d.size());
+  d.b = against(d.a, d.b, n, d.random.chance(0.7) ? d.small_distance() : -0.3 * d.size());
   return "coaxial";
 }
 

@@ -112,13 +112,13 @@ const char* tied(Pieces& p) {
 const char* stacked(Pieces& p) {
   p.place(0.9, 0.5);
   const Vec n = p.random.flipped(Vec::Unit(p.random.below(3)));
-  const std::array gaps = {0.0, 0.0, -0.5, 0.5, 16 * p.format.u(), -16 * p.format.u()};
-  const double gap = gaps[p.random.below(static_cast<int>(gaps.size()))];
+  const std::array distances = {0.0, 0.0, -0.5, 0.5, 16 * p.format.u(), -16 * p.format.u()};
+  const double distance = distances[p.random.below(static_cast<int>(distances.size()))];
   if (auto* plane = std::get_if<Plane>(&p.b))
     plane->d =
-        plane->n.dot(center(p.a)) + p.random.either_sign(half_width_along(p.a, plane->n) + gap);
+        plane->n.dot(center(p.a)) + p.random.either_sign(half_width_along(p.a, plane->n) + distance);
   else
-    p.b = moved(p.b, (gap + support(p.a, n) + support(p.b, -n)) * n);
+    p.b = moved(p.b, (distance + support(p.a, n) + support(p.b, -n)) * n);
   p.disturb();
   return "stacked";
 }

@@ -73,8 +73,8 @@ Shape put(Random& random, const Shape& shape, const Scene& scene) {
   const Vec n = random.flipped(Vec::Unit(random.below(2)));  // beside it, on the same ground
   const double ground = -support(other, -Vec::UnitZ());
   const Shape level = at_rest(moved(shape, across + aside - n.dot(aside) * n), ground);
-  const double gap = support(other, n) + support(level, -n) - (sinks ? sunk : 0);
-  return moved(level, gap * n);
+  const double distance = support(other, n) + support(level, -n) - (sinks ? sunk : 0);
+  return moved(level, distance * n);
 }
 
 Plane flat_ground(Random& random) {

@@ -23,9 +23,9 @@ namespace cde {
   if (!is_candidate(pair, mode, r)) return false;
   if (best.index == ~0u) return true;
   const bool solid = is_solid(pair);
-  const auto gap = [solid](const Record& of) { return solid && of.f ? -of.t : of.t; };
-  if (mode == Mode::kNearest) return gap(r) < gap(best);
-  return mode == Mode::kFarthest && gap(r) > gap(best);
+  const auto signed_t = [solid](const Record& of) { return solid && of.f ? -of.t : of.t; };
+  if (mode == Mode::kNearest) return signed_t(r) < signed_t(best);
+  return mode == Mode::kFarthest && signed_t(r) > signed_t(best);
 }
 
 /// The record of a primary without any answered pair.

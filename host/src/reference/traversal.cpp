@@ -118,7 +118,7 @@ Record answer(const P& primary, const L& secondary, std::uint32_t number, std::u
 
 /// The value that modes compare: T, or for solids the signed distance.
 template <class P>
-float gap(const Record& r) {
+float signed_t(const Record& r) {
   return !std::is_same_v<P, Ray> && r.f ? -r.t : r.t;
 }
 
@@ -161,7 +161,7 @@ class Traversal::Trace {
  private:
   static constexpr bool kSolid = !std::is_same_v<P, Ray>;
 
-  /// For solids: sets the largest key that still counts (gap_key()), with no lower limit.
+  /// For solids: sets the largest key that still counts (distance_key()), with no lower limit.
   void limit(float key) {
     tmax_ = key;
     tmin_ = -kInfinite;
@@ -182,7 +182,7 @@ class Traversal::Trace {
     for (unsigned i = Node::kChildren; i-- > 0;) {
       if (node.child(i) == Child::kNone) continue;
       const AxisStretch<float> axes = axis_stretch(front, front_, node, i);
-      const Stretch<float> s = kSolid ? Stretch<float>{gap_key(axes), kInfinite} : stretch(axes);
+      const Stretch<float> s = kSolid ? Stretch<float>{distance_key(axes), kInfinite} : stretch(axes);
       if (s.near > s.far || s.far < tmin_ || s.near > tmax_) continue;
       group.entries[group.count++] = {down ? s.far : s.near, node.place(i), node.child(i)};
     }
@@ -216,7 +216,7 @@ class Traversal::Trace {
       records_[0] = record;
     }
     if (goal_ == Goal::kNearest && kSolid)
-      limit(gap_key<float>(records_[0].f, gap<P>(records_[0])));
+      limit(distance_key<float>(records_[0].f, signed_t<P>(records_[0])));
     if (goal_ == Goal::kNearest && !kSolid) tmax_ = records_[0].t;
     if (goal_ == Goal::kFarthest) tmin_ = records_[0].t;
     over_ = over_ || goal_ == Goal::kOccluded;
@@ -224,7 +224,7 @@ class Traversal::Trace {
 
   /// Order-independent: ties go to the least index. +0 and -0 tie.
   [[nodiscard]] bool better(const Record& a, const Record& b) const {
-    const float x = gap<P>(a), y = gap<P>(b);
+    const float x = signed_t<P>(a), y = signed_t<P>(b);
     if (goal_ == Goal::kAny || x == y) return a.index < b.index;
     return goal_ == Goal::kNearest ? x < y : x > y;
   }

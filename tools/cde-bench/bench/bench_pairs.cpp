@@ -82,9 +82,9 @@ std::vector<Priced> measure_budgets(Pair pair, std::span<const float> a, std::sp
     const MeasuredPairs m = measure(config, a, b, seconds, budget);
     std::vector<double> shortfall;
     for (std::size_t i = 0; i < kCases; ++i) {
-      const double t = config.format.decode(m.results[i].t), gap = m.results[i].f ? -t : t;
-      if (best.size() <= i) best.push_back(gap);
-      shortfall.push_back(std::max(0.0, best[i] - gap));
+      const double t = config.format.decode(m.results[i].t), distance = m.results[i].f ? -t : t;
+      if (best.size() <= i) best.push_back(distance);
+      shortfall.push_back(std::max(0.0, best[i] - distance));
     }
     std::sort(shortfall.begin(), shortfall.end());
     rows.push_back({budget, m.pairs_per_second, m.clocks_per_row, shortfall[kCases * 99 / 100],

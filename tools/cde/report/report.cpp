@@ -90,8 +90,8 @@ bool Report::keeps(const SceneQuery& query, const Record& record) const {
 void Report::measure(const SceneQuery& query, const Record& r, Kept& kept) const {
   const bool solid = is_solid(query.pair);
   if (r.bad || !std::isfinite(r.t) || (!r.f && !solid)) return;
-  const float gap = solid && r.f ? -r.t : r.t;
-  kept.least = std::fmin(kept.least, gap), kept.most = std::fmax(kept.most, gap);
+  const float signed_t = solid && r.f ? -r.t : r.t;
+  kept.least = std::fmin(kept.least, signed_t), kept.most = std::fmax(kept.most, signed_t);
   if (r.f || !query.normals) return;
   const auto nearer = [](const ShownHit& a, const ShownHit& b) { return a.t < b.t; };
   kept.apart.push_back({r.primary, r.index, r.t, r.cp, r.n});
@@ -127,7 +127,7 @@ void Report::frame(std::uint32_t number, const std::vector<QueryFrame>& answers)
     played.reference_seconds += answers[q].check_seconds;
     played.records += answers[q].counters.records;
     played.hits += answers[q].hits;
-    played.gaps.push_back({kept_[q].least, kept_[q].most});
+    played.distances.push_back({kept_[q].least, kept_[q].most});
   }
   played_.push_back(played);
   if ((played_.size() - 1) % stride_ == 0) {
@@ -398,7 +398,7 @@ std::string Report::html(const Json& run) const {
   body += fmt::format("<p class=\"lead\">{}</p></header>\n",
                       escaped(fmt::format("{}: frames {} to {}, run on the simulated card of cde.",
                                           file, run["frames"][0].dump(), run["frames"][1].dump())));
-  body += view_html() + (played_.empty() ? "" : gaps_html()) + charts_html() + tables_html(run);
+  body += view_html() + (played_.empty() ? "" : distances_html()) + charts_html() + tables_html(run);
   body += fmt::format(
       "<footer><details><summary>Software in this page</summary><pre>{}</pre>"
       "</details></footer>\n</main>\n",

@@ -47,7 +47,7 @@ class Report {
     TimeSplit modelled;
     double card_seconds = 0, reference_seconds = 0;  ///< wall time
     std::uint64_t records = 0, hits = 0;
-    std::vector<std::array<float, 2>> gaps;  ///< per query: the least and the most
+    std::vector<std::array<float, 2>> distances;  ///< per query: the least and the most
   };
   struct View {
     Json json;
@@ -73,7 +73,7 @@ class Report {
   [[nodiscard]] std::string view_html() const;
   [[nodiscard]] std::string legend_html() const;
   [[nodiscard]] std::string charts_html() const;
-  [[nodiscard]] std::string gaps_html() const;
+  [[nodiscard]] std::string distances_html() const;
   [[nodiscard]] std::string tables_html(const Json& run) const;
   [[nodiscard]] std::vector<std::string> notes() const;
 

@@ -142,10 +142,10 @@ std::string Report::charts_html() const {
 }
 
 /// The chart over the frames: the signed distance of solids, or T of rays.
-std::string Report::gaps_html() const {
+std::string Report::distances_html() const {
   const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
   std::string html =
-      "<section id=\"gaps\"><h2>Signed distance or T over time</h2>\n<p>For solids, the signed "
+      "<section id=\"distances\"><h2>Signed distance or T over time</h2>\n<p>For solids, the signed "
       "distance: below 0 it is the depth. For rays, T of the hits, in lengths of the ray's "
       "direction. The lines are the least and the most of a frame's records; a frame without a "
       "value leaves a hole.</p>\n";
@@ -157,8 +157,8 @@ std::string Report::gaps_html() const {
     for (std::size_t first = 0; first < played_.size(); first += group) {
       float low = NAN, high = NAN;
       for (std::size_t i = first; i < std::min(first + group, played_.size()); ++i) {
-        low = std::fmin(low, played_[i].gaps[q][0]);
-        high = std::fmax(high, played_[i].gaps[q][1]);
+        low = std::fmin(low, played_[i].distances[q][0]);
+        high = std::fmax(high, played_[i].distances[q][1]);
       }
       for (Line* line : {&least, &most}) line->x.push_back(seconds(scene_, played_[first].number));
       least.y.push_back(low), most.y.push_back(high);

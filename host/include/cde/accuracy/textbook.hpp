@@ -108,10 +108,10 @@ struct Box {
 template <class S>
 class Axes {
  public:
-  template <class Gap>
-  void test(const Vector<S>& n, Gap gap) {
+  template <class Separation>
+  void test(const Vector<S>& n, Separation separation) {
     // Parallel edges have no common axis. Their rounding error is treated as one nevertheless.
-    apart_ = apart_ || static_cast<bool>(S(0) < gap(n));
+    apart_ = apart_ || static_cast<bool>(S(0) < separation(n));
   }
   [[nodiscard]] Outcome<S> outcome() const {
     Outcome<S> o;
@@ -129,14 +129,14 @@ template <class S, bool AtSizeOne = false>
   if constexpr (!AtSizeOne) return at_size_one<S>(a, b, obb_obb<S, true>);
   const Box<S> x(a), y(b);
   const Vector<S> d = sub<S>(y.c, x.c);
-  const auto gap = [&](const Vector<S>& n) {
+  const auto separation = [&](const Vector<S>& n) {
     return magnitude(dot<S>(d, n)) - (x.reach(n) + y.reach(n));
   };
   Axes<S> axes;
-  for (const Vector<S>& n : x.axis) axes.test(n, gap);
-  for (const Vector<S>& n : y.axis) axes.test(n, gap);
+  for (const Vector<S>& n : x.axis) axes.test(n, separation);
+  for (const Vector<S>& n : y.axis) axes.test(n, separation);
   for (const Vector<S>& m : x.axis)
-    for (const Vector<S>& n : y.axis) axes.test(cross<S>(m, n), gap);
+    for (const Vector<S>& n : y.axis) axes.test(cross<S>(m, n), separation);
   return axes.outcome();
 }
 
@@ -148,16 +148,16 @@ template <class S, class B, bool AtSizeOne = false>
   const std::array<Vector<S>, 3> v{sub<S>(triangle.v0, y.c), sub<S>(triangle.v1, y.c),
                                    sub<S>(triangle.v2, y.c)};
   const std::array<Vector<S>, 3> e{sub<S>(v[1], v[0]), sub<S>(v[2], v[1]), sub<S>(v[0], v[2])};
-  const auto gap = [&](const Vector<S>& n) {
+  const auto separation = [&](const Vector<S>& n) {
     const S p = dot<S>(v[0], n), q = dot<S>(v[1], n), r = dot<S>(v[2], n);
     const S low = -max_num(max_num(-p, -q), -r), high = max_num(max_num(p, q), r);
     return max_num(low, -high) - y.reach(n);
   };
   Axes<S> axes;
-  for (const Vector<S>& n : y.axis) axes.test(n, gap);
-  axes.test(cross<S>(e[0], e[1]), gap);
+  for (const Vector<S>& n : y.axis) axes.test(n, separation);
+  axes.test(cross<S>(e[0], e[1]), separation);
   for (const Vector<S>& m : y.axis)
-    for (const Vector<S>& n : e) axes.test(cross<S>(m, n), gap);
+    for (const Vector<S>& n : e) axes.test(cross<S>(m, n), separation);
   return axes.outcome();
 }
 

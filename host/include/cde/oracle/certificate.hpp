@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "cde/oracle/gap.hpp"
+#include "cde/oracle/signed_distance.hpp"
 
 namespace cde::oracle {
 
@@ -15,7 +15,7 @@ struct Result {
 
 struct CheckOptions {
   double u = 0x1p-24;  ///< unit roundoff of the format under test
-  GapOptions gap = {};
+  DistanceOptions distance = {};
   /// The result is a lower bound s_K <= s, the best g of a bounded list of normals. A shortfall, a
   /// false hit and the distances of the witness points are then figures to publish, not failures.
   /// All other checks stay, so F = 0 is still a proof.
@@ -53,7 +53,7 @@ struct Verdict {
   double scale = 0;        ///< S
   double tolerance_t = 0;  ///< 16 u S
   double tolerance_p = 0;  ///< tolerance_t + 4 u L
-  Gap gap{};               ///< the oracle's result
+  SignedDistance distance{};               ///< the oracle's result
 
   [[nodiscard]] bool ok() const { return failure == Failure::kNone; }
   /// One line with all figures, for test messages.

@@ -20,17 +20,18 @@
 ///
 /// Headers:
 /// - shapes.hpp: shapes in binary64, support functions, distances, the measures S and L.
-/// - gap.hpp: the signed distance as a certified interval, by branch and bound over normals.
+/// - signed_distance.hpp: the signed distance as a certified interval, by branch and bound over
+///     normals.
 /// - certificate.hpp: check() with conditions c1, c2, c3 and F for pairs of solids.
 /// - rays.hpp: exact results of the three ray pairs, with their distance from flipping.
 /// - cases.hpp: generate(pair, seed, i), operands near the decision and of directed families;
 ///     everyday(pair, seed, i), everyday scenes, where ties are the rule.
 /// - scene.hpp: random scenes of bodies at rest on a floor and on each other.
 ///
-/// The signed_gap() of a pair with boxes or triangles takes tens of microseconds at the default
-/// tolerance of 1e-8 S, with a cylinder about 0.1 ms.
+/// The signed_distance() of a pair with boxes or triangles takes tens of microseconds at the
+/// default tolerance of 1e-8 S, with a cylinder about 0.1 ms.
 #include "cde/oracle/cases.hpp"
 #include "cde/oracle/certificate.hpp"
-#include "cde/oracle/gap.hpp"
+#include "cde/oracle/signed_distance.hpp"
 #include "cde/oracle/rays.hpp"
 #include "cde/oracle/shapes.hpp"

@@ -38,7 +38,7 @@ enum class Field {
 };
 
 /// The struct of a shape and its part of shapes.cpp hold everything about it, except for the core
-/// that gap.cpp derives. `fields` lists the words of a slot in order. `center`, `support` and
+/// that signed_distance.cpp derives. `fields` lists the words of a slot in order. `center`, `support` and
 /// `distance` match the functions below. `extent` and `largest` are its part of the measures S and
 /// L.
 /// Three functions make random shapes about the origin. `build` serves build_shape(). `whole` has

@@ -137,10 +137,10 @@
       geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(at), 3));
       normals(ends);
       // The closest points of solids that miss are CP ∓ T n / 2.
-      const misses = floats(state.apart), gaps = [];
+      const misses = floats(state.apart), segments = [];
       for (let i = 0; i < misses.length; i += 7)
-        for (const half of [-misses[i + 3] / 2, misses[i + 3] / 2]) for (let k = 0; k < 3; ++k) gaps.push(misses[i + k] + half * misses[i + 4 + k]);
-      apart(gaps);
+        for (const half of [-misses[i + 3] / 2, misses[i + 3] / 2]) for (let k = 0; k < 3; ++k) segments.push(misses[i + k] + half * misses[i + 4 + k]);
+      apart(segments);
     };
   }
   const objects = data.objects.map((o) => o.kind === "surface" ? surface(o) : o.kind === "rays" ? rays() : solids(o));

@@ -12,7 +12,7 @@
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_triangle.hpp"
 #include "cde/reference/pipes/cylinder/pairs.hpp"
-#include "cde/reference/pipes/gap_bound.hpp"
+#include "cde/reference/pipes/distance_bound.hpp"
 #include "cde/reference/pipes/ray_cylinder.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
 #include "cde/reference/pipes/ray_triangle.hpp"

@@ -6,7 +6,7 @@
 #include "cde/contract/pairs.hpp"
 #include "cde/geometry/ops.hpp"
 #include "cde/bvh/node.hpp"
-#include "cde/reference/pipes/gap_bound.hpp"
+#include "cde/reference/pipes/distance_bound.hpp"
 
 /// @file
 /// A ray and the eight boxes of a node (cde/bvh/node.hpp).
@@ -40,8 +40,8 @@
 /// has room for that, and for underflows, since no radius is below 2^-34.
 ///
 /// A solid is treated in the same way, with 1 / d = 1 and the corners of its own box, widened by M,
-/// as o +- M. Then near and -far of an axis are axis distances. The gap_key() of the larger ones is
-/// compared with the signed distance of everything in the box (gap_bound.hpp).
+/// as o +- M. Then near and -far of an axis are axis distances. The distance_key() of the larger ones is
+/// compared with the signed distance of everything in the box (distance_bound.hpp).
 namespace cde::reference {
 
 /// What a card knows about the root of its BVH.
@@ -170,16 +170,16 @@ template <typename S>
 
 /// Key for culling a box, for a solid: 3 mul, 2 add, 1 cmp, 8 max.
 template <typename S>
-[[nodiscard]] S gap_key(const AxisStretch<S>& axes) {
-  Vector<S> gap;
-  for (int k = 0; k < 3; ++k) gap[k] = max_num(axes.near[k], -axes.far[k]);
-  const AxisGaps<S> all = axis_gaps<S>(gap);
+[[nodiscard]] S distance_key(const AxisStretch<S>& axes) {
+  Vector<S> distances;
+  for (int k = 0; k < 3; ++k) distances[k] = max_num(axes.near[k], -axes.far[k]);
+  const BoxDistance<S> all = box_distance<S>(distances);
   return select(all.apart, all.square, all.widest);
 }
 /// The same key for a signed distance that was found, hit or not. 1 mul.
 template <typename S>
-[[nodiscard]] S gap_key(const Mask<S>& meets, S gap) {
-  return select(meets, gap, gap * gap);
+[[nodiscard]] S distance_key(const Mask<S>& meets, S distance) {
+  return select(meets, distance, distance * distance);
 }
 
 }  // namespace cde::reference

@@ -24,7 +24,7 @@ enum class Certain : std::uint8_t { kNeither, kMiss, kHit };
 /// body, as a share of S. The sums below have at most 9.2 u S and 30 u S. Axes may deviate from
 /// unit length and right angles by kUnitTolerance = 16 u each.
 template <typename S>
-inline constexpr double kGap = 2 * kUnitTolerance<S>;
+inline constexpr double kDistance = 2 * kUnitTolerance<S>;
 template <typename S>
 inline constexpr double kDepth = 4 * kUnitTolerance<S>;
 
@@ -145,7 +145,7 @@ S size_of_pair(const Body<A>& a, const Body<B>& b) {
 
 /// n.(oB - oA) - h_A(n) - h_B(-n)
 template <class A, class B, typename S = typename A::Scalar>
-S gap_along(const Body<A>& a, const Body<B>& b, const Vector<S>& n, S nn) {
+S distance_along(const Body<A>& a, const Body<B>& b, const Vector<S>& n, S nn) {
   return dot<S>(n, sub<S>(b.origin, a.origin)) -
          (support(a.shape, n, nn) + support(b.shape, Vector<S>(-n), nn));
 }
@@ -172,7 +172,7 @@ Mask<S> separates(const Body<A>& a, const Body<B>& b, const Vector<S>& n, S size
   // A normal much longer than one would make the terms larger than S. For pairs below the sizes of
   // kLengths even a wide pipe's own F need not be right.
   const S smallest(power_of_two(kLengths<S>.low));
-  return smallest <= size && nn <= S(1.25) && size * S(kGap<S>) < gap_along(a, b, n, nn);
+  return smallest <= size && nn <= S(1.25) && size * S(kDistance<S>) < distance_along(a, b, n, nn);
 }
 
 /// The certain result of A and B, whatever the proposal is.

@@ -236,7 +236,7 @@ template <typename S>
 
 /// The signed distance of a pair, in a frame common to both.
 template <typename S>
-struct SignedGap {
+struct SignedDistance {
   S s;              ///< distance, or minus the depth
   Vector<S> n;      ///< unit normal, A to B
   Difference<S> x;  ///< witness points: x.p of A and x.p + x.v of B; x.v = s n except for rounding
@@ -251,25 +251,25 @@ struct Direction {
 
 /// Distance of two bodies, derived from a point of their difference.
 template <typename S>
-struct PointGap {
-  S gap;  ///< signed distance along the point's direction
-  S s;    ///< resulting signed distance
+struct PointDistance {
+  S along;  ///< signed distance along the point's direction
+  S s;      ///< resulting signed distance
 };
 
 /// Selects one of two results of a pair: that of its candidate axes (SAT), or `x`, the polished
 /// nearest point of B - A, whose direction is the normal. The second is used if the bodies are
-/// apart, and its `point_gap` is not less than the first by more than `tie`. So if the distance is
+/// apart, and its `point_distance` is not less than the first by more than `tie`. So if the distance is
 /// too small to give x.v a direction, the candidate axes decide. 3 add 6 mul 1 div 1 sqrt and
-/// point_gap.
-template <typename S, typename Gap>
-[[nodiscard]] SignedGap<S> decide(const SignedGap<S>& facets, const Difference<S>& x, Mask<S> apart,
-                                  S tie, const Gap& point_gap) {
+/// point_distance.
+template <typename S, typename Distance>
+[[nodiscard]] SignedDistance<S> decide(const SignedDistance<S>& facets, const Difference<S>& x, Mask<S> apart,
+                                  S tie, const Distance& point_distance) {
   const S dd = dot<S>(x.v, x.v);
   const S d = square_root(dd);
   const S inverse = S{1} / d;
   const Direction<S> direction{scale<S>(x.v, inverse), d, inverse};
-  const PointGap<S> known = point_gap(direction);
-  const auto point = apart && usable(dd) && facets.s - tie <= known.gap;
+  const PointDistance<S> known = point_distance(direction);
+  const auto point = apart && usable(dd) && facets.s - tie <= known.along;
   return {select(point, known.s, facets.s),
           select<S>(point, direction.n, facets.n),
           {select<S>(point, x.v, facets.x.v), select<S>(point, x.p, facets.x.p)}};

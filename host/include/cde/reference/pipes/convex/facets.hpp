@@ -77,7 +77,7 @@ template <typename S>
 /// One facet of Q - P.
 template <typename S>
 struct Facet {
-  S gap;            ///< distance of the projections on n; -inf if the facet has no normal
+  S separation;            ///< distance of the projections on n; -inf if the facet has no normal
   Vector<S> n;      ///< unit, P to Q
   Difference<S> x;  ///< nearest point of the facet
   S d2;             ///< |x.v|²
@@ -104,12 +104,12 @@ template <typename S>
 }
 
 /// Face i of the box, on the side of `side`'s sign, with the vertex q of Q. The caller computes
-/// `gap`. 5 add 3 mul, 4 min/max.
+/// `separation`. 5 add 3 mul, 4 min/max.
 template <typename S>
-[[nodiscard]] Facet<S> face_facet(int i, const Vector<S>& a, S side, const Vector<S>& q, S gap) {
+[[nodiscard]] Facet<S> face_facet(int i, const Vector<S>& a, S side, const Vector<S>& q, S separation) {
   const int k = (i + 1) % 3, l = (i + 2) % 3;
   Facet<S> facet;
-  facet.gap = gap;
+  facet.separation = separation;
   facet.n = Vector<S>::Zero();
   facet.n[i] = move_sign(side, S{1});
   facet.x.p[i] = move_sign(side, a[i]);
@@ -177,9 +177,9 @@ void segment_segment(Facet<S>& facet, int i, S a, const Vector<S>& at, const Vec
 template <typename S>
 [[nodiscard]] Facet<S> edge_facet(int i, const Vector<S>& a, const Vector<S>& signs,
                                   const Vector<S>& q, const Vector<S>& f, S low, S inverse_ff,
-                                  const EdgeNormal<S>& n, S side, S gap) {
+                                  const EdgeNormal<S>& n, S side, S separation) {
   Facet<S> facet;
-  facet.gap = select(n.valid, gap, -std::numeric_limits<S>::infinity());
+  facet.separation = select(n.valid, separation, -std::numeric_limits<S>::infinity());
   facet.n[i] = S{0};
   facet.n[(i + 1) % 3] = move_sign(side, n.k);
   facet.n[(i + 2) % 3] = move_sign(side, n.l);
@@ -201,7 +201,7 @@ template <typename S>
   const Facet<S>&l = low.facet, &h = high.facet;
   Chosen<S> r;
   r.key = select(take, high.key, low.key);
-  r.facet.gap = select(take, h.gap, l.gap);
+  r.facet.separation = select(take, h.separation, l.separation);
   r.facet.n = select<S>(take, h.n, l.n);
   r.facet.x.v = select<S>(take, h.x.v, l.x.v);
   r.facet.x.p = select<S>(take, h.x.p, l.x.p);
@@ -276,13 +276,13 @@ struct Choice {
 /// point away from each other.
 template <typename S, std::size_t N>
 [[nodiscard]] Choice<S> choose(const std::array<Facet<S>, N>& facets, S tie, S wide) {
-  std::array<Chosen<S>, N> by_gap, by_witness, by_distance;
+  std::array<Chosen<S>, N> by_separation, by_witness, by_distance;
   for (std::size_t i = 0; i < N; ++i) {
-    by_gap[i] = {-facets[i].gap, facets[i]};
+    by_separation[i] = {-facets[i].separation, facets[i]};
     by_distance[i] = {facets[i].d2, facets[i]};
   }
-  const Facet<S> largest = least(by_gap);
-  const S s = largest.gap;
+  const Facet<S> largest = least(by_separation);
+  const S s = largest.separation;
   const S tied = s - tie;
   const Leading<S> leading = leading_component(largest.n);
   const S lead = leading.of(largest.n);
@@ -290,7 +290,7 @@ template <typename S, std::size_t N>
   for (std::size_t i = 0; i < N; ++i) {
     Facet<S> f = facets[i];
     const auto opposite = is_negative(move_sign(lead, leading.of(f.n)));
-    f.n = select<S>(select(opposite, nearly, tied) <= f.gap, f.n, largest.n);
+    f.n = select<S>(select(opposite, nearly, tied) <= f.separation, f.n, largest.n);
     const Vector<S> off = sub<S>(f.x.v, scale<S>(f.n, s));
     by_witness[i] = {dot<S>(off, off), f};
   }
@@ -301,7 +301,7 @@ template <typename S, std::size_t N>
 /// The signed distance from all facets of a pair; `a` are the half extents of P.
 /// Function support(v) is the point of Q - P farthest against v.
 template <typename S, std::size_t N, typename Support>
-[[nodiscard]] SignedGap<S> answer(const std::array<Facet<S>, N>& facets, const Vector<S>& a, S tie,
+[[nodiscard]] SignedDistance<S> answer(const std::array<Facet<S>, N>& facets, const Vector<S>& a, S tie,
                                   const Support& support) {
   const Choice<S> of_facets = choose<S>(facets, tie, S{4} * tie);
   const S s = of_facets.s;
@@ -311,8 +311,8 @@ template <typename S, std::size_t N, typename Support>
                    [&](const Direction<S>& direction) {
                      // The distance is between the two bounds: the midpoint has at most half the
                      // error.
-                     const S gap = direction.d - nearest.slack * direction.inverse;
-                     return PointGap<S>{gap, (direction.d + max_num(s, gap)) * kHalf<S>};
+                     const S distance_along = direction.d - nearest.slack * direction.inverse;
+                     return PointDistance<S>{distance_along, (direction.d + max_num(s, distance_along)) * kHalf<S>};
                    });
 }
 

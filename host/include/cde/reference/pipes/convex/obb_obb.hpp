@@ -56,10 +56,10 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Facet<S> face_of_a(const BoxPair<S>& pair, int i, S side) {
   const Vector<S> across(pair.f[0][i], pair.f[1][i], pair.f[2][i]);
-  const S gap = (magnitude(pair.t[i]) - pair.a[i]) - norm1<S>(across);
+  const S separation = (magnitude(pair.t[i]) - pair.a[i]) - norm1<S>(across);
   const Vector<S> sign(move_sign(side, pair.signs[0][i]), move_sign(side, pair.signs[1][i]),
                        move_sign(side, pair.signs[2][i]));
-  return face_facet<S>(i, pair.a, side, corner_of_b<S>(pair, sign), gap);
+  return face_facet<S>(i, pair.a, side, corner_of_b<S>(pair, sign), separation);
 }
 
 /// Edge i of A and edge j of B.
@@ -76,7 +76,7 @@ template <typename S>
   const S on_a = magnitude(n.k) * pair.a[k] + magnitude(n.l) * pair.a[l];
   const Vector<S> on_b(project<S>(i, n, pair.f[0]), project<S>(i, n, pair.f[1]),
                        project<S>(i, n, pair.f[2]));
-  const S gap = (magnitude(h) - on_a) - norm1<S>(on_b);
+  const S separation = (magnitude(h) - on_a) - norm1<S>(on_b);
   // n = e_i x r_j, so n.e_k = -r_jl, n.e_l = r_jk, n.r_m = r_oi and n.r_o = -r_mi.
   Vector<S> sign_a, sign_b;
   sign_a[i] = S{0};
@@ -86,7 +86,7 @@ template <typename S>
   sign_b[m] = move_sign(side, pair.signs[o][i]);
   sign_b[o] = move_sign(side, -pair.signs[m][i]);
   return edge_facet<S>(i, pair.a, sign_a, corner_of_b<S>(pair, sign_b, j), pair.f[j], S{-1},
-                       inverse_ff, n, side, gap);
+                       inverse_ff, n, side, separation);
 }
 
 /// The pair in B's frame, roles exchanged. 6 add 18 mul.
@@ -152,10 +152,10 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
   const BoxPair<S> pair = box_pair(a, b);
-  const SignedGap<S> gap = answer<S>(box_facets<S>(pair), pair.a, pair.tie,
+  const SignedDistance<S> result = answer<S>(box_facets<S>(pair), pair.a, pair.tie,
                                      [&](const Vector<S>& v) { return box_support<S>(pair, v); });
-  return outcome<S>(gap.s, add<S>(a.c, to_world<S>(a.rotation, midpoint(gap.x))),
-                    to_world<S>(a.rotation, gap.n));
+  return outcome<S>(result.s, add<S>(a.c, to_world<S>(a.rotation, midpoint(result.x))),
+                    to_world<S>(a.rotation, result.n));
 }
 
 }  // namespace convex

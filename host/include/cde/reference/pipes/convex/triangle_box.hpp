@@ -57,7 +57,7 @@ template <typename S>
   const S above = low - radius, below = -high - radius;
   const S side = side_of(low + high, pair.tie, orientation<S>(t.m));
   Facet<S> facet;
-  facet.gap = max_num(above, below);
+  facet.separation = max_num(above, below);
   facet.n = Vector<S>(move_sign(side, t.m.x()), move_sign(side, t.m.y()), move_sign(side, t.m.z()));
   const Vector<S> signs(move_sign(side, pair.m1.x()), move_sign(side, pair.m1.y()),
                         move_sign(side, pair.m1.z()));
@@ -84,12 +84,12 @@ template <typename S>
   const S on_t[3] = {move_sign(side, project<S>(i, n, t.p[0])),
                      move_sign(side, project<S>(i, n, t.p[1])),
                      move_sign(side, project<S>(i, n, t.p[2]))};
-  const S gap = min_num(on_t[0], min_num(on_t[1], on_t[2])) - on_box;
+  const S separation = min_num(on_t[0], min_num(on_t[1], on_t[2])) - on_box;
   Vector<S> signs;
   signs[i] = S{0};
   signs[k] = move_sign(side, -pair.f1[j][l]);
   signs[l] = move_sign(side, pair.f1[j][k]);
-  return edge_facet<S>(i, pair.a, signs, t.p[j], t.f[j], S{0}, t.inverse_ff[j], n, side, gap);
+  return edge_facet<S>(i, pair.a, signs, t.p[j], t.f[j], S{0}, t.inverse_ff[j], n, side, separation);
 }
 
 /// All thirteen candidate axes: faces of the box, the triangle's face, edges (0,0), (0,1), ...
@@ -107,7 +107,7 @@ template <typename S>
 
 /// The signed distance from box to triangle, in the box's frame, by the rules of convex::obb_obb.
 template <typename S>
-[[nodiscard]] SignedGap<S> box_triangle_gap(const BoxTriangle<S>& pair) {
+[[nodiscard]] SignedDistance<S> box_triangle_distance(const BoxTriangle<S>& pair) {
   const auto& p = pair.t.p;
   return answer<S>(
       box_triangle_facets<S>(pair), pair.a, pair.tie, [&](const Vector<S>& v) -> Difference<S> {
@@ -122,10 +122,10 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_obb(const BasicTriangle<S>& a, const BasicObb<S>& b) {
   const Matrix3<S>& u = b.rotation;
-  const SignedGap<S> gap = box_triangle_gap<S>(
+  const SignedDistance<S> result = box_triangle_distance<S>(
       box_triangle<S>(b.half, to_local<S>(u, sub<S>(a.v0, b.c)), to_local<S>(u, sub<S>(a.v1, b.c)),
                       to_local<S>(u, sub<S>(a.v2, b.c))));
-  return outcome<S>(gap.s, add<S>(b.c, to_world<S>(u, midpoint(gap.x))), -to_world<S>(u, gap.n));
+  return outcome<S>(result.s, add<S>(b.c, to_world<S>(u, midpoint(result.x))), -to_world<S>(u, result.n));
 }
 
 /// Triangle against axis-aligned box: 13 candidate axes. It subtracts the box's lower corner first
@@ -134,10 +134,10 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_aabb(const BasicTriangle<S>& a, const BasicAabb<S>& b) {
   const Vector<S> half = scale<S>(sub<S>(b.max, b.min), kHalf<S>);
-  const SignedGap<S> gap = box_triangle_gap<S>(
+  const SignedDistance<S> result = box_triangle_distance<S>(
       box_triangle<S>(half, sub<S>(sub<S>(a.v0, b.min), half), sub<S>(sub<S>(a.v1, b.min), half),
                       sub<S>(sub<S>(a.v2, b.min), half)));
-  return outcome<S>(gap.s, add<S>(b.min, add<S>(half, midpoint(gap.x))), -gap.n);
+  return outcome<S>(result.s, add<S>(b.min, add<S>(half, midpoint(result.x))), -result.n);
 }
 
 }  // namespace convex

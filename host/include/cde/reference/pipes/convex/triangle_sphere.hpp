@@ -32,11 +32,11 @@ template <typename S>
   // The plane's own normal, towards the centre; h is measured from the plane to the origin.
   const Vector<S> n(-move_sign(closest.h, t.m.x()), -move_sign(closest.h, t.m.y()),
                     -move_sign(closest.h, t.m.z()));
-  const S plane_gap = magnitude(closest.h);
-  const Vector<S> to_plane = scale<S>(n, plane_gap);
-  const SignedGap<S> centre = decide<S>(
-      {plane_gap, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie, [&](const Direction<S>& direction) {
-        return PointGap<S>{least_along<S>(t.p, direction.n).value, direction.d};
+  const S plane_distance = magnitude(closest.h);
+  const Vector<S> to_plane = scale<S>(n, plane_distance);
+  const SignedDistance<S> centre = decide<S>(
+      {plane_distance, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie, [&](const Direction<S>& direction) {
+        return PointDistance<S>{least_along<S>(t.p, direction.n).value, direction.d};
       });
   const S s = centre.s - b.r;
   // CP = pA + (s / 2) n, relative to the sphere's centre.

@@ -58,10 +58,10 @@ template <typename S>
 /// Distances from P to Q on n and on -n, and the sign of the larger one; ties go to n. 5 add, 1
 /// cmp.
 template <typename S>
-struct Gaps {
+struct Separations {
   S above, below, side;
 
-  Gaps(const Span<S>& p, const Span<S>& q, S tie)
+  Separations(const Span<S>& p, const Span<S>& q, S tie)
       : above(q.low - p.high),
         below(p.low - q.high),
         side(side_of((q.low + q.high) - (p.low + p.high), tie, S{1})) {}
@@ -76,7 +76,7 @@ template <typename S>
 /// The face of triangle t with the nearest vertex of the other triangle r; v points from t to r.
 template <typename S>
 struct FaceAndVertex {
-  S gap;
+  S separation;
   Vector<S> n;  ///< from t to r
   Vector<S> vertex, v;
   S d2;
@@ -87,9 +87,9 @@ template <typename S>
                                                const TriangleParts<S>& r, const Span<S>& on_r,
                                                S tie) {
   FaceAndVertex<S> face;
-  const Gaps<S> gaps(on_t, on_r, tie);
-  const S side = gaps.side;
-  face.gap = gaps.larger();
+  const Separations<S> separations(on_t, on_r, tie);
+  const S side = separations.side;
+  face.separation = separations.larger();
   face.n = flipped<S>(side, t.m);
   const auto lowest =
       least3(move_sign(side, on_r.at[0]), move_sign(side, on_r.at[1]), move_sign(side, on_r.at[2]));
@@ -105,7 +105,7 @@ template <typename S>
 [[nodiscard]] Facet<S> face_of_first(const TrianglePair<S>& pair) {
   const auto face = face_and_vertex<S>(pair.a, span_of_a<S>(pair, pair.a.m), pair.b,
                                        span_of<S>(pair.b.p, pair.a.m), pair.tie);
-  return {face.gap,          face.n, {face.v, sub<S>(face.vertex, face.v)}, face.d2,
+  return {face.separation,          face.n, {face.v, sub<S>(face.vertex, face.v)}, face.d2,
           Vector<S>::Zero(), S{0}};
 }
 
@@ -113,7 +113,7 @@ template <typename S>
 [[nodiscard]] Facet<S> face_of_second(const TrianglePair<S>& pair) {
   const auto face = face_and_vertex<S>(pair.b, span_of<S>(pair.b.p, pair.b.m), pair.a,
                                        span_of_a<S>(pair, pair.b.m), pair.tie);
-  return {face.gap, -face.n, {-face.v, face.vertex}, face.d2, Vector<S>::Zero(), S{0}};
+  return {face.separation, -face.n, {-face.v, face.vertex}, face.d2, Vector<S>::Zero(), S{0}};
 }
 
 /// Edge i of A, from p along e, and edge j of B, from q along f.
@@ -133,7 +133,7 @@ template <typename S>
   const Vector<S>&e = pair.a.f[i], &unit_e = pair.along[i], &f = pair.b.f[j];
   const Vector<S>&p = pair.a.p[i], &q = pair.b.p[j];
   const S inverse_e = pair.inverse_e[i], inverse_ff = pair.b.inverse_ff[j];
-  // ---- The normal and its gap ----
+  // ---- The normal and its separation ----
   const S ef = dot<S>(unit_e, f);
   const Vector<S> m = cross<S>(unit_e, sub<S>(f, scale<S>(unit_e, ef)));
   const S mm = dot<S>(m, m);
@@ -141,10 +141,10 @@ template <typename S>
   const S inverse = reciprocal_or_zero<S>(valid, square_root(mm));
   const Vector<S> n = scale<S>(m, inverse);
   const Span<S> on_a = span_of_a<S>(pair, n), on_b = span_of<S>(pair.b.p, n);
-  const Gaps<S> gaps(on_a, on_b, pair.tie);
+  const Separations<S> separations(on_a, on_b, pair.tie);
   const int k = (i + 2) % 3, l = (j + 2) % 3;
   const S apart = (on_b.at[l] - on_b.at[j]) - (on_a.at[k] - on_a.at[i]);
-  const S side = select(magnitude(apart) <= pair.tie, gaps.side, apart);
+  const S side = select(magnitude(apart) <= pair.tie, separations.side, apart);
 
   // ---- The nearest points ----
   const Vector<S> w = i == 0 ? q : sub<S>(q, p);
@@ -162,7 +162,7 @@ template <typename S>
   const S h = on_b.at[j] - on_a.at[i];
 
   Facet<S> facet;
-  facet.gap = select(valid, select(is_negative(side), gaps.below, gaps.above),
+  facet.separation = select(valid, select(is_negative(side), separations.below, separations.above),
                      -std::numeric_limits<S>::infinity());
   facet.n = flipped<S>(side, n);
   facet.x.p = i == 0 ? along : add<S>(p, along);
@@ -211,10 +211,10 @@ template <typename S>
   const S dd = dot<S>(v, v);
   const S d = square_root(dd);
   const S inverse = S{1} / d;
-  const S gap = d - nearest.slack * inverse;
+  const S distance_along = d - nearest.slack * inverse;
   const S least = max_num(facets.s - pair.tie, pair.tie);
-  const auto point = usable(dd) && least <= gap;
-  const S s = select(point, (d + max_num(facets.s, gap)) * kHalf<S>, facets.s);
+  const auto point = usable(dd) && least <= distance_along;
+  const S s = select(point, (d + max_num(facets.s, distance_along)) * kHalf<S>, facets.s);
   const Vector<S> n = select<S>(point, scale<S>(v, inverse), facets.witness.n);
   const Difference<S> x{select<S>(point, v, facets.witness.x.v),
                         select<S>(point, nearest.x.p, facets.witness.x.p)};

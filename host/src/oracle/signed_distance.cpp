@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cde/oracle/gap.hpp"
+#include "cde/oracle/signed_distance.hpp"
 
 #include <algorithm>
 #include <array>
@@ -202,7 +202,7 @@ class Search {
   Search(const A& a, const B& b, const Vec& apart, double tolerance, long max_evaluations)
       : a_(a), b_(b), apart_(apart), tolerance_(tolerance), max_evaluations_(max_evaluations) {}
 
-  Gap run() {
+  SignedDistance run() {
     guess();
     if (!separate()) enclose();
     return {lo_, std::max(lo_, hi_), n_, hi_ - lo_ <= tolerance_, evaluations_};
@@ -385,7 +385,7 @@ Placed place(const Shape& shape) {
 
 /// s = |H| - R, or H - R for a half-space. A plane has a finite support in two directions, and a
 /// half-space in one.
-Gap plane_gap(const Shape& a, const Plane& b) {
+SignedDistance plane_distance(const Shape& a, const Plane& b) {
   const double length = b.n.norm();
   const Vec n = b.n / length;
   const Vec c = center(a);
@@ -403,7 +403,7 @@ Gap plane_gap(const Shape& a, const Plane& b) {
 
 /// Cylinders with the same axis direction. Their difference is a cylinder with the summed heights
 /// and radii, around the offset of the centres.
-Gap coaxial_gap(const CylinderCore& a, const CylinderCore& b, const Vec& apart) {
+SignedDistance coaxial_distance(const CylinderCore& a, const CylinderCore& b, const Vec& apart) {
   const double along = a.axis.dot(apart);
   const Vec across = a.axis.cross(apart).cross(a.axis);
   const double off = across.norm();
@@ -415,14 +415,14 @@ Gap coaxial_gap(const CylinderCore& a, const CylinderCore& b, const Vec& apart) 
     const double s = std::hypot(axial, radial);
     return {s, s, (axial * up + radial * out) / s, true, 1};
   }
-  return axial >= radial ? Gap{axial, axial, up, true, 1} : Gap{radial, radial, out, true, 1};
+  return axial >= radial ? SignedDistance{axial, axial, up, true, 1} : SignedDistance{radial, radial, out, true, 1};
 }
 
-Gap core_gap(const Core& a, const Core& b, const Vec& apart, double tolerance, long evaluations) {
+SignedDistance core_distance(const Core& a, const Core& b, const Vec& apart, double tolerance, long evaluations) {
   const auto* ca = std::get_if<CylinderCore>(&a);
   const auto* cb = std::get_if<CylinderCore>(&b);
   if (ca && cb && (ca->axis == cb->axis || ca->axis == -cb->axis))
-    return coaxial_gap(*ca, *cb, apart);
+    return coaxial_distance(*ca, *cb, apart);
   return std::visit(
       [&]<class A, class B>(const A& x, const B& y) {
         return Search<A, B>(x, y, apart, tolerance, evaluations).run();
@@ -432,7 +432,7 @@ Gap core_gap(const Core& a, const Core& b, const Vec& apart, double tolerance, l
 
 }  // namespace
 
-double gap_along(const Shape& a, const Shape& b, const Vec& direction) {
+double distance_along(const Shape& a, const Shape& b, const Vec& direction) {
   const Vec n = direction.normalized();
   if (const auto* plane = std::get_if<Plane>(&b)) return -support(*plane, -n) - support(a, n);
   if (const auto* plane = std::get_if<Plane>(&a)) return -support(b, -n) - support(*plane, n);
@@ -442,25 +442,25 @@ double gap_along(const Shape& a, const Shape& b, const Vec& direction) {
   return n.dot(pb.center - pa.center + yb - ya) - pa.radius - pb.radius;
 }
 
-Gap signed_gap(const Shape& a, const Shape& b, const GapOptions& options) {
+SignedDistance signed_distance(const Shape& a, const Shape& b, const DistanceOptions& options) {
   const double size = scene_size(a, b);
-  Gap gap;
+  SignedDistance distance;
   if (const auto* plane = std::get_if<Plane>(&b)) {
-    gap = plane_gap(a, *plane);
+    distance = plane_distance(a, *plane);
   } else if (const auto* first = std::get_if<Plane>(&a)) {
-    gap = plane_gap(b, *first);
-    gap.n = -gap.n;
+    distance = plane_distance(b, *first);
+    distance.n = -distance.n;
   } else {
     const Placed pa = place(a), pb = place(b);
-    gap = core_gap(pa.core, pb.core, pb.center - pa.center, options.tolerance * size,
+    distance = core_distance(pa.core, pb.core, pb.center - pa.center, options.tolerance * size,
                    options.max_evaluations);
-    gap.lo -= pa.radius + pb.radius;
-    gap.hi -= pa.radius + pb.radius;
+    distance.lo -= pa.radius + pb.radius;
+    distance.hi -= pa.radius + pb.radius;
   }
   const double slack = std::ldexp(64.0, -53) * size;
-  gap.lo -= slack;
-  gap.hi += slack;
-  return gap;
+  distance.lo -= slack;
+  distance.hi += slack;
+  return distance;
 }
 
 }  // namespace cde::oracle

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage times of the box rule for pairs with a signed distance (reference/pipes/gap_bound.hpp).
-`ifndef CDE_GAP_BOUND_SVH
-`define CDE_GAP_BOUND_SVH
+// Stage times of the box rule for pairs with a signed distance (reference/pipes/distance_bound.hpp).
+`ifndef CDE_DISTANCE_BOUND_SVH
+`define CDE_DISTANCE_BOUND_SVH
 `include "convex.svh"
 
 // Outputs of solid_half.sv.
@@ -16,11 +16,11 @@
   localparam int T_``LOW = `SHAPE_T_HULL(OF), T_``HIGH = `SHAPE_T_HULL(OF); \
   `DF_VECTOR LOW, HIGH; \
   shape_hull #(`DF_SAME, .SHAPE(OF)) hull_``LOW (.clk_i, .a_i(WORDS), .low_o(LOW), .high_o(HIGH));
-// Stage times of gap_bound.sv: half sizes of both shapes, distance, extent, and the result.
+// Stage times of distance_bound.sv: half sizes of both shapes, distance, extent, and the result.
 `define SHAPE_IS_SOLID(SHAPE) (SHAPE == pairs_pkg::SHAPE_SPHERE || SHAPE == pairs_pkg::SHAPE_OBB)
-`define GAP_T_HALF(A, B) (`DF_MAX2(`SOLID_T_HALF(A), `SOLID_T_HALF(B)) + \
+`define DISTANCE_T_HALF(A, B) (`DF_MAX2(`SOLID_T_HALF(A), `SOLID_T_HALF(B)) + \
   ((`SHAPE_IS_SOLID(A) && `SHAPE_IS_SOLID(B)) ? LAT.add : 0))
-`define GAP_T_AWAY(A, B) (`DF_MAX2(`SHAPE_T_HULL(A), `SHAPE_T_HULL(B)) + LAT.add + LAT.cmp)
-`define GAP_T_BOUND(A, B) (`DF_MAX2(`GAP_T_AWAY(A, B), `GAP_T_HALF(A, B)) + LAT.cmp + LAT.mul + 2 * LAT.add + \
-  `DF_MAX3(LAT.cmp, 2 * LAT.add + LAT.sqrt, 2 * LAT.cmp - LAT.mul))
+`define DISTANCE_T_AWAY(A, B) (`DF_MAX2(`SHAPE_T_HULL(A), `SHAPE_T_HULL(B)) + LAT.add + LAT.cmp)
+`define DISTANCE_T_BOUND(A, B) (`DF_MAX2(`DISTANCE_T_AWAY(A, B), `DISTANCE_T_HALF(A, B)) + LAT.cmp + LAT.mul + \
+  2 * LAT.add + `DF_MAX3(LAT.cmp, 2 * LAT.add + LAT.sqrt, 2 * LAT.cmp - LAT.mul))
 `endif

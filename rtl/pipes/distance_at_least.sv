@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Raises a pipe's signed distance to the bound if it is below it (reference/pipes/gap_bound.hpp).
+// Raises a pipe's signed distance to the bound if it is below it (reference/pipes/distance_bound.hpp).
 // Operators: 1 compare, 1 max.
 // Latency: LAT.cmp cycles; 0 with ARITH = "host".
 // Throughput: LANES pairs per cycle.
 // Stall: none.
-`include "gap_bound.svh"
-module gap_at_least #(
+`include "distance_bound.svh"
+module distance_at_least #(
     `DF_PARAMETERS
 ) (
     input logic clk_i,
@@ -27,10 +27,10 @@ module gap_at_least #(
   `DF_VIN(cp, cp_i, 0)
   `DF_VIN(n, n_i, 0)
   `DF_CONST(zero, 0)
-  `DF_MAX(gap, s, bound)
+  `DF_MAX(raised, s, bound)
   `DF_LE(touches, bound, zero)
   `DF_AND(meets, met, touches)
-  `DF_ABS(size, gap)
+  `DF_ABS(size, raised)
   `DF_VAT(cp_late, cp, LAT.cmp)
   `DF_VAT(n_late, n, LAT.cmp)
   assign {n_o, cp_o, t_o, f_o} = {n_late, cp_late, size, meets};

@@ -6,14 +6,14 @@
 #include <bit>
 #include <random>
 
-#include "GapAtLeastGates.h"
-#include "GapAtLeastHost.h"
-#include "GapBoundAabb.h"
-#include "GapBoundObb.h"
-#include "GapBoundObbs.h"
-#include "GapBoundSphere.h"
-#include "GapBoundSphereGates.h"
-#include "GapBoundTriangle.h"
+#include "DistanceAtLeastGates.h"
+#include "DistanceAtLeastHost.h"
+#include "DistanceBoundAabb.h"
+#include "DistanceBoundObb.h"
+#include "DistanceBoundObbs.h"
+#include "DistanceBoundSphere.h"
+#include "DistanceBoundSphereGates.h"
+#include "DistanceBoundTriangle.h"
 #include "SolidFrontAabb.h"
 #include "SolidFrontObb.h"
 #include "SolidFrontObbGates.h"
@@ -55,18 +55,18 @@ void expect_bounds(std::size_t count) {
       for (unsigned w = 0; w < a.size(); ++w) module->a_i[w] = word(a[w]);
       for (unsigned w = 0; w < b.size(); ++w) module->b_i[w] = word(b[w]);
       for (unsigned clock = 0; clock < kClocks; ++clock) module.clock();
-      ASSERT_EQ(module->bound_o, word(reference::gap_bound<float>(t, solid))) << text(solid);
+      ASSERT_EQ(module->bound_o, word(reference::distance_bound<float>(t, solid))) << text(solid);
     }
   }
 }
 
 TEST(DistanceBound, Bounds_EqualTheReference) {
-  expect_bounds<GapBoundSphere, Sphere>(200);
-  expect_bounds<GapBoundObb, Obb>(200);
-  expect_bounds<GapBoundSphereGates, Sphere>(50);
-  expect_bounds<GapBoundObbs, Obb, Obb>(50);
-  expect_bounds<GapBoundAabb, Aabb>(50);
-  expect_bounds<GapBoundTriangle, Triangle>(50);
+  expect_bounds<DistanceBoundSphere, Sphere>(200);
+  expect_bounds<DistanceBoundObb, Obb>(200);
+  expect_bounds<DistanceBoundSphereGates, Sphere>(50);
+  expect_bounds<DistanceBoundObbs, Obb, Obb>(50);
+  expect_bounds<DistanceBoundAabb, Aabb>(50);
+  expect_bounds<DistanceBoundTriangle, Triangle>(50);
 }
 
 template <class Module>
@@ -106,8 +106,8 @@ void expect_at_least() {
 }
 
 TEST(DistanceBound, ResultOfAPipe_IsRaisedToTheBound) {
-  expect_at_least<GapAtLeastHost>();
-  expect_at_least<GapAtLeastGates>();
+  expect_at_least<DistanceAtLeastHost>();
+  expect_at_least<DistanceAtLeastGates>();
 }
 
 template <class Module, class Solid>

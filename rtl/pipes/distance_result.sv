@@ -5,7 +5,7 @@
 // Throughput: LANES pairs per cycle.
 // Stall: none.
 `include "dataflow.svh"
-module gap_result #(
+module distance_result #(
     `DF_PARAMETERS,
     parameter int T_S = 0,  // stage times of the inputs
     parameter int T_CP = 0,

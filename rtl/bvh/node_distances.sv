@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distance key of a solid to each of a node's boxes (gap_key() of reference/pipes/ray_node.hpp). It is the squared
+// Distance key of a solid to each of a node's boxes (distance_key() of reference/pipes/ray_node.hpp). It is the squared
 // distance of two boxes that are apart, else the largest distance on an axis. The inputs near_i and far_i are distances
 // on axes, as node_boxes.sv gives them for a solid. The children are lanes. Operators per child: 3 mul, 2 add, 1
 // compare, 8 max.
-// Latency: NODE_T_GAPS - NODE_T_AXES cycles (bvh.svh).
+// Latency: NODE_T_DISTANCES - NODE_T_AXES cycles (bvh.svh).
 // Throughput: one node per cycle.
 // Stall: none, runs free.
 `include "bvh.svh"
-module node_gaps #(
+module node_distances #(
     `DF_PARAMETERS
 ) (
     input logic clk_i,
@@ -21,16 +21,16 @@ module node_gaps #(
   `DF_CONST(zero, 0)
   `DF_VCONST(zeros, 0, 0, 0)
   `DF_VNEG(beyond, far)
-  `DF_VMAX(gap, near, beyond)
-  `DF_PICK(gap_x, gap, 0)
-  `DF_PICK(gap_y, gap, 1)
-  `DF_PICK(gap_z, gap, 2)
-  `DF_MAX(gap_xy, gap_x, gap_y)
-  `DF_MAX(widest, gap_xy, gap_z)
+  `DF_VMAX(distances, near, beyond)
+  `DF_PICK(distance_x, distances, 0)
+  `DF_PICK(distance_y, distances, 1)
+  `DF_PICK(distance_z, distances, 2)
+  `DF_MAX(distance_xy, distance_x, distance_y)
+  `DF_MAX(widest, distance_xy, distance_z)
   `DF_LT(apart, zero, widest)
-  `DF_VMAX(clamped, gap, zeros)
+  `DF_VMAX(clamped, distances, zeros)
   `DF_DOT(square, clamped, clamped)
   `DF_SELECT(key, apart, square, widest)
-  if (T_key != `NODE_T_GAPS - `NODE_T_AXES) $error("node_gaps: NODE_T_GAPS does not match");
+  if (T_key != `NODE_T_DISTANCES - `NODE_T_AXES) $error("node_distances: NODE_T_DISTANCES does not match");
   assign key_o = key;
 endmodule

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The certified signed distance: known answers, invariants, and intervals that contain the true
 // value.
-#include "cde/oracle/gap.hpp"
+#include "cde/oracle/signed_distance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,11 +49,11 @@ class KnownDistance : public testing::TestWithParam<Known> {};
 TEST_P(KnownDistance, KnownDistance_LiesInTheInterval) {
   const auto& [name, a, b, s] = GetParam();
   for (const bool swapped : {false, true}) {
-    const Gap gap = swapped ? signed_gap(b, a) : signed_gap(a, b);
-    EXPECT_LE(gap.lo, s) << "swapped: " << swapped;
-    EXPECT_GE(gap.hi, s) << "swapped: " << swapped;
-    EXPECT_LE(gap.hi - gap.lo, 1.1e-8 * scene_size(a, b));
-    EXPECT_NEAR(swapped ? gap_along(b, a, gap.n) : gap_along(a, b, gap.n), gap.lo,
+    const SignedDistance bounds = swapped ? signed_distance(b, a) : signed_distance(a, b);
+    EXPECT_LE(bounds.lo, s) << "swapped: " << swapped;
+    EXPECT_GE(bounds.hi, s) << "swapped: " << swapped;
+    EXPECT_LE(bounds.hi - bounds.lo, 1.1e-8 * scene_size(a, b));
+    EXPECT_NEAR(swapped ? distance_along(b, a, bounds.n) : distance_along(a, b, bounds.n), bounds.lo,
                 1e-13 * scene_size(a, b));
   }
 }
@@ -135,10 +135,10 @@ TEST(SignedDistance, PointToBoxAndCylinder_HasItsSignedDistance) {
     const double slack = 1e-13 * scene_size(point, box);
     const double truths[2] = {point_to_box(p, half), point_to_cylinder(p, half.z(), half.x())};
     for (int k = 0; k < 2; ++k) {
-      const Gap gap = signed_gap(point, k ? cylinder : box);
-      EXPECT_LE(gap.lo - slack, truths[k]) << i;
-      EXPECT_GE(gap.hi + slack, truths[k]) << i;
-      converged += gap.converged;
+      const SignedDistance bounds = signed_distance(point, k ? cylinder : box);
+      EXPECT_LE(bounds.lo - slack, truths[k]) << i;
+      EXPECT_GE(bounds.hi + slack, truths[k]) << i;
+      converged += bounds.converged;
       EXPECT_NEAR(distance(point.v0, k ? cylinder : box), std::max(0.0, truths[k]), slack) << i;
       inside += truths[k] < 0;
     }
@@ -157,7 +157,7 @@ TEST_P(EveryConvexPair, SwappedShapes_HaveTheSameDistance) {
   for (int i = 0; i < kCount; ++i) {
     const Case c = generate(GetParam(), kSeed, i);
     const Shape a = c.shape_a(), b = c.shape_b();
-    const Gap ab = signed_gap(a, b), ba = signed_gap(b, a);
+    const SignedDistance ab = signed_distance(a, b), ba = signed_distance(b, a);
     EXPECT_LE(ab.lo, ba.hi) << c.describe();
     EXPECT_LE(ba.lo, ab.hi) << c.describe();
     EXPECT_LE(ab.lo, ab.hi);
@@ -173,14 +173,14 @@ TEST_P(EveryConvexPair, Distance_IsBoundedByNormalsAndPoints) {
   for (int i = 0; i < 200; ++i) {
     const Case c = generate(GetParam(), kSeed + 1, i);
     const Shape a = c.shape_a(), b = c.shape_b();
-    const Gap gap = signed_gap(a, b);
+    const SignedDistance bounds = signed_distance(a, b);
     Random random(kSeed, 2, i);
     for (int k = 0; k < 100; ++k)
-      EXPECT_LE(gap_along(a, b, random.direction()), gap.hi) << c.describe();
+      EXPECT_LE(distance_along(a, b, random.direction()), bounds.hi) << c.describe();
     // Near the best normal, where an error could occur.
     for (int k = 0; k < 100; ++k) {
       const double by = random.decades(1e-9, 1e-1);
-      EXPECT_LE(gap_along(a, b, gap.n + by * random.direction()), gap.hi) << c.describe();
+      EXPECT_LE(distance_along(a, b, bounds.n + by * random.direction()), bounds.hi) << c.describe();
     }
   }
 }
@@ -191,15 +191,15 @@ TEST_P(EveryConvexPair, Approach_ReducesTheDistanceEqually) {
   for (int i = 0; i < 400; ++i) {
     const Case c = generate(GetParam(), kSeed + 2, i);
     const Shape a = c.shape_a(), b = c.shape_b();
-    const Gap gap = signed_gap(a, b);
-    if (gap.lo <= 0) continue;
+    const SignedDistance bounds = signed_distance(a, b);
+    if (bounds.lo <= 0) continue;
     ++apart;
-    const Shape nearer = moved(b, -0.5 * gap.lo * gap.n);
-    const Gap half = signed_gap(a, nearer);
+    const Shape nearer = moved(b, -0.5 * bounds.lo * bounds.n);
+    const SignedDistance half = signed_distance(a, nearer);
     const double tolerance =
-        1e-13 * (scene_size(a, b) + largest_coordinate(a, b)) + gap.hi - gap.lo;
-    EXPECT_LE(half.lo, gap.hi - 0.5 * gap.lo + tolerance) << c.describe();
-    EXPECT_GE(half.hi, 0.5 * gap.lo - tolerance) << c.describe();
+        1e-13 * (scene_size(a, b) + largest_coordinate(a, b)) + bounds.hi - bounds.lo;
+    EXPECT_LE(half.lo, bounds.hi - 0.5 * bounds.lo + tolerance) << c.describe();
+    EXPECT_GE(half.hi, 0.5 * bounds.lo - tolerance) << c.describe();
   }
   EXPECT_GT(apart, 100);
 }
@@ -219,7 +219,7 @@ INSTANTIATE_TEST_SUITE_P(All, EveryConvexPair,
 TEST(SignedDistance, ExhaustedBudget_GivesAWideTrueInterval) {
   // Two cylinders about one centre, slightly tilted: a whole circle of normals is nearly best.
   const Shape a = Cylinder{kO, kZ, 5, 1}, b = Cylinder{kO, Vec(1e-6, 0, 1).normalized(), 5, 1};
-  const Gap wide = signed_gap(a, b, {1e-9, 2000}), narrow = signed_gap(a, b, {1e-7, 2000000});
+  const SignedDistance wide = signed_distance(a, b, {1e-9, 2000}), narrow = signed_distance(a, b, {1e-7, 2000000});
   EXPECT_FALSE(wide.converged);
   EXPECT_LT(wide.evaluations, 2100);
   EXPECT_LE(wide.lo, narrow.hi);
@@ -229,7 +229,7 @@ TEST(SignedDistance, ExhaustedBudget_GivesAWideTrueInterval) {
 }
 
 TEST(SignedDistance, TwoPlanes_AreRefused) {
-  EXPECT_THROW((void)signed_gap(Plane{kZ, 0}, Plane{kZ, 1}), std::invalid_argument);
+  EXPECT_THROW((void)signed_distance(Plane{kZ, 0}, Plane{kZ, 1}), std::invalid_argument);
 }
 
 }  // namespace

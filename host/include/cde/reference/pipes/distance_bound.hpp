@@ -30,7 +30,7 @@
 /// that is subtracted from all g_k is subtracted from their norm, so nodes are below g - m by at
 /// least 100 u (R + e).
 ///
-/// Nodes compare squares (gap_key()), whose roundings are 5 u of a square, 3 u of a distance of at
+/// Nodes compare squares (distance_key()), whose roundings are 5 u of a square, 3 u of a distance of at
 /// most 2 (R + e). A triangle or an AABB has e = 0. Its R is the largest distance along an axis
 /// from an end of its box to the other end of the root's box. A solid in the BVH has the box of
 /// its exact half size. That differs by 3 u of it from the e of the rule, and lies within R.
@@ -97,15 +97,15 @@ template <typename S>
 /// Bound of the signed distance from axis distances: its square if it is above zero, else its
 /// value. 3 mul, 2 add, 1 cmp, 5 max.
 template <typename S>
-struct AxisGaps {
+struct BoxDistance {
   Mask<S> apart;
   S square, widest;
 };
 template <typename S>
-[[nodiscard]] AxisGaps<S> axis_gaps(const Vector<S>& gap) {
+[[nodiscard]] BoxDistance<S> box_distance(const Vector<S>& distances) {
   const S zero(0);
-  const Vector<S> clamped(max_num(gap[0], zero), max_num(gap[1], zero), max_num(gap[2], zero));
-  const S widest = max_num(max_num(gap[0], gap[1]), gap[2]);
+  const Vector<S> clamped(max_num(distances[0], zero), max_num(distances[1], zero), max_num(distances[2], zero));
+  const S widest = max_num(max_num(distances[0], distances[1]), distances[2]);
   return {zero < widest, dot<S>(clamped, clamped), widest};
 }
 
@@ -125,17 +125,17 @@ template <typename S, class A, class B>
 
 /// g - m: 4 mul, 5 add, 10 sub, 1 sqrt, 1 cmp, 13 max, plus half_sizes() and hull_of().
 template <typename S, class A, class B>
-[[nodiscard]] S gap_bound(const A& a, const B& b) {
+[[nodiscard]] S distance_bound(const A& a, const B& b) {
   const Vector<S> half = half_sizes<S>(a, b);
   const Hull<S> of = hull_of(a), other = hull_of(b);
-  Vector<S> gap, size;
+  Vector<S> distances, size;
   for (int k = 0; k < 3; ++k) {
     const S below = of.low[k] - other.high[k], above = other.low[k] - of.high[k];
-    gap[k] = max_num(below, above) - half[k];
+    distances[k] = max_num(below, above) - half[k];
     size[k] = max_num(magnitude(below), magnitude(above)) + half[k];
   }
   const S margin = max_num(max_num(size[0], size[1]), size[2]) * S(kBoundMargin * kUnitRoundoff<S>);
-  const AxisGaps<S> all = axis_gaps<S>(gap);
+  const BoxDistance<S> all = box_distance<S>(distances);
   return select(all.apart, square_root(all.square), all.widest) - margin;
 }
 
@@ -151,7 +151,7 @@ template <typename S>
 /// A pipe's result for a pair, with the rule applied.
 template <typename S, class A, class B>
 [[nodiscard]] Outcome<S> bounded(const Outcome<S>& pipe, const A& a, const B& b) {
-  return pipe.bad ? pipe : at_least<S>(pipe, gap_bound<S>(a, b));
+  return pipe.bad ? pipe : at_least<S>(pipe, distance_bound<S>(a, b));
 }
 
 }  // namespace cde::reference
