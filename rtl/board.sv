@@ -70,13 +70,13 @@ module board #(
   card_pkg::streamed_t streamed;
   logic bubble, stall, sec_pop, sec_bad, record_write;
   logic [3:0] ecc_corrected, ecc_failed;
-  logic [1:0] open;
+  logic [1:0] uncertain;
   card_pkg::access_t access;
   logic [63:0] bvh_rdata;
   logic provided_good, node_error;
   logic [1:0] bvh_good;
   logic [7:0] node_corrected;
-  assign events = {open, ecc_failed, 8'(ecc_corrected) + node_corrected, record_write, writeback.valid, sec_bad,
+  assign events = {uncertain, ecc_failed, 8'(ecc_corrected) + node_corrected, record_write, writeback.valid, sec_bad,
       sec_pop, stall, bubble,
       issue.valid};
   card_registers #(.CONFIG(CONFIG)) registers (
@@ -211,7 +211,7 @@ module board #(
       .clear_row_i(clear_row), .clear_mask_i(clear_mask), .issue_i(issue),
       .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode), .streaming_i(streaming),
       .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
-      .unmasked_o(unmasked), .latency_o(latency), .open_o(open), .push_i(fifo_keep), .write_i(fifo_write),
+      .unmasked_o(unmasked), .latency_o(latency), .uncertain_o(uncertain), .push_i(fifo_keep), .write_i(fifo_write),
       .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
       .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::fifo_depth(CONFIG))) fifo (

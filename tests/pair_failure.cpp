@@ -158,7 +158,7 @@ std::string pack_failure(const FailedPair& p) {
   }
 }
 
-std::string told_and_packed(const FailedPair& p) {
+std::string failure_report(const FailedPair& p) {
   return "  " + query_line(p) + "\n  " + explain_line(p) + "\n" + pack_failure(p);
 }
 

@@ -32,7 +32,7 @@ struct FailedPair {
 [[nodiscard]] std::string pack_failure(const FailedPair& pair);
 
 /// Both lines above, and the line of pack_failure().
-[[nodiscard]] std::string told_and_packed(const FailedPair& pair);
+[[nodiscard]] std::string failure_report(const FailedPair& pair);
 
 // ---- Support for failure packages of pairs and of cards (failing_test.cpp) ----
 

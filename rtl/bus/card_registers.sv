@@ -90,7 +90,7 @@ module card_registers #(
   logic [STENCILS*64-1:0] stencil_q;
   logic done_q, command_error_q, bus_error_q;
   logic [63:0] cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q,
-      open_q;
+      uncertain_q;
 
   // ---- The beat being served ----
   logic valid_q, write_q, write_reg, read, aligned, allowed, in_stencil, command_ok;
@@ -266,7 +266,7 @@ module card_registers #(
     caps3.prim_objects = (TRANSFORM == pairs_pkg::TRANSFORM_BOTH) ? 16'(PRIM_OBJECTS) : 16'd0;
     caps3.objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? 16'(OBJECTS) : 16'd0;
     caps3.prim_words = 8'(PRIM_WORDS);
-    caps3.verdicts = config_pkg::verdict_pairs(CONFIG) != 0;
+    caps3.filter = config_pkg::filter_pairs(CONFIG) != 0;
     caps3.box = 1'(BOX);
     caps3.ecc = 1'(ECC);
     caps3.transform = 2'(TRANSFORM);
@@ -329,7 +329,7 @@ module card_registers #(
         registers_pkg::REG_BAD_SEC: rdata_q <= bad_sec_q;
         registers_pkg::REG_SECONDARIES: rdata_q <= secondaries_q;
         registers_pkg::REG_WRITTEN: rdata_q <= written_q;
-        registers_pkg::REG_OPEN: rdata_q <= open_q;
+        registers_pkg::REG_UNCERTAIN: rdata_q <= uncertain_q;
         registers_pkg::REG_ECC: rdata_q <= ecc_q;
         registers_pkg::REG_WRITEBACK: rdata_q <= writeback_q;
         default: rdata_q <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
@@ -392,13 +392,13 @@ module card_registers #(
 
   always_ff @(posedge clk_engine_i) begin
     if (go_o || rst_i) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q,
-        open_q} <= '0;
+        uncertain_q} <= '0;
     else begin
       cycles_q <= cycles_q + 64'(busy_i && !events_i.writeback);
       writeback_q <= writeback_q + 64'(events_i.writeback);
       rows_q <= rows_q + 64'($countones(events_i.issue));
       stalls_q <= stalls_q + 64'(events_i.stall);
-      open_q <= open_q + 64'(events_i.open);
+      uncertain_q <= uncertain_q + 64'(events_i.uncertain);
       bubbles_q <= bubbles_q + 64'(events_i.bubble);
       secondaries_q <= secondaries_q + 64'(events_i.secondary);
       bad_sec_q <= bad_sec_q + 64'(events_i.secondary && events_i.secondary_bad);

@@ -38,7 +38,7 @@ package bvh_pkg;
   function automatic traversals_t card_traversals(input config_pkg::config_t card);
     int traversable;
     traversable = ((card.box != 0) ? card.pairs & (1 << pairs_pkg::PAIR_RAY_TRIANGLE) : 0) |
-        config_pkg::bound_pairs(card) | (card.pairs & PLAIN_PAIRS & ~config_pkg::verdict_pairs(card));
+        config_pkg::bound_pairs(card) | (card.pairs & PLAIN_PAIRS & ~config_pkg::filter_pairs(card));
     card_traversals = '0;
     for (int p = 0; p < pairs_pkg::PAIRS; p++)
       if (pairs_pkg::has(traversable, p)) begin

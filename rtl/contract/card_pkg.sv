@@ -25,7 +25,7 @@ package card_pkg;
 
   // Events in a cycle of an engine pass, for the counters.
   typedef struct packed {
-    logic [1:0] open;           // pairs with certified filters that are uncertain and go through the wide pipe
+    logic [1:0] uncertain;      // pairs with certified filters that are uncertain and go through the wide pipe
     logic [3:0] ecc_failed;     // words with uncorrectable errors
     logic [7:0] ecc_corrected;
     logic record;               // a record is written to SRAM

@@ -14,8 +14,8 @@
 //   NORMALS       A command can ask for normals.
 //   PARALLEL      Two pipes can work on the same secondaries at a time.
 //   FACET_II      Pairs with candidate axes: cycles from one row to the next, 1 or 3.
-//   VERDICT_EXP   0, or with VERDICT_MAN the format of the narrow lanes of certified filters. They prove misses of
-//                 pairs of solids (verdict_pair.sv). The pair then has one lane of the card's format behind them.
+//   FILTER_EXP    0, or with FILTER_MAN the format of the narrow lanes of certified filters. They prove misses of
+//                 pairs of solids (filter_pair.sv). The pair then has one lane of the card's format behind them.
 //   TRANSFORM     Objects move by a rigid transform: pairs_pkg::TRANSFORM_*.
 //   OBJECTS       Entries of the object table of secondaries, 2 to 2,048. PRIM_OBJECTS: entries for primaries.
 //   TRAVERSAL_UNITS  Traversal units of a BVH: 0 (no BVH), 1, 2 or 4. NODES: nodes of their memory, a power of two.
@@ -39,8 +39,8 @@
     parameter int NORMALS = 0, \
     parameter int PARALLEL = 0, \
     parameter int FACET_II = 1, \
-    parameter int VERDICT_EXP = 0, \
-    parameter int VERDICT_MAN = 0, \
+    parameter int FILTER_EXP = 0, \
+    parameter int FILTER_MAN = 0, \
     parameter int TRANSFORM = 0, \
     parameter int OBJECTS = 1024, \
     parameter int PRIM_OBJECTS = 64, \
@@ -57,7 +57,7 @@
     parameter int SRAM_RECORDS = 524288
 
 `define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, \
-    VERDICT_EXP, VERDICT_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, TRAVERSAL_UNITS, NODES, ECC, LAT_ADD, LAT_MUL, \
+    FILTER_EXP, FILTER_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, TRAVERSAL_UNITS, NODES, ECC, LAT_ADD, LAT_MUL, \
     LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
 
 `define CARD_FIELDS \
@@ -72,8 +72,8 @@
     int normals; \
     int parallel; \
     int facet_ii; \
-    int verdict_exp; \
-    int verdict_man; \
+    int filter_exp; \
+    int filter_man; \
     int transform; \
     int objects; \
     int prim_objects; \

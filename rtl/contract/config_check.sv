@@ -22,9 +22,9 @@ module config_check #(
   if (CONFIG.facet_ii != 1 && CONFIG.facet_ii != 3) begin : g_interval
     $error("board: FACET_II must be 1 or 3");
   end
-  if (CONFIG.verdict_exp != 0 && (config_pkg::verdict_pairs(CONFIG) == 0 || CONFIG.facet_ii != 1 ||
-      CONFIG.verdict_exp > CONFIG.exp || CONFIG.verdict_man >= CONFIG.man)) begin : g_verdicts
-    $error("board: VERDICT_EXP, VERDICT_MAN must be a narrower format; they need FACET_II = 1 and VERDICT_PAIRS");
+  if (CONFIG.filter_exp != 0 && (config_pkg::filter_pairs(CONFIG) == 0 || CONFIG.facet_ii != 1 ||
+      CONFIG.filter_exp > CONFIG.exp || CONFIG.filter_man >= CONFIG.man)) begin : g_filters
+    $error("board: FILTER_EXP, FILTER_MAN must be a narrower format; they need FACET_II = 1 and FILTER_PAIRS");
   end
   if (CONFIG.traversal_units != 0 &&
       ((CONFIG.traversal_units != 1 && CONFIG.traversal_units != 2 && CONFIG.traversal_units != 4) ||

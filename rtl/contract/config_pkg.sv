@@ -15,38 +15,38 @@ package config_pkg;
   function automatic int check_latency(input latency_pkg::latency_t lat);
     check_latency = lat.mul + 3 * lat.add + lat.cmp;
   endfunction
-  // Pairs whose misses a certified filter can prove (verdict_pair.sv).
-  localparam int VERDICT_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
+  // Pairs whose misses a certified filter can prove (filter_pair.sv).
+  localparam int FILTER_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB | 1 << pairs_pkg::PAIR_TRIANGLE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
   // Pairs whose signed distance, with BOX, is at least that of their boxes (bounded_pipe.sv).
   localparam int BOUND_PAIRS = 1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB |
       1 << pairs_pkg::PAIR_TRIANGLE_OBB | 1 << pairs_pkg::PAIR_TRIANGLE_TRIANGLE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
-  // Pairs of the card with certified filters: narrow lanes, and one wide lane behind them (verdict_pair.sv).
-  function automatic int verdict_pairs(input config_t card);
-    verdict_pairs = (card.verdict_exp != 0) ? card.pairs & VERDICT_PAIRS : 0;
+  // Pairs of the card with certified filters: narrow lanes, and one wide lane behind them (filter_pair.sv).
+  function automatic int filter_pairs(input config_t card);
+    filter_pairs = (card.filter_exp != 0) ? card.pairs & FILTER_PAIRS : 0;
   endfunction
   // Pairs of the card with the box rule on signed distances. Pairs with certified filters do not have it.
   function automatic int bound_pairs(input config_t card);
-    bound_pairs = (card.box != 0) ? card.pairs & BOUND_PAIRS & ~verdict_pairs(card) : 0;
+    bound_pairs = (card.box != 0) ? card.pairs & BOUND_PAIRS & ~filter_pairs(card) : 0;
   endfunction
   // Pairs whose pipe keeps the order of rows, but not the time.
   function automatic int ordered_pairs(input config_t card);
-    ordered_pairs = (card.pairs & pairs_pkg::RING_PAIRS) | verdict_pairs(card);
+    ordered_pairs = (card.pairs & pairs_pkg::RING_PAIRS) | filter_pairs(card);
   endfunction
   // A power of two above the latency of any pipe, except iterative pipelines. With certified filters, above that of
   // narrow lanes, proof and wide pipe together.
   function automatic int pipe_depth(input config_t card);
     int slowest;
     slowest = latency_pkg::mean(card.lat);
-    pipe_depth = (verdict_pairs(card) != 0) ? 512 : ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0) ? 256 : 64;
+    pipe_depth = (filter_pairs(card) != 0) ? 512 : ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0) ? 256 : 64;
     pipe_depth = pipe_depth << $clog2(slowest);
   endfunction
   // Rows of the output FIFO, and so rows in flight in the streaming modes. More than the cycles of a pipe, or of narrow
   // lanes and the wide pipe behind them.
   function automatic int fifo_depth(input config_t card);
-    fifo_depth = (verdict_pairs(card) != 0) ? pipe_depth(card) : 128;
+    fifo_depth = (filter_pairs(card) != 0) ? pipe_depth(card) : 128;
   endfunction
   function automatic int index_bits(input int n);  // bits that distinguish n values, at least one
     index_bits = (n > 1) ? $clog2(n) : 1;

@@ -64,7 +64,7 @@ package registers_pkg;
   localparam logic [11:0] REG_BAD_SEC = 12'h0E8;      // secondaries refused as bad input
   localparam logic [11:0] REG_SECONDARIES = 12'h0F0;  // secondaries processed
   localparam logic [11:0] REG_WRITTEN = 12'h0F8;      // records written to SRAM
-  localparam logic [11:0] REG_OPEN = 12'h100;         // pairs that certified filters left uncertain (verdict_pair.sv)
+  localparam logic [11:0] REG_UNCERTAIN = 12'h100;    // pairs that certified filters left uncertain (filter_pair.sv)
   // Registers of a BVH. Without a BVH they read 0 and cannot be written.
   localparam logic [11:0] REG_NODES = 12'h108;        // nodes read
   localparam logic [11:0] REG_LEAVES = 12'h110;       // leaves visited
@@ -91,7 +91,7 @@ package registers_pkg;
   localparam int COUNTERS = 12;
   localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
     REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN,
-    REG_OPEN, REG_NODES, REG_LEAVES, REG_TESTED};
+    REG_UNCERTAIN, REG_NODES, REG_LEAVES, REG_TESTED};
   localparam int ENGINE_COUNTERS = 9;  // number of the engine's counters, which come first
   function automatic logic [11:0] counter_register(input int counter);
     counter_register = COUNTER_REGISTERS[12*counter+:12];
@@ -128,7 +128,7 @@ package registers_pkg;
     logic [15:0] prim_objects;  // entries of the object tables
     logic [15:0] objects;
     logic [7:0] prim_words;     // words of a primary slot
-    logic verdicts;             // certified filters prove misses of pairs of solids
+    logic filter;               // certified filters prove misses of pairs of solids
     logic box;                  // box rule of ray-triangle
     logic ecc;                  // check bits in DDR
     logic [1:0] transform;      // pairs_pkg::TRANSFORM_*

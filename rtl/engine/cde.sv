@@ -74,7 +74,7 @@ module cde #(
     output logic [LANES-1:0] bad_o,
     output logic [LANES-1:0] unmasked_o,
     output logic [15:0] latency_o,
-    output logic [1:0] open_o,  // pairs with certified filters that are uncertain and go through the wide pipe
+    output logic [1:0] uncertain_o,  // pairs with certified filters that are uncertain and go through the wide pipe
 
     input logic push_i,
     input logic [FIFO_W-1:0] write_i,
@@ -93,7 +93,7 @@ module cde #(
 `endif
   localparam int ORDERED = config_pkg::ordered_pairs(CONFIG);
   // Narrow lanes share a wide lane, so they are one group: two groups would not keep step.
-  localparam bit APART = ARITH != "rtl" && LANES > MOST && config_pkg::verdict_pairs(CONFIG) == 0;
+  localparam bit APART = ARITH != "rtl" && LANES > MOST && config_pkg::filter_pairs(CONFIG) == 0;
   localparam int GROUP = APART ? MOST : LANES;
   localparam int GROUPS = LANES / GROUP;
   localparam int GLANE_W = (GROUP > 1) ? $clog2(GROUP) : 1;
@@ -215,8 +215,8 @@ module cde #(
     assign result[0] = result_i.valid;
   end
   logic [HITS_W-1:0] new_hits[GROUPS];
-  logic [1:0] open[GROUPS];
-  assign open_o = open[0];  // narrow lanes are one group
+  logic [1:0] uncertain[GROUPS];
+  assign uncertain_o = uncertain[0];  // narrow lanes are one group
   logic [31:0] result_index[GROUPS];
   logic [CW-1:0] result_t[GROUPS];
   logic [POINTS-1:0][CW-1:0] result_point[GROUPS];
@@ -239,7 +239,7 @@ module cde #(
         .row_i(row_in), .secondary_i(secondary), .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0),
         .issue_i(ISSUE ? issue_i.valid[PORTS-1:0] : '0), .ring_row_i(RINGS ? row[PORTS-1:0] : '0),
         .ring_secondary_i(RINGS ? secondary_i : '0), .ring_bad_i(RINGS && secondary_bad_i),
-        .ring_ready_o(ring_ready), .ring_valid_o(ring_valid), .open_o(open[g]),
+        .ring_ready_o(ring_ready), .ring_valid_o(ring_valid), .uncertain_o(uncertain[g]),
         .latency_o(latency_pipes), .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity),
         .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i, .new_hits_o(new_hits[g]),
         .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),

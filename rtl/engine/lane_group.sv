@@ -61,7 +61,7 @@ module lane_group #(
     input logic ring_bad_i,  // the secondary is bad
     output logic [N_PAIRS-1:0] ring_ready_o,
     output logic [N_PAIRS-1:0] ring_valid_o,
-    output logic [1:0] open_o,  // pairs with certified filters that are uncertain and go through the wide pipe
+    output logic [1:0] uncertain_o,  // pairs with certified filters that are uncertain and go through the wide pipe
 
     input logic [PORTS-1:0] valid_i,  // the row whose results leave the pipe
     input logic [PORTS-1:0][ROW_W-1:0] row_out_i,
@@ -98,23 +98,23 @@ module lane_group #(
   // ---- Pipes. Only the pass's pipe is read. With several pipes, each has operand registers, so an idle one does
   // nothing ----
   localparam int ORDERED = config_pkg::ordered_pairs(CONFIG);
-  localparam int VERDICTS = config_pkg::verdict_pairs(CONFIG);
+  localparam int FILTERED = config_pkg::filter_pairs(CONFIG);
   logic unused_ring;
   assign unused_ring = &{1'b0, rst_i, budget_i, ring_row_i, ring_secondary_i, ring_bad_i};
-  logic [N_PAIRS-1:0] open;
-  if (VERDICTS != 0) begin : g_verdicts
+  logic [N_PAIRS-1:0] uncertain;
+  if (FILTERED != 0) begin : g_filters
     logic [LANES-1:0] asked_mem[ROWS];  // lanes with primaries in use
     always_ff @(posedge clk_i) if (clear_i) asked_mem[clear_row_i] <= ~(clear_mask_i | clear_bad_i);
     logic prove;  // only hits are reported, so the filter may prove misses
     assign prove = mode_i == registers_pkg::MODE_ANY || mode_i == registers_pkg::MODE_HITS;
     always_comb begin
-      open_o = '0;
-      for (int p = 0; p < N_PAIRS; p++) open_o = open_o + 2'(open[p]);
+      uncertain_o = '0;
+      for (int p = 0; p < N_PAIRS; p++) uncertain_o = uncertain_o + 2'(uncertain[p]);
     end
-  end else begin : g_no_verdicts
-    logic unused_open;
-    assign unused_open = &{1'b0, open};
-    assign open_o = '0;
+  end else begin : g_no_filters
+    logic unused_uncertain;
+    assign unused_uncertain = &{1'b0, uncertain};
+    assign uncertain_o = '0;
   end
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   for (genvar p = 0; p < N_PAIRS; p++) begin : pair
@@ -131,7 +131,7 @@ module lane_group #(
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
       localparam bit RING = pairs_pkg::has(pairs_pkg::RING_PAIRS, p);
-      localparam bit VERDICT = pairs_pkg::has(VERDICTS, p);
+      localparam bit FILTER = pairs_pkg::has(FILTERED, p);
       localparam bit LATE = !pairs_pkg::has(ORDERED, p);  // host arithmetic takes the row when it is due
       localparam int INTERVAL = pairs_pkg::has(pairs_pkg::FACET_PAIRS, p) ? FACET_II : 1;
       logic of;  // which of the pass's pairs it computes
@@ -171,23 +171,23 @@ module lane_group #(
           assign b[k] = secondary[k];
         end
       end
-      if (!VERDICT) begin : g_all_wide
-        assign open[p] = 1'b0;
+      if (!FILTER) begin : g_all_wide
+        assign uncertain[p] = 1'b0;
       end
-      if (VERDICT) begin : g_verdict
+      if (FILTER) begin : g_filter
         logic bad;
         if (MANY) begin : g_bad_register
           always_ff @(posedge clk_pipe_i[p]) bad <= ring_bad_i;
         end else begin : g_bad_direct
           assign bad = ring_bad_i;
         end
-        verdict_pair #(
-            .PAIR(p), .NARROW_EXP(CONFIG.verdict_exp), .NARROW_MAN(CONFIG.verdict_man), .B_LANES(B_LANES),
+        filter_pair #(
+            .PAIR(p), .NARROW_EXP(CONFIG.filter_exp), .NARROW_MAN(CONFIG.filter_man), .B_LANES(B_LANES),
             .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
         ) pipe (
-            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_verdicts.prove), .valid_i(enter),
-            .ready_o(ring_ready_o[p]), .asked_i(g_verdicts.asked_mem[row] & {LANES{!bad}}), .a_i(a),
-            .b_i(b), .valid_o(ring_valid_o[p]), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .open_o(open[p]),
+            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_filters.prove), .valid_i(enter),
+            .ready_o(ring_ready_o[p]), .asked_i(g_filters.asked_mem[row] & {LANES{!bad}}), .a_i(a),
+            .b_i(b), .valid_o(ring_valid_o[p]), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .uncertain_o(uncertain[p]),
             .latency_o(latency_o[p]));
       end else if (RING) begin : g_ring
         logic [31:0] latency, unused_tag;
@@ -225,7 +225,7 @@ module lane_group #(
     end else begin : g_absent
       assign ring_ready_o[p] = 1'b1;
       assign ring_valid_o[p] = 1'b0;
-      assign open[p] = 1'b0;
+      assign uncertain[p] = 1'b0;
       assign latency_o[p] = '0;
       logic unused_clk;
       assign unused_clk = clk_pipe_i[p];

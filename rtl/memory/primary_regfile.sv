@@ -104,7 +104,7 @@ module primary_regfile #(
   check_clock #(.NUMBER_W(PRIM_W), .T_CHECK(T_CHECK)) check_time (
       .clk_i(clk_core_i), .rst_i, .commit_i(commit_o), .number_i(committed), .clk_o(clk_check), .busy_o,
       .judged_o(judged), .number_o(judged_number));
-  logic [SHAPES-1:0][PRIMARIES-1:0] verdicts;
+  logic [SHAPES-1:0][PRIMARIES-1:0] bad_by_shape;
   for (genvar shape = 0; shape < SHAPES; shape++) begin : check
     if (pairs_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_there
       localparam int N = pairs_pkg::shape_words(shape);
@@ -122,9 +122,9 @@ module primary_regfile #(
         if (judged) bad_q[judged_number] <= bad_judged;
         if (rst_i) bad_q <= '1;
       end
-      assign verdicts[shape] = bad_q;
+      assign bad_by_shape[shape] = bad_q;
     end else begin : g_absent
-      assign verdicts[shape] = '1;
+      assign bad_by_shape[shape] = '1;
     end
   end
   pairs_pkg::shape_t [1:0] shape_now;
@@ -135,11 +135,11 @@ module primary_regfile #(
   if (PARALLEL != 0) begin : g_two
     logic [PRIMARIES-1:0] second;
     assign second = (pair_i[1] != pairs_pkg::NO_PAIR) ? {PRIMARIES{1'b1}} << split_i : '0;
-    assign bad_o = (verdicts[shape_now[0][pairs_pkg::SHAPE_INDEX-1:0]] & ~second) |
-        (verdicts[shape_now[1][pairs_pkg::SHAPE_INDEX-1:0]] & second);
+    assign bad_o = (bad_by_shape[shape_now[0][pairs_pkg::SHAPE_INDEX-1:0]] & ~second) |
+        (bad_by_shape[shape_now[1][pairs_pkg::SHAPE_INDEX-1:0]] & second);
   end else begin : g_one
     logic unused_second;
     assign unused_second = &{1'b0, split_i, shape_now[1]};
-    assign bad_o = verdicts[shape_now[0][pairs_pkg::SHAPE_INDEX-1:0]];
+    assign bad_o = bad_by_shape[shape_now[0][pairs_pkg::SHAPE_INDEX-1:0]];
   end
 endmodule

@@ -158,20 +158,20 @@ module secondary_regfile #(
 
   // ---- The check ----
   logic [WORDS-1:0][CW-1:0] checked_slot;
-  logic [SHAPES-1:0] verdicts;
+  logic [SHAPES-1:0] bad_by_shape;
   align #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) align_slot (.clk_i, .d_i(unchecked),
       .q_o(checked_slot));
   for (genvar k = 0; k < SHAPES; k++) begin : check
     if (pairs_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_there
       localparam int N = pairs_pkg::shape_words(k);
       logic [N-1:0][0:0][CW-1:0] shape_words;
-      logic [0:0][CW-1:0] verdict;
+      logic [0:0][CW-1:0] bad;
       assign shape_words = unchecked[N-1:0];
       shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
-          .clk_i, .on_i(1'b1), .words_i(shape_words), .bad_o(verdict));
-      assign verdicts[k] = verdict[0][0];
+          .clk_i, .on_i(1'b1), .words_i(shape_words), .bad_o(bad));
+      assign bad_by_shape[k] = bad[0][0];
     end else begin : g_absent
-      assign verdicts[k] = 1'b1;
+      assign bad_by_shape[k] = 1'b1;
     end
   end
 
@@ -182,7 +182,7 @@ module secondary_regfile #(
 
   always_ff @(posedge clk_i) begin
     if (in_flight[T_PLACED]) begin
-      fifo[placed_q[AW-1:0]] <= {CW'(verdicts[shape[pairs_pkg::SHAPE_INDEX-1:0]]), checked_slot};
+      fifo[placed_q[AW-1:0]] <= {CW'(bad_by_shape[shape[pairs_pkg::SHAPE_INDEX-1:0]]), checked_slot};
       placed_q <= placed_q + 1;
     end
     if (in_flight[T_CHECKED]) write_q <= write_q + 1;

@@ -255,7 +255,7 @@ TEST(BvhForSolids, ImpossibleConfigurations_AreRefused) {
                [&] { (void)config.parameters(); });
   config = solids_config();
   config.pairs = {Pair::kTriangleSphere};
-  config.verdicts = FpFormat{5, 10};
+  config.filter = FpFormat{5, 10};
   expect_error(ErrorCode::kUsage, "the certified filter cannot be combined with a BVH",
                [&] { (void)config.parameters(); });
   config = {.pairs = {Pair::kSphereSphere}, .box = true};

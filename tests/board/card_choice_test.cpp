@@ -81,7 +81,7 @@ TEST_F(CardChoice, Parameters_ReadBackEqual) {
                            .swap = true,
                            .normals = true,
                            .parallel = true,
-                           .verdicts = FpFormat::parse("fp16"),
+                           .filter = FpFormat::parse("fp16"),
                            .transform = Transformer::kBoth,
                            .objects = 32,
                            .primary_objects = 16,
@@ -158,7 +158,7 @@ TEST_F(CardChoice, UnsuitableCards_AreNotChosen) {
   // Each entry is valid: it is found where it is the planned card, or where it would serve.
   EXPECT_EQ(planned(scene(10, "lanes = 8\n")).board.lanes, 8u);
   EXPECT_TRUE(model_file("card", slow_adders({.pairs = rays}).parameters()).built);
-  EXPECT_FALSE(kept_models("card").empty());
+  EXPECT_FALSE(built_models("card").empty());
 }
 
 TEST_F(CardChoice, ScenesRequests_AreKept) {

@@ -360,7 +360,7 @@ TEST_F(SimulationModels, LastResortCacheAsLink_IsRefused) {
     fs::remove(last);
     fs::create_directory_symlink(file.parent_path(), last);
     ASSERT_EQ(::lchown(last.c_str(), kAttacker, kAttacker), 0);
-    const process::Result ran = process::isolated([&](int out) {
+    const process::Result ran = process::run_isolated([&](int out) {
       ::dup2(out, STDERR_FILENO);
       if (::setgid(kVictim) != 0 || ::setuid(kVictim) != 0) ::_exit(3);
       if (::access(builder.c_str(), R_OK | X_OK) != 0) ::_exit(77);
@@ -370,7 +370,7 @@ TEST_F(SimulationModels, LastResortCacheAsLink_IsRefused) {
         const ModelFile found = model_file("board", parameters);
         ::_exit(found.built && found.path.parent_path() == last ? 1 : 0);
       } catch (const Error& e) {
-        say(e.what());
+        log(e.what());
         ::_exit(2);
       }
     });

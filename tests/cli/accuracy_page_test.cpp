@@ -52,7 +52,7 @@ TEST_F(AccuracyPage, Costs_ComeFromTheTable) {
     if (format == "fp32" && !whole) {
       EXPECT_TRUE(price.at("luts").is_null());
       EXPECT_TRUE(price.at("modelled_seconds_per_million").is_null());
-      EXPECT_TRUE(has(price.at("clock_is").get<std::string>(), "no row of"));
+      EXPECT_TRUE(has(price.at("clock_source").get<std::string>(), "no row of"));
       kinds.insert("none");
       continue;
     }
@@ -349,7 +349,7 @@ TEST_F(AccuracyPage, ModelledClock_ComesFromTheCardsOperators) {
   EXPECT_EQ(a["clock_hz"], 100e6);
   EXPECT_EQ(b["clock_hz"], 40e6) << "the clock of the divider";
   EXPECT_EQ(c["clock_hz"], 50e6);
-  EXPECT_TRUE(has(b["clock_is"].get<std::string>(), "ecp5-85, estimated"));
+  EXPECT_TRUE(has(b["clock_source"].get<std::string>(), "ecp5-85, estimated"));
   EXPECT_NEAR(b["modelled_pass_seconds"].get<double>(),
               2.5 * a["modelled_pass_seconds"].get<double>(), 1e-12);
   const Ran none = with({"--target", "ecp5-85"}, "prices.json"),
@@ -390,7 +390,7 @@ TEST_F(AccuracyPage, ModelledClock_ComesFromTheScenesOperators) {
     ASSERT_EQ(ran.status, 0) << ran.err;
     const json j = json::parse(ran.out);
     EXPECT_EQ(j["clock_hz"], hz) << file;
-    EXPECT_TRUE(has(j["clock_is"].get<std::string>(), is)) << j["clock_is"];
+    EXPECT_TRUE(has(j["clock_source"].get<std::string>(), is)) << j["clock_source"];
   };
   clock("plain.toml", 90e6, "measured for the whole lane");
   clock("box.toml", 70e6, "estimated: the slowest of its operators");

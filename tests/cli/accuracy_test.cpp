@@ -22,7 +22,7 @@ class Accuracy : public Cli {
   static Words command(const Words& words) {
     Words all = {"accuracy", "-q"};
     bool sweeps = true;
-    for (const char* other : {"--mesh", "--scene", "--verdicts", "--from"})
+    for (const char* other : {"--mesh", "--scene", "--filters", "--from"})
       sweeps = sweeps && std::find(words.begin(), words.end(), other) == words.end();
     if (sweeps) all.emplace_back("--no-operators");
     all.insert(all.end(), words.begin(), words.end());
@@ -134,15 +134,15 @@ TEST_F(Accuracy, Promises_EqualTheDocs) {
 }
 
 TEST_F(Accuracy, CertainDecisions_AreTrue) {
-  const Ran ran = accuracy({"--verdicts", "--pair", "obb-obb,triangle-cylinder", "--formats",
+  const Ran ran = accuracy({"--filters", "--pair", "obb-obb,triangle-cylinder", "--formats",
                             "bf16", "--cases", "2901", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const Json j = Json::parse(ran.out);
-  EXPECT_EQ(j["schema"], "cde.accuracy.verdicts.1");
-  ASSERT_EQ(j["verdicts"].size(), 2U);
-  EXPECT_TRUE(j["verdicts"][0]["budget"].is_null());
-  EXPECT_EQ(j["verdicts"][1]["budget"], "4,2,2");
-  for (const Json& row : j["verdicts"]) {
+  EXPECT_EQ(j["schema"], "cde.accuracy.filters.1");
+  ASSERT_EQ(j["filters"].size(), 2U);
+  EXPECT_TRUE(j["filters"][0]["budget"].is_null());
+  EXPECT_EQ(j["filters"][1]["budget"], "4,2,2");
+  for (const Json& row : j["filters"]) {
     Json sum = row["all_families"];
     EXPECT_EQ(sum["cases"], 2901);
     EXPECT_EQ(sum["wrong"], 0);
@@ -154,20 +154,20 @@ TEST_F(Accuracy, CertainDecisions_AreTrue) {
       for (auto& [key, value] : sum.items()) value = value.get<long>() - family.at(key).get<long>();
     for (const auto& [key, value] : sum.items()) EXPECT_EQ(value, 0) << key;
   }
-  const Ran table = accuracy({"--verdicts", "--pair", "sphere-sphere", "--families", "random",
+  const Ran table = accuracy({"--filters", "--pair", "sphere-sphere", "--families", "random",
                               "--cases", "500", "--by-family"});
   EXPECT_TRUE(has(table.out, "sphere-sphere fp16 random"));
 }
 
 TEST_F(Accuracy, UnsupportedFilters_AreRefused) {
-  refused({"--verdicts", "--pair", "ray-sphere"},
-          "--verdicts: ray-sphere is not possible; expected pairs of solids without a plane");
-  refused({"--verdicts", "--mesh", "terrain"}, "--verdicts");
+  refused({"--filters", "--pair", "ray-sphere"},
+          "--filters: ray-sphere is not possible; expected pairs of solids without a plane");
+  refused({"--filters", "--mesh", "terrain"}, "--filters");
   for (const char* wide : {"fp32", "fp64"})
-    refused({"--verdicts", "--pair", "sphere-sphere", "--formats", wide},
+    refused({"--filters", "--pair", "sphere-sphere", "--formats", wide},
             "expected a format with no more exponent bits and fewer fraction bits than fp32");
-  refused({"--verdicts", "--pair", "obb-obb", "--families", "nothing"}, "no family 'nothing'");
-  refused({"--verdicts", "--pair", "obb-obb", "--budgets", "4,2,2"},
+  refused({"--filters", "--pair", "obb-obb", "--families", "nothing"}, "no family 'nothing'");
+  refused({"--filters", "--pair", "obb-obb", "--budgets", "4,2,2"},
           "--budgets cannot be combined with these pairs");
 }
 
@@ -274,8 +274,8 @@ TEST_F(Accuracy, OptionsWithoutEffect_AreRefused) {
           "--mesh cannot be combined with --pair obb-obb; expected ray-triangle");
   refused({"--scene", "none.toml", "--page", "q.html"}, "--page cannot be combined with --scene");
   refused({"--scene", "none.toml", "--check", "3"}, "--check cannot be combined with --scene");
-  refused({"--verdicts", "--pair", "sphere-sphere", "--algorithms", "moller"},
-          "--algorithms cannot be combined with --verdicts");
+  refused({"--filters", "--pair", "sphere-sphere", "--algorithms", "moller"},
+          "--algorithms cannot be combined with --filters");
   refused({"--from", "x.json", "--page", "p.html", "--cases", "5"},
           "--cases cannot be combined with --from");
   refused({"--by-family", "--json"}, "--by-family cannot be combined with --json");

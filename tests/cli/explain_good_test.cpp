@@ -77,7 +77,7 @@ std::string missing(const explain::Explanation& e) {
         e.recording.steps[static_cast<std::size_t>(e.recording.operators[c.operation])];
     text += fmt::format("{}: {} {:x} {:x} = {:x}{}\n", c.operation,
                         static_cast<int>(step.operation), step.a, step.b, step.result,
-                        c.verdict == explain::Verdict::kUnknown ? ", not known" : "");
+                        c.comparison == explain::Comparison::kUnknown ? ", not known" : "");
   }
   return text;
 }

@@ -54,9 +54,9 @@ TEST_F(Query, Arrays_HaveAPairPerRow) {
   EXPECT_EQ(file.out, answers);
   EXPECT_EQ(file.status, 2);
   EXPECT_EQ(file.err, "cde: p.npy: pair 1: sphere B: radius is -2, must be > 0\n");
-  const Ran dealt = cde({"query", "sphere-sphere", "p.npy", "-q", "--resume", "j"});
-  EXPECT_EQ(dealt.out, answers);
-  EXPECT_EQ(dealt.err, file.err);
+  const Ran distributed = cde({"query", "sphere-sphere", "p.npy", "-q", "--resume", "j"});
+  EXPECT_EQ(distributed.out, answers);
+  EXPECT_EQ(distributed.err, file.err);
   const Ran stdin_ran = query({"sphere-sphere", "-q"}, array);
   EXPECT_EQ(stdin_ran.out, answers);
   EXPECT_EQ(stdin_ran.err, "cde: pair 1: sphere B: radius is -2, must be > 0\n");

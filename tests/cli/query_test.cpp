@@ -439,8 +439,8 @@ TEST_F(Query, FaultyPipe_IsFound) {
   EXPECT_EQ(query(again, pairs, environment).status, 3);
   EXPECT_EQ(query({"sphere-sphere"}, pairs).status, 0) << "the correct pipe";
   Words going = {"sphere-sphere", "--lanes", "2", "-k", "--json"};
-  for (const bool dealt : {false, true}) {
-    if (dealt) going.insert(going.end(), {"--resume", (folder_ / "journal").string()});
+  for (const bool distributed : {false, true}) {
+    if (distributed) going.insert(going.end(), {"--resume", (folder_ / "journal").string()});
     const Ran all = query(going, input + "0,0,0,1,0,0,0,-1\n", environment);
     EXPECT_EQ(all.status, 3) << "takes precedence over the status of a bad pair";
     ASSERT_EQ(lines_of(all.out).size(), 5u) << all.out;

@@ -480,9 +480,9 @@ TEST_F(MpiRanks, Errors_ArePrintedOnce) {
     EXPECT_EQ(ran.status, 0) << all_well << ran.err;
     EXPECT_EQ(ran.out, shell(std::string("\"$CDE\"") + all_well).out);
   }
-  const Ran from = shell(run(2) + " accuracy --verdicts --pair sphere-sphere --cases 10");
+  const Ran from = shell(run(2) + " accuracy --filters --pair sphere-sphere --cases 10");
   EXPECT_EQ(from.status, 2) << from.err;
-  EXPECT_EQ(count(from.err, "--verdicts works only in one process, but 2 ranks were started"), 1)
+  EXPECT_EQ(count(from.err, "--filters works only in one process, but 2 ranks were started"), 1)
       << from.err;
   const Ran missing = shell(run(3) + " cast nowhere.obj");
   EXPECT_EQ(missing.status, 2) << missing.err;

@@ -47,13 +47,13 @@ only_hits = true
   ASSERT_EQ(cde({"run", "two.toml", "-q", "--file-per-frame", "-o", "files"}).status, 0);
   ASSERT_EQ(cde({"run", "two.toml", "-q", "-o", "tables"}).status, 0);
   ASSERT_EQ(cde({"run", "two.toml", "-q", "-o", "one", "--frames", "0"}).status, 0);
-  ASSERT_EQ(cde({"run", "two.toml", "-q", "-o", "dealt", "--resume", "journal"}).status, 0);
+  ASSERT_EQ(cde({"run", "two.toml", "-q", "-o", "distributed", "--resume", "journal"}).status, 0);
   for (const std::string query : {"hit", "sky"}) {
     Words files;
     for (int frame = 0; frame < 4; ++frame)
       files.push_back(read(fmt::format("files/{}.{:06}.csv", query, frame)));
     EXPECT_EQ(read("tables/" + query + ".csv"), joined(files));
-    EXPECT_EQ(read("dealt/" + query + ".csv"), joined(files));
+    EXPECT_EQ(read("distributed/" + query + ".csv"), joined(files));
     EXPECT_EQ(read("one/" + query + ".csv"), joined({files[0]}));
   }
   EXPECT_TRUE(has(read("tables/hit.csv"), "\n3,"));
@@ -76,10 +76,10 @@ TEST_F(RunScene, TablesAsWordsAndArrays_HaveTheRecordsOfCsv) {
     write(results + ".toml", scene(results));
     ASSERT_EQ(cde({"run", results + ".toml", "-q"}).status, 0);
   }
-  ASSERT_EQ(cde({"run", "npy.toml", "-q", "-o", "dealt", "--resume", "journal"}).status, 0);
+  ASSERT_EQ(cde({"run", "npy.toml", "-q", "-o", "distributed", "--resume", "journal"}).status, 0);
   ASSERT_EQ(cde({"run", "npy.toml", "-q", "-o", "files", "--file-per-frame"}).status, 0);
   const std::string words = read("binary.run/hit.bin"), npy = read("npy.run/hit.npy");
-  EXPECT_EQ(read("dealt/hit.npy"), npy);
+  EXPECT_EQ(read("distributed/hit.npy"), npy);
   std::istringstream csv(read("csv.run/hit.csv"));
   const auto word = [](const std::string& bytes, std::size_t at) {
     std::uint32_t w = 0;
@@ -158,8 +158,8 @@ inside = true
     EXPECT_EQ(words[(9 * i + 8) * 4], inside[i] - '0');
     EXPECT_EQ(npy[npy.size() - 31 * (6 - i) + 30], inside[i] - '0');
   }
-  ASSERT_EQ(cde({"run", "csv.toml", "-q", "-o", "dealt", "--resume", "journal"}).status, 0);
-  EXPECT_EQ(read("dealt/q.csv"), read("csv.run/q.csv"));
+  ASSERT_EQ(cde({"run", "csv.toml", "-q", "-o", "distributed", "--resume", "journal"}).status, 0);
+  EXPECT_EQ(read("distributed/q.csv"), read("csv.run/q.csv"));
 }
 
 TEST_F(RunScene, NoResults_WritesRunJsonAlone) {

@@ -342,12 +342,12 @@ TEST_F(HostileMesh, KilledProcess_LeavesNoImporter) {
 TEST(MeshLimits, EnvironmentVariables_SetTheLimits) {
   ASSERT_EQ(::setenv("CDE_MESH_SECONDS", "5", 1), 0);
   ASSERT_EQ(::setenv("CDE_MESH_MEMORY", "100", 1), 0);
-  EXPECT_EQ(MeshLimits::of_environment().time, std::chrono::seconds(5));
-  EXPECT_EQ(MeshLimits::of_environment().memory, 100u << 20);
+  EXPECT_EQ(MeshLimits::from_environment().time, std::chrono::seconds(5));
+  EXPECT_EQ(MeshLimits::from_environment().memory, 100u << 20);
   for (const char* bad : {"0", "-1", "x", "1.5", "99999999999"}) {
     ASSERT_EQ(::setenv("CDE_MESH_MEMORY", bad, 1), 0);
     expect_error(ErrorCode::kUsage, "CDE_MESH_MEMORY is ",
-                 [] { (void)MeshLimits::of_environment(); });
+                 [] { (void)MeshLimits::from_environment(); });
   }
   ::unsetenv("CDE_MESH_SECONDS");
   ::unsetenv("CDE_MESH_MEMORY");

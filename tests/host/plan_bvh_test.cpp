@@ -171,7 +171,7 @@ TEST(PlanBvh, SolidPrimaries_UseABvh) {
     };
     brute_force("", "mode = \"farthest\"\n", "farthest shape from a solid");
     brute_force("[card]\nbox = false\n", "", "the box rule");
-    brute_force("[card]\nverdicts = \"fp16\"\n", "", "certified filter");
+    brute_force("[card]\nfilter = \"fp16\"\n", "", "certified filter");
   }
 }
 

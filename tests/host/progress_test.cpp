@@ -67,7 +67,7 @@ TEST(Progress, UsualTime_IsTheTimeLeftUntilItHasPassed) {
   Lines lines;
   {
     Progress progress("building");
-    progress.usual(2, "compiling");
+    progress.expect(2, "compiling");
     wait(2500);
   }
   ASSERT_EQ(lines.all().size(), 3u);

@@ -269,15 +269,15 @@ TEST(Plan, RequestedFilters_AreUsedOrRefused) {
         card, kBall, mode);
   };
   const Plan none = plan(parse_scene(spheres("", "hits"), "s.toml"));
-  EXPECT_FALSE(none.board.verdicts);
-  EXPECT_FALSE(effect(none, "verdicts").used);
-  const Plan hits = plan(parse_scene(spheres("verdicts = \"bf16\"", "hits"), "s.toml"));
-  EXPECT_EQ(hits.board.verdicts, FpFormat::parse("bf16"));
-  EXPECT_TRUE(effect(hits, "verdicts").used);
-  EXPECT_EQ(effect(hits, "verdicts").choice, "bf16 lanes before one of fp32");
-  EXPECT_EQ(effect(hits, "verdicts").why, "asked for; q can omit misses");
-  const Plan nearest = plan(parse_scene(spheres("verdicts = \"bf16\"", "nearest"), "s.toml"));
-  EXPECT_TRUE(has(effect(nearest, "verdicts").why, "every pair goes through the wide lane"));
+  EXPECT_FALSE(none.board.filter);
+  EXPECT_FALSE(effect(none, "filter").used);
+  const Plan hits = plan(parse_scene(spheres("filter = \"bf16\"", "hits"), "s.toml"));
+  EXPECT_EQ(hits.board.filter, FpFormat::parse("bf16"));
+  EXPECT_TRUE(effect(hits, "filter").used);
+  EXPECT_EQ(effect(hits, "filter").choice, "bf16 lanes before one of fp32");
+  EXPECT_EQ(effect(hits, "filter").why, "asked for; q can omit misses");
+  const Plan nearest = plan(parse_scene(spheres("filter = \"bf16\"", "nearest"), "s.toml"));
+  EXPECT_TRUE(has(effect(nearest, "filter").why, "every pair goes through the wide lane"));
   const auto refused = [&](const char* card, const char* why) {
     try {
       (void)plan(parse_scene(spheres(card, "hits"), "s.toml"));
@@ -286,15 +286,15 @@ TEST(Plan, RequestedFilters_AreUsedOrRefused) {
       EXPECT_TRUE(has(e.what(), why));
     }
   };
-  refused("verdicts = \"fp33\"", "card, verdicts: ");
-  refused("verdicts = 16", "card, verdicts: must be a text");
-  refused("verdicts = \"fp32\"",
-          "s.toml:2:12: card, verdicts: a certified filter in fp32 cannot precede fp32");
-  refused("verdicts = \"fp24\"\nformat = \"fp16\"",
+  refused("filter = \"fp33\"", "card, filter: ");
+  refused("filter = 16", "card, filter: must be a text");
+  refused("filter = \"fp32\"",
+          "s.toml:2:10: card, filter: a certified filter in fp32 cannot precede fp32");
+  refused("filter = \"fp24\"\nformat = \"fp16\"",
           "a certified filter in fp24 cannot precede fp16");
-  refused("verdicts = \"fp16\"\nlanes = 64", "with the certified filter it must be 1 to 32");
+  refused("filter = \"fp16\"\nlanes = 64", "with the certified filter it must be 1 to 32");
   try {
-    (void)plan(parse_scene("[card]\nverdicts = \"fp16\"\n" + kGood, "s.toml"));
+    (void)plan(parse_scene("[card]\nfilter = \"fp16\"\n" + kGood, "s.toml"));
     ADD_FAILURE() << "rays have no certified filter";
   } catch (const Error& e) {
     EXPECT_TRUE(has(e.what(), "the card has none"));

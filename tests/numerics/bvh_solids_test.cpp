@@ -81,7 +81,7 @@ TEST_P(BvhEverySolid, SolidsAgainstSpheres_EqualBruteForce) {
 /// Checks how many signed distances the rule changes, over all secondaries as shape A.
 template <class Solid, class Secondary, class Pipe>
 void expect_rule_is_quiet(const std::vector<Secondary>& all, Pipe pipe, std::size_t count) {
-  std::size_t pairs = 0, changed = 0, verdicts = 0;
+  std::size_t pairs = 0, changed = 0, flags = 0;
   for (const Solid& solid : hard_ones<Solid>(all, count, kSeed + 1)) {
     if (defect(solid)) continue;  // a rotation that is not orthonormal to 2^-20
     for (const Secondary& t : all) {
@@ -89,16 +89,16 @@ void expect_rule_is_quiet(const std::vector<Secondary>& all, Pipe pipe, std::siz
       const reference::Outcome<float> boxed = reference::bounded<float>(plain, t, solid);
       ++pairs;
       changed += plain.t != boxed.t;
-      verdicts += plain.f != boxed.f;
+      flags += plain.f != boxed.f;
       const float distance = boxed.f ? -boxed.t : boxed.t;
       ASSERT_GE(distance, reference::distance_bound<float>(t, solid));
       ASSERT_GE(distance, plain.f ? -plain.t : plain.t);
     }
   }
   fmt::print("seed {}, {} pairs: the rule changes {} distances and {} F\n", kSeed + 1, pairs, changed,
-             verdicts);
+             flags);
   EXPECT_EQ(changed, 0u);
-  EXPECT_EQ(verdicts, 0u);
+  EXPECT_EQ(flags, 0u);
 }
 
 TEST_P(BvhEverySolid, BoxRule_ChangesNoDistance) {

@@ -77,9 +77,9 @@ oracle::Result judged(const Outcome<S>& o) {
 }
 
 /// check(), repeated with a hundredfold budget if the oracle could not decide.
-inline oracle::Verdict verdict(const oracle::Shape& a, const oracle::Shape& b,
+inline oracle::Decision decision(const oracle::Shape& a, const oracle::Shape& b,
                                const oracle::Result& r, oracle::CheckOptions options) {
-  oracle::Verdict v = oracle::check(a, b, r, options);
+  oracle::Decision v = oracle::check(a, b, r, options);
   if (v.failure == oracle::Failure::kOracleTooWide) {
     options.distance.max_evaluations *= 100;
     v = oracle::check(a, b, r, options);
@@ -107,7 +107,7 @@ Worst judge(const Outcome<S>& o, const oracle::Shape& a, const oracle::Shape& b,
     message = "flagged as bad input";
     return {.cases = 1, .failed = 1};
   }
-  const oracle::Verdict v = verdict(a, b, judged(o), {.u = u, .distance = {}});
+  const oracle::Decision v = decision(a, b, judged(o), {.u = u, .distance = {}});
   if (!v.ok()) message = v.describe();
   const double us = u * v.scale;
   return {1,

@@ -62,7 +62,7 @@ class Embree {
 };
 
 /// Whether rounding alone could make this triangle a hit or a miss, or move its t.
-bool open_decision(const Ray& ray, const cde::Triangle& triangle) {
+bool uncertain_decision(const Ray& ray, const cde::Triangle& triangle) {
   const ExactHit exact(ray, triangle);
   const cde::MollerBound bound = cde::moller_bound(ray, triangle);
   const double det = std::abs(static_cast<double>(exact.det));
@@ -91,8 +91,8 @@ void compare(const char* name, const Mesh& mesh, const std::vector<Ray>& rays) {
       ++tie;
       continue;
     }
-    const bool excused = (card.f && open_decision(rays[i], mesh.triangle(card.index))) ||
-                         (index != ~0u && open_decision(rays[i], mesh.triangle(index)));
+    const bool excused = (card.f && uncertain_decision(rays[i], mesh.triangle(card.index))) ||
+                         (index != ~0u && uncertain_decision(rays[i], mesh.triangle(index)));
     EXPECT_TRUE(excused) << name << " ray " << i << " seed " << kSeed << ": card says "
                          << card.index << " at " << card.t << ", Embree " << index << " at " << t
                          << std::hexfloat << " o " << rays[i].o.transpose() << " d "
@@ -100,7 +100,7 @@ void compare(const char* name, const Mesh& mesh, const std::vector<Ray>& rays) {
     edge += excused;
   }
   std::printf(
-      "%s: seed %u, %zu rays, %d hit, %d same triangle, %d other triangle at the same T, %d open "
+      "%s: seed %u, %zu rays, %d hit, %d same triangle, %d other triangle at the same T, %d uncertain "
       "at an edge\n",
       name, kSeed, rays.size(), hits, same, tie, edge);
   EXPECT_GT(hits, static_cast<int>(0.3 * rays.size()));

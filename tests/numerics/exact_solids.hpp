@@ -131,7 +131,7 @@ struct Range {
 /// length on the ray.
 class Judgement {
  public:
-  enum class Truth { kHit, kMiss, kOpen };
+  enum class Truth { kHit, kMiss, kUncertain };
 
   template <typename Solid>
   Judgement(const Solid& solid, const BasicRay<double>& ray, double band)
@@ -145,7 +145,7 @@ class Judgement {
     leave_ = {(shrunk ? shrunk->leave : grown->enter) - slack, grown->leave + slack};
     if (enter_.outside(tmin_, tmax_) && leave_.outside(tmin_, tmax_)) return;
     const bool sure = enter_.inside(tmin_, tmax_) || leave_.inside(tmin_, tmax_);
-    truth_ = shrunk && sure ? Truth::kHit : Truth::kOpen;
+    truth_ = shrunk && sure ? Truth::kHit : Truth::kUncertain;
   }
   [[nodiscard]] Truth truth() const { return truth_; }
   /// The answer in exact arithmetic.

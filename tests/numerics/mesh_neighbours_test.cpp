@@ -135,7 +135,7 @@ Triangle primitive(const std::vector<double>& words) {
   for (std::size_t i = 0; i < as_float.size(); ++i) as_float[i] = static_cast<float>(words.at(i));
   return from_words<Triangle>(as_float);
 }
-oracle::Verdict judged(const oracle::Case& c, const Outcome<float>& o) {
+oracle::Decision judged(const oracle::Case& c, const Outcome<float>& o) {
   return oracle::check(c.shape_a(), c.shape_b(),
                        {o.f, o.t, o.cp.cast<double>(), o.n.cast<double>()},
                        {.u = 0x1p-24, .distance = {}});
@@ -153,7 +153,7 @@ TEST(MeshNeighbours, Families_CertificateHolds) {
       const Vec far = distance * random.direction();
       const oracle::Case c = words_of(two, moves ? far : Vec(Vec::Zero()));
       const Outcome<float> o = reference::triangle_triangle(primitive(c.a), primitive(c.b));
-      const oracle::Verdict v = judged(c, o);
+      const oracle::Decision v = judged(c, o);
       const double us = 0x1p-24 * v.scale;
       if (!v.ok() && ++wrong <= 3) ADD_FAILURE() << v.describe() << '\n' << c.describe();
       EXPECT_TRUE(!family.meet || o.f || o.t <= 16 * us) << c.describe();
@@ -201,7 +201,7 @@ TEST(MeshNeighbours, ParallelEdgesAndTwoSidedDepth_CertificateHolds) {
       {0, 2, 2, 0, -2, -2, 0, -2, 2}};
   for (const oracle::Case& c : {apart, deep}) {
     const auto o = reference::triangle_triangle(primitive(c.a), primitive(c.b));
-    const oracle::Verdict v = judged(c, o);
+    const oracle::Decision v = judged(c, o);
     EXPECT_TRUE(v.ok()) << v.describe() << '\n' << c.describe();
   }
 }

@@ -71,14 +71,14 @@ class Generator {
   std::mt19937_64 bits_{kSeed};
 };
 
-enum class Truth { kHit, kMiss, kOpen };
+enum class Truth { kHit, kMiss, kUncertain };
 
 /// The required decision, given the error of each compared quantity.
 Truth decide(const Ray& ray, const ExactHit& exact, const cde::MollerBound& bound) {
   const double det = static_cast<double>(exact.det);
-  if (exact.det == 0) return bound.det == 0 ? Truth::kMiss : Truth::kOpen;
+  if (exact.det == 0) return bound.det == 0 ? Truth::kMiss : Truth::kUncertain;
   const double size = std::abs(det);
-  if (size <= bound.det) return Truth::kOpen;
+  if (size <= bound.det) return Truth::kUncertain;
   const double u = static_cast<double>(exact.u), v = static_cast<double>(exact.v),
                t = static_cast<double>(exact.t);
   const double rest = static_cast<double>(ExactHit::Rational(1 - exact.u - exact.v));
@@ -92,7 +92,7 @@ Truth decide(const Ray& ray, const ExactHit& exact, const cde::MollerBound& boun
   for (double f : failures)
     if (f > 0) return Truth::kMiss;
   for (double m : margins)
-    if (!(m > 0)) return Truth::kOpen;
+    if (!(m > 0)) return Truth::kUncertain;
   return Truth::kHit;
 }
 
@@ -102,7 +102,7 @@ TEST_P(MollerAgainstExact, Decisions_AreRightOutsideTheBand) {
   constexpr int kRays = 40, kTriangles = 500;
   Generator generate(GetParam());
   cde::Board board = cde::Board::open(cde::BoardConfig{});
-  int hits = 0, open = 0, wrong_in_band = 0;
+  int hits = 0, uncertain = 0, wrong_in_band = 0;
   double worst_t = 0;
   for (int r = 0; r < kRays; ++r) {
     Ray ray = generate.ray();
@@ -120,8 +120,8 @@ TEST_P(MollerAgainstExact, Decisions_AreRightOutsideTheBand) {
       const Truth truth = decide(ray, exact, bound);
       const bool f = records[i].f;
       hits += f;
-      if (truth == Truth::kOpen) {
-        ++open;
+      if (truth == Truth::kUncertain) {
+        ++uncertain;
         wrong_in_band += f != exact.hit(ray);
       } else {
         ASSERT_EQ(f, truth == Truth::kHit)
@@ -142,14 +142,14 @@ TEST_P(MollerAgainstExact, Decisions_AreRightOutsideTheBand) {
   }
   const int pairs = kRays * kTriangles;
   std::printf(
-      "%s: seed %u, %d pairs, %.1f %% hit, %d (%.2f %%) left open by the bound, %d of them decided "
+      "%s: seed %u, %d pairs, %.1f %% hit, %d (%.2f %%) left uncertain by the bound, %d of them decided "
       "otherwise than exact arithmetic, "
       "largest error of T %.2f of its bound\n",
-      GetParam().name, kSeed, pairs, 100.0 * hits / pairs, open, 100.0 * open / pairs,
+      GetParam().name, kSeed, pairs, 100.0 * hits / pairs, uncertain, 100.0 * uncertain / pairs,
       wrong_in_band, worst_t);
   EXPECT_GT(hits, 0.3 * pairs);
   EXPECT_LT(hits, 0.7 * pairs);
-  EXPECT_LT(open, 0.5 * pairs) << "the band excuses too many pairs";
+  EXPECT_LT(uncertain, 0.5 * pairs) << "the band excuses too many pairs";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, MollerAgainstExact,

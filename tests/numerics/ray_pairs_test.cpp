@@ -154,7 +154,7 @@ std::ostream& operator<<(std::ostream& out, const Algorithm* algorithm) {
   return out << algorithm->name;
 }
 
-enum class Truth { kHit, kMiss, kOpen };
+enum class Truth { kHit, kMiss, kUncertain };
 
 /// How far inside the edges (in the triangle's plane) and the interval (along the ray) the hit is;
 /// negative outside.
@@ -171,11 +171,11 @@ struct Margins {
 
 Truth decide(const Margins& m, double band, double depth) {
   if (m.edge < -band || m.interval < -depth) return Truth::kMiss;
-  return m.edge > band && m.interval > depth ? Truth::kHit : Truth::kOpen;
+  return m.edge > band && m.interval > depth ? Truth::kHit : Truth::kUncertain;
 }
 
 struct Report {
-  int pairs = 0, hits = 0, open = 0, open_wrong = 0, wrong = 0;
+  int pairs = 0, hits = 0, uncertain = 0, uncertain_wrong = 0, wrong = 0;
   double worst_edge = 0;   ///< largest distance from an edge with wrong F, over the band
   double worst_depth = 0;  ///< worst error of T, over its bound
   double worst_point = 0;  ///< worst error of CP, over the bound of T and u of the terms
@@ -208,8 +208,8 @@ Report judge(const Algorithm& algorithm, Scene scene, int pairs) {
     r.hits += got.f;
     if (got.f != exact.hit(ray) && margins.interval > depth)
       r.worst_edge = std::max(r.worst_edge, std::abs(margins.edge) / band);
-    if (truth == Truth::kOpen) {
-      ++r.open, r.open_wrong += got.f != exact.hit(ray);
+    if (truth == Truth::kUncertain) {
+      ++r.uncertain, r.uncertain_wrong += got.f != exact.hit(ray);
     } else {
       r.wrong += got.f != (truth == Truth::kHit);
     }
@@ -226,20 +226,20 @@ Report judge(const Algorithm& algorithm, Scene scene, int pairs) {
 
 template <typename S>
 void expect_right(const Algorithm& algorithm, const Scene& scene, int pairs, const char* format,
-                  double most_open = 0.5) {
+                  double most_uncertain = 0.5) {
   const Report r = judge<S>(algorithm, scene, pairs);
   std::printf(
-      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, open %d (%.2f %%), of "
+      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, uncertain %d (%.2f %%), of "
       "them %d decided otherwise than exact arithmetic; furthest wrong F at %.2f of the band, T "
       "off by %.2f of its bound, CP by %.2f\n",
       algorithm.name, format, scene.name, Random::kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong,
-      r.open, 100.0 * r.open / r.pairs, r.open_wrong, r.worst_edge, r.worst_depth, r.worst_point);
+      r.uncertain, 100.0 * r.uncertain / r.pairs, r.uncertain_wrong, r.worst_edge, r.worst_depth, r.worst_point);
   EXPECT_EQ(r.wrong, 0);
   EXPECT_LE(r.worst_depth, 1);
   EXPECT_LE(r.worst_point, 1);
   EXPECT_GT(r.hits, 0.3 * r.pairs);
   EXPECT_LT(r.hits, 0.7 * r.pairs);
-  EXPECT_LT(r.open, most_open * r.pairs) << "the band excuses too many pairs";
+  EXPECT_LT(r.uncertain, most_uncertain * r.pairs) << "the band excuses too many pairs";
 }
 
 using Judged = std::tuple<Scene, const Algorithm*>;

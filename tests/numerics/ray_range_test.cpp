@@ -40,8 +40,8 @@ constexpr std::uint64_t kSeed = 20261123;
 class Expected {
  public:
   virtual ~Expected() = default;
-  enum class Truth { kHit, kMiss, kOpen };
-  Truth truth = Truth::kOpen;
+  enum class Truth { kHit, kMiss, kUncertain };
+  Truth truth = Truth::kUncertain;
   [[nodiscard]] virtual bool accepts(double t) const = 0;
 };
 
@@ -100,7 +100,7 @@ class ExpectedTriangle final : public Expected {
     }
     sure_in = sure_in && t_ - ray.tmin > slack_ && ray.tmax - t_ > slack_;
     sure_out = sure_out || t_ - ray.tmin < -slack_ || ray.tmax - t_ < -slack_;
-    truth = sure_in ? Truth::kHit : sure_out ? Truth::kMiss : Truth::kOpen;
+    truth = sure_in ? Truth::kHit : sure_out ? Truth::kMiss : Truth::kUncertain;
   }
   [[nodiscard]] bool accepts(double t) const override { return std::abs(t - t_) <= slack_; }
 
@@ -117,7 +117,7 @@ class ExpectedSolid final : public Expected {
     using enum Judgement::Truth;
     truth = judgement_.truth() == kHit    ? Truth::kHit
             : judgement_.truth() == kMiss ? Truth::kMiss
-                                          : Truth::kOpen;
+                                          : Truth::kUncertain;
   }
   [[nodiscard]] bool accepts(double t) const override { return judgement_.accepts(t); }
 
@@ -186,7 +186,7 @@ TEST_P(RayRange, WholeRange_IsRightOutsideTheBands) {
       length.low = std::max(length.low, range.low + 1 - std::ilogb(*edge));
     if (length.low > length.high || direction.low > direction.high) continue;
     auto answer = expected(c, algorithm, u);
-    if (answer->truth == Expected::Truth::kOpen) continue;
+    if (answer->truth == Expected::Truth::kUncertain) continue;
     all.push_back(std::move(answer));
     from.push_back(c);
     const auto between = [&](LengthRange r) { return r.low + random.below(r.high - r.low + 1); };

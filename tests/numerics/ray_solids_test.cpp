@@ -145,7 +145,7 @@ struct CylinderCase {
 
 struct Report {
   int underflows = 0;  ///< pairs left out, as |d|^2 or A is subnormal in the format
-  int pairs = 0, hits = 0, open = 0, open_wrong = 0, wrong = 0;
+  int pairs = 0, hits = 0, uncertain = 0, uncertain_wrong = 0, wrong = 0;
   double residual = 0;  ///< worst distance of o + T d from the surface, in u (|o-c| + sizes)
   double point = 0;     ///< worst error of CP against o + T d, in u of the largest term
 };
@@ -173,9 +173,9 @@ Report judge(Scene scene, int pairs) {
     const Judgement truth(exact, exact_ray, kUsualBand * unit);
     const reference::Outcome<S> got = Case::run(ray, solid);
     report.hits += got.f;
-    if (truth.truth() == Judgement::Truth::kOpen) {
-      ++report.open;
-      report.open_wrong += got.f != truth.exact();
+    if (truth.truth() == Judgement::Truth::kUncertain) {
+      ++report.uncertain;
+      report.uncertain_wrong += got.f != truth.exact();
     } else if (got.f != (truth.truth() == Judgement::Truth::kHit)) {
       ++report.wrong;
       if (report.wrong < 4) {
@@ -205,12 +205,12 @@ template <typename S, typename Case>
 void expect_right(const Scene& scene, int pairs, const char* format) {
   const Report r = judge<S, Case>(scene, pairs);
   std::printf(
-      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, open %d (%.2f %%), of "
+      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, uncertain %d (%.2f %%), of "
       "them %d decided otherwise than exact arithmetic; %d more underflow; surface missed by %.2f "
       "u (band %g), CP "
       "off by %.2f u\n",
       Case::kName, format, scene.name, Random::kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong,
-      r.open, 100.0 * r.open / r.pairs, r.open_wrong, r.underflows, r.residual, kUsualBand,
+      r.uncertain, 100.0 * r.uncertain / r.pairs, r.uncertain_wrong, r.underflows, r.residual, kUsualBand,
       r.point);
   EXPECT_EQ(r.wrong, 0);
   EXPECT_LE(r.underflows, (std::numeric_limits<S>::min_exponent > -100 ? 0.2 : 0) * r.pairs);
@@ -218,7 +218,7 @@ void expect_right(const Scene& scene, int pairs, const char* format) {
   EXPECT_LE(r.point, 2) << "one rounding of the product, one of the sum";
   EXPECT_GT(r.hits, 0.3 * r.pairs);
   EXPECT_LT(r.hits, 0.7 * r.pairs);
-  EXPECT_LT(r.open, 0.5 * r.pairs) << "the band excuses too many pairs";
+  EXPECT_LT(r.uncertain, 0.5 * r.pairs) << "the band excuses too many pairs";
 }
 
 const Scene kScenes[] = {
@@ -537,7 +537,7 @@ TEST(RayCylinder, AnyTiltFromTheAxis_HitsTheSolid) {
     const BasicRay<double> exact_ray = primitive_cast<double>(ray);
     const ExactCylinder exact(exact_ray, primitive_cast<double>(cylinder));
     const Judgement truth(exact, exact_ray, reference::kRayCylinderBand * 0x1p-24 * exact.size());
-    if (truth.truth() == Judgement::Truth::kOpen) continue;
+    if (truth.truth() == Judgement::Truth::kUncertain) continue;
     const bool hit = truth.truth() == Judgement::Truth::kHit;
     const auto got = reference::ray_cylinder(ray, cylinder);
     ASSERT_EQ(got.f, hit) << "size " << size << ", tilt " << tilt << ", out " << out;

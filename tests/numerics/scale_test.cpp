@@ -187,7 +187,7 @@ TEST_P(Scaling, SizesOfAnyRatio_MeetTheContract) {
       continue;
     }
     if (format.man_bits == 52) continue;  // the oracle itself computes in binary64
-    const oracle::Verdict v = oracle::check(c.shape_a(), c.shape_b(), {r.f, t, cp, n},
+    const oracle::Decision v = oracle::check(c.shape_a(), c.shape_b(), {r.f, t, cp, n},
                                             {.u = u, .distance = {}, .lower_bound = has_budget(pair)});
     if (!v.ok() && ++failed <= 3) ADD_FAILURE() << v.describe() << '\n' << c.describe();
   }

@@ -59,7 +59,7 @@ Row judge_solids(const Case& c, const Result& o) {
   const oracle::Result result{o.f, static_cast<double>(o.t), o.cp.cast<double>(),
                               o.n.cast<double>()};
   oracle::CheckOptions options{.distance = {}, .lower_bound = oracle::has_cylinder(c.pair)};
-  oracle::Verdict v = oracle::check(a, b, result, options);
+  oracle::Decision v = oracle::check(a, b, result, options);
   if (v.failure == oracle::Failure::kOracleTooWide) {
     options.distance.max_evaluations *= 100;
     v = oracle::check(a, b, result, options);
@@ -80,7 +80,7 @@ Row judge_ray(const Case& c, const Result& o) {
   const oracle::Ray ray = c.ray();
   const double world = std::max(1.0, ray.o.lpNorm<Eigen::Infinity>() / answer.scale);
   const double band = 8 * kU, tolerance = 16 * kU * world;
-  const oracle::RayVerdict v =
+  const oracle::RayDecision v =
       oracle::check(ray, answer, o.f, o.t, o.cp.cast<double>(), band, tolerance);
   EXPECT_TRUE(!o.bad && v.ok) << v.describe() << '\n' << c.describe();
   Row row{1, o.f, v.in_band, v.excused};

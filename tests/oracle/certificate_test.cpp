@@ -34,7 +34,7 @@ SpherePair sphere_pair(int i) {
   const Case c = generate(Pair::kSphereSphere, kSeed, i);
   SpherePair p{c.shape_a(), c.shape_b(), {}, 0, 0, false};
   p.right = of_spheres(std::get<Sphere>(p.a), std::get<Sphere>(p.b));
-  const Verdict v = check(p.a, p.b, p.right);
+  const Decision v = check(p.a, p.b, p.right);
   p.tol_t = v.tolerance_t;
   p.tol_p = v.tolerance_p;
   p.decided = p.right.t > 3 * v.tolerance_t;
@@ -47,7 +47,7 @@ TEST(Certificate, CorrectAnswer_Passes) {
   int hits = 0, band = 0;
   for (int i = 0; i < kCount; ++i) {
     const SpherePair p = sphere_pair(i);
-    const Verdict v = check(p.a, p.b, p.right, {.u = 0x1p-48});
+    const Decision v = check(p.a, p.b, p.right, {.u = 0x1p-48});
     EXPECT_TRUE(v.ok()) << i << ' ' << v.describe();
     EXPECT_FALSE(v.excused) << i;
     hits += p.right.f;
@@ -98,7 +98,7 @@ TEST(Certificate, WrongAnswer_IsNamed) {
 TEST(Certificate, WrongFlagInTheBand_IsCounted) {
   const Shape a = Sphere{Vec::Zero(), 1}, b = Sphere{Vec(0, 0, 2 + 1e-7), 1};
   const Result result{true, 0, Vec(0, 0, 1), Vec::UnitZ()};
-  const Verdict v = check(a, b, result);
+  const Decision v = check(a, b, result);
   EXPECT_TRUE(v.ok()) << v.describe();
   EXPECT_TRUE(v.in_band);
   EXPECT_TRUE(v.excused);
@@ -138,7 +138,7 @@ TEST(Certificate, LowerBound_ReportsShortfallAndRefusesAMiss) {
           n = sign * guess.normalized(), s = distance_along(a, b, n);
     const Vec cp = (center(a) + center(b)) / 2;
     const CheckOptions lower{.lower_bound = true};
-    const Verdict v = check(a, b, {s <= 0, std::abs(s), cp, n}, lower);
+    const Decision v = check(a, b, {s <= 0, std::abs(s), cp, n}, lower);
     EXPECT_TRUE(v.ok()) << v.describe() << '\n' << c.describe();
     EXPECT_NEAR(v.shortfall, std::max(0.0, v.distance.lo - s), 1e-12 * v.scale);
     short_of += v.shortfall > v.tolerance_t;
@@ -161,7 +161,7 @@ TEST(Certificate, VagueOracle_IsReported) {
   const Shape a = c.shape_a(), b = c.shape_b();
   const SignedDistance bounds = signed_distance(a, b, {1e-12, 200000});
   const CheckOptions vague{.u = 0x1p-45, .distance = {1e-3, 200000}, .lower_bound = true};
-  const Verdict v = check(a, b, {bounds.lo <= 0, std::abs(bounds.lo), center(a), bounds.n}, vague);
+  const Decision v = check(a, b, {bounds.lo <= 0, std::abs(bounds.lo), center(a), bounds.n}, vague);
   EXPECT_EQ(v.failure, Failure::kOracleTooWide) << v.describe();
 }
 

@@ -84,7 +84,7 @@ std::optional<double> fcl_signed_distance(const Shape& a, const Shape& b) {
 /// Answers the pairs from `first` on in a child process, until the end or its death.
 void answer_in_child(const std::vector<std::pair<Shape, Shape>>& pairs, std::size_t first,
                      std::vector<std::optional<double>>& answers) {
-  const process::Result ran = process::isolated([&](int out) {
+  const process::Result ran = process::run_isolated([&](int out) {
     close(STDERR_FILENO);  // the assertion's message
     for (std::size_t i = first; i < pairs.size(); ++i) {
       const auto answer = fcl_signed_distance(pairs[i].first, pairs[i].second);

@@ -127,15 +127,15 @@ TEST(RayCheck, FAndT_AreCheckedAgainstTheBands) {
   const RayAnswer answer = cast(ray, kBall);
   ASSERT_TRUE(answer.hit);
   const double tolerance = 0x1p-20;
-  const auto verdict = [&](bool f, double t, const Vec& cp, double band = 0x1p-20) {
+  const auto decision = [&](bool f, double t, const Vec& cp, double band = 0x1p-20) {
     return check(ray, answer, f, t, cp, band, tolerance);
   };
-  EXPECT_TRUE(verdict(true, answer.t, answer.point).ok);
-  EXPECT_FALSE(verdict(true, answer.t * (1 + 0x1p-16), answer.point).ok);
-  EXPECT_FALSE(verdict(true, answer.t, answer.point + 1e-4 * kZ).ok);
-  EXPECT_FALSE(verdict(true, std::numeric_limits<double>::quiet_NaN(), answer.point).ok);
-  EXPECT_FALSE(verdict(false, kInf, kO).ok);
-  EXPECT_TRUE(verdict(false, kInf, kO, 0.5).excused);
+  EXPECT_TRUE(decision(true, answer.t, answer.point).ok);
+  EXPECT_FALSE(decision(true, answer.t * (1 + 0x1p-16), answer.point).ok);
+  EXPECT_FALSE(decision(true, answer.t, answer.point + 1e-4 * kZ).ok);
+  EXPECT_FALSE(decision(true, std::numeric_limits<double>::quiet_NaN(), answer.point).ok);
+  EXPECT_FALSE(decision(false, kInf, kO).ok);
+  EXPECT_TRUE(decision(false, kInf, kO, 0.5).excused);
   const Ray past = from(Vec(-6, 3, 0), kX);
   const RayAnswer miss = cast(past, kBall);
   EXPECT_TRUE(check(past, miss, false, kInf, kO, 0x1p-20, tolerance).ok);

@@ -83,7 +83,7 @@ TEST_P(SatInterval, SharedAxes_TakeARowPerThreeCycles) {
   const auto differs = static_cast<std::size_t>(
       std::mismatch(got.begin(), got.end(), expected.begin()).first - got.begin());
   EXPECT_EQ(differs, count) << "first pair that differs:\n"
-                            << testing::told_and_packed({config, o.a, o.b, differs});
+                            << testing::failure_report({config, o.a, o.b, differs});
 
   // Rows that come too early wait at the input port; late rows leave idle cycles.
   std::mt19937 random(1);

@@ -52,7 +52,7 @@ class Range : public ::testing::TestWithParam<PairConfig> {
       ADD_FAILURE() << "pair " << i << ": F " << got[i].f << " " << expected[i].f << " bad "
                     << got[i].bad << " " << expected[i].bad << std::hex << " T " << got[i].t << " "
                     << expected[i].t << std::dec << "\n"
-                    << testing::told_and_packed({config, o.a, o.b, i});
+                    << testing::failure_report({config, o.a, o.b, i});
     }
     return got;
   }

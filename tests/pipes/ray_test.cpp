@@ -50,7 +50,7 @@ void expect_equal(const PairConfig& config, const Words& a, const Words& b) {
   (void)unit.test(a, b, got);
   for (std::size_t i = 0; i < got.size(); ++i)
     ASSERT_EQ(got[i], expected[i]) << "pair " << i << "\n"
-                                   << cde::testing::told_and_packed({config, a, b, i});
+                                   << cde::testing::failure_report({config, a, b, i});
 }
 
 /// The same pairs with axes j and k exchanged in every vector except the interval.

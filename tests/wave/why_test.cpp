@@ -371,11 +371,11 @@ TEST_P(WhyStructure, LoopsAndBranches_NameTheExecutedOne) {
     EXPECT_EQ(statements.at(0)["line"], line);
     return statements.at(0);
   };
-  EXPECT_TRUE(taken("y[15:8]@5", 9)["handed_on"].is_null());
+  EXPECT_TRUE(taken("y[15:8]@5", 9)["forwarded_cause"].is_null());
   (void)taken("y[15:8]@15", 8);
   const Json as_it_is = taken("y[7:0]@5", 7);
-  ASSERT_TRUE(as_it_is["handed_on"].is_number()) << as_it_is;
-  EXPECT_EQ(as_it_is["causes"][as_it_is["handed_on"].get<std::size_t>()]["name"], "turns.x");
+  ASSERT_TRUE(as_it_is["forwarded_cause"].is_number()) << as_it_is;
+  EXPECT_EQ(as_it_is["causes"][as_it_is["forwarded_cause"].get<std::size_t>()]["name"], "turns.x");
 }
 
 /// The condition of ? : is not a part of the word, even if it is equally wide.
@@ -401,7 +401,7 @@ TEST_F(Why, ConditionalOperator_FollowsTheSelectedSide) {
   EXPECT_EQ(causes[0]["condition"], false);
   EXPECT_EQ(causes[1]["name"], "sides.at");
   EXPECT_EQ(causes[1]["condition"], true);
-  EXPECT_EQ(statement["handed_on"], 0);
+  EXPECT_EQ(statement["forwarded_cause"], 0);
 }
 
 }  // namespace

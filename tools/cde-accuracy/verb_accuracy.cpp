@@ -12,19 +12,19 @@
 #include "accuracy/accuracy_page.hpp"
 #include "accuracy/accuracy_report.hpp"
 #include "accuracy/names.hpp"
-#include "cde/accuracy/kept.hpp"
+#include "cde/accuracy/saved_sweep.hpp"
 #include "cde/accuracy/picture.hpp"
 #include "cde/accuracy/price.hpp"
 #include "cde/accuracy/profiles.hpp"
 #include "cde/accuracy/scene_accuracy.hpp"
 #include "cde/accuracy/simulated.hpp"
 #include "cde/accuracy/sweep.hpp"
-#include "cde/accuracy/verdicts.hpp"
+#include "cde/accuracy/filters.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/card/machine.hpp"
 #include "cde/fp/number_text.hpp"
 #include "cde/image/camera.hpp"
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
@@ -32,7 +32,7 @@
 #include "cde/support/output_file.hpp"
 #include "cde/support/suffix.hpp"
 #include "options/clock_target.hpp"
-#include "options/deal_options.hpp"
+#include "options/distribution_options.hpp"
 #include "options/help.hpp"
 #include "options/pair_options.hpp"
 #include "options/scene_frames.hpp"
@@ -56,9 +56,9 @@ struct AccuracyOptions {
   std::uint64_t cases = 2400, seed = 1, check = 0, profile_cases = 0;
   std::string scene, frames;
   double clock_mhz = 100;
-  DealOptions deal;
+  DistributionOptions distribution;
   bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
-  bool short_json = false, promises = false, verdicts = false;
+  bool short_json = false, promises = false, filters = false;
 };
 
 bool wanted(const std::vector<std::string>& list, std::string_view word) {
@@ -151,8 +151,8 @@ void write(const AccuracyOptions& o, const std::string& text) {
 }
 
 void say_what(const AccuracyOptions& o, const Json& machine, const std::string& what) {
-  if (o.quiet || o.json || !Dealing::here().leads()) return;
-  say("cde: {}, seed {}, {}\n", what, o.seed, machine.value("processor", std::string()));
+  if (o.quiet || o.json || !WorkDistributor::instance().leads()) return;
+  log("cde: {}, seed {}, {}\n", what, o.seed, machine.value("processor", std::string()));
 }
 
 Json head_json(const char* schema) {
@@ -168,7 +168,7 @@ void write_page(OutputFile& file, const AccuracyOptions& o, const Json& sweep,
   const Target target = parse_target(o.target);
   file.write(accuracy_html(sweep_of(sweep, where, target), target));
   file.commit();
-  if (!o.quiet) say("page: {}\n", printable_name(o.page));
+  if (!o.quiet) log("page: {}\n", printable_name(o.page));
 }
 
 /// JSON with one line per configuration and without the families.
@@ -213,11 +213,11 @@ void run_pairs(const AccuracyOptions& o) {
                              .families = families_of(o),
                              .seed = o.seed,
                              .cases = o.cases,
-                             .deal = o.deal,
+                             .distribution = o.distribution,
                              .quiet = o.quiet};
   check_families(o, options.pipes);
   std::optional<OutputFile> page;
-  if (!o.page.empty() && Dealing::here().leads()) page.emplace(o.page);
+  if (!o.page.empty() && WorkDistributor::instance().leads()) page.emplace(o.page);
   Json all = head_json(kSweepSchema);
   say_what(o, all["machine"], counted(o.cases, "case") + " per line");
   const std::optional<std::vector<AccuracyRow>> measured = measured_rows(o, options);
@@ -274,7 +274,7 @@ void run_picture(const AccuracyOptions& o) {
   if (page) {
     page->write(pictures_html(rows, size, o.mesh, mesh));
     page->commit();
-    if (!o.quiet) say("page: {}\n", printable_name(o.page));
+    if (!o.quiet) log("page: {}\n", printable_name(o.page));
     if (o.page == "-" && o.output.empty()) return;
   }
   if (o.json) {
@@ -321,25 +321,25 @@ bool can_be_narrow(FpFormat format) {
 
 /// Rows of the certified filter, for the pairs that have it, with the fewest iterations unless
 /// --budgets is given.
-std::vector<VerdictRow> verdict_rows(const AccuracyOptions& o) {
+std::vector<FilterRow> filter_rows(const AccuracyOptions& o) {
   AccuracyOptions of = o;
   if (of.formats.empty()) of.formats = {"bf16", "fp16"};
   if (of.budgets.empty() && std::ranges::any_of(pair_names(), [&](const std::string& pair) {
         return wanted(o.pairs, pair) && has_budget(*pair_named(pair));
       }))
     of.budgets = {"4,2,2"};
-  std::vector<VerdictRow> rows;
+  std::vector<FilterRow> rows;
   for (const AccuracyPipe& pipe : card_pipes(of)) {
     if (!can_be_narrow(pipe.format))
       throw Error(ErrorCode::kUsage,
-                  fmt::format("--verdicts: {} is not possible; expected a format with no more "
+                  fmt::format("--filters: {} is not possible; expected a format with no more "
                               "exponent bits and fewer fraction bits than fp32",
                               pipe.format.name()));
     if (!has_proofs(pipe.pair)) {
       if (o.pairs.empty()) continue;
       throw Error(
           ErrorCode::kUsage,
-          fmt::format("--verdicts: {} is not possible; expected pairs of solids without a plane",
+          fmt::format("--filters: {} is not possible; expected pairs of solids without a plane",
                       name(pipe.pair)));
     }
     rows.push_back({pipe.pair, pipe.format, pipe.budget, {}});
@@ -347,19 +347,19 @@ std::vector<VerdictRow> verdict_rows(const AccuracyOptions& o) {
   return rows;
 }
 
-void run_verdicts(const AccuracyOptions& o) {
-  std::vector<VerdictRow> rows = verdict_rows(o);
+void run_filters(const AccuracyOptions& o) {
+  std::vector<FilterRow> rows = filter_rows(o);
   std::vector<AccuracyPipe> pipes;
-  for (const VerdictRow& row : rows) pipes.push_back({.pair = row.pair, .format = row.narrow});
+  for (const FilterRow& row : rows) pipes.push_back({.pair = row.pair, .format = row.narrow});
   check_families(o, pipes);
-  Json all = head_json("cde.accuracy.verdicts.1");
+  Json all = head_json("cde.accuracy.filters.1");
   say_what(o, all["machine"], counted(o.cases, "case") + " per line");
-  count_verdicts(rows, {families_of(o), o.seed, o.cases, o.quiet});
+  measure_filters(rows, {families_of(o), o.seed, o.cases, o.quiet});
   if (o.json) {
-    all.update({{"seed", o.seed}, {"cases", o.cases}, {"verdicts", verdict_json(rows)}});
+    all.update({{"seed", o.seed}, {"cases", o.cases}, {"filters", filter_json(rows)}});
     write(o, json_text(all) + "\n");
   } else {
-    write(o, verdict_table(rows, o.by_family, o.markdown));
+    write(o, filter_table(rows, o.by_family, o.markdown));
   }
 }
 
@@ -370,7 +370,7 @@ struct Work {
 };
 const Work kWorks[] = {
     {"--from", {"--page", "--target"}},
-    {"--verdicts",
+    {"--filters",
      {"--pair", "--formats", "--budgets", "--families", "--cases", "--seed", "--by-family",
       "--json", "--markdown", "--output"}},
     {"--scene", {"--formats", "--frames", "--clock", "--json", "--markdown", "--output"}},
@@ -381,10 +381,10 @@ const Work kWorks[] = {
 void check_options(const CLI::App& verb, const AccuracyOptions& o) {
   for (const Work& work : kWorks) {
     if (verb.count(work.option) == 0) continue;
-    if (Dealing::here().ranks() > 1)
+    if (WorkDistributor::instance().ranks() > 1)
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} works only in one process, but {} ranks were started",
-                              work.option, Dealing::here().ranks()));
+                              work.option, WorkDistributor::instance().ranks()));
     for (const CLI::Option* given : verb.get_options()) {
       const std::string option = given->get_name();
       if (given->count() > 0 && option != work.option && option != "--quiet" &&
@@ -422,17 +422,17 @@ void run(const CLI::App& verb, const AccuracyOptions& o) {
                                     : nullptr;  // in addition to a page
   const bool to_stdout = prints != nullptr && o.output.empty();
   std::vector<FileUse> inputs = {{"--from", o.from}};
-  Dealing::here().add_inputs(inputs);
+  WorkDistributor::instance().add_inputs(inputs);
   check_outputs(
       std::vector<FileUse>{to_stdout ? FileUse{prints, "-"} : FileUse{"--output", o.output},
-                           {"--resume", o.deal.resume},
+                           {"--resume", o.distribution.resume},
                            {"--page", o.page}},
       inputs);
   check_suffix("--page", o.page, ".html");
   if (!o.from.empty())
     run_kept(o);
-  else if (o.verdicts)
-    run_verdicts(o);
+  else if (o.filters)
+    run_filters(o);
   else if (!o.scene.empty())
     run_scene(o);
   else if (o.mesh.empty())
@@ -488,7 +488,7 @@ void add_cases(CLI::App& verb, AccuracyOptions& o) {
                                   "arithmetic and with gates; the models are built first")
                       ->capture_default_str(),
                   0, 1'000'000, "");
-  add_deal_options(verb, o.deal);
+  add_distribution_options(verb, o.distribution);
 }
 
 /// Adds the options that measure something other than generated cases.
@@ -550,20 +550,20 @@ void add_output(CLI::App& verb, AccuracyOptions& o) {
                 "and the excused cases")
       ->excludes(json)
       ->excludes(markdown)
-      ->excludes("--verdicts");
+      ->excludes("--filters");
   verb.add_flag("-q,--quiet", o.quiet, "No progress");
 }
 
 /// Called after the options that it excludes are added.
-void add_verdicts(CLI::App& verb, AccuracyOptions& o) {
+void add_filters(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Instead of generated cases");
-  CLI::Option* verdicts =
-      verb.add_flag("--verdicts", o.verdicts,
+  CLI::Option* filters =
+      verb.add_flag("--filters", o.filters,
                     "Measure the certified filter of pairs of solids: the misses that a narrow "
                     "format proves in fp32. Default of --formats is bf16,fp16, of --budgets 4,2,2");
   for (const char* other :
        {"--mesh", "--scene", "--page", "--from", "--resume", "--shard", "--check", "--variants"})
-    verdicts->excludes(other);
+    filters->excludes(other);
 }
 
 }  // namespace
@@ -579,10 +579,10 @@ void add_accuracy(CLI::App& app) {
   add_cases(*verb, *o);
   add_works(*verb, *o);
   add_page(*verb, *o);
-  add_verdicts(*verb, *o);
+  add_filters(*verb, *o);
   add_output(*verb, *o);
   verb->callback([o, verb] {
-    settle_pairs(o->pairs);
+    normalise_pairs(o->pairs);
     run(*verb, *o);
   });
 }

@@ -75,7 +75,7 @@ void run(const AdviseOptions& o) {
       o.from.empty()
           ? (model_builder().parent_path().parent_path() / "docs" / "accuracy.json").string()
           : o.from;
-  const KeptSweep sweep = read_sweep(file, target);
+  const SavedSweep sweep = read_sweep(file, target);
   const std::vector<Candidate> all = advise(sweep, demands);
   if (all.empty())
     throw Error(ErrorCode::kUsage,
@@ -87,9 +87,9 @@ void run(const AdviseOptions& o) {
                    {"target", target.name},
                    {"tests", demands.tests},
                    {"advised", advice_json(sweep, demands, all)}});
-    put(json_text(report) + "\n");
+    print(json_text(report) + "\n");
   } else {
-    put(advice_text(sweep, demands, target, all));
+    print(advice_text(sweep, demands, target, all));
   }
   if (!all.front().unmet.empty()) exit_code = 1;
 }

@@ -64,19 +64,19 @@ void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool jso
   if (json) Figures::beside_json();
   nlohmann::ordered_json all = program_json();
   all.update({{"clock_hz", o.clock_hz},
-              {"clock_is", "an assumption about the device, not a measurement"},
+              {"clock_source", "an assumption about the device, not a measurement"},
               {"machine", machine()}});
   if (!o.markdown) {
     for (const auto& [key, value] : all["machine"].items())
-      show("{:<22} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-    show("{:<22} {:g} MHz, assumed\n", "clock", o.clock_hz / 1e6);
+      print_figure("{:<22} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
+    print_figure("{:<22} {:g} MHz, assumed\n", "clock", o.clock_hz / 1e6);
   }
   for (const Section& s : kSections) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), s.name) == wanted.end())
       continue;
     all[s.name] = s.measure(o);
   }
-  if (json) put_json(all);
+  if (json) print_json(all);
 }
 
 }  // namespace

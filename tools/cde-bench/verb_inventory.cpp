@@ -119,10 +119,10 @@ struct Table {
   std::vector<std::string> notes = {};
 
   void print(bool markdown) const {
-    put("{}{}\n\n{}", markdown ? "### " : "", title, columns.text(markdown));
-    if (!notes.empty()) put("\n");
-    for (const std::string& note : notes) put("- {}\n", note);
-    put("\n");
+    cli::print("{}{}\n\n{}", markdown ? "### " : "", title, columns.text(markdown));
+    if (!notes.empty()) cli::print("\n");
+    for (const std::string& note : notes) cli::print("- {}\n", note);
+    cli::print("\n");
   }
 };
 
@@ -261,7 +261,7 @@ void run(const Options& o) {
     if (has_facets(pipe.pair)) pipe.facet_interval = o.facet_interval;
   examine_all(pipes, profile);
   if (o.json) {
-    put_json(as_json(pipes, profile));
+    print_json(as_json(pipes, profile));
     return;
   }
   std::vector<Pipe> triangle;
@@ -304,7 +304,7 @@ void add_inventory(CLI::App& app) {
   quiet_flag(*verb);
   verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
   verb->callback([o, verb] {
-    settle_pairs(o->pairs);
+    normalise_pairs(o->pairs);
     if (verb->count("--facet-interval") != 0 && !o->pairs.empty() &&
         std::none_of(o->pairs.begin(), o->pairs.end(),
                      [](const std::string& pair) { return has_facets(*pair_named(pair)); }))

@@ -38,21 +38,21 @@ void run(const Arguments& a) {
   page.commit();
   for (const auto* figure : {&r.figure5, &r.figure6, &r.figure7}) {
     for (const Experiment& e : *figure) {
-      show("{}\n", e.title);
+      print_figure("{}\n", e.title);
       for (const Entry& entry : e.entries)
-        show("  {:<46} {:>9}  {}\n", entry.name, duration(entry.seconds), entry.note);
+        print_figure("  {:<46} {:>9}  {}\n", entry.name, duration(entry.seconds), entry.note);
     }
   }
-  show("With a BVH\n");
+  print_figure("With a BVH\n");
   for (const WithBvh& row : r.bvh) {
     show_bvh(row.figures);
-    show("  brute force with {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
+    print_figure("  brute force with {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
          counted(a.options.lanes, "lane"), duration(row.brute_force.seconds));
   }
   if (!a.quiet)
-    say("check: {} of {} compared with the reference, 0 differ\npage: {}\n", r.records_compared,
+    log("check: {} of {} compared with the reference, 0 differ\npage: {}\n", r.records_compared,
         counted(r.records_compared, "record"), printable_name(a.out));
-  if (a.json) put_json(reproduction_json(r, machine));
+  if (a.json) print_json(reproduction_json(r, machine));
 }
 
 }  // namespace
@@ -74,8 +74,8 @@ void add_reproduce(CLI::App& app) {
   clock_options(*verb, a->clock);
   verb->callback([a] {
     // All its cards have these two pipes.
-    a->options.clock_is =
-        settle_clock(a->clock, BoardConfig{.pairs = {Pair::kRayTriangle, Pair::kSphereSphere}});
+    a->options.clock_source =
+        resolve_clock(a->clock, BoardConfig{.pairs = {Pair::kRayTriangle, Pair::kSphereSphere}});
     a->options.clock_hz = a->clock.mhz * 1e6;
     run(*a);
   });

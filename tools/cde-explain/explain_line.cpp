@@ -100,7 +100,7 @@ NamedPair pair_in_line(const std::string& line) {
       known_words(verb->add_option(option, ignored, ""), {}, "WORD");
   }
   try {
-    std::vector<std::string> rest = understood(app, typed);
+    std::vector<std::string> rest = normalise_arguments(app, typed);
     std::reverse(rest.begin(), rest.end());
     app.parse(rest);
   } catch (const CLI::ParseError& e) {

@@ -281,14 +281,14 @@ class Text {
 };
 
 /// The explained pair.
-struct Told {
+struct ExplainedPair {
   std::uint32_t secondary;
   PairWords words;
   std::string options;
   explain::Explanation explanation;
 };
 
-std::optional<Told> told(const RecordStory& s) {
+std::optional<ExplainedPair> explained_pair(const RecordStory& s) {
   const auto secondary = s.telling();
   if (!secondary) return std::nullopt;
   const PassPipe pipe = pipe_of(s.asked(), s.board);
@@ -296,7 +296,7 @@ std::optional<Told> told(const RecordStory& s) {
       pair_words(s.board.format, s.words, numbers_of(s.secondaries, *secondary), s.asked().swap);
   const PairOptions options = options_of(pipe);
   auto explanation = explain::explain(pipe.config, words.a, words.b, budget_of(options));
-  return Told{*secondary, std::move(words), words_of(options, pipe.config, false),
+  return ExplainedPair{*secondary, std::move(words), words_of(options, pipe.config, false),
               std::move(explanation)};
 }
 
@@ -308,7 +308,7 @@ Json side_json(const std::optional<Side>& side) {
           {"stored", side->kept}};
 }
 
-Json json_of(const RecordStory& s, const RecordRequest& r, const std::optional<Told>& t) {
+Json json_of(const RecordStory& s, const RecordRequest& r, const std::optional<ExplainedPair>& t) {
   Json j = {{"schema", "cde.explain.record.1"}};
   j.update(program_json());
   j.update({{"scene", s.scene.file},
@@ -369,14 +369,14 @@ Json json_of(const RecordStory& s, const RecordRequest& r, const std::optional<T
 
 void explain_record(const RecordRequest& r) {
   const RecordStory s = record_story(record_named(r.name), r.exact, false);
-  if (s.stands_in_for) say("cde: {}\n", stand_in_text(s.board, *s.stands_in_for));
-  const std::optional<Told> t = told(s);
+  if (s.stands_in_for) log("cde: {}\n", stand_in_text(s.board, *s.stands_in_for));
+  const std::optional<ExplainedPair> t = explained_pair(s);
   if (r.json) {
-    put_json(json_of(s, r, t), 2);
+    print_json(json_of(s, r, t), 2);
   } else {
-    put(Text(s, r.most).text());
+    print(Text(s, r.most).text());
     if (t)
-      put(fmt::format("\nPrimary {} and secondary {} in the pipe alone\n\n{}", s.primary,
+      print(fmt::format("\nPrimary {} and secondary {} in the pipe alone\n\n{}", s.primary,
                       t->secondary, explanation_text(t->options, t->explanation, r.most)));
   }
   if (!s.same() || (t && !t->explanation.same())) exit_code = exit_status(ErrorCode::kMismatch);

@@ -109,7 +109,7 @@ class Teller {
   void find_record() {
     std::vector<std::string> names;
     for (const SceneQuery& q : s_.scene.queries) names.push_back(q.name);
-    must_be_known(name_.query, names, "query");
+    check_known(name_.query, names, "query");
     s_.query = static_cast<std::size_t>(std::find(names.begin(), names.end(), name_.query) -
                                         names.begin());
     if (name_.frame >= s_.scene.frames)
@@ -138,7 +138,7 @@ class Teller {
     s_.card.clear();
     PlayOptions options;
     options.check = named_.failed ? Check::kAll : Check::kNone;
-    options.made_of = [&](const PlayOptions::Made& made) { take(made); };
+    options.on_packet = [&](const PlayOptions::PacketContents& made) { take(made); };
     const TraceOptions which = {.scopes = wave::tested_scopes()};
     return play_packet({s_.scene, plan_, options, s_.frame, s_.query, s_.primary}, first, waves,
                        which, [&](std::span<const Record> records) {
@@ -148,7 +148,7 @@ class Teller {
   }
 
   /// Takes the reference's side.
-  void take(const PlayOptions::Made& made) {
+  void take(const PlayOptions::PacketContents& made) {
     const SceneQuery& q = s_.asked();
     s_.words = numbers_of(made.primaries, s_.primary);
     s_.secondaries = made.secondaries;

@@ -60,9 +60,9 @@ void explain_pair(const Options& o, const std::string& line) {
               {"operations", e.operations.size()},
               {"operations_found", e.found},
               {"first_differences", explanation_differences(e)}});
-    put_json(j, 2);
+    print_json(j, 2);
   } else {
-    put(explanation_text(words_of(o, e.config, false), e, o.most));
+    print(explanation_text(words_of(o, e.config, false), e, o.most));
   }
   if (!e.same()) exit_code = exit_status(ErrorCode::kMismatch);
 }
@@ -97,13 +97,13 @@ void run(const CLI::App& verb, Options& o) {
   if (!o.record.empty())
     return explain_record({.name = o.record, .most = o.most, .exact = o.exact, .json = o.json});
   if (o.line.empty()) {
-    settle_pair(o);
+    normalise_pair(o);
     return explain_pair(o, fmt::format("{}", fmt::join(o.words, " ")));
   }
   const NamedPair named = pair_in_line(o.line);
   Options pair = o;
   static_cast<PairOptions&>(pair) = named.options;
-  settle_pair(pair);
+  normalise_pair(pair);
   explain_pair(pair, named.words);
 }
 

@@ -31,7 +31,7 @@ Json next_line() {
 void pack_failure(const std::string& folder) {
   Failure failure = failure_from_json(next_line());
   failure.rerun = [](const std::string& file, const TraceOptions& which) {
-    put_json({{"rerun", file}, {"which", to_json(which)}}, -1);
+    print_json({{"rerun", file}, {"which", to_json(which)}}, -1);
     const Json answer = next_line();
     if (answer.contains("error"))
       throw Error(ErrorCode::kDevice, answer["error"].get<std::string>());
@@ -39,9 +39,9 @@ void pack_failure(const std::string& folder) {
   };
   try {
     const Packed packed = pack(folder, failure);
-    put_json({{"folder", packed.folder.string()}, {"missing", packed.missing}}, -1);
+    print_json({{"folder", packed.folder.string()}, {"missing", packed.missing}}, -1);
   } catch (const Error& e) {
-    put_json({{"error", e.what()}}, -1);
+    print_json({{"error", e.what()}}, -1);
   }
 }
 

@@ -99,7 +99,7 @@ def filters(_root):
     c.arrow((725, 186), (725, 122))
     c.texts_at(10, 266,
         ("A separating plane proves a miss, wherever it comes from: the narrow pipe may be wrong, records are not. Hits always take the wide lane.",
-                         "Used in modes hits and any, where no record needs a miss. In other modes every pair takes the wide lane. REG_OPEN counts its pairs.",
+                         "Used in modes hits and any, where a miss has no T. In other modes every pair takes the wide lane. REG_UNCERTAIN counts its pairs.",
                          "~h: support functions. S: distance of the origins and reach of both bodies. u: unit roundoff of the wide format, "
                          "as fp32 behind fp16."),
                size=11.5, leading=18)

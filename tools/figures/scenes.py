@@ -45,7 +45,7 @@ def keys(_root):
     c.box(10, 200, 130, 84, ["*SCENE.toml", "title, frames,", "rate, check"], "fa")
     rows = ((20, 84, "`[report]", "0 or 1", ("form of the tables of records: results, bits, only_hits",), "fn"),
             (116, 84, "`[card]", "0 or 1", ("replaces choices of the planner: lanes, pairs, arithmetic, format,",
-                "verdicts, algorithm, box, clock_mhz, bus, host, burst, narrow,",
+                "filter, algorithm, box, clock_mhz, bus, host, burst, narrow,",
                                              "memory, ecc, trace, mover, bvh, latency"), "fb"),
             (212, 132, "`[[object]]", "any number", ("name, parent", "one source of shapes: mesh (scale, deform), ray, triangle, sphere,",
                 "aabb, plane, cylinder, obb, random, random_rays, camera, rays_csv"), "fg"),

@@ -43,7 +43,7 @@ std::optional<double> Price::seconds(double tests, unsigned on_lanes) const {
   return ((rows - 1) * *figures.interval + latency) / (1e6 * *mhz());
 }
 
-std::string Price::clock_is() const {
+std::string Price::clock_source() const {
   if (target.assumed_mhz)
     return fmt::format("{:g} MHz, an assumption about the device, not a measurement",
                        *target.assumed_mhz);
@@ -80,7 +80,7 @@ Json Price::to_json() const {
           {"estimated", of_lane(&LanePrice::estimated)},
           {"lanes_that_fit", lane ? Json(lane->fit.lanes) : Json()},
           {"lanes_limit", lane ? Json(lane->fit.limit) : Json()},
-          {"clock_is", clock_is()},
+          {"clock_source", clock_source()},
           {"modelled_lanes", lanes()},
           {"modelled_seconds_per_million", known(seconds(1e6))}};
 }

@@ -46,7 +46,7 @@ Promise promise_of(const AccuracyPipe& pipe) {
   return {fmt::format("T and F, {} u S", kSolids), kSolids, true, true};
 }
 
-std::string kept(const Promise& promise, const Tally& found) {
+std::string promise_outcome(const Promise& promise, const Tally& found) {
   const std::uint64_t wrong = (promise.hits ? found.false_hits : 0) +
                               (promise.misses ? found.false_misses : 0) +
                               (promise.text.ends_with("no leak") ? found.leaks : 0);

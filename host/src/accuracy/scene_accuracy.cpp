@@ -105,9 +105,9 @@ class Tester {
   std::vector<std::uint64_t> repeated_;
 };
 
-class Judge {
+class RecordChecker {
  public:
-  Judge(SceneAccuracy& row, const Tester& truth, const Tester& seen)
+  RecordChecker(SceneAccuracy& row, const Tester& truth, const Tester& seen)
       : row_(row), truth_(truth), seen_(seen) {}
 
   void pairs() {
@@ -229,8 +229,8 @@ std::vector<SceneAccuracy> scene_accuracy(const cde::Scene& scene, const Plan& p
         truth.test(p);
         for (std::size_t f = 0; f < formats.size(); ++f) {
           formats[f].test(p);
-          Judge judge(all[first + f], truth, formats[f]);
-          q.mode == Mode::kAll || q.mode == Mode::kHits ? judge.pairs() : judge.kept();
+          RecordChecker checker(all[first + f], truth, formats[f]);
+          q.mode == Mode::kAll || q.mode == Mode::kHits ? checker.pairs() : checker.kept();
         }
       }
       done += static_cast<double>(formats.size());

@@ -74,13 +74,13 @@ std::optional<std::vector<Measured>> sweep(const SweepOptions& o) {
   std::vector<std::pair<std::size_t, FamilyPart>> chunks;  // pipe number and chunk
   for (std::size_t i = 0; i < o.pipes.size(); ++i)
     for (FamilyPart& part : parts_of(o.pipes[i], o)) chunks.emplace_back(i, std::move(part));
-  Dealing::here().begin(
-      o.deal,
+  WorkDistributor::instance().begin(
+      o.distribution,
       {{"verb", "accuracy"}, {"seed", o.seed}, {"cases", o.cases}, {"families", o.families}},
       o.quiet);
   std::vector<Measured> all;
   for (const AccuracyPipe& pipe : o.pipes) all.push_back({pipe, {}});
-  const bool whole = Dealing::here().deal(
+  const bool whole = WorkDistributor::instance().run_part(
       {.what = "accuracy",
        .chunks = chunks.size(),
        .input = [&](std::uint64_t c) -> std::optional<std::string> {

@@ -48,7 +48,7 @@ bool decide(Tally& tally, bool f, bool certain_hit, bool certain_miss, bool near
   return (certain_hit && !f) || (certain_miss && f);
 }
 
-Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
+ResultErrors judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
                     const PairResult& answer) {
   const oracle::Format format = oracle_format(pipe.format);
   const double u = format.u();
@@ -59,57 +59,57 @@ Judged judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& 
   oracle::CheckOptions options{.u = u,
                                .distance = {std::max(1e-13, u / 64), 30000},
                                .lower_bound = oracle::has_cylinder(pipe.pair)};
-  const oracle::Verdict v = oracle::check(words.shape_a(), words.shape_b(), result, options);
+  const oracle::Decision v = oracle::check(words.shape_a(), words.shape_b(), result, options);
   // The oracle computes in binary64. Far from the world's origin it cannot represent the middle of
   // a box or triangle exactly.
   const double slack =
       kOracleRounding * oracle::largest_coordinate(words.shape_a(), words.shape_b());
   const double tolerance = v.tolerance_t + slack, unit = u * v.scale;
   const bool certain_hit = -v.distance.hi > tolerance, certain_miss = v.distance.lo > tolerance;
-  Judged judged;
+  ResultErrors errors;
   if (decide(tally, answer.f, certain_hit, certain_miss, v.distance.middle() <= 0))
-    judged.decision = (certain_hit ? -v.distance.hi : v.distance.lo) / unit;
+    errors.decision = (certain_hit ? -v.distance.hi : v.distance.lo) / unit;
   // S is 0 if all corners coincide; a zero error then stays zero.
   const auto in_units = [unit](double error) { return error == 0 ? 0 : error / unit; };
   if (unit > 0) tally.oracle.add(((v.distance.hi - v.distance.lo) / 2 + slack) / unit);
-  if (!says_distance(pipe.pair, pipe.variant)) return judged;
+  if (!has_distance(pipe.pair, pipe.variant)) return errors;
   if (v.failure == oracle::Failure::kNotFinite) {
     ++tally.not_numbers;
     for (ErrorCounts* counts : {&tally.t, &tally.t_ulps, &tally.cp, &tally.n})
       counts->add(std::numeric_limits<double>::infinity());
-    judged.t = std::numeric_limits<double>::infinity();
-    return judged;
+    errors.t = std::numeric_limits<double>::infinity();
+    return errors;
   }
   const double error_t = std::max(0.0, v.error_c2 - slack);
-  judged.t = in_units(error_t);
-  tally.t.add(*judged.t);
+  errors.t = in_units(error_t);
+  tally.t.add(*errors.t);
   tally.t_ulps.add(error_t / ulp(format, v.distance.middle()));
   tally.cp.add(std::max(v.witness_a, v.witness_b) / (v.tolerance_p / kBand));
   tally.n.add(in_units(std::max(0.0, v.error_c1 - slack)));
-  return judged;
+  return errors;
 }
 
-Judged judge_ray(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
+ResultErrors judge_ray(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
                  const PairResult& answer) {
   const oracle::Format format = oracle_format(pipe.format);
   const double u = format.u(), band = kBand * u;
   const oracle::RayAnswer exact = oracle::cast(words);
   const double t = pipe.format.decode(answer.t);
-  const oracle::RayVerdict v =
+  const oracle::RayDecision v =
       oracle::check(words.ray(), exact, answer.f, t, vector(pipe.format, answer.cp), band, band);
-  Judged judged;
+  ResultErrors errors;
   if (decide(tally, answer.f, exact.hit && !v.in_band, !exact.hit && !v.in_band, exact.hit))
-    judged.decision = exact.margin / u;
+    errors.decision = exact.margin / u;
   tally.not_numbers += answer.f && !std::isfinite(t) ? 1 : 0;
   // If the answer is another crossing, or the ray is tangent, the error of T is not a rounding
   // error.
   if (!answer.f || !exact.hit || exact.margin_t <= band || exact.cosine * exact.cosine <= band)
-    return judged;
-  judged.t = v.error_t / u;
-  tally.t.add(*judged.t);
+    return errors;
+  errors.t = v.error_t / u;
+  tally.t.add(*errors.t);
   tally.t_ulps.add(std::abs(t - exact.t) / ulp(format, exact.t));
   tally.cp.add(v.error_point / u);
-  return judged;
+  return errors;
 }
 
 /// Passes every counter and error count to `use`, with its name in files of accuracy runs.
@@ -241,7 +241,7 @@ std::vector<PairResult> answers(const AccuracyPipe& pipe, const DrawnCases& case
   return results;
 }
 
-Judged judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
+ResultErrors judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
              const PairResult& answer) {
   ++tally.cases;
   tally.hits += answer.f ? 1 : 0;
@@ -262,15 +262,15 @@ Tally measured(const AccuracyPipe& pipe, const oracle::Family& family, std::uint
   Tally tally;
   const std::size_t a_words = primary_words(pipe.pair), b_words = secondary_words(pipe.pair);
   for (std::size_t i = 0; i < results.size(); ++i) {
-    const Judged judged = judge(tally, pipe, cases.cases[i], results[i]);
+    const ResultErrors errors = judge(tally, pipe, cases.cases[i], results[i]);
     const auto keep = [&](std::optional<WorstCase>& kept, const std::optional<double>& size) {
       if (!size || (kept && kept->size >= *size)) return;
       const auto a = std::span(cases.a).subspan(i * a_words, a_words),
                  b = std::span(cases.b).subspan(i * b_words, b_words);
       keep_worst(kept, {family.name, first + i, *size, {a.begin(), a.end()}, {b.begin(), b.end()}});
     };
-    keep(tally.worst_t, judged.t);
-    keep(tally.worst_decision, judged.decision);
+    keep(tally.worst_t, errors.t);
+    keep(tally.worst_decision, errors.decision);
   }
   return tally;
 }

@@ -17,10 +17,10 @@ const std::vector<Variant>& variants() {
 
 bool has_variant(Pair pair, Variant variant) {
   return variant != Variant::kTextbook || pair == Pair::kRaySphere || pair == Pair::kRayCylinder ||
-         !says_distance(pair, variant);
+         !has_distance(pair, variant);
 }
 
-bool says_distance(Pair pair, Variant variant) {
+bool has_distance(Pair pair, Variant variant) {
   return variant != Variant::kTextbook ||
          (pair != Pair::kObbObb && pair != Pair::kTriangleObb && pair != Pair::kTriangleAabb);
 }

@@ -76,7 +76,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   field("normals", card::kCaps3Normals.of(caps3), config.normals);
   field("two pairs at a time", card::kCaps3Parallel.of(caps3), config.parallel);
   field("box rule", card::kCaps3Box.of(caps3), config.box);
-  field("verdicts", card::kCaps3Verdicts.of(caps3), config.verdicts.has_value());
+  field("filter", card::kCaps3Filter.of(caps3), config.filter.has_value());
   field("number of traversal units", card.traversal_units, config.traversal_units);
   if (card.traversal_units != 0) {
     const std::uint64_t node_caps = card.read_register(card::kRegNodeCaps);
@@ -95,7 +95,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.has_normals = config.normals;
   card.parallel = config.parallel;
   card.facet_interval = config.facet_interval;
-  card.verdicts = config.verdicts.has_value();
+  card.filter = config.filter.has_value();
   card.box = config.box;
   if (card.primaries == 0 || card.primaries > Stencil().size())
     refuse("number of primaries is out of range");

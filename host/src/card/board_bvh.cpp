@@ -282,7 +282,7 @@ std::optional<std::string> Board::Impl::why_not_traversable(const Query& q) cons
   if (q.swap && !can_swap) return "the card cannot exchange primaries and secondaries";
   if (shapes->secondary != secondary_shape)
     return fmt::format("the BVH is over {}s", name(secondary_shape));
-  if (has_verdicts(pair) && verdicts) return "pairs with the certified filter use brute force";
+  if (has_filter(pair) && filter) return "pairs with the certified filter use brute force";
   if (has_box_rule(pair) && !box) return "the card has no box rule";
   if (is_solid(pair) && q.mode == Mode::kFarthest)
     return "no box can be culled in a search for the farthest shape from a solid";

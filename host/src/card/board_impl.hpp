@@ -131,7 +131,7 @@ class Board::Impl {
   bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;      ///< of a primary
   unsigned facet_interval = 1;  ///< cycles between rows for pairs with candidate axes
-  bool verdicts = false;        ///< `BoardConfig::verdicts`
+  bool filter = false;        ///< `BoardConfig::filter`
   bool box = false;             ///< BoardConfig::box
   bool passing = false;  ///< inside Board::run, whose sink and progress must not start a pass
   std::uint64_t pass_retries = 0;

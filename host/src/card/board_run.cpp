@@ -38,10 +38,10 @@ class Pass : private CardPass {
                  query.second ? reference::passes(query.second->pair, query.budget) : 0u);
     const bool facets = has_facets(*query.pair) || (query.second && has_facets(query.second->pair));
     // Behind the certified filter, a row takes up to one cycle per lane.
-    const bool verdicts = card.verdicts && (has_verdicts(*query.pair) ||
-                                            (query.second && has_verdicts(query.second->pair)));
+    const bool filter = card.filter && (has_filter(*query.pair) ||
+                                            (query.second && has_filter(query.second->pair)));
     const std::uint64_t clocks_a_row = passes != 0 ? passes
-                                       : verdicts  ? card.lanes
+                                       : filter  ? card.lanes
                                        : facets    ? card.facet_interval
                                                    : 1;
     const std::uint64_t rows_total = rows * secondaries_ * clocks_a_row;
@@ -194,7 +194,7 @@ class Pass : private CardPass {
     c.rows = card_.read_register(card::kRegRows);
     c.stalls = card_.read_register(card::kRegStalls);
     c.bubbles = card_.read_register(card::kRegBubbles);
-    if (card_.verdicts) c.open = card_.read_register(card::kRegOpen);
+    if (card_.filter) c.uncertain = card_.read_register(card::kRegUncertain);
     c.bad_primaries = card_.read_register(card::kRegBadPrim);
     c.bad_secondaries = card_.read_register(card::kRegBadSec);
     c.secondaries = card_.read_register(card::kRegSecondaries);

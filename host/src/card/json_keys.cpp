@@ -34,7 +34,7 @@ Json counters_json(const Counters& c) {
           {"stall_cycles", c.stalls},
           {"bubble_cycles", c.bubbles},
           {"writeback_cycles", c.writeback},
-          {"open_pairs", c.open},
+          {"uncertain_pairs", c.uncertain},
           {"secondaries", c.secondaries},
           {"bad_primaries", c.bad_primaries},
           {"bad_secondaries", c.bad_secondaries},

@@ -83,7 +83,7 @@ PairBudget budget_named(const std::string& text, Pair pair, std::string_view opt
                           option, in_quotes(text), card::kBudgetMost));
 }
 
-void settle_pair(PairOptions& o) {
+void normalise_pair(PairOptions& o) {
   const PairName named = pair_in_any_order(o.pair);
   o.pair = name(named.pair);
   o.exchanged = named.exchanged;

@@ -25,7 +25,7 @@ TraceFile::~TraceFile() {
   try {
     close();
   } catch (const Error& e) {
-    say(fmt::format("cde: {}\n", e.what()));
+    log(fmt::format("cde: {}\n", e.what()));
   }
 }
 
@@ -48,7 +48,7 @@ void TraceFile::close() {
   file_.reset();
   // If the run does not reach the window, the file's start time equals its end time.
   if (times && times->first == times->second)
-    say(fmt::format("cde: {} has no cycle of the run: the run had ended before the waves began\n",
+    log(fmt::format("cde: {} has no cycle of the run: the run had ended before the waves began\n",
                     printable_name(path_)));
 }
 

@@ -127,7 +127,7 @@ std::vector<std::string> operands(const explain::Explanation& e, const explain::
   if (c.seat.which < 0) {
     for (const std::int32_t which : c.others)
       for (const char* port : {".a_i", ".b_i"}) add(which, port);
-  } else if (c.verdict == explain::Verdict::kOperands) {
+  } else if (c.comparison == explain::Comparison::kOperands) {
     const explain::Step& wanted = step_of(e, c);
     const auto is_wanted = [&](std::uint64_t word) { return word == wanted.a || word == wanted.b; };
     const bool neither = is_wanted(c.card.a) == is_wanted(c.card.b);
@@ -140,7 +140,7 @@ std::vector<std::string> operands(const explain::Explanation& e, const explain::
 /// The result signal of an operator with the right operation and operands, whose inside is then
 /// wrong. Empty for other operators.
 std::vector<std::string> results(const explain::Explanation& e, const explain::Compared& c) {
-  if (c.seat.which < 0 || c.verdict != explain::Verdict::kResult) return {};
+  if (c.seat.which < 0 || c.comparison != explain::Comparison::kResult) return {};
   const explain::Step& wanted = step_of(e, c);
   const std::string cell = cell_of(e, c.seat.which);
   if (cell.empty() || c.card.a != wanted.a || c.card.operation != wanted.operation) return {};
@@ -163,7 +163,7 @@ Json near_lines(const explain::Explanation& e) {
   const wave::Design design = wave::Design::of_model("pair_unit", plain.parameters());
   Json lines = Json::array();
   const auto add = [&](const std::vector<std::string>& signals, const wave::Passing& passing) {
-    for (const auto& [p, drivers] : wave::fed_by(design, signals, kSteps, 4 * kMostNear, passing)) {
+    for (const auto& [p, drivers] : wave::driving_statements(design, signals, kSteps, 4 * kMostNear, passing)) {
       const std::string file = name_of(p);
       if (is_wiring(file) || lines.size() == kMostNear) continue;
       lines.push_back(
@@ -196,17 +196,17 @@ Json lines_of(const Json& cone, bool operators) {
       if (!operators && (is_operator(file) || is_check(file))) continue;
       const int line = statement["line"];
       const Json& causes = statement["causes"];
-      const bool handed_on = statement["handed_on"].is_number();
+      const bool forwarded = statement["forwarded_cause"].is_number();
       const std::size_t same =
-          handed_on ? statement["handed_on"].get<std::size_t>() : causes.size();
+          forwarded ? statement["forwarded_cause"].get<std::size_t>() : causes.size();
       if (!file.empty() && seen.emplace(file, line).second)
         lines.push_back({{"file", file},
                          {"line", line},
                          {"drivers", now.drivers},
-                         {"is_wire", handed_on || is_wiring(file)},
+                         {"is_wire", forwarded || is_wiring(file)},
                          {"source_text", statement["source_text"]}});
       for (std::size_t i = 0; i < causes.size(); ++i)
-        if (i == same || (!handed_on && is_wiring(file)))
+        if (i == same || (!forwarded && is_wiring(file)))
           waiting.push_front({&causes[i], now.drivers});
         else
           waiting.push_back({&causes[i], now.drivers + 1});
@@ -336,7 +336,7 @@ Packed pack(const std::string& folder, const Failure& f) {
   return packed;
 }
 
-void keep_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window) {
+void cut_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window) {
   wave::Trace trace(whole);
   wave::Times times(trace, "");
   const auto& edges = times.edges();
@@ -404,7 +404,7 @@ bool bundle_explanation(Bundle& bundle, const explain::Explanation& e, const std
   return !e.same();
 }
 
-wave::Origin made_at(const fs::path& file, const std::string& signal, std::uint64_t time) {
+wave::Origin origin_at(const fs::path& file, const std::string& signal, std::uint64_t time) {
   try {
     wave::Trace trace(file);
     wave::Times times(trace, "");

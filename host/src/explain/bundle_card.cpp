@@ -344,7 +344,7 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
   if (stage && !stage->signal.empty()) {
     window.shown = {stage->signal};
     window.first = {stage->signal};
-    made = made_at(whole_file, stage->signal, stage->time);
+    made = origin_at(whole_file, stage->signal, stage->time);
   }
   {
     wave::Trace trace(whole_file);
@@ -354,7 +354,7 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
     if (made && made->time < window.fail && times.clock_if_any() != nullptr)
       window.before += *times.cycle(window.fail) - times.cycle(made->time).value_or(0);
   }
-  keep_waves(bundle, whole_file, window);
+  cut_waves(bundle, whole_file, window);
   std::error_code none;
   fs::remove(whole_file, none);
   if (made) bundle_causes(bundle, stage->signal, *made);

@@ -67,7 +67,7 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
                                     f.unit ? "In this folder:" : "Repeat with:", failure.repeat));
   if (!f.unit)
     bundle.add("On the card", text.empty() ? "Nothing happened in these cycles.\n" : text);
-  keep_waves(bundle, whole,
+  cut_waves(bundle, whole,
              {.fail = fail,
               .before = kAheadOfHang,
               .behind = kAheadOfHang,

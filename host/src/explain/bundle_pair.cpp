@@ -32,11 +32,11 @@ std::uint64_t answer_time(const fs::path& file, std::optional<std::uint64_t> row
   const std::uint32_t clock = wave::find_signal(trace, "pair_unit.clk_i").handle,
                       valid = wave::find_signal(trace, "pair_unit.valid_o").handle;
   const std::vector<std::uint32_t> handles = {clock, valid};
-  char clock_is = 'x', valid_is = 'x';
+  char clock_value = 'x', valid_value = 'x';
   bool edge = false;
   std::uint64_t now = 0, seen = 0, found = trace.end();
   const auto step = [&] {
-    if (edge && valid_is == '1' && (!row || seen++ == *row)) found = now;
+    if (edge && valid_value == '1' && (!row || seen++ == *row)) found = now;
     edge = false;
   };
   trace.stream(handles, trace.start(), trace.end(),
@@ -44,10 +44,10 @@ std::uint64_t answer_time(const fs::path& file, std::optional<std::uint64_t> row
                  if (time != now) step();
                  now = time;
                  if (handle == clock) {
-                   edge = clock_is == '0' && value[0] == '1';
-                   clock_is = value[0];
+                   edge = clock_value == '0' && value[0] == '1';
+                   clock_value = value[0];
                  }
-                 if (handle == valid) valid_is = value[0];
+                 if (handle == valid) valid_value = value[0];
                  return true;
                });
   step();
@@ -146,7 +146,7 @@ void bundle_waves(Bundle& bundle, const PairFailure& f) {
   window.fail = answer_time(whole, answer);
   window.shown = shown_signals(f);
   window.first = {"pair_unit.clk_i", "pair_unit.valid_o", differing_signal(f)};
-  keep_waves(bundle, whole, window);
+  cut_waves(bundle, whole, window);
   std::error_code none;
   fs::remove(whole, none);
   if (!same)
@@ -192,7 +192,7 @@ void bundle_pair(Bundle& bundle, const Failure& failure) {
   (void)bundle_explanation(bundle, e, f.options, words);
   const std::string wrong = differing_signal(f);
   bundle_causes(bundle, wrong,
-                made_at(bundle.file("waves.fst"), wrong,
+                origin_at(bundle.file("waves.fst"), wrong,
                         bundle.json()["wave_window"]["fail_time"].get<std::uint64_t>()));
 }
 

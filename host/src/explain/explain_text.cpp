@@ -18,7 +18,7 @@ using explain::Compared;
 using explain::Explanation;
 using explain::Finding;
 using explain::Step;
-using explain::Verdict;
+using explain::Comparison;
 
 bool is_comparison(FpOp op) {
   return op == FpOp::kLt || op == FpOp::kLe || op == FpOp::kEq;
@@ -77,7 +77,7 @@ class Report {
     Json all = Json::array();
     for (const Finding& f : e_.findings) {
       Json entry = {{"on_the_card", operation(f.compared, false)},
-                    {"verdict", verdict(f.compared)},
+                    {"comparison", comparison(f.compared)},
                     {"reference", operation(f.compared, true)},
                     {"sources", Json::array()}};
       for (const explain::Source& s : f.sources) {
@@ -144,18 +144,18 @@ class Report {
            step.a != step.b;
   }
 
-  [[nodiscard]] const char* verdict(const Compared& c) const {
-    switch (c.verdict) {
-      case Verdict::kSame:
+  [[nodiscard]] const char* comparison(const Compared& c) const {
+    switch (c.comparison) {
+      case Comparison::kSame:
         return "same";
-      case Verdict::kResult:
+      case Comparison::kResult:
         return exchanged(c) ? "the operands are exchanged"
                             : "the operands are right, the result is not";
-      case Verdict::kOperands:
+      case Comparison::kOperands:
         return "an operand differs";
-      case Verdict::kUnknown:
+      case Comparison::kUnknown:
         return "not known";
-      case Verdict::kMissing:
+      case Comparison::kMissing:
         return "no operator of the card has these operands";
     }
     return "";
@@ -180,7 +180,7 @@ class Report {
       const explain::Source& s = e_.sources[static_cast<std::size_t>(c.seat.which)];
       put("{:>5}  {:<{}}  {:<{}}  {}\n", c.seat.offset, s.line(), line, s.name(), name,
           operation(c, false));
-      if (c.verdict != Verdict::kSame)
+      if (c.comparison != Comparison::kSame)
         put("{:>5}  {:<{}}  {}\n", c.first ? "-->" : "", "reference", line + name + 2,
             operation(c, true));
     }
@@ -208,10 +208,10 @@ class Report {
         put("  {} more\n", e_.findings.size() - number);
         break;
       }
-      const std::string apart = f.compared.verdict == Verdict::kResult ? ulps(f.compared) : "";
+      const std::string apart = f.compared.comparison == Comparison::kResult ? ulps(f.compared) : "";
       put("  {}. {}\n", ++number,
           f.sources.empty() ? "an operator without a match" : f.sources[0].text());
-      put("     {}{}{}\n", verdict(f.compared), apart.empty() ? "" : ", ", apart);
+      put("     {}{}{}\n", comparison(f.compared), apart.empty() ? "" : ", ", apart);
       if (f.compared.seat.which >= 0) put("     card       {}\n", operation(f.compared, false));
       put("     reference  {}\n", operation(f.compared, true));
       for (std::size_t k = 1; k < std::min<std::size_t>(f.sources.size(), 4); ++k)

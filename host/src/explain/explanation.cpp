@@ -10,7 +10,7 @@
 #include "cde/model/model.hpp"
 #include "cde/model/cache_entry.hpp"
 #include "cde/check/random_pairs.hpp"
-#include "cde/netlist/kept.hpp"
+#include "cde/netlist/cache_name.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::explain {
@@ -98,7 +98,7 @@ Source from_json(const Json& list) {
 /// takes seconds.
 std::vector<Source> sources_of(const PairConfig& config,
                                const std::vector<PairOperator>& operators) {
-  const auto name = netlist::kept_name("pair_unit", config.parameters(), ".places.json");
+  const auto name = netlist::cache_name("pair_unit", config.parameters(), ".places.json");
   std::vector<Source> sources;
   if (const auto text = name ? read_cache_entry(*name) : std::nullopt) {
     const Json kept = Json::parse(*text, nullptr, false);
@@ -135,7 +135,7 @@ void leave_out_checks(std::vector<std::int32_t>& operators, const std::vector<So
 /// operator of the card remains, if other findings exist. For example, the box rule of host
 /// arithmetic has no operators.
 void rank(Explanation& e) {
-  const auto missing = [](const Finding& f) { return f.compared.verdict == Verdict::kMissing; };
+  const auto missing = [](const Finding& f) { return f.compared.comparison == Comparison::kMissing; };
   const auto nowhere = [](const Finding& f) { return f.sources.empty(); };
   if (e.same()) {
     const bool ring = has_budget(e.config.pair);

@@ -55,11 +55,11 @@ std::optional<Operation> done(const Observed& card, std::int32_t which, std::siz
   return Operation{card.operators[w].operation, track.a[clock], track.b[clock], track.result[end]};
 }
 
-Verdict judge(const Operation& card, const Operation& reference) {
-  if (Operands(card.a, card.b) != Operands(reference.a, reference.b)) return Verdict::kOperands;
+Comparison compare_operations(const Operation& card, const Operation& reference) {
+  if (Operands(card.a, card.b) != Operands(reference.a, reference.b)) return Comparison::kOperands;
   return card.operation == reference.operation && card.result == reference.result
-             ? Verdict::kSame
-             : Verdict::kResult;
+             ? Comparison::kSame
+             : Comparison::kResult;
 }
 
 /// Whether the operands are specific: neither is zero.
@@ -280,12 +280,12 @@ std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pai
         const auto did = done(card, which, row * card.interval + offset);
         if (!did) continue;
         const Operation reference = expected(card, pairs[row], k);
-        const Verdict verdict = judge(*did, reference);
-        if (verdict == Verdict::kSame) ++seat.agree;
-        if (verdict == Verdict::kSame || (verdict == Verdict::kResult && tells(*did)))
+        const Comparison comparison = compare_operations(*did, reference);
+        if (comparison == Comparison::kSame) ++seat.agree;
+        if (comparison == Comparison::kSame || (comparison == Comparison::kResult && tells(*did)))
           ++seat.operands;
         telling += tells(reference) ? 1 : 0;
-        told += tells(reference) && verdict <= Verdict::kResult ? 1 : 0;
+        told += tells(reference) && comparison <= Comparison::kResult ? 1 : 0;
       }
       if (seat.operands * 100 >= kEnough * rows.size() && told * 100 >= kEnough * telling &&
           (seats[k].which < 0 || rank(seat) > rank(seats[k])))
@@ -323,24 +323,24 @@ std::vector<Compared> compare(const Observed& card, std::span<const PairRecordin
     if (c.seat.which >= 0) {
       if (const auto did = done(card, c.seat.which, row * card.interval + c.seat.offset)) {
         c.card = *did;
-        c.verdict = judge(c.card, expected(card, pair, k));
+        c.comparison = compare_operations(c.card, expected(card, pair, k));
       }
     }
-    if (c.verdict == Verdict::kMissing &&
+    if (c.comparison == Comparison::kMissing &&
         (matter[static_cast<std::size_t>(at)] == 0 || !tells(card, k, pairs, learnt_from)))
-      c.verdict = Verdict::kUnknown;
+      c.comparison = Comparison::kUnknown;
     const auto all_of_them = learnt_from.size();
     if (ring && c.seat.which >= 0 && c.seat.agree != all_of_them &&
         (c.seat.agree != 0 || c.seat.operands != all_of_them))
-      c.verdict = Verdict::kUnknown;
-    const bool differs = c.verdict != Verdict::kSame && c.verdict != Verdict::kUnknown;
+      c.comparison = Comparison::kUnknown;
+    const bool differs = c.comparison != Comparison::kSame && c.comparison != Comparison::kUnknown;
     same[static_cast<std::size_t>(at)] = differs ? 0 : 1;
     std::vector<std::int32_t> from;
     parents(pair.steps, at, from);
     c.first = differs && std::all_of(from.begin(), from.end(), [&](auto p) {
                 return same[static_cast<std::size_t>(p)] != 0;
               });
-    if (c.first && c.verdict == Verdict::kMissing && sought++ < kSought)
+    if (c.first && c.comparison == Comparison::kMissing && sought++ < kSought)
       c.others = strangers(card, k, seated, pairs, learnt_from);
   }
   return all;

@@ -54,7 +54,7 @@ PairName pair_in_any_order(std::string_view text) {
   const auto first = shape_named(text.substr(0, dash));
   const auto second = dash == std::string_view::npos ? first : shape_named(text.substr(dash + 1));
   if (!first || !second || dash == std::string_view::npos)
-    must_be_known(text, pair_names(), "pair");
+    check_known(text, pair_names(), "pair");
   const Shape a = first.value(), b = second.value();
   for (std::size_t i = 0; i < contract::kPairTable.size(); ++i) {
     const contract::PairRow& row = contract::kPairTable[i];
@@ -113,8 +113,8 @@ std::optional<TraversalShapes> traversal_shapes(Pair pair, bool swap) {
   return TraversalShapes{b, a};
 }
 
-bool has_verdicts(Pair pair) {
-  return contract::has(contract::kVerdictPairs, pair);
+bool has_filter(Pair pair) {
+  return contract::has(contract::kFilterPairs, pair);
 }
 
 void check_facet_interval(unsigned interval, std::span<const Pair> pairs) {

@@ -135,7 +135,7 @@ struct Bytes {
 std::vector<RecordField> parse_fields(const std::vector<std::string>& fields) {
   std::vector<RecordField> all;
   for (const std::string& text : fields) {
-    must_be_known(text, field_names(), "field");
+    check_known(text, field_names(), "field");
     const auto field =
         static_cast<RecordField>(std::find(kNames.begin(), kNames.end(), text) - kNames.begin());
     if (std::find(all.begin(), all.end(), field) != all.end())

@@ -357,7 +357,7 @@ Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits)
   };
   const std::uint64_t memory = memory_of(path, limits);
   const process::Result ran =
-      process::isolated([&](int out) { run_child(out, name, limits.time, memory); }, limits.time);
+      process::run_isolated([&](int out) { run_child(out, name, limits.time, memory); }, limits.time);
   if (ran.timed_out || ran.status == 128 + SIGXCPU)
     fail(
         fmt::format("not read within {} s; the file is probably damaged (CDE_MESH_SECONDS sets "

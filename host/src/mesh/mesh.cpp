@@ -207,7 +207,7 @@ void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std
 
 }  // namespace
 
-MeshLimits MeshLimits::of_environment() {
+MeshLimits MeshLimits::from_environment() {
   MeshLimits limits;
   const auto number = [](const char* name, std::uint64_t most) -> std::optional<std::uint64_t> {
     const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)

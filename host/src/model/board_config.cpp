@@ -46,14 +46,14 @@ void set_pairs(BoardConfig& c, unsigned set) {
 
 /// A number of the certified filter's format; 0 without the filter.
 template <auto Member>
-constexpr Number verdict_field(const char* name) {
+constexpr Number filter_field(const char* name) {
   return {name,
           [](const BoardConfig& c) {
-            return c.verdicts ? static_cast<unsigned>((*c.verdicts).*Member) : 0u;
+            return c.filter ? static_cast<unsigned>((*c.filter).*Member) : 0u;
           },
           [](BoardConfig& c, unsigned value) {
-            if (!c.verdicts) c.verdicts = FpFormat{0, 0};
-            (*c.verdicts).*Member = static_cast<int>(value);
+            if (!c.filter) c.filter = FpFormat{0, 0};
+            (*c.filter).*Member = static_cast<int>(value);
           }};
 }
 
@@ -70,8 +70,8 @@ constexpr Number kFields[] = {
     field<&BoardConfig::normals>("NORMALS"),
     field<&BoardConfig::parallel>("PARALLEL"),
     field<&BoardConfig::facet_interval>("FACET_II"),
-    verdict_field<&FpFormat::exp_bits>("VERDICT_EXP"),
-    verdict_field<&FpFormat::man_bits>("VERDICT_MAN"),
+    filter_field<&FpFormat::exp_bits>("FILTER_EXP"),
+    filter_field<&FpFormat::man_bits>("FILTER_MAN"),
     field<&BoardConfig::traversal_units>("TRAVERSAL_UNITS"),
     field<&BoardConfig::nodes>("NODES"),
     field<&BoardConfig::ecc>("ECC"),
@@ -121,10 +121,10 @@ void check_narrow_format(FpFormat narrow, FpFormat wide) {
 
 namespace {
 
-void check_verdicts(const BoardConfig& c) {
-  if (!c.verdicts) return;
-  check_narrow_format(*c.verdicts, c.format);
-  if (std::none_of(c.pairs.begin(), c.pairs.end(), has_verdicts))
+void check_filter(const BoardConfig& c) {
+  if (!c.filter) return;
+  check_narrow_format(*c.filter, c.format);
+  if (std::none_of(c.pairs.begin(), c.pairs.end(), has_filter))
     throw Error(ErrorCode::kUsage,
                 "the certified filter needs one of sphere-sphere, sphere-obb, triangle-sphere, "
                 "triangle-aabb, triangle-obb and obb-obb; the card has none");
@@ -173,12 +173,12 @@ void check_bvh(const BoardConfig& c) {
 }  // namespace
 
 bool BoardConfig::box_rule(Pair pair) const {
-  return box && has_box_rule(pair) && !(verdicts && has_verdicts(pair));
+  return box && has_box_rule(pair) && !(filter && has_filter(pair));
 }
 
 std::optional<TraversalShapes> BoardConfig::traversal_shapes(Pair pair, bool swapped) const {
   const bool there =
-      (swap || !swapped) && (box || !has_box_rule(pair)) && !(verdicts && has_verdicts(pair));
+      (swap || !swapped) && (box || !has_box_rule(pair)) && !(filter && has_filter(pair));
   return there ? cde::traversal_shapes(pair, swapped) : std::nullopt;
 }
 
@@ -208,7 +208,7 @@ std::vector<std::string> BoardConfig::parameters() const {
     throw Error(ErrorCode::kUsage, "two pipes at a time need a card with several pairs");
   if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
   check_facet_interval(facet_interval, pairs);
-  check_verdicts(*this);
+  check_filter(*this);
   if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
     throw Error(ErrorCode::kUsage,
                 "the box rule needs triangles with rays, spheres, AABBs, OBBs or triangles, or "

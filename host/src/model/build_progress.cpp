@@ -27,7 +27,7 @@ void print(const std::string& text) {
 
 }  // namespace
 
-double usual_build_seconds(const std::vector<std::string>& parameters) {
+double expected_build_seconds(const std::vector<std::string>& parameters) {
   const bool gates = std::ranges::find(parameters, "ARITH=rtl") != parameters.end();
   return gates ? 60 : 30;
 }
@@ -49,7 +49,7 @@ void BuildProgress::operator()(std::chrono::duration<double> elapsed, std::strin
   }
   if (std::exchange(phase_, phase) == phase) return;
   if (line_)
-    line_->usual(usual_, phase_);
+    line_->expect(usual_, phase_);
   else
     print(fmt::format("cde: {:.0f} s, {}\n", elapsed.count(), phase_));
 }

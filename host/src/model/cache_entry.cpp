@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void refuse(const fs::path& file, std::string_view why) {
-  say(fmt::format("cde: {} is not used: it {}\n", printable_name(file.string()), why));
+  log(fmt::format("cde: {} is not used: it {}\n", printable_name(file.string()), why));
 }
 
 std::optional<std::string> text_of(const fs::path& file) {

@@ -300,7 +300,7 @@ Opened make_cache() {
   static std::once_flag once;
   if (const auto own = own_cache(); own && folder == last_resort() && folder != *own)
     std::call_once(once, [&] {
-      say(
+      log(
           fmt::format("cde: cache of simulation models {} cannot be written; using {} instead (set "
                       "CDE_CACHE to use another folder)\n",
                       printable_name(own->string()), printable_name(folder.string())));

@@ -39,7 +39,7 @@ void say_once(const std::string& message) {
   static std::mutex mutex;
   static std::set<std::string> said;
   const std::scoped_lock lock(mutex);
-  if (said.insert(message).second) say(message);
+  if (said.insert(message).second) log(message);
 }
 
 /// Whether the file is a complete ELF library. Loading a truncated library would end the process
@@ -171,7 +171,7 @@ class FileLock {
     if (::fstat(fd_, &info) == 0 && (info.st_mode & 077) != 0) (void)::fchmod(fd_, 0600);
     if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
     if (!BuildProgress::quiet())
-      say(fmt::format("cde: waiting for another process that builds simulation model {}\n", what));
+      log(fmt::format("cde: waiting for another process that builds simulation model {}\n", what));
     while (::flock(fd_, LOCK_EX) != 0 && errno == EINTR) {
     }
   }
@@ -191,8 +191,8 @@ void build(const Place& place, const std::string& kind,
                                       place.named.string()};
   command.insert(command.end(), parameters.begin(), parameters.end());
   const std::string what = joined(kind, parameters);
-  BuildProgress progress(what, usual_build_seconds(parameters));
-  const process::Result result = process::attend(
+  BuildProgress progress(what, expected_build_seconds(parameters));
+  const process::Result result = process::run_watched(
       command,
       [&](process::Seconds elapsed, std::string_view so_far) { progress(elapsed, so_far); });
   progress.end(result.status == 0);
@@ -282,7 +282,7 @@ bool is_of(const SimulationModel& model, const Key& key) {
 
 }  // namespace
 
-void tell_builds(bool tell) {
+void report_builds(bool tell) {
   BuildProgress::set_quiet(!tell);
 }
 
@@ -304,7 +304,7 @@ ModelFile model_file(const std::string& kind, const std::vector<std::string>& pa
   return {folders::cache() / key.file, false};
 }
 
-std::vector<std::vector<std::string>> kept_models(const std::string& kind) {
+std::vector<std::vector<std::string>> built_models(const std::string& kind) {
   std::set<std::vector<std::string>> found;
   for (const fs::path& path : places()) {
     std::error_code none;

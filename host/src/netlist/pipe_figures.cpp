@@ -12,7 +12,7 @@
 
 #include "cde/model/model.hpp"
 #include "cde/model/cache_entry.hpp"
-#include "cde/netlist/kept.hpp"
+#include "cde/netlist/cache_name.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/progress.hpp"
 
@@ -112,7 +112,7 @@ void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done)
 class Kept {
  public:
   Kept() {
-    if (const auto name = kept_name("pair_unit", {}, ".inventory.json")) {
+    if (const auto name = cache_name("pair_unit", {}, ".inventory.json")) {
       name_ = *name;
       if (const auto text = read_cache_entry(name_)) all_ = Json::parse(*text, nullptr, false);
     }

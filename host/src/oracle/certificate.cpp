@@ -20,10 +20,10 @@ Vec snapped_to_plane(const Shape& a, const Shape& b, const Vec& n, double angle)
   return (n - facing).norm() <= angle ? facing : n;
 }
 
-void fail(Verdict& verdict, Failure failure, double excess) {
-  if (verdict.failure != Failure::kNone || !(excess > 0)) return;
-  verdict.failure = failure;
-  verdict.excess = excess;
+void fail(Decision& decision, Failure failure, double excess) {
+  if (decision.failure != Failure::kNone || !(excess > 0)) return;
+  decision.failure = failure;
+  decision.excess = excess;
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ const char* to_string(Failure failure) {
   return "?";
 }
 
-std::string Verdict::describe() const {
+std::string Decision::describe() const {
   std::ostringstream out;
   out.precision(9);
   out << to_string(failure);
@@ -64,44 +64,44 @@ std::string Verdict::describe() const {
   return out.str();
 }
 
-Verdict check(const Shape& a, const Shape& b, const Result& result, const CheckOptions& options) {
-  Verdict verdict;
-  verdict.scale = scene_size(a, b);
-  const double tol_t = verdict.tolerance_t = 16 * options.u * verdict.scale;
-  const double tol_p = verdict.tolerance_p = tol_t + 4 * options.u * largest_coordinate(a, b);
-  const SignedDistance bounds = verdict.distance = signed_distance(a, b, options.distance);
-  verdict.in_band = bounds.lo <= tol_t && bounds.hi >= -tol_t;
+Decision check(const Shape& a, const Shape& b, const Result& result, const CheckOptions& options) {
+  Decision decision;
+  decision.scale = scene_size(a, b);
+  const double tol_t = decision.tolerance_t = 16 * options.u * decision.scale;
+  const double tol_p = decision.tolerance_p = tol_t + 4 * options.u * largest_coordinate(a, b);
+  const SignedDistance bounds = decision.distance = signed_distance(a, b, options.distance);
+  decision.in_band = bounds.lo <= tol_t && bounds.hi >= -tol_t;
 
   if (!std::isfinite(result.t) || !result.cp.allFinite() || !result.n.allFinite()) {
-    fail(verdict, Failure::kNotFinite, std::numeric_limits<double>::infinity());
-    return verdict;
+    fail(decision, Failure::kNotFinite, std::numeric_limits<double>::infinity());
+    return decision;
   }
-  fail(verdict, Failure::kNegativeT, -result.t);
-  fail(verdict, Failure::kNotUnit, std::abs(result.n.norm() - 1) - 16 * options.u);
+  fail(decision, Failure::kNegativeT, -result.t);
+  fail(decision, Failure::kNotUnit, std::abs(result.n.norm() - 1) - 16 * options.u);
 
-  verdict.false_hit = result.f && bounds.lo > tol_t;
+  decision.false_hit = result.f && bounds.lo > tol_t;
   const bool false_miss = !result.f && bounds.hi < -tol_t;
-  if (false_miss || (verdict.false_hit && !options.lower_bound))
-    fail(verdict, Failure::kFlag, std::max(bounds.lo, -bounds.hi));
-  verdict.excused = verdict.in_band && result.f != (bounds.middle() <= 0);
+  if (false_miss || (decision.false_hit && !options.lower_bound))
+    fail(decision, Failure::kFlag, std::max(bounds.lo, -bounds.hi));
+  decision.excused = decision.in_band && result.f != (bounds.middle() <= 0);
 
   const double s = result.f ? -result.t : result.t;
-  verdict.shortfall = std::max(0.0, bounds.lo - s);
+  decision.shortfall = std::max(0.0, bounds.lo - s);
   if (result.n.norm() > 0) {
     const Vec n = snapped_to_plane(a, b, result.n.normalized(), 16 * options.u);
-    verdict.error_c1 = std::abs(distance_along(a, b, n) - s);
-    fail(verdict, Failure::kCertificate, verdict.error_c1 - tol_t);
+    decision.error_c1 = std::abs(distance_along(a, b, n) - s);
+    fail(decision, Failure::kCertificate, decision.error_c1 - tol_t);
   }
-  verdict.error_c2 = std::max({0.0, bounds.lo - s, s - bounds.hi});
-  fail(verdict, Failure::kOutside,
-       (options.lower_bound ? std::max(0.0, s - bounds.hi) : verdict.error_c2) - tol_t);
+  decision.error_c2 = std::max({0.0, bounds.lo - s, s - bounds.hi});
+  fail(decision, Failure::kOutside,
+       (options.lower_bound ? std::max(0.0, s - bounds.hi) : decision.error_c2) - tol_t);
 
-  verdict.witness_a = distance(result.cp - 0.5 * s * result.n, a);
-  verdict.witness_b = distance(result.cp + 0.5 * s * result.n, b);
+  decision.witness_a = distance(result.cp - 0.5 * s * result.n, a);
+  decision.witness_b = distance(result.cp + 0.5 * s * result.n, b);
   if (!options.lower_bound)
-    fail(verdict, Failure::kWitness, std::max(verdict.witness_a, verdict.witness_b) - tol_p);
-  fail(verdict, Failure::kOracleTooWide, bounds.hi - bounds.lo - tol_t);
-  return verdict;
+    fail(decision, Failure::kWitness, std::max(decision.witness_a, decision.witness_b) - tol_p);
+  fail(decision, Failure::kOracleTooWide, bounds.hi - bounds.lo - tol_t);
+  return decision;
 }
 
 }  // namespace cde::oracle

@@ -307,7 +307,7 @@ RayAnswer cast(const Case& ray_case) {
   throw std::invalid_argument("not a ray pair");
 }
 
-std::string RayVerdict::describe() const {
+std::string RayDecision::describe() const {
   std::ostringstream out;
   out.precision(9);
   out << (ok ? "ok" : "wrong") << "; oracle F " << answer.hit << " T " << answer.t << " margin "
@@ -316,28 +316,28 @@ std::string RayVerdict::describe() const {
   return out.str();
 }
 
-RayVerdict check(const Ray& ray, const RayAnswer& answer, bool f, double t, const Vec& cp,
+RayDecision check(const Ray& ray, const RayAnswer& answer, bool f, double t, const Vec& cp,
                  double band, double tolerance) {
-  RayVerdict verdict;
-  verdict.answer = answer;
-  verdict.in_band = answer.margin <= band;
+  RayDecision decision;
+  decision.answer = answer;
+  decision.in_band = answer.margin <= band;
   if (f != answer.hit) {
-    verdict.excused = verdict.in_band;
-    verdict.ok = verdict.in_band;
-    return verdict;
+    decision.excused = decision.in_band;
+    decision.ok = decision.in_band;
+    return decision;
   }
   if (!f) {
-    verdict.ok = t == kInfinity && cp == Vec::Zero();
-    return verdict;
+    decision.ok = t == kInfinity && cp == Vec::Zero();
+    return decision;
   }
-  verdict.error_t = std::abs(t - answer.t) * ray.d.norm() * answer.cosine / answer.scale;
+  decision.error_t = std::abs(t - answer.t) * ray.d.norm() * answer.cosine / answer.scale;
   const double world =
       std::max(ray.o.lpNorm<Eigen::Infinity>(), answer.point.lpNorm<Eigen::Infinity>());
-  verdict.error_point = (cp - answer.point).norm() / (answer.scale / answer.cosine + world);
-  const bool right = verdict.error_t <= tolerance && verdict.error_point <= tolerance;
-  verdict.excused = !right && (answer.margin_t <= band || answer.cosine * answer.cosine <= band);
-  verdict.ok = right || verdict.excused;
-  return verdict;
+  decision.error_point = (cp - answer.point).norm() / (answer.scale / answer.cosine + world);
+  const bool right = decision.error_t <= tolerance && decision.error_point <= tolerance;
+  decision.excused = !right && (answer.margin_t <= band || answer.cosine * answer.cosine <= band);
+  decision.ok = right || decision.excused;
+  return decision;
 }
 
 }  // namespace cde::oracle

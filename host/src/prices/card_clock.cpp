@@ -74,7 +74,7 @@ std::vector<PipeFigures> figures_of(const std::vector<PipeChoice>& pipes) {
   try {
     netlist::examine_all(wanted, {});
   } catch (const Error& e) {
-    say(fmt::format("cde: latencies and operators are unknown: {}\n", e.what()));
+    log(fmt::format("cde: latencies and operators are unknown: {}\n", e.what()));
     return all;
   }
   for (std::size_t i = 0; i < pipes.size(); ++i)
@@ -95,7 +95,7 @@ CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,
       throw Error(ErrorCode::kUsage,
                   fmt::format("--target {}: no clock of {}: {}; {}", target.name, pipes[i].name(),
                               found.why_not, table.rows_of(target.name)));
-    if (!least.is.empty() && found.price->mhz >= least.mhz) continue;
+    if (!least.source.empty() && found.price->mhz >= least.mhz) continue;
     least = {found.price->mhz,
              fmt::format("of {} on {}, {}", pipes[i].name(), target.name,
                          found.price->estimated ? "estimated: the slowest of its operators"

@@ -61,12 +61,12 @@ void RecordCheck::differ(const Record* card, const Record* expected) {
   first_.emplace();
   if (card != nullptr) first_->card = *card;
   if (expected != nullptr) first_->reference = *expected;
-  first_->primary = told_.primary(first_->number());
+  first_->primary = report_.primary(first_->number());
   for (const auto& record : {first_->reference, first_->card}) {
     if (!record) continue;
     const bool known =
         !first_->secondaries.empty() && first_->secondaries.front().first == record->index;
-    std::vector<float> words = told_.secondary(record->index);
+    std::vector<float> words = report_.secondary(record->index);
     if (!known && !words.empty()) first_->secondaries.emplace_back(record->index, std::move(words));
   }
   difference_ = text();
@@ -78,15 +78,15 @@ std::string RecordCheck::text() const {
   std::string text = fmt::format(
       "{} {}: the card's record differs from the reference\n  card      {}\n"
       "  reference {}\n  differ in {}\n",
-      told_.noun, number, record_text(d.card, told_.noun), record_text(d.reference, told_.noun),
+      report_.noun, number, record_text(d.card, report_.noun), record_text(d.reference, report_.noun),
       d.card && d.reference ? differing_fields(*d.card, *d.reference) : "all");
-  if (told_.place) text += fmt::format("  where     {}\n", told_.place(number));
+  if (report_.place) text += fmt::format("  where     {}\n", report_.place(number));
   if (!d.primary.empty())
-    text += fmt::format("  {} {}: {}\n", told_.noun, number, words_text(d.primary));
+    text += fmt::format("  {} {}: {}\n", report_.noun, number, words_text(d.primary));
   for (const auto& [index, words] : d.secondaries)
-    text += fmt::format("  {} {}: {}\n", told_.noun == "ray" ? "triangle" : "secondary", index,
+    text += fmt::format("  {} {}: {}\n", report_.noun == "ray" ? "triangle" : "secondary", index,
                         words_text(words));
-  if (told_.repeat) text += "repeat with: " + told_.repeat(d);
+  if (report_.repeat) text += "repeat with: " + report_.repeat(d);
   return text;
 }
 

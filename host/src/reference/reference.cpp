@@ -257,7 +257,7 @@ std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mod
 
 // ---- Comparison ----
 
-RecordCheck::Told told_of_rays(const RayView& rays, const TriangleView& triangles,
+RecordCheck::ReportOptions ray_report(const RayView& rays, const TriangleView& triangles,
                                std::string command) {
   const auto words_of = [](const auto& shape) {
     const auto words = to_words(shape);
@@ -286,9 +286,9 @@ Checker::Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
                  std::span<const Object> objects, bool box, FpFormat format, Algorithm algorithm)
     : Checker(std::make_shared<BruteForce>(rays, triangles, mode, stencil, packet, objects, box, format,
                                       algorithm),
-              told_of_rays(rays, triangles, std::move(command))) {}
+              ray_report(rays, triangles, std::move(command))) {}
 
-Checker::Checker(std::shared_ptr<BruteForce> brute_force, Told told)
-    : RecordCheck([brute_force = std::move(brute_force)] { return brute_force->next(); }, std::move(told)) {}
+Checker::Checker(std::shared_ptr<BruteForce> brute_force, ReportOptions report)
+    : RecordCheck([brute_force = std::move(brute_force)] { return brute_force->next(); }, std::move(report)) {}
 
 }  // namespace cde::reference

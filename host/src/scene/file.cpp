@@ -55,12 +55,12 @@ SceneCard read_card(Table t) {
   }
   card.arithmetic = static_cast<Arithmetic>(t.choice("arithmetic", {"host", "rtl"}, 0));
   card.format = read_format(t);
-  if (t.has("verdicts")) {
-    card.verdicts = read_format(t, "verdicts");
+  if (t.has("filter")) {
+    card.filter = read_format(t, "filter");
     try {
-      check_narrow_format(*card.verdicts, card.format);
+      check_narrow_format(*card.filter, card.format);
     } catch (const Error& e) {
-      t.fail(e.code(), "verdicts", e.what());
+      t.fail(e.code(), "filter", e.what());
     }
   }
   card.algorithm = static_cast<Algorithm>(t.choice(

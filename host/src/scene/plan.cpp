@@ -131,7 +131,7 @@ unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
     most = std::max(most, std::min<std::uint64_t>(card::kMostPrimaries, count(scene, q.primaries)));
   if (scene.card.arithmetic == Arithmetic::kRtl)
     return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates);
-  if (scene.card.verdicts || std::any_of(pairs.begin(), pairs.end(), plan_card::is_large))
+  if (scene.card.filter || std::any_of(pairs.begin(), pairs.end(), plan_card::is_large))
     return kLanesOfLargePipes;
   return *std::find_if(std::begin(kLaneSteps), std::end(kLaneSteps),
                        [&](unsigned step) { return step >= most || step == kMostLanes; });
@@ -143,7 +143,7 @@ BoardConfig board_of(const Scene& scene) {
   b.lanes = lanes_for(scene, b.pairs);
   b.arithmetic = scene.card.arithmetic;
   b.format = scene.card.format;
-  b.verdicts = scene.card.verdicts;
+  b.filter = scene.card.filter;
   if (std::find(b.pairs.begin(), b.pairs.end(), Pair::kRayTriangle) != b.pairs.end())
     b.algorithm = scene.card.algorithm;
   b.box = scene.card.box;
@@ -216,7 +216,7 @@ Effect box_rule(const Plan& plan) {
   } else if (rays) {
     why = "the plain pipe was requested: a hit may be far from an edge-on triangle";
   } else if (solids) {
-    why = plan.board.verdicts ? "the certified filter proves misses of solids"
+    why = plan.board.filter ? "the certified filter proves misses of solids"
                               : "the plain pipes were requested: solids cannot traverse a BVH";
   }
   return {"box rule", plan.board.box, plan.board.box ? "built in" : "none", why,
@@ -277,20 +277,20 @@ Effect number_format(const Plan& plan) {
       other ? "host arithmetic rounds to it in several steps; not measured" : "none"};
 }
 
-Effect verdicts(const Scene& scene, const Plan& plan) {
-  if (!plan.board.verdicts)
-    return {"verdicts", false, "none", "not asked for",
+Effect filter(const Scene& scene, const Plan& plan) {
+  if (!plan.board.filter)
+    return {"filter", false, "none", "not asked for",
             "would take a cycle per row, and one per uncertain pair"};
   std::vector<std::string_view> spared;
   for (const SceneQuery& q : scene.queries)
-    if (has_verdicts(q.pair) && (q.mode == Mode::kHits || q.mode == Mode::kAny))
+    if (has_filter(q.pair) && (q.mode == Mode::kHits || q.mode == Mode::kAny))
       spared.push_back(q.name);
   const std::string why =
       spared.empty() ? "asked for, but no query of these pairs omits misses (modes any and hits): "
                        "every pair goes through the wide lane"
                      : fmt::format("asked for; {} can omit misses", fmt::join(spared, ", "));
-  return {"verdicts", true,
-          fmt::format("{} lanes before one of {}", plan.board.verdicts->name(),
+  return {"filter", true,
+          fmt::format("{} lanes before one of {}", plan.board.filter->name(),
                       plan.board.format.name()),
           why, "a cycle per row, and one per uncertain pair; not measured"};
 }
@@ -385,7 +385,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
       lanes(scene, plan),
       arithmetic(plan),
       number_format(plan),
-      verdicts(scene, plan),
+      filter(scene, plan),
       modes(scene, plan),
       normals(scene, plan),
       masks(plan),

@@ -55,7 +55,7 @@ std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, c
   if (q.normals && is_ray(q)) return "rays have no normals";
   if (!is_ray(q) && q.mode == Mode::kFarthest)
     return "no box can be culled in a search for the farthest shape from a solid";
-  if (has_verdicts(q.pair) && plan.board.verdicts)
+  if (has_filter(q.pair) && plan.board.filter)
     return "pairs with the certified filter use brute force";
   if (work.self_pairs)
     return "no shape is tested with itself, which needs passes over ranges of secondaries";

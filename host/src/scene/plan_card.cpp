@@ -59,7 +59,7 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
   const bool rays = has(planned, Pair::kRayTriangle);
   return has_all(card, planned.pairs) && (asked.pairs.empty() || has_all(planned, card.pairs)) &&
          (!asked.lanes || card.lanes == planned.lanes) && card.arithmetic == planned.arithmetic &&
-         card.format == planned.format && card.verdicts == planned.verdicts &&
+         card.format == planned.format && card.filter == planned.filter &&
          (!rays || card.algorithm == planned.algorithm) &&
          std::all_of(planned.pairs.begin(), planned.pairs.end(),
                      [&](Pair p) { return card.box_rule(p) == planned.box_rule(p); }) &&
@@ -90,7 +90,7 @@ std::optional<BuiltCard> built_card(const BoardConfig& planned, const SceneCard&
                                     const Rows& rows) {
   if (model_file(planned.top(), planned.parameters()).built) return std::nullopt;
   std::vector<BuiltCard> some;
-  for (const std::vector<std::string>& parameters : kept_models(planned.top())) {
+  for (const std::vector<std::string>& parameters : built_models(planned.top())) {
     std::optional<BoardConfig> card = BoardConfig::of(parameters);
     if (!card) continue;
     card->bus = planned.bus;  // only the simulation model depends on it

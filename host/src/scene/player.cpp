@@ -84,7 +84,7 @@ class PassCheck {
                .counts = counting(self)},
               picked(primaries, numbers_), numbers_, secondaries),
         check_([this] { return pass_.next(); },
-               told(query, card, board, primaries, secondaries, streams)) {}
+               report_options(query, card, board, primaries, secondaries, streams)) {}
 
   void check(std::span<const Record> records) {
     for (const Record& record : records)
@@ -103,7 +103,7 @@ class PassCheck {
   }
 
  private:
-  static reference::RecordCheck::Told told(const SceneQuery& query, const BoardConfig& card,
+  static reference::RecordCheck::ReportOptions report_options(const SceneQuery& query, const BoardConfig& card,
                                            const Board& board, const Shapes& primaries,
                                            const Shapes& secondaries, bool streams) {
     const auto words = [](const Shapes& shapes, std::uint32_t i) {
@@ -292,8 +292,8 @@ class Player::Impl {
     const auto& waves = options_.waves_of;
     const bool here = waves && waves->frame == packet.frame && waves->query == packet.query &&
                       waves->number == packet.number;
-    if (here && options_.made_of)
-      options_.made_of({primaries, secondaries_.placed(), counting(packet.self)});
+    if (here && options_.on_packet)
+      options_.on_packet({primaries, secondaries_.placed(), counting(packet.self)});
     if (here) trace_open();
     if (!passes.empty() && !streams) load(first, count, result);
     if (!packet.self.any() || q.mode == Mode::kAll || q.mode == Mode::kHits) {

@@ -149,7 +149,7 @@ std::string valid_utf8(std::string_view text) {
   return out;
 }
 
-void say(std::string_view text) {
+void log(std::string_view text) {
   clear_progress();
   const std::string shown = printable(text);
   (void)std::fwrite(shown.data(), 1, shown.size(), stderr);

@@ -286,11 +286,11 @@ void OutputFile::commit() {
   std::FILE* const file = file_;
   file_ = nullptr;
   if (file != stdout && std::fclose(file) != 0) fail("write");
-  if (!temporary_.name.empty()) put_in_place(written.get());
+  if (!temporary_.name.empty()) move_into_place(written.get());
 }
 
 /// Puts the new file in place, with the mode and owner of the replaced file.
-void OutputFile::put_in_place(int fd) {
+void OutputFile::move_into_place(int fd) {
   const std::string target = target_.filename();
   const char* const name = temporary_.name.c_str();
   struct stat old {
@@ -312,7 +312,7 @@ void OutputFile::put_in_place(int fd) {
   temporary_ = {};
 }
 
-void OutputFile::hold_stdout() {
+void OutputFile::buffer_stdout() {
   stdout_held = true;
 }
 
@@ -330,7 +330,7 @@ void OutputFile::remove_unfinished() noexcept {
 OutputFolder::OutputFolder(const fs::path& path) : path_(path) {
   constexpr int kFolder = O_PATH | O_DIRECTORY | O_CLOEXEC;
   const auto fail = [&](int number) {
-    take_back();
+    remove_created();
     fail_output(path, "create", number);
   };
   std::error_code none;
@@ -377,12 +377,12 @@ void OutputFolder::check() const {
 }
 
 OutputFolder::~OutputFolder() {
-  take_back();
+  remove_created();
   if (folder_ >= 0) ::close(folder_);
 }
 
 /// Removes the created folders that are empty.
-void OutputFolder::take_back() {
+void OutputFolder::remove_created() {
   for (auto one = made_.rbegin(); one != made_.rend(); ++one)
     ::unlinkat(one->folder, one->name.c_str(), AT_REMOVEDIR);
   keep();

@@ -243,7 +243,7 @@ Result run(const std::vector<std::string>& command) {
   return result;
 }
 
-Result isolated(const std::function<void(int out)>& work, std::optional<Seconds> limit) {
+Result run_isolated(const std::function<void(int out)>& work, std::optional<Seconds> limit) {
   const auto ends = new_pipe(ErrorCode::kFile);
   const Descriptor from(ends[0]);
   Descriptor to(ends[1]);
@@ -266,7 +266,7 @@ Result isolated(const std::function<void(int out)>& work, std::optional<Seconds>
   return result;
 }
 
-std::optional<Ended> continue_in_child(const std::function<void()>& work,
+std::optional<ChildExit> continue_in_child(const std::function<void()>& work,
                                        const std::function<void(int errors)>& relay, bool forward) {
   const auto done = new_pipe(ErrorCode::kFile);
   Descriptor from_done(done[0]), to_done(done[1]);
@@ -294,12 +294,12 @@ std::optional<Ended> continue_in_child(const std::function<void()>& work,
   do {
     told = ::read(from_done.get(), &byte, 1);
   } while (told < 0 && errno == EINTR);
-  Ended ended{.worked = told == 1};
+  ChildExit ended{.worked = told == 1};
   ended.status = wait_for(child, nullptr, &ended.signal);
   return ended;
 }
 
-Result attend(const std::vector<std::string>& command,
+Result run_watched(const std::vector<std::string>& command,
               const std::function<void(Seconds, std::string_view)>& watch) {
   Result result;
   int signal = 0;

@@ -52,7 +52,7 @@ Progress::Progress(std::string what, bool quiet) : what_(std::move(what)) {
   sigset_t all, before;
   ::sigfillset(&all);
   ::pthread_sigmask(SIG_BLOCK, &all, &before);
-  thread_ = std::thread([this] { show(); });
+  thread_ = std::thread([this] { run_display(); });
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
 
@@ -84,7 +84,7 @@ void Progress::operator()(double share, std::string step) {
   (*this)(share);
 }
 
-void Progress::usual(double seconds, std::string step) {
+void Progress::expect(double seconds, std::string step) {
   const std::lock_guard lock(mutex);
   seconds_ = seconds;
   step_ = std::move(step);
@@ -103,7 +103,7 @@ std::string Progress::line() const {
   return text;
 }
 
-void Progress::show() {
+void Progress::run_display() {
   std::unique_lock lock(mutex);
   while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return end_; })) {
     if (tasks.back() != this) continue;

@@ -40,17 +40,17 @@ std::optional<std::string> nearest_word(std::string_view typed,
   return best;
 }
 
-std::string meant_or_all(std::string_view typed, const std::vector<std::string>& known) {
+std::string suggestion_text(std::string_view typed, const std::vector<std::string>& known) {
   const auto near = nearest_word(typed, known);
   return near ? fmt::format("did you mean {}?", *near)
               : fmt::format("there are: {}", fmt::join(known, ", "));
 }
 
-void must_be_known(std::string_view word, const std::vector<std::string>& words,
+void check_known(std::string_view word, const std::vector<std::string>& words,
                    std::string_view what) {
   if (std::find(words.begin(), words.end(), word) == words.end())
     throw Error(ErrorCode::kUsage,
-                fmt::format("no {} {}; {}", what, in_quotes(word), meant_or_all(word, words)));
+                fmt::format("no {} {}; {}", what, in_quotes(word), suggestion_text(word, words)));
 }
 
 }  // namespace cde

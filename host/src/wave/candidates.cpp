@@ -25,10 +25,10 @@ class TestedDecoder : public EngineDecoder {
     for (unsigned k = 0; k < row_.size(); ++k) {
       const std::uint64_t lanes = of_port("f[#]", k).size(), lane = primary % lanes;
       wanted_row_ = primary / lanes;
-      const auto at = [&](std::string_view name) { return &listen(*of_port(name, k)[lane]); };
+      const auto at = [&](std::string_view name) { return &subscribe(*of_port(name, k)[lane]); };
       ports_.push_back({at("f[#]"), at("bad[#]"), at("update.mask[#]"), at("update.hit[#]"),
                         at("update.better[#]"), at("update.t_value[#]"), at("update.t_old[#]"),
-                        &listen(*of_port("streaming_i", k)[0])});
+                        &subscribe(*of_port("streaming_i", k)[0])});
     }
   }
 

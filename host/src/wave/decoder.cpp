@@ -17,7 +17,7 @@ std::string Wire::hexadecimal() const {
   return value ? fmt::format("0x{:0{}x}", *value, (bits.size() + 3) / 4) : "x";
 }
 
-const Wire& Decoder::listen(const Signal& signal) {
+const Wire& Decoder::subscribe(const Signal& signal) {
   for (const Input& input : inputs_)
     if (input.handle == signal.handle) return *input.wire;
   inputs_.push_back({signal.handle, std::make_unique<Wire>()});
@@ -25,17 +25,17 @@ const Wire& Decoder::listen(const Signal& signal) {
 }
 
 const Wire& Decoder::wire(std::string_view name) {
-  return listen(*place_.signals.at(name));
+  return subscribe(*place_.signals.at(name));
 }
 
 const Wire* Decoder::wire_if_any(std::string_view name) {
   const auto found = place_.signals.find(name);
-  return found == place_.signals.end() ? nullptr : &listen(*found->second);
+  return found == place_.signals.end() ? nullptr : &subscribe(*found->second);
 }
 
 std::vector<const Wire*> Decoder::array(std::string_view pattern) {
   std::vector<const Wire*> all;
-  for (const Element& e : place_.arrays.at(pattern)) all.push_back(&listen(*e.signal));
+  for (const Element& e : place_.arrays.at(pattern)) all.push_back(&subscribe(*e.signal));
   return all;
 }
 

@@ -201,13 +201,13 @@ std::string without_array_scope(std::string_view name) {
 }
 
 std::optional<Slice> Design::find(std::string_view name) const {
-  const auto found = find_plainly(name);
+  const auto found = find_exact(name);
   if (found) return found;
   const std::string plain = without_array_scope(name);
-  return plain == name ? std::nullopt : find_plainly(plain);
+  return plain == name ? std::nullopt : find_exact(plain);
 }
 
-std::optional<Slice> Design::find_plainly(std::string_view name) const {
+std::optional<Slice> Design::find_exact(std::string_view name) const {
   if (!name.starts_with(all_->prefix) || name.size() <= all_->prefix.size() ||
       name[all_->prefix.size()] != '.')
     return std::nullopt;

@@ -128,7 +128,7 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
     });
     const bool host =
         std::find(parameters.begin(), parameters.end(), "ARITH=host") != parameters.end();
-    say(fmt::format("cde: reading the structure of {} (kept for the next time)\n", what));
+    log(fmt::format("cde: reading the structure of {} (kept for the next time)\n", what));
     kept.emplace();
     try {
       kept->xml = netlist::elaborated(rtl, origin.kind, parameters,

@@ -348,7 +348,7 @@ char holds(const Context& c, const netlist::Element& condition, bool swapped) {
   return t == Truth::kYes ? '1' : t == Truth::kNo ? '0' : 'x';
 }
 
-bool is_of_if(const Context& c, const netlist::Element& choice) {
+bool is_if_else(const Context& c, const netlist::Element& choice) {
   return source_at(c, choice).starts_with("if");
 }
 

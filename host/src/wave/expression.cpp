@@ -90,7 +90,7 @@ void Expression::Parsed::begin(Node& n) {
 }
 
 Value Expression::Parsed::call(Node& n) {
-  if (looks_back) begin(n);
+  if (needs_history) begin(n);
   const Value a = value(*n.kids[0]);
   if (n.op == "isnan") return a.unknown() ? unknown_of(1) : of_bool(std::isnan(a.d));
   if (n.op == "isinf") return a.unknown() ? unknown_of(1) : of_bool(std::isinf(a.d));
@@ -135,8 +135,8 @@ Expression::Expression(Expression&&) noexcept = default;
 const std::vector<View>& Expression::views() const {
   return parsed_->views;
 }
-bool Expression::looks_back() const {
-  return parsed_->looks_back;
+bool Expression::needs_history() const {
+  return parsed_->needs_history;
 }
 
 void Expression::set(std::uint32_t handle, std::string_view text) {

@@ -184,7 +184,7 @@ class ExpressionParser {
       return;
     }
     fail(text.at, fmt::format("{} has no value {}; {}", printable_name(v->signal.name),
-                              in_quotes(text.op), meant_or_all(text.op, known)));
+                              in_quotes(text.op), suggestion_text(text.op, known)));
   }
   void no_real(const Node& n, const std::string& op) {
     if (n.real) fail(n.at, fmt::format("{} takes bits, and this is a floating-point number", op));
@@ -525,7 +525,7 @@ class ExpressionParser {
     if (name.starts_with('$')) name.erase(0, 1);
     if (std::find(kFunctions.begin(), kFunctions.end(), name) == kFunctions.end())
       fail(at, fmt::format("no function {}; {}", in_quotes(name),
-                           meant_or_all(name, {kFunctions.begin(), kFunctions.end()})));
+                           suggestion_text(name, {kFunctions.begin(), kFunctions.end()})));
     (void)take("(");
     Tree a = choice();
     if (!take(")")) fail(at_, fmt::format("the ) of {}( is expected here", name));
@@ -545,7 +545,7 @@ class ExpressionParser {
     }
     if (name == "countones") n->width = 32;
     if (name == "abs") narrow_enough(*a);
-    to_.looks_back = to_.looks_back || is_back(name);
+    to_.needs_history = to_.needs_history || is_back(name);
     n->kids = list(std::move(a));
     return n;
   }

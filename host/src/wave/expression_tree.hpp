@@ -61,7 +61,7 @@ struct Expression::Parsed {
   std::vector<Value> values;
   std::vector<char> numbers;  ///< by view: 1 if it is read as a floating-point number
   expression::Tree root;
-  bool looks_back = false;
+  bool needs_history = false;
 
   /// The node's value in its context.
   Value value(expression::Node& n);

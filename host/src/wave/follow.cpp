@@ -34,8 +34,8 @@ std::vector<std::string> Follow::texts() const {
   return all;
 }
 
-bool Follow::looks_back() const {
-  return what_.looks_back() || (when_ && when_->looks_back());
+bool Follow::needs_history() const {
+  return what_.needs_history() || (when_ && when_->needs_history());
 }
 
 void Follow::run(Trace& trace, std::uint64_t from, std::uint64_t to, const Found& found) {
@@ -87,7 +87,7 @@ bool Follow::step(const Found& found) {
     if (when_) (void)when_->end_instant();
     return go_on;
   }
-  const bool now = evaluate(), begins = now && (!was_ || looks_back());
+  const bool now = evaluate(), begins = now && (!was_ || needs_history());
   was_ = now;
   const bool goes_on = begins ? found(now_) : true;
   // An event ends with its instant.

@@ -12,7 +12,7 @@ constexpr std::size_t kMostSlices = 4000;
 
 }  // namespace
 
-std::vector<Near> fed_by(const Design& design, const std::vector<std::string>& signals,
+std::vector<Near> driving_statements(const Design& design, const std::vector<std::string>& signals,
                          unsigned steps, std::size_t most, const Passing& passing) {
   struct Waiting {
     Slice slice;

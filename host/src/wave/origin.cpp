@@ -19,7 +19,7 @@ bool tells(const std::string& bits) {
 
 }  // namespace
 
-std::optional<std::size_t> handed_on(const std::vector<Node>& nodes, const std::string& bits,
+std::optional<std::size_t> forwarded_cause(const std::vector<Node>& nodes, const std::string& bits,
                                      const Node::Statement& statement) {
   if (bits.empty()) return std::nullopt;
   std::optional<std::size_t> found, hidden;
@@ -33,7 +33,7 @@ std::optional<std::size_t> handed_on(const std::vector<Node>& nodes, const std::
   if (found && hidden) return std::nullopt;
   if (!hidden) return found;
   for (const Node::Statement& behind : nodes[*hidden].statements)
-    if (handed_on(nodes, bits, behind)) return hidden;
+    if (forwarded_cause(nodes, bits, behind)) return hidden;
   return std::nullopt;
 }
 
@@ -52,7 +52,7 @@ Origin origin_of(Trace& trace, Times& times, const Design& design, const Slice& 
     do {
       std::optional<std::size_t> before;
       for (const Node::Statement& s : nodes[at].statements)
-        if (!before) before = handed_on(nodes, bits, s);
+        if (!before) before = forwarded_cause(nodes, bits, s);
       if (!before) break;
       at = *before;
     } while (nodes[at].value.empty());

@@ -221,7 +221,7 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const T
   Json statements = Json::array();
   for (const Node::Statement& s : node.statements) {
     Json causes = Json::array(), as_it_is;
-    const auto same = handed_on(cone.nodes(), bits, s);
+    const auto same = forwarded_cause(cone.nodes(), bits, s);
     for (const std::size_t cause : s.causes) {
       if (cause == same) as_it_is = causes.size();
       causes.push_back(json_of(cone, design, times, texts, cause, cause == same ? bits : ""));
@@ -232,7 +232,7 @@ Json json_of(const Cone& cone, const Design& design, const Times& times, const T
                           {"register", s.driver.kind == Driver::Kind::kRegister},
                           {"certain", s.driver.sure},
                           {"kept", s.kept},
-                          {"handed_on", as_it_is},
+                          {"forwarded_cause", as_it_is},
                           {"taken_time", s.edge ? Json(*s.edge) : Json()},
                           {"taken_at", s.edge ? Json(times.text(*s.edge)) : Json()},
                           {"causes", causes}});

@@ -6,7 +6,7 @@
 int main() {
   const cde::mpi::Ranks ranks;
   std::uint64_t next = 0, sum = 0;
-  ranks.deal(
+  ranks.distribute(
       {.next = [&]() -> std::optional<cde::mpi::Chunk> {
          if (next == 10) return std::nullopt;
          return cde::mpi::Chunk{next++, "2"};

@@ -39,13 +39,13 @@ std::string short_name(const AccuracyPipe& pipe) {
   return pipe.name().substr(name(pipe.pair).size() + 1);
 }
 
-std::string wrong_text(const KeptTally& t) {
+std::string wrong_text(const SavedTally& t) {
   if (t.judged == 0) return "-";
   const Interval95 share = t.wrong_interval();
   return fmt::format("{}..{}", compact(share.low), compact(share.high));
 }
 
-std::string error_text(const KeptTally& t, double Quantiles::*quantile, double unit = 1) {
+std::string error_text(const SavedTally& t, double Quantiles::*quantile, double unit = 1) {
   if (t.t.count == 0) return "-";
   bool bounded = false;
   const double value = t.error(quantile, &bounded);
@@ -58,7 +58,7 @@ struct Basis {
   std::string axis, words;
 };
 
-std::optional<double> x_of(const KeptPipe& k, const Basis& basis) {
+std::optional<double> x_of(const SavedPipe& k, const Basis& basis) {
   if (basis.seconds) return k.price.seconds(1e6);
   if (!k.figures.operators || !k.figures.interval) return std::nullopt;
   return static_cast<double>(k.figures.operators->total()) * k.pipe.format.width() *
@@ -67,7 +67,7 @@ std::optional<double> x_of(const KeptPipe& k, const Basis& basis) {
 
 class AccuracyPage {
  public:
-  AccuracyPage(const KeptSweep& sweep, const Target& target) : sweep_(sweep), target_(target) {
+  AccuracyPage(const SavedSweep& sweep, const Target& target) : sweep_(sweep), target_(target) {
     for (std::size_t i = 0; i < sweep.pipes.size(); ++i) {
       const std::string pair(name(sweep.pipes[i].pipe.pair));
       if (std::ranges::find(pairs_, pair) == pairs_.end()) pairs_.push_back(pair);
@@ -79,7 +79,7 @@ class AccuracyPage {
     for (const std::string& pair : pairs_) body += pair_section(pair);
     body += profile_section() + tail();
     Json entries = Json::array();
-    for (const KeptPipe& k : sweep_.pipes) entries.push_back(entry(k));
+    for (const SavedPipe& k : sweep_.pipes) entries.push_back(entry(k));
     return page("What accuracy costs", body, Json{{"entries", entries}},
                 {&kChartScript, &kAccuracyScript, &kFilterScript});
   }
@@ -113,9 +113,9 @@ class AccuracyPage {
   [[nodiscard]] std::string tables(const std::vector<std::size_t>& list) const;
   [[nodiscard]] std::string profile_section() const;
   [[nodiscard]] std::string tail() const;
-  [[nodiscard]] Json entry(const KeptPipe& k) const;
+  [[nodiscard]] Json entry(const SavedPipe& k) const;
 
-  const KeptSweep& sweep_;
+  const SavedSweep& sweep_;
   const Target& target_;
   std::vector<std::string> pairs_;
 };
@@ -177,7 +177,7 @@ std::string AccuracyPage::scatters(const std::string& pair, const std::vector<st
     std::vector<std::size_t> drawn;
     std::map<std::string, std::vector<std::string>> absent;  // by why
     for (const std::size_t i : list) {
-      const KeptPipe& k = sweep_.pipes[i];
+      const SavedPipe& k = sweep_.pipes[i];
       const double unit = relative ? k.u() : 1, p999 = k.all.error(&Quantiles::p999);
       const std::optional<double> x = x_of(k, basis);
       if (!x || !(p999 > 0) || !std::isfinite(p999) || k.all.t.count == 0) {
@@ -225,7 +225,7 @@ std::string AccuracyPage::decisions(const std::string& pair,
                                     const std::vector<std::size_t>& list) const {
   std::vector<MarkRow> rows, none;  // none: rows without an observed wrong decision
   for (const std::size_t i : list) {
-    const KeptPipe& k = sweep_.pipes[i];
+    const SavedPipe& k = sweep_.pipes[i];
     if (k.all.judged == 0) continue;
     const Interval95 share = k.all.wrong_interval();
     Mark mark{.name = k.pipe.name(),
@@ -262,8 +262,8 @@ std::string AccuracyPage::families(const std::string& pair,
                                    const std::vector<std::size_t>& list) const {
   std::vector<MarkRow> rows;
   for (const std::size_t i : list) {
-    const KeptPipe& k = sweep_.pipes[i];
-    for (const KeptTally& t : k.families) {
+    const SavedPipe& k = sweep_.pipes[i];
+    for (const SavedTally& t : k.families) {
       const double p999 = t.error(&Quantiles::p999);
       if (t.t.count == 0 || !(p999 > 0) || !std::isfinite(p999)) continue;
       auto row = std::ranges::find(rows, t.family, &MarkRow::name);
@@ -285,7 +285,7 @@ std::string AccuracyPage::families(const std::string& pair,
 std::string AccuracyPage::tables(const std::vector<std::size_t>& list) const {
   Rows errors, prices, cases;
   for (const std::size_t i : list) {
-    const KeptPipe& k = sweep_.pipes[i];
+    const SavedPipe& k = sweep_.pipes[i];
     const std::string name = short_name(k.pipe);
     const auto figures = [&](Rows& rows, const std::vector<std::string>& texts) {
       std::vector<Cell> row = {name};
@@ -420,8 +420,8 @@ std::string AccuracyPage::tail() const {
       table("Errors and decisions depend only on the seed, not on the machine", {}, rows));
 }
 
-Json AccuracyPage::entry(const KeptPipe& k) const {
-  const KeptTally& t = k.all;
+Json AccuracyPage::entry(const SavedPipe& k) const {
+  const SavedTally& t = k.all;
   const Price& p = k.price;
   Json figures = Json::array();
   const auto add = [&](const char* name, const std::string& value) {
@@ -441,7 +441,7 @@ Json AccuracyPage::entry(const KeptPipe& k) const {
         fmt::format("{} sums, {} products, {} quotients, {} roots, {} comparisons",
                     k.figures.operators->add, k.figures.operators->mul, k.figures.operators->div,
                     k.figures.operators->sqrt, k.figures.operators->cmp));
-  add("clock", p.clock_is());
+  add("clock", p.clock_source());
   if (p.lane) {
     add(p.lane->estimated ? "area per lane, estimated" : "area per lane, measured",
         fmt::format("{} LUT, {} carry, {} FF, {} DSP",
@@ -472,7 +472,7 @@ Json AccuracyPage::entry(const KeptPipe& k) const {
 
 }  // namespace
 
-std::string accuracy_html(const KeptSweep& sweep, const Target& target) {
+std::string accuracy_html(const SavedSweep& sweep, const Target& target) {
   return AccuracyPage(sweep, target).html();
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "accuracy/names.hpp"
-#include "cde/accuracy/kept.hpp"
+#include "cde/accuracy/saved_sweep.hpp"
 #include "cde/accuracy/picture.hpp"
 #include "cde/image/camera.hpp"
 
@@ -12,7 +12,7 @@ namespace cde::cli {
 /// The page of a sweep over configurations, with a section per pair: accuracy against time, wrong
 /// decisions, errors by family, all figures, and profiles if there are any. Charts also show
 /// without scripts.
-[[nodiscard]] std::string accuracy_html(const KeptSweep& sweep, const Target& target);
+[[nodiscard]] std::string accuracy_html(const SavedSweep& sweep, const Target& target);
 
 /// The page of wrong pixels of a mesh: one picture per pipe and, with WebGL, points on the mesh in
 /// 3-D.

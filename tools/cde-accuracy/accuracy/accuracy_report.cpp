@@ -212,7 +212,7 @@ std::string promise_table(const std::vector<AccuracyRow>& rows) {
   for (const AccuracyRow& row : rows) {
     const Tally t = row.measured.all();
     const Promise promise = promise_of(row.measured.pipe);
-    table.lines.push_back({row.measured.pipe.name(), promise.text, kept(promise, t),
+    table.lines.push_back({row.measured.pipe.name(), promise.text, promise_outcome(promise, t),
                            fmt::to_string(t.cases), fmt::to_string(t.refused),
                            quantile(t.t, 1, t.oracle),
                            fmt::to_string(t.false_hits + t.false_misses),

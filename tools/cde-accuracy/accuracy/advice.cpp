@@ -33,7 +33,7 @@ std::string quantile_name(const Demands& d) {
                                            : "p99.9";
 }
 
-double error_of(const KeptPipe& k, const Demands& d) {
+double error_of(const SavedPipe& k, const Demands& d) {
   return k.u() * k.all.error(d.quantile);
 }
 
@@ -52,7 +52,7 @@ void check_error(Candidate& c, const Demands& d) {
 }
 
 void check_decisions(Candidate& c, const Demands& d) {
-  const KeptTally& t = c.of->all;
+  const SavedTally& t = c.of->all;
   if (d.no_leaks && t.leak_rays == 0)
     c.unmet.push_back(
         {"leaks", "leaks were not measured", std::numeric_limits<double>::infinity()});
@@ -160,9 +160,9 @@ std::string why_out(const std::vector<Candidate>& all) {
   return text;
 }
 
-std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candidate& c) {
-  const KeptPipe& k = *c.of;
-  const KeptTally& t = k.all;
+std::string figures_text(const SavedSweep& sweep, const Demands& d, const Candidate& c) {
+  const SavedPipe& k = *c.of;
+  const SavedTally& t = k.all;
   const auto asked = [](const std::optional<double>& limit) {
     return limit ? fmt::format("; at most {} demanded", compact(*limit)) : "";
   };
@@ -183,7 +183,7 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
   if (t.leak_rays > 0)
     text += line("leaks", fmt::format("{} of {}", t.leaks, counted(t.leak_rays, "ray")));
   text += line("area", price_text(c));
-  text += line("clock", k.price.clock_is());
+  text += line("clock", k.price.clock_source());
   if (c.seconds)
     text += line(
         "time",
@@ -200,9 +200,9 @@ std::string figures_text(const KeptSweep& sweep, const Demands& d, const Candida
 
 }  // namespace
 
-std::vector<Candidate> advise(const KeptSweep& sweep, const Demands& demands) {
+std::vector<Candidate> advise(const SavedSweep& sweep, const Demands& demands) {
   std::vector<Candidate> all;
-  for (const KeptPipe& k : sweep.pipes) {
+  for (const SavedPipe& k : sweep.pipes) {
     if (k.pipe.pair != demands.pair || k.pipe.variant != Variant::kCard) continue;
     Candidate c{.of = &k};
     check_error(c, demands);
@@ -221,7 +221,7 @@ std::vector<Candidate> advise(const KeptSweep& sweep, const Demands& demands) {
   return all;
 }
 
-std::string advice_text(const KeptSweep& sweep, const Demands& demands, const Target& target,
+std::string advice_text(const SavedSweep& sweep, const Demands& demands, const Target& target,
                         const std::vector<Candidate>& all) {
   const auto meet = static_cast<std::size_t>(
       std::ranges::count_if(all, [](const Candidate& c) { return c.unmet.empty(); }));
@@ -246,14 +246,14 @@ std::string advice_text(const KeptSweep& sweep, const Demands& demands, const Ta
                             figures_text(sweep, demands, all.front()));
 }
 
-nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demands,
+nlohmann::ordered_json advice_json(const SavedSweep& sweep, const Demands& demands,
                                    const std::vector<Candidate>& all) {
   using Json = nlohmann::ordered_json;
   // An infinite figure is null, because JSON has no infinity.
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
   Json candidates = Json::array();
   for (const Candidate& c : all) {
-    const KeptPipe& k = *c.of;
+    const SavedPipe& k = *c.of;
     const Interval95 wrong = k.all.wrong_interval();
     Json one = {
         {"pipe", k.pipe.name()},
@@ -268,7 +268,7 @@ nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demand
         {"modelled_seconds", c.seconds ? number(*c.seconds) : Json()},
         {"share_of_target", c.area_known ? number(c.cost) : Json()},
         {"estimated", c.area_known ? Json(k.price.lane->estimated) : Json()},
-        {"clock_is", k.price.clock_is()},
+        {"clock_source", k.price.clock_source()},
         {"command", sweep.command(k.pipe)}};
     for (const Unmet& u : c.unmet) one["lacks"].push_back(u.text);
     candidates.push_back(std::move(one));

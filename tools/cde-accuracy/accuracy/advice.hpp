@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "accuracy/names.hpp"
-#include "cde/accuracy/kept.hpp"
+#include "cde/accuracy/saved_sweep.hpp"
 
 /// Finds the cheapest pipe that meets demands.
 namespace cde::cli {
@@ -32,7 +32,7 @@ struct Unmet {
 };
 
 struct Candidate {
-  const KeptPipe* of = nullptr;
+  const SavedPipe* of = nullptr;
   unsigned lanes = 1;  ///< the fewest, a power of two, that run the tests in time
   /// The key of the ranking: the share of the target that these lanes take. If the area is unknown,
   /// operators times bits of the format; such candidates rank last.
@@ -44,14 +44,14 @@ struct Candidate {
 
 /// All candidates of the pair in order. First come those that meet all demands, the cheapest first.
 /// Then come the others, by the number of unmet demands and by the factor of the miss.
-[[nodiscard]] std::vector<Candidate> advise(const KeptSweep& sweep, const Demands& demands);
+[[nodiscard]] std::vector<Candidate> advise(const SavedSweep& sweep, const Demands& demands);
 
 /// Text about the best candidate with its figures and commands, or about the unmet demands.
-[[nodiscard]] std::string advice_text(const KeptSweep& sweep, const Demands& demands,
+[[nodiscard]] std::string advice_text(const SavedSweep& sweep, const Demands& demands,
                                       const Target& target, const std::vector<Candidate>& all);
 
 /// All candidates in that order, with costs and unmet demands.
-[[nodiscard]] nlohmann::ordered_json advice_json(const KeptSweep& sweep, const Demands& demands,
+[[nodiscard]] nlohmann::ordered_json advice_json(const SavedSweep& sweep, const Demands& demands,
                                                  const std::vector<Candidate>& all);
 
 }  // namespace cde::cli

@@ -59,7 +59,7 @@ namespace cde::cli::fcl_objects {
 /// to the end or the child's death.
 template <class Value, class Work>
 [[nodiscard]] std::vector<Value> in_child(const Work& work) {
-  const process::Result ran = process::isolated([&](int out) {
+  const process::Result ran = process::run_isolated([&](int out) {
     ::close(STDERR_FILENO);  // drops the assertion's message
     work([out](Value value) {
       if (::write(out, &value, sizeof value) != sizeof value) ::_exit(1);

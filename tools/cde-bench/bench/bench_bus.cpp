@@ -124,28 +124,28 @@ std::vector<Sweep> sweeps(const BenchOptions& o, std::uint32_t burst) {
 }
 
 void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const BenchOptions& o) {
-  show(
+  print_figure(
       "\nbus: modelled MB/s of a transfer to the card and to the host, with the driver's "
       "accesses\n{} bytes per burst, 64 bits at 66.67 MHz (533 MB/s), core {:g} MHz\n{:>10}",
       burst, o.clock_hz / 1e6, "bytes");
   for (const Sweep& s : all)
-    show(" {:>22}", fmt::format("{} {}", s.host->name, name_of_bus(s.bus)));
-  show("\n{:>10}", "");
-  for (std::size_t i = 0; i < all.size(); ++i) show(" {:>22}", "to card  to host");
-  show("\n");
+    print_figure(" {:>22}", fmt::format("{} {}", s.host->name, name_of_bus(s.bus)));
+  print_figure("\n{:>10}", "");
+  for (std::size_t i = 0; i < all.size(); ++i) print_figure(" {:>22}", "to card  to host");
+  print_figure("\n");
   for (std::size_t i = 0; i < kSizes.size(); ++i) {
-    show("{:>10}", kSizes[i]);
+    print_figure("{:>10}", kSizes[i]);
     for (const Sweep& s : all)
-      show(" {:>22}",
+      print_figure(" {:>22}",
            fmt::format("{:>7.1f}  {:>7.1f}", s.rates[i].up / 1e6, s.rates[i].down / 1e6));
-    show("\n");
+    print_figure("\n");
   }
-  show("{:>10}", "wall s");
-  for (const Sweep& s : all) show(" {:>22.3g}", s.wall_seconds);
-  show("\n");
+  print_figure("{:>10}", "wall s");
+  for (const Sweep& s : all) print_figure(" {:>22.3g}", s.wall_seconds);
+  print_figure("\n");
   for (const Sweep& s : all)
     if (s.host->name == "ideal")
-      show("upload with host ideal ({}) and 4 KiB bursts: {:.1f} % of 533 MB/s\n",
+      print_figure("upload with host ideal ({}) and 4 KiB bursts: {:.1f} % of 533 MB/s\n",
            name_of_bus(s.bus), 100 * s.rates.back().up / kPeak);
 }
 
@@ -197,7 +197,7 @@ Frame frame(Bus bus, unsigned lanes, Mode mode, const BenchOptions& o) {
 }
 
 ordered_json paper(const BenchOptions& o) {
-  show(
+  print_figure(
       "\npaper profile: a frame of {} tests ({} triangles x {} rays), fp32, core {:g} MHz, "
       "host p64-2001, 64 bits, 256-byte bursts; modelled ms\n{:<8} {:<11} {:>5} {:>8} "
       "{:>8} {:>8} {:>10} {:>8} {:>9} {:>8}   wall s\n",
@@ -216,7 +216,7 @@ ordered_json paper(const BenchOptions& o) {
       const ModelledTime& t = f.counters.time;
       const auto ms = [](std::uint64_t ps) { return static_cast<double>(ps) * 1e-9; };
       const std::uint64_t total = f.upload + t.total();
-      show(
+      print_figure(
           "{:<8} {:<11} {:>5} {:>8.3f} {:>8.3f} {:>8.3f} {:>10.3f} {:>8.3f} {:>9.3f} "
           "{:>8.3f} {:>8.3g}\n",
           name_of(mode), name_of_bus(bus), lanes, ms(f.upload), ms(t.load), ms(t.engine),
@@ -241,7 +241,7 @@ ordered_json bench_bus(const BenchOptions& o) {
   constexpr std::uint32_t kBurst = 4096;
   const std::vector<Sweep> all = sweeps(o, kBurst);
   print_sweeps(all, kBurst, o);
-  if (o.quick) show("PCI signals and cards of one lane: skipped (--quick)\n");
+  if (o.quick) print_figure("PCI signals and cards of one lane: skipped (--quick)\n");
   return {{"transfers", json_of(all, kBurst, o)}, {"paper_frame", paper(o)}};
 }
 

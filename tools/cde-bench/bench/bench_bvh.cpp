@@ -17,7 +17,7 @@
 namespace cde::cli {
 
 nlohmann::ordered_json bench_bvh(const BenchOptions& o) {
-  show("\nBVH: device times are modelled cycles, other times are processor time of this machine\n");
+  print_figure("\nBVH: device times are modelled cycles, other times are processor time of this machine\n");
   std::vector<TerrainOptions> meshes = {{.quads_x = 80, .quads_y = 80}};
   if (!o.quick) meshes.emplace_back();
   auto all = nlohmann::ordered_json::array();

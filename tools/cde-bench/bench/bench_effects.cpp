@@ -218,13 +218,13 @@ class Card {
   }
 
   void print_markdown() const {
-    show("| {} | {:.2f} | {:.2f} to {:.2f} | {} |\n", variant_.name, slower(), least(slower_),
+    print_figure("| {} | {:.2f} | {:.2f} to {:.2f} | {} |\n", variant_.name, slower(), least(slower_),
          most(slower_), counters_.cycles);
   }
 
   void print() const {
     const std::optional<double> known = simulation_cost(variant_.effect);
-    show("{:<44}{:>7.3f}{:>15}{:>9.3f}{:>12.4f}{:>10.2f}{:>11}{:>9}{:>9}\n", variant_.name,
+    print_figure("{:<44}{:>7.3f}{:>15}{:>9.3f}{:>12.4f}{:>10.2f}{:>11}{:>9}{:>9}\n", variant_.name,
          slower(), fmt::format("{:.2f} to {:.2f}", least(slower_), most(slower_)),
          median(slower_wall_), median(wall_), 100 * bus(), counters_.cycles,
          build_seconds_ ? fmt::format("{:.0f}", *build_seconds_) : "-",
@@ -294,7 +294,7 @@ std::vector<Card> open_cards(const BenchOptions& o, const Workload& w) {
 ordered_json promises(const std::vector<Card>& cards) {
   ordered_json list = ordered_json::array();
   const auto promise = [&](const char* what, const char* target, double figure, bool met) {
-    show("{:<66} {:>8.3f}  {}: {}\n", what, figure, target, met ? "met" : "NOT met");
+    print_figure("{:<66} {:>8.3f}  {}: {}\n", what, figure, target, met ? "met" : "NOT met");
     list.push_back({{"what", what}, {"target", target}, {"figure", figure}, {"met", met}});
   };
   for (const Card& c : cards) {
@@ -317,10 +317,10 @@ ordered_json bench_effects(const BenchOptions& o) {
   const int rounds = o.quick ? 3 : 9;
   std::vector<Card> cards = open_cards(o, w);
   if (o.markdown)
-    show("| card | times the planned card | least to most | cycles of the pass |\n{}\n",
+    print_figure("| card | times the planned card | least to most | cycles of the pass |\n{}\n",
          "| --- | --- | --- | --- |");
   else
-    show(
+    print_figure(
         "\n{} x {}, nearest, {}, fp32, one thread. The planned card: {}.\nEach other card is the "
         "planned card with one change. Slower: ratio of processor times, and (wall) of wall times; "
         "medians of {}, each measured in turn with the planned "
@@ -346,9 +346,9 @@ ordered_json bench_effects(const BenchOptions& o) {
     list.push_back(c.json(o.clock_hz));
   }
   if (o.markdown)
-    show("\n");
+    print_figure("\n");
   else
-    show(
+    print_figure(
         "bus: extra processor time of a frame (rays, registers, pass, records) over its pass, "
         "fastest of each; built: by this run\nall records of all frames equal the reference\n");
   return {{"rays", w.rays.size()},

@@ -40,7 +40,7 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
     for (const NamedFpFormat& f : kFpFormats)
       if (f.name != "fp32") formats.push_back(f.name);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  show("\ngate-level units, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
+  print_figure("\ngate-level units, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
        "format", "lanes", "M operations/s");
   // An upper bound on the number of measurements: all operations, and all lane counts of fp32.
   const auto most = static_cast<double>(kOperations.size() * (formats.size() + 2));
@@ -58,7 +58,7 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
         if (o.quick && operation.op > FpOp::kMul) continue;
         progress(done++ / most, fmt::format("{} lanes of {}, {}", lanes, name, operation.name));
         const double rate = measure(format, operation, lanes, o.quick ? 0.2 : 1.0);
-        show("{:<7}{:>6}{:>16.1f}  {}\n", name, lanes, rate / 1e6, operation.name);
+        print_figure("{:<7}{:>6}{:>16.1f}  {}\n", name, lanes, rate / 1e6, operation.name);
         rows.push_back({{"format", name},
                         {"operation", operation.name},
                         {"arithmetic", "rtl"},

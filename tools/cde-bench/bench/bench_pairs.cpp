@@ -97,7 +97,7 @@ nlohmann::ordered_json budgets_json(const std::vector<Priced>& rows, double cloc
   auto json = nlohmann::ordered_json::array();
   for (const Priced& r : rows) {
     const auto& [m, k1, k2] = r.budget;
-    show(
+    print_figure(
         "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} cycles per row, below the first by {:.1e} "
         "(p99), {:.1e} (max)\n",
         m, k1, k2, r.pairs_per_second / 1e6, r.clocks_per_row, r.p99, r.worst);
@@ -165,7 +165,7 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   const auto figure = [&](const char* form, auto of) {
     return card ? fmt::format(fmt::runtime(form), of(*card)) : std::string();
   };
-  show("{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
+  print_figure("{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
        ray_triangle ? fmt::format("ray-triangle, {}", name(algorithm)) : std::string(name(pair)),
        card ? fmt::format("{:.3f}", card->pairs_per_second / 1e6) : "no pipe",
        figure("{}", [](const MeasuredPairs& m) { return m.latency; }),
@@ -192,7 +192,7 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
 }  // namespace
 
 nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
-  show(
+  print_figure(
       "\npipes by themselves, shapes of size 0.5 to 1.5, host arithmetic, fp32, {} lanes, {} "
       "random pairs, one core, processor time\n{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
       kPairLanes, kCases, "pair", "M pairs/s", "latency", "hits %", "FCL collide M/s",
@@ -207,7 +207,7 @@ nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
     for (unsigned k = 0; k < algorithms; ++k)
       rows.push_back(bench_pair(o, pair, static_cast<Algorithm>(k)));
   }
-  show("{}\n",
+  print_figure("{}\n",
        has_fcl()
            ? "in brackets: the simulation's rate over FCL's; *: with the depth of overlapping pairs"
            : "this program was built without FCL (Debian: libfcl-dev)");

@@ -125,7 +125,7 @@ ordered_json compare_rates(const BenchOptions& o) {
   const Scene scene = o.quick ? make_scene(70, 70) : make_scene(291, 446);
   const Scene down = o.quick ? make_scene(70, 70, false) : make_scene(291, 446, false);
   constexpr int kRounds = 5;
-  show(
+  print_figure(
       "\n256 rays x {} triangles, single thread, processor time, best of {} rounds with one "
       "measurement of each (gate level: of 2)\n",
       scene.triangles.size(), kRounds);
@@ -165,7 +165,7 @@ ordered_json compare_rates(const BenchOptions& o) {
   for (const auto* list : {&rates, &rates_down}) {
     const char* rays = list == &rates ? "random" : "straight down";
     for (const SoftwareRate& r : *list) {
-      show("software {:<8} {:8.1f} M tests/s, {} rays\n", r.name, r.tests_per_second / 1e6, rays);
+      print_figure("software {:<8} {:8.1f} M tests/s, {} rays\n", r.name, r.tests_per_second / 1e6, rays);
       j["software"].push_back(
           {{"kind", r.name}, {"rays", rays}, {"tests_per_second", r.tests_per_second}});
     }
@@ -176,7 +176,7 @@ ordered_json compare_rates(const BenchOptions& o) {
     const double rate = static_cast<double>(c.pairs) / e.measured.seconds;
     const double rows = static_cast<double>(scene.triangles.size()) * 256.0 / e.config.lanes;
     const double per_row = static_cast<double>(c.cycles) / rows;
-    show(
+    print_figure(
         "card {:<4} {:>3} lanes  {:8.1f} M tests/s simulated, {:.2f} of scalar ({:.2f} straight "
         "down), {:.3f} of {}; {} cycles, {:.6f} per row, {:.3f} ms at {:g} MHz\n",
         arithmetic, e.config.lanes, rate / 1e6, rate / scalar,
@@ -205,7 +205,7 @@ std::size_t resident_bytes() {
 
 /// Device cycles and simulation time against the number of triangles.
 ordered_json linearity(const BenchOptions& o) {
-  show("\nsize of the scene, host arithmetic, 16 lanes, 256 rays\n");
+  print_figure("\nsize of the scene, host arithmetic, 16 lanes, 256 rays\n");
   ordered_json list = ordered_json::array();
   std::vector<std::uint32_t> sides = {22, 71, 224};
   if (!o.quick) sides.push_back(707);
@@ -232,7 +232,7 @@ ordered_json linearity(const BenchOptions& o) {
     const Counters c = board.cast(rays, {}, [](std::span<const Record>) {});
     const double seconds = thread_seconds() - start;
     const double rows = static_cast<double>(count) * 256 / board.lanes();
-    show(
+    print_figure(
         "{:>9} triangles  {:>10} cycles, {:.6f} per row  cast {:8.3f} s, {:6.1f} M tests/s  upload "
         "{:6.3f} s, {:5.1f} bytes per triangle\n",
         count, c.cycles, static_cast<double>(c.cycles) / rows, seconds,
@@ -275,7 +275,7 @@ ordered_json two_boards(const BenchOptions& o) {
                    }));
   }
   progress.reset();
-  show("\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
+  print_figure("\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
        2 * one / two);
   return {
       {"one_board_seconds", one}, {"two_boards_seconds", two}, {"throughput_ratio", 2 * one / two}};

@@ -170,10 +170,10 @@ ordered_json bench_waves(const BenchOptions& o) {
   ordered_json j = {{"file_bytes", fs::file_size(file)},
                     {"signals", trace.signals().size()},
                     {"changes", changes}};
-  show("\nwaves: {:.1f} MB, {} signals, {} changes; time of whole processes, the fastest of {}\n",
+  print_figure("\nwaves: {:.1f} MB, {} signals, {} changes; time of whole processes, the fastest of {}\n",
        static_cast<double>(fs::file_size(file)) / 1e6, trace.signals().size(), changes, kRounds);
-  show("{:<46} {:>9} {:>8}\n", "", "ms", "MB");
-  show("{:<46} {:>9.1f} {:>8}\n", "all changes, in this process", 1e3 * streamed, "");
+  print_figure("{:<46} {:>9} {:>8}\n", "", "ms", "MB");
+  print_figure("{:<46} {:>9.1f} {:>8}\n", "all changes, in this process", 1e3 * streamed, "");
   ordered_json list = ordered_json::array();
   const std::string self = program_file("cde-wave");
   const std::vector<Row> rows = rows_of(self, file.string());
@@ -186,10 +186,10 @@ ordered_json bench_waves(const BenchOptions& o) {
          {"wall_seconds", cost.ran ? ordered_json(cost.seconds) : ordered_json()},
          {"resident_bytes", cost.ran ? ordered_json(1024 * cost.kilobytes) : ordered_json()}});
     if (cost.ran)
-      show("{:<46} {:>9.1f} {:>8.0f}\n", row.what, 1e3 * cost.seconds,
+      print_figure("{:<46} {:>9.1f} {:>8.0f}\n", row.what, 1e3 * cost.seconds,
            static_cast<double>(cost.kilobytes) / 1e3);
     else
-      show("{:<46} {:>9}\n", row.what, "not installed");
+      print_figure("{:<46} {:>9}\n", row.what, "not installed");
   }
   j["questions"] = list;
   return j;

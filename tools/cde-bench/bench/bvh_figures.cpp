@@ -166,7 +166,7 @@ ordered_json bvh_json(const BvhFigures& f) {
 }
 
 void show_bvh(const BvhFigures& f) {
-  show(
+  print_figure(
       "\n{} triangles: {} nodes, {} levels, {:.1f} bytes per triangle, built in {} by one thread; "
       "card with {} traversal units at {:g} MHz, fp32, PCI 64/66, {} rays\n",
       f.triangles, f.nodes, f.levels,
@@ -174,7 +174,7 @@ void show_bvh(const BvhFigures& f) {
       kTraversalUnits, f.clock_hz / 1e6, f.rays);
   for (const BvhCard& c : f.cards) {
     const double of_ring = static_cast<double>(c.ring.cycles) / kBvhRing;
-    show(
+    print_figure(
         "  {:<8} 256 rays {}, with all transfers {}; streamed {:.1f} M rays/s ({:.2f} cycles "
         "each), with all transfers {:.2f} M rays/s; refit {}, with upload of triangles {}; "
         "simulated {:.0f} k rays/s\n",
@@ -185,10 +185,10 @@ void show_bvh(const BvhFigures& f) {
         1e-3 / c.per_ray(c.wall_seconds));
   }
   if (!f.embree) {
-    show("  Embree: not in this build of cde\n");
+    print_figure("  Embree: not in this build of cde\n");
     return;
   }
-  show(
+  print_figure(
       "  Embree   256 rays {} warm, {} fresh; {:.2f} M rays/s; refit {}, built in {}; one thread, "
       "its processor time\n",
       duration(f.embree->frame.warm.median), duration(f.embree->frame.fresh.median),

@@ -127,9 +127,9 @@ ordered_json clouds_json(const std::vector<CloudFigures>& figures, double clock_
 }
 
 void show_clouds(const std::vector<CloudFigures>& figures, double clock_hz) {
-  show("  spheres that find the nearest shape, ideal memory:\n");
+  print_figure("  spheres that find the nearest shape, ideal memory:\n");
   for (const CloudFigures& f : figures)
-    show(
+    print_figure(
         "  {:>6} {:<7} 256 in {} ({:.1f} cycles each), 4,096 in {:.1f} each; brute force with {} "
         "lanes {}; refit by the host {}, upload of the BVH over the bus {}\n",
         f.secondaries, fmt::format("{}s:", name(f.shape)),

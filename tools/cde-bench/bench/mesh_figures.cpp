@@ -145,12 +145,12 @@ ordered_json meshes_json(const MeshFigures& figures, double clock_hz) {
 }
 
 void show_meshes(const MeshFigures& figures, double clock_hz) {
-  show(
+  print_figure(
       "  a mesh of {} triangles in it, with {:.0f} touching pairs, on a card of "
       "triangle-triangle:\n",
       figures.triangles, figures.contacts);
   for (const MeshQuestion& q : figures.questions)
-    show("  {:<8} {}, with bus {} ({:.0f} nodes, {:.0f} pairs); FCL {}\n", q.question,
+    print_figure("  {:<8} {}, with bus {} ({:.0f} nodes, {:.0f} pairs); FCL {}\n", q.question,
          duration(q.cycles / clock_hz), duration(q.seconds_with_bus), q.nodes, q.pairs,
          q.fcl_seconds ? duration(*q.fcl_seconds) : "not available");
 }

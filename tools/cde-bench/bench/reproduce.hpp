@@ -58,7 +58,7 @@ struct ReproduceOptions {
   bool quick = false;   ///< a small terrain, few spheres
   unsigned lanes = 16;  ///< lanes of the best card
   double clock_hz = 100e6;
-  std::string clock_is = "an assumption about the device, not a measurement";
+  std::string clock_source = "an assumption about the device, not a measurement";
 };
 
 struct Reproduction {

@@ -102,7 +102,7 @@ struct Lab {
 
   void step(unsigned number, const std::string& what) {
     doing = fmt::format("{} of 4: {}", number, what);
-    if (::isatty(STDERR_FILENO) == 0) say("measuring {}\n", doing);
+    if (::isatty(STDERR_FILENO) == 0) log("measuring {}\n", doing);
     ++begun;
     progress(share(), doing);
   }

@@ -64,7 +64,7 @@ std::string against(double card, double rival) {
 }
 
 /// A table of every card against every baseline.
-std::string verdict(const Experiment& e) {
+std::string comparison_table(const Experiment& e) {
   std::vector<std::string> head = {"card"};
   for (const Entry* rival : of_source(e, Source::kSoftware))
     head.push_back("against " + rival->name);
@@ -352,10 +352,10 @@ std::string summary(const Reproduction& r) {
   const Entry* paper_card = named(one, "as in the paper");
   const Entry* scalar = named(one, "scalar");
   std::string html = "<ul class=\"plain\">\n";
-  const auto say = [&](const std::string& text) {
+  const auto add = [&](const std::string& text) {
     html += fmt::format("<li>{}</li>\n", escaped(text));
   };
-  say(fmt::format(
+  add(fmt::format(
       "The paper's card takes {:g} ms per frame. This card, built and used in the same way, takes "
       "{} (modelled). {}",
       1e3 * kPaperCard, duration(paper_card->seconds),
@@ -363,7 +363,7 @@ std::string summary(const Reproduction& r) {
                       : fmt::format("The transfer of records to the host is {:.1f} % of that.",
                                     100 * paper_card->split->bus / paper_card->seconds)));
   const double per_test = kPaperSoftware / kPaperTests;
-  say(fmt::format(
+  add(fmt::format(
       "The paper's factor of {:g} compares with software that takes {} per test, {} cycles of a "
       "2.8 GHz Xeon. Scalar software here takes {} per test; compared with it the same card would "
       "be {} times {}. Today's software is too fast for that factor, and the paper does not "
@@ -384,18 +384,18 @@ std::string summary(const Reproduction& r) {
     const Entry& rival =
         **std::min_element(rivals.begin(), rivals.end(),
                            [](const Entry* a, const Entry* b) { return a->seconds < b->seconds; });
-    say(fmt::format(
+    add(fmt::format(
         "{}: the best card takes {}. The fastest software here, {}, takes {}. The card is {}.",
         e.title, duration(card.seconds), rival.name, duration(rival.seconds),
         against(card.seconds, rival.seconds)));
   }
-  say(bvh_in_short(r.bvh.back()));
+  add(bvh_in_short(r.bvh.back()));
   return html + "</ul>\n";
 }
 
 Rows assumptions(const Reproduction& r, const Json& machine) {
   Rows rows = {{"core clock", fmt::format("{:g} MHz, {}; the paper names no clock",
-                                          r.options.clock_hz / 1e6, r.options.clock_is)},
+                                          r.options.clock_hz / 1e6, r.options.clock_source)},
                {"number format", "fp32 everywhere"},
                {"ray-triangle",
                 "Möller and Trumbore, as in the paper; brute force: every ray against every "
@@ -465,7 +465,7 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
   Json j = program_json();
   j.update({{"quick", r.options.quick},
             {"clock_hz", r.options.clock_hz},
-            {"clock_is", r.options.clock_is},
+            {"clock_source", r.options.clock_source},
             {"machine", machine},
             {"triangles", r.triangles},
             {"moved_triangles", r.moved_triangles},
@@ -537,14 +537,14 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
       "ms for its CPU, “about {:g} times”, and “four times faster than the GPU”.</p>\n",
       1e3 * kPaperCard, grouped(std::llround(1e3 * kPaperSoftware)), kPaperRatio5);
   for (const Experiment& e : r.figure5)
-    body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), dots(e), verdict(e));
+    body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), dots(e), comparison_table(e));
   body += fmt::format(
       "</section>\n<section><h2>Figure 6: moving vertices</h2>\n<p>The paper prints “{:g} times "
       "faster” and no times. The moved triangles are uploaded to the card again. Software has them "
       "in memory. Embree refits its BVH.</p>\n",
       kPaperRatio6);
   for (const Experiment& e : r.figure6)
-    body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), dots(e), verdict(e));
+    body += fmt::format("<h3>{}</h3>\n{}{}", escaped(e.title), dots(e), comparison_table(e));
   body += fmt::format(
       "</section>\n<section><h2>Figure 7: moving spheres</h2>\n<p>The paper prints “{:g} times "
       "faster” for a thousand spheres and no times. All spheres move, so all are uploaded in every "
@@ -552,7 +552,7 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
       "records.</p>\n{}",
       kPaperRatio7, sphere_lines(r));
   body += fmt::format("<h3>{}</h3>\n{}</section>\n", escaped(r.figure7.back().title),
-                      verdict(r.figure7.back()));
+                      comparison_table(r.figure7.back()));
   std::vector<Experiment> all = r.figure5;
   all.insert(all.end(), r.figure6.begin(), r.figure6.end());
   all.push_back(r.figure7.back());

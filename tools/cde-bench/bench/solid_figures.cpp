@@ -180,12 +180,12 @@ ordered_json solids_json(const std::vector<SolidFigures>& figures, double clock_
 }
 
 void show_solids(const std::vector<SolidFigures>& figures, double clock_hz) {
-  show(
+  print_figure(
       "  solids on a card of their pairs, ideal memory; modelled time of each: alone, in a packet "
       "of 256, in a stream of 4,096\n");
   for (const SolidFigures& f : figures)
     for (const SolidCard& c : f.cards)
-      show("  {:<7} {} quad{}, {}: {}, {}, {} ({:.1f} nodes, {:.1f} triangles); FCL {}\n",
+      print_figure("  {:<7} {} quad{}, {}: {}, {}, {} ({:.1f} nodes, {:.1f} triangles); FCL {}\n",
            name(f.shape), f.quads, f.quads == 1 ? "" : "s", c.question,
            duration(each(c.one, kAlone) / clock_hz),
            duration(each(c.packet, kBvhPacket) / clock_hz),

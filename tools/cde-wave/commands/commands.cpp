@@ -52,7 +52,7 @@ int info(const Request& r) {
               {"clock", clock != nullptr ? Json(clock->name) : Json()},
               {"cycles", clock != nullptr ? Json(times.edges().size()) : Json()},
               {"comments", trace.comments()}});
-    cli::put_json(j);
+    cli::print_json(j);
     return 0;
   }
   std::string text;
@@ -76,7 +76,7 @@ int info(const Request& r) {
                     ? "none found; name it with --clock SIGNAL"
                     : fmt::format("{}, {}", clock->name, counted(times.edges().size(), "cycle")));
   for (const std::string& comment : trace.comments()) line("comment", comment);
-  cli::put(text);
+  cli::print(text);
   return 0;
 }
 
@@ -117,10 +117,10 @@ int list(const Request& r) {
   if (r.json) {
     Json j = begin_json(r);
     j.update({{"signals", signals}, {"more", lines.more()}});
-    cli::put_json(j);
+    cli::print_json(j);
     return 0;
   }
-  cli::put(without_spaces(fmt::to_string(text) + lines.rest()));
+  cli::print(without_spaces(fmt::to_string(text) + lines.rest()));
   return 0;
 }
 
@@ -157,15 +157,15 @@ int values_at(const Request& r) {
               {"at", times.text(time)},
               {"values", list},
               {"more", lines.more()}});
-    cli::put_json(j);
+    cli::print_json(j);
     return 0;
   }
-  cli::put(text + lines.rest());
+  cli::print(text + lines.rest());
   return 0;
 }
 
 int why(const Request& r) {
-  cli::put(why_text(r));
+  cli::print(why_text(r));
   return 0;
 }
 

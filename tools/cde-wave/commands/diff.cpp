@@ -472,7 +472,7 @@ int diff(const Request& r) {
               {"ignored", c.ignored},
               {"differences", list},
               {"more", lines.more()}});
-    cli::put_json(j);
+    cli::print_json(j);
     return status;
   }
   text += lines.rest();
@@ -481,7 +481,7 @@ int diff(const Request& r) {
   if (c.only_a + c.only_b + c.ignored != 0)
     text += fmt::format("; {} only in the first file, {} only in the second, {} ignored", c.only_a,
                         c.only_b, c.ignored);
-  cli::put(text + "\n");
+  cli::print(text + "\n");
   return status;
 }
 

@@ -98,9 +98,9 @@ int export_waves(const Request& r) {
               {"from", times.number(w.from)},
               {"to", times.number(w.to)},
               {"signals", count}});
-    cli::put_json(j);
+    cli::print_json(j);
   } else if (output != "-") {
-    cli::say("{}: {}, {}, {} to {}\n", printable_name(output), format, counted(count, "signal"),
+    cli::log("{}: {}, {}, {} to {}\n", printable_name(output), format, counted(count, "signal"),
              times.text(w.from), times.text(w.to));
   }
   return 0;

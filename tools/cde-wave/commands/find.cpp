@@ -87,16 +87,16 @@ int find(const Request& r) {
   if (r.json) {
     Json j = begin_json(r);
     j.update({{"found", search.count}, {"matches", list}, {"more", more}});
-    cli::put_json(j);
+    cli::print_json(j);
     return status;
   }
   if (r.count)
     text = fmt::format("{}\n", search.count);
   else if (search.count == 0)
-    cli::say("cde: found nowhere from {} to {}\n", times.text(w.from), times.text(w.to));
+    cli::log("cde: found nowhere from {} to {}\n", times.text(w.from), times.text(w.to));
   else if (more != 0)
     text += fmt::format("... {} more (--max 0 prints all)\n", more);
-  cli::put(text);
+  cli::print(text);
   return status;
 }
 

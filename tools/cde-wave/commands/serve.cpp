@@ -214,9 +214,9 @@ int serve(const Request& r) {
               {"changes", tracks.changes},
               {"page", r.output},
               {"page_bytes", page.size()}});
-    cli::put_json(j);
+    cli::print_json(j);
   } else {
-    cli::say("{}: {}, {}, {} to {}, {:.1f} MB\n", printable_name(r.output),
+    cli::log("{}: {}, {}, {} to {}, {:.1f} MB\n", printable_name(r.output),
              counted(shown.size(), "signal"), counted(tracks.changes, "change"), times.text(w.from),
              times.text(w.to), static_cast<double>(page.size()) / 1e6);
   }

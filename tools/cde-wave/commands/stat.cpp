@@ -85,7 +85,7 @@ class Report {
     pipes_text(all);
     signals_text(all);
     if (all.ends_with("\n\n")) all.pop_back();
-    cli::put(without_spaces(printable_lines(all)));
+    cli::print(without_spaces(printable_lines(all)));
   }
 
   void json() {
@@ -112,7 +112,7 @@ class Report {
     j["bubbles"] = list(m_.bubbles.size(), [&](std::size_t i) { return pipe_json(i); });
     j["signals"] = list(m_.signals.size(), [&](std::size_t i) { return signal_json(i); });
     j["more"] = more_;
-    cli::put_json(j);
+    cli::print_json(j);
   }
 
  private:

@@ -245,7 +245,7 @@ void show_json(const Request& r, Trace& trace, const Times& times, const Window&
             {"blackouts", dark},
             {"signals", signals},
             {"more", lines.more()}});
-  cli::put_json(j);
+  cli::print_json(j);
 }
 
 }  // namespace
@@ -295,7 +295,7 @@ int show(const Request& r) {
       text += label(name) + bus_line(p.rows[i], g) + "\n";
     }
   }
-  cli::put(without_spaces(text + lines.rest()));
+  cli::print(without_spaces(text + lines.rest()));
   return 0;
 }
 

@@ -27,12 +27,12 @@ void check(const Request& r) {
   for (const std::string& w : r.words)
     if (std::find(kinds.begin(), kinds.end(), w) == kinds.end())
       throw Error(ErrorCode::kUsage, fmt::format("no kind of transactions {}; {}", in_quotes(w),
-                                                 meant_or_all(w, kinds)));
+                                                 suggestion_text(w, kinds)));
   const auto names = field_names(r.words);
   if (!r.histogram.empty() && std::find(names.begin(), names.end(), r.histogram) == names.end())
     throw Error(ErrorCode::kUsage,
                 fmt::format("--histogram: no field {}; {}", in_quotes(r.histogram),
-                            meant_or_all(r.histogram, names)));
+                            suggestion_text(r.histogram, names)));
 }
 
 /// The kinds of transactions in a file, and why requested kinds are missing.
@@ -110,19 +110,19 @@ class Output {
                 {"counts", counts},
                 {"transactions", list_},
                 {"more", lines_.more()}});
-      cli::put_json(j);
+      cli::print_json(j);
       return;
     }
     if (r_.csv) {
-      cli::put(text_);
-      if (lines_.more() != 0) cli::say("cde: {}", lines_.rest());
+      cli::print(text_);
+      if (lines_.more() != 0) cli::log("cde: {}", lines_.rest());
       return;
     }
     if (count() == 0) return;
     std::vector<std::string> parts;
     for (const std::string& k : transaction_kinds())
       if (counts_.contains(k)) parts.push_back(fmt::format("{} {}", counts_[k], k));
-    cli::put(without_spaces(table_.text()) + lines_.rest() +
+    cli::print(without_spaces(table_.text()) + lines_.rest() +
              fmt::format("{}\n", fmt::join(parts, ", ")));
   }
 
@@ -265,7 +265,7 @@ void print(const Request& r, const Histogram& h, const Times& times, const There
               {"summary", summary},
               {"bars", list},
               {"more", lines.more()}});
-    cli::put_json(j);
+    cli::print_json(j);
     return;
   }
   std::size_t name = 0, digits = 0;
@@ -297,7 +297,7 @@ void print(const Request& r, const Histogram& h, const Times& times, const There
                         shown("least"), shown("median"), shown("most"), shown("sum"));
   }
   if (h.without() != 0) text += fmt::format("{} without {}\n", h.without(), r.histogram);
-  cli::put(without_spaces(text));
+  cli::print(without_spaces(text));
 }
 
 }  // namespace
@@ -325,9 +325,9 @@ int transaction_table(const Request& r) {
     print(r, histogram, times, file);
   else
     output.print(file);
-  if (!file.lacks.empty()) cli::say("{}", file.lacks);
+  if (!file.lacks.empty()) cli::log("{}", file.lacks);
   if ((bars ? histogram.count() : output.count()) != 0) return 0;
-  cli::say("cde: no transactions found; the file has {}\n",
+  cli::log("cde: no transactions found; the file has {}\n",
            file.kinds.empty() ? "none of the card's signals that they need"
                               : fmt::format("the kinds {}", fmt::join(file.kinds, ", ")));
   return 1;

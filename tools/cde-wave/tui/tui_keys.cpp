@@ -30,7 +30,7 @@ bool Viewer::press(Key k) {
     if (k == key::kEscape || k == key::kInterrupt) {
       search_ = nullptr;
       waiting_.clear();
-      say("stopped", true);
+      show_message("stopped", true);
     } else if (k == U'q' && ask_ == Ask::kNothing) {
       return false;
     } else {
@@ -49,12 +49,12 @@ bool Viewer::press(Key k) {
       prompt_key(k);
     return true;
   }
-  say("");
+  show_message("");
   if (k == U'q' || k == key::kInterrupt) return false;
   try {
     if (!move_key(k) && !row_key(k) && !ask_key(k)) search_key(k);
   } catch (const Error& e) {
-    say(e.what(), true);
+    show_message(e.what(), true);
   }
   return true;
 }
@@ -122,7 +122,7 @@ void Viewer::view_key(Key k) {
     second_ = second_ == cursor_ ? std::nullopt : std::optional<std::uint64_t>(cursor_);
   if (k != U'z' && k != U'\'') return;
   if (!second_) {
-    say("there is no second cursor; m sets it at the cursor", true);
+    show_message("there is no second cursor; m sets it at the cursor", true);
     return;
   }
   if (k == U'\'') {
@@ -241,7 +241,7 @@ void Viewer::search_key(Key k) {
     case key::kEscape:
       break;
     default:
-      say("no such key; ? lists the keys", true);
+      show_message("no such key; ? lists the keys", true);
   }
 }
 
@@ -286,7 +286,7 @@ void Viewer::answer() {
   const Ask what = ask_;
   ask_ = Ask::kNothing;
   const std::string text = without_spaces_around(utf8(typed_));
-  say("");
+  show_message("");
   if (text.empty() && what != Ask::kKind) return;
   try {
     if (what == Ask::kTime) go_to(text);
@@ -309,7 +309,7 @@ void Viewer::answer() {
     kind_ = text;
     next_transaction(true);
   } catch (const Error& e) {
-    say(e.what(), true);
+    show_message(e.what(), true);
   }
 }
 
@@ -362,7 +362,7 @@ void Viewer::add_listed(const std::string& word) {
                std::make_move_iterator(added.begin()), std::make_move_iterator(added.end()));
   chosen_ = at + added.size() - 1;
   lay_out();
-  say(fmt::format("{} added", added.size()));
+  show_message(fmt::format("{} added", added.size()));
 }
 
 /// Adds the marked signal, or removes it if it is already in the list.
@@ -407,13 +407,13 @@ void Viewer::list_key(Key k) {
         return std::binary_search(names.begin(), names.end(), r.wave.view().signal.name);
       });
       lay_out();
-      say(fmt::format("{} removed", before - list_.size()));
+      show_message(fmt::format("{} removed", before - list_.size()));
     } else {
       prompt_key(k);
       if (ask_ == Ask::kList) fill_list();
     }
   } catch (const Error& e) {
-    say(e.what(), true);
+    show_message(e.what(), true);
   }
 }
 
@@ -455,7 +455,7 @@ void Viewer::set_form(const std::string& text) {
   row.wave.set_form(shown);
   if (row.other && row.other->view().signal.width == v.signal.width) row.other->set_form(shown);
   lay_out();
-  say(fmt::format("{} as {}", v.label, form_name(*form)));
+  show_message(fmt::format("{} as {}", v.label, form_name(*form)));
 }
 
 void Viewer::remove_row() {

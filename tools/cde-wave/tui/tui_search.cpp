@@ -58,7 +58,7 @@ void Viewer::begin_search(const std::string& what, Search piece) {
 }
 
 void Viewer::no_more(const std::string& what, bool forward) {
-  say(fmt::format("{} {} the cursor", what, forward ? "after" : "before"), true);
+  show_message(fmt::format("{} {} the cursor", what, forward ? "after" : "before"), true);
 }
 
 void Viewer::next_edge(bool forward) {
@@ -105,12 +105,12 @@ void Viewer::next_name(bool forward) {
       return;
     }
   }
-  say(fmt::format("no signal {} in the list; press a to add signals", name_), true);
+  show_message(fmt::format("no signal {} in the list; press a to add signals", name_), true);
 }
 
 void Viewer::next_match(bool forward) {
   if (expression_.empty()) {
-    say("no expression yet; press f to enter one", true);
+    show_message("no expression yet; press f to enter one", true);
     return;
   }
   try {
@@ -119,7 +119,7 @@ void Viewer::next_match(bool forward) {
     else
       match_backward();
   } catch (const Error& e) {
-    say(e.what(), true);
+    show_message(e.what(), true);
   }
 }
 
@@ -127,7 +127,7 @@ void Viewer::match_forward() {
   const auto [what, on] = split(expression_);
   const auto follow = std::make_shared<Follow>(trace_, what, "", on);
   // An expression that looks back at edges must see all of them, from the begin of the file.
-  const std::uint64_t begin = follow->looks_back() && !on.empty() ? trace_.start() : cursor_;
+  const std::uint64_t begin = follow->needs_history() && !on.empty() ? trace_.start() : cursor_;
   begin_search(expression_, [this, follow, from = begin]() mutable {
     const std::size_t k = tracks_.block_of(from);
     const Stretch block = tracks_.blocks()[k];
@@ -160,7 +160,7 @@ void Viewer::match_backward() {
     no_more("not true", false);
     return;
   }
-  const bool from_begin = follow->looks_back() && !on.empty();
+  const bool from_begin = follow->needs_history() && !on.empty();
   const std::size_t last = tracks_.block_of(cursor_ - 1);
   auto found = std::make_shared<std::optional<std::uint64_t>>();
   if (from_begin) {
@@ -232,7 +232,7 @@ void Viewer::show_transaction(bool forward) {
   const std::vector<Found>& all = transactions_.at(kind_);
   const std::string what = kind_.empty() ? "transaction" : "transaction of kind " + kind_;
   if (all.empty()) {
-    say(fmt::format("the file has no {}", what), true);
+    show_message(fmt::format("the file has no {}", what), true);
     return;
   }
   // Transactions that begin at the same time are visited one by one.
@@ -259,13 +259,13 @@ void Viewer::show_transaction(bool forward) {
   shown_kind_ = kind_;
   const Found& f = all[*next];
   move_to(f.begin);
-  say(fmt::format("{} {}, {} to {} ({} of {})", f.kind, f.text, times_.text(f.begin),
+  show_message(fmt::format("{} {}, {} to {} ({} of {})", f.kind, f.text, times_.text(f.begin),
                   times_.text(f.end), *next + 1, all.size()));
 }
 
 void Viewer::next_difference(bool forward) {
   if (other_trace_ == nullptr) {
-    say("there is no second file; start with cde wave tui FILE --diff OTHER.fst", true);
+    show_message("there is no second file; start with cde wave tui FILE --diff OTHER.fst", true);
     return;
   }
   begin_search("differences",
@@ -304,7 +304,7 @@ void Viewer::next_difference(bool forward) {
                  if (best) {
                    move_to(*best);
                    choose(row);
-                   say(fmt::format("{} differs", list_[row].wave.view().label));
+                   show_message(fmt::format("{} differs", list_[row].wave.view().label));
                    return true;
                  }
                  if (forward ? k + 1 == tracks_.blocks().size() : k == 0) {

@@ -110,7 +110,7 @@ void Viewer::choose(std::size_t row) {
   while (chosen_ >= top_ + rows_shown()) ++top_;
 }
 
-void Viewer::say(std::string text, bool error) {
+void Viewer::show_message(std::string text, bool error) {
   message_ = printable_name(text.substr(0, text.find('\n')));
   is_error_ = error;
 }
@@ -234,7 +234,7 @@ bool Viewer::work() {
       if (search_()) search_ = nullptr;
     } catch (const Error& e) {
       search_ = nullptr;
-      say(e.what(), true);
+      show_message(e.what(), true);
     }
     if (!search_)
       while (!waiting_.empty() && !search_) {

@@ -92,7 +92,7 @@ class Viewer {
   void set_window(std::uint64_t from, std::uint64_t span);
   void zoom(bool in);
   void scroll(bool forward, std::size_t columns);
-  void say(std::string text, bool error = false);
+  void show_message(std::string text, bool error = false);
   bool read_piece();
   [[nodiscard]] bool read_differences();
   bool load(Tracks& tracks, std::size_t block, const std::vector<std::uint32_t>& handles);

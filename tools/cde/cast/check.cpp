@@ -35,9 +35,9 @@ CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const Ray
       rays_(rays),
       packet_(board.primaries()),
       check_([this] { return next(); },
-             reference::told_of_rays(rays, job.mesh, command_of(o, job, mode))) {
+             reference::ray_report(rays, job.mesh, command_of(o, job, mode))) {
   brute_force_rays_ = std::min<std::uint64_t>(o.brute_force_rays, rays.size());
-  check_.place_by([&board, this](std::uint32_t ray) {
+  check_.set_place([&board, this](std::uint32_t ray) {
     return traversal_ ? fmt::format("clock {} (record read)", board.clocks())
                       : place_on_card(board, ray % packet_);
   });

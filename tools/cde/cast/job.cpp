@@ -113,7 +113,7 @@ CastJob job_of(const CastTask& t) {
   check_size(t, job);
   CastPlan plan = planned(t, t.request, job);
   if (!plan.warning.empty())
-    say("cde: warning: {}: {}; every ray is tested with every triangle\n", printable_name(t.mesh),
+    log("cde: warning: {}: {}; every ray is tested with every triangle\n", printable_name(t.mesh),
         plan.warning);
   if (!plan.bvh && job.config.traversal_units != 0 && job.picture && !t.source.size &&
       !t.source.grid) {
@@ -126,7 +126,7 @@ CastJob job_of(const CastTask& t) {
   }
   job.config = plan.card, job.bvh = plan.bvh, job.stands_in_for = plan.stands_in_for;
   if (job.stands_in_for && !t.quiet)
-    say("cde: {}\n", stand_in_text(job.config, *job.stands_in_for));
+    log("cde: {}\n", stand_in_text(job.config, *job.stands_in_for));
   return job;
 }
 

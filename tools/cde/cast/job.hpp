@@ -24,7 +24,7 @@ struct CastJob {
       {};  ///< if partitioned, only rank 0 has all of it, and only if fields or pictures need it
   std::uint64_t triangles = 0;  ///< of the whole mesh
   Eigen::AlignedBox3f bounds = {};
-  std::string fingerprint = {};  ///< of the whole mesh, with its name, if the run is dealt
+  std::string fingerprint = {};  ///< of the whole mesh, with its name, if the run is distributed
   std::map<unsigned, std::shared_ptr<const CastJob>> parts =
       {};                        ///< parts in this process, each a job without rays
   std::vector<Ray> listed = {};  ///< or empty: a picture's rays are made packet by packet
@@ -69,11 +69,11 @@ inline constexpr const char* kNetwork = "records over one link of 10 Gbit/s, 50 
 /// Shares the job with all ranks. Rank 0 has all of it, the others what they need.
 void share_job(const CastTask& task, CastJob& job);
 /// Error kUsage if an option cannot be combined with a run in chunks.
-void check_dealt(const CastTask& task);
+void check_distribution(const CastTask& task);
 /// Begins a run in chunks, once there is a job.
-void begin_dealt(const CastTask& task, const CastJob& job);
+void begin_distribution(const CastTask& task, const CastJob& job);
 /// Casts the rays in chunks. On ranks other than 0, and in a shard, the outcome has no records.
-[[nodiscard]] CastOutcome deal_rays(const CastTask& task, const CastJob& job,
+[[nodiscard]] CastOutcome distribute_rays(const CastTask& task, const CastJob& job,
                                     const std::string& what, const RecordSink& take);
 
 /// The differing record as a failure. Its rerun casts the record's packet again. `task` and `job`

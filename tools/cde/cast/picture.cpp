@@ -320,7 +320,7 @@ void CastPicture::write() const {
     terminal_file.write(as_text(image, columns, may_colour(STDOUT_FILENO)));
     terminal_file.commit();
   }
-  say("{:<16} {}, {} x {}\n", "picture", printable_name(path), image.size.width, image.size.height);
+  log("{:<16} {}, {} x {}\n", "picture", printable_name(path), image.size.width, image.size.height);
 }
 
 std::string as_text(const Image& image, unsigned columns, bool colour) {

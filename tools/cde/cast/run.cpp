@@ -8,7 +8,7 @@
 #include "cast/job.hpp"
 #include "cast/picture.hpp"
 #include "cde/io/record_file.hpp"
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/support/error.hpp"
 #include "output/streams.hpp"
 
@@ -18,8 +18,8 @@ namespace {
 /// Casts the job's rays, in chunks if the options ask for that.
 CastOutcome cast_rays(const CastTask& o, const CastJob& job, const std::string& what,
                       const RecordSink& take) {
-  const bool dealt = o.partition > 1 || Dealing::here().asked(o.deal);
-  return dealt ? deal_rays(o, job, what, take) : cast_here(o, job, what, take);
+  const bool distributed = o.partition > 1 || WorkDistributor::instance().is_chunked(o.distribution);
+  return distributed ? distribute_rays(o, job, what, take) : cast_here(o, job, what, take);
 }
 
 /// The number of records, if the mode determines it.
@@ -52,17 +52,17 @@ void cast_shadows(const CastTask& o, CastPicture& picture, CastOutcome& all) {
 }  // namespace
 
 void run_cast(const CastTask& asked) {
-  check_dealt(asked);
+  check_distribution(asked);
   CastTask o = asked;
   CastJob job;
-  if (Dealing::here().leads())
+  if (WorkDistributor::instance().leads())
     job = job_of(o);
   else
     job.mode = o.request.mode;
   share_job(o, job);
-  o.clock_is = settle_clock(o.clock, job.config);
-  begin_dealt(o, job);
-  if (!Dealing::here().leads() || Dealing::here().is_shard()) {
+  o.clock_source = resolve_clock(o.clock, job.config);
+  begin_distribution(o, job);
+  if (!WorkDistributor::instance().leads() || WorkDistributor::instance().is_shard()) {
     (void)cast_rays(o, job, "casting", [](std::span<const Record>) {});
     return;
   }
@@ -80,7 +80,7 @@ void run_cast(const CastTask& asked) {
     if (picture) picture->write();
     if (records) records->commit();
   }
-  if (o.json) put_json(summary_json(o, job, result));
+  if (o.json) print_json(summary_json(o, job, result));
   if (!o.quiet) print_summary(o, job, result);
   warn_of_misses(o, job, result);
   if (result.difference.empty()) return;

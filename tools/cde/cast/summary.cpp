@@ -7,7 +7,7 @@
 #include "cast/job.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/contract/records.hpp"
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/support/counted.hpp"
 #include "output/plan_output.hpp"
 #include "output/streams.hpp"
@@ -17,12 +17,12 @@ namespace {
 
 /// Cards that share the work: in this process, in the ranks, or one per part of the mesh.
 unsigned cards_of(const CastTask& o) {
-  return o.partition > 1 ? o.partition : std::max(o.boards, Dealing::here().ranks());
+  return o.partition > 1 ? o.partition : std::max(o.boards, WorkDistributor::instance().ranks());
 }
 
 /// Whether modelled times include a network between several cards.
 bool has_network(const CastTask& o) {
-  return std::max(o.partition, Dealing::here().ranks()) > 1;
+  return std::max(o.partition, WorkDistributor::instance().ranks()) > 1;
 }
 
 std::size_t packets_of(const CastJob& job) {
@@ -45,7 +45,7 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
   j.update(model_json(r.model, r.config_hash));
   j.update(stand_in_json(job.stands_in_for));
   j.update({{"clock_hz", o.clock.mhz * 1e6},
-            {"clock_is", o.clock_is},
+            {"clock_source", o.clock_source},
             {"modelled_pass_seconds", r.modelled_seconds}});
   j.update(counters_json(r.counters));
   j.update(
@@ -93,7 +93,7 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
   // Includes shadow rays.
   const std::uint64_t rays = job.mode == Mode::kHits ? job.rays.size() : c.records;
   const auto row = [](const char* name, const std::string& value) {
-    say("{:<16} {}\n", name, value);
+    log("{:<16} {}\n", name, value);
   };
   row("mesh", fmt::format("{}, {}", printable_name(o.mesh), counted(job.triangles, "triangle")));
   row("bounds", text_of(job.bounds));
@@ -119,7 +119,7 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                                    counted(c.stalls, "stall"), counted(c.bubbles, "idle cycle")));
   row("modelled time",
       fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers{}", 1e3 * r.modelled_seconds,
-                  o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_is,
+                  o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_source,
                   has_network(o) ? std::string(", ") + kNetwork : ""));
   row("simulation", job.bvh
                         ? fmt::format("{:.3g} s, {:.4g} M rays/s", r.simulation_seconds,

@@ -116,7 +116,7 @@ CastTask task_of(const CastWords& w) {
   constexpr std::size_t kFewRays = 16;
   const bool few = w.rays_file.empty() && !w.rays.empty() && w.rays.size() <= kFewRays;
   if (t.records.empty() && !w.renders && !w.json && (few || w.inside)) t.records = "-";
-  t.trace = w.trace, t.bundle = w.bundle, t.deal = w.deal;
+  t.trace = w.trace, t.bundle = w.bundle, t.distribution = w.distribution;
   t.boards = w.boards, t.partition = w.partition;
   t.clock = w.clock, t.timeout = w.timeout, t.deadline = w.deadline;
   t.json = w.json, t.quiet = w.quiet;
@@ -134,14 +134,14 @@ CastTask task_of(const CastWords& w) {
 void check_files(const CastTask& t, const std::vector<std::string>& more) {
   std::vector<FileUse> inputs = {{"MESH", t.mesh}, {"--rays", t.source.file}};
   for (const auto& file : more) inputs.push_back({"MESH", file});
-  Dealing::here().add_inputs(inputs);
+  WorkDistributor::instance().add_inputs(inputs);
   check_outputs(std::vector<FileUse>{{"-o", t.records},
                                      {"--image", t.picture.depth},
                                      {"--shaded", t.picture.shaded},
                                      {"--normals", t.picture.normals},
                                      {"--indices", t.picture.indices},
                                      {"--trace", t.trace.file},
-                                     {"--resume", t.deal.resume},
+                                     {"--resume", t.distribution.resume},
                                      {"--json", t.json ? "-" : ""}},
                 inputs);
 }

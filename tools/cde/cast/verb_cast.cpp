@@ -15,7 +15,7 @@ namespace cde::cli {
 namespace {
 
 void run(const CastWords& words) {
-  tell_builds(!words.quiet);
+  report_builds(!words.quiet);
   const CastTask task = task_of(words);
   try {
     run_cast(task);

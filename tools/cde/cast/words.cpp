@@ -13,7 +13,7 @@
 #include "cde/io/record_file.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
-#include "options/deal_options.hpp"
+#include "options/distribution_options.hpp"
 #include "options/help.hpp"
 #include "options/typed.hpp"
 #include "options/values.hpp"
@@ -171,7 +171,7 @@ void add_shares(CLI::App& verb, CastWords& o) {
               "simulates that card. The records are the same as those of one card")
           ->capture_default_str(),
       1, 1024, "");
-  add_deal_options(verb, o.deal);
+  add_distribution_options(verb, o.distribution);
 }
 
 /// Adds the options that both verbs have after those of rays, pictures and records.

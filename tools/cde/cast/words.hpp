@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "options/cli_fwd.hpp"
 #include "options/clock_target.hpp"
 #include "options/trace_options.hpp"
@@ -17,7 +17,7 @@ struct CastWords {
   std::string mesh, rays_file, camera, grid, size, records, depth, shaded, normals, indices;
   TraceRequest trace;
   BundleRequest bundle;
-  DealOptions deal;
+  DistributionOptions distribution;
   std::vector<std::string> rays, fields;
   bool inside = false;
   std::string mode = "nearest", arithmetic = "host", algorithm = "watertight", lanes = "auto",

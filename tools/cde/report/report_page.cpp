@@ -33,7 +33,7 @@ std::vector<std::vector<Cell>> assumptions(const Scene& scene, const Json& run) 
   const Json& board = run["plan"];
   std::vector<std::vector<Cell>> rows = {
       {"core clock", fmt::format("{:g} MHz, {}", card.clock_hz / 1e6,
-                                 text_of(run.value("clock_is", Json("assumed"))))},
+                                 text_of(run.value("clock_source", Json("assumed"))))},
       {"bus", text_of(run["bus"])},
       {"memory of the card", text_of(run["memory"])},
       {"number format", "fp32 (IEEE 754 binary32), round to nearest even"},

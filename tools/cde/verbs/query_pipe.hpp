@@ -13,7 +13,7 @@
 #include "cde/fp/number_text.hpp"
 #include "cde/geometry/operand_line.hpp"
 #include "cde/io/pair_array.hpp"
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/support/error.hpp"
 #include "options/pair_options.hpp"
 #include "options/trace_options.hpp"
@@ -29,7 +29,7 @@ inline constexpr std::size_t kQueryFailures = 100;  ///< most failures that --ke
 struct QueryOptions : PairOptions {
   TraceRequest trace;
   BundleRequest bundle;
-  DealOptions deal;
+  DistributionOptions distribution;
   std::string file = "-", output = "-";
   bool bits = false, check = true, keep_going = false, json = false, quiet = false;
 };

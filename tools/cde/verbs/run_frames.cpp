@@ -45,7 +45,7 @@ Json query_json(const std::string& name, const QueryFrame& f) {
 
 /// Plays a frame on a rank. Returns a line of JSON with the lengths of the texts, then the texts of
 /// the records.
-std::string played(Player& player, const DealtFrames& f, std::uint32_t frame) {
+std::string played(Player& player, const DistributedFrames& f, std::uint32_t frame) {
   const Scene& scene = f.scene;
   std::vector<std::string> texts(scene.results == Results::kNone ? 0 : scene.queries.size());
   const auto start = std::chrono::steady_clock::now();
@@ -111,24 +111,24 @@ std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t q
       repeat);
 }
 
-void begin_frames(const DealOptions& options, const DealtFrames& f, bool quiet) {
-  Dealing& dealing = Dealing::here();
+void begin_frames(const DistributionOptions& options, const DistributedFrames& f, bool quiet) {
+  WorkDistributor& distributor = WorkDistributor::instance();
   Json run = {{"verb", "run"},
               {"scene", fmt::format("contents {}", contents(f.scene))},
               {"frames", {f.first, f.last}},
               {"check", name_of(f.check)},
               {"file_per_frame", f.files == RecordFiles::kPerFrame},
               {"parameters", f.plan.board.parameters()}};
-  if (!dealing.merges())
+  if (!distributor.merges())
     run["config_hash"] =
         fmt::format("{:016x}", model_hash(f.plan.board.top(), f.plan.board.parameters()));
-  dealing.begin(options, run, quiet);
+  distributor.begin(options, run, quiet);
 }
 
-bool deal_frames(const DealtFrames& f, const FrameSink& take) {
+bool distribute_frames(const DistributedFrames& f, const FrameSink& take) {
   std::optional<Player> player;
   const std::uint64_t frames = f.last - f.first + 1;
-  return Dealing::here().deal(
+  return WorkDistributor::instance().run_part(
       {.what = "playing",
        .chunks = frames,
        .input = [&](std::uint64_t c) -> std::optional<std::string> {

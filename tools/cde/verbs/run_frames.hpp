@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/scene/player.hpp"
 #include "cde/scene/scene.hpp"
 #include "verbs/run_records.hpp"
@@ -28,7 +28,7 @@ namespace cde::cli {
                                         bool faults);
 
 /// Frames that ranks or shards share.
-struct DealtFrames {
+struct DistributedFrames {
   const Scene& scene;
   const Plan& plan;
   Check check = Check::kAll;
@@ -41,9 +41,9 @@ struct DealtFrames {
 using FrameSink = std::function<void(std::uint32_t frame, const nlohmann::ordered_json& json,
                                      const std::vector<std::string>& records)>;
 
-/// Begins a shared run with one chunk per frame (Dealing::begin).
-void begin_frames(const DealOptions& options, const DealtFrames& frames, bool quiet);
-/// Runs Dealing::deal on the frames. Error kMismatch if a record differs from the reference.
-[[nodiscard]] bool deal_frames(const DealtFrames& frames, const FrameSink& take);
+/// Begins a shared run with one chunk per frame (WorkDistributor::begin).
+void begin_frames(const DistributionOptions& options, const DistributedFrames& frames, bool quiet);
+/// Runs WorkDistributor::run_part on the frames. Error kMismatch if a record differs from the reference.
+[[nodiscard]] bool distribute_frames(const DistributedFrames& frames, const FrameSink& take);
 
 }  // namespace cde::cli

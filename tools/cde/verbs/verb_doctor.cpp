@@ -134,7 +134,7 @@ Finding small_cast(Arithmetic arithmetic, bool builds) {
     if (!builds && !model_file(card.top(), card.parameters()).built)
       return {fmt::format("{} arithmetic: the card is not built; cde doctor --build builds and "
                           "checks it, in about {:.0f} s",
-                          name, usual_build_seconds(card.parameters())),
+                          name, expected_build_seconds(card.parameters())),
               "", false};
     Board board = Board::open(card);  // the card of cde cast
     board.upload(mesh);
@@ -179,17 +179,17 @@ void run(bool builds, bool json) {
                                                        : nlohmann::ordered_json(finding.advice)}});
       continue;
     }
-    put("{:<4} {:<10} {}\n",
+    print("{:<4} {:<10} {}\n",
         !finding.advice.empty() ? "BAD"
         : finding.examined      ? "ok"
                                 : "--",
         name, finding.what);
-    if (!finding.advice.empty()) put("     {:<10} -> {}\n", "", finding.advice);
+    if (!finding.advice.empty()) print("     {:<10} -> {}\n", "", finding.advice);
   }
   if (json) {
     nlohmann::ordered_json j = program_json();
     j.update({{"fine", fine}, {"examinations", all}});
-    put_json(j);
+    print_json(j);
   }
   if (!fine) exit_code = 1;
 }

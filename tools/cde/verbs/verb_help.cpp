@@ -43,7 +43,7 @@ void print_help(const CLI::App& app, const std::string& verb, const std::string&
 
 void add_version(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("version", "Print the versions of cde and its tools");
-  verb->callback([] { put("{}\n", version_text()); });
+  verb->callback([] { print("{}\n", version_text()); });
 }
 
 void add_help(CLI::App& app) {

@@ -40,16 +40,16 @@ void add_plan(CLI::App& app) {
     warn(scene.warnings);
     Plan made = plan(scene);
     if (!o->exact) use_built_card(scene, made);
-    const std::string clock_is = settle_clock(o->target, scene, made.board);
+    const std::string clock_source = resolve_clock(o->target, scene, made.board);
     if (!o->json) {
       print_plan(scene, made);
-      if (!o->target.empty()) put("clock      {:g} MHz, {}\n", scene.card.clock_hz / 1e6, clock_is);
+      if (!o->target.empty()) print("clock      {:g} MHz, {}\n", scene.card.clock_hz / 1e6, clock_source);
       return;
     }
     nlohmann::ordered_json j = program_json();
     j.update(plan_json(scene, made));
-    j["clock_is"] = clock_is;
-    put_json(j);
+    j["clock_source"] = clock_source;
+    print_json(j);
   });
 }
 

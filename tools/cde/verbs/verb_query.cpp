@@ -11,10 +11,10 @@
 
 #include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
-#include "options/deal_options.hpp"
+#include "options/distribution_options.hpp"
 #include "options/help.hpp"
 #include "options/typed.hpp"
 #include "options/values.hpp"
@@ -40,9 +40,9 @@ class Answers {
     totals_ += answers.totals;
     if (answers.rows.empty()) return;
     flush();  // a write error comes before errors about lines
-    if (!answers.messages.empty()) say(answers.messages);
+    if (!answers.messages.empty()) log(answers.messages);
     for (const std::string& failure : answers.failures)
-      if (told_++ < kQueryFailures) say("cde: {}\n", failure);
+      if (printed_++ < kQueryFailures) log("cde: {}\n", failure);
     out_ += answers.rows;
     flush();
   }
@@ -60,7 +60,7 @@ class Answers {
   }
   std::string out_;
   QueryTotals totals_;
-  std::size_t told_ = 0;  ///< failures printed so far
+  std::size_t printed_ = 0;  ///< failures printed so far
   OutputFile file_;
 };
 
@@ -124,8 +124,8 @@ QueryAnswers answers_in(const std::string& text) {
 }
 
 /// Answers pairs in chunks. Returns nothing if not all answers are in this process.
-std::optional<QueryTotals> deal_pairs(const QueryOptions& o, const PairConfig& config) {
-  Dealing& dealing = Dealing::here();
+std::optional<QueryTotals> distribute_pairs(const QueryOptions& o, const PairConfig& config) {
+  WorkDistributor& distributor = WorkDistributor::instance();
   nlohmann::ordered_json run = {{"verb", "query"},
                                 {"pair", o.pair},
                                 {"parameters", config.parameters()},
@@ -134,15 +134,15 @@ std::optional<QueryTotals> deal_pairs(const QueryOptions& o, const PairConfig& c
                                 {"bits", o.bits},
                                 {"checked", o.check},
                                 {"keep_going", o.keep_going}};
-  if (!dealing.merges())
+  if (!distributor.merges())
     run["config_hash"] = fmt::format("{:016x}", model_hash("pair_unit", config.parameters()));
-  dealing.begin(o.deal, run, o.quiet);
+  distributor.begin(o.distribution, run, o.quiet);
   QueryChunks pairs(o, config);
   std::optional<QueryPipe> pipe;
   std::optional<Answers> answers;
-  if (dealing.leads() && !dealing.is_shard()) answers.emplace(o.output, kHeader);
+  if (distributor.leads() && !distributor.is_shard()) answers.emplace(o.output, kHeader);
   const bool whole =
-      dealing.deal({.what = "query",
+      distributor.run_part({.what = "query",
                     .chunks = std::nullopt,
                     .input = [&](std::uint64_t) { return pairs.next(); },
                     .inputs_again = false,  // stdin cannot be read again
@@ -185,7 +185,7 @@ nlohmann::ordered_json as_json(const QueryOptions& o, const PairConfig& config,
 
 void print_summary(const QueryOptions& o, const PairConfig& config, const QueryTotals& t) {
   const auto row = [](const char* name, const std::string& value) {
-    say("{:<16} {}\n", name, value);
+    log("{:<16} {}\n", name, value);
   };
   row("pair", fmt::format("{}{}, {}, {} arithmetic, {}", o.pair,
                           o.pair == "ray-triangle"
@@ -208,29 +208,29 @@ void print_summary(const QueryOptions& o, const PairConfig& config, const QueryT
 void run(const QueryOptions& o) {
   o.trace.check();
   std::vector<FileUse> inputs = {{o.file == "-" ? "stdin" : "FILE", o.file}};
-  Dealing::here().add_inputs(inputs);
-  if (o.trace.wanted() || !o.deal.resume.empty() || o.output != "-")
+  WorkDistributor::instance().add_inputs(inputs);
+  if (o.trace.wanted() || !o.distribution.resume.empty() || o.output != "-")
     check_outputs(std::vector<FileUse>{{"--trace", o.trace.wanted() ? o.trace.file : ""},
-                                       {"--resume", o.deal.resume},
+                                       {"--resume", o.distribution.resume},
                                        {o.output == "-" ? "the answers" : "--output", o.output}},
                   inputs);
   if (o.keep_going && !o.check) cannot_combine("--keep-going", "--no-check");
   o.bundle.check(o.check, "--no-check");
   PairConfig config = configuration(o);
   config.trace = o.trace.wanted();
-  const bool dealt = Dealing::here().asked(o.deal);
-  if (dealt && o.trace.wanted())
+  const bool distributed = WorkDistributor::instance().is_chunked(o.distribution);
+  if (distributed && o.trace.wanted())
     throw Error(
         ErrorCode::kUsage,
         "--trace works only in one process; it cannot be combined with ranks, --resume or --shard");
-  const auto totals = dealt ? deal_pairs(o, config) : answer_pairs(o, config);
+  const auto totals = distributed ? distribute_pairs(o, config) : answer_pairs(o, config);
   if (!totals) return;
   if (o.json)
-    put_json(as_json(o, config, *totals), -1);
+    print_json(as_json(o, config, *totals), -1);
   else if (!o.quiet)
     print_summary(o, config, *totals);
   if (totals->differ > kQueryFailures)
-    say("cde: {} from the reference\n",
+    log("cde: {} from the reference\n",
         totals->differ - kQueryFailures == 1
             ? "1 more answer differs"
             : fmt::format("{} more answers differ", totals->differ - kQueryFailures));
@@ -284,14 +284,14 @@ void add_query(CLI::App& app) {
                                 "after the end of stdin. Kept even if an answer differs",
                                 kQueryTraced));
   begin_group(*verb, "Several machines");
-  add_deal_options(*verb, o->deal);
+  add_distribution_options(*verb, o->distribution);
   begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "Summary as a line of JSON, after the answers on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o, verb] {
-    tell_builds(!o->quiet);
+    report_builds(!o->quiet);
     check_pair_options(*verb, *o);
-    settle_pair(*o);
+    normalise_pair(*o);
     run(*o);
   });
 }

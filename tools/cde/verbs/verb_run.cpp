@@ -26,7 +26,7 @@
 #include "cde/support/progress.hpp"
 #include "cde/support/suffix.hpp"
 #include "options/clock_target.hpp"
-#include "options/deal_options.hpp"
+#include "options/distribution_options.hpp"
 #include "options/help.hpp"
 #include "options/scene_frames.hpp"
 #include "options/trace_options.hpp"
@@ -53,7 +53,7 @@ struct Options {
   std::string scene, frames, out, check, report, target;
   TraceRequest trace;
   BundleRequest bundle;
-  DealOptions deal;
+  DistributionOptions distribution;
   std::vector<std::string> faults;
   double timeout = 3600;
   std::uint64_t deadline = 0;
@@ -76,7 +76,7 @@ const char* memory_name(const Scene& scene) {
 struct Totals {
   std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
   std::uint64_t nodes = 0;            // nodes of a BVH that were read
-  std::uint64_t asked = 0, open = 0;  // pairs in queries with the certified filter; uncertain pairs
+  std::uint64_t asked = 0, uncertain = 0;  // pairs in queries with the certified filter; uncertain pairs
   std::uint64_t bad = 0;              // refused primaries and secondaries, counted each time
   double modelled = 0, simulated = 0, checked = 0;
 
@@ -88,9 +88,9 @@ struct Totals {
     hits += q["hits"].get<std::uint64_t>();
     tests += q["counters"]["tests"].get<std::uint64_t>();
     nodes += q["counters"]["nodes"].get<std::uint64_t>();
-    if (has_verdicts(query.pair) && (query.mode == Mode::kHits || query.mode == Mode::kAny)) {
+    if (has_filter(query.pair) && (query.mode == Mode::kHits || query.mode == Mode::kAny)) {
       asked += q["counters"]["tests"].get<std::uint64_t>();
-      open += q["counters"]["open_pairs"].get<std::uint64_t>();
+      uncertain += q["counters"]["uncertain_pairs"].get<std::uint64_t>();
     }
     modelled += q["modelled_seconds"]["total"].get<double>();
     simulated += q["simulation_seconds"].get<double>();
@@ -105,10 +105,10 @@ void check_files(const Options& o, const Scene& scene) {
   for (const SceneObject& object : scene.objects)
     for (const auto& file : object.more_files)
       inputs.push_back({fmt::format("the mesh of object '{}'", printable_name(object.name)), file});
-  Dealing::here().add_inputs(inputs);
+  WorkDistributor::instance().add_inputs(inputs);
   check_outputs(std::vector<FileUse>{{"--report", o.report},
                                      {"--trace", o.trace.file},
-                                     {"--resume", o.deal.resume},
+                                     {"--resume", o.distribution.resume},
                                      {"--json", o.json ? "-" : ""}},
                 inputs);
   check_suffix("--report", o.report, ".html");
@@ -119,7 +119,7 @@ void check_files(const Options& o, const Scene& scene) {
 /// A run: the frames played so far, and its outputs.
 class Run {
  public:
-  Run(const Options& o, Scene& scene, const Plan& plan, Check check, const std::string& clock_is)
+  Run(const Options& o, Scene& scene, const Plan& plan, Check check, const std::string& clock_source)
       : o_(o),
         scene_(scene),
         check_(check),
@@ -139,7 +139,7 @@ class Run {
                   {"rate", scene.rate},
                   {"check", name_of(check)},
                   {"clock_hz", scene.card.clock_hz},
-                  {"clock_is", clock_is},
+                  {"clock_source", clock_source},
                   {"bus", bus_name(scene)},
                   {"memory", memory_name(scene)},
                   {"machine", machine_json()},
@@ -200,7 +200,7 @@ class Run {
       json_["error"] = e.what();
       finish(waves);
       report_faults();
-      if (!waves_defect_.empty()) say("cde: {}\n", waves_defect_);
+      if (!waves_defect_.empty()) log("cde: {}\n", waves_defect_);
       if (!is_hang(e) || !faults_.empty() || o_.deadline != 0) throw;
       throw Error(e.code(), e.what() + pack_hang(plan, e), e.fault());
     }
@@ -211,12 +211,12 @@ class Run {
   }
 
   /// Plays the frames in chunks of one frame.
-  void deal(const Plan& plan) {
-    json_["config_hash"] = Dealing::here().config_hash();
-    if (!Dealing::here().merges())  // only on rank 0; each host has its own model
+  void distribute(const Plan& plan) {
+    json_["config_hash"] = WorkDistributor::instance().config_hash();
+    if (!WorkDistributor::instance().merges())  // only on rank 0; each host has its own model
       json_["model"] = model_file(plan.board.top(), plan.board.parameters()).path.string();
     begin();
-    (void)deal_frames(
+    (void)distribute_frames(
         {.scene = scene_,
          .plan = plan,
          .check = check_,
@@ -243,7 +243,7 @@ class Run {
 
   void report() const {
     const Totals& t = totals_;
-    if (o_.json) put_json(json_);
+    if (o_.json) print_json(json_);
     const std::size_t played = json_["played"].size();
     if (!o_.quiet) {
       row("scene", printable_name(scene_.file));
@@ -251,13 +251,13 @@ class Run {
       row("tests",
           fmt::format("{}{}, {}, {}", t.tests, t.nodes == 0 ? "" : ", " + counted(t.nodes, "node"),
                       counted(t.records, "record"), counted(t.hits, "hit")));
-      if (scene_.card.verdicts)
+      if (scene_.card.filter)
         row("filter",
             t.asked == 0
                 ? "no query leaves out misses; the wide lane tested all pairs"
                 : fmt::format("{} lanes were uncertain about {} of {}, {:.3g} %",
-                              scene_.card.verdicts->name(), t.open, counted(t.asked, "pair"),
-                              100 * static_cast<double>(t.open) / static_cast<double>(t.asked)));
+                              scene_.card.filter->name(), t.uncertain, counted(t.asked, "pair"),
+                              100 * static_cast<double>(t.uncertain) / static_cast<double>(t.asked)));
       row("modelled time",
           fmt::format("{:.6g} ms per frame at {:g} MHz, bus {}, memory {}",
                       played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
@@ -332,7 +332,7 @@ class Run {
                                  .repeat = failure_.repeat}));
   }
 
-  static void row(const char* name, const std::string& value) { say("{:<16} {}\n", name, value); }
+  static void row(const char* name, const std::string& value) { log("{:<16} {}\n", name, value); }
 
   void count_faults(const Player& player) {
     if (!faults_.empty()) json_["faults"] = faults_json(faults_, player, totals_.corrected);
@@ -382,7 +382,7 @@ class Run {
                   counters["bad_secondaries"].get<std::uint64_t>());
       const Json why = j["queries"][q].value("brute_force_reason", Json());
       if (!why.is_null() && brute_force_.insert(scene_.queries[q].name).second)
-        say("cde: warning: frame {}, query '{}': brute force instead of a BVH: {}\n", frame,
+        log("cde: warning: frame {}, query '{}': brute force instead of a BVH: {}\n", frame,
             scene_.queries[q].name, why.get<std::string>());
     }
     json_["played"].push_back(j);
@@ -402,7 +402,7 @@ class Run {
     totals_.bad += bad;
     if (bad == 0 || !warned_.insert(query).second) return;
     const LengthRange range = LengthRange::of(8, 23);
-    say("cde: frame {}, query '{}': {} of its primaries and {} of its secondaries are bad input "
+    log("cde: frame {}, query '{}': {} of its primaries and {} of its secondaries are bad input "
         "(not finite, beyond 2^{}, a size below 2^{}, or not of unit length); their records have "
         "the flag bad and are no hits\n",
         frame, query, primaries, secondaries, range.high, range.low);
@@ -481,7 +481,7 @@ class Run {
 /// Refuses options that cannot be combined, before the scene is read.
 void check_options(const Options& o) {
   o.bundle.check(o.check != "none", "--check none");
-  if (Dealing::here().asked(o.deal) && (o.trace.wanted() || !o.report.empty() || !o.faults.empty()))
+  if (WorkDistributor::instance().is_chunked(o.distribution) && (o.trace.wanted() || !o.report.empty() || !o.faults.empty()))
     throw Error(ErrorCode::kUsage,
                 "--trace, --report and --fault work only in one process; they cannot be combined "
                 "with ranks, --resume or --shard");
@@ -501,16 +501,16 @@ void run(const Options& o) {
                   fmt::format("--check is '{}'; it must be all, sample or none", o.check));
     check = *asked;
   }
-  if (Dealing::here().leads()) warn(scene.warnings);
+  if (WorkDistributor::instance().leads()) warn(scene.warnings);
   if (o.trace.wanted()) scene.card.trace = true;
   Plan made = plan(scene);
   if (!o.exact) use_built_card(scene, made);
-  const std::string clock_is = settle_clock(o.target, scene, made.board);
-  const bool dealt = Dealing::here().asked(o.deal);
-  if (dealt) {
-    made.board = Dealing::here().shared(made.board);
+  const std::string clock_source = resolve_clock(o.target, scene, made.board);
+  const bool distributed = WorkDistributor::instance().is_chunked(o.distribution);
+  if (distributed) {
+    made.board = WorkDistributor::instance().shared(made.board);
     const Frames frames = frames_of(o.frames, scene);
-    const DealtFrames all{.scene = scene,
+    const DistributedFrames all{.scene = scene,
                           .plan = made,
                           .check = check,
                           .files = o.files(),
@@ -519,14 +519,14 @@ void run(const Options& o) {
                           .timeout = o.timeout,
                           .deadline = o.deadline};
     check_files(o, scene);
-    begin_frames(o.deal, all, o.quiet);
-    if (!Dealing::here().leads() || Dealing::here().is_shard()) return (void)deal_frames(all, {});
+    begin_frames(o.distribution, all, o.quiet);
+    if (!WorkDistributor::instance().leads() || WorkDistributor::instance().is_shard()) return (void)distribute_frames(all, {});
   }
-  Run run(o, scene, made, check, clock_is);
+  Run run(o, scene, made, check, clock_source);
   if (made.stands_in_for && !o.quiet)
-    say("cde: {}\n", stand_in_text(made.board, *made.stands_in_for));
-  if (dealt)
-    run.deal(made);
+    log("cde: {}\n", stand_in_text(made.board, *made.stands_in_for));
+  if (distributed)
+    run.distribute(made);
   else
     run.play(made);
   run.report();
@@ -571,12 +571,12 @@ void add_run(CLI::App& app) {
   begin_group(*verb, "Waves");
   add_trace_options(*verb, o->trace, "Waves of the run, FST (- is stdout); kept even if it fails");
   begin_group(*verb, "Several machines");
-  add_deal_options(*verb, o->deal);
+  add_distribution_options(*verb, o->distribution);
   begin_group(*verb, "Messages");
   verb->add_flag("--json", o->json, "Also print run.json on stdout");
   verb->add_flag("-q,--quiet", o->quiet, "No summary and no progress");
   verb->callback([o] {
-    tell_builds(!o->quiet);
+    report_builds(!o->quiet);
     run(*o);
   });
 }

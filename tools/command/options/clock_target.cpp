@@ -21,16 +21,16 @@ void clock_options(CLI::App& verb, ClockOptions& options) {
       ->excludes(clock);
 }
 
-std::string settle_clock(ClockOptions& options, const std::vector<PipeChoice>& pipes,
+std::string resolve_clock(ClockOptions& options, const std::vector<PipeChoice>& pipes,
                          const OperatorClocks& clocks) {
   const Target target = options.target.empty() ? Target{.name = "", .assumed_mhz = options.mhz}
                                                : parse_target(options.target);
   const CardClock clock = clock_on(target, pipes, clocks);
   options.mhz = clock.mhz;
-  return clock.is;
+  return clock.source;
 }
 
-std::string settle_clock(ClockOptions& options, const BoardConfig& card) {
+std::string resolve_clock(ClockOptions& options, const BoardConfig& card) {
   std::vector<PipeChoice> pipes;
   const auto add = [&](Pair pair, FpFormat format) {
     pipes.push_back({.pair = pair,
@@ -40,9 +40,9 @@ std::string settle_clock(ClockOptions& options, const BoardConfig& card) {
   };
   for (const Pair pair : card.pairs) {
     add(pair, card.format);
-    if (card.verdicts && has_verdicts(pair)) add(pair, *card.verdicts);
+    if (card.filter && has_filter(pair)) add(pair, *card.filter);
   }
-  return settle_clock(options, pipes,
+  return resolve_clock(options, pipes,
                       {.add = card.latency_add,
                        .mul = card.latency_mul,
                        .div = card.latency_div,
@@ -56,7 +56,7 @@ void scene_target_option(CLI::App& verb, std::string& target) {
       "Core clock measured on this device (docs/background/costs.md), instead of the scene's");
 }
 
-std::string settle_clock(const std::string& target, Scene& scene, const BoardConfig& card) {
+std::string resolve_clock(const std::string& target, Scene& scene, const BoardConfig& card) {
   const double of_scene = scene.card.clock_hz;
   ClockOptions options{.mhz = of_scene / 1e6, .target = target};
   if (!target.empty() && of_scene != SceneCard{}.clock_hz)
@@ -64,9 +64,9 @@ std::string settle_clock(const std::string& target, Scene& scene, const BoardCon
         ErrorCode::kUsage,
         fmt::format("--target is {}, and {} has clock_mhz = {:g}; only one of them may be given",
                     target, scene.file, options.mhz));
-  std::string is = settle_clock(options, card);
+  std::string source = resolve_clock(options, card);
   if (!target.empty()) scene.card.clock_hz = 1e6 * options.mhz;
-  return is;
+  return source;
 }
 
 }  // namespace cde::cli

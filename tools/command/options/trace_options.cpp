@@ -61,7 +61,7 @@ void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string&
 
 void say_stopped(const std::string& file) {
   const auto times = trace_times(file);
-  say("cde: stopped; {} has the waves{}\n", printable_name(file),
+  log("cde: stopped; {} has the waves{}\n", printable_name(file),
       times ? fmt::format(" until {} ps", times->second) : "");
 }
 

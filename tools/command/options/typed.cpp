@@ -98,7 +98,7 @@ class Reader {
     if (verb_ != nullptr) return;
     std::vector<std::string> known;
     for (const CLI::App* one : shown_verbs(app_)) known.push_back(one->get_name());
-    must_be_known(word, known, "verb");
+    check_known(word, known, "verb");
   }
 
   void positional(const std::string& word) {
@@ -258,7 +258,7 @@ void excludes(CLI::App& verb, const std::string& option, const std::vector<std::
     if (CLI::Option* o = verb.get_option_no_throw(other)) verb.get_option(option)->excludes(o);
 }
 
-std::vector<std::string> understood(const CLI::App& app, const std::vector<std::string>& words) {
+std::vector<std::string> normalise_arguments(const CLI::App& app, const std::vector<std::string>& words) {
   return Reader(app, words).read();
 }
 

@@ -110,7 +110,7 @@ CLI::Option* named(CLI::Option* option, std::vector<std::string> words, const st
                    const std::string& what) {
   known_words(option, words, name);
   registered()[option].check = [words = std::move(words), what](const std::string& text) {
-    must_be_known(text, words, what);
+    check_known(text, words, what);
   };
   return option;
 }
@@ -121,7 +121,7 @@ CLI::Option* pair_value(CLI::Option* option, const std::string& name) {
   return option;
 }
 
-void settle_pairs(std::vector<std::string>& list) {
+void normalise_pairs(std::vector<std::string>& list) {
   for (std::string& text : list) text = name(pair_in_any_order(text).pair);
 }
 
@@ -215,7 +215,7 @@ void quiet_flag(CLI::App& verb, bool* quiet) {
   verb.add_flag_callback(
       "-q,--quiet",
       [quiet] {
-        tell_builds(false);
+        report_builds(false);
         set_progress_display({});
         if (quiet != nullptr) *quiet = true;
       },

@@ -28,7 +28,7 @@ CLI::Option* named(CLI::Option* option, std::vector<std::string> words, const st
 /// The name of a pair, its shapes in either order (pair_in_any_order).
 CLI::Option* pair_value(CLI::Option* option, const std::string& name);
 /// Replaces each name in `list` by the name in pair_names().
-void settle_pairs(std::vector<std::string>& list);
+void normalise_pairs(std::vector<std::string>& list);
 /// Text of a certain form; `check` throws if the form is wrong. `name` is its name in the help.
 CLI::Option* text_value(CLI::Option* option, const std::string& name,
                         std::function<void(const std::string&)> check);

@@ -61,7 +61,7 @@ void rewrite_line(std::string_view text) {
     while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0) == 0x80) --end;  // whole UTF-8
     line = line.substr(0, end) + "...";
   }
-  // Not with say(), which would print control characters as text.
+  // Not with log(), which would print control characters as text.
   std::fputs(("\r\033[K" + line).c_str(), stderr);
   std::fflush(stderr);
 }

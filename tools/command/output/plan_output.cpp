@@ -18,14 +18,14 @@ void print_wrapped(const std::string& text, std::size_t indent) {
   while (!rest.empty()) {
     const std::size_t space = std::min(rest.find(' '), rest.size());
     if (column > indent && column + 1 + space > kWidth) {
-      put("\n{:{}}", "", indent);
+      print("\n{:{}}", "", indent);
       column = indent;
     }
-    put("{}{}", column > indent ? " " : "", rest.substr(0, space));
+    print("{}{}", column > indent ? " " : "", rest.substr(0, space));
     column += space + (column > indent ? 1 : 0);
     rest.remove_prefix(std::min(space + 1, rest.size()));
   }
-  put("\n");
+  print("\n");
 }
 
 std::string sentence(const Effect& e) {
@@ -93,30 +93,30 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
 
 void print_plan(const Scene& scene, const Plan& plan) {
   constexpr std::size_t kName = 28, kChoice = 18;
-  put("{}: {}, {} quer{}, {}\n", printable_name(scene.file),
+  print("{}: {}, {} quer{}, {}\n", printable_name(scene.file),
       counted(scene.objects.size(), "object"), scene.queries.size(),
       scene.queries.size() == 1 ? "y" : "ies", counted(scene.frames, "frame"));
   for (const bool used : {true, false}) {
-    put("\n{}\n", used ? "in the simulated card" : "left out");
+    print("\n{}\n", used ? "in the simulated card" : "left out");
     for (const Effect& e : plan.effects) {
       if (e.used != used) continue;
-      put("  {:<{}}", e.name, kName - 2);
+      print("  {:<{}}", e.name, kName - 2);
       if (used) {
         // A long choice gets a line of its own.
         const std::size_t indent = kName + kChoice + 1;
         if (e.choice.size() > kChoice)
-          put("{}\n{:{}}", e.choice, "", indent);
+          print("{}\n{:{}}", e.choice, "", indent);
         else
-          put("{:<{}}", e.choice, kChoice + 1);
+          print("{:<{}}", e.choice, kChoice + 1);
         print_wrapped(sentence(e), indent);
       } else {
         print_wrapped(sentence(e), kName);
       }
     }
   }
-  put("\nper frame\n");
+  print("\nper frame\n");
   for (const QueryWork& w : plan.queries) {
-    put("  {:<{}}", w.name, kName - 2);
+    print("  {:<{}}", w.name, kName - 2);
     print_wrapped(
         fmt::format("{} primar{} in {}, {} secondar{}: {}; {} for primaries, {} for changed "
                     "secondaries, of {}",
@@ -127,11 +127,11 @@ void print_plan(const Scene& scene, const Plan& plan) {
         kName);
   }
   const ModelFile file = model_file(plan.board.top(), plan.board.parameters());
-  put("\nmodel      {}\n           {} ({})\n", card_text(plan.board),
+  print("\nmodel      {}\n           {} ({})\n", card_text(plan.board),
       printable_name(file.path.string()),
       file.built ? "built" : "not built; the first run builds it");
   if (!plan.stands_in_for) return;
-  put("           ");
+  print("           ");
   print_wrapped(stand_in_text(plan.board, *plan.stands_in_for), 11);
 }
 

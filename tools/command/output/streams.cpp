@@ -39,7 +39,7 @@ void flush_stdout() {
 }  // namespace
 
 void warn(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) say("cde: warning: {}\n", shortened(warning));
+  for (const std::string& warning : warnings) log("cde: warning: {}\n", shortened(warning));
 }
 
 void prepare_streams() {
@@ -81,11 +81,11 @@ int exit_status_of(const std::function<int()>& work,
   }
 }
 
-void put(std::string_view text) {
+void print(std::string_view text) {
   write(printable(text));
 }
 
-void put_json(const nlohmann::ordered_json& json, int indent) {
+void print_json(const nlohmann::ordered_json& json, int indent) {
   write(json_text(json, indent) + "\n");
 }
 

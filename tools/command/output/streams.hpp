@@ -27,41 +27,41 @@ void prepare_streams();
                                  const std::function<void(const std::string&)>& complain);
 
 /// Prints text on stdout, made printable. StdoutError if it cannot be written.
-void put(std::string_view text);
+void print(std::string_view text);
 
 /// Prints JSON and a line end on stdout.
-void put_json(const nlohmann::ordered_json& json, int indent = 2);
+void print_json(const nlohmann::ordered_json& json, int indent = 2);
 
 /// A message on stderr.
-using cde::say;
+using cde::log;
 template <class First, class... Args>
-void say(fmt::format_string<First, Args...> format, First&& first, Args&&... args) {
-  cde::say(fmt::format(format, std::forward<First>(first), std::forward<Args>(args)...));
+void log(fmt::format_string<First, Args...> format, First&& first, Args&&... args) {
+  cde::log(fmt::format(format, std::forward<First>(first), std::forward<Args>(args)...));
 }
 /// Prints warnings on stderr, one per line.
 void warn(const std::vector<std::string>& warnings);
 template <class First, class... Args>
-void put(fmt::format_string<First, Args...> format, First&& first, Args&&... args) {
-  put(fmt::format(format, std::forward<First>(first), std::forward<Args>(args)...));
+void print(fmt::format_string<First, Args...> format, First&& first, Args&&... args) {
+  print(fmt::format(format, std::forward<First>(first), std::forward<Args>(args)...));
 }
 
 /// Figures as text. They are results and go to stdout, unless --json uses it.
 class Figures {
  public:
   static void beside_json() { on_stdout_ = false; }
-  static void show(std::string_view text) {
+  static void print(std::string_view text) {
     if (on_stdout_)
-      put(text);
+      cli::print(text);
     else
-      say(text);
+      log(text);
   }
 
  private:
   static inline bool on_stdout_ = true;
 };
 template <class... Args>
-void show(fmt::format_string<Args...> format, Args&&... args) {
-  Figures::show(fmt::format(format, std::forward<Args>(args)...));
+void print_figure(fmt::format_string<Args...> format, Args&&... args) {
+  Figures::print(fmt::format(format, std::forward<Args>(args)...));
 }
 
 }  // namespace cde::cli

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/jobs/journal.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -43,7 +43,7 @@ void check_words(const Journal& journal) {
   const Json words = journal.run().value("words", Json());
   const bool all_text = words.is_array() && !words.empty() &&
                         std::ranges::all_of(words, [](const Json& w) { return w.is_string(); });
-  if (all_text && journal.run().value("verb", Json()) == words[0] && is_dealt(words[0])) return;
+  if (all_text && journal.run().value("verb", Json()) == words[0] && is_distributed(words[0])) return;
   throw Error(ErrorCode::kFile, fmt::format("cde merge: {}: \"words\" is not the command of a run",
                                             printable_name(journal.path())));
 }
@@ -73,8 +73,8 @@ void run(const std::vector<std::string>& files, const CommandRun& again) {
     exit_code = other_program(*entry, merge);
     return;
   }
-  OutputFile::hold_stdout();  // written output cannot be undone
-  Dealing::here().merge(std::move(journals));
+  OutputFile::buffer_stdout();  // written output cannot be undone
+  WorkDistributor::instance().merge(std::move(journals));
   exit_code = again(words);
 }
 

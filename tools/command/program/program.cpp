@@ -10,7 +10,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/version.hpp"
 #include "options/help.hpp"
@@ -25,7 +25,7 @@ namespace {
 /// Prints "cde: message" on stderr. The message may contain text from files and long words.
 void complain(const std::string& message) {
   std::fputs(may_colour(STDERR_FILENO) ? "\033[1;31mcde:\033[0m " : "cde: ", stderr);
-  say(shortened(message) + "\n");
+  log(shortened(message) + "\n");
 }
 
 /// Prints the help of the program and of its verbs and, if this is cde, that of the other programs.
@@ -60,10 +60,10 @@ int run_program(const Program& program, const std::vector<std::string>& words) {
   app.set_help_all_flag("--help-all",
                         "Help of every verb");  // only for the program, not for its verbs
   if (words.empty()) {
-    say(app.help());
+    log(app.help());
     return 2;
   }
-  std::vector<std::string> args = understood(app, words);
+  std::vector<std::string> args = normalise_arguments(app, words);
   if (args == std::vector<std::string>{"--help-all"}) return print_all_help(program, app);
   std::reverse(args.begin(), args.end());  // CLI11 takes the words from the end
   try {
@@ -81,20 +81,20 @@ int program_main(const Program& program, int argc, char** argv) {
   prepare_streams();
   remove_unfinished_on_signals();
   show_progress_on_terminal();
-  std::optional<Dealing> dealing;
+  std::optional<WorkDistributor> distributor;
   bool ended = false;
   const int status = exit_status_of(
       [&] {
         need_proc();
         const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
-        dealing.emplace().start(words);
+        distributor.emplace().start(words);
         const int code = run_program(program, words);
-        dealing->end();
+        distributor->end();
         ended = true;
         return code;
       },
-      [&](const std::string& message) { complain((dealing ? dealing->place() : "") + message); });
-  if (dealing && !ended) dealing->fail(status);
+      [&](const std::string& message) { complain((distributor ? distributor->place() : "") + message); });
+  if (distributor && !ended) distributor->fail(status);
   return status;
 }
 

@@ -67,7 +67,7 @@ int status_of(Work work) {
   try {
     return work();
   } catch (const Error& e) {
-    say(fmt::format("cde: {}\n", shortened(e.what())));
+    log(fmt::format("cde: {}\n", shortened(e.what())));
     return exit_status(e);
   }
 }

@@ -29,7 +29,7 @@ struct Price {
   }
   [[nodiscard]] std::optional<double> seconds(double tests, unsigned on_lanes) const;
   /// "83.1 MHz on ecp5-85, estimated from its operators".
-  [[nodiscard]] std::string clock_is() const;
+  [[nodiscard]] std::string clock_source() const;
 
   [[nodiscard]] nlohmann::ordered_json to_json() const;
 };

@@ -18,6 +18,6 @@ struct Promise {
 [[nodiscard]] Promise promise_of(const AccuracyPipe& pipe);
 
 /// Outcome of a measurement: "yes", "3 wrong", "T by 16.2 u S"; "-" if measurements cannot tell.
-[[nodiscard]] std::string kept(const Promise& promise, const Tally& found);
+[[nodiscard]] std::string promise_outcome(const Promise& promise, const Tally& found);
 
 }  // namespace cde::accuracy

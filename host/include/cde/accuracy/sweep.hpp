@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cde/accuracy/tally.hpp"
-#include "cde/jobs/dealing.hpp"
+#include "cde/jobs/work_distributor.hpp"
 
 /// @file
 /// Accuracy of many pipes, each with all families of cases.
@@ -17,7 +17,7 @@ struct SweepOptions {
   std::vector<AccuracyPipe> pipes;
   std::vector<std::string> families;  ///< empty: all
   std::uint64_t seed = 1, cases = 2400;
-  DealOptions deal;  ///< a chunk is one family of a pipe
+  DistributionOptions distribution;  ///< a chunk is one family of a pipe
   bool quiet = false;
 };
 
@@ -32,7 +32,7 @@ struct Measured {
 };
 
 /// Measures the pipes, distributed in chunks. Nothing if the results are not all here
-/// (Dealing::deal). A pipe's cases are divided evenly among its families; the first families get
+/// (WorkDistributor::run_part). A pipe's cases are divided evenly among its families; the first families get
 /// the remainder.
 [[nodiscard]] std::optional<std::vector<Measured>> sweep(const SweepOptions& options);
 

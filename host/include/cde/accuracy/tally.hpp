@@ -92,11 +92,11 @@ struct DrawnCases {
 [[nodiscard]] std::vector<PairResult> answers(const AccuracyPipe& pipe, const DrawnCases& cases);
 
 /// Errors of a result in u S: of T if it was judged, and of a wrong decision.
-struct Judged {
+struct ResultErrors {
   std::optional<double> t, decision;
 };
 /// Judges a result and adds it to the tally.
-Judged judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
+ResultErrors judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
              const PairResult& answer);
 /// Keeps the larger case; of equal ones the earlier.
 void keep_worst(std::optional<WorstCase>& kept, const WorstCase& found);

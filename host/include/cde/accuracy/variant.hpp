@@ -24,7 +24,7 @@ enum class Variant {
 /// boxes.
 [[nodiscard]] bool has_variant(Pair pair, Variant variant);
 /// Whether the variant computes T, CP and n in addition to F.
-[[nodiscard]] bool says_distance(Pair pair, Variant variant);
+[[nodiscard]] bool has_distance(Pair pair, Variant variant);
 
 /// As reference::test_pairs, for a variant other than the card's.
 void test_variant(Variant variant, Pair pair, Algorithm algorithm, FpFormat format,

@@ -20,7 +20,7 @@ namespace cde {
                                                     std::uint64_t config_hash);
 
 /// Counters of the card: "tests", "rows", "device_cycles" of the passes, "stall_cycles" and
-/// "bubble_cycles" in them, "writeback_cycles" after them. Also "open_pairs", "secondaries",
+/// "bubble_cycles" in them, "writeback_cycles" after them. Also "uncertain_pairs", "secondaries",
 /// "bad_primaries", "bad_secondaries", "corrected_words".
 [[nodiscard]] nlohmann::ordered_json counters_json(const Counters& counters);
 

@@ -20,7 +20,7 @@ struct PairOptions {
 };
 
 /// Replaces `pair`, given in any order (pair_in_any_order), by its own name. Sets `exchanged`.
-void settle_pair(PairOptions& options);
+void normalise_pair(PairOptions& options);
 
 /// The pipe that the options select. Error kUsage for options that cannot be combined.
 [[nodiscard]] PairConfig configuration(const PairOptions& options);

@@ -59,7 +59,7 @@ enum Register : std::uint32_t {
   kRegBadSec = 0x0E8,       ///< secondaries refused as bad input
   kRegSecondaries = 0x0F0,  ///< secondaries streamed
   kRegWritten = 0x0F8,      ///< records written to SRAM
-  kRegOpen = 0x100,    ///< pairs that the certified filter left uncertain (`BoardConfig::verdicts`)
+  kRegUncertain = 0x100,    ///< pairs that the certified filter left uncertain (`BoardConfig::filter`)
   kRegNodes = 0x108,   ///< BVH: nodes read
   kRegLeaves = 0x110,  ///< BVH: leaves visited
   kRegTested = 0x118,  ///< BVH: secondaries of leaves that were tested
@@ -81,7 +81,7 @@ enum Register : std::uint32_t {
 /// Registers of the counters of a pass, unit by unit, in the order in which a unit delivers them.
 inline constexpr Register kCounterRegisters[] = {
     kRegCycles, kRegWriteback, kRegRows, kRegStalls, kRegBubbles, kRegSecondaries,
-    kRegBadSec, kRegWritten,   kRegOpen, kRegNodes,  kRegLeaves,  kRegTested,
+    kRegBadSec, kRegWritten,   kRegUncertain, kRegNodes,  kRegLeaves,  kRegTested,
 };
 inline constexpr unsigned kCounters = std::size(kCounterRegisters);
 inline constexpr unsigned kEngineCounters = 9;  ///< the first counters
@@ -142,7 +142,7 @@ inline constexpr Field kCapsLanes{0, 16}, kCapsPrimaries{16, 16}, kCapsExp{32, 8
 inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Container{48, 8},
     kCaps2TraversalUnits{56, 8};
 inline constexpr Field kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
-    kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Verdicts{23},
+    kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Filter{23},
     kCaps3PrimWords{24, 8}, kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
 inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsANode{48, 8};
 inline constexpr Field kRaysProvided{0, 32}, kRaysTaken{32, 32};

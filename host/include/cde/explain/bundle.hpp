@@ -69,7 +69,7 @@ struct WaveWindow {
   std::vector<std::string> first = {};  ///< words of `shown` for a command that looks at the waves
   std::string what = "the wrong answer";  ///< what happens at `fail`
 };
-void keep_waves(Bundle& bundle, const std::filesystem::path& whole, const WaveWindow& window);
+void cut_waves(Bundle& bundle, const std::filesystem::path& whole, const WaveWindow& window);
 
 void bundle_pair(Bundle& bundle, const Failure& failure);
 void bundle_card(Bundle& bundle, const Failure& failure);
@@ -82,7 +82,7 @@ bool bundle_explanation(Bundle& bundle, const explain::Explanation& explanation,
 
 /// Where the word that `signal` has at a time of the waves in `file` was produced. If that is
 /// unknown: the signal itself at that time.
-[[nodiscard]] wave::Origin made_at(const std::filesystem::path& file, const std::string& signal,
+[[nodiscard]] wave::Origin origin_at(const std::filesystem::path& file, const std::string& signal,
                                    std::uint64_t time);
 
 /// Adds why.txt: what caused the value of `signal` at the failure, with source lines. `made` says

@@ -51,7 +51,7 @@ struct Seat {
 [[nodiscard]] std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pairs,
                                       std::span<const std::size_t> rows);
 
-enum class Verdict {
+enum class Comparison {
   kSame,
   kResult,    ///< operands agree, results differ
   kOperands,  ///< an operand differs
@@ -64,7 +64,7 @@ enum class Verdict {
 struct Compared {
   std::size_t operation = 0;  ///< of the reference
   Seat seat;
-  Verdict verdict = Verdict::kMissing;
+  Comparison comparison = Comparison::kMissing;
   Operation card;                    ///< unless it is missing
   bool first = false;                ///< everything that it depends on agrees
   std::vector<std::int32_t> others;  ///< if missing: operators of the card that may compute it

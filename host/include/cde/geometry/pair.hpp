@@ -86,8 +86,8 @@ struct TraversalShapes {
 [[nodiscard]] std::optional<TraversalShapes> traversal_shapes(Pair pair, bool swap);
 
 /// Whether the certified filter can prove misses of a pair in narrow lanes
-/// (`BoardConfig::verdicts`).
-[[nodiscard]] bool has_verdicts(Pair pair);
+/// (`BoardConfig::filter`).
+[[nodiscard]] bool has_filter(Pair pair);
 /// `interval`: cycles from one row of such pairs to the next, 1 or 3. Error kUsage for another
 /// value, or for 3 if none of the pairs has candidate axes.
 void check_facet_interval(unsigned interval, std::span<const Pair> pairs);

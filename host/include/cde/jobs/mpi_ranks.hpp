@@ -69,7 +69,7 @@ class Ranks {
   /// done() while run() executes. An exception of these functions ends the work on all ranks. Rank
   /// 0 rethrows it with the originating rank and host as a prefix. The others throw an Error that
   /// says so. Waiting uses no processor time.
-  void deal(const Work& work) const;
+  void distribute(const Work& work) const;
 
   /// Ends all ranks at once.
   [[noreturn]] void abort(int status) const;

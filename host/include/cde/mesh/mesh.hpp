@@ -56,7 +56,7 @@ struct MeshLimits {
 
   /// Limits from $CDE_MESH_SECONDS and $CDE_MESH_MEMORY (MB). Error kUsage, naming the variable, if
   /// its value is not an integer above 0.
-  [[nodiscard]] static MeshLimits of_environment();
+  [[nodiscard]] static MeshLimits from_environment();
 };
 
 /// Reads OBJ, PLY (ascii, binary of either byte order) and STL (ascii, binary).
@@ -79,7 +79,7 @@ struct MeshLimits {
 /// truncated, corner number out of range, over a limit. Error kBadInput: NaN or infinite vertex
 /// (numbered from 0 in the mesh), or no triangles.
 [[nodiscard]] Mesh load_mesh(const std::filesystem::path& path,
-                             const MeshLimits& limits = MeshLimits::of_environment());
+                             const MeshLimits& limits = MeshLimits::from_environment());
 
 /// Loads a mesh named on the command line: "terrain", "terrain:QX,QY,SEED" (terrain.hpp), otherwise
 /// a path. A file named terrain is reached as ./terrain.

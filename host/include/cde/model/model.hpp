@@ -26,7 +26,7 @@ void check(Arithmetic arithmetic);
 void check_card_format(FpFormat format);
 
 /// Error kUsage, with the rule, if a certified filter in `narrow` cannot precede lanes of `wide`
-/// (`BoardConfig::verdicts`). Its format must have no more exponent bits and fewer fraction bits.
+/// (`BoardConfig::filter`). Its format must have no more exponent bits and fewer fraction bits.
 void check_narrow_format(FpFormat narrow, FpFormat wide);
 
 /// Objects that the card's transformer moves before a pass tests them.
@@ -48,9 +48,9 @@ struct BoardConfig {
   bool parallel = false;        ///< a pass can use two pipes at once (Query::second)
   unsigned facet_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
                                 ///< tests three candidate axes in turn (has_facets)
-  std::optional<FpFormat> verdicts =
+  std::optional<FpFormat> filter =
       std::nullopt;  ///< certified filter: narrow lanes prove misses of pairs of solids
-                     ///< (`has_verdicts`) in modes any and hits. One lane of `format` tests the
+                     ///< (`has_filter`) in modes any and hits. One lane of `format` tests the
                      ///< uncertain pairs. Records are the same
   unsigned traversal_units = 0;  ///< for a BVH: 0 (none), 1, 2 or 4. Only fp32 cards with a
                                  ///< pair that can traverse a BVH (traversal_shapes())
@@ -96,7 +96,7 @@ struct BoardConfig {
 /// be written) /tmp/cde-UID.
 ///
 /// A missing or damaged model is built into the cache by the script `verilator/model_builder` of
-/// $CDE_SHARE, else of the installation or source tree. Function usual_build_seconds() estimates
+/// $CDE_SHARE, else of the installation or source tree. Function expected_build_seconds() estimates
 /// the time; progress goes to stderr. Processes that need the same model wait for each other.
 /// During a build, SIGINT, SIGTERM and SIGHUP first end the build. Then they take their usual
 /// effect: a handler, or the end of the process. Error kInterrupted if the process continues.
@@ -134,10 +134,10 @@ class SimulationModel {
 };
 
 /// Rough number of seconds to build a simulation model with these parameters on two cores.
-[[nodiscard]] double usual_build_seconds(const std::vector<std::string>& parameters);
+[[nodiscard]] double expected_build_seconds(const std::vector<std::string>& parameters);
 
 /// Whether builds report themselves and their phases on stderr. The default is true.
-void tell_builds(bool tell);
+void report_builds(bool tell);
 
 /// File of a configuration, built if necessary: SimulationModel::open without loading.
 [[nodiscard]] std::filesystem::path model_path(const std::string& kind,
@@ -155,7 +155,7 @@ struct ModelFile {
 /// Parameters of the existing simulation models of a kind, in all searched folders. They come from
 /// the comments beside the files; sorted, without duplicates. Nothing else is checked:
 /// model_file() tells whether a configuration's file exists and is intact under its key.
-[[nodiscard]] std::vector<std::vector<std::string>> kept_models(const std::string& kind);
+[[nodiscard]] std::vector<std::vector<std::string>> built_models(const std::string& kind);
 
 /// Hash that the card of a configuration shows. Error kBuild as for SimulationModel::open.
 [[nodiscard]] std::uint64_t model_hash(const std::string& kind,

@@ -38,7 +38,7 @@ enum class Failure {
 [[nodiscard]] const char* to_string(Failure failure);
 
 /// Lengths are in the unit of the scene. s is the signed distance of the result: -T if F, else T.
-struct Verdict {
+struct Decision {
   Failure failure = Failure::kNone;  ///< first condition that fails, in the order of the enum
   double excess = 0;                 ///< by how much the condition exceeds its tolerance
   bool excused = false;    ///< the pair is within tolT of touching and F differs from the middle of
@@ -61,7 +61,7 @@ struct Verdict {
 };
 
 /// Checks a result by its certificate, never by another algorithm's CP or n.
-[[nodiscard]] Verdict check(const Shape& a, const Shape& b, const Result& result,
+[[nodiscard]] Decision check(const Shape& a, const Shape& b, const Result& result,
                             const CheckOptions& options = {});
 
 }  // namespace cde::oracle

@@ -9,7 +9,7 @@
 ///     for (std::uint64_t i = 0; i < 20000; ++i) {
 ///       const oracle::Case c = oracle::generate(oracle::Pair::kObbObb, kSeed, i);
 ///       const oracle::Result result = ...;              // F, T, CP, n of the words c.a and c.b
-///       const oracle::Verdict v = oracle::check(c.shape_a(), c.shape_b(), result);
+///       const oracle::Decision v = oracle::check(c.shape_a(), c.shape_b(), result);
 ///       EXPECT_TRUE(v.ok()) << v.describe() << '\n' << c.describe();
 ///       band += v.in_band, excused += v.excused;        // count and print these
 ///     }

@@ -42,7 +42,7 @@ struct RayAnswer {
 [[nodiscard]] RayAnswer cast(const Case& ray_case);
 
 /// Check of F and T of a ray pair.
-struct RayVerdict {
+struct RayDecision {
   bool ok = true;
   bool excused = false;    ///< within the band, F differs or T belongs to another crossing
   bool in_band = false;    ///< margin below the band
@@ -56,7 +56,7 @@ struct RayVerdict {
 /// must be within `tolerance` in the measures of error_t and error_point. The caller fixes both as
 /// multiples of u in advance. Near a tangent, where cosine < sqrt(band), T is only as good as
 /// sqrt(tolerance); it is excused.
-[[nodiscard]] RayVerdict check(const Ray& ray, const RayAnswer& answer, bool f, double t,
+[[nodiscard]] RayDecision check(const Ray& ray, const RayAnswer& answer, bool f, double t,
                                const Vec& cp, double band, double tolerance);
 
 }  // namespace cde::oracle

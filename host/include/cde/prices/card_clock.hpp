@@ -43,7 +43,7 @@ struct PipeFigures {
 /// given operator latencies.
 struct CardClock {
   double mhz = 100;
-  std::string is;  ///< its source, as text
+  std::string source;  ///< its source, as text
 };
 /// Error kUsage if the table has no cost for a pipe, naming the rows that exist.
 [[nodiscard]] CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,

@@ -28,8 +28,8 @@ struct Counters {
   std::uint64_t stalls = 0;   ///< cycles in which the pipe waited for record space, for a free slot
                               ///< of an iterative pipeline, or for the interval of a SAT pipe
   std::uint64_t bubbles = 0;  ///< cycles in which the pipe waited for a secondary
-  /// `BoardConfig::verdicts`: pairs that the certified filter left uncertain.
-  std::uint64_t open = 0;
+  /// `BoardConfig::filter`: pairs that the certified filter left uncertain.
+  std::uint64_t uncertain = 0;
   std::uint64_t bad_primaries = 0;    ///< primaries refused as bad input
   std::uint64_t corrected_words = 0;  ///< BoardConfig::ecc: words read from DDR with one wrong bit
   std::uint64_t bad_secondaries = 0;  ///< secondaries refused as bad input

@@ -20,7 +20,7 @@ class RecordCheck {
   using Source = std::function<std::span<const Record>()>;
 
   /// How a difference is reported.
-  struct Told {
+  struct ReportOptions {
     std::string noun = "ray";  ///< name of a primary in messages.
     /// Words of a primary and of a secondary in slot order, by their numbers in records; empty if
     /// the number is invalid.
@@ -32,7 +32,7 @@ class RecordCheck {
     std::function<std::string(const Difference&)> repeat = {};
   };
 
-  RecordCheck(Source source, Told told) : source_(std::move(source)), told_(std::move(told)) {}
+  RecordCheck(Source source, ReportOptions report) : source_(std::move(source)), report_(std::move(report)) {}
 
   void compare(std::span<const Record> records);
   /// Call it after the last record: a record that the card left out is a difference.
@@ -54,12 +54,12 @@ class RecordCheck {
   /// The first difference as data; nothing if all match.
   [[nodiscard]] const std::optional<Difference>& first_difference() const { return first_; }
   /// Sets the function for a primary's place.
-  void place_by(std::function<std::string(std::uint32_t)> place) { told_.place = std::move(place); }
+  void set_place(std::function<std::string(std::uint32_t)> place) { report_.place = std::move(place); }
 
  private:
   [[nodiscard]] std::string text() const;
   Source source_;
-  Told told_;
+  ReportOptions report_;
   std::span<const Record> pending_;
   std::uint64_t compared_ = 0, matching_ = 0;
   std::string difference_;

@@ -71,7 +71,7 @@ class BruteForce {
 
 /// Describes differences for rays and triangles. `command` is the start of a command that repeats
 /// the query, e.g. "cde cast terrain --lanes 16". Rays and triangles must outlive the result.
-[[nodiscard]] RecordCheck::Told told_of_rays(const RayView& rays, const TriangleView& triangles,
+[[nodiscard]] RecordCheck::ReportOptions ray_report(const RayView& rays, const TriangleView& triangles,
                                              std::string command);
 
 /// A record check against a BruteForce with the same arguments, which must outlive it.
@@ -82,7 +82,7 @@ class Checker : public RecordCheck {
           bool box = false, FpFormat format = {}, Algorithm algorithm = Algorithm::kMoller);
 
  private:
-  Checker(std::shared_ptr<BruteForce> brute_force, Told told);
+  Checker(std::shared_ptr<BruteForce> brute_force, ReportOptions report);
 };
 
 }  // namespace cde::reference

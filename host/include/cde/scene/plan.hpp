@@ -70,7 +70,7 @@ using Rows = std::function<std::uint64_t(unsigned lanes)>;
 /// If the planned card is not built: the cheapest built card that gives the same records. By an
 /// estimate it takes at most 1.3 times the simulation time and device time. Nothing if there is
 /// none. Lanes and pairs of `asked` are kept. Built cards are read from the comments beside the
-/// models (kept_models). The chosen one is found by its key and verified by its checksum.
+/// models (built_models). The chosen one is found by its key and verified by its checksum.
 [[nodiscard]] std::optional<BuiltCard> built_card(const BoardConfig& planned,
                                                   const SceneCard& asked, const Rows& rows);
 

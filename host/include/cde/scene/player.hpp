@@ -29,11 +29,11 @@ struct PlayOptions {
   std::optional<Packet> waves_of = {};
   /// Contents of that packet, reported before it is loaded: all primaries and secondaries of its
   /// query in front of the pipes. `counts` selects the pairs that count (empty: all).
-  struct Made {
+  struct PacketContents {
     const Shapes &primaries, &secondaries;
     std::function<bool(std::uint32_t primary, std::uint32_t secondary)> counts;
   };
-  std::function<void(const Made&)> made_of = {};
+  std::function<void(const PacketContents&)> on_packet = {};
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall-clock limit per pass
   std::uint64_t deadline_clocks = 0;        ///< per pass; 0: several times the worst case
   std::vector<ScheduledFault> faults = {};  ///< each is injected once, in its frame

@@ -120,7 +120,7 @@ struct SceneCard {
   std::vector<Pair> pairs;  ///< pipes of the card; empty: the pairs of the queries
   Arithmetic arithmetic = Arithmetic::kHost;
   FpFormat format = {};                             ///< BoardConfig::format
-  std::optional<FpFormat> verdicts = std::nullopt;  ///< `BoardConfig::verdicts`
+  std::optional<FpFormat> filter = std::nullopt;  ///< `BoardConfig::filter`
   Algorithm algorithm = kLeakFree;
   bool box = true;          ///< box rule, for pairs that have it
   double clock_hz = 100e6;  ///< assumed for the device

@@ -31,6 +31,6 @@ namespace cde {
 [[nodiscard]] std::string valid_utf8(std::string_view text);
 
 /// Writes a message to stderr after printable(). Write errors are ignored; it throws nothing.
-void say(std::string_view text);
+void log(std::string_view text);
 
 }  // namespace cde

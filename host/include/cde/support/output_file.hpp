@@ -62,7 +62,7 @@ class OutputFile {
   void set_mode(unsigned mode);
 
   /// From now on, bytes for "-" reach stdout at commit(), not as they are written.
-  static void hold_stdout();
+  static void buffer_stdout();
 
   /// Removes all uncommitted files of this process. For handlers of signals that end it: calls only
   /// unlinkat.
@@ -72,7 +72,7 @@ class OutputFile {
   void make_temporary();
   void make_spool();
   void spill();
-  void put_in_place(int fd);
+  void move_into_place(int fd);
   [[noreturn]] void fail(const char* doing) const;
 
   std::filesystem::path path_, target_;  // as it was named, and with links followed
@@ -106,7 +106,7 @@ class OutputFolder {
   [[nodiscard]] int descriptor() const { return folder_; }
 
  private:
-  void take_back();
+  void remove_created();
   std::filesystem::path path_;
   std::vector<NameInFolder> made_;  ///< innermost last
   int folder_ = -1;

@@ -30,11 +30,11 @@ using Seconds = std::chrono::duration<double>;
 /// with it. `work` writes its answer to the descriptor, and Result::output returns it. If `work`
 /// returns, the exit status is 0. A child that runs longer than `limit` is killed. Error kFile if
 /// no process can be created.
-[[nodiscard]] Result isolated(const std::function<void(int out)>& work,
+[[nodiscard]] Result run_isolated(const std::function<void(int out)>& work,
                               std::optional<Seconds> limit = {});
 
 /// How a child of continue_in_child ended.
-struct Ended {
+struct ChildExit {
   int status = 0;       ///< exit status, 128 + signal if a signal ended it
   int signal = 0;       ///< the signal that ended it; 0: none
   bool worked = false;  ///< `work` returned or threw
@@ -45,7 +45,7 @@ struct Ended {
 /// from which the child's stderr is read, and this returns how the child ended. With `forward`,
 /// signals that end a process are passed to the child, which this process outlives. Error kFile if
 /// no process can be created.
-[[nodiscard]] std::optional<Ended> continue_in_child(const std::function<void()>& work,
+[[nodiscard]] std::optional<ChildExit> continue_in_child(const std::function<void()>& work,
                                                      const std::function<void(int errors)>& relay,
                                                      bool forward);
 
@@ -57,7 +57,7 @@ bool write_all(int file, std::string_view text);
 /// has ended, the signal takes its usual effect on this process. If that does not end this process:
 /// error kInterrupted. `watch` is called about five times per second with the time and the output
 /// so far.
-[[nodiscard]] Result attend(const std::vector<std::string>& command,
+[[nodiscard]] Result run_watched(const std::vector<std::string>& command,
                             const std::function<void(Seconds, std::string_view)>& watch);
 
 /// A child that answers line by line on its stdin and stdout. Its stderr is this process's. The

@@ -35,10 +35,10 @@ class Progress {
   /// Sets the share, and names the step that begins now.
   void operator()(double share, std::string step);
   /// Names the step that begins now, for a task that usually takes this many seconds.
-  void usual(double seconds, std::string step);
+  void expect(double seconds, std::string step);
 
  private:
-  void show();
+  void run_display();
   [[nodiscard]] double elapsed() const;
   [[nodiscard]] std::string line() const;
 

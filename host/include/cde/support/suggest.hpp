@@ -20,11 +20,11 @@ namespace cde {
                                                       const std::vector<std::string>& known);
 
 /// "did you mean cast?", or "there are: cast, query, ..." if nothing is near.
-[[nodiscard]] std::string meant_or_all(std::string_view typed,
+[[nodiscard]] std::string suggestion_text(std::string_view typed,
                                        const std::vector<std::string>& known);
 
 /// Error kUsage "no WHAT 'x'; did you mean y?" if `word` is not in `words`.
-void must_be_known(std::string_view word, const std::vector<std::string>& words,
+void check_known(std::string_view word, const std::vector<std::string>& words,
                    std::string_view what);
 
 }  // namespace cde

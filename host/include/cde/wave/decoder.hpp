@@ -70,7 +70,7 @@ class Decoder {
  protected:
   virtual void at_edge(unsigned clock) = 0;
 
-  [[nodiscard]] const Wire& listen(const Signal& signal);
+  [[nodiscard]] const Wire& subscribe(const Signal& signal);
   [[nodiscard]] const Wire& wire(std::string_view name);
   /// A signal of the table that a card may lack; then null.
   [[nodiscard]] const Wire* wire_if_any(std::string_view name);

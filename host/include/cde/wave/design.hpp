@@ -132,7 +132,7 @@ class Design {
 
  private:
   void choose_prefix(Trace& trace);
-  [[nodiscard]] std::optional<Slice> find_plainly(std::string_view name) const;
+  [[nodiscard]] std::optional<Slice> find_exact(std::string_view name) const;
   std::unique_ptr<Elaborated> all_;
 };
 

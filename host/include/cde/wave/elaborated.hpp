@@ -86,7 +86,7 @@ struct Evaluated {
 /// The side of ? : that is selected: 1, 0, or x (both) if the condition is x.
 [[nodiscard]] char chosen(const Context& c, const netlist::Element& condition);
 /// Whether a choice was an if with its else in the source.
-[[nodiscard]] bool is_of_if(const Context& c, const netlist::Element& choice);
+[[nodiscard]] bool is_if_else(const Context& c, const netlist::Element& choice);
 /// Whether a case item matches, without regard to earlier items: 1, 0 or x.
 [[nodiscard]] char is_item(const Context& c, const netlist::Element& choice,
                            const netlist::Element& item);

@@ -30,7 +30,7 @@ class Expression {
   /// prev) compare with the previous call.
   [[nodiscard]] bool evaluate();
   /// Whether it has a function that looks back.
-  [[nodiscard]] bool looks_back() const;
+  [[nodiscard]] bool needs_history() const;
 
   struct Parsed;
 

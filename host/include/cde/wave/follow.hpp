@@ -25,7 +25,7 @@ class Follow {
   /// Their current values as text. While `found` runs, these are the deciding ones.
   [[nodiscard]] std::vector<std::string> texts() const;
   /// Whether an expression looks back at its previous evaluation.
-  [[nodiscard]] bool looks_back() const;
+  [[nodiscard]] bool needs_history() const;
 
   /// Returns whether to continue.
   using Found = std::function<bool(std::uint64_t)>;

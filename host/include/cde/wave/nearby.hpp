@@ -23,7 +23,7 @@ struct Passing {
 /// Lines of the statements that drive signals, then of the statements that drive their sources, up
 /// to `steps` statements away, nearest first. Ports and plain wires between modules are not steps.
 /// At most `most` lines. Signals that the design lacks are skipped.
-[[nodiscard]] std::vector<Near> fed_by(const Design& design,
+[[nodiscard]] std::vector<Near> driving_statements(const Design& design,
                                        const std::vector<std::string>& signals, unsigned steps,
                                        std::size_t most, const Passing& passing = {});
 
