@@ -2,16 +2,16 @@
 // One pipe as a top module: per cycle, LANES pairs, each lane with its own primary and secondary.
 // It checks the input contract and handles bad input. `cde query`, the regressions and the benchmarks of pairs use it.
 // Latency: latency_o cycles.
-// Throughput: LANES pairs per FACET_II cycles.
+// Throughput: LANES pairs per SAT_II cycles.
 // Cylinder pairs: LANES pairs per as many cycles as their iterations take passes.
-// Stall: ready_o of cylinder pairs (cylinder_pair.sv), and with FACET_II = 3 (row_interval.sv).
+// Stall: ready_o of cylinder pairs (cylinder_pair.sv), and with SAT_II = 3 (row_interval.sv).
 // Other pipes run free, ready_o = 1.
 module pair_unit #(
     parameter int PAIR = 0,       // pairs_pkg::PAIR_*
     parameter int ALGORITHM = 0,  // ray-triangle: pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // as in config.svh
     parameter int HALF_SPACE = 0,  // pairs with a plane, 1: the plane is the solid n.x <= d
-    parameter int FACET_II = 1,  // pairs with candidate axes: cycles from one row to the next, 1 or 3
+    parameter int SAT_II = 1,  // pairs with candidate axes: cycles from one row to the next, 1 or 3
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 8,
@@ -28,7 +28,8 @@ module pair_unit #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [23:0] budget_i,  // cylinder pairs: iterations (cylinder_pair.sv); constant while a row is in flight
+    // cylinder pairs: iterations (cylinder_pair.sv); constant while a row is in flight
+    input logic [23:0] iterations_i,
     input logic valid_i,
     output logic ready_o,
     input logic [31:0] tag_i,
@@ -76,8 +77,8 @@ module pair_unit #(
   ) check_b (.clk_i, .on_i(taken), .words_i(b), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
-  if (pairs_pkg::has(pairs_pkg::RING_PAIRS, PAIR)) begin : g_ring
-    localparam int ENTRY = formats_pkg::larger(T_CHECK, 1 + pairs_pkg::ring_entry(LAT.add, LAT.mul, LAT.cmp));
+  if (pairs_pkg::has(pairs_pkg::ITERATIVE_PAIRS, PAIR)) begin : g_iterative
+    localparam int ENTRY = formats_pkg::larger(T_CHECK, 1 + pairs_pkg::iterative_entry(LAT.add, LAT.mul, LAT.cmp));
     logic [LANES-1:0][CW-1:0] bad_entry;
     align #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) align_bad (.clk_i, .d_i(bad_check), .q_o(bad_entry));
     cylinder_pair #(
@@ -85,20 +86,20 @@ module pair_unit #(
         .LANES(LANES), .LAT(LAT),
         .ARITH(ARITH)
     ) pipe (
-        .clk_i, .rst_i, .budget_i, .valid_i, .ready_o, .tag_i(tag), .a_i(a), .b_i(b), .bad_i(bad_entry), .valid_o,
+        .clk_i, .rst_i, .iterations_i, .valid_i, .ready_o, .tag_i(tag), .a_i(a), .b_i(b), .bad_i(bad_entry), .valid_o,
         .tag_o, .bad_o(bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o);
   end else begin : g_free
-    logic unused_budget;
-    assign unused_budget = &{1'b0, budget_i};
+    logic unused_iterations;
+    assign unused_iterations = &{1'b0, iterations_i};
     logic [15:0] latency, rest;  // rest: cycles from a and b to the result
     assign latency_o = 32'(latency);
     assign rest = latency - 16'(HELD);
-    row_interval #(.INTERVAL(FACET_II)) interval (.clk_i, .rst_i, .take_i(valid_i && ready_o), .ready_o);
+    row_interval #(.INTERVAL(SAT_II)) interval (.clk_i, .rst_i, .take_i(valid_i && ready_o), .ready_o);
     logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
     bounded_pipe #(
         .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? 0 : BOX),
-        .BOUND(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? BOX : 0), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II),
+        .BOUND(pairs_pkg::has(config_pkg::BOUND_PAIRS, PAIR) ? BOX : 0), .HALF_SPACE(HALF_SPACE), .SAT_II(SAT_II),
         .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
     ) pipe (.clk_i, .enter_i(taken), .a_i(a), .b_i(b), .f_o(f_pipe), .t_o(t_pipe), .cp_o(cp_pipe), .n_o(n_pipe),
         .latency_o(latency));

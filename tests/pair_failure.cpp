@@ -56,10 +56,10 @@ std::string options_of(const FailedPair& p, bool lanes) {
   else if (c.box)
     text += " --box";
   if (c.plane == PlaneSide::kHalfSpace) text += " --half-space";
-  if (c.facet_interval != 1) text += " --facet-interval " + std::to_string(c.facet_interval);
-  if (has_budget(c.pair) && p.budget != PairBudget{})
-    text += " --budget " + std::to_string(p.budget.samples) + "," +
-            std::to_string(p.budget.circle) + "," + std::to_string(p.budget.free);
+  if (c.sat_interval != 1) text += " --sat-interval " + std::to_string(c.sat_interval);
+  if (has_iterations(c.pair) && p.iterations != PairIterations{})
+    text += " --iterations " + std::to_string(p.iterations.samples) + "," +
+            std::to_string(p.iterations.circle) + "," + std::to_string(p.iterations.free);
   return text;
 }
 
@@ -71,16 +71,16 @@ std::optional<Failure> failure_of(const FailedPair& p, std::size_t first, std::s
     return std::vector<std::uint64_t>(part.begin(), part.end());
   };
   PairFailure f{.config = p.config,
-                .budget = p.budget,
+                .iterations = p.iterations,
                 .options = options_of(p, false),
                 .a = some(p.a, aw),
                 .b = some(p.b, bw)};
   std::vector<PairResult> card(end - first), expected(end - first);
   PairUnit unit(p.config);
-  if (has_budget(p.config.pair)) unit.set_budget(p.budget);
+  if (has_iterations(p.config.pair)) unit.set_iterations(p.iterations);
   unit.test(f.a, f.b, card);
   reference::test_pairs(p.config.pair, p.config.algorithm, p.config.format, f.a, f.b, expected,
-                        p.config.plane, p.budget, p.config.box);
+                        p.config.plane, p.iterations, p.config.box);
   for (f.at = 0; f.at < card.size() && card[f.at] == expected[f.at];) ++f.at;
   if (f.at == card.size()) return std::nullopt;
   f.card = card[f.at], f.reference = expected[f.at];

@@ -16,7 +16,7 @@ struct FailedPair {
   PairConfig config;
   std::span<const std::uint64_t> a, b;  ///< of all pairs
   std::size_t at = 0;
-  PairBudget budget = {};
+  PairIterations iterations = {};
 };
 
 /// A command line that repeats the pair on the same pipe: "echo '0x... | 0x...' | cde query ...".

@@ -84,7 +84,7 @@ module card_registers #(
   localparam int STENCILS = (PRIMARIES + 63) / 64;
 
   registers_pkg::command_t command_q;
-  registers_pkg::budget_t budget_q;
+  registers_pkg::iterations_t iterations_q;
   registers_pkg::fault_t fault_q;
   logic [31:0] prim_count_q, split_q, sec_first_q, sec_count_q, object_count_q, prim_object_count_q;
   logic [STENCILS*64-1:0] stencil_q;
@@ -141,7 +141,7 @@ module card_registers #(
           case (addr_q)
             32'(registers_pkg::REG_CONTROL): allowed = 1;
             32'(registers_pkg::REG_COMMAND), 32'(registers_pkg::REG_PRIM_COUNT), 32'(registers_pkg::REG_PRIM_SPLIT),
-                32'(registers_pkg::REG_BUDGET), 32'(registers_pkg::REG_SEC_FIRST),
+                32'(registers_pkg::REG_ITERATIONS), 32'(registers_pkg::REG_SEC_FIRST),
                     32'(registers_pkg::REG_SEC_COUNT): allowed = !busy_i;
             32'(registers_pkg::REG_OBJECT_COUNT): allowed = TRANSFORM != pairs_pkg::TRANSFORM_NONE && !busy_i;
             32'(registers_pkg::REG_NODE_COUNT), 32'(registers_pkg::REG_NODE_FIRST), 32'(registers_pkg::REG_SLOT_COUNT),
@@ -184,7 +184,7 @@ module card_registers #(
   logic [63:0] sec_end;
   pairs_pkg::words_t sec_words;
   pairs_pkg::shape_t sec_shape, sec_shape2;
-  logic pair_there, second_ok, budget_ok, secondaries_ok;
+  logic pair_there, second_ok, iterations_ok, secondaries_ok;
   assign sec_shape = pairs_pkg::SHAPE_BITS'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
       pairs_pkg::secondary_shape(int'(command_q.pair)));
   assign sec_words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape)));
@@ -200,9 +200,9 @@ module card_registers #(
       command_q.mode <= registers_pkg::MODE_ANY && (SWAP != 0 ||
           !command_q.second_swap) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
   // Iterations of cylinder pairs. Cards without such pairs ignore them.
-  assign budget_ok = (PAIRS & pairs_pkg::RING_PAIRS) == 0 || ((budget_q.m == 8'd4 || budget_q.m == 8'd8 ||
-      budget_q.m == 8'd16) &&
-      budget_q.k1 <= registers_pkg::BUDGET_MOST && budget_q.k2 <= registers_pkg::BUDGET_MOST);
+  assign iterations_ok = (PAIRS & pairs_pkg::ITERATIVE_PAIRS) == 0 ||
+      ((iterations_q.m == 8'd4 || iterations_q.m == 8'd8 || iterations_q.m == 8'd16) &&
+      iterations_q.k1 <= registers_pkg::ITERATIONS_MOST && iterations_q.k2 <= registers_pkg::ITERATIONS_MOST);
   // BVH passes are for rays and solids; solids have no mode farthest. No secondary beyond the count is in the BVH.
   localparam bvh_pkg::traversals_t TRAVERSALS = (TRAVERSAL_UNITS != 0) ? bvh_pkg::card_traversals(CONFIG) : '0;
   logic brute_force_ok, bvh_ok, bvh_pair_ok, bvh_solid;
@@ -222,7 +222,7 @@ module card_registers #(
       (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
       sec_end <= DDR_BYTES;
   assign command_ok = (command_q.bvh ? bvh_ok : brute_force_ok) && !busy_i;
-  assign brute_force_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && budget_ok &&
+  assign brute_force_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && iterations_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
   // The objects in use, also of primaries, must be in contract, or go is refused. Their ranges replace the range in the
@@ -237,7 +237,7 @@ module card_registers #(
     pass_o.pair = {(PARALLEL != 0 && command_q.second) ? command_q.second_pair : pairs_pkg::NO_PAIR, command_q.pair};
     pass_o.swap = {SWAP != 0 && command_q.second_swap, SWAP != 0 && command_q.swap};
     pass_o.normals = NORMALS != 0 && command_q.normals;
-    pass_o.budget = {budget_q.k2, budget_q.k1, budget_q.m};
+    pass_o.iterations = {iterations_q.k2, iterations_q.k1, iterations_q.m};
     pass_o.split = split_q[7:0];
     pass_o.primaries = prim_count_q[8:0];
     pass_o.first = sec_first_q;
@@ -314,7 +314,7 @@ module card_registers #(
         registers_pkg::REG_COMMAND: rdata_q <= command_q;
         registers_pkg::REG_PRIM_COUNT: rdata_q <= 64'(prim_count_q);
         registers_pkg::REG_PRIM_SPLIT: rdata_q <= 64'(split_q);
-        registers_pkg::REG_BUDGET: rdata_q <= budget_q;
+        registers_pkg::REG_ITERATIONS: rdata_q <= iterations_q;
         registers_pkg::REG_SEC_FIRST: rdata_q <= 64'(sec_first_q);
         registers_pkg::REG_SEC_COUNT: rdata_q <= 64'(sec_count_q);
         registers_pkg::REG_OBJECT_COUNT: rdata_q <= 64'(object_count_q);
@@ -340,7 +340,7 @@ module card_registers #(
       case (offset)
         registers_pkg::REG_COMMAND: command_q <= wdata_q & registers_pkg::COMMAND_BITS;
         registers_pkg::REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
-        registers_pkg::REG_BUDGET: budget_q <= {40'b0, |wdata_q[63:24] ? 24'hFFFFFF : wdata_q[23:0]};
+        registers_pkg::REG_ITERATIONS: iterations_q <= {40'b0, |wdata_q[63:24] ? 24'hFFFFFF : wdata_q[23:0]};
         registers_pkg::REG_PRIM_COUNT: begin
           prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
           for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < wdata_q;
@@ -368,7 +368,7 @@ module card_registers #(
     if (rst_i) begin
       {done_q, command_error_q, bus_error_q} <= '0;
       command_q <= '0;
-      budget_q <= {40'b0, registers_pkg::BUDGET_RESET};
+      iterations_q <= {40'b0, registers_pkg::ITERATIONS_RESET};
       {prim_count_q, split_q, sec_first_q, sec_count_q, object_count_q, prim_object_count_q} <= '0;
       stencil_q <= '0;
       present_q <= '0;

@@ -16,7 +16,7 @@ package card_pkg;
     logic [31:0] count;         // secondaries
     logic [8:0] primaries;      // in the register file
     logic [7:0] split;          // first primary of the second pair
-    logic [23:0] budget;        // iterations of cylinder pairs
+    logic [23:0] iterations;    // iterations of cylinder pairs
     logic normals;
     logic [1:0] swap;           // role swap of each pair
     logic [1:0][pairs_pkg::PAIR_BITS-1:0] pair;  // [1] is the second pair or NO_PAIR, [0] the first

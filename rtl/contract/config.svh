@@ -13,7 +13,7 @@
 //   SWAP          A command can exchange the roles of primary and secondary.
 //   NORMALS       A command can ask for normals.
 //   PARALLEL      Two pipes can work on the same secondaries at a time.
-//   FACET_II      Pairs with candidate axes: cycles from one row to the next, 1 or 3.
+//   SAT_II        Pairs with candidate axes: cycles from one row to the next, 1 or 3.
 //   FILTER_EXP    0, or with FILTER_MAN the format of the narrow lanes of certified filters. They prove misses of
 //                 pairs of solids (filter_pair.sv). The pair then has one lane of the card's format behind them.
 //   TRANSFORM     Objects move by a rigid transform: pairs_pkg::TRANSFORM_*.
@@ -38,7 +38,7 @@
     parameter int SWAP = 0, \
     parameter int NORMALS = 0, \
     parameter int PARALLEL = 0, \
-    parameter int FACET_II = 1, \
+    parameter int SAT_II = 1, \
     parameter int FILTER_EXP = 0, \
     parameter int FILTER_MAN = 0, \
     parameter int TRANSFORM = 0, \
@@ -56,7 +56,7 @@
     parameter int DDR_SLOTS = 55555555, \
     parameter int SRAM_RECORDS = 524288
 
-`define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, FACET_II, \
+`define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, SAT_II, \
     FILTER_EXP, FILTER_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, TRAVERSAL_UNITS, NODES, ECC, LAT_ADD, LAT_MUL, \
     LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
 
@@ -71,7 +71,7 @@
     int swap; \
     int normals; \
     int parallel; \
-    int facet_ii; \
+    int sat_ii; \
     int filter_exp; \
     int filter_man; \
     int transform; \

@@ -19,12 +19,12 @@ module config_check #(
       config_pkg::BOUND_PAIRS)) == 0)) begin : g_box
     $error("board: BOX must be 0 or 1; 1 needs ray-triangle or a pair of BOUND_PAIRS in PAIRS");
   end
-  if (CONFIG.facet_ii != 1 && CONFIG.facet_ii != 3) begin : g_interval
-    $error("board: FACET_II must be 1 or 3");
+  if (CONFIG.sat_ii != 1 && CONFIG.sat_ii != 3) begin : g_interval
+    $error("board: SAT_II must be 1 or 3");
   end
-  if (CONFIG.filter_exp != 0 && (config_pkg::filter_pairs(CONFIG) == 0 || CONFIG.facet_ii != 1 ||
+  if (CONFIG.filter_exp != 0 && (config_pkg::filter_pairs(CONFIG) == 0 || CONFIG.sat_ii != 1 ||
       CONFIG.filter_exp > CONFIG.exp || CONFIG.filter_man >= CONFIG.man)) begin : g_filters
-    $error("board: FILTER_EXP, FILTER_MAN must be a narrower format; they need FACET_II = 1 and FILTER_PAIRS");
+    $error("board: FILTER_EXP, FILTER_MAN must be a narrower format; they need SAT_II = 1 and FILTER_PAIRS");
   end
   if (CONFIG.traversal_units != 0 &&
       ((CONFIG.traversal_units != 1 && CONFIG.traversal_units != 2 && CONFIG.traversal_units != 4) ||

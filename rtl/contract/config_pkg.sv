@@ -33,7 +33,7 @@ package config_pkg;
   endfunction
   // Pairs whose pipe keeps the order of rows, but not the time.
   function automatic int ordered_pairs(input config_t card);
-    ordered_pairs = (card.pairs & pairs_pkg::RING_PAIRS) | filter_pairs(card);
+    ordered_pairs = (card.pairs & pairs_pkg::ITERATIVE_PAIRS) | filter_pairs(card);
   endfunction
   // A power of two above the latency of any pipe, except iterative pipelines. With certified filters, above that of
   // narrow lanes, proof and wide pipe together.

@@ -112,11 +112,11 @@ package pairs_pkg;
   localparam int SET_SPHERES =  // a sphere meets something
       1 << PAIR_SPHERE_SPHERE | 1 << PAIR_TRIANGLE_SPHERE | 1 << PAIR_RAY_SPHERE | 1 << PAIR_SPHERE_OBB |
       1 << PAIR_SPHERE_PLANE;
-  localparam int RING_ROWS = 1024;  // more rows than an iterative pipeline can have in flight
-  // the pipe is iterative, with an input port (cylinder_pair.sv); budget_t sets its iterations
-  localparam int RING_PAIRS =
+  localparam int ITERATIVE_ROWS = 1024;  // more rows than an iterative pipeline can have in flight
+  // the pipe is iterative, with an input port (cylinder_pair.sv); iterations_t sets its iterations
+  localparam int ITERATIVE_PAIRS =
       1 << PAIR_TRIANGLE_CYLINDER | 1 << PAIR_CYLINDER_CYLINDER | 1 << PAIR_OBB_CYLINDER;
-  localparam int FACET_PAIRS =  // the pipe has units of candidate axes, which can be shared (pair_hold.sv)
+  localparam int SAT_PAIRS =  // the pipe has units of candidate axes, which can be shared (pair_hold.sv)
       1 << PAIR_OBB_OBB | 1 << PAIR_TRIANGLE_AABB | 1 << PAIR_TRIANGLE_OBB;
   localparam int BOX_PAIRS = 1 << PAIR_RAY_TRIANGLE;  // BOX applies to its hits (ray_box.sv)
   localparam int SHORT_PAIRS =  // its pipe is short
@@ -196,8 +196,8 @@ package pairs_pkg;
     scale_latency = lat_cmp + unscale_latency(ray, lat_mul, lat_cmp);
   endfunction
   // cycles that an iterative pipeline needs for its operands
-  function automatic int ring_entry(input int lat_add, input int lat_mul, input int lat_cmp);
-    ring_entry = scale_latency(0, lat_mul, lat_cmp) + ((lat_add > lat_mul) ? lat_add : lat_mul);
+  function automatic int iterative_entry(input int lat_add, input int lat_mul, input int lat_cmp);
+    iterative_entry = scale_latency(0, lat_mul, lat_cmp) + ((lat_add > lat_mul) ? lat_add : lat_mul);
   endfunction
 
   // ---- Properties of a set of pairs ----

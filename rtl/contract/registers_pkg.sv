@@ -49,7 +49,7 @@ package registers_pkg;
   // with a second pair: its first primary, a multiple of the lanes
   localparam logic [11:0] REG_PRIM_SPLIT = 12'h078;
   localparam logic [11:0] REG_STENCIL = 12'h080;      // primaries/64 registers: a 1 masks the primary
-  localparam logic [11:0] REG_BUDGET = 12'h0A0;       // budget_t
+  localparam logic [11:0] REG_ITERATIONS = 12'h0A0;   // iterations_t
   // objects of the pass; 0: the slots of REG_SEC_FIRST and REG_SEC_COUNT
   localparam logic [11:0] REG_OBJECT_COUNT = 12'h0A8;
   localparam logic [11:0] REG_PRIM_OBJECT_COUNT = 12'h0B0;  // objects of primaries; 0: primaries are not transformed
@@ -57,7 +57,7 @@ package registers_pkg;
   localparam logic [11:0] REG_CYCLES = 12'h0C0;       // cycles from go to done, without REG_WRITEBACK
   localparam logic [11:0] REG_ROWS = 12'h0C8;         // rows issued to the pipe (one row = LANES pairs)
   // Cycles that the input port waited: for output space, for a slot of an iterative pipeline, or for the interval
-  // FACET_II.
+  // SAT_II.
   localparam logic [11:0] REG_STALLS = 12'h0D0;
   localparam logic [11:0] REG_BUBBLES = 12'h0D8;      // cycles that the input port waited for a secondary
   localparam logic [11:0] REG_BAD_PRIM = 12'h0E0;     // primaries refused as bad input
@@ -193,9 +193,9 @@ package registers_pkg;
     logic [7:0] k2;  // cylinder pairs: steps on each free track,
     logic [7:0] k1;  // steps on each circle,
     logic [7:0] m;   // sampled directions
-  } budget_t;
-  localparam logic [23:0] BUDGET_RESET = 24'h080808;
-  localparam logic [7:0] BUDGET_MOST = 8'd64;  // most of K1 and K2
+  } iterations_t;
+  localparam logic [23:0] ITERATIONS_RESET = 24'h080808;
+  localparam logic [7:0] ITERATIONS_MOST = 8'd64;  // most of K1 and K2
   typedef struct packed {
     logic [28:0] reserved;
     logic [2:0] space;

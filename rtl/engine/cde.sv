@@ -6,7 +6,7 @@
 // A pass uses one pipe. With PARALLEL it uses at most two, which get the same secondaries and their own primaries. The
 // clocks of the other pipes stand still.
 // Latency: that of the pipe.
-// Throughput: one row per cycle; per FACET_II cycles with candidate axes; as ready_o allows in an iterative pipeline.
+// Throughput: one row per cycle; per SAT_II cycles with candidate axes; as ready_o allows in an iterative pipeline.
 // Stall: ready_o. Credits outside reserve space for results.
 module cde #(
     parameter config_pkg::config_t CONFIG,
@@ -18,7 +18,7 @@ module cde #(
     localparam int SWAP = CONFIG.swap,
     localparam int NORMALS = CONFIG.normals,
     localparam int PARALLEL = CONFIG.parallel,
-    localparam int FACET_II = CONFIG.facet_ii,
+    localparam int SAT_II = CONFIG.sat_ii,
     localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int FIFO_DEPTH = config_pkg::fifo_depth(CONFIG),
@@ -56,7 +56,7 @@ module cde #(
     input pairs_pkg::pair_t [1:0] pair_i,  // pairs of the pass; the second one may be NO_PAIR
     input logic [1:0] swap_i,
     input logic [PRIM_W-1:0] split_i,  // first primary of the second pair
-    input logic [23:0] budget_i,  // iterations of cylinder pairs
+    input logic [23:0] iterations_i,  // iterations of cylinder pairs
     output logic [1:0] solid_o,  // the pair is one of solids
     output logic [1:0] ready_o,  // the pair's pipe takes a row
     input card_pkg::issue_t issue_i,
@@ -119,12 +119,12 @@ module cde #(
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   localparam int HISTORY = config_pkg::pipe_depth(CONFIG);
   localparam int PORTS = 1 + PARALLEL;  // pairs in a pass
-  localparam bit RINGS = ORDERED != 0;
+  localparam bit ANY_ORDERED = ORDERED != 0;
   // rows of some pairs need several cycles
-  localparam bit TURNS = FACET_II != 1 && (PAIRS & pairs_pkg::FACET_PAIRS) != 0;
-  localparam bit ISSUE = RINGS || (TURNS && ARITH == "rtl");  // some pipe needs the cycle of issue
+  localparam bit TURNS = SAT_II != 1 && (PAIRS & pairs_pkg::SAT_PAIRS) != 0;
+  localparam bit ISSUE = ANY_ORDERED || (TURNS && ARITH == "rtl");  // some pipe needs the cycle of issue
   // Rows in flight where only the order is kept.
-  localparam int IN_ORDER = formats_pkg::larger(pairs_pkg::RING_ROWS, 4 * HISTORY);
+  localparam int IN_ORDER = formats_pkg::larger(pairs_pkg::ITERATIVE_ROWS, 4 * HISTORY);
   pairs_pkg::pair_t [PORTS-1:0] pair;
   for (genvar k = 0; k < PORTS; k++) begin : pair_of
     assign pair[k] = MANY ? pair_i[k] : pairs_pkg::PAIR_BITS'($clog2(PAIRS));
@@ -137,29 +137,29 @@ module cde #(
   logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary;
   for (genvar k = 0; k < PORTS; k++) begin : port
     assign latency[k] = pipe_latency[k] + 16'(MANY);  // the register in front of each of several pipes
-    logic of_ring, late_valid, rested;
-    row_interval #(.INTERVAL(TURNS ? FACET_II : 1)) interval (
-        .clk_i, .rst_i, .take_i(issue_i.valid[k] && pairs_pkg::has(pairs_pkg::FACET_PAIRS, int'(pair[k]))),
+    logic ordered, late_valid, rested;
+    row_interval #(.INTERVAL(TURNS ? SAT_II : 1)) interval (
+        .clk_i, .rst_i, .take_i(issue_i.valid[k] && pairs_pkg::has(pairs_pkg::SAT_PAIRS, int'(pair[k]))),
         .ready_o(rested));
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row[k], issue_i.parity, index_i, secondary_bad_i};
     issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : latency[k]), .valid_i(issue_i.valid[k] && !of_ring), .d_i(tag),
+        .clk_i, .rst_i, .latency_i(ordered ? 16'd1 : latency[k]), .valid_i(issue_i.valid[k] && !ordered), .d_i(tag),
         .valid_o(late_valid), .q_o(late_tag));
-    if (RINGS) begin : g_ring  // keeps the order, not the time
+    if (ANY_ORDERED) begin : g_order  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
       logic [pairs_pkg::PAIR_INDEX-1:0] of_pair;
       assign of_pair = pair[k][pairs_pkg::PAIR_INDEX-1:0];
-      assign of_ring = pairs_pkg::has(ORDERED, int'(pair[k]));
-      assign ready_o[k] = rested && (!of_ring || group[0].ring_ready[of_pair]);
+      assign ordered = pairs_pkg::has(ORDERED, int'(pair[k]));
+      assign ready_o[k] = rested && (!ordered || group[0].ordered_ready[of_pair]);
       issue_order #(.W(ROW_W + 34), .DEPTH(IN_ORDER)) order (
-          .clk_i, .rst_i, .push_i(issue_i.valid[k] && of_ring), .d_i(tag),
-          .pop_i(of_ring && group[0].ring_valid[of_pair]),
+          .clk_i, .rst_i, .push_i(issue_i.valid[k] && ordered), .d_i(tag),
+          .pop_i(ordered && group[0].ordered_valid[of_pair]),
           .q_o(next_tag));
-      assign valid_o[k] = of_ring ? group[0].ring_valid[of_pair] : late_valid;
-      assign {row_out[k], parity[k], index[k], secondary_bad[k]} = of_ring ? next_tag : late_tag;
-    end else begin : g_no_ring
-      assign of_ring = 1'b0;
+      assign valid_o[k] = ordered ? group[0].ordered_valid[of_pair] : late_valid;
+      assign {row_out[k], parity[k], index[k], secondary_bad[k]} = ordered ? next_tag : late_tag;
+    end else begin : g_no_order
+      assign ordered = 1'b0;
       assign ready_o[k] = rested;
       assign valid_o[k] = late_valid;
       assign {row_out[k], parity[k], index[k], secondary_bad[k]} = late_tag;
@@ -167,7 +167,7 @@ module cde #(
     if (ARITH != "rtl") begin : g_late
       logic unused_valid;
       issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history_operands (
-          .clk_i, .rst_i, .latency_i(of_ring ? 16'd1 : pipe_latency[k]), .valid_i(issue_i.valid[k] && !of_ring),
+          .clk_i, .rst_i, .latency_i(ordered ? 16'd1 : pipe_latency[k]), .valid_i(issue_i.valid[k] && !ordered),
           .d_i({row[k], secondary_i}), .valid_o(unused_valid), .q_o({row_in[k], secondary[k]}));
     end else begin : g_early
       assign row_in[k] = row[k];
@@ -223,9 +223,9 @@ module cde #(
   for (genvar g = 0; g < GROUPS; g++) begin : group
     logic asked;
     logic [N_PAIRS-1:0][15:0] latency_pipes;
-    logic [N_PAIRS-1:0] ring_ready, ring_valid;
-    logic unused_ring;
-    assign unused_ring = &{1'b0, ring_ready, ring_valid};
+    logic [N_PAIRS-1:0] ordered_ready, ordered_valid;
+    logic unused_ordered;
+    assign unused_ordered = &{1'b0, ordered_ready, ordered_valid};
     assign asked = 32'(lane) / 32'(GROUP) == 32'(g);
 `ifndef SYNTHESIS
     always_ff @(posedge clk_i)
@@ -236,10 +236,11 @@ module cde #(
         .prim_row_i(prim_row), .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i,
         .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]), .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]),
         .pair_i(pair_i[PORTS-1:0]), .solid_i(solid_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe),
-        .row_i(row_in), .secondary_i(secondary), .rst_i(RINGS && rst_i), .budget_i(RINGS ? budget_i : '0),
-        .issue_i(ISSUE ? issue_i.valid[PORTS-1:0] : '0), .ring_row_i(RINGS ? row[PORTS-1:0] : '0),
-        .ring_secondary_i(RINGS ? secondary_i : '0), .ring_bad_i(RINGS && secondary_bad_i),
-        .ring_ready_o(ring_ready), .ring_valid_o(ring_valid), .uncertain_o(uncertain[g]),
+        .row_i(row_in), .secondary_i(secondary), .rst_i(ANY_ORDERED && rst_i),
+        .iterations_i(ANY_ORDERED ? iterations_i : '0),
+        .issue_i(ISSUE ? issue_i.valid[PORTS-1:0] : '0), .ordered_row_i(ANY_ORDERED ? row[PORTS-1:0] : '0),
+        .ordered_secondary_i(ANY_ORDERED ? secondary_i : '0), .ordered_bad_i(ANY_ORDERED && secondary_bad_i),
+        .ordered_ready_o(ordered_ready), .ordered_valid_o(ordered_valid), .uncertain_o(uncertain[g]),
         .latency_o(latency_pipes), .valid_i(valid_o[PORTS-1:0]), .row_out_i(row_out), .parity_i(parity),
         .index_i(index), .secondary_bad_i(secondary_bad), .mode_i, .streaming_i, .new_hits_o(new_hits[g]),
         .f_o(f_o[g*GROUP+:GROUP]), .bad_o(bad_o[g*GROUP+:GROUP]), .unmasked_o(unmasked_o[g*GROUP+:GROUP]),

@@ -17,7 +17,7 @@ module lane_group #(
     localparam int SWAP = CONFIG.swap,
     localparam int NORMALS = CONFIG.normals,
     localparam int PARALLEL = CONFIG.parallel,
-    localparam int FACET_II = CONFIG.facet_ii,
+    localparam int SAT_II = CONFIG.sat_ii,
     localparam latency_pkg::latency_t LAT = CONFIG.lat,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam int FIFO_DEPTH = config_pkg::fifo_depth(CONFIG),
@@ -53,14 +53,14 @@ module lane_group #(
     input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
     input logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary_i,
     output logic [N_PAIRS-1:0][15:0] latency_o,
-    input logic [PORTS-1:0] issue_i,  // a row is issued: only for ordered pipes, and for gates with FACET_II = 3
+    input logic [PORTS-1:0] issue_i,  // a row is issued: only for ordered pipes, and for gates with SAT_II = 3
     input logic rst_i,  // reset of pipes that keep only the order (config_pkg::ordered_pairs); they take a row at issue
-    input logic [23:0] budget_i,
-    input logic [PORTS-1:0][ROW_W-1:0] ring_row_i,
-    input logic [SEC_WORDS-1:0][CW-1:0] ring_secondary_i,
-    input logic ring_bad_i,  // the secondary is bad
-    output logic [N_PAIRS-1:0] ring_ready_o,
-    output logic [N_PAIRS-1:0] ring_valid_o,
+    input logic [23:0] iterations_i,
+    input logic [PORTS-1:0][ROW_W-1:0] ordered_row_i,
+    input logic [SEC_WORDS-1:0][CW-1:0] ordered_secondary_i,
+    input logic ordered_bad_i,  // the secondary is bad
+    output logic [N_PAIRS-1:0] ordered_ready_o,
+    output logic [N_PAIRS-1:0] ordered_valid_o,
     output logic [1:0] uncertain_o,  // pairs with certified filters that are uncertain and go through the wide pipe
 
     input logic [PORTS-1:0] valid_i,  // the row whose results leave the pipe
@@ -99,8 +99,8 @@ module lane_group #(
   // nothing ----
   localparam int ORDERED = config_pkg::ordered_pairs(CONFIG);
   localparam int FILTERED = config_pkg::filter_pairs(CONFIG);
-  logic unused_ring;
-  assign unused_ring = &{1'b0, rst_i, budget_i, ring_row_i, ring_secondary_i, ring_bad_i};
+  logic unused_ordered;
+  assign unused_ordered = &{1'b0, rst_i, iterations_i, ordered_row_i, ordered_secondary_i, ordered_bad_i};
   logic [N_PAIRS-1:0] uncertain;
   if (FILTERED != 0) begin : g_filters
     logic [LANES-1:0] asked_mem[ROWS];  // lanes with primaries in use
@@ -130,10 +130,10 @@ module lane_group #(
       logic [S_WORDS-1:0][CW-1:0] secondary;
       logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
       logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b;
-      localparam bit RING = pairs_pkg::has(pairs_pkg::RING_PAIRS, p);
+      localparam bit ITERATIVE = pairs_pkg::has(pairs_pkg::ITERATIVE_PAIRS, p);
       localparam bit FILTER = pairs_pkg::has(FILTERED, p);
       localparam bit LATE = !pairs_pkg::has(ORDERED, p);  // host arithmetic takes the row when it is due
-      localparam int INTERVAL = pairs_pkg::has(pairs_pkg::FACET_PAIRS, p) ? FACET_II : 1;
+      localparam int INTERVAL = pairs_pkg::has(pairs_pkg::SAT_PAIRS, p) ? SAT_II : 1;
       logic of;  // which of the pass's pairs it computes
       assign of = PARALLEL != 0 && pair_i[PORTS-1] == pairs_pkg::PAIR_BITS'(p);
       logic issue, enter;  // for this pipe: issue, and entry of its operands
@@ -141,15 +141,15 @@ module lane_group #(
       if (MANY) begin : g_register
         always_ff @(posedge clk_pipe_i[p]) enter <= issue && !rst_i;
         always_ff @(posedge clk_pipe_i[p]) begin
-          row <= LATE ? row_i[of] : ring_row_i[of];
+          row <= LATE ? row_i[of] : ordered_row_i[of];
           swap <= swap_i[of];
-          secondary <= LATE ? secondary_i[of][S_WORDS-1:0] : ring_secondary_i[S_WORDS-1:0];
+          secondary <= LATE ? secondary_i[of][S_WORDS-1:0] : ordered_secondary_i[S_WORDS-1:0];
         end
       end else begin : g_direct
         assign enter = issue;
-        assign row = LATE ? row_i[0] : ring_row_i[0];
+        assign row = LATE ? row_i[0] : ordered_row_i[0];
         assign swap = swap_i[0];
-        assign secondary = LATE ? secondary_i[0][S_WORDS-1:0] : ring_secondary_i[S_WORDS-1:0];
+        assign secondary = LATE ? secondary_i[0][S_WORDS-1:0] : ordered_secondary_i[S_WORDS-1:0];
         logic unused_of;
         assign unused_of = of;
       end
@@ -177,19 +177,19 @@ module lane_group #(
       if (FILTER) begin : g_filter
         logic bad;
         if (MANY) begin : g_bad_register
-          always_ff @(posedge clk_pipe_i[p]) bad <= ring_bad_i;
+          always_ff @(posedge clk_pipe_i[p]) bad <= ordered_bad_i;
         end else begin : g_bad_direct
-          assign bad = ring_bad_i;
+          assign bad = ordered_bad_i;
         end
         filter_pair #(
             .PAIR(p), .NARROW_EXP(CONFIG.filter_exp), .NARROW_MAN(CONFIG.filter_man), .B_LANES(B_LANES),
             .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_filters.prove), .valid_i(enter),
-            .ready_o(ring_ready_o[p]), .asked_i(g_filters.asked_mem[row] & {LANES{!bad}}), .a_i(a),
-            .b_i(b), .valid_o(ring_valid_o[p]), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .uncertain_o(uncertain[p]),
+            .ready_o(ordered_ready_o[p]), .asked_i(g_filters.asked_mem[row] & {LANES{!bad}}), .a_i(a),
+            .b_i(b), .valid_o(ordered_valid_o[p]), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .uncertain_o(uncertain[p]),
             .latency_o(latency_o[p]));
-      end else if (RING) begin : g_ring
+      end else if (ITERATIVE) begin : g_iterative
         logic [31:0] latency, unused_tag;
         logic [LANES-1:0][CW-1:0] unused_bad;
         logic [7:0][LANES-1:0][CW-1:0] b_lanes;
@@ -202,29 +202,29 @@ module lane_group #(
         end
         cylinder_pair #(
             .BODY(pairs_pkg::cylinder_body(p)), .AHEAD(MANY ? 1 : 0),
-            .ENTRY(pairs_pkg::ring_entry(LAT.add, LAT.mul, LAT.cmp)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT),
-            .ARITH(ARITH)
+            .ENTRY(pairs_pkg::iterative_entry(LAT.add, LAT.mul, LAT.cmp)), .EXP(EXP), .MAN(MAN), .LANES(LANES),
+            .LAT(LAT), .ARITH(ARITH)
         ) pipe (
-            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .budget_i, .valid_i(issue),
-            .ready_o(ring_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ring_valid_o[p]),
+            .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .iterations_i, .valid_i(issue),
+            .ready_o(ordered_ready_o[p]), .tag_i('0), .a_i(a), .b_i(b_lanes), .bad_i('0), .valid_o(ordered_valid_o[p]),
             .tag_o(unused_tag), .bad_o(unused_bad), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
         assign latency_o[p] = (latency > 32'hffff) ? 16'hffff : 16'(latency);
         logic unused;
         assign unused = &{1'b0, unused_tag, unused_bad, enter};
       end else begin : g_free
-        assign ring_ready_o[p] = 1'b1;
-        assign ring_valid_o[p] = 1'b0;
+        assign ordered_ready_o[p] = 1'b1;
+        assign ordered_valid_o[p] = 1'b0;
         bounded_pipe #(
             .PAIR(p), .ALGORITHM(ALGORITHM), .BOX(pairs_pkg::has(pairs_pkg::BOX_PAIRS, p) ? BOX : 0),
-            .BOUND(32'(pairs_pkg::has(config_pkg::bound_pairs(CONFIG), p))), .FACET_II(INTERVAL), .EXP(EXP),
+            .BOUND(32'(pairs_pkg::has(config_pkg::bound_pairs(CONFIG), p))), .SAT_II(INTERVAL), .EXP(EXP),
             .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp),
             .n_o(n), .latency_o(latency_o[p]));
       end
     end else begin : g_absent
-      assign ring_ready_o[p] = 1'b1;
-      assign ring_valid_o[p] = 1'b0;
+      assign ordered_ready_o[p] = 1'b1;
+      assign ordered_valid_o[p] = 1'b0;
       assign uncertain[p] = 1'b0;
       assign latency_o[p] = '0;
       logic unused_clk;

@@ -2,7 +2,7 @@
 // The pipe of a pair (scaled_pipe.sv). With BOUND, a signed distance below the box distance is raised to it
 // (distance_bound.sv). The bound comes from the unscaled pair. With BOUND, also its operators, 1 compare and 1 max.
 // Latency: latency_o: the pipe's latency, and with BOUND LAT.cmp; 0 with ARITH = "host".
-// Throughput: LANES pairs per FACET_II cycles.
+// Throughput: LANES pairs per SAT_II cycles.
 // Stall: none, runs free.
 `include "distance_bound.svh"
 module bounded_pipe #(
@@ -11,7 +11,7 @@ module bounded_pipe #(
     parameter int ALGORITHM = 0,  // as in pair_pipe.sv, with the following parameters
     parameter int BOX = 0,
     parameter int HALF_SPACE = 0,
-    parameter int FACET_II = 1,
+    parameter int SAT_II = 1,
     parameter int B_LANES = LANES,
     parameter int BOUND = 0,  // 1: apply the bound; for config_pkg::BOUND_PAIRS
     localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
@@ -28,7 +28,7 @@ module bounded_pipe #(
   logic [LANES-1:0][CW-1:0] f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
   logic [15:0] latency;
-  scaled_pipe #(`DF_SAME, .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II),
+  scaled_pipe #(`DF_SAME, .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .SAT_II(SAT_II),
       .B_LANES(B_LANES)) pipe (
       .clk_i, .enter_i, .a_i, .b_i, .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   if (BOUND != 0) begin : g_bound

@@ -7,27 +7,27 @@
 `define CDE_CONVEX_SVH
 `include "pipe.svh"
 
-// ---- Shared units for candidate axes (`facet` in names): FACET_II = 1 or 3 cycles per pair (pair_hold.sv) ----
-`define FACET_TURNS ((ARITH == "rtl") ? FACET_II : 1)
-`define FACET_T_IN ((FACET_II != 1) ? 1 : 0)
-`define FACET_WAIT (FACET_II - 1)
+// ---- Shared units for candidate axes: SAT_II = 1 or 3 cycles per pair (pair_hold.sv) ----
+`define SAT_TURNS ((ARITH == "rtl") ? SAT_II : 1)
+`define SAT_T_IN ((SAT_II != 1) ? 1 : 0)
+`define SAT_WAIT (SAT_II - 1)
 
 // ---- Stage times of parts ----
 `define LATENCY_TURNED (LAT.mul + 2 * LAT.add)
 `define LATENCY_PERPENDICULAR (`DF_LAT_DOT + 2 * LAT.mul + LAT.add)
-`define LATENCY_FACE_FACET (2 * LAT.cmp + LAT.add + `DF_LAT_DOT)
+`define LATENCY_FACE_AXIS (2 * LAT.cmp + LAT.add + `DF_LAT_DOT)
 `define LATENCY_EDGE_NORMAL (LAT.mul + LAT.add + `DF_MAX2(LAT.cmp, LAT.sqrt + LAT.div) + LAT.mul)
 // The critical path: across, t, s, rest, t for that s. Then the vector between the nearest points and its square, or
 // whether that t is at an end.
-`define LATENCY_EDGE_FACET ((LAT.add + LAT.mul + LAT.add) + (LAT.mul + 2 * LAT.cmp) + \
+`define LATENCY_EDGE_AXIS ((LAT.add + LAT.mul + LAT.add) + (LAT.mul + 2 * LAT.cmp) + \
   (LAT.mul + LAT.add + 2 * LAT.cmp) + LAT.add + \
   (2 * LAT.mul + LAT.add + 2 * LAT.cmp) + `DF_MAX2(LAT.mul + LAT.add + `DF_LAT_DOT, LAT.cmp))
-`define LATENCY_OBB_FACE (3 * LAT.add + `LATENCY_FACE_FACET)
-`define LATENCY_OBB_EDGE (LAT.mul + 3 * LAT.add + LAT.cmp + `LATENCY_EDGE_FACET)
+`define LATENCY_OBB_FACE (3 * LAT.add + `LATENCY_FACE_AXIS)
+`define LATENCY_OBB_EDGE (LAT.mul + 3 * LAT.add + LAT.cmp + `LATENCY_EDGE_AXIS)
 `define LATENCY_OBB_SUPPORT (`DF_LAT_DOT + 4 * LAT.add)
 `define LATENCY_LEAST(COUNT) ($clog2(COUNT) * LAT.cmp)
 `define LATENCY_NEAREST(COUNT) (`LATENCY_LEAST(COUNT) + `LATENCY_PERPENDICULAR)
-`define LATENCY_WITNESS(COUNT) (`FACET_WAIT + 2 * `LATENCY_LEAST(COUNT) + `DF_MAX2(LAT.add, LAT.cmp) + LAT.cmp + \
+`define LATENCY_WITNESS(COUNT) (`SAT_WAIT + 2 * `LATENCY_LEAST(COUNT) + `DF_MAX2(LAT.add, LAT.cmp) + LAT.cmp + \
   LAT.mul + LAT.add + \
   `DF_LAT_DOT)
 `define LATENCY_SETTLE (`DF_MAX2(LAT.add, LAT.mul) + LAT.add + 2 * LAT.cmp + LAT.add)
@@ -104,10 +104,10 @@
   `DF_SELECT(SLACK, SLACK``_worse, ONCE_SLACK, SLACK``_after) \
   `DF_VSELECT(V, SLACK``_worse, ONCE_V, TWICE_V) `DF_VSELECT(P, SLACK``_worse, ONCE_P, TWICE_P)
 // Distance from the nearest point with length D, direction N and SLACK: ALONG is the signed distance along N. The
-// distance lies between D and the larger of ALONG and FACET_S; S is the middle of the two.
-`define DF_POINT_DISTANCE(ALONG, S, N, D, SLACK, FACET_S) `DF_MUL(ALONG``_less, SLACK, N``_inverse) \
+// distance lies between D and the larger of ALONG and AXES_S; S is the middle of the two.
+`define DF_POINT_DISTANCE(ALONG, S, N, D, SLACK, AXES_S) `DF_MUL(ALONG``_less, SLACK, N``_inverse) \
   `DF_SUB(ALONG, D, ALONG``_less) \
-  `DF_MAX(S``_low, FACET_S, ALONG) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
+  `DF_MAX(S``_low, AXES_S, ALONG) `DF_ADD(S``_twice, D, S``_low) `DF_CONST(S``_half, CW'(`DF_POWER_OF_TWO(-1))) \
   `DF_MUL(S, S``_twice, S``_half)
 
 // Witness points of the chosen axis FROM: the same point of B, and the nearest point of box A to its ideal place, S N
@@ -117,13 +117,13 @@
   `DF_VSUB(V``_ideal, V``_q, V``_apart) \
   `DF_VNEG(V``_low, HALF) `DF_VCLAMP(P, V``_ideal, V``_low, HALF) `DF_VSUB(V, V``_q, P)
 
-// ---- Choice between two results (S, N, V, P): FACET_* of the axes, POINT_* of the polished point of B - A ----
+// ---- Choice between two results (S, N, V, P): AXES_* of the axes, POINT_* of the polished point of B - A ----
 // The point counts if the bodies are apart, D is FIT, and the distance ALONG its direction is at most TIE below
-// FACET_S. So the axes decide when the distance is too small for the point to have a direction.
-`define DF_DECIDE(S, N, V, P, FACET_S, FACET_N, FACET_V, FACET_P, POINT_S, POINT_N, POINT_V, POINT_P, FIT, ALONG, TIE) \
-  `DF_CONST(S``_zero, 0) `DF_LT(S``_apart, S``_zero, FACET_S) `DF_SUB(S``_tied, FACET_S, TIE) \
+// AXES_S. So the axes decide when the distance is too small for the point to have a direction.
+`define DF_DECIDE(S, N, V, P, AXES_S, AXES_N, AXES_V, AXES_P, POINT_S, POINT_N, POINT_V, POINT_P, FIT, ALONG, TIE) \
+  `DF_CONST(S``_zero, 0) `DF_LT(S``_apart, S``_zero, AXES_S) `DF_SUB(S``_tied, AXES_S, TIE) \
     `DF_LE(S``_confirmed, S``_tied, ALONG) \
   `DF_AND(S``_usable, S``_apart, FIT) `DF_AND(S``_point, S``_usable, S``_confirmed) \
-  `DF_SELECT(S, S``_point, POINT_S, FACET_S) `DF_VSELECT(N, S``_point, POINT_N, FACET_N) \
-  `DF_VSELECT(V, S``_point, POINT_V, FACET_V) `DF_VSELECT(P, S``_point, POINT_P, FACET_P)
+  `DF_SELECT(S, S``_point, POINT_S, AXES_S) `DF_VSELECT(N, S``_point, POINT_N, AXES_N) \
+  `DF_VSELECT(V, S``_point, POINT_V, AXES_V) `DF_VSELECT(P, S``_point, POINT_P, AXES_P)
 `endif

@@ -5,15 +5,15 @@
 // points. The module is an iterative pipeline: a row of pairs circulates once per pass. A pass makes a normal (front),
 // evaluates g for it and its opposite (evaluator) and updates the pair's state (circle, free). The last passes find
 // witness points.
-// RING rows are in flight, one per stage. A row's state lies in memories with one slot per row, at the stages that use
+// SLOTS rows are in flight, one per stage. A row's state lies in memories with one slot per row, at the stages that use
 // it.
 // Operators (cylinder): 257 add, 321 mul, 9 div, 8 sqrt, 34 compare, 18 min/max.
 // Operators (box): 203 add, 215 mul, 5 div, 4 sqrt, 35 compare, 16 min/max.
 // Operators (triangle): 260 add, 269 mul, 8 div, 4 sqrt, 54 compare, 21 min/max.
-// RING and latency at one cycle per operator and the default iterations, in this order: 64, 4,298; 64, 5,066; 70,
+// SLOTS and latency at one cycle per operator and the default iterations, in this order: 64, 4,298; 64, 5,066; 70,
 // 5,260.
-// Latency: ENTRY + passes * RING + FINISH cycles, latency_o. budget_i sets the number of passes (schedule.hpp).
-// Throughput: RING rows per passes * RING cycles; one row per cycle while slots are free.
+// Latency: ENTRY + passes * SLOTS + FINISH cycles, latency_o. iterations_i sets the number of passes (schedule.hpp).
+// Throughput: SLOTS rows per passes * SLOTS cycles; one row per cycle while slots are free.
 // Stall: ready_o is low unless the slot at the input port is about to be free. Results leave in the order of entry.
 // With ARITH = "host", a whole pass is computed in the cycle in which its row could leave, on the same schedule.
 `include "cylinder.svh"
@@ -29,7 +29,7 @@ module cylinder_pair #(
     input logic rst_i,
     // {K2, K1, M}, one byte each: M is 4, 8 or 16, K1 and K2 are at most 64. Constant while a row is in flight, and
     // from the cycle before a row enters.
-    input logic [23:0] budget_i,
+    input logic [23:0] iterations_i,
     input logic valid_i,
     output logic ready_o,
     input logic [31:0] tag_i,
@@ -55,13 +55,13 @@ module cylinder_pair #(
   localparam int T_STEPPED = T_BETTER + `LATENCY_STEP;
   localparam int T_SLOPE = T_BETTER + `LATENCY_SLOPE;
   localparam int T_END = formats_pkg::larger(T_STEPPED, T_EVALUATED + `LATENCY_CYLINDER_WITNESS);
-  localparam int RING = T_END + 1;
+  localparam int SLOTS = T_END + 1;
   localparam int RESULT = formats_pkg::larger(2 * LAT.mul + 2 * LAT.add, LAT.cmp);
   localparam int FINISH = RESULT + pairs_pkg::unscale_latency(0, LAT.mul, LAT.cmp);
   // passes for M = K1 = K2 = 8
   localparam int INTERVAL = (BODY == `BODY_CYLINDER) ? 67 : (BODY == `BODY_BOX) ? 79 : 75;
-  localparam int LATENCY = AHEAD + ENTRY + INTERVAL * RING + FINISH;
-  localparam int AW = $clog2(RING);
+  localparam int LATENCY = AHEAD + ENTRY + INTERVAL * SLOTS + FINISH;
+  localparam int AW = $clog2(SLOTS);
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
   localparam logic [CW-1:0] INFINITY = ((CW'(1) << EXP) - 1) << MAN;
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
@@ -71,39 +71,39 @@ module cylinder_pair #(
   function automatic logic [AW-1:0] after(input logic [AW-1:0] now, input logic [AW:0] clocks);
     logic [AW:0] sum;
     sum = (AW + 1)'(now) + clocks;
-    after = AW'((sum >= (AW + 1)'(RING)) ? sum - (AW + 1)'(RING) : sum);
+    after = AW'((sum >= (AW + 1)'(SLOTS)) ? sum - (AW + 1)'(SLOTS) : sum);
   endfunction
   // avoids a call in every cycle
   `define SLOT(TIME) (GATES ? after(now_q, (AW + 1)'(GATES ? T_END - (TIME) : 0)) : now_q)
-  localparam int MOUTH = (GATES ? ENTRY : 0) + AHEAD;  // cycles from ready_o to the begin of the first pass
+  localparam int INPUT_DELAY = (GATES ? ENTRY : 0) + AHEAD;  // cycles from ready_o to the begin of the first pass
 
   // ---- Control: which pass each slot is in ----
-  logic [RING-1:0] valid_q;
-  logic [`PASS_W-1:0] pass_mem[RING];
-  logic [31:0] tag_mem[RING];
+  logic [SLOTS-1:0] valid_q;
+  logic [`PASS_W-1:0] pass_mem[SLOTS];
+  logic [31:0] tag_mem[SLOTS];
   logic [3:0] phase_end;
   logic witness_end;
   assign phase_end = `PASS_PHASE(pass_mem[now_q]);
   assign witness_end = phase_end == `PHASE_TOUCH || phase_end == `PHASE_PROJECT;
-  logic [LANES-1:0][CW-1:0] bad_mem[RING];
+  logic [LANES-1:0][CW-1:0] bad_mem[SLOTS];
   logic enter, entered, leave, last, soon_last;
   logic [15:0] passes;
   logic [`PASS_W-1:0] first_pass, next_pass, unused_first, unused_next;
   logic [15:0] unused_passes;
   logic [31:0] entered_tag;
   // A register, because Verilator evaluates logic on inputs at both clock edges.
-  logic [23:0] budget_q;
-  always_ff @(posedge clk_i) budget_q <= budget_i;
+  logic [23:0] iterations_q;
+  always_ff @(posedge clk_i) iterations_q <= iterations_i;
   cylinder_schedule #(.BODY(BODY)) schedule (
-      .budget_i(budget_q), .pass_i(pass_mem[now_q]), .first_o(first_pass), .next_o(next_pass), .last_o(last),
+      .iterations_i(iterations_q), .pass_i(pass_mem[now_q]), .first_o(first_pass), .next_o(next_pass), .last_o(last),
       .passes_o(passes));
   cylinder_schedule #(.BODY(BODY)) schedule_soon (
-      .budget_i(budget_q), .pass_i(pass_mem[after(now_q, (AW + 1)'(MOUTH))]), .first_o(unused_first),
+      .iterations_i(iterations_q), .pass_i(pass_mem[after(now_q, (AW + 1)'(INPUT_DELAY))]), .first_o(unused_first),
       .next_o(unused_next), .last_o(soon_last),
       .passes_o(unused_passes));
   logic unused;
   assign unused = &{1'b0, unused_first, unused_next, unused_passes};
-  assign ready_o = !valid_q[after(now_q, (AW + 1)'(MOUTH))] || soon_last;
+  assign ready_o = !valid_q[after(now_q, (AW + 1)'(INPUT_DELAY))] || soon_last;
   if (AHEAD != 0) begin : g_ahead
     always_ff @(posedge clk_i) enter <= valid_i && ready_o && !rst_i;
   end else begin : g_now
@@ -116,9 +116,9 @@ module cylinder_pair #(
   end
   align #(.W(32), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) align_tag (.clk_i, .d_i(tag_i), .q_o(entered_tag));
   assign leave = valid_q[now_q] && last;
-  assign latency_o = 32'(AHEAD + ENTRY + FINISH) + 32'(passes) * 32'(RING);
+  assign latency_o = 32'(AHEAD + ENTRY + FINISH) + 32'(passes) * 32'(SLOTS);
   always_ff @(posedge clk_i) begin
-    now_q <= (now_q == AW'(RING - 1)) ? '0 : now_q + 1;
+    now_q <= (now_q == AW'(SLOTS - 1)) ? '0 : now_q + 1;
     if (entered) begin
       pass_mem[now_q] <= first_pass;
       tag_mem[now_q] <= entered_tag;
@@ -139,7 +139,7 @@ module cylinder_pair #(
   localparam int T_SCALED = pairs_pkg::scale_latency(0, LAT.mul, LAT.cmp);
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;
   logic [7:0][LANES-1:0][CW-1:0] b;
-  logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[RING];
+  logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[SLOTS];
   length_scale #(`DF_SAME, .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER)) scale (
       .clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
   align #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_in));
@@ -149,7 +149,7 @@ module cylinder_pair #(
   localparam int ORIGIN = 0, D = 3, B = 6, B_REACH = 9, B_HALF = 12, B_RADIUS = 13, A_REACH = 14, A_HALF = 23,
       A_RADIUS = 26, A_AXIS = 27;
   localparam int OPERANDS = 36;
-  logic [OPERANDS-1:0][LANES-1:0][CW-1:0] operands, operand_mem[RING];
+  logic [OPERANDS-1:0][LANES-1:0][CW-1:0] operands, operand_mem[SLOTS];
   `DF_VIN(a_origin, a[2:0], T_SCALED)
   `DF_VIN(b_centre, b[2:0], T_SCALED)
   `DF_VIN(b_axis, b[5:3], T_SCALED)
@@ -207,12 +207,12 @@ module cylinder_pair #(
   `define OPERAND9(WORD, TIME) operand_mem[`SLOT(TIME)][WORD+:9]
 
   // ---- State ----
-  logic [LANES-1:0][CW-1:0] best_g_mem[RING], best_slope_mem[RING], score_mem[RING], off_mem[RING];
-  logic [LANES-1:0][CW-1:0] last_g_mem[RING], last_slope_mem[RING], back_g_mem[RING], back_slope_mem[RING];
-  logic [2:0][LANES-1:0][CW-1:0] best_n_mem[RING], next_mem[RING], q_mem[RING], lo_n_mem[RING], lo_y_mem[RING],
-      hi_n_mem[RING];
-  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[RING], last_n_mem[RING], last_y_mem[RING], back_y_mem[RING],
-      witness_mem[RING];
+  logic [LANES-1:0][CW-1:0] best_g_mem[SLOTS], best_slope_mem[SLOTS], score_mem[SLOTS], off_mem[SLOTS];
+  logic [LANES-1:0][CW-1:0] last_g_mem[SLOTS], last_slope_mem[SLOTS], back_g_mem[SLOTS], back_slope_mem[SLOTS];
+  logic [2:0][LANES-1:0][CW-1:0] best_n_mem[SLOTS], next_mem[SLOTS], q_mem[SLOTS], lo_n_mem[SLOTS], lo_y_mem[SLOTS],
+      hi_n_mem[SLOTS];
+  logic [2:0][LANES-1:0][CW-1:0] hi_y_mem[SLOTS], last_n_mem[SLOTS], last_y_mem[SLOTS], back_y_mem[SLOTS],
+      witness_mem[SLOTS];
   // A's axes, or the triangle's edges, of unit length
   logic [2:0][2:0][LANES-1:0][CW-1:0] axes_start, axes_better, axes_witness;
   logic [2:0][LANES-1:0][CW-1:0] face_start, face_witness;  // normal of the triangle
@@ -224,7 +224,7 @@ module cylinder_pair #(
     assign axes_witness = `OPERAND9(A_AXIS, T_EVALUATED);
     assign {face_start, face_witness} = '0;
   end else begin : g_axes  // the first passes write them: the face is word 3
-    logic [2:0][LANES-1:0][CW-1:0] axis_mem[4][RING];
+    logic [2:0][LANES-1:0][CW-1:0] axis_mem[4][SLOTS];
     logic [1:0] place;
     assign place = `PASS_INDEX_LOW(pass_mem[`SLOT(T_EVALUATE)]) - ((BODY == `BODY_TRIANGLE) ? 2'd1 : 2'd0);
     for (genvar k = 0; k < 3; k++) begin : axis
@@ -252,8 +252,8 @@ module cylinder_pair #(
     logic [2:0][LANES-1:0][CW-1:0] frame;
     assign frame = operand_mem[`SLOT(0)][A_AXIS+3*32'(`PASS_INDEX_LOW(pass_start))+:3];
     polyhedron_front #(`DF_SAME, .BODY(BODY)) front (
-        .clk_i, .pass_i(pass_start), .samples_i(budget_q[7:0]), .axis_i(axes_start), .reach_i(`OPERAND9(A_REACH, 0)),
-        .face_i(face_start),
+        .clk_i, .pass_i(pass_start), .samples_i(iterations_q[7:0]), .axis_i(axes_start),
+        .reach_i(`OPERAND9(A_REACH, 0)), .face_i(face_start),
         .frame_i(frame), .d_i(`OPERAND3(D, 0)), .b_i(`OPERAND3(B, 0)), .b_half_i(`OPERAND(B_HALF, 0)),
         .b_radius_i(`OPERAND(B_RADIUS, 0)),
         .q_i(q_mem[`SLOT(0)]), .next_i(next_mem[`SLOT(0)]), .best_n_i(best_n_mem[`SLOT(0)]), .n_o(n));
@@ -547,8 +547,9 @@ module cylinder_pair #(
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i) begin
     if (!rst_i) begin
-      assert (valid_q == '0 || budget_i == budget_q) else $error("cylinder_pair: budget changed with rows in flight");
-      assert (budget_q != 24'h080808 || latency_o == 32'(LATENCY))
+      assert (valid_q == '0 || iterations_i == iterations_q)
+          else $error("cylinder_pair: iterations changed with rows in flight");
+      assert (iterations_q != 24'h080808 || latency_o == 32'(LATENCY))
           else $error("cylinder_pair: INTERVAL does not match the default iterations");
       assert (!(entered && valid_q[now_q] && !last)) else $error("cylinder_pair: a row entered a slot in use");
     end

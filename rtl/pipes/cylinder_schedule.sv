@@ -5,7 +5,7 @@
 module cylinder_schedule #(
     parameter int BODY = `BODY_CYLINDER
 ) (
-    input logic [23:0] budget_i,  // {K2, K1, M}, one byte each
+    input logic [23:0] iterations_i,  // {K2, K1, M}, one byte each
     input logic [`PASS_W-1:0] pass_i,
     output logic [`PASS_W-1:0] first_o,
     output logic [`PASS_W-1:0] next_o,
@@ -19,7 +19,7 @@ module cylinder_schedule #(
   logic [7:0] samples, circle, free, index, next_index;
   logic [3:0] phase, next_phase;
   logic [1:0] track, next_track;
-  assign {free, circle, samples} = budget_i;
+  assign {free, circle, samples} = iterations_i;
   assign phase = `PASS_PHASE(pass_i);
   assign track = `PASS_TRACK(pass_i);
   assign index = `PASS_INDEX(pass_i);

@@ -120,8 +120,8 @@ module obb_edge #(
   `DF_AT(side_q, side, T_q)
   localparam int T_LATE = (T_separation > T_q) ? T_separation : T_q;
   `DF_AT(separation_late, separation, T_LATE)
-  if (T_q + `LATENCY_EDGE_FACET != `LATENCY_OBB_EDGE) $error("obb_edge: latency");
-  edge_facet #(`DF_SAME, .I(I), .CENTRED(1), .T_SEPARATION(T_LATE - T_q)) facet (
+  if (T_q + `LATENCY_EDGE_AXIS != `LATENCY_OBB_EDGE) $error("obb_edge: latency");
+  edge_axis #(`DF_SAME, .I(I), .CENTRED(1), .T_SEPARATION(T_LATE - T_q)) axis (
       .clk_i, .a_i(a_q), .sign_k_i(sign_k_q), .sign_l_i(sign_l_q), .q_i(q), .f_i(f_q), .inverse_ff_i(inverse_ff_q),
       .n_k_i(n_k_q),
       .n_l_i(n_l_q), .inverse2_i(inverse2_q), .valid_i(valid_q), .side_i(side_q), .separation_i(separation_late),

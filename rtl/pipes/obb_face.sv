@@ -53,9 +53,9 @@ module obb_face #(
 
   `DF_VAT(a_q, a, T_q)
   `DF_AT(side_q, side, T_q)
-  face_facet #(`DF_SAME, .I(I)) facet (
+  face_axis #(`DF_SAME, .I(I)) axis (
       .clk_i, .a_i(a_q), .side_i(side_q), .q_i(q), .n_o, .v_o, .p_o, .d2_o);
-  if (T_q + `LATENCY_FACE_FACET != `LATENCY_OBB_FACE) $error("obb_face: latency");
+  if (T_q + `LATENCY_FACE_AXIS != `LATENCY_OBB_FACE) $error("obb_face: latency");
   `DF_AT(separation_out, separation, `LATENCY_OBB_FACE)
   assign separation_o = separation_out;
 endmodule

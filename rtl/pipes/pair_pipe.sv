@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The pipe of a pair (pairs_pkg::PAIR_*) with one kind of input port.
 // Latency: latency_o, the pipe's latency; 0 with ARITH = "host".
-// Throughput: LANES pairs per FACET_II cycles.
+// Throughput: LANES pairs per SAT_II cycles.
 // Stall: none, runs free.
 `include "pipe.svh"
 module pair_pipe #(
@@ -10,13 +10,13 @@ module pair_pipe #(
     parameter int ALGORITHM = 0,  // ray-triangle: pairs_pkg::ALGORITHM_*
     parameter int BOX = 0,  // ray-triangle, 1: a hit must lie in the triangle's box (ray_box.sv)
     parameter int HALF_SPACE = 0,  // pairs with a plane, 1: the plane is the solid n.x <= d
-    parameter int FACET_II = 1,  // pairs with candidate axes: cycles between pairs of a lane, 1 or 3
+    parameter int SAT_II = 1,  // pairs with candidate axes: cycles between pairs of a lane, 1 or 3
     parameter int B_LANES = LANES,  // secondaries per cycle: 1 (broadcast to all lanes) or LANES
     localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
     localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
 ) (
     input logic clk_i,
-    input logic enter_i,  // a pair enters; used with FACET_II = 3
+    input logic enter_i,  // a pair enters; used with SAT_II = 3
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
     `DISTANCE_OUTPUTS
@@ -25,9 +25,9 @@ module pair_pipe #(
   if (HALF_SPACE != 0 && pairs_pkg::secondary_shape(PAIR) != pairs_pkg::SHAPE_PLANE)
       $error("pair_pipe: HALF_SPACE is of pairs with a plane");
   if (BOX != 0 && !pairs_pkg::has(pairs_pkg::BOX_PAIRS, PAIR)) $error("pair_pipe: BOX is of ray-triangle");
-  if (FACET_II != 1 && !pairs_pkg::has(pairs_pkg::FACET_PAIRS, PAIR))
-      $error("pair_pipe: FACET_II is of pairs with facets");
-  if (!pairs_pkg::has(pairs_pkg::FACET_PAIRS, PAIR)) begin : g_no_facets
+  if (SAT_II != 1 && !pairs_pkg::has(pairs_pkg::SAT_PAIRS, PAIR))
+      $error("pair_pipe: SAT_II needs a pair with candidate axes");
+  if (!pairs_pkg::has(pairs_pkg::SAT_PAIRS, PAIR)) begin : g_no_sat
     logic unused_enter;
     assign unused_enter = enter_i;
   end
@@ -69,7 +69,7 @@ module pair_pipe #(
   end else if (PAIR == int'(pairs_pkg::PAIR_SPHERE_SPHERE)) begin : g_pipe
     sphere_sphere #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_OBB_OBB)) begin : g_pipe
-    obb_obb #(`DF_SAME, .FACET_II(FACET_II)) pipe (
+    obb_obb #(`DF_SAME, .SAT_II(SAT_II)) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_OBB_PLANE)) begin : g_pipe
     obb_plane #(`DF_SAME, .HALF_SPACE(HALF_SPACE != 0)) pipe (
@@ -84,10 +84,10 @@ module pair_pipe #(
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_TRIANGLE)) begin : g_pipe
     triangle_triangle #(`DF_SAME) pipe (.clk_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_OBB)) begin : g_pipe
-    triangle_obb #(`DF_SAME, .FACET_II(FACET_II)) pipe (
+    triangle_obb #(`DF_SAME, .SAT_II(SAT_II)) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else if (PAIR == int'(pairs_pkg::PAIR_TRIANGLE_AABB)) begin : g_pipe
-    triangle_aabb #(`DF_SAME, .FACET_II(FACET_II)) pipe (
+    triangle_aabb #(`DF_SAME, .SAT_II(SAT_II)) pipe (
         .clk_i, .enter_i, .a_i, .b_i(b), .f_o, .t_o, .cp_o, .n_o, .latency_o);
   end else begin : g_illegal
     $error("pair_pipe: no pipe for this pair and algorithm");

@@ -2,7 +2,7 @@
 // The pipe of a pair (pair_pipe.sv). Where pairs_pkg::scaled says so, the pair is first scaled to the size of one and
 // the result is scaled back.
 // Latency: latency_o: the pipe's latency plus length_scale.sv's and length_unscale.sv's; 0 with ARITH = "host".
-// Throughput: LANES pairs per FACET_II cycles.
+// Throughput: LANES pairs per SAT_II cycles.
 // Stall: none, runs free.
 `include "pipe.svh"
 module scaled_pipe #(
@@ -11,7 +11,7 @@ module scaled_pipe #(
     parameter int ALGORITHM = 0,  // as in pair_pipe.sv, with the following parameters
     parameter int BOX = 0,
     parameter int HALF_SPACE = 0,
-    parameter int FACET_II = 1,
+    parameter int SAT_II = 1,
     parameter int B_LANES = LANES,
     localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(PAIR)),
     localparam int B_WORDS = pairs_pkg::shape_words(pairs_pkg::secondary_shape(PAIR))
@@ -32,7 +32,7 @@ module scaled_pipe #(
   logic [LANES-1:0][CW-1:0] f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
   logic [15:0] latency;
-  pair_pipe #(`DF_SAME, .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .FACET_II(FACET_II),
+  pair_pipe #(`DF_SAME, .PAIR(PAIR), .ALGORITHM(ALGORITHM), .BOX(BOX), .HALF_SPACE(HALF_SPACE), .SAT_II(SAT_II),
       .B_LANES(INNER_B)) pipe (
       .clk_i, .enter_i(enter), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .latency_o(latency));
   if (SCALED) begin : g_scaled

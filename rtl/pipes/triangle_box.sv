@@ -5,18 +5,18 @@
 // overlap on them, the distance the least distance to the facets that face the origin. The nearest point is polished
 // twice. Edges turned by 16 u choose the support features (turned.sv).
 // Operators: 443 add, 527 mul, 16 div, 11 sqrt, 126 compare, 126 min/max.
-// With FACET_II = 3, the triangle's edges share one unit per edge of the box, and three axes share the unit of the
+// With SAT_II = 3, the triangle's edges share one unit per edge of the box, and three axes share the unit of the
 // witness key. Operators then: 301 add, 329 mul, 10 div, 5 sqrt, 100 compare, 78 min/max.
 // Latency: LATENCY_TRIANGLE_BOX cycles; 0 with ARITH = "host".
-// Throughput: one pair per lane per FACET_II cycles; its operands must stay stable for them.
+// Throughput: one pair per lane per SAT_II cycles; its operands must stay stable for them.
 // Stall: none.
 `include "triangle.svh"
 module triangle_box #(
     `DF_PARAMETERS,
-    parameter int FACET_II = 1  // 1 or 3
+    parameter int SAT_II = 1  // 1 or 3
 ) (
     input logic clk_i,
-    input logic [1:0] phase_i,  // phase of the pair, used with FACET_II = 3
+    input logic [1:0] phase_i,  // phase of the pair, used with SAT_II = 3
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] p_i,  // vertices
     output logic [LANES-1:0][CW-1:0] s_o,
@@ -24,8 +24,8 @@ module triangle_box #(
     output logic [2:0][LANES-1:0][CW-1:0] middle_o
 );
   /*verilator inline_module*/
-  localparam int FACETS = 13;
-  localparam int TURNS = `FACET_TURNS;
+  localparam int AXES = 13;
+  localparam int TURNS = `SAT_TURNS;
   `DF_PHASE_IN(phase, phase_i, 0)
   `DF_VIN(a, a_i, 0)
   `DF_MATRIX_IN(p, p_i[0], p_i[1], p_i[2], 0)
@@ -54,11 +54,11 @@ module triangle_box #(
   `DF_MUL(wide_tie, four, tie)
 
   // ---- The candidate axes, each as late as possible, so that inputs are delayed, not axes ----
-  localparam int T_FACETS = `TRIANGLE_BOX_T_FACETS;
-  localparam int T_EDGES = T_FACETS - `FACET_WAIT - `LATENCY_TRIANGLE_BOX_EDGE;
-  localparam int T_FACES = T_FACETS - `LATENCY_TRIANGLE_BOX_FACE;
-  logic [FACETS-1:0][LANES-1:0][CW-1:0] separation, d2, inverse_ff;
-  logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p_box, along;
+  localparam int T_AXES = `TRIANGLE_BOX_T_AXES;
+  localparam int T_EDGES = T_AXES - `SAT_WAIT - `LATENCY_TRIANGLE_BOX_EDGE;
+  localparam int T_FACES = T_AXES - `LATENCY_TRIANGLE_BOX_FACE;
+  logic [AXES-1:0][LANES-1:0][CW-1:0] separation, d2, inverse_ff;
+  logic [AXES-1:0][2:0][LANES-1:0][CW-1:0] n, v, p_box, along;
   `DF_VAT(a_edges, a, T_EDGES)
   `DF_MAT_AT(p_edges, p, T_EDGES)
   `DF_MAT_AT(f_edges, t_f, T_EDGES)
@@ -84,7 +84,7 @@ module triangle_box #(
     `DF_TURN(inverse_j, j, phase_edges, inverse_edges0, inverse_edges1, inverse_edges2)
     `DF_VTURN(turned_j, j, phase_edges, turned_at_edges0, turned_at_edges1, turned_at_edges2)
     for (genvar i = 0; i < 3; i++) begin : g_axis
-      localparam int FACET = 4 + 3 * i + j;
+      localparam int AXIS = 4 + 3 * i + j;
       logic [LANES-1:0][CW-1:0] separation_e, d2_e, inverse_ff_e;
       logic [2:0][LANES-1:0][CW-1:0] n_e, v_e, p_e, along_e;
       triangle_box_edge #(`DF_SAME, .I(i), .TURNS(TURNS), .J(j)) edges (
@@ -92,12 +92,12 @@ module triangle_box #(
           .turned_i(turned_j),
           .side_i(m1_edges[i]), .separation_o(separation_e), .n_o(n_e), .v_o(v_e), .p_o(p_e), .d2_o(d2_e),
           .f_o(along_e), .inverse_ff_o(inverse_ff_e));
-      facet_results #(`DF_FORMAT, .TURNS(TURNS)) facets (
+      axis_results #(`DF_FORMAT, .TURNS(TURNS)) axes (
           .clk_i, .separation_i(separation_e), .n_i(n_e), .v_i(v_e), .p_i(p_e), .d2_i(d2_e), .f_i(along_e),
           .inverse_ff_i(inverse_ff_e),
-          .separation_o(separation[FACET+:TURNS]), .n_o(n[FACET+:TURNS]), .v_o(v[FACET+:TURNS]),
-          .p_o(p_box[FACET+:TURNS]), .d2_o(d2[FACET+:TURNS]),
-          .f_o(along[FACET+:TURNS]), .inverse_ff_o(inverse_ff[FACET+:TURNS]));
+          .separation_o(separation[AXIS+:TURNS]), .n_o(n[AXIS+:TURNS]), .v_o(v[AXIS+:TURNS]),
+          .p_o(p_box[AXIS+:TURNS]), .d2_o(d2[AXIS+:TURNS]),
+          .f_o(along[AXIS+:TURNS]), .inverse_ff_o(inverse_ff[AXIS+:TURNS]));
     end
   end
   for (genvar i = 0; i < 3; i++) begin : g_face
@@ -121,11 +121,11 @@ module triangle_box #(
   `DF_VIN(n_face, face_n, `TRIANGLE_FACE_T)
   `DF_VIN(v_face, face_v, `TRIANGLE_FACE_T)
   `DF_VIN(p_face, face_p, `TRIANGLE_FACE_T)
-  `DF_AT(separation_late, separation_face, T_FACETS)
-  `DF_AT(d2_late, d2_face, T_FACETS)
-  `DF_VAT(n_late, n_face, T_FACETS)
-  `DF_VAT(v_late, v_face, T_FACETS)
-  `DF_VAT(p_late, p_face, T_FACETS)
+  `DF_AT(separation_late, separation_face, T_AXES)
+  `DF_AT(d2_late, d2_face, T_AXES)
+  `DF_VAT(n_late, n_face, T_AXES)
+  `DF_VAT(v_late, v_face, T_AXES)
+  `DF_VAT(p_late, p_face, T_AXES)
   assign separation[3] = separation_late;
   assign d2[3] = d2_late;
   assign n[3] = n_late;
@@ -135,25 +135,25 @@ module triangle_box #(
   assign inverse_ff[3] = '0;
 
   // ---- Result of the candidate axes ----
-  localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
-  localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
-  `DF_AT(tie_facets, tie_faces, T_FACETS)
-  `DF_AT(wide_tie_facets, wide_tie, T_FACETS)
+  localparam int T_START = T_AXES + `LATENCY_NEAREST(AXES);
+  localparam int T_WITNESS = T_AXES + `LATENCY_WITNESS(AXES);
+  `DF_AT(tie_axes, tie_faces, T_AXES)
+  `DF_AT(wide_tie_axes, wide_tie, T_AXES)
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
-  `DF_PHASE_AT(phase_facets, phase_edges, T_FACETS)
-  facet_choice #(`DF_SAME, .COUNT(FACETS), .FACET_II(FACET_II)) choice (
-      .clk_i, .phase_i(phase_facets), .separation_i(separation), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along),
-      .inverse_ff_i(inverse_ff), .tie_i(tie_facets),
-      .wide_tie_i(wide_tie_facets), .s_o(choice_s),
+  `DF_PHASE_AT(phase_axes, phase_edges, T_AXES)
+  axis_choice #(`DF_SAME, .COUNT(AXES), .SAT_II(SAT_II)) choice (
+      .clk_i, .phase_i(phase_axes), .separation_i(separation), .n_i(n), .v_i(v), .p_i(p_box), .d2_i(d2), .f_i(along),
+      .inverse_ff_i(inverse_ff), .tie_i(tie_axes),
+      .wide_tie_i(wide_tie_axes), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v),
       .start_p_o(choice_start_p));
-  `DF_IN(s_facets, choice_s, T_WITNESS)
-  `DF_VIN(n_facets, choice_n, T_WITNESS)
+  `DF_IN(s_axes, choice_s, T_WITNESS)
+  `DF_VIN(n_axes, choice_n, T_WITNESS)
   `DF_VIN(v_witness, choice_v, T_WITNESS)
   `DF_VIN(p_witness, choice_p, T_WITNESS)
   `DF_VAT(a_witness, a_faces, T_WITNESS)
-  `DF_SETTLE(v_facets, p_facets, v_witness, p_witness, s_facets, n_facets, a_witness)
+  `DF_SETTLE(v_axes, p_axes, v_witness, p_witness, s_axes, n_axes, a_witness)
   `DF_VIN(v_start, choice_start_v, T_START)
   `DF_VIN(p_start, choice_start_p, T_START)
 
@@ -163,13 +163,13 @@ module triangle_box #(
   `DF_LOWEST(vertex1, q_start, v_start)
   `DF_VMOVE_SIGN(p_far1, v_start, a_start)
   `DF_VSUB(v_far1, vertex1, p_far1)
-  `DF_POLISH(v_once, p_once, slack_start, v_start, p_start, v_far1, p_far1, tie_facets)
+  `DF_POLISH(v_once, p_once, slack_start, v_start, p_start, v_far1, p_far1, tie_axes)
   `DF_VAT(a_once, a_start, T_v_once)
   `DF_MAT_AT(q_once, q_start, T_v_once)
   `DF_LOWEST(vertex2, q_once, v_once)
   `DF_VMOVE_SIGN(p_far2, v_once, a_once)
   `DF_VSUB(v_far2, vertex2, p_far2)
-  `DF_POLISH(v_twice, p_twice, slack_once, v_once, p_once, v_far2, p_far2, tie_facets)
+  `DF_POLISH(v_twice, p_twice, slack_once, v_once, p_once, v_far2, p_far2, tie_axes)
   `DF_VAT(a_twice, a_once, T_v_twice)
   `DF_MAT_AT(q_twice, q_once, T_v_twice)
   `DF_LOWEST(vertex3, q_twice, v_twice)
@@ -181,10 +181,10 @@ module triangle_box #(
 
   // ---- The distance along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
-  `DF_POINT_DISTANCE(distance_along, s_between, n_point, d_point, slack, s_facets)
+  `DF_POINT_DISTANCE(distance_along, s_between, n_point, d_point, slack, s_axes)
   if (T_distance_along != `TRIANGLE_BOX_T_ALONG) $error("triangle_box: stage time");
-  `DF_DECIDE(s, n_box, v_box, p_box_point, s_facets, n_facets, v_facets, p_facets, s_between, n_point, v_point, p_point,
-      usable, distance_along, tie_facets)
+  `DF_DECIDE(s, n_box, v_box, p_box_point, s_axes, n_axes, v_axes, p_axes, s_between, n_point, v_point, p_point,
+      usable, distance_along, tie_axes)
   `DF_VSCALE(half_v, v_box, half)
   `DF_VADD(middle, p_box_point, half_v)
 

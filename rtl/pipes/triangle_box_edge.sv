@@ -88,7 +88,7 @@ module triangle_box_edge #(
   `DF_MOVE_SIGN(sign_l, side, turned_k)
   `DF_AT(sign_k_n, sign_k, T_N)
   `DF_AT(sign_l_n, sign_l, T_N)
-  edge_facet #(`DF_SAME, .I(I), .CENTRED(0), .T_SEPARATION(T_separation - T_N)) facet (
+  edge_axis #(`DF_SAME, .I(I), .CENTRED(0), .T_SEPARATION(T_separation - T_N)) axis (
       .clk_i, .a_i(a_n), .sign_k_i(sign_k_n), .sign_l_i(sign_l_n), .q_i(vertex), .f_i(f_n), .inverse_ff_i(inverse_ff_n),
       .n_k_i(n_k),
       .n_l_i(n_l), .inverse2_i(inverse2), .valid_i(valid), .side_i(side_n), .separation_i(separation), .separation_o,

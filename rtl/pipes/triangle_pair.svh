@@ -18,7 +18,7 @@
 `define LATENCY_TRIANGLE_PAIR_EDGE (`LATENCY_TRIANGLE_PAIR_NORMAL + \
   (`DF_LAT_CROSS + `DF_LAT_DOT + LAT.mul + 2 * LAT.cmp) + (LAT.mul + LAT.add + LAT.mul + 2 * LAT.cmp) + \
   (LAT.mul + LAT.add + `DF_LAT_DOT + LAT.mul + 2 * LAT.cmp) + `DF_MAX2(LAT.mul + LAT.add + `DF_LAT_DOT, LAT.cmp))
-`define TRIANGLE_PAIR_T_FACETS `LARGER(`TRIANGLE_PAIR_FACE_T, \
+`define TRIANGLE_PAIR_T_AXES `LARGER(`TRIANGLE_PAIR_FACE_T, \
   `TRIANGLE_PAIR_T_ALONG + `LATENCY_TRIANGLE_PAIR_EDGE)
 
 // ---- Operators ----

@@ -19,7 +19,7 @@ module triangle_triangle #(
     `DISTANCE_OUTPUTS
 );
   /*verilator inline_module*/
-  localparam int FACETS = 11;
+  localparam int AXES = 11;
   `DF_VIN(a0, a_i[2:0], 0)
   `DF_VIN(a1, a_i[5:3], 0)
   `DF_VIN(a2, a_i[8:6], 0)
@@ -54,10 +54,10 @@ module triangle_triangle #(
   `DF_MUL(wide_tie, two, tie)
 
   // ---- The candidate axes, each as late as possible, so that inputs are delayed, not axes ----
-  localparam int T_FACETS = T_p + `TRIANGLE_PAIR_T_FACETS;
-  localparam int T_EDGES = T_FACETS - `LATENCY_TRIANGLE_PAIR_EDGE;
-  logic [FACETS-1:0][LANES-1:0][CW-1:0] separation, d2, inverse_ff;
-  logic [FACETS-1:0][2:0][LANES-1:0][CW-1:0] n, v, p_of_a, ends_on;
+  localparam int T_AXES = T_p + `TRIANGLE_PAIR_T_AXES;
+  localparam int T_EDGES = T_AXES - `LATENCY_TRIANGLE_PAIR_EDGE;
+  logic [AXES-1:0][LANES-1:0][CW-1:0] separation, d2, inverse_ff;
+  logic [AXES-1:0][2:0][LANES-1:0][CW-1:0] n, v, p_of_a, ends_on;
   `DF_MAT_AT(p_edges, p, T_EDGES)
   `DF_MAT_AT(q_edges, q, T_EDGES)
   `DF_MAT_AT(e_edges, a_f, T_EDGES)
@@ -69,13 +69,13 @@ module triangle_triangle #(
   `DF_AT(tie_edges, tie, T_EDGES)
   for (genvar i = 0; i < 3; i++) begin : g_edge_of_a
     for (genvar j = 0; j < 3; j++) begin : g_edge_of_b
-      localparam int FACET = 2 + 3 * i + j;
+      localparam int AXIS = 2 + 3 * i + j;
       triangle_pair_edge #(`DF_SAME, .I(i), .J(j)) edges (
           .clk_i, .p_i(p_edges[2:1]), .q_i(q_edges), .e_i(e_edges[i]), .unit_e_i(along_edges[i]),
           .inverse_e_i(inverse_e_edges[i]), .inverse_ee_i(inverse_ee_edges[i]), .f_i(f_edges[j]),
-          .inverse_ff_i(inverse_ff_edges[j]), .tie_i(tie_edges), .separation_o(separation[FACET]), .n_o(n[FACET]),
-          .v_o(v[FACET]),
-          .p_o(p_of_a[FACET]), .d2_o(d2[FACET]), .f_o(ends_on[FACET]), .inverse_ff_o(inverse_ff[FACET]));
+          .inverse_ff_i(inverse_ff_edges[j]), .tie_i(tie_edges), .separation_o(separation[AXIS]), .n_o(n[AXIS]),
+          .v_o(v[AXIS]),
+          .p_o(p_of_a[AXIS]), .d2_o(d2[AXIS]), .f_o(ends_on[AXIS]), .inverse_ff_o(inverse_ff[AXIS]));
     end
   end
   localparam int T_FACE = T_p + `TRIANGLE_PAIR_FACE_T;
@@ -96,11 +96,11 @@ module triangle_triangle #(
     `DF_VIN(n_face, face_n[i], T_FACE)
     `DF_VIN(v_face, face_v[i], T_FACE)
     `DF_VIN(p_face, face_p[i], T_FACE)
-    `DF_AT(separation_late, separation_face, T_FACETS)
-    `DF_AT(d2_late, d2_face, T_FACETS)
-    `DF_VAT(n_late, n_face, T_FACETS)
-    `DF_VAT(v_late, v_face, T_FACETS)
-    `DF_VAT(p_late, p_face, T_FACETS)
+    `DF_AT(separation_late, separation_face, T_AXES)
+    `DF_AT(d2_late, d2_face, T_AXES)
+    `DF_VAT(n_late, n_face, T_AXES)
+    `DF_VAT(v_late, v_face, T_AXES)
+    `DF_VAT(p_late, p_face, T_AXES)
     assign separation[i] = separation_late;
     assign d2[i] = d2_late;
     assign n[i] = n_late;
@@ -111,22 +111,22 @@ module triangle_triangle #(
   end
 
   // ---- Result of the candidate axes ----
-  localparam int T_START = T_FACETS + `LATENCY_NEAREST(FACETS);
-  localparam int FACET_II = 1;
-  localparam int T_WITNESS = T_FACETS + `LATENCY_WITNESS(FACETS);
-  `DF_AT(tie_facets, tie_edges, T_FACETS)
-  `DF_AT(wide_tie_facets, wide_tie, T_FACETS)
+  localparam int T_START = T_AXES + `LATENCY_NEAREST(AXES);
+  localparam int SAT_II = 1;
+  localparam int T_WITNESS = T_AXES + `LATENCY_WITNESS(AXES);
+  `DF_AT(tie_axes, tie_edges, T_AXES)
+  `DF_AT(wide_tie_axes, wide_tie, T_AXES)
   logic [LANES-1:0][CW-1:0] choice_s;
   logic [2:0][LANES-1:0][CW-1:0] choice_n, choice_v, choice_p, choice_start_v, choice_start_p;
-  facet_choice #(`DF_SAME, .COUNT(FACETS), .FACET_II(FACET_II)) choice (
+  axis_choice #(`DF_SAME, .COUNT(AXES), .SAT_II(SAT_II)) choice (
       .clk_i, .phase_i(2'd0), .separation_i(separation), .n_i(n), .v_i(v), .p_i(p_of_a), .d2_i(d2), .f_i(ends_on),
-      .inverse_ff_i(inverse_ff), .tie_i(tie_facets), .wide_tie_i(wide_tie_facets), .s_o(choice_s),
+      .inverse_ff_i(inverse_ff), .tie_i(tie_axes), .wide_tie_i(wide_tie_axes), .s_o(choice_s),
       .witness_n_o(choice_n), .witness_v_o(choice_v), .witness_p_o(choice_p), .start_v_o(choice_start_v),
       .start_p_o(choice_start_p));
-  `DF_IN(s_facets, choice_s, T_WITNESS)
-  `DF_VIN(n_facets, choice_n, T_WITNESS)
-  `DF_VIN(v_facets, choice_v, T_WITNESS)
-  `DF_VIN(p_facets, choice_p, T_WITNESS)
+  `DF_IN(s_axes, choice_s, T_WITNESS)
+  `DF_VIN(n_axes, choice_n, T_WITNESS)
+  `DF_VIN(v_axes, choice_v, T_WITNESS)
+  `DF_VIN(p_axes, choice_p, T_WITNESS)
   `DF_VIN(v_start, choice_start_v, T_START)
   `DF_VIN(p_start, choice_start_p, T_START)
 
@@ -136,13 +136,13 @@ module triangle_triangle #(
   `DF_LOWEST(vertex1, q_at_start, v_start)
   `DF_HIGHEST_ZERO(p_far1, p_at_start, v_start)
   `DF_VSUB(v_far1, vertex1, p_far1)
-  `DF_POLISH(v_once, p_once, slack_start, v_start, p_start, v_far1, p_far1, tie_facets)
+  `DF_POLISH(v_once, p_once, slack_start, v_start, p_start, v_far1, p_far1, tie_axes)
   `DF_MAT_AT(p_at_once, p_at_start, T_v_once)
   `DF_MAT_AT(q_at_once, q_at_start, T_v_once)
   `DF_LOWEST(vertex2, q_at_once, v_once)
   `DF_HIGHEST_ZERO(p_far2, p_at_once, v_once)
   `DF_VSUB(v_far2, vertex2, p_far2)
-  `DF_POLISH(v_twice, p_twice, slack_once, v_once, p_once, v_far2, p_far2, tie_facets)
+  `DF_POLISH(v_twice, p_twice, slack_once, v_once, p_once, v_far2, p_far2, tie_axes)
   `DF_MAT_AT(p_at_twice, p_at_once, T_v_twice)
   `DF_MAT_AT(q_at_twice, q_at_once, T_v_twice)
   `DF_LOWEST(vertex3, q_at_twice, v_twice)
@@ -154,15 +154,15 @@ module triangle_triangle #(
 
   // ---- The distance along its direction, and the choice ----
   `DF_DIRECTION(n_point, d_point, usable, v_point)
-  `DF_POINT_DISTANCE(distance_along, s_between, n_point, d_point, slack, s_facets)
-  `DF_SUB(tied, s_facets, tie_facets)
-  `DF_MAX(least, tied, tie_facets)
+  `DF_POINT_DISTANCE(distance_along, s_between, n_point, d_point, slack, s_axes)
+  `DF_SUB(tied, s_axes, tie_axes)
+  `DF_MAX(least, tied, tie_axes)
   `DF_LE(confirmed, least, distance_along)
   `DF_AND(point, usable, confirmed)
-  `DF_SELECT(s, point, s_between, s_facets)
-  `DF_VSELECT(n_out, point, n_point, n_facets)
-  `DF_VSELECT(v_out, point, v_point, v_facets)
-  `DF_VSELECT(p_out, point, p_point, p_facets)
+  `DF_SELECT(s, point, s_between, s_axes)
+  `DF_VSELECT(n_out, point, n_point, n_axes)
+  `DF_VSELECT(v_out, point, v_point, v_axes)
+  `DF_VSELECT(p_out, point, p_point, p_axes)
   `DF_VSCALE(half_v, v_out, half)
   `DF_VADD(middle, p_out, half_v)
   `DF_VADD(cp, a0, middle)

@@ -219,7 +219,7 @@ void pair_functions(Calls& call) {
     call("secondary_shape", {p}, b);
     call("primary_words", {p}, words(a));
     call("secondary_words", {p}, words(b));
-    if (has_budget(pair))
+    if (has_iterations(pair))
       call("cylinder_body", {p}, a == Shape::kCylinder ? 0 : a == Shape::kObb ? 1 : 2);
     for (const int exp : {3, 7, 8, 11}) call("scaled", {p, exp}, reference::is_scaled(a, b, exp));
   }
@@ -270,7 +270,7 @@ void time_functions(Calls& call) {
       call("unscale_latency", {1, mul, compare}, std::max(mul, compare));
       call("scale_latency", {0, mul, compare}, 2 * compare);
       call("scale_latency", {1, mul, compare}, compare + std::max(mul, compare));
-      call("ring_entry", {4, mul, compare}, 2 * compare + std::max(4, mul));
+      call("iterative_entry", {4, mul, compare}, 2 * compare + std::max(4, mul));
     }
 }
 

@@ -119,7 +119,7 @@ TEST(MovedFrom, UnitsAndPassesAfterMove_AreErrors) {
   const PairUnit unit_now = std::move(unit);
   for (const auto& call : std::vector<std::function<void()>>{
            [&] { (void)unit.config(); }, [&] { (void)unit.latency(); },
-           [&] { unit.set_budget({}); }, [&] { unit.test({}, {}, {}); }, [&] { unit.reset(); },
+           [&] { unit.set_iterations({}); }, [&] { unit.test({}, {}, {}); }, [&] { unit.reset(); },
            [&] { unit.open_trace("waves.fst"); }, [&] { unit.close_trace(); }})
     expect_in("moved from", refused(call));
   EXPECT_EQ(unit_now.config().pair, Pair::kSphereSphere);

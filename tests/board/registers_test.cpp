@@ -71,7 +71,7 @@ TEST_F(Registers, ReadOnlyOrUnmapped_IsRefused) {
       EXPECT_EQ(board_.read_register(r), before) << r;
     }
   }
-  expect_write_refused(kSpaceReg, kRegBudget + 8);  // unmapped
+  expect_write_refused(kSpaceReg, kRegIterations + 8);  // unmapped
   for (const std::uint32_t offset : {std::uint32_t{kRegEnd}, 0x1000u, 0x80000000u, 0xfffffff8u}) {
     expect_write_refused(kSpaceReg, offset);
     expect_read_refused(kSpaceReg, offset);

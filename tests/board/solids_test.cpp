@@ -21,12 +21,12 @@ constexpr unsigned kSeed = 7;
 
 template <class A, class B>
 void check_all_modes(Board& board, Pair pair, const std::vector<A>& a, const std::vector<B>& b,
-                     bool swap, bool normals, const PairBudget& budget = {}) {
-  const std::vector<PairResult> results = all_pairs(pair, a, b, swap, budget);
+                     bool swap, bool normals, const PairIterations& iterations = {}) {
+  const std::vector<PairResult> results = all_pairs(pair, a, b, swap, iterations);
   const std::vector<bool> bad = load_shapes(board, a, b, swap);
   const std::vector<std::uint32_t> slots = in_order(swap ? a.size() : b.size());
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
-    Query query{.mode = mode, .pair = pair, .swap = swap, .normals = normals, .budget = budget};
+    Query query{.mode = mode, .pair = pair, .swap = swap, .normals = normals, .iterations = iterations};
     compare(board.run(query), expected(pair, results, slots, bad, mode, normals), mode);
   }
 }
@@ -112,16 +112,16 @@ TEST_P(Solids, Cylinders_UseTheQuerysIterations) {
   std::vector<Cylinder> few = cylinders(gates ? 5 : 19, 1), many = cylinders(gates ? 7 : 43, 2);
   few[2].radius = -1;
   many[4].axis *= 2;
-  for (const PairBudget budget : {PairBudget{}, PairBudget{4, 2, 2}, PairBudget{4, 0, 0}})
-    check_all_modes(board, Pair::kCylinderCylinder, few, many, false, true, budget);
-  EXPECT_THROW((void)board.run({.budget = {5, 1, 1}}), Error);
+  for (const PairIterations iterations : {PairIterations{}, PairIterations{4, 2, 2}, PairIterations{4, 0, 0}})
+    check_all_modes(board, Pair::kCylinderCylinder, few, many, false, true, iterations);
+  EXPECT_THROW((void)board.run({.iterations = {5, 1, 1}}), Error);
   if (gates) return;
   // 14 + 2 K1 + 3 K2 evaluations and 9 loops for the witness points, over all rows in flight.
   Counters counters;
   const std::vector<Cylinder> lots = cylinders(800, 3), row = cylinders(8, 4);
   board.upload_shapes(std::span<const Cylinder>(lots));
   board.load_shapes(std::span<const Cylinder>(row));
-  (void)board.run({.budget = {8, 8, 8}}, &counters);
+  (void)board.run({.iterations = {8, 8, 8}}, &counters);
   const double per_row = static_cast<double>(counters.cycles) / 800;
   EXPECT_GE(per_row, 63);
   EXPECT_LE(per_row, 63 * 1.2) << "at most 20% for the last loop of the pipeline";
@@ -146,7 +146,7 @@ Board board_of_boxes(Arithmetic arithmetic, unsigned interval) {
   BoardConfig config = small(arithmetic);
   config.pairs = {Pair::kSphereSphere, Pair::kObbObb};
   config.normals = true;
-  config.facet_interval = interval;
+  config.sat_interval = interval;
   if (arithmetic == Arithmetic::kRtl) config.lanes = 1;  // takes a minute to build
   return Board::open(config);
 }
@@ -192,7 +192,7 @@ TEST_P(Solids, SharedCandidateAxes_DelayOnlyTheirPairs) {
   }
 }
 
-TEST(SolidsIterativePipe, BudgetsOutOfRange_AreRefused) {
+TEST(SolidsIterativePipe, IterationsOutOfRange_AreRefused) {
   BoardConfig config = small(Arithmetic::kHost);
   config.pairs = {Pair::kCylinderCylinder};
   config.normals = true;
@@ -201,16 +201,16 @@ TEST(SolidsIterativePipe, BudgetsOutOfRange_AreRefused) {
   board.upload_shapes(std::span<const Cylinder>(some));
   board.load_shapes(std::span<const Cylinder>(some));
   (void)board.run({});
-  const auto refused = [&](std::uint64_t budget) {
+  const auto refused = [&](std::uint64_t iterations) {
     board.write_register(card::kRegControl, card::kControlClear);
-    board.write_register(card::kRegBudget, budget);
+    board.write_register(card::kRegIterations, iterations);
     board.write_register(card::kRegControl, card::kControlGo);
     return (board.read_register(card::kRegStatus) >> card::kStatusCommandError & 1) != 0;
   };
-  for (const std::uint64_t budget : {0x080800u, 0x080805u, 0x084108u, 0x410808u, 0xffffffffu})
-    EXPECT_TRUE(refused(budget)) << std::hex << budget;
+  for (const std::uint64_t iterations : {0x080800u, 0x080805u, 0x084108u, 0x410808u, 0xffffffffu})
+    EXPECT_TRUE(refused(iterations)) << std::hex << iterations;
   EXPECT_TRUE(refused(std::uint64_t{1} << 32 | 0x080808));
-  EXPECT_FALSE(refused(0x404010)) << "the largest budget";
+  EXPECT_FALSE(refused(0x404010)) << "the most iterations";
   board.wait(1000000);
   board.write_register(card::kRegControl, card::kControlAbort | card::kControlClear);
   EXPECT_EQ(board.run({}).size(), some.size());

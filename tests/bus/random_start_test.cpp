@@ -77,7 +77,7 @@ BoardConfig card_of(const Start& start) {
           .swap = true,
           .normals = true,
           .parallel = true,
-          .facet_interval = 3,
+          .sat_interval = 3,
           .transform = Transformer::kBoth,
           .ddr_slots = 4000,
           .sram_records = 1024,

@@ -140,8 +140,8 @@ TEST_F(Accuracy, CertainDecisions_AreTrue) {
   const Json j = Json::parse(ran.out);
   EXPECT_EQ(j["schema"], "cde.accuracy.filters.1");
   ASSERT_EQ(j["filters"].size(), 2U);
-  EXPECT_TRUE(j["filters"][0]["budget"].is_null());
-  EXPECT_EQ(j["filters"][1]["budget"], "4,2,2");
+  EXPECT_TRUE(j["filters"][0]["iterations"].is_null());
+  EXPECT_EQ(j["filters"][1]["iterations"], "4,2,2");
   for (const Json& row : j["filters"]) {
     Json sum = row["all_families"];
     EXPECT_EQ(sum["cases"], 2901);
@@ -167,8 +167,8 @@ TEST_F(Accuracy, UnsupportedFilters_AreRefused) {
     refused({"--filters", "--pair", "sphere-sphere", "--formats", wide},
             "expected a format with no more exponent bits and fewer fraction bits than fp32");
   refused({"--filters", "--pair", "obb-obb", "--families", "nothing"}, "no family 'nothing'");
-  refused({"--filters", "--pair", "obb-obb", "--budgets", "4,2,2"},
-          "--budgets cannot be combined with these pairs");
+  refused({"--filters", "--pair", "obb-obb", "--iterations", "4,2,2"},
+          "--iterations cannot be combined with these pairs");
 }
 
 /// A run that ended anywhere, even within a line, continues to the same file and table.
@@ -225,10 +225,10 @@ TEST_F(Accuracy, UnknownNames_GetSuggestions) {
   refused({"--formats", "fp32,fp8"}, "no format 'fp8'; ");
   refused({"--algorithms", "mollar"}, "no algorithm 'mollar'; did you mean moller?");
   refused({"--pair", "obb-obb", "--families", "grazing"}, "no family 'grazing'; there are: near-");
-  refused({"--pair", "obb-obb", "--budgets", "8,8,8"},
-          "--budgets cannot be combined with these pairs");
-  refused({"--budgets", "4,0"}, "--budgets is '4,0'; it must be M,K1,K2");
-  refused({"--budgets", "4,99,0"}, "--budgets: K1 is 99");
+  refused({"--pair", "obb-obb", "--iterations", "8,8,8"},
+          "--iterations cannot be combined with these pairs");
+  refused({"--iterations", "4,0"}, "--iterations is '4,0'; it must be M,K1,K2");
+  refused({"--iterations", "4,99,0"}, "--iterations: K1 is 99");
   refused({"--cases", "0"}, "--cases is '0'; it must be a whole number, 1 to 100000000");
   refused({"--shard", "3/2"}, "--shard is '3/2'; it must be I/N");
   refused({"--mesh", "none.obj"}, "none.obj");
@@ -238,13 +238,13 @@ TEST_F(Accuracy, UnknownNames_GetSuggestions) {
     refused({"--pair", "sphere-sphere", "--resume", device}, "is not a regular file");
 }
 
-/// A repeated budget is measured once.
-TEST_F(Accuracy, RepeatedBudget_IsMeasuredOnce) {
+/// Repeated iterations are measured once.
+TEST_F(Accuracy, RepeatedIterations_AreMeasuredOnce) {
   const Json all = pipes({"--pair", "obb-cylinder", "--formats", "fp16", "--cases", "20",
-                          "--budgets", "4,0,0:4,2,2:4,0,0"});
+                          "--iterations", "4,0,0:4,2,2:4,0,0"});
   ASSERT_EQ(all.size(), 2u);
-  EXPECT_EQ(all[0].at("budget"), "4,0,0");
-  EXPECT_EQ(all[1].at("budget"), "4,2,2");
+  EXPECT_EQ(all[0].at("iterations"), "4,0,0");
+  EXPECT_EQ(all[1].at("iterations"), "4,2,2");
 }
 
 TEST_F(Accuracy, RepeatedFamily_IsMeasuredOnce) {

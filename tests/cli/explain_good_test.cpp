@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261125;
 constexpr unsigned kCases = 200;
-constexpr std::size_t kFoundOfRings = 92;  // percent of the operations
+constexpr std::size_t kFoundIfIterative = 92;  // percent of the operations
 
 struct Pipe {
   Pair pair;
@@ -91,7 +91,7 @@ TEST_P(ExplainGood, CorrectPipe_FindsEveryOperatorAndNamesNoPlace) {
   options.algorithm = name(pipe.algorithm);
   options.arithmetic = pipe.arithmetic;
   options.box = false;  // host arithmetic has no operators for it
-  explain::Explainer explainer(configuration(options), budget_of(options));
+  explain::Explainer explainer(configuration(options), iterations_of(options));
   unsigned explained = 0;
   for (unsigned i = 0; i < kCases; ++i) {
     const Operands o = operands(pipe.pair, i);
@@ -101,7 +101,7 @@ TEST_P(ExplainGood, CorrectPipe_FindsEveryOperatorAndNamesNoPlace) {
     if (e.reference.bad) continue;
     ++explained;
     // An iterative pipeline repeats its work for every direction, so many words repeat.
-    const std::size_t least = has_budget(pipe.pair) ? kFoundOfRings : 100;
+    const std::size_t least = has_iterations(pipe.pair) ? kFoundIfIterative : 100;
     ASSERT_GE(e.found * 100, e.operations.size() * least) << missing(e);
     ASSERT_TRUE(e.findings.empty())
         << (e.findings.front().sources.empty() ? "" : e.findings.front().sources.front().text());

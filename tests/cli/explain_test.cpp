@@ -87,8 +87,8 @@ TEST_F(Explain, InvalidUsage_IsRefused) {
   refused({"explain", "sphere-sphere", "0 0 0 1"}, "4 words, must be 8");
   refused({"explain", "sphere-sphere", "0 0 0 one 0 0 0 1"}, "word 4");
   refused({"explain", "sphere-sphere", " "}, "missing");
-  refused({"explain", "sphere-sphere", "0 0 0 1 0 0 3 1", "--budget", "4,4,4"},
-          "--budget cannot be combined with sphere-sphere");
+  refused({"explain", "sphere-sphere", "0 0 0 1 0 0 3 1", "--iterations", "4,4,4"},
+          "--iterations cannot be combined with sphere-sphere");
   refused({"explain", "spheer-sphere", "0"}, "sphere-sphere");
 }
 

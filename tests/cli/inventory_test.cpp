@@ -122,7 +122,7 @@ TEST_F(Inventory, EveryKindOfPipe_HasLatencyAndInterval) {
 
 /// Pairs without candidate axes accept one row per cycle with any interval.
 TEST_F(Inventory, SharedCandidateAxes_NeedFewerUnits) {
-  const Ran ran = cde({"inventory", "obb-obb", "sphere-sphere", "--facet-interval", "3", "--json"});
+  const Ran ran = cde({"inventory", "obb-obb", "sphere-sphere", "--sat-interval", "3", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["pipes"][0]["pair"], "obb-obb");
@@ -169,7 +169,7 @@ TEST_F(Inventory, TextMarkdownAndUsage_AreCorrect) {
   refused({"inventory", "sphere-cube"}, "no pair 'sphere-cube'");
   refused({"inventory", "--latencies", "1,2,3"}, "--latencies is '1,2,3'; it must be");
   refused({"inventory", "--latencies", "0,1,1,1,1"}, "--latencies is '0,1,1,1,1'; it must be");
-  refused({"inventory", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
+  refused({"inventory", "--sat-interval", "2"}, "--sat-interval is '2'; it must be 1 or 3");
   refused({"inventory", "--json", "--markdown"}, "--markdown cannot be combined with --json");
 }
 

@@ -259,52 +259,52 @@ TEST_F(Query, WrongUsage_IsRefused) {
           "--algorithm cannot be combined with sphere-sphere; expected ray-triangle");
   refused({"sphere-sphere", "--half-space"}, "--half-space cannot be combined with sphere-sphere");
   refused({"sphere-sphere", "--arith", "gates"}, "--arith is 'gates'; it must be host or rtl");
-  refused({"sphere-sphere", "--facet-interval", "3"},
-          "--facet-interval cannot be combined with sphere-sphere");
-  refused({"obb-obb", "--facet-interval", "2"}, "--facet-interval is '2'; it must be 1 or 3");
+  refused({"sphere-sphere", "--sat-interval", "3"},
+          "--sat-interval cannot be combined with sphere-sphere");
+  refused({"obb-obb", "--sat-interval", "2"}, "--sat-interval is '2'; it must be 1 or 3");
   refused({"sphere-sphere", "--lanes", "0"}, "--lanes is '0'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--lanes", "257"},
           "--lanes is '257'; it must be a whole number, 1 to 256");
   refused({"sphere-sphere", "--format", "fp7"}, "--format is 'fp7'");
   refused({"sphere-sphere", "--format", "e4m3"},
           "--format is 'e4m3'; it must be fp16, bf16, tf32, fp24, fp32 or fp64");
-  refused({"sphere-sphere", "--budget", "4,8,8"}, "--budget cannot be combined with sphere-sphere");
-  refused({"cylinder-cylinder", "--budget", "4,8"}, "--budget is '4,8'; it must be M,K1,K2");
-  refused({"cylinder-cylinder", "--budget", "0,8,8"}, "budget: M is 0, expected 4, 8 or 16");
-  refused({"cylinder-cylinder", "--budget", "5,8,8"}, "budget: M is 5, expected 4, 8 or 16");
-  refused({"cylinder-cylinder", "--budget", "4,8,65"}, "budget: K2 is 65, expected 0 to 64");
-  refused({"cylinder-cylinder", "--budget", "4,8,8,"}, "--budget is '4,8,8,'; it must be M,K1,K2");
-  refused({"cylinder-cylinder", "--budget", "13"},
-          "--budget is 13; cylinder-cylinder needs 14 to 334 evaluations");
-  refused({"obb-cylinder", "--budget", "29"},
-          "--budget is 29; obb-cylinder needs 30 to 258 evaluations");
-  refused({"obb-cylinder", "--budget", "259"},
-          "--budget is 259; obb-cylinder needs 30 to 258 evaluations");
-  refused({"triangle-cylinder", "--budget", "99999"},
-          "--budget is 99999; triangle-cylinder needs 26 to 254 evaluations");
+  refused({"sphere-sphere", "--iterations", "4,8,8"}, "--iterations cannot be combined with sphere-sphere");
+  refused({"cylinder-cylinder", "--iterations", "4,8"}, "--iterations is '4,8'; it must be M,K1,K2");
+  refused({"cylinder-cylinder", "--iterations", "0,8,8"}, "iterations: M is 0, expected 4, 8 or 16");
+  refused({"cylinder-cylinder", "--iterations", "5,8,8"}, "iterations: M is 5, expected 4, 8 or 16");
+  refused({"cylinder-cylinder", "--iterations", "4,8,65"}, "iterations: K2 is 65, expected 0 to 64");
+  refused({"cylinder-cylinder", "--iterations", "4,8,8,"}, "--iterations is '4,8,8,'; it must be M,K1,K2");
+  refused({"cylinder-cylinder", "--iterations", "13"},
+          "--iterations is 13; cylinder-cylinder needs 14 to 334 evaluations");
+  refused({"obb-cylinder", "--iterations", "29"},
+          "--iterations is 29; obb-cylinder needs 30 to 258 evaluations");
+  refused({"obb-cylinder", "--iterations", "259"},
+          "--iterations is 259; obb-cylinder needs 30 to 258 evaluations");
+  refused({"triangle-cylinder", "--iterations", "99999"},
+          "--iterations is 99999; triangle-cylinder needs 26 to 254 evaluations");
   refused({}, "cde query needs PAIR");
 }
 
-TEST_F(Query, Budget_SetsTheCyclesOfACylinderPair) {
+TEST_F(Query, Iterations_SetTheCyclesOfACylinderPair) {
   const std::string pair = "0,0,0,0,0,1,1,0.5,2,0.3,0.1,0.6,0,0.8,1,0.5\n";
-  const auto clocks = [&](const Words& budget) {
+  const auto clocks = [&](const Words& iterations) {
     Words words = {"cylinder-cylinder", "--json"};
-    words.insert(words.end(), budget.begin(), budget.end());
+    words.insert(words.end(), iterations.begin(), iterations.end());
     const Ran ran = query(words, pair);
     EXPECT_EQ(ran.status, 0) << ran.err;
     const auto json = nlohmann::json::parse(lines_of(ran.out).back());
     EXPECT_EQ(json["records_matching"], 1);
     return json["device_cycles"].get<int>();
   };
-  const int whole = clocks({}), none = clocks({"--budget", "4,0,0"});
-  EXPECT_EQ(clocks({"--budget", "8,8,8"}), whole);
+  const int whole = clocks({}), none = clocks({"--iterations", "4,0,0"});
+  EXPECT_EQ(clocks({"--iterations", "8,8,8"}), whole);
   // 54 and 14 evaluations, plus 9 loops each for the witness points: one more loop costs one trip
   // through the pipeline.
-  const int ring = (whole - none) / 40;
-  EXPECT_EQ(whole - none, 40 * ring);
-  EXPECT_EQ(clocks({"--budget", "14"}), none);
-  EXPECT_EQ(clocks({"--budget", "54"}), whole);
-  EXPECT_EQ(clocks({"--budget", "58"}), whole + 3 * ring) << "K2 takes three of four evaluations";
+  const int loop = (whole - none) / 40;
+  EXPECT_EQ(whole - none, 40 * loop);
+  EXPECT_EQ(clocks({"--iterations", "14"}), none);
+  EXPECT_EQ(clocks({"--iterations", "54"}), whole);
+  EXPECT_EQ(clocks({"--iterations", "58"}), whole + 3 * loop) << "K2 takes three of four evaluations";
 }
 
 // ---- Complete runs ----

@@ -65,8 +65,8 @@ TEST_F(CommandLine, SeveralMistakes_ReportTheFirst) {
       {{"inventory", "obb-ob"}, "no pair 'obb-ob'; did you mean obb-obb?"},
       {{"bench", "ray"}, "no section 'ray'; did you mean rays?"},
       {{"help", "qurey"}, "no verb 'qurey'; did you mean query?"},
-      {{"query", "cylinder-cylinder", "--budget", "8,8,99"},
-       "--budget: K2 is 99, expected 0 to 64"},
+      {{"query", "cylinder-cylinder", "--iterations", "8,8,99"},
+       "--iterations: K2 is 99, expected 0 to 64"},
       {{"query", "sphere-sphere", "--format", "e4m3"},
        "--format is 'e4m3'; it must be fp16, bf16, tf32, fp24, fp32 or fp64"},
       {{"cast", "m.obj", "--fields", "u,x"},
@@ -116,8 +116,8 @@ TEST_F(CommandLine, OptionsWithoutEffect_AreRefused) {
       {rays + "--json --json --bogus", "--json is given twice"},
       {spheres + "--algorithm moller",
        "--algorithm cannot be combined with sphere-sphere; expected ray-triangle"},
-      {spheres + "--facet-interval 1",
-       "--facet-interval cannot be combined with sphere-sphere; expected obb-obb, triangle-aabb or "
+      {spheres + "--sat-interval 1",
+       "--sat-interval cannot be combined with sphere-sphere; expected obb-obb, triangle-aabb or "
        "triangle-obb"},
       {"query obb-obb --box --no-box", "--no-box cannot be combined with --box"},
       {spheres + "--bundle f --no-check", "--bundle cannot be combined with --no-check"},
@@ -132,8 +132,8 @@ TEST_F(CommandLine, OptionsWithoutEffect_AreRefused) {
        "PAIR cannot be combined with --from-test; it already names the pair"},
       {"run none.toml --check none --bundle f", "--bundle cannot be combined with --check none"},
       {"fp f32_add --format fp16", "--format fp16 cannot be combined with f32_add"},
-      {"inventory sphere-sphere --facet-interval 1",
-       "--facet-interval cannot be combined with sphere-sphere; expected obb-obb, triangle-aabb or "
+      {"inventory sphere-sphere --sat-interval 1",
+       "--sat-interval cannot be combined with sphere-sphere; expected obb-obb, triangle-aabb or "
        "triangle-obb"},
       {"bench effects --markdown --json", "--json cannot be combined with --markdown"},
       {"accuracy --mesh none.obj --no-operators", "--operators cannot be combined with --mesh"},

@@ -314,7 +314,7 @@ TEST(SceneFile, ImpossibleRequests_AreRefused) {
                  "\nsecondaries=\"ball\"",
              "a query takes one shape on each side");
   impossible(kGood + "normals = true\n", "rays have no normals");
-  impossible(kGood + "budget = { samples = 8 }\n", "has no iterations");
+  impossible(kGood + "iterations = { samples = 8 }\n", "has no iterations");
   impossible(kGood + "mask = [0]\n", "leaves out every primary");
   refused(kGood + "mask = [5]\n", "must be ascending and within 0..0");
   malformed(kGood + "mask = [\"a..b\"]\n", "is not FIRST..LAST");

@@ -95,9 +95,9 @@ double witness_miss(const oracle::Case& c) {
 // may miss by what docs/reference/pairs_convex.md states under "Limits".
 TEST_P(ConvexPair, WitnessPoints_LieInTheBodies) {
   const int count = amount(40000, 1000000);
-  const bool facets = GetParam() == Pair::kObbObb || GetParam() == Pair::kTriangleObb ||
+  const bool sat = GetParam() == Pair::kObbObb || GetParam() == Pair::kTriangleObb ||
                       GetParam() == Pair::kTriangleAabb;
-  const int allowed = facets && count > 40000 ? 2 : 0;
+  const int allowed = sat && count > 40000 ? 2 : 0;
   int out = 0;
   double worst = 0;
   for (int i = 0; i < count; ++i) {

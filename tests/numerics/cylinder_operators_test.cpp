@@ -39,7 +39,7 @@ void restart(V& values) {
 /// One loop of every phase.
 Phases operators(reference::cylinder::Pair<Counted> pair) {
   namespace cylinder = reference::cylinder;
-  const cylinder::Budget budget{4, 2, 2};
+  const cylinder::Iterations iterations{4, 2, 2};
   Phases phases;
   cylinder::Search<Counted> s;
   for (int k = 0;; ++k) {
@@ -49,9 +49,9 @@ Phases operators(reference::cylinder::Pair<Counted> pair) {
     restart(s.last.g), restart(s.last.n), restart(s.last.y), restart(s.back.g), restart(s.back.y);
     restart(s.last_slope), restart(s.back_slope), restart(s.best_slope);
     restart(s.witness), restart(s.off);
-    const cylinder::Pass p = cylinder::pass(pair.body, budget, k);
+    const cylinder::Pass p = cylinder::pass(pair.body, iterations, k);
     Counted::tally = {};
-    if (!cylinder::step<Counted>(pair, s, budget, k)) return phases;
+    if (!cylinder::step<Counted>(pair, s, iterations, k)) return phases;
     phases[static_cast<int>(p.phase)] = Counted::tally;
   }
 }

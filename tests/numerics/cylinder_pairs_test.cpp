@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Answers of the mirror references of the three cylinder pairs against the certified oracle. Checks
-// the shortfall of s_K per budget, that s_K never exceeds s, witness points, degenerate operands,
+// the shortfall of s_K per number of iterations, that s_K never exceeds s, witness points, degenerate operands,
 // and every format.
 #include <gtest/gtest.h>
 
@@ -25,10 +25,10 @@ namespace {
 using oracle::Vec;
 using reference::Outcome;
 using reference::cylinder::Body;
-using reference::cylinder::Budget;
+using reference::cylinder::Iterations;
 
 constexpr std::uint64_t kSeed = kCylinderSeed;
-constexpr Budget kFull{8, 16, 16};
+constexpr Iterations kFull{8, 16, 16};
 
 template <class P>
 P primitive(const std::vector<double>& words) {
@@ -39,17 +39,17 @@ P primitive(const std::vector<double>& words) {
 /// The pair's reference on operands rounded to S.
 template <typename S>
 Outcome<S> answer(oracle::Pair pair, const std::vector<double>& a, const std::vector<double>& b,
-                  const Budget& budget) {
+                  const Iterations& iterations) {
   const auto cylinder = primitive_cast<S>(primitive<Cylinder>(b));
   switch (pair) {
     case oracle::Pair::kCylinderCylinder:
       return reference::cylinder_cylinder<S>(primitive_cast<S>(primitive<Cylinder>(a)), cylinder,
-                                             budget);
+                                             iterations);
     case oracle::Pair::kObbCylinder:
-      return reference::obb_cylinder<S>(primitive_cast<S>(primitive<Obb>(a)), cylinder, budget);
+      return reference::obb_cylinder<S>(primitive_cast<S>(primitive<Obb>(a)), cylinder, iterations);
     default:
       return reference::triangle_cylinder<S>(primitive_cast<S>(primitive<Triangle>(a)), cylinder,
-                                             budget);
+                                             iterations);
   }
 }
 
@@ -70,7 +70,7 @@ double quantile(std::vector<double> values, double share) {
   return values[std::min(values.size() - 1, static_cast<std::size_t>(share * values.size()))];
 }
 
-// ---- Shortfall per budget ----
+// ---- Shortfall per number of iterations ----
 
 /// The tail of a set: its largest shortfall in S, pairs short by more than tolT, pairs short by
 /// more than 1e-4 S, and false hits.
@@ -79,7 +79,7 @@ struct Tail {
   int over, far_over, false_hits;
 };
 
-/// Limits for the default budget and the largest on a set, and the share of hits that keeps the set
+/// Limits for the default iterations and the most on a set, and the share of hits that keeps the set
 /// meaningful.
 struct CaseSet {
   const char* name;
@@ -148,9 +148,9 @@ const CaseSet kSets[] = {
      {}},
 };
 
-const Budget kBudgets[] = {{4, 0, 0}, {4, 2, 2}, {4, 3, 3},   {4, 4, 4},
+const Iterations kIterations[] = {{4, 0, 0}, {4, 2, 2}, {4, 3, 3},   {4, 4, 4},
                            {4, 6, 6}, {8, 8, 8}, {8, 12, 12}, kFull};
-constexpr std::size_t kDefault = 5;  ///< index in kBudgets
+constexpr std::size_t kDefault = 5;  ///< index in kIterations
 
 struct Row {
   std::vector<double> shortfall;  ///< (s - s_K) / S
@@ -179,7 +179,7 @@ int kind(oracle::Pair pair) {
   return pair == oracle::Pair::kCylinderCylinder ? 0 : pair == oracle::Pair::kObbCylinder ? 1 : 2;
 }
 
-/// Runs one set of cases with every budget and checks the answers with the oracle.
+/// Runs one set of cases with every number of iterations and checks the answers with the oracle.
 class Survey {
  public:
   Survey(oracle::Pair pair, const CaseSet& set)
@@ -213,7 +213,7 @@ class Survey {
   oracle::Pair pair_;
   const CaseSet& set_;
   int count_;
-  std::array<Row, std::size(kBudgets)> rows_;
+  std::array<Row, std::size(kIterations)> rows_;
   std::vector<double> off_;     ///< witness points, in tolP
   std::vector<double> turned_;  ///< difference of n from the true one, where that is certain
   int meet_ = 0, in_band_ = 0;
@@ -225,7 +225,7 @@ void Survey::judge(const oracle::Case& c) {
   const double size = oracle::scene_size(a, b), tolerance = kTolT * size;
   meet_ += distance.middle() <= 0, in_band_ += std::abs(distance.middle()) <= tolerance;
   for (std::size_t k = 0; k < rows_.size(); ++k) {
-    const Outcome<float> outcome = answer<float>(pair_, c.a, c.b, kBudgets[k]);
+    const Outcome<float> outcome = answer<float>(pair_, c.a, c.b, kIterations[k]);
     const double s = signed_distance_of(outcome);
     ASSERT_LE(s, distance.hi + tolerance) << "above the signed distance\n" << c.describe();
     EXPECT_NEAR(oracle::distance_along(a, b, outcome.n.cast<double>()), s, tolerance) << c.describe();
@@ -255,8 +255,8 @@ void Survey::print() const {
     std::printf(
         "  M %2d K1 %2d K2 %2d %4d evaluations  p99 %.1e  max %.1e  over 16u %d  over 1e-4 %d  "
         "false hits %d\n",
-        kBudgets[k].samples, kBudgets[k].circle, kBudgets[k].free,
-        reference::cylinder::evaluations(body(pair_), kBudgets[k]),
+        kIterations[k].samples, kIterations[k].circle, kIterations[k].free,
+        reference::cylinder::evaluations(body(pair_), kIterations[k]),
         quantile(rows_[k].shortfall, 0.99), tail.worst, tail.over, tail.far_over, tail.false_hits);
   }
   std::printf("  witness points off by p99 %.2g, at most %.2g tolP; %td of %d more than 1\n",
@@ -268,7 +268,7 @@ void Survey::print() const {
 
 class CylinderPairs : public ::testing::TestWithParam<std::tuple<oracle::Pair, int>> {};
 
-TEST_P(CylinderPairs, EveryBudget_AgreesWithTheOracle) {
+TEST_P(CylinderPairs, EveryNumberOfIterations_AgreesWithTheOracle) {
   const oracle::Pair pair = std::get<0>(GetParam());
   const CaseSet& set = kSets[std::get<1>(GetParam())];
   Survey survey(pair, set);
@@ -278,14 +278,14 @@ TEST_P(CylinderPairs, EveryBudget_AgreesWithTheOracle) {
   EXPECT_LT(survey.meeting(), set.most_meet);
   const auto within = [&](std::size_t k, const Tail& limit) {
     const Tail tail = survey.row(k).tail();
-    EXPECT_LE(tail.worst, full() ? 4 * limit.worst : limit.worst) << "budget " << k;
-    EXPECT_LE(tail.over, survey.share(limit.over)) << "budget " << k;
-    EXPECT_LE(tail.far_over, survey.share(limit.far_over)) << "budget " << k;
-    EXPECT_LE(tail.false_hits, limit.false_hits) << "budget " << k;
+    EXPECT_LE(tail.worst, full() ? 4 * limit.worst : limit.worst) << "iterations " << k;
+    EXPECT_LE(tail.over, survey.share(limit.over)) << "iterations " << k;
+    EXPECT_LE(tail.far_over, survey.share(limit.far_over)) << "iterations " << k;
+    EXPECT_LE(tail.false_hits, limit.false_hits) << "iterations " << k;
   };
   const auto i = static_cast<std::size_t>(kind(pair));
   within(kDefault, set.at_default[i]);
-  within(std::size(kBudgets) - 1, set.at_largest[i]);
+  within(std::size(kIterations) - 1, set.at_largest[i]);
   // Five times as many pairs also find rare cases.
   const double more = full() ? 0.0003 : 0;
   EXPECT_LE(survey.off_witness(), set.off_witness[i] + more);
@@ -314,8 +314,8 @@ INSTANTIATE_TEST_SUITE_P(All, CylinderPairs,
 TEST(CylinderRegression, BoxBelowARim_HasItsDistance) {
   const Obb box{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(6, 2, 1), Eigen::Matrix3f::Identity()};
   const Cylinder cylinder{Eigen::Vector3f(0, 4, 5), Eigen::Vector3f(0, 0, 1), 3, 1};
-  for (const Budget budget : {Budget{4, 6, 6}, Budget{8, 8, 8}, Budget{16, 64, 64}}) {
-    const Outcome<float> got = reference::obb_cylinder<float>(box, cylinder, budget);
+  for (const Iterations iterations : {Iterations{4, 6, 6}, Iterations{8, 8, 8}, Iterations{16, 64, 64}}) {
+    const Outcome<float> got = reference::obb_cylinder<float>(box, cylinder, iterations);
     EXPECT_FALSE(got.f);
     EXPECT_NEAR(got.t, std::sqrt(2.0), 1e-6);
     EXPECT_NEAR((got.n.cast<double>() - Vec(0, 1, 1).normalized()).norm(), 0, 1e-5);
@@ -327,8 +327,8 @@ TEST(CylinderRegression, TriangleBelowARim_HasItsDistance) {
   const Triangle triangle{Eigen::Vector3f(-6, 0, 0), Eigen::Vector3f(6, 0, 0),
                           Eigen::Vector3f(0, -5, 0)};
   const Cylinder cylinder{Eigen::Vector3f(0, 5, 2), Eigen::Vector3f(0, 0, 1), 1, 4};
-  for (const Budget budget : {Budget{4, 6, 6}, Budget{8, 8, 8}, Budget{16, 64, 64}}) {
-    const Outcome<float> got = reference::triangle_cylinder<float>(triangle, cylinder, budget);
+  for (const Iterations iterations : {Iterations{4, 6, 6}, Iterations{8, 8, 8}, Iterations{16, 64, 64}}) {
+    const Outcome<float> got = reference::triangle_cylinder<float>(triangle, cylinder, iterations);
     EXPECT_FALSE(got.f);
     EXPECT_NEAR(got.t, std::sqrt(2.0), 1e-6);
     EXPECT_NEAR((got.n.cast<double>() - Vec(0, 1, 1).normalized()).norm(), 0, 1e-5);
@@ -341,7 +341,7 @@ TEST(CylinderRegression, MissingRims_HaveTheirDistance) {
                                  1.26860404, 0.357277811};
   const std::vector<double> b = {0.19473657,   0.921042919, -2.12024307, -0.494172364,
                                  -0.650091469, -0.57721293, 0.260761261, 1.10080326};
-  const Outcome<float> got = answer<float>(oracle::Pair::kCylinderCylinder, a, b, Budget{8, 8, 8});
+  const Outcome<float> got = answer<float>(oracle::Pair::kCylinderCylinder, a, b, Iterations{8, 8, 8});
   EXPECT_FALSE(got.f);
   EXPECT_NEAR(got.t, 1.851e-4, 1e-6);
 }

@@ -155,7 +155,7 @@ TYPED_TEST(CertifiedFilter, Operators_EqualTheDocs) {
                 shape_of<typename TypeParam::template B<Counted>>(c.b), Proposal<Counted>{});
   });
   std::string pipe = "in rounds";
-  if (!has_budget(TypeParam::kPair)) {
+  if (!has_iterations(TypeParam::kPair)) {
     const cde::testing::Tally t = cde::testing::operators(TypeParam::kPair);
     pipe = fmt::format("{}", t.add + t.sub + t.mul + t.div + t.sqrt + t.cmp + t.minmax);
   }
@@ -177,7 +177,7 @@ TYPED_TEST(CertifiedFilter, RandomPairs_AreMostlyCertain) {
   }
   ASSERT_EQ(count, 4000U);
   std::vector<Certain> certain(count);
-  const PairBudget least{4, 2, 2};
+  const PairIterations least{4, 2, 2};
   cde::accuracy::test_certain(TypeParam::kPair, FpFormat::parse("fp16"), least, a, b, certain);
   EXPECT_LT(std::ranges::count(certain, Certain::kNeither), 4000 * 0.012);
 }

@@ -276,7 +276,7 @@ void compare(Seen& seen, const Parameter& p, const Operands& was_of, const PairR
   }
   const oracle::Case c{p.pair, 0, 0, "", is_of.a, is_of.b};
   const bool ray = oracle::has_ray(p.pair);
-  if (was.f != is.f && (ray || !has_budget(p.pair))) {
+  if (was.f != is.f && (ray || !has_iterations(p.pair))) {
     if (may_differ(p, was_of, u) || may_differ(p, is_of, u)) {
       ++seen.in_band;
     } else if (++seen.wrong <= 3) {

@@ -86,7 +86,7 @@ Tally operators(Pair pair, Algorithm algorithm) {
     case Pair::kTriangleTriangle:
       return count<BasicTriangle, BasicTriangle>(convex::triangle_triangle<Counted>);
     default:
-      throw std::logic_error("a pair with a budget has no closed form");
+      throw std::logic_error("a pair with iterations has no closed form");
   }
 }
 

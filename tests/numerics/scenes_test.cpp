@@ -35,7 +35,7 @@ P operand(const std::vector<double>& words) {
 
 Result run(const Case& c) {
   Result result;
-  r::with_pair<float>(c.pair, Algorithm::kWatertight, false, PlaneSide::kSurface, PairBudget{},
+  r::with_pair<float>(c.pair, Algorithm::kWatertight, false, PlaneSide::kSurface, PairIterations{},
                       [&]<class A, class B>(r::Kinds<A, B>, const auto& test) {
                         result = test(operand<A>(c.a), operand<B>(c.b));
                       });
@@ -53,7 +53,7 @@ struct Row {
   }
 };
 
-/// A cylinder's answer is a lower bound of s, from a list of normals that the budget limits.
+/// A cylinder's answer is a lower bound of s, from a list of normals that the iterations limit.
 Row judge_solids(const Case& c, const Result& o) {
   const oracle::Shape a = c.shape_a(), b = c.shape_b();
   const oracle::Result result{o.f, static_cast<double>(o.t), o.cp.cast<double>(),
@@ -110,7 +110,7 @@ TEST_P(Everyday, Scenes_AreRight) {
     std::printf("%-10s %6d %5.1f%% %6d %7d %9.1e %8.2g %8d %5d %6d\n", name.c_str(), row.cases,
                 100.0 * row.hits / row.cases, row.band, row.excused, row.worst, row.witness,
                 row.short_of, row.far_short, row.false_hits);
-  // Limits of the three cylinder pairs with the default budget. The remaining cases are second
+  // Limits of the three cylinder pairs with the default iterations. The remaining cases are second
   // maxima of triangles deep inside (docs/reference/pairs_cylinder.md).
   EXPECT_EQ(all.false_hits, 0);
   if (pair == Kind::kTriangleCylinder)

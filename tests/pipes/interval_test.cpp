@@ -64,7 +64,7 @@ TEST_P(SatInterval, SharedAxes_TakeARowPerThreeCycles) {
   const PairConfig config{.pair = p.pair,
                           .lanes = p.gates() ? 1u : 8u,
                           .arithmetic = p.arithmetic,
-                          .facet_interval = kInterval};
+                          .sat_interval = kInterval};
   const std::size_t count = p.gates() ? 2000 : 20000, rows = count / config.lanes;
   PairUnit unit(config);
   EXPECT_EQ(unit.latency(), p.clocks());
@@ -138,28 +138,28 @@ void expect_refused(const Config& config, const char* why) {
 
 TEST(SatIntervalConfig, UnsupportedIntervals_AreRefused) {
   for (const unsigned interval : {0u, 2u, 4u, 9u}) {
-    expect_refused(PairConfig{.pair = Pair::kObbObb, .facet_interval = interval}, "1 or 3");
-    expect_refused(BoardConfig{.pairs = {Pair::kObbObb}, .facet_interval = interval}, "1 or 3");
+    expect_refused(PairConfig{.pair = Pair::kObbObb, .sat_interval = interval}, "1 or 3");
+    expect_refused(BoardConfig{.pairs = {Pair::kObbObb}, .sat_interval = interval}, "1 or 3");
   }
   for (unsigned p = 0; p < kPairs; ++p) {
     const auto pair = static_cast<Pair>(p);
-    const PairConfig config{.pair = pair, .facet_interval = kInterval};
-    if (!has_facets(pair)) {
+    const PairConfig config{.pair = pair, .sat_interval = kInterval};
+    if (!has_sat_interval(pair)) {
       expect_refused(config, "no candidate axes");
-      expect_refused(BoardConfig{.pairs = {pair}, .facet_interval = kInterval},
+      expect_refused(BoardConfig{.pairs = {pair}, .sat_interval = kInterval},
                      "no candidate axes");
       continue;
     }
     const auto listed = [](const std::vector<std::string>& parameters) {
-      return std::count(parameters.begin(), parameters.end(), "FACET_II=3");
+      return std::count(parameters.begin(), parameters.end(), "SAT_II=3");
     };
     EXPECT_EQ(listed(config.parameters()), 1);
-    EXPECT_EQ(listed(BoardConfig{.pairs = {Pair::kRayTriangle, pair}, .facet_interval = kInterval}
+    EXPECT_EQ(listed(BoardConfig{.pairs = {Pair::kRayTriangle, pair}, .sat_interval = kInterval}
                          .parameters()),
               1);
     // An interval of 1 adds no parameter, so existing models stay valid.
     for (const std::string& parameter : PairConfig{.pair = pair}.parameters())
-      EXPECT_FALSE(parameter.starts_with("FACET_II")) << parameter;
+      EXPECT_FALSE(parameter.starts_with("SAT_II")) << parameter;
   }
 }
 

@@ -82,7 +82,7 @@ std::vector<Pipe> pipes() {
   std::vector<Pipe> all;
   for (unsigned p = 0; p < kPairs; ++p) {
     const auto pair = static_cast<Pair>(p);
-    if (has_budget(pair)) continue;
+    if (has_iterations(pair)) continue;
     std::string module(name(pair));
     std::replace(module.begin(), module.end(), '-', '_');
     if (pair != Pair::kRayTriangle) {
@@ -169,11 +169,11 @@ class SharedSatUnits : public ::testing::TestWithParam<Turns> {};
 
 TEST_P(SharedSatUnits, SharedAxes_NeedFewerUnits) {
   const char* module = GetParam().module;
-  const Elaboration gates(kRtl, module, {"ARITH=rtl", "FACET_II=3"});
+  const Elaboration gates(kRtl, module, {"ARITH=rtl", "SAT_II=3"});
   EXPECT_EQ(without_ands(gates.operators(module)), GetParam().stated);
   EXPECT_EQ(gates.constant(module, "LATENCY"), GetParam().latency);
   // The host's arithmetic computes all candidate axes at once, with the latency of the gates.
-  const Elaboration host(kRtl, module, {"ARITH=host", "FACET_II=3"});
+  const Elaboration host(kRtl, module, {"ARITH=host", "SAT_II=3"});
   EXPECT_EQ(without_ands(host.operators(module)), counted(GetParam().pair));
   EXPECT_EQ(host.constant(module, "LATENCY"), GetParam().latency);
   const Elaboration one(kRtl, module, {"ARITH=host"});
@@ -198,10 +198,10 @@ TEST(Inventory, WrappedPipe_HasTheSameOperators) {
 // pipelines take minutes to elaborate this often, and so do candidate axes unless they are shared.
 TEST(Inventory, SlowComparisons_Elaborate) {
   for (unsigned p = 0; p < cde::kPairs; ++p) {
-    if ((cde::contract::kRingPairs >> p & 1) != 0) continue;
+    if ((cde::contract::kIterativePairs >> p & 1) != 0) continue;
     std::vector<std::string> parameters = {"PAIR=" + std::to_string(p), "ARITH=host",
                                            latency_parameter(1, 1, 1, 64, 64)};
-    if ((cde::contract::kFacetPairs >> p & 1) != 0) parameters.emplace_back("FACET_II=3");
+    if ((cde::contract::kSatPairs >> p & 1) != 0) parameters.emplace_back("SAT_II=3");
     EXPECT_NO_THROW(Elaboration(kRtl, "pair_pipe", parameters)) << p;
   }
 }
@@ -217,15 +217,15 @@ TEST(Inventory, HiddenBodies_KeepTheConstantsOfTheTop) {
 }
 
 /// The figures in the header of rtl/pipes/cylinder_pair.sv.
-struct Ring {
+struct IterativePipe {
   const char* pair;
   const char* parameter;
   Operators stated;
   unsigned rows, latency;
 
-  friend void PrintTo(const Ring& r, std::ostream* out) { *out << r.pair; }
+  friend void PrintTo(const IterativePipe& r, std::ostream* out) { *out << r.pair; }
 };
-const Ring kRings[] = {{"cylinder_cylinder",
+const IterativePipe kIterativePipes[] = {{"cylinder_cylinder",
                         "PAIR=8",
                         {.multipliers = 321,
                          .dividers = 9,
@@ -259,18 +259,18 @@ const Ring kRings[] = {{"cylinder_cylinder",
                         70,
                         5260}};
 
-class IterativePipeInventory : public ::testing::TestWithParam<Ring> {};
+class IterativePipeInventory : public ::testing::TestWithParam<IterativePipe> {};
 
 TEST_P(IterativePipeInventory, Pipe_HasTheOperatorsOfItsHeader) {
   const Elaboration design(kRtl, "pair_unit", {GetParam().parameter, "ARITH=host"});
   const char* pipe = "pair_unit.pipe";
   EXPECT_EQ(design.module_of(pipe), "cylinder_pair");
   EXPECT_EQ(without_ands(design.operators(pipe)), GetParam().stated);
-  EXPECT_EQ(design.constant(pipe, "RING"), GetParam().rows);
+  EXPECT_EQ(design.constant(pipe, "SLOTS"), GetParam().rows);
   EXPECT_EQ(design.constant(pipe, "LATENCY"), GetParam().latency);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cylinders, IterativePipeInventory, ::testing::ValuesIn(kRings),
+INSTANTIATE_TEST_SUITE_P(Cylinders, IterativePipeInventory, ::testing::ValuesIn(kIterativePipes),
                          [](const auto& info) { return std::string(info.param.pair); });
 
 TEST(Inventory, FailedElaboration_NamesTheReason) {
@@ -290,13 +290,13 @@ TEST(Inventory, FailedElaboration_NamesTheReason) {
     }
     return std::string("elaborated");
   };
-  for (const char* interval : {"FACET_II=0", "FACET_II=2"}) {
-    EXPECT_NE(refused("triangle_aabb", {interval, "ARITH=host"}).find("FACET_II must be 1 or 3"),
+  for (const char* interval : {"SAT_II=0", "SAT_II=2"}) {
+    EXPECT_NE(refused("triangle_aabb", {interval, "ARITH=host"}).find("SAT_II must be 1 or 3"),
               std::string::npos);
-    EXPECT_NE(refused("board", {interval, "ARITH=host"}).find("FACET_II must be 1 or 3"),
+    EXPECT_NE(refused("board", {interval, "ARITH=host"}).find("SAT_II must be 1 or 3"),
               std::string::npos);
   }
-  EXPECT_NE(refused("pair_pipe", {"PAIR=4", "FACET_II=3"}).find("of pairs with facets"),
+  EXPECT_NE(refused("pair_pipe", {"PAIR=4", "SAT_II=3"}).find("needs a pair with candidate axes"),
             std::string::npos);
 }
 

@@ -5,7 +5,7 @@
 //
 // Each pair runs in every format with the host's arithmetic, and with gates in fp32. CDE_FULL=1
 // (tools/test --full) runs more cases. It also runs tests that are skipped otherwise: other
-// budgets, operators of several cycles in gates, and fp64 with operators of one cycle.
+// iterations, operators of several cycles in gates, and fp64 with operators of one cycle.
 // CDE_PAIRS restricts the run to pairs whose name contains it, CDE_CASES sets the number of cases,
 // CDE_LANES the number of lanes.
 #include <gtest/gtest.h>
@@ -126,8 +126,8 @@ std::string describe(const PairResult& r) {
 /// Text about pair i, which differs: a command that repeats it, the fields, the place, and the
 /// input of `cde explain`.
 std::string difference(cde::PairUnit& unit, const Operands& o, std::size_t i, const PairResult& got,
-                       const PairResult& expected, const cde::PairBudget& budget = {}) {
-  const FailedPair pair{unit.config(), o.a, o.b, i, budget};
+                       const PairResult& expected, const cde::PairIterations& iterations = {}) {
+  const FailedPair pair{unit.config(), o.a, o.b, i, iterations};
   return "  " + query_line(pair) + "\n  pipe      " + describe(got) + "\n  reference " +
          describe(expected) + "\n  differ in " + differing_fields(got, expected) +
          "\n  where     " + place_in_unit(unit, o.a, o.b, i) + "\n  " + explain_line(pair) + "\n";
@@ -135,9 +135,9 @@ std::string difference(cde::PairUnit& unit, const Operands& o, std::size_t i, co
 
 /// The same text for a failing test, with a line about the failure package.
 std::string failure(cde::PairUnit& unit, const Operands& o, std::size_t i, const PairResult& got,
-                    const PairResult& expected, const cde::PairBudget& budget = {}) {
-  return difference(unit, o, i, got, expected, budget) +
-         pack_failure({unit.config(), o.a, o.b, i, budget});
+                    const PairResult& expected, const cde::PairIterations& iterations = {}) {
+  return difference(unit, o, i, got, expected, iterations) +
+         pack_failure({unit.config(), o.a, o.b, i, iterations});
 }
 
 /// Cycles of the pipe with operators of one cycle, from the references; 0 for iterative pipelines.
@@ -150,7 +150,7 @@ unsigned pipe_latency(const PairConfig& config) {
                          config.latency_div == 1 && config.latency_sqrt == 1 &&
                          config.latency_compare == 1;
   if (!one_clock) return 0;
-  if (has_budget(config.pair)) return 0;
+  if (has_iterations(config.pair)) return 0;
   const bool meets = config.pair == Pair::kTriangleObb || config.pair == Pair::kTriangleAabb ||
                      config.pair == Pair::kTriangleTriangle;
   const bool ray = config.pair == Pair::kRayTriangle;
@@ -183,23 +183,23 @@ struct Parameter : PairConfig {
 };
 
 /// Loops of a pair through the iterative pipeline of a cylinder pair.
-unsigned passes(Pair pair, const cde::PairBudget& budget) {
+unsigned passes(Pair pair, const cde::PairIterations& iterations) {
   using cde::reference::cylinder::Body;
   const Body body = pair == Pair::kCylinderCylinder ? Body::kCylinder
                     : pair == Pair::kObbCylinder    ? Body::kBox
                                                     : Body::kTriangle;
   return static_cast<unsigned>(cde::reference::cylinder::passes(
-      body, {static_cast<int>(budget.samples), static_cast<int>(budget.circle),
-             static_cast<int>(budget.free)}));
+      body, {static_cast<int>(iterations.samples), static_cast<int>(iterations.circle),
+             static_cast<int>(iterations.free)}));
 }
 
 /// Rows in flight in a cylinder pipe: the cycles that one more loop adds to the latency.
-unsigned ring(cde::PairUnit& unit) {
+unsigned rows_in_flight(cde::PairUnit& unit) {
   const Pair pair = unit.config().pair;
-  const cde::PairBudget less{4, 0, 0}, more{4, 3, 0};
-  unit.set_budget(less);
+  const cde::PairIterations less{4, 0, 0}, more{4, 3, 0};
+  unit.set_iterations(less);
   const unsigned start = unit.latency();
-  unit.set_budget(more);
+  unit.set_iterations(more);
   const unsigned added = passes(pair, more) - passes(pair, less);
   return added == 0 ? 0 : (unit.latency() - start) / added;
 }
@@ -208,11 +208,11 @@ unsigned ring(cde::PairUnit& unit) {
 /// accepts one row per cycle. An iterative pipeline accepts one row per cycle until it is full, and
 /// again when these rows have finished.
 std::uint64_t stated_clocks(cde::PairUnit& unit, std::uint64_t rows,
-                            const cde::PairBudget& budget) {
-  const std::uint64_t in_flight = cde::has_budget(unit.config().pair) ? ring(unit) : 0;
+                            const cde::PairIterations& iterations) {
+  const std::uint64_t in_flight = cde::has_iterations(unit.config().pair) ? rows_in_flight(unit) : 0;
   if (in_flight == 0) return rows - 1 + unit.latency();
-  unit.set_budget(budget);
-  return (rows - 1) / in_flight * in_flight * passes(unit.config().pair, budget) +
+  unit.set_iterations(iterations);
+  return (rows - 1) / in_flight * in_flight * passes(unit.config().pair, iterations) +
          (rows - 1) % in_flight + unit.latency();
 }
 
@@ -318,7 +318,7 @@ std::string typed(std::string line) {
 /// The failure text of a test is correct: `cde query` repeats the pair and prints the reference's
 /// answer, and the text names the differing fields and the pair's place.
 TEST(PairFailure, Message_RepeatsThePairAndNamesTheFields) {
-  const std::vector<std::pair<PairConfig, cde::PairBudget>> all = {
+  const std::vector<std::pair<PairConfig, cde::PairIterations>> all = {
       {{.pair = Pair::kSphereSphere}, {}},
       {{.pair = Pair::kSphereSphere, .format = {5, 10}, .lanes = 1}, {}},
       {{.box = true}, {}},
@@ -327,22 +327,22 @@ TEST(PairFailure, Message_RepeatsThePairAndNamesTheFields) {
       {{.pair = Pair::kObbPlane, .plane = cde::PlaneSide::kHalfSpace}, {}},
       {{.pair = Pair::kCylinderCylinder}, {4, 0, 0}},
   };
-  for (const auto& [config, budget] : all) {
+  for (const auto& [config, iterations] : all) {
     const std::size_t count = 40, i = 27;
     std::mt19937_64 words(kSeed);
     const Operands o = operands(config, 0, count, words);
     std::vector<PairResult> expected(count), got(count);
     cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
-                               config.plane, budget, config.box);
+                               config.plane, iterations, config.box);
     cde::PairUnit unit(config);
-    if (cde::has_budget(config.pair)) unit.set_budget(budget);
+    if (cde::has_iterations(config.pair)) unit.set_iterations(iterations);
     (void)unit.test(o.a, o.b, got);
     ASSERT_EQ(got, expected);
     PairResult wrong = got[i];
     wrong.f = !wrong.f;
     wrong.t ^= 1;
     wrong.cp[2] ^= 1;
-    const std::string text = difference(unit, o, i, wrong, expected[i], budget);
+    const std::string text = difference(unit, o, i, wrong, expected[i], iterations);
     SCOPED_TRACE(text);
     EXPECT_NE(text.find("\n  differ in F, T, CPz\n"), std::string::npos);
     const std::size_t row = i / config.lanes;
@@ -397,7 +397,7 @@ TEST_P(PairPipe, Pipe_EqualsItsReferenceBitForBit) {
 
 class CylinderIterations : public ::testing::TestWithParam<Parameter> {};
 
-TEST_P(CylinderIterations, Budget_SetsTheWorkOfAPair) {
+TEST_P(CylinderIterations, Iterations_SetTheWorkOfAPair) {
   if (const auto reason = reason_to_skip(GetParam())) GTEST_SKIP() << *reason;
   const PairConfig config = GetParam();
   cde::PairUnit unit(config);
@@ -405,25 +405,25 @@ TEST_P(CylinderIterations, Budget_SetsTheWorkOfAPair) {
   std::mt19937_64 words(kSeed);
   const Operands o = operands(config, 0, count, words);
   std::vector<PairResult> before;
-  for (const cde::PairBudget budget : {cde::PairBudget{8, 8, 8},
+  for (const cde::PairIterations iterations : {cde::PairIterations{8, 8, 8},
                                        {4, 0, 0},
                                        {16, 3, 5},
                                        {4, 12, 1},
                                        {8, 0, 7},
                                        {16, 1, 0},
                                        {4, 64, 64}}) {
-    SCOPED_TRACE(std::to_string(budget.samples) + "," + std::to_string(budget.circle) + "," +
-                 std::to_string(budget.free));
+    SCOPED_TRACE(std::to_string(iterations.samples) + "," + std::to_string(iterations.circle) + "," +
+                 std::to_string(iterations.free));
     std::vector<PairResult> expected(count), got(count), stalled(count);
     cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
-                               config.plane, budget);
+                               config.plane, iterations);
     const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
-    const std::uint64_t stated = stated_clocks(unit, rows, budget);
-    unit.set_budget(budget);
+    const std::uint64_t stated = stated_clocks(unit, rows, iterations);
+    unit.set_iterations(iterations);
     EXPECT_EQ(unit.test(o.a, o.b, got), stated);
     if (const auto [g, e] = std::mismatch(got.begin(), got.end(), expected.begin()); g != got.end())
-      ADD_FAILURE() << failure(unit, o, static_cast<std::size_t>(g - got.begin()), *g, *e, budget);
-    EXPECT_FALSE(got == before) << "another budget must give other signed distances";
+      ADD_FAILURE() << failure(unit, o, static_cast<std::size_t>(g - got.begin()), *g, *e, iterations);
+    EXPECT_FALSE(got == before) << "other iterations must give other signed distances";
     std::mt19937 random(1);
     (void)unit.test(o.a, o.b, stalled,
                     [&random] { return random() % 9 == 0 ? random() % 99 : 0u; });
@@ -453,7 +453,7 @@ std::vector<PairConfig> pipes() {
 
 /// Box and cylinder pairs, which have several times the operators of other pairs.
 bool is_large(Pair pair) {
-  return cde::has_budget(pair) || pair == Pair::kObbObb || pair == Pair::kTriangleAabb ||
+  return cde::has_iterations(pair) || pair == Pair::kObbObb || pair == Pair::kTriangleAabb ||
          pair == Pair::kTriangleObb || pair == Pair::kTriangleTriangle;
 }
 
@@ -475,9 +475,9 @@ std::vector<Parameter> fp32() {
 std::vector<Parameter> cylinder_pairs() {
   std::vector<Parameter> all;
   for (Parameter parameter : fp32()) {
-    if (!cde::has_budget(parameter.pair)) continue;
+    if (!cde::has_iterations(parameter.pair)) continue;
     if (parameter.arithmetic == cde::Arithmetic::kRtl)
-      parameter.left_out = "other budgets in gates";
+      parameter.left_out = "other iterations in gates";
     all.push_back(parameter);
   }
   return all;

@@ -46,7 +46,7 @@ class Contract(unittest.TestCase):
         self.assertEqual(contract().pairs["ray-triangle"], 0)
         self.assertEqual(contract().pair_words["ray-triangle"], (8, 9))
         self.assertEqual(contract().pair_words["sphere-obb"], (4, 15))
-        self.assertEqual(contract().rings, {"triangle-cylinder", "cylinder-cylinder", "obb-cylinder"})
+        self.assertEqual(contract().iterative, {"triangle-cylinder", "cylinder-cylinder", "obb-cylinder"})
         self.assertEqual(contract().algorithms["watertight"], 3)
 
 

@@ -49,7 +49,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct AccuracyOptions {
-  std::vector<std::string> pairs, formats, algorithms, budgets, families;
+  std::vector<std::string> pairs, formats, algorithms, iterations, families;
   std::vector<std::string> variants = {"card"};
   std::string box = "both", output, mesh, grid = "64x48", camera;
   std::string target = kDefaultTarget, page, from;
@@ -74,20 +74,20 @@ void add_ray_triangle(std::vector<AccuracyPipe>& pipes, const AccuracyOptions& o
   }
 }
 
-/// The budgets of a pair, each once, in the given order.
-std::vector<PairBudget> budgets_of(const AccuracyOptions& o, Pair pair) {
-  std::vector<PairBudget> budgets;
-  for (const std::string& text : o.budgets) {
-    const PairBudget budget = budget_named(text, pair, "--budgets");
-    if (std::ranges::find(budgets, budget) == budgets.end()) budgets.push_back(budget);
+/// The requested iterations of a pair, each setting once, in the given order.
+std::vector<PairIterations> iteration_settings(const AccuracyOptions& o, Pair pair) {
+  std::vector<PairIterations> settings;
+  for (const std::string& text : o.iterations) {
+    const PairIterations iterations = iterations_named(text, pair, "--iterations");
+    if (std::ranges::find(settings, iterations) == settings.end()) settings.push_back(iterations);
   }
-  return budgets;
+  return settings;
 }
 
-/// The card's pipes: for each pair its formats, and for each format its algorithms or budgets.
+/// The card's pipes: for each pair its formats, and for each format its algorithms or iterations.
 std::vector<AccuracyPipe> card_pipes(const AccuracyOptions& o) {
   std::vector<AccuracyPipe> pipes;
-  bool budget_used = o.budgets.empty();
+  bool iterations_used = o.iterations.empty();
   for (const std::string& name : pair_names()) {
     if (!wanted(o.pairs, name)) continue;
     const Pair pair = *pair_named(name);
@@ -96,18 +96,18 @@ std::vector<AccuracyPipe> card_pipes(const AccuracyOptions& o) {
       const FpFormat format = FpFormat::parse(word);
       if (pair == Pair::kRayTriangle) {
         add_ray_triangle(pipes, o, format);
-      } else if (has_budget(pair) && !o.budgets.empty()) {
-        budget_used = true;
-        for (const PairBudget& budget : budgets_of(o, pair))
-          pipes.push_back({.pair = pair, .format = format, .budget = budget});
+      } else if (has_iterations(pair) && !o.iterations.empty()) {
+        iterations_used = true;
+        for (const PairIterations& iterations : iteration_settings(o, pair))
+          pipes.push_back({.pair = pair, .format = format, .iterations = iterations});
       } else {
         pipes.push_back({.pair = pair, .format = format});
       }
     }
   }
-  if (!budget_used)
+  if (!iterations_used)
     throw Error(ErrorCode::kUsage,
-                "--budgets cannot be combined with these pairs; expected cylinder-cylinder, "
+                "--iterations cannot be combined with these pairs; expected cylinder-cylinder, "
                 "obb-cylinder or triangle-cylinder among them");
   return pipes;
 }
@@ -320,14 +320,14 @@ bool can_be_narrow(FpFormat format) {
 }
 
 /// Rows of the certified filter, for the pairs that have it, with the fewest iterations unless
-/// --budgets is given.
+/// --iterations is given.
 std::vector<FilterRow> filter_rows(const AccuracyOptions& o) {
   AccuracyOptions of = o;
   if (of.formats.empty()) of.formats = {"bf16", "fp16"};
-  if (of.budgets.empty() && std::ranges::any_of(pair_names(), [&](const std::string& pair) {
-        return wanted(o.pairs, pair) && has_budget(*pair_named(pair));
+  if (of.iterations.empty() && std::ranges::any_of(pair_names(), [&](const std::string& pair) {
+        return wanted(o.pairs, pair) && has_iterations(*pair_named(pair));
       }))
-    of.budgets = {"4,2,2"};
+    of.iterations = {"4,2,2"};
   std::vector<FilterRow> rows;
   for (const AccuracyPipe& pipe : card_pipes(of)) {
     if (!can_be_narrow(pipe.format))
@@ -342,7 +342,7 @@ std::vector<FilterRow> filter_rows(const AccuracyOptions& o) {
           fmt::format("--filters: {} is not possible; expected pairs of solids without a plane",
                       name(pipe.pair)));
     }
-    rows.push_back({pipe.pair, pipe.format, pipe.budget, {}});
+    rows.push_back({pipe.pair, pipe.format, pipe.iterations, {}});
   }
   return rows;
 }
@@ -371,7 +371,7 @@ struct Work {
 const Work kWorks[] = {
     {"--from", {"--page", "--target"}},
     {"--filters",
-     {"--pair", "--formats", "--budgets", "--families", "--cases", "--seed", "--by-family",
+     {"--pair", "--formats", "--iterations", "--families", "--cases", "--seed", "--by-family",
       "--json", "--markdown", "--output"}},
     {"--scene", {"--formats", "--frames", "--clock", "--json", "--markdown", "--output"}},
     {"--mesh",
@@ -458,8 +458,8 @@ void add_choices(CLI::App& verb, AccuracyOptions& o) {
   one_of(verb.add_option("--box", o.box, "ray-triangle with the box rule, without it, or both")
              ->capture_default_str(),
          {"both", "on", "off"});
-  known_words(list(verb.add_option("--budgets", o.budgets,
-                                   "Iterations of cylinder pairs, as in cde query --budget, "
+  known_words(list(verb.add_option("--iterations", o.iterations,
+                                   "Iterations of cylinder pairs, as in cde query --iterations, "
                                    "separated by colons: 4,0,0:8,8,8")
                        ->default_str("8,8,8"),
                    ':'),
@@ -560,7 +560,7 @@ void add_filters(CLI::App& verb, AccuracyOptions& o) {
   CLI::Option* filters =
       verb.add_flag("--filters", o.filters,
                     "Measure the certified filter of pairs of solids: the misses that a narrow "
-                    "format proves in fp32. Default of --formats is bf16,fp16, of --budgets 4,2,2");
+                    "format proves in fp32. Default of --formats is bf16,fp16, of --iterations 4,2,2");
   for (const char* other :
        {"--mesh", "--scene", "--page", "--from", "--resume", "--shard", "--check", "--variants"})
     filters->excludes(other);

@@ -30,7 +30,7 @@ using netlist::Profile;
 struct Options {
   std::vector<std::string> pairs;
   std::string profile = "3,3,12,12,1";
-  unsigned facet_interval = 1;
+  unsigned sat_interval = 1;
   bool json = false, markdown = false;
 };
 
@@ -256,9 +256,9 @@ std::vector<Pipe> wanted_pipes(const std::vector<std::string>& names) {
 void run(const Options& o) {
   const Profile profile = parse_profile(o.profile);
   std::vector<Pipe> pipes = wanted_pipes(o.pairs);
-  check_facet_interval(o.facet_interval, std::array{Pair::kObbObb});
+  check_sat_interval(o.sat_interval, std::array{Pair::kObbObb});
   for (Pipe& pipe : pipes)
-    if (has_facets(pipe.pair)) pipe.facet_interval = o.facet_interval;
+    if (has_sat_interval(pipe.pair)) pipe.sat_interval = o.sat_interval;
   examine_all(pipes, profile);
   if (o.json) {
     print_json(as_json(pipes, profile));
@@ -295,7 +295,7 @@ void add_inventory(CLI::App& app) {
                               "Cycles of add, mul, div, sqrt and compare for the column `clocks`")
                  ->capture_default_str(),
              "A,M,D,S,C", [](const std::string& text) { (void)parse_profile(text); });
-  one_of(verb->add_option("--facet-interval", o->facet_interval,
+  one_of(verb->add_option("--sat-interval", o->sat_interval,
                           "Cycles from one row of obb-obb, triangle-aabb or triangle-obb pairs to "
                           "the next; with 3, candidate axes (SAT) share units")
              ->capture_default_str(),
@@ -305,10 +305,10 @@ void add_inventory(CLI::App& app) {
   verb->add_flag("--markdown", o->markdown, "Tables in Markdown")->excludes(json);
   verb->callback([o, verb] {
     normalise_pairs(o->pairs);
-    if (verb->count("--facet-interval") != 0 && !o->pairs.empty() &&
+    if (verb->count("--sat-interval") != 0 && !o->pairs.empty() &&
         std::none_of(o->pairs.begin(), o->pairs.end(),
-                     [](const std::string& pair) { return has_facets(*pair_named(pair)); }))
-      cannot_combine("--facet-interval", fmt::format("{}", fmt::join(o->pairs, " ")),
+                     [](const std::string& pair) { return has_sat_interval(*pair_named(pair)); }))
+      cannot_combine("--sat-interval", fmt::format("{}", fmt::join(o->pairs, " ")),
                      "expected obb-obb, triangle-aabb or triangle-obb");
     run(*o);
   });

@@ -295,7 +295,7 @@ std::optional<ExplainedPair> explained_pair(const RecordStory& s) {
   PairWords words =
       pair_words(s.board.format, s.words, numbers_of(s.secondaries, *secondary), s.asked().swap);
   const PairOptions options = options_of(pipe);
-  auto explanation = explain::explain(pipe.config, words.a, words.b, budget_of(options));
+  auto explanation = explain::explain(pipe.config, words.a, words.b, iterations_of(options));
   return ExplainedPair{*secondary, std::move(words), words_of(options, pipe.config, false),
               std::move(explanation)};
 }

@@ -159,7 +159,7 @@ class Teller {
                                         .swap = q.swap,
                                         .mode = q.mode,
                                         .normals = q.normals,
-                                        .budget = q.budget,
+                                        .iterations = q.iterations,
                                         .format = s_.board.format,
                                         .counts = made.counts};
     auto tested = reference::brute_force(asked, made.primaries, s_.primary, made.secondaries);

@@ -51,7 +51,7 @@ void explain_pair(const Options& o, const std::string& line) {
   }
   if (const std::string bad = operand_defect(config.pair, config.format, a, b); !bad.empty())
     throw Error(ErrorCode::kBadInput, "the pair: " + bad);
-  const explain::Explanation e = explain::explain(config, a, b, budget_of(o));
+  const explain::Explanation e = explain::explain(config, a, b, iterations_of(o));
   if (o.json) {
     nlohmann::ordered_json j = {{"schema", "cde.explain.1"}};
     j.update(program_json());

@@ -49,7 +49,7 @@ def keys(_root):
                                              "memory, ecc, trace, mover, bvh, latency"), "fb"),
             (212, 132, "`[[object]]", "any number", ("name, parent", "one source of shapes: mesh (scale, deform), ray, triangle, sphere,",
                 "aabb, plane, cylinder, obb, random, random_rays, camera, rays_csv"), "fg"),
-            (356, 108, "`[[query]]", "any number", ("name, pair, mode, normals, budget, mask, self, inside, packets",
+            (356, 108, "`[[query]]", "any number", ("name, pair, mode, normals, iterations, mask, self, inside, packets",
                 "primaries and secondaries name objects"), "fb"))
     for y, high, name, count, lines, kind in rows:
         c.line([(140, 242), (160, 242), (160, y + 26), (180, y + 26)])

@@ -54,8 +54,8 @@ class Contract:
             word = name.lower().replace("_", "-")
             self.pairs[word] = code
             self.pair_words[word] = (self.shape_words[roles[0][code]], self.shape_words[roles[1][code]])
-        ring = re.search(r"\bRING_PAIRS =[^;]*;", text).group(0)
-        self.rings = {name.lower().replace("_", "-") for name in re.findall(r"PAIR_([A-Z_]+)", ring.split("\n", 1)[1])}
+        iterative = re.search(r"\bITERATIVE_PAIRS =[^;]*;", text).group(0)
+        self.iterative = {name.lower().replace("_", "-") for name in re.findall(r"PAIR_([A-Z_]+)", iterative.split("\n", 1)[1])}
 
     def format(self, word):
         """Exponent and fraction bits of a format, by name or in the form e4m11."""

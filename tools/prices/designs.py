@@ -170,10 +170,10 @@ def design(what, format="fp32", lat=None, lanes="1", style="cde", algorithm=None
     known = contract()
     targets.target(target)
     pipe = what in known.pairs
-    if what in known.rings:
-        raise Bad(f"{what} is an iterative pipeline, which is not measured; expected {listed(p for p in known.pairs if p not in known.rings)}")
+    if what in known.iterative:
+        raise Bad(f"{what} is an iterative pipeline, which is not measured; expected {listed(p for p in known.pairs if p not in known.iterative)}")
     if not pipe and what not in OPERATORS and not (what.startswith("to_") and what[3:] in known.formats):
-        raise Bad(f"{what} is not an operator or a pair; expected {listed(OPERATORS)}, to_FORMAT, {listed(p for p in known.pairs if p not in known.rings)}")
+        raise Bad(f"{what} is not an operator or a pair; expected {listed(OPERATORS)}, to_FORMAT, {listed(p for p in known.pairs if p not in known.iterative)}")
     known.format(format)
     if style not in STYLES:
         raise Bad(f"{style} is not a style; expected {listed(STYLES)}")

@@ -26,7 +26,7 @@ struct cde_pair_unit {
   WaveFile waves;
   uint64_t clocks = 0, start = 0;
   cde_pair_progress progress{};
-  uint32_t budget = 0x080808;
+  uint32_t iterations = 0x080808;
   std::vector<Operator> operators;
   std::vector<cde_pair_operator> shown;  // the same operators for C
   void (*seen)(void*, uint32_t, uint64_t, uint64_t, uint64_t, uint64_t) = nullptr;
@@ -48,7 +48,7 @@ struct cde_pair_unit {
   void reset() {
     model->rst_i = 1;
     model->valid_i = 0;
-    model->budget_i = budget;
+    model->iterations_i = iterations;
     for (int i = 0; i < 4; ++i) tick();
     model->rst_i = 0;
     model->eval();  // the waves already have this time
@@ -176,8 +176,8 @@ const cde_pair_api kApi = {
     },
     [](cde_pair_unit* unit) { delete unit; },
     [](const cde_pair_unit* unit) { return uint32_t{unit->model->latency_o}; },
-    [](cde_pair_unit* unit, uint32_t budget) {
-      unit->budget = budget;
+    [](cde_pair_unit* unit, uint32_t iterations) {
+      unit->iterations = iterations;
       unit->reset();
     },
     test,

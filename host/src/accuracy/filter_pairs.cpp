@@ -14,12 +14,12 @@ bool has_proofs(Pair pair) {
          secondary_shape(pair) != Shape::kTriangle;
 }
 
-void test_certain(Pair pair, FpFormat narrow, const PairBudget& budget, Words a, Words b,
+void test_certain(Pair pair, FpFormat narrow, const PairIterations& iterations, Words a, Words b,
                   std::span<reference::filter::Certain> certain) {
   if (!has_proofs(pair))
     throw Error(ErrorCode::kUsage, fmt::format("{} has no certified filter", name(pair)));
   const bool known =
-      with_scalar(narrow, [&]<class N>() { CertainIn<N>::test(pair, budget, a, b, certain); });
+      with_scalar(narrow, [&]<class N>() { CertainIn<N>::test(pair, iterations, a, b, certain); });
   if (!known) throw Error(ErrorCode::kUsage, fmt::format("no pair in {}", narrow.name()));
 }
 

@@ -30,10 +30,10 @@ void test_pairs(reference::Kinds<A<N>, B<N>>, Test test, Words a, Words b,
 }  // namespace
 
 template <class N>
-void CertainIn<N>::test(Pair pair, const PairBudget& budget, Words a, Words b,
+void CertainIn<N>::test(Pair pair, const PairIterations& iterations, Words a, Words b,
                         std::span<reference::filter::Certain> certain) {
   reference::with_pair<N>(
-      pair, Algorithm::kMoller, false, PlaneSide::kSurface, budget,
+      pair, Algorithm::kMoller, false, PlaneSide::kSurface, iterations,
       [&]<class A, class B>(reference::Kinds<A, B> kinds, const auto& test) {
         if constexpr (kShapeOf<A> != Shape::kRay && kShapeOf<B> == Shape::kCylinder)
           test_pairs<N>(kinds, test, a, b, certain);

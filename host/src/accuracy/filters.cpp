@@ -52,7 +52,7 @@ FilterCounts counted(const FilterRow& row, const oracle::Family& family, std::ui
     part.first += first * family.step;
     const DrawnCases drawn_cases = drawn(wide, part, seed, std::min(kAtOnce, cases - first));
     certain.assign(drawn_cases.cases.size(), Certain::kNeither);
-    test_certain(row.pair, row.narrow, row.budget, drawn_cases.a, drawn_cases.b, certain);
+    test_certain(row.pair, row.narrow, row.iterations, drawn_cases.a, drawn_cases.b, certain);
     for (std::size_t i = 0; i < certain.size(); ++i)
       count(counts, drawn_cases.cases[i], certain[i]);
   }
@@ -65,9 +65,9 @@ std::string percent(std::uint64_t part, std::uint64_t all) {
              : fmt::format("{:.3f}", 100 * static_cast<double>(part) / static_cast<double>(all));
 }
 
-std::string budget_text(const FilterRow& row) {
-  return has_budget(row.pair)
-             ? fmt::format(" {},{},{}", row.budget.samples, row.budget.circle, row.budget.free)
+std::string iterations_text(const FilterRow& row) {
+  return has_iterations(row.pair)
+             ? fmt::format(" {},{},{}", row.iterations.samples, row.iterations.circle, row.iterations.free)
              : "";
 }
 
@@ -121,7 +121,7 @@ std::string filter_table(const std::vector<FilterRow>& rows, bool by_family, boo
   };
   for (const FilterRow& row : rows) {
     const std::string pipe =
-        fmt::format("{} {}{}", name(row.pair), row.narrow.name(), budget_text(row));
+        fmt::format("{} {}{}", name(row.pair), row.narrow.name(), iterations_text(row));
     line(pipe, row.all());
     if (by_family)
       for (const auto& [family, counts] : row.families) line(pipe + " " + family, counts);
@@ -133,7 +133,7 @@ Json filter_json(const std::vector<FilterRow>& rows) {
   Json all = Json::array();
   for (const FilterRow& row : rows) {
     Json json = {{"pair", name(row.pair)}, {"narrow", row.narrow.name()}, {"wide", "fp32"}};
-    json["budget"] = has_budget(row.pair) ? Json(budget_text(row).substr(1)) : Json();
+    json["iterations"] = has_iterations(row.pair) ? Json(iterations_text(row).substr(1)) : Json();
     json["all_families"] = counts_json(row.all());
     json["families"] = Json::array();
     for (const auto& [family, counts] : row.families) {

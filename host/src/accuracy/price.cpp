@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 PipeChoice choice_of(const AccuracyPipe& p) {
-  return {p.pair, p.algorithm, p.box, p.format, p.budget};
+  return {p.pair, p.algorithm, p.box, p.format, p.iterations};
 }
 
 template <class T>

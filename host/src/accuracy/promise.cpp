@@ -41,7 +41,7 @@ Promise promise_of(const AccuracyPipe& pipe) {
   if (pipe.pair == Pair::kRayCylinder)
     return {fmt::format("T and F, {} u S", reference::kRayCylinderBand),
             reference::kRayCylinderBand, true, true};
-  if (has_budget(pipe.pair))
+  if (has_iterations(pipe.pair))
     return {fmt::format("F = 0 is right, {} u S", kSolids), {}, false, true};
   return {fmt::format("T and F, {} u S", kSolids), kSolids, true, true};
 }

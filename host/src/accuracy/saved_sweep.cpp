@@ -109,11 +109,11 @@ AccuracyPipe pipe_of(const Json& json) {
   const auto known = std::ranges::find(variants(), variant, [](Variant v) { return name(v); });
   if (known == variants().end()) throw Error(ErrorCode::kFile, "no variant " + in_quotes(variant));
   pipe.variant = *known;
-  if (!has_budget(pipe.pair)) return pipe;
-  const auto budget = json.at("budget").get<std::string>();
-  if (std::sscanf(budget.c_str(), "%2u,%2u,%2u", &pipe.budget.samples, &pipe.budget.circle,
-                  &pipe.budget.free) != 3)
-    throw Error(ErrorCode::kFile, "no budget " + in_quotes(budget));
+  if (!has_iterations(pipe.pair)) return pipe;
+  const auto iterations = json.at("iterations").get<std::string>();
+  if (std::sscanf(iterations.c_str(), "%2u,%2u,%2u", &pipe.iterations.samples, &pipe.iterations.circle,
+                  &pipe.iterations.free) != 3)
+    throw Error(ErrorCode::kFile, "no iterations " + in_quotes(iterations));
   return pipe;
 }
 
@@ -143,9 +143,9 @@ std::string SavedSweep::command(const AccuracyPipe& pipe) const {
   if (pipe.pair == Pair::kRayTriangle)
     text += fmt::format(" --algorithms {} --box {}", name(pipe.algorithm), pipe.box ? "on" : "off");
   text += fmt::format(" --formats {}", pipe.format.name());
-  if (has_budget(pipe.pair))
-    text += fmt::format(" --budgets {},{},{}", pipe.budget.samples, pipe.budget.circle,
-                        pipe.budget.free);
+  if (has_iterations(pipe.pair))
+    text += fmt::format(" --iterations {},{},{}", pipe.iterations.samples, pipe.iterations.circle,
+                        pipe.iterations.free);
   if (pipe.variant != Variant::kCard) text += fmt::format(" --variants {}", name(pipe.variant));
   const std::vector<std::string> known = family_names({pipe});
   std::string own;  // the families that this pair has

@@ -71,7 +71,7 @@ class Tester {
     const bool swap = query_.swap;
     reference::test_pairs(query_.pair, card_.algorithm, format_,
                           swap ? secondaries_.all : repeated_, swap ? repeated_ : secondaries_.all,
-                          results_, PlaneSide::kSurface, query_.budget,
+                          results_, PlaneSide::kSurface, query_.iterations,
                           query_.pair == Pair::kRayTriangle && card_.box);
   }
 
@@ -162,8 +162,8 @@ class RecordChecker {
 };
 
 std::uint64_t clocks_a_row(const SceneQuery& query, const BoardConfig& board) {
-  const unsigned passes = reference::passes(query.pair, query.budget);
-  return passes != 0 ? passes : has_facets(query.pair) ? board.facet_interval : 1;
+  const unsigned passes = reference::passes(query.pair, query.iterations);
+  return passes != 0 ? passes : has_sat_interval(query.pair) ? board.sat_interval : 1;
 }
 
 void check_queries(const cde::Scene& scene) {

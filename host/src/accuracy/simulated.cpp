@@ -34,9 +34,9 @@ Simulated simulated(const AccuracyPipe& pipe, Arithmetic arithmetic, std::uint64
                     .arithmetic = arithmetic};
   // Pipes with candidate axes (SAT) in 64-bit words take minutes per lane to compile, and so do
   // gates.
-  if (has_facets(pipe.pair) && pipe.format.width() > 32) config.lanes = 1;
+  if (has_sat_interval(pipe.pair) && pipe.format.width() > 32) config.lanes = 1;
   PairUnit unit(config);
-  if (has_budget(pipe.pair)) unit.set_budget(pipe.budget);
+  if (has_iterations(pipe.pair)) unit.set_iterations(pipe.iterations);
   Simulated result{.arithmetic = arithmetic, .lanes = config.lanes};
   const auto families = oracle::families(pipe.pair);
   for (std::size_t k = 0; k < families.size(); ++k) {

@@ -135,7 +135,7 @@ void each_worst(Use use) {
 }  // namespace
 
 std::string AccuracyPipe::name() const {
-  std::string text = PipeChoice{pair, algorithm, box, format, budget}.name();
+  std::string text = PipeChoice{pair, algorithm, box, format, iterations}.name();
   if (variant != Variant::kCard) text += fmt::format(" {}", accuracy::name(variant));
   return text;
 }
@@ -145,8 +145,8 @@ std::string AccuracyPipe::options() const {
   if (pair == Pair::kRayTriangle)
     text += fmt::format(" --algorithm {} {}", cde::name(algorithm), box ? "--box" : "--no-box");
   text += fmt::format(" --format {}", format.name());
-  if (has_budget(pair))
-    text += fmt::format(" --budget {},{},{}", budget.samples, budget.circle, budget.free);
+  if (has_iterations(pair))
+    text += fmt::format(" --iterations {},{},{}", iterations.samples, iterations.circle, iterations.free);
   return text;
 }
 
@@ -233,11 +233,11 @@ std::vector<PairResult> answers(const AccuracyPipe& pipe, const DrawnCases& case
   std::vector<PairResult> results(cases.cases.size());
   if (pipe.variant != Variant::kCard) {
     test_variant(pipe.variant, pipe.pair, pipe.algorithm, pipe.format, cases.a, cases.b, results,
-                 pipe.budget, pipe.box);
+                 pipe.iterations, pipe.box);
     return results;
   }
   reference::test_pairs(pipe.pair, pipe.algorithm, pipe.format, cases.a, cases.b, results,
-                        PlaneSide::kSurface, pipe.budget, pipe.box);
+                        PlaneSide::kSurface, pipe.iterations, pipe.box);
   return results;
 }
 

@@ -27,12 +27,12 @@ bool has_distance(Pair pair, Variant variant) {
 
 void test_variant(Variant variant, Pair pair, Algorithm algorithm, FpFormat format,
                   std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-                  std::span<PairResult> results, const PairBudget& budget, bool box) {
+                  std::span<PairResult> results, const PairIterations& iterations, bool box) {
   (void)with_scalar(format, [&]<class S>() {
     if (variant == Variant::kTextbook)
       VariantIn<S>::textbook(pair, a, b, results);
     else
-      VariantIn<S>::fused(pair, algorithm, box, budget, a, b, results);
+      VariantIn<S>::fused(pair, algorithm, box, iterations, a, b, results);
   });
 }
 

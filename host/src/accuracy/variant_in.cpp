@@ -76,11 +76,11 @@ void VariantIn<S>::textbook(Pair pair, std::span<const std::uint64_t> a,
 }
 
 template <class S>
-void VariantIn<S>::fused(Pair pair, Algorithm algorithm, bool box, const PairBudget& budget,
+void VariantIn<S>::fused(Pair pair, Algorithm algorithm, bool box, const PairIterations& iterations,
                          std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                          std::span<PairResult> r) {
   using R = Fused<S>;
-  reference::with_pair<R>(pair, algorithm, box, PlaneSide::kSurface, budget,
+  reference::with_pair<R>(pair, algorithm, box, PlaneSide::kSurface, iterations,
                           [&]<class A, class B>(reference::Kinds<A, B>, auto test) {
                             test_pairs<S, R, A, B>(a, b, r, test);
                           });

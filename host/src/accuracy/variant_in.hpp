@@ -12,7 +12,7 @@ template <class S>
 struct VariantIn {
   static void textbook(Pair pair, std::span<const std::uint64_t> a,
                        std::span<const std::uint64_t> b, std::span<PairResult> r);
-  static void fused(Pair pair, Algorithm algorithm, bool box, const PairBudget& budget,
+  static void fused(Pair pair, Algorithm algorithm, bool box, const PairIterations& iterations,
                     std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                     std::span<PairResult> r);
 };

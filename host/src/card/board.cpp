@@ -94,7 +94,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.can_swap = config.swap;
   card.has_normals = config.normals;
   card.parallel = config.parallel;
-  card.facet_interval = config.facet_interval;
+  card.sat_interval = config.sat_interval;
   card.filter = config.filter.has_value();
   card.box = config.box;
   if (card.primaries == 0 || card.primaries > Stencil().size())

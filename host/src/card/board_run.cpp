@@ -34,15 +34,15 @@ class Pass : private CardPass {
     const std::uint64_t rows = (std::max(card.loaded, second) + card.lanes - 1) / card.lanes;
     // An iterative pipeline takes a row in as many cycles as the pair needs passes.
     const std::uint64_t passes =
-        std::max(reference::passes(*query.pair, query.budget),
-                 query.second ? reference::passes(query.second->pair, query.budget) : 0u);
-    const bool facets = has_facets(*query.pair) || (query.second && has_facets(query.second->pair));
+        std::max(reference::passes(*query.pair, query.iterations),
+                 query.second ? reference::passes(query.second->pair, query.iterations) : 0u);
+    const bool sat = has_sat_interval(*query.pair) || (query.second && has_sat_interval(query.second->pair));
     // Behind the certified filter, a row takes up to one cycle per lane.
     const bool filter = card.filter && (has_filter(*query.pair) ||
                                             (query.second && has_filter(query.second->pair)));
     const std::uint64_t clocks_a_row = passes != 0 ? passes
                                        : filter  ? card.lanes
-                                       : facets    ? card.facet_interval
+                                       : sat    ? card.sat_interval
                                                    : 1;
     const std::uint64_t rows_total = rows * secondaries_ * clocks_a_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
@@ -53,7 +53,7 @@ class Pass : private CardPass {
     constexpr std::uint64_t kAccessesPs = 100'000'000;
     const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_clocks()) * records +
                                 secondaries_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
-                                passes * contract::kRingRows + kAccessesPs / card.period_ps;
+                                passes * contract::kIterativeRows + kAccessesPs / card.period_ps;
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
@@ -90,9 +90,9 @@ class Pass : private CardPass {
                                                 card::kCommandPair(*query_.pair) | second());
     card_.write_register(card::kRegPrimCount, slots_);
     card_.write_register(card::kRegPrimSplit, split_);
-    card_.write_register(card::kRegBudget, card::kBudgetM(query_.budget.samples) |
-                                               card::kBudgetK1(query_.budget.circle) |
-                                               card::kBudgetK2(query_.budget.free));
+    card_.write_register(card::kRegIterations, card::kIterationsM(query_.iterations.samples) |
+                                               card::kIterationsK1(query_.iterations.circle) |
+                                               card::kIterationsK2(query_.iterations.free));
     if (card_.objects.entries != 0)
       card_.write_register(card::kRegObjectCount, card_.objects.objects.size());
     if (card_.primary_objects.entries != 0)
@@ -301,7 +301,7 @@ Query complete(const Board::Impl& card, const Query& query, Shape loaded) {
                 is_solid(*q.pair) ? "this card has no normals" : "rays have no normals");
   check_shapes(card, *q.pair, q.swap, loaded);
   if (q.second) check_second(card, q);
-  q.budget.check();
+  q.iterations.check();
   return q;
 }
 

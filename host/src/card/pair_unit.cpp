@@ -36,7 +36,7 @@ std::vector<std::string> PairConfig::parameters() const {
     throw Error(ErrorCode::kUsage, fmt::format("{} has no box rule", name(pair)));
   if (plane != PlaneSide::kSurface && secondary_shape(pair) != Shape::kPlane)
     throw Error(ErrorCode::kUsage, fmt::format("{} has no half-space", name(pair)));
-  check_facet_interval(facet_interval, {&pair, 1});
+  check_sat_interval(sat_interval, {&pair, 1});
   std::vector<std::string> p{
       fmt::format("PAIR={}", static_cast<unsigned>(pair)), fmt::format("EXP={}", format.exp_bits),
       fmt::format("MAN={}", format.man_bits), fmt::format("LANES={}", lanes),
@@ -48,7 +48,7 @@ std::vector<std::string> PairConfig::parameters() const {
   const auto add = [&p](std::string_view key, unsigned value) {
     if (value != 1) p.push_back(fmt::format("{}={}", key, value));
   };
-  add("FACET_II", facet_interval);
+  add("SAT_II", sat_interval);
   add("LAT_ADD", latency_add);
   add("LAT_MUL", latency_mul);
   add("LAT_DIV", latency_div);
@@ -126,12 +126,12 @@ const PairConfig& PairUnit::config() const {
 unsigned PairUnit::latency() const {
   return state().api->latency(state().unit);
 }
-void PairUnit::set_budget(const PairBudget& budget) {
-  if (!has_budget(state().config.pair))
+void PairUnit::set_iterations(const PairIterations& iterations) {
+  if (!has_iterations(state().config.pair))
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} has no iterations to set", name(state().config.pair)));
-  budget.check();
-  idle().api->set_budget(state().unit, budget.free << 16 | budget.circle << 8 | budget.samples);
+  iterations.check();
+  idle().api->set_iterations(state().unit, iterations.free << 16 | iterations.circle << 8 | iterations.samples);
 }
 void PairUnit::reset() {
   idle().api->reset(state().unit);

@@ -32,7 +32,7 @@ Json config_json(const PairConfig& c) {
           {"man_bits", c.format.man_bits},
           {"lanes", c.lanes},
           {"arithmetic", static_cast<unsigned>(c.arithmetic)},
-          {"facet_interval", c.facet_interval},
+          {"sat_interval", c.sat_interval},
           {"latencies",
            {c.latency_add, c.latency_mul, c.latency_div, c.latency_sqrt, c.latency_compare}}};
 }
@@ -45,17 +45,17 @@ PairConfig config_of(const Json& j) {
   c.format = {j.at("exp_bits").get<int>(), j.at("man_bits").get<int>()};
   c.lanes = j.at("lanes").get<unsigned>();
   c.arithmetic = static_cast<Arithmetic>(j.at("arithmetic").get<unsigned>());
-  c.facet_interval = j.at("facet_interval").get<unsigned>();
+  c.sat_interval = j.at("sat_interval").get<unsigned>();
   const auto latencies = j.at("latencies").get<std::array<unsigned, 5>>();
   c.latency_add = latencies[0], c.latency_mul = latencies[1], c.latency_div = latencies[2];
   c.latency_sqrt = latencies[3], c.latency_compare = latencies[4];
   return c;
 }
 
-Json budget_json(const PairBudget& b) {
+Json iterations_json(const PairIterations& b) {
   return {b.samples, b.circle, b.free};
 }
-PairBudget budget_of(const Json& j) {
+PairIterations iterations_of(const Json& j) {
   const auto b = j.get<std::array<unsigned, 3>>();
   return {.samples = b[0], .circle = b[1], .free = b[2]};
 }
@@ -117,7 +117,7 @@ Difference difference_of(const Json& j) {
 Json kind_json(const PairFailure& f) {
   return {{"kind", "pair"},
           {"config", config_json(f.config)},
-          {"budget", budget_json(f.budget)},
+          {"iterations", iterations_json(f.iterations)},
           {"options", f.options},
           {"a", f.a},
           {"b", f.b},
@@ -128,7 +128,7 @@ Json kind_json(const PairFailure& f) {
 Json kind_json(const CardFailure& f) {
   return {{"kind", "card"},
           {"pipe", config_json(f.pipe)},
-          {"budget", f.budget},
+          {"iterations", f.iterations},
           {"swap", f.swap},
           {"mode", static_cast<unsigned>(f.mode)},
           {"difference", difference_json(f.difference)},
@@ -141,7 +141,7 @@ Json kind_json(const HangFailure& f) {
 
 PairFailure pair_of(const Json& j) {
   PairFailure f;
-  f.config = config_of(j.at("config")), f.budget = budget_of(j.at("budget"));
+  f.config = config_of(j.at("config")), f.iterations = iterations_of(j.at("iterations"));
   f.options = j.at("options").get<std::string>();
   f.a = j.at("a").get<std::vector<std::uint64_t>>();
   f.b = j.at("b").get<std::vector<std::uint64_t>>();
@@ -151,7 +151,7 @@ PairFailure pair_of(const Json& j) {
 }
 CardFailure card_of(const Json& j) {
   CardFailure f;
-  f.pipe = config_of(j.at("pipe")), f.budget = j.at("budget").get<std::string>();
+  f.pipe = config_of(j.at("pipe")), f.iterations = j.at("iterations").get<std::string>();
   f.swap = j.at("swap").get<bool>(), f.mode = static_cast<Mode>(j.at("mode").get<unsigned>());
   f.difference = difference_of(j.at("difference"));
   f.place = j.at("place").get<std::uint32_t>(), f.clocks = j.at("clocks").get<std::uint64_t>();

@@ -86,8 +86,8 @@ struct Stage {
 
 class Tracker {
  public:
-  Tracker(const CardFailure& f, const PairConfig& pipe, const PairBudget& budget, Waves waves)
-      : f_(f), pipe_(pipe), budget_(budget), waves_(std::move(waves)) {}
+  Tracker(const CardFailure& f, const PairConfig& pipe, const PairIterations& iterations, Waves waves)
+      : f_(f), pipe_(pipe), iterations_(iterations), waves_(std::move(waves)) {}
 
   /// Writes lines about each stage, and returns the first wrong stage.
   std::optional<Stage> follow(std::string& text) {
@@ -228,7 +228,7 @@ class Tracker {
     const PairWords pair = pair_words(pipe_.format, f_.difference.primary, secondary, f_.swap);
     std::vector<PairResult> result(1);
     reference::test_pairs(pipe_.pair, pipe_.algorithm, pipe_.format, pair.a, pair.b, result,
-                          pipe_.plane, budget_, pipe_.box);
+                          pipe_.plane, iterations_, pipe_.box);
     return result[0];
   }
   [[nodiscard]] std::uint64_t row() const { return f_.place / pipe_.lanes; }
@@ -236,7 +236,7 @@ class Tracker {
 
   const CardFailure& f_;
   const PairConfig& pipe_;
-  const PairBudget& budget_;
+  const PairIterations& iterations_;
   Waves waves_;
   std::optional<Stage> wrong_;
 };
@@ -275,7 +275,7 @@ std::optional<std::uint32_t> explained(Bundle& bundle, const CardFailure& f, con
   std::optional<std::uint32_t> wrong;
   for (const auto& [index, secondary] : f.difference.secondaries) {
     const PairWords pair = pair_words(pipe.format, f.difference.primary, secondary, f.swap);
-    explain::Explanation e = explain::explain(pipe, pair.a, pair.b, budget_of(o));
+    explain::Explanation e = explain::explain(pipe, pair.a, pair.b, iterations_of(o));
     if (kept && e.same()) continue;
     words = pair.text();
     kept = std::move(e);
@@ -295,13 +295,13 @@ Json hexfloats(std::span<const float> words) {
 
 /// Runs the pass again and follows the primary. Leaves the waves that show the error in `file`.
 std::optional<Stage> followed(Bundle& bundle, const Failure& failure, const CardFailure& f,
-                              const PairBudget& budget, std::optional<std::uint32_t> wrong,
+                              const PairIterations& iterations, std::optional<std::uint32_t> wrong,
                               const fs::path& file, std::string& text) {
   bool same = true;
   std::optional<Stage> stage;
   for (const TraceOptions& which : windows_of(f, wrong)) {
     same = failure.rerun(file.string(), which) && same;
-    stage = Tracker(f, f.pipe, budget, transactions_of(file, f.clocks <= kWhole)).follow(text);
+    stage = Tracker(f, f.pipe, iterations, transactions_of(file, f.clocks <= kWhole)).follow(text);
     if (stage) break;
   }
   bundle.json()["happened_again"] = same;
@@ -315,8 +315,8 @@ std::optional<Stage> followed(Bundle& bundle, const Failure& failure, const Card
 
 void bundle_card(Bundle& bundle, const Failure& failure) {
   const auto& f = std::get<CardFailure>(failure.kind);
-  const PairOptions o = options_of({f.pipe, f.budget});
-  const PairBudget budget = budget_of(o);
+  const PairOptions o = options_of({f.pipe, f.iterations});
+  const PairIterations iterations = iterations_of(o);
   bundle.add("What failed", failure.message);
   bundle.json().update(
       {{"failure", "mismatch"},
@@ -332,7 +332,7 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
       f.difference.primary.empty() ? std::nullopt : explained(bundle, f, o, f.pipe);
   const fs::path whole_file = bundle.file("whole.fst");
   std::string text;
-  const std::optional<Stage> stage = followed(bundle, failure, f, budget, wrong, whole_file, text);
+  const std::optional<Stage> stage = followed(bundle, failure, f, iterations, wrong, whole_file, text);
   if (text.empty()) text = "The waves do not contain this primary.\n";
   if (stage) {
     text += fmt::format("\nThe first error is {}.\n", stage->name);

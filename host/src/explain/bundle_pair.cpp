@@ -101,7 +101,7 @@ class Rerun {
     PairConfig config = f_.config;
     config.trace = true;
     PairUnit unit(config);
-    if (has_budget(config.pair)) unit.set_budget(f_.budget);
+    if (has_iterations(config.pair)) unit.set_iterations(f_.iterations);
     std::vector<PairResult> results(again.count);
     unit.open_trace(file.string(), again.window);
     clocks = unit.test(std::span(f_.a).subspan(again.first * aw_, again.count * aw_),
@@ -188,7 +188,7 @@ void bundle_pair(Bundle& bundle, const Failure& failure) {
                         {"reference_answer", result_json(f.config.format, f.reference)},
                         {"differ_in", differing_fields(f.card, f.reference)}});
   bundle_waves(bundle, f);
-  const explain::Explanation e = explain::explain(f.config, a, b, f.budget);
+  const explain::Explanation e = explain::explain(f.config, a, b, f.iterations);
   (void)bundle_explanation(bundle, e, f.options, words);
   const std::string wrong = differing_signal(f);
   bundle_causes(bundle, wrong,

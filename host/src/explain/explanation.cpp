@@ -138,8 +138,8 @@ void rank(Explanation& e) {
   const auto missing = [](const Finding& f) { return f.compared.comparison == Comparison::kMissing; };
   const auto nowhere = [](const Finding& f) { return f.sources.empty(); };
   if (e.same()) {
-    const bool ring = has_budget(e.config.pair);
-    std::erase_if(e.findings, [&](const Finding& f) { return ring || missing(f); });
+    const bool iterative = has_iterations(e.config.pair);
+    std::erase_if(e.findings, [&](const Finding& f) { return iterative || missing(f); });
     return;
   }
   std::stable_partition(e.findings.begin(), e.findings.end(),
@@ -174,9 +174,9 @@ std::string Source::text() const {
   return all;
 }
 
-Explainer::Explainer(const PairConfig& asked, const PairBudget& budget)
-    : budget_(budget), unit_(tapped(asked)) {
-  if (has_budget(asked.pair)) unit_.set_budget(budget);
+Explainer::Explainer(const PairConfig& asked, const PairIterations& iterations)
+    : iterations_(iterations), unit_(tapped(asked)) {
+  if (has_iterations(asked.pair)) unit_.set_iterations(iterations);
 }
 
 Explanation Explainer::explain(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b) {
@@ -192,7 +192,7 @@ Explanation Explainer::explain(std::span<const std::uint64_t> a, std::span<const
       continue;  // the other recordings are unchanged
     const std::size_t aw = primary_words(pair), bw = secondary_words(pair);
     recordings_[i] = record(e.config, std::span(rows.a).subspan(i * aw, aw),
-                            std::span(rows.b).subspan(i * bw, bw), budget_);
+                            std::span(rows.b).subspan(i * bw, bw), iterations_);
   }
   // The reference is straight-line code, or depends on the iterations alone.
   std::vector<std::size_t> learnt;
@@ -206,7 +206,7 @@ Explanation Explainer::explain(std::span<const std::uint64_t> a, std::span<const
   e.operators = card.operators;
   if (e.reference.bad || learnt.empty()) return e;
   if (seats_.size() != e.recording.operators.size()) seats_ = learn(card, recordings_, learnt);
-  e.operations = compare(card, recordings_, kBefore, seats_, learnt, has_budget(pair));
+  e.operations = compare(card, recordings_, kBefore, seats_, learnt, has_iterations(pair));
   if (sources_.empty()) sources_ = sources_of(e.config, card.operators);
   e.sources = sources_;
   const auto source = [&](std::int32_t which) {
@@ -226,8 +226,8 @@ Explanation Explainer::explain(std::span<const std::uint64_t> a, std::span<const
 }
 
 Explanation explain(const PairConfig& config, std::span<const std::uint64_t> a,
-                    std::span<const std::uint64_t> b, const PairBudget& budget) {
-  return Explainer(config, budget).explain(a, b);
+                    std::span<const std::uint64_t> b, const PairIterations& iterations) {
+  return Explainer(config, iterations).explain(a, b);
 }
 
 }  // namespace cde::explain

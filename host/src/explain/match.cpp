@@ -247,7 +247,7 @@ Observed observe(PairUnit& unit, std::span<const std::uint64_t> a,
   Observed card;
   card.format = unit.config().format;
   card.operators = unit.operators();
-  card.interval = unit.config().facet_interval;
+  card.interval = unit.config().sat_interval;
   card.tracks.resize(card.operators.size());
   card.results.resize(a.size() / primary_words(unit.config().pair));
   unit.watch(a, b, card.results, [&card](const OperatorWords& seen) {
@@ -306,7 +306,7 @@ std::vector<Seat> learn(const Observed& card, std::span<const PairRecording> pai
 
 std::vector<Compared> compare(const Observed& card, std::span<const PairRecording> pairs,
                               std::size_t row, std::span<const Seat> seats,
-                              std::span<const std::size_t> learnt_from, bool ring) {
+                              std::span<const std::size_t> learnt_from, bool iterative) {
   const PairRecording& pair = pairs[row];
   std::vector<bool> seated(card.operators.size());
   for (const Seat& seat : seats)
@@ -330,7 +330,7 @@ std::vector<Compared> compare(const Observed& card, std::span<const PairRecordin
         (matter[static_cast<std::size_t>(at)] == 0 || !tells(card, k, pairs, learnt_from)))
       c.comparison = Comparison::kUnknown;
     const auto all_of_them = learnt_from.size();
-    if (ring && c.seat.which >= 0 && c.seat.agree != all_of_them &&
+    if (iterative && c.seat.which >= 0 && c.seat.agree != all_of_them &&
         (c.seat.agree != 0 || c.seat.operands != all_of_them))
       c.comparison = Comparison::kUnknown;
     const bool differs = c.comparison != Comparison::kSame && c.comparison != Comparison::kUnknown;

@@ -32,11 +32,11 @@ class Recorder {
 
 template <class S>
 PairRecording RecordIn<S>::record(const PairConfig& config, std::span<const std::uint64_t> a,
-                                  std::span<const std::uint64_t> b, const PairBudget& budget) {
+                                  std::span<const std::uint64_t> b, const PairIterations& iterations) {
   PairRecording recorded;
   using R = Recorded<S>;
   reference::with_pair<R>(
-      config.pair, config.algorithm, config.box, config.plane, budget,
+      config.pair, config.algorithm, config.box, config.plane, iterations,
       [&]<class A, class B>(reference::Kinds<A, B>, auto test) {
         const A x = shape<A>(a.data());
         const B y = shape<B>(b.data());

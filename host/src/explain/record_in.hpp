@@ -8,7 +8,7 @@ namespace cde::explain {
 template <class S>
 struct RecordIn {
   static PairRecording record(const PairConfig& config, std::span<const std::uint64_t> a,
-                              std::span<const std::uint64_t> b, const PairBudget& budget);
+                              std::span<const std::uint64_t> b, const PairIterations& iterations);
 };
 
 }  // namespace cde::explain

@@ -84,21 +84,21 @@ Shape secondary_shape(Pair pair) {
   return text::entry(contract::kPairTable, pair, "pair").secondary;
 }
 
-void PairBudget::check() const {
+void PairIterations::check() const {
   if (samples != 4 && samples != 8 && samples != 16)
-    throw Error(ErrorCode::kUsage, fmt::format("budget: M is {}, expected 4, 8 or 16", samples));
+    throw Error(ErrorCode::kUsage, fmt::format("iterations: M is {}, expected 4, 8 or 16", samples));
   for (const auto& [what, value] : {std::pair{"K1", circle}, std::pair{"K2", free}})
-    if (value > card::kBudgetMost)
-      throw Error(ErrorCode::kUsage, fmt::format("budget: {} is {}, expected 0 to {}", what, value,
-                                                 card::kBudgetMost));
+    if (value > card::kIterationsMost)
+      throw Error(ErrorCode::kUsage, fmt::format("iterations: {} is {}, expected 0 to {}", what, value,
+                                                 card::kIterationsMost));
 }
 
-bool has_budget(Pair pair) {
-  return contract::has(contract::kRingPairs, pair);
+bool has_iterations(Pair pair) {
+  return contract::has(contract::kIterativePairs, pair);
 }
 
-bool has_facets(Pair pair) {
-  return contract::has(contract::kFacetPairs, pair);
+bool has_sat_interval(Pair pair) {
+  return contract::has(contract::kSatPairs, pair);
 }
 
 bool has_box_rule(Pair pair) {
@@ -117,14 +117,14 @@ bool has_filter(Pair pair) {
   return contract::has(contract::kFilterPairs, pair);
 }
 
-void check_facet_interval(unsigned interval, std::span<const Pair> pairs) {
+void check_sat_interval(unsigned interval, std::span<const Pair> pairs) {
   if (interval != 1 && interval != 3)
-    throw Error(ErrorCode::kUsage, fmt::format("facet interval is {}, expected 1 or 3", interval));
-  if (interval != 1 && std::none_of(pairs.begin(), pairs.end(), has_facets)) {
+    throw Error(ErrorCode::kUsage, fmt::format("SAT interval is {}, expected 1 or 3", interval));
+  if (interval != 1 && std::none_of(pairs.begin(), pairs.end(), has_sat_interval)) {
     std::string names;
     for (const Pair pair : pairs) names.append(names.empty() ? "" : ", ").append(name(pair));
     throw Error(ErrorCode::kUsage,
-                fmt::format("facet interval is {}, but {} has no candidate axes", interval, names));
+                fmt::format("SAT interval is {}, but {} has no candidate axes", interval, names));
   }
 }
 

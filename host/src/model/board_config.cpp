@@ -69,7 +69,7 @@ constexpr Number kFields[] = {
     field<&BoardConfig::swap>("SWAP"),
     field<&BoardConfig::normals>("NORMALS"),
     field<&BoardConfig::parallel>("PARALLEL"),
-    field<&BoardConfig::facet_interval>("FACET_II"),
+    field<&BoardConfig::sat_interval>("SAT_II"),
     filter_field<&FpFormat::exp_bits>("FILTER_EXP"),
     filter_field<&FpFormat::man_bits>("FILTER_MAN"),
     field<&BoardConfig::traversal_units>("TRAVERSAL_UNITS"),
@@ -133,10 +133,10 @@ void check_filter(const BoardConfig& c) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("lanes is {}; with the certified filter it must be 1 to {}", c.lanes,
                             kMostLanes));
-  if (c.facet_interval != 1)
+  if (c.sat_interval != 1)
     throw Error(ErrorCode::kUsage,
-                fmt::format("the facet interval is {}; with the certified filter it must be 1",
-                            c.facet_interval));
+                fmt::format("the SAT interval is {}; with the certified filter it must be 1",
+                            c.sat_interval));
 }
 
 }  // namespace
@@ -207,7 +207,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   if (parallel && pairs.size() < 2)
     throw Error(ErrorCode::kUsage, "two pipes at a time need a card with several pairs");
   if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");
-  check_facet_interval(facet_interval, pairs);
+  check_sat_interval(sat_interval, pairs);
   check_filter(*this);
   if (box && std::none_of(pairs.begin(), pairs.end(), has_box_rule))
     throw Error(ErrorCode::kUsage,

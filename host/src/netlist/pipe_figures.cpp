@@ -22,7 +22,7 @@ namespace {
 /// The top module for elaborating the pipe: the pipe's own module, once it is known. An iterative
 /// pipeline with cylinders stays inside the unit that sets its parameters.
 std::string top(const Pipe& pipe) {
-  if (has_budget(pipe.pair)) return "pair_unit";
+  if (has_iterations(pipe.pair)) return "pair_unit";
   return pipe.module.empty() ? "pair_pipe" : pipe.module;
 }
 
@@ -37,14 +37,14 @@ Elaboration elaborate(const Pipe& pipe, const Profile& p, const Hidden& hidden) 
   // Host arithmetic has the same operators and latency, and elaborates faster. But only gates share
   // SAT units and have operators of the box rule.
   std::vector<std::string> parameters = {
-      fmt::format("ARITH={}", pipe.facet_interval == 1 && !pipe.box ? "host" : "rtl")};
+      fmt::format("ARITH={}", pipe.sat_interval == 1 && !pipe.box ? "host" : "rtl")};
   if (!alone) parameters.push_back(fmt::format("PAIR={}", static_cast<unsigned>(pipe.pair)));
   if (!alone)
     parameters.push_back(fmt::format("ALGORITHM={}", static_cast<unsigned>(pipe.algorithm)));
-  if (!alone || has_facets(pipe.pair))
-    parameters.push_back(fmt::format("FACET_II={}", pipe.facet_interval));
+  if (!alone || has_sat_interval(pipe.pair))
+    parameters.push_back(fmt::format("SAT_II={}", pipe.sat_interval));
   if (!alone || pipe.box) parameters.push_back(fmt::format("BOX={}", pipe.box ? 1 : 0));
-  if (!has_budget(pipe.pair)) {
+  if (!has_iterations(pipe.pair)) {
     parameters.push_back(latency_parameter(p.add, p.mul, p.div, p.sqrt, p.cmp));
   } else {
     parameters.insert(parameters.end(),
@@ -89,8 +89,8 @@ void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done)
     pipe.b_words = words("b_i");
     pipe.outputs = words("f_o") + words("t_o") + words("cp_o") + words("n_o");
     pipe.latency = required(latency(e, pipe), pipe, "localparam LATENCY");
-    pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(pipe.facet_interval);
-    if (has_budget(pipe.pair)) pipe.ring = required(e.constant(path(pipe), "RING"), pipe, "RING");
+    pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(pipe.sat_interval);
+    if (has_iterations(pipe.pair)) pipe.slots = required(e.constant(path(pipe), "SLOTS"), pipe, "SLOTS");
     pipe.latency_profile = pipe.latency;
     if (profile == Profile{}) return void(++done);
     const Elaboration slow = elaborate(pipe, profile, [&](std::string_view module) {
@@ -147,14 +147,14 @@ class Kept {
  private:
   using Json = nlohmann::ordered_json;
   static std::string key(const Pipe& pipe, const Profile& profile) {
-    return fmt::format("{}{}; facet interval {}; {}", pipe.name(), pipe.box ? ", box" : "",
-                       pipe.facet_interval, profile.text());
+    return fmt::format("{}{}; SAT interval {}; {}", pipe.name(), pipe.box ? ", box" : "",
+                       pipe.sat_interval, profile.text());
   }
   static std::array<unsigned*, 15> figures(Pipe& p) {
     Operators& o = p.operators;
     return {&o.multipliers, &o.dividers, &o.square_roots,    &o.adders,   &o.subtractors,
             &o.comparators, &o.min_max,  &o.mask_ands,       &p.a_words,  &p.b_words,
-            &p.outputs,     &p.latency,  &p.latency_profile, &p.interval, &p.ring};
+            &p.outputs,     &p.latency,  &p.latency_profile, &p.interval, &p.slots};
   }
 
   std::string name_;

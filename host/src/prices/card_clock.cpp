@@ -16,7 +16,7 @@ namespace {
 /// around the pipe, which is the same in all formats. An iterative pipeline includes them.
 unsigned scaling_clocks(const PipeChoice& pipe) {
   const bool scaled = pipe.format.exp_bits < 8 || contract::has(contract::kScaledPairs, pipe.pair);
-  return scaled && !has_budget(pipe.pair) ? 3 : 0;
+  return scaled && !has_iterations(pipe.pair) ? 3 : 0;
 }
 
 PipeFigures figures_of(const PipeChoice& pipe, const netlist::Pipe& in_rtl) {
@@ -28,12 +28,12 @@ PipeFigures figures_of(const PipeChoice& pipe, const netlist::Pipe& in_rtl) {
                        .sqrt = o.square_roots,
                        .cmp = o.comparators + o.min_max};
   figures.latency = in_rtl.latency + scaling_clocks(pipe), figures.interval = in_rtl.interval;
-  if (!has_budget(pipe.pair)) return figures;
+  if (!has_iterations(pipe.pair)) return figures;
   // A row makes as many passes as its iterations require.
-  const unsigned passes = reference::passes(pipe.pair, pipe.budget),
+  const unsigned passes = reference::passes(pipe.pair, pipe.iterations),
                  usual = reference::passes(pipe.pair, {});
   figures.interval = passes;
-  figures.latency = in_rtl.latency + (passes - usual) * in_rtl.ring;
+  figures.latency = in_rtl.latency + (passes - usual) * in_rtl.slots;
   return figures;
 }
 
@@ -44,8 +44,8 @@ std::string PipeChoice::name() const {
   if (pair == Pair::kRayTriangle)
     text += fmt::format(" {}{}", cde::name(algorithm), box ? " box" : "");
   text += fmt::format(" {}", format.name());
-  if (has_budget(pair))
-    text += fmt::format(" {},{},{}", budget.samples, budget.circle, budget.free);
+  if (has_iterations(pair))
+    text += fmt::format(" {},{},{}", iterations.samples, iterations.circle, iterations.free);
   return text;
 }
 

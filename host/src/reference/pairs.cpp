@@ -18,21 +18,21 @@ cylinder::Body body_of(Pair pair) {
          : primary == Shape::kObb    ? cylinder::Body::kBox
                                      : cylinder::Body::kTriangle;
 }
-cylinder::Budget signed_budget(const PairBudget& budget) {
-  return {static_cast<int>(budget.samples), static_cast<int>(budget.circle),
-          static_cast<int>(budget.free)};
+cylinder::Iterations signed_iterations(const PairIterations& iterations) {
+  return {static_cast<int>(iterations.samples), static_cast<int>(iterations.circle),
+          static_cast<int>(iterations.free)};
 }
 
 }  // namespace
 
-unsigned evaluations(Pair pair, const PairBudget& budget) {
-  if (!has_budget(pair)) return 0;
-  return static_cast<unsigned>(cylinder::evaluations(body_of(pair), signed_budget(budget)));
+unsigned evaluations(Pair pair, const PairIterations& iterations) {
+  if (!has_iterations(pair)) return 0;
+  return static_cast<unsigned>(cylinder::evaluations(body_of(pair), signed_iterations(iterations)));
 }
 
-unsigned passes(Pair pair, const PairBudget& budget) {
-  if (!has_budget(pair)) return 0;
-  return static_cast<unsigned>(cylinder::passes(body_of(pair), signed_budget(budget)));
+unsigned passes(Pair pair, const PairIterations& iterations) {
+  if (!has_iterations(pair)) return 0;
+  return static_cast<unsigned>(cylinder::passes(body_of(pair), signed_iterations(iterations)));
 }
 
 bool has_pair(Pair pair, Algorithm algorithm) {
@@ -41,8 +41,8 @@ bool has_pair(Pair pair, Algorithm algorithm) {
 
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
                 std::span<const std::uint64_t> b, std::span<PairResult> results, PlaneSide plane,
-                const PairBudget& budget, bool box) {
-  budget.check();
+                const PairIterations& iterations, bool box) {
+  iterations.check();
   if (a.size() != results.size() * primary_words(pair) ||
       b.size() != results.size() * secondary_words(pair))
     throw Error(ErrorCode::kUsage,
@@ -50,7 +50,7 @@ void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const
                             name(pair), results.size() * primary_words(pair),
                             results.size() * secondary_words(pair), a.size(), b.size()));
   const auto in_scalar = [&]<class S>() {
-    PairsIn<S>::test(pair, algorithm, box, plane, budget, a, b, results);
+    PairsIn<S>::test(pair, algorithm, box, plane, iterations, a, b, results);
   };
   if (!with_scalar(format, in_scalar))
     throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));

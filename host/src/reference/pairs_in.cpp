@@ -36,9 +36,9 @@ void test_pairs(std::span<const std::uint64_t> a, std::span<const std::uint64_t>
 
 template <class S>
 void PairsIn<S>::test(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
-                      const PairBudget& budget, std::span<const std::uint64_t> a,
+                      const PairIterations& iterations, std::span<const std::uint64_t> a,
                       std::span<const std::uint64_t> b, std::span<PairResult> results) {
-  with_pair<S>(pair, algorithm, box, plane, budget,
+  with_pair<S>(pair, algorithm, box, plane, iterations,
                [&]<class A, class B>(Kinds<A, B>, const auto& test) {
                  test_pairs<S, A, B>(a, b, results, test);
                });

@@ -11,7 +11,7 @@ namespace cde::reference {
 template <class S>
 struct PairsIn {
   static void test(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
-                   const PairBudget& budget, std::span<const std::uint64_t> a,
+                   const PairIterations& iterations, std::span<const std::uint64_t> a,
                    std::span<const std::uint64_t> b, std::span<PairResult> results);
 };
 

@@ -93,7 +93,7 @@ class WordTester : public Tester {
     }
     results_.assign(places.size(), {});
     test_pairs(query_.pair, query_.algorithm, query_.format, query_.swap ? others_ : packet_,
-               query_.swap ? packet_ : others_, results_, PlaneSide::kSurface, query_.budget,
+               query_.swap ? packet_ : others_, results_, PlaneSide::kSurface, query_.iterations,
                query_.box);
     for (const PairResult& r : results_) {
       Outcome<float>& o = answers.emplace_back();
@@ -209,7 +209,7 @@ std::unique_ptr<Tester> tester(const PassQuery& query, Shapes&& primaries,
     });
     return made;
   }
-  with_pair<float>(query.pair, query.algorithm, query.box, PlaneSide::kSurface, query.budget,
+  with_pair<float>(query.pair, query.algorithm, query.box, PlaneSide::kSurface, query.iterations,
                    [&]<class A, class B>(Kinds<A, B>, auto test) {
                      if (query.swap) {
                        const auto exchanged = [test](const B& b, const A& a) { return test(a, b); };

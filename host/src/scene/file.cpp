@@ -225,21 +225,21 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   q.inside = t.flag("inside", false);
   if (q.inside) check_inside(scene, q, primary, secondary, t);
   if (q.normals && !is_solid(q.pair)) t.fail(ErrorCode::kUsage, "normals", "rays have no normals");
-  if (auto budget = t.table("budget")) {
-    if (!has_budget(q.pair))
+  if (auto iterations = t.table("iterations")) {
+    if (!has_iterations(q.pair))
       t.fail(
-          ErrorCode::kUsage, "budget",
+          ErrorCode::kUsage, "iterations",
           fmt::format(
               "{} has no iterations; expected cylinder-cylinder, obb-cylinder or triangle-cylinder",
               name(q.pair)));
-    q.budget.samples = budget->integer<unsigned>("samples", q.budget.samples, 4, 16);
-    q.budget.circle = budget->integer<unsigned>("circle", q.budget.circle, 0, card::kBudgetMost);
-    q.budget.free = budget->integer<unsigned>("free", q.budget.free, 0, card::kBudgetMost);
-    budget->finish();
+    q.iterations.samples = iterations->integer<unsigned>("samples", q.iterations.samples, 4, 16);
+    q.iterations.circle = iterations->integer<unsigned>("circle", q.iterations.circle, 0, card::kIterationsMost);
+    q.iterations.free = iterations->integer<unsigned>("free", q.iterations.free, 0, card::kIterationsMost);
+    iterations->finish();
     try {
-      q.budget.check();
+      q.iterations.check();
     } catch (const Error& e) {
-      t.fail("budget", e.what());
+      t.fail("iterations", e.what());
     }
   }
   std::size_t primaries = 0;

@@ -60,7 +60,7 @@ Failure failure_of(const RunFailure& r) {
   const BoardConfig& board = r.plan.board;
   const PassPipe pipe = pipe_of(query, board);
   f.pipe = pipe.config;
-  f.budget = pipe.budget;
+  f.iterations = pipe.iterations;
   f.swap = query.swap;
   f.mode = query.mode;
   f.difference = r.difference;

@@ -64,7 +64,7 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
          std::all_of(planned.pairs.begin(), planned.pairs.end(),
                      [&](Pair p) { return card.box_rule(p) == planned.box_rule(p); }) &&
          (card.swap || !planned.swap) && (card.normals || !planned.normals) &&
-         (card.trace || !planned.trace) && card.facet_interval == planned.facet_interval &&
+         (card.trace || !planned.trace) && card.sat_interval == planned.sat_interval &&
          card.transform == planned.transform && card.objects >= planned.objects &&
          card.primary_objects >= planned.primary_objects &&
          card.latency_add == planned.latency_add && card.latency_mul == planned.latency_mul &&

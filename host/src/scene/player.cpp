@@ -41,9 +41,9 @@ std::string question(const SceneQuery& query, const BoardConfig& card, const std
     options += " --box";
   if (card.format != FpFormat{}) options += " --format " + card.format.name();
   if (card.arithmetic == Arithmetic::kRtl) options += " --arith rtl";
-  if (has_budget(query.pair))
-    options += fmt::format(" --budget {},{},{}", query.budget.samples, query.budget.circle,
-                           query.budget.free);
+  if (has_iterations(query.pair))
+    options += fmt::format(" --iterations {},{},{}", query.iterations.samples, query.iterations.circle,
+                           query.iterations.free);
   return fmt::format("echo '{} | {}' | {}", query.swap ? secondary : primary,
                      query.swap ? primary : secondary, options);
 }
@@ -79,7 +79,7 @@ class PassCheck {
                .swap = query.swap,
                .mode = query.mode,
                .normals = query.normals,
-               .budget = query.budget,
+               .iterations = query.iterations,
                .format = card.format,
                .counts = counting(self)},
               picked(primaries, numbers_), numbers_, secondaries),
@@ -262,7 +262,7 @@ class Player::Impl {
                 .pair = q.pair,
                 .swap = q.swap,
                 .normals = q.normals,
-                .budget = q.budget,
+                .iterations = q.iterations,
                 .deadline_clocks = options_.deadline_clocks,
                 .watchdog = options_.watchdog};
     std::vector<std::uint32_t> active;

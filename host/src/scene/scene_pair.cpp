@@ -18,11 +18,11 @@ PassPipe pipe_of(const SceneQuery& query, const BoardConfig& board) {
   c.box = board.box_rule(query.pair);
   c.arithmetic = board.arithmetic;
   c.format = board.format;
-  c.facet_interval = has_facets(query.pair) ? board.facet_interval : 1;
+  c.sat_interval = has_sat_interval(query.pair) ? board.sat_interval : 1;
   c.lanes = board.lanes;
-  if (has_budget(query.pair))
-    pipe.budget =
-        fmt::format("{},{},{}", query.budget.samples, query.budget.circle, query.budget.free);
+  if (has_iterations(query.pair))
+    pipe.iterations =
+        fmt::format("{},{},{}", query.iterations.samples, query.iterations.circle, query.iterations.free);
   return pipe;
 }
 
@@ -32,10 +32,10 @@ PairOptions options_of(const PassPipe& pipe) {
   o.pair = name(c.pair);
   o.algorithm = name(c.algorithm);
   o.arithmetic = c.arithmetic == Arithmetic::kRtl ? "rtl" : "host";
-  o.budget = pipe.budget;
+  o.iterations = pipe.iterations;
   o.format = c.format.name();
   o.box = c.box;
-  o.facet_interval = c.facet_interval;
+  o.sat_interval = c.sat_interval;
   return o;
 }
 

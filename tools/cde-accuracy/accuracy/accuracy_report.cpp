@@ -272,8 +272,8 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
         {"format", pipe.format.name()},
         {"algorithm", triangle ? Json(name(pipe.algorithm)) : Json()},
         {"box", triangle ? Json(pipe.box) : Json()},
-        {"budget", has_budget(pipe.pair) ? Json(fmt::format("{},{},{}", pipe.budget.samples,
-                                                            pipe.budget.circle, pipe.budget.free))
+        {"iterations", has_iterations(pipe.pair) ? Json(fmt::format("{},{},{}", pipe.iterations.samples,
+                                                            pipe.iterations.circle, pipe.iterations.free))
                                          : Json()},
         {"variant", name(pipe.variant)}};
     json["price"] = row.price.to_json();

@@ -37,9 +37,9 @@ struct MeasuredPairs {
 };
 
 MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::span<const float> b,
-                      double seconds, const std::optional<PairBudget>& budget = {}) {
+                      double seconds, const std::optional<PairIterations>& iterations = {}) {
   PairUnit unit(config);
-  if (budget) unit.set_budget(*budget);
+  if (iterations) unit.set_iterations(*iterations);
   const auto encoded = [&](std::span<const float> from) {
     std::vector<std::uint64_t> words;
     words.reserve(from.size());
@@ -65,21 +65,21 @@ MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::s
   return m;
 }
 
-/// The cost of accuracy for a cylinder pair: its rate for several budgets. The largest budget gives
-/// the signed distances with which the others are compared.
+/// The cost of accuracy for a cylinder pair: its rate for several numbers of iterations. The largest
+/// gives the signed distances with which the others are compared.
 struct Priced {
-  PairBudget budget;
+  PairIterations iterations;
   double pairs_per_second, clocks_per_row, p99, worst;
 };
 
-std::vector<Priced> measure_budgets(Pair pair, std::span<const float> a, std::span<const float> b,
+std::vector<Priced> measure_iterations(Pair pair, std::span<const float> a, std::span<const float> b,
                                     double seconds) {
-  const PairBudget budgets[] = {{8, 16, 16}, {8, 8, 8}, {4, 6, 6}, {4, 4, 4}, {4, 2, 2}, {4, 0, 0}};
+  const PairIterations settings[] = {{8, 16, 16}, {8, 8, 8}, {4, 6, 6}, {4, 4, 4}, {4, 2, 2}, {4, 0, 0}};
   std::vector<Priced> rows;
   std::vector<double> best;
-  for (const PairBudget& budget : budgets) {
+  for (const PairIterations& iterations : settings) {
     const PairConfig config{.pair = pair, .lanes = kPairLanes};
-    const MeasuredPairs m = measure(config, a, b, seconds, budget);
+    const MeasuredPairs m = measure(config, a, b, seconds, iterations);
     std::vector<double> shortfall;
     for (std::size_t i = 0; i < kCases; ++i) {
       const double t = config.format.decode(m.results[i].t), distance = m.results[i].f ? -t : t;
@@ -87,16 +87,16 @@ std::vector<Priced> measure_budgets(Pair pair, std::span<const float> a, std::sp
       shortfall.push_back(std::max(0.0, best[i] - distance));
     }
     std::sort(shortfall.begin(), shortfall.end());
-    rows.push_back({budget, m.pairs_per_second, m.clocks_per_row, shortfall[kCases * 99 / 100],
+    rows.push_back({iterations, m.pairs_per_second, m.clocks_per_row, shortfall[kCases * 99 / 100],
                     shortfall.back()});
   }
   return rows;
 }
 
-nlohmann::ordered_json budgets_json(const std::vector<Priced>& rows, double clock_hz) {
+nlohmann::ordered_json iterations_json(const std::vector<Priced>& rows, double clock_hz) {
   auto json = nlohmann::ordered_json::array();
   for (const Priced& r : rows) {
-    const auto& [m, k1, k2] = r.budget;
+    const auto& [m, k1, k2] = r.iterations;
     print_figure(
         "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} cycles per row, below the first by {:.1e} "
         "(p99), {:.1e} (max)\n",
@@ -183,8 +183,8 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
     row["modelled_tests_per_second"] = kPairLanes * o.clock_hz / card->clocks_per_row;
     row["hit_share"] = static_cast<double>(card->hits) / kCases;
   }
-  if (card && has_budget(pair))
-    row["budgets"] = budgets_json(measure_budgets(pair, a, b, seconds), o.clock_hz);
+  if (card && has_iterations(pair))
+    row["by_iterations"] = iterations_json(measure_iterations(pair, a, b, seconds), o.clock_hz);
   row["fcl"] = has_fcl() ? fcl_json(fcl, card) : nlohmann::ordered_json();
   return row;
 }

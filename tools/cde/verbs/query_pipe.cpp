@@ -45,9 +45,9 @@ QueryPipe::QueryPipe(const QueryOptions& o, const PairConfig& config)
       text_(config_.format),
       operands_({config_.pair, o_.exchanged}, text_),
       unit_(config_) {
-  if (!o_.budget.empty()) {
-    budget_ = budget_of(o_);
-    unit_.set_budget(budget_);
+  if (!o_.iterations.empty()) {
+    iterations_ = iterations_of(o_);
+    unit_.set_iterations(iterations_);
   }
   if (o_.check && !reference::has_pair(config_.pair, config_.algorithm))
     throw Error(ErrorCode::kUsage,
@@ -129,7 +129,7 @@ QueryAnswers QueryPipe::answer() {
 void QueryPipe::compare(QueryAnswers& answers) {
   expected_.resize(results_.size());
   reference::test_pairs(config_.pair, config_.algorithm, config_.format, a_, b_, expected_,
-                        config_.plane, budget_, config_.box);
+                        config_.plane, iterations_, config_.box);
   answers.totals.compared += results_.size();
   for (std::size_t i = 0; i < results_.size(); ++i) {
     if (results_[i] == expected_[i]) continue;
@@ -179,7 +179,7 @@ void QueryPipe::report(std::size_t i) {
   throw Error(ErrorCode::kMismatch,
               message + packed(o_.bundle, o_.quiet,
                                {.kind = PairFailure{.config = config_,
-                                                    .budget = budget_,
+                                                    .iterations = iterations_,
                                                     .options = options,
                                                     .a = first(a_, primary_words(config_.pair)),
                                                     .b = first(b_, secondary_words(config_.pair)),
@@ -215,7 +215,7 @@ void QueryPipe::report(const Error& stuck) {
     PairConfig config = config_;
     config.trace = true;
     PairUnit unit(config);
-    if (has_budget(config.pair)) unit.set_budget(budget_);
+    if (has_iterations(config.pair)) unit.set_iterations(iterations_);
     std::vector<PairResult> results(results_.size());
     unit.open_trace(file, which);
     try {

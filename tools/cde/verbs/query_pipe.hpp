@@ -100,7 +100,7 @@ class QueryPipe {
   OperandText operands_;
   bool array_ = false;  ///< numbers count pairs, not lines
   PairUnit unit_;
-  PairBudget budget_;
+  PairIterations iterations_;
   std::vector<std::uint64_t> a_, b_;
   std::vector<Row> rows_;
   std::vector<std::string> unread_;  ///< messages of the lines that could not be read

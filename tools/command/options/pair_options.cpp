@@ -33,7 +33,7 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
                 "Pairs with a plane: the plane bounds the solid half-space n.x <= d");
   known_words(
       verb.add_option(
-              "--budget", o.budget,
+              "--iterations", o.iterations,
               "Iterations of cylinder-cylinder, obb-cylinder and triangle-cylinder. M,K1,K2: M "
               "directions are sampled on a circle (4, 8 or 16), then K1 steps on a circle and K2 "
               "on a free track (0 to 64 each). N: a number of evaluations, split evenly")
@@ -53,7 +53,7 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
                         "build for obb-obb, triangle-aabb, triangle-obb and triangle-triangle")
             ->default_str("8, or 1 for these"),
         1, 256, "");
-  one_of(verb.add_option("--facet-interval", o.facet_interval,
+  one_of(verb.add_option("--sat-interval", o.sat_interval,
                          "obb-obb, triangle-aabb and triangle-obb: cycles from one row of pairs to "
                          "the next; with 3, candidate axes (SAT) share units; same bits")
              ->capture_default_str(),
@@ -74,9 +74,9 @@ void check_pair_options(const CLI::App& verb, const PairOptions& o) {
         Rule{"--box", has_box_rule(pair), with_box}, Rule{"--no-box", has_box_rule(pair), with_box},
         Rule{"--half-space", secondary_shape(pair) == Shape::kPlane,
              "expected a pair with a plane"},
-        Rule{"--facet-interval", has_facets(pair),
+        Rule{"--sat-interval", has_sat_interval(pair),
              "expected obb-obb, triangle-aabb or triangle-obb"},
-        Rule{"--budget", has_budget(pair),
+        Rule{"--iterations", has_iterations(pair),
              "expected cylinder-cylinder, obb-cylinder or triangle-cylinder"}})
     if (!rule.fits && verb.count(rule.option) != 0)
       cannot_combine(rule.option, name(pair), rule.expected);

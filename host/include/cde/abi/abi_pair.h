@@ -56,7 +56,7 @@ typedef struct cde_pair_api {
   uint32_t (*latency)(const cde_pair_unit*); /**< cycles from operands to results */
   /** Iterations for pairs that take a number of them: K2, K1 and M, one byte each from the top. The
      unit is reset. */
-  void (*set_budget)(cde_pair_unit*, uint32_t budget);
+  void (*set_iterations)(cde_pair_unit*, uint32_t iterations);
   /** Tests n pairs, one row of lanes per cycle while the unit is ready. Operands are a_words
      (b_words) words per pair, results CDE_PAIR_RESULT_WORDS words per pair. Before each row `gap`,
      called with gap_context, returns the number of idle cycles to insert; null: none. Returns the

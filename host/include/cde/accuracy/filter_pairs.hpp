@@ -16,7 +16,7 @@ namespace cde::accuracy {
 /// Certified decisions for pairs in binary32. Operand words are as for reference::test_pairs. The
 /// pair's pipe in the narrow format proposes normal and point. Bad input is uncertain. Error kUsage
 /// for a pair without filter, a format without pairs, or iterations out of range.
-void test_certain(Pair pair, FpFormat narrow, const PairBudget& budget,
+void test_certain(Pair pair, FpFormat narrow, const PairIterations& iterations,
                   std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
                   std::span<reference::filter::Certain> certain);
 

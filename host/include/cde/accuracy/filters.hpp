@@ -26,7 +26,7 @@ struct FilterCounts {
 struct FilterRow {
   Pair pair = Pair::kObbObb;
   FpFormat narrow;
-  PairBudget budget;  ///< iterations of the narrow pipe
+  PairIterations iterations;  ///< iterations of the narrow pipe
   std::vector<std::pair<std::string, FilterCounts>> families;
   [[nodiscard]] FilterCounts all() const;
 };

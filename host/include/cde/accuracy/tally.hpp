@@ -24,7 +24,7 @@ struct AccuracyPipe {
   Algorithm algorithm = Algorithm::kMoller;
   bool box = false;
   FpFormat format = {};
-  PairBudget budget = {};
+  PairIterations iterations = {};
   Variant variant = Variant::kCard;
 
   /// "ray-triangle moller box fp32", "obb-cylinder fp16 8,8,8", "obb-obb fp16 textbook".

@@ -29,6 +29,6 @@ enum class Variant {
 /// As reference::test_pairs, for a variant other than the card's.
 void test_variant(Variant variant, Pair pair, Algorithm algorithm, FpFormat format,
                   std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-                  std::span<PairResult> results, const PairBudget& budget, bool box);
+                  std::span<PairResult> results, const PairIterations& iterations, bool box);
 
 }  // namespace cde::accuracy

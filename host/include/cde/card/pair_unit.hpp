@@ -27,8 +27,8 @@ struct PairConfig {
   FpFormat format = {8, 23};
   unsigned lanes = 8;  ///< pairs per cycle, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;
-  unsigned facet_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
-                                ///< tests three candidate axes in turn (has_facets)
+  unsigned sat_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
+                                ///< tests three candidate axes in turn (has_sat_interval)
   unsigned latency_add = 1;     ///< cycles of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
@@ -75,7 +75,7 @@ class PairUnit {
   [[nodiscard]] unsigned latency() const;
   /// Sets the iterations per pair from here on; the default is 8, 8, 8. Resets the unit. Error
   /// kUsage if a value is out of range or the pair takes none.
-  void set_budget(const PairBudget& budget);
+  void set_iterations(const PairIterations& iterations);
 
   /// Tests pairs of operand words in slot order: primary_words and secondary_words words per pair,
   /// one result per pair. Error kUsage if the sizes do not match. A row of lanes enters as soon as

@@ -21,7 +21,7 @@ namespace cde {
 /// A pair for which a unit and its reference differ.
 struct PairFailure {
   PairConfig config = {};
-  PairBudget budget = {};
+  PairIterations iterations = {};
   std::string options = {};         ///< PAIR and options that run the same pipe again
   std::vector<std::uint64_t> a, b;  ///< words of all pairs of the run
   std::size_t at = 0;               ///< the pair that failed
@@ -31,7 +31,7 @@ struct PairFailure {
 /// A record for which a card and its reference differ.
 struct CardFailure {
   PairConfig pipe = {};     ///< pipe of this pair, as a PairUnit
-  std::string budget = {};  ///< iterations as `cde query` takes them; may be empty
+  std::string iterations = {};  ///< iterations as `cde query` takes them; may be empty
   bool swap = false;        ///< the secondary is the pair's first shape
   Mode mode = Mode::kNearest;
   Difference difference = {};

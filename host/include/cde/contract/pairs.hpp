@@ -123,11 +123,11 @@ inline constexpr std::uint32_t kSetRays = set_with(Shape::kRay);
 inline constexpr std::uint32_t kSetSolids = kSetEverything & ~kSetRays;  ///< T is a signed distance
 inline constexpr std::uint32_t kSetSpheres = set_with(Shape::kSphere);
 /// Pairs with an iterative pipeline, whose work is set by a number of iterations.
-inline constexpr unsigned kRingRows = 1024;  ///< more rows than an iterative pipeline can hold
-inline constexpr std::uint32_t kRingPairs =
+inline constexpr unsigned kIterativeRows = 1024;  ///< more rows than an iterative pipeline can hold
+inline constexpr std::uint32_t kIterativePairs =
     set_of({Pair::kTriangleCylinder, Pair::kCylinderCylinder, Pair::kObbCylinder});
 /// Pairs that are tested on candidate axes (SAT), whose units can be shared.
-inline constexpr std::uint32_t kFacetPairs =
+inline constexpr std::uint32_t kSatPairs =
     set_of({Pair::kObbObb, Pair::kTriangleAabb, Pair::kTriangleObb});
 /// Pairs that have the box rule as an option.
 inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
@@ -147,7 +147,7 @@ inline constexpr std::uint32_t kShortPairs =
             Pair::kSpherePlane});
 /// Pairs that multiply four lengths. Their operands are scaled to about 1 in every format.
 inline constexpr std::uint32_t kScaledPairs =
-    kRingPairs | kFacetPairs | set_of({Pair::kTriangleSphere, Pair::kTriangleTriangle});
+    kIterativePairs | kSatPairs | set_of({Pair::kTriangleSphere, Pair::kTriangleTriangle});
 
 constexpr std::size_t words(Shape shape) {
   return kShapeTable[static_cast<std::size_t>(shape)].words;

@@ -45,7 +45,7 @@ enum Register : std::uint32_t {
   kRegCaps3 = 0x070,       ///< kCaps3* fields
   kRegPrimSplit = 0x078,   ///< with a second pair: number of its first primary
   kRegStencil = 0x080,     ///< primaries/64 registers; a 1 masks a primary
-  kRegBudget = 0x0A0,      ///< iterations for a cylinder pair: kBudget* fields
+  kRegIterations = 0x0A0,      ///< iterations for a cylinder pair: kIterations* fields
   kRegEcc = 0x0B8,  ///< words of secondaries with bit errors read from DDR in a pass: kEcc* fields
   /// Objects of secondaries in the pass; 0: use kRegSecFirst and kRegSecCount.
   kRegObjectCount = 0x0A8,
@@ -149,9 +149,9 @@ inline constexpr Field kRaysProvided{0, 32}, kRaysTaken{32, 32};
 inline constexpr Field kNodeFaultPlace{0, 32}, kNodeFaultKind{32, 4};
 inline constexpr Field kNodeFlipBits{0, 32}, kNodeFlipWord{32, 5};
 inline constexpr Field kFaultAddr{0, 32}, kFaultSpace{32, kSpaceBits};
-inline constexpr Field kBudgetM{0, 8}, kBudgetK1{8, 8}, kBudgetK2{16, 8};
-inline constexpr std::uint32_t kBudgetReset = 0x080808;
-inline constexpr unsigned kBudgetMost = 64;                       ///< of K1 and K2
+inline constexpr Field kIterationsM{0, 8}, kIterationsK1{8, 8}, kIterationsK2{16, 8};
+inline constexpr std::uint32_t kIterationsReset = 0x080808;
+inline constexpr unsigned kIterationsMost = 64;                       ///< of K1 and K2
 inline constexpr Field kEccCorrected{0, 32}, kEccFailed{32, 32};  ///< words
 inline constexpr Field kCommandMode{0, 3}, kCommandPair{8, kPairBits},
     kCommandSecondPair{16, kPairBits};

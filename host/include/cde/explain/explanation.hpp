@@ -47,7 +47,7 @@ struct Explanation {
 class Explainer {
  public:
   /// Error kBuild if the pipe cannot be built.
-  Explainer(const PairConfig& config, const PairBudget& budget);
+  Explainer(const PairConfig& config, const PairIterations& iterations);
 
   /// Runs one pair through the pipe alone, among other pairs. Error kBuild if the RTL cannot be
   /// read.
@@ -55,7 +55,7 @@ class Explainer {
                                     std::span<const std::uint64_t> b);
 
  private:
-  PairBudget budget_;
+  PairIterations iterations_;
   PairUnit unit_;
   std::vector<PairRecording> recordings_;  ///< of all rows, including the explained one
   std::vector<Seat> seats_;                ///< from the first explanation
@@ -64,6 +64,6 @@ class Explainer {
 
 /// Explains one pair with an Explainer.
 [[nodiscard]] Explanation explain(const PairConfig& config, std::span<const std::uint64_t> a,
-                                  std::span<const std::uint64_t> b, const PairBudget& budget);
+                                  std::span<const std::uint64_t> b, const PairIterations& iterations);
 
 }  // namespace cde::explain

@@ -56,22 +56,22 @@ inline constexpr Shape kShapeOf = P::kShape;
 /// Iterations of the pairs cylinder-cylinder, obb-cylinder and triangle-cylinder. The work of other
 /// pairs is fixed. More iterations find more of the signed distance
 /// (docs/reference/pairs_cylinder.md).
-struct PairBudget {
+struct PairIterations {
   unsigned samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
   unsigned circle = 8;   ///< K1: steps on each circle, at most 64
   unsigned free = 8;     ///< K2: steps on each free track (cylinder-cylinder), at most 64
 
   /// Error kUsage if a value is out of range, naming it.
   void check() const;
-  bool operator==(const PairBudget&) const = default;
+  bool operator==(const PairIterations&) const = default;
 };
 
 /// Whether the pair takes a number of iterations.
-[[nodiscard]] bool has_budget(Pair pair);
+[[nodiscard]] bool has_iterations(Pair pair);
 
 /// Whether the pair is tested on candidate axes (SAT), whose units can be shared: obb-obb,
 /// triangle-aabb, triangle-obb.
-[[nodiscard]] bool has_facets(Pair pair);
+[[nodiscard]] bool has_sat_interval(Pair pair);
 
 /// Whether the pair can have the box rule: triangle pairs without cylinder, sphere-obb, obb-obb.
 [[nodiscard]] bool has_box_rule(Pair pair);
@@ -90,7 +90,7 @@ struct TraversalShapes {
 [[nodiscard]] bool has_filter(Pair pair);
 /// `interval`: cycles from one row of such pairs to the next, 1 or 3. Error kUsage for another
 /// value, or for 3 if none of the pairs has candidate axes.
-void check_facet_interval(unsigned interval, std::span<const Pair> pairs);
+void check_sat_interval(unsigned interval, std::span<const Pair> pairs);
 
 /// Names of all pairs and of the ray-triangle algorithms, in the order of their codes.
 [[nodiscard]] std::vector<std::string> pair_names();

@@ -46,8 +46,8 @@ struct BoardConfig {
   bool swap = false;  ///< passes can exchange the roles of primary and secondary
   bool normals = false;         ///< passes can return normals
   bool parallel = false;        ///< a pass can use two pipes at once (Query::second)
-  unsigned facet_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
-                                ///< tests three candidate axes in turn (has_facets)
+  unsigned sat_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
+                                ///< tests three candidate axes in turn (has_sat_interval)
   std::optional<FpFormat> filter =
       std::nullopt;  ///< certified filter: narrow lanes prove misses of pairs of solids
                      ///< (`has_filter`) in modes any and hits. One lane of `format` tests the

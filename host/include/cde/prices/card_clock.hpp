@@ -16,7 +16,7 @@ struct PipeChoice {
   Algorithm algorithm = Algorithm::kMoller;
   bool box = false;
   FpFormat format = {};
-  PairBudget budget = {};
+  PairIterations iterations = {};
 
   /// "ray-triangle moller box fp32", "obb-cylinder fp16 8,8,8".
   [[nodiscard]] std::string name() const;

@@ -37,7 +37,7 @@ struct Query {
   bool swap = false;     ///< the pair's first shape is the secondary, its second one the primary
   bool normals = false;  ///< records include n
   std::optional<SecondPair> second = {};  ///< BoardConfig::parallel; modes nearest, farthest, any
-  PairBudget budget = {};  ///< iterations of pairs with a cylinder and no ray (has_budget)
+  PairIterations iterations = {};  ///< iterations of pairs with a cylinder and no ray (has_iterations)
   Stencil stencil = {};
   std::uint32_t first_secondary = 0;  ///< first uploaded secondary of the brute-force pass
   std::uint32_t secondary_count = 0;  ///< secondaries from there on (0: all); not with objects.

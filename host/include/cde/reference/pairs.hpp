@@ -12,18 +12,18 @@ namespace cde::reference {
 /// Results of a pair's pipe, in words of a format: all mirror references behind one call.
 /// Spans `a` and `b` are operand words in slot order, `primary_words` and `secondary_words` words
 /// per pair. `algorithm` is for ray-triangle, `box` for pairs with the box rule, `plane` for pairs
-/// with a plane. Pairs without iterations ignore `budget`. Error kUsage for sizes that do not
+/// with a plane. Pairs without iterations ignore `iterations`. Error kUsage for sizes that do not
 /// match, a format not in kPairFormats (fp/scalars.hpp), or iterations out of range.
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
                 std::span<const std::uint64_t> b, std::span<PairResult> results,
-                PlaneSide plane = PlaneSide::kSurface, const PairBudget& budget = {},
+                PlaneSide plane = PlaneSide::kSurface, const PairIterations& iterations = {},
                 bool box = false);
 
 /// Work of a pair with iterations; 0 for other pairs. Evaluations: of the signed distance along a
 /// direction. Passes: how often a row circulates in the iterative pipeline, which is also the
 /// number of cycles between rows. Passes include those that find the witness points.
-[[nodiscard]] unsigned evaluations(Pair pair, const PairBudget& budget);
-[[nodiscard]] unsigned passes(Pair pair, const PairBudget& budget);
+[[nodiscard]] unsigned evaluations(Pair pair, const PairIterations& iterations);
+[[nodiscard]] unsigned passes(Pair pair, const PairIterations& iterations);
 
 /// Whether this pair and algorithm have a reference.
 [[nodiscard]] bool has_pair(Pair pair, Algorithm algorithm);

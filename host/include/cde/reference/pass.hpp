@@ -21,7 +21,7 @@ struct PassQuery {
   bool swap = false;
   Mode mode = Mode::kNearest;
   bool normals = false;
-  PairBudget budget = {};
+  PairIterations iterations = {};
   FpFormat format = {};  ///< format of the card, no wider than fp32; words are first rounded to it
   /// Selects the pairs that count, by the numbers of primary and secondary. The others are treated
   /// as untested. Empty: all.

@@ -92,7 +92,7 @@ struct SceneQuery {
   bool normals = false;
   bool inside = false;  ///< records tell whether the primary is inside a secondary object
                         ///< (SceneInside)
-  PairBudget budget;
+  PairIterations iterations;
   std::vector<Range> mask;  ///< masked primaries, ascending, not adjacent
   /// For an object on both sides: pairs of a shape with itself count, and pairs of two shapes count
   /// from either side. Without it the former never count. In modes all and hits the latter count

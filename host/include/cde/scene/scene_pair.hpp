@@ -15,7 +15,7 @@ namespace cde {
 
 struct PassPipe {
   PairConfig config;
-  std::string budget;  ///< iterations as `cde query` takes them; may be empty
+  std::string iterations;  ///< iterations as `cde query` takes them; may be empty
 };
 /// The pipe of a scene's query on a card.
 [[nodiscard]] PassPipe pipe_of(const SceneQuery& query, const BoardConfig& board);

@@ -6,7 +6,7 @@
 #include "cde/geometry/check.hpp"
 #include "cde/geometry/ops.hpp"
 #include "cde/geometry/primitives.hpp"
-#include "cde/reference/pipes/convex/facets.hpp"
+#include "cde/reference/pipes/convex/candidate_axes.hpp"
 #include "cde/reference/pipes/convex/frame.hpp"
 #include "cde/reference/pipes/scale.hpp"
 

@@ -30,7 +30,7 @@ struct Kinds {};
 struct PipeSettings {
   bool box = false;
   PlaneSide plane = PlaneSide::kSurface;
-  cylinder::Budget budget;
+  cylinder::Iterations iterations;
 };
 
 /// The mirror reference of shapes A and B. It is a function pointer, so that its users are compiled
@@ -50,7 +50,7 @@ template <class S, class A, class B>
 
 /// Calls `use(Kinds<A, B>, test)`, where test(A, B) is the pair's mirror reference in the scalar S.
 template <class S, class Use>
-void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const PairBudget& work,
+void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const PairIterations& work,
                Use use) {
   using R = BasicRay<S>;
   using T = BasicTriangle<S>;
@@ -69,7 +69,7 @@ void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const 
                               -> Outcome<S> { return ANSWER; },                              \
                           settings})
 #define CDE_TEST(A, B, FUNCTION) CDE_ANSWER(A, B, FUNCTION<S>(x, y))
-#define CDE_SEARCH(A, FUNCTION) CDE_ANSWER(A, Can, FUNCTION<S>(x, y, s.budget))
+#define CDE_SEARCH(A, FUNCTION) CDE_ANSWER(A, Can, FUNCTION<S>(x, y, s.iterations))
 #define CDE_PLANE(A, FUNCTION) CDE_ANSWER(A, BasicPlane<S>, FUNCTION<S>(x, y, s.plane))
 #define CDE_BOUND(A, B, FUNCTION) CDE_ANSWER(A, B, bounded_if<S>(s.box, FUNCTION<S>(x, y), x, y))
   // NOLINTEND(bugprone-macro-parentheses)

@@ -262,17 +262,17 @@ struct PointDistance {
 /// too small to give x.v a direction, the candidate axes decide. 3 add 6 mul 1 div 1 sqrt and
 /// point_distance.
 template <typename S, typename Distance>
-[[nodiscard]] SignedDistance<S> decide(const SignedDistance<S>& facets, const Difference<S>& x, Mask<S> apart,
+[[nodiscard]] SignedDistance<S> decide(const SignedDistance<S>& axes, const Difference<S>& x, Mask<S> apart,
                                   S tie, const Distance& point_distance) {
   const S dd = dot<S>(x.v, x.v);
   const S d = square_root(dd);
   const S inverse = S{1} / d;
   const Direction<S> direction{scale<S>(x.v, inverse), d, inverse};
   const PointDistance<S> known = point_distance(direction);
-  const auto point = apart && usable(dd) && facets.s - tie <= known.along;
-  return {select(point, known.s, facets.s),
-          select<S>(point, direction.n, facets.n),
-          {select<S>(point, x.v, facets.x.v), select<S>(point, x.p, facets.x.p)}};
+  const auto point = apart && usable(dd) && axes.s - tie <= known.along;
+  return {select(point, known.s, axes.s),
+          select<S>(point, direction.n, axes.n),
+          {select<S>(point, x.v, axes.x.v), select<S>(point, x.p, axes.x.p)}};
 }
 
 /// (pA + pB) / 2 = p + v / 2. 3 add 3 mul.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "cde/reference/pipes/convex/facets.hpp"
+#include "cde/reference/pipes/convex/candidate_axes.hpp"
 #include "cde/reference/pipes/convex/frame.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
@@ -54,17 +54,17 @@ template <typename S>
 
 /// Face i of A, on this side, with the nearest corner of B. 18 add 3 mul, 4 min/max.
 template <typename S>
-[[nodiscard]] Facet<S> face_of_a(const BoxPair<S>& pair, int i, S side) {
+[[nodiscard]] CandidateAxis<S> face_of_a(const BoxPair<S>& pair, int i, S side) {
   const Vector<S> across(pair.f[0][i], pair.f[1][i], pair.f[2][i]);
   const S separation = (magnitude(pair.t[i]) - pair.a[i]) - norm1<S>(across);
   const Vector<S> sign(move_sign(side, pair.signs[0][i]), move_sign(side, pair.signs[1][i]),
                        move_sign(side, pair.signs[2][i]));
-  return face_facet<S>(i, pair.a, side, corner_of_b<S>(pair, sign), separation);
+  return face_axis<S>(i, pair.a, side, corner_of_b<S>(pair, sign), separation);
 }
 
 /// Edge i of A and edge j of B.
 template <typename S>
-[[nodiscard]] Facet<S> edges(const BoxPair<S>& pair, int i, int j, S inverse_ff) {
+[[nodiscard]] CandidateAxis<S> edges(const BoxPair<S>& pair, int i, int j, S inverse_ff) {
   const int k = (i + 1) % 3, l = (i + 2) % 3, m = (j + 1) % 3, o = (j + 2) % 3;
   const EdgeNormal<S> n = edge_normal<S>(i, pair.f[j]);
   const S h = project<S>(i, n, pair.t);
@@ -85,7 +85,7 @@ template <typename S>
   sign_b[j] = S{0};
   sign_b[m] = move_sign(side, pair.signs[o][i]);
   sign_b[o] = move_sign(side, -pair.signs[m][i]);
-  return edge_facet<S>(i, pair.a, sign_a, corner_of_b<S>(pair, sign_b, j), pair.f[j], S{-1},
+  return edge_axis<S>(i, pair.a, sign_a, corner_of_b<S>(pair, sign_b, j), pair.f[j], S{-1},
                        inverse_ff, n, side, separation);
 }
 
@@ -103,38 +103,38 @@ template <typename S>
   return back;
 }
 
-/// A facet of the exchanged pair in A's frame; its witness on A is a corner of A. 24 add 12 mul, 4
+/// An axis of the exchanged pair in A's frame; its witness on A is a corner of A. 24 add 12 mul, 4
 /// min/max.
 template <typename S>
-[[nodiscard]] Facet<S> face_of_b(const BoxPair<S>& pair, const BoxPair<S>& back, int j) {
+[[nodiscard]] CandidateAxis<S> face_of_b(const BoxPair<S>& pair, const BoxPair<S>& back, int j) {
   // The side on which A is; the normal points the other way.
   const S side = side_of(back.t[j], pair.tie, -along<S>(pair.t, pair.r[j]));
-  Facet<S> facet = face_of_a<S>(back, j, side);
-  const Vector<S> v = facet.x.v;
+  CandidateAxis<S> axis = face_of_a<S>(back, j, side);
+  const Vector<S> v = axis.x.v;
   for (int i = 0; i < 3; ++i) {
     const Vector<S> row(pair.r[0][i], pair.r[1][i], pair.r[2][i]);
-    facet.x.v[i] = -dot<S>(row, v);
-    facet.x.p[i] = -move_sign(side, move_sign(pair.signs[j][i], pair.a[i]));
-    facet.n[i] = -move_sign(side, pair.r[j][i]);
+    axis.x.v[i] = -dot<S>(row, v);
+    axis.x.p[i] = -move_sign(side, move_sign(pair.signs[j][i], pair.a[i]));
+    axis.n[i] = -move_sign(side, pair.r[j][i]);
   }
-  return facet;
+  return axis;
 }
 
 /// All fifteen candidate axes: faces of A, faces of B, edges (0,0), (0,1), ... (2,2).
 template <typename S>
-[[nodiscard]] std::array<Facet<S>, 15> box_facets(const BoxPair<S>& pair) {
-  std::array<Facet<S>, 15> facets;
+[[nodiscard]] std::array<CandidateAxis<S>, 15> box_axes(const BoxPair<S>& pair) {
+  std::array<CandidateAxis<S>, 15> axes;
   const BoxPair<S> back = seen_from_b<S>(pair);
   for (int i = 0; i < 3; ++i) {
-    facets[i] = face_of_a<S>(pair, i, pair.t[i]);
-    facets[3 + i] = face_of_b<S>(pair, back, i);
+    axes[i] = face_of_a<S>(pair, i, pair.t[i]);
+    axes[3 + i] = face_of_b<S>(pair, back, i);
   }
   for (int j = 0; j < 3; ++j) {
     const S ff = pair.b[j] * pair.b[j];
     const S inverse_ff = reciprocal_or_zero<S>(usable(ff), ff);
-    for (int i = 0; i < 3; ++i) facets[6 + 3 * i + j] = edges<S>(pair, i, j, inverse_ff);
+    for (int i = 0; i < 3; ++i) axes[6 + 3 * i + j] = edges<S>(pair, i, j, inverse_ff);
   }
-  return facets;
+  return axes;
 }
 
 /// The corner of B minus the corner of A that is farthest against v. 18 add 9 mul.
@@ -152,7 +152,7 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
   const BoxPair<S> pair = box_pair(a, b);
-  const SignedDistance<S> result = answer<S>(box_facets<S>(pair), pair.a, pair.tie,
+  const SignedDistance<S> result = answer<S>(box_axes<S>(pair), pair.a, pair.tie,
                                      [&](const Vector<S>& v) { return box_support<S>(pair, v); });
   return outcome<S>(result.s, add<S>(a.c, to_world<S>(a.rotation, midpoint(result.x))),
                     to_world<S>(a.rotation, result.n));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "cde/reference/pipes/convex/facets.hpp"
+#include "cde/reference/pipes/convex/candidate_axes.hpp"
 #include "cde/reference/pipes/convex/frame.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
@@ -32,7 +32,7 @@ template <typename S>
 /// Face i of the box with the nearest vertex of the triangle, on the side with the larger distance;
 /// ties go to the upper side. 8 add 3 mul.
 template <typename S>
-[[nodiscard]] Facet<S> box_face(const BoxTriangle<S>& pair, int i) {
+[[nodiscard]] CandidateAxis<S> box_face(const BoxTriangle<S>& pair, int i) {
   const auto& p = pair.t.p;
   const S low = min_num(p[0][i], min_num(p[1][i], p[2][i]));
   const S high = max_num(p[0][i], max_num(p[1][i], p[2][i]));
@@ -42,13 +42,13 @@ template <typename S>
   const auto first =
       S{0} <= move_sign(side, pair.f1[0][i]) && move_sign(side, pair.f1[2][i]) <= S{0};
   const auto second = S{0} <= move_sign(side, pair.f1[1][i]);
-  return face_facet<S>(i, pair.a, side, select3<S>(first, second, p[0], p[1], p[2]),
+  return face_axis<S>(i, pair.a, side, select3<S>(first, second, p[0], p[1], p[2]),
                        max_num(above, below));
 }
 
 /// The triangle's face with the nearest corner of the box, on the side with the larger distance.
 template <typename S>
-[[nodiscard]] Facet<S> triangle_face(const BoxTriangle<S>& pair) {
+[[nodiscard]] CandidateAxis<S> triangle_face(const BoxTriangle<S>& pair) {
   const TriangleParts<S>& t = pair.t;
   const S on_p[3] = {dot<S>(t.m, t.p[0]), dot<S>(t.m, t.p[1]), dot<S>(t.m, t.p[2])};
   const S low = min_num(on_p[0], min_num(on_p[1], on_p[2]));
@@ -56,25 +56,25 @@ template <typename S>
   const S radius = box_radius<S>(t.m, pair.a);
   const S above = low - radius, below = -high - radius;
   const S side = side_of(low + high, pair.tie, orientation<S>(t.m));
-  Facet<S> facet;
-  facet.separation = max_num(above, below);
-  facet.n = Vector<S>(move_sign(side, t.m.x()), move_sign(side, t.m.y()), move_sign(side, t.m.z()));
+  CandidateAxis<S> axis;
+  axis.separation = max_num(above, below);
+  axis.n = Vector<S>(move_sign(side, t.m.x()), move_sign(side, t.m.y()), move_sign(side, t.m.z()));
   const Vector<S> signs(move_sign(side, pair.m1.x()), move_sign(side, pair.m1.y()),
                         move_sign(side, pair.m1.z()));
-  facet.x.p = corner<S>(signs, pair.a);
+  axis.x.p = corner<S>(signs, pair.a);
   const PointTriangle<S> closest = point_triangle<S>(
-      {sub<S>(facet.x.p, t.p[0]), sub<S>(facet.x.p, t.p[1]), sub<S>(facet.x.p, t.p[2])}, t);
-  facet.x.v = -closest.v;
-  facet.d2 = closest.d2;
-  facet.edge = Vector<S>::Zero();
-  facet.inverse_ff = S{0};
-  return facet;
+      {sub<S>(axis.x.p, t.p[0]), sub<S>(axis.x.p, t.p[1]), sub<S>(axis.x.p, t.p[2])}, t);
+  axis.x.v = -closest.v;
+  axis.d2 = closest.d2;
+  axis.edge = Vector<S>::Zero();
+  axis.inverse_ff = S{0};
+  return axis;
 }
 
 /// Edge i of the box and edge j of the triangle. The normal is turned so that the triangle lies
 /// behind its edge j: that is where the difference of the bodies has this facet.
 template <typename S>
-[[nodiscard]] Facet<S> box_edge(const BoxTriangle<S>& pair, int i, int j) {
+[[nodiscard]] CandidateAxis<S> box_edge(const BoxTriangle<S>& pair, int i, int j) {
   const int k = (i + 1) % 3, l = (i + 2) % 3;
   const TriangleParts<S>& t = pair.t;
   const EdgeNormal<S> n = edge_normal<S>(i, t.f[j]);
@@ -89,20 +89,20 @@ template <typename S>
   signs[i] = S{0};
   signs[k] = move_sign(side, -pair.f1[j][l]);
   signs[l] = move_sign(side, pair.f1[j][k]);
-  return edge_facet<S>(i, pair.a, signs, t.p[j], t.f[j], S{0}, t.inverse_ff[j], n, side, separation);
+  return edge_axis<S>(i, pair.a, signs, t.p[j], t.f[j], S{0}, t.inverse_ff[j], n, side, separation);
 }
 
 /// All thirteen candidate axes: faces of the box, the triangle's face, edges (0,0), (0,1), ...
 /// (2,2).
 template <typename S>
-[[nodiscard]] std::array<Facet<S>, 13> box_triangle_facets(const BoxTriangle<S>& pair) {
-  std::array<Facet<S>, 13> facets;
+[[nodiscard]] std::array<CandidateAxis<S>, 13> box_triangle_axes(const BoxTriangle<S>& pair) {
+  std::array<CandidateAxis<S>, 13> axes;
   for (int i = 0; i < 3; ++i) {
-    facets[i] = box_face<S>(pair, i);
-    for (int j = 0; j < 3; ++j) facets[4 + 3 * i + j] = box_edge<S>(pair, i, j);
+    axes[i] = box_face<S>(pair, i);
+    for (int j = 0; j < 3; ++j) axes[4 + 3 * i + j] = box_edge<S>(pair, i, j);
   }
-  facets[3] = triangle_face<S>(pair);
-  return facets;
+  axes[3] = triangle_face<S>(pair);
+  return axes;
 }
 
 /// The signed distance from box to triangle, in the box's frame, by the rules of convex::obb_obb.
@@ -110,7 +110,7 @@ template <typename S>
 [[nodiscard]] SignedDistance<S> box_triangle_distance(const BoxTriangle<S>& pair) {
   const auto& p = pair.t.p;
   return answer<S>(
-      box_triangle_facets<S>(pair), pair.a, pair.tie, [&](const Vector<S>& v) -> Difference<S> {
+      box_triangle_axes<S>(pair), pair.a, pair.tie, [&](const Vector<S>& v) -> Difference<S> {
         const auto low = least_along<S>(p, v);
         const Vector<S> on_box = corner<S>(v, pair.a);
         return {sub<S>(select3<S>(low.first, low.second, p[0], p[1], p[2]), on_box), on_box};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "cde/reference/pipes/convex/facets.hpp"
+#include "cde/reference/pipes/convex/candidate_axes.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
 namespace cde::reference {
@@ -102,7 +102,7 @@ template <typename S>
 }
 
 template <typename S>
-[[nodiscard]] Facet<S> face_of_first(const TrianglePair<S>& pair) {
+[[nodiscard]] CandidateAxis<S> face_of_first(const TrianglePair<S>& pair) {
   const auto face = face_and_vertex<S>(pair.a, span_of_a<S>(pair, pair.a.m), pair.b,
                                        span_of<S>(pair.b.p, pair.a.m), pair.tie);
   return {face.separation,          face.n, {face.v, sub<S>(face.vertex, face.v)}, face.d2,
@@ -110,7 +110,7 @@ template <typename S>
 }
 
 template <typename S>
-[[nodiscard]] Facet<S> face_of_second(const TrianglePair<S>& pair) {
+[[nodiscard]] CandidateAxis<S> face_of_second(const TrianglePair<S>& pair) {
   const auto face = face_and_vertex<S>(pair.b, span_of<S>(pair.b.p, pair.b.m), pair.a,
                                        span_of_a<S>(pair, pair.b.m), pair.tie);
   return {face.separation, -face.n, {-face.v, face.vertex}, face.d2, Vector<S>::Zero(), S{0}};
@@ -129,7 +129,7 @@ template <typename S>
 /// is at an end, v is along the normal, within rounding. Otherwise it ends on an edge, to which it
 /// is made perpendicular later. 53 add 64 mul 1 div 1 sqrt, 7 cmp, 14 min/max.
 template <typename S>
-[[nodiscard]] Facet<S> edge_pair(const TrianglePair<S>& pair, int i, int j) {
+[[nodiscard]] CandidateAxis<S> edge_pair(const TrianglePair<S>& pair, int i, int j) {
   const Vector<S>&e = pair.a.f[i], &unit_e = pair.along[i], &f = pair.b.f[j];
   const Vector<S>&p = pair.a.p[i], &q = pair.b.p[j];
   const S inverse_e = pair.inverse_e[i], inverse_ff = pair.b.inverse_ff[j];
@@ -161,28 +161,28 @@ template <typename S>
   const auto inside = valid && s_inside && t1 == t1_free;
   const S h = on_b.at[j] - on_a.at[i];
 
-  Facet<S> facet;
-  facet.separation = select(valid, select(is_negative(side), separations.below, separations.above),
+  CandidateAxis<S> axis;
+  axis.separation = select(valid, select(is_negative(side), separations.below, separations.above),
                      -std::numeric_limits<S>::infinity());
-  facet.n = flipped<S>(side, n);
-  facet.x.p = i == 0 ? along : add<S>(p, along);
-  facet.x.v = select<S>(inside, scale<S>(n, h), v_ends);
-  facet.d2 = dot<S>(facet.x.v, facet.x.v);
-  facet.edge = select<S>(s_inside, e, f);
-  facet.inverse_ff = select(
+  axis.n = flipped<S>(side, n);
+  axis.x.p = i == 0 ? along : add<S>(p, along);
+  axis.x.v = select<S>(inside, scale<S>(n, h), v_ends);
+  axis.d2 = dot<S>(axis.x.v, axis.x.v);
+  axis.edge = select<S>(s_inside, e, f);
+  axis.inverse_ff = select(
       inside, S{0}, select(s_inside, pair.a.inverse_ff[i], select(t == t_free, inverse_ff, S{0})));
-  return facet;
+  return axis;
 }
 
 /// All eleven candidate axes: face of A, face of B, edges (0,0), (0,1), ... (2,2).
 template <typename S>
-[[nodiscard]] std::array<Facet<S>, 11> triangle_facets(const TrianglePair<S>& pair) {
-  std::array<Facet<S>, 11> facets;
-  facets[0] = face_of_first<S>(pair);
-  facets[1] = face_of_second<S>(pair);
+[[nodiscard]] std::array<CandidateAxis<S>, 11> triangle_axes(const TrianglePair<S>& pair) {
+  std::array<CandidateAxis<S>, 11> axes;
+  axes[0] = face_of_first<S>(pair);
+  axes[1] = face_of_second<S>(pair);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) facets[2 + 3 * i + j] = edge_pair<S>(pair, i, j);
-  return facets;
+    for (int j = 0; j < 3; ++j) axes[2 + 3 * i + j] = edge_pair<S>(pair, i, j);
+  return axes;
 }
 
 /// The vertex of B minus the vertex of A that is farthest against v.
@@ -197,27 +197,27 @@ template <typename S>
 }
 
 /// Triangle against triangle, both flat and two-sided, relative to the first vertex of A. The
-/// difference of coplanar triangles is flat, and no facet tells whether the origin is in it or
+/// difference of coplanar triangles is flat, and no axis tells whether the origin is in it or
 /// beside it. A positive distance along the nearest vector therefore suffices as proof that they
 /// are apart.
 /// 824 add 983 mul 20 div 15 sqrt.
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_triangle(const BasicTriangle<S>& a, const BasicTriangle<S>& b) {
   const TrianglePair<S> pair = triangle_pair(a, b);
-  const Choice<S> facets = choose<S>(triangle_facets<S>(pair), pair.tie, S{2} * pair.tie);
+  const Choice<S> axes = choose<S>(triangle_axes<S>(pair), pair.tie, S{2} * pair.tie);
   const Nearest<S> nearest = polish_twice<S>(
-      facets.start, pair.tie, [&](const Vector<S>& v) { return triangle_support<S>(pair, v); });
+      axes.start, pair.tie, [&](const Vector<S>& v) { return triangle_support<S>(pair, v); });
   const Vector<S>& v = nearest.x.v;
   const S dd = dot<S>(v, v);
   const S d = square_root(dd);
   const S inverse = S{1} / d;
   const S distance_along = d - nearest.slack * inverse;
-  const S least = max_num(facets.s - pair.tie, pair.tie);
+  const S least = max_num(axes.s - pair.tie, pair.tie);
   const auto point = usable(dd) && least <= distance_along;
-  const S s = select(point, (d + max_num(facets.s, distance_along)) * kHalf<S>, facets.s);
-  const Vector<S> n = select<S>(point, scale<S>(v, inverse), facets.witness.n);
-  const Difference<S> x{select<S>(point, v, facets.witness.x.v),
-                        select<S>(point, nearest.x.p, facets.witness.x.p)};
+  const S s = select(point, (d + max_num(axes.s, distance_along)) * kHalf<S>, axes.s);
+  const Vector<S> n = select<S>(point, scale<S>(v, inverse), axes.witness.n);
+  const Difference<S> x{select<S>(point, v, axes.witness.x.v),
+                        select<S>(point, nearest.x.p, axes.witness.x.p)};
   return outcome<S>(s, add<S>(a.v0, midpoint(x)), n);
 }
 

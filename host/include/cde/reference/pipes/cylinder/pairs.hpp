@@ -57,13 +57,13 @@ template <typename S>
 
 /// Pass k; returns false once the pair is done.
 template <typename S>
-bool step(Pair<S>& pair, Search<S>& search, const Budget& budget, int k) {
-  const Pass p = pass(pair.body, budget, k);
+bool step(Pair<S>& pair, Search<S>& search, const Iterations& iterations, int k) {
+  const Pass p = pass(pair.body, iterations, k);
   if (p.phase == Phase::kDone) return false;
   if (p.phase == Phase::kTouch || p.phase == Phase::kProject) {
     witness<S>(pair, search, p);
   } else {
-    step<S>(pair, search, p, budget);
+    step<S>(pair, search, p, iterations);
   }
   return true;
 }
@@ -80,10 +80,10 @@ template <typename S>
 }
 
 template <typename S, typename A>
-[[nodiscard]] Outcome<S> run(const A& a, const BasicCylinder<S>& b, const Budget& budget) {
+[[nodiscard]] Outcome<S> run(const A& a, const BasicCylinder<S>& b, const Iterations& iterations) {
   Pair<S> pair = begin<S>(a, b);
   Search<S> search;
-  for (int k = 0; step<S>(pair, search, budget, k); ++k) {
+  for (int k = 0; step<S>(pair, search, iterations, k); ++k) {
   }
   return finish<S>(pair, search);
 }
@@ -94,21 +94,21 @@ template <typename S, typename A>
 /// operands.
 template <typename S>
 [[nodiscard]] Outcome<S> cylinder_cylinder(const BasicCylinder<S>& a, const BasicCylinder<S>& b,
-                                           const cylinder::Budget& budget = {}) {
+                                           const cylinder::Iterations& iterations = {}) {
   return at_size_one<S>(
-      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, budget); });
+      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, iterations); });
 }
 template <typename S>
 [[nodiscard]] Outcome<S> obb_cylinder(const BasicObb<S>& a, const BasicCylinder<S>& b,
-                                      const cylinder::Budget& budget = {}) {
+                                      const cylinder::Iterations& iterations = {}) {
   return at_size_one<S>(
-      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, budget); });
+      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, iterations); });
 }
 template <typename S>
 [[nodiscard]] Outcome<S> triangle_cylinder(const BasicTriangle<S>& a, const BasicCylinder<S>& b,
-                                           const cylinder::Budget& budget = {}) {
+                                           const cylinder::Iterations& iterations = {}) {
   return at_size_one<S>(
-      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, budget); });
+      a, b, [&](const auto& x, const auto& y) { return cylinder::run<S>(x, y, iterations); });
 }
 
 }  // namespace cde::reference

@@ -9,7 +9,7 @@
 namespace cde::reference::cylinder {
 
 /// Iterations of a pair. One pass is one evaluation of g and one cycle of the pipe.
-struct Budget {
+struct Iterations {
   int samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16
   int circle = 8;   ///< K1: steps on each circle
   int free = 8;     ///< K2: Newton steps on each free track (cylinder-cylinder)
@@ -71,51 +71,51 @@ class Countdown {
 }
 
 /// Cylinder-cylinder: 3 + 2 (3 + K1) + 2 (2 + K2) + 1 + K2 evaluations.
-[[nodiscard]] inline Pass cylinder_pass(const Budget& budget, Countdown k) {
+[[nodiscard]] inline Pass cylinder_pass(const Iterations& iterations, Countdown k) {
   if (k.take(3)) return {Phase::kCentre, 0, k.left()};
   for (int t = 0; t < 2; ++t) {
     if (k.take(1)) return {Phase::kCap, t, 0};
     if (k.take(1)) return {Phase::kSide, t, 0};
     if (k.take(1)) return {Phase::kBeside, t, 0};
-    if (k.take(budget.circle)) return {Phase::kRefine, t, k.left()};
+    if (k.take(iterations.circle)) return {Phase::kRefine, t, k.left()};
   }
   for (int t = 0; t < 3; ++t) {
     if (t < 2 && k.take(1)) return {Phase::kPole, t, 0};
     if (k.take(1)) return {Phase::kStart, t, 0};
-    if (k.take(budget.free)) return {Phase::kNewton, t, k.left()};
+    if (k.take(iterations.free)) return {Phase::kNewton, t, k.left()};
   }
   return witness_pass(k);
 }
 
 /// 12 (box) or 8 (triangle) + 3 (2 + M + K1) evaluations.
-[[nodiscard]] inline Pass polyhedron_pass(bool box, const Budget& budget, Countdown k) {
+[[nodiscard]] inline Pass polyhedron_pass(bool box, const Iterations& iterations, Countdown k) {
   if (k.take(box ? 3 : 4)) return {Phase::kFrame, 0, k.left()};
   if (k.take(1)) return {Phase::kAxis, 0, 0};
   if (k.take(box ? 8 : 3)) return {Phase::kVertex, 0, k.left()};
   for (int t = 0; t < 3; ++t) {
     if (k.take(1)) return {Phase::kSide, t, 0};
-    if (k.take(budget.samples + 1)) return {Phase::kSample, t, k.left()};
-    if (k.take(budget.circle)) return {Phase::kRefine, t, k.left()};
+    if (k.take(iterations.samples + 1)) return {Phase::kSample, t, k.left()};
+    if (k.take(iterations.circle)) return {Phase::kRefine, t, k.left()};
   }
   return witness_pass(k);
 }
 
 /// Pass k of a pair, from 0.
-[[nodiscard]] inline Pass pass(Body body, const Budget& budget, int k) {
-  return body == Body::kCylinder ? cylinder_pass(budget, Countdown(k))
-                                 : polyhedron_pass(body == Body::kBox, budget, Countdown(k));
+[[nodiscard]] inline Pass pass(Body body, const Iterations& iterations, int k) {
+  return body == Body::kCylinder ? cylinder_pass(iterations, Countdown(k))
+                                 : polyhedron_pass(body == Body::kBox, iterations, Countdown(k));
 }
 
 /// Evaluations of g by the search.
-[[nodiscard]] inline int evaluations(Body body, const Budget& budget) {
+[[nodiscard]] inline int evaluations(Body body, const Iterations& iterations) {
   int k = 0;
-  while (pass(body, budget, k).phase != Phase::kTouch) ++k;
+  while (pass(body, iterations, k).phase != Phase::kTouch) ++k;
   return k;
 }
 
 /// Passes until the pair leaves: the search, two more evaluations, and the projections.
-[[nodiscard]] inline int passes(Body body, const Budget& budget) {
-  return evaluations(body, budget) + 2 + kProjections[0] + kProjections[1];
+[[nodiscard]] inline int passes(Body body, const Iterations& iterations) {
+  return evaluations(body, iterations) + 2 + kProjections[0] + kProjections[1];
 }
 
 }  // namespace cde::reference::cylinder

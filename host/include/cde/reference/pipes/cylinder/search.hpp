@@ -389,11 +389,11 @@ void keep_best(Search<S>& s, const Pair<S>& pair, const Pass& p, const Evaluatio
   s.best_g = select<S>(raised, best.g, s.best_g);
 }
 
-/// One pass of the search. `p` is pass(body, budget, k), not yet a witness pass.
+/// One pass of the search. `p` is pass(body, iterations, k), not yet a witness pass.
 template <typename S>
-void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Budget& budget) {
+void step(Pair<S>& pair, Search<S>& s, const Pass& p, const Iterations& iterations) {
   const bool cylinders = pair.body == Body::kCylinder, pole = p.phase == Phase::kPole;
-  const Vector<S> n = normalise<S>(front<S>(pair, s, p, budget.samples));
+  const Vector<S> n = normalise<S>(front<S>(pair, s, p, iterations.samples));
   const Evaluation<S> at = evaluate<S>(pair, n, pole && p.track == 0, pole && p.track == 1);
   const Mask<S> turned = at.plus.g < at.minus.g;
   const Touch<S> best = select_touch<S>(turned, at.minus, at.plus);

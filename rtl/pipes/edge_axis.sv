@@ -5,15 +5,15 @@
 // the box's edge, then t again for that s. The output separation is -inf if there is no normal. If s is not at an end,
 // v_I is 0. The output inverse_ff_o is 0 where t is at an end.
 // Operators: 11 add, 12 mul, 2 compare, 6 min/max.
-// Latency: LATENCY_EDGE_FACET cycles; 0 with ARITH = "host".
+// Latency: LATENCY_EDGE_AXIS cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "convex.svh"
-module edge_facet #(
+module edge_axis #(
     `DF_PARAMETERS,
     parameter int I = 0,         // axis, 0..2
     parameter bit CENTRED = 0,   // 1: low is -1; else 0
-    parameter int T_SEPARATION = 0  // stage time of separation_i, at most LATENCY_EDGE_FACET
+    parameter int T_SEPARATION = 0  // stage time of separation_i, at most LATENCY_EDGE_AXIS
 ) (
     input logic clk_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // half extents
@@ -107,8 +107,8 @@ module edge_facet #(
   `DF_VAXES(n, I, zero, n_k_out, n_l_out)
   `DF_SELECT(separation_valid, valid, separation, minus_inf)
 
-  localparam int T_OUT = `LATENCY_EDGE_FACET;
-  if (`DF_MAX2(T_d2, T_inverse_here) != T_OUT) $error("edge_facet: latency");
+  localparam int T_OUT = `LATENCY_EDGE_AXIS;
+  if (`DF_MAX2(T_d2, T_inverse_here) != T_OUT) $error("edge_axis: latency");
   `DF_AT(separation_out, separation_valid, T_OUT)
   `DF_VAT(n_out, n, T_OUT)
   `DF_VAT(v_out, v, T_OUT)

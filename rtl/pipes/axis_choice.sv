@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The signed distance from the COUNT candidate axes (SAT; `facet` in names) of a pair, before polishing.
+// The signed distance from the COUNT candidate axes (SAT) of a pair, before polishing.
 // `s` is the largest distance of all axes. `witness` is the axis whose vector v is nearest to s n. There n is the axis'
 // own normal if its distance ties with the largest, else the normal of the largest. If the bodies penetrate, n, v and p
 // of `witness` belong to s. Distances within tie are ties; where normals are opposite, within wide_tie.
 // `start` is the axis nearest the origin, with v perpendicular to the edge that it ends on. If the bodies are apart, it
 // is the point of B - A to polish. The tree over axes carries only used results. 5 COUNT + 7 add, 6 COUNT + 7 mul,
-// 4 COUNT - 1 compare. With FACET_II = 3, three axes share one unit for the witness key.
+// 4 COUNT - 1 compare. With SAT_II = 3, three axes share one unit for the witness key.
 // Latency: s and witness LATENCY_WITNESS(COUNT) cycles, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host".
-// Throughput: one pair per lane per FACET_II cycles.
+// Throughput: one pair per lane per SAT_II cycles.
 // Stall: none.
 `include "convex.svh"
-module facet_choice #(
+module axis_choice #(
     `DF_PARAMETERS,
     parameter int COUNT = 2,     // >= 2
-    parameter int FACET_II = 1  // 1 or 3
+    parameter int SAT_II = 1  // 1 or 3
 ) (
     input logic clk_i,
     input logic [1:0] phase_i,  // axes and tie are valid in phase 0
@@ -34,7 +34,7 @@ module facet_choice #(
     output logic [2:0][LANES-1:0][CW-1:0] start_p_o
 );
   /*verilator inline_module*/
-  localparam int TURNS = `FACET_TURNS;
+  localparam int TURNS = `SAT_TURNS;
   localparam int T_TREE = `LATENCY_LEAST(COUNT);
 
   // ---- The largest distance ----
@@ -100,7 +100,7 @@ module facet_choice #(
     `DF_VSCALE(ideal, n, s_held)
     `DF_VSUB(off, v, ideal)
     `DF_DOT(square, off, off)
-    if (T_square != T_OFF2) $error("facet_choice: stage time");
+    if (T_square != T_OFF2) $error("axis_choice: stage time");
     `DF_VAT(n_key, n, T_OFF2)
     `DF_VAT(v_key, v, T_OFF2)
     `DF_VAT(p_key, p, T_OFF2)
@@ -121,7 +121,7 @@ module facet_choice #(
   end
   least_tree #(`DF_FORMAT, .COUNT(COUNT), .WORDS(9), .LAT(LAT)) by_witness (
       .clk_i, .key_i(off2), .payload_i(candidate), .key_o(), .payload_o({witness_p_o, witness_v_o, witness_n_o}));
-  if (T_OFF2 + `FACET_WAIT + T_TREE != `LATENCY_WITNESS(COUNT)) $error("facet_choice: latency of the witness");
+  if (T_OFF2 + `SAT_WAIT + T_TREE != `LATENCY_WITNESS(COUNT)) $error("axis_choice: latency of the witness");
   `DF_AT(s_out, s, `LATENCY_WITNESS(COUNT))
   assign s_o = s_out;
 
@@ -140,7 +140,7 @@ module facet_choice #(
   `DF_VIN(near_f, nearest_f, T_TREE)
   `DF_IN(near_inverse, nearest_inverse, T_TREE)
   `DF_PERPENDICULAR(start_v, near_v, near_f, near_inverse)
-  if (T_start_v != `LATENCY_NEAREST(COUNT)) $error("facet_choice: latency of the start");
+  if (T_start_v != `LATENCY_NEAREST(COUNT)) $error("axis_choice: latency of the start");
   `DF_VAT(start_p, near_p, T_start_v)
   assign start_v_o = start_v;
   assign start_p_o = start_p;

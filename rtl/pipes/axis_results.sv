@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The TURNS candidate axes (`facet` in names) that a shared unit made in turn, together when the last is ready
+// The TURNS candidate axes that a shared unit made in turn, together when the last is ready
 // (after_turns.sv).
 // Latency: TURNS - 1 cycles from the first axis; 0 with ARITH = "host".
 // Throughput: one set per TURNS cycles.
 // Stall: none.
-module facet_results #(
+module axis_results #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int LANES = 1,

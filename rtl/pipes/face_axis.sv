@@ -2,11 +2,11 @@
 // Candidate axis (SAT): face I of a box (frame as in obb_obb.sv) on the side of `side`'s sign, and the vertex q of the
 // other body. The vector n is the face's normal. The face's point nearest to q is p, v = q - p, d2 = v.v.
 // Operators: 5 add, 3 mul, 4 min/max.
-// Latency: LATENCY_FACE_FACET cycles; 0 with ARITH = "host".
+// Latency: LATENCY_FACE_AXIS cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.
 // Stall: none.
 `include "convex.svh"
-module face_facet #(
+module face_axis #(
     `DF_PARAMETERS,
     parameter int I = 0  // axis, 0..2
 ) (
@@ -43,7 +43,7 @@ module face_facet #(
   `DF_VSUB(v, q, p)
   `DF_DOT(d2, v, v)
 
-  if (T_d2 != `LATENCY_FACE_FACET) $error("face_facet: latency");
+  if (T_d2 != `LATENCY_FACE_AXIS) $error("face_axis: latency");
   `DF_VAT(n_out, n, T_d2)
   `DF_VAT(v_out, v, T_d2)
   `DF_VAT(p_out, p, T_d2)

@@ -8,18 +8,18 @@
 /// Candidate axes (SAT) of the box pairs. Body P is a box, in its own frame: centre 0, half extents
 /// a, axes e_i. Body Q is another box or a triangle. The difference Q - P is a convex polytope.
 /// Each of its facets belongs to a face of one body and a vertex of the other, or to an edge of
-/// each.
+/// each. Their normals are the candidate axes.
 ///
-/// For one facet a unit computes two results. The first is the distance of the two projections on
-/// its normal, a lower bound of the signed distance for any normal. The bodies are apart if and
-/// only if it is positive for some facet. The second is the point of the facet nearest the origin:
-/// a point of P, and the vector to a point of Q.
+/// For one axis a unit computes two results. The first is the distance of the two projections on
+/// it, a lower bound of the signed distance for any axis. The bodies are apart if and only if it
+/// is positive for some axis. The second is the point of the axis' facet nearest the origin: a
+/// point of P, and the vector to a point of Q.
 ///
 /// Normals point from P to Q. Index i is an axis; k = i+1 and l = i+2 are the next two, modulo 3.
 namespace cde::reference::convex {
 
 /// Support features come from slightly turned shapes, x' = x + turn x x, by 16 u. If a face or edge
-/// of one body is parallel to one of the other, every facet then selects the same side, as if the
+/// of one body is parallel to one of the other, every axis then selects the same side, as if the
 /// bodies were in general position. The geometry itself is not turned. Otherwise aligned boxes
 /// would get facets with a hole at the closest point.
 template <typename S>
@@ -74,9 +74,9 @@ template <typename S>
   return select(magnitude(h) <= tie, orientation, h);
 }
 
-/// One facet of Q - P.
+/// A candidate axis: the normal of a facet of Q - P.
 template <typename S>
-struct Facet {
+struct CandidateAxis {
   S separation;            ///< distance of the projections on n; -inf if the facet has no normal
   Vector<S> n;      ///< unit, P to Q
   Difference<S> x;  ///< nearest point of the facet
@@ -106,20 +106,20 @@ template <typename S>
 /// Face i of the box, on the side of `side`'s sign, with the vertex q of Q. The caller computes
 /// `separation`. 5 add 3 mul, 4 min/max.
 template <typename S>
-[[nodiscard]] Facet<S> face_facet(int i, const Vector<S>& a, S side, const Vector<S>& q, S separation) {
+[[nodiscard]] CandidateAxis<S> face_axis(int i, const Vector<S>& a, S side, const Vector<S>& q, S separation) {
   const int k = (i + 1) % 3, l = (i + 2) % 3;
-  Facet<S> facet;
-  facet.separation = separation;
-  facet.n = Vector<S>::Zero();
-  facet.n[i] = move_sign(side, S{1});
-  facet.x.p[i] = move_sign(side, a[i]);
-  facet.x.p[k] = clamp(q[k], -a[k], a[k]);
-  facet.x.p[l] = clamp(q[l], -a[l], a[l]);
-  facet.x.v = sub<S>(q, facet.x.p);
-  facet.d2 = dot<S>(facet.x.v, facet.x.v);
-  facet.edge = Vector<S>::Zero();
-  facet.inverse_ff = S{0};
-  return facet;
+  CandidateAxis<S> axis;
+  axis.separation = separation;
+  axis.n = Vector<S>::Zero();
+  axis.n[i] = move_sign(side, S{1});
+  axis.x.p[i] = move_sign(side, a[i]);
+  axis.x.p[k] = clamp(q[k], -a[k], a[k]);
+  axis.x.p[l] = clamp(q[l], -a[l], a[l]);
+  axis.x.v = sub<S>(q, axis.x.p);
+  axis.d2 = dot<S>(axis.x.v, axis.x.v);
+  axis.edge = Vector<S>::Zero();
+  axis.inverse_ff = S{0};
+  return axis;
 }
 
 /// e_i x f, of unit length.
@@ -152,7 +152,7 @@ template <typename S>
 /// `inverse_ff` 1 / f.f. It fills in the fields of the nearest points. If s is not at an end,
 /// component i of v is 0. 11 add 12 mul, 2 cmp, 4 min/max.
 template <typename S>
-void segment_segment(Facet<S>& facet, int i, S a, const Vector<S>& at, const Vector<S>& q,
+void segment_segment(CandidateAxis<S>& axis, int i, S a, const Vector<S>& at, const Vector<S>& q,
                      const Vector<S>& f, S low, S inverse2, S inverse_ff) {
   const int k = (i + 1) % 3, l = (i + 2) % 3;
   const S wk = q[k] - at[k], wl = q[l] - at[l];
@@ -163,61 +163,61 @@ void segment_segment(Facet<S>& facet, int i, S a, const Vector<S>& at, const Vec
   const S rest = q[i] - s;
   const S t2 = -((across + rest * f[i]) * inverse_ff);
   const S t = clamp(t2, low, S{1});
-  Vector<S>& v = facet.x.v;
+  Vector<S>& v = axis.x.v;
   v[i] = select(s1 == s, S{0}, rest + t * f[i]);
   v[k] = wk + t * f[k], v[l] = wl + t * f[l];
-  facet.x.p[i] = s, facet.x.p[k] = at[k], facet.x.p[l] = at[l];
-  facet.d2 = dot<S>(v, v);
-  facet.edge = f;
-  facet.inverse_ff = select(t2 == t, inverse_ff, S{0});
+  axis.x.p[i] = s, axis.x.p[k] = at[k], axis.x.p[l] = at[l];
+  axis.d2 = dot<S>(v, v);
+  axis.edge = f;
+  axis.inverse_ff = select(t2 == t, inverse_ff, S{0});
 }
 
 /// Edge i of the box and the edge q + t f of Q; n is e_i x f or its opposite. `signs` selects the
 /// box's edge on the side to which n points.
 template <typename S>
-[[nodiscard]] Facet<S> edge_facet(int i, const Vector<S>& a, const Vector<S>& signs,
+[[nodiscard]] CandidateAxis<S> edge_axis(int i, const Vector<S>& a, const Vector<S>& signs,
                                   const Vector<S>& q, const Vector<S>& f, S low, S inverse_ff,
                                   const EdgeNormal<S>& n, S side, S separation) {
-  Facet<S> facet;
-  facet.separation = select(n.valid, separation, -std::numeric_limits<S>::infinity());
-  facet.n[i] = S{0};
-  facet.n[(i + 1) % 3] = move_sign(side, n.k);
-  facet.n[(i + 2) % 3] = move_sign(side, n.l);
-  segment_segment<S>(facet, i, a[i], corner<S>(signs, a), q, f, low, n.inverse2, inverse_ff);
-  return facet;
+  CandidateAxis<S> axis;
+  axis.separation = select(n.valid, separation, -std::numeric_limits<S>::infinity());
+  axis.n[i] = S{0};
+  axis.n[(i + 1) % 3] = move_sign(side, n.k);
+  axis.n[(i + 2) % 3] = move_sign(side, n.l);
+  segment_segment<S>(axis, i, a[i], corner<S>(signs, a), q, f, low, n.inverse2, inverse_ff);
+  return axis;
 }
 
-/// A facet and the key by which it is chosen.
+/// An axis and the key by which it is chosen.
 template <typename S>
 struct Chosen {
   S key;
-  Facet<S> facet;
+  CandidateAxis<S> axis;
 };
 
 /// The one with the lesser key; ties go to `low`. 1 comparison.
 template <typename S>
 [[nodiscard]] Chosen<S> lesser(const Chosen<S>& low, const Chosen<S>& high) {
   const auto take = high.key < low.key;
-  const Facet<S>&l = low.facet, &h = high.facet;
+  const CandidateAxis<S>&l = low.axis, &h = high.axis;
   Chosen<S> r;
   r.key = select(take, high.key, low.key);
-  r.facet.separation = select(take, h.separation, l.separation);
-  r.facet.n = select<S>(take, h.n, l.n);
-  r.facet.x.v = select<S>(take, h.x.v, l.x.v);
-  r.facet.x.p = select<S>(take, h.x.p, l.x.p);
-  r.facet.d2 = select(take, h.d2, l.d2);
-  r.facet.edge = select<S>(take, h.edge, l.edge);
-  r.facet.inverse_ff = select(take, h.inverse_ff, l.inverse_ff);
+  r.axis.separation = select(take, h.separation, l.separation);
+  r.axis.n = select<S>(take, h.n, l.n);
+  r.axis.x.v = select<S>(take, h.x.v, l.x.v);
+  r.axis.x.p = select<S>(take, h.x.p, l.x.p);
+  r.axis.d2 = select(take, h.d2, l.d2);
+  r.axis.edge = select<S>(take, h.edge, l.edge);
+  r.axis.inverse_ff = select(take, h.inverse_ff, l.inverse_ff);
   return r;
 }
 
-/// The facet with the least key, by a balanced tree over neighbours (0,1), (2,3), ... An odd last
+/// The axis with the least key, by a balanced tree over neighbours (0,1), (2,3), ... An odd last
 /// one goes up unchanged; ties go to the lowest index. N - 1 comparisons. A tree need only carry
 /// the fields used of its result.
 template <typename S, std::size_t N>
-[[nodiscard]] Facet<S> least(const std::array<Chosen<S>, N>& all) {
+[[nodiscard]] CandidateAxis<S> least(const std::array<Chosen<S>, N>& all) {
   if constexpr (N == 1) {
-    return all[0].facet;
+    return all[0].axis;
   } else {
     std::array<Chosen<S>, (N + 1) / 2> half;
     for (std::size_t i = 0; i < N / 2; ++i) half[i] = lesser(all[2 * i], all[2 * i + 1]);
@@ -263,50 +263,50 @@ template <typename S, typename Support>
 template <typename S>
 struct Choice {
   S s;                  ///< the largest distance of projections
-  Facet<S> witness;     ///< if the bodies penetrate: n, v and p belong to s
+  CandidateAxis<S> witness;     ///< if the bodies penetrate: n, v and p belong to s
   Difference<S> start;  ///< if they are apart: the nearest point, to be polished
 };
 
-/// The largest distance of projections gives s, and its facet the normal if the bodies penetrate.
-/// If faces are parallel, or the bodies concentric, several facets share it or nearly so. Only one
-/// of them contains the projection of the origin. The witness points are therefore those of the
-/// facet whose vector v is nearest to s n. Here n is the facet's own normal if its distance ties
-/// with the largest, else the normal of the largest. If the bodies are apart, the facet with the
+/// The largest distance of projections gives s, and its axis the normal if the bodies penetrate.
+/// If faces are parallel, or the bodies concentric, several axes share it or nearly so. Only one
+/// of their facets contains the projection of the origin. The witness points are therefore those of the
+/// axis whose vector v is nearest to s n. Here n is that axis itself if its distance ties
+/// with the largest, else the axis of the largest. If the bodies are apart, the axis with the
 /// least distance gives the nearest points, which are polished. `wide` is the tie for normals that
 /// point away from each other.
 template <typename S, std::size_t N>
-[[nodiscard]] Choice<S> choose(const std::array<Facet<S>, N>& facets, S tie, S wide) {
+[[nodiscard]] Choice<S> choose(const std::array<CandidateAxis<S>, N>& axes, S tie, S wide) {
   std::array<Chosen<S>, N> by_separation, by_witness, by_distance;
   for (std::size_t i = 0; i < N; ++i) {
-    by_separation[i] = {-facets[i].separation, facets[i]};
-    by_distance[i] = {facets[i].d2, facets[i]};
+    by_separation[i] = {-axes[i].separation, axes[i]};
+    by_distance[i] = {axes[i].d2, axes[i]};
   }
-  const Facet<S> largest = least(by_separation);
+  const CandidateAxis<S> largest = least(by_separation);
   const S s = largest.separation;
   const S tied = s - tie;
   const Leading<S> leading = leading_component(largest.n);
   const S lead = leading.of(largest.n);
   const S nearly = s - wide;
   for (std::size_t i = 0; i < N; ++i) {
-    Facet<S> f = facets[i];
+    CandidateAxis<S> f = axes[i];
     const auto opposite = is_negative(move_sign(lead, leading.of(f.n)));
     f.n = select<S>(select(opposite, nearly, tied) <= f.separation, f.n, largest.n);
     const Vector<S> off = sub<S>(f.x.v, scale<S>(f.n, s));
     by_witness[i] = {dot<S>(off, off), f};
   }
-  const Facet<S> near = least(by_distance);
+  const CandidateAxis<S> near = least(by_distance);
   return {s, least(by_witness), {perpendicular<S>(near.x.v, near.edge, near.inverse_ff), near.x.p}};
 }
 
-/// The signed distance from all facets of a pair; `a` are the half extents of P.
+/// The signed distance from all candidate axes of a pair; `a` are the half extents of P.
 /// Function support(v) is the point of Q - P farthest against v.
 template <typename S, std::size_t N, typename Support>
-[[nodiscard]] SignedDistance<S> answer(const std::array<Facet<S>, N>& facets, const Vector<S>& a, S tie,
+[[nodiscard]] SignedDistance<S> answer(const std::array<CandidateAxis<S>, N>& axes, const Vector<S>& a, S tie,
                                   const Support& support) {
-  const Choice<S> of_facets = choose<S>(facets, tie, S{4} * tie);
-  const S s = of_facets.s;
-  const Facet<S>& witness = of_facets.witness;
-  const Nearest<S> nearest = polish_twice<S>(of_facets.start, tie, support);
+  const Choice<S> choice = choose<S>(axes, tie, S{4} * tie);
+  const S s = choice.s;
+  const CandidateAxis<S>& witness = choice.witness;
+  const Nearest<S> nearest = polish_twice<S>(choice.start, tie, support);
   return decide<S>({s, witness.n, settle<S>(witness.x, s, witness.n, a)}, nearest.x, S{0} < s, tie,
                    [&](const Direction<S>& direction) {
                      // The distance is between the two bounds: the midpoint has at most half the
