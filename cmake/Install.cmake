@@ -72,7 +72,7 @@ install(FILES ${PROJECT_BINARY_DIR}/toolchain DESTINATION ${share}/verilator COM
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT cde)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT cde
   FILES_MATCHING PATTERN *.md PATTERN *.json PATTERN *.svg PATTERN *.png PATTERN maintainer EXCLUDE)
-install(FILES docs/prices.json docs/accuracy.json DESTINATION ${share}/docs COMPONENT cde)
+install(FILES docs/costs.json docs/accuracy.json DESTINATION ${share}/docs COMPONENT cde)
 get_property(default_models GLOBAL PROPERTY CDE_DEFAULT_MODEL_FILES)
 install(CODE "
   set(files \"${default_models}\")

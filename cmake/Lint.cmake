@@ -2,10 +2,10 @@
 # Static checks as targets, and the fast ones as tests, with tools/lint. tools/mutate plants faults in a copy of the sources. A test checks
 # that its table fits the sources. The faults themselves are a test of tools/test --full.
 set(lint ${CMAKE_COMMAND} -E env CDE_BUILD=${PROJECT_BINARY_DIR} ${PROJECT_SOURCE_DIR}/tools/lint)
-add_custom_target(lint COMMAND ${lint} rtl lines slang yosys icarus rooms format scripts streams words diagrams USES_TERMINAL VERBATIM)
+add_custom_target(lint COMMAND ${lint} rtl lines slang yosys icarus layers format scripts streams words diagrams USES_TERMINAL VERBATIM)
 add_custom_target(tidy COMMAND ${lint} tidy USES_TERMINAL VERBATIM)
 if(CDE_TESTS)
-  foreach(check rtl tops lines slang rooms format scripts streams words diagrams)
+  foreach(check rtl tops lines slang layers format scripts streams words diagrams)
     cde_in_tier(lint.${check} wanted)
     if(wanted)
       add_test(NAME lint.${check} COMMAND ${lint} ${check})

@@ -62,7 +62,7 @@ module board #(
   logic [31:0] sram_count;
   logic [CONFIG.primaries-1:0] active, prim_bad;
   logic [15:0] latency;
-  logic object_write, objects_good, objects_busy, posed;
+  logic object_write, objects_good, objects_busy, pose_done;
   card_pkg::pass_t command;  // the pass that a go would start now
   card_pkg::events_t events;
   card_pkg::issue_t issue;
@@ -85,8 +85,9 @@ module board #(
       .sram_pop_o(sram_pop), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid), .sram_beat_i(sram_beat),
       .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command),
       .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency),
-      .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy), .posed_i(posed),
-      .access_o(access), .others_i(bvh_rdata), .provided_good_i(provided_good),
+      .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy),
+      .pose_done_i(pose_done),
+      .access_o(access), .rdata_ext_i(bvh_rdata), .provided_good_i(provided_good),
       .bvh_good_i(bvh_good), .node_error_i(node_error));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
   // Clock of the brute-force pass. It stands still during a BVH pass.
@@ -107,13 +108,13 @@ module board #(
   logic [3:0] ddr_words;  // words of the beat that belong to a slot
   // Readers of DDR: the secondary register file, and the leaf reader of the BVH.
   localparam logic [1:0] READERS = {CONFIG.traversal_units != 0, 1'b1};
-  card_pkg::ddr_request_t [1:0] readers_ask;
+  card_pkg::ddr_request_t [1:0] reader_requests;
   card_pkg::ddr_request_t ddr_request;
   logic [1:0] reader_ready, reader_valid;
   logic [1:0][3:0] reader_words;
   assign {ddr_read_o, ddr_read_word_o} = ddr_request;
   ddr_readers #(.READERS(2), .USED(READERS)) readers (
-      .clk_i(clk_engine), .rst_i, .readers_i(readers_ask), .ready_o(reader_ready),
+      .clk_i(clk_engine), .rst_i, .readers_i(reader_requests), .ready_o(reader_ready),
       .valid_o(reader_valid), .words_i(reader_words), .request_o(ddr_request),
       .valid_i(ddr_valid), .words_o(ddr_words));
   ddr_check #(.CONFIG(CONFIG)) check_bits (
@@ -134,14 +135,15 @@ module board #(
   secondary_regfile #(.CONFIG(CONFIG)) secondaries (
       .clk_i(clk_brute_force), .rst_i, .pair_i(pair[0]), .swap_i(swap[0]), .start_i(fetch_start), .stop_i(fetch_stop),
       .pass_i(command), .range_entry_o(range_entry), .range_i(range), .transform_entry_o(transform_entry[0]),
-      .moving_o(moving[0]), .clk_moving_i(clk_moving), .unmoved_o(unmoved[0]), .moved_i(moved), .ddr_o(readers_ask[0]),
+      .moving_o(moving[0]), .clk_moving_i(clk_moving), .unmoved_o(unmoved[0]), .moved_i(moved),
+      .ddr_o(reader_requests[0]),
       .ddr_ready_i(reader_ready[0]), .ddr_valid_i(reader_valid[0]), .ddr_data_i(ddr_data),
       .ddr_words_o(reader_words[0]),
       .valid_o(sec_valid), .slot_o(secondary), .bad_o(sec_bad), .index_o(sec_index), .last_o(sec_last), .pop_i(sec_pop),
       .idle_o(sec_idle));
 
   // ---- Objects ----
-  logic pose_wanted, pose, pose_commit;
+  logic pose_request, pose, pose_commit;
   logic [PRIM_W-1:0] prim_read, pose_number;
   logic [PRIM_WORDS-1:0][CW-1:0] prim_written, pose_slot;
   if (CONFIG.transform != pairs_pkg::TRANSFORM_NONE) begin : g_objects
@@ -153,13 +155,14 @@ module board #(
         .swap_i(traversing ? traversal[0] : swap[0]), .range_entry_i(range_entry),
         .range_o(range), .transform_entry_i(transform_entry[traversing]), .moving_i(moving != 0),
         .clk_moving_o(clk_moving),
-        .unmoved_i(unmoved[traversing]), .moved_o(moved), .pose_wanted_o(pose_wanted), .pose_i(pose), .posed_o(posed),
+        .unmoved_i(unmoved[traversing]), .moved_o(moved), .pose_request_o(pose_request), .pose_i(pose),
+        .pose_done_o(pose_done),
         .read_o(prim_read), .written_i(prim_written), .pose_commit_o(pose_commit), .pose_number_o(pose_number),
         .pose_slot_o(pose_slot));
   end else begin : g_fixed
     logic unused;
     assign unused = &{1'b0, object_write, range_entry, transform_entry, moving, unmoved, pose, prim_written};
-    assign {objects_good, objects_busy, pose_wanted, posed, pose_commit} = 5'b10000;
+    assign {objects_good, objects_busy, pose_request, pose_done, pose_commit} = 5'b10000;
     assign clk_moving = 1'b0;
     assign range = '0;
     assign moved = '0;
@@ -186,7 +189,8 @@ module board #(
       .abort_i(unit_abort[ENGINE]),
       .command_i(command), .mode_o(mode), .pair_o(pair), .swap_o(swap), .primaries_busy_i(prim_busy),
       .active_i(active), .busy_o(unit_busy[ENGINE]), .done_o(unit_done[ENGINE]), .flush_o(flush),
-      .streaming_mode_o(streaming), .pose_wanted_i(pose_wanted), .pose_o(pose), .posed_i(posed), .clear_o(clear),
+      .streaming_mode_o(streaming), .pose_request_i(pose_request), .pose_o(pose), .pose_done_i(pose_done),
+      .clear_o(clear),
       .clear_row_o(clear_row), .clear_mask_o(clear_mask), .fetch_start_o(fetch_start), .fetch_stop_o(fetch_stop),
       .secondary_valid_i(sec_valid), .secondary_last_i(sec_last), .secondary_idle_i(sec_idle),
       .secondary_pop_o(sec_pop), .ready_i(ready), .issue_o(issue), .retire_i(retire), .new_hits_i(new_hits),
@@ -202,7 +206,7 @@ module board #(
   logic [FIFO_W-1:0] fifo_write, fifo_head;
   logic [CW-1:0] result_t;
   logic [POINTS-1:0][CW-1:0] result_point;
-  cde #(.CONFIG(CONFIG)) engine (
+  collision_engine #(.CONFIG(CONFIG)) engine (
       .clk_i(clk_brute_force), .rst_i, .clk_bus_i(clk_bus), .clk_core_i(clk_i), .prim_write_i(prim_write),
       .prim_addr_i(ddr_write_addr_o), .prim_data_i(ddr_write_data_o), .prim_bad_o(prim_bad), .prim_busy_o(prim_busy),
       .clk_moving_i(clk_moving), .prim_read_i(prim_read), .prim_written_o(prim_written), .pose_i(pose_commit),
@@ -244,7 +248,7 @@ module board #(
         .valid_i(unit_valid[BVH]), .ready_o(unit_ready[BVH]), .abort_i(unit_abort[BVH]),
         .pass_i(command), .busy_o(unit_busy[BVH]), .traversal_o(traversal),
         .done_o(unit_done[BVH]), .fault_o(node_error), .corrected_o(node_corrected),
-        .ddr_o(readers_ask[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
+        .ddr_o(reader_requests[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
         .ddr_words_o(reader_words[1]), .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
         .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((LEAF * CW)'(moved)),
         .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(bvh_write), .record_o(bvh_record));
@@ -254,7 +258,7 @@ module board #(
   end else begin : g_brute_force_only
     assign {node_corrected, bvh_rdata, provided_good, bvh_good, node_error, bvh_write, traversing} = '0;
     assign {moving[1], transform_entry[1], unmoved[1]} = '0;
-    assign readers_ask[1] = '0;
+    assign reader_requests[1] = '0;
     assign reader_words[1] = '0;
     assign bvh_record = '0;
     assign traversal = '0;

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Timing constraints of card.sv: its clocks, and every path between them. SDC as OpenSTA, Vivado (as XDC) and others read it; the
-# periods are those of the driver's defaults, other boards change them here. `tools/lint lines` holds the names against the RTL.
+# periods are the driver's defaults, other boards change them here. `tools/lint lines` holds the names against the RTL.
 
 create_clock -name pci  -period 15.0 [get_ports clk_pci_i]
 create_clock -name core -period 10.0 [get_ports clk_i]

@@ -4,7 +4,7 @@
 // Latency: latency_o cycles.
 // Throughput: LANES pairs per SAT_II cycles.
 // Cylinder pairs: LANES pairs per as many cycles as their iterations take passes.
-// Stall: ready_o of cylinder pairs (cylinder_pair.sv), and with SAT_II = 3 (row_interval.sv).
+// Stall: ready_o of cylinder pairs (cylinder_pair.sv), and with SAT_II = 3 (issue_throttle.sv).
 // Other pipes run free, ready_o = 1.
 module pair_unit #(
     parameter int PAIR = 0,       // pairs_pkg::PAIR_*
@@ -71,16 +71,17 @@ module pair_unit #(
   end
   shape_check #(
       .SHAPE(pairs_pkg::primary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
-  ) check_a (.clk_i, .on_i(taken), .words_i(a), .bad_o(bad_a));
+  ) check_a (.clk_i, .en_i(taken), .words_i(a), .bad_o(bad_a));
   shape_check #(
       .SHAPE(pairs_pkg::secondary_shape(PAIR)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
-  ) check_b (.clk_i, .on_i(taken), .words_i(b), .bad_o(bad_b));
+  ) check_b (.clk_i, .en_i(taken), .words_i(b), .bad_o(bad_b));
   assign bad_check = bad_a | bad_b;
 
   if (pairs_pkg::has(pairs_pkg::ITERATIVE_PAIRS, PAIR)) begin : g_iterative
     localparam int ENTRY = formats_pkg::larger(T_CHECK, 1 + pairs_pkg::iterative_entry(LAT.add, LAT.mul, LAT.cmp));
     logic [LANES-1:0][CW-1:0] bad_entry;
-    align #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) align_bad (.clk_i, .d_i(bad_check), .q_o(bad_entry));
+    pipe_delay #(.W(LW), .FROM(T_CHECK), .TO(ENTRY), .ARITH(ARITH)) delay_bad (
+        .clk_i, .d_i(bad_check), .q_o(bad_entry));
     cylinder_pair #(
         .BODY(pairs_pkg::cylinder_body(PAIR)), .AHEAD(32'(HELD)), .ENTRY(ENTRY - 32'(HELD)), .EXP(EXP), .MAN(MAN),
         .LANES(LANES), .LAT(LAT),
@@ -94,7 +95,7 @@ module pair_unit #(
     logic [15:0] latency, rest;  // rest: cycles from a and b to the result
     assign latency_o = 32'(latency);
     assign rest = latency - 16'(HELD);
-    row_interval #(.INTERVAL(SAT_II)) interval (.clk_i, .rst_i, .take_i(valid_i && ready_o), .ready_o);
+    issue_throttle #(.INTERVAL(SAT_II)) interval (.clk_i, .rst_i, .take_i(valid_i && ready_o), .ready_o);
     logic [LANES-1:0][CW-1:0] f_pipe, t_pipe;
     logic [2:0][LANES-1:0][CW-1:0] cp_pipe, n_pipe;
     bounded_pipe #(

@@ -6,7 +6,7 @@
 // `rclk_free_i`, so that `valid_o` can open the gate.
 // Latency: 3 cycles of the reader's clock from a write to valid_o.
 // Throughput: one entry per cycle.
-// Stall: room_o, valid_o.
+// Stall: free_o, valid_o.
 module async_fifo #(
     parameter int W = 64,
     parameter int DEPTH = 16,  // power of two, at least 4
@@ -16,7 +16,7 @@ module async_fifo #(
     input logic wrst_i,
     input logic write_i,
     input logic [W-1:0] wdata_i,
-    output logic [AW:0] room_o,
+    output logic [AW:0] free_o,
 
     input logic rclk_i,
     input logic rclk_free_i,
@@ -40,7 +40,7 @@ module async_fifo #(
     rbin_seen[AW] = rgray_w2_q[AW];
     for (int b = AW - 1; b >= 0; b--) rbin_seen[b] = ^(rgray_w2_q >> b);
   end
-  assign room_o = (AW + 1)'(DEPTH) - (wbin_q - rbin_seen);
+  assign free_o = (AW + 1)'(DEPTH) - (wbin_q - rbin_seen);
   always_ff @(posedge wclk_i) begin
     rgray_w1_q <= rgray_q;
     rgray_w2_q <= rgray_w1_q;

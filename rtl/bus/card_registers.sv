@@ -62,18 +62,18 @@ module card_registers #(
     output logic object_write_o,  // into the object tables
     input logic objects_good_i,
     input logic objects_busy_i,
-    input logic posed_i,  // needs an edge of the bus clock
+    input logic pose_done_i,  // needs an edge of the bus clock
 
     // BVH.
     output card_pkg::access_t access_o,
-    input logic [63:0] others_i,  // read data of other modules
+    input logic [63:0] rdata_ext_i,  // read data of other modules
     input logic provided_good_i,  // the value written to REG_RAYS is valid
     input logic [1:0] bvh_good_i,  // settings are valid: of primaries, of nodes
     input logic node_error_i
 );
   logic ready, rvalid_q;
   logic [63:0] rdata_q;
-  assign bus_o = {ready, rvalid_q, rdata_q | others_i};
+  assign bus_o = {ready, rvalid_q, rdata_q | rdata_ext_i};
   localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(records_pkg::DDR_WORDS * CW / 8);
   localparam logic [63:0] CW_BYTES = 64'(CW) / 64'd8;
   localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
@@ -101,7 +101,7 @@ module card_registers #(
   assign control = wdata_q;
   logic unused_control;
   assign unused_control = &{1'b0, control.reserved};
-  clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | done_i | posed_i | rst_i),
+  clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | done_i | pose_done_i | rst_i),
       .clk_o(clk_bus_o));
   always_ff @(posedge clk_bus_o) begin
     if (ready) begin
@@ -171,7 +171,7 @@ module card_registers #(
   assign access_o = '{
       write: valid_q && ready && write_q && allowed,
       read: read,
-      there: allowed,
+      hit: allowed,
       space: space_q,
       addr: addr_q,
       data: wdata_q};
@@ -184,12 +184,12 @@ module card_registers #(
   logic [63:0] sec_end;
   pairs_pkg::words_t sec_words;
   pairs_pkg::shape_t sec_shape, sec_shape2;
-  logic pair_there, second_ok, iterations_ok, secondaries_ok;
+  logic pair_present, second_ok, iterations_ok, secondaries_ok;
   assign sec_shape = pairs_pkg::SHAPE_BITS'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
       pairs_pkg::secondary_shape(int'(command_q.pair)));
   assign sec_words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape)));
   assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
-  assign pair_there = pairs_pkg::has(PAIRS, int'(command_q.pair));
+  assign pair_present = pairs_pkg::has(PAIRS, int'(command_q.pair));
   // A second pair: another pipe with the same secondaries and its own primaries. Streaming modes allow no second pair.
   assign sec_shape2 = pairs_pkg::SHAPE_BITS'(command_q.second_swap ?
       pairs_pkg::primary_shape(int'(command_q.second_pair)) :
@@ -222,7 +222,7 @@ module card_registers #(
       (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
       sec_end <= DDR_BYTES;
   assign command_ok = (command_q.bvh ? bvh_ok : brute_force_ok) && !busy_i;
-  assign brute_force_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_there && second_ok && iterations_ok &&
+  assign brute_force_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_present && second_ok && iterations_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
   // The objects in use, also of primaries, must be in contract, or go is refused. Their ranges replace the range in the

@@ -17,7 +17,7 @@ module pass_counters #(
 
     input logic clk_bus_i,
     input logic read_i,   // a read,
-    input logic there_i,  // of an allowed register,
+    input logic hit_i,  // of an allowed register,
     input logic [11:0] offset_i,
     output logic [63:0] rdata_o  // data of the last read; 0 if it was of another register
 );
@@ -29,7 +29,7 @@ module pass_counters #(
     localparam logic [11:0] REGISTER = registers_pkg::counter_register(FIRST + c);
     logic [63:0] count_q, answer_q;
     always_ff @(posedge clk_i) count_q <= (clear_i | rst_i) ? '0 : count_q + 64'(counts_i[c]);
-    always_ff @(posedge clk_bus_i) if (read_i) answer_q <= (there_i && offset_i == REGISTER) ? count_q : '0;
+    always_ff @(posedge clk_bus_i) if (read_i) answer_q <= (hit_i && offset_i == REGISTER) ? count_q : '0;
     assign answers[c] = answer_q;
   end
   always_comb begin

@@ -231,17 +231,18 @@ module pci_bridge #(
       .local_rvalid_i(local_rvalid), .local_rdata_i(response_data));
 
   // ---- Destination of a host access, which has priority over the DMA's ----
-  logic to_card, to_pages, page_read_q, room, forward, response_irq, response_dma;
-  logic [$clog2(REQUESTS):0] request_room;
-  logic [$clog2(RESPONSES):0] response_room;
-  assign room = request_room != 0;
+  logic to_card, to_pages, page_read_q, request_ready, forward, response_irq, response_dma;
+  logic [$clog2(REQUESTS):0] request_free;
+  logic [$clog2(RESPONSES):0] response_free;
+  assign request_ready = request_free != 0;
   assign to_card = target_offset < PCI_REGISTERS;
   assign to_pages = target_offset >= PCI_PAGE_TABLE;
   assign forward = request_valid && to_card;
-  assign local_ready = room && !forward;
+  assign local_ready = request_ready && !forward;
   assign register_write = request_valid && target_write && !to_card && !to_pages;
   assign page_write = request_valid && target_write && to_pages && !clearing;
-  assign target_pop = request_valid && (to_card ? room : !to_pages || (target_write ? !clearing : page_read_q));
+  assign target_pop = request_valid && (to_card ? request_ready : !to_pages ||
+      (target_write ? !clearing : page_read_q));
   assign target_rvalid = (response_valid && !response_irq && !response_dma) ||
       (target_pop && !target_write && !to_card);
   assign target_rdata = response_valid && !response_irq && !response_dma ? response_data :
@@ -266,18 +267,18 @@ module pci_bridge #(
       {1'b0, target_write, registers_pkg::SPACE_REG, 16'b0, target_offset, target_write ? target_wdata : 64'd1} :
       {1'b1, local_write, local_space, local_offset, local_data};
   async_fifo #(.W($bits(request)), .DEPTH(REQUESTS)) requests (
-      .wclk_i(clk), .wrst_i(rst_pci), .write_i(room && (forward || local_valid)), .wdata_i(request),
-      .room_o(request_room), .rclk_i(clk_local), .rclk_free_i(clk_i), .rrst_i(rst_o), .valid_o(local_request_valid),
+      .wclk_i(clk), .wrst_i(rst_pci), .write_i(request_ready && (forward || local_valid)), .wdata_i(request),
+      .free_o(request_free), .rclk_i(clk_local), .rclk_free_i(clk_i), .rrst_i(rst_o), .valid_o(local_request_valid),
       .rdata_o(local_request), .read_i(local_request_pop), .settled_o(unused_settled));
   async_fifo #(.W($bits(response)), .DEPTH(RESPONSES)) responses (
-      .wclk_i(clk_local), .wrst_i(rst_o), .write_i(response_write), .wdata_i(response), .room_o(response_room),
+      .wclk_i(clk_local), .wrst_i(rst_o), .write_i(response_write), .wdata_i(response), .free_o(response_free),
       .rclk_i(clk), .rclk_free_i(clk_pci_i), .rrst_i(rst_pci), .valid_o(response_valid),
       .rdata_o({response_irq, response_dma, response_data}),
       .read_i(response_valid), .settled_o(response_settled));
-  local_master #(.ROOM_W($clog2(RESPONSES) + 1)) local_bus (
+  local_master #(.FREE_W($clog2(RESPONSES) + 1)) local_bus (
       .clk_i, .rst_i(rst_o), .clk_o(clk_local), .request_valid_i(local_request_valid), .request_i(local_request),
       .request_pop_o(local_request_pop), .response_write_o(response_write), .response_o(response),
-      .response_room_i(response_room), .bus_o(bus_request), .bus_i(bus_response), .irq_i);
+      .response_free_i(response_free), .bus_o(bus_request), .bus_i(bus_response), .irq_i);
   assign {bus_valid_o, bus_write_o, bus_space_o, bus_addr_o, bus_wdata_o} = bus_request;
   assign bus_response = {bus_ready_i, bus_rvalid_i, bus_rdata_i};
 

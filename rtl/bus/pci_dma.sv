@@ -73,7 +73,7 @@ module pci_dma (
   logic lap_q, word_q;    // parity of the lap; next word of the descriptor or record
   logic [31:0] mapped_q;  // address to look up
   logic [31:3] bus_q;     // bus address found
-  logic [31:0] host_q, bytes_q, left_q;  // of the descriptor: address, bytes, bytes still to move
+  logic [31:0] host_q, bytes_q, remaining_q;  // of the descriptor: address, bytes, bytes still to move
   logic [31:0] offset_q;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic to_host_q, irq_q, bad_flags_q;
@@ -85,26 +85,26 @@ module pci_dma (
   logic [7:0] refused_code;
 
   // ---- FIFOs ----
-  logic [DW-1:0] in_room, in_count, out_room, out_count;
+  logic [DW-1:0] in_free, in_count, out_free, out_count;
   logic [63:0] in_head, out_head;
   logic data_read, flush;
-  logic [DW-1:0] asked_q;  // words requested and not received
+  logic [DW-1:0] outstanding_q;  // words requested and not received
   assign data_read = purpose_q == PCI_WHERE_DATA;
-  assign flush = state_q == FLUSH && asked_q == 0;
+  assign flush = state_q == FLUSH && outstanding_q == 0;
   sync_fifo #(.W(64), .DEPTH(DEPTH)) inbound (
-      .clk_i, .rst_i, .write_i(rvalid_i && data_read), .wdata_i(rdata_i), .room_o(in_room), .count_o(in_count),
+      .clk_i, .rst_i, .write_i(rvalid_i && data_read), .wdata_i(rdata_i), .free_o(in_free), .count_o(in_count),
       .rdata_o(in_head), .read_i(local_valid_o && local_ready_i && local_write_o));
   sync_fifo #(.W(64), .DEPTH(DEPTH)) outbound (
-      .clk_i, .rst_i(rst_i | flush), .write_i(local_rvalid_i), .wdata_i(local_rdata_i), .room_o(out_room),
+      .clk_i, .rst_i(rst_i | flush), .write_i(local_rvalid_i), .wdata_i(local_rdata_i), .free_o(out_free),
       .count_o(out_count), .rdata_o(out_head), .read_i(wpop_i && data_read));
 
   // ---- Local bus ----
-  logic [28:0] unasked_q;   // words of the descriptor not requested yet
+  logic [28:0] unrequested_q;   // words of the descriptor not requested yet
   logic [31:0] local_q;     // offset of the next request
   logic [5:0] chunk;
   logic local_read;
-  assign chunk = unasked_q < 29'(CHUNK) ? unasked_q[5:0] : 6'(CHUNK);
-  assign local_read = unasked_q != 0 && out_room >= asked_q + DW'(CHUNK);
+  assign chunk = unrequested_q < 29'(CHUNK) ? unrequested_q[5:0] : 6'(CHUNK);
+  assign local_read = unrequested_q != 0 && out_free >= outstanding_q + DW'(CHUNK);
   assign local_write_o = in_count != 0;
   assign local_valid_o = local_write_o || local_read;
   assign local_space_o = space_q;
@@ -114,7 +114,7 @@ module pci_dma (
   // ---- Bursts and records ----
   logic [63:0] record_first, record_second;
   always_comb begin
-    record_first = {bytes_q - left_q, fault_q};
+    record_first = {bytes_q - remaining_q, fault_q};
     record_first[PCI_COMPLETION_LAP_FIRST] = lap_q;  // bytes are a multiple of 8
     record_second = '0;
     record_second[PCI_COMPLETION_NUMBER+:16] = head_q;
@@ -123,7 +123,7 @@ module pci_dma (
     record_second[PCI_COMPLETION_LAP] = lap_q;
   end
   assign to_page_end = 13'd4096 - {1'b0, mapped_q[11:0]};
-  assign burst = left_q < 32'(burst_i) ? (left_q[12:0] < to_page_end ? left_q[12:0] : to_page_end) :
+  assign burst = remaining_q < 32'(burst_i) ? (remaining_q[12:0] < to_page_end ? remaining_q[12:0] : to_page_end) :
       (burst_i < to_page_end ? burst_i : to_page_end);
   assign start_o = state_q == MOVE;
   assign write_o = (data_read && to_host_q) || purpose_q == PCI_WHERE_COMPLETION;
@@ -171,7 +171,7 @@ module pci_dma (
         purpose_q <= PCI_WHERE_DESCRIPTOR;
         mapped_q <= {8'b0, ring_base_i} + {11'b0, head_q, 5'b0};
         fetched_q <= '0;
-        {bytes_q, left_q} <= '0;
+        {bytes_q, remaining_q} <= '0;
         irq_q <= 0;
         code_q <= PCI_CODE_OK;
         fault_q <= '0;
@@ -183,27 +183,27 @@ module pci_dma (
         state_q <= checking_q ? NEXT_PAGE : READY;
       end
       NEXT_PAGE: begin
-        if (left_q <= 32'(to_page_end)) begin
+        if (remaining_q <= 32'(to_page_end)) begin
           checking_q <= 0;
           mapped_q <= host_q;
-          left_q <= bytes_q;
-          unasked_q <= to_host_q ? bytes_q[31:3] : '0;
+          remaining_q <= bytes_q;
+          unrequested_q <= to_host_q ? bytes_q[31:3] : '0;
         end else begin
           mapped_q <= mapped_q + 32'(to_page_end);
-          left_q <= left_q - 32'(to_page_end);
+          remaining_q <= remaining_q - 32'(to_page_end);
         end
         state_q <= LOOKUP;
       end
       READY:
-      if (!data_read || (to_host_q ? out_count >= DW'(burst_q[12:3]) : in_room >= DW'(burst_q[12:3]))) state_q <= MOVE;
+      if (!data_read || (to_host_q ? out_count >= DW'(burst_q[12:3]) : in_free >= DW'(burst_q[12:3]))) state_q <= MOVE;
       MOVE:
       if (done_i) begin
         if (purpose_q == PCI_WHERE_DESCRIPTOR) state_q <= DECODE;
         else if (purpose_q == PCI_WHERE_COMPLETION) state_q <= NEXT;
         else begin
           mapped_q <= mapped_q + {19'b0, moved_i, 3'b0};
-          left_q <= left_q - {19'b0, moved_i, 3'b0};
-          state_q <= left_q == 32'(burst_q) ? DRAIN : LOOKUP;
+          remaining_q <= remaining_q - {19'b0, moved_i, 3'b0};
+          state_q <= remaining_q == 32'(burst_q) ? DRAIN : LOOKUP;
         end
       end
       DECODE: begin
@@ -215,7 +215,7 @@ module pci_dma (
       end
       DRAIN: if (in_count == 0) state_q <= RECORD;
       FLUSH: begin
-        unasked_q <= '0;
+        unrequested_q <= '0;
         if (flush && in_count == 0) state_q <= purpose_q == PCI_WHERE_DATA ? RECORD : IDLE;
       end
       RECORD: begin
@@ -237,14 +237,14 @@ module pci_dma (
       code_q <= error;
       fault_q <= error_addr;
       if (state_q == DECODE) purpose_q <= PCI_WHERE_DATA;
-      if (checking_q || state_q == DECODE) left_q <= bytes_q;
-      unasked_q <= '0;
+      if (checking_q || state_q == DECODE) remaining_q <= bytes_q;
+      unrequested_q <= '0;
     end
     if (rvalid_i && purpose_q == PCI_WHERE_DESCRIPTOR) begin
       fetched_q <= fetched_q + 1;
       if (fetched_q == 0) begin
         {bytes_q, host_q} <= rdata_i;
-        left_q <= rdata_i[63:32];
+        remaining_q <= rdata_i[63:32];
       end
       if (fetched_q == 1) begin
         offset_q <= rdata_i[31:0];
@@ -258,9 +258,10 @@ module pci_dma (
     if (wpop_i && purpose_q == PCI_WHERE_COMPLETION) word_q <= 1;
     if (local_valid_o && local_ready_i) begin
       local_q <= local_q + (local_write_o ? 32'd8 : {23'b0, chunk, 3'b0});
-      if (!local_write_o) unasked_q <= unasked_q - 29'(chunk);
+      if (!local_write_o) unrequested_q <= unrequested_q - 29'(chunk);
     end
-    asked_q <= asked_q + ((local_valid_o && local_ready_i && !local_write_o) ? DW'(chunk) : '0) - DW'(local_rvalid_i);
+    outstanding_q <= outstanding_q + ((local_valid_o && local_ready_i && !local_write_o) ? DW'(chunk) :
+        '0) - DW'(local_rvalid_i);
     if (clear_i) begin
       head_q <= '0;
       lap_q <= 1;
@@ -270,8 +271,8 @@ module pci_dma (
       head_q <= '0;
       lap_q <= 1;
       checking_q <= 0;
-      unasked_q <= '0;
-      asked_q <= '0;
+      unrequested_q <= '0;
+      outstanding_q <= '0;
       purpose_q <= PCI_WHERE_DATA;
     end
   end

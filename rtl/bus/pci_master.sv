@@ -74,7 +74,7 @@ module pci_master (
 
   // ---- The command ----
   logic [2:0] state_q;
-  logic [9:0] left_q, left;  // words left, with the current one
+  logic [9:0] remaining_q, remaining;  // words left, with the current one
   logic half_q, half;        // the lower half of the current word is done
   logic [63:0] word_q;       // the word being written, or the lower half of the word being read
   logic [31:0] addr_q, addr; // of the next data phase
@@ -93,17 +93,17 @@ module pci_master (
   assign no_answer = !seen_q && !devsel_i && clocks_q == DEVSEL_CLOCKS;
   assign transfer = state_q == DATA && irdy_o && trdy_i && devsel_i;
   assign word_done = transfer && (wide || half_q);
-  assign left = left_q - 10'(word_done);
+  assign remaining = remaining_q - 10'(word_done);
   assign half = transfer ? !wide && !half_q : half_q;
   assign addr = addr_q + (!transfer ? 32'd0 : wide ? 32'd8 : 32'd4);
   assign time_over = slice_q == 0 && !gnt_i;
   // The next data phase is the last: no words are left, or the master must release the bus.
-  assign ending = (left == 1 && (wide || half)) || time_over || code_q != PCI_CODE_OK;
+  assign ending = (remaining == 1 && (wide || half)) || time_over || code_q != PCI_CODE_OK;
   assign finish = state_q == DATA && irdy_o && !frame_o && (transfer || stop_i || aborted_q);
 
   logic [63:0] next_word;
   assign next_word = word_done ? wdata_i : word_q;
-  assign wpop_o = write_i && (state_q == LOAD || (word_done && left != 0));
+  assign wpop_o = write_i && (state_q == LOAD || (word_done && remaining != 0));
   assign own_o = frame_oe_o || irdy_oe_o;
   assign req64_o = req64_q && frame_o;
   assign active_o = state_q != IDLE || start_i || frame_oe_o || irdy_oe_o || gnt_i != cbe_oe_o || perr_o ||
@@ -114,7 +114,7 @@ module pci_master (
       IDLE: begin
         if (start_i && !done_o) begin
           state_q <= !enable_i ? SETTLE : write_i ? LOAD : REQUEST;
-          left_q <= qwords_i;
+          remaining_q <= qwords_i;
           half_q <= 0;
           addr_q <= {addr_i, 3'b0};
           retries_q <= '0;
@@ -137,8 +137,8 @@ module pci_master (
         state_q <= DATA;
         irdy_oe_o <= 1;
         // A single word: ACK64# decides whether this data phase is the last, so IRDY# waits for it.
-        irdy_o <= !(req64_q && left_q == 1);
-        frame_o <= req64_q || left_q != 1;
+        irdy_o <= !(req64_q && remaining_q == 1);
+        frame_o <= req64_q || remaining_q != 1;
       end
       DATA: begin
         if (devsel_i && !seen_q) begin
@@ -146,7 +146,7 @@ module pci_master (
           wide_q <= wide;
         end
         clocks_q <= clocks_q + 3'(clocks_q != DEVSEL_CLOCKS);
-        left_q <= left;
+        remaining_q <= remaining;
         half_q <= half;
         addr_q <= addr;
         if (transfer) begin
@@ -171,7 +171,7 @@ module pci_master (
         state_q <= SETTLE;
         irdy_oe_o <= 0;
       end
-      SETTLE: state_q <= (left_q == 0 || code != PCI_CODE_OK) ? IDLE : REQUEST;
+      SETTLE: state_q <= (remaining_q == 0 || code != PCI_CODE_OK) ? IDLE : REQUEST;
       default: state_q <= IDLE;
     endcase
     if (slice_q != 0 && frame_o) slice_q <= slice_q - 1;
@@ -185,8 +185,8 @@ module pci_master (
 
   // ---- Address, data and byte enables ----
   logic [3:0] command;
-  assign command = write_i ? PCI_MEMORY_WRITE : left_q == 1 ? PCI_MEMORY_READ :
-      left_q <= 4 ? PCI_READ_LINE : PCI_READ_MULTIPLE;
+  assign command = write_i ? PCI_MEMORY_WRITE : remaining_q == 1 ? PCI_MEMORY_READ :
+      remaining_q <= 4 ? PCI_READ_LINE : PCI_READ_MULTIPLE;
   always_ff @(posedge clk_i) begin
     if (state_q == REQUEST) begin
       ad_o <= {32'b0, addr_q};
@@ -232,7 +232,7 @@ module pci_master (
     end else if (code != PCI_CODE_OK && code_q == PCI_CODE_OK)
       fault_addr_o <= read_error ? check_addr_q : write_error ? check_addr2_q : addr_q;
     if (rvalid_o) good_q <= good_q + 1;
-    done_o <= state_q == SETTLE && (left_q == 0 || code != PCI_CODE_OK);
+    done_o <= state_q == SETTLE && (remaining_q == 0 || code != PCI_CODE_OK);
     if (state_q == SETTLE) code_o <= code;
     if (rst_i) begin
       check_q <= '0;
@@ -241,7 +241,7 @@ module pci_master (
   end
   // In a write, the words before the faulty one are good. PERR# came at most two data phases after it.
   assign moved_o = !write_i ? good_q : code_o == PCI_CODE_PARITY ? 10'((fault_addr_o[31:3] - addr_i)) :
-      qwords_i - left_q;
+      qwords_i - remaining_q;
 
   always_comb begin
     code = code_q;
@@ -250,7 +250,7 @@ module pci_master (
       else if (aborted_q && finish) code = PCI_CODE_MASTER_ABORT;
       else if (finish && stop_i && !devsel_i && !transfer) code = PCI_CODE_TARGET_ABORT;
       else if (state_q == SETTLE && retry_limit_i != 0 && retries_q >= retry_limit_i) code = PCI_CODE_RETRY_LIMIT;
-      else if (state_q == SETTLE && left_q != 0 && !enable_i) code = PCI_CODE_DISABLED;
+      else if (state_q == SETTLE && remaining_q != 0 && !enable_i) code = PCI_CODE_DISABLED;
     end
   end
 

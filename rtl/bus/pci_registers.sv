@@ -37,7 +37,7 @@ module pci_registers (
 );
   import pci_pkg::*;
   localparam logic [15:0] RING_MAX = 16'd32768;
-  logic run_q, halted_q, stop_q, clear, settings_ok, wanted, refused, ring_register, fault;
+  logic run_q, halted_q, stop_q, clear, settings_ok, run_requested, refused, ring_register, fault;
   logic [1:0] irq_q;  // completion and halted
   logic [2:0] mask_q, irq;
   logic [23:0] ring_base_q, completion_base_q;
@@ -53,10 +53,10 @@ module pci_registers (
   assign ring_register = access(PCI_REG_RING_BASE) || access(PCI_REG_RING_SIZE) || access(PCI_REG_COMPLETION_BASE) ||
       access(PCI_REG_BURST);
   assign clear = write_i && access(PCI_REG_CONTROL) && wdata_i[PCI_CONTROL_CLEAR] && !busy_i;
-  assign wanted = write_i && access(PCI_REG_CONTROL) && wdata_i[PCI_CONTROL_RUN] && !(halted_q && !clear);
+  assign run_requested = write_i && access(PCI_REG_CONTROL) && wdata_i[PCI_CONTROL_RUN] && !(halted_q && !clear);
   assign settings_ok = ring_base_q[4:0] == 0 && completion_base_q[3:0] == 0 && size_q >= 2 && size_q <= RING_MAX &&
       tail_q < size_q;
-  assign refused = (wanted && !settings_ok && !clear) || (write_i && ring_register && run_q) ||
+  assign refused = (run_requested && !settings_ok && !clear) || (write_i && ring_register && run_q) ||
       (write_i && access(PCI_REG_RING_TAIL) && run_q && wdata_i >= 64'(size_q)) || (stop_q && run_q && !busy_i);
   assign fault = fault_i || refused;
   assign code = fault_i ? code_i : (stop_q && run_q) ? PCI_CODE_STOPPED : PCI_CODE_SETTINGS;
@@ -127,7 +127,7 @@ module pci_registers (
       {code_q, where_q} <= '0;
       fault_addr_q <= '0;
       tail_q <= '0;
-    end else if (wanted && settings_ok) run_q <= 1;
+    end else if (run_requested && settings_ok) run_q <= 1;
     if (fault) begin
       {halted_q, run_q, stop_q} <= 3'b100;
       if (!halted_q) begin

@@ -80,15 +80,15 @@ module pci_target (
 
   // ---- Response to this data phase ----
   logic [7:0] be;
-  logic served, be_ok, room, abort, same_read, there, last_of_bar;
+  logic offset_valid, be_ok, fifo_ready, abort, same_read, read_ready, last_of_bar;
   logic low_taken;  // the previous phase was the lower half of this register
-  logic [4:0] fifo_room, fifo_count;
+  logic [4:0] fifo_free, fifo_count;
   assign be = ~cbe_i;
-  assign served = addr_q[15:0] < PCI_REGISTERS_END || addr_q[15:0] >= PCI_PAGE_TABLE;
+  assign offset_valid = addr_q[15:0] < PCI_REGISTERS_END || addr_q[15:0] >= PCI_PAGE_TABLE;
   assign be_ok = wide_q ? (be == 8'hFF || be == 8'h0F || be == 8'h00) :
       (be[3:0] == 4'h0 || (be[3:0] == 4'hF && (!addr_q[2] || low_taken)));
-  assign abort = !config_q && (!served || (write_q && !be_ok) || (wide_q && addr_q[2]));
-  assign room = fifo_room >= 2;  // one entry may be under way
+  assign abort = !config_q && (!offset_valid || (write_q && !be_ok) || (wide_q && addr_q[2]));
+  assign fifo_ready = fifo_free >= 2;  // one entry may be under way
   assign last_of_bar = wide_q ? &addr_q[15:3] : &addr_q[15:2];
 
   // ---- Delayed read ----
@@ -101,12 +101,13 @@ module pci_target (
   logic read_latch, read_take, read_second_q;  // second half of a register read in halves
   assign same_read = read_pending_q && read_addr_q == addr_q[15:2] && read_command_q == command_q &&
       read_wide_q == wide_q;
-  assign there = (same_read && read_done_q) || read_second_q;
+  assign read_ready = (same_read && read_done_q) || read_second_q;
 
   logic transfer, finish, in_valid_q, in_end_q, low_end_q, low_valid_q;  // in_*, low_*: below
   assign transfer = state_q == TRANSFER && irdy_i;
   assign finish = irdy_i && !frame_i && (state_q == TRANSFER || state_q == BACKOFF);
-  assign read_latch = state_q == DECIDE && !config_q && !write_q && !abort && !read_pending_q && !read_second_q && room;
+  assign read_latch = state_q == DECIDE && !config_q && !write_q && !abort && !read_pending_q && !read_second_q &&
+      fifo_ready;
   assign read_take = transfer && !config_q && !write_q;
   assign target_abort_o = state_q == DECIDE && abort;
   assign active_o = state_q != IDLE || oe_o || frame_i || frame_q || in_valid_q || in_end_q || low_end_q ||
@@ -141,10 +142,10 @@ module pci_target (
             devsel_o <= 0;
             ack64_o <= 0;
             stop_o <= 1;
-          end else if (config_q || (write_q ? room : there)) begin
+          end else if (config_q || (write_q ? fifo_ready : read_ready)) begin
             state_q <= TRANSFER;
             trdy_o <= 1;
-            stop_o <= config_q || !linear_q || last_of_bar || (write_q ? fifo_room == 2 && (wide_q ||
+            stop_o <= config_q || !linear_q || last_of_bar || (write_q ? fifo_free == 2 && (wide_q ||
                 addr_q[2]) : wide_q || addr_q[2]);
             ad_o <= config_q ? {32'b0, config_rdata_i} : (!wide_q && addr_q[2]) ? {32'b0,
                 read_data_q[63:32]} : read_data_q;
@@ -234,7 +235,7 @@ module pci_target (
   assign push_addr = read_latch ? addr_q[15:3] : low_alone ? low_addr_q : in_addr_q[15:3];
   sync_fifo #(.W(1 + 13 + 64), .DEPTH(FIFO_DEPTH)) posted (
       .clk_i, .rst_i, .write_i(push_write | read_latch), .wdata_i({!read_latch, push_addr, push_data}),
-      .room_o(fifo_room), .count_o(fifo_count), .rdata_o({request_write_o, request_offset_o[15:3], request_wdata_o}),
+      .free_o(fifo_free), .count_o(fifo_count), .rdata_o({request_write_o, request_offset_o[15:3], request_wdata_o}),
       .read_i(request_pop_i));
   assign request_offset_o[2:0] = '0;
   assign request_valid_o = fifo_count != 0;

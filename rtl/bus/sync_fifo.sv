@@ -2,7 +2,7 @@
 // FIFO in one clock domain. The head is visible without a read.
 // Latency: 1 cycle.
 // Throughput: one entry in and one out per cycle.
-// Stall: room_o, count_o.
+// Stall: free_o, count_o.
 module sync_fifo #(
     parameter int W = 64,
     parameter int DEPTH = 16,  // power of two
@@ -12,7 +12,7 @@ module sync_fifo #(
     input logic rst_i,  // also empties it
     input logic write_i,
     input logic [W-1:0] wdata_i,
-    output logic [AW:0] room_o,
+    output logic [AW:0] free_o,
     output logic [AW:0] count_o,
     output logic [W-1:0] rdata_o,
     input logic read_i
@@ -20,7 +20,7 @@ module sync_fifo #(
   logic [W-1:0] memory[DEPTH];
   logic [AW:0] write_q, read_q;
   assign count_o = write_q - read_q;
-  assign room_o = (AW + 1)'(DEPTH) - count_o;
+  assign free_o = (AW + 1)'(DEPTH) - count_o;
   assign rdata_o = memory[read_q[AW-1:0]];
   always_ff @(posedge clk_i) begin
     if (write_i) begin

@@ -5,7 +5,7 @@
 // Latency: 1 cycle; hits wait in queues.
 // Throughput: one record per cycle.
 // Stall: ready_o and bad_ready_o are low while the ring is full or another record goes first. Hits are never stalled:
-// leaf_room_o reserves their space.
+// hits_free_o reserves their space.
 module bvh_records #(
     parameter config_pkg::config_t CONFIG,
     parameter int DEPTH = 128,  // hits that wait, per lane; power of two
@@ -18,7 +18,7 @@ module bvh_records #(
     input logic normals_i,
 
     // The next leaf can go to the pairs: there is room for its hits.
-    output logic leaf_room_o,
+    output logic hits_free_o,
     input logic leaf_i,
     input logic leaf_tested_i,
     input logic [1:0] hit_i,
@@ -64,7 +64,7 @@ module bvh_records #(
   hit_t [1:0] waiting;
   logic [1:0] some, read;
   logic [DW:0] outstanding_q;  // number of leaves under way
-  logic [1:0][DW:0] room;
+  logic [1:0][DW:0] free;
   for (genvar l = 0; l < 2; l++) begin : lane
     hit_t hit;
     logic [DW:0] count;
@@ -73,25 +73,25 @@ module bvh_records #(
       for (int k = 0; k < POINTS; k++) hit.point[k] = hit_point_i[k][l];
     end
     sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH)) queue (
-        .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .room_o(room[l]), .count_o(count), .rdata_o(waiting[l]),
+        .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .free_o(free[l]), .count_o(count), .rdata_o(waiting[l]),
         .read_i(read[l]));
     assign some[l] = count != 0;
   end
-  assign leaf_room_o = !hits || (outstanding_q < room[0] && outstanding_q < room[1]);
+  assign hits_free_o = !hits || (outstanding_q < free[0] && outstanding_q < free[1]);
   always_ff @(posedge clk_i)
     if (rst_i) outstanding_q <= '0;
     else if (hits) outstanding_q <= outstanding_q + (DW + 1)'(leaf_i) - (DW + 1)'(leaf_tested_i);
 
   // ---- One record per cycle. A primary's last record follows its hits, which are queued before it arrives ----
-  logic ring_room, room_there, take_hit, lane_1, take_bad, take, second_q;
+  logic ring_ready, record_ready, take_hit, lane_1, take_bad, take, second_q;
   hit_t hit;
-  assign ring_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
-  assign room_there = ring_room && !second_q;  // the second record of a pair goes next
-  assign take_hit = room_there && some != 0;
+  assign ring_ready = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign record_ready = ring_ready && !second_q;  // the second record of a pair goes next
+  assign take_hit = record_ready && some != 0;
   assign lane_1 = !some[0];
   assign hit = waiting[lane_1];
   assign read = take_hit ? {lane_1, !lane_1} : '0;
-  assign ready_o = room_there && some == 0;
+  assign ready_o = record_ready && some == 0;
   assign bad_ready_o = ready_o && !valid_i;
   assign take = valid_i && ready_o;
   assign take_bad = bad_valid_i && bad_ready_o;
@@ -125,11 +125,11 @@ module bvh_records #(
       if (f_q) second[records_pkg::RECORD_T][31] = 1'b1;
     end
     always_ff @(posedge clk_i) begin
-      write_o <= !rst_i && (written || (second_q && ring_room));
-      if (second_q && ring_room) record_o <= second;
+      write_o <= !rst_i && (written || (second_q && ring_ready));
+      if (second_q && ring_ready) record_o <= second;
       if (written) record_o <= record;
       if (written) {n_q, bad_q, f_q} <= {point[POINTS-1:POINTS-3], flags.bad, flags.f};
-      second_q <= !rst_i && (written ? normals_i : second_q && !ring_room);
+      second_q <= !rst_i && (written ? normals_i : second_q && !ring_ready);
     end
   end else begin : g_alone
     assign second_q = 1'b0;

@@ -3,7 +3,7 @@
 // memories, and secondaries come from DDR. Records carry the primaries' numbers and come in the order found.
 // A pass ends when every primary has its record, or with a fault if the memory holds no valid BVH.
 // A pass without primaries refits the boxes of the nodes (refit.sv).
-// Latency: that of the traversal.
+// Latency: see traversal.sv.
 // Throughput: see traversal.sv; a primary takes four beats of the bus.
 // Stall: the record ring.
 `include "bvh.svh"
@@ -142,7 +142,7 @@ module bvh_unit #(
   assign ray_pop = ray_valid && (ray_bad ? bad_ready : ray_ready);
 
   // ---- Traversal ----
-  logic fetch_valid, fetch_ready, fetched_valid, leaf_ready, leaf_room;
+  logic fetch_valid, fetch_ready, fetched_valid, leaf_ready, hits_free;
   logic [PLACE-1:0] fetch_slot;
   logic [TAG-1:0] fetch_tag, fetched_tag;
   logic [1:0][LEAF-1:0][31:0] fetched;
@@ -174,7 +174,7 @@ module bvh_unit #(
       .fault_o(traversal_fault), .fault_place_o(traversal_place));
 
   // ---- Secondaries ----
-  logic leaf_fault, owed;
+  logic leaf_fault, outstanding;
   logic [3:0] leaf_fault_kind;
   logic [1:0] slot_corrected;
   logic [31:0] leaf_place;
@@ -182,8 +182,8 @@ module bvh_unit #(
   logic [PLACE-1:0] leaf_slot, refit_slot;
   logic [TAG-1:0] leaf_tag;
   logic [REFIT_TAG-1:0] refit_tag;
-  assign fetch_ready = leaf_ready && leaf_room && !refitting;
-  assign leaf_valid = refitting ? refit_fetch : fetch_valid && leaf_room;
+  assign fetch_ready = leaf_ready && hits_free && !refitting;
+  assign leaf_valid = refitting ? refit_fetch : fetch_valid && hits_free;
   assign leaf_slot = refitting ? refit_slot : fetch_slot;
   assign leaf_tag = refitting ? TAG'(refit_tag) : fetch_tag;
   leaf_reader #(
@@ -195,7 +195,7 @@ module bvh_unit #(
       .slots_i(slots), .secondaries_i(secondaries_q),
       .words_i(pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(leaf_shape(int'(traversal_q))))),
       .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o,
-      .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .ddr_words_o, .owed_o(owed), .transform_entry_o, .moving_o,
+      .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .ddr_words_o, .outstanding_o(outstanding), .transform_entry_o, .moving_o,
       .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid), .tag_o(fetched_tag),
       .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place), .corrected_o(slot_corrected));
@@ -221,7 +221,7 @@ module bvh_unit #(
 
   // ---- Records ----
   bvh_records #(.CONFIG(CONFIG)) records (
-      .clk_i(clk), .rst_i(rst || abort_i), .mode_i(mode_q), .normals_i(normals_q), .leaf_room_o(leaf_room),
+      .clk_i(clk), .rst_i(rst || abort_i), .mode_i(mode_q), .normals_i(normals_q), .hits_free_o(hits_free),
       .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
       .hit_t_i(hit_t), .hit_point_i(hit_point), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
       .number_i(number), .found_i(found), .f_i(f), .t_i(t), .point_i(point), .index_i(best_index),
@@ -254,7 +254,7 @@ module bvh_unit #(
   end
   assign wrong = bits_failed || (traversal_fault != 0 && !refitting) || leaf_fault || endless;
   assign finished_all = refitting ? refit_done : running && finished_q == ray_count && records_empty;
-  assign done_o = finished_all || (state_q == FLUSH && !owed && fault_q != 0);
+  assign done_o = finished_all || (state_q == FLUSH && !outstanding && fault_q != 0);
   assign fault_o = fault_q != 0;
   always_ff @(posedge clk) begin
     idle_reads_q <= (finished || rst) ? '0 : idle_reads_q + (32 + CX)'(events.nodes);
@@ -283,7 +283,7 @@ module bvh_unit #(
           state_q <= IDLE;
           if (refitting && refit_bad) fault_q <= {registers_pkg::NODE_FAULT_SECONDARY, 32'(refit_bad_slot)};
         end
-      default: if (!owed) state_q <= IDLE;
+      default: if (!outstanding) state_q <= IDLE;
     endcase
     if (abort_i && busy_o) begin
       state_q <= FLUSH;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pairs of leaves: a primary enters with the one or two secondaries of a leaf, and goes through the pipe of its pair.
 // Pipes of several pairs are side by side, and a pass uses one of them.
-// Latency: that of the pass's pipe plus a register, for any ARITH.
+// Latency: one cycle more than the pass's pipe, for any ARITH.
 // Throughput: one leaf per cycle.
 // Stall: none.
 `include "bvh.svh"
@@ -31,11 +31,11 @@ module leaf_pairs #(
     input logic [LANES-1:0][LEAF-1:0][31:0] secondaries_i,
     input logic [LANES-1:0][31:0] index_i,
     output logic [1:0] tested_o,  // secondaries tested in this cycle
-    output logic [AT-1:0] soon_o,  // at_o of the next cycle
+    output logic [AT-1:0] next_o,  // at_o of the next cycle
     output logic valid_o,
     output logic [AT-1:0] at_o,
     output logic [LANES-1:0] f_o,  // of the secondaries present
-    output logic [LANES-1:0] there_o,
+    output logic [LANES-1:0] present_o,
     // solids: the signed distance; key_o is what nodes compare it by (node_distances.sv)
     output logic [LANES-1:0][31:0] t_o,
     output logic [LANES-1:0][31:0] key_o,
@@ -67,15 +67,15 @@ module leaf_pairs #(
     // Roles in the card's traversals: one, or both.
     localparam bit AS_IS = bvh_pkg::has_traversal(TRAVERSALS, 2 * p);
     localparam bit SWAPPED = bvh_pkg::has_traversal(TRAVERSALS, 2 * p + 1);
-    if (AS_IS || SWAPPED) begin : g_there
+    if (AS_IS || SWAPPED) begin : g_present
       localparam int A_WORDS = pairs_pkg::primary_words(p);
       localparam int B_WORDS = pairs_pkg::secondary_words(p);
-      logic clk, mine;
+      logic clk, selected;
       logic [A_WORDS-1:0][LANES-1:0][31:0] a_now, a;
       logic [B_WORDS-1:0][LANES-1:0][31:0] b_now, b;
       logic [LANES-1:0][31:0] t_pipe;
-      assign mine = valid_i && (ONE || pass_pair == pairs_pkg::PAIR_BITS'(p));
-      clock_gate gate (.clk_i, .enable_i(mine), .clk_o(clk));
+      assign selected = valid_i && (ONE || pass_pair == pairs_pkg::PAIR_BITS'(p));
+      clock_gate gate (.clk_i, .enable_i(selected), .clk_o(clk));
       always_ff @(posedge clk) {a, b} <= {a_now, b_now};
       for (genvar l = 0; l < LANES; l++) begin : lane
         for (genvar w = 0; w < A_WORDS; w++) begin : a_word
@@ -146,17 +146,17 @@ module leaf_pairs #(
     // The pipe's latency, as the pipe reports it: asserted below.
     localparam int T_PAIR =
         ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? `DF_MAX2(T_IN_BOX, T_INSIDE) : T_IN_BOX) + 1;
-    align #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) align_pair (
+    pipe_delay #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) delay_pair (
         .clk_i, .d_i({f_of[RAY], t_of[RAY], point_of[RAY][2:0]}), .q_o({f, t, point_o[2:0]}));
     if (NORMALS != 0) begin : g_no_normals
       assign point_o[POINTS-1:POINTS-3] = '0;
     end
     assign key_o = '0;
-    align #(.W(AT), .TO(T_PAIR - 1)) align_soon (.clk_i, .d_i(at_q), .q_o(soon_o));
-    align #(.W(AT), .TO(1)) align_at (.clk_i, .d_i(soon_o), .q_o(at_o));
-    align #(.W(1 + LANES * 32), .TO(T_PAIR), .MEMORY(5)) align_index (
+    pipe_delay #(.W(AT), .TO(T_PAIR - 1)) delay_next (.clk_i, .d_i(at_q), .q_o(next_o));
+    pipe_delay #(.W(AT), .TO(1)) delay_at (.clk_i, .d_i(next_o), .q_o(at_o));
+    pipe_delay #(.W(1 + LANES * 32), .TO(T_PAIR), .MEMORY(5)) delay_index (
         .clk_i, .d_i({two_q, index_q}), .q_o({two, index_o}));
-    align_valid #(.TO(T_PAIR)) align_valid (.clk_i, .rst_i, .valid_i(taken_q), .valid_o(valid_o));
+    pipe_delay_valid #(.TO(T_PAIR)) delay_valid (.clk_i, .rst_i, .valid_i(taken_q), .valid_o(valid_o));
     logic unused_pair;
     assign unused_pair = &{1'b0, traversal_i, pass_pair};
 `ifndef SYNTHESIS
@@ -175,31 +175,31 @@ module leaf_pairs #(
     logic [RESULT-1:0] result;
     assign result = {f_of[of_pair], t_of[of_pair], key_of[of_pair], point_of[of_pair][POINTS-1:0]};
     logic [15:0] rest;  // cycles until the one before the result
-    logic soon;
-    logic [AT+32*LANES:0] soon_with;
+    logic next_valid;
+    logic [AT+32*LANES:0] next_entry;
     assign rest = latency_of[of_pair] - 1;
     issue_history #(.W(1 + AT + LANES * 32), .DEPTH(DEPTH)) history (
-        .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i({at_q, two_q, index_q}), .valid_o(soon),
-        .q_o(soon_with));
-    assign soon_o = soon_with[AT+32*LANES-:AT];
+        .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i({at_q, two_q, index_q}), .valid_o(next_valid),
+        .q_o(next_entry));
+    assign next_o = next_entry[AT+32*LANES-:AT];
     always_ff @(posedge clk_i) begin
-      valid_o <= soon && !rst_i;
-      {at_o, two, index_o} <= soon_with;
+      valid_o <= next_valid && !rst_i;
+      {at_o, two, index_o} <= next_entry;
     end
     if (ARITH == "rtl") begin : g_late
       assign {f, t, key_o, point_o} = result;
     end else begin : g_early
-      logic [RESULT-1:0] soon_result;
+      logic [RESULT-1:0] next_result;
       logic unused_valid;
       issue_history #(.W(RESULT), .DEPTH(DEPTH)) results (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(result), .valid_o(unused_valid),
-          .q_o(soon_result));
-      always_ff @(posedge clk_i) {f, t, key_o, point_o} <= soon_result;
+          .q_o(next_result));
+      always_ff @(posedge clk_i) {f, t, key_o, point_o} <= next_result;
     end
   end
   assign t_o = t;
-  for (genvar l = 0; l < LANES; l++) begin : there
-    assign there_o[l] = l == 0 || two;
-    assign f_o[l] = f[l][0] && there_o[l];
+  for (genvar l = 0; l < LANES; l++) begin : present
+    assign present_o[l] = l == 0 || two;
+    assign f_o[l] = f[l][0] && present_o[l];
   end
 endmodule

@@ -43,7 +43,7 @@ module leaf_reader #(
     input logic ddr_valid_i,
     input logic [BEAT-1:0][31:0] ddr_data_i,
     output logic [3:0] ddr_words_o,  // words of the beat that belong to a secondary
-    output logic owed_o,  // reads are outstanding, or will be by this cycle's request
+    output logic outstanding_o,  // reads are outstanding, or will be by this cycle's request
 
     // To the object table and the transformer, as in secondary_regfile.sv.
     output logic [OBJECT_W-1:0] transform_entry_o,  // object of the arriving secondary
@@ -65,8 +65,8 @@ module leaf_reader #(
   localparam int TAG_W = 1 + OBJECT_W + 32 + TAG;
 
   // ---- Slots, one per cycle: their secondaries ----
-  logic second_q, move, asked_q, last_q, beyond_q;  // second_q: the second secondary of a leaf is next
-  logic wide, half, half_q, taken, whole_asked;  // half: the second beat of a secondary is next
+  logic second_q, move, requested_q, last_q, beyond_q;  // second_q: the second secondary of a leaf is next
+  logic wide, half, half_q, taken, whole_requested;  // half: the second beat of a secondary is next
   if (WORDS > BEAT) begin : g_two_beats
     assign wide = 32'(words_i) > BEAT;
     assign half = wide && half_q != taken;
@@ -77,16 +77,16 @@ module leaf_reader #(
     assign unused_wide = wide;
   end
   assign taken = ddr_o.valid && ddr_ready_i;
-  assign whole_asked = taken && !half;
+  assign whole_requested = taken && !half;
   logic [31:0] slot, index, slot_q;
   logic [1:0] corrected, failed;
   logic [TAG-1:0] tag_q;
   assign slot = second_q ? slot_q + 1 : 32'(slot_i);
-  assign move = !asked_q || whole_asked;
+  assign move = !requested_q || whole_requested;
   assign ready_o = move && !second_q;
   always_ff @(posedge clk_i) begin
     if (move) begin
-      asked_q <= valid_i || second_q;
+      requested_q <= valid_i || second_q;
       if (!second_q) tag_q <= tag_i;
       last_q <= second_q || !tag_i[0];
       second_q <= !second_q && valid_i && tag_i[0];
@@ -94,7 +94,7 @@ module leaf_reader #(
       beyond_q <= slot >= slots_i;
     end
     if (rst_i || clear_i) second_q <= 1'b0;
-    if (rst_i || (clear_i && !half)) asked_q <= 1'b0;  // never between the two beats of a secondary
+    if (rst_i || (clear_i && !half)) requested_q <= 1'b0;  // never between the two beats of a secondary
   end
   logic write_objects;
   assign write_objects = OBJECTS != 0 && addr_i[2+SW];
@@ -104,7 +104,7 @@ module leaf_reader #(
   logic [31:0] object;
   logic no_object;
   if (OBJECTS != 0) begin : g_objects
-    slot_memory #(.SLOTS(SLOTS), .ECC(ECC)) whose (
+    slot_memory #(.SLOTS(SLOTS), .ECC(ECC)) slot_objects (
         .clk_bus_i, .write_i(write_i && write_objects), .addr_i, .data_i, .flip_i, .clk_i, .read_i(move),
         .slot_i(slot[SW-1:0]), .word_o(object), .corrected_o(corrected[1]), .failed_o(failed[1]));
     assign no_object = objects_i != 0 && object >= objects_i;
@@ -114,24 +114,24 @@ module leaf_reader #(
     logic unused;
     assign unused = &{1'b0, objects_i, addr_i, object};
   end
-  assign corrected_o = corrected & {2{whole_asked}};
-  assign fault_o = asked_q && (beyond_q || failed != 0 || index >= secondaries_i || no_object);
+  assign corrected_o = corrected & {2{whole_requested}};
+  assign fault_o = requested_q && (beyond_q || failed != 0 || index >= secondaries_i || no_object);
   assign fault_kind_o = beyond_q ? registers_pkg::NODE_FAULT_SLOT :
       (failed != 0) ? registers_pkg::NODE_FAULT_SLOT_BITS :
       no_object ? registers_pkg::NODE_FAULT_OBJECT : registers_pkg::NODE_FAULT_INDEX;
   assign fault_place_o = slot_q;
 
   // ---- Secondaries requested or being transformed ----
-  logic [DW:0] owed, write_q, read_q;
+  logic [DW:0] outstanding, write_q, read_q;
   logic last, valid;
   logic [31:0] index_now;
   logic [TAG-1:0] tag;
   logic [OBJECT_W-1:0] unused_object;
   logic [TAG_W-1:0] tags[DEPTH];
-  assign ddr_o.valid = asked_q && !fault_o && (half_q || owed != (DW + 1)'(DEPTH));
+  assign ddr_o.valid = requested_q && !fault_o && (half_q || outstanding != (DW + 1)'(DEPTH));
   assign ddr_o.word = index * 32'(words_i) + (half_q ? BEAT : 0);
-  assign owed = write_q - read_q;
-  assign owed_o = owed != 0 || ddr_o.valid;  // includes this cycle's request
+  assign outstanding = write_q - read_q;
+  assign outstanding_o = outstanding != 0 || ddr_o.valid;  // includes this cycle's request
   always_ff @(posedge clk_i) begin
     if (taken && !half_q) begin
       tags[write_q[DW-1:0]] <= {last_q, object[OBJECT_W-1:0], index, tag_q};
@@ -147,14 +147,14 @@ module leaf_reader #(
   logic [WORDS-1:0][31:0] arrived;
   if (WORDS > BEAT) begin : g_two
     logic [BEAT-1:0][31:0] low_q;
-    logic low_there_q;
+    logic low_valid_q;
     always_ff @(posedge clk_i) begin
       if (ddr_valid_i) low_q <= ddr_data_i;
-      low_there_q <= !rst_i && wide && (low_there_q != ddr_valid_i);
+      low_valid_q <= !rst_i && wide && (low_valid_q != ddr_valid_i);
     end
-    assign whole = ddr_valid_i && wide == low_there_q;
+    assign whole = ddr_valid_i && wide == low_valid_q;
     assign arrived = wide ? {ddr_data_i[WORDS-BEAT-1:0], low_q} : (WORDS * 32)'(ddr_data_i);
-    assign ddr_words_o = !wide ? 4'(words_i) : low_there_q ? 4'(32'(words_i) - BEAT) : 4'(BEAT);
+    assign ddr_words_o = !wide ? 4'(words_i) : low_valid_q ? 4'(32'(words_i) - BEAT) : 4'(BEAT);
   end else begin : g_one
     assign whole = ddr_valid_i;
     assign arrived = ddr_data_i;
@@ -180,7 +180,7 @@ module leaf_reader #(
     assign unmoved_o = unmoved_q;
     // The host back end computes in the cycle after the register.
     assign moving_o = (ARITH == "rtl") ? in_flight[T_MOVED-1:0] != '0 : whole;
-    align #(.W(WORDS * 32), .FROM((ARITH == "rtl") ? T_MOVED : 1), .TO(T_MOVED)) align_moved (
+    pipe_delay #(.W(WORDS * 32), .FROM((ARITH == "rtl") ? T_MOVED : 1), .TO(T_MOVED)) delay_moved (
         .clk_i, .d_i(moved_i), .q_o(moved));
   end else begin : g_as_they_are
     assign valid = whole;
@@ -208,6 +208,6 @@ module leaf_reader #(
 
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
-    if (!rst_i) assert (!(ddr_valid_i && owed == 0)) else $error("leaf_reader: data without a request");
+    if (!rst_i) assert (!(ddr_valid_i && outstanding == 0)) else $error("leaf_reader: data without a request");
 `endif
 endmodule

@@ -15,7 +15,7 @@ module ray_front #(
     input logic clk_i,
     input logic [5:0][LANES-1:0][CW-1:0] a_i,     // ray: o x y z, d x y z
     input logic [6:0][LANES-1:0][CW-1:0] root_i,  // root: lower corner x y z, upper corner x y z, 16 u W
-    output logic [8:0][LANES-1:0][CW-1:0] r_o     // o + M x y z, o - M, 1 / d, whose sign is that of d
+    output logic [8:0][LANES-1:0][CW-1:0] r_o     // o + M x y z, o - M, 1 / d with the sign of d
 );
   /*verilator inline_module*/
   if (EXP != 8 || MAN != 23) $error("ray_front: the format must be fp32");

@@ -60,16 +60,16 @@ module ray_queue #(
   assign taken_o = next_q;
 
   // ---- At most as many primaries are under way as the queue has places ----
-  logic ask, asked_q, checked;
+  logic request, requested_q, checked;
   logic [31:0] number_q, number;
   logic [WORDS-1:0][31:0] ray_q, ray;
-  assign ask = next_q != provided_i && places_q != 0;
+  assign request = next_q != provided_i && places_q != 0;
   always_ff @(posedge clk_i) begin
     ray_q <= place;
     number_q <= next_q;
-    asked_q <= ask && !rst_i;
-    if (ask) next_q <= next_q + 1;
-    places_q <= places_q + (DW + 1)'(pop_i) - (DW + 1)'(ask);
+    requested_q <= request && !rst_i;
+    if (request) next_q <= next_q + 1;
+    places_q <= places_q + (DW + 1)'(pop_i) - (DW + 1)'(request);
     if (rst_i) begin
       next_q <= '0;
       places_q <= (DW + 1)'(DEPTH);
@@ -80,7 +80,7 @@ module ray_queue #(
   logic [pairs_pkg::SHAPES-1:0] bad_of;
   logic bad;
   for (genvar s = 0; s < pairs_pkg::SHAPES; s++) begin : shape
-    if (bvh_pkg::has_traverser(TRAVERSALS, s)) begin : g_there
+    if (bvh_pkg::has_traverser(TRAVERSALS, s)) begin : g_present
       localparam int P_WORDS = pairs_pkg::shape_words(s);
       logic [P_WORDS-1:0][0:0][31:0] words;
       logic [0:0][31:0] bad_now;
@@ -88,8 +88,8 @@ module ray_queue #(
       shape_check #(
           .SHAPE(s), .EXP(CONFIG.exp), .MAN(CONFIG.man), .LAT(CONFIG.lat), .ARITH(ARITH)
       ) contract (
-          .clk_i, .on_i(1'b1), .words_i(words), .bad_o(bad_now));
-      align #(.W(1), .FROM(ARITH == "rtl" ? T_CHECK : 0), .TO(T_CHECK)) align_bad (
+          .clk_i, .en_i(1'b1), .words_i(words), .bad_o(bad_now));
+      pipe_delay #(.W(1), .FROM(ARITH == "rtl" ? T_CHECK : 0), .TO(T_CHECK)) delay_bad (
           .clk_i, .d_i(bad_now[0][0]), .q_o(bad_of[s]));
       logic unused_mask;
       assign unused_mask = &{1'b0, bad_now};
@@ -99,10 +99,10 @@ module ray_queue #(
   end
   assign bad = ((TRAVERSALS & (TRAVERSALS - 1)) == 0) ? bad_of != '0 :
       bad_of[bvh_pkg::traverser_shape(int'(traversal_i))];
-  align #(.W((1 + WORDS) * 32), .TO(T_CHECK)) align_ray (.clk_i, .d_i({number_q, ray_q}), .q_o({number, ray}));
-  align_valid #(.TO(T_CHECK)) align_asked (.clk_i, .rst_i, .valid_i(asked_q), .valid_o(checked));
+  pipe_delay #(.W((1 + WORDS) * 32), .TO(T_CHECK)) delay_ray (.clk_i, .d_i({number_q, ray_q}), .q_o({number, ray}));
+  pipe_delay_valid #(.TO(T_CHECK)) delay_requested (.clk_i, .rst_i, .valid_i(requested_q), .valid_o(checked));
   sync_fifo #(.W(1 + (1 + WORDS) * 32), .DEPTH(DEPTH)) queue (
-      .clk_i, .rst_i, .write_i(checked), .wdata_i({bad, number, ray}), .room_o(), .count_o(queue_count),
+      .clk_i, .rst_i, .write_i(checked), .wdata_i({bad, number, ray}), .free_o(), .count_o(queue_count),
       .rdata_o({bad_o, number_o, ray_o}), .read_i(pop_i));
   assign valid_o = queue_count != 0;
 endmodule

@@ -12,7 +12,7 @@
 // first in the order of the work. Nodes from that triangle's own node to the root keep their words, and the others are
 // new. The ray front takes the root's box as its words say (box_of() there).
 // When done_o is high, every request has been answered. After a reset, no answer to an earlier request may come.
-// Latency: that of the traversal of all nodes.
+// Latency: the traversal of all nodes.
 // Throughput: one child per cycle, and one more cycle per node.
 // Stall: fetch_ready_i.
 module refit #(
@@ -54,7 +54,7 @@ module refit #(
   // ---- Start and end ----
   logic busy_q, done_q, bad_q, over;
   logic [PLACE-1:0] written_q;  // this node and those after it have been written
-  logic [CX+3:0] asked_q;       // outstanding leaves
+  logic [CX+3:0] outstanding_q;  // outstanding leaves
   logic [7:0] recent_q;         // activity in the last cycles: longer than any of the pipes
   assign over = busy_q && (bad_q ? recent_q == '0 : written_q == first_node_i);
   always_ff @(posedge clk_i) begin
@@ -62,8 +62,8 @@ module refit #(
     else if (over) busy_q <= 1'b0;
     done_q <= over;
     if (rst_i) {busy_q, done_q} <= '0;
-    asked_q <= asked_q + (CX+4)'(fetch_valid_o && fetch_ready_i) - (CX+4)'(fetched_valid_i);
-    if (rst_i) asked_q <= '0;
+    outstanding_q <= outstanding_q + (CX+4)'(fetch_valid_o && fetch_ready_i) - (CX+4)'(fetched_valid_i);
+    if (rst_i) outstanding_q <= '0;
   end
   assign busy_o = busy_q;
   assign done_o = done_q;
@@ -80,7 +80,8 @@ module refit #(
   assign head = head_q[CX-1:0];
   refit_traversal #(.CX(CX)) traversal (
       .clk_i, .rst_i, .start_i, .stop_i(bad_q), .first_i(first_node_i), .count_i(node_count_i), .written_i(written_q),
-      .room_i(tail_q - head_q != (CX+1)'(CONTEXTS)), .context_i(tail_q[CX-1:0]), .open_o(open), .header_o(header),
+      .context_free_i(tail_q - head_q != (CX+1)'(CONTEXTS)), .context_i(tail_q[CX-1:0]), .open_o(open),
+      .header_o(header),
       .read_o, .read_at_o, .node_i(node_i[5:3]), .child_o(child_read), .child_at_o(child_at), .fetch_valid_o,
       .fetch_ready_i, .fetch_slot_o, .fetch_two_o(two));
   assign fetch_tag_o = {child_at, two};
@@ -98,10 +99,10 @@ module refit #(
   end
   refit_leaf leaf (.clk_i, .two_i(fetched_two_q), .triangles_i(fetched_words_q), .box_o(new_leaf), .bad_o(new_bad));
   refit_node node (.clk_i, .node_i, .box_o(new_node));
-  align_valid #(.FROM(1), .TO(T_LEAF)) align_leaf (.clk_i, .rst_i, .valid_i(fetched_q), .valid_o(leaf_valid));
-  align_valid #(.TO(T_NODE)) align_node (.clk_i, .rst_i, .valid_i(child_read), .valid_o(node_valid));
-  align #(.W(CX + 3), .FROM(1), .TO(T_LEAF)) align_leaf_at (.clk_i, .d_i(fetched_at_q), .q_o(leaf_at));
-  align #(.W(CX + 3), .TO(T_NODE)) align_node_at (.clk_i, .d_i(child_at), .q_o(node_at));
+  pipe_delay_valid #(.FROM(1), .TO(T_LEAF)) delay_leaf (.clk_i, .rst_i, .valid_i(fetched_q), .valid_o(leaf_valid));
+  pipe_delay_valid #(.TO(T_NODE)) delay_node (.clk_i, .rst_i, .valid_i(child_read), .valid_o(node_valid));
+  pipe_delay #(.W(CX + 3), .FROM(1), .TO(T_LEAF)) delay_leaf_at (.clk_i, .d_i(fetched_at_q), .q_o(leaf_at));
+  pipe_delay #(.W(CX + 3), .TO(T_NODE)) delay_node_at (.clk_i, .d_i(child_at), .q_o(node_at));
   refit_boxes #(.CONTEXTS(CONTEXTS), .FLAGS(2)) leaves (
       .clk_i, .open_i(open), .open_context_i(tail_q[CX-1:0]), .write_i(leaf_valid), .write_at_i(leaf_at),
       .box_i(new_leaf), .flags_i(new_bad), .read_at_i(box_at), .box_o(leaf_box), .flags_o(leaf_bad), .some_o(leaf_some),
@@ -189,7 +190,7 @@ module refit #(
     if (start_i) written_q <= node_count_i;
   end
   always_ff @(posedge clk_i)
-    recent_q <= rst_i ? '0 : {recent_q[6:0], first || step || child_read || fetched_valid_i || asked_q != '0};
+    recent_q <= rst_i ? '0 : {recent_q[6:0], first || step || child_read || fetched_valid_i || outstanding_q != '0};
 
   logic unused;
   assign unused = &{1'b0, first_node, unused_flag, unused_any};
@@ -198,7 +199,7 @@ module refit #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(start_i && busy_q)) else $error("refit: started while busy");
-      assert (!(fetched_valid_i && asked_q == '0)) else $error("refit: answer without a request");
+      assert (!(fetched_valid_i && outstanding_q == '0)) else $error("refit: answer without a request");
     end
 `endif
 endmodule

@@ -38,9 +38,9 @@ module refit_encode (
   logic [2:0] child;
   logic [PLACE-1:0] slot, node;
   logic [15:0] kinds;
-  align_valid #(.TO(T_AXIS)) align_box (.clk_i, .rst_i, .valid_i(valid_0), .valid_o(valid));
-  align #(.W(5), .TO(T_AXIS)) align_which (.clk_i, .d_i({first_0, last_0, child_0}), .q_o({first, last, child}));
-  align #(.W(72), .TO(T_AXIS)) align_header (.clk_i, .d_i(header_0), .q_o({slot, node, kinds}));
+  pipe_delay_valid #(.TO(T_AXIS)) delay_box (.clk_i, .rst_i, .valid_i(valid_0), .valid_o(valid));
+  pipe_delay #(.W(5), .TO(T_AXIS)) delay_which (.clk_i, .d_i({first_0, last_0, child_0}), .q_o({first, last, child}));
+  pipe_delay #(.W(72), .TO(T_AXIS)) delay_header (.clk_i, .d_i(header_0), .q_o({slot, node, kinds}));
 
   // ---- Words ----
   logic [2:0][CHILDREN-1:0][7:0] lower_q, upper_q;

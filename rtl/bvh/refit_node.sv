@@ -27,6 +27,6 @@ module refit_node (
     end
     always_ff @(posedge clk_i) {most_1, exponent_1, origin_1} <= {most, node_i[3][8*k+:8], node_i[k]};
     refit_upper corner (.clk_i, .origin_i(origin_1), .exponent_i(exponent_1), .byte_i(most_1), .upper_o(box_o[3+k]));
-    align #(.W(32), .TO(4)) align_lower (.clk_i, .d_i(ordered(origin_1)), .q_o(box_o[k]));
+    pipe_delay #(.W(32), .TO(4)) delay_lower (.clk_i, .d_i(ordered(origin_1)), .q_o(box_o[k]));
   end
 endmodule

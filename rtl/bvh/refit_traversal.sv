@@ -4,7 +4,7 @@
 // child read.
 // Latency: 3 cycles to the first child.
 // Throughput: one child per cycle.
-// Stall: fetch_ready_i, room_i, written_i.
+// Stall: fetch_ready_i, context_free_i, written_i.
 module refit_traversal #(
     parameter int CX = 3,  // bits of a context's number, >= 1
     localparam int HEADER = 2 * bvh_pkg::PLACE + 16
@@ -17,7 +17,7 @@ module refit_traversal #(
     input logic [bvh_pkg::PLACE-1:0] count_i,
     input logic [bvh_pkg::PLACE-1:0] written_i,  // this node and those after it have been written
     // Contexts.
-    input logic room_i,
+    input logic context_free_i,
     input logic [CX-1:0] context_i,  // the next free context
     output logic open_o,
     output logic [HEADER-1:0] header_o,  // of the node that opens the context: first slot, first node, kinds
@@ -36,19 +36,19 @@ module refit_traversal #(
   import bvh_pkg::*;
 
   // ---- The next node's words ----
-  logic [PLACE-1:0] left_q;  // nodes not read yet
+  logic [PLACE-1:0] remaining_q;  // nodes not read yet
   logic due_q, header_q, read_header;
   logic [HEADER-1:0] words_q;
   always_ff @(posedge clk_i) begin
     due_q <= read_header;
-    if (read_header) left_q <= left_q - 1;
+    if (read_header) remaining_q <= remaining_q - 1;
     if (open_o) header_q <= 1'b0;
     if (due_q) begin
       header_q <= 1'b1;
       words_q <= {node_i[5][PLACE-1:0], node_i[4][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
     end
-    if (rst_i || stop_i) {due_q, header_q, left_q} <= '0;
-    if (start_i) left_q <= count_i - first_i;
+    if (rst_i || stop_i) {due_q, header_q, remaining_q} <= '0;
+    if (start_i) remaining_q <= count_i - first_i;
   end
 
   // ---- Children of the open node, from the first on ----
@@ -70,7 +70,7 @@ module refit_traversal #(
   assign fetch_two_o = kinds_q[child] == KIND_TWO;
   assign taken = read_child || (fetch_valid_o && fetch_ready_i);
   assign last = taken && (rest_q & (rest_q - 1)) == '0;
-  assign open_o = header_q && room_i && (rest_q == '0 || last) && !stop_i;
+  assign open_o = header_q && context_free_i && (rest_q == '0 || last) && !stop_i;
   assign header_o = words_q;
   always_ff @(posedge clk_i) begin
     if (taken) begin
@@ -87,9 +87,9 @@ module refit_traversal #(
   end
 
   // ---- Node reads ----
-  assign read_header = !read_child && left_q != '0 && !due_q && (!header_q || open_o);
+  assign read_header = !read_child && remaining_q != '0 && !due_q && (!header_q || open_o);
   assign read_o = read_child || read_header;
-  assign read_at_o = read_child ? node_q : first_i + left_q - 1;
+  assign read_at_o = read_child ? node_q : first_i + remaining_q - 1;
   assign child_o = read_child;
   assign child_at_o = {context_q, child};
 endmodule

@@ -10,7 +10,7 @@
 //               records <----+  +------------------------------------------------------------------------+
 //
 // A new primary needs a free context (ray_ready_o). A fetched leaf returns with the tag of its request.
-// Latency: that of the traversal.
+// Latency: depends on the nodes and leaves visited.
 // Throughput: UNITS nodes, one leaf, one primary and one record per cycle.
 // Stall: ray_ready_o, fetch_ready_i, record_ready_i.
 `include "bvh.svh"
@@ -109,7 +109,7 @@ module traversal #(
   logic take, keep_valid, record_read;
   logic [CX-1:0] done;
   sync_fifo #(.W(CX), .DEPTH(CONTEXTS)) queue_free (
-      .clk_i, .rst_i, .write_i(record_read), .wdata_i(done), .room_o(), .count_o(free_count), .rdata_o(free),
+      .clk_i, .rst_i, .write_i(record_read), .wdata_i(done), .free_o(), .count_o(free_count), .rdata_o(free),
       .read_i(take && fresh_q[CX]));
   assign taken = fresh_q[CX] ? free : fresh_q[CX-1:0];
   assign ray_ready_o = (!fresh_q[CX] || free_count != 0) && !keep_valid;
@@ -145,7 +145,7 @@ module traversal #(
   logic [$clog2(FRONTS)-1:0] kind;
   assign kind = ($clog2(FRONTS))'(front_kind(int'(traversal_i)));
   for (genvar k = 0; k < FRONTS; k++) begin : front_of
-    if (has_front(TRAVERSALS, k)) begin : g_there
+    if (has_front(TRAVERSALS, k)) begin : g_present
       localparam int F_WORDS = ray_front_kind(k) ? 6 : pairs_pkg::shape_words(k);
       localparam int T_OWN = t_front_of(k);
       // The host back end computes in the second cycle. It has its own clock, so without a primary it computes nothing.
@@ -170,14 +170,14 @@ module traversal #(
         ) of_solid (
             .clk_i, .a_i(words[F_WORDS-1:0]), .root_i(words[F_WORDS+:7]), .r_o(now));
       end
-      align #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) align_front (.clk_i, .d_i(now), .q_o(fronts[k]));
+      pipe_delay #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) delay_front (.clk_i, .d_i(now), .q_o(fronts[k]));
     end else begin : g_absent
       assign fronts[k] = '0;
     end
   end
   assign front = ONE ? fronts[front_kind($clog2(TRAVERSALS))] : fronts[kind];
-  align #(.W(CX), .TO(T_FRONT)) align_taken (.clk_i, .d_i(taken), .q_o(front_context));
-  align_valid #(.TO(T_FRONT)) align_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
+  pipe_delay #(.W(CX), .TO(T_FRONT)) delay_taken (.clk_i, .d_i(taken), .q_o(front_context));
+  pipe_delay_valid #(.TO(T_FRONT)) delay_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
 
   // ---- Banks ----
   logic [UNITS-1:0] leaf_valid, leaf_ready, done_valid, done_ready, reads;
@@ -208,33 +208,35 @@ module traversal #(
         .visits_o(reads[u]), .level_o(levels[u]), .fault_o(faults[u]), .fault_place_o(fault_places[u]));
   end
   // Round-robin arbiter of the banks.
-  logic [UNITS-1:0] leaf_from, done_from;
-  turns #(.N(UNITS)) leaf_turns (.clk_i, .rst_i, .some_i(leaf_valid), .taken_i(fetch_ready_i), .from_o(leaf_from));
-  turns #(.N(UNITS)) done_turns (.clk_i, .rst_i, .some_i(done_valid), .taken_i(record_ready_i), .from_o(done_from));
+  logic [UNITS-1:0] leaf_grant, done_grant;
+  rr_arbiter #(.N(UNITS)) leaf_arbiter (
+      .clk_i, .rst_i, .request_i(leaf_valid), .taken_i(fetch_ready_i), .grant_o(leaf_grant));
+  rr_arbiter #(.N(UNITS)) done_arbiter (
+      .clk_i, .rst_i, .request_i(done_valid), .taken_i(record_ready_i), .grant_o(done_grant));
 
   // ---- Leaves ----
   visit_t leaves;
   always_comb begin
     leaves = '0;
-    for (int u = 0; u < UNITS; u++) if (leaf_from[u]) leaves = leaf[u];
+    for (int u = 0; u < UNITS; u++) if (leaf_grant[u]) leaves = leaf[u];
   end
   assign fetch_valid_o = leaf_valid != '0;
   assign fetch_slot_o = leaves.place;
   assign fetch_tag_o = {leaves.at, leaves.two};
-  assign leaf_ready = leaf_from & {UNITS{fetch_ready_i}};
+  assign leaf_ready = leaf_grant & {UNITS{fetch_ready_i}};
   logic [1:0] tested_now;
-  logic [LANES-1:0] f, there;
+  logic [LANES-1:0] f, present;
   logic [LANES-1:0][31:0] t, key, index;
   logic [POINTS-1:0][LANES-1:0][31:0] point;
-  at_t keep_at_soon;
-  logic unused_soon;
-  assign unused_soon = &{1'b0, keep_at_soon.level, keep_at_soon.fresh};
+  at_t keep_at_next;
+  logic unused_next;
+  assign unused_next = &{1'b0, keep_at_next.level, keep_at_next.fresh};
   leaf_pairs #(
       .TRAVERSALS(TRAVERSALS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT(LAT), .ARITH(ARITH)
   ) pairs (
       .clk_i, .rst_i, .traversal_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
       .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .secondaries_i(fetched_i), .index_i, .tested_o(tested_now),
-      .soon_o(keep_at_soon), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .there_o(there), .t_o(t), .key_o(key),
+      .next_o(keep_at_next), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .present_o(present), .t_o(t), .key_o(key),
       .point_o(point), .index_o(index));
 
   // ---- The better of the best result so far and the new ones ----
@@ -250,7 +252,7 @@ module traversal #(
   endfunction
   // For solids, the least distance counts, whether they meet or not.
   logic [LANES-1:0] counts;
-  assign counts = (is_solid && goal_i == GOAL_NEAREST) ? there : f;
+  assign counts = (is_solid && goal_i == GOAL_NEAREST) ? present : f;
   logic improved;
   logic [31:0] best_key;
   always_comb begin
@@ -270,9 +272,9 @@ module traversal #(
   end
   // If a context runs ahead of its leaves, its leaves can follow each other directly.
   logic again;
-  assign again = keep_valid && keep_at.context_ == keep_at_soon.context_;
-  always_ff @(posedge clk_i) best_q <= again ? best : bests[keep_at_soon.context_];
-  always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_soon.context_];
+  assign again = keep_valid && keep_at.context_ == keep_at_next.context_;
+  always_ff @(posedge clk_i) best_q <= again ? best : bests[keep_at_next.context_];
+  always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_next.context_];
   assign tested_o = keep_valid;
   assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
   for (genvar l = 0; l < LANES; l++) begin : hit
@@ -281,7 +283,7 @@ module traversal #(
   assign hit_point_o = point;
   assign hit_index_o = index;
   // A hit shrinks the T interval, and an occlusion query stops at its first hit. For solids, the interval is of keys up
-  // to that of the best distance (node_distances.sv), without a lower bound.
+  // to the key of the best distance (node_distances.sv), without a lower bound.
   always_comb begin
     interval_write = {2{take}};
     interval_context = taken;
@@ -303,10 +305,10 @@ module traversal #(
   // ---- Records ----
   always_comb begin
     done = '0;
-    for (int u = 0; u < UNITS; u++) if (done_from[u]) done = dones[u];
+    for (int u = 0; u < UNITS; u++) if (done_grant[u]) done = dones[u];
   end
   assign record_valid_o = done_valid != '0;
-  assign done_ready = done_from & {UNITS{record_ready_i}};
+  assign done_ready = done_grant & {UNITS{record_ready_i}};
   assign record_read = record_valid_o && record_ready_i;
   assign number_o = numbers[done];
   best_t answer;

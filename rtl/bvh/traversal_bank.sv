@@ -66,7 +66,7 @@ module traversal_bank #(
     logic NAME``_write, NAME``_read, NAME``_some; TYPE NAME``_in, NAME; logic [CB:0] NAME``_count; \
     assign NAME``_some = NAME``_count != 0; \
     sync_fifo #(.W($bits(TYPE)), .DEPTH(CONTEXTS)) queue_``NAME ( \
-        .clk_i, .rst_i, .write_i(NAME``_write), .wdata_i(NAME``_in), .room_o(), .count_o(NAME``_count), \
+        .clk_i, .rst_i, .write_i(NAME``_write), .wdata_i(NAME``_in), .free_o(), .count_o(NAME``_count), \
         .rdata_o(NAME), .read_i(NAME``_read));
   `CDE_QUEUE(started, logic [CX-1:0])
   `CDE_QUEUE(nearer, visit_t)   // nodes to read: first children, and others
@@ -125,8 +125,8 @@ module traversal_bank #(
   ) unit (
       .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .solid_i,
       .node_i, .group_o(group));
-  align #(.W($bits(at_t)), .TO(T_UNIT)) align_visit (.clk_i, .d_i(visit_q), .q_o(met_at));
-  align_valid #(.TO(T_UNIT)) align_valid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(group_valid));
+  pipe_delay #(.W($bits(at_t)), .TO(T_UNIT)) delay_visit (.clk_i, .d_i(visit_q), .q_o(met_at));
+  pipe_delay_valid #(.TO(T_UNIT)) delay_valid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(group_valid));
 
   logic group_some, group_push, first_is_node;
   at_t group_at;

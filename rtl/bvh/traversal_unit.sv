@@ -28,11 +28,11 @@ module traversal_unit #(
   localparam int T_BOXES = T_UNIT - 2;
 
   // A group holds the node's words (places and kinds) and the result: the number of hit children, their order and keys.
-  localparam int SAID = 2 * PLACE + 2 * CHILDREN;
-  localparam int FOUND = $bits(group_t) - SAID;
-  logic [SAID-1:0] said;
+  localparam int LINKS = 2 * PLACE + 2 * CHILDREN;
+  localparam int FOUND = $bits(group_t) - LINKS;
+  logic [LINKS-1:0] links;
   logic [FOUND-1:0] found;
-  assign said = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
+  assign links = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
 `ifdef VERILATOR
   if (ARITH != "rtl") begin : g_host
     // One function, so the compiler sees it three times and computes it once. Its operands are local variables of the
@@ -64,7 +64,7 @@ module traversal_unit #(
     assign low = `CDE_VISIT($c64, "low");
     assign high = `CDE_VISIT($c64, "high");
     assign {unused, found} = {order, high, low};
-    align #(.W($bits(group_t)), .TO(T_UNIT), .MEMORY(5)) align_group (.clk_i, .d_i({said, found}), .q_o(group_o));
+    pipe_delay #(.W($bits(group_t)), .TO(T_UNIT), .MEMORY(5)) delay_group (.clk_i, .d_i({links, found}), .q_o(group_o));
     `undef CDE_EIGHT
     `undef CDE_VISIT
   end
@@ -85,7 +85,7 @@ module traversal_unit #(
           .ARITH(ARITH)
       ) solid_keys (
           .clk_i, .near_i(near_axis), .far_i(far_axis), .key_o(key));
-      align #(.W(2 * CHILDREN * 32), .FROM(`NODE_T_BOXES), .TO(T_BOXES)) align_near (
+      pipe_delay #(.W(2 * CHILDREN * 32), .FROM(`NODE_T_BOXES), .TO(T_BOXES)) delay_near (
           .clk_i, .d_i({near, far}), .q_o({near_then, far_then}));
       assign near_late = is_solid ? key : near_then;
       assign far_late = is_solid ? {CHILDREN{INFINITE}} : far_then;
@@ -94,18 +94,18 @@ module traversal_unit #(
       logic unused_axes;
       assign unused_axes = &{1'b0, near_axis, far_axis, is_solid};
     end
-    logic [SAID-1:0] said_boxes, said_late;
+    logic [LINKS-1:0] links_boxes, links_late;
     logic [FOUND-1:0] found_q;
     logic [31:0] from, to;
     logic down;
-    align #(.W(SAID), .TO(T_BOXES)) align_said (.clk_i, .d_i(said), .q_o(said_boxes));
-    align #(.W(SAID), .FROM(T_BOXES), .TO(T_UNIT)) align_late (.clk_i, .d_i(said_boxes), .q_o(said_late));
-    align #(.W(66), .TO(T_BOXES)) align_interval (
+    pipe_delay #(.W(LINKS), .TO(T_BOXES)) delay_links (.clk_i, .d_i(links), .q_o(links_boxes));
+    pipe_delay #(.W(LINKS), .FROM(T_BOXES), .TO(T_UNIT)) delay_late (.clk_i, .d_i(links_boxes), .q_o(links_late));
+    pipe_delay #(.W(66), .TO(T_BOXES)) delay_interval (
         .clk_i, .d_i({solid_i, farthest_i, limit_i, floor_i}), .q_o({is_solid, down, to, from}));
     node_order ordering (
-        .clk_i, .near_i(near_late), .far_i(far_late), .kinds_i(said_boxes[2*CHILDREN-1:0]), .floor_i(from),
+        .clk_i, .near_i(near_late), .far_i(far_late), .kinds_i(links_boxes[2*CHILDREN-1:0]), .floor_i(from),
         .limit_i(to), .farthest_i(down), .found_o(found));
     always_ff @(posedge clk_i) found_q <= found;
-    assign group_o = {said_late, found_q};
+    assign group_o = {links_late, found_q};
   end
 endmodule

@@ -22,8 +22,8 @@
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected.
 //   LAT_*         Cycles of the operators; in the structure `lat`.
 //   ARITH         Gates ("rtl") or the simulating processor's arithmetic ("host"); field `host`, 0 or 1.
-//   DDR_SLOTS     Beats of DDR; the default is that of two 1 GB modules of 36-byte beats.
-//   SRAM_RECORDS  Records of SRAM, a power of two. The default is that of seven 2 MB chips, one per word of a record.
+//   DDR_SLOTS     Beats of DDR; the default fits two 1 GB modules of 36-byte beats.
+//   SRAM_RECORDS  Records of SRAM, a power of two. The default fits seven 2 MB chips, one per word of a record.
 //   CONFIG_HASH   Hash of parameters and RTL sources.
 `ifndef CDE_CONFIG_SVH
 `define CDE_CONFIG_SVH

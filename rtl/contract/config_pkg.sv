@@ -19,7 +19,7 @@ package config_pkg;
   localparam int FILTER_PAIRS = 1 << pairs_pkg::PAIR_SPHERE_SPHERE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB | 1 << pairs_pkg::PAIR_TRIANGLE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
-  // Pairs whose signed distance, with BOX, is at least that of their boxes (bounded_pipe.sv).
+  // Pairs whose signed distance, with BOX, is at least the distance of their boxes (bounded_pipe.sv).
   localparam int BOUND_PAIRS = 1 << pairs_pkg::PAIR_TRIANGLE_SPHERE | 1 << pairs_pkg::PAIR_TRIANGLE_AABB |
       1 << pairs_pkg::PAIR_TRIANGLE_OBB | 1 << pairs_pkg::PAIR_TRIANGLE_TRIANGLE | 1 << pairs_pkg::PAIR_SPHERE_OBB |
       1 << pairs_pkg::PAIR_OBB_OBB;
@@ -35,8 +35,8 @@ package config_pkg;
   function automatic int ordered_pairs(input config_t card);
     ordered_pairs = (card.pairs & pairs_pkg::ITERATIVE_PAIRS) | filter_pairs(card);
   endfunction
-  // A power of two above the latency of any pipe, except iterative pipelines. With certified filters, above that of
-  // narrow lanes, proof and wide pipe together.
+  // A power of two above the latency of any pipe, except iterative pipelines. With certified filters, above the
+  // latency of narrow lanes, proof and wide pipe together.
   function automatic int pipe_depth(input config_t card);
     int slowest;
     slowest = latency_pkg::mean(card.lat);

@@ -29,9 +29,9 @@ module engine_control #(
     output logic flush_o,  // aborted: rows in flight or waiting are dropped
     output logic streaming_mode_o,
 
-    input logic pose_wanted_i,  // primaries moved since they were last transformed
+    input logic pose_request_i,  // primaries moved since they were last transformed
     output logic pose_o,
-    input logic posed_i,
+    input logic pose_done_i,
 
     output logic clear_o,
     output logic [ROW_W-1:0] clear_row_o,
@@ -69,7 +69,7 @@ module engine_control #(
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
   logic enter, last_row, has_credit, all_hit;
-  logic [1:0] wanted;  // the pairs that have a row here
+  logic [1:0] has_row;  // the pairs that have a row here
 
   assign rows = (ROW_W + 1)'((32'(command_i.primaries) + 32'(LANES - 1)) / 32'(LANES));
   assign first_rows = (pair_o[1] == pairs_pkg::NO_PAIR) ? rows : (ROW_W + 1)'(32'(command_i.split) / 32'(LANES));
@@ -88,9 +88,9 @@ module engine_control #(
   assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == longer;
   assign has_credit = !streaming_mode_o || credits_q != 0;
   assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == 0;
-  assign wanted = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
-  assign enter = state_q == BRUTE_FORCE && secondary_valid_i && has_credit && (wanted & ~ready_i) == 0 && !stop_q;
-  assign issue_o.valid = wanted & {2{enter}};
+  assign has_row = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
+  assign enter = state_q == BRUTE_FORCE && secondary_valid_i && has_credit && (has_row & ~ready_i) == 0 && !stop_q;
+  assign issue_o.valid = has_row & {2{enter}};
   assign second_row = row_q + ROW_W'(first_rows);
   assign issue_o.row = {8'(second_row), 8'(row_q)};
   assign issue_o.parity = parity_q;
@@ -100,7 +100,7 @@ module engine_control #(
   assign bubble_o = state_q == BRUTE_FORCE && !secondary_valid_i && !stop_q;
   assign stall_o = state_q == BRUTE_FORCE && secondary_valid_i && !stop_q && !enter;
 
-  first_set #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
+  priority_encoder #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
   assign writeback_o.valid = state_q == WRITEBACK && pending_q != 0;
   assign writeback_o.primary = 8'(primary);
   assign writeback_o.parity = parity_q;
@@ -118,12 +118,12 @@ module engine_control #(
           // Options that the card lacks are constants here, and so is all that depends on them.
           pair_o <= {(CONFIG.parallel != 0) ? command_i.pair[1] : pairs_pkg::NO_PAIR, command_i.pair[0]};
           swap_o <= {2{CONFIG.swap != 0}} & command_i.swap;
-          state_q <= pose_wanted_i ? POSE : CLEAR;
+          state_q <= pose_request_i ? POSE : CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
           missing_q <= (PRIM_W + 1)'($countones(active_i));
         end
       end
-      POSE: if (posed_i) state_q <= CLEAR;
+      POSE: if (pose_done_i) state_q <= CLEAR;
       CLEAR: if (clear_o) begin
         stop_q <= 0;
         parity_q <= 0;

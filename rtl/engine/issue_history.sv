@@ -15,21 +15,21 @@ module issue_history #(
     output logic [W-1:0] q_o
 );
   localparam int AW = $clog2(DEPTH);
-  logic [AW-1:0] now_q, then_q;  // a registered address: a subtraction before the memory would be the critical path
+  logic [AW-1:0] write_q, read_q;  // a registered address: a subtraction before the memory would be the critical path
   logic [DEPTH-1:0] valid_mem;
   logic [W-1:0] mem[DEPTH];
-  assign valid_o = valid_mem[then_q];
-  assign q_o = mem[then_q];
+  assign valid_o = valid_mem[read_q];
+  assign q_o = mem[read_q];
   always_ff @(posedge clk_i) begin
-    valid_mem[then_q] <= 0;  // cleared when read, also if the latency grows between two passes
-    valid_mem[now_q] <= valid_i;
-    if (valid_i) mem[now_q] <= d_i;
-    now_q <= now_q + 1;
-    then_q <= now_q + 1 - AW'(latency_i);
+    valid_mem[read_q] <= 0;  // cleared when read, also if the latency grows between two passes
+    valid_mem[write_q] <= valid_i;
+    if (valid_i) mem[write_q] <= d_i;
+    write_q <= write_q + 1;
+    read_q <= write_q + 1 - AW'(latency_i);
     if (rst_i) begin
       valid_mem <= '0;
-      now_q <= '0;
-      then_q <= -AW'(latency_i);
+      write_q <= '0;
+      read_q <= -AW'(latency_i);
     end
   end
 `ifndef SYNTHESIS

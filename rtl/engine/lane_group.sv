@@ -2,8 +2,8 @@
 // LANES lanes of the collision detection engine, with their own part of the primary register file, the pipe, the update
 // engine and the output FIFO. Only control bits and single records leave a group. It is not inlined, so that all groups
 // run one function over objects that fit the first-level cache.
-// Latency: that of the pipe.
-// Throughput: that of the pipe, at most one row per cycle.
+// Latency: same as the pipe.
+// Throughput: same as the pipe, at most one row per cycle.
 // Stall: none.
 module lane_group #(
     parameter config_pkg::config_t CONFIG,
@@ -103,8 +103,8 @@ module lane_group #(
   assign unused_ordered = &{1'b0, rst_i, iterations_i, ordered_row_i, ordered_secondary_i, ordered_bad_i};
   logic [N_PAIRS-1:0] uncertain;
   if (FILTERED != 0) begin : g_filters
-    logic [LANES-1:0] asked_mem[ROWS];  // lanes with primaries in use
-    always_ff @(posedge clk_i) if (clear_i) asked_mem[clear_row_i] <= ~(clear_mask_i | clear_bad_i);
+    logic [LANES-1:0] requested_mem[ROWS];  // lanes with primaries in use
+    always_ff @(posedge clk_i) if (clear_i) requested_mem[clear_row_i] <= ~(clear_mask_i | clear_bad_i);
     logic prove;  // only hits are reported, so the filter may prove misses
     assign prove = mode_i == registers_pkg::MODE_ANY || mode_i == registers_pkg::MODE_HITS;
     always_comb begin
@@ -118,7 +118,7 @@ module lane_group #(
   end
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
   for (genvar p = 0; p < N_PAIRS; p++) begin : pair
-    if (((PAIRS >> p) & 1) != 0) begin : g_there
+    if (((PAIRS >> p) & 1) != 0) begin : g_present
       logic [LANES-1:0][CW-1:0] f, t;
       logic [2:0][LANES-1:0][CW-1:0] cp, n;
       localparam int A_WORDS = pairs_pkg::shape_words(pairs_pkg::primary_shape(p));
@@ -186,7 +186,7 @@ module lane_group #(
             .DEPTH(config_pkg::pipe_depth(CONFIG)), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)
         ) pipe (
             .clk_i(MANY ? clk_pipe_i[p] : clk_i), .rst_i, .prove_i(g_filters.prove), .valid_i(enter),
-            .ready_o(ordered_ready_o[p]), .asked_i(g_filters.asked_mem[row] & {LANES{!bad}}), .a_i(a),
+            .ready_o(ordered_ready_o[p]), .requested_i(g_filters.requested_mem[row] & {LANES{!bad}}), .a_i(a),
             .b_i(b), .valid_o(ordered_valid_o[p]), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n), .uncertain_o(uncertain[p]),
             .latency_o(latency_o[p]));
       end else if (ITERATIVE) begin : g_iterative
@@ -247,11 +247,11 @@ module lane_group #(
       logic [LANES-1:0][CW-1:0] f_all[N_PAIRS], t_all[N_PAIRS];
       logic [2:0][LANES-1:0][CW-1:0] cp_all[N_PAIRS], n_all[N_PAIRS];
       for (genvar p = 0; p < N_PAIRS; p++) begin : from
-        if (((PAIRS >> p) & 1) != 0) begin : g_there
-          assign f_all[p] = pair[p].g_there.f;
-          assign t_all[p] = pair[p].g_there.t;
-          assign cp_all[p] = pair[p].g_there.cp;
-          assign n_all[p] = pair[p].g_there.n;
+        if (((PAIRS >> p) & 1) != 0) begin : g_present
+          assign f_all[p] = pair[p].g_present.f;
+          assign t_all[p] = pair[p].g_present.t;
+          assign cp_all[p] = pair[p].g_present.cp;
+          assign n_all[p] = pair[p].g_present.n;
         end else begin : g_absent
           assign f_all[p] = '0;
           assign t_all[p] = '0;
@@ -269,10 +269,10 @@ module lane_group #(
       localparam int ONLY = $clog2(PAIRS);
       logic unused_pair;
       assign unused_pair = &{1'b0, pair_i, clk_pipe_i[ONLY]};
-      assign f_pipe = pair[ONLY].g_there.f;
-      assign t_pipe = pair[ONLY].g_there.t;
-      assign cp_pipe = pair[ONLY].g_there.cp;
-      assign n_pipe = pair[ONLY].g_there.n;
+      assign f_pipe = pair[ONLY].g_present.f;
+      assign t_pipe = pair[ONLY].g_present.t;
+      assign cp_pipe = pair[ONLY].g_present.cp;
+      assign n_pipe = pair[ONLY].g_present.n;
     end
     lane_results #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .NORMALS(NORMALS)) results (
         .clk_i, .clear_i, .clear_row_i, .clear_mask_i, .clear_bad_i, .solid_i(solid_i[k]), .mode_i, .streaming_i,

@@ -36,14 +36,14 @@ module pass_dispatch #(
     logic unused_one;
     assign unused_one = &{1'b0, clk_i, rst_i, unit_i, ready_i};
   end else begin : g_several
-    logic waiting_q, asked;
-    logic [card_pkg::UNIT_BITS-1:0] unit_q, unit_asked;
-    assign asked = go_i || (waiting_q && !abort_i);
-    assign unit_asked = go_i ? unit_i : unit_q;
-    assign valid_o = asked ? UNITS'(1) << unit_asked : '0;
+    logic waiting_q, requested;
+    logic [card_pkg::UNIT_BITS-1:0] unit_q, unit_requested;
+    assign requested = go_i || (waiting_q && !abort_i);
+    assign unit_requested = go_i ? unit_i : unit_q;
+    assign valid_o = requested ? UNITS'(1) << unit_requested : '0;
     assign busy_o = waiting_q || busy_i != 0;
     always_ff @(posedge clk_i) begin
-      waiting_q <= !rst_i && asked && (valid_o & ready_i) == 0;
+      waiting_q <= !rst_i && requested && (valid_o & ready_i) == 0;
       if (go_i) unit_q <= unit_i;
     end
   end

@@ -18,7 +18,7 @@ module shape_check #(
     localparam int WORDS = pairs_pkg::shape_words(SHAPE)
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: no reader uses the result
+    input logic en_i,  // 0: no reader uses the result
     input logic [WORDS-1:0][LANES-1:0][CW-1:0] words_i,
     output logic [LANES-1:0][CW-1:0] bad_o  // lane mask
 );
@@ -46,7 +46,7 @@ module shape_check #(
       fp_range #(
           .EXP(EXP), .MAN(MAN), .LANES(LANES), .SIGNED(KIND == pairs_pkg::WORD_SIZE),
           .ZERO(KIND != pairs_pkg::WORD_SIZE), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)
-      ) in_range (.on_i, .a_i(words_i[k]), .m_o(legal));
+      ) in_range (.en_i, .a_i(words_i[k]), .m_o(legal));
     end
     if (k == 0) begin : g_first
       assign good = legal;
@@ -63,7 +63,7 @@ module shape_check #(
   if (pairs_pkg::word_kind(SHAPE, 3) == pairs_pkg::WORD_DIRECTION) begin : g_direction
     logic [2:0][LANES-1:0][CW-1:0] m;
     for (genvar k = 0; k < 3; k++) begin : axis
-      fp_range #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)) is_size (.on_i,
+      fp_range #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LOW(LOW), .HIGH(HIGH), .ARITH(ARITH)) is_size (.en_i,
           .a_i(words_i[3+k]), .m_o(m[k]));
     end
     `DF_IN(moves, m[0] | m[1] | m[2], 0)
@@ -78,13 +78,13 @@ module shape_check #(
   end else if (UNIT >= 0) begin : g_unit
     unit_check #(.ONE(1), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT),
         .ARITH(ARITH)) unit (
-        .clk_i, .on_i, .a_i(words_i[UNIT+:3]), .b_i(words_i[UNIT+:3]), .good_o(shape_good));
+        .clk_i, .en_i, .a_i(words_i[UNIT+:3]), .b_i(words_i[UNIT+:3]), .good_o(shape_good));
   end else if (SHAPE == pairs_pkg::SHAPE_OBB) begin : g_rotation
     logic [5:0][LANES-1:0][CW-1:0] dot_good;  // dot products of the upper triangle, row by row
     for (genvar i = 0; i < 3; i++) begin : row
       for (genvar j = i; j < 3; j++) begin : column
         unit_check #(.ONE(i == j), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH)) unit (
-            .clk_i, .on_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j],
+            .clk_i, .en_i, .a_i({words_i[12+i], words_i[9+i], words_i[6+i]}), .b_i({words_i[12+j], words_i[9+j],
             words_i[6+j]}),
             .good_o(dot_good[i*(5-i)/2+j]));
       end

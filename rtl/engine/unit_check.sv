@@ -15,14 +15,14 @@ module unit_check #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: no reader uses the result
+    input logic en_i,  // 0: no reader uses the result
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] good_o
 );
   /*verilator inline_module*/
-  `undef DF_ON
-  `define DF_ON on_i
+  `undef DF_EN
+  `define DF_EN en_i
   localparam int BIAS = (1 << (EXP - 1)) - 1;
   localparam int SHIFT = (MAN - 3 < 20) ? MAN - 3 : 20;  // 16 u = 2^-(MAN-3)
   localparam logic [CW-1:0] TOLERANCE = (CW'(BIAS) - CW'(SHIFT)) << MAN;
@@ -35,6 +35,6 @@ module unit_check #(
   `DF_ABS(error, difference)
   `DF_LE(good, error, tolerance)
   assign good_o = good;
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

@@ -10,7 +10,7 @@
 `define LATENCY_BODY_REST(SHAPE) (`BODY_CORNERS(SHAPE) ? LAT.add : 0)
 `define LATENCY_BODY_REACH(SHAPE) (`LATENCY_BODY_REST(SHAPE) + (((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? 3 * LAT.add : \
   ((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? 0 : 2 * LAT.add))
-// ---- body_support.sv: stage time of its result, from those of its operands ----
+// ---- body_support.sv: stage time of its result, from the times of its operands ----
 `define T_SUPPORT(SHAPE, T_REST, T_N, T_NN) (((SHAPE) == pairs_pkg::SHAPE_SPHERE) ? (T_NN) + LAT.add + 2 * LAT.mul : \
   ((SHAPE) == pairs_pkg::SHAPE_OBB) ? `DF_MAX2(T_REST, T_N) + 2 * `DF_LAT_DOT : \
   ((SHAPE) == pairs_pkg::SHAPE_TRIANGLE) ? `DF_MAX2(T_REST, T_N) + `DF_LAT_DOT + 2 * LAT.cmp : \

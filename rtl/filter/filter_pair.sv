@@ -28,7 +28,7 @@ module filter_pair #(
     input logic prove_i,  // only hits are reported, so the filter may prove misses; constant while a row is in flight
     input logic valid_i,  // at most one cycle after a cycle with ready_o
     output logic ready_o,
-    input logic [LANES-1:0] asked_i,  // lanes of the row whose results are used
+    input logic [LANES-1:0] requested_i,  // lanes of the row whose results are used
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_i,
     output logic valid_o,
@@ -49,8 +49,8 @@ module filter_pair #(
   // ---- Slots ----
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_mem[DEPTH], a_proof;
   logic [B_WORDS-1:0][B_LANES-1:0][CW-1:0] b_mem[DEPTH], b_proof;
-  logic [LANES-1:0] asked_mem[DEPTH], uncertain_mem[DEPTH];
-  logic [AW-1:0] write_q, proof_q, judged_q, serial_q;
+  logic [LANES-1:0] requested_mem[DEPTH], uncertain_mem[DEPTH];
+  logic [AW-1:0] write_q, proof_q, checked_q, serial_q;
   logic [AW-1:0] used;
   assign used = write_q - serial_q;
   assign ready_o = used < AW'(DEPTH - 2);
@@ -58,7 +58,7 @@ module filter_pair #(
     if (valid_i) begin
       a_mem[write_q] <= a_i;
       b_mem[write_q] <= b_i;
-      asked_mem[write_q] <= asked_i;
+      requested_mem[write_q] <= requested_i;
     end
 
   // ---- Filter: gates propose when the row enters, the host back end when the result is due ----
@@ -85,29 +85,29 @@ module filter_pair #(
       .clk_i, .a_i(a_enters), .b_i(b_lanes), .n_o(n), .latency_o(proposed));
   filter_proof #(`DF_SAME, .SHAPE_A(SHAPE_A), .SHAPE_B(SHAPE_B)) proof (
       .clk_i, .a_i(a_proof), .b_i(b_proof_lanes), .n_i(n), .miss_o(miss), .latency_o(proved));
-  logic due, judged, unused_due;
+  logic due, checked, unused_due;
   issue_history #(.W(1), .DEPTH(DEPTH)) history_due (
       .clk_i, .rst_i, .latency_i(GATES ? proposed : proposed + proved), .valid_i, .d_i(1'b1), .valid_o(due),
       .q_o(unused_due));
   if (GATES) begin : g_proving
-    logic unused_judged;
-    issue_history #(.W(1), .DEPTH(DEPTH)) history_judged (
-        .clk_i, .rst_i, .latency_i(proved), .valid_i(due), .d_i(1'b1), .valid_o(judged), .q_o(unused_judged));
+    logic unused_checked;
+    issue_history #(.W(1), .DEPTH(DEPTH)) history_checked (
+        .clk_i, .rst_i, .latency_i(proved), .valid_i(due), .d_i(1'b1), .valid_o(checked), .q_o(unused_checked));
   end else begin : g_proved
-    assign judged = due;
+    assign checked = due;
   end
   always_ff @(posedge clk_i)
-    if (judged) uncertain_mem[judged_q] <= asked_mem[judged_q] & ~(miss & {LANES{prove_i}});
+    if (checked) uncertain_mem[checked_q] <= requested_mem[checked_q] & ~(miss & {LANES{prove_i}});
 
   // ---- Uncertain pairs, lane by lane ----
   logic [LANES-1:0] uncertain_q, uncertain, lowest, rest;
-  logic begun_q, there, some, last;
+  logic begun_q, row_valid, some, last;
   logic [LANE_W-1:0] lane;
-  assign there = serial_q != judged_q;
+  assign row_valid = serial_q != checked_q;
   assign uncertain = begun_q ? uncertain_q : uncertain_mem[serial_q];
-  first_set #(.N(LANES)) next_lane (.set_i(uncertain), .first_o(lowest), .index_o(lane));
+  priority_encoder #(.N(LANES)) next_lane (.set_i(uncertain), .first_o(lowest), .index_o(lane));
   assign rest = uncertain & ~lowest;
-  assign some = there && |uncertain;
+  assign some = row_valid && |uncertain;
   assign last = rest == 0;
   assign uncertain_o = some;
   logic [A_WORDS-1:0][CW-1:0] a_one;
@@ -121,14 +121,14 @@ module filter_pair #(
   always_ff @(posedge clk_i) begin
     if (valid_i) write_q <= write_q + 1;
     if (due) proof_q <= proof_q + 1;
-    if (judged) judged_q <= judged_q + 1;
-    if (there) begin
+    if (checked) checked_q <= checked_q + 1;
+    if (row_valid) begin
       uncertain_q <= rest;
       begun_q <= !last;
       if (last) serial_q <= serial_q + 1;
     end
     if (rst_i) begin
-      {write_q, proof_q, judged_q, serial_q} <= '0;
+      {write_q, proof_q, checked_q, serial_q} <= '0;
       begun_q <= 0;
     end
   end
@@ -154,7 +154,7 @@ module filter_pair #(
         .valid_o(unused_valid), .q_o({n_wide, cp, t, f}));
   end
   issue_history #(.W(TAG), .DEPTH(DEPTH)) history_tag (
-      .clk_i, .rst_i, .latency_i(wide), .valid_i(there), .d_i({lane, some, !begun_q, last}), .valid_o(answered),
+      .clk_i, .rst_i, .latency_i(wide), .valid_i(row_valid), .d_i({lane, some, !begun_q, last}), .valid_o(answered),
       .q_o({of_lane, of_some, of_first, of_last}));
 
   // ---- Reassembled rows ----

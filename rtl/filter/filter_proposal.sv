@@ -34,8 +34,8 @@ module filter_proposal #(
   `DF_SCALAR down;
   fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
       shift_down (
-      .on_i(1'b1), .a_i(size), .b_i('0), .r_o(down_early));
-  align #(.W(LW), .FROM(T_size), .TO(T_down), .ARITH(ARITH)) align_down (.clk_i, .d_i(down_early), .q_o(down));
+      .en_i(1'b1), .a_i(size), .b_i('0), .r_o(down_early));
+  pipe_delay #(.W(LW), .FROM(T_size), .TO(T_down), .ARITH(ARITH)) delay_down (.clk_i, .d_i(down_early), .q_o(down));
   logic unused_rest;
   assign unused_rest = &{1'b0, rest_a, rest_b};
 
@@ -70,7 +70,7 @@ module filter_proposal #(
     end
     if (pairs_pkg::is_length(OF_A ? SHAPE_A : SHAPE_B, WORD)) begin : g_length
       fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (
-          .on_i(1'b1), .a_i(moved), .b_i(down), .r_o(scaled));
+          .en_i(1'b1), .a_i(moved), .b_i(down), .r_o(scaled));
     end else begin : g_pure
       assign scaled = moved;
     end

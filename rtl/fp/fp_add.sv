@@ -25,5 +25,5 @@ module fp_add #(
   /*verilator inline_module*/
   fp_lanes #(.OP(SUB ? formats_pkg::FP_SUB : formats_pkg::FP_ADD), .EXP(EXP), .MAN(MAN), .LANES(LANES),
       .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON), .FLAGS(FLAGS)) lanes (
-      .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
+      .clk_i, .en_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -40,8 +40,8 @@ module fp_add_lane #(
     x_s = sel(less_s, b_s, a_i);
     y_s = a_i ^ b_s ^ x_s;
   end
-  fp_cut #(CW, D_SWAP) cut_x (.clk_i, .d_i(x_s), .q_o(x));
-  fp_cut #(CW, D_SWAP) cut_y (.clk_i, .d_i(y_s), .q_o(y));
+  pipe_reg #(CW, D_SWAP) reg_x (.clk_i, .d_i(x_s), .q_o(x));
+  pipe_reg #(CW, D_SWAP) reg_y (.clk_i, .d_i(y_s), .q_o(y));
 
   // Difference of exponents, and significands. The hidden bit is 1 unless the exponent is 0.
   logic [EW-1:0] ex_d, ey_d, hx_d, hy_d, e_d, n_d, n, e_a;
@@ -61,26 +61,26 @@ module fp_add_lane #(
     inf_d = special(xmag_d);
     nan_d = is_nan(xmag_d) | (sub_d & special(y & MAG));
   end
-  fp_cut #(CW, D_DIFF) cut_xs_a (.clk_i, .d_i(xs_d), .q_o(xs_a));
-  fp_cut #(CW, D_DIFF) cut_yl_a (.clk_i, .d_i(ys_d), .q_o(yl_a));
-  fp_cut #(EW, D_DIFF) cut_n (.clk_i, .d_i(n_d), .q_o(n));
-  fp_cut #(EW, D_DIFF) cut_e_a (.clk_i, .d_i(e_d), .q_o(e_a));
-  fp_cut #(CW, D_DIFF) cut_sub_a (.clk_i, .d_i(sub_d), .q_o(sub_a));
-  fp_cut #(CW, D_DIFF) cut_sign_a (.clk_i, .d_i(sign_d), .q_o(sign_a));
-  fp_cut #(CW, D_DIFF) cut_inf_a (.clk_i, .d_i(inf_d), .q_o(inf_a));
-  fp_cut #(CW, D_DIFF) cut_nan_a (.clk_i, .d_i(nan_d), .q_o(nan_a));
+  pipe_reg #(CW, D_DIFF) reg_xs_a (.clk_i, .d_i(xs_d), .q_o(xs_a));
+  pipe_reg #(CW, D_DIFF) reg_yl_a (.clk_i, .d_i(ys_d), .q_o(yl_a));
+  pipe_reg #(EW, D_DIFF) reg_n (.clk_i, .d_i(n_d), .q_o(n));
+  pipe_reg #(EW, D_DIFF) reg_e_a (.clk_i, .d_i(e_d), .q_o(e_a));
+  pipe_reg #(CW, D_DIFF) reg_sub_a (.clk_i, .d_i(sub_d), .q_o(sub_a));
+  pipe_reg #(CW, D_DIFF) reg_sign_a (.clk_i, .d_i(sign_d), .q_o(sign_a));
+  pipe_reg #(CW, D_DIFF) reg_inf_a (.clk_i, .d_i(inf_d), .q_o(inf_a));
+  pipe_reg #(CW, D_DIFF) reg_nan_a (.clk_i, .d_i(nan_d), .q_o(nan_a));
 
   // Align: y is shifted right. The sticky bit keeps whether a lost bit was 1.
   logic [CW-1:0] ys_a, xs, ys, sub, sign_al, inf_al, nan_al;
   logic [EW-1:0] e_al;
   assign ys_a = (yl_a >> n[AB-1:0]) | (lost(yl_a, n[AB-1:0]) & ONE);
-  fp_cut #(CW, D_ALIGN) cut_xs (.clk_i, .d_i(xs_a), .q_o(xs));
-  fp_cut #(CW, D_ALIGN) cut_ys (.clk_i, .d_i(ys_a), .q_o(ys));
-  fp_cut #(EW, D_ALIGN) cut_e_al (.clk_i, .d_i(e_a), .q_o(e_al));
-  fp_cut #(CW, D_ALIGN) cut_sub (.clk_i, .d_i(sub_a), .q_o(sub));
-  fp_cut #(CW, D_ALIGN) cut_sign_al (.clk_i, .d_i(sign_a), .q_o(sign_al));
-  fp_cut #(CW, D_ALIGN) cut_inf_al (.clk_i, .d_i(inf_a), .q_o(inf_al));
-  fp_cut #(CW, D_ALIGN) cut_nan_al (.clk_i, .d_i(nan_a), .q_o(nan_al));
+  pipe_reg #(CW, D_ALIGN) reg_xs (.clk_i, .d_i(xs_a), .q_o(xs));
+  pipe_reg #(CW, D_ALIGN) reg_ys (.clk_i, .d_i(ys_a), .q_o(ys));
+  pipe_reg #(EW, D_ALIGN) reg_e_al (.clk_i, .d_i(e_a), .q_o(e_al));
+  pipe_reg #(CW, D_ALIGN) reg_sub (.clk_i, .d_i(sub_a), .q_o(sub));
+  pipe_reg #(CW, D_ALIGN) reg_sign_al (.clk_i, .d_i(sign_a), .q_o(sign_al));
+  pipe_reg #(CW, D_ALIGN) reg_inf_al (.clk_i, .d_i(inf_a), .q_o(inf_al));
+  pipe_reg #(CW, D_ALIGN) reg_nan_al (.clk_i, .d_i(nan_a), .q_o(nan_al));
 
   // Add. In gates, the +1 of the two's complement enters as the carry of a bit below the lowest.
   logic [CW-1:0] sum_s, sum, sub_sum, sign_sum, inf_sum, nan_sum;
@@ -94,12 +94,12 @@ module fp_add_lane #(
   end else begin : g_negative
     assign sum_s = xs + ((ys ^ sub) - sub);
   end
-  fp_cut #(CW, D_SUM) cut_sum (.clk_i, .d_i(sum_s), .q_o(sum));
-  fp_cut #(EW, D_SUM) cut_e_sum (.clk_i, .d_i(e_al), .q_o(e_sum));
-  fp_cut #(CW, D_SUM) cut_sub_sum (.clk_i, .d_i(sub), .q_o(sub_sum));
-  fp_cut #(CW, D_SUM) cut_sign_sum (.clk_i, .d_i(sign_al), .q_o(sign_sum));
-  fp_cut #(CW, D_SUM) cut_inf_sum (.clk_i, .d_i(inf_al), .q_o(inf_sum));
-  fp_cut #(CW, D_SUM) cut_nan_sum (.clk_i, .d_i(nan_al), .q_o(nan_sum));
+  pipe_reg #(CW, D_SUM) reg_sum (.clk_i, .d_i(sum_s), .q_o(sum));
+  pipe_reg #(EW, D_SUM) reg_e_sum (.clk_i, .d_i(e_al), .q_o(e_sum));
+  pipe_reg #(CW, D_SUM) reg_sub_sum (.clk_i, .d_i(sub), .q_o(sub_sum));
+  pipe_reg #(CW, D_SUM) reg_sign_sum (.clk_i, .d_i(sign_al), .q_o(sign_sum));
+  pipe_reg #(CW, D_SUM) reg_inf_sum (.clk_i, .d_i(inf_al), .q_o(inf_sum));
+  pipe_reg #(CW, D_SUM) reg_nan_sum (.clk_i, .d_i(nan_al), .q_o(nan_sum));
 
   // Count the zeros to shift out: 0 after a carry, and never more than the exponent allows.
   // An exact zero has the sign of both operands if they agree, else it is +0.
@@ -118,24 +118,24 @@ module fp_add_lane #(
   end
   assign zero_c = ~some(sum);
   assign sign_c = sign_sum & ~(zero_c & sub_sum);
-  fp_cut #(CW, D_COUNT) cut_k (.clk_i, .d_i(k_c), .q_o(k));
-  fp_cut #(CW, D_COUNT) cut_sum_c (.clk_i, .d_i(sum), .q_o(sum_c));
-  fp_cut #(CW, D_COUNT) cut_zero_n (.clk_i, .d_i(zero_c), .q_o(zero_n));
-  fp_cut #(EW, D_COUNT) cut_e_c (.clk_i, .d_i(lim_c), .q_o(e_c));
-  fp_cut #(CW, D_COUNT) cut_sign_n (.clk_i, .d_i(sign_c), .q_o(sign_n));
-  fp_cut #(CW, D_COUNT) cut_inf_c (.clk_i, .d_i(inf_sum), .q_o(inf_c));
-  fp_cut #(CW, D_COUNT) cut_nan_c (.clk_i, .d_i(nan_sum), .q_o(nan_c));
+  pipe_reg #(CW, D_COUNT) reg_k (.clk_i, .d_i(k_c), .q_o(k));
+  pipe_reg #(CW, D_COUNT) reg_sum_c (.clk_i, .d_i(sum), .q_o(sum_c));
+  pipe_reg #(CW, D_COUNT) reg_zero_n (.clk_i, .d_i(zero_c), .q_o(zero_n));
+  pipe_reg #(EW, D_COUNT) reg_e_c (.clk_i, .d_i(lim_c), .q_o(e_c));
+  pipe_reg #(CW, D_COUNT) reg_sign_n (.clk_i, .d_i(sign_c), .q_o(sign_n));
+  pipe_reg #(CW, D_COUNT) reg_inf_c (.clk_i, .d_i(inf_sum), .q_o(inf_c));
+  pipe_reg #(CW, D_COUNT) reg_nan_c (.clk_i, .d_i(nan_sum), .q_o(nan_c));
 
   // Normalise: the hidden bit moves to CARRY. ef is the biased exponent less one, so adding the hidden bit completes
   // it.
   logic [CW-1:0] norm, zero, sign, inf, nan;
   logic [EW-1:0] ef;
-  fp_cut #(CW, D_SHIFT) cut_norm (.clk_i, .d_i(sum_c << k[AB-1:0]), .q_o(norm));
-  fp_cut #(EW, D_SHIFT) cut_ef (.clk_i, .d_i(e_c - EW'(k)), .q_o(ef));
-  fp_cut #(CW, D_SHIFT) cut_zero (.clk_i, .d_i(zero_n), .q_o(zero));
-  fp_cut #(CW, D_SHIFT) cut_sign (.clk_i, .d_i(sign_n), .q_o(sign));
-  fp_cut #(CW, D_SHIFT) cut_inf (.clk_i, .d_i(inf_c), .q_o(inf));
-  fp_cut #(CW, D_SHIFT) cut_nan (.clk_i, .d_i(nan_c), .q_o(nan));
+  pipe_reg #(CW, D_SHIFT) reg_norm (.clk_i, .d_i(sum_c << k[AB-1:0]), .q_o(norm));
+  pipe_reg #(EW, D_SHIFT) reg_ef (.clk_i, .d_i(e_c - EW'(k)), .q_o(ef));
+  pipe_reg #(CW, D_SHIFT) reg_zero (.clk_i, .d_i(zero_n), .q_o(zero));
+  pipe_reg #(CW, D_SHIFT) reg_sign (.clk_i, .d_i(sign_n), .q_o(sign));
+  pipe_reg #(CW, D_SHIFT) reg_inf (.clk_i, .d_i(inf_c), .q_o(inf));
+  pipe_reg #(CW, D_SHIFT) reg_nan (.clk_i, .d_i(nan_c), .q_o(nan));
 
   logic unused_bits;
   assign unused_bits = &{1'b0, n, k};
@@ -150,8 +150,8 @@ module fp_add_lane #(
   if (FLAGS) begin : g_flags
     logic [CW-1:0] nv_d, nv, specials, nx;
     assign nv_d = snan(x) | snan(y) | (~is_nan(xmag_d) & nan_d);
-    fp_cut #(CW, D_DIFF + D_ALIGN + D_SUM + D_COUNT + D_SHIFT + D_PACK) cut_nv (.clk_i, .d_i(nv_d), .q_o(nv));
-    fp_cut #(CW, D_PACK) cut_specials (.clk_i, .d_i(zero | inf | nan), .q_o(specials));
+    pipe_reg #(CW, D_DIFF + D_ALIGN + D_SUM + D_COUNT + D_SHIFT + D_PACK) reg_nv (.clk_i, .d_i(nv_d), .q_o(nv));
+    pipe_reg #(CW, D_PACK) reg_specials (.clk_i, .d_i(zero | inf | nan), .q_o(specials));
     always_comb begin
       nx = (inexact & ~specials) | past;
       flags_o = (nv & CW'(16)) | (past & CW'(4)) | (nx & ONE);

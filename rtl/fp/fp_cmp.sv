@@ -22,5 +22,5 @@ module fp_cmp #(
 );
   /*verilator inline_module*/
   fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
-      .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(m_o), .flags_o);
+      .clk_i, .en_i(1'b1), .a_i, .b_i, .r_o(m_o), .flags_o);
 endmodule

@@ -58,13 +58,13 @@ module fp_cvt_lane #(
     assign m_n = {1'b0, s, {CO - CW - 1{1'b0}}};
     assign e_n = {{CO - CW{rebias_n[CW-1]}}, rebias_n};
   end
-  fp_cut #(CO, D_NORM) cut_m (.clk_i, .d_i(m_n), .q_o(m));
-  fp_cut #(CO, D_NORM) cut_e (.clk_i, .d_i(e_n), .q_o(e_r));
-  fp_cut #(CO, D_NORM) cut_sign (.clk_i, .d_i({{CO - 1{1'b0}}, a_i[EXP+MAN]} << (EXP_O + MAN_O)), .q_o(sign));
-  fp_cut #(CO, D_NORM) cut_zero (.clk_i, .d_i({CO{zero_n[CW-1]}}), .q_o(zero));
-  fp_cut #(CO, D_NORM) cut_inf (.clk_i, .d_i({CO{inf_n[CW-1]}}), .q_o(inf));
-  fp_cut #(CO, D_NORM) cut_nan (.clk_i, .d_i({CO{nan_n[CW-1]}}), .q_o(nan));
-  fp_cut #(CO, D_NORM) cut_nv (.clk_i, .d_i({CO{nv_n[CW-1]}}), .q_o(nv));
+  pipe_reg #(CO, D_NORM) reg_m (.clk_i, .d_i(m_n), .q_o(m));
+  pipe_reg #(CO, D_NORM) reg_e (.clk_i, .d_i(e_n), .q_o(e_r));
+  pipe_reg #(CO, D_NORM) reg_sign (.clk_i, .d_i({{CO - 1{1'b0}}, a_i[EXP+MAN]} << (EXP_O + MAN_O)), .q_o(sign));
+  pipe_reg #(CO, D_NORM) reg_zero (.clk_i, .d_i({CO{zero_n[CW-1]}}), .q_o(zero));
+  pipe_reg #(CO, D_NORM) reg_inf (.clk_i, .d_i({CO{inf_n[CW-1]}}), .q_o(inf));
+  pipe_reg #(CO, D_NORM) reg_nan (.clk_i, .d_i({CO{nan_n[CW-1]}}), .q_o(nan));
+  pipe_reg #(CO, D_NORM) reg_nv (.clk_i, .d_i({CO{nv_n[CW-1]}}), .q_o(nv));
   fp_round #(.EXP(EXP_O), .MAN(MAN_O), .CUT((CUTS >= 2) ? 1 : 0), .FLAGS(FLAGS)) round (
       .clk_i, .m_i(m), .e_i(e_r), .sign_i(sign), .zero_i(zero), .inf_i(inf), .nan_i(nan), .nv_i(nv), .dz_i('0),
       .r_o, .flags_o);

@@ -23,5 +23,5 @@ module fp_div #(
   /*verilator inline_module*/
   fp_lanes #(.OP(formats_pkg::FP_DIV), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON),
       .FLAGS(FLAGS)) lanes (
-      .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
+      .clk_i, .en_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

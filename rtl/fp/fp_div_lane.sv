@@ -74,9 +74,9 @@ module fp_div_lane #(
       assign y_d = g_step[i-1].y;
       assign q_d = g_step[i-1].q_next;
     end
-    fp_cut #(CW, D) cut_r (.clk_i, .d_i(r_d), .q_o(r));
-    fp_cut #(CW, D) cut_y (.clk_i, .d_i(y_d), .q_o(y));
-    fp_cut #(CW, D) cut_q (.clk_i, .d_i(q_d), .q_o(q));
+    pipe_reg #(CW, D) reg_r (.clk_i, .d_i(r_d), .q_o(r));
+    pipe_reg #(CW, D) reg_y (.clk_i, .d_i(y_d), .q_o(y));
+    pipe_reg #(CW, D) reg_q (.clk_i, .d_i(q_d), .q_o(q));
     always_comb begin
       t = (i == 0) ? r - y : r + r - y;
       m = neg(t);
@@ -86,19 +86,19 @@ module fp_div_lane #(
   end
 
   logic [CW-1:0] rest, digits;
-  fp_cut #(CW, D_LAST) cut_rest (.clk_i, .d_i(g_step[STEPS-1].r_next), .q_o(rest));
-  fp_cut #(CW, D_LAST) cut_digits (.clk_i, .d_i(g_step[STEPS-1].q_next), .q_o(digits));
+  pipe_reg #(CW, D_LAST) reg_rest (.clk_i, .d_i(g_step[STEPS-1].r_next), .q_o(rest));
+  pipe_reg #(CW, D_LAST) reg_digits (.clk_i, .d_i(g_step[STEPS-1].q_next), .q_o(digits));
 
   logic [CW-1:0] quotient, sign, zero, inf, nan, nv, dz;
   logic [EW-1:0] e;
   localparam int D = CUTS - D_COUNT - D_SHIFT - D_PACK;
-  fp_cut #(EW, D - D_LZC) delay_e (.clk_i, .d_i(e_n), .q_o(e));
-  fp_cut #(CW, D) delay_sign (.clk_i, .d_i(sign_n), .q_o(sign));
-  fp_cut #(CW, D) delay_zero (.clk_i, .d_i(zero_n), .q_o(zero));
-  fp_cut #(CW, D) delay_inf (.clk_i, .d_i(inf_n), .q_o(inf));
-  fp_cut #(CW, D) delay_nan (.clk_i, .d_i(nan_n), .q_o(nan));
-  fp_cut #(CW, D) delay_nv (.clk_i, .d_i(nv_n), .q_o(nv));
-  fp_cut #(CW, D) delay_dz (.clk_i, .d_i(dz_n), .q_o(dz));
+  pipe_reg #(EW, D - D_LZC) delay_e (.clk_i, .d_i(e_n), .q_o(e));
+  pipe_reg #(CW, D) delay_sign (.clk_i, .d_i(sign_n), .q_o(sign));
+  pipe_reg #(CW, D) delay_zero (.clk_i, .d_i(zero_n), .q_o(zero));
+  pipe_reg #(CW, D) delay_inf (.clk_i, .d_i(inf_n), .q_o(inf));
+  pipe_reg #(CW, D) delay_nan (.clk_i, .d_i(nan_n), .q_o(nan));
+  pipe_reg #(CW, D) delay_nv (.clk_i, .d_i(nv_n), .q_o(nv));
+  pipe_reg #(CW, D) delay_dz (.clk_i, .d_i(dz_n), .q_o(dz));
   assign quotient = (digits << (TOP + 1 - STEPS)) | (some(rest) & ONE);
   fp_round #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUT_COUNT(D_COUNT), .CUT(D_SHIFT), .CUT_PACK(D_PACK),
       .FLAGS(FLAGS)) round (

@@ -19,7 +19,7 @@ module fp_exponent #(
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input logic on_i,  // 0: no reader uses the result, so host arithmetic may skip it
+    input logic en_i,  // 0: no reader uses the result, so host arithmetic may skip it
     input logic [LANES-1:0][CW-1:0] a_i,
     input logic [LANES-1:0][CW-1:0] b_i,  // used by EXPONENT_MAX and EXPONENT_MOVE
     output logic [LANES-1:0][CW-1:0] r_o
@@ -35,7 +35,7 @@ module fp_exponent #(
   if (ARITH != "rtl" && CW == 32) begin : g_32
     always_comb begin
       r = '0;
-      if (on_i)
+      if (en_i)
         for (int l = 0; l < LANES; l++)
         if (OP == formats_pkg::EXPONENT_DOWN || OP == formats_pkg::EXPONENT_UP) r[l] =
             $c32("host_fp::shift<", OP, ",", EXP, ",", MAN, ",", STORED, ">(", a_i[l], ")");
@@ -44,8 +44,8 @@ module fp_exponent #(
   end else
 `endif
   if (1) begin : g_gates
-    logic unused_on;
-    assign unused_on = on_i;
+    logic unused_en;
+    assign unused_en = en_i;
     // Signed exponents in EW bits: a sum of two, and one less, fits, or wraps as it does in a word.
     localparam int EW = (CW - MAN < EXP + 2) ? CW - MAN : EXP + 2;
     localparam logic [CW-1:0] FRACTION = (CW'(1) << MAN) - 1;

@@ -47,10 +47,10 @@ module fp_from_int_lane #(
     assign m_n = {1'b0, s, {CO - CW - 1{1'b0}}};
     assign e_n = TOP_EXPONENT - {{CO - CW{1'b0}}, n};
   end
-  fp_cut #(CO, D_NORM) cut_m (.clk_i, .d_i(m_n), .q_o(m));
-  fp_cut #(CO, D_NORM) cut_e (.clk_i, .d_i(e_n), .q_o(e));
-  fp_cut #(CO, D_NORM) cut_sign (.clk_i, .d_i({{CO - 1{1'b0}}, minus[0]} << (EXP + MAN)), .q_o(sign));
-  fp_cut #(CO, D_NORM) cut_zero (.clk_i, .d_i({CO{zero_n[CW-1]}}), .q_o(zero));
+  pipe_reg #(CO, D_NORM) reg_m (.clk_i, .d_i(m_n), .q_o(m));
+  pipe_reg #(CO, D_NORM) reg_e (.clk_i, .d_i(e_n), .q_o(e));
+  pipe_reg #(CO, D_NORM) reg_sign (.clk_i, .d_i({{CO - 1{1'b0}}, minus[0]} << (EXP + MAN)), .q_o(sign));
+  pipe_reg #(CO, D_NORM) reg_zero (.clk_i, .d_i({CO{zero_n[CW-1]}}), .q_o(zero));
   fp_round #(.EXP(EXP), .MAN(MAN), .CUT((CUTS >= 2) ? 1 : 0), .FLAGS(FLAGS)) round (
       .clk_i, .m_i(m), .e_i(e), .sign_i(sign), .zero_i(zero), .inf_i('0), .nan_i('0), .nv_i('0), .dz_i('0),
       .r_o, .flags_o);

@@ -18,7 +18,7 @@ module fp_lanes #(
     localparam int CW    = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input  logic                     clk_i,
-    input  logic                     on_i,   // 0: no reader uses the result, so host arithmetic may skip it
+    input  logic                     en_i,   // 0: no reader uses the result, so host arithmetic may skip it
     input  logic [LANES-1:0][CW-1:0] a_i,
     input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
@@ -28,8 +28,8 @@ module fp_lanes #(
   if (EXP < 3 || EXP > 11 || MAN < 2 || MAN > 52) $error("fp: EXP must be 3..11 and MAN 2..52");
   if (LANES < 1 || LAT < 1 || (B_LANES != LANES && B_LANES != 1)) $error("fp: LANES, LAT >= 1; B_LANES is LANES or 1");
   if (ARITH == "rtl") begin : g_rtl
-    logic unused_on;
-    assign unused_on = on_i;
+    logic unused_en;
+    assign unused_en = en_i;
     // comparisons have no places for cuts
     localparam int MOST = (OP <= formats_pkg::FP_SUB) ? 7 : (OP == formats_pkg::FP_MUL) ? 10 :
         (OP == formats_pkg::FP_DIV) ? MAN + 8 : (OP == formats_pkg::FP_SQRT) ? MAN + 6 : 0;
@@ -86,12 +86,12 @@ module fp_lanes #(
     end
   end else begin : g_host
     fp_host #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .CANON(CANON), .FLAGS(FLAGS)) host (
-        .on_i, .a_i, .b_i, .r_o, .flags_o);
+        .en_i, .a_i, .b_i, .r_o, .flags_o);
     logic unused_clk;
     assign unused_clk = clk_i;
   end
 `ifdef CDE_TAP
   operator_tap #(.OP(OP), .CW(CW), .LAT(ARITH == "rtl" ? LAT : 0)) tap (
-      .clk_i, .on_i(ARITH == "rtl" || on_i), .a_i(a_i[0]), .b_i(b_i[0]), .r_i(r_o[0]));
+      .clk_i, .en_i(ARITH == "rtl" || en_i), .a_i(a_i[0]), .b_i(b_i[0]), .r_i(r_o[0]));
 `endif
 endmodule

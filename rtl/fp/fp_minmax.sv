@@ -25,5 +25,5 @@ module fp_minmax #(
   /*verilator inline_module*/
   fp_lanes #(.OP(MAX ? formats_pkg::FP_MAX : formats_pkg::FP_MIN), .EXP(EXP), .MAN(MAN), .LANES(LANES),
       .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS)) lanes (
-      .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
+      .clk_i, .en_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

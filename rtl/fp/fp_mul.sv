@@ -24,5 +24,5 @@ module fp_mul #(
   /*verilator inline_module*/
   fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH),
       .CANON(CANON), .FLAGS(FLAGS)) lanes (
-      .clk_i, .on_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
+      .clk_i, .en_i(1'b1), .a_i, .b_i, .r_o(r_o), .flags_o);
 endmodule

@@ -51,9 +51,9 @@ module fp_mul_lane #(
     y_s = am_s ^ bm_s ^ x_s;
     sign_s = (a_i ^ b_i) & SIGN;
   end
-  fp_cut #(CW, D_SWAP) cut_x (.clk_i, .d_i(x_s), .q_o(x));
-  fp_cut #(CW, D_SWAP) cut_y (.clk_i, .d_i(y_s), .q_o(y));
-  fp_cut #(CW, D_SWAP) cut_sign_n (.clk_i, .d_i(sign_s), .q_o(sign_n));
+  pipe_reg #(CW, D_SWAP) reg_x (.clk_i, .d_i(x_s), .q_o(x));
+  pipe_reg #(CW, D_SWAP) reg_y (.clk_i, .d_i(y_s), .q_o(y));
+  pipe_reg #(CW, D_SWAP) reg_sign_n (.clk_i, .d_i(sign_s), .q_o(sign_n));
 
   // Normalise: significands have their leading one at the top. e is the biased exponent, less one, of a product in [1,
   // 2). A zero y has its own mask.
@@ -68,13 +68,13 @@ module fp_mul_lane #(
     inf_n = special(x);
     nan_n = is_nan(x) | (inf_n & zero_n);
   end
-  fp_cut #(CW, D_NORM) cut_sx (.clk_i, .d_i(sx_n), .q_o(sx));
-  fp_cut #(CW, D_NORM) cut_sy (.clk_i, .d_i(sy_n), .q_o(sy));
-  fp_cut #(EW, D_NORM) cut_e_p (.clk_i, .d_i(ex_n + ey_n + E_ONE - BIAS), .q_o(e_p));
-  fp_cut #(CW, D_LZC + D_NORM) cut_sign_p (.clk_i, .d_i(sign_n), .q_o(sign_p));
-  fp_cut #(CW, D_LZC + D_NORM) cut_inf_p (.clk_i, .d_i(inf_n), .q_o(inf_p));
-  fp_cut #(CW, D_LZC + D_NORM) cut_nan_p (.clk_i, .d_i(nan_n), .q_o(nan_p));
-  fp_cut #(CW, D_LZC + D_NORM) cut_zero_p (.clk_i, .d_i(zero_n), .q_o(zero_p));
+  pipe_reg #(CW, D_NORM) reg_sx (.clk_i, .d_i(sx_n), .q_o(sx));
+  pipe_reg #(CW, D_NORM) reg_sy (.clk_i, .d_i(sy_n), .q_o(sy));
+  pipe_reg #(EW, D_NORM) reg_e_p (.clk_i, .d_i(ex_n + ey_n + E_ONE - BIAS), .q_o(e_p));
+  pipe_reg #(CW, D_LZC + D_NORM) reg_sign_p (.clk_i, .d_i(sign_n), .q_o(sign_p));
+  pipe_reg #(CW, D_LZC + D_NORM) reg_inf_p (.clk_i, .d_i(inf_n), .q_o(inf_p));
+  pipe_reg #(CW, D_LZC + D_NORM) reg_nan_p (.clk_i, .d_i(nan_n), .q_o(nan_p));
+  pipe_reg #(CW, D_LZC + D_NORM) reg_zero_p (.clk_i, .d_i(zero_n), .q_o(zero_p));
 
   logic unused_bits;
   assign unused_bits = &{1'b0, sx, sy};
@@ -87,12 +87,12 @@ module fp_mul_lane #(
     localparam int ALIGN = CW - 1 - MAN;  // shift that takes the hidden bit to the top
     logic [CW-1:0] full_p, full;
     assign full_p = (sx >> ALIGN) * (sy >> ALIGN);
-    fp_cut #(CW, D_PART) cut_full (.clk_i, .d_i(full_p), .q_o(full));
+    pipe_reg #(CW, D_PART) reg_full (.clk_i, .d_i(full_p), .q_o(full));
     assign prod_m = full << (CW - 2 * MAN - 2);
   end else if (WHOLE) begin : g_whole
     logic [2*MAN+1:0] full_p, full;
     assign full_p = (2 * MAN + 2)'(sx[CW-1-:MAN+1]) * (2 * MAN + 2)'(sy[CW-1-:MAN+1]);
-    fp_cut #(2 * MAN + 2, D_PART) cut_full (.clk_i, .d_i(full_p), .q_o(full));
+    pipe_reg #(2 * MAN + 2, D_PART) reg_full (.clk_i, .d_i(full_p), .q_o(full));
     assign prod_m = CW'({full[2*MAN+1:MAN-1], |full[MAN-2:0]});
   end else if (ONE_BLOCK) begin : g_block
     logic [23:0] xw, yw, xl_yh, yl_xh;
@@ -102,7 +102,7 @@ module fp_mul_lane #(
     assign xw = 24'(sx[CW-1-:MAN+1]) << (23 - MAN);
     assign yw = 24'(sy[CW-1-:MAN+1]) << (23 - MAN);
     assign hh_p = 36'(xw[23:6]) * 36'(yw[23:6]);
-    fp_cut #(36, D_PART) cut_hh (.clk_i, .d_i(hh_p), .q_o(hh));
+    pipe_reg #(36, D_PART) reg_hh (.clk_i, .d_i(hh_p), .q_o(hh));
     fp_rows #(.W(18)) rows_x (.clk_i, .a_i(yw[23:6]), .b_i(xw[5:0]), .r_o(xl_yh));
     fp_rows #(.W(18)) rows_y (.clk_i, .a_i(xw[23:6]), .b_i(yw[5:0]), .r_o(yl_xh));
     fp_rows #(.W(6)) rows_xy (.clk_i, .a_i(xw[5:0]), .b_i(yw[5:0]), .r_o(ll));
@@ -118,10 +118,10 @@ module fp_mul_lane #(
     assign hl_p = (2 * H)'(xw[2*H-1:H]) * (2 * H)'(yw[H-1:0]);
     assign lh_p = (2 * H)'(xw[H-1:0]) * (2 * H)'(yw[2*H-1:H]);
     assign ll_p = (2 * H)'(xw[H-1:0]) * (2 * H)'(yw[H-1:0]);
-    fp_cut #(2 * H, D_PART) cut_hh (.clk_i, .d_i(hh_p), .q_o(hh));
-    fp_cut #(2 * H, D_PART) cut_hl (.clk_i, .d_i(hl_p), .q_o(hl));
-    fp_cut #(2 * H, D_PART) cut_lh (.clk_i, .d_i(lh_p), .q_o(lh));
-    fp_cut #(2 * H, D_PART) cut_ll (.clk_i, .d_i(ll_p), .q_o(ll));
+    pipe_reg #(2 * H, D_PART) reg_hh (.clk_i, .d_i(hh_p), .q_o(hh));
+    pipe_reg #(2 * H, D_PART) reg_hl (.clk_i, .d_i(hl_p), .q_o(hl));
+    pipe_reg #(2 * H, D_PART) reg_lh (.clk_i, .d_i(lh_p), .q_o(lh));
+    pipe_reg #(2 * H, D_PART) reg_ll (.clk_i, .d_i(ll_p), .q_o(ll));
     assign full = {hh, ll} + (((4 * H)'(hl) + (4 * H)'(lh)) << H);
     assign prod_m = CW'({full[4*H-1-:MAN+3], |full[4*H-MAN-4:0]});
   end else begin : g_halves
@@ -137,9 +137,9 @@ module fp_mul_lane #(
       mid_p = xh_p * yl_p + xl_p * yh_p;
       ll_p = xl_p * yl_p;
     end
-    fp_cut #(CW, D_PART) cut_hh (.clk_i, .d_i(hh_p), .q_o(hh));
-    fp_cut #(CW, D_PART) cut_mid (.clk_i, .d_i(mid_p), .q_o(mid));
-    fp_cut #(CW, D_PART) cut_ll (.clk_i, .d_i(ll_p), .q_o(ll));
+    pipe_reg #(CW, D_PART) reg_hh (.clk_i, .d_i(hh_p), .q_o(hh));
+    pipe_reg #(CW, D_PART) reg_mid (.clk_i, .d_i(mid_p), .q_o(mid));
+    pipe_reg #(CW, D_PART) reg_ll (.clk_i, .d_i(ll_p), .q_o(ll));
     always_comb begin
       low = mid + (ll >> H);
       prod_m = (hh + (low >> H)) << (CW - 2 * H);
@@ -147,25 +147,25 @@ module fp_mul_lane #(
       prod_m = prod_m | (low >> (4 * H - CW)) | (some(low & STICKY) & ONE);
     end
   end
-  fp_cut #(EW, D_PART) cut_e_m (.clk_i, .d_i(e_p), .q_o(e_m));
-  fp_cut #(CW, D_PART) cut_sign_m (.clk_i, .d_i(sign_p), .q_o(sign_m));
-  fp_cut #(CW, D_PART) cut_inf_m (.clk_i, .d_i(inf_p), .q_o(inf_m));
-  fp_cut #(CW, D_PART) cut_nan_m (.clk_i, .d_i(nan_p), .q_o(nan_m));
-  fp_cut #(CW, D_PART) cut_zero_m (.clk_i, .d_i(zero_p), .q_o(zero_m));
-  fp_cut #(CW, D_PROD) cut_prod (.clk_i, .d_i(prod_m), .q_o(prod));
-  fp_cut #(EW, D_PROD) cut_e_r (.clk_i, .d_i(e_m), .q_o(e_r));
-  fp_cut #(CW, D_PROD) cut_sign_r (.clk_i, .d_i(sign_m), .q_o(sign_r));
-  fp_cut #(CW, D_PROD) cut_inf_r (.clk_i, .d_i(inf_m), .q_o(inf_r));
-  fp_cut #(CW, D_PROD) cut_nan_r (.clk_i, .d_i(nan_m), .q_o(nan_r));
-  fp_cut #(CW, D_PROD) cut_zero_r (.clk_i, .d_i(zero_m), .q_o(zero_r));
+  pipe_reg #(EW, D_PART) reg_e_m (.clk_i, .d_i(e_p), .q_o(e_m));
+  pipe_reg #(CW, D_PART) reg_sign_m (.clk_i, .d_i(sign_p), .q_o(sign_m));
+  pipe_reg #(CW, D_PART) reg_inf_m (.clk_i, .d_i(inf_p), .q_o(inf_m));
+  pipe_reg #(CW, D_PART) reg_nan_m (.clk_i, .d_i(nan_p), .q_o(nan_m));
+  pipe_reg #(CW, D_PART) reg_zero_m (.clk_i, .d_i(zero_p), .q_o(zero_m));
+  pipe_reg #(CW, D_PROD) reg_prod (.clk_i, .d_i(prod_m), .q_o(prod));
+  pipe_reg #(EW, D_PROD) reg_e_r (.clk_i, .d_i(e_m), .q_o(e_r));
+  pipe_reg #(CW, D_PROD) reg_sign_r (.clk_i, .d_i(sign_m), .q_o(sign_r));
+  pipe_reg #(CW, D_PROD) reg_inf_r (.clk_i, .d_i(inf_m), .q_o(inf_r));
+  pipe_reg #(CW, D_PROD) reg_nan_r (.clk_i, .d_i(nan_m), .q_o(nan_r));
+  pipe_reg #(CW, D_PROD) reg_zero_r (.clk_i, .d_i(zero_m), .q_o(zero_r));
 
   // Invalid: a signalling NaN, or infinity times zero.
   logic [CW-1:0] nv_r;
   if (FLAGS) begin : g_nv
     logic [CW-1:0] nv_s, nv_n;
     assign nv_s = snan(a_i) | snan(b_i);
-    fp_cut #(CW, D_SWAP) cut_nv_n (.clk_i, .d_i(nv_s), .q_o(nv_n));
-    fp_cut #(CW, D_LZC + D_NORM + D_PART + D_PROD) cut_nv_r (
+    pipe_reg #(CW, D_SWAP) reg_nv_n (.clk_i, .d_i(nv_s), .q_o(nv_n));
+    pipe_reg #(CW, D_LZC + D_NORM + D_PART + D_PROD) reg_nv_r (
         .clk_i, .d_i(nv_n | (inf_n & zero_n & ~is_nan(x))), .q_o(nv_r));
   end else begin : g_no_nv
     assign nv_r = '0;

@@ -27,13 +27,13 @@ module fp_normalise #(
     hidden_c = hidden(e_c);
     s_c = ((mag_i & FRAC) | (CW'(hidden_c) << MAN)) << (CW - 1 - MAN);
   end
-  fp_cut #(CW, CUT) cut_s (.clk_i, .d_i(s_c), .q_o(s));
-  fp_cut #(EW, CUT) cut_e (.clk_i, .d_i(e_c - hidden_c), .q_o(e));
+  pipe_reg #(CW, CUT) reg_s (.clk_i, .d_i(s_c), .q_o(s));
+  pipe_reg #(EW, CUT) reg_e (.clk_i, .d_i(e_c - hidden_c), .q_o(e));
   logic unused_bits;
   assign unused_bits = &{1'b0, n};
   if (COUNT) begin : g_count
     assign n_c = lzc(s_c);
-    fp_cut #(CW, CUT) cut_n (.clk_i, .d_i(n_c), .q_o(n));
+    pipe_reg #(CW, CUT) reg_n (.clk_i, .d_i(n_c), .q_o(n));
     assign s_o = s << n[AB-1:0];
     assign e_o = e - EW'(n);
   end else begin : g_as_is

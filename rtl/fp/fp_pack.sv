@@ -32,11 +32,11 @@ module fp_pack #(
 `include "fp_mask.svh"
   // The hidden bit completes the exponent. A rounding carry runs into the exponent, and overflow stops at infinity.
   logic [CW-1:0] over, sign, inf, nan, special_p, inexact_s;
-  fp_cut #(CW, CUT) cut_sign (.clk_i, .d_i(sign_i), .q_o(sign));
-  fp_cut #(CW, CUT) cut_inf (.clk_i, .d_i(inf_i), .q_o(inf));
-  fp_cut #(CW, CUT) cut_nan (.clk_i, .d_i(nan_i), .q_o(nan));
-  fp_cut #(CW, CUT) cut_special (.clk_i, .d_i(zero_i | inf_i | nan_i), .q_o(special_p));
-  fp_cut #(CW, CUT) cut_inexact (.clk_i, .d_i(inexact_s), .q_o(inexact_o));
+  pipe_reg #(CW, CUT) reg_sign (.clk_i, .d_i(sign_i), .q_o(sign));
+  pipe_reg #(CW, CUT) reg_inf (.clk_i, .d_i(inf_i), .q_o(inf));
+  pipe_reg #(CW, CUT) reg_nan (.clk_i, .d_i(nan_i), .q_o(nan));
+  pipe_reg #(CW, CUT) reg_special (.clk_i, .d_i(zero_i | inf_i | nan_i), .q_o(special_p));
+  pipe_reg #(CW, CUT) reg_inexact (.clk_i, .d_i(inexact_s), .q_o(inexact_o));
   assign inexact_s = some(norm_i & ((ONE << DROP) - ONE));
   assign past_o = over & ~special_p;
   if (LEAST) begin : g_gates
@@ -48,14 +48,14 @@ module fp_pack #(
       p_s = {ef_i, norm_i[DROP+:MAN]} + {EW'(norm_i[DROP+MAN]), MAN'(up_s)};
       p_s = p_s & ~{EW + MAN{zero_i[0]}};
     end
-    fp_cut #(EW + MAN, CUT) cut_p (.clk_i, .d_i(p_s), .q_o(p));
+    pipe_reg #(EW + MAN, CUT) reg_p (.clk_i, .d_i(p_s), .q_o(p));
     assign over = {CW{(&p[EXP+MAN-1:MAN]) | (|p[EW+MAN-1:EXP+MAN])}};
     assign r_o = sel(nan, QNAN, sign | sel(over | inf, INF, CW'(p[EXP+MAN-1:0])));
   end else begin : g_words
     localparam logic [CW-1:0] HALF = (ONE << (DROP - 1)) - 1;
     logic [CW-1:0] p_s, p;
     assign p_s = ((CW'(ef_i) << MAN) + ((norm_i + HALF + ((norm_i >> DROP) & ONE)) >> DROP)) & ~zero_i;
-    fp_cut #(CW, CUT) cut_p (.clk_i, .d_i(p_s), .q_o(p));
+    pipe_reg #(CW, CUT) reg_p (.clk_i, .d_i(p_s), .q_o(p));
     assign over = ~neg(p - INF);
     assign r_o = sel(nan, QNAN, sign | sel(neg(INF - p) | inf, INF, p));
   end

@@ -14,7 +14,7 @@ module fp_range #(
     parameter ARITH = "rtl",
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input logic on_i,  // 0: no reader uses the result, so host arithmetic may skip it
+    input logic en_i,  // 0: no reader uses the result, so host arithmetic may skip it
     input logic [LANES-1:0][CW-1:0] a_i,
     output logic [LANES-1:0][CW-1:0] m_o
 );
@@ -30,22 +30,22 @@ module fp_range #(
   if (ARITH != "rtl" && CW == 32) begin : g_32
     always_comb begin
       m = '0;
-      if (on_i)
+      if (en_i)
         for (int l = 0; l < LANES; l++)
         m[l] = $c32("host_fp::within<", EXP, ",", MAN, ",", 32'(SIGNED), ",", LEAST, ",", MOST, ">(", a_i[l], ")");
     end
   end else
 `endif
   if (ZERO) begin : g_gates_below
-    logic unused_on;
-    assign unused_on = on_i;
+    logic unused_en;
+    assign unused_en = en_i;
     always_comb begin
       m = '0;
       for (int l = 0; l < LANES; l++) m[l] = {CW{(a_i[l] & MASK) <= (CW'(MOST) << MAN)}};
     end
   end else begin : g_gates
-    logic unused_on;
-    assign unused_on = on_i;
+    logic unused_en;
+    assign unused_en = en_i;
     always_comb begin
       m = '0;
       for (int l = 0; l < LANES; l++)

@@ -46,24 +46,24 @@ module fp_round #(
     n_c = at_most(top_c - (e_c & tiny_c));
     ef_c = e_c & ~tiny_c;
   end
-  fp_cut #(CW, CUT_COUNT) cut_m (.clk_i, .d_i(m_i), .q_o(m));
-  fp_cut #(EW, CUT_COUNT) cut_n (.clk_i, .d_i(n_c), .q_o(n));
-  fp_cut #(EW, CUT_COUNT) cut_ef_s (.clk_i, .d_i(ef_c), .q_o(ef_s));
-  fp_cut #(CW, CUT_COUNT) cut_sign_s (.clk_i, .d_i(sign_i), .q_o(sign_s));
-  fp_cut #(CW, CUT_COUNT) cut_zero_s (.clk_i, .d_i(zero_i), .q_o(zero_s));
-  fp_cut #(CW, CUT_COUNT) cut_inf_s (.clk_i, .d_i(inf_i), .q_o(inf_s));
-  fp_cut #(CW, CUT_COUNT) cut_nan_s (.clk_i, .d_i(nan_i), .q_o(nan_s));
+  pipe_reg #(CW, CUT_COUNT) reg_m (.clk_i, .d_i(m_i), .q_o(m));
+  pipe_reg #(EW, CUT_COUNT) reg_n (.clk_i, .d_i(n_c), .q_o(n));
+  pipe_reg #(EW, CUT_COUNT) reg_ef_s (.clk_i, .d_i(ef_c), .q_o(ef_s));
+  pipe_reg #(CW, CUT_COUNT) reg_sign_s (.clk_i, .d_i(sign_i), .q_o(sign_s));
+  pipe_reg #(CW, CUT_COUNT) reg_zero_s (.clk_i, .d_i(zero_i), .q_o(zero_s));
+  pipe_reg #(CW, CUT_COUNT) reg_inf_s (.clk_i, .d_i(inf_i), .q_o(inf_s));
+  pipe_reg #(CW, CUT_COUNT) reg_nan_s (.clk_i, .d_i(nan_i), .q_o(nan_s));
 
   // Shift right.
   logic unused_bits;
   assign unused_bits = &{1'b0, n};
   assign norm_s = (m >> n[AB-1:0]) | (lost(m, n[AB-1:0]) & ONE);
-  fp_cut #(CW, CUT) cut_norm (.clk_i, .d_i(norm_s), .q_o(norm));
-  fp_cut #(EW, CUT) cut_ef (.clk_i, .d_i(ef_s), .q_o(ef));
-  fp_cut #(CW, CUT) cut_sign (.clk_i, .d_i(sign_s), .q_o(sign));
-  fp_cut #(CW, CUT) cut_zero (.clk_i, .d_i(zero_s), .q_o(zero));
-  fp_cut #(CW, CUT) cut_inf (.clk_i, .d_i(inf_s), .q_o(inf));
-  fp_cut #(CW, CUT) cut_nan (.clk_i, .d_i(nan_s), .q_o(nan));
+  pipe_reg #(CW, CUT) reg_norm (.clk_i, .d_i(norm_s), .q_o(norm));
+  pipe_reg #(EW, CUT) reg_ef (.clk_i, .d_i(ef_s), .q_o(ef));
+  pipe_reg #(CW, CUT) reg_sign (.clk_i, .d_i(sign_s), .q_o(sign));
+  pipe_reg #(CW, CUT) reg_zero (.clk_i, .d_i(zero_s), .q_o(zero));
+  pipe_reg #(CW, CUT) reg_inf (.clk_i, .d_i(inf_s), .q_o(inf));
+  pipe_reg #(CW, CUT) reg_nan (.clk_i, .d_i(nan_s), .q_o(nan));
 
   // Round and pack.
   logic [CW-1:0] past, inexact;
@@ -85,10 +85,10 @@ module fp_round #(
       uf_c = {CW{tiny_c[EW-1]}} & ~(carry_c & {CW{~next_c[EW-1]}});
       special_c = zero_i | inf_i | nan_i;
     end
-    fp_cut #(CW, DELAY) cut_uf (.clk_i, .d_i(uf_c), .q_o(uf));
-    fp_cut #(CW, DELAY) cut_nv (.clk_i, .d_i(nv_i), .q_o(nv));
-    fp_cut #(CW, DELAY) cut_dz (.clk_i, .d_i(dz_i), .q_o(dz));
-    fp_cut #(CW, DELAY) cut_special (.clk_i, .d_i(special_c), .q_o(specials));
+    pipe_reg #(CW, DELAY) reg_uf (.clk_i, .d_i(uf_c), .q_o(uf));
+    pipe_reg #(CW, DELAY) reg_nv (.clk_i, .d_i(nv_i), .q_o(nv));
+    pipe_reg #(CW, DELAY) reg_dz (.clk_i, .d_i(dz_i), .q_o(dz));
+    pipe_reg #(CW, DELAY) reg_special (.clk_i, .d_i(special_c), .q_o(specials));
     always_comb begin
       nx = (inexact & ~specials) | past;
       flags_o = (nv & CW'(16)) | (dz & CW'(8)) | (past & CW'(4)) | (nx & uf & CW'(2)) | (nx & ONE);

@@ -18,10 +18,10 @@ module fp_rows #(
   for (genvar i = 0; i < 3; i++) begin : g_pair
     assign pair_p[i] = {2'b0, a_i & {W{b_i[2*i]}}} + {1'b0, a_i & {W{b_i[2*i+1]}}, 1'b0};
   end
-  fp_cut #(3 * (W + 2), 1) cut_pair (.clk_i, .d_i(pair_p), .q_o(pair));
+  pipe_reg #(3 * (W + 2), 1) reg_pair (.clk_i, .d_i(pair_p), .q_o(pair));
   assign two_p = (W + 4)'(pair[0]) + ((W + 4)'(pair[1]) << 2);
-  fp_cut #(W + 4, 1) cut_two (.clk_i, .d_i(two_p), .q_o(two));
-  fp_cut #(W + 2, 1) cut_last (.clk_i, .d_i(pair[2]), .q_o(last));
+  pipe_reg #(W + 4, 1) reg_two (.clk_i, .d_i(two_p), .q_o(two));
+  pipe_reg #(W + 2, 1) reg_last (.clk_i, .d_i(pair[2]), .q_o(last));
   assign all_p = (W + 6)'(two) + ((W + 6)'(last) << 4);
-  fp_cut #(W + 6, 1) cut_all (.clk_i, .d_i(all_p), .q_o(r_o));
+  pipe_reg #(W + 6, 1) reg_all (.clk_i, .d_i(all_p), .q_o(r_o));
 endmodule

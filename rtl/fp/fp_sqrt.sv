@@ -21,5 +21,5 @@ module fp_sqrt #(
   /*verilator inline_module*/
   fp_lanes #(.OP(formats_pkg::FP_SQRT), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT), .ARITH(ARITH), .FLAGS(FLAGS))
       lanes (
-      .clk_i, .on_i(1'b1), .a_i, .b_i(a_i), .r_o(r_o), .flags_o);
+      .clk_i, .en_i(1'b1), .a_i, .b_i(a_i), .r_o(r_o), .flags_o);
 endmodule

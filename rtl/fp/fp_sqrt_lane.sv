@@ -64,8 +64,8 @@ module fp_sqrt_lane #(
       assign r_d = g_step[i-1].r_next;
       assign d_d = g_step[i-1].d_next;
     end
-    fp_cut #(CW, D) cut_r (.clk_i, .d_i(r_d), .q_o(r));
-    fp_cut #(CW, D) cut_d (.clk_i, .d_i(d_d), .q_o(d));
+    pipe_reg #(CW, D) reg_r (.clk_i, .d_i(r_d), .q_o(r));
+    pipe_reg #(CW, D) reg_d (.clk_i, .d_i(d_d), .q_o(d));
     always_comb begin
       trial = d | BIT;
       t = r + r - trial;
@@ -76,18 +76,18 @@ module fp_sqrt_lane #(
   end
 
   logic [CW-1:0] rest, twice;
-  fp_cut #(CW, D_LAST) cut_rest (.clk_i, .d_i(g_step[STEPS-1].r_next), .q_o(rest));
-  fp_cut #(CW, D_LAST) cut_twice (.clk_i, .d_i(g_step[STEPS-1].d_next), .q_o(twice));
+  pipe_reg #(CW, D_LAST) reg_rest (.clk_i, .d_i(g_step[STEPS-1].r_next), .q_o(rest));
+  pipe_reg #(CW, D_LAST) reg_twice (.clk_i, .d_i(g_step[STEPS-1].d_next), .q_o(twice));
 
   logic [CW-1:0] root, sign, zero, inf, nan, nv;
   logic [EW-1:0] e;
   localparam int D = CUTS - D_COUNT - D_SHIFT - D_PACK;
-  fp_cut #(EW, D - D_LZC) delay_e (.clk_i, .d_i(half_n), .q_o(e));
-  fp_cut #(CW, D) delay_sign (.clk_i, .d_i(sign_n), .q_o(sign));
-  fp_cut #(CW, D) delay_zero (.clk_i, .d_i(zero_n), .q_o(zero));
-  fp_cut #(CW, D) delay_inf (.clk_i, .d_i(inf_n), .q_o(inf));
-  fp_cut #(CW, D) delay_nan (.clk_i, .d_i(nan_n), .q_o(nan));
-  fp_cut #(CW, D) delay_nv (.clk_i, .d_i(nv_n), .q_o(nv));
+  pipe_reg #(EW, D - D_LZC) delay_e (.clk_i, .d_i(half_n), .q_o(e));
+  pipe_reg #(CW, D) delay_sign (.clk_i, .d_i(sign_n), .q_o(sign));
+  pipe_reg #(CW, D) delay_zero (.clk_i, .d_i(zero_n), .q_o(zero));
+  pipe_reg #(CW, D) delay_inf (.clk_i, .d_i(inf_n), .q_o(inf));
+  pipe_reg #(CW, D) delay_nan (.clk_i, .d_i(nan_n), .q_o(nan));
+  pipe_reg #(CW, D) delay_nv (.clk_i, .d_i(nv_n), .q_o(nv));
   assign root = (twice << (TOP - 3 - MAN)) | (some(rest) & ONE);
   fp_round #(.EXP(EXP), .MAN(MAN), .LEAST(LEAST), .CUT_COUNT(D_COUNT), .CUT(D_SHIFT), .CUT_PACK(D_PACK),
       .FLAGS(FLAGS)) round (

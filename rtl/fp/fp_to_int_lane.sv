@@ -56,10 +56,10 @@ module fp_to_int_lane #(
     q_n = sel(whole_n, s, high_n >> 1) & ~far_n;
   end
   logic [CW-1:0] q, tail, minus, over;
-  fp_cut #(CW, D_SHIFT) cut_q (.clk_i, .d_i(q_n), .q_o(q));
-  fp_cut #(CW, D_SHIFT) cut_tail (.clk_i, .d_i(tail_n), .q_o(tail));
-  fp_cut #(CW, D_SHIFT) cut_minus (.clk_i, .d_i(minus_n), .q_o(minus));
-  fp_cut #(CW, D_SHIFT) cut_over (.clk_i, .d_i(over_n | nan_n), .q_o(over));
+  pipe_reg #(CW, D_SHIFT) reg_q (.clk_i, .d_i(q_n), .q_o(q));
+  pipe_reg #(CW, D_SHIFT) reg_tail (.clk_i, .d_i(tail_n), .q_o(tail));
+  pipe_reg #(CW, D_SHIFT) reg_minus (.clk_i, .d_i(minus_n), .q_o(minus));
+  pipe_reg #(CW, D_SHIFT) reg_over (.clk_i, .d_i(over_n | nan_n), .q_o(over));
 
   localparam logic [CW-1:0] ALL = ~(ONE - ONE) >> (CW - INT);
   logic [CW-1:0] up, r, past, limit;

@@ -41,12 +41,12 @@ module fp_unit #(
   for (genvar k = 0; k < formats_pkg::FP_ARITHMETIC; k++) begin : g_op
     localparam int LAT = (k <= formats_pkg::FP_SUB) ? LAT_ADD : (k == formats_pkg::FP_MUL) ? LAT_MUL :
         (k == formats_pkg::FP_DIV) ? LAT_DIV : (k == formats_pkg::FP_SQRT) ? LAT_SQRT : LAT_CMP;
-    if (OPS[k]) begin : g_on
+    if (OPS[k]) begin : g_en
       logic [LANES-1:0][CW-1:0] r, f;
       fp_lanes #(.OP(k), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH),
           .CANON(CANON != 0),
           .FLAGS(FLAGS != 0), .LEAST(LEAST != 0)) lanes (
-          .clk_i(clk_i[k]), .on_i(1'b1), .a_i, .b_i, .r_o(r), .flags_o(f));
+          .clk_i(clk_i[k]), .en_i(1'b1), .a_i, .b_i, .r_o(r), .flags_o(f));
       // The host back end is combinational. Here it gets the timing of the gates.
       fp_delay #(.LANES(LANES), .W(CW), .DEPTH(ARITH != "rtl" ? LAT : 0))
           delay_r (.clk_i(clk_i[k]), .d_i(r), .q_o(r_o[k]));
@@ -68,7 +68,7 @@ module fp_unit #(
     localparam bit UNSIGNED = GROUP % 2 == 1;
     localparam int CO = (k < formats_pkg::FORMATS) ? formats_pkg::container(EXP_O, MAN_O) :
         (OP < formats_pkg::FP_TO_I32) ? CW : INT;
-    if (OPS[OP]) begin : g_on
+    if (OPS[OP]) begin : g_en
       logic [LANES-1:0][CO-1:0] r, f;
       if (k < formats_pkg::FORMATS) begin : g_cvt
         fp_cvt #(.EXP_I(EXP), .MAN_I(MAN), .EXP_O(EXP_O), .MAN_O(MAN_O), .LANES(LANES), .LAT(LAT_CVT), .ARITH(ARITH),

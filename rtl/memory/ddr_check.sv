@@ -26,7 +26,7 @@ module ddr_check #(
   if (CONFIG.ecc != 0) begin : g_ecc
     localparam int R = `SECDED_BITS(CW);
     logic [BEAT-1:0][R-1:0] check;
-    logic [BEAT-1:0] corrected, failed, mine;
+    logic [BEAT-1:0] corrected, failed, in_use;
     for (genvar k = 0; k < 64 / CW; k++) begin : written
       logic [R-1:0] bits;
       secded_encode #(.W(CW)) encode (.data_i(write_data_i[k*CW+:CW]), .check_o(bits));
@@ -34,13 +34,13 @@ module ddr_check #(
     end
     for (genvar k = 0; k < BEAT; k++) begin : word
       assign check[k] = read_check_i[k][R-1:0];
-      assign mine[k] = valid_o && 4'(k) < words_i;
+      assign in_use[k] = valid_o && 4'(k) < words_i;
     end
     ddr_ecc #(.CONFIG(CONFIG)) correct (
         .clk_i, .rst_i, .valid_i(read_valid_i), .data_i(read_data_i), .check_i(check), .valid_o, .data_o,
         .corrected_o(corrected), .failed_o(failed));
-    assign corrected_o = 4'($countones(corrected & mine));
-    assign failed_o = 4'($countones(failed & mine));
+    assign corrected_o = 4'($countones(corrected & in_use));
+    assign failed_o = 4'($countones(failed & in_use));
     logic unused_check;
     assign unused_check = &{1'b0, read_check_i};
   end else begin : g_no_ecc

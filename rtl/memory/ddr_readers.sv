@@ -37,20 +37,21 @@ module ddr_readers #(
     assign unused_others = &{1'b0, clk_i, rst_i, readers_i, words_i};
   end else begin : g_shared
     localparam int D = $clog2(DEPTH);
-    logic [READERS-1:0] asking, behind, behind_q, chosen;  // readers after the one served last
+    logic [READERS-1:0] requesting, masked, mask_q, chosen;  // readers after the one served last
     logic [W-1:0] turn, owner;
     logic [W-1:0] owners[DEPTH];
-    logic [D:0] asked_q, answered_q;
-    logic room;
-    assign room = asked_q - answered_q != (D + 1)'(DEPTH);
-    for (genvar r = 0; r < READERS; r++) begin : reader assign asking[r] = room && USED[r] && readers_i[r].valid; end
-    assign behind = asking & behind_q;
-    assign chosen = (behind != 0) ? behind : asking;
+    logic [D:0] requested_q, answered_q;
+    logic queue_free;
+    assign queue_free = requested_q - answered_q != (D + 1)'(DEPTH);
+    for (genvar r = 0; r < READERS; r++) begin : reader
+        assign requesting[r] = queue_free && USED[r] && readers_i[r].valid; end
+    assign masked = requesting & mask_q;
+    assign chosen = (masked != 0) ? masked : requesting;
     always_comb begin
       turn = '0;
       for (int r = READERS - 1; r >= 0; r--) if (chosen[r]) turn = W'(r);
     end
-    assign request_o.valid = asking != 0;
+    assign request_o.valid = requesting != 0;
     assign request_o.word = readers_i[turn].word;
     assign ready_o = request_o.valid ? READERS'(1) << turn : '0;
     assign owner = owners[answered_q[D-1:0]];
@@ -58,20 +59,20 @@ module ddr_readers #(
     assign words_o = words_i[owner];
     always_ff @(posedge clk_i) begin
       if (request_o.valid) begin
-        owners[asked_q[D-1:0]] <= turn;
-        asked_q <= asked_q + 1'b1;
-        behind_q <= ~((READERS'(2) << turn) - 1'b1);
+        owners[requested_q[D-1:0]] <= turn;
+        requested_q <= requested_q + 1'b1;
+        mask_q <= ~((READERS'(2) << turn) - 1'b1);
       end
       if (valid_i) answered_q <= answered_q + 1'b1;
       if (rst_i) begin
-        {asked_q, answered_q} <= '0;
-        behind_q <= '1;
+        {requested_q, answered_q} <= '0;
+        mask_q <= '1;
       end
     end
 `ifndef SYNTHESIS
     always_ff @(posedge clk_i)
       if (!rst_i) begin
-        assert (!(valid_i && asked_q == answered_q)) else $error("ddr_readers: data without a request");
+        assert (!(valid_i && requested_q == answered_q)) else $error("ddr_readers: data without a request");
       end
 `endif
   end

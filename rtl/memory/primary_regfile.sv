@@ -75,16 +75,16 @@ module primary_regfile #(
   end
 
   // ---- Commits: from the bus, from the transformer ----
-  if (TRANSFORM == pairs_pkg::TRANSFORM_BOTH) begin : g_posed
+  if (TRANSFORM == pairs_pkg::TRANSFORM_BOTH) begin : g_pose
     logic [WORDS-1:0][CW-1:0] mem[PRIMARIES];
-    logic [PRIMARIES-1:0] there_q;  // the slot was written
+    logic [PRIMARIES-1:0] stored_q;  // the slot was written
     always_ff @(posedge clk_i) begin
       if (commit) mem[number] <= slot[WORDS-1:0];
-      if (commit) there_q[number] <= 1;
-      if (rst_i) there_q <= '0;
+      if (commit) stored_q[number] <= 1;
+      if (rst_i) stored_q <= '0;
     end
     always_ff @(posedge clk_moving_i) written_o <= mem[read_i];
-    assign commit_o = commit_q || (pose_i && there_q[pose_number_i]);
+    assign commit_o = commit_q || (pose_i && stored_q[pose_number_i]);
     assign committed = commit_q ? number_q : pose_number_i;
     assign slot_o = commit_q ? slot_q[WORDS-1:0] : pose_slot_i;
   end else begin : g_written
@@ -99,27 +99,27 @@ module primary_regfile #(
   assign lane_o = LANE_W'(32'(committed) % 32'(LANES));
 
   // ---- Check results ----
-  logic clk_check, judged;
-  logic [PRIM_W-1:0] judged_number;
+  logic clk_check, checked;
+  logic [PRIM_W-1:0] checked_number;
   check_clock #(.NUMBER_W(PRIM_W), .T_CHECK(T_CHECK)) check_time (
       .clk_i(clk_core_i), .rst_i, .commit_i(commit_o), .number_i(committed), .clk_o(clk_check), .busy_o,
-      .judged_o(judged), .number_o(judged_number));
+      .checked_o(checked), .number_o(checked_number));
   logic [SHAPES-1:0][PRIMARIES-1:0] bad_by_shape;
   for (genvar shape = 0; shape < SHAPES; shape++) begin : check
-    if (pairs_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_there
+    if (pairs_pkg::uses_shape(PAIRS, shape, 1, SWAP != 0)) begin : g_present
       localparam int N = pairs_pkg::shape_words(shape);
       logic [N-1:0][0:0][CW-1:0] words;
       logic [0:0][CW-1:0] bad;
-      logic bad_judged;
+      logic bad_checked;
       assign words = slot_o[N-1:0];
       shape_check #(.SHAPE(shape), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
-          .clk_i(clk_check), .on_i(1'b1), .words_i(words), .bad_o(bad));
+          .clk_i(clk_check), .en_i(1'b1), .words_i(words), .bad_o(bad));
       // The host back end answers at once, so its results are delayed to the cycles of the gates.
-      align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check),
-          .d_i(bad[0][0]), .q_o(bad_judged));
+      pipe_delay #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) delay_bad (.clk_i(clk_check),
+          .d_i(bad[0][0]), .q_o(bad_checked));
       logic [PRIMARIES-1:0] bad_q;
       always_ff @(posedge clk_check) begin
-        if (judged) bad_q[judged_number] <= bad_judged;
+        if (checked) bad_q[checked_number] <= bad_checked;
         if (rst_i) bad_q <= '1;
       end
       assign bad_by_shape[shape] = bad_q;

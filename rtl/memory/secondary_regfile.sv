@@ -64,29 +64,30 @@ module secondary_regfile #(
   localparam int T_PLACED = (ARITH == "rtl") ? T_CHECKED : (TRANSFORM != 0) ? 1 : 0;
   logic [WORDS:0][CW-1:0] fifo[DEPTH];  // check result in front
   // counts of slots in the FIFO, shown, popped, requested (modulo 2*DEPTH)
-  logic [AW:0] placed_q, write_q, read_q, asked_q;
+  logic [AW:0] placed_q, write_q, read_q, requested_q;
   logic dropping_q, stopping_q, stop;
 
   // ---- Requests, one beat each ----
   pairs_pkg::words_t words;
   pairs_pkg::shape_t shape;
-  logic two, second_q, taken, slot_asked, asking, last_asked;
+  logic two, second_q, taken, slot_requested, requesting, last_requested;
   logic [31:0] word, slot_number;
   logic [OBJECT_W-1:0] object;
   assign shape = pairs_pkg::SHAPE_BITS'(swap_i ? pairs_pkg::primary_shape(int'(pair_i)) :
       pairs_pkg::secondary_shape(int'(pair_i)));
   assign words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(shape)));
   assign two = WORDS > BEAT && 32'(words) > BEAT;
-  assign ddr_o.valid = asking && (asked_q - read_q) != (AW + 1)'(DEPTH);
+  assign ddr_o.valid = requesting && (requested_q - read_q) != (AW + 1)'(DEPTH);
   assign ddr_o.word = word + (second_q ? BEAT : 0);
   assign taken = ddr_o.valid && ddr_ready_i;
-  assign slot_asked = taken && (!two || second_q);
+  assign slot_requested = taken && (!two || second_q);
   assign stop = (stop_i || stopping_q) && (!two || second_q == taken);  // never between the two beats of a slot
   address_generator #(.ENTRIES(OBJECTS)) addresses (
-      .clk_i, .rst_i, .start_i, .stop_i(stop), .step_i(slot_asked), .stride_i(words),
+      .clk_i, .rst_i, .start_i, .stop_i(stop), .step_i(slot_requested), .stride_i(words),
       .objects_i((OBJECT_W + 1)'(pass_i.objects)), .first_i(pass_i.first), .count_i(pass_i.count),
-      .entry_o(range_entry_o), .range_i, .valid_o(asking), .address_o(word), .slot_o(slot_number), .object_o(object),
-      .last_o(last_asked));
+      .entry_o(range_entry_o), .range_i, .valid_o(requesting), .address_o(word), .slot_o(slot_number),
+      .object_o(object),
+      .last_o(last_requested));
 
   // ---- Beats to slots ----
   logic [WORDS-1:0][CW-1:0] arrived;
@@ -128,7 +129,7 @@ module secondary_regfile #(
     logic [AW:0] arrived_q;
     logic [WORDS-1:0][CW-1:0] slot_q;
     always_ff @(posedge clk_i) begin
-      if (slot_asked) tags[asked_q[AW-1:0]] <= {last_asked, object, slot_number};
+      if (slot_requested) tags[requested_q[AW-1:0]] <= {last_requested, object, slot_number};
       if (whole) arrived_q <= arrived_q + 1;
       if (rst_i) arrived_q <= '0;
     end
@@ -153,22 +154,22 @@ module secondary_regfile #(
     assign index_o = index_q;
     assign last_o = index_q + 1 == count_q;
     logic unused_objects;
-    assign unused_objects = &{1'b0, clk_moving_i, moved_i, object, slot_number, last_asked};
+    assign unused_objects = &{1'b0, clk_moving_i, moved_i, object, slot_number, last_requested};
   end
 
   // ---- The check ----
   logic [WORDS-1:0][CW-1:0] checked_slot;
   logic [SHAPES-1:0] bad_by_shape;
-  align #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) align_slot (.clk_i, .d_i(unchecked),
+  pipe_delay #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) delay_slot (.clk_i, .d_i(unchecked),
       .q_o(checked_slot));
   for (genvar k = 0; k < SHAPES; k++) begin : check
-    if (pairs_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_there
+    if (pairs_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_present
       localparam int N = pairs_pkg::shape_words(k);
       logic [N-1:0][0:0][CW-1:0] shape_words;
       logic [0:0][CW-1:0] bad;
       assign shape_words = unchecked[N-1:0];
       shape_check #(.SHAPE(k), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check_u (
-          .clk_i, .on_i(1'b1), .words_i(shape_words), .bad_o(bad));
+          .clk_i, .en_i(1'b1), .words_i(shape_words), .bad_o(bad));
       assign bad_by_shape[k] = bad[0][0];
     end else begin : g_absent
       assign bad_by_shape[k] = 1'b1;
@@ -176,7 +177,7 @@ module secondary_regfile #(
   end
 
   assign valid_o = write_q != read_q && !dropping_q;
-  assign idle_o = write_q == asked_q && !asking && (write_q == read_q || dropping_q);
+  assign idle_o = write_q == requested_q && !requesting && (write_q == read_q || dropping_q);
   assign slot_o = fifo[read_q[AW-1:0]][WORDS-1:0];
   assign bad_o = fifo[read_q[AW-1:0]][WORDS][0];
 
@@ -187,7 +188,7 @@ module secondary_regfile #(
     end
     if (in_flight[T_CHECKED]) write_q <= write_q + 1;
     if (taken) second_q <= two && !second_q;
-    if (slot_asked) asked_q <= asked_q + 1;
+    if (slot_requested) requested_q <= requested_q + 1;
     if (pop_i) read_q <= read_q + 1;
     if (stop) dropping_q <= 1;
     stopping_q <= !rst_i && !start_i && (stop_i || stopping_q) && !stop;
@@ -196,7 +197,7 @@ module secondary_regfile #(
       dropping_q <= 0;
     end
     if (rst_i) begin
-      {placed_q, write_q, read_q, asked_q} <= '0;
+      {placed_q, write_q, read_q, requested_q} <= '0;
       dropping_q <= 0;
       second_q <= 0;
     end
@@ -206,7 +207,8 @@ module secondary_regfile #(
   always_ff @(posedge clk_i)
     if (!rst_i) begin
       assert (!(pop_i && !valid_o)) else $error("secondary_regfile: pop of an empty FIFO");
-      assert (!(in_flight[T_CHECKED] && write_q == asked_q)) else $error("secondary_regfile: data without a request");
+      assert (!(in_flight[T_CHECKED] && write_q == requested_q))
+          else $error("secondary_regfile: data without a request");
       assert (!(start_i && !idle_o)) else $error("secondary_regfile: started while busy");
     end
 `endif

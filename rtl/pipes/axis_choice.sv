@@ -106,13 +106,13 @@ module axis_choice #(
     `DF_VAT(p_key, p, T_OFF2)
     logic [USERS-1:0][LANES-1:0][CW-1:0] squares;
     logic [USERS-1:0][2:0][LANES-1:0][CW-1:0] n_keys, v_keys, p_keys;
-    after_turns #(.W(LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
+    serial_to_parallel #(.W(LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
         after_square (.clk_i, .d_i(square), .q_o(squares));
-    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
+    serial_to_parallel #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
         after_n (.clk_i, .d_i(n_key), .q_o(n_keys));
-    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
+    serial_to_parallel #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
         after_v (.clk_i, .d_i(v_key), .q_o(v_keys));
-    after_turns #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
+    serial_to_parallel #(.W(3 * LANES * CW), .TURNS(TURNS), .USERS(USERS), .ARITH(ARITH))
         after_p (.clk_i, .d_i(p_key), .q_o(p_keys));
     for (genvar k = 0; k < USERS; k++) begin : g_user
       assign off2[i+k] = squares[k];

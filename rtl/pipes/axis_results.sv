@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The TURNS candidate axes that a shared unit made in turn, together when the last is ready
-// (after_turns.sv).
+// (serial_to_parallel.sv).
 // Latency: TURNS - 1 cycles from the first axis; 0 with ARITH = "host".
 // Throughput: one set per TURNS cycles.
 // Stall: none.
@@ -30,11 +30,13 @@ module axis_results #(
 );
   /*verilator inline_module*/
   localparam int LW = LANES * CW;
-  after_turns #(.W(LW), .TURNS(TURNS), .ARITH(ARITH)) separation (.clk_i, .d_i(separation_i), .q_o(separation_o));
-  after_turns #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) n (.clk_i, .d_i(n_i), .q_o(n_o));
-  after_turns #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) v (.clk_i, .d_i(v_i), .q_o(v_o));
-  after_turns #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) p (.clk_i, .d_i(p_i), .q_o(p_o));
-  after_turns #(.W(LW), .TURNS(TURNS), .ARITH(ARITH)) d2 (.clk_i, .d_i(d2_i), .q_o(d2_o));
-  after_turns #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) f (.clk_i, .d_i(f_i), .q_o(f_o));
-  after_turns #(.W(LW), .TURNS(TURNS), .ARITH(ARITH)) inverse_ff (.clk_i, .d_i(inverse_ff_i), .q_o(inverse_ff_o));
+  serial_to_parallel #(.W(LW), .TURNS(TURNS), .ARITH(ARITH)) separation (
+      .clk_i, .d_i(separation_i), .q_o(separation_o));
+  serial_to_parallel #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) n (.clk_i, .d_i(n_i), .q_o(n_o));
+  serial_to_parallel #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) v (.clk_i, .d_i(v_i), .q_o(v_o));
+  serial_to_parallel #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) p (.clk_i, .d_i(p_i), .q_o(p_o));
+  serial_to_parallel #(.W(LW), .TURNS(TURNS), .ARITH(ARITH)) d2 (.clk_i, .d_i(d2_i), .q_o(d2_o));
+  serial_to_parallel #(.W(3 * LW), .TURNS(TURNS), .ARITH(ARITH)) f (.clk_i, .d_i(f_i), .q_o(f_o));
+  serial_to_parallel #(.W(LW), .TURNS(TURNS), .ARITH(ARITH)) inverse_ff (
+      .clk_i, .d_i(inverse_ff_i), .q_o(inverse_ff_o));
 endmodule

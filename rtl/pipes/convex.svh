@@ -70,11 +70,13 @@
   `DF_SELECT(R, R``_ties, ORIENTATION, H)
 // Three vectors as rows of a matrix.
 `define DF_MAT(R, X, Y, Z) localparam int T_``R = `DF_MAX3(T_``X, T_``Y, T_``Z); `DF_MATRIX R; \
-  df_align #(.W(3 * LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) align_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \
-  df_align #(.W(3 * LANES * CW), .T_A(T_``Y), .T(T_``R), .ARITH(ARITH)) align_y_``R (.clk_i, .a_i(Y), .r_o(R[1])); \
-  df_align #(.W(3 * LANES * CW), .T_A(T_``Z), .T(T_``R), .ARITH(ARITH)) align_z_``R (.clk_i, .a_i(Z), .r_o(R[2]));
+  df_pipe_delay #(.W(3 * LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) delay_x_``R ( \
+      .clk_i, .a_i(X), .r_o(R[0])); \
+  df_pipe_delay #(.W(3 * LANES * CW), .T_A(T_``Y), .T(T_``R), .ARITH(ARITH)) delay_y_``R ( \
+      .clk_i, .a_i(Y), .r_o(R[1])); \
+  df_pipe_delay #(.W(3 * LANES * CW), .T_A(T_``Z), .T(T_``R), .ARITH(ARITH)) delay_z_``R (.clk_i, .a_i(Z), .r_o(R[2]));
 `define DF_MAT_AT(R, A, TIME) localparam int T_``R = TIME; `DF_MATRIX R; \
-  df_align #(.W(9 * LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+  df_pipe_delay #(.W(9 * LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) delay_``R (.clk_i, .a_i(A), .r_o(R));
 // Row K of a matrix.
 `define DF_ROW(R, M, K) localparam int T_``R = T_``M; `DF_VECTOR R; assign R = M[K];
 

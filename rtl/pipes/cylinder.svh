@@ -109,7 +109,7 @@
   `DF_VECTOR R; \
   project_cylinder #(`DF_SAME, .T_X(T_``X), .T_C(T_``C), .T_ALONGSIDE(T_``ALONGSIDE), .T_END(T_``END), \
       .T_RIM(T_``RIM)) project_``R ( \
-      .clk_i, .on_i(`DF_ON), .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), \
+      .clk_i, .en_i(`DF_EN), .x_i(X), .c_i(C), .a_i(A), .half_i(HALF), .radius_i(RADIUS), .side_i(SIDE), \
         .alongside_i(ALONGSIDE), .end_i(END), \
       .rim_i(RIM), .r_o(R));
 `endif

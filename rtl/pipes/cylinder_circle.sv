@@ -53,11 +53,11 @@ module cylinder_circle #(
     output logic [2:0][LANES-1:0][CW-1:0] next_o
 );
   /*verilator inline_module*/
-  logic on;
-  assign on = `PASS_PHASE(pass_i) == `PHASE_BESIDE || `PASS_PHASE(pass_i) == `PHASE_SAMPLE || `PASS_PHASE(pass_i) ==
+  logic en;
+  assign en = `PASS_PHASE(pass_i) == `PHASE_BESIDE || `PASS_PHASE(pass_i) == `PHASE_SAMPLE || `PASS_PHASE(pass_i) ==
       `PHASE_REFINE;
-  `undef DF_ON
-  `define DF_ON on
+  `undef DF_EN
+  `define DF_EN en
   localparam logic [CW-1:0] MINUS_INFINITY = ((CW'(2) << EXP) - 1) << MAN;
   // sqrt(16 times the smallest normal number), rounded down to a power of two. The square of a smaller weight would
   // underflow.
@@ -164,8 +164,8 @@ module cylinder_circle #(
     assign {lo_n, lo_y, hi_n, hi_y} = {late_lo_n, late_lo_y, late_hi_n, late_hi_y};
   end
 
-  `undef DF_ON
-  `define DF_ON refine_next_i
+  `undef DF_EN
+  `define DF_EN refine_next_i
   // ---- Newton. In a refinement, e x n and its slope belong to n ----
   `DF_DOT(vb, b_v, t)
   `DF_MUL(vbvb, vb, vb)
@@ -225,6 +225,6 @@ module cylinder_circle #(
   `DF_VAT(hi_y_end, hi_y, `LATENCY_STEP)
   `DF_VAT(next_end, next, `LATENCY_STEP)
   assign {lo_n_o, lo_y_o, hi_n_o, hi_y_o, next_o} = {lo_n_end, lo_y_end, hi_n_end, hi_y_end, next_end};
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

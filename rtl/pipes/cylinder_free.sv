@@ -41,8 +41,8 @@ module cylinder_free #(
   logic on_pole, on_newton;
   assign on_pole = `PASS_PHASE(pass_i) == `PHASE_POLE;
   assign on_newton = `PASS_PHASE(pass_i) == `PHASE_START || `PASS_PHASE(pass_i) == `PHASE_NEWTON;
-  `undef DF_ON
-  `define DF_ON on_pole
+  `undef DF_EN
+  `define DF_EN on_pole
   localparam int BODY = `BODY_CYLINDER;
   logic on_a, unused;
   assign unused = &{1'b0, `PASS_INDEX(pass_i)};
@@ -117,8 +117,8 @@ module cylinder_free #(
   `DF_VSCALE(pole_t, t, pole_step)
   `DF_VADD(pole_next, pole_n, pole_t)
 
-  `undef DF_ON
-  `define DF_ON on_newton
+  `undef DF_EN
+  `define DF_EN on_newton
   // ---- Newton on the sphere. `more` of the identity makes the matrix' smaller eigenvalue the slope ----
   `DF_CONST(half, `DF_POWER_OF_TWO(-1))
   `DF_NEG(minus_half, half)
@@ -194,6 +194,6 @@ module cylinder_free #(
   `DF_AT(score_end, score, `LATENCY_STEP)
   `DF_VAT(next_end, next, `LATENCY_STEP)
   assign {lo_n_o, lo_y_o, score_o, next_o} = {lo_n_end, lo_y_end, score_end, next_end};
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

@@ -45,8 +45,8 @@ module cylinder_front #(
   `DF_CONST(step, `DF_POWER_OF_TWO(-((MAN + 2) / 2)))  // sqrt(u), rounded down to a power of two
   `DF_CONST(tiny, `DF_POWER_OF_TWO(2 * (3 - MAN)))  // (16 u)^2
 
-  `undef DF_ON
-  `define DF_ON crossing
+  `undef DF_EN
+  `define DF_EN crossing
   logic crossing, unit_wanted;
   assign crossing = centre || refine || phase == `PHASE_CAP || phase == `PHASE_SIDE;
   assign unit_wanted = phase != `PHASE_TOUCH && (phase != `PHASE_PROJECT || `PASS_TRIAL(pass_i));
@@ -56,16 +56,16 @@ module cylinder_front #(
   `DF_LE(along, xx, tiny)
   `DF_ACROSS(any, c)
   `DF_VSELECT(across, along, any, x)
-  `undef DF_ON
-  `define DF_ON (phase == `PHASE_BESIDE)
+  `undef DF_EN
+  `define DF_EN (phase == `PHASE_BESIDE)
   `DF_VSCALE(offset, last_n, step)
   `DF_VADD(aside, q, offset)
   `DF_VCHOOSE(raw_beside, beside, aside, plain)
   `DF_VCHOOSE(raw_side, side, across, raw_beside)
   `DF_VCHOOSE(raw_any, twice, xc, raw_side)
   `DF_VAT(raw, raw_any, `LATENCY_CYLINDER_RAW)
-  `undef DF_ON
-  `define DF_ON unit_wanted
+  `undef DF_EN
+  `define DF_EN unit_wanted
   `DF_NORMALISE(unit, raw)
   // A direction between witness points that are too near each other is not tried.
   `DF_CONTROL(trial, phase == `PHASE_PROJECT && `PASS_TRIAL(pass_i), 0)
@@ -74,6 +74,6 @@ module cylinder_front #(
   `DF_VCHOOSE(n, witness, best_n, unit_or_best)
   `DF_VAT(n_end, n, `LATENCY_FRONT)
   assign n_o = n_end;
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

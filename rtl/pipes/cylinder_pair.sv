@@ -86,7 +86,7 @@ module cylinder_pair #(
   assign phase_end = `PASS_PHASE(pass_mem[now_q]);
   assign witness_end = phase_end == `PHASE_TOUCH || phase_end == `PHASE_PROJECT;
   logic [LANES-1:0][CW-1:0] bad_mem[SLOTS];
-  logic enter, entered, leave, last, soon_last;
+  logic enter, entered, leave, last, next_last;
   logic [15:0] passes;
   logic [`PASS_W-1:0] first_pass, next_pass, unused_first, unused_next;
   logic [15:0] unused_passes;
@@ -97,24 +97,24 @@ module cylinder_pair #(
   cylinder_schedule #(.BODY(BODY)) schedule (
       .iterations_i(iterations_q), .pass_i(pass_mem[now_q]), .first_o(first_pass), .next_o(next_pass), .last_o(last),
       .passes_o(passes));
-  cylinder_schedule #(.BODY(BODY)) schedule_soon (
+  cylinder_schedule #(.BODY(BODY)) schedule_next (
       .iterations_i(iterations_q), .pass_i(pass_mem[after(now_q, (AW + 1)'(INPUT_DELAY))]), .first_o(unused_first),
-      .next_o(unused_next), .last_o(soon_last),
+      .next_o(unused_next), .last_o(next_last),
       .passes_o(unused_passes));
   logic unused;
   assign unused = &{1'b0, unused_first, unused_next, unused_passes};
-  assign ready_o = !valid_q[after(now_q, (AW + 1)'(INPUT_DELAY))] || soon_last;
+  assign ready_o = !valid_q[after(now_q, (AW + 1)'(INPUT_DELAY))] || next_last;
   if (AHEAD != 0) begin : g_ahead
     always_ff @(posedge clk_i) enter <= valid_i && ready_o && !rst_i;
   end else begin : g_now
     assign enter = valid_i && ready_o;
   end
   if (GATES) begin : g_entry
-    align_valid #(.FROM(0), .TO(ENTRY)) align_enter (.clk_i, .rst_i, .valid_i(enter), .valid_o(entered));
+    pipe_delay_valid #(.FROM(0), .TO(ENTRY)) delay_enter (.clk_i, .rst_i, .valid_i(enter), .valid_o(entered));
   end else begin : g_entry
     assign entered = enter;
   end
-  align #(.W(32), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) align_tag (.clk_i, .d_i(tag_i), .q_o(entered_tag));
+  pipe_delay #(.W(32), .FROM(0), .TO(ENTRY), .ARITH(ARITH)) delay_tag (.clk_i, .d_i(tag_i), .q_o(entered_tag));
   assign leave = valid_q[now_q] && last;
   assign latency_o = 32'(AHEAD + ENTRY + FINISH) + 32'(passes) * 32'(SLOTS);
   always_ff @(posedge clk_i) begin
@@ -141,11 +141,11 @@ module cylinder_pair #(
   logic [7:0][LANES-1:0][CW-1:0] b;
   logic [LANES-1:0][CW-1:0] back, back_in, unused_t_back, back_mem[SLOTS];
   length_scale #(`DF_SAME, .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::SHAPE_CYLINDER)) scale (
-      .clk_i, .on_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
-  align #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_in));
+      .clk_i, .en_i(entered), .a_i, .b_i, .a_o(a), .b_o(b), .back_o(back), .t_back_o(unused_t_back));
+  pipe_delay #(.W(LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) delay_back (.clk_i, .d_i(back), .q_o(back_in));
   always_ff @(posedge clk_i) if (entered) back_mem[now_q] <= back_in;
-  `undef DF_ON
-  `define DF_ON entered
+  `undef DF_EN
+  `define DF_EN entered
   localparam int ORIGIN = 0, D = 3, B = 6, B_REACH = 9, B_HALF = 12, B_RADIUS = 13, A_REACH = 14, A_HALF = 23,
       A_RADIUS = 26, A_AXIS = 27;
   localparam int OPERANDS = 36;
@@ -160,8 +160,8 @@ module cylinder_pair #(
   `DF_VAT(b_reach_in, b_reach, ENTRY)
   logic [7:3][LANES-1:0][CW-1:0] b_in;
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_in;
-  align #(.W(5 * LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_b (.clk_i, .d_i(b[7:3]), .q_o(b_in));
-  align #(.W(A_WORDS * LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) align_a (.clk_i, .d_i(a), .q_o(a_in));
+  pipe_delay #(.W(5 * LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) delay_b (.clk_i, .d_i(b[7:3]), .q_o(b_in));
+  pipe_delay #(.W(A_WORDS * LW), .FROM(T_SCALED), .TO(ENTRY), .ARITH(ARITH)) delay_a (.clk_i, .d_i(a), .q_o(a_in));
   assign operands[ORIGIN+:3] = a_in[2:0];
   assign operands[D+:3] = b_from_a_in;
   assign operands[B+:3] = b_in[5:3];
@@ -183,8 +183,8 @@ module cylinder_pair #(
     `DF_TRANSPOSE(axes, rotation)
     `DF_MSCALE(reach, axes, half)
     for (genvar k = 0; k < 3; k++) begin : axis
-      df_align #(.W(3 * LW), .T_A(T_reach), .T(ENTRY), .ARITH(ARITH))
-          align_reach (.clk_i, .a_i(reach[k]), .r_o(operands[A_REACH+3*k+:3]));
+      df_pipe_delay #(.W(3 * LW), .T_A(T_reach), .T(ENTRY), .ARITH(ARITH))
+          delay_reach (.clk_i, .a_i(reach[k]), .r_o(operands[A_REACH+3*k+:3]));
       assign operands[A_AXIS+3*k+:3] = {a_in[12+k], a_in[9+k], a_in[6+k]};
     end
     assign operands[A_HALF+:3] = a_in[5:3];
@@ -193,14 +193,14 @@ module cylinder_pair #(
     `DF_MATRIX_IN(tails, a[2:0], a[2:0], a[5:3], T_SCALED)
     `DF_MATRIX_IN(heads, a[5:3], a[8:6], a[8:6], T_SCALED)
     `DF_MSUB(edges, heads, tails)
-    df_align #(.W(9 * LW), .T_A(T_edges), .T(ENTRY), .ARITH(ARITH))
-        align_edges (.clk_i, .a_i(edges), .r_o(operands[A_REACH+:9]));
+    df_pipe_delay #(.W(9 * LW), .T_A(T_edges), .T(ENTRY), .ARITH(ARITH))
+        delay_edges (.clk_i, .a_i(edges), .r_o(operands[A_REACH+:9]));
     assign {operands[A_HALF+:3], operands[A_RADIUS], operands[A_AXIS+:9]} = '0;
     logic unused_a;
     assign unused_a = &{1'b0, a_in[A_WORDS-1:3]};
   end
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
   always_ff @(posedge clk_i) if (entered) operand_mem[now_q] <= operands;
   `define OPERAND(WORD, TIME) operand_mem[`SLOT(TIME)][WORD]
   `define OPERAND3(WORD, TIME) operand_mem[`SLOT(TIME)][WORD+:3]
@@ -510,8 +510,8 @@ module cylinder_pair #(
   end
 
   // ---- Result; its stage times begin at the end of the last pass ----
-  `undef DF_ON
-  `define DF_ON leave
+  `undef DF_EN
+  `define DF_EN leave
   `DF_IN(s, witness_g, 0)
   `DF_VIN(s_n, witness_n, 0)
   `DF_VIN(q, witness_w, 0)
@@ -525,9 +525,10 @@ module cylinder_pair #(
   `DF_VECTOR cp_one, n_one, cp_end, n_end;
   distance_result #(`DF_SAME, .T_S(T_s), .T_CP(T_cp), .T_N(T_s_n), .LATENCY(RESULT)) result (
       .clk_i, .s_i(s), .cp_i(cp), .n_i(s_n), .f_o(f_one), .t_o(t_one), .cp_o(cp_one), .n_o(n_one));
-  align #(.W(LW), .FROM(0), .TO(RESULT), .ARITH(ARITH)) align_back_end (.clk_i, .d_i(back_mem[now_q]), .q_o(back_end));
+  pipe_delay #(.W(LW), .FROM(0), .TO(RESULT), .ARITH(ARITH)) delay_back_end (
+      .clk_i, .d_i(back_mem[now_q]), .q_o(back_end));
   length_unscale #(`DF_SAME) unscale (
-      .clk_i, .on_i(leave), .back_i(back_end), .t_back_i('0), .f_i(f_one), .t_i(t_one), .cp_i(cp_one), .n_i(n_one),
+      .clk_i, .en_i(leave), .back_i(back_end), .t_back_i('0), .f_i(f_one), .t_i(t_one), .cp_i(cp_one), .n_i(n_one),
       .f_o(f_end), .t_o(t_end),
       .cp_o(cp_end), .n_o(n_end));
   assign bad_end = bad_mem[now_q];
@@ -559,6 +560,6 @@ module cylinder_pair #(
   `undef OPERAND
   `undef OPERAND3
   `undef OPERAND9
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

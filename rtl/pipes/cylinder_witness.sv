@@ -56,10 +56,10 @@ module cylinder_witness #(
     output logic [2:0][LANES-1:0][CW-1:0] next_o  // normal to try in the next pass
 );
   /*verilator inline_module*/
-  logic on;
-  assign on = `PASS_PHASE(pass_i) == `PHASE_TOUCH || `PASS_PHASE(pass_i) == `PHASE_PROJECT;
-  `undef DF_ON
-  `define DF_ON on
+  logic en;
+  assign en = `PASS_PHASE(pass_i) == `PHASE_TOUCH || `PASS_PHASE(pass_i) == `PHASE_PROJECT;
+  `undef DF_EN
+  `define DF_EN en
   // A normal within this angle touches all of an edge, face, cap or line of a side: 64 u. Where n may be off, it is
   // 2^14 u radian.
   localparam int TOUCHING = 5 - MAN, WIDE = 13 - MAN;
@@ -191,7 +191,7 @@ module cylinder_witness #(
     assign cap_a = '0;
     assign cap_b = b_flat_first;
     project_polyhedron #(`DF_SAME, .BODY(BODY), .T_X(T_to_a), .T_FEATURE(T_features)) project (
-        .clk_i, .on_i(`DF_ON), .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .feature_i(features), .near_i(near),
+        .clk_i, .en_i(`DF_EN), .x_i(to_a), .axis_i, .half_i, .edge_i, .face_i, .feature_i(features), .near_i(near),
         .n_i, .r_o(on_a));
   end
   `undef TOUCHED
@@ -270,6 +270,6 @@ module cylinder_witness #(
   assign {q_o, w_o, off_o} = {point_end, best_end, best_off_end};
   assign {n_o, g_o} = {best_n_end, best_g_end};
   assign {from_o, move_o, next_o} = {from_end, move_end, next_end};
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

@@ -35,8 +35,8 @@ module distance_result #(
         class_n (.a_i(n_i[k]), .m_o(nan[k]));
     lane_select #(.CW(CW), .LANES(LANES)) select_n (.m_i(nan[k]), .a_i({LANES{QNAN}}), .b_i(n_i[k]), .r_o(n[k]));
   end
-  align #(.W(LANES * CW), .FROM(T_S + LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f), .q_o(f_o));
-  align #(.W(LANES * CW), .FROM(T_S), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
-  align #(.W(3 * LANES * CW), .FROM(T_CP), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp_i), .q_o(cp_o));
-  align #(.W(3 * LANES * CW), .FROM(T_N), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n), .q_o(n_o));
+  pipe_delay #(.W(LANES * CW), .FROM(T_S + LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) delay_f (.clk_i, .d_i(f), .q_o(f_o));
+  pipe_delay #(.W(LANES * CW), .FROM(T_S), .TO(LATENCY), .ARITH(ARITH)) delay_t (.clk_i, .d_i(t), .q_o(t_o));
+  pipe_delay #(.W(3 * LANES * CW), .FROM(T_CP), .TO(LATENCY), .ARITH(ARITH)) delay_cp (.clk_i, .d_i(cp_i), .q_o(cp_o));
+  pipe_delay #(.W(3 * LANES * CW), .FROM(T_N), .TO(LATENCY), .ARITH(ARITH)) delay_n (.clk_i, .d_i(n), .q_o(n_o));
 endmodule

@@ -17,7 +17,7 @@ module length_scale #(
     localparam int B_WORDS = pairs_pkg::shape_words(SHAPE_B)
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: no reader uses the result
+    input logic en_i,  // 0: no reader uses the result
     input logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [B_WORDS-1:0][LANES-1:0][CW-1:0] b_i,
     output logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a_o,
@@ -39,7 +39,7 @@ module length_scale #(
     localparam int LEVEL = $clog2(i + 1) - 1;  // 0: the root
     localparam int FROM = (i < N_LENGTHS) ? LAT.cmp * (LEVELS - LEVEL - 1) / LEVELS : 0;
     logic [LANES-1:0][CW-1:0] size, late;
-    align #(.W(LW), .FROM(FROM), .TO(LAT.cmp * (LEVELS - LEVEL) / LEVELS), .ARITH(ARITH)) align_size (
+    pipe_delay #(.W(LW), .FROM(FROM), .TO(LAT.cmp * (LEVELS - LEVEL) / LEVELS), .ARITH(ARITH)) delay_size (
         .clk_i, .d_i(size), .q_o(late));
     if (i >= N_LENGTHS + N_A) begin : g_b
       localparam int WORD = pairs_pkg::length_word(SHAPE_B, i - N_LENGTHS - N_A);  // avoids a call in every cycle
@@ -49,18 +49,18 @@ module length_scale #(
       assign size = a_i[WORD];
     end else begin : g_larger
       fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH)) larger (
-          .on_i, .a_i(node[2*i].late), .b_i(node[2*i+1].late), .r_o(size));
+          .en_i, .a_i(node[2*i].late), .b_i(node[2*i+1].late), .r_o(size));
     end
   end
   logic [LANES-1:0][CW-1:0] largest, down, back;
   assign largest = node[1].late;
   fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
       shift_down (
-      .on_i, .a_i(largest), .b_i('0), .r_o(down));
+      .en_i, .a_i(largest), .b_i('0), .r_o(down));
   fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_UP), .LEAST(LEAST), .ARITH(ARITH))
       shift_back (
-      .on_i, .a_i(largest), .b_i('0), .r_o(back));
-  align #(.W(LW), .FROM(LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) align_back (.clk_i, .d_i(back), .q_o(back_o));
+      .en_i, .a_i(largest), .b_i('0), .r_o(back));
+  pipe_delay #(.W(LW), .FROM(LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) delay_back (.clk_i, .d_i(back), .q_o(back_o));
 
   // ---- A ray's direction ----
   logic [LANES-1:0][CW-1:0] ray_down, t_scale;  // the shift by 2^-kd, and the number 2^(kd - k)
@@ -68,15 +68,16 @@ module length_scale #(
     localparam logic [CW-1:0] ONE = CW'((1 << (EXP - 1)) - 1) << MAN;
     logic [LANES-1:0][CW-1:0] xy, xy_late, z_late, xyz, steepest, t_back;
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
-        larger_xy (.on_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
+        larger_xy (.en_i, .a_i(a_i[3]), .b_i(a_i[4]), .r_o(xy));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MAX), .ARITH(ARITH))
-        larger_xyz (.on_i, .a_i(xy_late), .b_i(z_late), .r_o(xyz));
-    align #(.W(2 * LW), .FROM(0), .TO(LAT.cmp / 2), .ARITH(ARITH)) align_xy (
+        larger_xyz (.en_i, .a_i(xy_late), .b_i(z_late), .r_o(xyz));
+    pipe_delay #(.W(2 * LW), .FROM(0), .TO(LAT.cmp / 2), .ARITH(ARITH)) delay_xy (
         .clk_i, .d_i({a_i[5], xy}), .q_o({z_late, xy_late}));
-    align #(.W(LW), .FROM(LAT.cmp / 2), .TO(LAT.cmp), .ARITH(ARITH)) align_steepest (.clk_i, .d_i(xyz), .q_o(steepest));
+    pipe_delay #(.W(LW), .FROM(LAT.cmp / 2), .TO(LAT.cmp), .ARITH(ARITH)) delay_steepest (
+        .clk_i, .d_i(xyz), .q_o(steepest));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_DOWN), .LEAST(LEAST), .ARITH(ARITH))
         shift_ray (
-        .on_i, .a_i(steepest), .b_i('0), .r_o(ray_down));
+        .en_i, .a_i(steepest), .b_i('0), .r_o(ray_down));
     always_comb begin
       t_scale = '0;
       t_back = '0;
@@ -85,7 +86,8 @@ module length_scale #(
         t_back[l] = ONE + ray_down[l] - down[l];
       end
     end
-    align #(.W(LW), .FROM(LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) align_t_back (.clk_i, .d_i(t_back), .q_o(t_back_o));
+    pipe_delay #(.W(LW), .FROM(LAT.cmp), .TO(LATENCY), .ARITH(ARITH)) delay_t_back (
+        .clk_i, .d_i(t_back), .q_o(t_back_o));
   end else begin : g_solid
     assign {ray_down, t_scale, t_back_o} = '0;
     logic unused;
@@ -95,7 +97,7 @@ module length_scale #(
   // ---- The words: moved one cycle after the shift is known, if there are two cycles ----
   localparam int MOVE = (LATENCY - LAT.cmp > 1) ? LAT.cmp + 1 : LAT.cmp;
   logic [LANES-1:0][CW-1:0] down_late, ray_down_late;
-  align #(.W(2 * LW), .FROM(LAT.cmp), .TO(MOVE), .ARITH(ARITH)) align_down (
+  pipe_delay #(.W(2 * LW), .FROM(LAT.cmp), .TO(MOVE), .ARITH(ARITH)) delay_down (
       .clk_i, .d_i({ray_down, down}), .q_o({ray_down_late, down_late}));
   for (genvar k = 0; k < A_WORDS; k++) begin : word_a
     localparam int KIND = pairs_pkg::word_kind(SHAPE_A, k);
@@ -105,31 +107,32 @@ module length_scale #(
       assign scaled = '0;
       logic unused_word;
       assign unused_word = &{1'b0, late, scaled};
-      align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(a_o[k]));
+      pipe_delay #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) delay_word (.clk_i, .d_i(a_i[k]), .q_o(a_o[k]));
     end else begin : g_scaled
       localparam int TIME = (KIND == pairs_pkg::WORD_INTERVAL) ? LAT.cmp : MOVE;
-      align #(.W(LW), .FROM(0), .TO(TIME), .ARITH(ARITH)) align_word (.clk_i, .d_i(a_i[k]), .q_o(late));
+      pipe_delay #(.W(LW), .FROM(0), .TO(TIME), .ARITH(ARITH)) delay_word (.clk_i, .d_i(a_i[k]), .q_o(late));
       if (KIND == pairs_pkg::WORD_INTERVAL) begin : g_interval
         fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.mul), .ARITH(ARITH)) multiply (
             .clk_i, .a_i(late), .b_i(t_scale), .r_o(scaled), .flags_o());
-        align #(.W(LW), .FROM(LAT.cmp + LAT.mul), .TO(LATENCY), .ARITH(ARITH))
-            align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
+        pipe_delay #(.W(LW), .FROM(LAT.cmp + LAT.mul), .TO(LATENCY), .ARITH(ARITH))
+            delay_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
       end else begin : g_length
         fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH)) move (
-            .on_i, .a_i(late), .b_i((KIND == pairs_pkg::WORD_DIRECTION) ? ray_down_late : down_late), .r_o(scaled));
-        align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(a_o[k]));
+            .en_i, .a_i(late), .b_i((KIND == pairs_pkg::WORD_DIRECTION) ? ray_down_late : down_late), .r_o(scaled));
+        pipe_delay #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) delay_scaled (
+            .clk_i, .d_i(scaled), .q_o(a_o[k]));
       end
     end
   end
   for (genvar k = 0; k < B_WORDS; k++) begin : word_b
     if (pairs_pkg::is_length(SHAPE_B, k)) begin : g_length
       logic [LANES-1:0][CW-1:0] late, scaled;
-      align #(.W(LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(late));
+      pipe_delay #(.W(LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) delay_word (.clk_i, .d_i(b_i[k]), .q_o(late));
       fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
-          move (.on_i, .a_i(late), .b_i(down_late), .r_o(scaled));
-      align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
+          move (.en_i, .a_i(late), .b_i(down_late), .r_o(scaled));
+      pipe_delay #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) delay_scaled (.clk_i, .d_i(scaled), .q_o(b_o[k]));
     end else begin : g_pure
-      align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_word (.clk_i, .d_i(b_i[k]), .q_o(b_o[k]));
+      pipe_delay #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) delay_word (.clk_i, .d_i(b_i[k]), .q_o(b_o[k]));
     end
   end
 endmodule

@@ -11,7 +11,7 @@ module length_unscale #(
     parameter bit RAY = 0
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: no reader uses the result
+    input logic en_i,  // 0: no reader uses the result
     input logic [LANES-1:0][CW-1:0] back_i,  // from length_scale.sv, together with the result
     input logic [LANES-1:0][CW-1:0] t_back_i,
     input logic [LANES-1:0][CW-1:0] f_i,
@@ -30,29 +30,29 @@ module length_unscale #(
   localparam int MOVE = (LATENCY > 2) ? 2 : LATENCY - 1;
   logic [LANES-1:0][CW-1:0] f, t, back;
   logic [2:0][LANES-1:0][CW-1:0] cp_in, cp, cp_late;
-  align #(.W(4 * LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_in (
+  pipe_delay #(.W(4 * LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) delay_in (
       .clk_i, .d_i({cp_i, back_i}), .q_o({cp_in, back}));
-  align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_f (.clk_i, .d_i(f_i), .q_o(f));
-  align #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_n (.clk_i, .d_i(n_i), .q_o(n_o));
+  pipe_delay #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) delay_f (.clk_i, .d_i(f_i), .q_o(f));
+  pipe_delay #(.W(3 * LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) delay_n (.clk_i, .d_i(n_i), .q_o(n_o));
   for (genvar k = 0; k < 3; k++) begin : axis
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .ARITH(ARITH))
-        move (.on_i, .a_i(cp_in[k]), .b_i(back), .r_o(cp[k]));
+        move (.en_i, .a_i(cp_in[k]), .b_i(back), .r_o(cp[k]));
   end
-  align #(.W(3 * LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_cp (.clk_i, .d_i(cp), .q_o(cp_late));
+  pipe_delay #(.W(3 * LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) delay_cp (.clk_i, .d_i(cp), .q_o(cp_late));
   if (RAY) begin : g_ray
     localparam logic [CW-1:0] INF = ((CW'(1) << EXP) - 1) << MAN;
     logic [LANES-1:0][CW-1:0] finite, t_late, near_late;
     logic [2:0][LANES-1:0][CW-1:0] near;
     fp_mul #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.mul), .ARITH(ARITH)) multiply (
         .clk_i, .a_i(t_i), .b_i(t_back_i), .r_o(t), .flags_o());
-    align #(.W(LW), .FROM(LAT.mul), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_late));
+    pipe_delay #(.W(LW), .FROM(LAT.mul), .TO(LATENCY), .ARITH(ARITH)) delay_t (.clk_i, .d_i(t), .q_o(t_late));
     fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH))
         is_finite (.a_i(t_late), .m_o(finite));
     for (genvar k = 0; k < 3; k++) begin : axis
       fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_FINITE), .ARITH(ARITH))
           is_finite (.a_i(cp_i[k]), .m_o(near[k]));
     end
-    align #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_near (.clk_i, .d_i(near[0] & near[1] & near[2]),
+    pipe_delay #(.W(LW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) delay_near (.clk_i, .d_i(near[0] & near[1] & near[2]),
         .q_o(near_late));
     assign f_o = f & finite & near_late;
     assign t_o = (t_late & f_o) | ({LANES{INF}} & ~f_o);
@@ -61,13 +61,13 @@ module length_unscale #(
     logic unused;
     assign unused = &{1'b0, t_back_i};
     logic [LANES-1:0][CW-1:0] t_in, apart, touches;
-    align #(.W(LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) align_t_in (.clk_i, .d_i(t_i), .q_o(t_in));
+    pipe_delay #(.W(LW), .FROM(0), .TO(MOVE), .ARITH(ARITH)) delay_t_in (.clk_i, .d_i(t_i), .q_o(t_in));
     fp_exponent #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::EXPONENT_MOVE), .KEEP(1),
-        .ARITH(ARITH)) move_t (.on_i, .a_i(t_in), .b_i(back), .r_o(t));
-    align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_t (.clk_i, .d_i(t), .q_o(t_o));
+        .ARITH(ARITH)) move_t (.en_i, .a_i(t_in), .b_i(back), .r_o(t));
+    pipe_delay #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) delay_t (.clk_i, .d_i(t), .q_o(t_o));
     fp_class #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::CLASS_NONZERO), .ARITH(ARITH))
         is_apart (.a_i(t), .m_o(apart));
-    align #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) align_touches (.clk_i, .d_i(~apart), .q_o(touches));
+    pipe_delay #(.W(LW), .FROM(MOVE), .TO(LATENCY), .ARITH(ARITH)) delay_touches (.clk_i, .d_i(~apart), .q_o(touches));
     assign f_o = f | touches;
     assign cp_o = cp_late;
   end

@@ -3,7 +3,7 @@
 // n = e_I x f_J / |e_I x f_J|. `sign_k` is component K of B's turned axis r_J, and so on. K, L are the axes after I,
 // and M, O those after J. The support edges follow from n.e_K = -r_JL, n.e_L = r_JK, n.r_M = r_OI, n.r_O = -r_MI.
 // The inputs `sign_first` and `sign_second` belong to the last two, in the order of B's axes.
-// The side is that of n.t. If |n.t| <= tie, t has the sign of n's leading component on that side.
+// The side has the sign of n.t. If |n.t| <= tie, t has the sign of n's leading component on that side.
 // The separation is |n.t| - (sum of a_k |n_k|) - (sum of |n.f_j|). Every term is projected, also n.f_J, which should
 // be 0.
 // Operators: 26 add, 22 mul, 4 compare, 6 min/max.

@@ -113,8 +113,8 @@ module polyhedron_front #(
   // ---- Shared products ----
   logic searching;
   assign searching = phase != `PHASE_TOUCH && (phase != `PHASE_PROJECT || `PASS_TRIAL(pass_i));
-  `undef DF_ON
-  `define DF_ON searching
+  `undef DF_EN
+  `define DF_EN searching
   `DF_VSUB(w, v, d)
   `DF_VIN(x_a0, vertex ? b : frame ? reach_i[0] : e, 0)
   `DF_VIN(x_b0, side ? b : frame ? reach_i[1] : refine ? next_i : u, 0)
@@ -131,8 +131,8 @@ module polyhedron_front #(
   `DF_DOT(z, z_a, z_b)
 
   // ---- Normal from a vertex ----
-  `undef DF_ON
-  `define DF_ON (phase == `PHASE_VERTEX)
+  `undef DF_EN
+  `define DF_EN (phase == `PHASE_VERTEX)
   `DF_SQRT(rho, xx)
   `DF_ABS(z_size, z)
   `DF_SUB(above, z_size, b_half)
@@ -154,8 +154,8 @@ module polyhedron_front #(
   `DF_VSELECT(f2_plus, differ, minus_q, c)
   `DF_VFLIP(f_kink, z, f_plus)
   `DF_VFLIP(f2_kink, z, f2_plus)
-  `undef DF_ON
-  `define DF_ON (phase == `PHASE_SAMPLE)
+  `undef DF_EN
+  `define DF_EN (phase == `PHASE_SAMPLE)
   `DF_CONST(narrow, `DF_POWER_OF_TWO(-15))
   `DF_ABS(qu_size, z)
   `DF_ABS(qw_size, xx)
@@ -175,8 +175,8 @@ module polyhedron_front #(
   `DF_VCHOOSE(to, arc0, f, to1)
 
   // ---- Two scaled vectors ----
-  `undef DF_ON
-  `define DF_ON (phase == `PHASE_VERTEX || phase == `PHASE_SAMPLE)
+  `undef DF_EN
+  `define DF_EN (phase == `PHASE_VERTEX || phase == `PHASE_SAMPLE)
   `DF_VCHOOSE(sum_a, vertex, b, from)
   `DF_CHOOSE(sum_a_by, vertex, axial, rest)
   `DF_VSCALE(part_a, sum_a, sum_a_by)
@@ -190,8 +190,8 @@ module polyhedron_front #(
   `DF_VCHOOSE(combined_n, vertex, vertex_n, sample_n)
 
   // ---- Cross products that may be zero ----
-  `undef DF_ON
-  `define DF_ON searching
+  `undef DF_EN
+  `define DF_EN searching
   localparam int T_vanish = `DF_MAX2(T_xx, T_z + 2 * LAT.mul) + LAT.cmp, T_framed = `LATENCY_POLYHEDRON_RAW;
   `DF_SCALAR vanish;
   `DF_VECTOR framed;
@@ -240,6 +240,6 @@ module polyhedron_front #(
   `DF_VCHOOSE(n, witness, best_n, unit_or_best)
   `DF_VAT(n_end, n, `LATENCY_FRONT)
   assign n_o = n_end;
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

@@ -15,7 +15,7 @@ module project_cylinder #(
     parameter int T_RIM = 0
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: no reader uses the result
+    input logic en_i,  // 0: no reader uses the result
     input logic [2:0][LANES-1:0][CW-1:0] x_i,
     input logic [2:0][LANES-1:0][CW-1:0] c_i,  // centre
     input logic [2:0][LANES-1:0][CW-1:0] a_i,  // axis, half height, radius
@@ -29,8 +29,8 @@ module project_cylinder #(
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
-  `undef DF_ON
-  `define DF_ON on_i
+  `undef DF_EN
+  `define DF_EN en_i
   `DF_VIN(x, x_i, T_X)
   `DF_VIN(centre, c_i, T_C)
   `DF_VIN(a, a_i, 0)
@@ -65,6 +65,6 @@ module project_cylinder #(
   `DF_VADD(r, centre, offset)
   `DF_VAT(r_end, r, `DF_MAX2(T_X, T_C) + `LATENCY_PROJECT_CYLINDER)
   assign r_o = r_end;
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

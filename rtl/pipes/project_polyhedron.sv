@@ -16,7 +16,7 @@ module project_polyhedron #(
     parameter int T_FEATURE = 0
 ) (
     input logic clk_i,
-    input logic on_i,  // 0: no reader uses the result
+    input logic en_i,  // 0: no reader uses the result
     input logic [2:0][LANES-1:0][CW-1:0] x_i,
     input logic [2:0][2:0][LANES-1:0][CW-1:0] axis_i,  // box: axes, half extents; triangle: edges of unit length
     input logic [2:0][LANES-1:0][CW-1:0] half_i,
@@ -28,8 +28,8 @@ module project_polyhedron #(
     output logic [2:0][LANES-1:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
-  `undef DF_ON
-  `define DF_ON on_i
+  `undef DF_EN
+  `define DF_EN en_i
   `define ACROSS(K, AXIS) `DF_VIN(axis``K, AXIS, 0) `DF_DOT(tilt``K, n, axis``K) `DF_ABS(size``K, tilt``K)
   `DF_VIN(x, x_i, T_X)
   `DF_VIN(n, n_i, 0)
@@ -84,7 +84,7 @@ module project_polyhedron #(
     `DF_MATRIX p;
     for (genvar k = 0; k < 9; k++) begin : on_edge
       df_operator #(`DF_FORMAT, .OP(formats_pkg::FP_ADD), .T_A(0), .T_B(T_part), .LAT(LAT.add)) op (
-          .clk_i, .on_i(`DF_ON), .a_i(from[k/3][k%3]), .b_i(part[k/3][k%3]), .r_o(p[k/3][k%3]));
+          .clk_i, .en_i(`DF_EN), .a_i(from[k/3][k%3]), .b_i(part[k/3][k%3]), .r_o(p[k/3][k%3]));
     end
     `DF_MSUB(r, xs, p)
     `DF_MDOT(rr, r, r)
@@ -166,6 +166,6 @@ module project_polyhedron #(
     assign r_o = r_end;
   end
   `undef ACROSS
-  `undef DF_ON
-  `define DF_ON 1'b1
+  `undef DF_EN
+  `define DF_EN 1'b1
 endmodule

@@ -85,9 +85,9 @@ module ray_box #(
         .EXP(EXP), .MAN(MAN), .LANES(B_LANES), .LAT(LAT), .ARITH(ARITH)
     ) bounds (
         .clk_i, .b_i, .centre_o(centre), .half_o(half));
-    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT.add), .ARITH(ARITH)) align_c (
+    pipe_delay #(.W(3 * B_LANES * CW), .FROM(`RAY_T_CENTRE), .TO(T_AWAY - LAT.add), .ARITH(ARITH)) delay_c (
         .clk_i, .d_i(centre), .q_o(centre_p));
-    align #(.W(3 * B_LANES * CW), .FROM(`RAY_T_HALF), .TO(T_OUT - LAT.add), .ARITH(ARITH)) align_h (
+    pipe_delay #(.W(3 * B_LANES * CW), .FROM(`RAY_T_HALF), .TO(T_OUT - LAT.add), .ARITH(ARITH)) delay_h (
         .clk_i, .d_i(half), .q_o(half_p));
     `DF_VAT(p_late, p, T_AWAY - LAT.add)
     vec_add #(

@@ -48,16 +48,16 @@ module scaled_pipe #(
     end
     logic [LANES-1:0][CW-1:0] back, t_back, back_late, t_back_late;
     length_scale #(`DF_SAME, .SHAPE_A(SHAPE_A), .SHAPE_B(pairs_pkg::secondary_shape(PAIR))) scale (
-        .clk_i, .on_i(1'b1), .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
+        .clk_i, .en_i(1'b1), .a_i, .b_i(b_own), .a_o(a), .b_o(b), .back_o(back), .t_back_o(t_back));
     length_unscale #(`DF_SAME, .RAY(RAY)) unscale (
-        .clk_i, .on_i(1'b1), .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o,
+        .clk_i, .en_i(1'b1), .back_i(back_late), .t_back_i(t_back_late), .f_i(f), .t_i(t), .cp_i(cp), .n_i(n), .f_o,
         .t_o, .cp_o, .n_o);
     localparam int FRONT = pairs_pkg::scale_latency(RAY, LAT.mul, LAT.cmp);
     assign latency_o = latency + 16'(FRONT + pairs_pkg::unscale_latency(RAY, LAT.mul, LAT.cmp));
     if (ARITH == "rtl") begin : g_late  // the pipe's latency is a port value, not a parameter
       localparam int SLOWEST = latency_pkg::mean(LAT);
       logic unused_valid;
-      align #(.W(1), .FROM(0), .TO(FRONT), .ARITH(ARITH)) align_enter (.clk_i, .d_i(enter_i), .q_o(enter));
+      pipe_delay #(.W(1), .FROM(0), .TO(FRONT), .ARITH(ARITH)) delay_enter (.clk_i, .d_i(enter_i), .q_o(enter));
       issue_history #(.W(2 * LW), .DEPTH(128 << $clog2(SLOWEST))) history (
           .clk_i, .rst_i(1'b0), .latency_i(latency), .valid_i(1'b1), .d_i({t_back, back}), .valid_o(unused_valid),
           .q_o({t_back_late, back_late}));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Host back end of every unit: one call of host_fp.h per lane, for simulation only. It is combinational. With ARITH =
 // "host" a pipe computes in the cycle in which its result leaves. The engine gives it its operands in that cycle. So
-// the timing outside is that of the gates, and nothing inside is stored from cycle to cycle
+// the timing outside is the same as with gates, and nothing inside is stored from cycle to cycle
 // (docs/background/architecture.md).
 // Latency: 0.
 // Throughput: one result per lane per cycle.
@@ -16,7 +16,7 @@ module fp_host #(
     parameter bit FLAGS = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
-    input  logic                     on_i,   // 0: no reader uses the result, and it is zero
+    input  logic                     en_i,   // 0: no reader uses the result, and it is zero
     input  logic [LANES-1:0][CW-1:0] a_i,
     input  logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o,
@@ -29,14 +29,14 @@ module fp_host #(
   if (CW == 32) begin : g_32
     always_comb begin
       r = '0;
-      if (on_i)
+      if (en_i)
         for (int l = 0; l < LANES; l++) r[l] = $c32("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ">(", a_i[l],
             ",", b_i[l%B_LANES], ")");
     end
   end else begin : g_64  // uint64_t is named, because Verilator writes constants as unsigned long long
     always_comb begin
       r = '0;
-      if (on_i)
+      if (en_i)
         for (int l = 0; l < LANES; l++) r[l] = $c64("host_fp::op<", OP, ",", EXP, ",", MAN, ",", CANON, ",uint64_t>(",
             a_i[l], ",", b_i[l%B_LANES], ")");
     end

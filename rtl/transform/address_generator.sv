@@ -27,14 +27,14 @@ module address_generator #(
     output logic [ENTRY_W-1:0] object_o,  // object of the slot
     output logic last_o
 );
-  logic [31:0] left_q, address_q, slot_q;
+  logic [31:0] remaining_q, address_q, slot_q;
   logic more, follow, by_object;
   logic [31:0] first, count;
-  assign valid_o = left_q != 0;
+  assign valid_o = remaining_q != 0;
   assign address_o = address_q;
   assign slot_o = slot_q;
-  assign last_o = left_q == 1 && !more;
-  assign follow = step_i && left_q == 1 && more;
+  assign last_o = remaining_q == 1 && !more;
+  assign follow = step_i && remaining_q == 1 && more;
 
   if (ENTRIES > 0) begin : g_objects
     logic [ENTRY_W:0] ahead_q, ahead;  // the entry at range_i
@@ -59,17 +59,17 @@ module address_generator #(
 
   always_ff @(posedge clk_i) begin
     if (step_i) begin
-      left_q <= left_q - 1;
+      remaining_q <= remaining_q - 1;
       address_q <= address_q + 32'(stride_i);
       slot_q <= slot_q + 1;
     end
     if (start_i || follow) begin
-      left_q <= count;
+      remaining_q <= count;
       address_q <= first * 32'(stride_i);
       slot_q <= by_object ? first : '0;
     end
-    if (stop_i && !start_i) left_q <= 0;
-    if (rst_i) left_q <= 0;
+    if (stop_i && !start_i) remaining_q <= 0;
+    if (rst_i) remaining_q <= 0;
   end
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)

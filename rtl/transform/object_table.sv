@@ -83,19 +83,20 @@ module object_table #(
 
   // ---- Check results ----
   logic [ENTRIES-1:0] present, bad_transform_q, turned_q;
-  logic clk_check, judged, bad_judged, turned;
-  logic [ENTRY_W-1:0] judged_entry;
+  logic clk_check, checked, bad_checked, turned;
+  logic [ENTRY_W-1:0] checked_entry;
   logic [14:0][0:0][CW-1:0] box;  // an OBB with that rotation, and the translation as its centre
   logic [0:0][CW-1:0] bad;
   check_clock #(.NUMBER_W(ENTRY_W), .T_CHECK(T_CHECK)) check_time (
       .clk_i(clk_core_i), .rst_i, .commit_i(commit_q), .number_i(entry_q), .clk_o(clk_check), .busy_o,
-      .judged_o(judged), .number_o(judged_entry));
+      .checked_o(checked), .number_o(checked_entry));
   assign box = {words_q[records_pkg::OBJECT_TRANSLATION-1:records_pkg::OBJECT_ROTATION], {3{ONE}},
       words_q[records_pkg::OBJECT_END-1:records_pkg::OBJECT_TRANSLATION]};
   shape_check #(.SHAPE(pairs_pkg::SHAPE_OBB), .EXP(EXP), .MAN(MAN), .LANES(1), .LAT(LAT), .ARITH(ARITH)) check (
-      .clk_i(clk_check), .on_i(1'b1), .words_i(box), .bad_o(bad));
-  align #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) align_bad (.clk_i(clk_check), .d_i(bad[0][0]),
-      .q_o(bad_judged));
+      .clk_i(clk_check), .en_i(1'b1), .words_i(box), .bad_o(bad));
+  pipe_delay #(.W(1), .FROM((ARITH != "rtl") ? 0 : T_CHECK), .TO(T_CHECK)) delay_bad (
+      .clk_i(clk_check), .d_i(bad[0][0]),
+      .q_o(bad_checked));
   always_comb begin
     turned = 0;
     for (int k = 0; k < 9; k++) turned = turned | (((k % 4 == 0) ?
@@ -103,14 +104,14 @@ module object_table #(
             words_q[records_pkg::OBJECT_ROTATION+k] & ~SIGN) != 0);
   end
   always_ff @(posedge clk_check) begin
-    if (judged) bad_transform_q[judged_entry] <= bad_judged;
+    if (checked) bad_transform_q[checked_entry] <= bad_checked;
     if (commit_q) turned_q[entry_q] <= turned;
     if (rst_i) bad_transform_q <= '1;
   end
 
   logic [pairs_pkg::SHAPES-1:0][ENTRIES-1:0] bad_shape;
   for (genvar k = 0; k < pairs_pkg::SHAPES; k++) begin : shape
-    if (pairs_pkg::uses_shape(PAIRS, k, PRIMARY != 0, SWAP != 0)) begin : g_there
+    if (pairs_pkg::uses_shape(PAIRS, k, PRIMARY != 0, SWAP != 0)) begin : g_present
       localparam int SLOTS = (PRIMARY != 0) ? CAPACITY : CAPACITY / pairs_pkg::shape_words(k);
       logic [ENTRIES-1:0] bad_range_q;
       logic [32:0] stop;

@@ -24,7 +24,7 @@ module objects #(
     localparam int OBJECT_W = $clog2(OBJECTS)
 ) (
     input logic clk_i,       // clock of the engine
-    input logic clk_bus_i,   // runs during a beat and with posed_o
+    input logic clk_bus_i,   // runs during a beat and with pose_done_o
     input logic clk_core_i,  // not gated
     input logic rst_i,
     input logic write_i,  // into SPACE_REG above the registers
@@ -46,9 +46,9 @@ module objects #(
     input logic [SEC_WORDS-1:0][CW-1:0] unmoved_i,
     output logic [SEC_WORDS-1:0][CW-1:0] moved_o,
 
-    output logic pose_wanted_o,
+    output logic pose_request_o,
     input logic pose_i,
-    output logic posed_o,  // one cycle
+    output logic pose_done_o,  // one cycle
     output logic [PRIM_W-1:0] read_o,
     input logic [PRIM_WORDS-1:0][CW-1:0] written_i,
     output logic pose_commit_o,
@@ -95,12 +95,12 @@ module objects #(
   assign busy_o = sec_busy || prim_busy;
 
   // ---- The transformer. It and the registers before it are clocked only while they hold a slot ----
-  logic plain_q, posing_q, pose_plain, pose_moving;
+  logic plain_q, pose_q, pose_plain, pose_moving;
   pairs_pkg::shape_t shape_q, pose_shape;
   logic [WORDS-1:0][CW-1:0] slot, moved;
   clock_gate gate (.clk_i(clk_core_i), .enable_i(moving_i | pose_moving), .clk_o(clk_moving_o));
   always_ff @(posedge clk_moving_o) begin
-    posing_q <= pose_i;
+    pose_q <= pose_i;
     plain_q <= pose_i ? pose_plain : command_i.objects == 0;
     shape_q <= pose_i ? pose_shape : secondary;
   end
@@ -131,20 +131,20 @@ module objects #(
     ) poser (
         .clk_i, .clk_bus_i, .rst_i, .primary_write_i, .transform_write_i(write_primaries), .range_write_i(range_write),
         .objects_i(command_i.prim_objects), .shapes_i(primary),
-        .split_i(command_pair[1] == pairs_pkg::NO_PAIR ? '0 : split), .wanted_o(pose_wanted_o),
-        .pose_i, .done_o(posed_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
+        .split_i(command_pair[1] == pairs_pkg::NO_PAIR ? '0 : split), .pose_request_o(pose_request_o),
+        .pose_i, .done_o(pose_done_o), .range_entry_o(prim_range_entry), .range_i(prim_range),
         .transform_entry_o(prim_transform_entry), .read_o, .shape_o(pose_shape), .plain_o(pose_plain),
         .moving_o(pose_moving), .commit_o(pose_commit_o), .number_o(pose_number_o));
-    assign rotation = posing_q ? prim_rotation : sec_rotation;
-    assign translation = posing_q ? prim_translation : sec_translation;
-    assign slot = posing_q ? (WORDS * CW)'(written_i) : (WORDS * CW)'(unmoved_i);
+    assign rotation = pose_q ? prim_rotation : sec_rotation;
+    assign translation = pose_q ? prim_translation : sec_translation;
+    assign slot = pose_q ? (WORDS * CW)'(written_i) : (WORDS * CW)'(unmoved_i);
     assign pose_slot_o = moved[PRIM_WORDS-1:0];
   end else begin : g_secondaries
     logic unused;
-    assign unused = &{1'b0, primary, primary_write_i, command_i.prim_objects, split, posing_q, written_i,
+    assign unused = &{1'b0, primary, primary_write_i, command_i.prim_objects, split, pose_q, written_i,
         write_primaries};
     assign {prim_good, prim_busy} = 2'b10;
-    assign {pose_wanted_o, posed_o, pose_commit_o} = '0;
+    assign {pose_request_o, pose_done_o, pose_commit_o} = '0;
     assign read_o = '0;
     assign pose_number_o = '0;
     assign pose_slot_o = '0;

@@ -25,7 +25,7 @@ module primary_poser #(
     input logic [1:0][pairs_pkg::SHAPE_BITS-1:0] shapes_i,  // of the pass
     input logic [PRIM_W-1:0] split_i,
 
-    output logic wanted_o,
+    output logic pose_request_o,
     input logic pose_i,    // high while it may work
     output logic done_o,  // one cycle
 
@@ -47,7 +47,7 @@ module primary_poser #(
   logic dirty_q, ranges_q;
   logic [KEY_W-1:0] key, key_q;
   assign key = (objects_i == 0) ? '0 : {objects_i, shapes_i, split_i};
-  assign wanted_o = key != key_q || (objects_i != 0 && (dirty_q || ranges_q));
+  assign pose_request_o = key != key_q || (objects_i != 0 && (dirty_q || ranges_q));
   always_ff @(posedge clk_bus_i) begin
     if (done_o) begin
       {dirty_q, ranges_q} <= '0;
@@ -96,7 +96,7 @@ module primary_poser #(
   // The slot is at the transformer's input one cycle after its step.
   logic [PRIM_W-1:0] number_q;
   always_ff @(posedge clk_i) number_q <= PRIM_W'(slot);
-  align #(.W(PRIM_W), .FROM(0), .TO(T_COMMIT)) align_number (.clk_i, .d_i(number_q), .q_o(number_o));
+  pipe_delay #(.W(PRIM_W), .FROM(0), .TO(T_COMMIT)) delay_number (.clk_i, .d_i(number_q), .q_o(number_o));
   assign commit_o = in_flight[T_COMMIT];
   logic unused;
   assign unused = &{1'b0, address, last, slot};

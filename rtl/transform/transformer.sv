@@ -11,7 +11,7 @@
 `include "dataflow.svh"
 module transformer #(
     parameter config_pkg::config_t CONFIG,
-    parameter int WORDS = 9,  // words of a slot, at least those of every shape
+    parameter int WORDS = 9,  // words of a slot, enough for every shape
     localparam int EXP = CONFIG.exp,
     localparam int MAN = CONFIG.man,
     localparam int PAIRS = CONFIG.pairs,
@@ -61,9 +61,9 @@ module transformer #(
   logic plain_rotated, plain;
   pairs_pkg::shape_t rotated_shape;
   logic [pairs_pkg::SHAPE_INDEX-1:0] shape_late;
-  align #(.W(1 + pairs_pkg::SHAPE_BITS), .FROM(0), .TO(T_ROTATED), .ARITH(ARITH)) align_rotated (
+  pipe_delay #(.W(1 + pairs_pkg::SHAPE_BITS), .FROM(0), .TO(T_ROTATED), .ARITH(ARITH)) delay_rotated (
       .clk_i, .d_i({plain_i, shape_i}), .q_o({plain_rotated, rotated_shape}));
-  align #(.W(1 + pairs_pkg::SHAPE_INDEX), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_shape (
+  pipe_delay #(.W(1 + pairs_pkg::SHAPE_INDEX), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) delay_shape (
       .clk_i, .d_i({plain_rotated, rotated_shape[pairs_pkg::SHAPE_INDEX-1:0]}), .q_o({plain, shape_late}));
 
   logic unused_codes;  // bits that no shape of the card uses
@@ -123,10 +123,11 @@ module transformer #(
   logic [MOST-1:0][CW-1:0] late;
   logic [UNITS-1:0][2:0][CW-1:0] direction;
   logic [POINTS-1:0][2:0][CW-1:0] point;
-  align #(.W(MOST * CW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) align_words (.clk_i, .d_i(words), .q_o(late));
-  align #(.W(UNITS * 3 * CW), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) align_direction (.clk_i, .d_i(rotated),
+  pipe_delay #(.W(MOST * CW), .FROM(0), .TO(LATENCY), .ARITH(ARITH)) delay_words (.clk_i, .d_i(words), .q_o(late));
+  pipe_delay #(.W(UNITS * 3 * CW), .FROM(T_ROTATED), .TO(LATENCY), .ARITH(ARITH)) delay_direction (
+      .clk_i, .d_i(rotated),
       .q_o(direction));
-  align #(.W(POINTS * 3 * CW), .FROM(T_MOVED), .TO(LATENCY), .ARITH(ARITH)) align_point (.clk_i, .d_i(moved),
+  pipe_delay #(.W(POINTS * 3 * CW), .FROM(T_MOVED), .TO(LATENCY), .ARITH(ARITH)) delay_point (.clk_i, .d_i(moved),
       .q_o(point));
   logic [SHAPES-1:0][MOST-1:0][CW-1:0] of;
   for (genvar k = 0; k < SHAPES; k++) begin : shape

@@ -45,7 +45,7 @@ module record_fifo #(
   assign head_o = read_q[AW-1:0];
   assign empty_o = write_q == read_q;
   assign pending = want_mem[head_o] & ~done_q;
-  first_set #(.N(LANES)) first (.set_i(pending), .first_o(lowest), .index_o(lane));
+  priority_encoder #(.N(LANES)) first (.set_i(pending), .first_o(lowest), .index_o(lane));
   assign emit = !empty_o && ready_i;
   assign leave = emit && (pending & ~lowest) == 0;
   assign credit_o = 2'(leave) + 2'(push_i && !keep_o);

@@ -37,15 +37,15 @@ module record_maker #(
   localparam logic [CW-1:0] QNAN = CW'(formats_pkg::quiet_nan(CONFIG.exp, CONFIG.man));
   records_pkg::record_flags_t flags;
   logic [WORDS-1:0][CW-1:0] record;
-  logic normals, record_f, record_bad, record_solid, record_there, second_q;
-  logic sram_room;  // counts the record under way
+  logic normals, record_f, record_bad, record_solid, record_valid, second_q;
+  logic sram_ready;  // counts the record under way
   logic [CW-1:0] record_t;
   logic [31:0] record_index;
   logic [PRIM_W-1:0] record_primary;
-  assign sram_room = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign sram_ready = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
   assign normals = CONFIG.normals != 0 && normals_i;  // a constant if the card has no normals
-  assign ready_o = sram_room && (!normals || second_q);
-  assign record_there = streaming_i ? streamed_i.valid : writeback_i.valid;
+  assign ready_o = sram_ready && (!normals || second_q);
+  assign record_valid = streaming_i ? streamed_i.valid : writeback_i.valid;
   // For solids, the update buffers hold signed distances.
   assign record_solid = (CONFIG.parallel != 0 && second_pair_i != pairs_pkg::NO_PAIR &&
       writeback_i.primary[PRIM_W-1:0] >= split_i) ?
@@ -71,8 +71,8 @@ module record_maker #(
     end
   end
   always_ff @(posedge clk_i) begin
-    write_o <= !rst_i && !flush_i && record_there && sram_room;
-    if (record_there) record_o <= record;
-    second_q <= !rst_i && !flush_i && (record_there && sram_room ? normals && !second_q : second_q);
+    write_o <= !rst_i && !flush_i && record_valid && sram_ready;
+    if (record_valid) record_o <= record;
+    second_q <= !rst_i && !flush_i && (record_valid && sram_ready ? normals && !second_q : second_q);
   end
 endmodule

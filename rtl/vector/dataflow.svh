@@ -28,7 +28,7 @@
 // Condition under which the results of the following lines are used. Where it is 0, host arithmetic skips the operators
 // and they give zeros; gates compute anyway. A module that redefines it restores it at its end. An iterative pipeline
 // gains from it: only one phase works at a time.
-`define DF_ON 1'b1
+`define DF_EN 1'b1
 
 // 0 in a module that returns no NaN and whose results do not depend on a NaN's sign. Rays are such, since a hit is
 // finite. Its operators leave the NaN of the host's processor. Otherwise every NaN is the canonical one. A module that
@@ -53,13 +53,13 @@
   {{LANES{CW'(Z)}}, {LANES{CW'(Y)}}, {LANES{CW'(X)}}};
 `define DF_PICK(R, V, K) localparam int T_``R = T_``V; `DF_SCALAR R; assign R = V[K];
 `define DF_AT(R, A, TIME) localparam int T_``R = TIME; `DF_SCALAR R; \
-  df_align #(.W(LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) delay_``R (.clk_i, .a_i(A), .r_o(R));
 `define DF_VAT(R, A, TIME) localparam int T_``R = TIME; `DF_VECTOR R; \
-  df_align #(.W(3 * LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+  df_pipe_delay #(.W(3 * LANES * CW), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) delay_``R (.clk_i, .a_i(A), .r_o(R));
 `define DF_VEC(R, X, Y, Z) localparam int T_``R = `DF_MAX3(T_``X, T_``Y, T_``Z); `DF_VECTOR R; \
-  df_align #(.W(LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) align_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \
-  df_align #(.W(LANES * CW), .T_A(T_``Y), .T(T_``R), .ARITH(ARITH)) align_y_``R (.clk_i, .a_i(Y), .r_o(R[1])); \
-  df_align #(.W(LANES * CW), .T_A(T_``Z), .T(T_``R), .ARITH(ARITH)) align_z_``R (.clk_i, .a_i(Z), .r_o(R[2]));
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_``X), .T(T_``R), .ARITH(ARITH)) delay_x_``R (.clk_i, .a_i(X), .r_o(R[0])); \
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_``Y), .T(T_``R), .ARITH(ARITH)) delay_y_``R (.clk_i, .a_i(Y), .r_o(R[1])); \
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_``Z), .T(T_``R), .ARITH(ARITH)) delay_z_``R (.clk_i, .a_i(Z), .r_o(R[2]));
 
 // Three vectors as a matrix, given row by row. DF_TRANSPOSE takes its columns as rows.
 `define DF_MATRIX_IN(R, X, Y, Z, TIME) localparam int T_``R = TIME; `DF_MATRIX R; assign R = {Z, Y, X};
@@ -70,7 +70,7 @@
 `define DF_BINARY(R, A, B, OPERATION, LATENCY) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LATENCY; \
   `DF_SCALAR R; \
   df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), .LAT(LATENCY)) \
-    op_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+    op_``R (.clk_i, .en_i(`DF_EN), .a_i(A), .b_i(B), .r_o(R));
 `define DF_ADD(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_ADD, LAT.add)
 `define DF_SUB(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_SUB, LAT.add)
 `define DF_MUL(R, A, B) `DF_BINARY(R, A, B, formats_pkg::FP_MUL, LAT.mul)
@@ -91,7 +91,7 @@
   for (genvar k = 0; k < 3; k++) begin : op_``R \
     df_operator #(`DF_FORMAT, .B_LANES(`DF_LANES(B[k])), .CANON(`DF_CANON), .OP(OPERATION), .T_A(T_``A), .T_B(T_``B), \
       .LAT(LATENCY)) \
-      op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+      op (.clk_i, .en_i(`DF_EN), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 `define DF_VADD(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_ADD, LAT.add)
 `define DF_VSUB(R, A, B) `DF_BINARY3(R, A, B, formats_pkg::FP_SUB, LAT.add)
@@ -106,7 +106,7 @@
 `define DF_SHARED_VSUB(R, A, B) localparam int T_``R = `DF_MAX2(T_``A, T_``B) + LAT.add; `DF_SHARED_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
     df_operator #(.EXP(EXP), .MAN(MAN), .LANES(B_LANES), .ARITH(ARITH), .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), \
-      .T_A(T_``A), .T_B(T_``B), .LAT(LAT.add)) op (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+      .T_A(T_``A), .T_B(T_``B), .LAT(LAT.add)) op (.clk_i, .en_i(`DF_EN), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 // A limited to LOW .. HIGH: max, then min. A NaN gives LOW.
 `define DF_CLAMP(R, A, LOW, HIGH) `DF_MAX(R``_not_low, A, LOW) `DF_MIN(R, R``_not_low, HIGH)
@@ -114,42 +114,42 @@
 `define DF_VSCALE(R, V, S) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``V, T_``S), 0) + LAT.mul; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : op_``R \
     df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``V), .T_B(T_``S), .LAT(LAT.mul)) \
-      op (.clk_i, .on_i(`DF_ON), .a_i(V[k]), .b_i(S), .r_o(R[k])); \
+      op (.clk_i, .en_i(`DF_EN), .a_i(V[k]), .b_i(S), .r_o(R[k])); \
   end
 `define DF_DOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT.mul + 2 * LAT.add; \
   `DF_SCALAR R; \
   df_dot #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT(LAT)) \
-    dot_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+    dot_``R (.clk_i, .en_i(`DF_EN), .a_i(A), .b_i(B), .r_o(R));
 `define DF_CROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT.mul + LAT.add; \
   `DF_VECTOR R; \
   df_cross #(`DF_FORMAT, .B_LANES(`DF_LANES(B[0])), .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT(LAT)) \
-    cross_``R (.clk_i, .on_i(`DF_ON), .a_i(A), .b_i(B), .r_o(R));
+    cross_``R (.clk_i, .en_i(`DF_EN), .a_i(A), .b_i(B), .r_o(R));
 // M x, one dot product per row.
 `define DF_APPLY(R, M, X) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``X), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
     df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``M), .T_B(T_``X), .LAT(LAT)) \
-      dot (.clk_i, .on_i(`DF_ON), .a_i(M[k]), .b_i(X), .r_o(R[k])); \
+      dot (.clk_i, .en_i(`DF_EN), .a_i(M[k]), .b_i(X), .r_o(R[k])); \
   end
 // Row by row: differences, cross and dot products of rows, and rows scaled by the components of a vector.
 `define DF_MSUB(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + LAT.add; `DF_MATRIX R; \
   for (genvar k = 0; k < 9; k++) begin : op_``R \
     df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_SUB), .T_A(T_``A), .T_B(T_``B), .LAT(LAT.add)) \
-      op (.clk_i, .on_i(`DF_ON), .a_i(A[k/3][k%3]), .b_i(B[k/3][k%3]), .r_o(R[k/3][k%3])); \
+      op (.clk_i, .en_i(`DF_EN), .a_i(A[k/3][k%3]), .b_i(B[k/3][k%3]), .r_o(R[k/3][k%3])); \
   end
 `define DF_MSCALE(R, M, V) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``M, T_``V), 0) + LAT.mul; `DF_MATRIX R; \
   for (genvar k = 0; k < 9; k++) begin : op_``R \
     df_operator #(`DF_FORMAT, .CANON(`DF_CANON), .OP(formats_pkg::FP_MUL), .T_A(T_``M), .T_B(T_``V), .LAT(LAT.mul)) \
-      op (.clk_i, .on_i(`DF_ON), .a_i(M[k/3][k%3]), .b_i(V[k/3]), .r_o(R[k/3][k%3])); \
+      op (.clk_i, .en_i(`DF_EN), .a_i(M[k/3][k%3]), .b_i(V[k/3]), .r_o(R[k/3][k%3])); \
   end
 `define DF_MCROSS(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_CROSS; `DF_MATRIX R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
     df_cross #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT(LAT)) \
-      cross_row (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+      cross_row (.clk_i, .en_i(`DF_EN), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 `define DF_MDOT(R, A, B) localparam int T_``R = `DF_MAX2(`DF_MAX2(T_``A, T_``B), 0) + `DF_LAT_DOT; `DF_VECTOR R; \
   for (genvar k = 0; k < 3; k++) begin : row_``R \
     df_dot #(`DF_FORMAT, .CANON(`DF_CANON), .T_A(T_``A), .T_B(T_``B), .LAT(LAT)) \
-      dot (.clk_i, .on_i(`DF_ON), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
+      dot (.clk_i, .en_i(`DF_EN), .a_i(A[k]), .b_i(B[k]), .r_o(R[k])); \
   end
 
 // ---- Wires: signs, masks, choices ----
@@ -234,7 +234,7 @@
 // ---- Units that TURNS = 1 or 3 users share (df_turn.sv), selected by a phase that counts 0, 1, 2 ----
 `define DF_PHASE_IN(R, EXPRESSION, TIME) localparam int T_``R = TIME; logic [1:0] R; assign R = EXPRESSION;
 `define DF_PHASE_AT(R, A, TIME) localparam int T_``R = TIME; logic [1:0] R; \
-  df_align #(.W(2), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) align_``R (.clk_i, .a_i(A), .r_o(R));
+  df_pipe_delay #(.W(2), .T_A(T_``A), .T(TIME), .ARITH(ARITH)) delay_``R (.clk_i, .a_i(A), .r_o(R));
 // A, B or C by the phase; with TURNS = 1 the operand of user U. With PASSING, operands B and C wait for their phase.
 `define DF_TURN_OF(R, WORDS, PASSES, U, PHASE, A, B, C) localparam int T_``R = T_``PHASE; \
   df_turn #(.W(WORDS * LANES * CW), .TURNS(TURNS), .USER(U), .PASSING(PASSES), .T_PHASE(T_``PHASE), .T_A(T_``A), \

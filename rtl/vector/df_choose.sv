@@ -21,8 +21,8 @@ module df_choose #(
   localparam int T = (T_C > T_AB) ? T_C : T_AB;
   logic c;
   logic [W-1:0] a, b;
-  df_align #(.W(1), .T_A(T_C), .T(T), .ARITH(ARITH)) align_c (.clk_i, .a_i(c_i), .r_o(c));
-  df_align #(.W(W), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
-  df_align #(.W(W), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
+  df_pipe_delay #(.W(1), .T_A(T_C), .T(T), .ARITH(ARITH)) delay_c (.clk_i, .a_i(c_i), .r_o(c));
+  df_pipe_delay #(.W(W), .T_A(T_A), .T(T), .ARITH(ARITH)) delay_a (.clk_i, .a_i, .r_o(a));
+  df_pipe_delay #(.W(W), .T_A(T_B), .T(T), .ARITH(ARITH)) delay_b (.clk_i, .a_i(b_i), .r_o(b));
   assign r_o = c ? a : b;
 endmodule

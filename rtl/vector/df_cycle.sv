@@ -19,8 +19,8 @@ module df_cycle #(
   localparam int T = (T_M > T_A) ? T_M : T_A;
   logic [1:0][LANES-1:0][CW-1:0] m;
   logic [2:0][LANES-1:0][CW-1:0] a;
-  df_align #(.W(2 * LANES * CW), .T_A(T_M), .T(T), .ARITH(ARITH)) align_m (.clk_i, .a_i(m_i), .r_o(m));
-  df_align #(.W(3 * LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
+  df_pipe_delay #(.W(2 * LANES * CW), .T_A(T_M), .T(T), .ARITH(ARITH)) delay_m (.clk_i, .a_i(m_i), .r_o(m));
+  df_pipe_delay #(.W(3 * LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) delay_a (.clk_i, .a_i, .r_o(a));
   for (genvar k = 0; k < 3; k++) begin : place
     logic [LANES-1:0][CW-1:0] x_or_y;
     lane_select #(.CW(CW), .LANES(LANES)) select_y (.m_i(m[0]), .a_i(a[(1+k)%3]), .b_i(a[k]), .r_o(x_or_y));

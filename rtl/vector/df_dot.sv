@@ -16,7 +16,7 @@ module df_dot #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
-    input logic on_i,
+    input logic en_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o
@@ -25,8 +25,8 @@ module df_dot #(
   localparam int T = (T_A > T_B) ? T_A : T_B;
   logic [2:0][LANES-1:0][CW-1:0] a;
   logic [2:0][B_LANES-1:0][CW-1:0] b;
-  df_align #(.W(3 * LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
-  df_align #(.W(3 * B_LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
+  df_pipe_delay #(.W(3 * LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) delay_a (.clk_i, .a_i, .r_o(a));
+  df_pipe_delay #(.W(3 * B_LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) delay_b (.clk_i, .a_i(b_i), .r_o(b));
   vec_dot #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT),
-      .ARITH(ARITH), .CANON(CANON)) cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o);
+      .ARITH(ARITH), .CANON(CANON)) cell_u (.clk_i, .en_i, .a_i(a), .b_i(b), .r_o);
 endmodule

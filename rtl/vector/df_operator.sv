@@ -17,7 +17,7 @@ module df_operator #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
-    input logic on_i,
+    input logic en_i,
     input logic [LANES-1:0][CW-1:0] a_i,
     input logic [B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o
@@ -26,11 +26,11 @@ module df_operator #(
   localparam int T = (T_A > T_B) ? T_A : T_B;
   logic [LANES-1:0][CW-1:0] a;
   logic [B_LANES-1:0][CW-1:0] b;
-  df_align #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
-  df_align #(.W(B_LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) delay_a (.clk_i, .a_i, .r_o(a));
+  df_pipe_delay #(.W(B_LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) delay_b (.clk_i, .a_i(b_i), .r_o(b));
   if (OP < 0 || OP >= formats_pkg::FP_ARITHMETIC) $error("df_operator: unknown OP");
   // fp_add, fp_mul and the other units are built on fp_lanes. One cell instead of one per branch saves memory,
   // because Verilator links all branches below an operator before it knows which one it needs.
   fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT), .ARITH(ARITH), .CANON(CANON))
-      cell_u (.clk_i, .on_i, .a_i(a), .b_i(b), .r_o, .flags_o());
+      cell_u (.clk_i, .en_i, .a_i(a), .b_i(b), .r_o, .flags_o());
 endmodule

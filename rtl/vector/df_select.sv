@@ -21,8 +21,8 @@ module df_select #(
   localparam int T_AB = (T_A > T_B) ? T_A : T_B;
   localparam int T = (T_M > T_AB) ? T_M : T_AB;
   logic [LANES-1:0][CW-1:0] m, a, b;
-  df_align #(.W(LANES * CW), .T_A(T_M), .T(T), .ARITH(ARITH)) align_m (.clk_i, .a_i(m_i), .r_o(m));
-  df_align #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
-  df_align #(.W(LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_M), .T(T), .ARITH(ARITH)) delay_m (.clk_i, .a_i(m_i), .r_o(m));
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) delay_a (.clk_i, .a_i, .r_o(a));
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) delay_b (.clk_i, .a_i(b_i), .r_o(b));
   lane_select #(.CW(CW), .LANES(LANES)) select (.m_i(m), .a_i(a), .b_i(b), .r_o);
 endmodule

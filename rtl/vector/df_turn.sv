@@ -27,8 +27,8 @@ module df_turn #(
   if (T_A != T_PHASE || T_B != T_PHASE || T_C != T_PHASE) $error("df_turn: stage times differ");
   if (TURNS == 3) begin : g_shared
     logic [W-1:0] b, c;
-    align #(.W(W), .FROM(0), .TO((PASSING != 0) ? 1 : 0), .ARITH(ARITH)) align_b (.clk_i, .d_i(b_i), .q_o(b));
-    align #(.W(W), .FROM(0), .TO((PASSING != 0) ? 2 : 0), .ARITH(ARITH)) align_c (.clk_i, .d_i(c_i), .q_o(c));
+    pipe_delay #(.W(W), .FROM(0), .TO((PASSING != 0) ? 1 : 0), .ARITH(ARITH)) delay_b (.clk_i, .d_i(b_i), .q_o(b));
+    pipe_delay #(.W(W), .FROM(0), .TO((PASSING != 0) ? 2 : 0), .ARITH(ARITH)) delay_c (.clk_i, .d_i(c_i), .q_o(c));
     assign r_o = phase_i[1] ? c : phase_i[0] ? b : a_i;
   end else if (TURNS == 1) begin : g_own
     logic unused;

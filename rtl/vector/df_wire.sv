@@ -21,8 +21,8 @@ module df_wire #(
   /*verilator inline_module*/
   localparam int T = (T_A > T_B) ? T_A : T_B;
   logic [LANES-1:0][CW-1:0] a, b;
-  df_align #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) align_a (.clk_i, .a_i, .r_o(a));
-  df_align #(.W(LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) align_b (.clk_i, .a_i(b_i), .r_o(b));
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_A), .T(T), .ARITH(ARITH)) delay_a (.clk_i, .a_i, .r_o(a));
+  df_pipe_delay #(.W(LANES * CW), .T_A(T_B), .T(T), .ARITH(ARITH)) delay_b (.clk_i, .a_i(b_i), .r_o(b));
   if (OP == formats_pkg::WIRE_SIGN) begin : g_sign
     fp_sign #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .OP(formats_pkg::SIGN_XOR), .ARITH(ARITH))
         sign (.a_i(a), .b_i(b), .r_o);

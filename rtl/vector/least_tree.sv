@@ -31,12 +31,12 @@ module least_tree #(
       end else begin : g_inner
         localparam int BELOW = (COUNT + 2 ** (level - 1) - 1) >> (level - 1);
         logic [WORDS:0][LANES-1:0][CW-1:0] low;
-        align #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT.cmp), .ARITH(ARITH)) align_low (
+        pipe_delay #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT.cmp), .ARITH(ARITH)) delay_low (
             .clk_i, .d_i(g_level[level-1].g_node[2*k].best), .q_o(low));
         if (2 * k + 1 < BELOW) begin : g_choice
           logic [WORDS:0][LANES-1:0][CW-1:0] high;
           logic [LANES-1:0][CW-1:0] take;
-          align #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT.cmp), .ARITH(ARITH)) align_high (
+          pipe_delay #(.W((WORDS + 1) * LANES * CW), .FROM(0), .TO(LAT.cmp), .ARITH(ARITH)) delay_high (
               .clk_i, .d_i(g_level[level-1].g_node[2*k+1].best), .q_o(high));
           fp_cmp #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.cmp), .OP(formats_pkg::FP_LT), .ARITH(ARITH))
               cmp_keys (

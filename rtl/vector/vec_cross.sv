@@ -14,7 +14,7 @@ module vec_cross #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
-    input logic on_i,
+    input logic en_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [2:0][LANES-1:0][CW-1:0] r_o
@@ -25,12 +25,12 @@ module vec_cross #(
     logic [LANES-1:0][CW-1:0] yz, zy;
     fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT.mul),
         .ARITH(ARITH), .CANON(0)) mul_yz (
-        .clk_i, .on_i, .a_i(a_i[Y]), .b_i(b_i[Z]), .r_o(yz), .flags_o());
+        .clk_i, .en_i, .a_i(a_i[Y]), .b_i(b_i[Z]), .r_o(yz), .flags_o());
     fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT.mul),
         .ARITH(ARITH), .CANON(0)) mul_zy (
-        .clk_i, .on_i, .a_i(a_i[Z]), .b_i(b_i[Y]), .r_o(zy), .flags_o());
+        .clk_i, .en_i, .a_i(a_i[Z]), .b_i(b_i[Y]), .r_o(zy), .flags_o());
     fp_lanes #(.OP(formats_pkg::FP_SUB), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.add), .ARITH(ARITH),
         .CANON(CANON)) sub (
-        .clk_i, .on_i, .a_i(yz), .b_i(zy), .r_o(r_o[k]), .flags_o());
+        .clk_i, .en_i, .a_i(yz), .b_i(zy), .r_o(r_o[k]), .flags_o());
   end
 endmodule

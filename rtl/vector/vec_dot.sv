@@ -14,7 +14,7 @@ module vec_dot #(
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (
     input logic clk_i,
-    input logic on_i,
+    input logic en_i,
     input logic [2:0][LANES-1:0][CW-1:0] a_i,
     input logic [2:0][B_LANES-1:0][CW-1:0] b_i,
     output logic [LANES-1:0][CW-1:0] r_o
@@ -24,15 +24,15 @@ module vec_dot #(
     logic [LANES-1:0][CW-1:0] p;
     fp_lanes #(.OP(formats_pkg::FP_MUL), .EXP(EXP), .MAN(MAN), .LANES(LANES), .B_LANES(B_LANES), .LAT(LAT.mul),
         .ARITH(ARITH), .CANON(0)) mul (
-        .clk_i, .on_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(p), .flags_o());
+        .clk_i, .en_i, .a_i(a_i[k]), .b_i(b_i[k]), .r_o(p), .flags_o());
   end
   logic [LANES-1:0][CW-1:0] xy, z;
   fp_lanes #(.OP(formats_pkg::FP_ADD), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.add), .ARITH(ARITH), .CANON(0))
       add_xy (
-      .clk_i, .on_i, .a_i(axis[0].p), .b_i(axis[1].p), .r_o(xy), .flags_o());
-  align #(.W(LANES * CW), .FROM(LAT.mul), .TO(LAT.mul + LAT.add), .ARITH(ARITH))
-      align_z (.clk_i, .d_i(axis[2].p), .q_o(z));
+      .clk_i, .en_i, .a_i(axis[0].p), .b_i(axis[1].p), .r_o(xy), .flags_o());
+  pipe_delay #(.W(LANES * CW), .FROM(LAT.mul), .TO(LAT.mul + LAT.add), .ARITH(ARITH))
+      delay_z (.clk_i, .d_i(axis[2].p), .q_o(z));
   fp_lanes #(.OP(formats_pkg::FP_ADD), .EXP(EXP), .MAN(MAN), .LANES(LANES), .LAT(LAT.add), .ARITH(ARITH), .CANON(CANON))
       add_xyz (
-      .clk_i, .on_i, .a_i(xy), .b_i(z), .r_o(r_o), .flags_o());
+      .clk_i, .en_i, .a_i(xy), .b_i(z), .r_o(r_o), .flags_o());
 endmodule

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spheres, boxes and triangles against a card's BVH over boxes. Also a BVH over spheres and over
-// triangles with the roles of each pair swapped. Records equal those of the card's own brute-force
+// triangles with the roles of each pair swapped. Records equal the card's own brute-force
 // pass and of the reference.
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Passes with few primaries, which go on while their leaves are tested (bvh_pkg::AHEAD).
-// Records equal those of the reference and of the card's own brute-force pass, however late memory
+// Records equal the reference and the card's own brute-force pass, however late memory
 // answers.
 #include <gtest/gtest.h>
 

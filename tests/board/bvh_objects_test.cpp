@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays against a BVH over moving objects. Records equal those of a brute-force pass, and of the
+// Rays against a BVH over moving objects. Records equal a brute-force pass, and the
 // reference over the moved triangles.
 #include <gtest/gtest.h>
 
@@ -79,7 +79,7 @@ TEST_P(BvhObjectCards, MovingObjects_EqualBruteForceAndReference) {
     if (gates && triangles.size() > 600) triangles.resize(600);
     for (const float far : {0.0f, 1e5f}) {
       if (far != 0 && gates) continue;
-      // Entries of the table reach addresses that look like those of registers.
+      // Entries of the table reach addresses that look like registers.
       const std::uint32_t most = far == 0 && !slow ? 7 : 75;
       Moving world(triangles, std::min<std::uint32_t>(most, triangles.size() / 4), far);
       board.upload(world.scene);

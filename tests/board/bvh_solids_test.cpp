@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres, OBBs and triangles against a card's BVH. Records equal those of the card's own
+// Spheres, OBBs and triangles against a card's BVH. Records equal the records of the card's own
 // brute-force pass and of the reference.
 #include <gtest/gtest.h>
 
@@ -170,7 +170,7 @@ TEST(BvhForSolids, WithNormals_EqualsBruteForce) {
   }
 }
 
-/// The triangles of one mesh against those of another: one record each, followed by normals.
+/// The triangles of one mesh against the triangles of another: one record each, followed by normals.
 TEST(BvhForSolids, MeshAgainstMesh_EqualsBruteForce) {
   Board board = Board::open(meshes_config());
   const TriangleScene ground = kScenes[6].make(), ball = hard::icosphere({1, 1, 0.4f}, 0.7f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and spheres against a card's BVH over spheres. Records equal those of the card's own
+// Rays and spheres against a card's BVH over spheres. Records equal the records of the card's own
 // brute-force pass and of the reference.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays against the BVH of a card. Records equal those of the reference and of a brute-force pass,
+// Rays against the BVH of a card. Records equal the reference and a brute-force pass,
 // for all rays, memories and buses. A malformed BVH gives an error with its address and never hangs
 // the card.
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "../printed.hpp"
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::testing {
@@ -58,7 +58,7 @@ const std::vector<Case>& cases() {
       {"overlapping_lists", "", balls("a", 150, 4) + balls("b", 130, 5) + balls("c", 30, 6),
        R"(["a", "b"])", R"(["b", "c", "a"])", ""},
       {"part", "", balls("a", 100, 7) + balls("b", 20, 8), R"("a")", R"(["b", "a"])", ""},
-      {"moved_by_the_card", "[card]\nmover = \"card\"\n",
+      {"moved_by_the_card", "[card]\ntransform_site = \"card\"\n",
        balls("a", 60, 9, kMoving) + balls("b", 50, 10), R"(["a", "b"])", R"(["a", "b"])", ""},
       {"alone", "", balls("a", 1, 11) + balls("b", 3, 12), R"(["b"])", R"(["b"])", "mask = [1]\n"},
   };
@@ -78,9 +78,9 @@ Played played(const Case& c, Mode mode, bool self, Scene& scene) {
                   self ? "self = true\n" : "", c.card.empty() ? "normals = true\n" : ""),
       "s.toml");
   const Plan plan = planned(scene);
-  Player player(scene, plan, {});
+  SceneRunner runner(scene, plan, {});
   Played p;
-  p.frame = player.play(3, [&](std::size_t, std::span<const Record> some) {
+  p.frame = runner.play(3, [&](std::size_t, std::span<const Record> some) {
     p.records.insert(p.records.end(), some.begin(), some.end());
   })[0];
   EXPECT_EQ(p.frame.mismatches, 0u) << p.frame.first_mismatch;

@@ -229,8 +229,8 @@ TEST(SolidsIterativePipe, BesideAnotherPipe_EqualsTheReference) {
   }
 }
 
-/// Rays and spheres meet a mesh in one pass, each in its own pipe. The records equal those of two
-/// passes, and the cycles equal those of the longer one.
+/// Rays and spheres meet a mesh in one pass, each in its own pipe. The records equal the records
+/// of two passes, and the cycles equal the longer one.
 TEST_P(Solids, TwoParallelPipes_EqualTwoPasses) {
   BoardConfig config = small(GetParam());
   config.pairs = {Pair::kRayTriangle, Pair::kTriangleSphere};

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "cases.hpp"
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 
 namespace cde::testing {
 namespace {
@@ -102,9 +102,9 @@ TEST(Threads, SceneRunners_AreIndependent) {
                  .sram_records = 64};
       p.card_moves.assign(1, false);
       p.card_moves_primaries.assign(1, false);
-      Player player(scene, p, {});
+      SceneRunner runner(scene, p, {});
       for (std::uint32_t f = 0; f < 3; ++f) {
-        const auto frame = player.play(f);
+        const auto frame = runner.play(f);
         EXPECT_EQ(frame[0].mismatches, 0u) << frame[0].first_mismatch;
         compared[i] += frame[0].compared;
       }

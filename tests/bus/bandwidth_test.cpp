@@ -81,7 +81,7 @@ TEST(PciBandwidth, LargerTransfers_AreNotSlower) {
   }
 }
 
-/// The card's own cycles per burst, without those of the host. docs/reference/pci.md states them.
+/// The card's own cycles per burst, without the host's cycles. docs/reference/pci.md states them.
 TEST(PciBandwidth, Burst_HasTheDocumentedOverhead) {
   for (const HostProfile& p : kHostProfiles)
     for (const bool to_host : {false, true}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cards after power-up: every register is random, and inputs are random before the reset
-// (verilator/models/random_start.h). Results equal those of a card that starts with zeros, cycle
+// (verilator/models/random_start.h). Results equal a card that starts with zeros, cycle
 // for cycle, on both buses.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 #include "../board/board_configs.hpp"
 #include "../printed.hpp"
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 #include "cde/scene/scene.hpp"
 
 namespace cde::testing {
@@ -97,10 +97,10 @@ Played play(const Start& start, unsigned seed) {
   const Scene scene = parse_scene(scene_of(card), "pairs.toml");
   Plan p = plan(scene);
   p.board = card;
-  Player player(scene, p, {});
+  SceneRunner runner(scene, p, {});
   Played played;
   for (const std::uint32_t frame : {0u, 1u})
-    for (const QueryFrame& f : player.play(frame, {})) {
+    for (const QueryFrame& f : runner.play(frame, {})) {
       EXPECT_EQ(f.mismatches, 0u) << f.first_mismatch;
       EXPECT_EQ(f.compared, f.counters.records);
       played.clocks.emplace_back(f.counters.cycles, f.secondary_clocks, f.download_clocks);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cost table of cde accuracy --price, and the costs on its page.
+// The cost table of cde accuracy --target, and the costs on its page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 #include "../has.hpp"
 #include "pages.hpp"
-#include "price_rows.hpp"
+#include "cost_rows.hpp"
 
 namespace cde::testing {
 namespace {
@@ -21,12 +21,12 @@ class AccuracyPage : public Pages {
  protected:
   void SetUp() override {
     Pages::SetUp();
-    write("prices.json", some_prices().dump());
+    write("costs.json", some_costs().dump());
   }
-  Ran priced(Words words) {
+  Ran with_costs(Words words) {
     words.insert(words.begin(), "accuracy");
     words.emplace_back("-q");
-    return cde(words, {"CDE_PRICES=prices.json"});
+    return cde(words, {"CDE_COSTS=costs.json"});
   }
 };
 
@@ -39,52 +39,52 @@ const Words kSome = {"--pair",       "ray-triangle,sphere-sphere",
 TEST_F(AccuracyPage, Costs_ComeFromTheTable) {
   Words words = kSome;
   words.emplace_back("--json");
-  const Ran ran = priced(words);
+  const Ran ran = with_costs(words);
   ASSERT_EQ(ran.status, 0) << ran.err;
   std::set<std::string> kinds;
   const json all = json::parse(ran.out);
   for (const json& one : all.at("configurations")) {
-    const json& price = one.at("price");
+    const json& cost = one.at("cost");
     const std::string format = one.at("format");
     const bool whole =
         one.at("algorithm") == "moller" && one.at("box") == false && format != "bf16";
-    SCOPED_TRACE(one.at("pair").get<std::string>() + " " + format + price.dump());
+    SCOPED_TRACE(one.at("pair").get<std::string>() + " " + format + cost.dump());
     if (format == "fp32" && !whole) {
-      EXPECT_TRUE(price.at("luts").is_null());
-      EXPECT_TRUE(price.at("modelled_seconds_per_million").is_null());
-      EXPECT_TRUE(has(price.at("clock_source").get<std::string>(), "no row of"));
+      EXPECT_TRUE(cost.at("luts").is_null());
+      EXPECT_TRUE(cost.at("modelled_seconds_per_million").is_null());
+      EXPECT_TRUE(has(cost.at("clock_source").get<std::string>(), "no row of"));
       kinds.insert("none");
       continue;
     }
-    EXPECT_EQ(price.at("area_of"), "ecp5-85");
-    ASSERT_EQ(price.at("estimated"), !whole);
+    EXPECT_EQ(cost.at("area_of"), "ecp5-85");
+    ASSERT_EQ(cost.at("estimated"), !whole);
     if (whole) {
       const bool small = format == "fp16";
-      EXPECT_EQ(price.at("luts"), small ? 20000 : 90000);
-      EXPECT_EQ(price.at("fmax_mhz"), small ? 110 : 100) << "the median of three seeds";
+      EXPECT_EQ(cost.at("luts"), small ? 20000 : 90000);
+      EXPECT_EQ(cost.at("fmax_mhz"), small ? 110 : 100) << "the median of three seeds";
       // 85 % of 83,640 logic cells; a carry takes two.
-      EXPECT_EQ(price.at("lanes_that_fit"), small ? 3 : 0);
-      EXPECT_EQ(price.at("lanes_limit"), "logic");
+      EXPECT_EQ(cost.at("lanes_that_fit"), small ? 3 : 0);
+      EXPECT_EQ(cost.at("lanes_limit"), "logic");
       kinds.insert(small ? "measured" : "too large");
-      EXPECT_EQ(price.at("modelled_seconds_per_million").is_null(), !small);
+      EXPECT_EQ(cost.at("modelled_seconds_per_million").is_null(), !small);
       continue;
     }
-    const json& n = price.at("operators_by_kind");
+    const json& n = cost.at("operators_by_kind");
     const double luts = 300 * n.at("add").get<double>() + 200 * n.at("mul").get<double>() +
                         900 * n.at("div").get<double>() + 700 * n.at("sqrt").get<double>() +
                         60 * n.at("compare").get<double>();
-    EXPECT_EQ(price.at("luts"), luts) << "luts of the fastest rows";
-    EXPECT_EQ(price.at("dsps"), n.at("mul"));
+    EXPECT_EQ(cost.at("luts"), luts) << "luts of the fastest rows";
+    EXPECT_EQ(cost.at("dsps"), n.at("mul"));
     const double fit =
         std::floor(0.85 * 83640 /
                    (luts + 20 * n.at("add").get<double>() + 20 * n.at("mul").get<double>() +
                     20 * n.at("div").get<double>() + 20 * n.at("sqrt").get<double>() +
                     20 * n.at("compare").get<double>()));
     const double by_products = std::floor(156 / n.at("mul").get<double>());
-    EXPECT_EQ(price.at("lanes_that_fit"), std::min(fit, by_products));
-    EXPECT_EQ(price.at("fmax_mhz"), n.at("div") > 0 ? 120 : n.at("sqrt") > 0 ? 125 : 130);
-    const double lanes = price.at("lanes_that_fit"), mhz = price.at("fmax_mhz");
-    EXPECT_NEAR(price.at("modelled_seconds_per_million").get<double>(), 1 / (lanes * mhz),
+    EXPECT_EQ(cost.at("lanes_that_fit"), std::min(fit, by_products));
+    EXPECT_EQ(cost.at("fmax_mhz"), n.at("div") > 0 ? 120 : n.at("sqrt") > 0 ? 125 : 130);
+    const double lanes = cost.at("lanes_that_fit"), mhz = cost.at("fmax_mhz");
+    EXPECT_NEAR(cost.at("modelled_seconds_per_million").get<double>(), 1 / (lanes * mhz),
                 0.01 / (lanes * mhz));
     kinds.insert("estimated");
   }
@@ -93,31 +93,31 @@ TEST_F(AccuracyPage, Costs_ComeFromTheTable) {
 
 TEST_F(AccuracyPage, InvalidCostTables_AreRefused) {
   const auto refused = [&](const std::string& text, const std::string& says) {
-    write("prices.json", text);
-    const Ran ran = priced({"--pair", "sphere-sphere", "--formats", "fp16", "--cases", "20"});
+    write("costs.json", text);
+    const Ran ran = with_costs({"--pair", "sphere-sphere", "--formats", "fp16", "--cases", "20"});
     EXPECT_EQ(ran.status, 2);
-    EXPECT_TRUE(has(ran.err, "prices.json: " + says));
+    EXPECT_TRUE(has(ran.err, "costs.json: " + says));
   };
   refused("no JSON", "not a cost table");
   refused("[]", "not a cost table");
   refused(R"({"rows": [{"what": "add"}]})", "row 1: ");
-  json bad = some_prices();
+  json bad = some_costs();
   bad["rows"][3]["lut"] = "many";
   refused(bad.dump(), "row 4: lut is \"many\"; it must be a whole number, 0 to 1e9");
-  bad = some_prices();
+  bad = some_costs();
   bad["rows"][2]["ff"] = -5;
   refused(bad.dump(), "row 3: ff is -5; it must be a whole number, 0 to 1e9");
   for (const char* lat : {"abc", "", "-5", "0", "8/x", "8/", "99999999999"}) {
-    bad = some_prices();
+    bad = some_costs();
     bad["rows"][2]["lat"] = lat;
     refused(bad.dump(), "row 3: lat is ");
   }
-  bad = some_prices();
+  bad = some_costs();
   bad["rows"][0]["lanes"] = 0;
   refused(bad.dump(), "row 1: lanes is 0; it must be 1 or more");
   for (const char* rates :
        {R"({"1": 0})", R"({"1": -5})", R"({"1": "fast"})", R"({"1": 1e308})", "[]"}) {
-    bad = some_prices();
+    bad = some_costs();
     bad["rows"][1]["fmax"] = json::parse(rates);
     refused(bad.dump(), "row 2: fmax is ");
   }
@@ -128,10 +128,10 @@ TEST_F(AccuracyPage, InvalidCostTables_AreRefused) {
 TEST_F(AccuracyPage, FreshAndKeptResults_GiveTheSamePage) {
   Words words = kSome;
   words.insert(words.end(), {"--profiles", "30", "--page", "p.html", "--json"});
-  const Ran fresh = priced(words);
+  const Ran fresh = with_costs(words);
   ASSERT_EQ(fresh.status, 0) << fresh.err;
   write("kept.json", fresh.out);
-  ASSERT_EQ(priced({"--from", "kept.json", "--page", "q.html"}).status, 0);
+  ASSERT_EQ(with_costs({"--from", "kept.json", "--page", "q.html"}).status, 0);
   const std::string html = read("p.html");
   EXPECT_EQ(html, read("q.html"));
   expect_sound(html, 3);
@@ -144,7 +144,7 @@ TEST_F(AccuracyPage, FreshAndKeptResults_GiveTheSamePage) {
   EXPECT_EQ(count(html, "<figure class=\"plot\">"), 2u * 3 + decided + 3u * 4);
   EXPECT_EQ(count(html, "<section data-choice=\"pair\""), 2u);
   for (const char* text :
-       {"measured", "estimated", "not priced", "modelled time of a million tests", "echo '",
+       {"measured", "estimated", "no cost", "modelled time of a million tests", "echo '",
         "| cde query ray-triangle --algorithm"})
     EXPECT_TRUE(has(html, text));
   EXPECT_EQ(count(html, "nan%") + count(html, "inf%") + count(html, "\"nan\""), 0u);
@@ -156,7 +156,7 @@ TEST_F(AccuracyPage, Charts_AreSavedWithTheirFigures) {
   if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the page";
   Words words = kSome;
   words.insert(words.end(), {"--profiles", "30", "--page", "p.html"});
-  ASSERT_EQ(priced(words).status, 0);
+  ASSERT_EQ(with_costs(words).status, 0);
   const std::string html = read("p.html");
   const json told = clicked(html);
   expect_saved(told, count(html, "<figure class=\"plot\">"));
@@ -177,7 +177,7 @@ TEST_F(AccuracyPage, FilterAndZoom_ChangeChartsTablesAndBestLine) {
   if (browser().empty()) GTEST_SKIP() << "needs Chromium, to run the scripts of the page";
   Words words = kSome;
   words.insert(words.end(), {"--page", "p.html"});
-  ASSERT_EQ(priced(words).status, 0);
+  ASSERT_EQ(with_costs(words).status, 0);
   const char* const ask = R"page(
 addEventListener("load", () => {
   const group = document.querySelector(".scatter"), section = group.closest("[data-choice]");
@@ -233,7 +233,7 @@ addEventListener("load", () => {
 
 TEST_F(AccuracyPage, WrongPixelsOfAMesh_AreShown) {
   const Ran ran =
-      priced({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on", "--algorithms",
+      with_costs({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on", "--algorithms",
               "badouel,moller", "--formats", "bf16,fp64", "--page", "m.html", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("m.html");
@@ -278,7 +278,7 @@ TEST_F(AccuracyPage, WrongPixelsOfAMesh_AreShown) {
 
 TEST_F(AccuracyPage, ImpossiblePage_IsRefused) {
   const auto refused = [&](const Words& words, const std::string& text) {
-    const Ran ran = priced(words);
+    const Ran ran = with_costs(words);
     EXPECT_EQ(ran.status, 2) << text;
     EXPECT_TRUE(has(ran.err, text));
     EXPECT_FALSE(exists("p.html"));
@@ -301,7 +301,7 @@ TEST_F(AccuracyPage, ImpossiblePage_IsRefused) {
 TEST_F(AccuracyPage, WorstCase_RepeatsWithItsCommand) {
   Words words = {"--pair", "ray-triangle", "--formats", "fp32", "--algorithms",   "badouel",
                  "--box",  "off",          "--cases",   "600",  "--no-operators", "--json"};
-  const Ran ran = priced(words);
+  const Ran ran = with_costs(words);
   ASSERT_EQ(ran.status, 0) << ran.err;
   const json one = json::parse(ran.out).at("configurations").at(0), &all = one.at("all_families");
   for (const char* key : {"worst_t", "worst_decision", "worst_leak"}) {
@@ -322,7 +322,7 @@ TEST_F(AccuracyPage, WorstCase_RepeatsWithItsCommand) {
   EXPECT_EQ(worst.at("a_words").size(), 8u);
   EXPECT_EQ(worst.at("b_words").size(), 9u);
   ASSERT_FALSE(all.at("worst_decision").is_null());
-  // The words in the command are those of the list.
+  // The command has the words of the list.
   const std::string command = worst.at("repeat_command");
   for (const json& word : worst.at("a_words")) EXPECT_TRUE(has(command, word.get<std::string>()));
   EXPECT_TRUE(
@@ -331,15 +331,15 @@ TEST_F(AccuracyPage, WorstCase_RepeatsWithItsCommand) {
 
 /// A modelled clock comes from the rows of a card's operators, or is refused.
 TEST_F(AccuracyPage, ModelledClock_ComesFromTheCardsOperators) {
-  json rows = some_prices();
+  json rows = some_costs();
   for (const char* what : {"add", "mul", "div", "lt"})
-    rows["rows"].push_back(price_row(what, "fp32", "1", 500, 4, *what == 'd' ? 40 : 60));
+    rows["rows"].push_back(cost_row(what, "fp32", "1", 500, 4, *what == 'd' ? 40 : 60));
   write("one.json", rows.dump());
   const Words cast = {"cast", "terrain:3,3,1", "--grid", "4x4", "--lanes", "16", "--json", "-q"};
   const auto with = [&](const Words& more, const std::string& table) {
     Words words = cast;
     words.insert(words.end(), more.begin(), more.end());
-    return cde(words, {"CDE_PRICES=" + table});
+    return cde(words, {"CDE_COSTS=" + table});
   };
   const Ran usual = with({}, "one.json"), measured = with({"--target", "ecp5-85"}, "one.json"),
             assumed = with({"--target", "assumed:50MHz"}, "one.json");
@@ -352,22 +352,22 @@ TEST_F(AccuracyPage, ModelledClock_ComesFromTheCardsOperators) {
   EXPECT_TRUE(has(b["clock_source"].get<std::string>(), "ecp5-85, estimated"));
   EXPECT_NEAR(b["modelled_pass_seconds"].get<double>(),
               2.5 * a["modelled_pass_seconds"].get<double>(), 1e-12);
-  const Ran none = with({"--target", "ecp5-85"}, "prices.json"),
+  const Ran none = with({"--target", "ecp5-85"}, "costs.json"),
             both = with({"--target", "ecp5-85", "--clock", "50"}, "one.json");
   EXPECT_EQ(none.status, 2);
-  EXPECT_TRUE(has(none.err, "no row of add fp32 LAT 1 on ecp5-85; prices.json has add fp16 LAT 1"));
+  EXPECT_TRUE(has(none.err, "no row of add fp32 LAT 1 on ecp5-85; costs.json has add fp16 LAT 1"));
   EXPECT_EQ(both.status, 2);
   EXPECT_TRUE(has(both.err, "cannot be combined with"));
 }
 
 /// A scene has its own latencies, so rows of deep operators give its clock.
 TEST_F(AccuracyPage, ModelledClock_ComesFromTheScenesOperators) {
-  json rows = some_prices();
+  json rows = some_costs();
   rows["rows"].push_back(
-      price_row("ray-triangle", "fp32", "8/9/16/15/1", 50000, 108, 90, "moller"));
-  rows["rows"].push_back(price_row("lt", "fp32", "1", 90, 0, 150));
+      cost_row("ray-triangle", "fp32", "8/9/16/15/1", 50000, 108, 90, "moller"));
+  rows["rows"].push_back(cost_row("lt", "fp32", "1", 90, 0, 150));
   for (const auto& [what, lat] : {std::pair{"add", "8"}, {"mul", "9"}, {"div", "16"}})
-    rows["rows"].push_back(price_row(what, "fp32", lat, 500, 4, *what == 'm' ? 70 : 80));
+    rows["rows"].push_back(cost_row(what, "fp32", lat, 500, 4, *what == 'm' ? 70 : 80));
   write("deep.json", rows.dump());
   const auto scene = [&](const std::string& card) {
     return "[card]\nalgorithm = \"moller\"\n"
@@ -383,7 +383,7 @@ TEST_F(AccuracyPage, ModelledClock_ComesFromTheScenesOperators) {
   const auto plan = [&](const Words& words) {
     Words all = {"plan"};
     all.insert(all.end(), words.begin(), words.end());
-    return cde(all, {"CDE_PRICES=deep.json"});
+    return cde(all, {"CDE_COSTS=deep.json"});
   };
   const auto clock = [&](const std::string& file, double hz, const std::string& is) {
     const Ran ran = plan({file, "--json", "--target", "ecp5-85"});
@@ -397,7 +397,7 @@ TEST_F(AccuracyPage, ModelledClock_ComesFromTheScenesOperators) {
   write("bf16.toml", scene("format = \"bf16\"\n"));
   EXPECT_TRUE(has(plan({"bf16.toml", "--target", "ecp5-85"}).err,
                   "no clock of ray-triangle moller box bf16"))
-      << "the cost is that of the card's format";
+      << "the cost is for the card's format";
   EXPECT_TRUE(has(plan({"plain.toml", "--target", "ecp5-85"}).out, "\nclock      90 MHz, of ray-"));
   const Ran both = plan({"clock.toml", "--target", "ecp5-85"}),
             none = plan({"plain.toml", "--target", "hx8k"});

@@ -74,8 +74,8 @@ TEST_F(Accuracy, MoreBits_HaveSmallerErrors) {
     int cases = 0;
     for (const Json& family : pipe.at("families")) cases += family.at("cases").get<int>();
     EXPECT_EQ(cases, 200);
-    EXPECT_TRUE(pipe.at("price").at("luts").is_null() || pipe.at("price").at("luts") > 0);
-    EXPECT_TRUE(pipe.at("price").at("latency_levels").is_null()) << "no price table was given";
+    EXPECT_TRUE(pipe.at("cost").at("luts").is_null() || pipe.at("cost").at("luts") > 0);
+    EXPECT_TRUE(pipe.at("cost").at("latency_levels").is_null()) << "no cost table was given";
   }
 }
 

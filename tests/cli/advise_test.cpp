@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../has.hpp"
-#include "price_rows.hpp"
+#include "cost_rows.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -20,7 +20,7 @@ class Advise : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
-    write("prices.json", some_prices().dump());
+    write("costs.json", some_costs().dump());
     const Ran ran =
         cde({"accuracy", "--pair", "ray-triangle,sphere-sphere", "--formats", "fp16,bf16",
              "--cases", "400", "-q", "--json", "--short", "-o", "kept.json"});
@@ -28,7 +28,7 @@ class Advise : public Cli {
   }
   Ran advise(Words words) {
     words.insert(words.begin(), {"advise", "--from", "kept.json"});
-    return cde(words, {"CDE_PRICES=prices.json"});
+    return cde(words, {"CDE_COSTS=costs.json"});
   }
   static std::string first_line(const Ran& ran) { return ran.out.substr(0, ran.out.find('\n')); }
 };
@@ -217,7 +217,7 @@ TEST_F(Advise, KeptTable_MatchesANewMeasurement) {
       found = true;
       EXPECT_EQ(there.at("all_families"), one.at("all_families"));
       for (const char* key : {"latency_levels", "initiation_interval", "operators_by_kind"})
-        EXPECT_EQ(there.at("price").at(key), one.at("price").at(key)) << key;
+        EXPECT_EQ(there.at("cost").at(key), one.at("cost").at(key)) << key;
     }
     EXPECT_TRUE(found) << pair;
   }

@@ -117,8 +117,8 @@ TEST_F(Bundles, HangingCard_IsPacked) {
 TEST_F(Bundles, HangingPipe_IsPacked) {
   write("rows", "0,0,0,1,0,0,0,1\n0,0,0,1,1.5,0,0,1\nno pair\n0,0,0,1,5,0,0,1\n");
   const std::string query = "\"$CDE\" query sphere-sphere --lanes 1 -q ";
-  const Planted fault(folder_, "rtl/engine/issue_history.sv", "valid_mem[then_q];",
-                      "valid_mem[then_q] && q_o != W'(2);");
+  const Planted fault(folder_, "rtl/engine/issue_history.sv", "valid_mem[read_q];",
+                      "valid_mem[read_q] && q_o != W'(2);");
   const Ran ran = shell_in(fault, query + "< rows");
   EXPECT_EQ(ran.status, 4) << ran.err;
   EXPECT_EQ(ran.out, "") << "no answer was compared, so neither answers nor header are written";

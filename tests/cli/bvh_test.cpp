@@ -209,9 +209,9 @@ class SceneBvh : public Cli {
 /// Transforms on the host and on the card give the bytes of brute force.
 TEST_F(SceneBvh, MovingObjects_GiveTheBytesOfBruteForce) {
   std::string brute_force, through, posed;
-  const auto off = run("off", "bvh = \"off\"\nlanes = 16\nmover = \"card\"", brute_force);
-  const auto on = run("on", "mover = \"card\"", through);
-  const auto host = run("host", "mover = \"host\"", posed);
+  const auto off = run("off", "bvh = \"off\"\nlanes = 16\ntransform_site = \"card\"", brute_force);
+  const auto on = run("on", "transform_site = \"card\"", through);
+  const auto host = run("host", "transform_site = \"host\"", posed);
   EXPECT_GT(brute_force.size(), 100'000u);
   EXPECT_TRUE(brute_force == through);
   EXPECT_TRUE(brute_force == posed);
@@ -245,8 +245,8 @@ primaries = "rays"
 secondaries = ["ball", "ring"]
 )";
   };
-  write("on.toml", scene("bvh = \"on\"\nmover = \"card\""));
-  write("off.toml", scene("bvh = \"off\"\nlanes = 16\nmover = \"card\""));
+  write("on.toml", scene("bvh = \"on\"\ntransform_site = \"card\""));
+  write("off.toml", scene("bvh = \"off\"\nlanes = 16\ntransform_site = \"card\""));
   const Ran ran = cde({"run", "on.toml"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.err,
@@ -264,7 +264,7 @@ secondaries = ["ball", "ring"]
 
 /// Node counts of a frame are the same in a run that begins with it.
 TEST_F(SceneBvh, Frames_DoNotDependOnEarlierFrames) {
-  write("s.toml", flight("mover = \"card\""));
+  write("s.toml", flight("transform_site = \"card\""));
   ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "all"}).status, 0);
   ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "one", "--frames", "2"}).status, 0);
   const auto all = nlohmann::json::parse(read("all/run.json"))["played"][2]["queries"];

@@ -252,7 +252,7 @@ TEST_F(Cast, Waves_HaveEverySignal) {
   // parameters, memories or internals of operators.
   const std::map<std::string, unsigned> signals = wave::signals(folder_ / "waves.fst");
   const std::string pipe =
-      "board.board.engine.group[0].lanes.pair[0].g_there.g_free.pipe.pipe.pipe.g_pipe.pipe.";
+      "board.board.engine.group[0].lanes.pair[0].g_present.g_free.pipe.pipe.pipe.g_pipe.pipe.";
   for (const std::string& name :
        {"board.bus_valid_i"s, "board.board.control.state_q"s, "board.board.registers.cycles_q"s,
         "board.board.clk_engine"s, "board.board.secondary[8]"s, pipe + "a_i[7][3]", pipe + "det[0]",

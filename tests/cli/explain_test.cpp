@@ -47,8 +47,8 @@ TEST_F(Explain, CorrectPipe_IsExplainedCompletely) {
   EXPECT_TRUE(j["first_differences"].empty());
 }
 
-/// With host arithmetic the box rule has no operators, and some of its operands equal those of
-/// moller.
+/// With host arithmetic the box rule has no operators, and some of its operands equal
+/// operands of moller.
 TEST_F(Explain, HostArithmeticWithTheBoxRule_HasNoDifference) {
   const Ran ran = cde({"explain", "ray-triangle", "0.6 0.3 5 0 0 -1 | 0.5 0.1 0 1.5 0 0 0.5 1 0",
                        "--arith", "host", "--json"});

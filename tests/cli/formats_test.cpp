@@ -14,7 +14,7 @@ using Words = std::vector<std::string>;
 
 /// Rays from inside a moving sphere.
 std::string scene(const std::string& card, const std::string& ball) {
-  return "frames = 3\n[card]\nlanes = 4\nmover = \"host\"\n" + card +
+  return "frames = 3\n[card]\nlanes = 4\ntransform_site = \"host\"\n" + card +
          "\n[[object]]\nname = \"ball\"\n" + ball + R"(
 [object.motion]
 kind = "velocity"

@@ -153,7 +153,7 @@ TEST_F(Help, Pages_EndWithStatusesAndVariables) {
   };
   EXPECT_EQ(variables({"wave", "show"}), (Words{"COLUMNS", "NO_COLOR"}));
   EXPECT_EQ(variables({"wave", "ls"}), (Words{"NO_COLOR"}));
-  EXPECT_EQ(variables({"advise"}), (Words{"CDE_SHARE", "CDE_PRICES", "NO_COLOR"}));
+  EXPECT_EQ(variables({"advise"}), (Words{"CDE_SHARE", "CDE_COSTS", "NO_COLOR"}));
   EXPECT_EQ(variables({"query"}), (Words{"CDE_CACHE", "CDE_MODELS", "CDE_SHARE", "CDE_CLANG",
                                          "CDE_MARCH", "CDE_ASSERT", "NO_COLOR"}));
   EXPECT_TRUE(has(section(page_of({"cast"}), "Environment"), "CDE_MESH_MEMORY"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs in chunks: journals, shards, and ranks under mpirun if it is installed. Outputs are
-// byte-identical to those of the plain run.
+// byte-identical to the plain run.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>

@@ -254,7 +254,7 @@ TEST_F(Pages, QuickReproduction_WritesEveryEntry) {
     expect_fits_a_phone(html);
   }
   expect_bvh(j, html);
-  // The times in the paper are for the full terrain, not for that of a quick run.
+  // The times in the paper are for the full terrain, not for the terrain of a quick run.
   EXPECT_EQ(j["paper"]["card_seconds"], 0.031);
   EXPECT_EQ(j["paper"]["software_seconds"], 2.1);
   for (const auto* figure : {"figure_5", "figure_6", "figure_7"}) {

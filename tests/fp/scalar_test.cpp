@@ -118,7 +118,7 @@ TYPED_TEST(Scalar, Limits_AreThoseOfTheFormat) {
             std::ldexp(2 - std::ldexp(1.0, -f.man_bits), Limits::max_exponent - 1));
 }
 
-/// min and max of float and double equal those of the operators.
+/// min and max of float and double equal the operators.
 TEST(ScalarOps, NativeMinAndMax_EqualTheUnit) {
   const FpFormat f{8, 23};
   int zeros = 0;

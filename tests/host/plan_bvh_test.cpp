@@ -117,7 +117,7 @@ TEST(PlanBvh, MovingObjects_UseABvh) {
   EXPECT_EQ(p.board.transform, Transformer::kSecondaries);
   // 1,800 of 5,000 move.
   EXPECT_TRUE(has(bvh(p).cost, "of them to refit boxes"));
-  const Plan whole = of("[card]\nmover = \"host\"\n" + text);
+  const Plan whole = of("[card]\ntransform_site = \"host\"\n" + text);
   const auto refit = [](const Plan& plan) {
     const std::string cost = bvh(plan).cost;
     return std::stoul(cost.substr(cost.find("per frame, ") + 11));

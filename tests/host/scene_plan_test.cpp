@@ -142,7 +142,7 @@ TEST(Plan, Objects_MoveWhereFewerWordsAreSent) {
   EXPECT_EQ(card.card_moves, moved);
   EXPECT_EQ(card.card_moves_primaries, none);
   EXPECT_EQ(effect(card, "transformer").why, "moving an object takes 12 words");
-  const Plan host = of("frames=2\n[card]\nmover=\"host\"\n" + all);
+  const Plan host = of("frames=2\n[card]\ntransform_site=\"host\"\n" + all);
   EXPECT_EQ(host.board.transform, Transformer::kNone);
   EXPECT_EQ(host.card_moves, none);
   const std::uint64_t vertices = card.queries[0].moved_words - 24;  // of b and c
@@ -159,7 +159,7 @@ TEST(Plan, Objects_MoveWhereFewerWordsAreSent) {
   const std::string two = objects + query("q", "\"a\"") + query("r", "\"b\"");
   EXPECT_EQ(of("frames=2\n" + two).board.transform, Transformer::kNone)
       << "uploaded in every frame";
-  EXPECT_EQ(of("frames=2\n[card]\nmover=\"card\"\n" + two).card_moves, moved);
+  EXPECT_EQ(of("frames=2\n[card]\ntransform_site=\"card\"\n" + two).card_moves, moved);
 }
 
 TEST(Plan, LoadedPrimaries_AreMovedByTheCard) {
@@ -185,19 +185,19 @@ TEST(Plan, LoadedPrimaries_AreMovedByTheCard) {
   };
   loaded(of(drawn(256, "true") + moving), 256 * 8, "they deform, so they differ in every frame");
   loaded(of(drawn(257, "false") + moving), 257 * 8, "they are loaded packet by packet");
-  loaded(of(drawn(256, "false") + moving, "[card]\nmover=\"host\"\n"), 256 * 8, "mover = \"host\"");
+  loaded(of(drawn(256, "false") + moving, "[card]\ntransform_site=\"host\"\n"), 256 * 8, "transform_site = \"host\"");
   loaded(of(drawn(1, "false") + moving), 8, "loading them again takes no more words");
 }
 
 TEST(Plan, TooManyObjects_AreMovedByTheHost) {
-  const auto of = [](int boxes, const char* mover) {
+  const auto of = [](int boxes, const char* transform_site) {
     return plan(parse_scene(
-        fmt::format("frames=2\n[card]\nmover=\"{}\"\n[[object]]\nname=\"boxes\"\n"
+        fmt::format("frames=2\n[card]\ntransform_site=\"{}\"\n[[object]]\nname=\"boxes\"\n"
                     "random={{shape=\"obb\",count={},min=[-1,-1,-1],max=[1,1,1],size=[0.1,0.2]}}\n"
                     "motion={{kind=\"random\",each=true,min=[-1,-1,-1],max=[1,1,1],speed=1}}\n"
                     "{}[[query]]\nname=\"q\"\npair=\"sphere-obb\"\nprimaries=\"ball\"\n"
                     "secondaries=\"boxes\"\n",
-                    mover, boxes, kBall),
+                    transform_site, boxes, kBall),
         "s.toml"));
   };
   EXPECT_EQ(of(1024, "auto").board.objects, 1024u);
@@ -207,9 +207,9 @@ TEST(Plan, TooManyObjects_AreMovedByTheHost) {
   EXPECT_EQ(host.board.transform, Transformer::kNone);
   EXPECT_EQ(effect(host, "transformer").why, "more objects than the 2048 of a card's table");
   expect_error(ErrorCode::kUsage,
-               "s.toml: card, mover = \"card\": query 'q' has 2049 objects among its secondaries "
+               "s.toml: card, transform_site = \"card\": query 'q' has 2049 objects among its secondaries "
                "(each shape that moves on its own counts as one), but a card's table holds 2048; "
-               "use mover = \"host\"",
+               "use transform_site = \"host\"",
                [&] { (void)of(2049, "card"); });
 }
 

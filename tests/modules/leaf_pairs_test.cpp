@@ -31,7 +31,7 @@ struct Leaf {
 template <class Module>
 void check(Module& m, const Leaf& leaf) {
   ASSERT_EQ(m.at_o, leaf.at);
-  ASSERT_EQ(m.there_o, leaf.two ? 3u : 1u);
+  ASSERT_EQ(m.present_o, leaf.two ? 3u : 1u);
   for (unsigned l = 0; l < 1u + leaf.two; ++l) {
     const Record& should = leaf.should.at(l);
     ASSERT_EQ(static_cast<std::uint32_t>(m.index_o >> 32 * l), leaf.index.at(l));

@@ -33,7 +33,7 @@ TEST(PassCounters, EveryCounter_IsReadAtItsRegister) {
     resets += counters.rst_i;
     counters.counts_i = static_cast<IData>(dice.below(1u << kBits * kHere));
     counters.read_i = dice.once_in(2);
-    counters.there_i = !dice.once_in(8);
+    counters.hit_i = !dice.once_in(8);
     counters.offset_i = static_cast<SData>(8 * dice.below(kRegEnd / 8 + 8));
     counters.clk_i = counters.clk_bus_i = 0;
     counters.eval();
@@ -42,7 +42,7 @@ TEST(PassCounters, EveryCounter_IsReadAtItsRegister) {
     if (counters.read_i != 0) {
       const auto found = std::find(ours.begin(), ours.end(), counters.offset_i);
       const auto c = static_cast<std::size_t>(found - ours.begin());
-      const bool there = c < kHere && counters.there_i != 0;
+      const bool there = c < kHere && counters.hit_i != 0;
       ASSERT_EQ(counters.rdata_o, there ? counts.at(c) : 0u)
           << "cycle " << clock << ", offset " << counters.offset_i;
       if (there) ++reads.at(c);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Two hosts: network namespaces of this machine with a cable between them. Records equal those of one process, and
+# Two hosts: network namespaces of this machine with a cable between them. Records equal the records of one process, and
 # messages name ranks with their hosts. When a host vanishes the run ends, and the next run continues from its journal.
 #
 #   two_hosts.sh MPIRUN CDE

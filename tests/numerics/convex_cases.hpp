@@ -5,7 +5,7 @@
 
 #include "cde/oracle/cases.hpp"
 
-/// Cases of the convex pairs beyond those of the oracle. They are aimed at configurations where the
+/// Cases of the convex pairs beyond the oracle's cases. They are aimed at configurations where the
 /// distance is easy and the normal is hard.
 namespace cde::testing {
 

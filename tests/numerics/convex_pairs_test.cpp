@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The convex pairs with a closed form, checked by certificate. The mirror reference equals the
-// hardware, so its errors are the errors of the pipes. Tolerances are those of the contract: 16 u S
+// hardware, so its errors are the errors of the pipes. Tolerances are the contract's: 16 u S
 // for s, and 16 u S + 4 u L for the witness points.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

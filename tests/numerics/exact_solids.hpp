@@ -8,7 +8,7 @@
 #include "cde/geometry/primitives.hpp"
 
 /// Ray against sphere and cylinder with 168 bits of precision: an independent oracle. Its formulas
-/// differ from those of the pipes: textbook quadratics in the plane across the axis. They lose half
+/// differ from the formulas of the pipes: textbook quadratics in the plane across the axis. They lose half
 /// of the digits, which this precision allows.
 namespace cde::testing {
 

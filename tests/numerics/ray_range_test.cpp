@@ -180,8 +180,8 @@ TEST_P(RayRange, WholeRange_IsRightOutsideTheBands) {
     const oracle::Case c =
         oracle::generate(static_cast<oracle::Pair>(pair), kSeed, static_cast<std::uint64_t>(i),
                          {.exp_bits = format.exp_bits, .man_bits = format.man_bits});
-    LengthRange length = room(c, Shape::kRay, target, Kind::kLength, range);
-    const LengthRange direction = room(c, Shape::kRay, target, Kind::kDirection, range);
+    LengthRange length = scale_range(c, Shape::kRay, target, Kind::kLength, range);
+    const LengthRange direction = scale_range(c, Shape::kRay, target, Kind::kDirection, range);
     if (const auto edge = shortest_edge(c))
       length.low = std::max(length.low, range.low + 1 - std::ilogb(*edge));
     if (length.low > length.high || direction.low > direction.high) continue;
@@ -197,7 +197,7 @@ TEST_P(RayRange, WholeRange_IsRightOutsideTheBands) {
     for (auto [j, m] : by) {
       if (target != Shape::kTriangle) {
         // As far as the ratio of lengths and direction allows.
-        const LengthRange apart = room_apart(c, target, ratio);
+        const LengthRange apart = scale_range_apart(c, target, ratio);
         m = std::clamp(m, j - apart.high, j - apart.low);
         if (m < direction.low || m > direction.high) continue;
       }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Answers of the mirror references of ray-sphere and ray-cylinder, against 168-bit arithmetic. An
-// answer must be that of a solid whose sizes are off by at most the band; uncertain cases are
+// answer must fit a solid whose sizes are off by at most the band; uncertain cases are
 // counted. Random rays use a band of 8, half of the sum of all roundings. Searches for the worst
 // case use the bound itself.
 #include <fmt/format.h>

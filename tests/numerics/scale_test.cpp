@@ -61,9 +61,9 @@ TEST_P(Scaling, PowerOfTwo_ScalesExactly) {
     const oracle::Case c =
         oracle::generate(static_cast<oracle::Pair>(pair), kSeed, i,
                          {.exp_bits = format.exp_bits, .man_bits = format.man_bits});
-    const LengthRange length = room(c, a, b, Kind::kLength, exact_range(pair, format));
+    const LengthRange length = scale_range(c, a, b, Kind::kLength, exact_range(pair, format));
     const LengthRange direction = a == Shape::kRay
-                                      ? room(c, a, b, Kind::kDirection, exact_range(pair, format))
+                                      ? scale_range(c, a, b, Kind::kDirection, exact_range(pair, format))
                                       : LengthRange{0, 0};
     if (length.low > length.high || direction.low > direction.high) continue;
     const auto between = [&](LengthRange r) {

@@ -61,7 +61,7 @@ inline bool is_size(Shape shape, std::size_t k) {
 
 /// The exponents by which a pair's lengths (of === kDirection: its direction) can be scaled within
 /// the range.
-inline LengthRange room(const oracle::Case& c, Shape a, Shape b, Kind of, LengthRange range) {
+inline LengthRange scale_range(const oracle::Case& c, Shape a, Shape b, Kind of, LengthRange range) {
   double largest = 0, least_size = std::ldexp(1, 900);
   const auto look = [&](Shape shape, const std::vector<double>& words) {
     for (std::size_t k = 0; k < words.size(); ++k) {
@@ -83,7 +83,7 @@ inline LengthRange room(const oracle::Case& c, Shape a, Shape b, Kind of, Length
 
 /// The exponents by which a ray's solid can be scaled against the ray's direction, within a range
 /// of their ratio (LengthRange::ray_ratio).
-inline LengthRange room_apart(const oracle::Case& c, Shape target, LengthRange range) {
+inline LengthRange scale_range_apart(const oracle::Case& c, Shape target, LengthRange range) {
   double largest = 0, least_size = std::ldexp(1, 900), direction = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     largest = std::max(largest, std::abs(c.a[k]));

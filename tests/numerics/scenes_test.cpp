@@ -73,7 +73,7 @@ Row judge_solids(const Case& c, const Result& o) {
   return row;
 }
 
-/// Bands of a ray, in u of its scale: those of the references, with world coordinates where they
+/// Bands of a ray, in u of its scale: the references' bands, with world coordinates where they
 /// are larger.
 Row judge_ray(const Case& c, const Result& o) {
   const oracle::RayAnswer answer = oracle::cast(c);

@@ -19,7 +19,7 @@ namespace cde::oracle {
 /// the other shape.
 ///
 /// FCL treats rotations and axes as exactly orthonormal: use it for operands in binary64, not for
-/// those of a slot. Throws std::system_error if the child process cannot start.
+/// operands of a slot. Throws std::system_error if the child process cannot start.
 [[nodiscard]] std::vector<std::optional<double>> fcl_signed_distances(
     const std::vector<std::pair<Shape, Shape>>& pairs);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The operators of a pipe, counted in the elaborated design, against those of its mirror reference
+// The operators of a pipe, counted in the elaborated design, against its mirror reference
 // and Table 2 of the paper.
 #include "cde/netlist/elaborate.hpp"
 

@@ -65,9 +65,9 @@ TEST_P(Range, EverySize_EqualsTheReference) {
   Operands o;
   for (std::uint64_t i = 0; i < 1500; ++i) {
     const oracle::Case c = made(i);
-    const LengthRange length = room(c, a, b, Kind::kLength, lengths());
+    const LengthRange length = scale_range(c, a, b, Kind::kLength, lengths());
     const LengthRange direction =
-        a == Shape::kRay ? room(c, a, b, Kind::kDirection, lengths()) : LengthRange{0, 0};
+        a == Shape::kRay ? scale_range(c, a, b, Kind::kDirection, lengths()) : LengthRange{0, 0};
     if (length.low > length.high || direction.low > direction.high) continue;
     const auto between = [&](LengthRange r) {
       return r.low + static_cast<int>(random() % static_cast<unsigned>(r.high - r.low + 1));

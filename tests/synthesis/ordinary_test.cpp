@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The adder and multiplier in the ordinary style (tools/prices/ordinary/), whose area is compared
+// The adder and multiplier in the ordinary style (tools/costs/ordinary/), whose area is compared
 // with rtl/fp, compute the same values as fp_add and fp_mul. Tests every pair of operands of small
 // formats, and hard and random operands of the others.
 #include <gtest/gtest.h>

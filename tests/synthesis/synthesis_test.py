@@ -11,7 +11,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(ROOT / "tools" / "prices"))
+sys.path.insert(0, str(ROOT / "tools" / "costs"))
 # pylint: disable=wrong-import-position
 from contract import Bad, contract  # noqa: E402
 import designs  # noqa: E402
@@ -96,8 +96,8 @@ class Readers(unittest.TestCase):
         self.assertEqual(flow.version_in("something else"), "")
 
     def test_modules(self):
-        listing = "\n3 modules:\n  bench\n  fp_cut$bench.measured.unit.lane[0].cut\n  measured$bench.measured\n  fp_add$bench.measured.unit\n"
-        self.assertEqual(flow.modules_in(listing), {"fp_cut", "fp_add"})
+        listing = "\n3 modules:\n  bench\n  pipe_reg$bench.measured.unit.lane[0].reg_xs\n  measured$bench.measured\n  fp_add$bench.measured.unit\n"
+        self.assertEqual(flow.modules_in(listing), {"pipe_reg", "fp_add"})
 
     def test_cells(self):
         report = json.dumps({"modules": {"\\bench": {"num_cells_by_type": {"LUT4": 5}},
@@ -122,8 +122,8 @@ class Readers(unittest.TestCase):
         self.assertNotEqual(sources.digest(sources.bare("a = b + c;")), sources.digest(sources.bare("a = b - c;")))
 
     def test_sources_are_those_that_a_module_names(self):
-        read = sources.closure({"fp_add_lane", "fp_cut", "fp_lanes"})
-        self.assertEqual(read, {"rtl/fp/fp_add_lane.sv", "rtl/fp/fp_cut.sv", "rtl/fp/fp_lanes.sv", "rtl/fp/fp_mask.svh", "rtl/contract/formats_pkg.sv"})
+        read = sources.closure({"fp_add_lane", "pipe_reg", "fp_lanes"})
+        self.assertEqual(read, {"rtl/fp/fp_add_lane.sv", "rtl/fp/pipe_reg.sv", "rtl/fp/fp_lanes.sv", "rtl/fp/fp_mask.svh", "rtl/contract/formats_pkg.sv"})
         with self.assertRaisesRegex(Bad, "module nobody has no file"):
             sources.closure({"nobody"})
 
@@ -135,9 +135,9 @@ class Tables(unittest.TestCase):
             kept = tempfile.TemporaryDirectory()
             self.addCleanup(kept.cleanup)
             self.folder = pathlib.Path(kept.name)
-        self.file = self.folder / "prices.json"
+        self.file = self.folder / "costs.json"
         self.design = designs.design("add", "fp32", "6")
-        self.hashes = sources.digests(sources.closure({"fp_add_lane", "fp_cut"}))
+        self.hashes = sources.digests(sources.closure({"fp_add_lane", "pipe_reg"}))
 
     def test_a_row_holds_until_its_sources_change(self):
         kept = table.Table(self.file)
@@ -154,7 +154,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(status, 1)
         self.assertIn("stale: fp_add fp32 LAT 6 ecp5-85: rtl/fp/fp_add_lane.sv and 1 other changed; run tools/synthesis run --what 'fp_add fp32 LAT 6 ecp5-85'", said)
         kept.put(self.design, row_of(self.design, self.hashes, flow="0"), self.hashes)
-        self.assertIn("the measurement (tools/prices/) changed", synthesis("check", "--table", str(self.file))[1])
+        self.assertIn("the measurement (tools/costs/) changed", synthesis("check", "--table", str(self.file))[1])
 
     def test_one_row_a_line_in_a_stable_order(self):
         kept = table.Table(self.file)
@@ -174,12 +174,12 @@ class Tables(unittest.TestCase):
             kept.put(design, row_of(design, self.hashes, lut=lut, fmax={}), self.hashes)
         self.assertIn("| add | fp32 | 6 | 100 | 20 | 64 | 0 | 51.0 (50.5 to 53.0) |", pages.everything(kept))
         self.assertIn("| ecp5-area | add | fp32 | 200 + 20 | 150 + 20 | 240 | 190 | 1.26 | 0 | 0 |", pages.everything(kept))
-        page = "".join(f"<!-- prices: {name} -->\n<!-- end -->\n" for name in pages.parts(kept))
+        page = "".join(f"<!-- costs: {name} -->\n<!-- end -->\n" for name in pages.parts(kept))
         filled, changed, lacking = pages.filled(kept, page)
         self.assertEqual((set(changed), lacking), (set(pages.parts(kept)), []))
         self.assertEqual(pages.filled(kept, filled), (filled, [], []))
         with self.assertRaisesRegex(Bad, "no table other"):
-            pages.filled(kept, "<!-- prices: other -->\n<!-- end -->\n")
+            pages.filled(kept, "<!-- costs: other -->\n<!-- end -->\n")
 
     def test_lanes_that_fit(self):
         row = row_of(self.design, self.hashes, lut=8000, carry=1000, ff=2000, dsp=40) | {"lanes": 1}
@@ -190,13 +190,13 @@ class Tables(unittest.TestCase):
         self.file.write_text('{"rows": [')
         status, _, said = synthesis("check", "--table", str(self.file))
         self.assertEqual(status, 2)
-        self.assertRegex(said, "^synthesis: .*prices.json is not a table of costs: .*\n$")
+        self.assertRegex(said, "^synthesis: .*costs.json is not a table of costs: .*\n$")
 
 
 class Command(unittest.TestCase):
     def test_bad_input_is_one_line(self):
         for words, said in ((("one", "add", "--format", "fp9"), "fp9 is not a format"), (("one", "pow"), "pow is not an operator"),
-                            (("run", "--target", "asic"), "asic is not a target"), (("run", "--what", "nothing"), "tools/prices/plan has no row"),
+                            (("run", "--target", "asic"), "asic is not a target"), (("run", "--what", "nothing"), "tools/costs/plan has no row"),
                             (("one", "add", "--seed", "x"), "x is not a seed")):
             with self.subTest(words):
                 status, out, error = synthesis(*words)

@@ -211,7 +211,7 @@ TEST_F(Export, CutFst_HasTheSameValuesInItsWindow) {
   EXPECT_EQ(cde({"wave", "diff", "a.fst", "all.fst"}).out, "0 of 6 signals differ\n");
   write_sample(folder_ / "b.fst", {.late = 0, .wrong_at = 9});
   EXPECT_EQ(cde({"wave", "diff", "b.fst", "all.fst"}).status, 1);
-  // The fail time stays that of the source file.
+  // The fail time of the source file stays.
   (void)out({"a.fst", "top.core", "data", "-o", "fail.fst", "--around", "fail", "--window", "2"});
   EXPECT_EQ(cde({"wave", "at", "fail.fst", "fail", "count:dec"}).out,
             "at 75ns\ntop.core.count  7\n");

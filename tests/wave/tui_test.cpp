@@ -497,7 +497,7 @@ TEST_F(Tui, Blocks_AreReadOnlyWhenSeen) {
 }
 
 /// Any keys on any screen: the window stays in the file, the cursor in the window, and the values
-/// are those of the file.
+/// are the file's.
 TEST_F(Tui, AnyKeysOnAnyScreen_KeepTheViewValid) {
   write_blocks();
   std::mt19937 random(3);

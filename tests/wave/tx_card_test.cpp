@@ -281,7 +281,7 @@ TEST_F(TxCard, BusFaults_MatchTheCardsCounters) {
     EXPECT_LE(with(own, "outcome", "disconnect"), counted(count + "[4]"));
     EXPECT_EQ(with(own, "outcome", "target-abort") + with(own, "outcome", "master-abort"),
               counted(count + "[6]"));
-    // All cycles with FRAME# or IRDY#, including those of the host.
+    // All cycles with FRAME# or IRDY#, including the host's cycles.
     EXPECT_EQ(sum(pci, "clocks") + pci.size(), counted(count + "[7]"));
     EXPECT_EQ(with(pci, "width", "64") == 0, faults.empty());
   }

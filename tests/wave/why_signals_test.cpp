@@ -127,7 +127,7 @@ TEST_P(Integers, ValuesWithinAnInstant_AreNotThoseOfTheWaves) {
   EXPECT_FALSE(statements("j@12").empty()) << "the step of a loop assigns it";
 }
 
-/// k is 4 in the waves; the turn that assigns bit 1 is that of -3.
+/// k is 4 in the waves; bit 1 is assigned in the turn of -3.
 TEST_P(Integers, TurnsOfAWhileLoop_MayBeNegative) {
   const Json turned = statements("turned[1]@12");
   ASSERT_EQ(turned.size(), 1u) << turned;

@@ -290,7 +290,7 @@ TEST_P(WhyStructure, DamagedJson_NeverCrashes) {
   EXPECT_TRUE(has(error("a.fst", "data@75", "bad.tree.json"), "--json-only"));
 }
 
-/// For a Verilator without --xml-only its other output is read, here that of another design.
+/// For a Verilator without --xml-only its other output is read, here the output of another design.
 TEST_F(Why, VerilatorWithoutXml_IsAskedForJson) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n");
   ASSERT_EQ(shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs").status, 0);

@@ -14,7 +14,7 @@
 #include "accuracy/names.hpp"
 #include "cde/accuracy/saved_sweep.hpp"
 #include "cde/accuracy/picture.hpp"
-#include "cde/accuracy/price.hpp"
+#include "cde/accuracy/cost.hpp"
 #include "cde/accuracy/profiles.hpp"
 #include "cde/accuracy/scene_accuracy.hpp"
 #include "cde/accuracy/simulated.hpp"
@@ -188,7 +188,7 @@ std::string short_json(Json all) {
 /// The measured rows, or nothing if not all results are in this process.
 std::optional<std::vector<AccuracyRow>> measured_rows(const AccuracyOptions& o,
                                                       const SweepOptions& options) {
-  const PriceTable table = PriceTable::of_project();  // before the long work
+  const CostTable table = CostTable::of_project();  // before the long work
   std::optional<std::vector<Measured>> all = sweep(options);
   if (!all) return std::nullopt;
   std::vector<AccuracyRow> rows;
@@ -198,7 +198,7 @@ std::optional<std::vector<AccuracyRow>> measured_rows(const AccuracyOptions& o,
   const std::vector<PipeFigures> figures = figures_of(pipes, o.operators);
   const Target target = parse_target(o.target);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].price = price_of(pipes[i], figures[i], target, table);
+    rows[i].cost = cost_of(pipes[i], figures[i], target, table);
     if (o.check == 0 || pipes[i].variant != Variant::kCard) continue;
     for (const Arithmetic arithmetic : {Arithmetic::kHost, Arithmetic::kRtl})
       rows[i].simulated.push_back(simulated(pipes[i], arithmetic, o.seed, o.check));
@@ -288,7 +288,7 @@ void run_picture(const AccuracyOptions& o) {
 /// Runs the queries of every frame in each format. Modelled times are for the planned card.
 void run_scene(const AccuracyOptions& o) {
   cde::Scene scene = load_scene(o.scene);
-  scene.card.bvh = UseBvh::kOff;  // a BVH needs fp32, and rows are those of brute force
+  scene.card.bvh = UseBvh::kOff;  // a BVH needs fp32, and rows are rows of brute force
   const Plan planned = plan(scene);
   const Frames frames = frames_of(o.frames, scene);
   SceneAccuracyOptions options{.first = frames.first, .last = frames.last, .quiet = o.quiet};

@@ -15,7 +15,7 @@
 #include "cde/fp/scalars.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/scene/packet_again.hpp"
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/progress.hpp"
@@ -136,9 +136,9 @@ class Teller {
     fs::remove(waves);
     s_.first_frame = first;
     s_.card.clear();
-    PlayOptions options;
+    RunnerOptions options;
     options.check = named_.failed ? Check::kAll : Check::kNone;
-    options.on_packet = [&](const PlayOptions::PacketContents& made) { take(made); };
+    options.on_packet = [&](const RunnerOptions::PacketContents& made) { take(made); };
     const TraceOptions which = {.scopes = wave::tested_scopes()};
     return play_packet({s_.scene, plan_, options, s_.frame, s_.query, s_.primary}, first, waves,
                        which, [&](std::span<const Record> records) {
@@ -148,7 +148,7 @@ class Teller {
   }
 
   /// Takes the reference's side.
-  void take(const PlayOptions::PacketContents& made) {
+  void take(const RunnerOptions::PacketContents& made) {
     const SceneQuery& q = s_.asked();
     s_.words = numbers_of(made.primaries, s_.primary);
     s_.secondaries = made.secondaries;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Charts of data that the repository has: docs/accuracy.json, docs/prices.json, tables of docs/tables/stability.md and docs/background/reproduction.md."""
+"""Charts of data that the repository has: docs/accuracy.json, docs/costs.json, tables of docs/tables/stability.md and docs/background/reproduction.md."""
 import json
 import math
 import re
@@ -54,7 +54,7 @@ def accuracy_rows(root):
             True)):
             continue
         error = row["all_families"]["t_error_u"]["p99"] * 2.0 ** -(FRACTION[row["format"]] + 1)
-        rows.append((row["pair"], row["format"], row["price"]["luts"] + 2 * row["price"]["carries"], error))
+        rows.append((row["pair"], row["format"], row["cost"]["luts"] + 2 * row["cost"]["carries"], error))
     return rows, told["cases"]
 
 
@@ -104,7 +104,7 @@ def accuracy(root):
 
 # ---- costs ----
 def cost_rows(root):
-    told = json.loads((root / "docs/prices.json").read_text(encoding="utf-8"))
+    told = json.loads((root / "docs/costs.json").read_text(encoding="utf-8"))
     return [row for row in told["rows"] if row["target"] == "ecp5-85" and row["style"] == "cde"]
 
 

@@ -36,7 +36,7 @@ def shards(_root):
     c.box(430, 246, 372, 34, "cde merge part1 part2 part3: simulates nothing", "fg", size=12.5)
     c.arrow((616, 280), (616, 302))
     c.box(556, 302, 120, 32, "*Outputs", "fa")
-    c.texts_at(10, 312, ("*Outputs equal those of one process, byte by byte.", "~A chunk: rays for 30 million tests or 32,768 rays",
+    c.texts_at(10, 312, ("*Outputs equal one process's outputs, byte by byte.", "~A chunk: rays for 30 million tests or 32,768 rays",
         "~with a BVH, 65,536 lines, a frame, or 50,000 cases.",
                          "~Ranks take the next chunk when they are free."), size=12.5)
     c.texts_at(430, 362, ("~A journal of another build, option or input is refused.",), size=12)

@@ -46,7 +46,7 @@ def keys(_root):
     rows = ((20, 84, "`[report]", "0 or 1", ("form of the tables of records: results, bits, only_hits",), "fn"),
             (116, 84, "`[card]", "0 or 1", ("replaces choices of the planner: lanes, pairs, arithmetic, format,",
                 "filter, algorithm, box, clock_mhz, bus, host, burst, narrow,",
-                                             "memory, ecc, trace, mover, bvh, latency"), "fb"),
+                                             "memory, ecc, trace, transform_site, bvh, latency"), "fb"),
             (212, 132, "`[[object]]", "any number", ("name, parent", "one source of shapes: mesh (scale, deform), ray, triangle, sphere,",
                 "aabb, plane, cylinder, obb, random, random_rays, camera, rays_csv"), "fg"),
             (356, 108, "`[[query]]", "any number", ("name, pair, mode, normals, iterations, mask, self, inside, packets",

@@ -6,8 +6,8 @@ from canvas import Canvas
 
 # Who links whom (host/CMakeLists.txt), without what comes through another.
 LINKS = {"reference": {"core"}, "card": {"reference"}, "scene": {"card"}, "jobs": {"card", "mpi"}, "mpi": {"core"}, "netlist": {"card"},
-    "prices": {"netlist"},
-         "wave": {"netlist"}, "explain": {"wave", "scene"}, "oracle": {"core"}, "accuracy": {"oracle", "prices", "jobs", "netlist"}}
+    "costs": {"netlist"},
+         "wave": {"netlist"}, "explain": {"wave", "scene"}, "oracle": {"core"}, "accuracy": {"oracle", "costs", "jobs", "netlist"}}
 
 
 def links(root):
@@ -34,10 +34,10 @@ def layers(root):
         c.box(10 + 128 * k, 30, 120, 32, "`" + name, "fn", 12.5)
     c.box(660, 30, 150, 32, "tools/command, shared", "fo", 11.5)
     c.text(10, 88, "*Libraries, host/: an arrow points to what is linked")
-    spots = {"explain": (146, 104), "accuracy": (470, 104), "scene": (10, 172), "wave": (146, 172), "prices": (300, 172), "jobs": (436, 172),
+    spots = {"explain": (146, 104), "accuracy": (470, 104), "scene": (10, 172), "wave": (146, 172), "costs": (300, 172), "jobs": (436, 172),
         "oracle": (572, 172),
              "netlist": (223, 240), "card": (146, 308), "mpi": (572, 240), "reference": (146, 356), "core": (366, 384)}
-    notes = {"explain": "operators", "accuracy": "errors", "scene": "plan, run", "wave": "wave files", "prices": "costs", "jobs": "chunks",
+    notes = {"explain": "operators", "accuracy": "errors", "scene": "plan, run", "wave": "wave files", "costs": "LUTs, clocks", "jobs": "chunks",
         "oracle": "judges",
              "netlist": "elaborated RTL", "card": "driver", "mpi": "ranks", "reference": "mirror", "core": "shapes, files"}
     wide, high = 116, 36
@@ -46,9 +46,9 @@ def layers(root):
     def down(a, b, dx=0, ex=0):
         (x, y), (u, v) = spots[a], spots[b]
         c.arrow((x + wide / 2 + dx, y + high), (u + wide / 2 + ex, v), size=6, thick=1.2)
-    for a, b, dx, ex in (("explain", "wave", 0, 0), ("explain", "scene", -20, 20), ("accuracy", "prices", -30, 20), ("accuracy", "jobs", 0, 10),
+    for a, b, dx, ex in (("explain", "wave", 0, 0), ("explain", "scene", -20, 20), ("accuracy", "costs", -30, 20), ("accuracy", "jobs", 0, 10),
         ("accuracy", "oracle", 30, 0),
-                         ("wave", "netlist", 0, -20), ("prices", "netlist", 0, 20), ("netlist", "card", 0, 30), ("card", "reference", 0, 0)):
+                         ("wave", "netlist", 0, -20), ("costs", "netlist", 0, 20), ("netlist", "card", 0, 30), ("card", "reference", 0, 0)):
         down(a, b, dx, ex)
     c.arrow((68, 208), (68, 326), (146, 326), size=6, thick=1.2)
     c.arrow((494, 208), (494, 326), (262, 326), size=6, thick=1.2)
@@ -85,7 +85,7 @@ def programs(_root):
     c.text(10, 272, "starts the program of a verb, from its", size=12, kind="tu")
     c.text(10, 288, "own folder or libexec/cde", size=12, kind="tu")
     c.text(10, 316, "~All link tools/command, and by it", size=12)
-    c.text(10, 332, "~the libraries scene, jobs and prices.", size=12)
+    c.text(10, 332, "~the libraries scene, jobs and costs.", size=12)
     return c
 
 

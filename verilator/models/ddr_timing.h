@@ -2,7 +2,7 @@
 // Timing of reads from DDR SDRAM: two 1 GB modules of DDR-400 side by side, 144 bits wide, with
 // open pages. Times are picoseconds of the card's own time. Requests are served in order, each as
 // soon as its bank and the data bus allow. So a bank opens its row while another bank's data are on
-// the bus. The parameters are those of JEDEC's DDR-400B speed bin (3-3-3) and of 512 Mbit chips
+// the bus. The parameters are JEDEC's for the DDR-400B speed bin (3-3-3) and 512 Mbit chips
 // (JESD79). kController is an assumption.
 //
 // Writes take no time here. The DDR is not written during a pass, and the host writes at most 8

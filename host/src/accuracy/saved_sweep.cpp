@@ -79,11 +79,11 @@ std::optional<T> maybe(const Json& json) {
   return json.is_null() ? std::nullopt : std::optional(json.get<T>());
 }
 
-PipeFigures figures_of(const Json& price) {
+PipeFigures figures_of(const Json& cost) {
   PipeFigures f;
-  f.latency = maybe<unsigned>(price.at("latency_levels"));
-  f.interval = maybe<unsigned>(price.at("initiation_interval"));
-  const Json& kinds = price.at("operators_by_kind");
+  f.latency = maybe<unsigned>(cost.at("latency_levels"));
+  f.interval = maybe<unsigned>(cost.at("initiation_interval"));
+  const Json& kinds = cost.at("operators_by_kind");
   if (!kinds.is_null())
     f.operators = {.add = kinds.at("add"),
                    .mul = kinds.at("mul"),
@@ -165,7 +165,7 @@ SavedSweep sweep_of(const Json& json, const std::string& where, const Target& ta
                                                   ? in_quotes(json.at("schema").dump())
                                                   : "missing"));
   SavedSweep sweep{.json = json, .target = target.name};
-  const PriceTable table = PriceTable::of_project();
+  const CostTable table = CostTable::of_project();
   std::size_t number = 0;
   try {
     sweep.seed = count_of(json, "seed"), sweep.cases = count_of(json, "cases");
@@ -174,8 +174,8 @@ SavedSweep sweep_of(const Json& json, const std::string& where, const Target& ta
       ++number;
       SavedPipe kept;
       kept.pipe = pipe_of(one);
-      kept.figures = figures_of(one.at("price"));
-      kept.price = price_of(kept.pipe, kept.figures, target, table);
+      kept.figures = figures_of(one.at("cost"));
+      kept.cost = cost_of(kept.pipe, kept.figures, target, table);
       kept.all = tally_of(one.at("all_families"));
       for (const Json& family : one.at("families")) kept.families.push_back(tally_of(family));
       sweep.pipes.push_back(std::move(kept));

@@ -76,8 +76,8 @@ class Pairings {
  public:
   /// At most `depth` levels of nodes of eight children: each is three levels of the binary BVH.
   Pairings(std::vector<Reference>& references, unsigned leaf, unsigned threads, unsigned depth)
-      : references_(references), leaf_(leaf), room_(2 * references.size()) {
-    nodes_ = {std::allocator<Pairing>().allocate(room_), Free{room_}};
+      : references_(references), leaf_(leaf), capacity_(2 * references.size()) {
+    nodes_ = {std::allocator<Pairing>().allocate(capacity_), Free{capacity_}};
     for (unsigned forks = 1; forks < threads; forks *= 2) ++forks_;
     split(0, 0, references.size(), 3 * depth, forks_);
   }
@@ -200,10 +200,10 @@ class Pairings {
   /// Room for the largest possible number of nodes. Unused room is never touched and takes no
   /// memory.
   struct Free {
-    std::size_t room;
-    void operator()(Pairing* all) const { std::allocator<Pairing>().deallocate(all, room); }
+    std::size_t capacity;
+    void operator()(Pairing* all) const { std::allocator<Pairing>().deallocate(all, capacity); }
   };
-  std::size_t room_;
+  std::size_t capacity_;
   std::unique_ptr<Pairing, Free> nodes_{nullptr, Free{0}};
   std::atomic<std::uint32_t> used_{1};
 };

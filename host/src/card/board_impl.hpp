@@ -85,7 +85,7 @@ class Board::Impl {
   void prepare();
   void prepare_objects();  ///< the objects' part of prepare()
   /// The DDR byte where a secondary with an uncorrectable word begins. Halves the range with a pass
-  /// each time. `command` is that of the failed pass. Nothing if no pass finds the error again.
+  /// each time. `command` is the command of the failed pass. Nothing if no pass finds the error again.
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
   /// Writes nodes and slots into their memories.
   void write_bvh(const Bvh& source);

@@ -85,7 +85,7 @@ std::string lines_of(const explain::Explanation& e) {
 
 /// Whether the file holds parts of a dataflow line or the surroundings of a pipe.
 bool is_wiring(const std::string& file) {
-  static const std::set<std::string> kAround = {"align.sv",       "lane_select.sv", "fp_lanes.sv",
+  static const std::set<std::string> kAround = {"pipe_delay.sv", "lane_select.sv", "fp_lanes.sv",
                                                 "fp_host.sv",     "fp_delay.sv",    "fp_gates.sv",
                                                 "fp_sign.sv",     "pair_pipe.sv",   "pair_unit.sv",
                                                 "scaled_pipe.sv", "bounded_pipe.sv"};

@@ -99,11 +99,11 @@ void check_accessor(const json& file, const json& accessor, const std::string& w
   const std::uint64_t given = number(view, "byteStride", name, 0),
                       stride = given == 0 ? element : given,
                       bytes = number(view, "byteLength", name, {});
-  const std::uint64_t room =
+  const std::uint64_t available =
       offset > bytes || element > bytes - offset ? 0 : (bytes - offset - element) / stride + 1;
-  if (count > room)
+  if (count > available)
     fail(where, fmt::format("has {} elements of {} bytes from byte {}; {} holds {}", count, element,
-                            offset, name, room));
+                            offset, name, available));
 }
 
 /// Requires float positions: the importer reads whole numbers (KHR_mesh_quantization) as floats.

@@ -58,7 +58,7 @@ Elaboration elaborate(const Pipe& pipe, const Profile& p, const Hidden& hidden) 
 /// The last module of every ray pipe for a solid.
 constexpr std::string_view kCrossing = "ray_crossing";
 
-/// The pipe's own latency, or that of its crossing module.
+/// The pipe's own latency, or the latency of its crossing module.
 std::optional<unsigned> latency(const Elaboration& e, const Pipe& pipe) {
   const auto own = e.constant(path(pipe), "LATENCY");
   return own ? own : e.constant(path(pipe) + ".crossing", "LATENCY");

@@ -79,7 +79,7 @@ SceneCard read_card(Table t) {
   card.cycle_memory = t.choice("memory", {"ideal", "cycle"}, 0) == 1;
   card.ecc = t.flag("ecc", false);
   card.trace = t.flag("trace", false);
-  card.mover = static_cast<Mover>(t.choice("mover", {"auto", "host", "card"}, 0));
+  card.transform_site = static_cast<TransformSite>(t.choice("transform_site", {"auto", "host", "card"}, 0));
   card.bvh = static_cast<UseBvh>(t.choice("bvh", {"auto", "on", "off"}, 0));
   if (auto latency = t.table("latency")) {
     const auto clocks = [&](const char* key) { return latency->integer<unsigned>(key, 1, 1, 16); };

@@ -37,20 +37,20 @@ QueryFrame play_packet(const PacketAgain& p, std::uint32_t first, const std::str
                        const TraceOptions& which, const RecordSink& sink) {
   Plan plan = p.plan;
   plan.board.trace = true;
-  PlayOptions options = p.options;
+  RunnerOptions options = p.options;
   options.trace = file;
   options.waves = which;
   options.waves_of = {p.frame, p.query, p.primary / card::kMostPrimaries};
-  Player player(p.scene, plan, options);
+  SceneRunner runner(p.scene, plan, options);
   QueryFrame last;
   for (std::uint32_t frame = first; frame <= p.frame; ++frame)
-    last = player
+    last = runner
                .play(frame,
                      [&](std::size_t query, std::span<const Record> records) {
                        if (frame == p.frame && query == p.query) sink(records);
                      })
                .at(p.query);
-  player.trace_close();
+  runner.trace_close();
   return last;
 }
 

@@ -13,7 +13,7 @@
 #include "cde/support/message.hpp"
 #include "scene/plan_card.hpp"
 #include "scene/plan_bvh.hpp"
-#include "scene/plan_mover.hpp"
+#include "scene/plan_transform_site.hpp"
 #include "scene/self_pairs.hpp"
 #include "scene/bvh_choice.hpp"
 
@@ -211,7 +211,7 @@ Effect box_rule(const Plan& plan) {
   if (plan.board.box) {
     why = rays ? "a ray's hit must lie in the triangle's box" : "";
     if (solids)
-      why += fmt::format("{}the distance of two shapes is at least that of their boxes",
+      why += fmt::format("{}the distance of two shapes is at least the distance of their boxes",
                          rays ? "; " : "");
   } else if (rays) {
     why = "the plain pipe was requested: a hit may be far from an edge-on triangle";
@@ -376,7 +376,7 @@ Effect residence(const Plan& plan) {
 }
 
 std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
-                               const std::vector<Effect>& movers) {
+                               const std::vector<Effect>& sites) {
   const bool trace = plan.board.trace, cycle = plan.board.bus == Bus::kCycle;
   const bool banks = scene.card.cycle_memory;
   std::vector<Effect> effects = {
@@ -411,40 +411,40 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
   if (std::any_of(plan.queries.begin(), plan.queries.end(),
                   [](const QueryWork& w) { return w.self_pairs; }))
     effects.insert(effects.begin() + 8, self_pairs(scene, plan));
-  effects.insert(effects.begin() + 4, movers.begin(), movers.end());
+  effects.insert(effects.begin() + 4, sites.begin(), sites.end());
   return effects;
 }
 
 /// Adds the transformer and its tables to the plan.
-void add_movers(const Scene& scene, const plan_mover::Movers& movers, Plan& plan) {
-  plan.card_moves = movers.secondaries;
-  plan.card_moves_primaries = movers.primaries;
+void add_transform_sites(const Scene& scene, const plan_transform_site::TransformSites& sites, Plan& plan) {
+  plan.card_moves = sites.secondaries;
+  plan.card_moves_primaries = sites.primaries;
   const auto any = [](const std::vector<bool>& some) {
     return std::find(some.begin(), some.end(), true) != some.end();
   };
-  if (any(movers.secondaries)) {
+  if (any(sites.secondaries)) {
     plan.board.transform = Transformer::kSecondaries;
-    while (plan.board.objects < movers.entries) plan.board.objects *= 2;
+    while (plan.board.objects < sites.entries) plan.board.objects *= 2;
   }
-  if (any(movers.primaries)) plan.board.transform = Transformer::kBoth;
+  if (any(sites.primaries)) plan.board.transform = Transformer::kBoth;
   for (std::size_t q = 0; q < plan.queries.size(); ++q) {
     for (const std::size_t i : scene.queries[q].secondaries)
       plan.queries[q].moved_words +=
-          plan_mover::words_a_frame(scene, scene.objects[i], movers.secondaries[i]);
-    if (movers.primary_words) plan.queries[q].primary_words = q == 0 ? *movers.primary_words : 0;
+          plan_transform_site::words_a_frame(scene, scene.objects[i], sites.secondaries[i]);
+    if (sites.primary_words) plan.queries[q].primary_words = q == 0 ? *sites.primary_words : 0;
   }
 }
 
 /// Adds traversal units if queries traverse a BVH. Their primaries are streamed in as the host
 /// moved them. If every query traverses, the lanes are idle and few suffice.
-Effect add_bvh(const Scene& scene, plan_mover::Movers& movers, Plan& plan) {
+Effect add_bvh(const Scene& scene, plan_transform_site::TransformSites& sites, Plan& plan) {
   const plan_bvh::Choice choice = plan_bvh::choose(scene, plan);
   if (choice.nodes == 0) return choice.effect;
   plan.board.traversal_units = bvh_choice::kTraversalUnits;
   plan.board.nodes = choice.nodes;
   for (std::size_t q = 0; q < plan.queries.size(); ++q)
     plan.queries[q].bvh = choice.queries[q];
-  plan_mover::leave_primaries(movers, "the host writes them during BVH traversal");
+  plan_transform_site::leave_primaries(sites, "the host writes them during BVH traversal");
   const bool brute_force =
       std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end();
   const std::vector<Pair>& pairs = plan.board.pairs;
@@ -477,11 +477,11 @@ Plan plan(const Scene& scene) {
     plan.resident = plan.resident && q.secondaries == scene.queries.front().secondaries;
   }
   check_capacity(scene, plan);
-  plan_mover::Movers movers = plan_mover::choose(scene, plan.resident);
-  plan.card_moves = movers.secondaries;
-  const Effect bvh = add_bvh(scene, movers, plan);
-  add_movers(scene, movers, plan);
-  plan.effects = effects_of(scene, plan, movers.effects);
+  plan_transform_site::TransformSites sites = plan_transform_site::choose(scene, plan.resident);
+  plan.card_moves = sites.secondaries;
+  const Effect bvh = add_bvh(scene, sites, plan);
+  add_transform_sites(scene, sites, plan);
+  plan.effects = effects_of(scene, plan, sites.effects);
   plan.effects.insert(plan.effects.begin() + 2, bvh);
   return plan;
 }

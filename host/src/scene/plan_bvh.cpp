@@ -11,7 +11,7 @@
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
-#include "scene/player_objects.hpp"
+#include "scene/scene_runner_objects.hpp"
 #include "scene/bvh_choice.hpp"
 
 namespace cde::plan_bvh {
@@ -76,12 +76,12 @@ std::optional<std::string> against(const Scene& scene, BoardConfig board, unsign
   return std::nullopt;
 }
 
-/// The BVH that the player builds in the first frame. If there is none, `why` says so.
+/// The BVH that the scene runner builds in the first frame. If there is none, `why` says so.
 std::optional<Bvh> bvh_of_scene(const Scene& scene, const Plan& plan, std::string& why) {
-  player::Row row(scene, plan.card_moves, player::Table::kAll);
+  scene_runner::Row row(scene, plan.card_moves, scene_runner::Table::kAll);
   (void)row.show(scene.queries.front().secondaries, 0);
   try {
-    return player::bvh_of_row(row);
+    return scene_runner::bvh_of_row(row);
   } catch (const Error& e) {
     why = e.what();
     return std::nullopt;
@@ -112,8 +112,8 @@ TraversalCost cost_of_rays(const Bvh& bvh) {
 /// For solids: from sampled solids of the first frame.
 TraversalCost cost_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, const Bvh& bvh,
                   bool ahead) {
-  player::Row met(scene, plan.card_moves, player::Table::kAll),
-      solids(scene, std::vector<bool>(scene.objects.size(), false), player::Table::kMoved);
+  scene_runner::Row met(scene, plan.card_moves, scene_runner::Table::kAll),
+      solids(scene, std::vector<bool>(scene.objects.size(), false), scene_runner::Table::kMoved);
   (void)met.show(q.secondaries, 0);
   (void)solids.show(q.primaries, 0);
   const auto traversal_of = [&] {

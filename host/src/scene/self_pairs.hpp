@@ -6,7 +6,7 @@
 #include "cde/scene/scene.hpp"
 
 /// Pairs of a shape with itself, in queries with an object on both sides. Private to planner and
-/// player.
+/// scene runner.
 namespace cde {
 
 /// Decides which pairs of a query count (SceneQuery::self). A shape of an object on both sides has

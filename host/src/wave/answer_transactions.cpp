@@ -135,8 +135,8 @@ class RecordDecoder : public EngineDecoder {
  public:
   RecordDecoder(const SignalPlace& place, Take take)
       : EngineDecoder(place, std::move(take)),
-        there_(wire("records.record_there")),
-        room_(wire("records.sram_room")),
+        record_valid_(wire("records.record_valid")),
+        sram_ready_(wire("records.sram_ready")),
         write_(wire("records.write_o")),
         exp_(wire("registers.caps.exp")),
         man_(wire("registers.caps.man")),
@@ -160,7 +160,7 @@ class RecordDecoder : public EngineDecoder {
       tell(*written_);
     }
     written_.reset();
-    if (!there_.on()) {
+    if (!record_valid_.on()) {
       offered_.reset();  // an abort drops waiting records
       return;
     }
@@ -168,7 +168,7 @@ class RecordDecoder : public EngineDecoder {
       offered_ = begin("a record");
       stalls_ = 0;
     }
-    if (!room_.on()) {
+    if (!sram_ready_.on()) {
       ++stalls_;
       return;
     }
@@ -203,7 +203,7 @@ class RecordDecoder : public EngineDecoder {
     end(open, bad ? "bad" : (flags & 1) != 0 ? "hit" : "miss");
   }
 
-  const Wire &there_, &room_, &write_, &exp_, &man_;
+  const Wire &record_valid_, &sram_ready_, &write_, &exp_, &man_;
   std::vector<const Wire*> record_;
   std::optional<Open> offered_, written_;
   std::uint64_t stalls_ = 0;

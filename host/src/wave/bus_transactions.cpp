@@ -296,7 +296,7 @@ class DmaDecoder : public Decoder {
         head_(wire("head_q")),
         host_(wire("host_q")),
         bytes_(wire("bytes_q")),
-        left_(wire("left_q")),
+        remaining_(wire("remaining_q")),
         offset_(wire("offset_q")),
         space_(wire("space_q")),
         to_host_(wire("to_host_q")),
@@ -338,7 +338,7 @@ class DmaDecoder : public Decoder {
     last_edge_ = edges_;
     known_ = known_ || fetched_.number().value_or(0) >= 2 || bytes_.number().value_or(0) != 0;
     code_then_ = code_.number().value_or(0);
-    moved_ = bytes_.number().value_or(0) - left_.number().value_or(0);
+    moved_ = bytes_.number().value_or(0) - remaining_.number().value_or(0);
   }
 
  private:
@@ -375,7 +375,7 @@ class DmaDecoder : public Decoder {
     open_.reset();
   }
 
-  const Wire &fetched_, &busy_, &moving_, &purpose_, &head_, &host_, &bytes_, &left_, &offset_,
+  const Wire &fetched_, &busy_, &moving_, &purpose_, &head_, &host_, &bytes_, &remaining_, &offset_,
       &space_, &to_host_, &irq_, &code_;
   std::optional<Open> open_;
   std::string number_;

@@ -226,7 +226,7 @@ class SecondaryDecoder : public EngineDecoder {
         issue_(wire("control.issue_o.valid")),
         stall_(wire("control.stall_o")),
         taken_(wire("secondaries.taken")),
-        asked_(wire("secondaries.slot_asked")),
+        requested_(wire("secondaries.slot_requested")),
         number_(wire("secondaries.slot_number")),
         index_(wire("secondaries.index_o")),
         bad_(wire("secondaries.bad_o")),
@@ -271,7 +271,7 @@ class SecondaryDecoder : public EngineDecoder {
       half_ = begin("a secondary");
       field(half_->t, "pass", pass());
     }
-    if (!asked_.on()) return;  // a secondary of two beats
+    if (!requested_.on()) return;  // a secondary of two beats
     fetched_.push_back({std::move(*half_), number_.decimal()});
     half_.reset();
   }
@@ -304,7 +304,7 @@ class SecondaryDecoder : public EngineDecoder {
     fetched_.pop_front();
   }
 
-  const Wire &pop_, &valid_, &start_, &done_, &flush_, &issue_, &stall_, &taken_, &asked_, &number_,
+  const Wire &pop_, &valid_, &start_, &done_, &flush_, &issue_, &stall_, &taken_, &requested_, &number_,
       &index_, &bad_, &exp_, &man_;
   std::vector<const Wire*> slot_;
   std::optional<Open> half_;

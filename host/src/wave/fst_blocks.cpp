@@ -196,7 +196,7 @@ std::vector<Blackout> read_blackouts(const Mapped& file, std::uint64_t block, st
 }
 
 /// Memory that is only touched where it is written.
-std::unique_ptr<char[]> names_room(const WaveBytes& file, std::uint64_t size) {
+std::unique_ptr<char[]> names_buffer(const WaveBytes& file, std::uint64_t size) {
   if (size > kMostNames) file.fail("has more than 4 GiB of names");
   return std::unique_ptr<char[]>(new char[size]);
 }
@@ -206,7 +206,7 @@ std::unique_ptr<char[]> unpack_names(const WaveBytes& file, std::uint64_t block,
                                      std::uint64_t count, std::uint64_t size) {
   if (size > 256 * count + 64 || size > INT32_MAX || count > INT32_MAX)
     file.fail(fmt::format("is corrupt: the block at byte {} has names that do not fit", block));
-  auto to = names_room(file, size);
+  auto to = names_buffer(file, size);
   if (LZ4_decompress_safe(from, to.get(), static_cast<int>(count), static_cast<int>(size)) !=
       static_cast<int>(size))
     file.fail(fmt::format("is corrupt: names in the block at byte {} cannot be unpacked", block));

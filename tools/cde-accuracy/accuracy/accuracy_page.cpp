@@ -59,7 +59,7 @@ struct Basis {
 };
 
 std::optional<double> x_of(const SavedPipe& k, const Basis& basis) {
-  if (basis.seconds) return k.price.seconds(1e6);
+  if (basis.seconds) return k.cost.seconds(1e6);
   if (!k.figures.operators || !k.figures.interval) return std::nullopt;
   return static_cast<double>(k.figures.operators->total()) * k.pipe.format.width() *
          *k.figures.interval;
@@ -120,9 +120,9 @@ class AccuracyPage {
   std::vector<std::string> pairs_;
 };
 
-std::string price_kind(const Price& price) {
-  if (!price.lane) return price.target.assumed_mhz ? "assumed" : "not priced";
-  return price.lane->estimated ? "estimated" : "measured";
+std::string cost_kind(const Cost& cost) {
+  if (!cost.lane) return cost.target.assumed_mhz ? "assumed" : "no cost";
+  return cost.lane->estimated ? "estimated" : "measured";
 }
 
 std::string AccuracyPage::head() const {
@@ -131,7 +131,7 @@ std::string AccuracyPage::head() const {
   std::string html = fmt::format(
       "<main>\n<header><h1>What accuracy costs</h1>\n<p class=\"lead\">{} configurations of pair, "
       "number format, algorithm and iterations: {}. Errors compare with exact or certified "
-      "arithmetic, and are those of the card, bit by bit. Times are modelled times of the "
+      "arithmetic, and equal the card's, bit by bit. Times are modelled times of the "
       "device.</p></header>\n",
       sweep_.pipes.size(), seeds);
   html += fmt::format(
@@ -154,13 +154,13 @@ std::string AccuracyPage::head() const {
 
 Basis AccuracyPage::basis_of(const std::vector<std::size_t>& list) const {
   for (const std::size_t i : list)
-    if (!target_.assumed_mhz && sweep_.pipes[i].price.seconds(1e6))
+    if (!target_.assumed_mhz && sweep_.pipes[i].cost.seconds(1e6))
       return {
           true, fmt::format("modelled time of a million tests on {}", target_.name),
           fmt::format("Time is for the lanes that fit into {}, without transfers.", target_.name)};
   std::string why = target_.assumed_mhz ? "the clock is assumed and the area is unknown" : "";
   for (const std::size_t i : list) {
-    const Price& p = sweep_.pipes[i].price;
+    const Cost& p = sweep_.pipes[i].cost;
     if (why.empty()) why = p.lane ? "no lane fits" : p.why_not;
   }
   return {false, "operators × bits × cycles per row",
@@ -183,8 +183,8 @@ std::string AccuracyPage::scatters(const std::string& pair, const std::vector<st
       if (!x || !(p999 > 0) || !std::isfinite(p999) || k.all.t.count == 0) {
         absent[x                ? "no error to show"
                : !basis.seconds ? "operators were not counted"
-               : k.price.lane   ? "a lane does not fit"
-                                : k.price.why_not]
+               : k.cost.lane   ? "a lane does not fit"
+                                : k.cost.why_not]
             .push_back(short_name(k.pipe));
         continue;
       }
@@ -193,7 +193,7 @@ std::string AccuracyPage::scatters(const std::string& pair, const std::vector<st
                 .colour = colour_of(k.pipe.format),
                 .letter = letter_of(k.pipe),
                 .ring = k.pipe.box,
-                .hollow = k.price.lane && k.price.lane->estimated,
+                .hollow = k.cost.lane && k.cost.lane->estimated,
                 .x = *x,
                 .y = unit * p999,
                 .of = i};
@@ -283,7 +283,7 @@ std::string AccuracyPage::families(const std::string& pair,
 }
 
 std::string AccuracyPage::tables(const std::vector<std::size_t>& list) const {
-  Rows errors, prices, cases;
+  Rows errors, costs, cases;
   for (const std::size_t i : list) {
     const SavedPipe& k = sweep_.pipes[i];
     const std::string name = short_name(k.pipe);
@@ -298,17 +298,17 @@ std::string AccuracyPage::tables(const std::vector<std::size_t>& list) const {
              error_text(k.all, &Quantiles::largest), wrong_text(k.all),
              k.all.leak_rays == 0 ? std::string("-")
                                   : fmt::format("{}/{}", k.all.leaks, k.all.leak_rays)});
-    const Price& p = k.price;
+    const Cost& p = k.cost;
     const auto lane = [&](double CellCounts::*cells) {
       return p.lane ? grouped(static_cast<std::uint64_t>(p.lane->cells.*cells)) : "-";
     };
     const std::optional<double> seconds = p.seconds(1e6);
-    figures(prices, {k.figures.operators ? grouped(k.figures.operators->total()) : "-",
+    figures(costs, {k.figures.operators ? grouped(k.figures.operators->total()) : "-",
                      k.figures.interval ? grouped(*k.figures.interval) : "-",
                      lane(&CellCounts::lut), lane(&CellCounts::ff), lane(&CellCounts::dsp),
                      p.mhz() ? fmt::format("{:.1f}", *p.mhz()) : "-",
                      p.mhz() ? grouped(p.lanes()) : "-", seconds ? duration(*seconds) : "-"});
-    prices.back().emplace_back(price_kind(p));
+    costs.back().emplace_back(cost_kind(p));
     for (const auto& [what, worst] : {std::pair{"T", &k.all.worst_t},
                                       {"decision", &k.all.worst_decision},
                                       {"leak", &k.all.worst_leak}}) {
@@ -330,7 +330,7 @@ std::string AccuracyPage::tables(const std::vector<std::size_t>& list) const {
                    target_.name),
                {"configuration", "operators", "cycles per row", "LUT", "FF", "DSP", "MHz", "lanes",
                 "million tests", "cost"},
-               prices) +
+               costs) +
          "<details><summary>Worst cases, with the commands that repeat them</summary>" +
          table("Sizes in u S", {"configuration", "value", "family", "case", "size", "command"},
                cases) +
@@ -422,7 +422,7 @@ std::string AccuracyPage::tail() const {
 
 Json AccuracyPage::entry(const SavedPipe& k) const {
   const SavedTally& t = k.all;
-  const Price& p = k.price;
+  const Cost& p = k.cost;
   Json figures = Json::array();
   const auto add = [&](const char* name, const std::string& value) {
     figures.push_back({name, value});

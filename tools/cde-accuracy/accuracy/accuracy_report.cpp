@@ -68,7 +68,7 @@ Columns::Cells errors_line(const std::string& name, const Tally& t) {
           quantile(t.n, 1, kExact)};
 }
 
-Columns::Cells decisions_line(const std::string& name, const Tally& t, const Price* price) {
+Columns::Cells decisions_line(const std::string& name, const Tally& t, const Cost* cost) {
   Columns::Cells line = {name,
                          fmt::to_string(t.false_hits),
                          per_million(t.false_hits, t.judged()),
@@ -76,20 +76,20 @@ Columns::Cells decisions_line(const std::string& name, const Tally& t, const Pri
                          per_million(t.false_misses, t.judged()),
                          percent(t.undecided, t.judged()),
                          t.leak_rays == 0 ? "-" : fmt::format("{}/{}", t.leaks, t.leak_rays)};
-  if (price == nullptr) {
+  if (cost == nullptr) {
     line.insert(line.end(), 8, "");
     return line;
   }
-  const PipeFigures& f = price->figures;
-  const auto& lane = price->lane;
+  const PipeFigures& f = cost->figures;
+  const auto& lane = cost->lane;
   // A ~ marks an estimate.
   const std::string luts =
       lane ? fmt::format("{}{}", lane->estimated ? "~" : "", compact(lane->cells.lut)) : "-";
-  const std::optional<double> seconds = price->seconds(1e6);
+  const std::optional<double> seconds = cost->seconds(1e6);
   line.insert(line.end(),
               {or_dash(f.latency), or_dash(f.interval),
                f.operators ? compact(f.operators->total()) : "-", or_dash(f.clocks_per_million()),
-               luts, or_dash(price->mhz()), price->mhz() ? fmt::to_string(price->lanes()) : "-",
+               luts, or_dash(cost->mhz()), cost->mhz() ? fmt::to_string(cost->lanes()) : "-",
                seconds ? compact(1e3 * *seconds) : "-"});
   return line;
 }
@@ -165,14 +165,14 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
   Columns errors{{"errors, in u S", "cases", "refused%", "T p50", "p99", "p99.9", "max", "ulps p50",
                   "p99", "CP p99", "max", "n max"},
                  {}};
-  Columns decisions{{"decisions, prices", "hits", "false/M", "misses", "false/M", "band%", "leaks",
+  Columns decisions{{"decisions, costs", "hits", "false/M", "misses", "false/M", "band%", "leaks",
                      "clocks", "II", "ops", "clk/M", "LUT", "MHz", "lanes", "ms/M"},
                     {}};
   for (const AccuracyRow& row : rows) {
     const std::string name = row.measured.pipe.name();
     const Tally all = row.measured.all();
     errors.lines.push_back(errors_line(name, all));
-    decisions.lines.push_back(decisions_line(name, all, &row.price));
+    decisions.lines.push_back(decisions_line(name, all, &row.cost));
     if (!by_family) continue;
     for (const auto& [family, tally] : row.measured.families) {
       if (tally.leak_rays == 0)
@@ -276,7 +276,7 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
                                                             pipe.iterations.circle, pipe.iterations.free))
                                          : Json()},
         {"variant", name(pipe.variant)}};
-    json["price"] = row.price.to_json();
+    json["cost"] = row.cost.to_json();
     json["all_families"] = tally_json(pipe, row.measured.all());
     json["families"] = Json::array();
     for (const auto& [family, tally] : row.measured.families) {

@@ -7,7 +7,7 @@
 
 #include "accuracy/names.hpp"
 #include "cde/accuracy/picture.hpp"
-#include "cde/accuracy/price.hpp"
+#include "cde/accuracy/cost.hpp"
 #include "cde/accuracy/scene_accuracy.hpp"
 #include "cde/accuracy/simulated.hpp"
 #include "cde/accuracy/sweep.hpp"
@@ -18,7 +18,7 @@ namespace cde::cli {
 /// A pipe with all its measurements.
 struct AccuracyRow {
   Measured measured;
-  Price price;
+  Cost cost;
   std::vector<Simulated> simulated;  ///< one per back end; empty without --check
 };
 

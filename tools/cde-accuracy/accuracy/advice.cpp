@@ -78,26 +78,26 @@ void check_decisions(Candidate& c, const Demands& d) {
 
 /// Chooses the fewest lanes that run the tests in time, or the most that are possible.
 void choose_lanes(Candidate& c, const Demands& d) {
-  const Price& price = c.of->price;
-  const unsigned most = price.target.assumed_mhz ? kMostLanes
-                        : price.lane             ? std::min(kMostLanes, price.lane->fit.lanes)
+  const Cost& cost = c.of->cost;
+  const unsigned most = cost.target.assumed_mhz ? kMostLanes
+                        : cost.lane             ? std::min(kMostLanes, cost.lane->fit.lanes)
                                                  : 0;
   if (most == 0) {
     c.lanes = 0;
     c.unmet.push_back(
         {"area",
-         price.lane
+         cost.lane
              ? fmt::format("a lane does not fit into {}: it needs {:.0f} % of the usable {}",
-                           price.target.name, 100 * price.lane->fit.share, price.lane->fit.limit)
-             : fmt::format("it is unknown whether a lane fits into {}: {}", price.target.name,
-                           price.why_not),
-         price.lane ? price.lane->fit.share : std::numeric_limits<double>::infinity()});
+                           cost.target.name, 100 * cost.lane->fit.share, cost.lane->fit.limit)
+             : fmt::format("it is unknown whether a lane fits into {}: {}", cost.target.name,
+                           cost.why_not),
+         cost.lane ? cost.lane->fit.share : std::numeric_limits<double>::infinity()});
     return;
   }
-  c.seconds = price.seconds(d.tests, c.lanes);
+  c.seconds = cost.seconds(d.tests, c.lanes);
   if (!d.seconds) return;
   while (c.seconds && *c.seconds > *d.seconds && 2 * c.lanes <= most)
-    c.seconds = price.seconds(d.tests, c.lanes *= 2);
+    c.seconds = cost.seconds(d.tests, c.lanes *= 2);
   if (!c.seconds)
     c.unmet.push_back({"time", "time is unknown: cycles were not counted",
                        std::numeric_limits<double>::infinity()});
@@ -109,12 +109,12 @@ void choose_lanes(Candidate& c, const Demands& d) {
 }
 
 void set_cost(Candidate& c) {
-  const Price& price = c.of->price;
+  const Cost& cost = c.of->cost;
   const unsigned lanes = std::max(1u, c.lanes);
-  c.area_known = price.lane.has_value();
+  c.area_known = cost.lane.has_value();
   const OperatorCounts operators = c.of->figures.operators.value_or(OperatorCounts{});
   c.cost =
-      lanes * (c.area_known ? price.lane->fit.share
+      lanes * (c.area_known ? cost.lane->fit.share
                             : static_cast<double>(operators.total()) * c.of->pipe.format.width());
 }
 
@@ -129,8 +129,8 @@ std::string line(const char* name, const std::string& text) {
   return fmt::format("  {:<10} {}\n", name, text);
 }
 
-std::string price_text(const Candidate& c) {
-  const Price& p = c.of->price;
+std::string cost_text(const Candidate& c) {
+  const Cost& p = c.of->cost;
   if (!p.lane) {
     if (!c.of->figures.operators)
       return fmt::format("area is unknown ({}), and operators were not counted; not ranked",
@@ -182,8 +182,8 @@ std::string figures_text(const SavedSweep& sweep, const Demands& d, const Candid
   text += line("decisions", t.judged == 0 ? "none was judged" : decisions);
   if (t.leak_rays > 0)
     text += line("leaks", fmt::format("{} of {}", t.leaks, counted(t.leak_rays, "ray")));
-  text += line("area", price_text(c));
-  text += line("clock", k.price.clock_source());
+  text += line("area", cost_text(c));
+  text += line("clock", k.cost.clock_source());
   if (c.seconds)
     text += line(
         "time",
@@ -267,8 +267,8 @@ nlohmann::ordered_json advice_json(const SavedSweep& sweep, const Demands& deman
         {"lanes", c.lanes},
         {"modelled_seconds", c.seconds ? number(*c.seconds) : Json()},
         {"share_of_target", c.area_known ? number(c.cost) : Json()},
-        {"estimated", c.area_known ? Json(k.price.lane->estimated) : Json()},
-        {"clock_source", k.price.clock_source()},
+        {"estimated", c.area_known ? Json(k.cost.lane->estimated) : Json()},
+        {"clock_source", k.cost.clock_source()},
         {"command", sweep.command(k.pipe)}};
     for (const Unmet& u : c.unmet) one["lacks"].push_back(u.text);
     candidates.push_back(std::move(one));

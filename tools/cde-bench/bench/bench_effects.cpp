@@ -211,7 +211,7 @@ class Card {
   /// Time of a frame outside the pass, relative to the pass. It takes the fastest rounds, because
   /// it is smaller than the noise of a single round.
   [[nodiscard]] double bus() const { return least(seconds_) / least(pass_) - 1; }
-  /// Cycles of a frame outside the pass, relative to those of the pass.
+  /// Cycles of a frame outside the pass, relative to the cycles of the pass.
   [[nodiscard]] double bus_clocks() const {
     const auto pass = static_cast<double>(counters_.cycles + counters_.writeback);
     return static_cast<double>(counters_.total_clocks) / pass - 1;

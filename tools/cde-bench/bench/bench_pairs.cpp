@@ -67,15 +67,15 @@ MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::s
 
 /// The cost of accuracy for a cylinder pair: its rate for several numbers of iterations. The largest
 /// gives the signed distances with which the others are compared.
-struct Priced {
+struct AccuracyCost {
   PairIterations iterations;
   double pairs_per_second, clocks_per_row, p99, worst;
 };
 
-std::vector<Priced> measure_iterations(Pair pair, std::span<const float> a, std::span<const float> b,
+std::vector<AccuracyCost> measure_iterations(Pair pair, std::span<const float> a, std::span<const float> b,
                                     double seconds) {
   const PairIterations settings[] = {{8, 16, 16}, {8, 8, 8}, {4, 6, 6}, {4, 4, 4}, {4, 2, 2}, {4, 0, 0}};
-  std::vector<Priced> rows;
+  std::vector<AccuracyCost> rows;
   std::vector<double> best;
   for (const PairIterations& iterations : settings) {
     const PairConfig config{.pair = pair, .lanes = kPairLanes};
@@ -93,9 +93,9 @@ std::vector<Priced> measure_iterations(Pair pair, std::span<const float> a, std:
   return rows;
 }
 
-nlohmann::ordered_json iterations_json(const std::vector<Priced>& rows, double clock_hz) {
+nlohmann::ordered_json iterations_json(const std::vector<AccuracyCost>& rows, double clock_hz) {
   auto json = nlohmann::ordered_json::array();
-  for (const Priced& r : rows) {
+  for (const AccuracyCost& r : rows) {
     const auto& [m, k1, k2] = r.iterations;
     print_figure(
         "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} cycles per row, below the first by {:.1e} "

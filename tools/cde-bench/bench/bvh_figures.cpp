@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "baselines/rivals.hpp"
+#include "baselines/software_baselines.hpp"
 #include "bench/bench.hpp"
 #include "bench/flight_rays.hpp"
 #include "cde/card/board.hpp"
@@ -73,12 +73,12 @@ BvhEmbree embree_on(const Mesh& mesh, std::span<const Ray> rays, std::span<const
                      const std::optional<EmbreeFrames>& known) {
   BvhEmbree embree;
   const double start = thread_seconds();
-  EmbreeRival rival(mesh);
+  EmbreeBaseline baseline(mesh);
   embree.build_seconds = thread_seconds() - start;
-  compare_hits(records, rival.cast(rays), "Embree");
+  compare_hits(records, baseline.cast(rays), "Embree");
   std::vector<float> hits;
   const auto cast = [&](std::span<const Ray> some, std::size_t size) {
-    return measured([&, size](std::size_t call) { hits = rival.cast(turn_of(some, size, call)); });
+    return measured([&, size](std::size_t call) { hits = baseline.cast(turn_of(some, size, call)); });
   };
   if (known) {
     embree.frame = *known;
@@ -87,7 +87,7 @@ BvhEmbree embree_on(const Mesh& mesh, std::span<const Ray> rays, std::span<const
     embree.frame.warm = cast(rays.first(kBvhPacket), kBvhPacket);
   }
   embree.stream = cast(rays, rays.size());
-  embree.refit = measured([&](std::size_t) { rival.move(0, mesh.vertices); });
+  embree.refit = measured([&](std::size_t) { baseline.move(0, mesh.vertices); });
   return embree;
 }
 
@@ -119,7 +119,7 @@ BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, double clock_hz,
     figures.cards.push_back(card_with(memory, mesh, bvh, rays, figures, records));
   figures.hits = static_cast<std::size_t>(
       std::count_if(records.begin(), records.end(), [](const Record& r) { return r.f; }));
-  if (EmbreeRival::available()) figures.embree = embree_on(mesh, rays, records, known);
+  if (EmbreeBaseline::available()) figures.embree = embree_on(mesh, rays, records, known);
   return figures;
 }
 

@@ -11,7 +11,7 @@
 #include "cde/mesh/mesh.hpp"
 #include "cde/query/counters.hpp"
 
-/// Measures rays against a BVH: a card with traversal units, and Embree on the same rays, those of
+/// Measures rays against a BVH: a card with traversal units, and Embree on the same rays, from
 /// a flight (flight_rays.hpp). `cde bench bvh` and `cde reproduce` print the figures.
 namespace cde::cli {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "baselines/baseline.hpp"
-#include "baselines/rivals.hpp"
+#include "baselines/software_baselines.hpp"
 #include "bench/bench.hpp"
 #include "bench/flight_rays.hpp"
 #include "bench/measured.hpp"
@@ -143,9 +143,9 @@ void add_paper5(Experiment& e) {
 
 /// Measures software on the same rays. `move` applies the changes since the last frame.
 void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
-                  std::vector<Triangle>& triangles, EmbreeRival* embree,
+                  std::vector<Triangle>& triangles, EmbreeBaseline* embree,
                   const std::vector<Record>& nearest,
-                  const std::function<void(EmbreeRival&)>& move = {}) {
+                  const std::function<void(EmbreeBaseline&)>& move = {}) {
   const auto brute = [&](baseline::Kind kind, const std::string& name, const std::string& note) {
     lab.detail(fmt::format("{} rays, {}", rays.size(), name));
     std::vector<baseline::ClosestHit> hits;
@@ -187,7 +187,7 @@ void add_software(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
   e.entries.back().warm = true;
 }
 
-/// Runs the frame on every card. The last records are those of mode nearest.
+/// Runs the frame on every card. The last records are records of mode nearest.
 void add_cards(Lab& lab, Experiment& e, const std::vector<Ray>& rays,
                const std::vector<Triangle>& triangles, const std::function<void(Board&)>& upload,
                std::vector<Record>& records) {
@@ -209,7 +209,7 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
 }
 
 /// Static against static: one ray per frame, as the paper counts, and a full register file.
-void figure5(Lab& lab, const Mesh& mesh, EmbreeRival* embree) {
+void figure5(Lab& lab, const Mesh& mesh, EmbreeBaseline* embree) {
   std::vector<Triangle> triangles = triangles_of(mesh);
   for (Card& card : lab.cards) card.board().upload(mesh);
   if (embree != nullptr) lab.fresh = flight_rays(mesh, kFreshRays, card::kMostPrimaries);
@@ -230,7 +230,7 @@ void figure5(Lab& lab, const Mesh& mesh, EmbreeRival* embree) {
 }
 
 /// Static against dynamic: a band with a tenth of the vertices moves.
-void figure6(Lab& lab, Mesh mesh, EmbreeRival* embree) {
+void figure6(Lab& lab, Mesh mesh, EmbreeBaseline* embree) {
   const std::size_t vertices = mesh.vertices.size();
   const std::size_t first = 4 * vertices / 10, last = vertices / 2;
   for (std::size_t v = first; v < last; ++v)
@@ -259,7 +259,7 @@ void figure6(Lab& lab, Mesh mesh, EmbreeRival* embree) {
       mesh.vertices.begin() + static_cast<std::ptrdiff_t>(first),
       mesh.vertices.begin() + static_cast<std::ptrdiff_t>(last));
   add_software(lab, e, rays, triangles, embree, records,
-               [&](EmbreeRival& rival) { rival.move(first, places); });
+               [&](EmbreeBaseline& baseline) { baseline.move(first, places); });
   lab.result.figure6.push_back(std::move(e));
 }
 
@@ -339,10 +339,10 @@ std::optional<EmbreeFrames> of_figure5(const Experiment& e, Entry& brute_force) 
     if (entry.source == Source::kCard) brute_force = entry;  // the last one is the best card's
     if (entry.spread) (entry.warm ? frames.warm : frames.fresh) = *entry.spread;
   }
-  return EmbreeRival::available() ? std::optional(frames) : std::nullopt;
+  return EmbreeBaseline::available() ? std::optional(frames) : std::nullopt;
 }
 
-/// Sides of the terrains with a BVH, in quads, without that of Figure 5.
+/// Sides of the terrains with a BVH, in quads, without the terrain of Figure 5.
 std::vector<unsigned> sides_of(const ReproduceOptions& o) {
   return o.quick ? std::vector{20u} : std::vector{20u, 40u, 80u, 160u};
 }
@@ -385,7 +385,7 @@ std::vector<double> works_of(const ReproduceOptions& o, std::span<const Setup> c
   return works;
 }
 
-/// Measures terrains with a BVH, up to that of Figure 5, whose brute-force time is known.
+/// Measures terrains with a BVH, up to the terrain of Figure 5, whose brute-force time is known.
 void with_bvh(Lab& lab, const Mesh& terrain) {
   std::vector<Mesh> meshes;
   for (const unsigned quads : sides_of(lab.result.options))
@@ -438,20 +438,20 @@ Reproduction reproduce(const ReproduceOptions& options) {
     return options.quick ? make_terrain({.quads_x = 40, .quads_y = 50}) : make_terrain({});
   }();
   lab.result.triangles = mesh.faces.size();
-  std::optional<EmbreeRival> embree;
-  lab.result.embree = EmbreeRival::available();
+  std::optional<EmbreeBaseline> embree;
+  lab.result.embree = EmbreeBaseline::available();
   if (lab.result.embree) {
     const Progress busy("building Embree's BVH");
     const double start = thread_seconds();
     embree.emplace(mesh);
     lab.result.embree_build_seconds = thread_seconds() - start;
   }
-  EmbreeRival* rival = embree ? &*embree : nullptr;
+  EmbreeBaseline* baseline = embree ? &*embree : nullptr;
   lab.works = works_of(options, lab.result.setups, mesh.faces.size());
   lab.step(1, "Figure 5, static objects");
-  figure5(lab, mesh, rival);
+  figure5(lab, mesh, baseline);
   lab.step(2, "Figure 6, moving vertices");
-  figure6(lab, mesh, rival);
+  figure6(lab, mesh, baseline);
   for (const std::size_t count : spheres_of(options)) {
     lab.step(3, fmt::format("Figure 7, {} moving spheres", grouped(count)));
     figure7(lab, count);

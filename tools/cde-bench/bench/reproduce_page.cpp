@@ -56,8 +56,8 @@ std::string times(double ratio) {
 }
 
 /// Compares a card with a baseline, both in seconds: "1.9 times slower", or "as fast" within 5 %.
-std::string against(double card, double rival) {
-  const double ratio = rival / card;
+std::string against(double card, double baseline) {
+  const double ratio = baseline / card;
   if (ratio > 0.95 && ratio < 1.05) return "as fast";
   return fmt::format("{} times {}", times(std::max(ratio, 1 / ratio)),
                      ratio >= 1 ? "faster" : "slower");
@@ -66,13 +66,13 @@ std::string against(double card, double rival) {
 /// A table of every card against every baseline.
 std::string comparison_table(const Experiment& e) {
   std::vector<std::string> head = {"card"};
-  for (const Entry* rival : of_source(e, Source::kSoftware))
-    head.push_back("against " + rival->name);
+  for (const Entry* baseline : of_source(e, Source::kSoftware))
+    head.push_back("against " + baseline->name);
   Rows rows;
   for (const Entry* card : of_source(e, Source::kCard)) {
     std::vector<Cell> row = {card->name};
-    for (const Entry* rival : of_source(e, Source::kSoftware))
-      row.push_back(Cell::figure(against(card->seconds, rival->seconds)));
+    for (const Entry* baseline : of_source(e, Source::kSoftware))
+      row.push_back(Cell::figure(against(card->seconds, baseline->seconds)));
     rows.push_back(std::move(row));
   }
   return table("The cards, in modelled time, against software, measured here", head, rows);
@@ -133,7 +133,7 @@ std::string embree_on(const Json& machine) {
 std::string bvh_in_short(const WithBvh& row) {
   const BvhFigures& f = row.figures;
   const double card = with_bus(f.cards.back().packet);
-  const std::string rival =
+  const std::string baseline =
       f.embree ? fmt::format("; compared with Embree with fresh rays, {}, it is {}",
                              duration(f.embree->frame.fresh.median),
                              against(card, f.embree->frame.fresh.median))
@@ -141,7 +141,7 @@ std::string bvh_in_short(const WithBvh& row) {
   return fmt::format(
       "{} rays against {} triangles with a BVH, which the paper does not have: a card with "
       "traversal units takes {}. Compared with brute force on the best card it is {}{}.",
-      kBvhPacket, grouped(f.triangles), duration(card), against(card, row.brute_force.seconds), rival);
+      kBvhPacket, grouped(f.triangles), duration(card), against(card, row.brute_force.seconds), baseline);
 }
 
 /// The card with a BVH compared with brute force and Embree, without and with the bus.
@@ -149,8 +149,8 @@ std::string bvh_summary(const WithBvh& row) {
   const BvhFigures& f = row.figures;
   const Counters& packet = f.cards.back().packet;
   const double alone = f.seconds(packet.cycles), all = with_bus(packet);
-  const auto said = [&](const std::string& rival, double without, double with) {
-    return fmt::format(" Compared with {} the card is {} without the bus and {} with it.", rival,
+  const auto said = [&](const std::string& baseline, double without, double with) {
+    return fmt::format(" Compared with {} the card is {} without the bus and {} with it.", baseline,
                        against(alone, without), against(all, with));
   };
   const std::string text = fmt::format(
@@ -327,10 +327,10 @@ std::string bvh_chapter(const Reproduction& r, const Json& machine) {
   return fmt::format(
       "<section><h2>With a BVH</h2>\n<p>This is not in the paper: its card and the cards above "
       "test every triangle. A card with traversal units traverses a BVH and returns the same "
-      "records, bit by bit. Every record was compared with the reference. The rays are those of "
+      "records, bit by bit. Every record was compared with the reference. The rays are the rays of "
       "Figure 5; the meshes are similar terrains.</p>\n<p>{}</p>\n<ul class=\"plain\">\n<li>The "
       "card's figures are modelled cycles of a simulated card, the same in every run. {}. This "
-      "card has not been placed in an FPGA; its clock is assumed, like that of the "
+      "card has not been placed in an FPGA; its clock is assumed, like the clock of the "
       "others.</li>\n<li>Without the bus: from go to done; rays and records stay on the card. With "
       "the bus: including rays, records and register accesses.</li>\n<li>{}</li>\n<li>Ideal memory "
       "answers 20 cycles after a request. DDR-400 has banks, rows and refresh, and may answer "
@@ -377,17 +377,17 @@ std::string summary(const Reproduction& r) {
   all.push_back(r.figure7.back());
   for (const Experiment& e : all) {
     const Entry& card = *named(e, "best");
-    auto rivals = of_source(e, Source::kSoftware);
-    rivals.erase(
-        std::remove_if(rivals.begin(), rivals.end(), [](const Entry* x) { return x->warm; }),
-        rivals.end());
-    const Entry& rival =
-        **std::min_element(rivals.begin(), rivals.end(),
+    auto baselines = of_source(e, Source::kSoftware);
+    baselines.erase(
+        std::remove_if(baselines.begin(), baselines.end(), [](const Entry* x) { return x->warm; }),
+        baselines.end());
+    const Entry& baseline =
+        **std::min_element(baselines.begin(), baselines.end(),
                            [](const Entry* a, const Entry* b) { return a->seconds < b->seconds; });
     add(fmt::format(
         "{}: the best card takes {}. The fastest software here, {}, takes {}. The card is {}.",
-        e.title, duration(card.seconds), rival.name, duration(rival.seconds),
-        against(card.seconds, rival.seconds)));
+        e.title, duration(card.seconds), baseline.name, duration(baseline.seconds),
+        against(card.seconds, baseline.seconds)));
   }
   add(bvh_in_short(r.bvh.back()));
   return html + "</ul>\n";
@@ -443,11 +443,11 @@ Rows assumptions(const Reproduction& r, const Json& machine) {
 
 std::string sphere_lines(const Reproduction& r) {
   std::vector<Line> lines;
-  std::size_t cards = 0, rivals = 0;
+  std::size_t cards = 0, baselines = 0;
   for (const Entry& entry : r.figure7.front().entries) {
     const bool card = entry.source == Source::kCard;
-    constexpr std::array<int, 3> kCards = {3, 2, 1}, kRivals = {0, 5, 4};
-    const int colour = card ? kCards.at(cards++) : kRivals.at(rivals++);
+    constexpr std::array<int, 3> kCards = {3, 2, 1}, kBaselines = {0, 5, 4};
+    const int colour = card ? kCards.at(cards++) : kBaselines.at(baselines++);
     lines.push_back({.name = entry.name, .colour = colour, .dashed = !card, .x = {}, .y = {}});
   }
   for (std::size_t i = 0; i < r.spheres.size(); ++i) {

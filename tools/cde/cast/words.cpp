@@ -168,13 +168,13 @@ void add_shares(CLI::App& verb, CastWords& o) {
       verb.add_option(
               "--partition", o.partition,
               "Split the mesh into this many parts. Each part has its own card, and one rank "
-              "simulates that card. The records are the same as those of one card")
+              "simulates that card. The records are the same as with one card")
           ->capture_default_str(),
       1, 1024, "");
   add_distribution_options(verb, o.distribution);
 }
 
-/// Adds the options that both verbs have after those of rays, pictures and records.
+/// Adds the options that both verbs have after the options of rays, pictures and records.
 void add_card_and_run(CLI::App& verb, CastWords& o) {
   begin_group(verb, "Card");
   add_card(verb, o);

@@ -26,14 +26,14 @@ std::vector<ScheduledFault> faults_of(const std::vector<std::string>& texts, con
   return faults;
 }
 
-nlohmann::ordered_json faults_json(const std::vector<ScheduledFault>& faults, const Player& player,
+nlohmann::ordered_json faults_json(const std::vector<ScheduledFault>& faults, const SceneRunner& runner,
                                    std::uint64_t corrected_words) {
   nlohmann::ordered_json scheduled = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < faults.size(); ++i)
-    scheduled.push_back({{"fault", text_of(faults[i])}, {"injected", bool{player.injected()[i]}}});
-  const BusCounters bus = player.board().bus_counters();
+    scheduled.push_back({{"fault", text_of(faults[i])}, {"injected", bool{runner.injected()[i]}}});
+  const BusCounters bus = runner.board().bus_counters();
   return {{"scheduled", scheduled},
-          {"injected", std::count(player.injected().begin(), player.injected().end(), true)},
+          {"injected", std::count(runner.injected().begin(), runner.injected().end(), true)},
           {"transfer_retries", bus.transfer_retries},
           {"access_retries", bus.access_retries},
           {"pass_retries", bus.pass_retries},

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 
 /// `cde run --fault`.
 namespace cde::cli {
@@ -17,7 +17,7 @@ namespace cde::cli {
 
 /// The faults injected so far, and how the driver handled them.
 [[nodiscard]] nlohmann::ordered_json faults_json(const std::vector<ScheduledFault>& faults,
-                                                 const Player& player,
+                                                 const SceneRunner& runner,
                                                  std::uint64_t corrected_words);
 
 /// The same in one line of text.

@@ -45,12 +45,12 @@ Json query_json(const std::string& name, const QueryFrame& f) {
 
 /// Plays a frame on a rank. Returns a line of JSON with the lengths of the texts, then the texts of
 /// the records.
-std::string played(Player& player, const DistributedFrames& f, std::uint32_t frame) {
+std::string played(SceneRunner& runner, const DistributedFrames& f, std::uint32_t frame) {
   const Scene& scene = f.scene;
   std::vector<std::string> texts(scene.results == Results::kNone ? 0 : scene.queries.size());
   const auto start = std::chrono::steady_clock::now();
   const std::vector<QueryFrame> answers =
-      player.play(frame, [&](std::size_t q, std::span<const Record> records) {
+      runner.play(frame, [&](std::size_t q, std::span<const Record> records) {
         if (!texts.empty())
           record_text(scene, scene.queries[q], f.files).append(records, texts[q], frame);
       });
@@ -126,7 +126,7 @@ void begin_frames(const DistributionOptions& options, const DistributedFrames& f
 }
 
 bool distribute_frames(const DistributedFrames& f, const FrameSink& take) {
-  std::optional<Player> player;
+  std::optional<SceneRunner> runner;
   const std::uint64_t frames = f.last - f.first + 1;
   return WorkDistributor::instance().run_part(
       {.what = "playing",
@@ -137,12 +137,12 @@ bool distribute_frames(const DistributedFrames& f, const FrameSink& take) {
        },
        .run =
            [&](std::uint64_t c, const std::string&) {
-             if (!player)
-               player.emplace(f.scene, f.plan,
-                              PlayOptions{.check = f.check,
+             if (!runner)
+               runner.emplace(f.scene, f.plan,
+                              RunnerOptions{.check = f.check,
                                           .watchdog = std::chrono::duration<double>(f.timeout),
                                           .deadline_clocks = f.deadline});
-             return played(*player, f, f.first + static_cast<std::uint32_t>(c));
+             return played(*runner, f, f.first + static_cast<std::uint32_t>(c));
            },
        .take =
            [&](std::uint64_t c, const std::string& result) {

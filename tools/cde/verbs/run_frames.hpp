@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cde/jobs/work_distributor.hpp"
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 #include "cde/scene/scene.hpp"
 #include "verbs/run_records.hpp"
 

@@ -247,7 +247,7 @@ void add_query(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "query",
       "Test pairs of primitives in one simulated pipe. Reads one pair per line from stdin or a "
-      "file: the words of A, then those of B, separated by commas, semicolons, tabs or blanks, "
+      "file: the words of A, then the words of B, separated by commas, semicolons, tabs or blanks, "
       "optionally with a | between A and B. Words of each shape: ray o d [tmin tmax] 6 or 8, "
       "triangle 9, sphere c r 4, aabb min max 6, plane n d 4, cylinder c axis half-height radius "
       "8, obb c half-extents rotation by rows 15. A word is decimal, hexfloat, or 0x and the bits. "

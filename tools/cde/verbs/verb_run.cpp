@@ -20,7 +20,7 @@
 #include "cde/geometry/length_range.hpp"
 #include "cde/scene/packet_again.hpp"
 #include "cde/scene/plan.hpp"
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/progress.hpp"
@@ -161,7 +161,7 @@ class Run {
       (void)model_path(plan.board.top(), plan.board.parameters());  // prints its own progress
       std::optional<Progress> uploading(std::in_place, "uploading the scene", o_.quiet);
       std::optional<Progress> bar;
-      Player player(
+      SceneRunner runner(
           scene_, plan,
           {.check = check_,
            .trace = waves ? waves->by_name() : "",
@@ -176,25 +176,25 @@ class Run {
                (*bar)((frame - frames_.first + share) / (frames_.last - frames_.first + 1.0));
            }});
       uploading.reset();
-      player_ = &player;
-      began_ = player.board().clocks();
+      runner_ = &runner;
+      began_ = runner.board().clocks();
       interrupts.emplace();
       bar.emplace("playing", o_.quiet);
-      json_["plan"]["model"] = player.board().model_path().string();
+      json_["plan"]["model"] = runner.board().model_path().string();
       json_["plan"]["built"] = true;
-      json_.update(model_json(player.board().model_path(), player.board().config_hash()));
+      json_.update(model_json(runner.board().model_path(), runner.board().config_hash()));
       begin();
       try {
         for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
-          play_frame(player, f);
+          play_frame(runner, f);
         end_records();
       } catch (...) {
-        count_faults(player);
-        end_waves(player);
+        count_faults(runner);
+        end_waves(runner);
         throw;
       }
-      count_faults(player);
-      end_waves(player);
+      count_faults(runner);
+      end_waves(runner);
     } catch (const Stopped&) {
     } catch (const Error& e) {
       json_["error"] = e.what();
@@ -288,9 +288,9 @@ class Run {
     seen_ = before_;
     frame_ = frame;
     share_ = share;
-    if (player_ != nullptr) before_ = player_->board().clocks() - began_;
+    if (runner_ != nullptr) before_ = runner_->board().clocks() - began_;
   }
-  [[nodiscard]] PlayOptions options_again() const {
+  [[nodiscard]] RunnerOptions options_again() const {
     return {.check = Check::kNone,
             .watchdog = std::chrono::duration<double>(o_.timeout),
             .deadline_clocks = o_.deadline};
@@ -304,16 +304,16 @@ class Run {
     f.rerun = [&](const std::string& file, const TraceOptions& which) {
       Plan traced = plan;
       traced.board.trace = true;
-      PlayOptions options = options_again();
+      RunnerOptions options = options_again();
       options.trace = file;
       options.waves = which;
-      Player player(scene_, traced, options);
+      SceneRunner runner(scene_, traced, options);
       try {
-        for (std::uint32_t frame = frames_.first; frame <= frame_; ++frame) player.play(frame);
+        for (std::uint32_t frame = frames_.first; frame <= frame_; ++frame) runner.play(frame);
       } catch (const Error& e) {
         if (!is_hang(e)) throw;
       }
-      player.trace_close();
+      runner.trace_close();
       return true;
     };
     return packed(o_.bundle, o_.quiet, f);
@@ -334,8 +334,8 @@ class Run {
 
   static void row(const char* name, const std::string& value) { log("{:<16} {}\n", name, value); }
 
-  void count_faults(const Player& player) {
-    if (!faults_.empty()) json_["faults"] = faults_json(faults_, player, totals_.corrected);
+  void count_faults(const SceneRunner& runner) {
+    if (!faults_.empty()) json_["faults"] = faults_json(faults_, runner, totals_.corrected);
   }
   void report_faults() const {
     if (!o_.quiet && json_.contains("faults")) row("faults", faults_text(json_["faults"]));
@@ -352,11 +352,11 @@ class Run {
     finished_ = true;
   }
 
-  void play_frame(Player& player, std::uint32_t frame) {
+  void play_frame(SceneRunner& runner, std::uint32_t frame) {
     records_.begin_frame(frame);
     const auto start = std::chrono::steady_clock::now();
     const std::vector<QueryFrame> answers =
-        player.play(frame, [&](std::size_t query, std::span<const Record> records) {
+        runner.play(frame, [&](std::size_t query, std::span<const Record> records) {
           records_.add(query, records);
           if (report_) report_->records(query, records);
         });
@@ -410,9 +410,9 @@ class Run {
 
   /// Closes the waves, also after a failure, when they are most useful. They are kept if they are
   /// whole.
-  void end_waves(Player& player) {
+  void end_waves(SceneRunner& runner) {
     try {
-      player.trace_close();
+      runner.trace_close();
       waves_whole_ = true;
     } catch (const Error& e) {
       waves_defect_ = fmt::format("{}: {}", printable_name(o_.trace.file), e.what());
@@ -463,7 +463,7 @@ class Run {
   Totals totals_;
   std::string mismatch_, packed_;
   // Where the card last made progress.
-  const Player* player_ = nullptr;
+  const SceneRunner* runner_ = nullptr;
   std::uint64_t began_ = 0, seen_ = 0, before_ = 0;
   std::uint32_t frame_ = 0;
   double share_ = 0;

@@ -5,14 +5,14 @@
 #include <vector>
 
 #include "cde/card/board.hpp"
-#include "cde/prices/card_clock.hpp"
+#include "cde/costs/card_clock.hpp"
 #include "cde/scene/scene.hpp"
 #include "options/cli_fwd.hpp"
 
 /// The core clock that modelled times assume: --clock, or the clock measured on --target.
 namespace cde::cli {
 
-/// `--target`: a device of docs/prices.json, or assumed:NUMBERMHz.
+/// `--target`: a device of docs/costs.json, or assumed:NUMBERMHz.
 CLI::Option* target_option(CLI::App& verb, std::string& target, const std::string& what);
 
 struct ClockOptions {

@@ -14,9 +14,9 @@ enum Does : unsigned {
   kSources = 2,  ///< reads the RTL, and caches results
   kCards = 4,    ///< opens whole cards
   kMeshes = 8,   ///< imports meshes
-  kPrices = 16,  ///< reads measured costs
+  kCosts = 16,  ///< reads measured costs
   kWidth = 32,   ///< prints text as wide as the terminal
-  kAnything = kModels | kSources | kCards | kMeshes | kPrices | kWidth,
+  kAnything = kModels | kSources | kCards | kMeshes | kCosts | kWidth,
   kCompares = 64,   ///< compares the card with the reference
   kSimulates = 128  ///< waits for a card, which may fail
 };
@@ -31,8 +31,8 @@ constexpr Variable kVariables[] = {
     {"CDE_MODELS", "folder that is searched first for simulation models", kModels},
     {"CDE_SHARE",
      "folder with rtl/, verilator/, docs/ and host/include/, in place of this project's",
-     kModels | kSources | kPrices},
-    {"CDE_PRICES", "table of measured costs [docs/prices.json]", kPrices},
+     kModels | kSources | kCosts},
+    {"CDE_COSTS", "table of measured costs [docs/costs.json]", kCosts},
     {"CDE_CLANG", "compiler of simulation models [clang++]", kModels},
     {"CDE_MARCH", "processor for which simulation models are compiled, as in -march [native]",
      kModels},
@@ -50,7 +50,7 @@ struct VerbFacts {
   unsigned does;
   const char* status_1 = nullptr;  ///< what status 1 means; null: the verb does not have it
 };
-constexpr unsigned kCast = kModels | kCards | kMeshes | kPrices | kCompares | kSimulates;
+constexpr unsigned kCast = kModels | kCards | kMeshes | kCosts | kCompares | kSimulates;
 constexpr unsigned kBench = kModels | kCards | kCompares | kSimulates;
 constexpr VerbFacts kFacts[] = {
     {"", kAnything | kCompares | kSimulates,
@@ -60,16 +60,16 @@ constexpr VerbFacts kFacts[] = {
     {"render", kCast},
     {"query", kModels | kCompares | kSimulates},
     {"run", kCast},
-    {"plan", kModels | kMeshes | kPrices},
+    {"plan", kModels | kMeshes | kCosts},
     {"fp", kModels | kSimulates},
-    {"merge", kModels | kMeshes | kPrices | kCompares},
+    {"merge", kModels | kMeshes | kCosts | kCompares},
     {"doctor", kModels | kCards, "a fault was found"},
     {"help", kWidth},
     {"explain", kModels | kSources | kCards | kMeshes | kCompares | kSimulates},
-    {"accuracy", kModels | kSources | kMeshes | kPrices | kCompares | kSimulates},
-    {"advise", kPrices, "no pipe meets the demands"},
+    {"accuracy", kModels | kSources | kMeshes | kCosts | kCompares | kSimulates},
+    {"advise", kCosts, "no pipe meets the demands"},
     {"bench", kBench},
-    {"reproduce", kBench | kPrices},
+    {"reproduce", kBench | kCosts},
     {"inventory", kSources},
     {"wave", kSources | kWidth, "find or tx found nothing, or diff found a difference"},
     {"wave show", kWidth},

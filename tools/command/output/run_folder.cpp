@@ -158,7 +158,7 @@ void RunFolder::look() {
 }
 
 void RunFolder::begin(Json json) {
-  // run.json stays until it is replaced. It marks the folder as that of a run.
+  // run.json stays until it is replaced. It marks the folder of a run.
   for (const std::string& name : old_)
     if (name != kMarker && ::unlinkat(lock_.folder, name.c_str(), 0) != 0 && errno != ENOENT)
       throw Error(ErrorCode::kFile,

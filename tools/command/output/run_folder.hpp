@@ -14,7 +14,7 @@
 namespace cde::cli {
 
 /// The folder of `cde run`. It holds run.json, the records of one run and, if requested, its page
-/// and waves. The file run.json is there from the first frame on, and marks the folder as that of a
+/// and waves. The file run.json is there from the first frame on, and marks the folder of a
 /// run. The folder is locked while the object lives. The system releases the lock when the process
 /// ends, in any way.
 class RunFolder {

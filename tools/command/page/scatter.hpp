@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-/// Charts of marks by two figures, or in rows by one figure. They are drawn like those of
+/// Charts of marks by two figures, or in rows by one figure. They are drawn like the charts of
 /// chart.hpp. A mark may carry the number of an entry of the page's data, which the page's script
 /// shows.
 namespace cde::cli {

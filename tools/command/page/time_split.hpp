@@ -2,7 +2,7 @@
 #pragma once
 #include <array>
 
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 
 /// How the modelled time of a frame divides into parts. All outputs use this split.
 namespace cde::cli {

@@ -28,7 +28,7 @@ void complain(const std::string& message) {
   log(shortened(message) + "\n");
 }
 
-/// Prints the help of the program and of its verbs and, if this is cde, that of the other programs.
+/// Prints the help of the program and of its verbs and, if this is cde, the help of the other programs.
 /// A missing program is named, with status 2.
 int print_all_help(const Program& program, CLI::App& app) {
   const bool is_cde = this_program() == "cde";

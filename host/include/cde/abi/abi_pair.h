@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /** @file
    C interface of a simulation model of pair_unit. A unit is single-threaded. Words have 32 bits for
-   formats of up to 32 bits and 64 bits for wider ones, little-endian. Their order is that of the
+   formats of up to 32 bits and 64 bits for wider ones, little-endian. Their order is the order of the
    shapes (rtl/contract/pairs_pkg.sv). */
 #pragma once
 #include <stdint.h>
@@ -75,7 +75,7 @@ typedef struct cde_pair_api {
   uint32_t (*operators)(const cde_pair_unit*);
   const cde_pair_operator* (*operator_at)(const cde_pair_unit*, uint32_t index);
   /** From here on test() calls `seen` with its context, for each operator in each cycle. `seen`
-     gets the values at the operands and at the result. Cycle 0 is that of the first row in. Null:
+     gets the values at the operands and at the result. The first row enters in cycle 0. Null:
      stop.
    */
   void (*watch)(cde_pair_unit*,

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cde/accuracy/error_counts.hpp"
-#include "cde/accuracy/price.hpp"
+#include "cde/accuracy/cost.hpp"
 #include "cde/accuracy/tally.hpp"
 
 /// @file
@@ -45,7 +45,7 @@ struct SavedTally {
 struct SavedPipe {
   AccuracyPipe pipe;
   PipeFigures figures;
-  Price price;  ///< from the current table
+  Cost cost;  ///< from the current table
   SavedTally all;
   std::vector<SavedTally> families;
 

@@ -131,7 +131,7 @@ unsigned check(std::span<const Node> nodes, std::size_t slots);
 /// to the same part.
 void check(std::span<const Node> nodes, std::size_t slots, std::span<const Bvh::Part> parts);
 
-/// Sets the boxes of the node's children. Those of kNone are ignored. Boxes are within 2^40.
+/// Sets the boxes of the node's children. Boxes of kNone are ignored. Boxes are within 2^40.
 void set_boxes(Node& node, std::span<const Eigen::AlignedBox3f> children);
 
 }  // namespace bvh

@@ -33,7 +33,7 @@ inline constexpr double kLeastClockMhz = 1, kMostClockMhz = 10'000;
 struct OpenOptions {
   std::optional<std::filesystem::path> file = {};  ///< this simulation model instead of a search
   std::optional<std::uint64_t> config_hash =
-      {};  ///< hash that its card must show; with `file` the default is that of the configuration
+      {};  ///< hash that its card must show; with `file` the default is the configuration's
   Memory memory = Memory::kIdeal;
   std::uint32_t ddr_latency = 20;  ///< Memory::kIdeal: cycles from request to data, 1 to 10000
   std::uint32_t clock_period_ps = 10'000;  ///< of the core clock: 1 to 10,000 MHz
@@ -148,7 +148,7 @@ class Board {
   /// if they are not triangles, until another is uploaded. Errors as above.
   void move_object(std::size_t object, const Transform& transform);
 
-  /// The same for primaries, by their number in the packet. Those of load_second_shapes() follow
+  /// The same for primaries, by their number in the packet. Primaries of load_second_shapes() follow
   /// the first ones; no object has primaries of both. Primaries in no object stay as loaded. If
   /// several objects have the same primary, the last one counts. The card poses them at the start
   /// of the next pass, in one cycle per primary of the objects. It does so only if something has

@@ -10,7 +10,7 @@
 
 namespace cde {
 
-/// A fault to inject in one frame of a scene (PlayOptions::faults).
+/// A fault to inject in one frame of a scene (RunnerOptions::faults).
 struct ScheduledFault {
   std::uint32_t frame = 0;
   std::optional<BusFault> bus;  ///< injected at the start of the frame. Nothing: bits of DDR are

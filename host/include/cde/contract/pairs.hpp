@@ -131,7 +131,7 @@ inline constexpr std::uint32_t kSatPairs =
     set_of({Pair::kObbObb, Pair::kTriangleAabb, Pair::kTriangleObb});
 /// Pairs that have the box rule as an option.
 inline constexpr std::uint32_t kBoxPairs = set_of({Pair::kRayTriangle});
-/// Pairs whose signed distance is at least that of the boxes, with the box rule.
+/// Pairs whose signed distance is at least the distance of the boxes, with the box rule.
 inline constexpr std::uint32_t kBoundPairs =
     set_of({Pair::kTriangleSphere, Pair::kTriangleAabb, Pair::kTriangleObb, Pair::kTriangleTriangle,
             Pair::kSphereObb, Pair::kObbObb});

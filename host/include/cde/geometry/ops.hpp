@@ -93,7 +93,7 @@ template <typename S>
   return signbit(x);
 }
 
-/// Wire: y with its sign bit exclusive-ored with that of x, also for zeros. The operand x is the
+/// Wire: y with its sign bit exclusive-ored with the sign bit of x, also for zeros. The operand x is the
 /// result of an operator, so a NaN counts as positive, whatever sign the host's arithmetic gives
 /// it.
 template <typename S>

@@ -15,7 +15,7 @@
 namespace cde {
 
 /// A sequence of rays. Either they are stored elsewhere and must outlive the view, or they are
-/// those of a picture. A picture's rays are computed on access, so its size needs no memory.
+/// the rays of a picture. A picture's rays are computed on access, so its size needs no memory.
 class RayView {
  public:
   RayView() : RayView(std::span<const Ray>()) {}

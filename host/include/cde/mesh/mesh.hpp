@@ -69,7 +69,7 @@ struct MeshLimits {
 ///
 /// Text may begin with a UTF-8 byte order mark. Lines end in LF, CRLF or CR, even mixed. Bytes
 /// after the last facet of a binary STL, and PLY values that its header does not announce, are
-/// skipped; Mesh::warnings reports them. An STL is text if its size is not that of a binary one,
+/// skipped; Mesh::warnings reports them. An STL is text if its size does not fit a binary one,
 /// its first word is "solid", and no byte near its front is 0.
 ///
 /// assimp 5.2 crashes, hangs or allocates gigabytes on some damaged files. It therefore runs in a

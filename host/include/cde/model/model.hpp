@@ -42,7 +42,7 @@ struct BoardConfig {
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
   bool box = false;   ///< box rule. Ray-triangle: a hit must lie in the triangle's box
                       ///< (reference/pipes/ray_box.hpp). Other pairs of has_box_rule(): the signed
-                      ///< distance is at least that of the boxes (reference/pipes/distance_bound.hpp).
+                      ///< distance is at least the distance of the boxes (reference/pipes/distance_bound.hpp).
   bool swap = false;  ///< passes can exchange the roles of primary and secondary
   bool normals = false;         ///< passes can return normals
   bool parallel = false;        ///< a pass can use two pipes at once (Query::second)

@@ -9,7 +9,7 @@
 namespace cde::oracle {
 
 /// One family of cases of a pair. Families of generate() and hard() have their own names
-/// ("near-contact"), those of everyday() are called "everyday-...".
+/// ("near-contact"), families of everyday() are called "everyday-...".
 struct Family {
   std::string name;  ///< with dashes instead of blanks
   Case (*make)(Pair, std::uint64_t seed, std::uint64_t index, const Format&) = nullptr;

@@ -12,7 +12,7 @@
 
 namespace cde::reference {
 
-/// Parameters of one pass of the card. `pair`'s first shape is that of the primaries, with `swap`
+/// Parameters of one pass of the card. `pair`'s first shape is the shape of the primaries, with `swap`
 /// of the secondaries. `algorithm` is for ray-triangle, `box` for pairs with the box rule.
 struct PassQuery {
   Pair pair = Pair::kRayTriangle;

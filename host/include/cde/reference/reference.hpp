@@ -42,7 +42,7 @@ namespace cde::reference {
 /// template.
 class BruteForce {
  public:
-  /// Each packet of `packet` rays is tested against all triangles, or against those of the objects
+  /// Each packet of `packet` rays is tested against all triangles, or against the triangles of the objects
   /// (Board::set_objects). Rays and triangles must outlive the object. `format`, here and below, is
   /// the card's: fp32 or a smaller one, to which rays, triangles and transforms are rounded.
   /// Function has_fast_brute_force() tells which are fast. Error kUsage if no card has the format, or a

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cde/check/failure.hpp"
-#include "cde/scene/player.hpp"
+#include "cde/scene/scene_runner.hpp"
 
 namespace cde {
 
@@ -12,7 +12,7 @@ namespace cde {
 struct PacketAgain {
   const Scene& scene;
   const Plan& plan;
-  const PlayOptions& options;
+  const RunnerOptions& options;
   std::uint32_t frame = 0;
   std::size_t query = 0;
   std::uint32_t primary = 0;
@@ -26,7 +26,7 @@ QueryFrame play_packet(const PacketAgain& packet, std::uint32_t first, const std
 struct RunFailure {
   const Scene& scene;
   const Plan& plan;
-  PlayOptions options;      ///< as in the run
+  RunnerOptions options;      ///< as in the run
   std::uint32_t first = 0;  ///< first frame of the run
   std::uint32_t frame = 0;  ///< frame of the record
   std::size_t query = 0;

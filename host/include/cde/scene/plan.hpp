@@ -75,7 +75,7 @@ using Rows = std::function<std::uint64_t(unsigned lanes)>;
                                                   const SceneCard& asked, const Rows& rows);
 
 /// Applies built_card() to a plan, if there is one: `board` and the rows of `queries` are then
-/// those of the built card. It applies only if each query has at most 256 primaries: larger scenes
+/// the built card's. It applies only if each query has at most 256 primaries: larger scenes
 /// gain more from their own card than its build costs. Requests in the scene's [card] are kept.
 void use_built_card(const Scene& scene, Plan& plan);
 

@@ -101,7 +101,7 @@ struct SceneQuery {
 };
 
 /// Site that transforms rigid objects.
-enum class Mover {
+enum class TransformSite {
   kAuto,
   kHost,  ///< the host poses shapes and uploads them again
   kCard,  ///< the card's transformer, 12 words per object
@@ -131,7 +131,7 @@ struct SceneCard {
   bool cycle_memory = false;            ///< DDR timing with banks and refresh
   bool ecc = false;
   bool trace = false;
-  Mover mover = Mover::kAuto;
+  TransformSite transform_site = TransformSite::kAuto;
   UseBvh bvh = UseBvh::kAuto;
   unsigned latency_add = 1, latency_mul = 1, latency_div = 1, latency_sqrt = 1, latency_compare = 1;
 };

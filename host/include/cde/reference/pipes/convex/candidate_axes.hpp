@@ -269,7 +269,7 @@ struct Choice {
 
 /// The largest distance of projections gives s, and its axis the normal if the bodies penetrate.
 /// If faces are parallel, or the bodies concentric, several axes share it or nearly so. Only one
-/// of their facets contains the projection of the origin. The witness points are therefore those of the
+/// of their facets contains the projection of the origin. The witness points are therefore the points of the
 /// axis whose vector v is nearest to s n. Here n is that axis itself if its distance ties
 /// with the largest, else the axis of the largest. If the bodies are apart, the axis with the
 /// least distance gives the nearest points, which are polished. `wide` is the tie for normals that

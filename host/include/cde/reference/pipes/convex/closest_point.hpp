@@ -256,7 +256,7 @@ struct PointDistance {
   S s;      ///< resulting signed distance
 };
 
-/// Selects one of two results of a pair: that of its candidate axes (SAT), or `x`, the polished
+/// Selects one of two results of a pair: the result of its candidate axes (SAT), or `x`, the polished
 /// nearest point of B - A, whose direction is the normal. The second is used if the bodies are
 /// apart, and its `point_distance` is not less than the first by more than `tie`. So if the distance is
 /// too small to give x.v a direction, the candidate axes decide. 3 add 6 mul 1 div 1 sqrt and

@@ -114,7 +114,7 @@ template <typename S>
 }
 
 /// Sample m of M on half the circle. Function g has kinks at u, at w = e x u and where b.n = 0 (q),
-/// and its sharpest curve at p = q x e. Let f be that of +-q, +-p which lies between u and w. The
+/// and its sharpest curve at p = q x e. Let f be the one of +-q, +-p that lies between u and w. The
 /// four directions u, f, w, e x f divide the half circle into four arcs, with M/4 samples inside
 /// each.
 template <typename S>
@@ -365,7 +365,7 @@ void keep_newton(Search<S>& s, const Evaluation<S>& at, bool start) {
 /// Keeps the largest g so far, and its normal. Between cylinders the first of equal values stays:
 /// with a rim switched off, g would be too large by r |a x n|, a rounding error on the axis itself.
 /// Otherwise, of values equal up to rounding, the one with the least slope is kept. A vertex' own
-/// normal has slope 0. Face normals and those of a side are right only on a kink, where a circle
+/// normal has slope 0. Normals of faces and sides are right only on a kink, where a circle
 /// finds them again.
 template <typename S>
 void keep_best(Search<S>& s, const Pair<S>& pair, const Pass& p, const Evaluation<S>& at,

