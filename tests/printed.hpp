@@ -3,9 +3,9 @@
 #include <ostream>
 #include <string>
 
-#include "cde/model/model.hpp"
 #include "cde/card/pair_unit.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/model/model.hpp"
 #include "cde/query/record.hpp"
 
 /// How GoogleTest prints parameters whose types belong to the library. Structures of a test have a

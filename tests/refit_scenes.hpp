@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "cde/geometry/primitives.hpp"
 #include "cde/bvh/bvh.hpp"
+#include "cde/geometry/primitives.hpp"
 #include "cde/mesh/terrain.hpp"
 
 /// Triangles and BVHs for tests of refits.

@@ -17,7 +17,7 @@ namespace cde::testing {
 
 /// Makes a BVH with other nodes and another box, through its file format with a new checksum.
 inline Bvh rewritten(const Bvh& bvh, const std::vector<bvh::Node>& nodes,
-                           const Eigen::AlignedBox3f& box) {
+                     const Eigen::AlignedBox3f& box) {
   namespace fs = std::filesystem;
   std::string name = (fs::temp_directory_path() / "cde-rewritten-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder " + name);

@@ -10,7 +10,7 @@
 # The reference and the formats. tools/mutants adds tests of units.
 set(CDE_DEFAULT_fp FpFormat.* FpReference.* ScalarOps.*)
 
-# Cards: tests that need no other simulation models than tools/mutants.
+# Cards: tests that need no other simulation models than tools/mutants needs.
 set(CDE_DEFAULT_board SimulationModels.FileOfAnotherKey_IsRebuiltOnce SimulationModels.Fifo_IsNotRead SimulationModels.LastResortCacheAsLink_IsRefused SimulationModels.BuilderInputs_MustBeTrusted CardChoice.Parameters_ReadBackEqual Checker.* Contract.* BvhDriver.ImpossibleConfigurations_AreRefused BvhForSolids.ImpossibleConfigurations_AreRefused WithoutEcc.*
   */ReferenceKnown.* FormatConfig.UnsupportedFormat_IsNamed FormatWords.* Registers.*)
 set(CDE_DEFAULT_bus BusFaults.Names_ReadBackEqual PciBar.* PciConfig.* PciCardTest.Registers_IdentifyTheCard)

@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <limits>
 
+#include "bvh_cards.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "expect_error.hpp"
 #include "hard_solids.hpp"
 #include "hard_spheres.hpp"
-#include "bvh_cards.hpp"
 
 namespace cde::testing {
 namespace {
@@ -62,16 +62,17 @@ void expect_same_as_all(Board& board, const std::vector<Secondary>& all, std::si
   for (const Mode mode : kSolidModes) {
     SCOPED_TRACE(name_of(mode));
     Counters c;
-    const auto records =
-        cast(board, primaries, query_of<P, Secondary>(mode, Through::kBvh), &c);
+    const auto records = cast(board, primaries, query_of<P, Secondary>(mode, Through::kBvh), &c);
     found += expect_same(records, expected(reference::Traversal(all, bvh), primaries, mode));
     EXPECT_EQ(c.secondaries, 0u);
     if (mode == Mode::kNearest) {
       reference::Traversal traversal(all, bvh);
-      for (std::uint32_t i = 0; i < primaries.size(); ++i) (void)traversal.trace(primaries[i], i, mode);
+      for (std::uint32_t i = 0; i < primaries.size(); ++i)
+        (void)traversal.trace(primaries[i], i, mode);
       expect_read(c, traversal.counts(), primaries.size());
     }
-    expect_same(records, cast(board, primaries, query_of<P, Secondary>(mode, Through::kBruteForce)));
+    expect_same(records,
+                cast(board, primaries, query_of<P, Secondary>(mode, Through::kBruteForce)));
   }
   EXPECT_GT(found, count / 2);
 }
@@ -251,7 +252,9 @@ TEST(BvhOverBoxes, BadObjectsOrRequests_AreNamed) {
   Board board = Board::open(boxes_config());
   boxes[1] = boxes[0];
   board.upload(boxes, Bvh::build(boxes));
-  const auto why = [&](const Query& query) { return board.why_not_traversable(query).value_or(""); };
+  const auto why = [&](const Query& query) {
+    return board.why_not_traversable(query).value_or("");
+  };
   EXPECT_EQ(why(query_of<Sphere, Obb>(Mode::kNearest, Through::kAuto)), "");
   EXPECT_EQ(why(query_of<Triangle, Aabb>(Mode::kNearest, Through::kAuto)), "the BVH is over obbs");
   EXPECT_EQ(why(query_of<Triangle, Obb>(Mode::kNearest, Through::kAuto)),

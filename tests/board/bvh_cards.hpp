@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "board_configs.hpp"
+#include "bvh_pair.hpp"
 #include "cde/card/board.hpp"
 #include "cde/reference/traversal.hpp"
 #include "hard_rays.hpp"
-#include "bvh_pair.hpp"
 
 /// Cards with a BVH and the expected results of traversals, for tests.
 namespace cde::testing::through {
@@ -158,7 +158,8 @@ inline Record f_alone(const Record& any) {
 
 /// Records of the reference traversal, in the order of the card.
 template <class P>
-std::vector<Record> expected(reference::Traversal traversal, const std::vector<P>& rays, Mode mode) {
+std::vector<Record> expected(reference::Traversal traversal, const std::vector<P>& rays,
+                             Mode mode) {
   std::vector<Record> all;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     for (const Record& r : traversal.trace(rays[i], i, mode == Mode::kOccluded ? Mode::kAny : mode))
@@ -173,9 +174,8 @@ std::vector<Record> expected(reference::Traversal traversal, const std::vector<P
 }
 
 template <class P>
-std::vector<Record> expected(const TriangleScene& scene, const Bvh& bvh,
-                             const std::vector<P>& rays, Mode mode,
-                             Algorithm algorithm = Algorithm::kMoller) {
+std::vector<Record> expected(const TriangleScene& scene, const Bvh& bvh, const std::vector<P>& rays,
+                             Mode mode, Algorithm algorithm = Algorithm::kMoller) {
   return expected(reference::Traversal(scene, bvh, algorithm), rays, mode);
 }
 

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "bvh_cards.hpp"
 #include "cde/support/error.hpp"
 #include "hard_solids.hpp"
 #include "hard_spheres.hpp"
-#include "bvh_cards.hpp"
 
 namespace cde::testing {
 namespace {

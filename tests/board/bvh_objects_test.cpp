@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <limits>
 
+#include "bvh_cards.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "expect_error.hpp"
-#include "bvh_cards.hpp"
 
 namespace cde::testing {
 namespace {
@@ -46,8 +46,7 @@ struct Moving {
   [[nodiscard]] Bvh bvh() const { return bvh_of(scene, objects); }
   [[nodiscard]] std::vector<Record> expected(const std::vector<Ray>& rays, Mode mode) const {
     const auto all = pass_secondaries();
-    std::vector<Record> records =
-        through::expected(all.shapes, Bvh::build(all.shapes), rays, mode);
+    std::vector<Record> records = through::expected(all.shapes, Bvh::build(all.shapes), rays, mode);
     for (Record& r : records)
       if (r.f && mode != Mode::kOccluded) r.index = all.slots[r.index];
     return records;
@@ -120,8 +119,7 @@ TEST(BvhOverObjects, WhyNotTraversable_NamesTheReason) {
   const auto why = [&] { return board.why_not_traversable({}).value_or(""); };
   board.upload(world.scene);
   board.set_objects(world.objects);
-  expect_error(ErrorCode::kUsage, "of objects",
-               [&] { board.upload(Bvh::build(world.scene)); });
+  expect_error(ErrorCode::kUsage, "of objects", [&] { board.upload(Bvh::build(world.scene)); });
   board.upload(world.bvh());
   EXPECT_EQ(why(), "");
   board.move_object(2, world.objects[1].transform);
@@ -216,8 +214,7 @@ TEST(BvhOverObjects, TriangleWithoutBox_RefitIsRefused) {
   world.move(1);
   board.move_object(1, world.objects[1].transform);
   board.refit();
-  expect_same(board.cast(rays, {.through = Through::kBvh}),
-              world.expected(rays, Mode::kNearest));
+  expect_same(board.cast(rays, {.through = Through::kBvh}), world.expected(rays, Mode::kNearest));
 }
 
 /// Object tables lie above the registers in the same address space.

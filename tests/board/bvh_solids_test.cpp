@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <limits>
 
+#include "bvh_cards.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "expect_error.hpp"
 #include "hard_solids.hpp"
-#include "bvh_cards.hpp"
 
 namespace cde::testing {
 namespace {
@@ -78,7 +78,8 @@ void expect_all(Board& board, std::size_t count, std::size_t most = 2000) {
         for (std::uint32_t i = 0; i < solids.size(); ++i) (void)traversal.trace(solids[i], i, mode);
         expect_read(c, traversal.counts(), solids.size());
       }
-      expect_same(records, cast(board, solids, query_of(kPairOf<Solid>, mode, Through::kBruteForce)));
+      expect_same(records,
+                  cast(board, solids, query_of(kPairOf<Solid>, mode, Through::kBruteForce)));
     }
   }
   EXPECT_GT(found, 2 * count);
@@ -170,7 +171,8 @@ TEST(BvhForSolids, WithNormals_EqualsBruteForce) {
   }
 }
 
-/// The triangles of one mesh against the triangles of another: one record each, followed by normals.
+/// The triangles of one mesh against the triangles of another: one record each, followed by
+/// normals.
 TEST(BvhForSolids, MeshAgainstMesh_EqualsBruteForce) {
   Board board = Board::open(meshes_config());
   const TriangleScene ground = kScenes[6].make(), ball = hard::icosphere({1, 1, 0.4f}, 0.7f);

@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <limits>
 
+#include "bvh_cards.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "expect_error.hpp"
 #include "hard_spheres.hpp"
-#include "bvh_cards.hpp"
 
 namespace cde::testing {
 namespace {
@@ -46,7 +46,8 @@ Query query_of(Mode mode, Through through) {
 
 constexpr Mode kSphereModes[] = {Mode::kNearest, Mode::kAny, Mode::kHits, Mode::kOccluded};
 
-/// `brute_force` adds large scenes and the card's own brute-force passes, which are slow with gates.
+/// `brute_force` adds large scenes and the card's own brute-force passes, which are slow with
+/// gates.
 template <class P>
 void expect_all(Board& board, std::size_t count, bool brute_force) {
   std::size_t found = 0;
@@ -169,7 +170,9 @@ TEST(BvhOverSpheres, WhyNotTraversable_NamesTheReason) {
   expect_error(ErrorCode::kUsage, "a BVH of 2 secondaries cannot be over 1 sphere",
                [&] { board.upload(std::span(cloud).first(1), Bvh::build(cloud)); });
   board.upload(cloud, Bvh::build(cloud));
-  const auto why = [&](const Query& query) { return board.why_not_traversable(query).value_or(""); };
+  const auto why = [&](const Query& query) {
+    return board.why_not_traversable(query).value_or("");
+  };
   Query query = query_of<Ray>(Mode::kFarthest, Through::kAuto);
   EXPECT_EQ(why(query), "");
   query.mode = Mode::kAll;

@@ -15,10 +15,10 @@
 #include <tuple>
 #include <vector>
 
+#include "bvh_cards.hpp"
 #include "cde/card/board.hpp"
 #include "cde/mesh/terrain.hpp"
 #include "expect_error.hpp"
-#include "bvh_cards.hpp"
 
 namespace cde::testing {
 namespace {
@@ -52,11 +52,11 @@ TEST_P(BvhCards, HardRays_EqualTheReference) {
         SCOPED_TRACE(name_of(mode));
         reference::Traversal traversal(scene, bvh, config.algorithm);
         std::vector<Record> records;
-        const Counters c = board.cast(
-            rays, {.mode = mode, .pair = Pair::kRayTriangle, .through = Through::kBvh},
-            [&](std::span<const Record> some) {
-              records.insert(records.end(), some.begin(), some.end());
-            });
+        const Counters c =
+            board.cast(rays, {.mode = mode, .pair = Pair::kRayTriangle, .through = Through::kBvh},
+                       [&](std::span<const Record> some) {
+                         records.insert(records.end(), some.begin(), some.end());
+                       });
         const std::size_t hits =
             expect_same(records, expected(scene, bvh, rays, mode, config.algorithm));
         EXPECT_GT(hits, count / 20);
@@ -488,8 +488,8 @@ TEST_F(MalformedBvh, RandomWords_GiveAnErrorOrRecords) {
     }
     const std::uint64_t before = board_.clocks();
     try {
-      (void)board_.cast(rays_, {.mode = round % 2 == 0 ? Mode::kNearest : Mode::kAny,
-                                .through = Through::kBvh});
+      (void)board_.cast(
+          rays_, {.mode = round % 2 == 0 ? Mode::kNearest : Mode::kAny, .through = Through::kBvh});
     } catch (const Error& e) {
       ++faults;
       EXPECT_EQ(e.code(), ErrorCode::kDevice) << e.what();

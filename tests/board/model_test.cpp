@@ -306,17 +306,17 @@ TEST_F(SimulationModels, InstalledFolder_IsUsedOnlyInAnInstallation) {
   fs::permissions(folder_ / "lib/cde/models", fs::perms::others_write, fs::perm_options::add);
   EXPECT_FALSE(model_file("board", host_config().parameters()).built);
 
-  fs::permissions(clone / "verilator/model_builder", fs::perms::others_write, fs::perm_options::add);
-  expect_error(
-      ErrorCode::kFile,
-      "the builder of simulation models is refused: " + (clone / "verilator/model_builder").string(),
-      [] { (void)model_builder(); });
+  fs::permissions(clone / "verilator/model_builder", fs::perms::others_write,
+                  fs::perm_options::add);
+  expect_error(ErrorCode::kFile,
+               "the builder of simulation models is refused: " +
+                   (clone / "verilator/model_builder").string(),
+               [] { (void)model_builder(); });
 }
 
 /// The builder compiles RTL, scripts and headers: they must be as trusted as the builder itself.
 TEST_F(SimulationModels, BuilderInputs_MustBeTrusted) {
-  const fs::path source = model_builder().parent_path().parent_path(),
-                 clone = folder_ / "clone";
+  const fs::path source = model_builder().parent_path().parent_path(), clone = folder_ / "clone";
   copy_rtl(source, clone);
   set("CDE_SHARE", clone);
   ASSERT_EQ(model_builder(), clone / "verilator/model_builder");
@@ -513,7 +513,8 @@ TEST_F(SimulationModels, FailingBuilder_GivesBuildError) {
                [&] { (void)SimulationModel::open("board", unbuilt); });
   set("CDE_CLANG", "clang++");
   set("CDE_SHARE", folder_ / "nowhere");
-  expect_error(ErrorCode::kBuild, "cannot run", [&] { (void)SimulationModel::open("board", unbuilt); });
+  expect_error(ErrorCode::kBuild, "cannot run",
+               [&] { (void)SimulationModel::open("board", unbuilt); });
 }
 
 /// Shells and Perl warn about a locale that is not installed. The warning must not become part of

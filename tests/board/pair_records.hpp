@@ -18,7 +18,8 @@ namespace cde::testing {
 /// All pairs by the reference, secondary by secondary; `swap`: A is the secondary.
 template <class A, class B>
 std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std::vector<B>& b,
-                                  bool swap, const PairIterations& iterations = {}, FpFormat format = {}) {
+                                  bool swap, const PairIterations& iterations = {},
+                                  FpFormat format = {}) {
   std::vector<std::uint64_t> wa, wb;
   const auto push = [format](std::vector<std::uint64_t>& to, const auto& shape) {
     for (const float x : to_words(shape))
@@ -36,7 +37,8 @@ std::vector<PairResult> all_pairs(Pair pair, const std::vector<A>& a, const std:
       for (const A& x : a) one(x, y);
   }
   std::vector<PairResult> r(a.size() * b.size());
-  reference::test_pairs(pair, Algorithm::kMoller, format, wa, wb, r, PlaneSide::kSurface, iterations);
+  reference::test_pairs(pair, Algorithm::kMoller, format, wa, wb, r, PlaneSide::kSurface,
+                        iterations);
   return r;
 }
 

@@ -101,10 +101,11 @@ TEST(Reference, LastKeptPair_IsTheRecord) {
   // Pairs that do not count have no effect.
   const auto odd =
       reference::brute_force({.counts = [](std::uint32_t, std::uint32_t s) { return s % 2 == 1; }},
-                       Shapes(scene.rays), 0, Shapes(scene.triangles));
+                             Shapes(scene.rays), 0, Shapes(scene.triangles));
   ASSERT_EQ(odd.pairs.size(), 30u);
   for (std::size_t i = 0; i < odd.pairs.size(); ++i) EXPECT_EQ(odd.pairs[i].secondary, 2 * i + 1);
-  EXPECT_THROW((void)reference::brute_force({}, Shapes(scene.rays), 20, Shapes(scene.triangles)), Error);
+  EXPECT_THROW((void)reference::brute_force({}, Shapes(scene.rays), 20, Shapes(scene.triangles)),
+               Error);
 }
 
 struct Known {

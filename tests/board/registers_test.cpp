@@ -62,7 +62,7 @@ TEST_F(Registers, ReadOnlyOrUnmapped_IsRefused) {
        {kRegId,        kRegCaps,      kRegConfigHash,  kRegCaps2,   kRegCapacity,  kRegStatus,
         kRegRecords,   kRegFaultAddr, kRegCycles,      kRegRows,    kRegStalls,    kRegBubbles,
         kRegBadPrim,   kRegBadSec,    kRegSecondaries, kRegWritten, kRegWriteback, kRegCaps3,
-        kRegUncertain,      kRegNodes,     kRegLeaves,      kRegTested,  kRegRoot,      kRegNodeCaps,
+        kRegUncertain, kRegNodes,     kRegLeaves,      kRegTested,  kRegRoot,      kRegNodeCaps,
         kRegNodeCount, kRegRayCount,  kRegRays,        kRegDeepest, kRegNodeFault, kRegNewRoot,
         kRegNodeFlip,  kRegSlotCount, kRegNodeFirst,   kRegPairs}) {
     const std::uint64_t before = board_.read_register(r);

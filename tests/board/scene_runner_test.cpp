@@ -248,8 +248,8 @@ TEST(SceneRunnerMoves, ErrorInAFrame_NextFrameRuns) {
       "frames = 9\n" + terrain("moving", kTurning) + kRays + query("hit", "\"moving\""), "s.toml");
   bool stop = false;
   SceneRunner runner(scene, planned(scene), {.progress = [&](std::uint32_t, double) {
-                  if (stop) throw Error(ErrorCode::kUsage, "stopped");
-                }});
+                       if (stop) throw Error(ErrorCode::kUsage, "stopped");
+                     }});
   EXPECT_EQ(runner.play(0)[0].mismatches, 0u);
   stop = true;
   EXPECT_THROW((void)runner.play(1), Error);

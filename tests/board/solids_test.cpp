@@ -26,7 +26,8 @@ void check_all_modes(Board& board, Pair pair, const std::vector<A>& a, const std
   const std::vector<bool> bad = load_shapes(board, a, b, swap);
   const std::vector<std::uint32_t> slots = in_order(swap ? a.size() : b.size());
   for (const Mode mode : {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kAll, Mode::kHits}) {
-    Query query{.mode = mode, .pair = pair, .swap = swap, .normals = normals, .iterations = iterations};
+    Query query{
+        .mode = mode, .pair = pair, .swap = swap, .normals = normals, .iterations = iterations};
     compare(board.run(query), expected(pair, results, slots, bad, mode, normals), mode);
   }
 }
@@ -112,7 +113,8 @@ TEST_P(Solids, Cylinders_UseTheQuerysIterations) {
   std::vector<Cylinder> few = cylinders(gates ? 5 : 19, 1), many = cylinders(gates ? 7 : 43, 2);
   few[2].radius = -1;
   many[4].axis *= 2;
-  for (const PairIterations iterations : {PairIterations{}, PairIterations{4, 2, 2}, PairIterations{4, 0, 0}})
+  for (const PairIterations iterations :
+       {PairIterations{}, PairIterations{4, 2, 2}, PairIterations{4, 0, 0}})
     check_all_modes(board, Pair::kCylinderCylinder, few, many, false, true, iterations);
   EXPECT_THROW((void)board.run({.iterations = {5, 1, 1}}), Error);
   if (gates) return;

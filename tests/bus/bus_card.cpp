@@ -84,7 +84,8 @@ SimulationModel model(const BusOptions& options) {
   const auto found = known.find(key);
   return found != known.end()
              ? found->second
-             : known.emplace(key, SimulationModel::open(options.kind, options.parameters)).first->second;
+             : known.emplace(key, SimulationModel::open(options.kind, options.parameters))
+                   .first->second;
 }
 
 }  // namespace

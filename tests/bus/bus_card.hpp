@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "cde/abi/abi_pci.h"
-#include "cde/model/model.hpp"
 #include "cde/contract/pci.hpp"
 #include "cde/contract/registers.hpp"
+#include "cde/model/model.hpp"
 
 /// GoogleTest prints a code by its name.
 namespace cde::pci {

@@ -115,7 +115,8 @@ class DriverSoak {
   void flip(Kind kind) {
     if (flipped_ || (stage_ != Stage::kUploaded && stage_ != Stage::kLoaded)) return;
     if (kind == kTwoBits && query_.mode == Mode::kAny) return;  // may end before it reads the word
-    const std::uint32_t word = 9 * tested_triangle(random_) + random_.below(9), bit = random_.below(32);
+    const std::uint32_t word = 9 * tested_triangle(random_) + random_.below(9),
+                        bit = random_.below(32);
     flipped_ = kind;
     masks_ = {};
     if (kind == kCheckBit) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cards after power-up: every register is random, and inputs are random before the reset
-// (verilator/models/random_start.h). Results equal a card that starts with zeros, cycle
-// for cycle, on both buses.
+// (verilator/models/random_start.h). Results equal the results of a card that starts with zeros,
+// cycle for cycle, on both buses.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 
 #include "../board/board_configs.hpp"
 #include "../printed.hpp"
-#include "cde/scene/scene_runner.hpp"
 #include "cde/scene/scene.hpp"
+#include "cde/scene/scene_runner.hpp"
 
 namespace cde::testing {
 namespace {

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "../has.hpp"
-#include "pages.hpp"
 #include "cost_rows.hpp"
+#include "pages.hpp"
 
 namespace cde::testing {
 namespace {
@@ -143,9 +143,8 @@ TEST_F(AccuracyPage, FreshAndKeptResults_GiveTheSamePage) {
   const std::size_t decided = count(html, ": wrong decisions per million\"") + folded;
   EXPECT_EQ(count(html, "<figure class=\"plot\">"), 2u * 3 + decided + 3u * 4);
   EXPECT_EQ(count(html, "<section data-choice=\"pair\""), 2u);
-  for (const char* text :
-       {"measured", "estimated", "no cost", "modelled time of a million tests", "echo '",
-        "| cde query ray-triangle --algorithm"})
+  for (const char* text : {"measured", "estimated", "no cost", "modelled time of a million tests",
+                           "echo '", "| cde query ray-triangle --algorithm"})
     EXPECT_TRUE(has(html, text));
   EXPECT_EQ(count(html, "nan%") + count(html, "inf%") + count(html, "\"nan\""), 0u);
   const json data = json::parse(between(html, "id=\"data\">", "</script>").at(0));
@@ -234,7 +233,7 @@ addEventListener("load", () => {
 TEST_F(AccuracyPage, WrongPixelsOfAMesh_AreShown) {
   const Ran ran =
       with_costs({"--mesh", "terrain:12,12,1", "--grid", "16x16", "--box", "on", "--algorithms",
-              "badouel,moller", "--formats", "bf16,fp64", "--page", "m.html", "--json"});
+                  "badouel,moller", "--formats", "bf16,fp64", "--page", "m.html", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const std::string html = read("m.html");
   expect_sound(html, 3);
@@ -363,8 +362,7 @@ TEST_F(AccuracyPage, ModelledClock_ComesFromTheCardsOperators) {
 /// A scene has its own latencies, so rows of deep operators give its clock.
 TEST_F(AccuracyPage, ModelledClock_ComesFromTheScenesOperators) {
   json rows = some_costs();
-  rows["rows"].push_back(
-      cost_row("ray-triangle", "fp32", "8/9/16/15/1", 50000, 108, 90, "moller"));
+  rows["rows"].push_back(cost_row("ray-triangle", "fp32", "8/9/16/15/1", 50000, 108, 90, "moller"));
   rows["rows"].push_back(cost_row("lt", "fp32", "1", 90, 0, 150));
   for (const auto& [what, lat] : {std::pair{"add", "8"}, {"mul", "9"}, {"div", "16"}})
     rows["rows"].push_back(cost_row(what, "fp32", lat, 500, 4, *what == 'm' ? 70 : 80));

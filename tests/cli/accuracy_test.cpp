@@ -134,8 +134,8 @@ TEST_F(Accuracy, Promises_EqualTheDocs) {
 }
 
 TEST_F(Accuracy, CertainDecisions_AreTrue) {
-  const Ran ran = accuracy({"--filters", "--pair", "obb-obb,triangle-cylinder", "--formats",
-                            "bf16", "--cases", "2901", "--json"});
+  const Ran ran = accuracy({"--filters", "--pair", "obb-obb,triangle-cylinder", "--formats", "bf16",
+                            "--cases", "2901", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const Json j = Json::parse(ran.out);
   EXPECT_EQ(j["schema"], "cde.accuracy.filters.1");

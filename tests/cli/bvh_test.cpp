@@ -113,14 +113,15 @@ TEST_F(CastBvh, MissingBuilder_IsNoErrorOfTheBvh) {
   const Ran ran = cde({"cast", "terrain:3,3,1", "--ray", "0,0,9,0,0,-1"},
                       {"CDE_MODELS=/nowhere", "CDE_SHARE=/nowhere"});
   EXPECT_EQ(ran.status, 2);
-  EXPECT_EQ(ran.err, "cde: cannot run /nowhere/verilator/model_builder: No such file or directory\n");
+  EXPECT_EQ(ran.err,
+            "cde: cannot run /nowhere/verilator/model_builder: No such file or directory\n");
 }
 
 /// Shadow rays use the same method as the other rays, and the picture is the same.
 TEST_F(CastBvh, Shadows_UseTheBvh) {
   for (const std::string method : {"bvh", "no-bvh"}) {
-    const Ran ran = cde({"render", "terrain:40,40,3", "--size", "64x48", "--shaded", method + ".png",
-                         "--shadows", "--" + method, "--json", "-q"});
+    const Ran ran = cde({"render", "terrain:40,40,3", "--size", "64x48", "--shaded",
+                         method + ".png", "--shadows", "--" + method, "--json", "-q"});
     ASSERT_EQ(ran.status, 0) << ran.err;
     const auto j = nlohmann::json::parse(ran.out);
     EXPECT_EQ(j["records_matching"], j["records_compared"]);

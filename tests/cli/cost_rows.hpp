@@ -7,8 +7,8 @@ namespace cde::testing {
 
 /// A row of a cost table, as tools/synthesis writes it, with three seeds.
 inline nlohmann::json cost_row(const std::string& what, const std::string& format,
-                                const std::string& lat, double lut, double dsp, double mhz,
-                                const std::string& algorithm = "") {
+                               const std::string& lat, double lut, double dsp, double mhz,
+                               const std::string& algorithm = "") {
   return {{"what", what},
           {"style", "cde"},
           {"algorithm", algorithm},

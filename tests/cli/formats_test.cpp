@@ -109,7 +109,8 @@ TEST_F(FormatCli, SceneWithACertifiedFilter_HasTheSameRecords) {
     EXPECT_EQ(some["mismatches"], 0);
     EXPECT_EQ(all["counters"]["uncertain_pairs"], 0);
     EXPECT_GE(some["counters"]["uncertain_pairs"], some["hits"]);
-    EXPECT_LT(some["counters"]["uncertain_pairs"].get<int>(), some["counters"]["tests"].get<int>() / 2);
+    EXPECT_LT(some["counters"]["uncertain_pairs"].get<int>(),
+              some["counters"]["tests"].get<int>() / 2);
   }
 }
 

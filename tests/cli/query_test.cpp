@@ -268,12 +268,18 @@ TEST_F(Query, WrongUsage_IsRefused) {
   refused({"sphere-sphere", "--format", "fp7"}, "--format is 'fp7'");
   refused({"sphere-sphere", "--format", "e4m3"},
           "--format is 'e4m3'; it must be fp16, bf16, tf32, fp24, fp32 or fp64");
-  refused({"sphere-sphere", "--iterations", "4,8,8"}, "--iterations cannot be combined with sphere-sphere");
-  refused({"cylinder-cylinder", "--iterations", "4,8"}, "--iterations is '4,8'; it must be M,K1,K2");
-  refused({"cylinder-cylinder", "--iterations", "0,8,8"}, "iterations: M is 0, expected 4, 8 or 16");
-  refused({"cylinder-cylinder", "--iterations", "5,8,8"}, "iterations: M is 5, expected 4, 8 or 16");
-  refused({"cylinder-cylinder", "--iterations", "4,8,65"}, "iterations: K2 is 65, expected 0 to 64");
-  refused({"cylinder-cylinder", "--iterations", "4,8,8,"}, "--iterations is '4,8,8,'; it must be M,K1,K2");
+  refused({"sphere-sphere", "--iterations", "4,8,8"},
+          "--iterations cannot be combined with sphere-sphere");
+  refused({"cylinder-cylinder", "--iterations", "4,8"},
+          "--iterations is '4,8'; it must be M,K1,K2");
+  refused({"cylinder-cylinder", "--iterations", "0,8,8"},
+          "iterations: M is 0, expected 4, 8 or 16");
+  refused({"cylinder-cylinder", "--iterations", "5,8,8"},
+          "iterations: M is 5, expected 4, 8 or 16");
+  refused({"cylinder-cylinder", "--iterations", "4,8,65"},
+          "iterations: K2 is 65, expected 0 to 64");
+  refused({"cylinder-cylinder", "--iterations", "4,8,8,"},
+          "--iterations is '4,8,8,'; it must be M,K1,K2");
   refused({"cylinder-cylinder", "--iterations", "13"},
           "--iterations is 13; cylinder-cylinder needs 14 to 334 evaluations");
   refused({"obb-cylinder", "--iterations", "29"},
@@ -304,7 +310,8 @@ TEST_F(Query, Iterations_SetTheCyclesOfACylinderPair) {
   EXPECT_EQ(whole - none, 40 * loop);
   EXPECT_EQ(clocks({"--iterations", "14"}), none);
   EXPECT_EQ(clocks({"--iterations", "54"}), whole);
-  EXPECT_EQ(clocks({"--iterations", "58"}), whole + 3 * loop) << "K2 takes three of four evaluations";
+  EXPECT_EQ(clocks({"--iterations", "58"}), whole + 3 * loop)
+      << "K2 takes three of four evaluations";
 }
 
 // ---- Complete runs ----

@@ -60,8 +60,8 @@ class Ranks : public Cli {
   static std::string counted(const Ran& ran) {
     const auto json = nlohmann::json::parse(ran.out);
     std::string text;
-    for (const char* key : {"through", "brute_force_rays", "nodes", "leaves", "deepest", "tests", "hits",
-                            "records", "records_compared", "records_matching"})
+    for (const char* key : {"through", "brute_force_rays", "nodes", "leaves", "deepest", "tests",
+                            "hits", "records", "records_compared", "records_matching"})
       text += fmt::format("{} {}\n", key, json.at(key).dump());
     return text;
   }

@@ -167,9 +167,9 @@ TEST_F(Pages, MixedScene_IsReportedCompletely) {
     std::uint64_t any = data["queries"][q]["rays"] == false ? 1 : 0;
     for (const json& frame : run["played"]) any += frame["queries"][q]["hits"].get<std::uint64_t>();
     const std::string query = data["queries"][q]["name"];
-    EXPECT_EQ(
-        count(distances[0], fmt::format("aria-label=\"{}, signed distance or T over time\"", query)),
-        any > 0 ? 1u : 0u)
+    EXPECT_EQ(count(distances[0],
+                    fmt::format("aria-label=\"{}, signed distance or T over time\"", query)),
+              any > 0 ? 1u : 0u)
         << query;
   }
   EXPECT_EQ(count(distances[0], "NaN") + count(distances[0], "nan"), 0u);

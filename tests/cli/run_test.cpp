@@ -114,8 +114,8 @@ TEST_F(RunScene, CardTransforms_CostPoseAndChangedVertices) {
     EXPECT_LE(words(frame), moved + 40) << "rounded up to whole beats";
   }
   // Transforms on the host give the same records.
-  write("host.toml",
-        std::string(scene).replace(scene.find("lanes = 16"), 10, "lanes = 16\ntransform_site = \"host\""));
+  write("host.toml", std::string(scene).replace(scene.find("lanes = 16"), 10,
+                                                "lanes = 16\ntransform_site = \"host\""));
   ASSERT_EQ(cde({"run", "host.toml", "-q"}).status, 0);
   EXPECT_EQ(run_json("host.run")["played"][1]["queries"][0]["counters"]["secondary_words"],
             216 * 9);

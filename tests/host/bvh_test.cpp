@@ -19,10 +19,10 @@
 namespace cde::testing {
 namespace {
 
-using Eigen::AlignedBox3f;
-using Eigen::Vector3f;
 using bvh::Child;
 using bvh::Node;
+using Eigen::AlignedBox3f;
+using Eigen::Vector3f;
 using Boxes = std::vector<AlignedBox3f>;
 
 /// A box of a node's child, in numbers that represent it exactly.

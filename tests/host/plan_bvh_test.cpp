@@ -98,8 +98,8 @@ TEST(PlanBvh, RaysForABvh_AreMovedByTheHost) {
                            "]\nmotion = { kind = \"velocity\", linear = [1, 0, 0] }\n";
   const std::string all = query("mode = \"all\"\n").replace(18, 3, "all");
   const auto card_moves = [&](const char* bvh) {
-    const Plan p = of(fmt::format("[card]\nbvh = \"{}\"\n", bvh) + ground(40) + rays +
-                      query() + all);
+    const Plan p =
+        of(fmt::format("[card]\nbvh = \"{}\"\n", bvh) + ground(40) + rays + query() + all);
     return std::find(p.card_moves_primaries.begin(), p.card_moves_primaries.end(), true) !=
            p.card_moves_primaries.end();
   };
@@ -164,7 +164,8 @@ TEST(PlanBvh, SolidPrimaries_UseABvh) {
       EXPECT_TRUE(both.queries[1].bvh);
       EXPECT_EQ(bvh(both).why.find("primaries of touch traverse"), 0u);
     }
-    const auto brute_force = [&](const std::string& card, const std::string& more, const char* why) {
+    const auto brute_force = [&](const std::string& card, const std::string& more,
+                                 const char* why) {
       const Plan none = of(card + ground(60) + solids(shape, more));
       EXPECT_FALSE(bvh(none).used);
       EXPECT_TRUE(has(bvh(none).why, why));

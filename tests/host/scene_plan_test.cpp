@@ -185,7 +185,8 @@ TEST(Plan, LoadedPrimaries_AreMovedByTheCard) {
   };
   loaded(of(drawn(256, "true") + moving), 256 * 8, "they deform, so they differ in every frame");
   loaded(of(drawn(257, "false") + moving), 257 * 8, "they are loaded packet by packet");
-  loaded(of(drawn(256, "false") + moving, "[card]\ntransform_site=\"host\"\n"), 256 * 8, "transform_site = \"host\"");
+  loaded(of(drawn(256, "false") + moving, "[card]\ntransform_site=\"host\"\n"), 256 * 8,
+         "transform_site = \"host\"");
   loaded(of(drawn(1, "false") + moving), 8, "loading them again takes no more words");
 }
 
@@ -206,11 +207,12 @@ TEST(Plan, TooManyObjects_AreMovedByTheHost) {
   const Plan host = of(2049, "auto");
   EXPECT_EQ(host.board.transform, Transformer::kNone);
   EXPECT_EQ(effect(host, "transformer").why, "more objects than the 2048 of a card's table");
-  expect_error(ErrorCode::kUsage,
-               "s.toml: card, transform_site = \"card\": query 'q' has 2049 objects among its secondaries "
-               "(each shape that moves on its own counts as one), but a card's table holds 2048; "
-               "use transform_site = \"host\"",
-               [&] { (void)of(2049, "card"); });
+  expect_error(
+      ErrorCode::kUsage,
+      "s.toml: card, transform_site = \"card\": query 'q' has 2049 objects among its secondaries "
+      "(each shape that moves on its own counts as one), but a card's table holds 2048; "
+      "use transform_site = \"host\"",
+      [&] { (void)of(2049, "card"); });
 }
 
 /// A range that the host writes again is one entry, however many of its shapes move.
@@ -290,8 +292,7 @@ TEST(Plan, RequestedFilters_AreUsedOrRefused) {
   refused("filter = 16", "card, filter: must be a text");
   refused("filter = \"fp32\"",
           "s.toml:2:10: card, filter: a certified filter in fp32 cannot precede fp32");
-  refused("filter = \"fp24\"\nformat = \"fp16\"",
-          "a certified filter in fp24 cannot precede fp16");
+  refused("filter = \"fp24\"\nformat = \"fp16\"", "a certified filter in fp24 cannot precede fp16");
   refused("filter = \"fp16\"\nlanes = 64", "with the certified filter it must be 1 to 32");
   try {
     (void)plan(parse_scene("[card]\nfilter = \"fp16\"\n" + kGood, "s.toml"));

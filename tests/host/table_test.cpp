@@ -7,10 +7,10 @@
 #include <string>
 
 #include "../has.hpp"
-#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/card/fp_unit.hpp"
 #include "cde/card/pair_unit.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde {

@@ -34,7 +34,11 @@ class Bench {
  public:
   Bench(std::vector<Node> nodes, const std::vector<std::uint32_t>& order,
         const Triangles& triangles, Timing timing, unsigned seed = 1)
-      : nodes(std::move(nodes)), order_(order), triangles_(triangles), timing_(timing), dice_(seed) {
+      : nodes(std::move(nodes)),
+        order_(order),
+        triangles_(triangles),
+        timing_(timing),
+        dice_(seed) {
     module_->start_i = 0;
     reset();
   }

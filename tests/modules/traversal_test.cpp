@@ -48,8 +48,7 @@ struct Memory {
 template <class Module>
 class Bench {
  public:
-  Bench(const std::vector<Triangle>& triangles, const Bvh& bvh)
-      : triangles_(triangles), bvh_(bvh) {
+  Bench(const std::vector<Triangle>& triangles, const Bvh& bvh) : triangles_(triangles), bvh_(bvh) {
     module_->rst_i = 1;
     module_->ray_valid_i = module_->fetched_valid_i = 0;
     module_->record_ready_i = module_->fetch_ready_i = 0;
@@ -71,7 +70,8 @@ class Bench {
     std::vector<Record> records(rays.size());
     std::size_t sent = 0, got = 0;
     module_->goal_i = static_cast<CData>(goal);
-    module_->traversal_i = std::is_same_v<P, Ray> ? 0 : 11;  // ray-triangle, triangle-sphere swapped
+    module_->traversal_i =
+        std::is_same_v<P, Ray> ? 0 : 11;  // ray-triangle, triangle-sphere swapped
     module_->ahead_i = ahead;
     for (clocks = 0; got < rays.size(); ++clocks) {
       if (clocks > 1000 * rays.size() + 1'000'000) {

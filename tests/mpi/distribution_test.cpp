@@ -103,10 +103,10 @@ TEST(Distribution, EmptyChunks_PrintTheOverhead) {
 }
 
 TEST(Distribution, SlowRank_GetsFewerChunks) {
-  const Distributed distributed =
-      distribute({.chunks = 60, .run = [](const Chunk&) {
-              std::this_thread::sleep_for(std::chrono::milliseconds(ranks->rank() == 1 ? 100 : 10));
-            }});
+  const Distributed distributed = distribute(
+      {.chunks = 60, .run = [](const Chunk&) {
+         std::this_thread::sleep_for(std::chrono::milliseconds(ranks->rank() == 1 ? 100 : 10));
+       }});
   if (ranks->rank() != 0) return;
   EXPECT_EQ(distributed.numbers, all(60));
   for (const unsigned quick : {0u, 2u}) EXPECT_GT(distributed.of_rank.at(quick), 15) << quick;
@@ -116,28 +116,28 @@ TEST(Distribution, SlowRank_GetsFewerChunks) {
 TEST(Distribution, OwnedChunks_GoToTheirRank) {
   const Distributed distributed =
       distribute({.chunks = 41,
-            .run = [](const Chunk& c) { EXPECT_EQ(c.number % 3, ranks->rank()); },
-            .owner = [](std::uint64_t c) { return std::optional<unsigned>(c % 3); }});
+                  .run = [](const Chunk& c) { EXPECT_EQ(c.number % 3, ranks->rank()); },
+                  .owner = [](std::uint64_t c) { return std::optional<unsigned>(c % 3); }});
   EXPECT_EQ(distributed.numbers, all(ranks->rank() == 0 ? 41 : 0));
 }
 
 /// An error on any rank reaches all ranks, and they can continue with other work.
 TEST(Distribution, Error_EndsTheWorkOnAllRanks) {
   for (const unsigned bad : {0u, 1u, 2u}) {
-    const Distributed distributed = distribute({.chunks = 1000, .bytes = 1 << 20, .run = [&](const Chunk& c) {
-                                if (c.number > 5 && ranks->rank() == bad)
-                                  throw Error(ErrorCode::kMismatch,
-                                              "chunk " + std::to_string(c.number) + " is bad");
-                                std::this_thread::sleep_for(std::chrono::milliseconds(2));
-                              }});
+    const Distributed distributed = distribute(
+        {.chunks = 1000, .bytes = 1 << 20, .run = [&](const Chunk& c) {
+           if (c.number > 5 && ranks->rank() == bad)
+             throw Error(ErrorCode::kMismatch, "chunk " + std::to_string(c.number) + " is bad");
+           std::this_thread::sleep_for(std::chrono::milliseconds(2));
+         }});
     const std::string where = ranks->place(bad) + ": chunk ";
     EXPECT_NE(distributed.error.find(where), std::string::npos) << distributed.error;
     EXPECT_EQ(distributed.error.starts_with("the run ended on rank 0: "), ranks->rank() != 0);
     EXPECT_LT(distributed.numbers.size(), 500u);
   }
   const Distributed taken = distribute({.chunks = 100, .done = [](std::uint64_t c) {
-                              if (c == 7) throw Error(ErrorCode::kFile, "disk is full");
-                            }});
+                                          if (c == 7) throw Error(ErrorCode::kFile, "disk is full");
+                                        }});
   EXPECT_NE(taken.error.find("disk is full"), std::string::npos) << taken.error;
 }
 

@@ -95,8 +95,8 @@ void expect_rule_is_quiet(const std::vector<Secondary>& all, Pipe pipe, std::siz
       ASSERT_GE(distance, plain.f ? -plain.t : plain.t);
     }
   }
-  fmt::print("seed {}, {} pairs: the rule changes {} distances and {} F\n", kSeed + 1, pairs, changed,
-             flags);
+  fmt::print("seed {}, {} pairs: the rule changes {} distances and {} F\n", kSeed + 1, pairs,
+             changed, flags);
   EXPECT_EQ(changed, 0u);
   EXPECT_EQ(flags, 0u);
 }
@@ -136,7 +136,8 @@ TEST(BvhForSolids, FarSphere_ReadsFewNodes) {
     Draw draw(4);
     for (std::uint32_t i = 0; i < 50; ++i) {
       const Triangle& under = scene[draw.below(scene.size())];
-      (void)traversal.trace(Sphere{under.v0 + 10 * quads * Vector3f::UnitZ(), 5}, i, Mode::kNearest);
+      (void)traversal.trace(Sphere{under.v0 + 10 * quads * Vector3f::UnitZ(), 5}, i,
+                            Mode::kNearest);
     }
     const double each = static_cast<double>(traversal.counts().secondaries) / 50;
     fmt::print("a sphere {:g} quads above: {:.1f} nodes, {:.1f} triangles\n", quads,

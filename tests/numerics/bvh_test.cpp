@@ -42,8 +42,8 @@ class BvhEveryRecord : public ::testing::TestWithParam<std::tuple<Case, Algorith
                                                   : by_moller / 20;
   }
   /// Brute-force records, mode by mode.
-  [[nodiscard]] std::vector<Record> brute_force(const TriangleScene& scene, const std::vector<Ray>& rays,
-                                          Mode mode) const {
+  [[nodiscard]] std::vector<Record> brute_force(const TriangleScene& scene,
+                                                const std::vector<Ray>& rays, Mode mode) const {
     std::vector<Record> all = reference::cast(rays, scene, mode, {}, {}, true, {}, algorithm_);
     std::stable_sort(all.begin(), all.end(), [](const Record& a, const Record& b) {
       return a.primary != b.primary ? a.primary < b.primary : a.index < b.index;
@@ -133,8 +133,7 @@ TEST_P(BvhEveryRecord, CardRefit_EqualsBruteForce) {
     }
     const auto refitted = reference::refit(built.nodes(), built.order(), scene);
     ASSERT_FALSE(refitted.bad);
-    const Bvh bvh =
-        rewritten(built, refitted.nodes, reference::box_of(refitted.nodes[0]));
+    const Bvh bvh = rewritten(built, refitted.nodes, reference::box_of(refitted.nodes[0]));
     reference::Traversal traversal(scene, bvh, algorithm_);
     Rays make(scene, 2);
     std::vector<Ray> rays;

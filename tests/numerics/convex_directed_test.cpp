@@ -86,7 +86,8 @@ TEST(ConvexPairDirected, TiltedBoxes_KeepTheirDistance) {
     const double u_s = 0x1p-24 * oracle::scene_size(c.shape_a(), c.shape_b());
     EXPECT_FALSE(o.f);
     EXPECT_LE(std::abs(o.t - distance.middle()) / u_s, 5) << c.describe();
-    EXPECT_GE(oracle::distance_along(c.shape_a(), c.shape_b(), o.n.cast<double>()), distance.lo - 8 * u_s)
+    EXPECT_GE(oracle::distance_along(c.shape_a(), c.shape_b(), o.n.cast<double>()),
+              distance.lo - 8 * u_s)
         << c.describe();
   }
 }

@@ -78,7 +78,7 @@ oracle::Result judged(const Outcome<S>& o) {
 
 /// check(), repeated with a hundredfold budget if the oracle could not decide.
 inline oracle::Decision decision(const oracle::Shape& a, const oracle::Shape& b,
-                               const oracle::Result& r, oracle::CheckOptions options) {
+                                 const oracle::Result& r, oracle::CheckOptions options) {
   oracle::Decision v = oracle::check(a, b, r, options);
   if (v.failure == oracle::Failure::kOracleTooWide) {
     options.distance.max_evaluations *= 100;

@@ -96,7 +96,7 @@ double witness_miss(const oracle::Case& c) {
 TEST_P(ConvexPair, WitnessPoints_LieInTheBodies) {
   const int count = amount(40000, 1000000);
   const bool sat = GetParam() == Pair::kObbObb || GetParam() == Pair::kTriangleObb ||
-                      GetParam() == Pair::kTriangleAabb;
+                   GetParam() == Pair::kTriangleAabb;
   const int allowed = sat && count > 40000 ? 2 : 0;
   int out = 0;
   double worst = 0;
@@ -223,7 +223,7 @@ Sized judge_sizes(Pair pair, double size_a, double size_b, int count) {
     const auto* plane = std::get_if<oracle::Plane>(&b);
     const oracle::Vec n = plane != nullptr ? plane->n : random.direction();
     const double distance = random.chance(0.5) ? random.uniform(-0.3, 1)
-                                          : random.either_sign(random.decades(1e-4, 1e-1));
+                                               : random.either_sign(random.decades(1e-4, 1e-1));
     const double to = distance * std::min(size_a, size_b);
     if (plane != nullptr)
       a = oracle::moved(a, (oracle::support(a, -n) + to) * n);

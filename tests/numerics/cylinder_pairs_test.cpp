@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Answers of the mirror references of the three cylinder pairs against the certified oracle. Checks
-// the shortfall of s_K per number of iterations, that s_K never exceeds s, witness points, degenerate operands,
-// and every format.
+// the shortfall of s_K per number of iterations, that s_K never exceeds s, witness points,
+// degenerate operands, and every format.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -79,8 +79,8 @@ struct Tail {
   int over, far_over, false_hits;
 };
 
-/// Limits for the default iterations and the most on a set, and the share of hits that keeps the set
-/// meaningful.
+/// Limits for the default iterations and the most on a set, and the share of hits that keeps the
+/// set meaningful.
 struct CaseSet {
   const char* name;
   int count, full_count;
@@ -149,7 +149,7 @@ const CaseSet kSets[] = {
 };
 
 const Iterations kIterations[] = {{4, 0, 0}, {4, 2, 2}, {4, 3, 3},   {4, 4, 4},
-                           {4, 6, 6}, {8, 8, 8}, {8, 12, 12}, kFull};
+                                  {4, 6, 6}, {8, 8, 8}, {8, 12, 12}, kFull};
 constexpr std::size_t kDefault = 5;  ///< index in kIterations
 
 struct Row {
@@ -202,7 +202,8 @@ class Survey {
 
  private:
   void judge(const oracle::Case& c);
-  void judge_default(const oracle::Case& c, const oracle::SignedDistance& distance, const Outcome<float>& outcome);
+  void judge_default(const oracle::Case& c, const oracle::SignedDistance& distance,
+                     const Outcome<float>& outcome);
   [[nodiscard]] std::ptrdiff_t beyond() const {
     return std::count_if(off_.begin(), off_.end(), [](double x) { return x > 1; });
   }
@@ -228,7 +229,8 @@ void Survey::judge(const oracle::Case& c) {
     const Outcome<float> outcome = answer<float>(pair_, c.a, c.b, kIterations[k]);
     const double s = signed_distance_of(outcome);
     ASSERT_LE(s, distance.hi + tolerance) << "above the signed distance\n" << c.describe();
-    EXPECT_NEAR(oracle::distance_along(a, b, outcome.n.cast<double>()), s, tolerance) << c.describe();
+    EXPECT_NEAR(oracle::distance_along(a, b, outcome.n.cast<double>()), s, tolerance)
+        << c.describe();
     rows_[k].shortfall.push_back(std::max(0.0, distance.lo - s) / size);
     rows_[k].false_hits += outcome.f && distance.lo > tolerance;
     if (k == kDefault) judge_default(c, distance, outcome);
@@ -314,7 +316,8 @@ INSTANTIATE_TEST_SUITE_P(All, CylinderPairs,
 TEST(CylinderRegression, BoxBelowARim_HasItsDistance) {
   const Obb box{Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(6, 2, 1), Eigen::Matrix3f::Identity()};
   const Cylinder cylinder{Eigen::Vector3f(0, 4, 5), Eigen::Vector3f(0, 0, 1), 3, 1};
-  for (const Iterations iterations : {Iterations{4, 6, 6}, Iterations{8, 8, 8}, Iterations{16, 64, 64}}) {
+  for (const Iterations iterations :
+       {Iterations{4, 6, 6}, Iterations{8, 8, 8}, Iterations{16, 64, 64}}) {
     const Outcome<float> got = reference::obb_cylinder<float>(box, cylinder, iterations);
     EXPECT_FALSE(got.f);
     EXPECT_NEAR(got.t, std::sqrt(2.0), 1e-6);
@@ -327,7 +330,8 @@ TEST(CylinderRegression, TriangleBelowARim_HasItsDistance) {
   const Triangle triangle{Eigen::Vector3f(-6, 0, 0), Eigen::Vector3f(6, 0, 0),
                           Eigen::Vector3f(0, -5, 0)};
   const Cylinder cylinder{Eigen::Vector3f(0, 5, 2), Eigen::Vector3f(0, 0, 1), 1, 4};
-  for (const Iterations iterations : {Iterations{4, 6, 6}, Iterations{8, 8, 8}, Iterations{16, 64, 64}}) {
+  for (const Iterations iterations :
+       {Iterations{4, 6, 6}, Iterations{8, 8, 8}, Iterations{16, 64, 64}}) {
     const Outcome<float> got = reference::triangle_cylinder<float>(triangle, cylinder, iterations);
     EXPECT_FALSE(got.f);
     EXPECT_NEAR(got.t, std::sqrt(2.0), 1e-6);
@@ -341,7 +345,8 @@ TEST(CylinderRegression, MissingRims_HaveTheirDistance) {
                                  1.26860404, 0.357277811};
   const std::vector<double> b = {0.19473657,   0.921042919, -2.12024307, -0.494172364,
                                  -0.650091469, -0.57721293, 0.260761261, 1.10080326};
-  const Outcome<float> got = answer<float>(oracle::Pair::kCylinderCylinder, a, b, Iterations{8, 8, 8});
+  const Outcome<float> got =
+      answer<float>(oracle::Pair::kCylinderCylinder, a, b, Iterations{8, 8, 8});
   EXPECT_FALSE(got.f);
   EXPECT_NEAR(got.t, 1.851e-4, 1e-6);
 }
@@ -398,7 +403,8 @@ TEST(CylinderRegression, FlatDistance_HasACorrectNormal) {
   const std::vector<double> cylinder = {3, 6, 0, 0.000936599099f, 0.000456357229f, 0.999999464f,
                                         4, 2};
   const oracle::Case c{oracle::Pair::kObbCylinder, 0, 0, "leaning", box, cylinder};
-  const oracle::SignedDistance exact = oracle::signed_distance(c.shape_a(), c.shape_b(), {1e-13, 1000000});
+  const oracle::SignedDistance exact =
+      oracle::signed_distance(c.shape_a(), c.shape_b(), {1e-13, 1000000});
   const Outcome<float> got = answer<float>(c.pair, c.a, c.b, {});
   EXPECT_FALSE(got.f);
   EXPECT_NEAR((got.n.cast<double>() - exact.n).norm(), 0, 2e-6);
@@ -414,7 +420,8 @@ TEST(CylinderRegression, TriangleWithASecondMaximum_FindsTheHigherOne) {
       {6, 4, -1, 0, 0, -1, 1, 5}, {-1, -3, 1, 0, 0, -1, 2, 5}, {-1, -3, 0, 0, 0, -1, 3, 4}};
   for (int i = 0; i < 3; ++i) {
     const oracle::Case c{oracle::Pair::kTriangleCylinder, 0, 0, "deep", triangles[i], cylinders[i]};
-    const oracle::SignedDistance exact = oracle::signed_distance(c.shape_a(), c.shape_b(), {1e-13, 1000000});
+    const oracle::SignedDistance exact =
+        oracle::signed_distance(c.shape_a(), c.shape_b(), {1e-13, 1000000});
     const Outcome<float> got = answer<float>(c.pair, c.a, c.b, {});
     EXPECT_NEAR(signed_distance_of(got), exact.lo, 1e-6) << i;
     EXPECT_NEAR((got.n.cast<double>() - exact.n).norm(), 0, 1e-5) << i;

@@ -100,7 +100,8 @@ void compare(const char* name, const Mesh& mesh, const std::vector<Ray>& rays) {
     edge += excused;
   }
   std::printf(
-      "%s: seed %u, %zu rays, %d hit, %d same triangle, %d other triangle at the same T, %d uncertain "
+      "%s: seed %u, %zu rays, %d hit, %d same triangle, %d other triangle at the same T, %d "
+      "uncertain "
       "at an edge\n",
       name, kSeed, rays.size(), hits, same, tie, edge);
   EXPECT_GT(hits, static_cast<int>(0.3 * rays.size()));

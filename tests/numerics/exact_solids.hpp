@@ -8,8 +8,8 @@
 #include "cde/geometry/primitives.hpp"
 
 /// Ray against sphere and cylinder with 168 bits of precision: an independent oracle. Its formulas
-/// differ from the formulas of the pipes: textbook quadratics in the plane across the axis. They lose half
-/// of the digits, which this precision allows.
+/// differ from the formulas of the pipes: textbook quadratics in the plane across the axis. They
+/// lose half of the digits, which this precision allows.
 namespace cde::testing {
 
 using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float_50::backend_type,

@@ -130,8 +130,8 @@ TYPED_TEST(CertifiedFilter, Rounding_IsWithinItsBound) {
     n *= 1.1F / n.norm();
     const Vector<double> wide_n = n.cast<double>();
     const double narrow = distance_along(Body(a), Body(b), n, dot<float>(n, n));
-    const double wide = distance_along(Body(shape_of<WideA>(c.a)), Body(shape_of<WideB>(c.b)), wide_n,
-                                  dot<double>(wide_n, wide_n));
+    const double wide = distance_along(Body(shape_of<WideA>(c.a)), Body(shape_of<WideB>(c.b)),
+                                       wide_n, dot<double>(wide_n, wide_n));
     most = std::max(most, std::abs(narrow - wide) / (kU * size_of_pair(Body(a), Body(b))));
   }
   std::cout << fmt::format("distance along n: at most {:.2f} u S off\n", most);
@@ -152,7 +152,7 @@ TYPED_TEST(CertifiedFilter, Operators_EqualTheDocs) {
   };
   const auto [text, sum] = count([&] {
     (void)certify(shape_of<typename TypeParam::template A<Counted>>(c.a),
-                shape_of<typename TypeParam::template B<Counted>>(c.b), Proposal<Counted>{});
+                  shape_of<typename TypeParam::template B<Counted>>(c.b), Proposal<Counted>{});
   });
   std::string pipe = "in rounds";
   if (!has_iterations(TypeParam::kPair)) {

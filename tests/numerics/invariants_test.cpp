@@ -22,8 +22,8 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/oracle/cases.hpp"
 #include "cde/oracle/certificate.hpp"
-#include "cde/oracle/signed_distance.hpp"
 #include "cde/oracle/rays.hpp"
+#include "cde/oracle/signed_distance.hpp"
 #include "cde/reference/pairs.hpp"
 #include "in_docs.hpp"
 

@@ -142,7 +142,8 @@ TEST_P(MollerAgainstExact, Decisions_AreRightOutsideTheBand) {
   }
   const int pairs = kRays * kTriangles;
   std::printf(
-      "%s: seed %u, %d pairs, %.1f %% hit, %d (%.2f %%) left uncertain by the bound, %d of them decided "
+      "%s: seed %u, %d pairs, %.1f %% hit, %d (%.2f %%) left uncertain by the bound, %d of them "
+      "decided "
       "otherwise than exact arithmetic, "
       "largest error of T %.2f of its bound\n",
       GetParam().name, kSeed, pairs, 100.0 * hits / pairs, uncertain, 100.0 * uncertain / pairs,

@@ -229,11 +229,13 @@ void expect_right(const Algorithm& algorithm, const Scene& scene, int pairs, con
                   double most_uncertain = 0.5) {
   const Report r = judge<S>(algorithm, scene, pairs);
   std::printf(
-      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, uncertain %d (%.2f %%), of "
+      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, uncertain %d (%.2f "
+      "%%), of "
       "them %d decided otherwise than exact arithmetic; furthest wrong F at %.2f of the band, T "
       "off by %.2f of its bound, CP by %.2f\n",
       algorithm.name, format, scene.name, Random::kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong,
-      r.uncertain, 100.0 * r.uncertain / r.pairs, r.uncertain_wrong, r.worst_edge, r.worst_depth, r.worst_point);
+      r.uncertain, 100.0 * r.uncertain / r.pairs, r.uncertain_wrong, r.worst_edge, r.worst_depth,
+      r.worst_point);
   EXPECT_EQ(r.wrong, 0);
   EXPECT_LE(r.worst_depth, 1);
   EXPECT_LE(r.worst_point, 1);

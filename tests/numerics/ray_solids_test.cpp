@@ -205,13 +205,14 @@ template <typename S, typename Case>
 void expect_right(const Scene& scene, int pairs, const char* format) {
   const Report r = judge<S, Case>(scene, pairs);
   std::printf(
-      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, uncertain %d (%.2f %%), of "
+      "%s %s %s: seed %u, %d pairs, %.1f %% hit, wrong outside the band %d, uncertain %d (%.2f "
+      "%%), of "
       "them %d decided otherwise than exact arithmetic; %d more underflow; surface missed by %.2f "
       "u (band %g), CP "
       "off by %.2f u\n",
       Case::kName, format, scene.name, Random::kSeed, r.pairs, 100.0 * r.hits / r.pairs, r.wrong,
-      r.uncertain, 100.0 * r.uncertain / r.pairs, r.uncertain_wrong, r.underflows, r.residual, kUsualBand,
-      r.point);
+      r.uncertain, 100.0 * r.uncertain / r.pairs, r.uncertain_wrong, r.underflows, r.residual,
+      kUsualBand, r.point);
   EXPECT_EQ(r.wrong, 0);
   EXPECT_LE(r.underflows, (std::numeric_limits<S>::min_exponent > -100 ? 0.2 : 0) * r.pairs);
   EXPECT_LE(r.residual, kUsualBand);

@@ -19,9 +19,9 @@
 namespace cde::testing {
 namespace {
 
-using Eigen::AlignedBox3f;
 using bvh::Child;
 using bvh::Node;
+using Eigen::AlignedBox3f;
 using Integer = boost::multiprecision::cpp_int;
 
 /// In units of 2^-149: every fp32 number is an integer.

@@ -62,9 +62,9 @@ TEST_P(Scaling, PowerOfTwo_ScalesExactly) {
         oracle::generate(static_cast<oracle::Pair>(pair), kSeed, i,
                          {.exp_bits = format.exp_bits, .man_bits = format.man_bits});
     const LengthRange length = scale_range(c, a, b, Kind::kLength, exact_range(pair, format));
-    const LengthRange direction = a == Shape::kRay
-                                      ? scale_range(c, a, b, Kind::kDirection, exact_range(pair, format))
-                                      : LengthRange{0, 0};
+    const LengthRange direction =
+        a == Shape::kRay ? scale_range(c, a, b, Kind::kDirection, exact_range(pair, format))
+                         : LengthRange{0, 0};
     if (length.low > length.high || direction.low > direction.high) continue;
     const auto between = [&](LengthRange r) {
       return r.low + static_cast<int>(random() % static_cast<unsigned>(r.high - r.low + 1));
@@ -187,8 +187,9 @@ TEST_P(Scaling, SizesOfAnyRatio_MeetTheContract) {
       continue;
     }
     if (format.man_bits == 52) continue;  // the oracle itself computes in binary64
-    const oracle::Decision v = oracle::check(c.shape_a(), c.shape_b(), {r.f, t, cp, n},
-                                            {.u = u, .distance = {}, .lower_bound = has_iterations(pair)});
+    const oracle::Decision v =
+        oracle::check(c.shape_a(), c.shape_b(), {r.f, t, cp, n},
+                      {.u = u, .distance = {}, .lower_bound = has_iterations(pair)});
     if (!v.ok() && ++failed <= 3) ADD_FAILURE() << v.describe() << '\n' << c.describe();
   }
   std::printf("%s %s: %zu judged, %zu hits, %zu failed\n", std::string(name(pair)).c_str(),

@@ -61,7 +61,8 @@ inline bool is_size(Shape shape, std::size_t k) {
 
 /// The exponents by which a pair's lengths (of === kDirection: its direction) can be scaled within
 /// the range.
-inline LengthRange scale_range(const oracle::Case& c, Shape a, Shape b, Kind of, LengthRange range) {
+inline LengthRange scale_range(const oracle::Case& c, Shape a, Shape b, Kind of,
+                               LengthRange range) {
   double largest = 0, least_size = std::ldexp(1, 900);
   const auto look = [&](Shape shape, const std::vector<double>& words) {
     for (std::size_t k = 0; k < words.size(); ++k) {

@@ -125,7 +125,8 @@ class Distances {
     const auto exact_b = reference::transformed(exactly(mb), primitive_cast<double>(b));
     const double scale = extents + (centre(exact_a) - centre(exact_b)).cwiseAbs().sum();
     const double bound = 16 * kU * scale + error_a + error_b;
-    const double got = distance({8, 23}, moved_a, moved_b), wanted = distance({11, 52}, exact_a, exact_b);
+    const double got = distance({8, 23}, moved_a, moved_b),
+                 wanted = distance({11, 52}, exact_a, exact_b);
     worst_ = std::max(worst_, std::abs(got - wanted) / bound);
     ++(wanted <= 0 ? hits_ : misses_);
   }

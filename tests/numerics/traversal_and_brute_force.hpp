@@ -10,9 +10,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "bvh_pair.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/reference/traversal.hpp"
-#include "bvh_pair.hpp"
 
 /// Primaries against a BVH, compared with brute force.
 namespace cde::testing {
@@ -25,7 +25,7 @@ inline bool full() {
 /// Brute-force records, by ascending primary, then index.
 template <class P, class Secondary>
 std::vector<Record> brute_force(const std::vector<Secondary>& all, const std::vector<P>& primaries,
-                          Mode mode) {
+                                Mode mode) {
   const auto [pair, swap] = bvh_pair<P, Secondary>();
   std::vector<Record> records;
   const Shapes secondaries = all;

@@ -11,9 +11,9 @@
 #include <map>
 #include <string>
 
-#include "cde/oracle/signed_distance.hpp"
 #include "cde/oracle/random.hpp"
 #include "cde/oracle/rays.hpp"
+#include "cde/oracle/signed_distance.hpp"
 #include "printed.hpp"
 
 namespace cde::oracle {

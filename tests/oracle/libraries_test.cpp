@@ -9,8 +9,8 @@
 
 #include "cde/oracle/build_shape.hpp"
 #include "cde/oracle/cases.hpp"
-#include "cde/oracle/signed_distance.hpp"
 #include "cde/oracle/rays.hpp"
+#include "cde/oracle/signed_distance.hpp"
 #include "oracle/cgal.hpp"
 #include "oracle/fcl.hpp"
 #include "printed.hpp"
@@ -48,7 +48,8 @@ TEST_P(FclOracle, SignedDistance_AgreesWithFcl) {
     // Near round shapes GJK ends early with the distance of two points, which is too large.
     const double size = scene_size(a, b);
     const double below = (bounds.lo - fcl) / size, above = (fcl - bounds.hi) / size;
-    EXPECT_LE(below, 2e-9) << i << ": FCL " << fcl << ", s in [" << bounds.lo << ", " << bounds.hi << ']';
+    EXPECT_LE(below, 2e-9) << i << ": FCL " << fcl << ", s in [" << bounds.lo << ", " << bounds.hi
+                           << ']';
     EXPECT_LE(above, is_round ? 1e-5 : 2e-9)
         << i << ": FCL " << fcl << ", s in [" << bounds.lo << ", " << bounds.hi << ']';
     const double error = std::max({0.0, below, above});

@@ -53,8 +53,8 @@ TEST_P(KnownDistance, KnownDistance_LiesInTheInterval) {
     EXPECT_LE(bounds.lo, s) << "swapped: " << swapped;
     EXPECT_GE(bounds.hi, s) << "swapped: " << swapped;
     EXPECT_LE(bounds.hi - bounds.lo, 1.1e-8 * scene_size(a, b));
-    EXPECT_NEAR(swapped ? distance_along(b, a, bounds.n) : distance_along(a, b, bounds.n), bounds.lo,
-                1e-13 * scene_size(a, b));
+    EXPECT_NEAR(swapped ? distance_along(b, a, bounds.n) : distance_along(a, b, bounds.n),
+                bounds.lo, 1e-13 * scene_size(a, b));
   }
 }
 
@@ -180,7 +180,8 @@ TEST_P(EveryConvexPair, Distance_IsBoundedByNormalsAndPoints) {
     // Near the best normal, where an error could occur.
     for (int k = 0; k < 100; ++k) {
       const double by = random.decades(1e-9, 1e-1);
-      EXPECT_LE(distance_along(a, b, bounds.n + by * random.direction()), bounds.hi) << c.describe();
+      EXPECT_LE(distance_along(a, b, bounds.n + by * random.direction()), bounds.hi)
+          << c.describe();
     }
   }
 }
@@ -219,7 +220,8 @@ INSTANTIATE_TEST_SUITE_P(All, EveryConvexPair,
 TEST(SignedDistance, ExhaustedBudget_GivesAWideTrueInterval) {
   // Two cylinders about one centre, slightly tilted: a whole circle of normals is nearly best.
   const Shape a = Cylinder{kO, kZ, 5, 1}, b = Cylinder{kO, Vec(1e-6, 0, 1).normalized(), 5, 1};
-  const SignedDistance wide = signed_distance(a, b, {1e-9, 2000}), narrow = signed_distance(a, b, {1e-7, 2000000});
+  const SignedDistance wide = signed_distance(a, b, {1e-9, 2000}),
+                       narrow = signed_distance(a, b, {1e-7, 2000000});
   EXPECT_FALSE(wide.converged);
   EXPECT_LT(wide.evaluations, 2100);
   EXPECT_LE(wide.lo, narrow.hi);

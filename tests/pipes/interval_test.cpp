@@ -146,8 +146,7 @@ TEST(SatIntervalConfig, UnsupportedIntervals_AreRefused) {
     const PairConfig config{.pair = pair, .sat_interval = kInterval};
     if (!has_sat_interval(pair)) {
       expect_refused(config, "no candidate axes");
-      expect_refused(BoardConfig{.pairs = {pair}, .sat_interval = kInterval},
-                     "no candidate axes");
+      expect_refused(BoardConfig{.pairs = {pair}, .sat_interval = kInterval}, "no candidate axes");
       continue;
     }
     const auto listed = [](const std::vector<std::string>& parameters) {

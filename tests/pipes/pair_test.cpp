@@ -209,7 +209,8 @@ unsigned rows_in_flight(cde::PairUnit& unit) {
 /// again when these rows have finished.
 std::uint64_t stated_clocks(cde::PairUnit& unit, std::uint64_t rows,
                             const cde::PairIterations& iterations) {
-  const std::uint64_t in_flight = cde::has_iterations(unit.config().pair) ? rows_in_flight(unit) : 0;
+  const std::uint64_t in_flight =
+      cde::has_iterations(unit.config().pair) ? rows_in_flight(unit) : 0;
   if (in_flight == 0) return rows - 1 + unit.latency();
   unit.set_iterations(iterations);
   return (rows - 1) / in_flight * in_flight * passes(unit.config().pair, iterations) +
@@ -406,14 +407,14 @@ TEST_P(CylinderIterations, Iterations_SetTheWorkOfAPair) {
   const Operands o = operands(config, 0, count, words);
   std::vector<PairResult> before;
   for (const cde::PairIterations iterations : {cde::PairIterations{8, 8, 8},
-                                       {4, 0, 0},
-                                       {16, 3, 5},
-                                       {4, 12, 1},
-                                       {8, 0, 7},
-                                       {16, 1, 0},
-                                       {4, 64, 64}}) {
-    SCOPED_TRACE(std::to_string(iterations.samples) + "," + std::to_string(iterations.circle) + "," +
-                 std::to_string(iterations.free));
+                                               {4, 0, 0},
+                                               {16, 3, 5},
+                                               {4, 12, 1},
+                                               {8, 0, 7},
+                                               {16, 1, 0},
+                                               {4, 64, 64}}) {
+    SCOPED_TRACE(std::to_string(iterations.samples) + "," + std::to_string(iterations.circle) +
+                 "," + std::to_string(iterations.free));
     std::vector<PairResult> expected(count), got(count), stalled(count);
     cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
                                config.plane, iterations);
@@ -422,7 +423,8 @@ TEST_P(CylinderIterations, Iterations_SetTheWorkOfAPair) {
     unit.set_iterations(iterations);
     EXPECT_EQ(unit.test(o.a, o.b, got), stated);
     if (const auto [g, e] = std::mismatch(got.begin(), got.end(), expected.begin()); g != got.end())
-      ADD_FAILURE() << failure(unit, o, static_cast<std::size_t>(g - got.begin()), *g, *e, iterations);
+      ADD_FAILURE() << failure(unit, o, static_cast<std::size_t>(g - got.begin()), *g, *e,
+                               iterations);
     EXPECT_FALSE(got == before) << "other iterations must give other signed distances";
     std::mt19937 random(1);
     (void)unit.test(o.a, o.b, stalled,

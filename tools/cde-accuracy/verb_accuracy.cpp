@@ -12,14 +12,14 @@
 #include "accuracy/accuracy_page.hpp"
 #include "accuracy/accuracy_report.hpp"
 #include "accuracy/names.hpp"
-#include "cde/accuracy/saved_sweep.hpp"
-#include "cde/accuracy/picture.hpp"
 #include "cde/accuracy/cost.hpp"
+#include "cde/accuracy/filters.hpp"
+#include "cde/accuracy/picture.hpp"
 #include "cde/accuracy/profiles.hpp"
+#include "cde/accuracy/saved_sweep.hpp"
 #include "cde/accuracy/scene_accuracy.hpp"
 #include "cde/accuracy/simulated.hpp"
 #include "cde/accuracy/sweep.hpp"
-#include "cde/accuracy/filters.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/card/machine.hpp"
 #include "cde/fp/number_text.hpp"
@@ -288,7 +288,7 @@ void run_picture(const AccuracyOptions& o) {
 /// Runs the queries of every frame in each format. Modelled times are for the planned card.
 void run_scene(const AccuracyOptions& o) {
   cde::Scene scene = load_scene(o.scene);
-  scene.card.bvh = UseBvh::kOff;  // a BVH needs fp32, and rows are rows of brute force
+  scene.card.bvh = UseBvh::kOff;  // a BVH needs fp32, and the rows are for brute force
   const Plan planned = plan(scene);
   const Frames frames = frames_of(o.frames, scene);
   SceneAccuracyOptions options{.first = frames.first, .last = frames.last, .quiet = o.quiet};
@@ -557,10 +557,10 @@ void add_output(CLI::App& verb, AccuracyOptions& o) {
 /// Called after the options that it excludes are added.
 void add_filters(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Instead of generated cases");
-  CLI::Option* filters =
-      verb.add_flag("--filters", o.filters,
-                    "Measure the certified filter of pairs of solids: the misses that a narrow "
-                    "format proves in fp32. Default of --formats is bf16,fp16, of --iterations 4,2,2");
+  CLI::Option* filters = verb.add_flag(
+      "--filters", o.filters,
+      "Measure the certified filter of pairs of solids: the misses that a narrow "
+      "format proves in fp32. Default of --formats is bf16,fp16, of --iterations 4,2,2");
   for (const char* other :
        {"--mesh", "--scene", "--page", "--from", "--resume", "--shard", "--check", "--variants"})
     filters->excludes(other);

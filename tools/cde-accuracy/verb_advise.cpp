@@ -12,8 +12,8 @@
 
 #include "accuracy/advice.hpp"
 #include "accuracy/names.hpp"
-#include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "options/clock_target.hpp"

@@ -26,10 +26,9 @@ struct Section {
   const char* name;
   nlohmann::ordered_json (*measure)(const BenchOptions&);
 };
-constexpr Section kSections[] = {{"rays", bench_rays},       {"fp", bench_fp},
-                                 {"pairs", bench_pairs},     {"bus", bench_bus},
-                                 {"effects", bench_effects}, {"bvh", bench_bvh},
-                                 {"waves", bench_waves}};
+constexpr Section kSections[] = {
+    {"rays", bench_rays},       {"fp", bench_fp},   {"pairs", bench_pairs}, {"bus", bench_bus},
+    {"effects", bench_effects}, {"bvh", bench_bvh}, {"waves", bench_waves}};
 
 std::string field_of(const char* file, const std::string& field) {
   std::ifstream in(file);

@@ -46,8 +46,9 @@ void run(const Arguments& a) {
   print_figure("With a BVH\n");
   for (const WithBvh& row : r.bvh) {
     show_bvh(row.figures);
-    print_figure("  brute force with {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
-         counted(a.options.lanes, "lane"), duration(row.brute_force.seconds));
+    print_figure(
+        "  brute force with {}, ideal memory: 256 rays with all transfers over PCI 64/66 {}\n",
+        counted(a.options.lanes, "lane"), duration(row.brute_force.seconds));
   }
   if (!a.quiet)
     log("check: {} of {} compared with the reference, 0 differ\npage: {}\n", r.records_compared,

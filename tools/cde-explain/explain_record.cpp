@@ -251,7 +251,8 @@ class Text {
       side_wins("reference", s_.reference);
     }
     const bool one = s_.candidates == 1;
-    put("Brute force in the reference: {} of {} {}.", s_.candidates, counted(s_.pairs_in_reference, "pair"),
+    put("Brute force in the reference: {} of {} {}.", s_.candidates,
+        counted(s_.pairs_in_reference, "pair"),
         s_.of_pairs() ? one ? "has a record" : "have a record"
         : one         ? "is a candidate"
                       : "are candidates");
@@ -297,7 +298,7 @@ std::optional<ExplainedPair> explained_pair(const RecordStory& s) {
   const PairOptions options = options_of(pipe);
   auto explanation = explain::explain(pipe.config, words.a, words.b, iterations_of(options));
   return ExplainedPair{*secondary, std::move(words), words_of(options, pipe.config, false),
-              std::move(explanation)};
+                       std::move(explanation)};
 }
 
 Json side_json(const std::optional<Side>& side) {
@@ -377,7 +378,7 @@ void explain_record(const RecordRequest& r) {
     print(Text(s, r.most).text());
     if (t)
       print(fmt::format("\nPrimary {} and secondary {} in the pipe alone\n\n{}", s.primary,
-                      t->secondary, explanation_text(t->options, t->explanation, r.most)));
+                        t->secondary, explanation_text(t->options, t->explanation, r.most)));
   }
   if (!s.same() || (t && !t->explanation.same())) exit_code = exit_status(ErrorCode::kMismatch);
 }

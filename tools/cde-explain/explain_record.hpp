@@ -11,8 +11,8 @@ struct RecordRequest {
   bool exact = false;   ///< only the planned card
   bool json = false;
 };
-/// Prints the explanation of the record. Sets exit_code to the status of a mismatch if card and reference
-/// differ.
+/// Prints the explanation of the record. Sets exit_code to the status of a mismatch if card and
+/// reference differ.
 void explain_record(const RecordRequest& request);
 
 }  // namespace cde::cli

@@ -10,9 +10,9 @@
 #include <filesystem>
 #include <map>
 
-#include "cde/model/model.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/fp/scalars.hpp"
+#include "cde/model/model.hpp"
 #include "cde/reference/pass.hpp"
 #include "cde/scene/packet_again.hpp"
 #include "cde/scene/scene_runner.hpp"
@@ -171,8 +171,11 @@ class Teller {
     for (const reference::BruteForcePair& p : tested.pairs) {
       const Record& r = p.record;
       const bool negative = !s_.of_pairs() && is_solid(q.pair) && r.f;
-      by_secondary_[p.secondary] = {
-          .f = r.f, .bad = r.bad, .candidate = p.candidate, .kept = p.kept, .t = negative ? -r.t : r.t};
+      by_secondary_[p.secondary] = {.f = r.f,
+                                    .bad = r.bad,
+                                    .candidate = p.candidate,
+                                    .kept = p.kept,
+                                    .t = negative ? -r.t : r.t};
       order_.push_back(p.secondary);
       s_.candidates += p.candidate ? 1 : 0;
     }

@@ -49,11 +49,11 @@ struct RecordStory {
   std::optional<BuiltCard> stands_in_for;
   std::size_t query = 0;
   std::uint32_t frame = 0, primary = 0;
-  std::uint32_t first_frame = 0;            ///< first played frame
-  std::vector<Record> card, reference;      ///< of the primary
-  std::vector<StoryPair> arrived;           ///< pairs, in order of arrival
-  std::vector<StoryPair> missing;           ///< candidates that the card did not test
-  std::uint64_t passes = 0;                 ///< of the packet
+  std::uint32_t first_frame = 0;                         ///< first played frame
+  std::vector<Record> card, reference;                   ///< of the primary
+  std::vector<StoryPair> arrived;                        ///< pairs, in order of arrival
+  std::vector<StoryPair> missing;                        ///< candidates that the card did not test
+  std::uint64_t passes = 0;                              ///< of the packet
   std::uint64_t pairs_in_reference = 0, candidates = 0;  ///< pairs of the primary in the reference
   bool brute_force_instead =
       false;  ///< brute force replaced the run's BVH traversal, which shows no pairs

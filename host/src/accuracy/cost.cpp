@@ -99,7 +99,7 @@ std::vector<PipeFigures> figures_of(const std::vector<AccuracyPipe>& pipes, bool
 }
 
 Cost cost_of(const AccuracyPipe& pipe, const PipeFigures& figures, const Target& target,
-               const CostTable& table) {
+             const CostTable& table) {
   Cost cost{.figures = figures, .target = target};
   if (target.assumed_mhz) {
     cost.why_not = "the clock is assumed";

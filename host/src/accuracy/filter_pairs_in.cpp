@@ -2,8 +2,8 @@
 #include "accuracy/filter_pairs_in.hpp"
 
 #include "cde/fp/scalars.hpp"
-#include "cde/reference/pipes/dispatch.hpp"
 #include "cde/reference/filter/proposal.hpp"
+#include "cde/reference/pipes/dispatch.hpp"
 
 namespace cde::accuracy {
 namespace {
@@ -17,7 +17,7 @@ P shape_of(const std::uint64_t* words) {
 
 template <class N, template <class> class A, template <class> class B, class Test>
 void test_pairs(reference::Kinds<A<N>, B<N>>, Test test, Words a, Words b,
-           std::span<reference::filter::Certain> certain) {
+                std::span<reference::filter::Certain> certain) {
   for (std::size_t i = 0; i < certain.size(); ++i) {
     const auto x = shape_of<A<float>>(&a[i * A<float>::kWords]);
     const auto y = shape_of<B<float>>(&b[i * B<float>::kWords]);

@@ -43,7 +43,7 @@ void count(FilterCounts& counts, const oracle::Case& pair, Certain certain) {
 }
 
 FilterCounts counted(const FilterRow& row, const oracle::Family& family, std::uint64_t seed,
-                      std::uint64_t cases) {
+                     std::uint64_t cases) {
   const AccuracyPipe wide{.pair = row.pair, .format = FpFormat::parse("fp32")};
   FilterCounts counts;
   std::vector<Certain> certain;
@@ -66,9 +66,9 @@ std::string percent(std::uint64_t part, std::uint64_t all) {
 }
 
 std::string iterations_text(const FilterRow& row) {
-  return has_iterations(row.pair)
-             ? fmt::format(" {},{},{}", row.iterations.samples, row.iterations.circle, row.iterations.free)
-             : "";
+  return has_iterations(row.pair) ? fmt::format(" {},{},{}", row.iterations.samples,
+                                                row.iterations.circle, row.iterations.free)
+                                  : "";
 }
 
 Json counts_json(const FilterCounts& c) {

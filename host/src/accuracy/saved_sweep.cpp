@@ -36,11 +36,11 @@ Quantiles quantiles_of(const Json& json) {
 std::optional<SavedCase> case_of(const Json& json) {
   if (json.is_null()) return std::nullopt;
   return SavedCase{.family = json.at("family"),
-                  .command = json.at("repeat_command").is_null()
-                                 ? std::string()
-                                 : json.at("repeat_command").get<std::string>(),
-                  .index = json.at("case_index"),
-                  .size = finite_or_infinite(json.at("error_u"))};
+                   .command = json.at("repeat_command").is_null()
+                                  ? std::string()
+                                  : json.at("repeat_command").get<std::string>(),
+                   .index = json.at("case_index"),
+                   .size = finite_or_infinite(json.at("error_u"))};
 }
 
 std::uint64_t count_of(const Json& json, const char* key) {
@@ -111,8 +111,8 @@ AccuracyPipe pipe_of(const Json& json) {
   pipe.variant = *known;
   if (!has_iterations(pipe.pair)) return pipe;
   const auto iterations = json.at("iterations").get<std::string>();
-  if (std::sscanf(iterations.c_str(), "%2u,%2u,%2u", &pipe.iterations.samples, &pipe.iterations.circle,
-                  &pipe.iterations.free) != 3)
+  if (std::sscanf(iterations.c_str(), "%2u,%2u,%2u", &pipe.iterations.samples,
+                  &pipe.iterations.circle, &pipe.iterations.free) != 3)
     throw Error(ErrorCode::kFile, "no iterations " + in_quotes(iterations));
   return pipe;
 }

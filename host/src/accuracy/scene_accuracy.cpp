@@ -91,7 +91,9 @@ class Tester {
       if (r.bad || (!r.f && (!is_solid(query_.pair) || query_.mode == Mode::kAny))) continue;
       if (best == kNone) best = s;
       if (query_.mode == Mode::kAny) break;
-      if (query_.mode == Mode::kNearest ? signed_t(s) < signed_t(best) : signed_t(s) > signed_t(best)) best = s;
+      if (query_.mode == Mode::kNearest ? signed_t(s) < signed_t(best)
+                                        : signed_t(s) > signed_t(best))
+        best = s;
     }
     return best;
   }

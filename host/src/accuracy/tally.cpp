@@ -49,7 +49,7 @@ bool decide(Tally& tally, bool f, bool certain_hit, bool certain_miss, bool near
 }
 
 ResultErrors judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
-                    const PairResult& answer) {
+                          const PairResult& answer) {
   const oracle::Format format = oracle_format(pipe.format);
   const double u = format.u();
   const oracle::Result result{answer.f, pipe.format.decode(answer.t),
@@ -90,7 +90,7 @@ ResultErrors judge_solids(Tally& tally, const AccuracyPipe& pipe, const oracle::
 }
 
 ResultErrors judge_ray(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
-                 const PairResult& answer) {
+                       const PairResult& answer) {
   const oracle::Format format = oracle_format(pipe.format);
   const double u = format.u(), band = kBand * u;
   const oracle::RayAnswer exact = oracle::cast(words);
@@ -146,7 +146,8 @@ std::string AccuracyPipe::options() const {
     text += fmt::format(" --algorithm {} {}", cde::name(algorithm), box ? "--box" : "--no-box");
   text += fmt::format(" --format {}", format.name());
   if (has_iterations(pair))
-    text += fmt::format(" --iterations {},{},{}", iterations.samples, iterations.circle, iterations.free);
+    text += fmt::format(" --iterations {},{},{}", iterations.samples, iterations.circle,
+                        iterations.free);
   return text;
 }
 
@@ -242,7 +243,7 @@ std::vector<PairResult> answers(const AccuracyPipe& pipe, const DrawnCases& case
 }
 
 ResultErrors judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
-             const PairResult& answer) {
+                   const PairResult& answer) {
   ++tally.cases;
   tally.hits += answer.f ? 1 : 0;
   if (answer.bad) {

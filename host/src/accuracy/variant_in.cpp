@@ -25,7 +25,7 @@ S value_of(Fused<S> x) {
 /// format's scalar.
 template <class S, class R, class A, class B, class Test>
 void test_pairs(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-           std::span<PairResult> results, Test test) {
+                std::span<PairResult> results, Test test) {
   const auto shape = []<class P>(P, const std::uint64_t* words) {
     P p;
     visit_words(p, [&words](const char*, int, auto& word) {

@@ -11,8 +11,8 @@
 #include <numeric>
 #include <thread>
 
-#include "cde/geometry/pair.hpp"
 #include "cde/bvh/bvh.hpp"
+#include "cde/geometry/pair.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde {
@@ -297,7 +297,7 @@ auto boxes_of(const TriangleView& triangles) {
 class BvhBuilder {
  public:
   BvhBuilder(Bvh& to, const Pairings& from, const std::vector<Reference>& references,
-                   unsigned depth)
+             unsigned depth)
       : to_(to), from_(from), most_(depth) {
     to_.nodes_.clear();
     to_.order_.reserve(references.size());
@@ -367,14 +367,12 @@ class BvhBuilder {
   std::uint32_t next_node_ = 0;
 };
 
-Bvh Bvh::build(std::span<const Eigen::AlignedBox3f> boxes,
-                           const BvhOptions& options) {
+Bvh Bvh::build(std::span<const Eigen::AlignedBox3f> boxes, const BvhOptions& options) {
   return build(
       boxes.size(), [&](std::size_t i) { return boxes[i]; }, options, kMostDepth);
 }
 
-Bvh Bvh::build(std::size_t count, const BoxOf& box, const BvhOptions& options,
-                           unsigned depth) {
+Bvh Bvh::build(std::size_t count, const BoxOf& box, const BvhOptions& options, unsigned depth) {
   if (options.leaf != 1 && options.leaf != 2)
     throw Error(ErrorCode::kUsage,
                 fmt::format("a BVH with leaves of {}; expected 1 or 2", options.leaf));
@@ -418,24 +416,24 @@ constexpr std::size_t kMostParts = std::size_t{1} << (3 * kTopDepth);
 }  // namespace
 
 Bvh Bvh::build(const TriangleView& triangles, std::span<const std::uint32_t> parts,
-                           const BvhOptions& options) {
+               const BvhOptions& options) {
   return build(triangles.size(), boxes_of(triangles), parts, options);
 }
 Bvh Bvh::build(std::span<const Sphere> spheres, std::span<const std::uint32_t> parts,
-                           const BvhOptions& options) {
+               const BvhOptions& options) {
   return build(spheres.size(), boxes_of(spheres), parts, options);
 }
 Bvh Bvh::build(std::span<const Aabb> boxes, std::span<const std::uint32_t> parts,
-                           const BvhOptions& options) {
+               const BvhOptions& options) {
   return build(boxes.size(), boxes_of(boxes), parts, options);
 }
 Bvh Bvh::build(std::span<const Obb> boxes, std::span<const std::uint32_t> parts,
-                           const BvhOptions& options) {
+               const BvhOptions& options) {
   return build(boxes.size(), boxes_of(boxes), parts, options);
 }
 
-Bvh Bvh::build(std::size_t count, const BoxOf& box,
-                           std::span<const std::uint32_t> parts, const BvhOptions& options) {
+Bvh Bvh::build(std::size_t count, const BoxOf& box, std::span<const std::uint32_t> parts,
+               const BvhOptions& options) {
   if (parts.empty()) throw Error(ErrorCode::kUsage, "a BVH needs at least one part");
   if (parts.size() > kMostParts)
     throw Error(ErrorCode::kCapacity,

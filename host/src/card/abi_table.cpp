@@ -12,7 +12,8 @@
 
 namespace cde {
 
-void check_table(const SimulationModel& model, const cde_abi_head& head, const cde_abi_head& built) {
+void check_table(const SimulationModel& model, const cde_abi_head& head,
+                 const cde_abi_head& built) {
   if (head.version == built.version && head.size == built.size) return;
   const std::string what =
       head.version != built.version

@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "cde/abi/abi_head.h"
-#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/card/trace.hpp"
+#include "cde/model/model.hpp"
 
 namespace cde {
 
@@ -20,7 +20,8 @@ void check_table(const SimulationModel& model, const cde_abi_head& head, const c
 /// The function table of a simulation model. `Entry` is the type of the only function that the
 /// model exports. Error kConfiguration if it exports no such function or another table.
 template <class Entry>
-[[nodiscard]] auto abi_table(const SimulationModel& model, const char* entry, std::uint32_t version) {
+[[nodiscard]] auto abi_table(const SimulationModel& model, const char* entry,
+                             std::uint32_t version) {
   const auto* const table = reinterpret_cast<Entry>(model.symbol(entry))();
   check_table(model, table->head, {version, static_cast<std::uint32_t>(sizeof *table)});
   return table;

@@ -203,9 +203,9 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
   wanted.trace = config.trace || waves;
   const std::vector<std::string> parameters = wanted.parameters();
   SimulationModel model =
-      options.file ? SimulationModel::load(*options.file, options.config_hash
-                                                        ? *options.config_hash
-                                                        : model_hash(config.top(), parameters))
+      options.file ? SimulationModel::load(
+                         *options.file, options.config_hash ? *options.config_hash
+                                                            : model_hash(config.top(), parameters))
                    : SimulationModel::open(config.top(), parameters);
   const std::uint64_t expected = options.config_hash.value_or(model.config_hash());
   const std::string file = model.path().string();

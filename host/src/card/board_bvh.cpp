@@ -25,8 +25,7 @@ bool is_leaf(Shape shape) {
   return false;
 }
 
-void check_fits(const Board::Impl& card, const Bvh& bvh, std::uint64_t secondaries,
-                Shape shape) {
+void check_fits(const Board::Impl& card, const Bvh& bvh, std::uint64_t secondaries, Shape shape) {
   if (card.traversal_units == 0)
     throw Error(ErrorCode::kUsage, "this card has no traversal units, and so no BVH");
   const std::vector<Object>& objects = card.objects.objects;
@@ -141,8 +140,7 @@ void Board::Impl::write_bvh(const Bvh& source) {
   for (std::size_t first = 0; first < nodes.size(); first += kChunk) {
     front.clear();
     rest.clear();
-    for (const bvh::Node& node :
-         nodes.subspan(first, std::min(kChunk, nodes.size() - first))) {
+    for (const bvh::Node& node : nodes.subspan(first, std::min(kChunk, nodes.size() - first))) {
       front.insert(front.end(), node.words.begin(), node.words.begin() + kFront);
       rest.insert(rest.end(), node.words.begin() + kFront, node.words.end());
     }
@@ -188,8 +186,7 @@ void Board::Impl::outdate_bvh(std::uint64_t first, std::uint64_t count) {
   bvh.moved.resize(bvh.parts.size());
   bvh.stale = true;
   for (std::size_t k = 0; k < bvh.parts.size(); ++k)
-    if (first < std::uint64_t{bvh.firsts[k]} + bvh.counts[k] &&
-        bvh.firsts[k] < first + count)
+    if (first < std::uint64_t{bvh.firsts[k]} + bvh.counts[k] && bvh.firsts[k] < first + count)
       bvh.moved[k] = true;
 }
 
@@ -224,8 +221,7 @@ Counters Board::refit() {
   Query query;
   query.pair = Pair::kRayTriangle;
   it.prepare_objects();
-  const auto ranges =
-      it.bvh.stale ? outdated(it.bvh) : std::vector{std::array{0u, it.bvh.nodes}};
+  const auto ranges = it.bvh.stale ? outdated(it.bvh) : std::vector{std::array{0u, it.bvh.nodes}};
   it.bvh.stale = true;
   Counters counters;
   for (const auto& [first, end] : ranges) counters += RefitPass(it, query).execute(first, end);
@@ -302,8 +298,7 @@ std::optional<std::string> Board::why_not_traversable(const Query& query) const 
 namespace {
 
 template <class Shapes>
-Bvh bvh_of_any(const Shapes& shapes, std::span<const Object> objects,
-                           const BvhOptions& options) {
+Bvh bvh_of_any(const Shapes& shapes, std::span<const Object> objects, const BvhOptions& options) {
   if (objects.empty()) throw Error(ErrorCode::kUsage, "a BVH needs at least one object");
   std::vector<std::uint32_t> counts;
   for (const Object& object : objects) {
@@ -328,20 +323,19 @@ Bvh bvh_of_any(const Shapes& shapes, std::span<const Object> objects,
 }  // namespace
 
 Bvh bvh_of(const TriangleView& triangles, std::span<const Object> objects,
-                       const BvhOptions& options) {
+           const BvhOptions& options) {
   return bvh_of_any(triangles, objects, options);
 }
 
 Bvh bvh_of(std::span<const Sphere> spheres, std::span<const Object> objects,
-                       const BvhOptions& options) {
+           const BvhOptions& options) {
   return bvh_of_any(spheres, objects, options);
 }
 Bvh bvh_of(std::span<const Aabb> boxes, std::span<const Object> objects,
-                       const BvhOptions& options) {
+           const BvhOptions& options) {
   return bvh_of_any(boxes, objects, options);
 }
-Bvh bvh_of(std::span<const Obb> boxes, std::span<const Object> objects,
-                       const BvhOptions& options) {
+Bvh bvh_of(std::span<const Obb> boxes, std::span<const Object> objects, const BvhOptions& options) {
   return bvh_of_any(boxes, objects, options);
 }
 

@@ -34,7 +34,7 @@ struct ObjectTable {
 struct LoadedBvh {
   std::uint32_t nodes = 0, slots = 0;   ///< 0: no BVH
   std::array<std::uint32_t, 8> root{};  ///< as in kRegRoot
-  std::vector<Bvh::Part> parts;   ///< one per object
+  std::vector<Bvh::Part> parts;         ///< one per object
   std::vector<std::uint32_t> firsts;    ///< first secondary of each object
   std::vector<std::uint32_t> counts;
   bool stale = false;       ///< secondaries have changed since the upload
@@ -85,7 +85,8 @@ class Board::Impl {
   void prepare();
   void prepare_objects();  ///< the objects' part of prepare()
   /// The DDR byte where a secondary with an uncorrectable word begins. Halves the range with a pass
-  /// each time. `command` is the command of the failed pass. Nothing if no pass finds the error again.
+  /// each time. `command` is the command of the failed pass. Nothing if no pass finds the error
+  /// again.
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
   /// Writes nodes and slots into their memories.
   void write_bvh(const Bvh& source);
@@ -129,11 +130,11 @@ class Board::Impl {
   Shape secondary_shape = Shape::kTriangle, primary_shape = Shape::kRay, second_shape = Shape::kRay;
   std::vector<Pair> pairs;
   bool can_swap = false, has_normals = false, parallel = false;
-  unsigned slot_words = 0;      ///< of a primary
+  unsigned slot_words = 0;    ///< of a primary
   unsigned sat_interval = 1;  ///< cycles between rows for pairs with candidate axes
   bool filter = false;        ///< `BoardConfig::filter`
-  bool box = false;             ///< BoardConfig::box
-  bool passing = false;  ///< inside Board::run, whose sink and progress must not start a pass
+  bool box = false;           ///< BoardConfig::box
+  bool passing = false;       ///< inside Board::run, whose sink and progress must not start a pass
   std::uint64_t pass_retries = 0;
   std::uint64_t register_ps = 0;  ///< spent in register accesses
   std::uint64_t load_ps = 0;      ///< spent in the last load of primaries

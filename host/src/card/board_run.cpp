@@ -6,8 +6,8 @@
 #include <array>
 #include <iterator>
 
-#include "card/card_pass.hpp"
 #include "card/bvh_pass.hpp"
+#include "card/card_pass.hpp"
 #include "cde/contract/pairs.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/reference/pairs.hpp"
@@ -36,13 +36,14 @@ class Pass : private CardPass {
     const std::uint64_t passes =
         std::max(reference::passes(*query.pair, query.iterations),
                  query.second ? reference::passes(query.second->pair, query.iterations) : 0u);
-    const bool sat = has_sat_interval(*query.pair) || (query.second && has_sat_interval(query.second->pair));
+    const bool sat =
+        has_sat_interval(*query.pair) || (query.second && has_sat_interval(query.second->pair));
     // Behind the certified filter, a row takes up to one cycle per lane.
     const bool filter = card.filter && (has_filter(*query.pair) ||
-                                            (query.second && has_filter(query.second->pair)));
+                                        (query.second && has_filter(query.second->pair)));
     const std::uint64_t clocks_a_row = passes != 0 ? passes
-                                       : filter  ? card.lanes
-                                       : sat    ? card.sat_interval
+                                       : filter    ? card.lanes
+                                       : sat       ? card.sat_interval
                                                    : 1;
     const std::uint64_t rows_total = rows * secondaries_ * clocks_a_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
@@ -52,8 +53,9 @@ class Pass : private CardPass {
     // slot, and register accesses.
     constexpr std::uint64_t kAccessesPs = 100'000'000;
     const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_clocks()) * records +
-                                secondaries_ * (card.ddr_latency / 32 + 2) + 8192 + card.pipe_latency +
-                                passes * contract::kIterativeRows + kAccessesPs / card.period_ps;
+                                secondaries_ * (card.ddr_latency / 32 + 2) + 8192 +
+                                card.pipe_latency + passes * contract::kIterativeRows +
+                                kAccessesPs / card.period_ps;
     ring_entries_ = query.normals ? 2 : 1;
     deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
   }
@@ -91,8 +93,8 @@ class Pass : private CardPass {
     card_.write_register(card::kRegPrimCount, slots_);
     card_.write_register(card::kRegPrimSplit, split_);
     card_.write_register(card::kRegIterations, card::kIterationsM(query_.iterations.samples) |
-                                               card::kIterationsK1(query_.iterations.circle) |
-                                               card::kIterationsK2(query_.iterations.free));
+                                                   card::kIterationsK1(query_.iterations.circle) |
+                                                   card::kIterationsK2(query_.iterations.free));
     if (card_.objects.entries != 0)
       card_.write_register(card::kRegObjectCount, card_.objects.objects.size());
     if (card_.primary_objects.entries != 0)
@@ -222,8 +224,8 @@ class Pass : private CardPass {
   [[nodiscard]] std::string state() override {
     return fmt::format(
         "status {:#x}, {} of {} secondaries tested, {} rows issued, {} records waiting, clock {}",
-        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries), secondaries_,
-        card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
+        card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries),
+        secondaries_, card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
         card_.clocks());
   }
 
@@ -347,7 +349,7 @@ Counters with_retries(Board::Impl& card, const Attempt& attempt) {
 }
 
 Counters traverse(Board::Impl& card, const Query& query, std::span<const std::uint32_t> numbers,
-              const BvhPass::Rays& rays, std::vector<Record>& records) {
+                  const BvhPass::Rays& rays, std::vector<Record>& records) {
   records.clear();
   if (numbers.empty()) return {};
   return with_retries(card, [&] {
@@ -370,7 +372,7 @@ Record f_alone(const Record& any) {
 
 /// A brute-force pass over all secondaries. `present` throws if the board is gone.
 Counters brute_force(Board::Impl& card, const Query& query, const RecordSink& sink,
-               const std::function<void()>& present) {
+                     const std::function<void()>& present) {
   Query asked = query;
   std::vector<Record> blank;
   RecordSink out = sink;

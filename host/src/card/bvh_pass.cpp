@@ -37,8 +37,7 @@ std::string node_fault(Board::Impl& card, std::uint64_t fault) {
         return fmt::format("slot {} has an object above the {} of the card", place,
                            card.objects.objects.size());
       case card::kNodeFaultDepth:
-        return fmt::format("node {} has more than {} levels above it", place,
-                           Bvh::kMostDepth);
+        return fmt::format("node {} has more than {} levels above it", place, Bvh::kMostDepth);
       case card::kNodeFaultNodeBits:
         return fmt::format("node {} has an uncorrectable error", place);
       case card::kNodeFaultSlotBits:
@@ -50,8 +49,8 @@ std::string node_fault(Board::Impl& card, std::uint64_t fault) {
   return "the BVH in the card's memory is malformed: " + what();
 }
 
-BvhPass::BvhPass(Board::Impl& card, const Query& query,
-                             std::span<const std::uint32_t> numbers, const Rays& rays)
+BvhPass::BvhPass(Board::Impl& card, const Query& query, std::span<const std::uint32_t> numbers,
+                 const Rays& rays)
     : CardPass(card, query),
       numbers_(numbers),
       normals_(query.normals && query.mode != Mode::kOccluded),
@@ -79,8 +78,7 @@ Counters BvhPass::execute(std::vector<Record>& records) {
 
 void BvhPass::configure() {
   card_.write_register(card::kRegControl, card::kControlClear);
-  card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) |
-                                              card::kCommandBvh |
+  card_.write_register(card::kRegCommand, card::kCommandMode(query_.mode) | card::kCommandBvh |
                                               (query_.swap ? card::kCommandSwap : 0) |
                                               (normals_ ? card::kCommandNormals : 0) |
                                               card::kCommandPair(*query_.pair));

@@ -34,7 +34,7 @@ class BvhPass : private CardPass {
   /// `numbers` are the numbers of the rays in records, ascending, one per ray. All arguments must
   /// outlive the pass.
   BvhPass(Board::Impl& card, const Query& query, std::span<const std::uint32_t> numbers,
-                const Rays& rays);
+          const Rays& rays);
 
   /// Runs the pass to its last record. Modes with one record per ray sort by number. Mode hits
   /// sorts by packet of the card, then index, then number. These are the orders of a brute-force

@@ -111,7 +111,8 @@ class CardLink {
 /// A link that drives the local bus directly. It computes the time that PCI would take
 /// (bus_time.hpp), counted from a card that the host has set up. Error kConfiguration if the
 /// simulation model has another interface, kDevice if there is no memory for the card.
-[[nodiscard]] std::unique_ptr<CardLink> local_link(SimulationModel model, const OpenOptions& options);
+[[nodiscard]] std::unique_ptr<CardLink> local_link(SimulationModel model,
+                                                   const OpenOptions& options);
 
 /// A card behind PCI. Registers use single accesses. Everything else uses the card's DMA engine and
 /// pages that this link maps for it. The link repeats transfers that fail for a transient reason,

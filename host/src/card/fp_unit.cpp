@@ -45,7 +45,8 @@ FpUnit::FpUnit(const SimulationModel& model) : state_(std::make_unique<State>(mo
 }
 
 FpUnit::FpUnit(FpFormat format, Arithmetic arithmetic, int lanes, bool flags)
-    : FpUnit(SimulationModel::open("fp_unit", fp_unit_parameters(format, arithmetic, lanes, flags))) {}
+    : FpUnit(
+          SimulationModel::open("fp_unit", fp_unit_parameters(format, arithmetic, lanes, flags))) {}
 
 FpUnit::~FpUnit() = default;
 FpUnit::FpUnit(FpUnit&&) noexcept = default;

@@ -91,8 +91,7 @@ PairUnit::PairUnit(const SimulationModel& model, const PairConfig& config)
   s.api = abi_table<cde_pair_entry_fn>(s.model, "cde_pair_entry", CDE_PAIR_ABI);
   const std::string path = printable_name(model.path().string());
   if (s.api->lanes != config.lanes || s.api->a_words != primary_words(config.pair) ||
-      s.api->b_words != secondary_words(config.pair) ||
-      s.api->config_hash != s.model.config_hash())
+      s.api->b_words != secondary_words(config.pair) || s.api->config_hash != s.model.config_hash())
     throw Error(
         ErrorCode::kConfiguration,
         fmt::format("simulation model {} is not the requested {} unit", path, name(config.pair)));
@@ -131,7 +130,8 @@ void PairUnit::set_iterations(const PairIterations& iterations) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} has no iterations to set", name(state().config.pair)));
   iterations.check();
-  idle().api->set_iterations(state().unit, iterations.free << 16 | iterations.circle << 8 | iterations.samples);
+  idle().api->set_iterations(state().unit,
+                             iterations.free << 16 | iterations.circle << 8 | iterations.samples);
 }
 void PairUnit::reset() {
   idle().api->reset(state().unit);

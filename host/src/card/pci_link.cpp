@@ -52,8 +52,7 @@ const char* text_of(std::uint32_t code) {
 class PciLink final : public CardLink {
  public:
   PciLink(SimulationModel model, const OpenOptions& options)
-      : port_(std::move(model), options,
-              std::uint64_t{2} * (kDataPage + kDataPages) * kPageBytes),
+      : port_(std::move(model), options, std::uint64_t{2} * (kDataPage + kDataPages) * kPageBytes),
         period_ps_(options.clock_period_ps),
         retries_(options.bus_retries),
         burst_(options.bus_burst) {

@@ -64,15 +64,15 @@ PairIterations iterations_named(const std::string& text, Pair pair, std::string_
   if (text.find_first_not_of("0123456789,") == std::string::npos) {
     if (std::sscanf(text.c_str(), "%9u%n", &evaluations, &end) == 1 && is_all(end))
       return split(evaluations, pair);
-    if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &iterations.samples, &iterations.circle, &iterations.free,
-                    &end) == 3 &&
+    if (std::sscanf(text.c_str(), "%3u,%3u,%3u%n", &iterations.samples, &iterations.circle,
+                    &iterations.free, &end) == 3 &&
         is_all(end)) {
       try {
         iterations.check();
       } catch (const Error& e) {
         constexpr std::string_view kIterations = "iterations";  // the message begins with this
-        throw Error(e.code(),
-                    fmt::format("{}{}", option, std::string_view(e.what()).substr(kIterations.size())));
+        throw Error(e.code(), fmt::format("{}{}", option,
+                                          std::string_view(e.what()).substr(kIterations.size())));
       }
       return iterations;
     }
@@ -105,7 +105,8 @@ PairConfig configuration(const PairOptions& o) {
 }
 
 PairIterations iterations_of(const PairOptions& o) {
-  return o.iterations.empty() ? PairIterations{} : iterations_named(o.iterations, pair_in_any_order(o.pair).pair);
+  return o.iterations.empty() ? PairIterations{}
+                              : iterations_named(o.iterations, pair_in_any_order(o.pair).pair);
 }
 
 std::string words_of(const PairOptions& o, const PairConfig& config, bool lanes) {

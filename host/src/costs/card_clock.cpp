@@ -99,7 +99,7 @@ CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,
     least = {found.cost->mhz,
              fmt::format("of {} on {}, {}", pipes[i].name(), target.name,
                          found.cost->estimated ? "estimated: the slowest of its operators"
-                                                : "measured for the whole lane")};
+                                               : "measured for the whole lane")};
   }
   return least;
 }

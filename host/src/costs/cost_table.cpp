@@ -13,8 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/input_file.hpp"
 #include "cde/support/message.hpp"
@@ -153,9 +153,9 @@ LanesThatFit lanes_that_fit(const CellCounts& lane, const std::string& target) {
   LanesThatFit fit;
   double least = std::numeric_limits<double>::infinity();
   for (const Resource& resource : {Resource{"logic", kRoutable * device->logic, logic},
-                           {"ff", kRoutable * device->ff, lane.ff},
-                           {"dsp", device->dsp, lane.dsp},
-                           {"ram", device->ram, lane.ram}}) {
+                                   {"ff", kRoutable * device->ff, lane.ff},
+                                   {"dsp", device->dsp, lane.dsp},
+                                   {"ram", device->ram, lane.ram}}) {
     if (resource.used <= 0 || resource.has / resource.used >= least) continue;
     if (resource.has <= 0) return {0, resource.what, std::numeric_limits<double>::infinity()};
     least = resource.has / resource.used;
@@ -194,8 +194,8 @@ CostTable CostTable::of_project() {
 }
 
 const CostRow* CostTable::fastest(std::string_view what, std::string_view algorithm,
-                                    const std::string& format, const std::string& target,
-                                    const std::string& lat) const {
+                                  const std::string& format, const std::string& target,
+                                  const std::string& lat) const {
   const CostRow* best = nullptr;
   for (const CostRow& row : rows_) {
     if (row.what != what || row.algorithm != algorithm || row.format != format ||
@@ -219,7 +219,7 @@ std::string CostTable::rows_of(const std::string& target) const {
 }
 
 LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target,
-                                 const std::optional<OperatorClocks>& clocks) const {
+                               const std::optional<OperatorClocks>& clocks) const {
   if (!pipe.operators) return {{}, "its operators were not counted"};
   const OperatorCounts& n = *pipe.operators;
   const OperatorClocks c = clocks.value_or(OperatorClocks{});
@@ -245,8 +245,8 @@ LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target
     unsigned of_row = 1;
     std::from_chars(row->lat.data(), row->lat.data() + row->lat.size(), of_row);
     cost.longest = std::max(cost.longest, of_row);
-    cost.of += fmt::format("{}{} {} LAT {}", cost.of.empty() ? "" : ", ", kind.count, kind.what,
-                            row->lat);
+    cost.of +=
+        fmt::format("{}{} {} LAT {}", cost.of.empty() ? "" : ", ", kind.count, kind.what, row->lat);
   }
   if (cost.of.empty()) return {{}, "it has no operators"};
   cost.fit = lanes_that_fit(cost.cells, target);
@@ -254,16 +254,16 @@ LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target
 }
 
 LaneCostOr CostTable::lane(const CostedPipe& pipe, const std::string& target,
-                             const std::optional<OperatorClocks>& clocks) const {
+                           const std::optional<OperatorClocks>& clocks) const {
   const bool triangle = pipe.pair == Pair::kRayTriangle;
   const std::string lat = clocks ? fmt::format("{}/{}/{}/{}/{}", clocks->add, clocks->mul,
                                                clocks->div, clocks->sqrt, clocks->cmp)
                                  : "";
   // Lanes are measured without the box rule.
   const CostRow* row = triangle && pipe.box
-                            ? nullptr
-                            : fastest(name(pipe.pair), triangle ? name(pipe.algorithm) : "",
-                                      pipe.format.name(), target, lat);
+                           ? nullptr
+                           : fastest(name(pipe.pair), triangle ? name(pipe.algorithm) : "",
+                                     pipe.format.name(), target, lat);
   if (row == nullptr) return estimate(pipe, target, clocks);
   LaneCost cost{.cells = row->cells, .mhz = *row->mhz};
   cost.fit = lanes_that_fit(row->cells, target);

@@ -85,7 +85,7 @@ std::string lines_of(const explain::Explanation& e) {
 
 /// Whether the file holds parts of a dataflow line or the surroundings of a pipe.
 bool is_wiring(const std::string& file) {
-  static const std::set<std::string> kAround = {"pipe_delay.sv", "lane_select.sv", "fp_lanes.sv",
+  static const std::set<std::string> kAround = {"pipe_delay.sv",  "lane_select.sv", "fp_lanes.sv",
                                                 "fp_host.sv",     "fp_delay.sv",    "fp_gates.sv",
                                                 "fp_sign.sv",     "pair_pipe.sv",   "pair_unit.sv",
                                                 "scaled_pipe.sv", "bounded_pipe.sv"};
@@ -163,7 +163,8 @@ Json near_lines(const explain::Explanation& e) {
   const wave::Design design = wave::Design::of_model("pair_unit", plain.parameters());
   Json lines = Json::array();
   const auto add = [&](const std::vector<std::string>& signals, const wave::Passing& passing) {
-    for (const auto& [p, drivers] : wave::driving_statements(design, signals, kSteps, 4 * kMostNear, passing)) {
+    for (const auto& [p, drivers] :
+         wave::driving_statements(design, signals, kSteps, 4 * kMostNear, passing)) {
       const std::string file = name_of(p);
       if (is_wiring(file) || lines.size() == kMostNear) continue;
       lines.push_back(

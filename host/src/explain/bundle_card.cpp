@@ -86,7 +86,8 @@ struct Stage {
 
 class Tracker {
  public:
-  Tracker(const CardFailure& f, const PairConfig& pipe, const PairIterations& iterations, Waves waves)
+  Tracker(const CardFailure& f, const PairConfig& pipe, const PairIterations& iterations,
+          Waves waves)
       : f_(f), pipe_(pipe), iterations_(iterations), waves_(std::move(waves)) {}
 
   /// Writes lines about each stage, and returns the first wrong stage.
@@ -332,7 +333,8 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
       f.difference.primary.empty() ? std::nullopt : explained(bundle, f, o, f.pipe);
   const fs::path whole_file = bundle.file("whole.fst");
   std::string text;
-  const std::optional<Stage> stage = followed(bundle, failure, f, iterations, wrong, whole_file, text);
+  const std::optional<Stage> stage =
+      followed(bundle, failure, f, iterations, wrong, whole_file, text);
   if (text.empty()) text = "The waves do not contain this primary.\n";
   if (stage) {
     text += fmt::format("\nThe first error is {}.\n", stage->name);

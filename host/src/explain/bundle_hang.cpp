@@ -68,12 +68,12 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
   if (!f.unit)
     bundle.add("On the card", text.empty() ? "Nothing happened in these cycles.\n" : text);
   cut_waves(bundle, whole,
-             {.fail = fail,
-              .before = kAheadOfHang,
-              .behind = kAheadOfHang,
-              .shown = f.shown,
-              .first = f.shown,
-              .what = "the last transaction"});
+            {.fail = fail,
+             .before = kAheadOfHang,
+             .behind = kAheadOfHang,
+             .shown = f.shown,
+             .first = f.shown,
+             .what = "the last transaction"});
   std::error_code none;
   fs::remove(whole, none);
 }

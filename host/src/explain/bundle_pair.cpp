@@ -193,7 +193,7 @@ void bundle_pair(Bundle& bundle, const Failure& failure) {
   const std::string wrong = differing_signal(f);
   bundle_causes(bundle, wrong,
                 origin_at(bundle.file("waves.fst"), wrong,
-                        bundle.json()["wave_window"]["fail_time"].get<std::uint64_t>()));
+                          bundle.json()["wave_window"]["fail_time"].get<std::uint64_t>()));
 }
 
 }  // namespace cde

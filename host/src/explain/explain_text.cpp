@@ -15,10 +15,10 @@ namespace cde {
 namespace {
 
 using explain::Compared;
+using explain::Comparison;
 using explain::Explanation;
 using explain::Finding;
 using explain::Step;
-using explain::Comparison;
 
 bool is_comparison(FpOp op) {
   return op == FpOp::kLt || op == FpOp::kLe || op == FpOp::kEq;
@@ -208,7 +208,8 @@ class Report {
         put("  {} more\n", e_.findings.size() - number);
         break;
       }
-      const std::string apart = f.compared.comparison == Comparison::kResult ? ulps(f.compared) : "";
+      const std::string apart =
+          f.compared.comparison == Comparison::kResult ? ulps(f.compared) : "";
       put("  {}. {}\n", ++number,
           f.sources.empty() ? "an operator without a match" : f.sources[0].text());
       put("     {}{}{}\n", comparison(f.compared), apart.empty() ? "" : ", ", apart);

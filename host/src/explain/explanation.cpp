@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cde/model/model.hpp"
-#include "cde/model/cache_entry.hpp"
 #include "cde/check/random_pairs.hpp"
+#include "cde/model/cache_entry.hpp"
+#include "cde/model/model.hpp"
 #include "cde/netlist/cache_name.hpp"
 #include "cde/support/error.hpp"
 
@@ -135,7 +135,9 @@ void leave_out_checks(std::vector<std::int32_t>& operators, const std::vector<So
 /// operator of the card remains, if other findings exist. For example, the box rule of host
 /// arithmetic has no operators.
 void rank(Explanation& e) {
-  const auto missing = [](const Finding& f) { return f.compared.comparison == Comparison::kMissing; };
+  const auto missing = [](const Finding& f) {
+    return f.compared.comparison == Comparison::kMissing;
+  };
   const auto nowhere = [](const Finding& f) { return f.sources.empty(); };
   if (e.same()) {
     const bool iterative = has_iterations(e.config.pair);

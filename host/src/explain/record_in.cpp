@@ -32,7 +32,8 @@ class Recorder {
 
 template <class S>
 PairRecording RecordIn<S>::record(const PairConfig& config, std::span<const std::uint64_t> a,
-                                  std::span<const std::uint64_t> b, const PairIterations& iterations) {
+                                  std::span<const std::uint64_t> b,
+                                  const PairIterations& iterations) {
   PairRecording recorded;
   using R = Recorded<S>;
   reference::with_pair<R>(

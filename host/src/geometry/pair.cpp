@@ -53,8 +53,7 @@ PairName pair_in_any_order(std::string_view text) {
   const std::size_t dash = text.find('-');
   const auto first = shape_named(text.substr(0, dash));
   const auto second = dash == std::string_view::npos ? first : shape_named(text.substr(dash + 1));
-  if (!first || !second || dash == std::string_view::npos)
-    check_known(text, pair_names(), "pair");
+  if (!first || !second || dash == std::string_view::npos) check_known(text, pair_names(), "pair");
   const Shape a = first.value(), b = second.value();
   for (std::size_t i = 0; i < contract::kPairTable.size(); ++i) {
     const contract::PairRow& row = contract::kPairTable[i];
@@ -86,11 +85,12 @@ Shape secondary_shape(Pair pair) {
 
 void PairIterations::check() const {
   if (samples != 4 && samples != 8 && samples != 16)
-    throw Error(ErrorCode::kUsage, fmt::format("iterations: M is {}, expected 4, 8 or 16", samples));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("iterations: M is {}, expected 4, 8 or 16", samples));
   for (const auto& [what, value] : {std::pair{"K1", circle}, std::pair{"K2", free}})
     if (value > card::kIterationsMost)
-      throw Error(ErrorCode::kUsage, fmt::format("iterations: {} is {}, expected 0 to {}", what, value,
-                                                 card::kIterationsMost));
+      throw Error(ErrorCode::kUsage, fmt::format("iterations: {} is {}, expected 0 to {}", what,
+                                                 value, card::kIterationsMost));
 }
 
 bool has_iterations(Pair pair) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rank 0 distributes the work. Each rank holds a second chunk while it works on one, so that it does not
-// wait for rank 0 between chunks.
+// Rank 0 distributes the work. Each rank holds a second chunk while it works on one, so that it
+// does not wait for rank 0 between chunks.
 #include <fmt/format.h>
 #include <mpi.h>
 
@@ -276,8 +276,8 @@ class Distributor {
 
   const Ranks& ranks_;
   const Work& work_;
-  std::vector<unsigned> in_flight_;  ///< by rank
-  std::uint64_t in_flight_total_ = 0;          ///< sum of in_flight_
+  std::vector<unsigned> in_flight_;    ///< by rank
+  std::uint64_t in_flight_total_ = 0;  ///< sum of in_flight_
   std::vector<std::deque<Chunk>>
       held_;  ///< by rank: chunks that belong to the rank and wait for it
   std::uint64_t held_count_ = 0;

@@ -15,9 +15,9 @@
 #include <thread>
 #include <tuple>
 
-#include "cde/model/model.hpp"
 #include "cde/jobs/work_ranks.hpp"
 #include "cde/mesh/mesh.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
@@ -235,7 +235,8 @@ void WorkDistributor::run_all(const Part& part) {
   };
   if (ranks_) {
     (void)ranks_->broadcast("part");
-    ranks_->distribute({.next = next, .more = [&] { return !ended; }, .run = part.run, .done = done});
+    ranks_->distribute(
+        {.next = next, .more = [&] { return !ended; }, .run = part.run, .done = done});
   } else {
     while (const auto chunk = next()) done(chunk->number, part.run(chunk->number, chunk->input));
   }

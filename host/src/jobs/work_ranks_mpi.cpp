@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "cde/jobs/work_ranks.hpp"
 #include "cde/jobs/mpi_ranks.hpp"
+#include "cde/jobs/work_ranks.hpp"
 
 namespace cde {
 namespace {

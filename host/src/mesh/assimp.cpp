@@ -356,8 +356,8 @@ Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits)
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(name), printable_name(why)));
   };
   const std::uint64_t memory = memory_of(path, limits);
-  const process::Result ran =
-      process::run_isolated([&](int out) { run_child(out, name, limits.time, memory); }, limits.time);
+  const process::Result ran = process::run_isolated(
+      [&](int out) { run_child(out, name, limits.time, memory); }, limits.time);
   if (ran.timed_out || ran.status == 128 + SIGXCPU)
     fail(
         fmt::format("not read within {} s; the file is probably damaged (CDE_MESH_SECONDS sets "

@@ -9,8 +9,8 @@
 #include <set>
 #include <type_traits>
 
-#include "cde/model/model.hpp"
 #include "cde/fp/scalars.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde {

@@ -11,10 +11,10 @@
 #include <fstream>
 #include <iterator>
 
-#include "model/folders.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
+#include "model/folders.hpp"
 #include "support/sha256.hpp"
 
 namespace cde {

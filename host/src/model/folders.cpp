@@ -84,9 +84,10 @@ fs::path find_share() {
     if (has_builder(place)) return place;
     asked += fmt::format("{}{}", asked.empty() ? "" : ", ", printable_name(place.string()));
   }
-  throw Error(ErrorCode::kBuild, fmt::format("no verilator/model_builder in {}; set CDE_SHARE to the "
-                                             "folder that holds verilator/ and rtl/",
-                                             asked));
+  throw Error(ErrorCode::kBuild,
+              fmt::format("no verilator/model_builder in {}; set CDE_SHARE to the "
+                          "folder that holds verilator/ and rtl/",
+                          asked));
 }
 
 std::string owner(const struct stat& status) {

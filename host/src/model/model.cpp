@@ -21,11 +21,11 @@
 #include <set>
 #include <sstream>
 
-#include "model/build_progress.hpp"
-#include "model/folders.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/process.hpp"
+#include "model/build_progress.hpp"
+#include "model/folders.hpp"
 #include "support/descriptor.hpp"
 #include "support/sanitizer.hpp"
 #include "support/sha256.hpp"
@@ -330,7 +330,8 @@ std::uint64_t model_hash(const std::string& kind, const std::vector<std::string>
   return key_of(kind, parameters).config_hash;
 }
 
-SimulationModel SimulationModel::open(const std::string& kind, const std::vector<std::string>& parameters) {
+SimulationModel SimulationModel::open(const std::string& kind,
+                                      const std::vector<std::string>& parameters) {
   const Key key = key_of(kind, parameters);
   const Place place = find_or_build(key, kind, parameters);
   try {
@@ -381,7 +382,7 @@ SimulationModel SimulationModel::load(const fs::path& file, std::uint64_t config
 }
 
 SimulationModel SimulationModel::link(const fs::path& named, const fs::path& inside,
-                          std::uint64_t config_hash) {
+                                      std::uint64_t config_hash) {
   SimulationModel result;
   result.path_ = fs::absolute(named);
   result.config_hash_ = config_hash;

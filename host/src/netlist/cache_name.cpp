@@ -4,15 +4,15 @@
 #include <fstream>
 #include <iterator>
 
-#include "cde/model/model.hpp"
 #include "cde/model/cache_entry.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 
 namespace cde::netlist {
 
 std::optional<std::string> cache_name(const std::string& kind,
-                                     const std::vector<std::string>& parameters,
-                                     std::string_view suffix) {
+                                      const std::vector<std::string>& parameters,
+                                      std::string_view suffix) {
   try {
     const ModelFile rtl = model_file(kind, parameters);
     std::ifstream program("/proc/self/exe", std::ios::binary);

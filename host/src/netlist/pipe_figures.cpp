@@ -10,8 +10,8 @@
 #include <optional>
 #include <thread>
 
-#include "cde/model/model.hpp"
 #include "cde/model/cache_entry.hpp"
+#include "cde/model/model.hpp"
 #include "cde/netlist/cache_name.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/progress.hpp"
@@ -90,7 +90,8 @@ void examine(Pipe& pipe, const Profile& profile, std::atomic<std::size_t>& done)
     pipe.outputs = words("f_o") + words("t_o") + words("cp_o") + words("n_o");
     pipe.latency = required(latency(e, pipe), pipe, "localparam LATENCY");
     pipe.interval = e.constant(path(pipe), "INTERVAL").value_or(pipe.sat_interval);
-    if (has_iterations(pipe.pair)) pipe.slots = required(e.constant(path(pipe), "SLOTS"), pipe, "SLOTS");
+    if (has_iterations(pipe.pair))
+      pipe.slots = required(e.constant(path(pipe), "SLOTS"), pipe, "SLOTS");
     pipe.latency_profile = pipe.latency;
     if (profile == Profile{}) return void(++done);
     const Elaboration slow = elaborate(pipe, profile, [&](std::string_view module) {

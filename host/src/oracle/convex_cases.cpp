@@ -17,8 +17,8 @@ double size_of(const Shape& shape) {
   return std::holds_alternative<Plane>(shape) ? 1.0 : scene_size(shape, origin);
 }
 
-/// Moves B so that the pair's signed distance is `distance`: it approaches from far away in the given
-/// direction, then moves back along the separating normal.
+/// Moves B so that the pair's signed distance is `distance`: it approaches from far away in the
+/// given direction, then moves back along the separating normal.
 Shape approach(const Shape& a, const Shape& b, const Vec& direction, double distance) {
   const double far = 20 * (size_of(a) + size_of(b));
   const Shape b_far = moved(b, center(a) - center(b) + far * direction);

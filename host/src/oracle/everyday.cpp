@@ -115,8 +115,8 @@ const char* stacked(Pieces& p) {
   const std::array distances = {0.0, 0.0, -0.5, 0.5, 16 * p.format.u(), -16 * p.format.u()};
   const double distance = distances[p.random.below(static_cast<int>(distances.size()))];
   if (auto* plane = std::get_if<Plane>(&p.b))
-    plane->d =
-        plane->n.dot(center(p.a)) + p.random.either_sign(half_width_along(p.a, plane->n) + distance);
+    plane->d = plane->n.dot(center(p.a)) +
+               p.random.either_sign(half_width_along(p.a, plane->n) + distance);
   else
     p.b = moved(p.b, (distance + support(p.a, n) + support(p.b, -n)) * n);
   p.disturb();

@@ -317,7 +317,7 @@ std::string RayDecision::describe() const {
 }
 
 RayDecision check(const Ray& ray, const RayAnswer& answer, bool f, double t, const Vec& cp,
-                 double band, double tolerance) {
+                  double band, double tolerance) {
   RayDecision decision;
   decision.answer = answer;
   decision.in_band = answer.margin <= band;

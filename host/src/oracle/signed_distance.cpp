@@ -415,10 +415,12 @@ SignedDistance coaxial_distance(const CylinderCore& a, const CylinderCore& b, co
     const double s = std::hypot(axial, radial);
     return {s, s, (axial * up + radial * out) / s, true, 1};
   }
-  return axial >= radial ? SignedDistance{axial, axial, up, true, 1} : SignedDistance{radial, radial, out, true, 1};
+  return axial >= radial ? SignedDistance{axial, axial, up, true, 1}
+                         : SignedDistance{radial, radial, out, true, 1};
 }
 
-SignedDistance core_distance(const Core& a, const Core& b, const Vec& apart, double tolerance, long evaluations) {
+SignedDistance core_distance(const Core& a, const Core& b, const Vec& apart, double tolerance,
+                             long evaluations) {
   const auto* ca = std::get_if<CylinderCore>(&a);
   const auto* cb = std::get_if<CylinderCore>(&b);
   if (ca && cb && (ca->axis == cb->axis || ca->axis == -cb->axis))
@@ -453,7 +455,7 @@ SignedDistance signed_distance(const Shape& a, const Shape& b, const DistanceOpt
   } else {
     const Placed pa = place(a), pb = place(b);
     distance = core_distance(pa.core, pb.core, pb.center - pa.center, options.tolerance * size,
-                   options.max_evaluations);
+                             options.max_evaluations);
     distance.lo -= pa.radius + pb.radius;
     distance.hi -= pa.radius + pb.radius;
   }

@@ -18,7 +18,7 @@ P shape(const std::uint64_t* words) {
 
 template <class S, class A, class B, class Test>
 void test_pairs(std::span<const std::uint64_t> a, std::span<const std::uint64_t> b,
-           std::span<PairResult> results, Test test) {
+                std::span<PairResult> results, Test test) {
   for (std::size_t i = 0; i < results.size(); ++i) {
     const Outcome<S> o = test(shape<A>(&a[i * A::kWords]), shape<B>(&b[i * B::kWords]));
     PairResult& r = results[i];

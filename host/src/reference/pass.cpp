@@ -31,7 +31,7 @@ class RayPass : public Pass::Impl {
       : rays_(std::move(rays)),
         numbers_(std::move(numbers)),
         brute_force_(rays_, triangles, query.mode, {}, card::kMostPrimaries, {}, query.box, {},
-               query.algorithm) {}
+                     query.algorithm) {}
 
   std::span<const Record> next() override {
     const std::span<const Record> some = brute_force_.next();
@@ -274,7 +274,7 @@ Pass::Pass(Pass&&) noexcept = default;
 Pass& Pass::operator=(Pass&&) noexcept = default;
 
 BruteForcePrimary brute_force(const PassQuery& query, const Shapes& primaries, std::uint32_t number,
-                   const Shapes& secondaries) {
+                              const Shapes& secondaries) {
   const Shapes one = std::visit(
       [number](const auto& list) -> Shapes {
         if (number >= list.size())
@@ -297,7 +297,8 @@ BruteForcePrimary brute_force(const PassQuery& query, const Shapes& primaries, s
   for (auto some = pass.next(); !some.empty(); some = pass.next())
     for (const Record& r : some) {
       while (query.counts && !query.counts(number, secondary)) ++secondary;
-      BruteForcePair& tested = all.pairs.emplace_back(BruteForcePair{.secondary = secondary++, .record = r});
+      BruteForcePair& tested =
+          all.pairs.emplace_back(BruteForcePair{.secondary = secondary++, .record = r});
       tested.candidate =
           pairs ? query.mode == Mode::kAll || r.f : is_candidate(query.pair, query.mode, r);
       tested.kept = !pairs && better(query.pair, query.mode, r, best);

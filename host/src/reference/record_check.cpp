@@ -78,7 +78,8 @@ std::string RecordCheck::text() const {
   std::string text = fmt::format(
       "{} {}: the card's record differs from the reference\n  card      {}\n"
       "  reference {}\n  differ in {}\n",
-      report_.noun, number, record_text(d.card, report_.noun), record_text(d.reference, report_.noun),
+      report_.noun, number, record_text(d.card, report_.noun),
+      record_text(d.reference, report_.noun),
       d.card && d.reference ? differing_fields(*d.card, *d.reference) : "all");
   if (report_.place) text += fmt::format("  where     {}\n", report_.place(number));
   if (!d.primary.empty())

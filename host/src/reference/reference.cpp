@@ -234,9 +234,9 @@ class BruteForce::Impl {
   std::array<std::uint8_t, RayBlock::kRays> mask_{};
 };
 
-BruteForce::BruteForce(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil,
-             unsigned packet, std::span<const Object> objects, bool box, FpFormat format,
-             Algorithm algorithm)
+BruteForce::BruteForce(const RayView& rays, const TriangleView& triangles, Mode mode,
+                       const Stencil& stencil, unsigned packet, std::span<const Object> objects,
+                       bool box, FpFormat format, Algorithm algorithm)
     : impl_(std::make_unique<Impl>(rays, triangles, mode, stencil, packet, objects, box, format,
                                    algorithm)) {}
 BruteForce::~BruteForce() = default;
@@ -248,7 +248,7 @@ std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mod
                          const Stencil& stencil, std::span<const Object> objects, bool box,
                          FpFormat format, Algorithm algorithm) {
   BruteForce brute_force(rays, triangles, mode, stencil, card::kMostPrimaries, objects, box, format,
-              algorithm);
+                         algorithm);
   std::vector<Record> records;
   for (auto some = brute_force.next(); !some.empty(); some = brute_force.next())
     records.insert(records.end(), some.begin(), some.end());
@@ -258,7 +258,7 @@ std::vector<Record> cast(const RayView& rays, const TriangleView& triangles, Mod
 // ---- Comparison ----
 
 RecordCheck::ReportOptions ray_report(const RayView& rays, const TriangleView& triangles,
-                               std::string command) {
+                                      std::string command) {
   const auto words_of = [](const auto& shape) {
     const auto words = to_words(shape);
     return std::vector<float>(words.begin(), words.end());
@@ -284,11 +284,12 @@ RecordCheck::ReportOptions ray_report(const RayView& rays, const TriangleView& t
 Checker::Checker(const RayView& rays, const TriangleView& triangles, Mode mode,
                  const Stencil& stencil, unsigned packet, std::string command,
                  std::span<const Object> objects, bool box, FpFormat format, Algorithm algorithm)
-    : Checker(std::make_shared<BruteForce>(rays, triangles, mode, stencil, packet, objects, box, format,
-                                      algorithm),
+    : Checker(std::make_shared<BruteForce>(rays, triangles, mode, stencil, packet, objects, box,
+                                           format, algorithm),
               ray_report(rays, triangles, std::move(command))) {}
 
 Checker::Checker(std::shared_ptr<BruteForce> brute_force, ReportOptions report)
-    : RecordCheck([brute_force = std::move(brute_force)] { return brute_force->next(); }, std::move(report)) {}
+    : RecordCheck([brute_force = std::move(brute_force)] { return brute_force->next(); },
+                  std::move(report)) {}
 
 }  // namespace cde::reference

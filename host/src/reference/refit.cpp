@@ -13,9 +13,9 @@
 namespace cde::reference {
 namespace {
 
-using Eigen::AlignedBox3f;
 using bvh::Child;
 using bvh::Node;
+using Eigen::AlignedBox3f;
 
 /// An fp32 number as mantissa 2^(exponent - 151), with one bit below fp32's.
 struct Number {

@@ -182,7 +182,8 @@ class Traversal::Trace {
     for (unsigned i = Node::kChildren; i-- > 0;) {
       if (node.child(i) == Child::kNone) continue;
       const AxisStretch<float> axes = axis_stretch(front, front_, node, i);
-      const Stretch<float> s = kSolid ? Stretch<float>{distance_key(axes), kInfinite} : stretch(axes);
+      const Stretch<float> s =
+          kSolid ? Stretch<float>{distance_key(axes), kInfinite} : stretch(axes);
       if (s.near > s.far || s.far < tmin_ || s.near > tmax_) continue;
       group.entries[group.count++] = {down ? s.far : s.near, node.place(i), node.child(i)};
     }

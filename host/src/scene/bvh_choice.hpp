@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "cde/model/model.hpp"
-#include "cde/geometry/pair.hpp"
 #include "cde/bvh/bvh.hpp"
+#include "cde/geometry/pair.hpp"
+#include "cde/model/model.hpp"
 
 /// Chooses between brute force and a BVH, for scenes and for casts. Private to the planners.
 namespace cde::bvh_choice {

@@ -43,8 +43,7 @@ unsigned lanes_of(const CastRequest& r, std::uint64_t rays) {
 }
 
 /// The BVH, or nothing where brute force is as good. `warning` says why a BVH cannot be built.
-std::shared_ptr<const Bvh> built_bvh(const CastRequest& r, const Mesh& mesh,
-                                            std::string& warning) {
+std::shared_ptr<const Bvh> built_bvh(const CastRequest& r, const Mesh& mesh, std::string& warning) {
   std::shared_ptr<const Bvh> bvh;
   try {
     bvh = std::make_shared<const Bvh>(Bvh::build(mesh));

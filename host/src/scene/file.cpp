@@ -79,7 +79,8 @@ SceneCard read_card(Table t) {
   card.cycle_memory = t.choice("memory", {"ideal", "cycle"}, 0) == 1;
   card.ecc = t.flag("ecc", false);
   card.trace = t.flag("trace", false);
-  card.transform_site = static_cast<TransformSite>(t.choice("transform_site", {"auto", "host", "card"}, 0));
+  card.transform_site =
+      static_cast<TransformSite>(t.choice("transform_site", {"auto", "host", "card"}, 0));
   card.bvh = static_cast<UseBvh>(t.choice("bvh", {"auto", "on", "off"}, 0));
   if (auto latency = t.table("latency")) {
     const auto clocks = [&](const char* key) { return latency->integer<unsigned>(key, 1, 1, 16); };
@@ -233,8 +234,10 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
               "{} has no iterations; expected cylinder-cylinder, obb-cylinder or triangle-cylinder",
               name(q.pair)));
     q.iterations.samples = iterations->integer<unsigned>("samples", q.iterations.samples, 4, 16);
-    q.iterations.circle = iterations->integer<unsigned>("circle", q.iterations.circle, 0, card::kIterationsMost);
-    q.iterations.free = iterations->integer<unsigned>("free", q.iterations.free, 0, card::kIterationsMost);
+    q.iterations.circle =
+        iterations->integer<unsigned>("circle", q.iterations.circle, 0, card::kIterationsMost);
+    q.iterations.free =
+        iterations->integer<unsigned>("free", q.iterations.free, 0, card::kIterationsMost);
     iterations->finish();
     try {
       q.iterations.check();

@@ -11,11 +11,11 @@
 #include "cde/contract/records.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
-#include "scene/plan_card.hpp"
+#include "scene/bvh_choice.hpp"
 #include "scene/plan_bvh.hpp"
+#include "scene/plan_card.hpp"
 #include "scene/plan_transform_site.hpp"
 #include "scene/self_pairs.hpp"
-#include "scene/bvh_choice.hpp"
 
 namespace cde {
 namespace {
@@ -217,7 +217,7 @@ Effect box_rule(const Plan& plan) {
     why = "the plain pipe was requested: a hit may be far from an edge-on triangle";
   } else if (solids) {
     why = plan.board.filter ? "the certified filter proves misses of solids"
-                              : "the plain pipes were requested: solids cannot traverse a BVH";
+                            : "the plain pipes were requested: solids cannot traverse a BVH";
   }
   return {"box rule", plan.board.box, plan.board.box ? "built in" : "none", why,
           simulation_text("box rule")};
@@ -289,10 +289,10 @@ Effect filter(const Scene& scene, const Plan& plan) {
       spared.empty() ? "asked for, but no query of these pairs omits misses (modes any and hits): "
                        "every pair goes through the wide lane"
                      : fmt::format("asked for; {} can omit misses", fmt::join(spared, ", "));
-  return {"filter", true,
-          fmt::format("{} lanes before one of {}", plan.board.filter->name(),
-                      plan.board.format.name()),
-          why, "a cycle per row, and one per uncertain pair; not measured"};
+  return {
+      "filter", true,
+      fmt::format("{} lanes before one of {}", plan.board.filter->name(), plan.board.format.name()),
+      why, "a cycle per row, and one per uncertain pair; not measured"};
 }
 
 Effect modes(const Scene& scene, const Plan& plan) {
@@ -416,7 +416,8 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
 }
 
 /// Adds the transformer and its tables to the plan.
-void add_transform_sites(const Scene& scene, const plan_transform_site::TransformSites& sites, Plan& plan) {
+void add_transform_sites(const Scene& scene, const plan_transform_site::TransformSites& sites,
+                         Plan& plan) {
   plan.card_moves = sites.secondaries;
   plan.card_moves_primaries = sites.primaries;
   const auto any = [](const std::vector<bool>& some) {
@@ -442,8 +443,7 @@ Effect add_bvh(const Scene& scene, plan_transform_site::TransformSites& sites, P
   if (choice.nodes == 0) return choice.effect;
   plan.board.traversal_units = bvh_choice::kTraversalUnits;
   plan.board.nodes = choice.nodes;
-  for (std::size_t q = 0; q < plan.queries.size(); ++q)
-    plan.queries[q].bvh = choice.queries[q];
+  for (std::size_t q = 0; q < plan.queries.size(); ++q) plan.queries[q].bvh = choice.queries[q];
   plan_transform_site::leave_primaries(sites, "the host writes them during BVH traversal");
   const bool brute_force =
       std::find(choice.queries.begin(), choice.queries.end(), false) != choice.queries.end();

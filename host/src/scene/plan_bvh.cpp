@@ -11,8 +11,8 @@
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
-#include "scene/scene_runner_objects.hpp"
 #include "scene/bvh_choice.hpp"
+#include "scene/scene_runner_objects.hpp"
 
 namespace cde::plan_bvh {
 namespace {
@@ -110,8 +110,8 @@ TraversalCost cost_of_rays(const Bvh& bvh) {
 }
 
 /// For solids: from sampled solids of the first frame.
-TraversalCost cost_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene, const Bvh& bvh,
-                  bool ahead) {
+TraversalCost cost_of_solids(const SceneQuery& q, const Plan& plan, const Scene& scene,
+                             const Bvh& bvh, bool ahead) {
   scene_runner::Row met(scene, plan.card_moves, scene_runner::Table::kAll),
       solids(scene, std::vector<bool>(scene.objects.size(), false), scene_runner::Table::kMoved);
   (void)met.show(q.secondaries, 0);
@@ -164,8 +164,8 @@ std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, 
   const double more =
       meets_triangles(q) ? kVisitsAMovingPart * static_cast<double>(moving_parts(scene)) : 0;
   const double each = bvh_choice::cycles(cost.nodes + more, cost.secondaries + more);
-  return static_cast<std::uint64_t>(
-      std::ceil(each * static_cast<double>(primaries) + cost.last * static_cast<double>(w.packets)));
+  return static_cast<std::uint64_t>(std::ceil(each * static_cast<double>(primaries) +
+                                              cost.last * static_cast<double>(w.packets)));
 }
 
 /// Cycles per frame to refit the BVH. Over triangles: one per moving triangle and 1.2 per node
@@ -190,8 +190,7 @@ std::uint64_t refit_clocks(const QueryWork& w, const Scene& scene, const Plan& p
 }  // namespace
 
 Choice choose(const Scene& scene, Plan& plan) {
-  Choice choice{
-      std::vector<bool>(scene.queries.size(), false), 0, {"bvh", false, "none", "", ""}};
+  Choice choice{std::vector<bool>(scene.queries.size(), false), 0, {"bvh", false, "none", "", ""}};
   Effect& e = choice.effect;
   const bool asked = scene.card.bvh == UseBvh::kOn;
   const auto none = [&](const std::string& why) {
@@ -236,14 +235,12 @@ Choice choose(const Scene& scene, Plan& plan) {
   std::string least;  // cost of the first query for which brute force is faster
   for (std::size_t q = 0; q < scene.queries.size(); ++q) {
     if (!choice.queries[q]) continue;
-    plan.queries[q].bvh_clocks =
-        clocks(scene.queries[q], plan.queries[q], plan, scene, *bvh);
+    plan.queries[q].bvh_clocks = clocks(scene.queries[q], plan.queries[q], plan, scene, *bvh);
     if (!traverses(*plan.queries[q].bvh_clocks, plan.queries[q].rows)) {
       choice.queries[q] = false;  // this query alone is faster with brute force
       least = least.empty()
                   ? fmt::format("about {} cycles per frame; brute force on {} lanes takes {}",
-                                *plan.queries[q].bvh_clocks, plan.board.lanes,
-                                plan.queries[q].rows)
+                                *plan.queries[q].bvh_clocks, plan.board.lanes, plan.queries[q].rows)
                   : least;
       continue;
     }

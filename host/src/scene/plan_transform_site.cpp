@@ -92,13 +92,15 @@ void choose_secondaries(const Scene& scene, bool resident, TransformSites& sites
   for (const SceneQuery& q : scene.queries) {
     const std::uint64_t n = entries(scene, q.secondaries, by_card);
     if (asked && n > kMostEntries)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{}: card, transform_site = \"card\": query '{}' has {} among its secondaries "
-                              "(each shape that moves on its own counts as one), but a card's "
-                              "table holds {}; use transform_site = \"host\"",
-                              printable_name(scene.file), q.name, objects(n), kMostEntries));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format(
+              "{}: card, transform_site = \"card\": query '{}' has {} among its secondaries "
+              "(each shape that moves on its own counts as one), but a card's "
+              "table holds {}; use transform_site = \"host\"",
+              printable_name(scene.file), q.name, objects(n), kMostEntries));
     sites.entries = std::max(sites.entries,
-                              static_cast<unsigned>(std::min<std::uint64_t>(n, kMostEntries + 1)));
+                             static_cast<unsigned>(std::min<std::uint64_t>(n, kMostEntries + 1)));
   }
   Effect e{"transformer", false, "none", "", ""};
   if (move.empty()) {
@@ -186,8 +188,7 @@ void choose_primaries(const Scene& scene, TransformSites& sites) {
 void leave_primaries(TransformSites& sites, const std::string& why) {
   sites.primaries.assign(sites.primaries.size(), false);
   sites.primary_words.reset();
-  sites.effects.back() = {"transformer of primaries", false, "none", why,
-                           "written in every frame"};
+  sites.effects.back() = {"transformer of primaries", false, "none", why, "written in every frame"};
 }
 
 std::uint64_t words_a_frame(const Scene& scene, const SceneObject& object, bool by_card) {

@@ -21,8 +21,8 @@ PassPipe pipe_of(const SceneQuery& query, const BoardConfig& board) {
   c.sat_interval = has_sat_interval(query.pair) ? board.sat_interval : 1;
   c.lanes = board.lanes;
   if (has_iterations(query.pair))
-    pipe.iterations =
-        fmt::format("{},{},{}", query.iterations.samples, query.iterations.circle, query.iterations.free);
+    pipe.iterations = fmt::format("{},{},{}", query.iterations.samples, query.iterations.circle,
+                                  query.iterations.free);
   return pipe;
 }
 

@@ -42,8 +42,8 @@ std::string question(const SceneQuery& query, const BoardConfig& card, const std
   if (card.format != FpFormat{}) options += " --format " + card.format.name();
   if (card.arithmetic == Arithmetic::kRtl) options += " --arith rtl";
   if (has_iterations(query.pair))
-    options += fmt::format(" --iterations {},{},{}", query.iterations.samples, query.iterations.circle,
-                           query.iterations.free);
+    options += fmt::format(" --iterations {},{},{}", query.iterations.samples,
+                           query.iterations.circle, query.iterations.free);
   return fmt::format("echo '{} | {}' | {}", query.swap ? secondary : primary,
                      query.swap ? primary : secondary, options);
 }
@@ -103,9 +103,9 @@ class PassCheck {
   }
 
  private:
-  static reference::RecordCheck::ReportOptions report_options(const SceneQuery& query, const BoardConfig& card,
-                                           const Board& board, const Shapes& primaries,
-                                           const Shapes& secondaries, bool streams) {
+  static reference::RecordCheck::ReportOptions report_options(
+      const SceneQuery& query, const BoardConfig& card, const Board& board, const Shapes& primaries,
+      const Shapes& secondaries, bool streams) {
     const auto words = [](const Shapes& shapes, std::uint32_t i) {
       return i < size(shapes) ? numbers_of(shapes, i) : std::vector<float>();
     };
@@ -275,7 +275,8 @@ class SceneRunner::Impl {
     packet.active = active.size();
     const bool streams = through(packet, query);  // written during the pass, not loaded
     if (through_[packet.query] && !streams)
-      result.brute_force_reason = secondaries_.no_bvh().value_or(*board_.why_not_traversable(query));
+      result.brute_force_reason =
+          secondaries_.no_bvh().value_or(*board_.why_not_traversable(query));
     std::optional<PassCheck> check;
     if (options_.check != Check::kNone)
       check.emplace(q, card_, board_, packet.self, primaries, sampled(active, packet.frame),

@@ -144,7 +144,7 @@ Secondaries::Secondaries(Board& board, const Scene& scene, const Plan& plan)
     : board_(&board),
       has_table_(plan.board.transform != Transformer::kNone),
       has_bvh_(std::any_of(plan.queries.begin(), plan.queries.end(),
-                            [](const QueryWork& w) { return w.bvh; })),
+                           [](const QueryWork& w) { return w.bvh; })),
       scene_(&scene),
       by_card_(plan.card_moves),
       row_(scene, plan.card_moves, Table::kAll) {}
@@ -204,8 +204,7 @@ void Secondaries::fit_bvh(const Row::Change& change, const std::vector<std::size
 
 Bvh bvh_of_row(const Row& row) {
   if (const auto* triangles = std::get_if<std::vector<Triangle>>(&row.shapes()))
-    return row.entries().empty() ? Bvh::build(*triangles)
-                                 : bvh_of(*triangles, row.entries());
+    return row.entries().empty() ? Bvh::build(*triangles) : bvh_of(*triangles, row.entries());
   return std::visit(
       [](const auto& list) -> Bvh {
         using P = typename std::decay_t<decltype(list)>::value_type;

@@ -74,7 +74,7 @@ std::uint64_t SelfPairs::first_needed(std::uint64_t first, std::uint64_t count) 
 }
 
 std::vector<SelfPairs::PassRange> SelfPairs::passes(std::uint64_t first, std::uint64_t count,
-                                                bool whole) const {
+                                                    bool whole) const {
   std::vector<PassRange> all;
   const auto add = [&](std::uint64_t from, std::uint64_t to, bool pairwise) {
     if (from < to) all.push_back({from, to - from, pairwise});

@@ -33,7 +33,7 @@ class SelfPairs {
   /// are the fewest and shortest passes that give every pair that counts; empty if no pair counts.
   /// `whole`: a pass must test all secondaries, as it does with objects.
   [[nodiscard]] std::vector<PassRange> passes(std::uint64_t first, std::uint64_t count,
-                                          bool whole) const;
+                                              bool whole) const;
 
  private:
   /// An object on both sides: the numbers of its first shape, and its number of shapes.

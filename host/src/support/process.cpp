@@ -267,7 +267,8 @@ Result run_isolated(const std::function<void(int out)>& work, std::optional<Seco
 }
 
 std::optional<ChildExit> continue_in_child(const std::function<void()>& work,
-                                       const std::function<void(int errors)>& relay, bool forward) {
+                                           const std::function<void(int errors)>& relay,
+                                           bool forward) {
   const auto done = new_pipe(ErrorCode::kFile);
   Descriptor from_done(done[0]), to_done(done[1]);
   const auto errors = new_pipe(ErrorCode::kFile);
@@ -300,7 +301,7 @@ std::optional<ChildExit> continue_in_child(const std::function<void()>& work,
 }
 
 Result run_watched(const std::vector<std::string>& command,
-              const std::function<void(Seconds, std::string_view)>& watch) {
+                   const std::function<void(Seconds, std::string_view)>& watch) {
   Result result;
   int signal = 0;
   {

@@ -47,7 +47,7 @@ std::string suggestion_text(std::string_view typed, const std::vector<std::strin
 }
 
 void check_known(std::string_view word, const std::vector<std::string>& words,
-                   std::string_view what) {
+                 std::string_view what) {
   if (std::find(words.begin(), words.end(), word) == words.end())
     throw Error(ErrorCode::kUsage,
                 fmt::format("no {} {}; {}", what, in_quotes(word), suggestion_text(word, words)));

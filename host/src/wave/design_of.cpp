@@ -10,8 +10,8 @@
 #include <set>
 #include <sstream>
 
-#include "cde/model/model.hpp"
 #include "cde/model/cache_entry.hpp"
+#include "cde/model/model.hpp"
 #include "cde/netlist/elaborate.hpp"
 #include "cde/netlist/json_tree.hpp"
 #include "cde/support/error.hpp"

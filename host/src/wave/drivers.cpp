@@ -214,7 +214,7 @@ class Drivers {
       return;
     }
     const char h = c.values == nullptr ? 'x'
-                   : is_if_else(c, e)    ? holds(c, *e.child(0))
+                   : is_if_else(c, e)  ? holds(c, *e.child(0))
                                        : chosen(c, *e.child(0));
     for (const std::size_t branch : {1u, 2u}) {
       if (h == (branch == 1 ? '0' : '1')) continue;

@@ -100,9 +100,9 @@ class PassDecoder : public EngineDecoder {
     field(t, "records", records_);
     field(t, "bubbles", bubbles_);
     field(t, "writeback", writeback_clocks_);
-    t.label =
-        fmt::format("pass {}: {}, {}, {} primaries, {} secondaries tested, {} records",
-                    t.fields[0].second, pairs_, mode_text_, primaries_.decimal(), tested_, records_);
+    t.label = fmt::format("pass {}: {}, {}, {} primaries, {} secondaries tested, {} records",
+                          t.fields[0].second, pairs_, mode_text_, primaries_.decimal(), tested_,
+                          records_);
   }
 
   const Wire &done_, &abort_, &mode_, &pair_, &second_pair_, &primaries_, &count_, &objects_,
@@ -304,8 +304,8 @@ class SecondaryDecoder : public EngineDecoder {
     fetched_.pop_front();
   }
 
-  const Wire &pop_, &valid_, &start_, &done_, &flush_, &issue_, &stall_, &taken_, &requested_, &number_,
-      &index_, &bad_, &exp_, &man_;
+  const Wire &pop_, &valid_, &start_, &done_, &flush_, &issue_, &stall_, &taken_, &requested_,
+      &number_, &index_, &bad_, &exp_, &man_;
   std::vector<const Wire*> slot_;
   std::optional<Open> half_;
   std::deque<Fetched> fetched_;

@@ -137,7 +137,8 @@ class FilterParser {
       n->field.push_back(text_[at_++]);
     if (n->field.empty()) fail(at, "a field is expected here");
     if (std::find(names_.begin(), names_.end(), n->field) == names_.end())
-      fail(at, fmt::format("no field {}; {}", in_quotes(n->field), suggestion_text(n->field, names_)));
+      fail(at,
+           fmt::format("no field {}; {}", in_quotes(n->field), suggestion_text(n->field, names_)));
     for (const std::string_view op : {"==", "!=", "<=", ">=", "=", "<", ">", "~"}) {
       if (!take(op)) continue;
       n->op = op == "=" ? "==" : op;

@@ -13,7 +13,7 @@ constexpr std::size_t kMostSlices = 4000;
 }  // namespace
 
 std::vector<Near> driving_statements(const Design& design, const std::vector<std::string>& signals,
-                         unsigned steps, std::size_t most, const Passing& passing) {
+                                     unsigned steps, std::size_t most, const Passing& passing) {
   struct Waiting {
     Slice slice;
     unsigned step;

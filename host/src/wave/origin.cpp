@@ -20,7 +20,7 @@ bool tells(const std::string& bits) {
 }  // namespace
 
 std::optional<std::size_t> forwarded_cause(const std::vector<Node>& nodes, const std::string& bits,
-                                     const Node::Statement& statement) {
+                                           const Node::Statement& statement) {
   if (bits.empty()) return std::nullopt;
   std::optional<std::size_t> found, hidden;
   for (const std::size_t n : statement.causes) {

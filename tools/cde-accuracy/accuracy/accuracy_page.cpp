@@ -183,7 +183,7 @@ std::string AccuracyPage::scatters(const std::string& pair, const std::vector<st
       if (!x || !(p999 > 0) || !std::isfinite(p999) || k.all.t.count == 0) {
         absent[x                ? "no error to show"
                : !basis.seconds ? "operators were not counted"
-               : k.cost.lane   ? "a lane does not fit"
+               : k.cost.lane    ? "a lane does not fit"
                                 : k.cost.why_not]
             .push_back(short_name(k.pipe));
         continue;
@@ -304,10 +304,10 @@ std::string AccuracyPage::tables(const std::vector<std::size_t>& list) const {
     };
     const std::optional<double> seconds = p.seconds(1e6);
     figures(costs, {k.figures.operators ? grouped(k.figures.operators->total()) : "-",
-                     k.figures.interval ? grouped(*k.figures.interval) : "-",
-                     lane(&CellCounts::lut), lane(&CellCounts::ff), lane(&CellCounts::dsp),
-                     p.mhz() ? fmt::format("{:.1f}", *p.mhz()) : "-",
-                     p.mhz() ? grouped(p.lanes()) : "-", seconds ? duration(*seconds) : "-"});
+                    k.figures.interval ? grouped(*k.figures.interval) : "-", lane(&CellCounts::lut),
+                    lane(&CellCounts::ff), lane(&CellCounts::dsp),
+                    p.mhz() ? fmt::format("{:.1f}", *p.mhz()) : "-",
+                    p.mhz() ? grouped(p.lanes()) : "-", seconds ? duration(*seconds) : "-"});
     costs.back().emplace_back(cost_kind(p));
     for (const auto& [what, worst] : {std::pair{"T", &k.all.worst_t},
                                       {"decision", &k.all.worst_decision},

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "accuracy/names.hpp"
-#include "cde/accuracy/saved_sweep.hpp"
 #include "cde/accuracy/picture.hpp"
+#include "cde/accuracy/saved_sweep.hpp"
 #include "cde/image/camera.hpp"
 
 namespace cde::cli {

@@ -86,11 +86,11 @@ Columns::Cells decisions_line(const std::string& name, const Tally& t, const Cos
   const std::string luts =
       lane ? fmt::format("{}{}", lane->estimated ? "~" : "", compact(lane->cells.lut)) : "-";
   const std::optional<double> seconds = cost->seconds(1e6);
-  line.insert(line.end(),
-              {or_dash(f.latency), or_dash(f.interval),
-               f.operators ? compact(f.operators->total()) : "-", or_dash(f.clocks_per_million()),
-               luts, or_dash(cost->mhz()), cost->mhz() ? fmt::to_string(cost->lanes()) : "-",
-               seconds ? compact(1e3 * *seconds) : "-"});
+  line.insert(
+      line.end(),
+      {or_dash(f.latency), or_dash(f.interval), f.operators ? compact(f.operators->total()) : "-",
+       or_dash(f.clocks_per_million()), luts, or_dash(cost->mhz()),
+       cost->mhz() ? fmt::to_string(cost->lanes()) : "-", seconds ? compact(1e3 * *seconds) : "-"});
   return line;
 }
 
@@ -272,9 +272,10 @@ Json accuracy_json(const std::vector<AccuracyRow>& rows) {
         {"format", pipe.format.name()},
         {"algorithm", triangle ? Json(name(pipe.algorithm)) : Json()},
         {"box", triangle ? Json(pipe.box) : Json()},
-        {"iterations", has_iterations(pipe.pair) ? Json(fmt::format("{},{},{}", pipe.iterations.samples,
-                                                            pipe.iterations.circle, pipe.iterations.free))
-                                         : Json()},
+        {"iterations", has_iterations(pipe.pair)
+                           ? Json(fmt::format("{},{},{}", pipe.iterations.samples,
+                                              pipe.iterations.circle, pipe.iterations.free))
+                           : Json()},
         {"variant", name(pipe.variant)}};
     json["cost"] = row.cost.to_json();
     json["all_families"] = tally_json(pipe, row.measured.all());

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "accuracy/names.hpp"
-#include "cde/accuracy/picture.hpp"
 #include "cde/accuracy/cost.hpp"
+#include "cde/accuracy/picture.hpp"
 #include "cde/accuracy/scene_accuracy.hpp"
 #include "cde/accuracy/simulated.hpp"
 #include "cde/accuracy/sweep.hpp"

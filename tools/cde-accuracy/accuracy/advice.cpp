@@ -81,16 +81,15 @@ void choose_lanes(Candidate& c, const Demands& d) {
   const Cost& cost = c.of->cost;
   const unsigned most = cost.target.assumed_mhz ? kMostLanes
                         : cost.lane             ? std::min(kMostLanes, cost.lane->fit.lanes)
-                                                 : 0;
+                                                : 0;
   if (most == 0) {
     c.lanes = 0;
     c.unmet.push_back(
         {"area",
-         cost.lane
-             ? fmt::format("a lane does not fit into {}: it needs {:.0f} % of the usable {}",
-                           cost.target.name, 100 * cost.lane->fit.share, cost.lane->fit.limit)
-             : fmt::format("it is unknown whether a lane fits into {}: {}", cost.target.name,
-                           cost.why_not),
+         cost.lane ? fmt::format("a lane does not fit into {}: it needs {:.0f} % of the usable {}",
+                                 cost.target.name, 100 * cost.lane->fit.share, cost.lane->fit.limit)
+                   : fmt::format("it is unknown whether a lane fits into {}: {}", cost.target.name,
+                                 cost.why_not),
          cost.lane ? cost.lane->fit.share : std::numeric_limits<double>::infinity()});
     return;
   }

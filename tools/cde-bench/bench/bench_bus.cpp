@@ -137,7 +137,7 @@ void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const Benc
     print_figure("{:>10}", kSizes[i]);
     for (const Sweep& s : all)
       print_figure(" {:>22}",
-           fmt::format("{:>7.1f}  {:>7.1f}", s.rates[i].up / 1e6, s.rates[i].down / 1e6));
+                   fmt::format("{:>7.1f}  {:>7.1f}", s.rates[i].up / 1e6, s.rates[i].down / 1e6));
     print_figure("\n");
   }
   print_figure("{:>10}", "wall s");
@@ -146,7 +146,7 @@ void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const Benc
   for (const Sweep& s : all)
     if (s.host->name == "ideal")
       print_figure("upload with host ideal ({}) and 4 KiB bursts: {:.1f} % of 533 MB/s\n",
-           name_of_bus(s.bus), 100 * s.rates.back().up / kPeak);
+                   name_of_bus(s.bus), 100 * s.rates.back().up / kPeak);
 }
 
 ordered_json json_of(const std::vector<Sweep>& all, std::uint32_t burst, const BenchOptions& o) {

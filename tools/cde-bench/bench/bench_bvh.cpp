@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "bench/bench.hpp"
+#include "bench/bvh_figures.hpp"
 #include "bench/cloud_figures.hpp"
 #include "bench/mesh_figures.hpp"
 #include "bench/solid_figures.hpp"
-#include "bench/bvh_figures.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/mesh/terrain.hpp"
 #include "cde/support/progress.hpp"
@@ -17,7 +17,8 @@
 namespace cde::cli {
 
 nlohmann::ordered_json bench_bvh(const BenchOptions& o) {
-  print_figure("\nBVH: device times are modelled cycles, other times are processor time of this machine\n");
+  print_figure(
+      "\nBVH: device times are modelled cycles, other times are processor time of this machine\n");
   std::vector<TerrainOptions> meshes = {{.quads_x = 80, .quads_y = 80}};
   if (!o.quick) meshes.emplace_back();
   auto all = nlohmann::ordered_json::array();

@@ -218,17 +218,17 @@ class Card {
   }
 
   void print_markdown() const {
-    print_figure("| {} | {:.2f} | {:.2f} to {:.2f} | {} |\n", variant_.name, slower(), least(slower_),
-         most(slower_), counters_.cycles);
+    print_figure("| {} | {:.2f} | {:.2f} to {:.2f} | {} |\n", variant_.name, slower(),
+                 least(slower_), most(slower_), counters_.cycles);
   }
 
   void print() const {
     const std::optional<double> known = simulation_cost(variant_.effect);
     print_figure("{:<44}{:>7.3f}{:>15}{:>9.3f}{:>12.4f}{:>10.2f}{:>11}{:>9}{:>9}\n", variant_.name,
-         slower(), fmt::format("{:.2f} to {:.2f}", least(slower_), most(slower_)),
-         median(slower_wall_), median(wall_), 100 * bus(), counters_.cycles,
-         build_seconds_ ? fmt::format("{:.0f}", *build_seconds_) : "-",
-         known ? fmt::format("{:.1f}", *known) : "-");
+                 slower(), fmt::format("{:.2f} to {:.2f}", least(slower_), most(slower_)),
+                 median(slower_wall_), median(wall_), 100 * bus(), counters_.cycles,
+                 build_seconds_ ? fmt::format("{:.0f}", *build_seconds_) : "-",
+                 known ? fmt::format("{:.1f}", *known) : "-");
   }
 
   [[nodiscard]] ordered_json json(double clock_hz) const {
@@ -318,7 +318,7 @@ ordered_json bench_effects(const BenchOptions& o) {
   std::vector<Card> cards = open_cards(o, w);
   if (o.markdown)
     print_figure("| card | times the planned card | least to most | cycles of the pass |\n{}\n",
-         "| --- | --- | --- | --- |");
+                 "| --- | --- | --- | --- |");
   else
     print_figure(
         "\n{} x {}, nearest, {}, fp32, one thread. The planned card: {}.\nEach other card is the "

@@ -40,8 +40,9 @@ nlohmann::ordered_json bench_fp(const BenchOptions& o) {
     for (const NamedFpFormat& f : kFpFormats)
       if (f.name != "fp32") formats.push_back(f.name);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  print_figure("\ngate-level units, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
-       "format", "lanes", "M operations/s");
+  print_figure(
+      "\ngate-level units, latency 1, no flags, one core, processor time\n{:<7}{:>6}{:>16}\n",
+      "format", "lanes", "M operations/s");
   // An upper bound on the number of measurements: all operations, and all lane counts of fp32.
   const auto most = static_cast<double>(kOperations.size() * (formats.size() + 2));
   double done = 0;

@@ -65,16 +65,17 @@ MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::s
   return m;
 }
 
-/// The cost of accuracy for a cylinder pair: its rate for several numbers of iterations. The largest
-/// gives the signed distances with which the others are compared.
+/// The cost of accuracy for a cylinder pair: its rate for several numbers of iterations. The
+/// largest gives the signed distances with which the others are compared.
 struct AccuracyCost {
   PairIterations iterations;
   double pairs_per_second, clocks_per_row, p99, worst;
 };
 
-std::vector<AccuracyCost> measure_iterations(Pair pair, std::span<const float> a, std::span<const float> b,
-                                    double seconds) {
-  const PairIterations settings[] = {{8, 16, 16}, {8, 8, 8}, {4, 6, 6}, {4, 4, 4}, {4, 2, 2}, {4, 0, 0}};
+std::vector<AccuracyCost> measure_iterations(Pair pair, std::span<const float> a,
+                                             std::span<const float> b, double seconds) {
+  const PairIterations settings[] = {{8, 16, 16}, {8, 8, 8}, {4, 6, 6},
+                                     {4, 4, 4},   {4, 2, 2}, {4, 0, 0}};
   std::vector<AccuracyCost> rows;
   std::vector<double> best;
   for (const PairIterations& iterations : settings) {
@@ -165,13 +166,14 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   const auto figure = [&](const char* form, auto of) {
     return card ? fmt::format(fmt::runtime(form), of(*card)) : std::string();
   };
-  print_figure("{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
-       ray_triangle ? fmt::format("ray-triangle, {}", name(algorithm)) : std::string(name(pair)),
-       card ? fmt::format("{:.3f}", card->pairs_per_second / 1e6) : "no pipe",
-       figure("{}", [](const MeasuredPairs& m) { return m.latency; }),
-       figure("{:.1f}",
-              [](const MeasuredPairs& m) { return 100.0 * static_cast<double>(m.hits) / kCases; }),
-       beside(fcl.collide, card, false), beside(fcl.distance, card, fcl.distance_signed));
+  print_figure(
+      "{:<26}{:>12}{:>9}{:>8}{:>20}{:>20}\n",
+      ray_triangle ? fmt::format("ray-triangle, {}", name(algorithm)) : std::string(name(pair)),
+      card ? fmt::format("{:.3f}", card->pairs_per_second / 1e6) : "no pipe",
+      figure("{}", [](const MeasuredPairs& m) { return m.latency; }),
+      figure("{:.1f}",
+             [](const MeasuredPairs& m) { return 100.0 * static_cast<double>(m.hits) / kCases; }),
+      beside(fcl.collide, card, false), beside(fcl.distance, card, fcl.distance_signed));
 
   nlohmann::ordered_json row = {{"pair", name(pair)}};
   if (ray_triangle) row["algorithm"] = name(algorithm);
@@ -207,10 +209,11 @@ nlohmann::ordered_json bench_pairs(const BenchOptions& o) {
     for (unsigned k = 0; k < algorithms; ++k)
       rows.push_back(bench_pair(o, pair, static_cast<Algorithm>(k)));
   }
-  print_figure("{}\n",
-       has_fcl()
-           ? "in brackets: the simulation's rate over FCL's; *: with the depth of overlapping pairs"
-           : "this program was built without FCL (Debian: libfcl-dev)");
+  print_figure(
+      "{}\n",
+      has_fcl()
+          ? "in brackets: the simulation's rate over FCL's; *: with the depth of overlapping pairs"
+          : "this program was built without FCL (Debian: libfcl-dev)");
   return {{"what",
            "simulated pairs per second of processor time, pipe by itself, new operands every "
            "cycle; FCL in binary64 on the same pairs"},

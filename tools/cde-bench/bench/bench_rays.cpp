@@ -165,7 +165,8 @@ ordered_json compare_rates(const BenchOptions& o) {
   for (const auto* list : {&rates, &rates_down}) {
     const char* rays = list == &rates ? "random" : "straight down";
     for (const SoftwareRate& r : *list) {
-      print_figure("software {:<8} {:8.1f} M tests/s, {} rays\n", r.name, r.tests_per_second / 1e6, rays);
+      print_figure("software {:<8} {:8.1f} M tests/s, {} rays\n", r.name, r.tests_per_second / 1e6,
+                   rays);
       j["software"].push_back(
           {{"kind", r.name}, {"rays", rays}, {"tests_per_second", r.tests_per_second}});
     }
@@ -276,7 +277,7 @@ ordered_json two_boards(const BenchOptions& o) {
   }
   progress.reset();
   print_figure("\ntwo boards in two threads: {:.2f} times the tests/s of one (wall clock)\n",
-       2 * one / two);
+               2 * one / two);
   return {
       {"one_board_seconds", one}, {"two_boards_seconds", two}, {"throughput_ratio", 2 * one / two}};
 }

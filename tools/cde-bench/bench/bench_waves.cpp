@@ -170,8 +170,9 @@ ordered_json bench_waves(const BenchOptions& o) {
   ordered_json j = {{"file_bytes", fs::file_size(file)},
                     {"signals", trace.signals().size()},
                     {"changes", changes}};
-  print_figure("\nwaves: {:.1f} MB, {} signals, {} changes; time of whole processes, the fastest of {}\n",
-       static_cast<double>(fs::file_size(file)) / 1e6, trace.signals().size(), changes, kRounds);
+  print_figure(
+      "\nwaves: {:.1f} MB, {} signals, {} changes; time of whole processes, the fastest of {}\n",
+      static_cast<double>(fs::file_size(file)) / 1e6, trace.signals().size(), changes, kRounds);
   print_figure("{:<46} {:>9} {:>8}\n", "", "ms", "MB");
   print_figure("{:<46} {:>9.1f} {:>8}\n", "all changes, in this process", 1e3 * streamed, "");
   ordered_json list = ordered_json::array();
@@ -187,7 +188,7 @@ ordered_json bench_waves(const BenchOptions& o) {
          {"resident_bytes", cost.ran ? ordered_json(1024 * cost.kilobytes) : ordered_json()}});
     if (cost.ran)
       print_figure("{:<46} {:>9.1f} {:>8.0f}\n", row.what, 1e3 * cost.seconds,
-           static_cast<double>(cost.kilobytes) / 1e3);
+                   static_cast<double>(cost.kilobytes) / 1e3);
     else
       print_figure("{:<46} {:>9}\n", row.what, "not installed");
   }

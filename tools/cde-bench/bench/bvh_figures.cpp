@@ -36,8 +36,8 @@ void compare(BvhFigures& figures, reference::Traversal& traversal, std::span<con
 }
 
 /// Measures a card. `records` gets the records of the last cast, of all rays.
-BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh,
-                   std::span<const Ray> rays, BvhFigures& figures, std::vector<Record>& records) {
+BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh, std::span<const Ray> rays,
+                  BvhFigures& figures, std::vector<Record>& records) {
   BvhCard card;
   card.memory = memory;
   Board board = Board::open(
@@ -70,7 +70,7 @@ BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh,
 }
 
 BvhEmbree embree_on(const Mesh& mesh, std::span<const Ray> rays, std::span<const Record> records,
-                     const std::optional<EmbreeFrames>& known) {
+                    const std::optional<EmbreeFrames>& known) {
   BvhEmbree embree;
   const double start = thread_seconds();
   EmbreeBaseline baseline(mesh);
@@ -78,7 +78,8 @@ BvhEmbree embree_on(const Mesh& mesh, std::span<const Ray> rays, std::span<const
   compare_hits(records, baseline.cast(rays), "Embree");
   std::vector<float> hits;
   const auto cast = [&](std::span<const Ray> some, std::size_t size) {
-    return measured([&, size](std::size_t call) { hits = baseline.cast(turn_of(some, size, call)); });
+    return measured(
+        [&, size](std::size_t call) { hits = baseline.cast(turn_of(some, size, call)); });
   };
   if (known) {
     embree.frame = *known;
@@ -102,7 +103,7 @@ double BvhCard::per_ray(double total) const {
 }
 
 BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, double clock_hz,
-                         const std::optional<EmbreeFrames>& known) {
+                       const std::optional<EmbreeFrames>& known) {
   BvhFigures figures;
   figures.clock_hz = clock_hz;
   figures.triangles = mesh.faces.size();

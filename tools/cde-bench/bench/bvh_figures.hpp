@@ -17,7 +17,7 @@ namespace cde::cli {
 
 inline constexpr std::size_t kBvhPacket = 256;  ///< rays per frame
 inline constexpr std::size_t kBvhRing = 4096;   ///< rays on the card before the pass begins
-inline constexpr unsigned kTraversalUnits = 2;        ///< traversal units
+inline constexpr unsigned kTraversalUnits = 2;  ///< traversal units
 
 /// A card with one kind of memory. All figures but wall_seconds are modelled.
 struct BvhCard {
@@ -68,7 +68,7 @@ struct BvhFigures {
 /// Error kMismatch if a record differs from the reference's traversal, or if Embree finds other
 /// hits. `known`: Embree's frames on this mesh, if already measured.
 [[nodiscard]] BvhFigures measure_bvh(const Mesh& mesh, std::size_t rays, double clock_hz,
-                                       const std::optional<EmbreeFrames>& known = {});
+                                     const std::optional<EmbreeFrames>& known = {});
 
 [[nodiscard]] nlohmann::ordered_json bvh_json(const BvhFigures& figures);
 /// Prints the figures as text.

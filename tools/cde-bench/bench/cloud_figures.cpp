@@ -9,8 +9,8 @@
 #include <random>
 #include <span>
 
-#include "bench/measured.hpp"
 #include "bench/bvh_figures.hpp"
+#include "bench/measured.hpp"
 #include "cde/card/board.hpp"
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"

@@ -12,13 +12,13 @@ namespace cde::cli {
 
 /// Spheres find the nearest shape in a cube. All figures but refit_seconds are modelled.
 struct CloudFigures {
-  Shape shape = Shape::kSphere;    ///< in the BVH
-  std::uint64_t secondaries = 0;   ///< in the BVH
-  Counters packet, stream;         ///< 256 and 4,096 primaries
+  Shape shape = Shape::kSphere;          ///< in the BVH
+  std::uint64_t secondaries = 0;         ///< in the BVH
+  Counters packet, stream;               ///< 256 and 4,096 primaries
   std::uint64_t brute_force_cycles = 0;  ///< of the packet by brute force, same card
-  unsigned lanes = 0;              ///< of that pass
-  double refit_seconds = 0;        ///< processor time of the host
-  double bvh_upload_seconds = 0;  ///< over the bus
+  unsigned lanes = 0;                    ///< of that pass
+  double refit_seconds = 0;              ///< processor time of the host
+  double bvh_upload_seconds = 0;         ///< over the bus
 };
 
 /// Measures 1,000 and 10,000 spheres and OBBs. Error kMismatch if a record differs from the

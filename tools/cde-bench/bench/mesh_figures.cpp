@@ -45,9 +45,11 @@ class Bench {
   Bench(const Mesh& terrain, double clock_hz)
       : terrain_(terrain),
         bvh_(Bvh::build(terrain)),
-        board_(Board::open(
-            {.lanes = 8, .pairs = {Pair::kTriangleTriangle}, .box = true, .traversal_units = kTraversalUnits},
-            {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz)})) {
+        board_(Board::open({.lanes = 8,
+                            .pairs = {Pair::kTriangleTriangle},
+                            .box = true,
+                            .traversal_units = kTraversalUnits},
+                           {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz)})) {
     board_.upload(terrain, bvh_);
     const Mesh small = make_terrain({.quads_x = kQuads, .quads_y = kQuads});
     for (std::size_t i = 0; i < kPlaces; ++i) meshes_.push_back(placed(small, terrain, i));
@@ -77,8 +79,7 @@ class Bench {
       for (std::size_t i = 0; i < mesh.faces.size(); ++i) triangles.push_back(mesh.triangle(i));
       std::vector<Record> records;
       const Counters c = board_.cast_shapes<Triangle>(
-          triangles,
-          {.mode = mode, .pair = Pair::kTriangleTriangle, .through = Through::kBvh},
+          triangles, {.mode = mode, .pair = Pair::kTriangleTriangle, .through = Through::kBvh},
           [&](std::span<const Record> some) {
             records.insert(records.end(), some.begin(), some.end());
           });
@@ -151,8 +152,8 @@ void show_meshes(const MeshFigures& figures, double clock_hz) {
       figures.triangles, figures.contacts);
   for (const MeshQuestion& q : figures.questions)
     print_figure("  {:<8} {}, with bus {} ({:.0f} nodes, {:.0f} pairs); FCL {}\n", q.question,
-         duration(q.cycles / clock_hz), duration(q.seconds_with_bus), q.nodes, q.pairs,
-         q.fcl_seconds ? duration(*q.fcl_seconds) : "not available");
+                 duration(q.cycles / clock_hz), duration(q.seconds_with_bus), q.nodes, q.pairs,
+                 q.fcl_seconds ? duration(*q.fcl_seconds) : "not available");
 }
 
 }  // namespace cde::cli

@@ -369,8 +369,8 @@ double frame_work(std::span<const Setup> cards, std::size_t primaries, std::size
 }
 
 /// Estimated work per step: Figures 5 and 6, Figure 7 once per number of spheres, and the terrains
-/// with a BVH. The last terrain is that of Figure 5. The work weighs the steps in the progress
-/// line.
+/// with a BVH. The last terrain is the terrain of Figure 5. The work weighs the steps in the
+/// progress line.
 std::vector<double> works_of(const ReproduceOptions& o, std::span<const Setup> cards,
                              std::size_t triangles) {
   constexpr double kCyclesPerTreeRay = 64;  // with both memories, and the software beside them
@@ -407,7 +407,8 @@ void with_bvh(Lab& lab, const Mesh& terrain) {
       best.board().upload(mesh);
       const std::vector<Ray> rays = flight_rays(mesh, kBvhPacket);
       std::vector<Record> records;
-      row.brute_force = best.frame(Pair::kRayTriangle, Mode::kNearest, std::span(rays), {}, records);
+      row.brute_force =
+          best.frame(Pair::kRayTriangle, Mode::kNearest, std::span(rays), {}, records);
       compare_records(lab, records, reference::cast(rays, triangles_of(mesh), Mode::kNearest),
                       name);
     }

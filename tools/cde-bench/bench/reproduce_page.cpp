@@ -141,7 +141,8 @@ std::string bvh_in_short(const WithBvh& row) {
   return fmt::format(
       "{} rays against {} triangles with a BVH, which the paper does not have: a card with "
       "traversal units takes {}. Compared with brute force on the best card it is {}{}.",
-      kBvhPacket, grouped(f.triangles), duration(card), against(card, row.brute_force.seconds), baseline);
+      kBvhPacket, grouped(f.triangles), duration(card), against(card, row.brute_force.seconds),
+      baseline);
 }
 
 /// The card with a BVH compared with brute force and Embree, without and with the bus.
@@ -153,13 +154,14 @@ std::string bvh_summary(const WithBvh& row) {
     return fmt::format(" Compared with {} the card is {} without the bus and {} with it.", baseline,
                        against(alone, without), against(all, with));
   };
-  const std::string text = fmt::format(
-                               "{} rays against {} triangles (modelled cycles): the card with "
-                               "traversal units and DDR-400 takes {} from go to done and {} with "
-                               "all bus transfers; brute force on the best card takes {} and {}.",
-                               kBvhPacket, grouped(f.triangles), duration(alone), duration(all),
-                               duration(without_bus(row.brute_force)), duration(row.brute_force.seconds)) +
-                           said("brute force", without_bus(row.brute_force), row.brute_force.seconds);
+  const std::string text =
+      fmt::format(
+          "{} rays against {} triangles (modelled cycles): the card with "
+          "traversal units and DDR-400 takes {} from go to done and {} with "
+          "all bus transfers; brute force on the best card takes {} and {}.",
+          kBvhPacket, grouped(f.triangles), duration(alone), duration(all),
+          duration(without_bus(row.brute_force)), duration(row.brute_force.seconds)) +
+      said("brute force", without_bus(row.brute_force), row.brute_force.seconds);
   if (!f.embree) return text + " Embree is not in this build of cde.";
   const double fresh = f.embree->frame.fresh.median, warm = f.embree->frame.warm.median;
   return fmt::format(
@@ -206,8 +208,8 @@ std::string bvh_lines(const Reproduction& r, const Json& machine) {
 /// Embree.
 template <class CardCells, class EmbreeCells>
 std::string bvh_table(const Reproduction& r, const std::string& caption,
-                       std::vector<std::string> head, const std::vector<std::string>& embree_head,
-                       const CardCells& card, const EmbreeCells& embree) {
+                      std::vector<std::string> head, const std::vector<std::string>& embree_head,
+                      const CardCells& card, const EmbreeCells& embree) {
   const bool there = r.bvh.front().figures.embree.has_value();
   head.insert(head.begin(), "triangles");
   if (there) head.insert(head.end(), embree_head.begin(), embree_head.end());
@@ -295,7 +297,8 @@ std::string bvh_tables(const Reproduction& r, const Json& machine) {
                   embree_on(machine), clock_of(r), kBvhBus),
       {"built by cde", "to the card, with the bus"}, {"built by Embree"},
       [](const WithBvh& row) -> std::vector<std::string> {
-        return {duration(row.figures.build_seconds), duration(row.figures.cards.back().upload_seconds)};
+        return {duration(row.figures.build_seconds),
+                duration(row.figures.cards.back().upload_seconds)};
       },
       [](const BvhEmbree& e, const BvhFigures&) -> std::vector<std::string> {
         return {duration(e.build_seconds)};
@@ -508,8 +511,8 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
   for (const WithBvh& row : r.bvh) {
     Json one = bvh_json(row.figures);
     one["brute_force"] = {{"name", row.brute_force.name},
-                    {"packet_seconds", without_bus(row.brute_force)},
-                    {"packet_seconds_with_bus", row.brute_force.seconds}};
+                          {"packet_seconds", without_bus(row.brute_force)},
+                          {"packet_seconds_with_bus", row.brute_force.seconds}};
     j["bvh"].push_back(std::move(one));
   }
   return j;

@@ -21,7 +21,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr float kQuad = 10;                  ///< edge of the terrain's quads
+constexpr float kQuad = 10;                 ///< edge of the terrain's quads
 constexpr std::size_t kAlone = kBvhPacket;  ///< solids that run one by one, as in FCL
 constexpr double kSizes[] = {1, 8};
 
@@ -151,8 +151,7 @@ std::vector<SolidFigures> measure_solids(const Mesh& terrain, double clock_hz, b
   for (const double quads : kSizes)
     all.push_back(Bench<Sphere>(terrain, bvh, board, quads).figures());
   if (quick) return all;
-  for (const double quads : kSizes)
-    all.push_back(Bench<Obb>(terrain, bvh, board, quads).figures());
+  for (const double quads : kSizes) all.push_back(Bench<Obb>(terrain, bvh, board, quads).figures());
   return all;
 }
 
@@ -186,13 +185,13 @@ void show_solids(const std::vector<SolidFigures>& figures, double clock_hz) {
   for (const SolidFigures& f : figures)
     for (const SolidCard& c : f.cards)
       print_figure("  {:<7} {} quad{}, {}: {}, {}, {} ({:.1f} nodes, {:.1f} triangles); FCL {}\n",
-           name(f.shape), f.quads, f.quads == 1 ? "" : "s", c.question,
-           duration(each(c.one, kAlone) / clock_hz),
-           duration(each(c.packet, kBvhPacket) / clock_hz),
-           duration(each(c.stream, kBvhRing) / clock_hz),
-           static_cast<double>(c.stream.nodes) / kBvhRing,
-           static_cast<double>(c.stream.pairs) / kBvhRing,
-           c.fcl_seconds ? duration(*c.fcl_seconds) : "not available");
+                   name(f.shape), f.quads, f.quads == 1 ? "" : "s", c.question,
+                   duration(each(c.one, kAlone) / clock_hz),
+                   duration(each(c.packet, kBvhPacket) / clock_hz),
+                   duration(each(c.stream, kBvhRing) / clock_hz),
+                   static_cast<double>(c.stream.nodes) / kBvhRing,
+                   static_cast<double>(c.stream.pairs) / kBvhRing,
+                   c.fcl_seconds ? duration(*c.fcl_seconds) : "not available");
 }
 
 }  // namespace cde::cli

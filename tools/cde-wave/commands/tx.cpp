@@ -123,7 +123,7 @@ class Output {
     for (const std::string& k : transaction_kinds())
       if (counts_.contains(k)) parts.push_back(fmt::format("{} {}", counts_[k], k));
     cli::print(without_spaces(table_.text()) + lines_.rest() +
-             fmt::format("{}\n", fmt::join(parts, ", ")));
+               fmt::format("{}\n", fmt::join(parts, ", ")));
   }
 
  private:

@@ -260,7 +260,7 @@ void Viewer::show_transaction(bool forward) {
   const Found& f = all[*next];
   move_to(f.begin);
   show_message(fmt::format("{} {}, {} to {} ({} of {})", f.kind, f.text, times_.text(f.begin),
-                  times_.text(f.end), *next + 1, all.size()));
+                           times_.text(f.end), *next + 1, all.size()));
 }
 
 void Viewer::next_difference(bool forward) {

@@ -158,7 +158,7 @@ class SharedMemory {
     cards_ = boards * triangles * 4 * words(Shape::kTriangle);
     if (o.check && !job.bvh &&
         !reference::has_fast_brute_force(job.config.algorithm,
-                                job.config.format))  // the copy that the check makes
+                                         job.config.format))  // the copy that the check makes
       cards_ += boards * triangles * sizeof(Triangle);
     // In double: 2^32 rays times 2^26 triangles of 64 bytes may exceed 64 bits.
     const double each = job.mode == Mode::kHits  ? 0.0
@@ -209,7 +209,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
   CastTask of_share = o;
   of_share.brute_force_rays = (o.brute_force_rays + shares.size() - 1) / shares.size();
   (void)SimulationModel::open(job.config.top(),
-                        job.config.parameters());  // built once, before all cards need it
+                              job.config.parameters());  // built once, before all cards need it
   for (std::size_t i = 0; i < shares.size(); ++i) {
     Share& share = shares[i];
     if (i != 0 && job.mode != Mode::kHits)

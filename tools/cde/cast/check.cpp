@@ -45,7 +45,7 @@ CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const Ray
     traversal_.emplace(job.mesh, *job.bvh, job.config.algorithm);
   } else {
     brute_force_.emplace(rays, job.mesh, mode, Stencil(), packet_, std::span<const Object>(),
-                   o.request.box, job.config.format, job.config.algorithm);
+                         o.request.box, job.config.format, job.config.algorithm);
   }
 }
 
@@ -103,7 +103,8 @@ void CastCheck::traverse_packet(std::size_t first, std::size_t count) {
 /// Compares evenly spread rays with brute force, all in one pass over the triangles, which is much
 /// faster than ray by ray.
 void CastCheck::brute_force_packet() {
-  const std::uint64_t count = std::min<std::uint64_t>(card::kMostPrimaries, brute_force_rays_ - brute_force_done_);
+  const std::uint64_t count =
+      std::min<std::uint64_t>(card::kMostPrimaries, brute_force_rays_ - brute_force_done_);
   std::vector<Ray> rays;
   std::vector<std::size_t> numbers;
   for (std::uint64_t k = brute_force_done_; k < brute_force_done_ + count; ++k) {

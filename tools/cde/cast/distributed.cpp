@@ -11,8 +11,8 @@
 
 #include "cast/job.hpp"
 #include "cast/parts.hpp"
-#include "cde/model/model.hpp"
 #include "cde/contract/records.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 
@@ -21,8 +21,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Tests of a chunk, about half a second of a core. That is long compared with distributing a chunk and
-/// short compared with a run.
+/// Tests of a chunk, about half a second of a core. That is long compared with distributing a chunk
+/// and short compared with a run.
 constexpr double kChunkTests = 3e7;
 /// Packets of a chunk with a BVH: a ray takes some microseconds for any mesh.
 constexpr std::size_t kChunkPackets = 128;
@@ -41,7 +41,8 @@ struct InputHead {
 };
 
 std::string bytes_of(Mode mode, std::uint64_t brute_force_rays, const RayView& rays) {
-  const InputHead head{.mode = static_cast<std::uint64_t>(mode), .brute_force_rays = brute_force_rays};
+  const InputHead head{.mode = static_cast<std::uint64_t>(mode),
+                       .brute_force_rays = brute_force_rays};
   std::string bytes(reinterpret_cast<const char*>(&head), sizeof head);
   bytes.reserve(sizeof head + rays.size() * sizeof(std::array<float, Ray::kWords>));
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -271,7 +272,7 @@ void begin_distribution(const CastTask& o, const CastJob& job) {
 }
 
 CastOutcome distribute_rays(const CastTask& o, const CastJob& job, const std::string& what,
-                      const RecordSink& take) {
+                            const RecordSink& take) {
   const unsigned parts = o.partition, ranks = WorkDistributor::instance().ranks();
   const std::size_t rays = rays_of_chunk(o, job),
                     chunks = (job.rays.size() + rays - 1) / rays * parts;
@@ -285,8 +286,9 @@ CastOutcome distribute_rays(const CastTask& o, const CastJob& job, const std::st
     if (c >= chunks) return std::nullopt;
     const std::size_t first = c / parts * rays;
     const RayView some = job.rays.subview(first, rays);
-    return bytes_of(job.mode,
-                    brute_force_before(first + some.size(), o, job) - brute_force_before(first, o, job), some);
+    return bytes_of(
+        job.mode,
+        brute_force_before(first + some.size(), o, job) - brute_force_before(first, o, job), some);
   };
   part.run = [&](std::uint64_t c, const std::string& input) {
     const auto p = static_cast<unsigned>(c % parts);

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "cast/task.hpp"
-#include "cde/card/board.hpp"
 #include "cde/bvh/bvh.hpp"
+#include "cde/card/board.hpp"
 #include "cde/image/camera.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/scene/plan.hpp"
@@ -32,15 +32,15 @@ struct CastJob {
   RayView rays = {};
   std::optional<Resolution> picture = {};
   Mode mode = Mode::kNearest;
-  BoardConfig config = {};                          ///< with traversal units if rays traverse a BVH
-  std::shared_ptr<const Bvh> bvh = {};  ///< of the mesh; null if none is built
-  std::optional<BuiltCard> stands_in_for = {};      ///< the planned card that `config` replaces
+  BoardConfig config = {};                      ///< with traversal units if rays traverse a BVH
+  std::shared_ptr<const Bvh> bvh = {};          ///< of the mesh; null if none is built
+  std::optional<BuiltCard> stands_in_for = {};  ///< the planned card that `config` replaces
 };
 
 struct CastOutcome {
   Counters counters;
   std::uint64_t hits = 0, compared = 0, matching = 0, upload_clocks = 0;
-  std::uint64_t brute_force_rays = 0;                ///< rays that were also checked by brute force
+  std::uint64_t brute_force_rays = 0;          ///< rays that were also checked by brute force
   std::string difference;                      ///< about the first record that does not match
   std::optional<Difference> first_difference;  ///< the same as data
   double modelled_seconds = 0;                 ///< of the passes, on the slowest card
@@ -74,7 +74,7 @@ void check_distribution(const CastTask& task);
 void begin_distribution(const CastTask& task, const CastJob& job);
 /// Casts the rays in chunks. On ranks other than 0, and in a shard, the outcome has no records.
 [[nodiscard]] CastOutcome distribute_rays(const CastTask& task, const CastJob& job,
-                                    const std::string& what, const RecordSink& take);
+                                          const std::string& what, const RecordSink& take);
 
 /// The differing record as a failure. Its rerun casts the record's packet again. `task` and `job`
 /// must outlive the failure.

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::uint32_t kNone = ~0u;
 
-/// Whether the record of a later part replaces the record of an earlier part. On a tie the lower index
-/// wins, so the earlier part.
+/// Whether the record of a later part replaces the record of an earlier part. On a tie the lower
+/// index wins, so the earlier part.
 bool is_better(Mode mode, const Record& later, const Record& earlier) {
   if (!later.f || later.bad) return false;
   if (!earlier.f) return true;

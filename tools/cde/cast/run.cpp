@@ -18,7 +18,8 @@ namespace {
 /// Casts the job's rays, in chunks if the options ask for that.
 CastOutcome cast_rays(const CastTask& o, const CastJob& job, const std::string& what,
                       const RecordSink& take) {
-  const bool distributed = o.partition > 1 || WorkDistributor::instance().is_chunked(o.distribution);
+  const bool distributed =
+      o.partition > 1 || WorkDistributor::instance().is_chunked(o.distribution);
   return distributed ? distribute_rays(o, job, what, take) : cast_here(o, job, what, take);
 }
 

@@ -109,11 +109,11 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
     const auto a_ray = [&](std::uint64_t n) {
       return static_cast<double>(n) / static_cast<double>(rays);
     };
-    row("BVH", fmt::format("{}, {}, {}; per ray {:.1f} nodes read, {:.1f} triangles tested",
-                           counted(job.bvh->nodes().size(), "node"),
-                           counted(job.bvh->depth(), "level"),
-                           counted(job.config.traversal_units, "traversal unit"), a_ray(c.nodes),
-                           a_ray(c.pairs)));
+    row("BVH",
+        fmt::format("{}, {}, {}; per ray {:.1f} nodes read, {:.1f} triangles tested",
+                    counted(job.bvh->nodes().size(), "node"), counted(job.bvh->depth(), "level"),
+                    counted(job.config.traversal_units, "traversal unit"), a_ray(c.nodes),
+                    a_ray(c.pairs)));
   }
   row("device cycles", fmt::format("{}, {} for write-back; {}, {}", c.cycles, c.writeback,
                                    counted(c.stalls, "stall"), counted(c.bubbles, "idle cycle")));
@@ -128,12 +128,11 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                                       static_cast<double>(c.pairs) / r.simulation_seconds / 1e6));
   row("hits", fmt::format("{} in {}", r.hits, counted(c.records, "record")));
   row("check",
-      o.check ? fmt::format(
-                    "{} of {} {} the reference{}", r.matching, counted(r.compared, "record"),
-                    r.compared == 1 ? "matches" : "match",
-                    job.bvh
-                        ? fmt::format("; {} rays also checked against every triangle", r.brute_force_rays)
-                        : "")
+      o.check ? fmt::format("{} of {} {} the reference{}", r.matching,
+                            counted(r.compared, "record"), r.compared == 1 ? "matches" : "match",
+                            job.bvh ? fmt::format("; {} rays also checked against every triangle",
+                                                  r.brute_force_rays)
+                                    : "")
               : "off");
 }
 

@@ -53,7 +53,7 @@ struct CastTask {
   double timeout = 3600;
   std::uint64_t deadline = 0;
   bool bits = false, json = false, quiet = false;
-  bool check = true;              ///< every record is compared with the reference
+  bool check = true;                    ///< every record is compared with the reference
   std::uint64_t brute_force_rays = 64;  ///< with a BVH: rays also compared with brute force
 };
 

@@ -398,7 +398,8 @@ std::string Report::html(const Json& run) const {
   body += fmt::format("<p class=\"lead\">{}</p></header>\n",
                       escaped(fmt::format("{}: frames {} to {}, run on the simulated card of cde.",
                                           file, run["frames"][0].dump(), run["frames"][1].dump())));
-  body += view_html() + (played_.empty() ? "" : distances_html()) + charts_html() + tables_html(run);
+  body +=
+      view_html() + (played_.empty() ? "" : distances_html()) + charts_html() + tables_html(run);
   body += fmt::format(
       "<footer><details><summary>Software in this page</summary><pre>{}</pre>"
       "</details></footer>\n</main>\n",

@@ -145,7 +145,8 @@ std::string Report::charts_html() const {
 std::string Report::distances_html() const {
   const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
   std::string html =
-      "<section id=\"distances\"><h2>Signed distance or T over time</h2>\n<p>For solids, the signed "
+      "<section id=\"distances\"><h2>Signed distance or T over time</h2>\n<p>For solids, the "
+      "signed "
       "distance: below 0 it is the depth. For rays, T of the hits, in lengths of the ray's "
       "direction. The lines are the least and the most of a frame's records; a frame without a "
       "value leaves a hole.</p>\n";

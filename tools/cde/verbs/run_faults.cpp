@@ -26,8 +26,8 @@ std::vector<ScheduledFault> faults_of(const std::vector<std::string>& texts, con
   return faults;
 }
 
-nlohmann::ordered_json faults_json(const std::vector<ScheduledFault>& faults, const SceneRunner& runner,
-                                   std::uint64_t corrected_words) {
+nlohmann::ordered_json faults_json(const std::vector<ScheduledFault>& faults,
+                                   const SceneRunner& runner, std::uint64_t corrected_words) {
   nlohmann::ordered_json scheduled = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < faults.size(); ++i)
     scheduled.push_back({{"fault", text_of(faults[i])}, {"injected", bool{runner.injected()[i]}}});

@@ -8,8 +8,8 @@
 #include <chrono>
 #include <optional>
 
-#include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/input_file.hpp"
@@ -29,18 +29,19 @@ Json query_json(const std::string& name, const QueryFrame& f) {
                    {"secondary_upload_clocks", f.secondary_clocks},
                    {"primary_upload_clocks", f.primary_clocks},
                    {"download_clocks", f.download_clocks}});
-  return {{"query", name},
-          {"passes", f.passes},
-          {"brute_force_reason", f.brute_force_reason.empty() ? Json() : Json(f.brute_force_reason)},
-          {"records", f.counters.records},
-          {"hits", f.hits},
-          {"records_compared", f.compared},
-          {"records_matching", f.compared - std::min(f.compared, f.mismatches)},
-          {"mismatches", f.mismatches},
-          {"counters", counters},
-          {"modelled_seconds", time_json(f.time())},
-          {"simulation_seconds", f.pass_seconds},
-          {"reference_seconds", f.check_seconds}};
+  return {
+      {"query", name},
+      {"passes", f.passes},
+      {"brute_force_reason", f.brute_force_reason.empty() ? Json() : Json(f.brute_force_reason)},
+      {"records", f.counters.records},
+      {"hits", f.hits},
+      {"records_compared", f.compared},
+      {"records_matching", f.compared - std::min(f.compared, f.mismatches)},
+      {"mismatches", f.mismatches},
+      {"counters", counters},
+      {"modelled_seconds", time_json(f.time())},
+      {"simulation_seconds", f.pass_seconds},
+      {"reference_seconds", f.check_seconds}};
 }
 
 /// Plays a frame on a rank. Returns a line of JSON with the lengths of the texts, then the texts of
@@ -140,8 +141,8 @@ bool distribute_frames(const DistributedFrames& f, const FrameSink& take) {
              if (!runner)
                runner.emplace(f.scene, f.plan,
                               RunnerOptions{.check = f.check,
-                                          .watchdog = std::chrono::duration<double>(f.timeout),
-                                          .deadline_clocks = f.deadline});
+                                            .watchdog = std::chrono::duration<double>(f.timeout),
+                                            .deadline_clocks = f.deadline});
              return played(*runner, f, f.first + static_cast<std::uint32_t>(c));
            },
        .take =

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cde/jobs/work_distributor.hpp"
-#include "cde/scene/scene_runner.hpp"
 #include "cde/scene/scene.hpp"
+#include "cde/scene/scene_runner.hpp"
 #include "verbs/run_records.hpp"
 
 /// Frames of `cde run` as text: records and JSON.
@@ -43,7 +43,8 @@ using FrameSink = std::function<void(std::uint32_t frame, const nlohmann::ordere
 
 /// Begins a shared run with one chunk per frame (WorkDistributor::begin).
 void begin_frames(const DistributionOptions& options, const DistributedFrames& frames, bool quiet);
-/// Runs WorkDistributor::run_part on the frames. Error kMismatch if a record differs from the reference.
+/// Runs WorkDistributor::run_part on the frames. Error kMismatch if a record differs from the
+/// reference.
 [[nodiscard]] bool distribute_frames(const DistributedFrames& frames, const FrameSink& take);
 
 }  // namespace cde::cli

@@ -180,10 +180,10 @@ void run(bool builds, bool json) {
       continue;
     }
     print("{:<4} {:<10} {}\n",
-        !finding.advice.empty() ? "BAD"
-        : finding.examined      ? "ok"
-                                : "--",
-        name, finding.what);
+          !finding.advice.empty() ? "BAD"
+          : finding.examined      ? "ok"
+                                  : "--",
+          name, finding.what);
     if (!finding.advice.empty()) print("     {:<10} -> {}\n", "", finding.advice);
   }
   if (json) {

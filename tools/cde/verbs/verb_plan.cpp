@@ -43,7 +43,8 @@ void add_plan(CLI::App& app) {
     const std::string clock_source = resolve_clock(o->target, scene, made.board);
     if (!o->json) {
       print_plan(scene, made);
-      if (!o->target.empty()) print("clock      {:g} MHz, {}\n", scene.card.clock_hz / 1e6, clock_source);
+      if (!o->target.empty())
+        print("clock      {:g} MHz, {}\n", scene.card.clock_hz / 1e6, clock_source);
       return;
     }
     nlohmann::ordered_json j = program_json();

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/jobs/work_distributor.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "options/distribution_options.hpp"
@@ -141,45 +141,45 @@ std::optional<QueryTotals> distribute_pairs(const QueryOptions& o, const PairCon
   std::optional<QueryPipe> pipe;
   std::optional<Answers> answers;
   if (distributor.leads() && !distributor.is_shard()) answers.emplace(o.output, kHeader);
-  const bool whole =
-      distributor.run_part({.what = "query",
-                    .chunks = std::nullopt,
-                    .input = [&](std::uint64_t) { return pairs.next(); },
-                    .inputs_again = false,  // stdin cannot be read again
-                    .run =
-                        [&](std::uint64_t, const std::string& chunk) {
-                          if (!pipe) pipe.emplace(o, config);
-                          return as_text(answers_to(*pipe, chunk));
-                        },
-                    .take = [&](std::uint64_t,
-                                const std::string& result) { answers->add(answers_in(result)); }});
+  const bool whole = distributor.run_part(
+      {.what = "query",
+       .chunks = std::nullopt,
+       .input = [&](std::uint64_t) { return pairs.next(); },
+       .inputs_again = false,  // stdin cannot be read again
+       .run =
+           [&](std::uint64_t, const std::string& chunk) {
+             if (!pipe) pipe.emplace(o, config);
+             return as_text(answers_to(*pipe, chunk));
+           },
+       .take = [&](std::uint64_t,
+                   const std::string& result) { answers->add(answers_in(result)); }});
   return whole ? std::optional(answers->end()) : std::nullopt;
 }
 
 nlohmann::ordered_json as_json(const QueryOptions& o, const PairConfig& config,
                                const QueryTotals& t) {
   nlohmann::ordered_json j = program_json();
-  j.update(
-      {{"pair", o.pair},
-       {"algorithm",
-        o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm) : nlohmann::ordered_json()},
-       {"box", config.pair == Pair::kRayTriangle ? nlohmann::ordered_json(config.box)
-                                                 : nlohmann::ordered_json()},
-       {"half_space", o.half_space},
-       {"format", o.format},
-       {"arithmetic", o.arithmetic},
-       {"lanes", config.lanes},
-       {"sat_interval", o.sat_interval},
-       {"iterations", o.iterations.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(o.iterations)},
-       {"tests", t.pairs},
-       {"hits", t.hits},
-       {"bad_pairs", t.bad},
-       {"malformed_lines", t.malformed},
-       {"device_cycles", t.clocks},
-       {"simulation_seconds", t.simulation_seconds},
-       {"checked", o.check},
-       {"records_compared", t.compared},
-       {"records_matching", t.compared - t.differ}});
+  j.update({{"pair", o.pair},
+            {"algorithm", o.pair == "ray-triangle" ? nlohmann::ordered_json(o.algorithm)
+                                                   : nlohmann::ordered_json()},
+            {"box", config.pair == Pair::kRayTriangle ? nlohmann::ordered_json(config.box)
+                                                      : nlohmann::ordered_json()},
+            {"half_space", o.half_space},
+            {"format", o.format},
+            {"arithmetic", o.arithmetic},
+            {"lanes", config.lanes},
+            {"sat_interval", o.sat_interval},
+            {"iterations", o.iterations.empty() ? nlohmann::ordered_json()
+                                                : nlohmann::ordered_json(o.iterations)},
+            {"tests", t.pairs},
+            {"hits", t.hits},
+            {"bad_pairs", t.bad},
+            {"malformed_lines", t.malformed},
+            {"device_cycles", t.clocks},
+            {"simulation_seconds", t.simulation_seconds},
+            {"checked", o.check},
+            {"records_compared", t.compared},
+            {"records_matching", t.compared - t.differ}});
   return j;
 }
 

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "cde/model/model.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/card/machine.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/geometry/length_range.hpp"
+#include "cde/model/model.hpp"
 #include "cde/scene/packet_again.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene_runner.hpp"
@@ -75,9 +75,10 @@ const char* memory_name(const Scene& scene) {
 
 struct Totals {
   std::uint64_t records = 0, compared = 0, mismatches = 0, corrected = 0, hits = 0, tests = 0;
-  std::uint64_t nodes = 0;            // nodes of a BVH that were read
-  std::uint64_t asked = 0, uncertain = 0;  // pairs in queries with the certified filter; uncertain pairs
-  std::uint64_t bad = 0;              // refused primaries and secondaries, counted each time
+  std::uint64_t nodes = 0;  // nodes of a BVH that were read
+  std::uint64_t asked = 0,
+                uncertain = 0;  // pairs in queries with the certified filter; uncertain pairs
+  std::uint64_t bad = 0;        // refused primaries and secondaries, counted each time
   double modelled = 0, simulated = 0, checked = 0;
 
   void add(const Json& q, const SceneQuery& query) {
@@ -119,7 +120,8 @@ void check_files(const Options& o, const Scene& scene) {
 /// A run: the frames played so far, and its outputs.
 class Run {
  public:
-  Run(const Options& o, Scene& scene, const Plan& plan, Check check, const std::string& clock_source)
+  Run(const Options& o, Scene& scene, const Plan& plan, Check check,
+      const std::string& clock_source)
       : o_(o),
         scene_(scene),
         check_(check),
@@ -131,8 +133,7 @@ class Run {
     check_files(o, scene);
     json_ = program_json();
     json_.update(card_json(plan.board));
-    json_.update(
-        Json{{"model", nullptr}, {"config_hash", nullptr}});  // until the model is loaded
+    json_.update(Json{{"model", nullptr}, {"config_hash", nullptr}});  // until the model is loaded
     json_.update({{"scene", scene.file},
                   {"title", scene.title},
                   {"frames", {frames_.first, frames_.last}},
@@ -252,12 +253,12 @@ class Run {
           fmt::format("{}{}, {}, {}", t.tests, t.nodes == 0 ? "" : ", " + counted(t.nodes, "node"),
                       counted(t.records, "record"), counted(t.hits, "hit")));
       if (scene_.card.filter)
-        row("filter",
-            t.asked == 0
-                ? "no query leaves out misses; the wide lane tested all pairs"
-                : fmt::format("{} lanes were uncertain about {} of {}, {:.3g} %",
-                              scene_.card.filter->name(), t.uncertain, counted(t.asked, "pair"),
-                              100 * static_cast<double>(t.uncertain) / static_cast<double>(t.asked)));
+        row("filter", t.asked == 0 ? "no query leaves out misses; the wide lane tested all pairs"
+                                   : fmt::format("{} lanes were uncertain about {} of {}, {:.3g} %",
+                                                 scene_.card.filter->name(), t.uncertain,
+                                                 counted(t.asked, "pair"),
+                                                 100 * static_cast<double>(t.uncertain) /
+                                                     static_cast<double>(t.asked)));
       row("modelled time",
           fmt::format("{:.6g} ms per frame at {:g} MHz, bus {}, memory {}",
                       played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
@@ -481,7 +482,8 @@ class Run {
 /// Refuses options that cannot be combined, before the scene is read.
 void check_options(const Options& o) {
   o.bundle.check(o.check != "none", "--check none");
-  if (WorkDistributor::instance().is_chunked(o.distribution) && (o.trace.wanted() || !o.report.empty() || !o.faults.empty()))
+  if (WorkDistributor::instance().is_chunked(o.distribution) &&
+      (o.trace.wanted() || !o.report.empty() || !o.faults.empty()))
     throw Error(ErrorCode::kUsage,
                 "--trace, --report and --fault work only in one process; they cannot be combined "
                 "with ranks, --resume or --shard");
@@ -511,16 +513,17 @@ void run(const Options& o) {
     made.board = WorkDistributor::instance().shared(made.board);
     const Frames frames = frames_of(o.frames, scene);
     const DistributedFrames all{.scene = scene,
-                          .plan = made,
-                          .check = check,
-                          .files = o.files(),
-                          .first = frames.first,
-                          .last = frames.last,
-                          .timeout = o.timeout,
-                          .deadline = o.deadline};
+                                .plan = made,
+                                .check = check,
+                                .files = o.files(),
+                                .first = frames.first,
+                                .last = frames.last,
+                                .timeout = o.timeout,
+                                .deadline = o.deadline};
     check_files(o, scene);
     begin_frames(o.distribution, all, o.quiet);
-    if (!WorkDistributor::instance().leads() || WorkDistributor::instance().is_shard()) return (void)distribute_frames(all, {});
+    if (!WorkDistributor::instance().leads() || WorkDistributor::instance().is_shard())
+      return (void)distribute_frames(all, {});
   }
   Run run(o, scene, made, check, clock_source);
   if (made.stands_in_for && !o.quiet)

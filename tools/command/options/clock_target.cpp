@@ -22,7 +22,7 @@ void clock_options(CLI::App& verb, ClockOptions& options) {
 }
 
 std::string resolve_clock(ClockOptions& options, const std::vector<PipeChoice>& pipes,
-                         const OperatorClocks& clocks) {
+                          const OperatorClocks& clocks) {
   const Target target = options.target.empty() ? Target{.name = "", .assumed_mhz = options.mhz}
                                                : parse_target(options.target);
   const CardClock clock = clock_on(target, pipes, clocks);
@@ -43,11 +43,11 @@ std::string resolve_clock(ClockOptions& options, const BoardConfig& card) {
     if (card.filter && has_filter(pair)) add(pair, *card.filter);
   }
   return resolve_clock(options, pipes,
-                      {.add = card.latency_add,
-                       .mul = card.latency_mul,
-                       .div = card.latency_div,
-                       .sqrt = card.latency_sqrt,
-                       .cmp = card.latency_compare});
+                       {.add = card.latency_add,
+                        .mul = card.latency_mul,
+                        .div = card.latency_div,
+                        .sqrt = card.latency_sqrt,
+                        .cmp = card.latency_compare});
 }
 
 void scene_target_option(CLI::App& verb, std::string& target) {

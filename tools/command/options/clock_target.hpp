@@ -24,7 +24,7 @@ void clock_options(CLI::App& verb, ClockOptions& options);
 
 /// Sets `options.mhz` to the clock of these pipes on the target. Returns where the clock is from.
 [[nodiscard]] std::string resolve_clock(ClockOptions& options, const std::vector<PipeChoice>& pipes,
-                                       const OperatorClocks& clocks);
+                                        const OperatorClocks& clocks);
 /// The same for a card.
 [[nodiscard]] std::string resolve_clock(ClockOptions& options, const BoardConfig& card);
 
@@ -33,6 +33,6 @@ void scene_target_option(CLI::App& verb, std::string& target);
 /// Sets the scene's clock to the clock of the target, if one was chosen. Returns where the clock is
 /// from. Error kUsage if the clock of the scene is not the default.
 [[nodiscard]] std::string resolve_clock(const std::string& target, Scene& scene,
-                                       const BoardConfig& card);
+                                        const BoardConfig& card);
 
 }  // namespace cde::cli

@@ -258,7 +258,8 @@ void excludes(CLI::App& verb, const std::string& option, const std::vector<std::
     if (CLI::Option* o = verb.get_option_no_throw(other)) verb.get_option(option)->excludes(o);
 }
 
-std::vector<std::string> normalise_arguments(const CLI::App& app, const std::vector<std::string>& words) {
+std::vector<std::string> normalise_arguments(const CLI::App& app,
+                                             const std::vector<std::string>& words) {
   return Reader(app, words).read();
 }
 

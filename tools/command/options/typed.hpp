@@ -15,7 +15,7 @@ namespace cde::cli {
 /// unfit value, an option or flag given twice, and an option that another one excludes. Missing
 /// arguments are reported after that.
 [[nodiscard]] std::vector<std::string> normalise_arguments(const CLI::App& app,
-                                                  const std::vector<std::string>& words);
+                                                           const std::vector<std::string>& words);
 
 /// Error kUsage: "--bits cannot be combined with --output x.npy; only CSV has them". `why` may be
 /// empty.

@@ -12,9 +12,9 @@
 #include <optional>
 #include <utility>
 
-#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"

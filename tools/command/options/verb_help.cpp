@@ -14,7 +14,7 @@ enum Does : unsigned {
   kSources = 2,  ///< reads the RTL, and caches results
   kCards = 4,    ///< opens whole cards
   kMeshes = 8,   ///< imports meshes
-  kCosts = 16,  ///< reads measured costs
+  kCosts = 16,   ///< reads measured costs
   kWidth = 32,   ///< prints text as wide as the terminal
   kAnything = kModels | kSources | kCards | kMeshes | kCosts | kWidth,
   kCompares = 64,   ///< compares the card with the reference

@@ -36,8 +36,8 @@ std::string sentence(const Effect& e) {
 std::string method_text(const QueryWork& w) {
   const std::string all = counted(w.tests, "test") + " in " + counted(w.rows, "row");
   if (!w.bvh) return all;
-  return fmt::format("through a BVH in about {} instead of {}",
-                     counted(*w.bvh_clocks, "clock"), all);
+  return fmt::format("through a BVH in about {} instead of {}", counted(*w.bvh_clocks, "clock"),
+                     all);
 }
 
 std::string card_text(const BoardConfig& card) {
@@ -94,8 +94,8 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
 void print_plan(const Scene& scene, const Plan& plan) {
   constexpr std::size_t kName = 28, kChoice = 18;
   print("{}: {}, {} quer{}, {}\n", printable_name(scene.file),
-      counted(scene.objects.size(), "object"), scene.queries.size(),
-      scene.queries.size() == 1 ? "y" : "ies", counted(scene.frames, "frame"));
+        counted(scene.objects.size(), "object"), scene.queries.size(),
+        scene.queries.size() == 1 ? "y" : "ies", counted(scene.frames, "frame"));
   for (const bool used : {true, false}) {
     print("\n{}\n", used ? "in the simulated card" : "left out");
     for (const Effect& e : plan.effects) {
@@ -128,8 +128,8 @@ void print_plan(const Scene& scene, const Plan& plan) {
   }
   const ModelFile file = model_file(plan.board.top(), plan.board.parameters());
   print("\nmodel      {}\n           {} ({})\n", card_text(plan.board),
-      printable_name(file.path.string()),
-      file.built ? "built" : "not built; the first run builds it");
+        printable_name(file.path.string()),
+        file.built ? "built" : "not built; the first run builds it");
   if (!plan.stands_in_for) return;
   print("           ");
   print_wrapped(stand_in_text(plan.board, *plan.stands_in_for), 11);

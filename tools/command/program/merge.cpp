@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "cde/jobs/work_distributor.hpp"
 #include "cde/jobs/journal.hpp"
+#include "cde/jobs/work_distributor.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
@@ -43,7 +43,8 @@ void check_words(const Journal& journal) {
   const Json words = journal.run().value("words", Json());
   const bool all_text = words.is_array() && !words.empty() &&
                         std::ranges::all_of(words, [](const Json& w) { return w.is_string(); });
-  if (all_text && journal.run().value("verb", Json()) == words[0] && is_distributed(words[0])) return;
+  if (all_text && journal.run().value("verb", Json()) == words[0] && is_distributed(words[0]))
+    return;
   throw Error(ErrorCode::kFile, fmt::format("cde merge: {}: \"words\" is not the command of a run",
                                             printable_name(journal.path())));
 }

@@ -28,8 +28,8 @@ void complain(const std::string& message) {
   log(shortened(message) + "\n");
 }
 
-/// Prints the help of the program and of its verbs and, if this is cde, the help of the other programs.
-/// A missing program is named, with status 2.
+/// Prints the help of the program and of its verbs and, if this is cde, the help of the other
+/// programs. A missing program is named, with status 2.
 int print_all_help(const Program& program, CLI::App& app) {
   const bool is_cde = this_program() == "cde";
   std::string text;
@@ -93,7 +93,9 @@ int program_main(const Program& program, int argc, char** argv) {
         ended = true;
         return code;
       },
-      [&](const std::string& message) { complain((distributor ? distributor->place() : "") + message); });
+      [&](const std::string& message) {
+        complain((distributor ? distributor->place() : "") + message);
+      });
   if (distributor && !ended) distributor->fail(status);
   return status;
 }

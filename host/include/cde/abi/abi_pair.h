@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /** @file
    C interface of a simulation model of pair_unit. A unit is single-threaded. Words have 32 bits for
-   formats of up to 32 bits and 64 bits for wider ones, little-endian. Their order is the order of the
-   shapes (rtl/contract/pairs_pkg.sv). */
+   formats of up to 32 bits and 64 bits for wider ones, little-endian. Their order is the order of
+   the shapes (rtl/contract/pairs_pkg.sv). */
 #pragma once
 #include <stdint.h>
 

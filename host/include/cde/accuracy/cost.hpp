@@ -17,7 +17,7 @@ struct Cost {
   PipeFigures figures = {};
   Target target = {};
   std::optional<LaneCost> lane = {};  ///< none for an assumed clock, or if nothing was measured
-  std::string why_not = {};            ///< reason if there is no cost
+  std::string why_not = {};           ///< reason if there is no cost
 
   /// Lanes of the times below: those that fit, or one if the clock is assumed. 0: none fits.
   [[nodiscard]] unsigned lanes() const;
@@ -38,6 +38,6 @@ struct Cost {
 [[nodiscard]] std::vector<PipeFigures> figures_of(const std::vector<AccuracyPipe>& pipes,
                                                   bool elaborate);
 [[nodiscard]] Cost cost_of(const AccuracyPipe& pipe, const PipeFigures& figures,
-                             const Target& target, const CostTable& table);
+                           const Target& target, const CostTable& table);
 
 }  // namespace cde::accuracy

@@ -41,7 +41,7 @@ struct FilterOptions {
 void measure_filters(std::vector<FilterRow>& rows, const FilterOptions& options);
 
 [[nodiscard]] std::string filter_table(const std::vector<FilterRow>& rows, bool by_family,
-                                        bool markdown);
+                                       bool markdown);
 [[nodiscard]] nlohmann::ordered_json filter_json(const std::vector<FilterRow>& rows);
 
 }  // namespace cde::accuracy

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "cde/accuracy/error_counts.hpp"
 #include "cde/accuracy/cost.hpp"
+#include "cde/accuracy/error_counts.hpp"
 #include "cde/accuracy/tally.hpp"
 
 /// @file
@@ -65,7 +65,7 @@ struct SavedSweep {
 
 /// Error kFile, naming `where`, if the JSON is not such output.
 [[nodiscard]] SavedSweep sweep_of(const nlohmann::ordered_json& json, const std::string& where,
-                                 const Target& target);
+                                  const Target& target);
 [[nodiscard]] SavedSweep read_sweep(const std::string& file, const Target& target);
 
 }  // namespace cde::accuracy

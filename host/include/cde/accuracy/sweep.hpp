@@ -32,8 +32,8 @@ struct Measured {
 };
 
 /// Measures the pipes, distributed in chunks. Nothing if the results are not all here
-/// (WorkDistributor::run_part). A pipe's cases are divided evenly among its families; the first families get
-/// the remainder.
+/// (WorkDistributor::run_part). A pipe's cases are divided evenly among its families; the first
+/// families get the remainder.
 [[nodiscard]] std::optional<std::vector<Measured>> sweep(const SweepOptions& options);
 
 }  // namespace cde::accuracy

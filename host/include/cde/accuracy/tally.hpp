@@ -97,7 +97,7 @@ struct ResultErrors {
 };
 /// Judges a result and adds it to the tally.
 ResultErrors judge(Tally& tally, const AccuracyPipe& pipe, const oracle::Case& words,
-             const PairResult& answer);
+                   const PairResult& answer);
 /// Keeps the larger case; of equal ones the earlier.
 void keep_worst(std::optional<WorstCase>& kept, const WorstCase& found);
 

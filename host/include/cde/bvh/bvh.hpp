@@ -34,15 +34,11 @@ class Bvh {
   /// Error kUsage: leaf is 0 or above 2. Error kBadInput, with the number: a box is empty, not
   /// finite or beyond 2^40, or a solid has a defect. Error kCapacity: more than 2^28 secondaries.
   [[nodiscard]] static Bvh build(std::span<const Eigen::AlignedBox3f> boxes,
-                                       const BvhOptions& options = {});
-  [[nodiscard]] static Bvh build(const TriangleView& triangles,
-                                       const BvhOptions& options = {});
-  [[nodiscard]] static Bvh build(std::span<const Sphere> spheres,
-                                       const BvhOptions& options = {});
-  [[nodiscard]] static Bvh build(std::span<const Aabb> boxes,
-                                       const BvhOptions& options = {});
-  [[nodiscard]] static Bvh build(std::span<const Obb> boxes,
-                                       const BvhOptions& options = {});
+                                 const BvhOptions& options = {});
+  [[nodiscard]] static Bvh build(const TriangleView& triangles, const BvhOptions& options = {});
+  [[nodiscard]] static Bvh build(std::span<const Sphere> spheres, const BvhOptions& options = {});
+  [[nodiscard]] static Bvh build(std::span<const Aabb> boxes, const BvhOptions& options = {});
+  [[nodiscard]] static Bvh build(std::span<const Obb> boxes, const BvhOptions& options = {});
 
   /// Builds a BVH of parts. `parts` holds the number of secondaries of each part, which are
   /// consecutive. Each part has its own BVH (parts()), and a top BVH is built over their boxes. A
@@ -51,17 +47,15 @@ class Bvh {
   /// Errors beside those above: kUsage if there is no part, a part is empty, or the parts do not
   /// add up. Error kCapacity for more than 32,768 parts. Messages about a box name its part.
   [[nodiscard]] static Bvh build(const TriangleView& triangles,
-                                       std::span<const std::uint32_t> parts,
-                                       const BvhOptions& options = {});
+                                 std::span<const std::uint32_t> parts,
+                                 const BvhOptions& options = {});
   [[nodiscard]] static Bvh build(std::span<const Sphere> spheres,
-                                       std::span<const std::uint32_t> parts,
-                                       const BvhOptions& options = {});
-  [[nodiscard]] static Bvh build(std::span<const Aabb> boxes,
-                                       std::span<const std::uint32_t> parts,
-                                       const BvhOptions& options = {});
-  [[nodiscard]] static Bvh build(std::span<const Obb> boxes,
-                                       std::span<const std::uint32_t> parts,
-                                       const BvhOptions& options = {});
+                                 std::span<const std::uint32_t> parts,
+                                 const BvhOptions& options = {});
+  [[nodiscard]] static Bvh build(std::span<const Aabb> boxes, std::span<const std::uint32_t> parts,
+                                 const BvhOptions& options = {});
+  [[nodiscard]] static Bvh build(std::span<const Obb> boxes, std::span<const std::uint32_t> parts,
+                                 const BvhOptions& options = {});
 
   /// Refits the boxes after secondaries have moved; the topology stays. Errors as for build(), and
   /// kUsage if their number has changed.
@@ -104,11 +98,10 @@ class Bvh {
  private:
   friend class BvhBuilder;
   using BoxOf = std::function<Eigen::AlignedBox3f(std::size_t)>;
+  [[nodiscard]] static Bvh build(std::size_t count, const BoxOf& box, const BvhOptions& options,
+                                 unsigned depth);
   [[nodiscard]] static Bvh build(std::size_t count, const BoxOf& box,
-                                       const BvhOptions& options, unsigned depth);
-  [[nodiscard]] static Bvh build(std::size_t count, const BoxOf& box,
-                                       std::span<const std::uint32_t> parts,
-                                       const BvhOptions& options);
+                                 std::span<const std::uint32_t> parts, const BvhOptions& options);
   void refit(std::size_t count, const BoxOf& box);
   [[nodiscard]] static Bvh joined(std::span<const Bvh> bvhs);
   void add_part(const Bvh& bvh, std::size_t root);

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "cde/model/model.hpp"
+#include "cde/bvh/bvh.hpp"
 #include "cde/card/host_profile.hpp"
 #include "cde/card/memory.hpp"
 #include "cde/card/trace.hpp"
@@ -18,9 +18,9 @@
 #include "cde/geometry/pair.hpp"
 #include "cde/geometry/primitives.hpp"
 #include "cde/geometry/transform.hpp"
-#include "cde/bvh/bvh.hpp"
 #include "cde/image/ray_view.hpp"
 #include "cde/mesh/triangle_view.hpp"
+#include "cde/model/model.hpp"
 #include "cde/query/counters.hpp"
 #include "cde/query/query.hpp"
 #include "cde/query/record.hpp"
@@ -97,9 +97,9 @@ class Board {
   /// card has no traversal units, or the BVH has another number of triangles. Error kCapacity, with
   /// the sizes: its node or slot memory is too small.
   void upload(const TriangleView& triangles, const Bvh& bvh, bool validate = true);
-  /// The same for spheres, AABBs or OBBs; traversal_shapes() lists their pairs. Only the number of the
-  /// BVH's secondaries is checked. A bad secondary in the BVH is not flagged, so `validate` may be
-  /// off only for valid data.
+  /// The same for spheres, AABBs or OBBs; traversal_shapes() lists their pairs. Only the number of
+  /// the BVH's secondaries is checked. A bad secondary in the BVH is not flagged, so `validate` may
+  /// be off only for valid data.
   void upload(std::span<const Sphere> spheres, const Bvh& bvh, bool validate = true);
   void upload(std::span<const Aabb> boxes, const Bvh& bvh, bool validate = true);
   void upload(std::span<const Obb> boxes, const Bvh& bvh, bool validate = true);
@@ -148,11 +148,11 @@ class Board {
   /// if they are not triangles, until another is uploaded. Errors as above.
   void move_object(std::size_t object, const Transform& transform);
 
-  /// The same for primaries, by their number in the packet. Primaries of load_second_shapes() follow
-  /// the first ones; no object has primaries of both. Primaries in no object stay as loaded. If
-  /// several objects have the same primary, the last one counts. The card poses them at the start
-  /// of the next pass, in one cycle per primary of the objects. It does so only if something has
-  /// moved. Needs Transformer::kBoth.
+  /// The same for primaries, by their number in the packet. Primaries of load_second_shapes()
+  /// follow the first ones; no object has primaries of both. Primaries in no object stay as loaded.
+  /// If several objects have the same primary, the last one counts. The card poses them at the
+  /// start of the next pass, in one cycle per primary of the objects. It does so only if something
+  /// has moved. Needs Transformer::kBoth.
   void set_primary_objects(std::span<const Object> objects);
   void move_primary_object(std::size_t object, const Transform& transform);
 
@@ -197,8 +197,8 @@ class Board {
   /// and records come in the same order.
   Counters cast(const RayView& rays, const Query& query, const RecordSink& sink);
   [[nodiscard]] std::vector<Record> cast(const RayView& rays, const Query& query = {});
-  /// The same for any number of shapes, as load_shapes() and run(). Pairs of traversal_shapes() traverse
-  /// a BVH. Error kBadInput as for load_shapes(), before anything is sent.
+  /// The same for any number of shapes, as load_shapes() and run(). Pairs of traversal_shapes()
+  /// traverse a BVH. Error kBadInput as for load_shapes(), before anything is sent.
   template <class P>
   Counters cast_shapes(std::span<const P> shapes, const Query& query, const RecordSink& sink,
                        bool validate = true) {
@@ -296,14 +296,13 @@ class Board {
 /// transformer moves them. Each object is a part of it. Error kUsage: no object, a range that is
 /// empty or exceeds the list, or rotated AABBs. Other errors as for Bvh::build.
 [[nodiscard]] Bvh bvh_of(const TriangleView& triangles, std::span<const Object> objects,
-                                     const BvhOptions& options = {});
-[[nodiscard]] Bvh bvh_of(std::span<const Sphere> spheres,
-                                     std::span<const Object> objects,
-                                     const BvhOptions& options = {});
+                         const BvhOptions& options = {});
+[[nodiscard]] Bvh bvh_of(std::span<const Sphere> spheres, std::span<const Object> objects,
+                         const BvhOptions& options = {});
 [[nodiscard]] Bvh bvh_of(std::span<const Aabb> boxes, std::span<const Object> objects,
-                                     const BvhOptions& options = {});
+                         const BvhOptions& options = {});
 [[nodiscard]] Bvh bvh_of(std::span<const Obb> boxes, std::span<const Object> objects,
-                                     const BvhOptions& options = {});
+                         const BvhOptions& options = {});
 
 /// Where a record of a packet's primary comes from, for messages. It names the current cycle, at
 /// which the record has been read, and the lane and register-file row of the primary.

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "cde/model/model.hpp"
 #include "cde/model/bus.hpp"
+#include "cde/model/model.hpp"
 
 namespace cde {
 

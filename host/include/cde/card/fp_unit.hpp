@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "cde/model/model.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/fp/fp_reference.hpp"
+#include "cde/model/model.hpp"
 
 namespace cde {
 

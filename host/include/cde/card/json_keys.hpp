@@ -17,7 +17,7 @@ namespace cde {
 
 /// The loaded simulation model: "model", "config_hash".
 [[nodiscard]] nlohmann::ordered_json model_json(const std::filesystem::path& file,
-                                                    std::uint64_t config_hash);
+                                                std::uint64_t config_hash);
 
 /// Counters of the card: "tests", "rows", "device_cycles" of the passes, "stall_cycles" and
 /// "bubble_cycles" in them, "writeback_cycles" after them. Also "uncertain_pairs", "secondaries",

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "cde/model/model.hpp"
 #include "cde/card/trace.hpp"
 #include "cde/contract/formats.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/model/model.hpp"
 #include "cde/query/pair_result.hpp"
 
 namespace cde {
@@ -28,8 +28,8 @@ struct PairConfig {
   unsigned lanes = 8;  ///< pairs per cycle, 1 to 256
   Arithmetic arithmetic = Arithmetic::kHost;
   unsigned sat_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
-                                ///< tests three candidate axes in turn (has_sat_interval)
-  unsigned latency_add = 1;     ///< cycles of an operator, at least 1
+                              ///< tests three candidate axes in turn (has_sat_interval)
+  unsigned latency_add = 1;   ///< cycles of an operator, at least 1
   unsigned latency_mul = 1;
   unsigned latency_div = 1;
   unsigned latency_sqrt = 1;

@@ -25,13 +25,13 @@ void normalise_pair(PairOptions& options);
 /// The pipe that the options select. Error kUsage for options that cannot be combined.
 [[nodiscard]] PairConfig configuration(const PairOptions& options);
 
-/// Iterations from --iterations, or the pair's default. Error kUsage if the text cannot be read, or the
-/// pair takes none.
+/// Iterations from --iterations, or the pair's default. Error kUsage if the text cannot be read, or
+/// the pair takes none.
 [[nodiscard]] PairIterations iterations_of(const PairOptions& options);
 
 /// Parses M,K1,K2, or the total number of evaluations. `option` names it in messages.
 [[nodiscard]] PairIterations iterations_named(const std::string& text, Pair pair,
-                                      std::string_view option = "--iterations");
+                                              std::string_view option = "--iterations");
 
 /// PAIR and options of a command line that runs the same pipe again.
 [[nodiscard]] std::string words_of(const PairOptions& options, const PairConfig& config,

@@ -30,9 +30,9 @@ struct PairFailure {
 
 /// A record for which a card and its reference differ.
 struct CardFailure {
-  PairConfig pipe = {};     ///< pipe of this pair, as a PairUnit
+  PairConfig pipe = {};         ///< pipe of this pair, as a PairUnit
   std::string iterations = {};  ///< iterations as `cde query` takes them; may be empty
-  bool swap = false;        ///< the secondary is the pair's first shape
+  bool swap = false;            ///< the secondary is the pair's first shape
   Mode mode = Mode::kNearest;
   Difference difference = {};
   std::uint32_t place = 0;   ///< slot of the primary in its packet

@@ -45,7 +45,7 @@ enum Register : std::uint32_t {
   kRegCaps3 = 0x070,       ///< kCaps3* fields
   kRegPrimSplit = 0x078,   ///< with a second pair: number of its first primary
   kRegStencil = 0x080,     ///< primaries/64 registers; a 1 masks a primary
-  kRegIterations = 0x0A0,      ///< iterations for a cylinder pair: kIterations* fields
+  kRegIterations = 0x0A0,  ///< iterations for a cylinder pair: kIterations* fields
   kRegEcc = 0x0B8,  ///< words of secondaries with bit errors read from DDR in a pass: kEcc* fields
   /// Objects of secondaries in the pass; 0: use kRegSecFirst and kRegSecCount.
   kRegObjectCount = 0x0A8,
@@ -59,12 +59,13 @@ enum Register : std::uint32_t {
   kRegBadSec = 0x0E8,       ///< secondaries refused as bad input
   kRegSecondaries = 0x0F0,  ///< secondaries streamed
   kRegWritten = 0x0F8,      ///< records written to SRAM
-  kRegUncertain = 0x100,    ///< pairs that the certified filter left uncertain (`BoardConfig::filter`)
-  kRegNodes = 0x108,   ///< BVH: nodes read
-  kRegLeaves = 0x110,  ///< BVH: leaves visited
-  kRegTested = 0x118,  ///< BVH: secondaries of leaves that were tested
-  kRegRoot = 0x120,    ///< 4 registers: lower corner of the root's box, upper corner, 16 u W, 0
-  kRegNodeCaps = 0x140,   ///< kNodeCaps* fields
+  kRegUncertain =
+      0x100,             ///< pairs that the certified filter left uncertain (`BoardConfig::filter`)
+  kRegNodes = 0x108,     ///< BVH: nodes read
+  kRegLeaves = 0x110,    ///< BVH: leaves visited
+  kRegTested = 0x118,    ///< BVH: secondaries of leaves that were tested
+  kRegRoot = 0x120,      ///< 4 registers: lower corner of the root's box, upper corner, 16 u W, 0
+  kRegNodeCaps = 0x140,  ///< kNodeCaps* fields
   kRegNodeCount = 0x148,  ///< nodes of the BVH
   kRegRayCount = 0x150,   ///< rays of the pass, none of which has been provided yet
   kRegRays = 0x158,       ///< kRays* fields; write the number of rays provided so far
@@ -80,7 +81,7 @@ enum Register : std::uint32_t {
 
 /// Registers of the counters of a pass, unit by unit, in the order in which a unit delivers them.
 inline constexpr Register kCounterRegisters[] = {
-    kRegCycles, kRegWriteback, kRegRows, kRegStalls, kRegBubbles, kRegSecondaries,
+    kRegCycles, kRegWriteback, kRegRows,      kRegStalls, kRegBubbles, kRegSecondaries,
     kRegBadSec, kRegWritten,   kRegUncertain, kRegNodes,  kRegLeaves,  kRegTested,
 };
 inline constexpr unsigned kCounters = std::size(kCounterRegisters);
@@ -142,8 +143,8 @@ inline constexpr Field kCapsLanes{0, 16}, kCapsPrimaries{16, 16}, kCapsExp{32, 8
 inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Container{48, 8},
     kCaps2TraversalUnits{56, 8};
 inline constexpr Field kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
-    kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Filter{23},
-    kCaps3PrimWords{24, 8}, kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
+    kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Filter{23}, kCaps3PrimWords{24, 8},
+    kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
 inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsANode{48, 8};
 inline constexpr Field kRaysProvided{0, 32}, kRaysTaken{32, 32};
 inline constexpr Field kNodeFaultPlace{0, 32}, kNodeFaultKind{32, 4};
@@ -151,7 +152,7 @@ inline constexpr Field kNodeFlipBits{0, 32}, kNodeFlipWord{32, 5};
 inline constexpr Field kFaultAddr{0, 32}, kFaultSpace{32, kSpaceBits};
 inline constexpr Field kIterationsM{0, 8}, kIterationsK1{8, 8}, kIterationsK2{16, 8};
 inline constexpr std::uint32_t kIterationsReset = 0x080808;
-inline constexpr unsigned kIterationsMost = 64;                       ///< of K1 and K2
+inline constexpr unsigned kIterationsMost = 64;                   ///< of K1 and K2
 inline constexpr Field kEccCorrected{0, 32}, kEccFailed{32, 32};  ///< words
 inline constexpr Field kCommandMode{0, 3}, kCommandPair{8, kPairBits},
     kCommandSecondPair{16, kPairBits};

@@ -90,17 +90,17 @@ class CostTable {
   /// The cost of a whole lane if it was measured, at the fastest operator latencies. Otherwise the
   /// sum of its operators, each at its fastest. `clocks`: use only rows with these latencies.
   [[nodiscard]] LaneCostOr lane(const CostedPipe& pipe, const std::string& target,
-                                 const std::optional<OperatorClocks>& clocks = {}) const;
+                                const std::optional<OperatorClocks>& clocks = {}) const;
 
   /// "there are: add fp32 LAT 8, ...": rows of a target that have a clock frequency.
   [[nodiscard]] std::string rows_of(const std::string& target) const;
 
  private:
   [[nodiscard]] const CostRow* fastest(std::string_view what, std::string_view algorithm,
-                                        const std::string& format, const std::string& target,
-                                        const std::string& lat) const;
+                                       const std::string& format, const std::string& target,
+                                       const std::string& lat) const;
   [[nodiscard]] LaneCostOr estimate(const CostedPipe& pipe, const std::string& target,
-                                     const std::optional<OperatorClocks>& clocks) const;
+                                    const std::optional<OperatorClocks>& clocks) const;
   std::string file_;
   std::vector<CostRow> rows_;
 };

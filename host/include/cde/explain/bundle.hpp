@@ -51,7 +51,7 @@ class Bundle {
 };
 
 /// Creates the folder, packs the failure into it, and returns its path. What cannot be packed is
-/// named in fail.json and in `missing`. Errors as those of Bundle.
+/// named in fail.json and in `missing`. Errors as in Bundle.
 struct Packed {
   std::filesystem::path folder;
   std::string missing;
@@ -83,7 +83,7 @@ bool bundle_explanation(Bundle& bundle, const explain::Explanation& explanation,
 /// Where the word that `signal` has at a time of the waves in `file` was produced. If that is
 /// unknown: the signal itself at that time.
 [[nodiscard]] wave::Origin origin_at(const std::filesystem::path& file, const std::string& signal,
-                                   std::uint64_t time);
+                                     std::uint64_t time);
 
 /// Adds why.txt: what caused the value of `signal` at the failure, with source lines. `made` says
 /// where the value was produced, in waves.fst. `signal` is written as `cde wave why` takes it.

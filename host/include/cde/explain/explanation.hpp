@@ -64,6 +64,7 @@ class Explainer {
 
 /// Explains one pair with an Explainer.
 [[nodiscard]] Explanation explain(const PairConfig& config, std::span<const std::uint64_t> a,
-                                  std::span<const std::uint64_t> b, const PairIterations& iterations);
+                                  std::span<const std::uint64_t> b,
+                                  const PairIterations& iterations);
 
 }  // namespace cde::explain

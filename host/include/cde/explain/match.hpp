@@ -70,12 +70,13 @@ struct Compared {
   std::vector<std::int32_t> others;  ///< if missing: operators of the card that may compute it
 };
 
-/// Compares every operation of the pair in row `row`. For an iterative pipeline (`iterative`) only seats
-/// on which all pairs agree count. It selects before an operation where the reference selects after
-/// it.
+/// Compares every operation of the pair in row `row`. For an iterative pipeline (`iterative`) only
+/// seats on which all pairs agree count. It selects before an operation where the reference selects
+/// after it.
 [[nodiscard]] std::vector<Compared> compare(const Observed& card,
                                             std::span<const PairRecording> pairs, std::size_t row,
                                             std::span<const Seat> seats,
-                                            std::span<const std::size_t> learnt_from, bool iterative);
+                                            std::span<const std::size_t> learnt_from,
+                                            bool iterative);
 
 }  // namespace cde::explain

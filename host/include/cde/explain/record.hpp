@@ -23,6 +23,7 @@ struct PairRecording {
 /// Runs the reference of the unit's configuration on operands in slot order. Error kUsage for a
 /// format without reference.
 [[nodiscard]] PairRecording record(const PairConfig& config, std::span<const std::uint64_t> a,
-                                   std::span<const std::uint64_t> b, const PairIterations& iterations);
+                                   std::span<const std::uint64_t> b,
+                                   const PairIterations& iterations);
 
 }  // namespace cde::explain

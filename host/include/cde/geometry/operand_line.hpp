@@ -32,8 +32,8 @@ class OperandText {
   /// Counts pairs that were read elsewhere, so that a column of row numbers continues after them.
   void skip(std::uint64_t pairs);
 
-  /// Appends the words of A and of B in slot order if the line has them. The text has the words of B
-  /// first if the pair is named in exchanged order. kNothing is an empty line, a comment (#) or a
+  /// Appends the words of A and of B in slot order if the line has them. The text has the words of
+  /// B first if the pair is named in exchanged order. kNothing is an empty line, a comment (#) or a
   /// header. `why` explains a malformed line. Error kFile for a malformed header.
   [[nodiscard]] OperandLine read(std::string_view line, const std::string& where,
                                  std::vector<std::uint64_t>& a, std::vector<std::uint64_t>& b,

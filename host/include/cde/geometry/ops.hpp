@@ -93,9 +93,9 @@ template <typename S>
   return signbit(x);
 }
 
-/// Wire: y with its sign bit exclusive-ored with the sign bit of x, also for zeros. The operand x is the
-/// result of an operator, so a NaN counts as positive, whatever sign the host's arithmetic gives
-/// it.
+/// Wire: y with its sign bit exclusive-ored with the sign bit of x, also for zeros. The operand x
+/// is the result of an operator, so a NaN counts as positive, whatever sign the host's arithmetic
+/// gives it.
 template <typename S>
 [[nodiscard]] constexpr S move_sign(S x, S y) {
   using std::signbit;

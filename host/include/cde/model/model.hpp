@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "cde/model/bus.hpp"
 #include "cde/fp/fp_format.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/model/bus.hpp"
 
 namespace cde {
 
@@ -42,12 +42,13 @@ struct BoardConfig {
   Algorithm algorithm = Algorithm::kMoller;        ///< of ray-triangle
   bool box = false;   ///< box rule. Ray-triangle: a hit must lie in the triangle's box
                       ///< (reference/pipes/ray_box.hpp). Other pairs of has_box_rule(): the signed
-                      ///< distance is at least the distance of the boxes (reference/pipes/distance_bound.hpp).
+                      ///< distance is at least the distance of the boxes
+                      ///< (reference/pipes/distance_bound.hpp).
   bool swap = false;  ///< passes can exchange the roles of primary and secondary
-  bool normals = false;         ///< passes can return normals
-  bool parallel = false;        ///< a pass can use two pipes at once (Query::second)
+  bool normals = false;       ///< passes can return normals
+  bool parallel = false;      ///< a pass can use two pipes at once (Query::second)
   unsigned sat_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
-                                ///< tests three candidate axes in turn (has_sat_interval)
+                              ///< tests three candidate axes in turn (has_sat_interval)
   std::optional<FpFormat> filter =
       std::nullopt;  ///< certified filter: narrow lanes prove misses of pairs of solids
                      ///< (`has_filter`) in modes any and hits. One lane of `format` tests the
@@ -109,12 +110,13 @@ class SimulationModel {
   /// `kind` is a top module, e.g. "board". Error kBuild with the builder's last lines, or with what
   /// is missing. Error kUsage if the builder refuses a parameter.
   [[nodiscard]] static SimulationModel open(const std::string& kind,
-                                      const std::vector<std::string>& parameters);
+                                            const std::vector<std::string>& parameters);
 
   /// Loads a file that may be any shared library. Its configuration hash is taken as `config_hash`.
   /// Error kConfiguration if it cannot be loaded, or differs from the checksum beside it. Error
   /// kFile if another user can write it or its folder.
-  [[nodiscard]] static SimulationModel load(const std::filesystem::path& file, std::uint64_t config_hash);
+  [[nodiscard]] static SimulationModel load(const std::filesystem::path& file,
+                                            std::uint64_t config_hash);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
@@ -126,8 +128,8 @@ class SimulationModel {
 
  private:
   SimulationModel() = default;
-  static SimulationModel link(const std::filesystem::path& named, const std::filesystem::path& inside,
-                        std::uint64_t config_hash);
+  static SimulationModel link(const std::filesystem::path& named,
+                              const std::filesystem::path& inside, std::uint64_t config_hash);
   std::shared_ptr<void> library_;
   std::filesystem::path path_;
   std::uint64_t config_hash_ = 0;
@@ -141,7 +143,7 @@ void report_builds(bool tell);
 
 /// File of a configuration, built if necessary: SimulationModel::open without loading.
 [[nodiscard]] std::filesystem::path model_path(const std::string& kind,
-                                                   const std::vector<std::string>& parameters);
+                                               const std::vector<std::string>& parameters);
 
 /// Where the file of a configuration is, or would be built.
 struct ModelFile {
@@ -150,7 +152,7 @@ struct ModelFile {
 };
 /// Builds nothing. Error kBuild as for SimulationModel::open.
 [[nodiscard]] ModelFile model_file(const std::string& kind,
-                                           const std::vector<std::string>& parameters);
+                                   const std::vector<std::string>& parameters);
 
 /// Parameters of the existing simulation models of a kind, in all searched folders. They come from
 /// the comments beside the files; sorted, without duplicates. Nothing else is checked:
@@ -159,7 +161,7 @@ struct ModelFile {
 
 /// Hash that the card of a configuration shows. Error kBuild as for SimulationModel::open.
 [[nodiscard]] std::uint64_t model_hash(const std::string& kind,
-                                           const std::vector<std::string>& parameters);
+                                       const std::vector<std::string>& parameters);
 
 /// Folders for messages and `cde doctor`.
 /// Created with mode 0700 if missing; error kFile.

@@ -12,7 +12,7 @@ namespace cde::netlist {
 /// also covers the program's own code. Nothing if it cannot be determined; elaboration then reports
 /// why.
 [[nodiscard]] std::optional<std::string> cache_name(const std::string& kind,
-                                                   const std::vector<std::string>& parameters,
-                                                   std::string_view suffix);
+                                                    const std::vector<std::string>& parameters,
+                                                    std::string_view suffix);
 
 }  // namespace cde::netlist

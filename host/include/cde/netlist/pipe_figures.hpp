@@ -25,15 +25,15 @@ struct Profile {
 struct Pipe {
   Pair pair;
   Algorithm algorithm;
-  std::string absent;           ///< why there is no pipe; the other fields are then empty
+  std::string absent;         ///< why there is no pipe; the other fields are then empty
   unsigned sat_interval = 1;  ///< requested interval
-  bool box = false;             ///< it has the box rule
+  bool box = false;           ///< it has the box rule
   std::string module = {};
   Operators operators = {};
   unsigned a_words = 0, b_words = 0, outputs = 0;  ///< 32-bit words; F counts as one
   unsigned latency = 0, latency_profile = 0;  ///< cycles; the first with one cycle per operator
   unsigned interval = 1;                      ///< cycles from one row to the next
-  unsigned slots = 0;                          ///< rows in flight in an iterative pipeline
+  unsigned slots = 0;                         ///< rows in flight in an iterative pipeline
 
   [[nodiscard]] std::string name() const {
     return pair == Pair::kRayTriangle ? fmt::format("{}, {}", cde::name(pair), cde::name(algorithm))

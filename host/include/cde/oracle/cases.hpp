@@ -54,8 +54,8 @@ struct Case {
 /// (small_offset). A tenth of the scenes are scaled by up to 2^+-10. Rays are aimed past the
 /// silhouette, an edge or a rim by as little.
 ///
-/// Odd indices cycle through the directed families. The families of rays are listed in ray_cases.cpp.
-/// The families of convex pairs are:
+/// Odd indices cycle through the directed families. The families of rays are listed in
+/// ray_cases.cpp. The families of convex pairs are:
 /// - random, deep, concentric, containment;
 /// - aligned: exact face-to-face contact, +-2^-10 and +-16 u;
 /// - needles and plates;

@@ -53,7 +53,7 @@ struct Decision {
   double scale = 0;        ///< S
   double tolerance_t = 0;  ///< 16 u S
   double tolerance_p = 0;  ///< tolerance_t + 4 u L
-  SignedDistance distance{};               ///< the oracle's result
+  SignedDistance distance{};  ///< the oracle's result
 
   [[nodiscard]] bool ok() const { return failure == Failure::kNone; }
   /// One line with all figures, for test messages.
@@ -62,6 +62,6 @@ struct Decision {
 
 /// Checks a result by its certificate, never by another algorithm's CP or n.
 [[nodiscard]] Decision check(const Shape& a, const Shape& b, const Result& result,
-                            const CheckOptions& options = {});
+                             const CheckOptions& options = {});
 
 }  // namespace cde::oracle

@@ -32,6 +32,6 @@
 /// default tolerance of 1e-8 S, with a cylinder about 0.1 ms.
 #include "cde/oracle/cases.hpp"
 #include "cde/oracle/certificate.hpp"
-#include "cde/oracle/signed_distance.hpp"
 #include "cde/oracle/rays.hpp"
 #include "cde/oracle/shapes.hpp"
+#include "cde/oracle/signed_distance.hpp"

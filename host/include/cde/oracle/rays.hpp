@@ -57,6 +57,6 @@ struct RayDecision {
 /// multiples of u in advance. Near a tangent, where cosine < sqrt(band), T is only as good as
 /// sqrt(tolerance); it is excused.
 [[nodiscard]] RayDecision check(const Ray& ray, const RayAnswer& answer, bool f, double t,
-                               const Vec& cp, double band, double tolerance);
+                                const Vec& cp, double band, double tolerance);
 
 }  // namespace cde::oracle

@@ -38,13 +38,12 @@ enum class Field {
 };
 
 /// The struct of a shape and its part of shapes.cpp hold everything about it, except for the core
-/// that signed_distance.cpp derives. `fields` lists the words of a slot in order. `center`, `support` and
-/// `distance` match the functions below. `extent` and `largest` are its part of the measures S and
-/// L.
-/// Three functions make random shapes about the origin. `build` serves build_shape(). `whole` has
-/// lengths from about 1 to 5, along the axes. `body` has half sizes `h` and is for scenes.
-/// `kSpread` is the distance at which about half of random pairs meet, as a fraction of the sum of
-/// half widths.
+/// that signed_distance.cpp derives. `fields` lists the words of a slot in order. `center`,
+/// `support` and `distance` match the functions below. `extent` and `largest` are its part of the
+/// measures S and L. Three functions make random shapes about the origin. `build` serves
+/// build_shape(). `whole` has lengths from about 1 to 5, along the axes. `body` has half sizes `h`
+/// and is for scenes. `kSpread` is the distance at which about half of random pairs meet, as a
+/// fraction of the sum of half widths.
 
 /// The ball |x - c| <= r.
 struct Sphere {

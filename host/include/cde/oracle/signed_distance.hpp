@@ -35,6 +35,7 @@ struct DistanceOptions {
 /// + tolerance. Radii of spheres are removed beforehand. Planes, and cylinders with exactly the
 /// same axis, have closed forms. A slack of 64 * 2^-53 * scene_size on either side covers rounding:
 /// a support value is a sum of at most eight rounded terms, none above scene_size.
-[[nodiscard]] SignedDistance signed_distance(const Shape& a, const Shape& b, const DistanceOptions& options = {});
+[[nodiscard]] SignedDistance signed_distance(const Shape& a, const Shape& b,
+                                             const DistanceOptions& options = {});
 
 }  // namespace cde::oracle

@@ -25,8 +25,8 @@ struct SecondPair {
 /// Whether primaries traverse a BVH of the uploaded secondaries, or a brute-force pass tests all of
 /// them.
 enum class Through : std::uint8_t {
-  kAuto,       ///< traverses the BVH if there is one that can answer the query
-  kBvh,  ///< error kUsage, with the reason, if the BVH cannot answer the query
+  kAuto,  ///< traverses the BVH if there is one that can answer the query
+  kBvh,   ///< error kUsage, with the reason, if the BVH cannot answer the query
   kBruteForce,
 };
 
@@ -37,7 +37,8 @@ struct Query {
   bool swap = false;     ///< the pair's first shape is the secondary, its second one the primary
   bool normals = false;  ///< records include n
   std::optional<SecondPair> second = {};  ///< BoardConfig::parallel; modes nearest, farthest, any
-  PairIterations iterations = {};  ///< iterations of pairs with a cylinder and no ray (has_iterations)
+  PairIterations iterations =
+      {};  ///< iterations of pairs with a cylinder and no ray (has_iterations)
   Stencil stencil = {};
   std::uint32_t first_secondary = 0;  ///< first uploaded secondary of the brute-force pass
   std::uint32_t secondary_count = 0;  ///< secondaries from there on (0: all); not with objects.

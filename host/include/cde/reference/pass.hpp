@@ -12,8 +12,8 @@
 
 namespace cde::reference {
 
-/// Parameters of one pass of the card. `pair`'s first shape is the shape of the primaries, with `swap`
-/// of the secondaries. `algorithm` is for ray-triangle, `box` for pairs with the box rule.
+/// Parameters of one pass of the card. `pair`'s first shape is the shape of the primaries, with
+/// `swap` of the secondaries. `algorithm` is for ray-triangle, `box` for pairs with the box rule.
 struct PassQuery {
   Pair pair = Pair::kRayTriangle;
   Algorithm algorithm = Algorithm::kMoller;
@@ -59,12 +59,12 @@ struct BruteForcePair {
 
 /// All pairs of one primary, in the card's order: they explain its record.
 struct BruteForcePrimary {
-  std::vector<BruteForcePair> pairs;  ///< pairs that count. In modes all and hits candidates are pairs
-                                 ///< with a record, and none is kept
-  std::vector<Record> records;   ///< records of the primary in a Pass of the query
+  std::vector<BruteForcePair> pairs;  ///< pairs that count. In modes all and hits candidates are
+                                      ///< pairs with a record, and none is kept
+  std::vector<Record> records;        ///< records of the primary in a Pass of the query
 };
 /// Errors as for Pass.
 [[nodiscard]] BruteForcePrimary brute_force(const PassQuery& query, const Shapes& primaries,
-                                 std::uint32_t number, const Shapes& secondaries);
+                                            std::uint32_t number, const Shapes& secondaries);
 
 }  // namespace cde::reference

@@ -32,7 +32,8 @@ class RecordCheck {
     std::function<std::string(const Difference&)> repeat = {};
   };
 
-  RecordCheck(Source source, ReportOptions report) : source_(std::move(source)), report_(std::move(report)) {}
+  RecordCheck(Source source, ReportOptions report)
+      : source_(std::move(source)), report_(std::move(report)) {}
 
   void compare(std::span<const Record> records);
   /// Call it after the last record: a record that the card left out is a difference.
@@ -54,7 +55,9 @@ class RecordCheck {
   /// The first difference as data; nothing if all match.
   [[nodiscard]] const std::optional<Difference>& first_difference() const { return first_; }
   /// Sets the function for a primary's place.
-  void set_place(std::function<std::string(std::uint32_t)> place) { report_.place = std::move(place); }
+  void set_place(std::function<std::string(std::uint32_t)> place) {
+    report_.place = std::move(place);
+  }
 
  private:
   [[nodiscard]] std::string text() const;

@@ -42,14 +42,15 @@ namespace cde::reference {
 /// template.
 class BruteForce {
  public:
-  /// Each packet of `packet` rays is tested against all triangles, or against the triangles of the objects
-  /// (Board::set_objects). Rays and triangles must outlive the object. `format`, here and below, is
-  /// the card's: fp32 or a smaller one, to which rays, triangles and transforms are rounded.
-  /// Function has_fast_brute_force() tells which are fast. Error kUsage if no card has the format, or a
-  /// range of the objects exceeds the triangles.
-  BruteForce(const RayView& rays, const TriangleView& triangles, Mode mode, const Stencil& stencil = {},
-        unsigned packet = card::kMostPrimaries, std::span<const Object> objects = {},
-        bool box = false, FpFormat format = {}, Algorithm algorithm = Algorithm::kMoller);
+  /// Each packet of `packet` rays is tested against all triangles, or against the triangles of the
+  /// objects (Board::set_objects). Rays and triangles must outlive the object. `format`, here and
+  /// below, is the card's: fp32 or a smaller one, to which rays, triangles and transforms are
+  /// rounded. Function has_fast_brute_force() tells which are fast. Error kUsage if no card has the
+  /// format, or a range of the objects exceeds the triangles.
+  BruteForce(const RayView& rays, const TriangleView& triangles, Mode mode,
+             const Stencil& stencil = {}, unsigned packet = card::kMostPrimaries,
+             std::span<const Object> objects = {}, bool box = false, FpFormat format = {},
+             Algorithm algorithm = Algorithm::kMoller);
   ~BruteForce();
   BruteForce(const BruteForce&) = delete;
   BruteForce& operator=(const BruteForce&) = delete;
@@ -71,8 +72,9 @@ class BruteForce {
 
 /// Describes differences for rays and triangles. `command` is the start of a command that repeats
 /// the query, e.g. "cde cast terrain --lanes 16". Rays and triangles must outlive the result.
-[[nodiscard]] RecordCheck::ReportOptions ray_report(const RayView& rays, const TriangleView& triangles,
-                                             std::string command);
+[[nodiscard]] RecordCheck::ReportOptions ray_report(const RayView& rays,
+                                                    const TriangleView& triangles,
+                                                    std::string command);
 
 /// A record check against a BruteForce with the same arguments, which must outlive it.
 class Checker : public RecordCheck {

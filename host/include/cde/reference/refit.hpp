@@ -22,8 +22,8 @@ struct Refitted {
   std::optional<std::uint32_t> bad;
 };
 
-/// Refits the boxes from the last node to the first; the topology stays. Each child's box contains its
-/// triangles, or box_of() its node, exactly, whatever the triangles are:
+/// Refits the boxes from the last node to the first; the topology stays. Each child's box contains
+/// its triangles, or box_of() its node, exactly, whatever the triangles are:
 ///
 /// - A leaf's box is the minimum and the maximum of words.
 /// - A node's origin is the lower corner of all children's boxes. Let m be the larger exponent of
@@ -42,8 +42,8 @@ struct Refitted {
 /// Both zeros become +0. Bytes of missing children are 0. A node without children, which only an
 /// empty BVH needs, stays unchanged. To its parent it is the point of its origin. Error kUsage if
 /// the numbers of triangles and slots differ; others as for bvh::check.
-[[nodiscard]] Refitted refit(std::span<const bvh::Node> nodes,
-                             std::span<const std::uint32_t> order, const TriangleView& triangles);
+[[nodiscard]] Refitted refit(std::span<const bvh::Node> nodes, std::span<const std::uint32_t> order,
+                             const TriangleView& triangles);
 
 /// The box from a node's origin to the largest of its children's upper corners, rounded up. It
 /// contains exactly the boxes of all children, as given by their bytes, and of the nodes below

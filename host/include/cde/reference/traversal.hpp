@@ -7,9 +7,9 @@
 #include <variant>
 #include <vector>
 
+#include "cde/bvh/bvh.hpp"
 #include "cde/contract/pairs.hpp"
 #include "cde/geometry/primitives.hpp"
-#include "cde/bvh/bvh.hpp"
 #include "cde/mesh/triangle_view.hpp"
 #include "cde/query/query.hpp"
 
@@ -28,8 +28,8 @@ concept Solid = std::same_as<P, Sphere> || std::same_as<P, Aabb> || std::same_as
     std::same_as<P, Triangle>;
 
 /// Traverses a BVH over triangles, spheres, AABBs or OBBs with rays, spheres, AABBs, OBBs and
-/// triangles, for the pairs of traversal_shapes(), with the box rule. Results are bit-identical to those
-/// of BruteForce or Pass with that rule, ties included.
+/// triangles, for the pairs of traversal_shapes(), with the box rule. Results are bit-identical to
+/// those of BruteForce or Pass with that rule, ties included.
 class Traversal {
  public:
   /// Both arguments must outlive the object. The algorithm is for rays. Error kUsage if the BVH has
@@ -65,8 +65,8 @@ class Traversal {
   class Trace;
   using Secondaries = std::variant<TriangleView, std::span<const Sphere>, std::span<const Aabb>,
                                    std::span<const Obb>>;
-  Traversal(Secondaries secondaries, std::size_t count, std::string_view shape,
-            const Bvh& bvh, Algorithm algorithm);
+  Traversal(Secondaries secondaries, std::size_t count, std::string_view shape, const Bvh& bvh,
+            Algorithm algorithm);
   template <class P>  // of these five
   std::vector<Record> trace_any(const P& primary, std::uint32_t number, Mode mode);
   template <class P>

@@ -24,8 +24,8 @@ struct CastRequest {
   bool trace = false;  ///< waves are written
   std::optional<unsigned> lanes = {};
   std::optional<bool> bvh = {};  ///< true: must traverse a BVH; false: must not
-  bool parts = false;                  ///< the mesh is distributed among cards
-  bool exact_card = false;  ///< an existing model may not stand in for one that must be built
+  bool parts = false;            ///< the mesh is distributed among cards
+  bool exact_card = false;       ///< an existing model may not stand in for one that must be built
 };
 
 /// To use it, open `card`, upload the mesh, with `*bvh` if there is one, and cast with the
@@ -36,8 +36,8 @@ struct CastRequest {
 ///     board.cast(rays, {.mode = request.mode}, take);
 struct CastPlan {
   BoardConfig card = {};
-  std::shared_ptr<const Bvh> bvh = {};  ///< of the mesh; null: brute force
-  std::optional<BuiltCard> stands_in_for = {};      ///< the planned card that `card` replaces
+  std::shared_ptr<const Bvh> bvh = {};          ///< of the mesh; null: brute force
+  std::optional<BuiltCard> stands_in_for = {};  ///< the planned card that `card` replaces
   std::string warning = {};  ///< why a requested BVH could not be built; empty: none
 };
 

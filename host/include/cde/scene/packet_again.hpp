@@ -26,7 +26,7 @@ QueryFrame play_packet(const PacketAgain& packet, std::uint32_t first, const std
 struct RunFailure {
   const Scene& scene;
   const Plan& plan;
-  RunnerOptions options;      ///< as in the run
+  RunnerOptions options;    ///< as in the run
   std::uint32_t first = 0;  ///< first frame of the run
   std::uint32_t frame = 0;  ///< frame of the record
   std::size_t query = 0;

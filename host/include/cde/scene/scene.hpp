@@ -7,12 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "cde/model/model.hpp"
 #include "cde/card/board.hpp"
 #include "cde/geometry/motion.hpp"
 #include "cde/geometry/shapes.hpp"
 #include "cde/geometry/transform.hpp"
 #include "cde/mesh/mesh.hpp"
+#include "cde/model/model.hpp"
 
 /// @file
 /// Contents of a scene file (docs/reference/scenes.md): moving objects, and the queries about them
@@ -119,7 +119,7 @@ struct SceneCard {
   std::optional<unsigned> lanes;
   std::vector<Pair> pairs;  ///< pipes of the card; empty: the pairs of the queries
   Arithmetic arithmetic = Arithmetic::kHost;
-  FpFormat format = {};                             ///< BoardConfig::format
+  FpFormat format = {};                           ///< BoardConfig::format
   std::optional<FpFormat> filter = std::nullopt;  ///< `BoardConfig::filter`
   Algorithm algorithm = kLeakFree;
   bool box = true;          ///< box rule, for pairs that have it

@@ -59,12 +59,12 @@ struct QueryFrame {
   /// The other cycles: reading records, register accesses. In modes all and hits, records are read
   /// during the pass, so most of that time counts as compute.
   std::uint64_t download_clocks = 0;
-  std::uint64_t hits = 0;  ///< records with F = 1
-  std::string brute_force_reason;  ///< why rays used brute force instead of the requested BVH; empty if they
-                         ///< traversed it
-  std::uint64_t compared = 0;                  ///< records compared with the reference
-  std::uint64_t mismatches = 0;                ///< differing, missing or extra records
-  std::string first_mismatch;                  ///< the first difference as text; empty if none
+  std::uint64_t hits = 0;          ///< records with F = 1
+  std::string brute_force_reason;  ///< why rays used brute force instead of the requested BVH;
+                                   ///< empty if they traversed it
+  std::uint64_t compared = 0;      ///< records compared with the reference
+  std::uint64_t mismatches = 0;    ///< differing, missing or extra records
+  std::string first_mismatch;      ///< the first difference as text; empty if none
   std::optional<Difference> first_difference;  ///< the first difference as data
   double pass_seconds = 0;   ///< wall time of the simulated card: uploads, passes, downloads
   double check_seconds = 0;  ///< wall time of the reference

@@ -31,7 +31,7 @@ using Seconds = std::chrono::duration<double>;
 /// returns, the exit status is 0. A child that runs longer than `limit` is killed. Error kFile if
 /// no process can be created.
 [[nodiscard]] Result run_isolated(const std::function<void(int out)>& work,
-                              std::optional<Seconds> limit = {});
+                                  std::optional<Seconds> limit = {});
 
 /// How a child of continue_in_child ended.
 struct ChildExit {
@@ -45,9 +45,8 @@ struct ChildExit {
 /// from which the child's stderr is read, and this returns how the child ended. With `forward`,
 /// signals that end a process are passed to the child, which this process outlives. Error kFile if
 /// no process can be created.
-[[nodiscard]] std::optional<ChildExit> continue_in_child(const std::function<void()>& work,
-                                                     const std::function<void(int errors)>& relay,
-                                                     bool forward);
+[[nodiscard]] std::optional<ChildExit> continue_in_child(
+    const std::function<void()>& work, const std::function<void(int errors)>& relay, bool forward);
 
 /// Writes all of the text. False if the reader takes no more.
 bool write_all(int file, std::string_view text);
@@ -58,7 +57,7 @@ bool write_all(int file, std::string_view text);
 /// error kInterrupted. `watch` is called about five times per second with the time and the output
 /// so far.
 [[nodiscard]] Result run_watched(const std::vector<std::string>& command,
-                            const std::function<void(Seconds, std::string_view)>& watch);
+                                 const std::function<void(Seconds, std::string_view)>& watch);
 
 /// A child that answers line by line on its stdin and stdout. Its stderr is this process's. The
 /// destructor closes the stdin of a running child and waits for it.

@@ -21,10 +21,10 @@ namespace cde {
 
 /// "did you mean cast?", or "there are: cast, query, ..." if nothing is near.
 [[nodiscard]] std::string suggestion_text(std::string_view typed,
-                                       const std::vector<std::string>& known);
+                                          const std::vector<std::string>& known);
 
 /// Error kUsage "no WHAT 'x'; did you mean y?" if `word` is not in `words`.
 void check_known(std::string_view word, const std::vector<std::string>& words,
-                   std::string_view what);
+                 std::string_view what);
 
 }  // namespace cde

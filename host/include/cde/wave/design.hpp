@@ -78,7 +78,7 @@ class Design {
   /// Structure of a simulation model without waves, from its top module and NAME=VALUE. Error
   /// kBuild if elaboration fails.
   [[nodiscard]] static Design of_model(const std::string& kind,
-                                           const std::vector<std::string>& parameters);
+                                       const std::vector<std::string>& parameters);
 
   /// Like `of`, but only if it takes no time and no elaboration. Nothing if no structure is named
   /// and none is in the cache. For viewers.

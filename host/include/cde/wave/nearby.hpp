@@ -24,7 +24,8 @@ struct Passing {
 /// to `steps` statements away, nearest first. Ports and plain wires between modules are not steps.
 /// At most `most` lines. Signals that the design lacks are skipped.
 [[nodiscard]] std::vector<Near> driving_statements(const Design& design,
-                                       const std::vector<std::string>& signals, unsigned steps,
-                                       std::size_t most, const Passing& passing = {});
+                                                   const std::vector<std::string>& signals,
+                                                   unsigned steps, std::size_t most,
+                                                   const Passing& passing = {});
 
 }  // namespace cde::wave

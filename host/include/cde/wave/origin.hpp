@@ -20,8 +20,8 @@ namespace cde::wave {
 /// The cause of a statement that passes its bits on unchanged, if these bits equal `bits`;
 /// otherwise nothing. A signal that is not in the waves has the bits of its sources.
 [[nodiscard]] std::optional<std::size_t> forwarded_cause(const std::vector<Node>& nodes,
-                                                   const std::string& bits,
-                                                   const Node::Statement& statement);
+                                                         const std::string& bits,
+                                                         const Node::Statement& statement);
 
 /// A signal at a time.
 struct Origin {

@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "cde/reference/filter/proof.hpp"
 #include "cde/reference/pipes/convex/obb_obb.hpp"
 #include "cde/reference/pipes/convex/sphere_obb.hpp"
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
-#include "cde/reference/filter/proof.hpp"
 
 /// @file
 /// The proposal of a narrow pipe for a pair in a wide format (proof.hpp,

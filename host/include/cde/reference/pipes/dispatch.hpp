@@ -50,8 +50,8 @@ template <class S, class A, class B>
 
 /// Calls `use(Kinds<A, B>, test)`, where test(A, B) is the pair's mirror reference in the scalar S.
 template <class S, class Use>
-void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane, const PairIterations& work,
-               Use use) {
+void with_pair(Pair pair, Algorithm algorithm, bool box, PlaneSide plane,
+               const PairIterations& work, Use use) {
   using R = BasicRay<S>;
   using T = BasicTriangle<S>;
   using Ball = BasicSphere<S>;

@@ -6,7 +6,8 @@
 #include "cde/geometry/primitives.hpp"
 
 /// @file
-/// The box rule of pairs with a signed distance (BOX = 1): it is not below the distance of their boxes.
+/// The box rule of pairs with a signed distance (BOX = 1): it is not below the distance of their
+/// boxes.
 ///
 /// Two boxes that are apart have a distance: the norm of those axis distances that are above zero.
 /// If none is, moving one box by the largest axis distance along its axis separates them. Hence
@@ -30,10 +31,10 @@
 /// that is subtracted from all g_k is subtracted from their norm, so nodes are below g - m by at
 /// least 100 u (R + e).
 ///
-/// Nodes compare squares (distance_key()), whose roundings are 5 u of a square, 3 u of a distance of at
-/// most 2 (R + e). A triangle or an AABB has e = 0. Its R is the largest distance along an axis
-/// from an end of its box to the other end of the root's box. A solid in the BVH has the box of
-/// its exact half size. That differs by 3 u of it from the e of the rule, and lies within R.
+/// Nodes compare squares (distance_key()), whose roundings are 5 u of a square, 3 u of a distance
+/// of at most 2 (R + e). A triangle or an AABB has e = 0. Its R is the largest distance along an
+/// axis from an end of its box to the other end of the root's box. A solid in the BVH has the box
+/// of its exact half size. That differs by 3 u of it from the e of the rule, and lies within R.
 namespace cde::reference {
 
 /// Margin over u.
@@ -104,7 +105,8 @@ struct BoxDistance {
 template <typename S>
 [[nodiscard]] BoxDistance<S> box_distance(const Vector<S>& distances) {
   const S zero(0);
-  const Vector<S> clamped(max_num(distances[0], zero), max_num(distances[1], zero), max_num(distances[2], zero));
+  const Vector<S> clamped(max_num(distances[0], zero), max_num(distances[1], zero),
+                          max_num(distances[2], zero));
   const S widest = max_num(max_num(distances[0], distances[1]), distances[2]);
   return {zero < widest, dot<S>(clamped, clamped), widest};
 }

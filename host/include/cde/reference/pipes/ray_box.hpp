@@ -26,8 +26,8 @@
 ///     m' = kBoxRay u |T d|_1 (1 + 4 u) + (kBoxWorld + 4) u max(|c| + h)
 ///
 /// on any axis. |T d|_1 is at most 3 (R + m') if no coordinate of the box differs by more than R
-/// from the rounding of o. With kBoxRay = 2^6 in fp32, m' < 2^-16 (1 + 2^-13) (R + 2^-3 W), where W is the
-/// largest |coordinate| of the triangle. A BVH whose nodes are widened by that much is
+/// from the rounding of o. With kBoxRay = 2^6 in fp32, m' < 2^-16 (1 + 2^-13) (R + 2^-3 W), where W
+/// is the largest |coordinate| of the triangle. A BVH whose nodes are widened by that much is
 /// conservative; the bound does not depend on the other triangles.
 ///
 /// The same unit tells whether a triangle is flat, that is, whether its normal is only rounding

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "cde/bvh/node.hpp"
 #include "cde/contract/pairs.hpp"
 #include "cde/geometry/ops.hpp"
-#include "cde/bvh/node.hpp"
 #include "cde/reference/pipes/distance_bound.hpp"
 
 /// @file
@@ -40,8 +40,8 @@
 /// has room for that, and for underflows, since no radius is below 2^-34.
 ///
 /// A solid is treated in the same way, with 1 / d = 1 and the corners of its own box, widened by M,
-/// as o +- M. Then near and -far of an axis are axis distances. The distance_key() of the larger ones is
-/// compared with the signed distance of everything in the box (distance_bound.hpp).
+/// as o +- M. Then near and -far of an axis are axis distances. The distance_key() of the larger
+/// ones is compared with the signed distance of everything in the box (distance_bound.hpp).
 namespace cde::reference {
 
 /// What a card knows about the root of its BVH.

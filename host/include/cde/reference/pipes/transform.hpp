@@ -73,7 +73,7 @@ struct PassSecondaries {
 /// TriangleView.
 template <typename Shapes>
 [[nodiscard]] auto pass_secondaries(const Shapes& shapes, std::span<const Object> objects,
-                         FpFormat format = {}) {
+                                    FpFormat format = {}) {
   PassSecondaries<std::remove_cvref_t<decltype(shapes[0])>> all;
   for (const Object& object : objects) {
     for (std::uint32_t i = object.first; i < object.first + object.count; ++i) {

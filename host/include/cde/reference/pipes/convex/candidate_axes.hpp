@@ -77,7 +77,7 @@ template <typename S>
 /// A candidate axis: the normal of a facet of Q - P.
 template <typename S>
 struct CandidateAxis {
-  S separation;            ///< distance of the projections on n; -inf if the facet has no normal
+  S separation;     ///< distance of the projections on n; -inf if the facet has no normal
   Vector<S> n;      ///< unit, P to Q
   Difference<S> x;  ///< nearest point of the facet
   S d2;             ///< |x.v|²
@@ -106,7 +106,8 @@ template <typename S>
 /// Face i of the box, on the side of `side`'s sign, with the vertex q of Q. The caller computes
 /// `separation`. 5 add 3 mul, 4 min/max.
 template <typename S>
-[[nodiscard]] CandidateAxis<S> face_axis(int i, const Vector<S>& a, S side, const Vector<S>& q, S separation) {
+[[nodiscard]] CandidateAxis<S> face_axis(int i, const Vector<S>& a, S side, const Vector<S>& q,
+                                         S separation) {
   const int k = (i + 1) % 3, l = (i + 2) % 3;
   CandidateAxis<S> axis;
   axis.separation = separation;
@@ -176,8 +177,9 @@ void segment_segment(CandidateAxis<S>& axis, int i, S a, const Vector<S>& at, co
 /// box's edge on the side to which n points.
 template <typename S>
 [[nodiscard]] CandidateAxis<S> edge_axis(int i, const Vector<S>& a, const Vector<S>& signs,
-                                  const Vector<S>& q, const Vector<S>& f, S low, S inverse_ff,
-                                  const EdgeNormal<S>& n, S side, S separation) {
+                                         const Vector<S>& q, const Vector<S>& f, S low,
+                                         S inverse_ff, const EdgeNormal<S>& n, S side,
+                                         S separation) {
   CandidateAxis<S> axis;
   axis.separation = select(n.valid, separation, -std::numeric_limits<S>::infinity());
   axis.n[i] = S{0};
@@ -262,16 +264,16 @@ template <typename S, typename Support>
 /// Result of a pair's candidate axes before polishing.
 template <typename S>
 struct Choice {
-  S s;                  ///< the largest distance of projections
-  CandidateAxis<S> witness;     ///< if the bodies penetrate: n, v and p belong to s
-  Difference<S> start;  ///< if they are apart: the nearest point, to be polished
+  S s;                       ///< the largest distance of projections
+  CandidateAxis<S> witness;  ///< if the bodies penetrate: n, v and p belong to s
+  Difference<S> start;       ///< if they are apart: the nearest point, to be polished
 };
 
 /// The largest distance of projections gives s, and its axis the normal if the bodies penetrate.
 /// If faces are parallel, or the bodies concentric, several axes share it or nearly so. Only one
-/// of their facets contains the projection of the origin. The witness points are therefore the points of the
-/// axis whose vector v is nearest to s n. Here n is that axis itself if its distance ties
-/// with the largest, else the axis of the largest. If the bodies are apart, the axis with the
+/// of their facets contains the projection of the origin. The witness points are therefore the
+/// points of the axis whose vector v is nearest to s n. Here n is that axis itself if its distance
+/// ties with the largest, else the axis of the largest. If the bodies are apart, the axis with the
 /// least distance gives the nearest points, which are polished. `wide` is the tie for normals that
 /// point away from each other.
 template <typename S, std::size_t N>
@@ -301,8 +303,8 @@ template <typename S, std::size_t N>
 /// The signed distance from all candidate axes of a pair; `a` are the half extents of P.
 /// Function support(v) is the point of Q - P farthest against v.
 template <typename S, std::size_t N, typename Support>
-[[nodiscard]] SignedDistance<S> answer(const std::array<CandidateAxis<S>, N>& axes, const Vector<S>& a, S tie,
-                                  const Support& support) {
+[[nodiscard]] SignedDistance<S> answer(const std::array<CandidateAxis<S>, N>& axes,
+                                       const Vector<S>& a, S tie, const Support& support) {
   const Choice<S> choice = choose<S>(axes, tie, S{4} * tie);
   const S s = choice.s;
   const CandidateAxis<S>& witness = choice.witness;
@@ -312,7 +314,8 @@ template <typename S, std::size_t N, typename Support>
                      // The distance is between the two bounds: the midpoint has at most half the
                      // error.
                      const S distance_along = direction.d - nearest.slack * direction.inverse;
-                     return PointDistance<S>{distance_along, (direction.d + max_num(s, distance_along)) * kHalf<S>};
+                     return PointDistance<S>{distance_along,
+                                             (direction.d + max_num(s, distance_along)) * kHalf<S>};
                    });
 }
 

@@ -256,14 +256,14 @@ struct PointDistance {
   S s;      ///< resulting signed distance
 };
 
-/// Selects one of two results of a pair: the result of its candidate axes (SAT), or `x`, the polished
-/// nearest point of B - A, whose direction is the normal. The second is used if the bodies are
-/// apart, and its `point_distance` is not less than the first by more than `tie`. So if the distance is
-/// too small to give x.v a direction, the candidate axes decide. 3 add 6 mul 1 div 1 sqrt and
-/// point_distance.
+/// Selects one of two results of a pair: the result of its candidate axes (SAT), or `x`, the
+/// polished nearest point of B - A, whose direction is the normal. The second is used if the bodies
+/// are apart, and its `point_distance` is not less than the first by more than `tie`. So if the
+/// distance is too small to give x.v a direction, the candidate axes decide. 3 add 6 mul 1 div 1
+/// sqrt and point_distance.
 template <typename S, typename Distance>
-[[nodiscard]] SignedDistance<S> decide(const SignedDistance<S>& axes, const Difference<S>& x, Mask<S> apart,
-                                  S tie, const Distance& point_distance) {
+[[nodiscard]] SignedDistance<S> decide(const SignedDistance<S>& axes, const Difference<S>& x,
+                                       Mask<S> apart, S tie, const Distance& point_distance) {
   const S dd = dot<S>(x.v, x.v);
   const S d = square_root(dd);
   const S inverse = S{1} / d;

@@ -86,7 +86,7 @@ template <typename S>
   sign_b[m] = move_sign(side, pair.signs[o][i]);
   sign_b[o] = move_sign(side, -pair.signs[m][i]);
   return edge_axis<S>(i, pair.a, sign_a, corner_of_b<S>(pair, sign_b, j), pair.f[j], S{-1},
-                       inverse_ff, n, side, separation);
+                      inverse_ff, n, side, separation);
 }
 
 /// The pair in B's frame, roles exchanged. 6 add 18 mul.
@@ -152,8 +152,9 @@ template <typename S>
 template <typename S>
 [[nodiscard]] Outcome<S> obb_obb(const BasicObb<S>& a, const BasicObb<S>& b) {
   const BoxPair<S> pair = box_pair(a, b);
-  const SignedDistance<S> result = answer<S>(box_axes<S>(pair), pair.a, pair.tie,
-                                     [&](const Vector<S>& v) { return box_support<S>(pair, v); });
+  const SignedDistance<S> result =
+      answer<S>(box_axes<S>(pair), pair.a, pair.tie,
+                [&](const Vector<S>& v) { return box_support<S>(pair, v); });
   return outcome<S>(result.s, add<S>(a.c, to_world<S>(a.rotation, midpoint(result.x))),
                     to_world<S>(a.rotation, result.n));
 }

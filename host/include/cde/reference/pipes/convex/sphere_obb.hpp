@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "cde/reference/pipes/convex/closest_point.hpp"
 #include "cde/reference/pipes/convex/candidate_axes.hpp"
+#include "cde/reference/pipes/convex/closest_point.hpp"
 #include "cde/reference/pipes/convex/frame.hpp"
 #include "cde/reference/pipes/scale.hpp"
 

@@ -43,7 +43,7 @@ template <typename S>
       S{0} <= move_sign(side, pair.f1[0][i]) && move_sign(side, pair.f1[2][i]) <= S{0};
   const auto second = S{0} <= move_sign(side, pair.f1[1][i]);
   return face_axis<S>(i, pair.a, side, select3<S>(first, second, p[0], p[1], p[2]),
-                       max_num(above, below));
+                      max_num(above, below));
 }
 
 /// The triangle's face with the nearest corner of the box, on the side with the larger distance.
@@ -125,7 +125,8 @@ template <typename S>
   const SignedDistance<S> result = box_triangle_distance<S>(
       box_triangle<S>(b.half, to_local<S>(u, sub<S>(a.v0, b.c)), to_local<S>(u, sub<S>(a.v1, b.c)),
                       to_local<S>(u, sub<S>(a.v2, b.c))));
-  return outcome<S>(result.s, add<S>(b.c, to_world<S>(u, midpoint(result.x))), -to_world<S>(u, result.n));
+  return outcome<S>(result.s, add<S>(b.c, to_world<S>(u, midpoint(result.x))),
+                    -to_world<S>(u, result.n));
 }
 
 /// Triangle against axis-aligned box: 13 candidate axes. It subtracts the box's lower corner first

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "cde/reference/pipes/convex/closest_point.hpp"
 #include "cde/reference/pipes/convex/candidate_axes.hpp"
+#include "cde/reference/pipes/convex/closest_point.hpp"
 #include "cde/reference/pipes/scale.hpp"
 
 namespace cde::reference {
@@ -34,10 +34,11 @@ template <typename S>
                     -move_sign(closest.h, t.m.z()));
   const S plane_distance = magnitude(closest.h);
   const Vector<S> to_plane = scale<S>(n, plane_distance);
-  const SignedDistance<S> centre = decide<S>(
-      {plane_distance, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie, [&](const Direction<S>& direction) {
-        return PointDistance<S>{least_along<S>(t.p, direction.n).value, direction.d};
-      });
+  const SignedDistance<S> centre =
+      decide<S>({plane_distance, n, {to_plane, -to_plane}}, x, Mask<S>(true), tie,
+                [&](const Direction<S>& direction) {
+                  return PointDistance<S>{least_along<S>(t.p, direction.n).value, direction.d};
+                });
   const S s = centre.s - b.r;
   // CP = pA + (s / 2) n, relative to the sphere's centre.
   const Vector<S> cp = add<S>(b.c, add<S>(centre.x.p, scale<S>(centre.n, s * kHalf<S>)));

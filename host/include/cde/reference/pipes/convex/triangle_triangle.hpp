@@ -105,7 +105,7 @@ template <typename S>
 [[nodiscard]] CandidateAxis<S> face_of_first(const TrianglePair<S>& pair) {
   const auto face = face_and_vertex<S>(pair.a, span_of_a<S>(pair, pair.a.m), pair.b,
                                        span_of<S>(pair.b.p, pair.a.m), pair.tie);
-  return {face.separation,          face.n, {face.v, sub<S>(face.vertex, face.v)}, face.d2,
+  return {face.separation,   face.n, {face.v, sub<S>(face.vertex, face.v)}, face.d2,
           Vector<S>::Zero(), S{0}};
 }
 
@@ -163,7 +163,7 @@ template <typename S>
 
   CandidateAxis<S> axis;
   axis.separation = select(valid, select(is_negative(side), separations.below, separations.above),
-                     -std::numeric_limits<S>::infinity());
+                           -std::numeric_limits<S>::infinity());
   axis.n = flipped<S>(side, n);
   axis.x.p = i == 0 ? along : add<S>(p, along);
   axis.x.v = select<S>(inside, scale<S>(n, h), v_ends);
