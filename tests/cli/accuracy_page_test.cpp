@@ -286,8 +286,8 @@ TEST_F(AccuracyPage, ImpossiblePage_IsRefused) {
   refused({"--from", "none.json", "--page", "p.html"}, "none.json");
   write("other.json", R"({"schema": "cde.accuracy.1"})");
   refused({"--from", "other.json", "--page", "p.html"},
-          "not an accuracy file of schema cde.accuracy.2");
-  write("broken.json", R"({"schema": "cde.accuracy.2", "seed": 1, "cases": 2,
+          "not an accuracy file of schema cde.accuracy.3");
+  write("broken.json", R"({"schema": "cde.accuracy.3", "seed": 1, "cases": 2,
                            "configurations": [{"pair": "obb-obb", "format": "fp32"}]})");
   refused({"--from", "broken.json", "--page", "p.html"}, "broken.json: configuration 1: ");
   write("none.txt", "{");

@@ -123,7 +123,7 @@ TEST_F(Advise, InvalidDemands_AreRefused) {
     EXPECT_TRUE(has(ran.err, text));
   }
   write("kept.json", "{}");
-  refused({}, "kept.json: not an accuracy file of schema cde.accuracy.2");
+  refused({}, "kept.json: not an accuracy file of schema cde.accuracy.3");
 }
 
 /// A pipe of unknown area is not the cheapest choice on a device that is too small for the others.

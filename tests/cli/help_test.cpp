@@ -295,6 +295,26 @@ TEST_F(Help, Misspellings_GetSuggestions) {
 
 /// Every option of every verb is in its manual page and in the completions of the three shells. The
 /// command itself writes these files.
+TEST_F(Help, FormerNames_NameTheNewOnes) {
+  const auto says = [&](const std::vector<std::string>& args, const std::string& text) {
+    const Ran ran = cde(args);
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_TRUE(has(ran.err, text)) << ran.err;
+  };
+  says({"query", "obb-cylinder", "--budget", "9"}, "no option '--budget'; it is now --iterations");
+  says({"bench", "pairs", "--budgets", "9"}, "no option '--budgets'; it is now --iterations");
+  says({"query", "obb-obb", "--facet-interval", "3"}, "it is now --sat-interval");
+  says({"accuracy", "--verdicts"}, "no option '--verdicts'; it is now --filters");
+  says({"bench", "hierarchy"}, "no section 'hierarchy'; it is now bvh");
+  for (const auto& [former, now] :
+       {std::pair{"CDE_BITSTREAMS", "CDE_MODELS"}, std::pair{"CDE_PRICES", "CDE_COSTS"}}) {
+    ::setenv(former, "/tmp", 1);
+    says({"fp", "add", "1", "1"},
+         fmt::format("{0}: this variable is now {1}; unset it and set {1}", former, now));
+    ::unsetenv(former);
+  }
+}
+
 TEST_F(Help, ManualAndCompletions_HaveEveryOption) {
   write_manuals();
   EXPECT_FALSE(has(cde({"--help"}).out, "write-manual")) << "write-manual is hidden";

@@ -264,6 +264,14 @@ TEST_F(RunScene, WrongUsage_IsRefused) {
   for (const char* verb : {"run", "plan"})
     refused({verb, "bad.toml"},
             "bad.toml:1:1: there is no key 'framse' here (did you mean 'frames'?)");
+  for (const auto& [former, now] :
+       {std::pair{"hierarchy", "bvh"}, std::pair{"mover", "transform_site"},
+        std::pair{"verdicts", "filter"}}) {
+    write("former.toml",
+          fmt::format("card.{} = \"auto\"\n", former) + std::string(kFlight).replace(11, 18, ""));
+    refused({"plan", "former.toml"},
+            fmt::format("there is no key '{}' here; it is now '{}'", former, now));
+  }
   write("burst.toml", "card.burst = 100\n" + std::string(kFlight).replace(11, 18, ""));
   for (const char* verb : {"run", "plan"})
     refused({verb, "burst.toml"}, "card, burst: is 100; it must be a multiple of 8 bytes");

@@ -208,6 +208,7 @@ TEST(Bvh, Files_ReadBackEqual) {
 }
 
 TEST(Bvh, DamagedFiles_AreRefused) {
+  constexpr std::size_t kMagicBytes = 10;
   const Folder folder;
   const Boxes boxes = random_boxes(20, 9);
   Bvh::build(boxes).save(folder / "h");
@@ -222,11 +223,11 @@ TEST(Bvh, DamagedFiles_AreRefused) {
     }
     return std::string("nothing");
   };
-  EXPECT_EQ(refused(""), ": not a BVH file (cde.hierarchy.2)");
-  EXPECT_EQ(refused("solid"), ": not a BVH file (cde.hierarchy.2)");
+  EXPECT_EQ(refused(""), ": not a BVH file (cde.bvh.3)");
+  EXPECT_EQ(refused("solid"), ": not a BVH file (cde.bvh.3)");
   std::string later = whole;
-  later[14] = '1';
-  EXPECT_EQ(refused(later), ": a BVH file of another version; expected cde.hierarchy.2");
+  later[8] = '1';
+  EXPECT_EQ(refused(later), ": a BVH file of another version; expected cde.bvh.3");
   EXPECT_EQ(refused(whole.substr(0, 60)), ": a BVH file that is truncated in its header");
   for (std::size_t size = 14; size < whole.size(); size += 7)
     EXPECT_NE(refused(whole.substr(0, size)), "nothing") << size;
@@ -237,7 +238,7 @@ TEST(Bvh, DamagedFiles_AreRefused) {
     EXPECT_NE(refused(one), "nothing") << at;
   }
   std::string many = whole;  // the largest possible node count
-  for (std::size_t at = 16; at < 24; ++at) many[at] = static_cast<char>(0xff);
+  for (std::size_t at = kMagicBytes; at < kMagicBytes + 8; ++at) many[at] = static_cast<char>(0xff);
   EXPECT_NE(refused(many), "nothing");
   // Forged files: the checksum is right, the content is not.
   const auto sealed = [&](std::string bytes) {
@@ -250,13 +251,13 @@ TEST(Bvh, DamagedFiles_AreRefused) {
   };
   EXPECT_EQ(refused(sealed(whole)), "nothing") << "the file must be accepted";
   std::string other = whole;
-  other[16 + 4 * 3 + 2] ^= 1;  // first number of the box
+  other[kMagicBytes + 4 * 3 + 2] ^= 1;  // first number of the box
   EXPECT_EQ(refused(sealed(other)), ": its box differs from its root's");
   other = whole;
-  other[16 + 4 * 9 + 4 * 3] = 127;  // first exponent of the root
+  other[kMagicBytes + 4 * 9 + 4 * 3] = 127;  // first exponent of the root
   EXPECT_EQ(refused(sealed(other)), ": node 0 has exponent 127; expected -80 to 40");
-  std::string none =
-      whole.substr(0, 16) + std::string(4, '\0') + "\1" + std::string(3 + 4 + 24 + 4, '\0');
+  std::string none = whole.substr(0, kMagicBytes) + std::string(4, '\0') + "\1" +
+                     std::string(3 + 4 + 24 + 4, '\0');
   EXPECT_EQ(refused(sealed(none + std::string(64, 'x'))), ": a BVH without a root");
 }
 

@@ -48,6 +48,9 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
   const std::string* best = nullptr;
   std::size_t least = std::max<std::size_t>(2, word.size() / 2) + 1;
   if (word.size() > 64) return "";
+  const std::string_view now = new_name(word);
+  if (std::find(candidates.begin(), candidates.end(), now) != candidates.end())
+    return fmt::format("; it is now '{}'", now);
   for (const std::string& candidate : candidates) {
     const std::size_t d = edit_distance(word, candidate);
     if (d < least && d < candidate.size()) least = d, best = &candidate;

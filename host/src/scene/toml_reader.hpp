@@ -26,7 +26,8 @@ struct source_position;
 /// library.
 namespace cde::toml_reader {
 
-/// " (did you mean 'x'?)" with the nearest candidate by edit distance; empty if none is near.
+/// " (did you mean 'x'?)" with the nearest candidate by edit distance, or "; it is now 'x'" for a
+/// former name. Empty if none is near.
 [[nodiscard]] std::string suggestion(std::string_view word,
                                      const std::vector<std::string>& candidates);
 

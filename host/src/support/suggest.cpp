@@ -4,11 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <utility>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 
 namespace cde {
+
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
@@ -40,7 +44,37 @@ std::optional<std::string> nearest_word(std::string_view typed,
   return best;
 }
 
+std::string_view new_name(std::string_view former) {
+  struct Renamed {
+    std::string_view former, now;
+  };
+  static constexpr std::array kRenamed = std::to_array<Renamed>({
+      {"--budget", "--iterations"},
+      {"--budgets", "--iterations"},
+      {"--facet-interval", "--sat-interval"},
+      {"--verdicts", "--filters"},
+      {"budget", "iterations"},
+      {"hierarchy", "bvh"},
+      {"mover", "transform_site"},
+      {"verdicts", "filter"},
+  });
+  const auto* const found = std::find_if(kRenamed.begin(), kRenamed.end(),
+                                         [&](const Renamed& r) { return r.former == former; });
+  return found != kRenamed.end() ? found->now : std::string_view();
+}
+
+void check_environment_names() {
+  for (const auto& [former, now] :
+       {std::pair{"CDE_BITSTREAMS", "CDE_MODELS"}, std::pair{"CDE_PRICES", "CDE_COSTS"}})
+    if (std::getenv(former) != nullptr)  // NOLINT(concurrency-mt-unsafe)
+      throw Error(ErrorCode::kUsage, fmt::format("{}: this variable is now {}; unset it and set {}",
+                                                 former, now, now));
+}
+
 std::string suggestion_text(std::string_view typed, const std::vector<std::string>& known) {
+  const std::string_view now = new_name(typed);
+  if (std::find(known.begin(), known.end(), now) != known.end())
+    return fmt::format("it is now {}", now);
   const auto near = nearest_word(typed, known);
   return near ? fmt::format("did you mean {}?", *near)
               : fmt::format("there are: {}", fmt::join(known, ", "));

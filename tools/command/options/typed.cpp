@@ -159,8 +159,10 @@ class Reader {
     for (const CLI::Option* o : shown_options(owner(), false))
       for (const std::string& other : names(*o)) all.push_back(other);
     const auto near = nearest_word(name, all);
+    const bool renamed = std::find(all.begin(), all.end(), new_name(name)) != all.end();
     throw_usage(fmt::format("{} has no option {}; {}", called(), in_quotes(name),
-                            near ? fmt::format("did you mean {}?", *near)
+                            renamed ? fmt::format("it is now {}", new_name(name))
+                            : near  ? fmt::format("did you mean {}?", *near)
                             : name.find_first_of(" <>=+*/&|?") != std::string::npos
                                 ? "put -- before a value that begins with - and a letter"
                                 : fmt::format("`{} --help` lists them", called())));

@@ -12,6 +12,7 @@
 
 #include "cde/jobs/work_distributor.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/suggest.hpp"
 #include "cde/support/version.hpp"
 #include "options/help.hpp"
 #include "options/typed.hpp"
@@ -86,6 +87,7 @@ int program_main(const Program& program, int argc, char** argv) {
   const int status = exit_status_of(
       [&] {
         need_proc();
+        check_environment_names();
         const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
         distributor.emplace().start(words);
         const int code = run_program(program, words);

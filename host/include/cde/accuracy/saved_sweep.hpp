@@ -14,7 +14,7 @@
 /// Reads the output of `cde accuracy --json`, for its page and for `cde advise`.
 namespace cde::accuracy {
 
-inline constexpr const char* kSweepSchema = "cde.accuracy.2";
+inline constexpr const char* kSweepSchema = "cde.accuracy.3";
 
 /// Quantiles of errors. A result that is not a number counts as infinite.
 struct Quantiles {
