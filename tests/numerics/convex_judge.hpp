@@ -76,7 +76,7 @@ oracle::Result judged(const Outcome<S>& o) {
   return {o.f, static_cast<double>(o.t), vec(o.cp), vec(o.n)};
 }
 
-/// check(), repeated with a hundredfold budget if the oracle could not decide.
+/// check(), repeated with a hundredfold work limit if the oracle could not decide.
 inline oracle::Decision decision(const oracle::Shape& a, const oracle::Shape& b,
                                  const oracle::Result& r, oracle::CheckOptions options) {
   oracle::Decision v = oracle::check(a, b, r, options);

@@ -8,8 +8,8 @@
 /// Statistics of errors and of decisions.
 namespace cde::accuracy {
 
-/// Distribution of error sizes. Bins have a width of 1/32 octave. Counts of parts add up to those
-/// of the whole, and a quantile is at most 1/32 too large.
+/// Distribution of error sizes. Bins have a width of 1/32 octave. Counts of parts add up to the
+/// counts of the whole, and a quantile is at most 1/32 too large.
 class ErrorCounts {
  public:
   /// `size` is not negative. It is infinite for a result that is not a number.

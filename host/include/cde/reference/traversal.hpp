@@ -29,7 +29,7 @@ concept Solid = std::same_as<P, Sphere> || std::same_as<P, Aabb> || std::same_as
 
 /// Traverses a BVH over triangles, spheres, AABBs or OBBs with rays, spheres, AABBs, OBBs and
 /// triangles, for the pairs of traversal_shapes(), with the box rule. Results are bit-identical to
-/// those of BruteForce or Pass with that rule, ties included.
+/// the results of BruteForce or Pass with that rule, ties included.
 class Traversal {
  public:
   /// Both arguments must outlive the object. The algorithm is for rays. Error kUsage if the BVH has
