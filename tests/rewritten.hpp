@@ -29,7 +29,7 @@ inline Bvh rewritten(const Bvh& bvh, const std::vector<bvh::Node>& nodes,
   bvh.save(file);
   std::string bytes = bytes_of(file);
   bytes.resize(bytes.size() - 64);
-  std::size_t at = 16 + 3 * 4;  // after the first line and three numbers
+  std::size_t at = 10 + 3 * 4;  // after the first line and three numbers
   const auto put = [&](std::uint32_t word) {
     for (unsigned b = 0; b < 4; ++b) bytes[at++] = static_cast<char>(word >> (8 * b) & 0xff);
   };
