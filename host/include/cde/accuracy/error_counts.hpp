@@ -35,8 +35,8 @@ class ErrorCounts {
 struct Interval95 {
   double low, high;
 };
-/// 95 % interval of a probability of which `found` of `all` trials came true, by Wilson's score. It
-/// is 0 to 1 without trials.
+/// 95 % interval of a probability by Wilson's score, if `found` of `all` trials succeeded. It is 0
+/// to 1 without trials.
 [[nodiscard]] Interval95 wilson(std::uint64_t found, std::uint64_t all);
 
 /// JSON of `found`, its rate per million of `all`, and the interval of that rate.

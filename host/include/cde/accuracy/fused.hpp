@@ -86,7 +86,7 @@ class Fused : public NumberLike<Fused<S>> {
           std::fma(static_cast<double>(a), static_cast<double>(b), static_cast<double>(c)));
   }
 
-  S value_{}, a_{}, b_{};  ///< a_ b_ is the product that value_ is the rounding of
+  S value_{}, a_{}, b_{};  ///< value_ is the rounded product a_ b_
   bool product_ = false;
 };
 

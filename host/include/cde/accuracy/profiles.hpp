@@ -30,9 +30,9 @@ struct Profile {
   std::vector<ProfilePoint> points;
 };
 
-/// A profile for each ray-triangle pipe without the box rule, which does not change T. Each value
-/// gets `cases` rays, each aimed at the inside of its triangle. All pipes get the same rays, but
-/// for rounding.
+/// A profile for each algorithm and format of the ray-triangle pipes, without the box rule, which
+/// does not change T. Each value gets `cases` rays, each aimed at the inside of its triangle. All
+/// pipes get the same rays, except for rounding.
 [[nodiscard]] std::vector<Profile> profiles(const std::vector<AccuracyPipe>& pipes,
                                             std::uint64_t seed, std::uint64_t cases, bool quiet);
 

@@ -7,7 +7,7 @@
 
 namespace cde::accuracy {
 
-/// Accuracy that docs/pairs*.md promise for a pipe, to compare with measurements.
+/// Accuracy that docs/reference/pairs*.md promise for a pipe, to compare with measurements.
 struct Promise {
   std::string text;
   std::optional<double> t;  ///< largest error of T, in u S; none: not promised in these units

@@ -7,9 +7,9 @@
 #include "cde/reference/pipes/scale.hpp"
 
 /// @file
-/// Textbook versions of pairs, for comparison with the pipes. What they leave out is the cost of a
-/// pipe's guarantees. They use the same operators, formats and scaling; each operator rounds once.
-/// There is no RTL of them.
+/// Textbook versions of pairs, for comparison with the pipes. A pipe has more operators: they are
+/// the cost of its guarantees. Both use the same kinds of operators, formats and scaling; each
+/// operator rounds once. Textbook versions have no RTL.
 namespace cde::accuracy::textbook {
 
 using reference::add;

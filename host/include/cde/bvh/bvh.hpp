@@ -42,8 +42,8 @@ class Bvh {
 
   /// Builds a BVH of parts. `parts` holds the number of secondaries of each part, which are
   /// consecutive. Each part has its own BVH (parts()), and a top BVH is built over their boxes. A
-  /// part's BVH thus stays good wherever the part moves. Function bvh_of() in board.hpp
-  /// builds one from objects.
+  /// part's BVH thus stays good wherever the part moves. Function bvh_of() in board.hpp builds one
+  /// from objects.
   /// Errors beside those above: kUsage if there is no part, a part is empty, or the parts do not
   /// add up. Error kCapacity for more than 32,768 parts. Messages about a box name its part.
   [[nodiscard]] static Bvh build(const TriangleView& triangles,
@@ -114,9 +114,9 @@ class Bvh {
 
 namespace bvh {
 
-/// Checks that the nodes are a tree over `slots` slots and returns its levels. Every node must come
-/// after its only parent, and every slot must be in one leaf. The BVH must not be deeper than
-/// Bvh::kMostDepth. Exponents must be in range, origins finite, and lower corners not above
+/// Checks that the nodes are a tree over `slots` slots. Returns its number of levels. Every node
+/// must come after its only parent, and every slot must be in one leaf. The BVH must not be deeper
+/// than Bvh::kMostDepth. Exponents must be in range, origins finite, and lower corners not above
 /// upper ones. Error kBadInput, naming node and child.
 unsigned check(std::span<const Node> nodes, std::size_t slots);
 

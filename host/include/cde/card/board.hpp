@@ -105,13 +105,13 @@ class Board {
   void upload(std::span<const Obb> boxes, const Bvh& bvh, bool validate = true);
   /// Replaces the BVH over the uploaded secondaries as they are now. update_shapes() makes the old
   /// BVH unused; upload its refit() again. With objects (set_objects()) it must be a BVH of the
-  /// moved objects (bvh_of()). Their ranges must be consecutive in DDR to be traversed.
-  /// Errors as above.
+  /// moved objects (bvh_of()). Their ranges must be consecutive in DDR to be traversed. Errors as
+  /// above.
   void upload(const Bvh& bvh);
   /// Refits the boxes of the card's BVH on the card after update_shapes() and move_object(); the
-  /// topology stays. In a BVH of objects it refits only changed objects and the nodes above all of
-  /// them, the roots included. Returns the card's counters.
-  /// Error kUsage: there is no BVH, it has other objects, or it is not of triangles (use
+  /// topology stays. In a BVH of objects it refits only changed objects, and the top BVH with the
+  /// roots of all objects. Returns the card's counters.
+  /// Error kUsage: there is no BVH, it has other objects, or its secondaries are not triangles (use
   /// Bvh::refit()). Error kBadInput, naming a slot: its moved triangle is not finite or
   /// beyond 2^40. Error kDevice as for run(). After kBadInput or kDevice the BVH is unused.
   Counters refit();

@@ -39,8 +39,8 @@ struct PipeFigures {
 /// The pipe with its operators, as the cost table takes it.
 [[nodiscard]] CostedPipe costed(const PipeChoice& pipe, const PipeFigures& figures);
 
-/// The clock frequency of a card: the clock of the slowest lane of its pipes on the target, with
-/// the given operator latencies.
+/// The clock frequency of a card: the lowest clock frequency among the lanes of its pipes on the
+/// target, with the given operator latencies.
 struct CardClock {
   double mhz = 100;
   std::string source;  ///< its source, as text

@@ -71,8 +71,8 @@ struct Compared {
 };
 
 /// Compares every operation of the pair in row `row`. For an iterative pipeline (`iterative`) only
-/// seats on which all pairs agree count. It selects before an operation where the reference selects
-/// after it.
+/// seats on which all pairs agree count: such a pipeline may select before an operation where the
+/// reference selects after it.
 [[nodiscard]] std::vector<Compared> compare(const Observed& card,
                                             std::span<const PairRecording> pairs, std::size_t row,
                                             std::span<const Seat> seats,

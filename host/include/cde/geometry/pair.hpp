@@ -54,7 +54,7 @@ template <class P>
 inline constexpr Shape kShapeOf = P::kShape;
 
 /// Iterations of the pairs cylinder-cylinder, obb-cylinder and triangle-cylinder. The work of other
-/// pairs is fixed. More iterations find more of the signed distance
+/// pairs is fixed. With more iterations, T comes closer to the signed distance
 /// (docs/reference/pairs_cylinder.md).
 struct PairIterations {
   unsigned samples = 8;  ///< M: directions sampled on each circle (box, triangle): 4, 8 or 16

@@ -59,9 +59,9 @@ struct MeshLimits {
   [[nodiscard]] static MeshLimits from_environment();
 };
 
-/// Reads OBJ, PLY (ascii, binary of either byte order) and STL (ascii, binary).
-/// Every other format that assimp knows is read through assimp, with node transforms applied (GLB,
-/// glTF, OFF, COLLADA, 3DS) The file extension names the format.
+/// Reads OBJ, PLY (ascii, binary of either byte order) and STL (ascii, binary). assimp reads all
+/// other formats that it knows (GLB, glTF, OFF, COLLADA, 3DS and more), with node transforms
+/// applied. The file extension names the format.
 ///
 /// Faces keep the order of the file. Polygons become triangles in place. Triangles without area are
 /// kept. No corner moves, and coordinates are the floats nearest to the text. OBJ and PLY keep the

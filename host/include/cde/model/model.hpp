@@ -26,7 +26,7 @@ void check(Arithmetic arithmetic);
 void check_card_format(FpFormat format);
 
 /// Error kUsage, with the rule, if a certified filter in `narrow` cannot precede lanes of `wide`
-/// (`BoardConfig::filter`). Its format must have no more exponent bits and fewer fraction bits.
+/// (`BoardConfig::filter`). `narrow` must have no more exponent bits, and fewer fraction bits.
 void check_narrow_format(FpFormat narrow, FpFormat wide);
 
 /// Objects that the card's transformer moves before a pass tests them.

@@ -45,11 +45,11 @@ struct Lengths {
 /// The shape with each word rounded to the format.
 [[nodiscard]] Shape rounded(ShapeKind kind, const Shape& shape, const Format& format);
 
-/// Signed distance from the decision, relative to the scene. In binary32 it is 1e-7 to 1e-3, that
-/// is, from the rounding error of a coordinate upwards. Other formats start at the same multiple of
-/// their unit roundoff u; below it both sides round to contact, a hit. They start at 1e-11 or more,
-/// the accuracy of the signed distance that placed the shapes. Their range spans at least a factor
-/// of thirty.
+/// A signed distance near the decision, relative to the scene. In binary32 its size is 1e-7 to
+/// 1e-3, that is, from the rounding error of a coordinate upwards. Other formats start at the same
+/// multiple of their unit roundoff u; below it both sides round to contact, a hit. They start at
+/// 1e-11 or more, the accuracy of the signed distance that placed the shapes. Their range spans at
+/// least a factor of thirty.
 [[nodiscard]] double small_offset(Random& random, const Format& format);
 
 /// Largest distance of a scene from the world's origin: 1e5 in binary32. In other formats the

@@ -24,7 +24,7 @@ struct RayAnswer {
   double margin = 0;
   /// The same for T to stay at this crossing instead of another. <= margin for a hit.
   double margin_t = 0;
-  /// n.d| / |d| at the crossing; at a rim the smaller value of the two surfaces. A displacement by
+  /// |n.d| / |d| at the crossing; at a rim the smaller value of the two surfaces. A displacement by
   /// e moves T by e / (cosine |d|). 1 for a miss.
   double cosine = 1;
   /// For a triangle the longest edge over the smallest height, infinite without area; 1 for solids.

@@ -12,8 +12,9 @@
 
 namespace cde::reference {
 
-/// Parameters of one pass of the card. `pair`'s first shape is the shape of the primaries, with
-/// `swap` of the secondaries. `algorithm` is for ray-triangle, `box` for pairs with the box rule.
+/// Parameters of one pass of the card. The first shape of `pair` is the primaries' shape, or with
+/// `swap` the secondaries' shape. `algorithm` is for ray-triangle, `box` for pairs with the box
+/// rule.
 struct PassQuery {
   Pair pair = Pair::kRayTriangle;
   Algorithm algorithm = Algorithm::kMoller;

@@ -10,8 +10,8 @@
 #include "cde/mesh/triangle_view.hpp"
 
 /// @file
-/// Refit of a card (rtl/bvh/refit.sv) for moved triangles, bit-exact. Bvh::refit() also
-/// keeps the exact boxes, so its nodes are slightly tighter.
+/// Refit of a card (rtl/bvh/refit.sv) for moved triangles, bit-exact. Bvh::refit() also keeps the
+/// exact boxes, so its nodes are slightly tighter.
 namespace cde::reference {
 
 struct Refitted {

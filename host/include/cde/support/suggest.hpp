@@ -19,14 +19,14 @@ namespace cde {
 [[nodiscard]] std::optional<std::string> nearest_word(std::string_view typed,
                                                       const std::vector<std::string>& known);
 
-/// The name that replaced a former option, key or value, or the empty word.
+/// The name that replaced a former option, key or value; empty for any other word.
 [[nodiscard]] std::string_view new_name(std::string_view former);
 
 /// Error kUsage if an environment variable with a former name is set. It names the new variable.
 void check_environment_names();
 
-/// "did you mean cast?", "it is now --iterations" for a former name,
-/// or "there are: cast, query, ..." if nothing is near.
+/// "did you mean cast?"; for a former name "it is now --iterations"; if nothing is near, "there
+/// are: cast, query, ...".
 [[nodiscard]] std::string suggestion_text(std::string_view typed,
                                           const std::vector<std::string>& known);
 

@@ -32,7 +32,7 @@ struct Request {
   [[nodiscard]] Form default_form() const;
 };
 
-/// The output of `cde-wave why`: the cause of a value, or JSON with `request.json`.
+/// The output of `cde wave why`: the cause of a value, or JSON with `request.json`.
 [[nodiscard]] std::string why_text(const Request& request);
 
 /// A window of time from --from and --to, or from --around and --window; otherwise the whole file.

@@ -6,8 +6,8 @@
 #include "cde/geometry/primitives.hpp"
 
 /// @file
-/// The box rule of pairs with a signed distance (BOX = 1): it is not below the distance of their
-/// boxes.
+/// The box rule of pairs with a signed distance (BOX = 1): the signed distance of two shapes is not
+/// below the distance of their boxes.
 ///
 /// Two boxes that are apart have a distance: the norm of those axis distances that are above zero.
 /// If none is, moving one box by the largest axis distance along its axis separates them. Hence

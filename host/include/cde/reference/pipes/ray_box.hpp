@@ -16,7 +16,7 @@
 ///     (|P_k - c_k| - h_k) < kBoxRay u |T d|_1        c, h: centre and half size of the box,
 ///                                                    h widened by kBoxWorld u max(|c| + h)
 ///
-/// .|_1 is the sum of the components' sizes; everything is rounded as written below. A NaN fails
+/// |.|_1 is the sum of the components' sizes; everything is rounded as written below. A NaN fails
 /// the test, and so does an infinite P. If |T d|_1 overflows although T d does not, the margin is
 /// 0; otherwise every point would be within it. Such a P is beyond any box.
 ///

@@ -65,7 +65,7 @@ template <typename S>
   return move_sign(l.of(t), l.of(n));
 }
 
-/// Selects the facet of an opposite pair: that on the side of h's sign, where h is the height of
+/// Selects one facet of an opposite pair: the one on the side of h's sign, where h is the height of
 /// Q's centre over P's. If h is 0 within `tie`, both have the same distance, and `orientation`
 /// selects. The sign of a zero would put facets of one plane on different sides, and leave holes in
 /// it. 1 comparison.
@@ -272,10 +272,10 @@ struct Choice {
 /// The largest distance of projections gives s, and its axis the normal if the bodies penetrate.
 /// If faces are parallel, or the bodies concentric, several axes share it or nearly so. Only one
 /// of their facets contains the projection of the origin. The witness points are therefore the
-/// points of the axis whose vector v is nearest to s n. Here n is that axis itself if its distance
-/// ties with the largest, else the axis of the largest. If the bodies are apart, the axis with the
-/// least distance gives the nearest points, which are polished. `wide` is the tie for normals that
-/// point away from each other.
+/// points of the axis whose vector v is nearest to s n. For an axis whose distance ties with the
+/// largest, n is that axis; for the others it is the axis with the largest distance. If the bodies
+/// are apart, the axis with the least distance gives the nearest points, which are polished. `wide`
+/// is the tie for normals that point away from each other.
 template <typename S, std::size_t N>
 [[nodiscard]] Choice<S> choose(const std::array<CandidateAxis<S>, N>& axes, S tie, S wide) {
   std::array<Chosen<S>, N> by_separation, by_witness, by_distance;

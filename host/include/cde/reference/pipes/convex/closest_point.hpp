@@ -198,7 +198,7 @@ struct Difference {
   Vector<S> p;  ///< point of A
 };
 
-/// near.v| times the amount by which the signed distance along near.v is less than |near.v|. `far`
+/// |near.v| times the amount by which the signed distance along near.v is less than |near.v|. `far`
 /// is the point of B - A least in that direction, so that distance is near.v.far.v / |near.v|. The
 /// slack of the nearest point is 0. 5 add 3 mul.
 template <typename S>
