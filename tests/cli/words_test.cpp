@@ -54,13 +54,11 @@ TEST_F(CommandLine, SeveralMistakes_ReportTheFirst) {
       {{"plan", "a.toml", "b.toml", "--bogus"},
        "cde plan takes no argument 'b.toml'; `cde plan --help` lists its arguments"},
       {{"run", "-"},
-       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, for "
-       "the "
-       "folder has no scene to be named after)"},
+       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, "
+       "because no scene file names the folder)"},
       {{"plan", "-"},
-       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, for "
-       "the "
-       "folder has no scene to be named after)"},
+       "scene is '-'; it must be a file; standard input is /dev/stdin (cde run: with --output, "
+       "because no scene file names the folder)"},
       {{"query", "sphere-shpere"}, "no pair 'sphere-shpere'; did you mean sphere-sphere?"},
       {{"inventory", "obb-ob"}, "no pair 'obb-ob'; did you mean obb-obb?"},
       {{"bench", "ray"}, "no section 'ray'; did you mean rays?"},

@@ -465,9 +465,9 @@ void add_choices(CLI::App& verb, AccuracyOptions& o) {
                    ':'),
               {}, "LIST");
   named(list(verb.add_option("--variants", o.variants,
-                             "Variants to measure: card is the card's pipe. For comparison, no "
-                             "card has the others: fused has multiply-adds with one rounding, "
-                             "textbook has the usual quadratics and separating axes")
+                             "Variants to measure: card is the card's pipe. The others exist in no "
+                             "card: fused rounds each multiply-add once, textbook uses the usual "
+                             "quadratics and separating axes")
                  ->capture_default_str()),
         {"card", "fused", "textbook"}, "LIST", "variant");
 }
@@ -559,8 +559,8 @@ void add_filters(CLI::App& verb, AccuracyOptions& o) {
   begin_group(verb, "Instead of generated cases");
   CLI::Option* filters = verb.add_flag(
       "--filters", o.filters,
-      "Measure the certified filter of pairs of solids: the misses that a narrow "
-      "format proves in fp32. Default of --formats is bf16,fp16, of --iterations 4,2,2");
+      "Measure the certified filter of pairs of solids: how many misses of a narrow format are "
+      "proved in fp32. Default of --formats is bf16,fp16, of --iterations 4,2,2");
   for (const char* other :
        {"--mesh", "--scene", "--page", "--from", "--resume", "--shard", "--check", "--variants"})
     filters->excludes(other);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde explain --from-record: compares the update engine's decisions about a record of a scene with
-// brute force in the reference. Then explains the most telling pair in its pipe.
+// brute force in the reference. Then explains the first pair that differs, or else the winner, in
+// its pipe.
 #include "explain_record.hpp"
 
 #include <fmt/format.h>

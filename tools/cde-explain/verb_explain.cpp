@@ -124,13 +124,13 @@ void add_explain(CLI::App& app) {
   known_words(verb->add_option("words", o->words, "Words of A and B, as in cde query"), {},
               "WORDS");
   begin_group(*verb, "Instead of a pair");
-  text_value(
-      verb->add_option("--from-record", o->record,
-                       "Explain a record, named by the scene or the folder of a run, query, frame "
-                       "and primary. Plays the frame again with waves. Lists the candidates at the "
-                       "update engine, which were kept and why, and compares with brute force in "
-                       "the reference. Then explains the most telling pair"),
-      "RUN:QUERY:FRAME:PRIMARY", [](const std::string& text) { (void)record_named(text); });
+  text_value(verb->add_option(
+                 "--from-record", o->record,
+                 "Explain a record, named by the scene or the folder of a run, query, frame "
+                 "and primary. Repeats the frame with waves. Lists the candidates at the "
+                 "update engine, which were kept and why, and compares with brute force in "
+                 "the reference. Then explains the first pair that differs, or else the winner"),
+             "RUN:QUERY:FRAME:PRIMARY", [](const std::string& text) { (void)record_named(text); });
   known_words(verb->add_option("--from-test", o->line,
                                "Explain the pair in a line that a failing test or cde query "
                                "printed, with the command in it"),

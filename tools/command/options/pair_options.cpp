@@ -23,8 +23,8 @@ void add_pair_options(CLI::App& verb, PairOptions& o, bool lanes) {
   verb.add_flag_callback(
           "--box", [&o] { o.box = true; },
           "Box rule. ray-triangle: a hit must lie in the triangle's box. Pairs of solids except "
-          "sphere-sphere and pairs with cylinders or planes: the signed distance is not below that "
-          "of the boxes")
+          "sphere-sphere and pairs with cylinders or planes: the signed distance is not below the "
+          "distance of the boxes")
       ->default_str("on for ray-triangle, off for others");
   verb.add_flag_callback(
       "--no-box", [&o] { o.box = false; }, "The pipe without the box rule");

@@ -188,10 +188,8 @@ void scene_option(CLI::App& verb, std::string& file) {
       file_value(
           verb.add_option("scene", file, "Scene file, TOML (docs/reference/scenes.md)")->required(),
           "SCENE"),
-      "a file; standard input is /dev/stdin (cde run: with --output, for the folder has no scene "
-      "to "
-      "be "
-      "named after)",
+      "a file; standard input is /dev/stdin (cde run: with --output, because no scene file names "
+      "the folder)",
       [](const std::string& text) { return text != "-"; });
 }
 
