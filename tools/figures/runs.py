@@ -5,7 +5,7 @@ from canvas import Canvas
 
 def shards(_root):
     c = Canvas(820, 404, "A run cut into chunks: ranks under MPI, or shards",
-               "The same chunks are dealt in two ways. Under MPI rank 0 deals chunks to ranks, collects their results in order and writes the outputs; a "
+               "The same chunks are distributed in two ways. Under MPI, rank 0 assigns chunks to ranks, collects their results in order and writes the outputs; a "
                "journal keeps finished chunks. Without MPI each shard computes every n-th chunk into its own journal, and cde merge "
                "writes the outputs.")
     c.text(10, 22, "*One run is cut into chunks")
@@ -15,7 +15,7 @@ def shards(_root):
     c.text(10, 92, "*Ranks: mpirun -n 3 cde ...")
     c.text(430, 92, "*Shards: cde ... --shard I/3 --resume partI")
     for k, name in enumerate(("rank 1", "rank 0", "rank 2")):
-        c.box(10 + 132 * k, 120, 118, 50, ["*" + name, "simulates"] if k != 1 else ["*rank 0", "deals, simulates"], "fg" if k == 1 else "fb", size=12.5)
+        c.box(10 + 132 * k, 120, 118, 50, ["*" + name, "simulates"] if k != 1 else ["*rank 0", "assigns, simulates"], "fg" if k == 1 else "fb", size=11.5)
     c.arrow((142, 138), (128, 138), size=6)
     c.arrow((128, 154), (142, 154), size=6)
     c.arrow((260, 138), (274, 138), size=6)

@@ -36,10 +36,10 @@ def layers(root):
     c.text(10, 88, "*Libraries, host/: an arrow points to what is linked")
     spots = {"explain": (146, 104), "accuracy": (470, 104), "scene": (10, 172), "wave": (146, 172), "costs": (300, 172), "jobs": (436, 172),
         "oracle": (572, 172),
-             "netlist": (223, 240), "card": (146, 308), "mpi": (572, 240), "reference": (146, 356), "core": (366, 384)}
+        "netlist": (223, 240), "card": (146, 308), "mpi": (572, 240), "reference": (146, 356), "core": (366, 384)}
     notes = {"explain": "operators", "accuracy": "errors", "scene": "plan, run", "wave": "wave files", "costs": "LUTs, clocks", "jobs": "chunks",
-        "oracle": "judges",
-             "netlist": "elaborated RTL", "card": "driver", "mpi": "ranks", "reference": "mirror", "core": "shapes, files"}
+        "oracle": "exact results",
+        "netlist": "elaborated RTL", "card": "driver", "mpi": "ranks", "reference": "mirror", "core": "shapes, files"}
     wide, high = 116, 36
     for name, (x, y) in spots.items():
         c.box(x, y, wide, high, [f"*{name}", "~" + notes[name]], "fg", 11.5, leading=14)
@@ -48,7 +48,7 @@ def layers(root):
         c.arrow((x + wide / 2 + dx, y + high), (u + wide / 2 + ex, v), size=6, thick=1.2)
     for a, b, dx, ex in (("explain", "wave", 0, 0), ("explain", "scene", -20, 20), ("accuracy", "costs", -30, 20), ("accuracy", "jobs", 0, 10),
         ("accuracy", "oracle", 30, 0),
-                         ("wave", "netlist", 0, -20), ("costs", "netlist", 0, 20), ("netlist", "card", 0, 30), ("card", "reference", 0, 0)):
+        ("wave", "netlist", 0, -20), ("costs", "netlist", 0, 20), ("netlist", "card", 0, 30), ("card", "reference", 0, 0)):
         down(a, b, dx, ex)
     c.arrow((68, 208), (68, 326), (146, 326), size=6, thick=1.2)
     c.arrow((494, 208), (494, 326), (262, 326), size=6, thick=1.2)
