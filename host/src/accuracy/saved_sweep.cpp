@@ -113,7 +113,7 @@ AccuracyPipe pipe_of(const Json& json) {
   const auto iterations = json.at("iterations").get<std::string>();
   if (std::sscanf(iterations.c_str(), "%2u,%2u,%2u", &pipe.iterations.samples,
                   &pipe.iterations.circle, &pipe.iterations.free) != 3)
-    throw Error(ErrorCode::kFile, "no iterations " + in_quotes(iterations));
+    throw Error(ErrorCode::kFile, "iterations are " + in_quotes(iterations) + "; expected M,K1,K2");
   return pipe;
 }
 

@@ -36,7 +36,7 @@ std::string sentence(const Effect& e) {
 std::string method_text(const QueryWork& w) {
   const std::string all = counted(w.tests, "test") + " in " + counted(w.rows, "row");
   if (!w.bvh) return all;
-  return fmt::format("through a BVH in about {} instead of {}", counted(*w.bvh_clocks, "clock"),
+  return fmt::format("through a BVH in about {} instead of {}", counted(*w.bvh_clocks, "cycle"),
                      all);
 }
 
