@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cards with a certified filter. Records equal the reference in
-// every mode. The wide lane gets exactly the pairs that the mirror of the filter leaves uncertain.
+// Cards with a certified filter. Records equal the reference in every mode. The wide lane gets
+// exactly the pairs that the mirror of the filter leaves uncertain.
 #include <gtest/gtest.h>
 
 #include <cmath>

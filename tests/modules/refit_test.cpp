@@ -405,9 +405,9 @@ TEST(RefitModule, Terrain_TakesTheDocumentedCycles) {
     expect_same(bench.nodes, should);
     EXPECT_EQ(bench.writes, bvh.nodes.size());
     EXPECT_LT(bench.clocks, 450'000u);
-    std::printf("%zu triangles, %zu nodes, memory %s: %u clocks, %.3f a triangle\n",
+    std::printf("%zu triangles, %zu nodes, memory %s: %u cycles, %.3f per triangle\n",
                 triangles.size(), bvh.nodes.size(),
-                timing == Timing::kSteady ? "of a triangle a clock" : "that is always there",
+                timing == Timing::kSteady ? "with a triangle per cycle" : "without waiting",
                 bench.clocks, bench.clocks / static_cast<double>(triangles.size()));
   }
 }

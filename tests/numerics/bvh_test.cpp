@@ -203,7 +203,7 @@ TEST(BvhOverObjects, OldBvhOverFewObjects_IsAsGoodAsANewOne) {
     stays.refit(after);
     const double old = nodes_a_ray(after, stays),
                  anew = nodes_a_ray(after, Bvh::build(after, parts));
-    fmt::print("{} objects of {} triangles: {:.1f} nodes a ray, {:.1f} in a BVH built anew\n",
+    fmt::print("{} objects of {} triangles: {:.1f} nodes per ray, {:.1f} in a rebuilt BVH\n",
                objects, each, old, anew);
     if (objects == 8) {
       EXPECT_LT(old, 1.2 * anew);
