@@ -302,7 +302,7 @@ TEST_F(Help, FormerNames_NameTheNewOnes) {
     EXPECT_TRUE(has(ran.err, text)) << ran.err;
   };
   says({"query", "obb-cylinder", "--budget", "9"}, "no option '--budget'; it is now --iterations");
-  says({"bench", "pairs", "--budgets", "9"}, "no option '--budgets'; it is now --iterations");
+  says({"accuracy", "--budgets", "9"}, "no option '--budgets'; it is now --iterations");
   says({"query", "obb-obb", "--facet-interval", "3"}, "it is now --sat-interval");
   says({"accuracy", "--verdicts"}, "no option '--verdicts'; it is now --filters");
   says({"bench", "hierarchy"}, "no section 'hierarchy'; it is now bvh");

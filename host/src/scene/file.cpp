@@ -45,7 +45,7 @@ Pair read_pair(const Table& t, const char* key, const std::string& text) {
 SceneCard read_card(Table t) {
   SceneCard card;
   if (t.has("lanes")) card.lanes = t.integer<unsigned>("lanes", {}, 1, 256);
-  t.also_known({"lanes", "pairs"});
+  t.also_known({"lanes", "pairs", "filter"});
   if (t.has("pairs")) {
     for (const std::string& text : t.texts("pairs")) {
       const Pair pair = read_pair(t, "pairs", text);
