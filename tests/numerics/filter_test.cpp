@@ -154,7 +154,7 @@ TYPED_TEST(CertifiedFilter, Operators_EqualTheDocs) {
     (void)certify(shape_of<typename TypeParam::template A<Counted>>(c.a),
                   shape_of<typename TypeParam::template B<Counted>>(c.b), Proposal<Counted>{});
   });
-  std::string pipe = "in rounds";
+  std::string pipe = "iterative";
   if (!has_iterations(TypeParam::kPair)) {
     const cde::testing::Tally t = cde::testing::operators(TypeParam::kPair);
     pipe = fmt::format("{}", t.add + t.sub + t.mul + t.div + t.sqrt + t.cmp + t.minmax);
