@@ -167,7 +167,7 @@ TEST(BvhOverSpheres, WithNormals_EqualsBruteForce) {
 TEST(BvhOverSpheres, WhyNotTraversable_NamesTheReason) {
   Board board = Board::open(spheres_config());
   const Cloud cloud = {{{0, 0, 0}, 1}, {{3, 0, 0}, 1}};
-  expect_error(ErrorCode::kUsage, "a BVH of 2 secondaries cannot be over 1 sphere",
+  expect_error(ErrorCode::kUsage, "a BVH of 2 secondaries does not match 1 sphere",
                [&] { board.upload(std::span(cloud).first(1), Bvh::build(cloud)); });
   board.upload(cloud, Bvh::build(cloud));
   const auto why = [&](const Query& query) {

@@ -20,7 +20,8 @@ void test_certain(Pair pair, FpFormat narrow, const PairIterations& iterations, 
     throw Error(ErrorCode::kUsage, fmt::format("{} has no certified filter", name(pair)));
   const bool known =
       with_scalar(narrow, [&]<class N>() { CertainIn<N>::test(pair, iterations, a, b, certain); });
-  if (!known) throw Error(ErrorCode::kUsage, fmt::format("no pair in {}", narrow.name()));
+  if (!known)
+    throw Error(ErrorCode::kUsage, fmt::format("pairs are not computed in {}", narrow.name()));
 }
 
 }  // namespace cde::accuracy

@@ -182,7 +182,7 @@ Board Board::open(const BoardConfig& config, const OpenOptions& options) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("there is no memory {}", static_cast<std::uint32_t>(options.memory)));
   if (options.ddr_latency < 1 || options.ddr_latency > 10000) {
-    throw Error(ErrorCode::kUsage, fmt::format("ddr_latency is {}; it must be 1 to 10000 clocks",
+    throw Error(ErrorCode::kUsage, fmt::format("ddr_latency is {}; it must be 1 to 10000 cycles",
                                                options.ddr_latency));
   }
   if (options.bus_burst < 64 || options.bus_burst > 4096 || options.bus_burst % 8 != 0) {

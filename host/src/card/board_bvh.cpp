@@ -33,7 +33,7 @@ void check_fits(const Board::Impl& card, const Bvh& bvh, std::uint64_t secondari
   if (bvh.order().size() != secondaries)
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("a BVH of {} secondaries cannot be over {}{}", bvh.order().size(),
+        fmt::format("a BVH of {} secondaries does not match {}{}", bvh.order().size(),
                     counted(secondaries, name(shape)), objects.empty() ? "" : " of objects"));
   const auto parts = bvh.parts();
   if (!parts.empty() && !std::equal(parts.begin(), parts.end(), objects.begin(), objects.end(),

@@ -125,8 +125,8 @@ void Board::Impl::move_object(ObjectTable& table, std::size_t number, const Tran
   link->alive();
   require_table(table);
   if (number >= table.objects.size()) {
-    throw Error(ErrorCode::kUsage, fmt::format("there is no object {} of {}; their number is {}",
-                                               number, table.slots, table.objects.size()));
+    throw Error(ErrorCode::kUsage, fmt::format("there is no object {} of {}; there are {}", number,
+                                               table.slots, table.objects.size()));
   }
   check_transform(table, number, transform, format);
   Object moved = table.objects[number];

@@ -67,9 +67,9 @@ std::string latencies(const Json& row) {
     unsigned clocks = 0;
     const auto [stop, error] = std::from_chars(at, end, clocks);
     if (error != std::errc() || clocks < 1 || clocks > kMostClocks)
-      wrong_field("lat", row, "clocks, 1 to 999, of several kinds of operator with / between them");
+      wrong_field("lat", row, "cycles per kind of operator, 1 to 999 each, with / between them");
     if (stop == end) return text;
-    if (*stop != '/') wrong_field("lat", row, "clocks with / between them");
+    if (*stop != '/') wrong_field("lat", row, "cycles with / between them");
     at = stop + 1;
   }
 }

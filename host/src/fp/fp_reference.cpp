@@ -229,7 +229,7 @@ FpResult fp_reference(FpOp op, FpFormat f, uint64_t a, uint64_t b) {
   const auto number = static_cast<uint32_t>(op);
   if (number >= kFpOps)
     throw Error(ErrorCode::kUsage,
-                fmt::format("there is no operation {}; they are 0 to {}", number, kFpOps - 1));
+                fmt::format("there is no operation {}; expected 0 to {}", number, kFpOps - 1));
   if (op >= FpOp::kFromI32 && op <= FpOp::kFromUi64) {
     const uint32_t k = number - static_cast<uint32_t>(FpOp::kFromI32);
     return from_integer(f, a, k < 2 ? 32 : 64, k % 2 == 0);

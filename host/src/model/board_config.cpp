@@ -164,10 +164,11 @@ void check_bvh(const BoardConfig& c) {
   const bool traversable = std::any_of(c.pairs.begin(), c.pairs.end(), [&c](Pair pair) {
     return c.traversal_shapes(pair, false).has_value();
   });
-  require(traversable,
-          "no pair of this card can traverse a BVH; expected ray-sphere or sphere-sphere, or, with "
-          "the box rule, rays, spheres, AABBs, OBBs and triangles with triangles or OBBs; the "
-          "certified filter cannot be combined with a BVH");
+  require(
+      traversable,
+      "no pair of this card can traverse a BVH; expected ray-sphere or sphere-sphere, or with the "
+      "box rule ray-triangle, sphere-obb, obb-obb or a triangle with a sphere, AABB, OBB or "
+      "triangle; the certified filter cannot be combined with a BVH");
 }
 
 }  // namespace
@@ -190,7 +191,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   require(std::has_single_bit(lanes) && lanes <= 256, "lanes", lanes,
           "a power of two from 1 to 256");
   const auto latency = [&](unsigned value, const char* name) {
-    require(value >= 1 && value <= 16, name, value, "1 to 16 clocks");
+    require(value >= 1 && value <= 16, name, value, "1 to 16 cycles");
   };
   check(arithmetic);
   check_card_format(format);

@@ -225,9 +225,10 @@ void check_query(const PassQuery& query, const Shapes& primaries, std::size_t nu
                  const Shapes& secondaries) {
   (void)name_of(query.mode);  // throws for an unknown mode
   if (size(primaries) > card::kMostPrimaries || size(primaries) != numbers)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("a pass of {} primaries has {} numbers; expected as many as primaries",
-                            size(primaries), numbers));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("a pass of {} primaries has {} numbers; expected one each, of at most {}",
+                    size(primaries), numbers, card::kMostPrimaries));
   if (!is_card_format(query.format))
     throw Error(ErrorCode::kUsage, fmt::format("no card has the format {}", query.format.name()));
   Shape first = primary_shape(query.pair), second = secondary_shape(query.pair);

@@ -52,9 +52,8 @@ class BruteForce::Impl {
         any_(!has_fast_brute_force(algorithm, format)) {
     (void)name_of(mode);  // throws for an unknown mode
     if (packet == 0 || packet > RayBlock::kRays)
-      throw Error(
-          ErrorCode::kUsage,
-          fmt::format("a packet of {} rays; expected 1 to the most primaries of a card", packet));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("a packet of {} rays; expected 1 to {}", packet, RayBlock::kRays));
     for (const Object& object : objects)
       if (object.first > triangles.size() || object.count > triangles.size() - object.first)
         throw Error(ErrorCode::kUsage,

@@ -286,9 +286,10 @@ Effect filter(const Scene& scene, const Plan& plan) {
     if (has_filter(q.pair) && (q.mode == Mode::kHits || q.mode == Mode::kAny))
       spared.push_back(q.name);
   const std::string why =
-      spared.empty() ? "asked for, but no query of these pairs omits misses (modes any and hits): "
-                       "every pair goes through the wide lane"
-                     : fmt::format("asked for; {} can omit misses", fmt::join(spared, ", "));
+      spared.empty()
+          ? "asked for, but no query with such a pair has mode any or hits, so every pair "
+            "goes through the wide lane"
+          : fmt::format("asked for; {} can omit misses", fmt::join(spared, ", "));
   return {
       "filter", true,
       fmt::format("{} lanes before one of {}", plan.board.filter->name(), plan.board.format.name()),
@@ -395,7 +396,7 @@ std::vector<Effect> effects_of(const Scene& scene, const Plan& plan,
        simulation_text("two pairs at a time")},
       {"bus timing", cycle, cycle ? "cycle" : "functional",
        fmt::format("{}; host {}, {} bits, bursts of {} bytes",
-                   cycle ? "asked for: PCI clock by clock" : "PCI time is computed, not simulated",
+                   cycle ? "asked for: PCI cycle by cycle" : "PCI time is computed, not simulated",
                    scene.card.host.name, scene.card.narrow ? 32 : 64, scene.card.burst),
        simulation_text("bus timing")},
       {"memory timing", banks, banks ? "cycle" : "ideal",

@@ -123,7 +123,7 @@ TraversalCost cost_of_solids(const SceneQuery& q, const Plan& plan, const Scene&
           if constexpr (reference::Solid<P>)
             return reference::Traversal(list, bvh);
           else
-            throw Error(ErrorCode::kUsage, "no BVH can be over such shapes");
+            throw Error(ErrorCode::kUsage, "such shapes cannot be in a BVH");
         },
         met.placed());
   };

@@ -211,7 +211,7 @@ Bvh bvh_of_row(const Row& row) {
         if constexpr (reference::Solid<P>)
           return Bvh::build(list);
         else
-          throw Error(ErrorCode::kUsage, "no BVH can be over such shapes");
+          throw Error(ErrorCode::kUsage, "such shapes cannot be in a BVH");
       },
       row.placed());
 }

@@ -91,7 +91,7 @@ constexpr Variant kVariants[] = {
      When::kAlways},
     {"no box rule", "", [](BoardConfig& c) { c.box = false; }},
     {"box rule, against no box rule", "box rule", [](BoardConfig&) {}, When::kNotQuick, true},
-    {"all 13 pipes", "pipes", all_pipes},
+    {"all pipes", "pipes", all_pipes},
     {"two pipes and exchange of roles", "", two_pipes},
     {"two pipes, both at a time, against one", "two pairs at a time",
      [](BoardConfig& c) {
