@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One pipe as a top module: per cycle, LANES pairs, each lane with its own primary and secondary.
+// One pipe as a top module: LANES pairs per cycle, each lane with its own primary and secondary.
 // It checks the input contract and handles bad input. `cde query`, the regressions and the benchmarks of pairs use it.
 // Latency: latency_o cycles.
 // Throughput: LANES pairs per SAT_II cycles.
@@ -28,7 +28,7 @@ module pair_unit #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    // cylinder pairs: iterations (cylinder_pair.sv); constant while a row is in flight
+    // cylinder pairs: iterations (cylinder_pair.sv), constant from the cycle before a row enters until it leaves
     input logic [23:0] iterations_i,
     input logic valid_i,
     output logic ready_o,
@@ -56,7 +56,7 @@ module pair_unit #(
   logic [LANES-1:0][CW-1:0] bad_a, bad_b, bad_check, bad, f, t;
   logic [2:0][LANES-1:0][CW-1:0] cp, n;
   // Host arithmetic takes operands from registers: otherwise,
-  // the simulator would evaluate logic on inputs at both edges of every clock.
+  // the simulator would evaluate logic on inputs at both edges of the clock.
   localparam bit HELD = ARITH != "rtl";
   logic [31:0] tag;
   logic [A_WORDS-1:0][LANES-1:0][CW-1:0] a;

@@ -17,7 +17,7 @@ module pass_counters #(
 
     input logic clk_bus_i,
     input logic read_i,   // a read,
-    input logic hit_i,  // of an allowed register,
+    input logic hit_i,    // of an allowed register,
     input logic [11:0] offset_i,
     output logic [63:0] rdata_o  // data of the last read; 0 if it was of another register
 );

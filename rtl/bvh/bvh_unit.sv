@@ -228,7 +228,7 @@ module bvh_unit #(
       .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i,
       .sram_count_i, .write_o, .record_o, .finished_o(finished), .empty_o(records_empty));
 
-  // ---- Invalid BVHs. In a valid BVH, a primary in flight finishes before each has read every node, and a refit writes
+  // ---- Invalid BVHs. In a valid BVH, a primary finishes before it has read every node once. A refit writes
   // a node in less than a million cycles ----
   localparam int PATIENCE = 20;
   logic [31+CX:0] idle_reads_q;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of a node's boxes a ray hits, and the order of visits: by near, or by far descending, ties by number.
+// Finds which of a node's boxes a ray hits, and the order of visits: by near, or by far descending, ties by number.
 // Comparisons are on integers, as ordered words: 28 of keys, 3 per child.
 // Latency: 1 cycle.
 // Throughput: one node per cycle.
@@ -20,9 +20,8 @@ module node_order #(
 );
   /*verilator inline_module*/
   import bvh_pkg::*;
-  // ---- Hit: the ray's interval in the box is not empty and overlaps the T that counts. Keys: the least is first in
-  // the
-  // order; the key of a child that is not hit is above all keys of numbers ----
+  // ---- Hit: the ray's interval in the box is not empty and overlaps the T that counts. Keys: the least key is first
+  // in the order. The key of a child that is not hit is above the key of every number ----
   logic [CHILDREN-1:0] meets, met_q;
   logic [CHILDREN-1:0][31:0] key, key_q;
   logic [CHILDREN-1:0][15:0] half_key, half_q;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a ray meets the nearer and farther planes of byte 0 of a node, per axis, and the T of one byte step.
+// T at which a ray meets the nearer and farther planes of byte 0 of a node, per axis, and the T of one byte step.
 // The reference is node_front() of reference/pipes/ray_node.hpp. Operators per node: 6 sub, 6 mul. The T of a step is
 // an exponent, so it is exact.
 // Latency: LAT.add + LAT.mul cycles.

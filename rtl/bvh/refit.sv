@@ -9,8 +9,8 @@
 // A node holds a context from the request of its children until its boxes are encoded, in order. Only refit_traversal
 // waits: for memory, for a context, and for a child that is not written yet.
 // A triangle with a NaN or a coordinate beyond 2^40 ends the refit. The output bad_o then comes with its slot, the
-// first in the order of the work. Nodes from that triangle's own node to the root keep their words, and the others are
-// new. The ray front takes the root's box as its words say (box_of() there).
+// first in the order of the work. The nodes from that triangle's own node up to the root keep their
+// words, and the other nodes are new. The ray front takes the root's box as its words say (box_of() there).
 // When done_o is high, every request has been answered. After a reset, no answer to an earlier request may come.
 // Latency: the traversal of all nodes.
 // Throughput: one child per cycle, and one more cycle per node.

@@ -190,7 +190,7 @@ module traversal_bank #(
     {later, child} = top_group_q.order >> (5'd3 * 5'(next[2:0]));
     {behind_child, child_kind} = top_group_q.kinds >> {child, 1'b0};
     key = ordered({top_group_q.keys[next[2:0]], 16'd0});
-    // Children are in order: if one is beyond the interval, so are those after it.
+    // Children are in order: if one is beyond the interval, so are all later ones.
     beyond = farthest_i ? key < ordered(choice_interval_q[0]) : key > ordered(choice_interval_q[1]);
     empty = choice_q.level == 0;
     choice_at = choice_q;

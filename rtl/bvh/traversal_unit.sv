@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which children of a node a ray hits, and the order of visits (node_boxes.sv, node_order.sv). For a solid,
+// Finds which children of a node a ray hits, and the order of visits (node_boxes.sv, node_order.sv). For a solid,
 // node_distances.sv replaces near, and no child is behind it.
 // Latency: NODE_T_UNIT cycles (bvh.svh).
 // Throughput: one node per cycle.
@@ -35,8 +35,9 @@ module traversal_unit #(
   assign links = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
 `ifdef VERILATOR
   if (ARITH != "rtl") begin : g_host
-    // One function, so the compiler sees it three times and computes it once. Its operands are local variables of the
-    // model, since they are short and are first written as a whole. The result is delayed, not the operands.
+    // All three results call one function with equal operands, so the compiler computes it once. Its operands are local
+    // variables of the model, since they are short and are first written as a whole. The result is delayed, not the
+    // operands.
     logic [7:0][31:0] w, x, y;
     logic [5:0][31:0] z;
     always_comb begin

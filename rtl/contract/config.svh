@@ -14,10 +14,10 @@
 //   NORMALS       A command can ask for normals.
 //   PARALLEL      Two pipes can work on the same secondaries at a time.
 //   SAT_II        Pairs with candidate axes: cycles from one row to the next, 1 or 3.
-//   FILTER_EXP    0, or with FILTER_MAN the format of the narrow lanes of certified filters. They prove misses of
-//                 pairs of solids (filter_pair.sv). The pair then has one lane of the card's format behind them.
+//   FILTER_EXP    0, or with FILTER_MAN the narrow format of certified filters (filter_pair.sv). Pairs of
+//                 config_pkg::FILTER_PAIRS then have narrow lanes, and one lane of the card's format behind them.
 //   TRANSFORM     Objects move by a rigid transform: pairs_pkg::TRANSFORM_*.
-//   OBJECTS       Entries of the object table of secondaries, 2 to 2,048. PRIM_OBJECTS: entries for primaries.
+//   OBJECTS       Entries of the object table of secondaries, 2 to 2,048. PRIM_OBJECTS: of the table of primaries.
 //   TRAVERSAL_UNITS  Traversal units of a BVH: 0 (no BVH), 1, 2 or 4. NODES: nodes of their memory, a power of two.
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected.
 //   LAT_*         Cycles of the operators; in the structure `lat`.

@@ -46,9 +46,8 @@ package pairs_pkg;
     {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_PURE)}}, {2{3'(WORD_SIZE)}}, {7{3'(WORD_NONE)}}},           // cylinder
     {{3{3'(WORD_COORDINATE)}}, {3{3'(WORD_SIZE)}}, {9{3'(WORD_PURE)}}}};                              // obb
 
-  // ---- Pairs: the number is the code in the command register and a bit of a card's parameter PAIRS. PAIRS is an int
-  // that
-  // is above zero, so a card can have pairs 0 to 30 (config_check.sv) ----
+  // ---- Pairs: the number is the code in the command register and the bit in a card's parameter PAIRS. PAIRS is an int
+  // above zero, so a card can have pairs 0 to 30 (config_check.sv) ----
   localparam pair_t PAIR_RAY_TRIANGLE = 0;
   localparam pair_t PAIR_OBB_OBB = 1;
   localparam pair_t PAIR_TRIANGLE_AABB = 2;

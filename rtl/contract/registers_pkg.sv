@@ -39,9 +39,9 @@ package registers_pkg;
   localparam logic [11:0] REG_CONTROL = 12'h028;      // control_t, write only
   localparam logic [11:0] REG_STATUS = 12'h030;       // status_t
   localparam logic [11:0] REG_COMMAND = 12'h038;      // command_t
-  localparam logic [11:0] REG_PRIM_COUNT = 12'h040;   // counter register: primaries in the register file
+  localparam logic [11:0] REG_PRIM_COUNT = 12'h040;   // number of primaries in the register file
   localparam logic [11:0] REG_SEC_FIRST = 12'h048;    // first secondary slot
-  localparam logic [11:0] REG_SEC_COUNT = 12'h050;    // counter register: number of secondaries
+  localparam logic [11:0] REG_SEC_COUNT = 12'h050;    // number of secondaries
   localparam logic [11:0] REG_RECORDS = 12'h058;      // records waiting in the SRAM ring
   localparam logic [11:0] REG_FAULT_ADDR = 12'h060;   // fault_t
   localparam logic [11:0] REG_WRITEBACK = 12'h068;    // cycles that wrote kept records back to SRAM
@@ -85,9 +85,8 @@ package registers_pkg;
   localparam logic [11:0] REG_PAIRS = 12'h1E0;        // bit p: the card has pair p
   localparam logic [31:0] REG_END = 32'h000001E8;
 
-  // ---- Counters of a pass: their registers, 64 bits each, unit by unit. The engine's are in card_registers. Another
-  // unit
-  // has its own (pass_counters.sv), in this order and after the other registers, below REG_END ----
+  // ---- Counters of a pass: their registers, 64 bits each, unit by unit. The engine's counters are in card_registers.
+  // Other units have their own (pass_counters.sv), in this order, behind the other registers and below REG_END ----
   localparam int COUNTERS = 12;
   localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
     REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN,
@@ -128,7 +127,7 @@ package registers_pkg;
     logic [15:0] prim_objects;  // entries of the object tables
     logic [15:0] objects;
     logic [7:0] prim_words;     // words of a primary slot
-    logic filter;               // certified filters prove misses of pairs of solids
+    logic filter;               // certified filters (config_pkg::FILTER_PAIRS) prove misses
     logic box;                  // box rule of ray-triangle
     logic ecc;                  // check bits in DDR
     logic [1:0] transform;      // pairs_pkg::TRANSFORM_*

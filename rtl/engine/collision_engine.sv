@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collision detection engine: LANES lanes in groups behind one input port. Per cycle it tests a row of LANES primaries
-// against one secondary, and keeps or streams the row's results in order.
+// Collision detection engine: LANES lanes in groups behind one input port. In each cycle it tests a row of LANES
+// primaries against one secondary, and keeps or streams the row's results in order.
 // With ARITH = "host", the datapath is combinational. It takes its operands when its results are due, not when the row
 // is issued. Cycles and bits at the ports are the same.
 // A pass uses one pipe. With PARALLEL it uses at most two, which get the same secondaries and their own primaries. The
@@ -57,7 +57,7 @@ module collision_engine #(
     input logic [1:0] swap_i,
     input logic [PRIM_W-1:0] split_i,  // first primary of the second pair
     input logic [23:0] iterations_i,  // iterations of cylinder pairs
-    output logic [1:0] solid_o,  // the pair is one of solids
+    output logic [1:0] solid_o,  // the pair is a pair of solids
     output logic [1:0] ready_o,  // the pair's pipe takes a row
     input card_pkg::issue_t issue_i,
     input logic [31:0] index_i,

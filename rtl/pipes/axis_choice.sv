@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The signed distance from the COUNT candidate axes (SAT) of a pair, before polishing.
-// `s` is the largest distance of all axes. `witness` is the axis whose vector v is nearest to s n. There n is the axis'
+// Signed distance of a pair from its COUNT candidate axes (SAT), before polishing.
+// `s` is the largest distance on any axis. `witness` is the axis whose vector v is nearest to s n. There n is the axis'
 // own normal if its distance ties with the largest, else the normal of the largest. If the bodies penetrate, n, v and p
 // of `witness` belong to s. Distances within tie are ties; where normals are opposite, within wide_tie.
-// `start` is the axis nearest the origin, with v perpendicular to the edge that it ends on. If the bodies are apart, it
-// is the point of B - A to polish. The tree over axes carries only used results. 5 COUNT + 7 add, 6 COUNT + 7 mul,
-// 4 COUNT - 1 compare. With SAT_II = 3, three axes share one unit for the witness key.
+// `start` is the axis whose point is nearest the origin, with v perpendicular to the edge that it ends on. If the
+// bodies are apart, it is the point of B - A to polish. The tree over axes carries only used results. 5 COUNT + 7 add,
+// 6 COUNT + 7 mul, 4 COUNT - 1 compare. With SAT_II = 3, three axes share one unit for the witness key.
 // Latency: s and witness LATENCY_WITNESS(COUNT) cycles, start LATENCY_NEAREST(COUNT); 0 with ARITH = "host".
 // Throughput: one pair per lane per SAT_II cycles.
 // Stall: none.

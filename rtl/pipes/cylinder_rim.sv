@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cylinder's rim for a unit normal: x = a x n, m = |x|. Its width is r m. The vector side, r x/m x a, goes from the
-// axis to the support point. The radius of curvature of the support function is kappa = r/m, across n in the direction
-// v = x/m.
+// A cylinder's rim for a unit normal: x = a cross n, m = |x|. Its width is r m. The vector side, (r x/m) cross a, goes
+// from the axis to the support point. The radius of curvature of the support function is kappa = r/m, across n in the
+// direction v = x/m.
 // The product is a x n and never n - (a.n) a, which loses all its digits beside the axis.
 // Where m <= u, or the rim is off, kappa, side and v are 0. If the rim is off, the width is also 0.
 // Operators: 8 add, 23 mul, 1 div, 1 sqrt, 1 compare.

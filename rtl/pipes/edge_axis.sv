@@ -2,8 +2,8 @@
 // Candidate axis (SAT): a box's edge along axis I and an edge q + t f of the other body, low <= t <= 1.
 // The vector n is the edge normal (edge_normal.sv), turned by the sign of `side`. `sign_k` and `sign_l` choose the
 // box's edge on the side that n points to. Nearest points: solve t in the plane perpendicular to the axis, then s on
-// the box's edge, then t again for that s. The output separation is -inf if there is no normal. If s is not at an end,
-// v_I is 0. The output inverse_ff_o is 0 where t is at an end.
+// the box's edge, then t again for that s. The output `separation_o` is -inf if there is no normal. If s is not at an
+// end, v_I is 0. The output inverse_ff_o is 0 where t is at an end.
 // Operators: 11 add, 12 mul, 2 compare, 6 min/max.
 // Latency: LATENCY_EDGE_AXIS cycles; 0 with ARITH = "host".
 // Throughput: one axis per lane per cycle.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scales a pair to the size of one by an exact power of two. So products of four lengths neither overflow nor
+// Scales a pair to size one by an exact power of two. So products of four lengths neither overflow nor
 // underflow, for operands of any size. Every length is multiplied by 2^-k, where k is the largest exponent of both
 // shapes' lengths.
 // A ray's direction has its own exponent kd, and its interval is multiplied by 2^(kd - k).

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A vector turned by 16 u, x + w x x. The turn puts the shapes of a pair in general position. Only the signs of the
-// result may be used, to choose support features. 6 add, 6 mul.
+// A vector x turned by 16 u: x + w cross x. The turn puts the shapes of a pair in general position. Only the signs of
+// the result may be used, to choose support features. 6 add, 6 mul.
 // Latency: LATENCY_TURNED cycles; 0 with ARITH = "host".
 // Throughput: one vector per lane per cycle.
 // Stall: none.

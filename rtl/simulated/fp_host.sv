@@ -12,7 +12,7 @@ module fp_host #(
     parameter int MAN = 23,
     parameter int LANES = 1,
     parameter  int B_LANES = LANES,  // 1: b is one value for all lanes
-    parameter  bit CANON = 1,    // 0: may give any NaN; for results that only arithmetic reads
+    parameter  bit CANON = 1,    // 0: may give any NaN, for results that only arithmetic reads
     parameter bit FLAGS = 0,
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64
 ) (

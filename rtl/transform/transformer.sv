@@ -3,8 +3,7 @@
 // without an addition, so -0 stays -0. A plane gets n' = R n and d' = d + n'.t. An OBB's rotation is multiplied by R.
 // An AABB is only translated, and its entry has the identity as R. Sizes and intervals do not change. With `plain_i`,
 // the whole slot does not change. All shapes share one set of vector units. There are as many as the largest shape
-// needs:
-// 4 for an OBB, 3 for a triangle, 2 for a ray or cylinder.
+// needs: 4 for an OBB, 3 for a triangle, 2 for a ray or cylinder.
 // Latency: pairs_pkg::transform_latency cycles; 0 with ARITH = "host".
 // Throughput: one slot per cycle.
 // Stall: none.

@@ -17,7 +17,7 @@ module record_maker #(
     input logic normals_i,
     input logic streaming_i,
     input pairs_pkg::pair_t second_pair_i,  // of the pass
-    input logic [1:0] solid_i,        // the pair is one of solids: T is the size of a signed distance
+    input logic [1:0] solid_i,        // a pair of solids: T is the size of a signed distance
     input logic [PRIM_W-1:0] split_i,
 
     input card_pkg::streamed_t streamed_i,

@@ -10,7 +10,7 @@ module pipe_delay #(
     parameter int TO = 0,    // stage time of q_o, >= FROM
     parameter ARITH = "rtl",
 `ifdef SYNTHESIS
-    parameter int MEMORY = 5  // from this depth on the line is a memory: 4 bits take 6 LUTs, not 4 FFs per cycle
+    parameter int MEMORY = 5  // from this depth on the line is a memory: 4 bits take 6 LUTs instead of 4 FFs per cycle
 `else
     parameter int MEMORY = 0  // never
 `endif

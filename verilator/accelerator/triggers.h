@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The trigger vector of the generated model: one bit per clock, in one word. It replaces
-/// Verilator's array of bools, which is written a byte at a time and read several at a time. Such
-/// reads stall the processor in every evaluation.
+/// Verilator's array of bools, which is written one byte at a time and read several bytes at a
+/// time. Such reads stall the processor in every evaluation.
 #pragma once
 #include <cstddef>
 #include <cstdint>

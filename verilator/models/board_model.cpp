@@ -113,7 +113,7 @@ class Card {
     return 0;
   }
 
-  /// Runs one clock with the caller's inputs. Returns whether the card took the offered bus beat.
+  /// Runs one cycle with the caller's inputs. Returns whether the card took the offered bus beat.
   bool tick() {
     chips_.before(*model_);
     model_->clk_i = 0;

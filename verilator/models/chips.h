@@ -15,7 +15,7 @@
 /// after().
 class Chips {
  public:
-  /// `memory` is CDE_MEMORY_*. The ideal memory has a fixed latency in clocks.
+  /// `memory` is CDE_MEMORY_*. The ideal memory has a fixed latency in cycles.
   Chips(uint32_t memory, uint32_t ddr_latency, uint32_t clock_period_ps)
       : ideal_(memory == CDE_MEMORY_IDEAL),
         latency_(ddr_latency),
@@ -28,10 +28,10 @@ class Chips {
     asked_ = answered_;
     if (hang_ == kUntilReset) hang_ = 0;
   }
-  /// Stops DDR's answers for so many clocks; all ones: until reset. Requests made meanwhile are
+  /// Stops DDR's answers for this many cycles; all ones: until reset. Requests made meanwhile are
   /// answered afterwards.
   void hang(uint32_t clocks) { hang_ = clocks; }
-  [[nodiscard]] uint64_t hung() const { return hung_; }  // clocks so far
+  [[nodiscard]] uint64_t hung() const { return hung_; }  // cycles so far
   SparseMemory& ddr() { return ddr_; }
   /// Check bits of DDR, one byte per word; null without ECC.
   SparseMemory* check() { return kEcc ? &check_ : nullptr; }
@@ -80,7 +80,7 @@ class Chips {
   }
 
  private:
-  /// A requested beat, and the first clock at which its data are ready.
+  /// A requested beat, and the first cycle in which its data are ready.
   struct Read {
     uint64_t due = 0, word = 0;
   };

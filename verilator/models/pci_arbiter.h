@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arbiter of two masters, the host and the card. It alternates if both request the bus, and stays
-// with the last master if neither does. On an idle bus it leaves one clock between two grants.
+// with the last master if neither does. On an idle bus it leaves one cycle between two grants.
 #pragma once
 #include <cstdint>
 
@@ -33,7 +33,7 @@ class Arbiter {
     } else if (age_ < latency_) {
       ++age_;
     } else {
-      // The last owner of an idle bus may be driving AD: one clock without an owner releases it.
+      // The last owner of an idle bus may be driving AD: one cycle without an owner releases it.
       grant_ = w.idle() && grant_ != -1 ? -1 : wanted;
       if (grant_ == wanted) {
         owner_ = wanted;

@@ -9,8 +9,8 @@
 
 namespace {
 
-/// Makes every space a memory. It takes a beat on three clocks of four. Read data come 1 to 8
-/// clocks later, in order.
+/// Makes every space a memory. It takes a beat in three of four cycles. Read data come 1 to 8
+/// cycles later, in order.
 class LocalMemory {
  public:
   static constexpr const char* kKind = "pci_bridge";

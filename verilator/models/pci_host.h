@@ -51,7 +51,7 @@ class Host {
     drive_.cbe = i.cbe;
     drive_.high = (i.high | ~i.enable) & (t.high | ~t.enable) & kControls;
     drive_.request = i.request;
-    // PAR follows AD by one clock.
+    // PAR follows AD by one cycle.
     drive_.high &= ~uint32_t{kPar | kPar64};
     if (before.drives(kAd)) drive_.enable |= kPar;
     if (before.drives(kAd64)) drive_.enable |= kPar64;

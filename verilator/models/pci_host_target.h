@@ -62,7 +62,7 @@ class HostTarget {
     frame_ = active_ = check_ = false;
   }
 
-  /// `own`: the host itself is the master. Returns whether PAR of this clock's AD must be wrong.
+  /// `own`: the host itself is the master. Returns whether PAR of this cycle's AD must be wrong.
   bool clock(const Wires& w, bool own) {
     const bool frame = w.asserted(kFrame);
     check_parity(w);
@@ -79,7 +79,7 @@ class HostTarget {
       else
         next(w, transfer);
     } else if ((drive.enable & kTargetSignals) != 0) {
-      drive.enable &= ~kTargetSignals;  // they have been high for a clock
+      drive.enable &= ~kTargetSignals;  // they have been high for a cycle
     }
     frame_ = frame;
     return spoil;
@@ -132,7 +132,7 @@ class HostTarget {
       countdown_ += options_.profile.waits;
   }
 
-  /// DEVSEL# one clock after the address phase (medium), then each data phase at its time.
+  /// DEVSEL# one cycle after the address phase (medium), then each data phase at its time.
   void next(const Wires& w, bool transfer) {
     if (age_ == 1) {
       drive.enable |= kTargetSignals | (write_ ? 0 : kAd | (wide_ ? kAd64 : 0));
@@ -170,7 +170,7 @@ class HostTarget {
     active_ = false;
   }
 
-  /// Checks data written by the card. PAR comes one clock later, and only good data are stored.
+  /// Checks data written by the card. PAR comes one cycle later, and only good data are stored.
   void check_parity(const Wires& w) {
     bool perr = false;
     if (check_) {

@@ -34,7 +34,7 @@ class Initiator {
     return state_ == State::kAddress && (t_->command == kConfigRead || t_->command == kConfigWrite);
   }
 
-  /// Returns whether PAR of this clock's AD must be wrong.
+  /// Returns whether PAR of this cycle's AD must be wrong.
   bool clock(const Wires& w, bool granted) {
     bool spoil = false;
     check_parity(w);
@@ -175,7 +175,7 @@ class Initiator {
     expected64_ = parity64(w);
   }
 
-  /// Drives PAR one clock after the data; PERR# from the card comes another clock later.
+  /// Drives PAR one cycle after the data; PERR# from the card comes another cycle later.
   void check_parity(const Wires& w) {
     const bool read = t_ != nullptr && !is_write(command());
     const bool bad =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Protocol checker of a PCI bus with two agents. Once per clock it checks the wires and their
+// Protocol checker of a PCI bus with two agents. Once per cycle it checks the wires and their
 // drivers, and it keeps the first violated rule. The rules are from PCI Local Bus 2.3, sections 2.1
 // (signal types), 3.3 (transactions and their termination), 3.4 (arbitration), 3.7 (parity) and 3.8
 // (64 bits).
@@ -29,7 +29,7 @@ class Monitor {
     ++clock_;
   }
 
-  /// Counts one clock in which nothing changed and no check ran.
+  /// Counts one cycle in which nothing changed and no check ran.
   void idle_clock() { ++clock_; }
 
   [[nodiscard]] const std::string& violation() const { return violation_; }
@@ -81,7 +81,7 @@ class Monitor {
     violation_ = text;
   }
 
-  /// 2.1, 3.3.1 note on turnaround cycles: no contention, a clock between drivers, high before
+  /// 2.1, 3.3.1 note on turnaround cycles: no contention, a cycle between drivers, high before
   /// release.
   void check_drivers(const Drive* const drives[2]) {
     for (uint32_t s = kFrame; s <= kCbe; s <<= 1) {
@@ -208,7 +208,7 @@ class Monitor {
       require(((last_.ad ^ w.ad) & kAdLow) == 0, "changed while a data phase waited", kAd);
   }
 
-  /// 3.7.1: PAR follows the address phase by one clock. It follows data with IRDY# of a write, and
+  /// 3.7.1: PAR follows the address phase by one cycle. It follows data with IRDY# of a write, and
   /// with TRDY# of a read.
   void check_parity(const Wires& w, bool excused) {
     if (par_due_ && !excused) require(w.asserted(kPar) != par_, "is wrong", kPar);

@@ -24,7 +24,7 @@ enum Signal : uint32_t {
   kCbe = 1u << 12,
 };
 constexpr uint32_t kTargetSignals = kTrdy | kStop | kDevsel | kAck64;
-/// Sustained tri-state: driven high for one clock before release.
+/// Sustained tri-state: driven high for one cycle before release.
 constexpr uint32_t kSustained = kFrame | kReq64 | kIrdy | kTargetSignals | kPerr;
 constexpr uint32_t kControls = kSustained | kPar | kPar64;
 

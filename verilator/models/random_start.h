@@ -20,7 +20,7 @@ class RandomStart {
     context.randReset(seed() != 0 ? 2 : 0);
     if (seed() != 0) context.randSeed(static_cast<int>(seed()));
   }
-  /// Drives random inputs for some clocks without a reset. Assertions are off meanwhile.
+  /// Drives random inputs for some cycles without a reset. Assertions are off meanwhile.
   template <class Model, class Clock>
   void before_reset(Model& model, Clock clock) {
     if (seed() == 0) return;
@@ -56,7 +56,7 @@ class RandomStart {
   void fill(int bits, VlWide<kWords>& port) {
     fill(bits, port.data());
   }
-  /// Drives those inputs that the top module has.
+  /// Drives the inputs that the top module has.
   template <class Model>
   void drive(Model& m) {
     if constexpr (requires { m.ddr_data_i; }) {

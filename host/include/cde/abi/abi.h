@@ -18,8 +18,8 @@ extern "C" {
 #define CDE_BOARD_ABI 4u
 
 typedef struct cde_board_options {
-  uint32_t memory;      /**< CDE_MEMORY_* */
-  uint32_t ddr_latency; /**< of the ideal memory: cycles from a slot request to its data, >= 1 */
+  uint32_t memory;          /**< CDE_MEMORY_* */
+  uint32_t ddr_latency;     /**< ideal memory: cycles from a slot request to its data, >= 1 */
   uint32_t clock_period_ps; /**< time axis of waves, and of CDE_MEMORY_CYCLE */
 } cde_board_options;
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /** @file
    Head of every function table of a simulation model. The library exports one function, which
-   returns its table. A loader reads no further unless both numbers are those it was built with. */
+   returns its table. A loader stops reading unless both numbers equal the numbers that it was built
+   with. */
 #ifndef CDE_ABI_HEAD_H
 #define CDE_ABI_HEAD_H
 #include <stdint.h>

@@ -8,7 +8,7 @@
 /// Number formats and operation codes: rtl/contract/formats_pkg.sv in C++.
 namespace cde {
 
-/// Operations of an fp_unit simulation model. The pipes use those up to kMax.
+/// Operations of an fp_unit simulation model. The pipes use the operations up to kMax.
 enum class FpOp : std::uint32_t {
   kAdd,
   kSub,

@@ -137,7 +137,8 @@ inline constexpr std::uint32_t kBoundPairs =
             Pair::kSphereObb, Pair::kObbObb});
 /// Pairs that traverse a BVH without further options (bvh_pkg.sv).
 inline constexpr std::uint32_t kPlainPairs = set_of({Pair::kRaySphere, Pair::kSphereSphere});
-/// Pairs whose misses the certified filter can prove in narrow lanes (`BoardConfig::filter`).
+/// Pairs with a certified filter: narrow lanes propose misses, a wide sum proves them
+/// (`BoardConfig::filter`).
 inline constexpr std::uint32_t kFilterPairs =
     set_of({Pair::kSphereSphere, Pair::kSphereObb, Pair::kTriangleSphere, Pair::kTriangleAabb,
             Pair::kTriangleObb, Pair::kObbObb});

@@ -21,7 +21,7 @@ enum Space : std::uint32_t {
                     ///< NODES + 8 n
   kSpaceSlots = 5,  ///< secondary index per slot of the BVH's leaves, one word each; with a
                     ///< transformer, the object index of every slot follows
-  kSpaceRays = 6,   ///< rays for a BVH pass: a ring of kRays entries
+  kSpaceRays = 6,   ///< primaries of a BVH pass: a ring of kRays places
 };
 inline constexpr unsigned kSpaces = 7;     ///< the card refuses space numbers from here on
 inline constexpr unsigned kSpaceBits = 3;  ///< of a space number
