@@ -169,6 +169,30 @@ TEST(SceneFile, InvalidToml_IsAnErrorWithItsPlace) {
   malformed("frames = 1\nframes = 2\n" + kGood, "s.toml:2:1");
 }
 
+/// toml++ recurses over nested tables, and the stack overflows.
+TEST(SceneFile, DeepNesting_IsAnErrorWithItsLine) {
+  const auto times = [](std::size_t n, std::string_view text) {
+    std::string all;
+    for (std::size_t i = 0; i < n; ++i) all += text;
+    return all;
+  };
+  const std::string many = times(199'999, "a.") + "a", most = times(99, "a.") + "a";
+  const std::string part = "a key of 200000 parts; expected at most 100";
+  malformed("title = \"t\"\n" + many + " = 1\n", "s.toml:2: " + part);
+  malformed("# '\n\n[" + many + "]\n", "s.toml:3: " + part);
+  malformed(times(199'999, "\"a\\\"#\" . ") + "a = 1", "s.toml:1: " + part);
+  malformed(many, "s.toml:1: " + part);
+  // The first of four quotes belongs to the text.
+  malformed("a = {t = \"\"\"\n\\\"\"\"\"\", " + many + " = 1}", "s.toml:2: " + part);
+  malformed("a = " + times(100'000, "[") + times(100'000, "]"),
+            "s.toml:1: arrays and tables are nested 101 deep; expected at most 100");
+  malformed("a = " + times(1000, "{" + times(10, "a.") + "a = "), "s.toml:1: arrays and tables");
+  // At the limit, in strings and in comments it is no such error.
+  malformed(most + " = 1\n" + kGood, "there is no key 'a' here");
+  EXPECT_NO_THROW(
+      (void)parse_scene("title = '''\n" + many + "'''\n# " + many + "\n" + kGood, "s.toml"));
+}
+
 TEST(SceneFile, WrongTypes_AreErrors) {
   malformed("frames = \"3\"\n" + kGood, "s.toml:1:10: frames: must be a whole number, not a text");
   malformed("frames = 3.5\n" + kGood, "must be a whole number");

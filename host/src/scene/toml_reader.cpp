@@ -42,6 +42,82 @@ std::string range_text(const Limits& limits) {
   return fmt::format("{} {} and <= {}", limits.above ? ">" : ">=", limits.min, limits.max);
 }
 
+/// Walks over the text outside of strings and comments, and refuses what toml++ would read with a
+/// recursion that exceeds the stack. It agrees with toml++ up to the first syntax error.
+class DepthCheck {
+ public:
+  DepthCheck(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+
+  void run() {
+    for (; at_ < text_.size(); ++at_) {
+      const char c = text_[at_];
+      if (c == '#') {
+        at_ = std::min(text_.find('\n', at_), text_.size()) - 1;
+      } else if (c == '"' || c == '\'') {
+        skip_string(c);
+      } else if (c == '.') {
+        ++parts_;
+      } else if (c == '[' || c == '{') {
+        open_.push_back(depth_);
+        depth_ += key_ + 1;
+        key_ = 0;
+        if (depth_ > kMost)
+          fail(fmt::format("arrays and tables are nested {} deep; expected at most {}", depth_,
+                           kMost));
+      } else if (c == '=' || c == ',' || c == ']' || c == '}' || c == '\n') {
+        end_key(c);
+      }
+    }
+    end_key('\n');
+  }
+
+ private:
+  static constexpr std::size_t kMost = 100;
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorCode::kFile, fmt::format("{}:{}: {}", printable_name(file_), line_, what));
+  }
+
+  void end_key(char c) {
+    if (parts_ > kMost) fail(fmt::format("a key of {} parts; expected at most {}", parts_, kMost));
+    key_ = c == '=' ? parts_ : 0;
+    parts_ = 1;
+    if (c == '\n') ++line_;
+    if ((c != ']' && c != '}') || open_.empty()) return;
+    depth_ = open_.back();
+    open_.pop_back();
+  }
+
+  /// Moves to the last character of a string. A string that never ends is left to toml++.
+  void skip_string(char quote) {
+    const bool multiline = text_.substr(at_, 3) == std::string(3, quote);
+    const std::size_t quotes = multiline ? 3 : 1;
+    for (at_ += quotes; at_ < text_.size(); ++at_) {
+      if (text_[at_] == '\n') {
+        if (!multiline) break;
+        ++line_;
+      }
+      if (text_[at_] == '\\' && quote == '"' && text_.substr(at_ + 1, 1) != "\n") {
+        ++at_;
+      } else if (text_.substr(at_, quotes) == std::string(quotes, quote)) {
+        at_ += quotes;
+        // Two more quotes may belong to the text of a multi-line string.
+        for (int i = 0; multiline && i < 2 && at_ < text_.size() && text_[at_] == quote; ++i) ++at_;
+        break;
+      }
+    }
+    --at_;
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+  std::size_t at_ = 0, line_ = 1;
+  std::size_t parts_ = 1;          ///< of the key at this place
+  std::size_t key_ = 0;            ///< parts of the key whose value begins
+  std::size_t depth_ = 0;          ///< parts of keys count as tables
+  std::vector<std::size_t> open_;  ///< depth around each open bracket
+};
+
 }  // namespace
 
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates) {
@@ -59,6 +135,7 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& ca
 }
 
 std::shared_ptr<const toml::table> parse(std::string_view text, const std::string& file) {
+  DepthCheck(text, file).run();
   try {
     return std::make_shared<const toml::table>(toml::parse(text, file));
   } catch (const toml::parse_error& e) {
