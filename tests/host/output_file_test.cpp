@@ -300,6 +300,58 @@ TEST_F(ForeignFolder, Links_LeadOnlyToFilesOfTheirOwner) {
   EXPECT_EQ(bytes_of(theirs_ / "out"), "new");
 }
 
+/// The descriptor of a file of ours, which their links could name without knowing the file.
+TEST_F(ForeignFolder, LinksToDescriptors_AreRefused) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
+  const int fd = ::open((mine_ / "secret").c_str(), O_WRONLY | O_CLOEXEC);
+  ASSERT_GE(fd, 0);
+  const fs::path link = theirs_ / "link", indirect = mine_ / "indirect";
+  fs::create_symlink(link, indirect);
+  for (const std::string& to :
+       {fmt::format("/proc/self/fd/{}", fd), fmt::format("/dev/fd/{}", fd),
+        fmt::format("/proc/{}/fd/{}", ::getpid(), fd), std::string("/dev/stdout")}) {
+    fs::create_symlink(to, link);
+    ASSERT_EQ(::lchown(link.c_str(), kOther, kOther), 0);
+    for (const fs::path& name : {link, indirect}) {
+      expect_error(ErrorCode::kFile, "it is a link owned by user 65534 to",
+                   [&] { write_file(name, "overwritten"); });
+      expect_error(ErrorCode::kFile, "it is a link owned by user 65534 to", [&] {
+        check_outputs(std::vector<FileUse>{{"-o", name}}, {});
+      });
+    }
+    fs::remove(link);
+  }
+  fs::create_symlink("/proc/self/fd", link);  // a link in the path
+  expect_error(ErrorCode::kFile, "its folder is a link to /proc/self/fd",
+               [&] { write_file(link / std::to_string(fd), "overwritten"); });
+  expect_secret();
+  fs::create_symlink(fmt::format("/dev/fd/{}", fd), mine_ / "own");
+  write_file(mine_ / "own", "new");
+  ::close(fd);
+  EXPECT_EQ(bytes_of(mine_ / "secret"), "newret") << "our own link";
+}
+
+/// Their link leads to another user's link, which leads to that user's file.
+TEST_F(ForeignFolder, LinksOfTwoUsers_AreRefused) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
+  constexpr uid_t kThird = 65533;
+  const fs::path out = theirs_ / "out", current = theirs_ / "current", first = theirs_ / "first";
+  fs::create_symlink("out", current);
+  fs::create_symlink("current", first);
+  ASSERT_EQ(::lchown(first.c_str(), kOther, kOther), 0);
+  ASSERT_EQ(::lchown(current.c_str(), kThird, kThird), 0);
+  for (const uid_t owner : {kThird, kOther}) {
+    ASSERT_EQ(::chown(out.c_str(), owner, owner), 0);
+    expect_error(ErrorCode::kFile,
+                 fmt::format("it is a link owned by user {} to", owner == kThird ? kOther : kThird),
+                 [&] { write_file(first, "overwritten"); });
+    EXPECT_EQ(bytes_of(out), "old");
+  }
+  ASSERT_EQ(::lchown(current.c_str(), kOther, kOther), 0);
+  write_file(first, "new");
+  EXPECT_EQ(bytes_of(out), "new") << "both links and the file are one user's";
+}
+
 TEST(CheckOutputs, TwoOutputsInOneFile_AreRefused) {
   const Folder folder;
   folder.write("a", "");

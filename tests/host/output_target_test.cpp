@@ -187,7 +187,7 @@ TEST_F(SwappedFolder, TargetOfAnotherOwner_IsRefused) {
     ASSERT_EQ(::chown((theirs_ / name).c_str(), kOther, kOther), 0);
   ASSERT_EQ(::lchown((theirs_ / "link").c_str(), kOther, kOther), 0);
   const OutputTarget target = follow_output(theirs_ / "link");
-  EXPECT_EQ(target.stranger, kOther);
+  EXPECT_EQ(target.strangers, std::vector{kOther});
   EXPECT_GE(folder_of(target).get(), 0);
   ASSERT_EQ(::chown((theirs_ / "sub/out").c_str(), 0, 0), 0);
   expect_error(ErrorCode::kFile, "it is a link owned by user 65534 to",

@@ -135,7 +135,7 @@ bool is_null(const struct stat& info) {
 }
 
 OutputTarget target_of(const FileUse& use, int standard) {
-  if (use.path == "-") return {use.path, {}, standard, info_of(standard), std::nullopt};
+  if (use.path == "-") return {use.path, {}, standard, info_of(standard), {}};
   return follow_output(use.path);
 }
 
@@ -144,7 +144,7 @@ std::optional<OutputTarget> input_target(const FileUse& use) {
   if (use.path == "-") return target_of(use, STDIN_FILENO);
   struct stat info {};
   if (::stat(use.path.c_str(), &info) != 0) return std::nullopt;
-  return OutputTarget{use.path, use.path, std::nullopt, info, std::nullopt};
+  return OutputTarget{use.path, use.path, std::nullopt, info, {}};
 }
 
 bool same_file(const OutputTarget& a, const OutputTarget& b) {

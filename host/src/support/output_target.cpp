@@ -11,6 +11,8 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -21,18 +23,27 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// The folder of this process's descriptors, without links.
+fs::path own_descriptors() {
+  return fs::path("/proc") / std::to_string(::getpid()) / "fd";
+}
+
+/// The descriptor that a name in that folder means.
+std::optional<int> descriptor_of(const fs::path& name) {
+  const std::string& digits = name.native();
+  int number = 0;
+  const auto [stop, bad] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (bad != std::errc() || stop != digits.data() + digits.size()) return std::nullopt;
+  return number;
+}
+
 /// The folder's descriptor in /proc/self/fd/FOLDER/NAME or /proc/PID/fd/FOLDER/NAME, if this
 /// process holds it open.
 std::optional<int> held_folder(const fs::path& path) {
   const fs::path folder = path.parent_path();
   const fs::path all = folder.parent_path();
-  if (all != "/proc/self/fd" && all != fs::path("/proc") / std::to_string(::getpid()) / "fd")
-    return std::nullopt;
-  const std::string digits = folder.filename();
-  int number = 0;
-  const auto [stop, bad] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (bad != std::errc() || stop != digits.data() + digits.size()) return std::nullopt;
-  return number;
+  if (all != "/proc/self/fd" && all != own_descriptors()) return std::nullopt;
+  return descriptor_of(folder.filename());
 }
 
 std::mutex kept_mutex;
@@ -102,15 +113,24 @@ std::optional<struct stat> info_of(int descriptor) {
 
 namespace {
 
-/// Another user's link may lead only to that user's own files. Otherwise its owner would choose
-/// which of this user's files is replaced.
-void check_link(const OutputTarget& target, const struct stat& owned) {
-  if (!target.stranger || owned.st_uid == *target.stranger) return;
+[[noreturn]] void fail_stranger(const OutputTarget& target, uid_t stranger, std::string_view what) {
   throw Error(
       ErrorCode::kFile,
-      fmt::format("{}: cannot write: it is a link owned by user {} to {}, which user {} owns",
-                  shown(target.named), *target.stranger, printable_name(target.path.string()),
-                  owned.st_uid));
+      fmt::format("{}: cannot write: it is a link owned by user {} to {}, {}", shown(target.named),
+                  stranger, printable_name(target.path.string()), what));
+}
+
+/// Another user's link may lead only to that user's own files. Otherwise its owner would choose
+/// which file of this user or of a third user is replaced.
+void check_link(const OutputTarget& target, const struct stat& owned) {
+  for (const uid_t stranger : target.strangers)
+    if (owned.st_uid != stranger)
+      fail_stranger(target, stranger, fmt::format("which user {} owns", owned.st_uid));
+}
+
+/// Adds the owner of a link that was followed, if that is another user.
+void add_stranger(OutputTarget& target, const struct stat& link) {
+  if (link.st_uid != 0 && link.st_uid != ::geteuid()) target.strangers.push_back(link.st_uid);
 }
 
 /// For a link to `to`, whose folder cannot be entered for this reason.
@@ -131,7 +151,7 @@ void check_link(const OutputTarget& target, const struct stat& owned) {
 
 void check_folder_link(const fs::path& named, int folder) {
   constexpr int kMostLinks = 40;
-  OutputTarget target{named, named, std::nullopt, info_of(folder), std::nullopt};
+  OutputTarget target{named, named, std::nullopt, info_of(folder), {}};
   struct stat found {};
   for (int links = 0;; ++links) {
     fs::path& at = target.path;
@@ -141,7 +161,7 @@ void check_folder_link(const fs::path& named, int folder) {
     if (::lstat(at.c_str(), &found) != 0) fail_output(named, "write", errno);
     if (!S_ISLNK(found.st_mode)) break;
     if (links == kMostLinks) fail_output(named, "write", ELOOP);
-    if (found.st_uid != 0 && found.st_uid != ::geteuid()) target.stranger = found.st_uid;
+    add_stranger(target, found);
     std::error_code gone;  // the link's owner may remove it meanwhile
     const fs::path to = fs::read_symlink(at, gone);
     if (gone) fail_output(named, "write", gone.value());
@@ -171,30 +191,57 @@ fs::path behind_link(const fs::path& named, const fs::path& link) {
   return target;
 }
 
-OutputTarget follow_output(const fs::path& named) {
-  if (const auto folder = held_folder(named)) {
-    // The folder's name may lead elsewhere by now, so the code does not use it.
-    OutputTarget target{named, named, std::nullopt, std::nullopt, std::nullopt};
-    struct stat info {};
-    if (::fstatat(*folder, named.filename().c_str(), &info, AT_SYMLINK_NOFOLLOW) != 0) {
-      if (errno != ENOENT) fail_output(named, "write", errno);
-      return target;
-    }
-    if (S_ISLNK(info.st_mode) || S_ISDIR(info.st_mode))
-      fail_output(named, "write", S_ISDIR(info.st_mode) ? EISDIR : ELOOP);
-    target.info = info;
+namespace {
+
+/// The target for a name in a folder that this process holds open. The folder's name may lead
+/// elsewhere by now, so the code does not use it.
+OutputTarget held_target(const fs::path& named, int folder) {
+  OutputTarget target{named, named, std::nullopt, std::nullopt, {}};
+  struct stat info {};
+  if (::fstatat(folder, named.filename().c_str(), &info, AT_SYMLINK_NOFOLLOW) != 0) {
+    if (errno != ENOENT) fail_output(named, "write", errno);
     return target;
   }
+  if (S_ISLNK(info.st_mode) || S_ISDIR(info.st_mode))
+    fail_output(named, "write", S_ISDIR(info.st_mode) ? EISDIR : ELOOP);
+  target.info = info;
+  return target;
+}
+
+/// Completes a target in own_descriptors(), whose folder was named `parent`. Another user's link
+/// must not choose a descriptor, which may be any file of this user. A link to the folder itself
+/// may be another user's, so only the folder's own names are accepted.
+OutputTarget descriptor_target(OutputTarget target, const fs::path& parent) {
+  if (!target.strangers.empty())
+    fail_stranger(target, target.strangers.front(), "a descriptor of this process");
+  const fs::path name = target.path.filename(), key = key_of(parent);
+  if (key != "/dev/fd" && key != "/proc/self/fd" && key != own_descriptors())
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: cannot write: its folder is a link to /proc/self/fd; name the "
+                            "descriptor as /dev/fd/{}",
+                            shown(target.named), printable_name(name.string())));
+  target.descriptor = descriptor_of(name);
+  if (!target.descriptor) fail_output(target.named, "write", ENOENT);
+  target.info = info_of(*target.descriptor);
+  if (!target.info) fail_output(target.named, "write", EBADF);
+  return target;
+}
+
+}  // namespace
+
+OutputTarget follow_output(const fs::path& named) {
+  if (const auto folder = held_folder(named)) return held_target(named, *folder);
   constexpr int kMostLinks = 40;
-  fs::path path = named;
-  std::optional<uid_t> stranger;  // owner of another user's link on the way
-  fs::path link;                  // what the last followed link says
+  OutputTarget target{named, named, std::nullopt, std::nullopt, {}};
+  fs::path& path = target.path;
+  fs::path link;  // what the last followed link says
   const auto fail = [&](const char* doing, int number) {
     if (!link.empty() && (number == ENOENT || number == ENOTDIR)) fail_link(named, link, number);
     fail_output(named, doing, number);
   };
   const auto found = [&](std::optional<struct stat> info) {
-    OutputTarget target{named, path, std::nullopt, info, stranger, !link.empty()};
+    target.info = info;
+    target.linked = !link.empty();
     if (struct stat folder{}; info)
       check_link(target, *info);
     else if (::stat(path.parent_path().c_str(), &folder) == 0)
@@ -210,16 +257,8 @@ OutputTarget follow_output(const fs::path& named) {
         kept ? fs::path("/proc/self/fd") / std::to_string(*kept) : fs::canonical(parent, error);
     if (error) fail("create", error.value());
     const std::string name = path.filename();
-    if (folder == fs::path("/proc") / std::to_string(::getpid()) / "fd") {
-      int number = 0;
-      const auto [stop, bad] = std::from_chars(name.data(), name.data() + name.size(), number);
-      if (bad != std::errc() || stop != name.data() + name.size())
-        fail_output(named, "write", ENOENT);
-      const auto info = info_of(number);
-      if (!info) fail_output(named, "write", EBADF);
-      return {named, folder / name, number, info, std::nullopt};
-    }
     path = folder / name;
+    if (folder == own_descriptors()) return descriptor_target(std::move(target), parent);
     struct stat info {};
     if (::lstat(path.c_str(), &info) != 0) {
       if (errno == ENOENT) return found(std::nullopt);
@@ -229,7 +268,7 @@ OutputTarget follow_output(const fs::path& named) {
       if (S_ISDIR(info.st_mode)) fail_output(named, "write", EISDIR);
       return found(info);
     }
-    if (info.st_uid != 0 && info.st_uid != ::geteuid()) stranger = info.st_uid;
+    add_stranger(target, info);
     link = fs::read_symlink(path, error);
     if (error) fail_output(named, "write", error.value());
     path = folder / link;  // an absolute link replaces the folder
@@ -253,7 +292,7 @@ Descriptor folder_of(const OutputTarget& target) {
     at = next;
   }
   if (at < 0) fail_output(target.named, "create", errno);
-  if (target.stranger) {
+  if (!target.strangers.empty()) {
     struct stat owned {};
     const bool there =
         ::fstatat(at, target.path.filename().c_str(), &owned, AT_SYMLINK_NOFOLLOW) == 0;

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "support/descriptor.hpp"
 
@@ -24,14 +25,14 @@ struct OutputTarget {
   std::optional<int>
       descriptor;  ///< a descriptor of this process, as for /dev/stdout and /dev/fd/N
   std::optional<struct stat> info;  ///< nothing if the file does not exist yet
-  std::optional<uid_t> stranger;    ///< another user whose link was followed
+  std::vector<uid_t> strangers;     ///< other users whose links were followed
   bool linked = false;              ///< the last component was a link
 };
 
 /// Follows links in the last component by hand. Links in /proc/self/fd are not paths, and a link to
 /// a missing file names where to create it. Error kFile if the target is a folder, or if another
-/// user's link leads to a file that this user does not own. Error kFile for any link in a held
-/// folder.
+/// user's link leads to a descriptor or to a file that this user does not own. Error kFile for any
+/// link in a held folder, and for a descriptor below another name of /proc/self/fd.
 [[nodiscard]] OutputTarget follow_output(const std::filesystem::path& named);
 
 /// Checks a folder that was opened by name. Error kFile if another user's link led to a folder that
@@ -52,7 +53,7 @@ void keep_folder(const std::filesystem::path& folder, Descriptor opened);
 [[nodiscard]] bool same_name(const OutputTarget& a, const OutputTarget& b);
 
 /// Opens the target's folder component by component. A component that has become a link is an
-/// error. The owner of a followed link must still own the target.
+/// error. The owners of all followed links must still own the target.
 [[nodiscard]] Descriptor folder_of(const OutputTarget& target);
 
 /// Opens the existing file, or creates it if `flags` say so. Error kFile if it has become a link or
