@@ -48,6 +48,28 @@ TEST(OutputFile, CompleteFile_ReplacesTheOldOne) {
   EXPECT_EQ(static_cast<unsigned>(fs::status(folder / "b").permissions()), 0640u);
 }
 
+TEST(OutputFile, UnfinishedFile_OfAnOldOneIsPrivate) {
+  const Folder folder;
+  const auto mode_of = [](const fs::path& file) {
+    return static_cast<unsigned>(fs::status(file).permissions());
+  };
+  const mode_t mask = ::umask(022);
+  for (const unsigned mode : {0600u, 0640u, 0664u}) {
+    for (const bool removed : {false, true}) {  // the old file, before the new one is complete
+      folder.write("a", "old");
+      fs::permissions(folder / "a", fs::perms{mode});
+      OutputFile file(folder / "a");
+      for (const auto& entry : fs::directory_iterator(folder / ""))
+        if (is_unfinished_name(entry.path().filename().native()))
+          EXPECT_EQ(mode_of(entry.path()), 0600u) << fmt::format("{:o}", mode);
+      if (removed) fs::remove(folder / "a");
+      file.commit();
+      EXPECT_EQ(mode_of(folder / "a"), removed ? mode & ~022u : mode);
+    }
+  }
+  ::umask(mask);
+}
+
 TEST(OutputFile, Links_StayLinks) {
   const Folder folder;
   fs::create_directory(folder / "there");

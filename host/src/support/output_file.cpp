@@ -176,6 +176,7 @@ OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
     // A rename needs no permission for the file that it replaces, so check it here.
     if (target.info && ::access(target_.c_str(), W_OK) != 0) fail("write");
     folder_ = folder_of(target).release();
+    if (target.info) replaced_mode_ = target.info->st_mode & 0777;
     make_temporary();
     return;
   }
@@ -186,13 +187,15 @@ OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
 }
 
 void OutputFile::make_temporary() {
+  // Users who cannot read the old file must not read the new one before it has the same mode.
+  const mode_t mode = replaced_mode_ ? 0600 : 0666;
   const std::string name(stem(target_.filename().native()));
   sweep_all(folder_, name);
   for (int attempts = 0; attempts < 100; ++attempts) {
     temporary_ = {folder_, fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word())};
     remember(files, temporary_);  // first, so that a signal in between still finds the file
     const char* const last = temporary_.name.c_str();
-    const int fd = ::openat(folder_, last, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    const int fd = ::openat(folder_, last, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
     if (fd >= 0) {
       // A cleaner in another process finds the file locked, or has removed it before the lock.
       struct stat info {};
@@ -299,6 +302,8 @@ void OutputFile::move_into_place(int fd) {
     // Only root can change a file's owner, and not on every file system.
     if (::geteuid() == 0) (void)!::fchown(fd, old.st_uid, old.st_gid);
     (void)::fchmod(fd, old.st_mode & 0777);
+  } else if (replaced_mode_) {  // removed meanwhile, so the new file has another owner
+    (void)::fchmod(fd, *replaced_mode_ & ~022u);
   }
   if (::fstat(fd, &ours) != 0 || ::fstatat(folder_, name, &named, AT_SYMLINK_NOFOLLOW) != 0)
     fail("write");

@@ -22,9 +22,10 @@ struct NameInFolder {
 /// pages and waves.
 ///
 /// A regular or new file is written under a temporary name in the same folder. Then commit()
-/// renames it. A reader sees the old file or the complete new one. The mode of an old file stays. A
-/// symbolic link stays, and its target is written. Anything else that exists (a device, a FIFO, a
-/// descriptor such as /dev/stdout) is opened and written directly. "-" is stdout.
+/// renames it. A reader sees the old file or the complete new one. The mode of an old file stays,
+/// and until commit() only this user can read what replaces it. A symbolic link stays, and its
+/// target is written. Anything else that exists (a device, a FIFO, a descriptor such as
+/// /dev/stdout) is opened and written directly. "-" is stdout.
 ///
 /// The temporary name is NAME.cde-PID-RANDOM, and the file is locked. Without commit() the file is
 /// removed. The next process that writes the same NAME removes what a killed process left behind.
@@ -78,6 +79,7 @@ class OutputFile {
   std::filesystem::path path_, target_;  // as it was named, and with links followed
   NameInFolder temporary_;  // commit() renames it to target_; empty: the target is written directly
   int folder_ = -1;         // folder of both names
+  std::optional<unsigned> replaced_mode_;  // permissions of the file that is replaced
   bool stdout_ = false;
   std::FILE* file_ = nullptr;  // the target, or the temporary file
   std::FILE* held_ = nullptr;  // buffer that write() fills instead of file_
