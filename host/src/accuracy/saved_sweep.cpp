@@ -12,6 +12,7 @@
 #include "cde/accuracy/sweep.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/input_file.hpp"
+#include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
 
 namespace cde::accuracy {
@@ -190,7 +191,7 @@ SavedSweep sweep_of(const Json& json, const std::string& where, const Target& ta
 }
 
 SavedSweep read_sweep(const std::string& file, const Target& target) {
-  const Json json = Json::parse(read_file(file), nullptr, false);
+  const Json json = parse_json(read_file(file));
   if (json.is_discarded())
     throw Error(ErrorCode::kFile, fmt::format("{}: not the JSON of one accuracy run; read a file "
                                               "of --resume with --resume and --page",

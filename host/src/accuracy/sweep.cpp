@@ -103,7 +103,7 @@ std::optional<std::vector<Measured>> sweep(const SweepOptions& o) {
              const auto& [pipe, part] = chunks[c];
              auto& families = all[pipe].families;
              if (part.first == 0) families.emplace_back(part.name, Tally());
-             families.back().second.add(Tally::from_json(Json::parse(result)));
+             families.back().second.add(Tally::from_json(parse_json(result)));
            }});
   return whole ? std::optional(std::move(all)) : std::nullopt;
 }

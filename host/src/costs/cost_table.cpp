@@ -17,6 +17,7 @@
 #include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/input_file.hpp"
+#include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
 
 namespace cde {
@@ -172,7 +173,7 @@ CostTable CostTable::of_project() {
       given ? std::string(named)
             : (model_builder().parent_path().parent_path() / "docs" / "costs.json").string();
   if (!given && !std::filesystem::exists(table.file_)) return table;
-  const Json all = Json::parse(read_file(table.file_), nullptr, false);
+  const Json all = parse_json(read_file(table.file_));
   const auto rows = all.is_object() ? all.find("rows") : all.end();
   if (!all.is_object() || rows == all.end() || !rows->is_array())
     throw Error(ErrorCode::kFile,

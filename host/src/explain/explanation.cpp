@@ -12,6 +12,7 @@
 #include "cde/model/model.hpp"
 #include "cde/netlist/cache_name.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/json_text.hpp"
 
 namespace cde::explain {
 namespace {
@@ -101,7 +102,7 @@ std::vector<Source> sources_of(const PairConfig& config,
   const auto name = netlist::cache_name("pair_unit", config.parameters(), ".places.json");
   std::vector<Source> sources;
   if (const auto text = name ? read_cache_entry(*name) : std::nullopt) {
-    const Json kept = Json::parse(*text, nullptr, false);
+    const Json kept = parse_json(*text);
     try {
       for (const Json& list : kept) sources.push_back(from_json(list));
     } catch (const Json::exception&) {

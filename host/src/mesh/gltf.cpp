@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "cde/support/error.hpp"
+#include "cde/support/json_text.hpp"
 #include "mesh/readers.hpp"
 
 // Checks the ranges in glTF 2.0. The importer adds offsets and lengths without a check, so a
@@ -160,6 +161,8 @@ void each(const json& file, const char* list, const Check& check) {
 
 void check_gltf_ranges(const std::filesystem::path& path) {
   const std::string bytes = whole_file(path);
+  if (nested_deeper(json_text(bytes)))
+    fail("JSON", fmt::format("is nested deeper than {} levels", kDeepestJson));
   const json file = json::parse(json_text(bytes), nullptr, false);
   if (!file.is_object()) return;
   check_extensions(file);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cde/netlist/netlist.hpp"
+#include "cde/support/json_text.hpp"
 #include "cde/support/xml_text.hpp"
 
 namespace cde::netlist {
@@ -236,27 +237,8 @@ class Writer {
   std::string out_;
 };
 
-/// Limits the nesting of brackets: the recursive parser would overflow the stack. Designs never
-/// nest so deep.
-void check_depth(const std::string& text) {
-  unsigned depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      if (c == '"') quoted = false;
-      continue;
-    }
-    quoted = c == '"';
-    if ((c == '{' || c == '[') && ++depth > 2 * kMostNodeDepth)
-      throw NetlistError("nodes are nested too deeply");
-    if ((c == '}' || c == ']') && depth > 0) --depth;
-  }
-}
-
 Json parsed(const std::string& text, const char* what) {
-  check_depth(text);
+  if (nested_deeper(text, 2 * kMostNodeDepth)) throw NetlistError("nodes are nested too deeply");
   Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) throw NetlistError(fmt::format("{} is not JSON, or truncated", what));
   return json;

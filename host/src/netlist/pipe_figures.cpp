@@ -14,6 +14,7 @@
 #include "cde/model/model.hpp"
 #include "cde/netlist/cache_name.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/json_text.hpp"
 #include "cde/support/progress.hpp"
 
 namespace cde::netlist {
@@ -115,7 +116,7 @@ class Kept {
   Kept() {
     if (const auto name = cache_name("pair_unit", {}, ".inventory.json")) {
       name_ = *name;
-      if (const auto text = read_cache_entry(name_)) all_ = Json::parse(*text, nullptr, false);
+      if (const auto text = read_cache_entry(name_)) all_ = parse_json(*text);
     }
     if (!all_.is_object()) all_ = Json::object();
   }

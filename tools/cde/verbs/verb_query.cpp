@@ -14,6 +14,7 @@
 #include "cde/model/model.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/json_text.hpp"
 #include "options/distribution_options.hpp"
 #include "options/help.hpp"
 #include "options/typed.hpp"
@@ -107,7 +108,7 @@ std::string as_text(const QueryAnswers& a) {
 }
 QueryAnswers answers_in(const std::string& text) {
   const std::size_t line = text.find('\n') + 1;
-  const auto head = nlohmann::ordered_json::parse(text.substr(0, line));
+  const auto head = parse_json(text.substr(0, line));
   const auto n = head.at("totals").get<std::vector<std::uint64_t>>();
   const auto messages = head.at("message_bytes").get<std::size_t>();
   return {.totals = {.pairs = n.at(0),

@@ -13,9 +13,12 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "cde/support/error.hpp"
+#include "cde/support/input_file.hpp"
+#include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "output/streams.hpp"
@@ -178,9 +181,12 @@ void RunFolder::write(const Json& json) const {
 Json RunFolder::run_in(const fs::path& folder) {
   std::error_code none;
   if (!fs::is_regular_file(folder / kMarker, none)) return nullptr;
-  std::ifstream in(folder / kMarker);
-  if (!in) return nullptr;
-  Json json = Json::parse(in, nullptr, false);
+  Json json;
+  try {
+    json = parse_json(read_named_file((folder / kMarker).string()));
+  } catch (const Error&) {
+    return nullptr;
+  }
   const bool ours = json.is_object() && json.contains("scene") && json.contains("played");
   return ours ? json : Json();
 }
