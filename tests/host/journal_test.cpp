@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "cde/support/json_text.hpp"
 #include "testing.hpp"
 
 namespace cde::testing {
@@ -60,6 +61,77 @@ TEST_F(Journals, DamagedCount_IsAnErrorAndKeepsTheJournal) {
       EXPECT_EQ(bytes(), damaged) << "the journal must not be truncated";
     }
   }
+}
+
+/// A byte count that is too large cannot be told from a truncation, so the user is told.
+TEST_F(Journals, DroppedEntry_IsReportedWithItsPlace) {
+  const std::size_t last = starts_.back();
+  for (const std::string& damaged :
+       {claiming(kChunks - 1, "1000000"), whole_.substr(0, whole_.size() - 3),
+        whole_.substr(0, last + 5)}) {
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(chunks_of(damaged), kChunks - 1);
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+              fmt::format("cde: warning: journal {}: the last entry, from byte {} on, is "
+                          "unfinished ({} bytes) and is computed again\n",
+                          path(), last, damaged.size() - last));
+    folder_.write("journal", damaged);
+    ::testing::internal::CaptureStderr();
+    EXPECT_EQ(Journal("cde merge", path(), Journal::Use::kRead).size(), kChunks - 1);
+    EXPECT_NE(::testing::internal::GetCapturedStderr().find("and is ignored\n"), std::string::npos);
+  }
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(chunks_of(whole_), kChunks);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+TEST_F(Journals, ChunkNumberBeyondItsPart_IsAnError) {
+  const std::string end = "{\"part\":0,\"chunks\":4,\"inputs\":\"all\"}\n";
+  const auto numbered = [&](const std::string& number) {
+    std::string damaged = whole_;
+    const std::string key = "\"chunk\":3";
+    return damaged.replace(damaged.find(key), key.size(), "\"chunk\":" + number);
+  };
+  EXPECT_EQ(chunks_of(whole_ + end), kChunks);
+  const std::string why = "the journal has a chunk 7, but its part 0 has 4 chunks, from 0 on";
+  expect_error(ErrorCode::kFile, why, [&] { (void)chunks_of(numbered("7") + end); });
+  // The end of a part may come before chunks that other ranks still compute.
+  std::string before = numbered("7");
+  before.insert(starts_.back(), end);
+  expect_error(ErrorCode::kFile, fmt::format("byte {}: {}", starts_.back() + end.size(), why),
+               [&] { (void)chunks_of(before); });
+  folder_.write("journal", numbered("7"));
+  Journal journal("--resume", path(), Journal::Use::kGoOn, {{"command", "query"}});
+  expect_error(ErrorCode::kUsage, "it has a chunk 7, this run has 4 chunks, from 0 on", [&] {
+    journal.end_part(0, {4, "all"});
+  });
+}
+
+TEST_F(Journals, PartNumberBeyond32Bits_IsAnError) {
+  std::string damaged = whole_;
+  damaged.replace(damaged.find("\"part\":0", starts_.back()), 8, "\"part\":4294967296");
+  expect_error(ErrorCode::kFile, fmt::format("byte {}: not a chunk of a journal", starts_.back()),
+               [&] { (void)chunks_of(damaged); });
+}
+
+TEST_F(Journals, DeepJson_IsAnErrorWithItsByte) {
+  const std::string deep = std::string(400'000, '[') + std::string(400'000, ']') + "\n";
+  expect_error(ErrorCode::kFile, "byte 0: not a journal of a run", [&] { (void)chunks_of(deep); });
+  for (const std::string& line : {deep, "{\"part\":0,\"chunk\":" + deep})
+    expect_error(ErrorCode::kFile, fmt::format("byte {}: not a chunk of a journal", whole_.size()),
+                 [&] { (void)chunks_of(whole_ + line); });
+}
+
+TEST(JsonText, DeepJson_IsDiscarded) {
+  const auto nested = [](std::size_t levels) {
+    return std::string(levels, '[') + std::string(levels, ']');
+  };
+  EXPECT_FALSE(parse_json(nested(kDeepestJson)).is_discarded());
+  for (const std::size_t levels : {std::size_t{kDeepestJson} + 1, std::size_t{400'000}})
+    EXPECT_TRUE(parse_json(nested(levels)).is_discarded()) << levels;
+  const std::string text = R"("\\\"[)" + std::string(1000, '[') + '"';
+  EXPECT_TRUE(parse_json(text).is_string());
+  EXPECT_TRUE(parse_json("{").is_discarded());
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <iterator>
 #include <system_error>
 
 #include "cde/support/error.hpp"
@@ -54,8 +55,12 @@ Journal::Journal(std::string what, std::string path, Use use, const Json& run, c
   open(use);
   try {
     const std::uint64_t whole = scan();
-    if (use == Use::kRead) return;
+    if (use == Use::kRead) {
+      warn_dropped(whole, "is ignored");
+      return;
+    }
     if (whole != 0) check_run(run);
+    warn_dropped(whole, "is computed again");
     if (whole != bytes_ && ::ftruncate(file_, static_cast<off_t>(whole)) != 0) fail("cannot write");
     bytes_ = whole;
     if (whole != 0) return;
@@ -122,6 +127,15 @@ void Journal::damaged(std::uint64_t at, std::string_view why) const {
               fmt::format("{}: {}, byte {}: {}", what_, printable_name(path_), at, why));
 }
 
+/// A truncated last entry looks like one with a byte count that is too large, so say what happens.
+void Journal::warn_dropped(std::uint64_t whole, const char* result) const {
+  if (whole == bytes_) return;
+  log(
+      fmt::format("cde: warning: journal {}: the last entry, from byte {} on, is unfinished ({} "
+                  "bytes) and {}\n",
+                  printable_name(path_), whole, bytes_ - whole, result));
+}
+
 /// A line without its line end; nothing if the file ends within the line.
 std::optional<std::string> Journal::line_at(std::uint64_t at) const {
   std::string line;
@@ -149,7 +163,7 @@ std::uint64_t Journal::scan() {
         damaged(0, "not a journal of a run");
       return at;
     }
-    const Json entry = Json::parse(*line, nullptr, false);
+    const Json entry = parse_json(*line);
     if (!entry.is_object())
       damaged(at, at == 0 ? "not a journal of a run" : "not a chunk of a journal");
     std::uint64_t next = at + line->size() + 1;
@@ -177,7 +191,7 @@ std::optional<std::uint64_t> Journal::entry_within(std::uint64_t from) const {
        at = rest->find(kBegin, at + 1)) {
     const std::size_t end = rest->find('\n', at + 1);
     if (end == std::string::npos) break;
-    const Json entry = Json::parse(rest->substr(at + 1, end - at - 1), nullptr, false);
+    const Json entry = parse_json(rest->substr(at + 1, end - at - 1));
     if (entry.is_object() && (entry.contains("chunk") || entry.contains("chunks")))
       return from + at + 1;
   }
@@ -186,15 +200,23 @@ std::optional<std::uint64_t> Journal::entry_within(std::uint64_t from) const {
 
 /// Sets `next` to the byte behind the entry. False if the file ends within the entry.
 bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& next) {
-  const auto count = [&](const char* key) {
+  const auto count = [&](const char* key, std::uint64_t limit = kMostOfAnything) {
     const Json& number = entry.at(key);
-    if (!number.is_number_unsigned() || number.get<std::uint64_t>() >= kMostOfAnything)
+    if (!number.is_number_unsigned() || number.get<std::uint64_t>() >= limit)
       damaged(at, "not a chunk of a journal");
     return number.get<std::uint64_t>();
   };
-  const auto part = static_cast<unsigned>(count("part"));
+  const auto part = static_cast<unsigned>(count("part", std::uint64_t{1} << 32));
+  const auto check_number = [&](std::uint64_t chunk) {
+    const auto end = end_of(part);
+    if (end && chunk >= end->chunks)
+      damaged(at,
+              fmt::format("the journal has a chunk {}, but its part {} has {} chunks, from 0 on",
+                          chunk, part, end->chunks));
+  };
   if (entry.contains("chunks")) {
     ends_[part] = {count("chunks"), entry.at("inputs").get<std::string>()};
+    if (const auto last = last_chunk(part)) check_number(*last);
     return true;
   }
   const ChunkPlace place{.at = next,
@@ -212,7 +234,9 @@ bool Journal::scan_entry(const Json& entry, std::uint64_t at, std::uint64_t& nex
   next += place.bytes;
   if (*bytes_at(file_, next, 1) != "\n") damaged(at, "the chunk has another length than it claims");
   ++next;
-  if (!chunks_.emplace(ChunkNumber{part, count("chunk")}, place).second)
+  const std::uint64_t chunk = count("chunk");
+  check_number(chunk);
+  if (!chunks_.emplace(ChunkNumber{part, chunk}, place).second)
     damaged(at, "the chunk appears twice");
   return true;
 }
@@ -283,9 +307,22 @@ void Journal::end_part(unsigned part, const PartEnd& end) {
                     what_, printable_name(path_), known->chunks, end.chunks,
                     known->chunks == end.chunks ? ", and they differ" : ""));
   }
+  if (const auto last = last_chunk(part); last && *last >= end.chunks)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: {} belongs to a run with another input: it has a chunk {}, this "
+                            "run has {} chunks, from 0 on",
+                            what_, printable_name(path_), *last, end.chunks));
   append(json_text(Json{{"part", part}, {"chunks", end.chunks}, {"inputs", end.inputs}}, -1) +
          "\n");
   ends_.emplace(part, end);
+}
+
+/// The largest number of a stored chunk of the part.
+std::optional<std::uint64_t> Journal::last_chunk(unsigned part) const {
+  const auto behind = chunks_.upper_bound(ChunkNumber{part, kMostOfAnything});
+  if (behind == chunks_.begin()) return std::nullopt;
+  const ChunkNumber& last = std::prev(behind)->first;
+  return last.part == part ? std::optional(last.chunk) : std::nullopt;
 }
 
 std::optional<Journal::PartEnd> Journal::end_of(unsigned part) const {

@@ -30,7 +30,7 @@ struct ChunkPlace {
 
 /// Finished chunks of a run, in an append-only file. Its first line is JSON that identifies the
 /// run. Each chunk is a line followed by its bytes. An incomplete last entry of a killed process is
-/// dropped; everything before it stays. The file is locked while the object lives.
+/// dropped with a warning; everything before it stays. The file is locked while the object lives.
 class Journal {
  public:
   enum class Use {
@@ -78,11 +78,13 @@ class Journal {
  private:
   [[noreturn]] void fail(const char* doing) const;
   [[noreturn]] void damaged(std::uint64_t at, std::string_view why) const;
+  void warn_dropped(std::uint64_t whole, const char* result) const;
   void open(Use use);
   void check_owner(const struct stat& status);
   std::uint64_t scan();
   std::optional<std::string> line_at(std::uint64_t at) const;
   std::optional<std::uint64_t> entry_within(std::uint64_t from) const;
+  std::optional<std::uint64_t> last_chunk(unsigned part) const;
   bool scan_entry(const nlohmann::ordered_json& entry, std::uint64_t at, std::uint64_t& next);
   void append(std::string_view bytes);
 
