@@ -33,6 +33,7 @@ TEST(Message, ControlCharacters_ArePrintedEscaped) {
                       "b\xe2\x81\xa6"),
             "a\\u202eb\\u2066");
   EXPECT_EQ(printable_name("two\nlines\tand"), "two\\x0alines\\x09and");
+  EXPECT_EQ(printable("a\xd8\x9c."), "a\\u061c.");
   EXPECT_EQ(printable_json("{\n \"a\x7f\xc2\x9b\"}"), "{\n \"a\\u007f\\u009b\"}");
 }
 

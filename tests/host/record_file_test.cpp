@@ -59,6 +59,23 @@ TEST(RecordText, WithoutFrame_HasNoSuchColumn) {
   EXPECT_EQ(RecordText({.scene = true}).head(), "primary,F,bad,T,CPx,CPy,CPz,index\n");
 }
 
+/// A mesh names its nodes, and the lines may be printed to a terminal.
+TEST(RecordText, ControlCharactersOfANode_AreEscaped) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.faces = {{0, 1, 2}};
+  mesh.parts = {{"\x1b[2J\xc2\x9b\xe2\x80\xae\"", 0}};
+  const std::vector<Ray> rays(1);
+  Record hit;
+  hit.primary = 0;
+  hit.index = 0;
+  hit.f = true;
+  std::string line;
+  RecordText({.kind = Kind::kJsonLines, .fields = {RecordField::kNode}}, &mesh, rays)
+      .append(std::vector<Record>{hit}, line);
+  EXPECT_NE(line.find(R"("node":"\u001b[2J\u009b\u202e\"")"), std::string::npos) << line;
+}
+
 TEST(Npy, HeaderOfAGrowingArray_HasOneLength) {
   const std::size_t length = npy_header("<f4", {0}, true).size();
   for (const std::uint64_t count : {1ull, 9ull, 10ull, 123456789ull, ~0ull}) {

@@ -347,7 +347,9 @@ TEST_F(Export, TimesOfGtkw_AreThoseOfGtkwave) {
 TEST_F(Export, Names_SendNoControlCodes) {
   {
     Writer w(folder_ / "names.fst");
+    w.comment("\x1b[2J\xc2\x9b");
     w.scope("t\x1b[31mp");
+    (void)w.signal("b\x7f\xc2\x9b\xe2\x80\xae", 1);
     const fstHandle s = w.signal("a\x07\n@28\x1b[2J", 8);
     w.time(0);
     w.set(s, 3);
@@ -362,8 +364,12 @@ TEST_F(Export, Names_SendNoControlCodes) {
     for (const char c : text)
       ASSERT_TRUE(c == '\n' || c == '\t' || static_cast<unsigned char>(c) >= ' ')
           << static_cast<int>(c);
+    for (const char* control : {"\x7f", "\xc2\x9b", "\xe2\x80\xae"})
+      EXPECT_FALSE(has(text, control)) << text;
   }
   EXPECT_TRUE(has(read("names.csv"), "\\x1b[2J"));
+  EXPECT_TRUE(has(read("names.vcd"), "b\\x7f\\x9b\\u202e"));
+  EXPECT_TRUE(has(read("names.vcd"), "$comment \\x1b[2J\\x9b $end"));
   EXPECT_FALSE(has(read("names.gtkw"), "\n@28\x1b"));
 }
 

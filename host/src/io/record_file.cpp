@@ -17,6 +17,7 @@
 #include "cde/io/npy.hpp"
 #include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suffix.hpp"
 #include "cde/support/suggest.hpp"
@@ -91,7 +92,7 @@ struct JsonRow {
     return i.f && i.value != ~0u ? fmt::to_string(i.value) : "null";
   }
   static std::string text(std::string_view name) {
-    return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return json_text(nlohmann::ordered_json(name), -1);
   }
   template <std::integral T>
   static std::string text(T value) {

@@ -51,12 +51,13 @@ std::string signal_type(const Signal& s) {
   return s.real ? "real" : "wire";
 }
 
-/// Replaces spaces: VCD allows only the space before a range.
+/// Replaces spaces: VCD allows only the space before a range. Other characters that would control a
+/// terminal are escaped.
 std::string one_word(std::string_view text) {
   std::string word(text);
   for (char& c : word)
     if (static_cast<unsigned char>(c) <= ' ') c = '_';
-  return word.empty() ? "_" : word;
+  return word.empty() ? "_" : printable_name(word);
 }
 std::string reference(const VariableName& v) {
   const std::string_view name = v.name;
@@ -65,8 +66,9 @@ std::string reference(const VariableName& v) {
   return one_word(name.substr(0, range)) + " " + one_word(name.substr(range + 1));
 }
 
-/// Replaces $end, which would end a section of VCD.
-std::string inside(std::string text) {
+/// A printable text. Replaces $end, which would end a section of VCD.
+std::string inside(std::string_view of_file) {
+  std::string text = printable(of_file);
   for (std::size_t at = 0; (at = text.find("$end", at)) != std::string::npos;) text[at] = '_';
   return text;
 }
