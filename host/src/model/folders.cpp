@@ -17,8 +17,10 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <list>
 #include <map>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "cde/support/error.hpp"
@@ -116,28 +118,71 @@ std::optional<std::string> distrust_status(const struct stat& status, const fs::
   return std::nullopt;
 }
 
-/// Checks all files that the builder runs, reads or compiles, and their folders. Checks links and
-/// their targets.
-void check_share(const fs::path& share) {
-  const auto check = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust_status;
-  const auto require = [&](const fs::path& part) {
-    struct stat itself {
-    }, target{};
-    if (::lstat(part.c_str(), &itself) != 0 || ::stat(part.c_str(), &target) != 0) return;
-    auto why = check(itself, part);
-    if (!why) why = check(target, part);
-    if (why)
-      throw Error(ErrorCode::kFile,
-                  fmt::format("the builder of simulation models is refused: {} {}",
-                              printable_name(part.string()), *why));
-  };
-  for (const fs::path& part : {share, share / "host", share / "host/include"}) require(part);
-  for (const char* folder : {"verilator", "rtl", "host/include/cde"}) {
-    require(share / folder);
+/// Why code of a file with this status must not run.
+using Rule = std::optional<std::string> (*)(const struct stat&, const fs::path&);
+
+[[noreturn]] void refuse_share(const fs::path& part, const std::string& why) {
+  throw Error(ErrorCode::kFile, fmt::format("the builder of simulation models is refused: {} {}",
+                                            printable_name(part.string()), why));
+}
+
+/// Refuses a path if another user can change what it leads to. Checks all folders from / on, the
+/// links on the way, and the target. In a sticky folder such as /tmp, other users can add names but
+/// replace none.
+void require_path(const fs::path& path, Rule rule) {
+  constexpr int kMostLinks = 40;
+  std::list<fs::path> names(path.begin(), path.end());  // names to follow
+  fs::path at;
+  for (int links = 0;;) {
+    names.remove_if([](const fs::path& name) { return name.empty() || name == "."; });
+    if (names.empty()) return;
+    const fs::path name = names.front();
+    names.pop_front();
+    if (name == "..") {
+      at = at.parent_path();
+      continue;
+    }
+    const fs::path part = at / name;
+    struct stat status {};
+    if (::lstat(part.c_str(), &status) != 0) {
+      if (::lstat(at.c_str(), &status) == 0 && rule(status, at))
+        refuse_share(part, "does not exist, and other users can create it");
+      return;
+    }
+    const bool last = names.empty();
+    if (!last && S_ISDIR(status.st_mode) && (status.st_mode & S_ISVTX) != 0)
+      status.st_mode &= ~static_cast<mode_t>(S_IWGRP | S_IWOTH);
+    if (const auto why = rule(status, part)) refuse_share(part, *why);
+    if (!S_ISLNK(status.st_mode)) {
+      at = part;
+      continue;
+    }
     std::error_code error;
-    for (fs::recursive_directory_iterator entry(share / folder, error), end; !error && entry != end;
-         entry.increment(error))
-      require(entry->path());
+    const fs::path to = fs::read_symlink(part, error);
+    if (error || ++links > kMostLinks) refuse_share(part, "is a link that leads nowhere");
+    names.insert(names.begin(), to.begin(), to.end());
+  }
+}
+
+/// Checks all files that the builder runs, reads or compiles, and their folders, also behind links.
+void check_share(const fs::path& share) {
+  const Rule rule = same(share, CDE_SOURCE_FOLDER) ? distrust_source : distrust_status;
+  for (const fs::path& part : {share, share / "host"}) require_path(part, rule);
+  std::vector<fs::path> folders = {share / "verilator", share / "rtl", share / "host/include"};
+  for (const fs::path& folder : folders) require_path(folder, rule);
+  std::set<fs::path> seen;  // links may lead back
+  while (!folders.empty()) {
+    const fs::path folder = folders.back();
+    folders.pop_back();
+    std::error_code error;
+    const fs::path real = fs::canonical(folder, error);
+    if (error || !seen.insert(real).second) continue;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error)) {
+      std::error_code none;
+      require_path(entry->path(), rule);
+      if (entry->is_directory(none)) folders.push_back(entry->path());
+    }
   }
 }
 
@@ -269,9 +314,9 @@ std::optional<Opened> open(const fs::path& named) {
 }
 
 fs::path share() {
-  fs::path share = find_share();
+  const fs::path share = find_share();
   check_share(share);
-  return share;
+  return fs::weakly_canonical(share);  // the builder's shell would take LINK/.. for its own folder
 }
 
 std::vector<fs::path> ready_made() {

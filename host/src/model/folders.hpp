@@ -25,7 +25,7 @@ struct Opened {
 
 /// The folder with rtl/ and verilator/: $CDE_SHARE, the installation's, or the source tree. Error
 /// kBuild if there is none. Error kFile if another user can change a file that the builder runs or
-/// compiles.
+/// compiles, or a folder or link above it.
 [[nodiscard]] std::filesystem::path share();
 
 /// Folders with ready-made simulation models, in search order: $CDE_MODELS, then the folder of
