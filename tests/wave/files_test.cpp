@@ -230,6 +230,37 @@ TEST_F(WaveFiles, WrongVcd_IsRefusedWithItsLine) {
   }
 }
 
+/// Readers hold values of all signals, so a small file must not announce gigabytes.
+TEST_F(WaveFiles, WidthsBeyondTheFilesSize_AreRefused) {
+  const auto vcd = [&](unsigned signals, unsigned width) {
+    std::string text;
+    for (unsigned i = 0; i < signals; ++i)
+      text += fmt::format("$var wire {} n{} s{} $end\n", width, i, i);
+    write("v.vcd", text + "$enddefinitions $end\n#0\n#1\n");
+  };
+  vcd(10, 1u << 24);
+  const auto size = std::filesystem::file_size(folder_ / "v.vcd");
+  refused({"wave", "show", "v.vcd", "s0"},
+          fmt::format("v.vcd:2: $var of width 16777216: all signals so far have {} bits together; "
+                      "expected at most {} in a file of {} bytes",
+                      1u << 25, (1u << 24) + 64 * size, size));
+  for (const auto& [signals, width] : {std::pair(1u, 1u << 24), std::pair(1000u, 4096u)}) {
+    vcd(signals, width);
+    const Ran ran = cde({"wave", "info", "v.vcd"});
+    EXPECT_EQ(ran.status, 0) << ran.err;
+  }
+  {
+    Writer w(folder_ / "w.fst");
+    std::vector<fstHandle> all;
+    for (unsigned i = 0; i < 20; ++i) all.push_back(w.signal(fmt::format("s{}", i), 1u << 20));
+    w.time(0);
+    w.set(all[0], std::string(1u << 20, '1'));
+    w.time(1);
+  }
+  const Ran honest = cde({"wave", "info", "w.fst"});
+  EXPECT_EQ(honest.status, 0) << "its packed values are in the file: " << honest.err;
+}
+
 TEST_F(WaveFiles, TruncatedVcd_IsReadToItsLastWholeLine) {
   const std::string text = kVcd;
   for (std::size_t n = text.find("$enddefinitions") + 20; n < text.size(); ++n) {

@@ -280,6 +280,15 @@ FstBlocks find_fst_blocks(const WaveBytes& bytes) {
 void check_fst_blocks(const WaveBytes& bytes, FstBlocks& found,
                       const std::vector<std::uint32_t>& widths) {
   const Mapped file(bytes);
+  std::uint64_t bits = 0;
+  for (const std::uint32_t width : widths) bits += width;
+  // A complete file has a packed value of each signal.
+  const std::uint64_t most = kBitsOfSmallFiles + kMostExpansion * file.size();
+  if (bits > most)
+    file.fail(
+        fmt::format("has signals of {} bits together; expected at most {} in a file of {} "
+                    "bytes",
+                    bits, most, file.size()));
   for (const FstBlock& b : found.changes())
     found.structure.sections.push_back(check_changes(file, b.at, b.length, widths));
   std::uint64_t last = found.word(17);

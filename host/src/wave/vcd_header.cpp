@@ -17,6 +17,8 @@ namespace cde::wave {
 namespace {
 
 constexpr std::string_view kEndWord = "$end";
+/// A $var takes about 30 bytes, so this allows 2000 bits for each.
+constexpr std::uint64_t kBitsPerByte = 64;
 constexpr std::size_t kMostSection = std::size_t{64} << 20;  ///< bytes
 
 constexpr std::array<std::pair<std::string_view, int>, 34> kVariableTypes = {{
@@ -237,6 +239,12 @@ class HeaderReader {
     } else if (v.type == FST_VT_VCD_EVENT || v.width == 0) {
       v.width = 1;
     }
+    const std::uint64_t most = kBitsOfSmallFiles + kBitsPerByte * words_.file_bytes();
+    if ((bits_ += v.width) > most)
+      words_.fail(
+          fmt::format("$var of width {}: all signals so far have {} bits together; expected "
+                      "at most {} in a file of {} bytes",
+                      v.width, bits_, most, words_.file_bytes()));
     const bool real =
         v.width == 64 && (v.type == FST_VT_VCD_REAL || v.type == FST_VT_SV_SHORTREAL ||
                           v.type == FST_VT_VCD_REAL_PARAMETER || v.type == FST_VT_VCD_REALTIME);
@@ -291,6 +299,7 @@ class HeaderReader {
   VcdHeader h_;
   std::map<std::tuple<std::string, std::uint32_t, bool, bool>, std::size_t> handles_;
   std::size_t open_ = 0;
+  std::uint64_t bits_ = 0;  ///< of all signals so far
 };
 
 }  // namespace

@@ -29,6 +29,7 @@ class WordReader {
   [[nodiscard]] std::uint64_t line() const { return line_; }
   /// Whether the file ends with the last word, without a following blank or line feed.
   [[nodiscard]] bool cut() const { return ended_ && at_ == size_; }
+  [[nodiscard]] std::uint64_t file_bytes() const { return file_.size(); }
   /// Error kFile "FILE:LINE: what", for the last word.
   [[noreturn]] void fail(const std::string& what) const;
 

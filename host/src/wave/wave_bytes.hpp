@@ -39,6 +39,10 @@ class WaveBytes {
   std::uint64_t size_ = 0;
 };
 
+/// Bits that all signals of a file may have together, besides those that its size allows. Readers
+/// hold values of all signals, each bit in a byte.
+constexpr std::uint64_t kBitsOfSmallFiles = std::uint64_t{1} << 24;
+
 /// Text that is not UTF-8 is read as Latin-1.
 [[nodiscard]] std::string utf8_text(std::string text);
 
