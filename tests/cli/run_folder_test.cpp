@@ -234,6 +234,14 @@ TEST_F(RunFolders, FifoAsRunJson_IsRefusedAtOnce) {
   EXPECT_TRUE(has(ran.err, "d is not empty")) << ran.err;
 }
 
+TEST_F(RunFolders, FileOfTheKernelAsRunJson_IsRefusedAtOnce) {
+  fs::create_directory(folder_ / "d");
+  fs::create_symlink("/proc/self/status", folder_ / "d/run.json");
+  const Ran ran = run({"--out", "d"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err, "d is not empty")) << ran.err;
+}
+
 /// A killed run leaves no table, only an unfinished file, which the next run removes.
 TEST_F(RunFolders, KillMidRun_LeavesNoTable) {
   write("long.toml", std::string(kFolderScene).replace(0, 10, "frames = 1000000"));

@@ -107,7 +107,7 @@ TEST(HostileFiles, MissingFileFolderOrGarbage_IsAnError) {
                [&] { (void)load_mesh(folder.write("a.txt", "x")); });
   expect_error(ErrorCode::kFile, "no mesh format has the extension ''",
                [&] { (void)load_mesh(folder.write("a", "x")); });
-  expect_error(ErrorCode::kFile, "/dev/zero: is not a file",
+  expect_error(ErrorCode::kFile, "/dev/zero: is not a regular file",
                [] { (void)read_rays_csv("/dev/zero"); });
 }
 

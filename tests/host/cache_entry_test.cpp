@@ -87,6 +87,25 @@ TEST_F(CacheEntry, DamagedOrForeignEntry_IsNotRead) {
   EXPECT_EQ(read_cache_entry("entry"), "text\n");
 }
 
+TEST_F(CacheEntry, FifoOrFolderAsEntry_IsRefusedAtOnce) {
+  for (const char* suffix : {"", ".sha256"}) {
+    write_cache_entry("entry", "text\n");
+    fs::remove(file(suffix));
+    ASSERT_EQ(::mkfifo(file(suffix).c_str(), 0600), 0);
+    expect_refused(*suffix == '\0' ? "is no readable file" : "has no checksum beside it");
+  }
+  fs::remove(file());
+  fs::create_directory(file());
+  ASSERT_EQ(::chmod(file().c_str(), 0700), 0);
+  expect_refused("is no readable file");
+}
+
+TEST_F(CacheEntry, FifoAsChecksumOfAModel_IsSkipped) {
+  const fs::path fifo = model_cache() / "0.so.sha256";
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  (void)built_models("card");  // does not wait for a writer
+}
+
 /// A default ACL: files that are created in the folder get these permissions, and the umask is
 /// ignored. False if the file system has no ACLs.
 bool set_default_acl(const fs::path& folder, std::uint16_t group, std::uint16_t other) {

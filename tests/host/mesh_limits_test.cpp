@@ -8,8 +8,11 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <atomic>
 #include <chrono>
+#include <cmath>
 #include <fstream>
+#include <thread>
 
 #include "cde/mesh/mesh.hpp"
 #include "testing.hpp"
@@ -203,6 +206,89 @@ TEST_F(HostileMesh, AFileOutsideTheFolderOfTheMesh_IsRefused) {
   fs::copy_file(folder_ / "b.bin", inner / "below/b.bin");
   folder_.write("inner/a.gltf", gltf("below/b.bin", 0));
   EXPECT_EQ(load_mesh(inner / "a.gltf").faces.size(), 1u);
+}
+
+/// The buffer alternates between a file in the folder and a link to one outside. No mesh has the
+/// outer corners, whenever the link appears.
+TEST_F(HostileMesh, BufferReplacedByALink_NeverLeadsOutside) {
+  const fs::path inner = folder_ / "inner";
+  fs::create_directory(inner);
+  const float outer[9] = {7, 7, 7, 8, 7, 7, 7, 8, 7};
+  folder_.write("secret.bin", std::string(reinterpret_cast<const char*>(outer), sizeof outer));
+  const fs::path mesh = folder_.write("inner/a.gltf", gltf("b.bin", 0));
+  std::atomic<bool> stop = false;
+  std::thread attacker([&] {
+    std::error_code none;
+    while (!stop) {
+      fs::create_symlink("../secret.bin", inner / "link", none);
+      fs::rename(inner / "link", inner / "b.bin", none);
+      fs::copy_file(folder_ / "b.bin", inner / "copy", none);
+      fs::rename(inner / "copy", inner / "b.bin", none);
+    }
+  });
+  for (int i = 0; i < 100; ++i) {
+    try {
+      EXPECT_EQ(load_mesh(mesh, kShort).triangle(0).v0, Eigen::Vector3f::Zero());
+    } catch (const Error&) {  // the link was there
+    }
+  }
+  stop = true;
+  attacker.join();
+}
+
+constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+TEST_F(HostileMesh, LinkToAFileOfTheKernel_IsRefused) {
+  for (const std::string name : {"k.stl", "k.obj", "k.ply", "k.glb"}) {
+    fs::create_symlink("/proc/self/status", folder_ / name);
+    expect_error(ErrorCode::kFile, name + ": is a file of the kernel",
+                 [&] { (void)load_mesh(folder_ / name, kShort); });
+  }
+}
+
+TEST_F(HostileMesh, MaterialLibraryOutsideTheFolder_IsIgnored) {
+  fs::create_directory(folder_ / "inner");
+  folder_.write("secret.mtl", "map_Kd skin.png\n");
+  folder_.write("inner/skin.png", "pixels");
+  fs::create_symlink("../secret.mtl", folder_ / "inner/link.mtl");
+  for (const std::string& name :
+       {std::string("../secret.mtl"), std::string("link.mtl"), (folder_ / "secret.mtl").string(),
+        std::string("/proc/self/status")}) {
+    const Mesh mesh = load_mesh(
+        folder_.write("inner/a.obj", "mtllib " + name + "\n" + std::string(kTriangle)), kShort);
+    EXPECT_TRUE(mesh.files.empty()) << name;
+    ASSERT_FALSE(mesh.warnings.empty()) << name;
+    EXPECT_NE(mesh.warnings[0].find("is outside the folder of the mesh"), std::string::npos)
+        << mesh.warnings[0];
+  }
+}
+
+/// Six gigabytes of zeros on no disk blocks.
+TEST_F(HostileMesh, HugeMaterialLibrary_IsNotRead) {
+  folder_.write("a.mtl", "");
+  fs::resize_file(folder_ / "a.mtl", std::uintmax_t{6} << 30);
+  const auto began = std::chrono::steady_clock::now();
+  const Mesh mesh =
+      load_mesh(folder_.write("a.obj", "mtllib a.mtl\n" + std::string(kTriangle)), kShort);
+  EXPECT_EQ(mesh.files.size(), 1u);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
+}
+
+/// Faces of 1024 corners along a spiral take cubic time to cut.
+TEST_F(HostileMesh, SpiralFaces_EndAtTheTimeLimit) {
+  std::string text, face = "f";
+  for (int i = 0; i < 1024; ++i) {
+    const int step = i < 512 ? i : 1023 - i;
+    const double angle = 0.1 * step, radius = 1 + 0.02 * step + (i < 512 ? 0 : 0.3);
+    text += fmt::format("v {} {} 0\n", radius * std::cos(angle), radius * std::sin(angle));
+    face += fmt::format(" {}", i + 1);
+  }
+  for (int i = 0; i < 5000; ++i) text += face + "\n";
+  const fs::path mesh = folder_.write("spiral.obj", text);
+  const auto began = std::chrono::steady_clock::now();
+  expect_error(ErrorCode::kFile, "not read within 1 s (CDE_MESH_SECONDS sets another limit)",
+               [&] { (void)load_mesh(mesh, {.time = std::chrono::seconds(1)}); });
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
 }
 
 TEST_F(HostileMesh, MemoryBeyondTheLimit_IsRefused) {

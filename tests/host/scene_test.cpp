@@ -302,6 +302,8 @@ TEST(SceneFile, MissingMeshesAndFiles_AreErrors) {
   fails("rays_csv = \"bad.csv\"", "bad.csv:1");
   ASSERT_EQ(::mkfifo((folder / "fifo").c_str(), 0600), 0);
   fails("rays_csv = \"fifo\"", "fifo: is not a regular file");
+  ASSERT_EQ(::mkfifo((folder / "fifo.obj").c_str(), 0600), 0);
+  fails("mesh = \"fifo.obj\"", "fifo.obj: is not a regular file");
   folder.write("empty.csv", "\n");
   expect_error(ErrorCode::kBadInput, "empty.csv has no rays",
                [&] { (void)parse_scene(with("rays_csv = \"empty.csv\""), name); });

@@ -90,7 +90,7 @@ Ray ray_of(const text::TableText& table, std::string_view line, const CsvPlace& 
 }  // namespace
 
 std::vector<Ray> read_rays_csv(const std::filesystem::path& path) {
-  return rays_in_text(file_io::read(path), printable_name(path.string()));
+  return rays_in_text(file_io::read_regular(path), printable_name(path.string()));
 }
 
 std::vector<Ray> read_rays_csv(std::istream& in, std::string_view name) {

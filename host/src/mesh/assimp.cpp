@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <assimp/DefaultIOStream.h>
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
@@ -22,6 +23,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/process.hpp"
 #include "mesh/readers.hpp"
+#include "support/file_io.hpp"
 #include "support/sanitizer.hpp"
 #include "support/text.hpp"
 
@@ -122,25 +124,41 @@ bool take_parts(std::string_view& in, std::vector<MeshPart>& parts) {
   return name == names.end();
 }
 
+/// A file that is read through its descriptor only.
+class OpenedFile final : public Assimp::DefaultIOStream {
+ public:
+  OpenedFile(std::FILE* file, const std::string& path) : DefaultIOStream(file, path) {}
+};
+
 /// Keeps the names of the files that an importer opens. Opens regular files only, since a FIFO
 /// would block for ever. Opens files in the mesh's folder only: a stranger's mesh must not copy
-/// other files of the user into an output. assimp takes the URIs of glTF for file names. If no file
-/// has that name, this class opens the file that the URI means.
+/// other files of the user into an output. Each file is opened once, checked and read through its
+/// descriptor. assimp takes the URIs of glTF for file names. If no file has that name, this class
+/// opens the file that the URI means.
 class NotingFiles : public Assimp::DefaultIOSystem {
  public:
   NotingFiles(std::vector<std::string>& names, std::string mesh)
-      : names_(names), mesh_(std::move(mesh)) {}
+      : names_(names), mesh_(std::move(mesh)), folder_(mesh_) {}
   bool Exists(const char* name) const override { return is_there(file_of(name)); }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
     names_.push_back(file_of(name));
-    std::error_code none;
-    const auto kind = std::filesystem::status(names_.back(), none).type();
-    if (kind != std::filesystem::file_type::regular &&
-        kind != std::filesystem::file_type::not_found)
-      return refuse("is not a regular file");
-    if (kind == std::filesystem::file_type::regular && is_outside(names_.back()))
+    const bool is_mesh = names_.back() == mesh_;
+    Descriptor file(-1);
+    try {
+      file = is_mesh ? folder_.open_mesh() : file_io::open_regular(names_.back());
+    } catch (const Error&) {
+      std::error_code none;
+      const bool unreadable = std::filesystem::is_regular_file(names_.back(), none);
+      return unreadable || !is_there(names_.back()) ? nullptr : refuse("is not a regular file");
+    }
+    if (!is_mesh && !folder_.holds(file))
       return refuse("is outside the folder of the mesh; copy it there");
-    return DefaultIOSystem::Open(names_.back().c_str(), mode);
+    if (*mode != 'r') return nullptr;
+    const std::string path = path_of(file);
+    std::FILE* const stream = ::fdopen(file.get(), "rb");
+    if (stream == nullptr) return nullptr;
+    (void)file.release();
+    return new OpenedFile(stream, path);
   }
   /// The file that was refused to an importer, and the reason; empty if there was none.
   [[nodiscard]] const std::string& refused() const { return refused_; }
@@ -154,21 +172,6 @@ class NotingFiles : public Assimp::DefaultIOSystem {
     refused_ = fmt::format("{}, which {}", names_.back(), why);
     return nullptr;
   }
-  /// Whether the file is outside the mesh's folder, with all links followed.
-  [[nodiscard]] bool is_outside(const std::string& name) const {
-    namespace fs = std::filesystem;
-    if (name == mesh_) return false;
-    std::error_code error;
-    const fs::path file = fs::canonical(name, error);
-    const fs::path beside = fs::path(mesh_).parent_path();
-    for (const fs::path& folder : {fs::canonical(beside.empty() ? fs::path(".") : beside, error),
-                                   fs::canonical(mesh_, error).parent_path()})
-      if (!folder.empty() &&
-          std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first ==
-              folder.end())
-        return false;
-    return true;
-  }
   /// assimp's own version would open the file.
   static bool is_there(const std::string& name) {
     std::error_code none;
@@ -176,6 +179,7 @@ class NotingFiles : public Assimp::DefaultIOSystem {
   }
   std::vector<std::string>& names_;
   std::string mesh_;
+  MeshFolder folder_;
   std::string refused_;
 };
 
@@ -383,8 +387,10 @@ Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits)
     fail("the importer's answer is truncated");
   }
   mesh.dropped = dropped[0];
+  const MeshFolder folder(path);
   for (const std::string& file : files)
-    add_named_file(mesh, path, std::filesystem::absolute(file).string());
+    (void)add_named_file(mesh, folder, path.parent_path(),
+                         std::filesystem::absolute(file).string());
   return mesh;
 }
 

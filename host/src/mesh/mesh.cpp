@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/mesh/mesh.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <bit>
@@ -9,9 +11,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <optional>
+#include <sstream>
 
 #include "cde/mesh/terrain.hpp"
 #include "cde/support/counted.hpp"
@@ -164,15 +166,48 @@ std::optional<std::string> without_area(const Mesh& mesh, std::string_view what)
                      count == 1 ? "is" : "are", first);
 }
 
-void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_file,
-                                  const std::string& name) {
+std::string mesh_readers::path_of(const Descriptor& file) {
+  return fmt::format("/proc/self/fd/{}", file.get());
+}
+
+mesh_readers::MeshFolder::MeshFolder(std::filesystem::path mesh)
+    : path_(std::move(mesh)),
+      folder_(::open(path_.has_parent_path() ? path_.parent_path().c_str() : ".",
+                     O_PATH | O_DIRECTORY | O_CLOEXEC)),
+      mesh_(::openat(folder_.get(), path_.filename().c_str(), O_PATH | O_CLOEXEC)) {}
+
+Descriptor mesh_readers::MeshFolder::open_mesh() const {
+  return file_io::open_regular(path_of(mesh_));
+}
+
+bool mesh_readers::MeshFolder::holds(const Descriptor& file) const {
+  namespace fs = std::filesystem;
+  if (folder_.get() < 0 || mesh_.get() < 0) return false;
+  std::error_code error;
+  const fs::path name = fs::read_symlink(path_of(file), error);
+  for (const fs::path& folder : {fs::read_symlink(path_of(folder_), error),
+                                 fs::read_symlink(path_of(mesh_), error).parent_path()})
+    if (!folder.empty() &&
+        std::mismatch(folder.begin(), folder.end(), name.begin(), name.end()).first == folder.end())
+      return true;
+  return false;
+}
+
+bool mesh_readers::add_named_file(Mesh& mesh, const MeshFolder& folder,
+                                  const std::filesystem::path& beside, const std::string& name) {
+  bool outside = false;
   const auto add = [&](const std::string& one) {
-    const std::filesystem::path file = mesh_file.parent_path() / one;  // or `one`, if absolute
+    const std::filesystem::path file = beside / one;  // or `one`, if absolute
+    const Descriptor found(::open(file.c_str(), O_PATH | O_CLOEXEC));
+    struct stat info {};
+    if (found.get() < 0 || ::fstat(found.get(), &info) != 0 || !S_ISREG(info.st_mode)) return;
     std::error_code none;
-    if (!std::filesystem::is_regular_file(file, none)) return;
-    if (std::filesystem::equivalent(file, mesh_file, none)) return;
-    if (std::find(mesh.files.begin(), mesh.files.end(), file) == mesh.files.end())
+    if (std::filesystem::equivalent(file, folder.mesh(), none)) return;
+    if (!folder.holds(found)) {
+      outside = true;
+    } else if (std::find(mesh.files.begin(), mesh.files.end(), file) == mesh.files.end()) {
       mesh.files.push_back(file);
+    }
   };
   for (std::string one : {name, text::percent_decoded(name)}) {
     if (one.find('\0') != std::string::npos) continue;
@@ -180,26 +215,45 @@ void mesh_readers::add_named_file(Mesh& mesh, const std::filesystem::path& mesh_
     std::replace(one.begin(), one.end(), '\\', '/');
     add(one);
   }
+  return outside;
 }
 
 namespace {
 
+/// The text of a material library; empty if it cannot be read or is larger than any real one.
+std::string library_text(const mesh_readers::MeshFolder& folder,
+                         const std::filesystem::path& file) {
+  constexpr std::uint64_t kMost = 1u << 20;
+  try {
+    const Descriptor opened = file_io::open_regular(file);
+    if (folder.holds(opened)) return file_io::read_regular(mesh_readers::path_of(opened), kMost);
+  } catch (const Error&) {
+    // Only the names of textures are missing.
+  }
+  return {};
+}
+
 /// Adds a material library, which has no shapes, and the textures that it names.
-void add_materials(Mesh& mesh, const std::filesystem::path& mesh_file, const std::string& name) {
+void add_materials(Mesh& mesh, const mesh_readers::MeshFolder& folder, const std::string& name) {
+  constexpr std::size_t kLongestLine = 4096;  // of a path in Linux
   const std::size_t before = mesh.files.size();
-  mesh_readers::add_named_file(mesh, mesh_file, name);
+  if (mesh_readers::add_named_file(mesh, folder, folder.mesh().parent_path(), name))
+    mesh.warnings.push_back(
+        fmt::format("{}: mtllib {} is outside the folder of the mesh and is ignored",
+                    printable_name(folder.mesh().string()), in_quotes(name)));
   if (mesh.files.size() == before) return;
   const std::filesystem::path library = mesh.files[before];  // the name as written comes first
-  std::ifstream in(library);
+  std::istringstream in(library_text(folder, library));
   for (std::string line; std::getline(in, line);) {
     std::string_view rest = line;
     const std::string_view keyword = text::next_word(rest);
-    if (!keyword.starts_with("map_") && keyword != "bump" && keyword != "disp" &&
-        keyword != "decal" && keyword != "refl" && keyword != "norm")
+    if (line.size() > kLongestLine ||
+        (!keyword.starts_with("map_") && keyword != "bump" && keyword != "disp" &&
+         keyword != "decal" && keyword != "refl" && keyword != "norm"))
       continue;
     // Options precede the name, which may contain blanks.
     for (rest = text::trim(rest); !rest.empty(); rest = text::trim(rest)) {
-      mesh_readers::add_named_file(mesh, library, std::string(rest));
+      (void)mesh_readers::add_named_file(mesh, folder, library.parent_path(), std::string(rest));
       (void)text::next_word(rest);
     }
   }
@@ -224,20 +278,24 @@ MeshLimits MeshLimits::from_environment() {
   return limits;
 }
 
-Mesh load_mesh(const std::filesystem::path& path, const MeshLimits& limits) {
+namespace {
+
+Mesh load(const std::filesystem::path& path, const MeshLimits& limits, bool may_be_pipe) {
   const std::string name = printable_name(path.string());
   const std::string extension = lower_extension(path);
   Mesh mesh;
   if (extension == ".obj" || extension == ".ply" || extension == ".stl") {
-    const std::string bytes = file_io::read(path);
+    const std::string bytes = may_be_pipe ? file_io::read(path) : file_io::read_regular(path);
     if (bytes.empty()) throw Error(ErrorCode::kFile, fmt::format("{}: is empty", name));
     std::vector<std::string> libraries;
-    mesh = extension == ".obj"   ? mesh_readers::read_obj(bytes, name, libraries)
-           : extension == ".ply" ? mesh_readers::read_ply(bytes, name)
+    const mesh_readers::Deadline deadline(limits.time);
+    mesh = extension == ".obj"   ? mesh_readers::read_obj(bytes, name, libraries, deadline)
+           : extension == ".ply" ? mesh_readers::read_ply(bytes, name, deadline)
                                  : mesh_readers::read_stl(bytes, name);
-    for (const std::string& library : libraries) add_materials(mesh, path, library);
+    const mesh_readers::MeshFolder folder(path);
+    for (const std::string& library : libraries) add_materials(mesh, folder, library);
   } else {
-    if (file_io::check_regular(path) == 0)
+    if (file_io::size_of_regular(path) == 0)
       throw Error(ErrorCode::kFile, fmt::format("{}: is empty", name));
     if (!mesh_readers::assimp_knows(extension)) {
       throw Error(
@@ -258,8 +316,6 @@ Mesh load_mesh(const std::filesystem::path& path, const MeshLimits& limits) {
   return mesh;
 }
 
-namespace {
-
 std::optional<TerrainOptions> terrain_of(std::string_view spec) {
   constexpr std::string_view kTerrain = "terrain";
   if (spec == kTerrain) return TerrainOptions{};
@@ -268,6 +324,14 @@ std::optional<TerrainOptions> terrain_of(std::string_view spec) {
 }
 
 }  // namespace
+
+Mesh load_mesh(const std::filesystem::path& path, const MeshLimits& limits) {
+  return load(path, limits, true);
+}
+
+Mesh load_named_mesh(const std::filesystem::path& path, const MeshLimits& limits) {
+  return load(path, limits, false);
+}
 
 std::uint64_t mesh_readers::builtin_triangles(std::string_view spec) {
   const TerrainOptions options = terrain_of(spec).value();

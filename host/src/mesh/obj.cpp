@@ -14,8 +14,12 @@ namespace {
 
 class ObjReader {
  public:
-  ObjReader(std::string_view bytes, const std::string& name, std::vector<std::string>& libraries)
-      : lines_(text::without_mark(bytes)), name_(name), libraries_(libraries) {}
+  ObjReader(std::string_view bytes, const std::string& name, std::vector<std::string>& libraries,
+            const Deadline& deadline)
+      : lines_(text::without_mark(bytes)),
+        name_(name),
+        libraries_(libraries),
+        deadline_(deadline) {}
 
   Mesh read() {
     while (auto line = lines_.next()) {
@@ -104,8 +108,7 @@ class ObjReader {
       corners_.push_back(corner(word.substr(0, word.find('/'))));
     }
     if (corners_.empty()) fail("a face needs corners");
-    if (!append_polygon(mesh_, corners_))
-      fail(fmt::format("concave polygon of {} corners (limit 1024)", corners_.size()));
+    if (const std::string why = append_polygon(mesh_, corners_, deadline_); !why.empty()) fail(why);
   }
 
   /// Corners count from 1; negative numbers count backwards from the last vertex so far.
@@ -126,6 +129,7 @@ class ObjReader {
   text::Lines lines_;
   const std::string& name_;
   std::vector<std::string>& libraries_;
+  const Deadline& deadline_;
   std::string joined_;
   std::vector<std::uint32_t> corners_;
   Mesh mesh_;
@@ -133,10 +137,10 @@ class ObjReader {
 
 }  // namespace
 
-Mesh read_obj(std::string_view bytes, const std::string& name,
-              std::vector<std::string>& libraries) {
+Mesh read_obj(std::string_view bytes, const std::string& name, std::vector<std::string>& libraries,
+              const Deadline& deadline) {
   text::require_utf8(bytes, name);
-  return ObjReader(bytes, name, libraries).read();
+  return ObjReader(bytes, name, libraries, deadline).read();
 }
 
 }  // namespace cde::mesh_readers

@@ -81,8 +81,12 @@ struct Element {
 
 class PlyReader {
  public:
-  PlyReader(std::string_view bytes, const std::string& name)
-      : bytes_(text::without_mark(bytes)), file_bytes_(bytes.size()), lines_(bytes_), name_(name) {}
+  PlyReader(std::string_view bytes, const std::string& name, const Deadline& deadline)
+      : bytes_(text::without_mark(bytes)),
+        file_bytes_(bytes.size()),
+        lines_(bytes_),
+        name_(name),
+        deadline_(deadline) {}
 
   Mesh read() {
     header();
@@ -277,8 +281,8 @@ class PlyReader {
   }
 
   void polygon(std::uint64_t row, const std::vector<std::uint32_t>& c) {
-    if (!append_polygon(mesh_, c))
-      fail(fmt::format("face {}: concave polygon of {} corners (limit 1024)", row, c.size()));
+    if (const std::string why = append_polygon(mesh_, c, deadline_); !why.empty())
+      fail(fmt::format("face {}: {}", row, why));
   }
 
   /// Each corner from the third on makes a triangle with the two before it; every second triangle
@@ -380,6 +384,7 @@ class PlyReader {
   std::size_t file_bytes_;
   text::Lines lines_;
   const std::string& name_;
+  const Deadline& deadline_;
   bool ascii_ = false;
   bool swap_ = false;
   std::vector<Element> elements_;
@@ -399,9 +404,9 @@ class PlyReader {
 
 }  // namespace
 
-Mesh read_ply(std::string_view bytes, const std::string& name) {
+Mesh read_ply(std::string_view bytes, const std::string& name, const Deadline& deadline) {
   text::require_utf8(bytes, name);
-  return PlyReader(bytes, name).read();
+  return PlyReader(bytes, name, deadline).read();
 }
 
 }  // namespace cde::mesh_readers

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <bit>
 #include <cmath>
 
@@ -62,21 +64,28 @@ bool is_ear(const std::vector<Point>& p, const std::vector<std::size_t>& ring, s
 
 }  // namespace
 
-bool append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners) {
-  constexpr std::size_t kMostConcaveCorners = 1024;  // ear clipping takes cubic time at worst
+std::string append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners,
+                           const Deadline& deadline) {
+  // Ear clipping takes cubic time at worst.
+  constexpr std::size_t kMostConcaveCorners = 1024, kFewCorners = 32;
   if (corners.size() < 3) {
     ++mesh.dropped;
-    return true;
+    return {};
   }
   if (corners.size() == 3) {
     mesh.faces.push_back({corners[0], corners[1], corners[2]});
-    return true;
+    return {};
   }
   const std::vector<Point> points = project(mesh, corners);
   std::vector<std::size_t> ring(corners.size());
   for (std::size_t i = 0; i < ring.size(); ++i) ring[i] = i;
   if (!is_convex(points)) {
-    if (corners.size() > kMostConcaveCorners) return false;
+    if (corners.size() > kMostConcaveCorners)
+      return fmt::format("concave polygon of {} corners (limit {})", corners.size(),
+                         kMostConcaveCorners);
+    if (corners.size() > kFewCorners && std::chrono::steady_clock::now() > deadline.end)
+      return fmt::format("not read within {} s (CDE_MESH_SECONDS sets another limit)",
+                         deadline.limit.count());
     for (std::size_t at = 0, tried = 0; ring.size() > 3 && tried < ring.size();) {
       const std::size_t n = ring.size();
       if (!is_ear(points, ring, at % n)) {
@@ -96,7 +105,7 @@ bool append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners) {
   for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
     mesh.faces.push_back({corners[ring[0]], corners[ring[i]], corners[ring[i + 1]]});
   }
-  return true;
+  return {};
 }
 
 std::size_t VertexPool::Hash::operator()(const Bits& b) const noexcept {

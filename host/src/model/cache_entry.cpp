@@ -8,13 +8,12 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "model/folders.hpp"
+#include "support/file_io.hpp"
 #include "support/sha256.hpp"
 
 namespace cde {
@@ -27,9 +26,11 @@ void refuse(const fs::path& file, std::string_view why) {
 }
 
 std::optional<std::string> text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return std::nullopt;
-  return std::string(std::istreambuf_iterator<char>(in), {});
+  try {
+    return file_io::read_regular(file);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 /// Writes a file independent of the umask: cde does not read files that others may write.
@@ -67,7 +68,7 @@ std::optional<std::string> read_cache_entry(const std::string& name) {
   }
   const auto text = text_of(file), sum = text_of(folders::checksum_file(file));
   if (!text || !sum) {
-    refuse(folder->named / name, text ? "has no checksum beside it" : "cannot be read");
+    refuse(folder->named / name, text ? "has no checksum beside it" : "is no readable file");
     return std::nullopt;
   }
   if (sum->substr(0, sum->find(' ')) != sha256(*text)) {

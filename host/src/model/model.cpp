@@ -27,6 +27,7 @@
 #include "model/build_progress.hpp"
 #include "model/folders.hpp"
 #include "support/descriptor.hpp"
+#include "support/file_io.hpp"
 #include "support/sanitizer.hpp"
 #include "support/sha256.hpp"
 
@@ -132,6 +133,16 @@ std::optional<std::string> defect(const Place& place) {
   if (*sum != line.substr(0, line.find(' '))) return "is damaged: its checksum differs";
   if (!intact(file)) return "is not a simulation model (truncated, or not a shared library)";
   return std::nullopt;
+}
+
+/// The first line of a checksum file; empty if the file cannot be read.
+std::string first_line(const fs::path& checksum) {
+  try {
+    const std::string text = file_io::read_regular(checksum);
+    return text.substr(0, text.find('\n'));
+  } catch (const Error&) {
+    return {};
+  }
 }
 
 std::string joined(const std::string& kind, const std::vector<std::string>& parameters) {
@@ -314,10 +325,8 @@ std::vector<std::vector<std::string>> built_models(const std::string& kind) {
          entry.increment(none)) {
       const fs::path& file = entry->path();
       if (!file.string().ends_with(".so.sha256") || folders::distrust(file, file)) continue;
-      std::ifstream in(file);
-      std::string line, word;
-      std::getline(in, line);
-      std::istringstream words(line);
+      std::string word;
+      std::istringstream words(first_line(file));
       if (!(words >> word) || word != "#" || !(words >> word) || word != kind) continue;
       found.emplace(std::istream_iterator<std::string>(words),
                     std::istream_iterator<std::string>());

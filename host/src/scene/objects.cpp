@@ -12,7 +12,6 @@
 #include "cde/support/message.hpp"
 #include "mesh/readers.hpp"
 #include "scene/parts.hpp"
-#include "support/file_io.hpp"
 #include "support/text.hpp"
 
 namespace cde::scene_parts {
@@ -205,7 +204,7 @@ Mesh read_mesh(Table& t, const std::filesystem::path& folder, std::filesystem::p
     memory.add(t, "mesh", Shape::kTriangle,
                attempt([&] { return mesh_readers::builtin_triangles(spec); }));
   Mesh mesh = attempt([&] {
-    Mesh made = builtin ? load_mesh_or_builtin(spec) : load_mesh(file);
+    Mesh made = builtin ? load_mesh_or_builtin(spec) : load_named_mesh(file);
     for (Eigen::Vector3f& v : made.vertices) v = (v.cast<double>() * scale).cast<float>();
     check(made, made.name);
     if (const auto why = out_of_range(made, made.name)) throw Error(ErrorCode::kBadInput, *why);
@@ -267,7 +266,6 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
     const std::string file = t.text(key);
     object.file = folder / file;
     try {
-      (void)file_io::check_regular(object.file);  // a FIFO would wait for a writer
       object.shapes = read_rays_csv(object.file);
     } catch (const Error& e) {
       t.fail(e.code(), key, e.what());

@@ -4,24 +4,25 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
+#include "support/file_io.hpp"
 
 namespace cde {
 
-std::string read_file(const std::string& file) {
+std::string read_file(const std::string& file, uid_t* owner) {
   std::error_code ignored;
   const auto kind = std::filesystem::status(file, ignored).type();
   using enum std::filesystem::file_type;
   if (kind == directory || kind == character || kind == block || kind == socket)
     throw Error(ErrorCode::kFile, fmt::format("{}: is a {}, not a file", printable_name(file),
                                               kind == directory ? "folder" : "device"));
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(ErrorCode::kFile, fmt::format("{}: cannot be read", printable_name(file)));
-  return {std::istreambuf_iterator<char>(in), {}};
+  return file_io::read(file, owner);
+}
+
+std::string read_named_file(const std::string& file) {
+  return file_io::read_regular(file);
 }
 
 }  // namespace cde

@@ -76,8 +76,8 @@ std::string played(SceneRunner& runner, const DistributedFrames& f, std::uint32_
 std::string contents(const Scene& scene) {
   std::string all = fingerprint(read_file(scene.file));
   for (const SceneObject& object : scene.objects) {
-    if (!object.file.empty()) all += fingerprint(read_file(object.file.string()));
-    for (const auto& file : object.more_files) all += fingerprint(read_file(file.string()));
+    if (!object.file.empty()) all += fingerprint(read_named_file(object.file.string()));
+    for (const auto& file : object.more_files) all += fingerprint(read_named_file(file.string()));
   }
   return fingerprint(all);
 }

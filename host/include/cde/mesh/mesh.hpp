@@ -81,6 +81,10 @@ struct MeshLimits {
 [[nodiscard]] Mesh load_mesh(const std::filesystem::path& path,
                              const MeshLimits& limits = MeshLimits::from_environment());
 
+/// The same for a mesh that a file names: it must be a regular file. load_mesh also reads a pipe.
+[[nodiscard]] Mesh load_named_mesh(const std::filesystem::path& path,
+                                   const MeshLimits& limits = MeshLimits::from_environment());
+
 /// Loads a mesh named on the command line: "terrain", "terrain:QX,QY,SEED" (terrain.hpp), otherwise
 /// a path. A file named terrain is reached as ./terrain.
 [[nodiscard]] Mesh load_mesh_or_builtin(std::string_view spec);
