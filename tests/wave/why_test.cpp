@@ -3,6 +3,8 @@
 // during the test.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -256,6 +258,44 @@ TEST_F(Why, DamagedXml_NeverCrashes) {
         return all;
       }());
   EXPECT_TRUE(has(error("a.fst", "data@75", "deep.xml"), "too deep"));
+}
+
+/// A structure names its sources, so a stranger's structure must not print or wait for other files.
+TEST_F(Why, SourceThatIsNoSource_IsNotRead) {
+  write_structure(folder_);
+  const std::string xml = read("top.xml"), source = read("top.sv");
+  const auto output = [&](const std::string& name, const std::string& structure = "a.xml") {
+    std::string text = xml;
+    for (std::size_t at = 0; (at = text.find("top.sv", at)) != std::string::npos; at += name.size())
+      text.replace(at, 6, name);
+    write(structure, text);
+    const Ran ran = cde({"wave", "why", "a.fst", "data@75", "--structure", structure});
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return ran.out;
+  };
+  std::string secret = source;
+  for (char& c : secret)
+    if (c != '\n') c = 'S';
+  write("secret", secret);
+  EXPECT_FALSE(has(output("secret"), "SSSS"));
+  write("secret.sv", secret);
+  EXPECT_TRUE(has(output("secret.sv"), "SSSS"));
+  ASSERT_EQ(::mkfifo((folder_ / "fifo.sv").c_str(), 0600), 0);
+  (void)output("fifo.sv");
+  fs::create_symlink("/dev/zero", folder_ / "zero.sv");
+  (void)output("zero.sv");
+  if (::geteuid() != 0) return;
+  write("b.xml", "");
+  ASSERT_EQ(::chown((folder_ / "b.xml").c_str(), 65534, 65534), 0);
+  EXPECT_FALSE(has(output("secret.sv", "b.xml"), "SSSS")) << "the source belongs to root";
+  ASSERT_EQ(::chown((folder_ / "secret.sv").c_str(), 65534, 65534), 0);
+  EXPECT_TRUE(has(output("secret.sv", "b.xml"), "SSSS"));
+}
+
+TEST_F(Why, FifoBesideAJsonStructure_IsRefusedAtOnce) {
+  write("x.tree.json", "{}");
+  ASSERT_EQ(::mkfifo((folder_ / "x.tree.meta.json").c_str(), 0600), 0);
+  EXPECT_TRUE(has(error("a.fst", "data@75", "x.tree.json"), "is not a regular file"));
 }
 
 TEST_P(WhyStructure, DamagedJson_NeverCrashes) {

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
+#include <optional>
+#include <sstream>
 #include <unordered_map>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/wave/elaborated.hpp"
+#include "support/file_io.hpp"
 
 namespace cde::wave {
 namespace {
@@ -300,11 +302,31 @@ std::vector<Design::Piece> Design::pieces(
   return found;
 }
 
+namespace {
+
+/// The text of a source that a structure names; nothing if it may not be read. The structure of a
+/// stranger must not print other files.
+std::optional<std::string> source_text(const fs::path& path, std::optional<uid_t> stranger) {
+  constexpr std::uint64_t kMost = 16u << 20;
+  const std::string suffix = path.extension().string();
+  if (suffix != ".sv" && suffix != ".v" && suffix != ".svh" && suffix != ".vh") return std::nullopt;
+  try {
+    uid_t owner = 0;
+    std::string text = file_io::read_regular(path, kMost, &owner);
+    if (stranger && owner != *stranger) return std::nullopt;
+    return text;
+  } catch (const Error&) {
+    return std::nullopt;  // causes are then printed without lines of the source
+  }
+}
+
+}  // namespace
+
 const std::vector<std::string>& Design::Elaborated::source(const std::string& name) const {
   const auto [at, fresh] = sources.try_emplace(name);
   if (!fresh || name.empty() || name.front() == '<') return at->second;
   for (const fs::path& path : {fs::path(name), fs::path(file).parent_path() / name}) {
-    std::ifstream in(path);
+    std::istringstream in(source_text(path, stranger).value_or(""));
     for (std::string line; std::getline(in, line);) at->second.push_back(line);
     if (!at->second.empty()) break;
   }

@@ -2,6 +2,7 @@
 // Finds the design of the waves: from a named file, or from the comment in a card's waves, by
 // Verilator or from the cache.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -18,6 +19,7 @@
 #include "cde/support/input_file.hpp"
 #include "cde/support/message.hpp"
 #include "cde/wave/elaborated.hpp"
+#include "support/file_io.hpp"
 
 namespace cde::wave {
 namespace {
@@ -61,12 +63,29 @@ std::optional<Origin> origin_of(Trace& trace) {
 }
 
 /// The named design in the format of --xml-only.
-std::string structure_text(const std::string& file) {
+struct NamedStructure {
+  std::string xml;
+  std::optional<uid_t> stranger = {};  ///< as Elaborated::stranger
+
+  void note_owner(uid_t owner) {
+    if (owner != 0 && owner != ::geteuid()) stranger = owner;
+  }
+};
+
+NamedStructure named_structure(const std::string& file) {
   constexpr std::string_view kJson = ".json";
-  if (!file.ends_with(kJson)) return read_file(file);
+  constexpr std::uint64_t kMostMeta = 64u << 20;
+  NamedStructure named;
+  uid_t owner = 0;
+  named.xml = read_file(file, &owner);
+  named.note_owner(owner);
+  if (!file.ends_with(kJson)) return named;
   const std::string meta = file.substr(0, file.size() - kJson.size()) + ".meta.json";
+  const std::string files = file_io::read_regular(meta, kMostMeta, &owner);
+  named.note_owner(owner);
   try {
-    return netlist::xml_of_json(read_file(file), read_file(meta));
+    named.xml = netlist::xml_of_json(named.xml, files);
+    return named;
   } catch (const netlist::NetlistError& e) {
     throw Error(ErrorCode::kFile, fmt::format("{}: not a structure file: {}", printable_name(file),
                                               printable(e.what())));
@@ -139,7 +158,7 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
     }
     Design design(kept->xml, what);
     for (const std::string& file : design.files())
-      if (fs::is_regular_file(file)) kept->sources[file] = read_file(file);
+      if (fs::is_regular_file(file)) kept->sources[file] = read_named_file(file);
     write_cache_entry(name, kept->text());
   }
   Design design(std::move(kept->xml), what);
@@ -268,7 +287,9 @@ Design Design::of(Trace& trace, const std::string& structure) {
     design->choose_prefix(trace);
     return std::move(*design);
   }
-  Design design(structure_text(structure), structure);
+  NamedStructure named = named_structure(structure);
+  Design design(std::move(named.xml), structure);
+  design.all_->stranger = named.stranger;
   if (origin) check_origin(*design.all_, *origin, waves);
   design.choose_prefix(trace);
   return design;

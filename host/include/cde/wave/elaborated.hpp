@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <sys/types.h>
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +26,9 @@ struct Design::Elaborated {
 
   netlist::Netlist netlist;
   std::string file, prefix;
+  /// The user of a structure file of another user than the caller and root: only files of that user
+  /// are read as sources.
+  std::optional<uid_t> stranger = {};
   std::vector<Body> bodies;
   std::vector<Unit> units;  ///< the top module first
   mutable std::map<std::string, std::vector<std::string>> sources;
