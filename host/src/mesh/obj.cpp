@@ -82,9 +82,10 @@ class ObjReader {
 
   /// The text holds several names or one name with blanks. add_materials() finds out which.
   void library(std::string_view rest) {
-    libraries_.emplace_back(text::trim(rest));
+    const std::string_view whole = text::trim(rest);
+    libraries_.emplace_back(whole);
     for (auto word = text::next_word(rest); !word.empty(); word = text::next_word(rest))
-      libraries_.emplace_back(word);
+      if (word != whole) libraries_.emplace_back(word);
   }
 
   void vertex(std::string_view rest) {
