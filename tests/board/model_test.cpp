@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <pwd.h>
+#include <sys/mount.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -546,6 +547,19 @@ TEST_F(SimulationModels, CacheSwappedForLink_KeepsVictimUntouched) {
   };
   EXPECT_EQ(log_in("victim"), "mine");
   EXPECT_EQ(log_in("moved"), "error: no\n");
+}
+
+TEST_F(SimulationModels, NoexecCache_IsRefusedBeforeTheBuild) {
+  const fs::path cache = folder_ / "cache";
+  fs::create_directory(cache);
+  if (::mount("tmpfs", cache.c_str(), "tmpfs", MS_NOEXEC, "size=64k,mode=700") != 0)
+    GTEST_SKIP() << "cannot mount a folder";
+  const std::string why = cache.string() + ": mounted noexec; set CDE_CACHE";
+  expect_error(ErrorCode::kFile, why,
+               [] { (void)SimulationModel::open("board", BoardConfig{.lanes = 2}.parameters()); });
+  expect_error(ErrorCode::kFile, why, [] { (void)model_cache(); });
+  EXPECT_TRUE(fs::is_empty(cache)) << "a build began";
+  ::umount2(cache.c_str(), MNT_DETACH);
 }
 
 TEST_F(SimulationModels, UnwritableCache_IsNamed) {

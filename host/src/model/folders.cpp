@@ -9,6 +9,7 @@
 #include <linux/posix_acl_xattr.h>
 #include <pwd.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sys/vfs.h>
 #include <sys/xattr.h>
 #include <unistd.h>
@@ -360,6 +361,17 @@ Opened make_cache() {
                                "with: setfacl -k {}",
                                shell_word(folder.string())));
   return std::move(*made);
+}
+
+Opened make_model_cache() {
+  Opened made = make_cache();
+  struct statvfs system {};
+  if (::statvfs(made.inside.c_str(), &system) == 0 && (system.f_flag & ST_NOEXEC) != 0)
+    throw Error(ErrorCode::kFile,
+                fmt::format("cache of simulation models {}: mounted noexec; set CDE_CACHE to a "
+                            "folder that may hold programs",
+                            printable_name(made.named.string())));
+  return made;
 }
 
 }  // namespace cde::folders

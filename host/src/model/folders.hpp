@@ -42,4 +42,7 @@ struct Opened {
 /// created, is not trusted, or has a default ACL that lets other users write new files.
 [[nodiscard]] Opened make_cache();
 
+/// The same for simulation models. Error kFile also if the system would not load a library from it.
+[[nodiscard]] Opened make_model_cache();
+
 }  // namespace cde::folders

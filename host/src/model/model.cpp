@@ -255,7 +255,7 @@ std::optional<Place> find_whole(const Key& key) {
 
 /// The model's place in the cache, which is created and opened.
 Place place_to_build(const Key& key) {
-  const folders::Opened cache = folders::make_cache();
+  const folders::Opened cache = folders::make_model_cache();
   return {cache.named / key.file, cache.inside / key.file};
 }
 
@@ -298,7 +298,7 @@ void report_builds(bool tell) {
 }
 
 fs::path model_cache() {
-  return folders::make_cache().named;
+  return folders::make_model_cache().named;
 }
 
 fs::path model_builder() {
