@@ -14,6 +14,7 @@
 #include <random>
 #include <set>
 #include <sstream>
+#include <thread>
 
 #include "why.hpp"
 
@@ -354,6 +355,40 @@ TEST_F(Why, VerilatorWithoutXml_IsAskedForJson) {
                        "CDE_CACHE=" + (folder_ / "cache").string()});
   EXPECT_EQ(ran.status, 2);
   EXPECT_TRUE(has(ran.err, "is not the structure of c.fst: no scope"));
+}
+
+/// Verilator takes seconds to read a card's RTL.
+TEST_F(Why, SignalDuringElaboration_EndsVerilatorAndLeavesNoFolder) {
+  write("pairs", "0,0,0,1,1.5,0,0,1\n");
+  ASSERT_EQ(shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs").status, 0);
+  const Ran real = shell("command -v verilator");
+  for (const char* name : {"bin", "tmp"}) fs::create_directory(folder_ / name);
+  write("bin/verilator", "#!/bin/bash\n[[ \" $* \" == *' --xml-only '* ]] || exec " +
+                             real.out.substr(0, real.out.find('\n')) +
+                             " \"$@\"\nsleep 1000 & echo $! > sleeper\nwait\n");
+  fs::permissions(folder_ / "bin/verilator", fs::perms::owner_all);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const pid_t child = start(
+        {"wave", "why", "c.fst", "pair_unit.pair_unit.t_o[0]@end"},
+        {"PATH=" + (folder_ / "bin").string() + ":" + std::getenv("PATH"),
+         "CDE_CACHE=" + (folder_ / "cache").string(), "TMPDIR=" + (folder_ / "tmp").string()});
+    for (int i = 0; i < 1000 && read("sleeper").find('\n') == std::string::npos; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const pid_t sleeper = std::atoi(read("sleeper").c_str());
+    EXPECT_FALSE(fs::is_empty(folder_ / "tmp"));
+    ::kill(child, signal);
+    const Ran ran = finish(child);
+    EXPECT_EQ(ran.status, 128 + signal) << ran.err;
+    ASSERT_GT(sleeper, 0) << ran.err;
+    const auto runs = [&] { return read("/proc/" + std::to_string(sleeper) + "/cmdline"); };
+    for (int i = 0; i < 500 && !runs().empty(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_EQ(runs(), "") << "a child of verilator was left behind";
+    for (int i = 0; i < 500 && !fs::is_empty(folder_ / "tmp"); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(fs::is_empty(folder_ / "tmp")) << "a temporary folder was left behind";
+    fs::remove(folder_ / "sleeper");
+  }
 }
 
 /// A card's waves name their model, so no further argument is needed.

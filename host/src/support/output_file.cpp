@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/support/output_file.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
@@ -24,6 +26,7 @@
 #include <vector>
 
 #include "cde/support/message.hpp"
+#include "cde/support/scratch.hpp"
 #include "support/output_target.hpp"
 
 namespace cde {
@@ -42,7 +45,7 @@ struct Slot {
   Slot* next;
 };
 using Slots = std::atomic<Slot*>;
-Slots files{nullptr}, folders{nullptr};
+Slots files{nullptr}, folders{nullptr}, scratches{nullptr};
 
 std::atomic<bool> stdout_held = false;
 
@@ -321,7 +324,47 @@ void OutputFile::buffer_stdout() {
   stdout_held = true;
 }
 
+namespace {
+
+/// Removes a folder with its contents, by system calls that a signal handler may use.
+void remove_tree(int parent, const char* name) noexcept {
+  const int folder = ::openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (folder >= 0) {
+    alignas(dirent64) std::array<char, 4096> entries;
+    long bytes = 0;
+    while ((bytes = ::syscall(SYS_getdents64, folder, entries.data(), entries.size())) > 0) {
+      for (long at = 0; at < bytes;) {
+        const auto* const entry = reinterpret_cast<const dirent64*>(entries.data() + at);
+        at += entry->d_reclen;
+        const std::string_view file = entry->d_name;
+        if (file == "." || file == "..") continue;
+        if (::unlinkat(folder, entry->d_name, 0) != 0 && errno == EISDIR)
+          remove_tree(folder, entry->d_name);
+      }
+    }
+    ::close(folder);
+  }
+  ::unlinkat(parent, name, AT_REMOVEDIR);
+}
+
+}  // namespace
+
+Scratch::Scratch(const std::string& name)
+    : folder_{AT_FDCWD, fs::absolute(fs::temp_directory_path() / (name + "-XXXXXX")).string()} {
+  if (::mkdtemp(folder_.name.data()) == nullptr) fail_output(folder_.name, "create", errno);
+  remember(scratches, folder_);
+}
+
+Scratch::~Scratch() {
+  forget(scratches, folder_);
+  std::error_code ignored;
+  fs::remove_all(folder_.name, ignored);
+}
+
 void OutputFile::remove_unfinished() noexcept {
+  for (const Slot* slot = scratches.load(); slot != nullptr; slot = slot->next)
+    if (const NameInFolder* entry = slot->entry.load())
+      remove_tree(entry->folder, entry->name.c_str());
   for (const Slot* slot = files.load(); slot != nullptr; slot = slot->next)
     if (const NameInFolder* entry = slot->entry.load())
       ::unlinkat(entry->folder, entry->name.c_str(), 0);

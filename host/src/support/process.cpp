@@ -46,8 +46,9 @@ std::vector<char*> environment() {
 }
 
 /// Starts a program with these descriptors as stdin, stdout and, unless `errors` is negative,
-/// stderr.
-pid_t start(const std::vector<std::string>& command, int input, int output, int errors) {
+/// stderr. With `own_group` it leads a process group, so that its descendants can be ended with it.
+pid_t start(const std::vector<std::string>& command, int input, int output, int errors,
+            bool own_group = false) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   if (input >= 0)
@@ -69,7 +70,10 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
   ::sigaddset(&to_default, SIGCHLD);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &to_default);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  int flags = POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF;
+  if (own_group) flags |= POSIX_SPAWN_SETPGROUP;
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setflags(&attributes, static_cast<short>(flags));
   pid_t child = 0;
   const int failed =
       ::posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environment().data());
@@ -149,6 +153,13 @@ class Signals {
   static inline std::atomic<int> came = 0;
   static_assert(std::atomic<int>::is_always_lock_free, "set in a signal handler");
 };
+
+/// Error kInterrupted for a signal that did not end this process; 0: none came.
+void check_interrupted(int signal, const std::vector<std::string>& command) {
+  if (signal == 0) return;
+  throw Error(signal, fmt::format("ended by {} while {} ran", ::strsignal(signal),  // NOLINT
+                                  printable_name(command[0])));
+}
 
 volatile pid_t forward_to = 0;
 
@@ -232,14 +243,24 @@ bool write_all(int file, std::string_view text) {
 }
 
 Result run(const std::vector<std::string>& command) {
-  const auto ends = new_pipe();
-  const Descriptor from(ends[0]);
-  Descriptor to(ends[1]);
-  const pid_t child = start(command, -1, to.get(), to.get());
-  to.close();
   Result result;
-  result.output = read_all(from.get(), [](std::string_view) {});
-  result.status = wait_for(child, &result.resident_kb);
+  int signal = 0;
+  {
+    const Signals signals;
+    const auto ends = new_pipe();
+    const Descriptor from(ends[0]);
+    Descriptor to(ends[1]);
+    const pid_t child = start(command, -1, to.get(), to.get(), true);
+    to.close();
+    constexpr int kPatience = 5;
+    int requests = 0;
+    result.output = read_all(from.get(), [&](std::string_view) {
+      if (Signals::signal() != 0) ::kill(-child, requests++ < kPatience ? SIGTERM : SIGKILL);
+    });
+    result.status = wait_for(child, &result.resident_kb);
+    signal = Signals::signal();
+  }
+  check_interrupted(signal, command);
   return result;
 }
 
@@ -320,9 +341,7 @@ Result run_watched(const std::vector<std::string>& command,
     result.status = wait_for(child);
     signal = Signals::signal();
   }
-  if (signal != 0)
-    throw Error(signal, fmt::format("ended by {} while {} ran", ::strsignal(signal),  // NOLINT
-                                    printable_name(command[0])));
+  check_interrupted(signal, command);
   return result;
 }
 

@@ -65,8 +65,8 @@ class OutputFile {
   /// From now on, bytes for "-" reach stdout at commit(), not as they are written.
   static void buffer_stdout();
 
-  /// Removes all uncommitted files of this process. For handlers of signals that end it: calls only
-  /// unlinkat.
+  /// Removes all uncommitted files and all Scratch folders of this process. For handlers of signals
+  /// that end it: calls only functions that a handler may call.
   static void remove_unfinished() noexcept;
 
  private:
