@@ -21,6 +21,8 @@ Json next_line() {
   std::string line;
   if (!std::getline(std::cin, line))
     throw Error(ErrorCode::kBadInput, "stdin is empty; expected a line of JSON about a failure");
+  if (nested_deeper(line))
+    throw Error(ErrorCode::kBadInput, "stdin: JSON is nested in more than 200 levels");
   try {
     return Json::parse(line);
   } catch (const nlohmann::json::exception& e) {
