@@ -14,8 +14,8 @@ inline constexpr std::uint32_t kDeviceId = 0x0001;
 inline constexpr std::uint32_t kClass = 0x0B400001;      ///< class code and revision: co-processor
 inline constexpr std::uint32_t kSubsystem = 0x0001CDE1;  ///< subsystem id, subsystem vendor id
 
-// BAR0: the card's own registers (registers.hpp) below kRegisters, then the bridge's registers, then the
-// page table.
+// BAR0: the card's own registers (registers.hpp) below kRegisters, then the bridge's registers,
+// then the page table.
 inline constexpr unsigned kBarBits = 16;  ///< 64 KB of memory
 inline constexpr std::uint32_t kRegisters = 0x1000;
 inline constexpr std::uint32_t kRegistersEnd = 0x2000;
