@@ -11,7 +11,7 @@ namespace cde {
 /// `owner` is given, it becomes the file's user.
 [[nodiscard]] std::string read_file(const std::string& file, uid_t* owner = nullptr);
 
-/// All bytes of a regular file that another file names. Error kFile for pipes, too.
+/// All bytes of a regular file that another file names. Error kFile also for pipes.
 [[nodiscard]] std::string read_named_file(const std::string& file);
 
 }  // namespace cde
