@@ -59,9 +59,11 @@ TEST(OutputFile, UnfinishedFile_OfAnOldOneIsPrivate) {
       folder.write("a", "old");
       fs::permissions(folder / "a", fs::perms{mode});
       OutputFile file(folder / "a");
-      for (const auto& entry : fs::directory_iterator(folder / ""))
-        if (is_unfinished_name(entry.path().filename().native()))
+      for (const auto& entry : fs::directory_iterator(folder / "")) {
+        if (is_unfinished_name(entry.path().filename().native())) {
           EXPECT_EQ(mode_of(entry.path()), 0600u) << fmt::format("{:o}", mode);
+        }
+      }
       if (removed) fs::remove(folder / "a");
       file.commit();
       EXPECT_EQ(mode_of(folder / "a"), removed ? mode & ~022u : mode);
