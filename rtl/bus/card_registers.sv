@@ -79,7 +79,7 @@ module card_registers #(
   localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
   localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * ((PRIM_WORDS * CW + 63) / 64) * 8);
   localparam logic [31:0] NODE_BYTES = 32'(CONFIG.nodes) * 32'(4 * bvh_pkg::NODE_WORDS);
-  localparam logic [31:0] SLOT_BYTES = 32'(CONFIG.nodes) * 32'(4 * bvh_pkg::SLOTS_A_NODE) *
+  localparam logic [31:0] SLOT_BYTES = 32'(CONFIG.nodes) * 32'(4 * bvh_pkg::SLOTS_PER_NODE) *
       ((TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? 32'd2 : 32'd1);
   localparam int STENCILS = (PRIMARIES + 63) / 64;
 

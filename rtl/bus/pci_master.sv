@@ -70,7 +70,7 @@ module pci_master (
 );
   import pci_pkg::*;
   localparam logic [2:0] IDLE = 0, LOAD = 1, REQUEST = 2, ADDRESS = 3, DATA = 4, TURN = 5, SETTLE = 6;
-  localparam logic [2:0] DEVSEL_CLOCKS = 4;  // fast to subtractive
+  localparam logic [2:0] DEVSEL_CYCLES = 4;  // fast to subtractive
 
   // ---- The command ----
   logic [2:0] state_q;
@@ -85,12 +85,12 @@ module pci_master (
   logic wide_q, wide, seen_q, moved_q, aborted_q, ending, transfer, word_done, finish, no_answer, time_over, granted;
   logic req64_q;
   logic [1:0] check_q;  // data phases of the last two cycles
-  logic [2:0] clocks_q;
+  logic [2:0] cycles_q;
   logic [7:0] slice_q;
   logic [7:0] code;
   assign granted = gnt_i && !frame_i && !irdy_i && !own_o;  // and the bus is idle
   assign wide = seen_q ? wide_q : req64_q && ack64_i;
-  assign no_answer = !seen_q && !devsel_i && clocks_q == DEVSEL_CLOCKS;
+  assign no_answer = !seen_q && !devsel_i && cycles_q == DEVSEL_CYCLES;
   assign transfer = state_q == DATA && irdy_o && trdy_i && devsel_i;
   assign word_done = transfer && (wide || half_q);
   assign remaining = remaining_q - 10'(word_done);
@@ -131,7 +131,7 @@ module pci_master (
         req64_q <= !half_q;
         slice_q <= latency_i;
         {seen_q, wide_q, moved_q, aborted_q} <= '0;
-        clocks_q <= '0;
+        cycles_q <= '0;
       end
       ADDRESS: begin
         state_q <= DATA;
@@ -145,7 +145,7 @@ module pci_master (
           seen_q <= 1;
           wide_q <= wide;
         end
-        clocks_q <= clocks_q + 3'(clocks_q != DEVSEL_CLOCKS);
+        cycles_q <= cycles_q + 3'(cycles_q != DEVSEL_CYCLES);
         remaining_q <= remaining;
         half_q <= half;
         addr_q <= addr;

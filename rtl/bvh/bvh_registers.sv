@@ -52,7 +52,7 @@ module bvh_registers #(
   assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
       value >= taken && value - taken <= (wide_i ? bvh_pkg::RAYS / 2 : bvh_pkg::RAYS);
   assign good_o = {ray_count_q != 0, nodes_q <= NODES && first_node_q < nodes_q && slots_q != 0 &&
-      slots_q <= bvh_pkg::SLOTS_A_NODE * NODES};
+      slots_q <= bvh_pkg::SLOTS_PER_NODE * NODES};
 
   function automatic logic [31:0] saturated(input logic [63:0] x);
     saturated = (x[63:32] != 0) ? '1 : x[31:0];
@@ -71,7 +71,7 @@ module bvh_registers #(
     caps = '0;
     caps.nodes = 32'(NODES);
     caps.rays = 16'(bvh_pkg::RAYS);
-    caps.slots_a_node = 8'(bvh_pkg::SLOTS_A_NODE);
+    caps.slots_per_node = 8'(bvh_pkg::SLOTS_PER_NODE);
   end
   always_ff @(posedge clk_bus_i) begin
     if (write) begin

@@ -187,7 +187,7 @@ module bvh_unit #(
   assign leaf_slot = refitting ? refit_slot : fetch_slot;
   assign leaf_tag = refitting ? TAG'(refit_tag) : fetch_tag;
   leaf_reader #(
-      .SLOTS(SLOTS_A_NODE * NODES), .WORDS(LEAF), .TAG(TAG), .ECC(CONFIG.ecc), .OBJECTS(OBJECTS),
+      .SLOTS(SLOTS_PER_NODE * NODES), .WORDS(LEAF), .TAG(TAG), .ECC(CONFIG.ecc), .OBJECTS(OBJECTS),
       .ARITH(config_pkg::arith(CONFIG.host)), .T_TRANSFORM(T_TRANSFORM)
   ) leaves (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
@@ -232,9 +232,9 @@ module bvh_unit #(
   // a node in less than a million cycles ----
   localparam int PATIENCE = 20;
   logic [31+CX:0] idle_reads_q;
-  logic [PATIENCE:0] idle_clocks_q;
+  logic [PATIENCE:0] idle_cycles_q;
   logic endless, finished_all;
-  assign endless = refitting ? idle_clocks_q[PATIENCE] : idle_reads_q > {nodes, CX'(0)};
+  assign endless = refitting ? idle_cycles_q[PATIENCE] : idle_reads_q > {nodes, CX'(0)};
   // Bit errors in the nodes that are read.
   logic bits_failed;
   logic [NW-1:0] failed_row;
@@ -260,7 +260,7 @@ module bvh_unit #(
     idle_reads_q <= (finished || rst) ? '0 : idle_reads_q + (32 + CX)'(events.nodes);
     finished_q <= rst ? '0 : finished_q + 32'(finished);
     if (running && !refitting) deepest_q <= deepest;
-    idle_clocks_q <= (refit_write || refit_rst) ? '0 : idle_clocks_q + 1;
+    idle_cycles_q <= (refit_write || refit_rst) ? '0 : idle_cycles_q + 1;
     refit_start_q <= refit_comes && !rst_i;
     case (state_q)
       IDLE:

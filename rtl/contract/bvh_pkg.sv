@@ -7,7 +7,7 @@ package bvh_pkg;
   localparam int PLACE = 28;  // bits of the number of a node or a slot
   localparam int LEVELS = 16;  // most levels of nodes: Bvh::kMostDepth
   localparam int MOST_NODES = 1 << 22;  // limit of a card's node memory
-  localparam int SLOTS_A_NODE = 8;  // entries of the slot memory per node
+  localparam int SLOTS_PER_NODE = 8;  // entries of the slot memory per node
   localparam int RAYS = 4096;  // places of the queue of primaries; an OBB or a triangle takes two
   localparam int PLACE_WORDS = 8;
   localparam int CONTEXTS = 256;  // primaries under way at a time

@@ -169,7 +169,7 @@ package registers_pkg;
   localparam logic [63:0] COMMAND_BITS = 64'h00000000003FFF77;  // bits in use
   typedef struct packed {
     logic [7:0] reserved;
-    logic [7:0] slots_a_node;  // entries of the slot memory, per node
+    logic [7:0] slots_per_node;  // entries of the slot memory, per node
     logic [15:0] rays;         // places of the queue of primaries
     logic [31:0] nodes;        // nodes that the memory holds
   } node_caps_t;

@@ -119,16 +119,16 @@ TEST(BvhSmallBatch, AbortWithOutstandingLeaves_NextPassIsClean) {
   const auto should = expected(reference::Traversal(boxes, bvh), primaries, Mode::kHits);
   ASSERT_FALSE(should.empty());
   unsigned left = 0;
-  for (std::uint64_t clocks = 20; clocks < 900; clocks += 11) {
-    query.deadline_clocks = clocks;
+  for (std::uint64_t cycles = 20; cycles < 900; cycles += 11) {
+    query.deadline_cycles = cycles;
     try {
       (void)cast(board, primaries, query);
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::kTimeout);
       ++left;
     }
-    query.deadline_clocks = 0;
-    ASSERT_EQ(expect_same(cast(board, primaries, query), should), should.size()) << clocks;
+    query.deadline_cycles = 0;
+    ASSERT_EQ(expect_same(cast(board, primaries, query), should), should.size()) << cycles;
   }
   EXPECT_GT(left, 20u);
 }
@@ -146,7 +146,7 @@ TEST(BvhSmallBatch, AbortAtAnyCycle_NextPassIsClean) {
   hard::Draw draw(3);
   unsigned left = 0;
   for (unsigned i = 0; i < 3000; ++i) {
-    through.deadline_clocks = 1 + draw.below(300);
+    through.deadline_cycles = 1 + draw.below(300);
     const auto first = cloud.begin() + draw.below(cloud.size() - 16);
     const std::vector<Sphere> some(first, first + 1 + draw.below(16));
     try {
@@ -155,7 +155,7 @@ TEST(BvhSmallBatch, AbortAtAnyCycle_NextPassIsClean) {
       EXPECT_EQ(e.code(), ErrorCode::kTimeout);
       ++left;
     }
-    through.deadline_clocks = 100'000;
+    through.deadline_cycles = 100'000;
     const auto records = cast(board, three, i % 2 == 0 ? brute_force : through);
     ASSERT_TRUE(std::ranges::equal(records, should, same_bits)) << i;
   }

@@ -237,7 +237,7 @@ TEST(BvhDriver, ResetOrFailedPass_KeepsTheBvh) {
   board.reset();
   expect_same(board.cast(its.rays, on), its.should);
   Query soon = on;
-  soon.deadline_clocks = 200;
+  soon.deadline_cycles = 200;
   expect_error(ErrorCode::kTimeout, "deadline of 200 cycles",
                [&] { (void)board.cast(its.rays, soon); });
   expect_same(board.cast(its.rays, on), its.should);
@@ -320,7 +320,7 @@ TEST(BvhDriver, Terrain_TakesTheStatedCycles) {
   board.load(std::span(rays).first(256));
   (void)board.run({.through = Through::kBvh}, &few);
   many = board.cast(rays, {.through = Through::kBvh}, [](std::span<const Record>) {});
-  std::printf("256 rays: %lu clocks; 4,096: %.2f a ray\n", few.cycles,
+  std::printf("256 rays: %lu cycles; 4,096: %.2f per ray\n", few.cycles,
               static_cast<double>(many.cycles) / 4096);
   // Contexts hide each other's latency: two nodes or one leaf per cycle.
   const double nodes = static_cast<double>(many.nodes) / 2,
@@ -486,7 +486,7 @@ TEST_F(MalformedBvh, RandomWords_GiveAnErrorOrRecords) {
         node.words.at(3 + draw.below(3)) = word();
       write_node(n, node);
     }
-    const std::uint64_t before = board_.clocks();
+    const std::uint64_t before = board_.cycles();
     try {
       (void)board_.cast(
           rays_, {.mode = round % 2 == 0 ? Mode::kNearest : Mode::kAny, .through = Through::kBvh});
@@ -495,7 +495,7 @@ TEST_F(MalformedBvh, RandomWords_GiveAnErrorOrRecords) {
       EXPECT_EQ(e.code(), ErrorCode::kDevice) << e.what();
       EXPECT_NE(std::string(e.what()).find("is malformed: "), std::string::npos) << e.what();
     }
-    EXPECT_LT(board_.clocks() - before, 300'000u);
+    EXPECT_LT(board_.cycles() - before, 300'000u);
     try {
       (void)board_.refit();
     } catch (const Error& e) {

@@ -342,7 +342,7 @@ Fields fields() {
           {"status_t.irq", {kStatusIrq}},
           {"status_t.ecc_error", {kStatusEccError}},
           {"status_t.node_error", {kStatusNodeError}},
-          {"node_caps_t.slots_a_node", kNodeCapsSlotsANode},
+          {"node_caps_t.slots_per_node", kNodeCapsSlotsPerNode},
           {"node_caps_t.rays", kNodeCapsRays},
           {"node_caps_t.nodes", kNodeCapsNodes},
           {"rays_t.taken", kRaysTaken},

@@ -84,7 +84,7 @@ TEST_F(BoardEdgeCases, EveryCallAfterMove_IsAnError) {
       [&] { (void)gone.capacity(); },
       [&] { (void)gone.sram_records(); },
       [&] { (void)gone.pipe_latency(); },
-      [&] { (void)gone.upload_clocks(); },
+      [&] { (void)gone.upload_cycles(); },
       [&] { (void)gone.words_uploaded(); },
       [&] { (void)gone.model_path(); },
       [&] { (void)gone.config_hash(); },
@@ -93,7 +93,7 @@ TEST_F(BoardEdgeCases, EveryCallAfterMove_IsAnError) {
       [&] { gone.bus_write(card::kSpaceDdr, 0, beats); },
       [&] { gone.bus_read(card::kSpaceSram, 0, beats); },
       [&] { gone.wait(10); },
-      [&] { (void)gone.clocks(); },
+      [&] { (void)gone.cycles(); },
       [&] { gone.flip_ddr(0, 1); },
       [&] { gone.flip_check(0, 1); },
   };

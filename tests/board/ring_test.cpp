@@ -116,8 +116,8 @@ TEST(RecordRing, BeatOfTwoRecords_IsReadableWhenBothExist) {
   for (unsigned base = 0; base < 4; ++base)
     board.write_register(card::kRegStencil + 8 * base, base == 0 ? ~1ull : ~0ull);
   board.write_register(card::kRegControl, card::kControlGo);
-  for (unsigned clocks = 0; board.read_register(card::kRegRecords) == 0; ++clocks) {
-    ASSERT_LT(clocks, 100'000u) << "no record came";
+  for (unsigned cycles = 0; board.read_register(card::kRegRecords) == 0; ++cycles) {
+    ASSERT_LT(cycles, 100'000u) << "no record came";
     board.wait(1);
   }
   std::array<std::uint64_t, 3> whole{};
@@ -171,8 +171,8 @@ TEST(RecordRing, DeadlineOrWatchdog_EndsThePass) {
   const RayScene scene = cloud(random, 256, 1000);
   board.upload(scene.triangles);
   for (const Query& query :
-       {Query{.deadline_clocks = 5000}, Query{.watchdog = std::chrono::nanoseconds(1)}}) {
-    const bool watchdog = query.deadline_clocks == 0;
+       {Query{.deadline_cycles = 5000}, Query{.watchdog = std::chrono::nanoseconds(1)}}) {
+    const bool watchdog = query.deadline_cycles == 0;
     RayScene longer = scene;
     if (watchdog) longer.triangles.resize(2000, scene.triangles[0]), board.upload(longer.triangles);
     try {

@@ -31,9 +31,9 @@ Plan planned(const Scene& scene) {
 }
 
 /// Runs a scene frame by frame and compares every record.
-class Played {
+class SceneRun {
  public:
-  explicit Played(const std::string& text)
+  explicit SceneRun(const std::string& text)
       : scene_(parse_scene("frames = 100\n" + text, "s.toml")),
         plan_(planned(scene_)),
         runner_(scene_, plan_, {}) {}
@@ -41,7 +41,7 @@ class Played {
   std::vector<QueryFrame> frame(std::uint32_t number) {
     SCOPED_TRACE(fmt::format("frame {}", number));
     const std::uint64_t before = runner_.board().words_uploaded();
-    auto results = runner_.play(number, [&](std::size_t query, std::span<const Record> some) {
+    auto results = runner_.run_frame(number, [&](std::size_t query, std::span<const Record> some) {
       if (query >= records_.size()) records_.resize(query + 1);
       records_[query].insert(records_[query].end(), some.begin(), some.end());
     });
@@ -92,41 +92,40 @@ std::string query(const char* name, const std::string& secondaries, const std::s
 }
 
 TEST(SceneRunnerMoves, MovedObject_CostsTwelveWords) {
-  Played played(terrain("still", "") + terrain("moving", kTurning) +
-                terrain("child",
-                        "parent = \"moving\"\nmotion = { kind = \"velocity\", position = "
-                        "[0, 0, -30], angular = [0, 90, 0] }\n") +
-                kRays +
-                query("hit", R"(["still", "moving", "child"])", "mask = [3, \"10..40\"]\n"));
-  EXPECT_EQ(played.plan().card_moves, (std::vector<bool>{false, true, true, false}));
-  EXPECT_EQ(played.plan().queries[0].moved_words, 24u);
-  EXPECT_EQ(played.secondary_words(0), 3u * 216 * 9 + 3 * 14);
-  for (const std::uint32_t f : {1u, 2u, 50u, 3u}) EXPECT_EQ(played.secondary_words(f), 24u);
-  EXPECT_EQ(played.secondary_words(3), 0u) << "the frame is repeated";
-  EXPECT_GT(played.hits(), 100u);
+  SceneRun ran(terrain("still", "") + terrain("moving", kTurning) +
+               terrain("child",
+                       "parent = \"moving\"\nmotion = { kind = \"velocity\", position = "
+                       "[0, 0, -30], angular = [0, 90, 0] }\n") +
+               kRays + query("hit", R"(["still", "moving", "child"])", "mask = [3, \"10..40\"]\n"));
+  EXPECT_EQ(ran.plan().card_moves, (std::vector<bool>{false, true, true, false}));
+  EXPECT_EQ(ran.plan().queries[0].moved_words, 24u);
+  EXPECT_EQ(ran.secondary_words(0), 3u * 216 * 9 + 3 * 14);
+  for (const std::uint32_t f : {1u, 2u, 50u, 3u}) EXPECT_EQ(ran.secondary_words(f), 24u);
+  EXPECT_EQ(ran.secondary_words(3), 0u) << "the frame is repeated";
+  EXPECT_GT(ran.hits(), 100u);
 }
 
 /// The host updates vertices in the object's frame; the object table holds the pose.
 TEST(SceneRunnerMoves, DeformingMovingMesh_CostsChangedVerticesAndAPose) {
-  Played played(terrain("heaving", kBand) + terrain("both", kBand + kTurning) + kRays +
-                query("hit", R"(["heaving", "both"])"));
-  const std::uint64_t moved = played.plan().queries[0].moved_words;
-  EXPECT_EQ(played.plan().card_moves, (std::vector<bool>{false, true, false}));
+  SceneRun ran(terrain("heaving", kBand) + terrain("both", kBand + kTurning) + kRays +
+               query("hit", R"(["heaving", "both"])"));
+  const std::uint64_t moved = ran.plan().queries[0].moved_words;
+  EXPECT_EQ(ran.plan().card_moves, (std::vector<bool>{false, true, false}));
   EXPECT_LT(moved, 216u * 9);
-  EXPECT_EQ(played.secondary_words(0), 2u * 216 * 9 + 2 * 14);
+  EXPECT_EQ(ran.secondary_words(0), 2u * 216 * 9 + 2 * 14);
   for (const std::uint32_t f : {1u, 2u, 7u}) {
-    const std::uint64_t words = played.secondary_words(f);
+    const std::uint64_t words = ran.secondary_words(f);
     EXPECT_GE(words, moved);
     EXPECT_LE(words, moved + 40) << "ranges are rounded up to whole beats";
   }
-  EXPECT_GT(played.hits(), 50u);
+  EXPECT_GT(ran.hits(), 50u);
 }
 
 /// Transforms on the host and on the card give bit-identical records.
 TEST(SceneRunnerMoves, HostTransforms_GiveTheSameRecords) {
   const std::string scene = terrain("moving", kTurning) + terrain("still", "") + kRays +
                             query("hit", R"(["moving", "still"])");
-  Played card(scene), host("[card]\ntransform_site = \"host\"\n" + scene);
+  SceneRun card(scene), host("[card]\ntransform_site = \"host\"\n" + scene);
   EXPECT_EQ(host.plan().card_moves, std::vector<bool>(3, false));
   for (const std::uint32_t f : {0u, 5u, 9u}) {
     EXPECT_EQ(card.secondary_words(f), f == 0 ? 2u * 216 * 9 + 28 : 12u);
@@ -138,14 +137,14 @@ TEST(SceneRunnerMoves, HostTransforms_GiveTheSameRecords) {
 }
 
 TEST(SceneRunnerMoves, StoppedObject_CostsNothing) {
-  Played played(terrain("path",
-                        "motion = { kind = \"path\", points = [[0, 0, 0], [4, 0, 0]], duration = "
-                        "0.1 }\n") +
-                terrain("moving", kTurning) + kRays + query("hit", R"(["path", "moving"])"));
-  EXPECT_EQ(played.secondary_words(0), 2u * 216 * 9 + 28);
-  EXPECT_EQ(played.secondary_words(2), 24u);
-  EXPECT_EQ(played.secondary_words(50), 24u);
-  EXPECT_EQ(played.secondary_words(60), 12u) << "one of two objects still moves";
+  SceneRun ran(terrain("path",
+                       "motion = { kind = \"path\", points = [[0, 0, 0], [4, 0, 0]], duration = "
+                       "0.1 }\n") +
+               terrain("moving", kTurning) + kRays + query("hit", R"(["path", "moving"])"));
+  EXPECT_EQ(ran.secondary_words(0), 2u * 216 * 9 + 28);
+  EXPECT_EQ(ran.secondary_words(2), 24u);
+  EXPECT_EQ(ran.secondary_words(50), 24u);
+  EXPECT_EQ(ran.secondary_words(60), 12u) << "one of two objects still moves";
 }
 
 /// Each query has other objects in DDR: all are written again, and the records stay correct.
@@ -156,14 +155,14 @@ TEST(SceneRunnerMoves, QueriesOfDifferentObjects_GiveCorrectRecords) {
                             query("three", "\"a\"", "mode = \"any\"\n");
   EXPECT_EQ(plan(parse_scene("frames = 9\n" + scene, "s.toml")).board.transform, Transformer::kNone)
       << "transforms on the card would save no words";
-  Played played("[card]\ntransform_site = \"card\"\n" + scene);
+  SceneRun ran("[card]\ntransform_site = \"card\"\n" + scene);
   for (const std::uint32_t f : {0u, 1u, 2u}) {
-    const auto results = played.frame(f);
+    const auto results = ran.frame(f);
     EXPECT_EQ(results[0].secondary_words, 2u * 216 * 9 + 28);
     EXPECT_EQ(results[1].secondary_words, 216u * 9 + 14);
     EXPECT_EQ(results[2].secondary_words, 0u) << "same objects as the previous query";
   }
-  EXPECT_GT(played.hits(), 50u);
+  EXPECT_GT(ran.hits(), 50u);
 }
 
 std::string shapes(const char* name, const char* shape, int count, const std::string& motion) {
@@ -186,8 +185,8 @@ std::string boxes_and_planes(const char* primaries, const char* secondaries) {
 /// A box has 15 words and a sphere has 4. A transform per box is therefore cheaper, and a transform
 /// per sphere is not.
 TEST(SceneRunnerMoves, SeparatelyMovingShapes_UseTheCheaperTransform) {
-  Played boxes(shapes("boxes", "obb", 40, kEach) + shapes("planes", "plane", 9, "") +
-               boxes_and_planes("\"planes\"", "\"boxes\""));
+  SceneRun boxes(shapes("boxes", "obb", 40, kEach) + shapes("planes", "plane", 9, "") +
+                 boxes_and_planes("\"planes\"", "\"boxes\""));
   EXPECT_EQ(boxes.secondary_words(0), 40u * (15 + 14));
   EXPECT_EQ(boxes.secondary_words(1), 40u * 12);
   EXPECT_EQ(boxes.secondary_words(2), 40u * 12);
@@ -198,48 +197,48 @@ TEST(SceneRunnerMoves, SeparatelyMovingShapes_UseTheCheaperTransform) {
       "[[query]]\nname = \"q\"\npair = \"sphere-sphere\"\n"
       "primaries = \"balls\"\nsecondaries = [\"balls\", \"cloud\"]\n"
       "self = true\n";  // otherwise passes are ranges, and the host moves the objects
-  Played mixed(balls);
+  SceneRun mixed(balls);
   EXPECT_EQ(mixed.plan().card_moves, (std::vector<bool>{false, true}));
   EXPECT_EQ(mixed.secondary_words(0), 60u * 4 + 2 * 14) << "the balls stay one object";
   EXPECT_EQ(mixed.secondary_words(1), 40u * 4 + 12);
-  Played forced("[card]\ntransform_site = \"card\"\n" + balls);
+  SceneRun forced("[card]\ntransform_site = \"card\"\n" + balls);
   EXPECT_EQ(forced.secondary_words(0), 60u * 4 + 41 * 14);
   EXPECT_EQ(forced.secondary_words(1), 41u * 12);
 }
 
 /// Primaries that fit one packet stay in the register file.
 TEST(SceneRunnerMoves, PrimariesOfOnePacket_StayLoaded) {
-  Played played(shapes("robot", "obb", 30, kTurning) + shapes("base", "obb", 5, "") +
-                shapes("hand", "obb", 3, "parent = \"robot\"\n" + kEach) +
-                shapes("planes", "plane", 9, kTurning) +
-                boxes_and_planes(R"(["base", "robot", "hand"])", "\"planes\""));
-  EXPECT_EQ(played.plan().card_moves_primaries, (std::vector<bool>{true, false, true, false}));
-  EXPECT_EQ(played.primary_words(0), 38u * 16 + 4 * 14);
-  EXPECT_EQ(played.primary_words(1), 4u * 12);
-  const auto results = played.frame(7);
+  SceneRun ran(shapes("robot", "obb", 30, kTurning) + shapes("base", "obb", 5, "") +
+               shapes("hand", "obb", 3, "parent = \"robot\"\n" + kEach) +
+               shapes("planes", "plane", 9, kTurning) +
+               boxes_and_planes(R"(["base", "robot", "hand"])", "\"planes\""));
+  EXPECT_EQ(ran.plan().card_moves_primaries, (std::vector<bool>{true, false, true, false}));
+  EXPECT_EQ(ran.primary_words(0), 38u * 16 + 4 * 14);
+  EXPECT_EQ(ran.primary_words(1), 4u * 12);
+  const auto results = ran.frame(7);
   EXPECT_EQ(results[0].primary_words, 4u * 12);
   EXPECT_EQ(results[0].secondary_words, 12u);
-  EXPECT_EQ(played.primary_words(7), 0u);
-  EXPECT_GT(played.hits(), 100u);
+  EXPECT_EQ(ran.primary_words(7), 0u);
+  EXPECT_GT(ran.hits(), 100u);
 }
 
 /// Primaries that do not move are loaded once, for all pairs.
 TEST(SceneRunnerMoves, UnmovedPrimaries_AreLoadedOnce) {
-  Played played("[[object]]\nname = \"rays\"\nrandom_rays = { count = 200, redraw = false }\n" +
-                terrain("ground", "") + shapes("pipes", "cylinder", 30, kEach) +
-                query("ground", "\"ground\"") +
-                "[[query]]\nname = \"pipes\"\npair = \"ray-cylinder\"\nprimaries = \"rays\"\n"
-                "secondaries = \"pipes\"\nmode = \"all\"\n");
-  EXPECT_EQ(played.primary_words(0), 200u * 16)
+  SceneRun ran("[[object]]\nname = \"rays\"\nrandom_rays = { count = 200, redraw = false }\n" +
+               terrain("ground", "") + shapes("pipes", "cylinder", 30, kEach) +
+               query("ground", "\"ground\"") +
+               "[[query]]\nname = \"pipes\"\npair = \"ray-cylinder\"\nprimaries = \"rays\"\n"
+               "secondaries = \"pipes\"\nmode = \"all\"\n");
+  EXPECT_EQ(ran.primary_words(0), 200u * 16)
       << "slots have the size of the card's largest primary, a box";
-  for (const QueryFrame& f : played.frame(1)) {
+  for (const QueryFrame& f : ran.frame(1)) {
     EXPECT_EQ(f.primary_words, 0u);
-    EXPECT_EQ(f.primary_clocks, 0u);
-    EXPECT_EQ(f.counters.upload_clocks, 0u);
-    EXPECT_EQ(f.counters.total_clocks,
-              f.counters.cycles + f.counters.writeback + f.download_clocks);
+    EXPECT_EQ(f.primary_cycles, 0u);
+    EXPECT_EQ(f.counters.upload_cycles, 0u);
+    EXPECT_EQ(f.counters.total_cycles,
+              f.counters.cycles + f.counters.writeback + f.download_cycles);
   }
-  EXPECT_GT(played.hits(), 100u);
+  EXPECT_GT(ran.hits(), 100u);
 }
 
 /// An error in the middle of a frame leaves a card that can run the next frame.
@@ -250,12 +249,12 @@ TEST(SceneRunnerMoves, ErrorInAFrame_NextFrameRuns) {
   SceneRunner runner(scene, planned(scene), {.progress = [&](std::uint32_t, double) {
                        if (stop) throw Error(ErrorCode::kUsage, "stopped");
                      }});
-  EXPECT_EQ(runner.play(0)[0].mismatches, 0u);
+  EXPECT_EQ(runner.run_frame(0)[0].mismatches, 0u);
   stop = true;
-  EXPECT_THROW((void)runner.play(1), Error);
+  EXPECT_THROW((void)runner.run_frame(1), Error);
   stop = false;
-  EXPECT_EQ(runner.play(2)[0].mismatches, 0u);
-  EXPECT_EQ(runner.play(0)[0].mismatches, 0u);
+  EXPECT_EQ(runner.run_frame(2)[0].mismatches, 0u);
+  EXPECT_EQ(runner.run_frame(0)[0].mismatches, 0u);
 }
 
 // ---- Wrong bits in DDR ----
@@ -276,7 +275,7 @@ class SceneRunnerFlips : public ::testing::Test {
 TEST_F(SceneRunnerFlips, OneBit_IsCorrectedAndCounted) {
   SceneRunner runner = open(true, "ddr:17@1");
   for (const std::uint32_t f : {0u, 1u, 2u}) {
-    const QueryFrame result = runner.play(f)[0];
+    const QueryFrame result = runner.run_frame(f)[0];
     EXPECT_EQ(result.mismatches, 0u) << result.first_mismatch;
     EXPECT_EQ(result.counters.corrected_words, f == 0 ? 0u : 2u * 17) << "one word per pass";
   }
@@ -285,9 +284,9 @@ TEST_F(SceneRunnerFlips, OneBit_IsCorrectedAndCounted) {
 
 TEST_F(SceneRunnerFlips, TwoBits_GiveOneError) {
   SceneRunner runner = open(true, "ddr:3:2@1");
-  EXPECT_EQ(runner.play(0)[0].mismatches, 0u);
+  EXPECT_EQ(runner.run_frame(0)[0].mismatches, 0u);
   try {
-    (void)runner.play(1);
+    (void)runner.run_frame(1);
     FAIL() << "the check bits found no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kDevice);
@@ -299,13 +298,13 @@ TEST_F(SceneRunnerFlips, TwoBits_GiveOneError) {
 
 TEST_F(SceneRunnerFlips, WithoutCheckBits_ReferenceFindsTheFlip) {
   SceneRunner runner = open(false, "ddr:200:20@1");
-  EXPECT_EQ(runner.play(0)[0].mismatches, 0u);
-  EXPECT_GT(runner.play(1)[0].mismatches, 0u);
+  EXPECT_EQ(runner.run_frame(0)[0].mismatches, 0u);
+  EXPECT_GT(runner.run_frame(1)[0].mismatches, 0u);
 }
 
 TEST_F(SceneRunnerFlips, FlipBeyondTheData_IsRefused) {
   SceneRunner runner = open(false, "ddr:1945@0");
-  EXPECT_THROW((void)runner.play(0), Error);
+  EXPECT_THROW((void)runner.run_frame(0), Error);
 }
 
 }  // namespace

@@ -65,12 +65,12 @@ const std::vector<Case>& cases() {
   return all;
 }
 
-struct Played {
+struct SceneRun {
   std::vector<Record> records;
   QueryFrame frame;
 };
 
-Played played(const Case& c, Mode mode, bool self, Scene& scene) {
+SceneRun run_scene(const Case& c, Mode mode, bool self, Scene& scene) {
   scene = parse_scene(
       fmt::format("frames = 10\n{}{}[[query]]\nname = \"q\"\npair = \"sphere-sphere\"\n"
                   "primaries = {}\nsecondaries = {}\nmode = \"{}\"\n{}{}{}",
@@ -79,8 +79,8 @@ Played played(const Case& c, Mode mode, bool self, Scene& scene) {
       "s.toml");
   const Plan plan = planned(scene);
   SceneRunner runner(scene, plan, {});
-  Played p;
-  p.frame = runner.play(3, [&](std::size_t, std::span<const Record> some) {
+  SceneRun p;
+  p.frame = runner.run_frame(3, [&](std::size_t, std::span<const Record> some) {
     p.records.insert(p.records.end(), some.begin(), some.end());
   })[0];
   EXPECT_EQ(p.frame.mismatches, 0u) << p.frame.first_mismatch;
@@ -109,11 +109,11 @@ TEST_P(SelfPairs, PairsOfAQueryWithItself_CountOnce) {
   const Case& c = cases()[std::get<0>(GetParam())];
   const Mode mode = std::get<1>(GetParam());
   Scene scene;
-  const Played all = played(c, Mode::kAll, true, scene);
+  const SceneRun all = run_scene(c, Mode::kAll, true, scene);
   const auto primary = things(scene, scene.queries[0].primaries);
   const auto secondary = things(scene, scene.queries[0].secondaries);
   ASSERT_EQ(all.frame.card_records, all.records.size());
-  const Played got = played(c, mode, false, scene);
+  const SceneRun got = run_scene(c, mode, false, scene);
 
   std::set<std::uint32_t> active;
   for (const Record& r : all.records) active.insert(r.primary);
@@ -186,10 +186,10 @@ INSTANTIATE_TEST_SUITE_P(Cases, SelfPairs,
 TEST(SelfPairsCost, OneSidedPass_BeginsAfterItsPacket) {
   const Case& c = cases()[0];
   Scene scene;
-  const Played once = played(c, Mode::kHits, false, scene);
+  const SceneRun once = run_scene(c, Mode::kHits, false, scene);
   EXPECT_EQ(once.frame.passes, 2u);
   EXPECT_EQ(once.frame.counters.pairs, 256u * 299 + 44 * 43);
-  const Played twice = played(c, Mode::kHits, true, scene);
+  const SceneRun twice = run_scene(c, Mode::kHits, true, scene);
   EXPECT_EQ(twice.frame.hits, 2 * once.frame.hits + 300)
       << "pairs from both sides, and each shape with itself";
 }

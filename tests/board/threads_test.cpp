@@ -104,7 +104,7 @@ TEST(Threads, SceneRunners_AreIndependent) {
       p.card_moves_primaries.assign(1, false);
       SceneRunner runner(scene, p, {});
       for (std::uint32_t f = 0; f < 3; ++f) {
-        const auto frame = runner.play(f);
+        const auto frame = runner.run_frame(f);
         EXPECT_EQ(frame[0].mismatches, 0u) << frame[0].first_mismatch;
         compared[i] += frame[0].compared;
       }

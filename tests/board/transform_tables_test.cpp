@@ -188,7 +188,7 @@ TEST_F(ObjectTableBus, Garbage_NeverHangsTheCard) {
 TEST_F(ObjectTableBus, AbortAtAnyCycle_NextPassIsCorrect) {
   std::vector<Object> moving = objects(random_, 30, 5, false),
                       posing = objects(random_, 20, 4, false);
-  for (std::uint64_t clocks = 0; clocks < 700; clocks += clocks < 20 ? 1 : 23) {
+  for (std::uint64_t cycles = 0; cycles < 700; cycles += cycles < 20 ? 1 : 23) {
     posing[1].transform = motion(random_);
     posing[2].count = 1;
     posing[2].first = random_.below(20);
@@ -198,12 +198,12 @@ TEST_F(ObjectTableBus, AbortAtAnyCycle_NextPassIsCorrect) {
     board_.write_register(kRegObjectCount, moving.size());
     board_.write_register(kRegPrimObjectCount, posing.size());
     board_.write_register(kRegControl, kControlGo);
-    board_.wait(clocks);
+    board_.wait(cycles);
     board_.write_register(kRegControl, kControlAbort | kControlClear);
     while ((board_.read_register(kRegStatus) & 1) != 0) {
     }
     board_.write_register(kRegControl, kControlAbort | kControlClear);
-    SCOPED_TRACE(clocks);
+    SCOPED_TRACE(cycles);
     check_pass(board_, Pair::kRayTriangle, false, scene_.primaries, scene_.secondaries, posing,
                moving, {Mode::kNearest, Mode::kAll});
   }

@@ -113,7 +113,7 @@ TEST(ObjectCycles, MovedPrimaries_ArePosedAgain) {
   board.upload(scene.secondaries);
   board.load(scene.primaries);
   std::vector<Object> posing{{10, 20, motion(random)}, {50, 7, motion(random)}};
-  const auto clocks = [&] {
+  const auto cycles = [&] {
     Counters c;
     check_pass(board, Pair::kRayTriangle, false, scene.primaries, scene.secondaries, posing, {},
                {Mode::kNearest});
@@ -128,7 +128,7 @@ TEST(ObjectCycles, MovedPrimaries_ArePosedAgain) {
   const std::uint64_t never = first_run();
   board.set_primary_objects(posing);
   const std::uint64_t restored = first_run();
-  const std::uint64_t still = clocks();
+  const std::uint64_t still = cycles();
   EXPECT_EQ(still, never);
   EXPECT_GE(restored, still + 256 + 27);
   EXPECT_LE(restored, still + 256 + 27 + 20);
@@ -137,18 +137,18 @@ TEST(ObjectCycles, MovedPrimaries_ArePosedAgain) {
   const std::uint64_t moved = first_run();
   EXPECT_GE(moved, still + 27);
   EXPECT_LE(moved, still + 27 + 16);
-  EXPECT_EQ(clocks(), still);
+  EXPECT_EQ(cycles(), still);
   board.load(scene.primaries);  // as they were written, so posed again
   EXPECT_EQ(first_run(), moved);
-  EXPECT_EQ(clocks(), still);
+  EXPECT_EQ(cycles(), still);
   posing.pop_back();
   board.set_primary_objects(posing);
   EXPECT_GT(first_run(), still + 256);
-  EXPECT_EQ(clocks(), still);
+  EXPECT_EQ(cycles(), still);
   posing.clear();
   board.set_primary_objects(posing);
   EXPECT_GT(first_run(), still + 256) << "all primaries are posed again";
-  EXPECT_EQ(clocks(), still);
+  EXPECT_EQ(cycles(), still);
 }
 
 }  // namespace

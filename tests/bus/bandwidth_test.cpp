@@ -86,10 +86,10 @@ TEST(PciBandwidth, Burst_HasTheDocumentedOverhead) {
   for (const HostProfile& p : kHostProfiles)
     for (const bool to_host : {false, true}) {
       Link link(std::string(p.name), 512);
-      const double clocks = 512 / link.rate(to_host) / 15e-9 - 64;
-      const double own = clocks - (to_host ? p.write_latency : p.read_latency);
-      std::printf("%s, %s: %.1f clocks a burst beside its data, %.1f of them the card's\n",
-                  std::string(p.name).c_str(), to_host ? "write" : "read", clocks, own);
+      const double cycles = 512 / link.rate(to_host) / 15e-9 - 64;
+      const double own = cycles - (to_host ? p.write_latency : p.read_latency);
+      std::printf("%s, %s: %.1f cycles per burst beside its data, %.1f of them the card's\n",
+                  std::string(p.name).c_str(), to_host ? "write" : "read", cycles, own);
       // A page lookup takes three cycles, and this burst is an eighth of a page.
       EXPECT_NEAR(own - 3.0 / 8, to_host ? 9 : 8, 0.05);
     }

@@ -53,7 +53,7 @@ class DriverSoak {
     tally_.bus.access_retries += c.access_retries;
     tally_.bus.pass_retries += c.pass_retries;
     tally_.bus.lost_interrupts += c.lost_interrupts;
-    tally_.bus.pci_clocks += c.pci_clocks;
+    tally_.bus.pci_cycles += c.pci_cycles;
   }
 
  private:
@@ -161,7 +161,7 @@ class DriverSoak {
     choose();
     query_ = {.mode = static_cast<Mode>(random_.below(5)), .pair = Pair::kRayTriangle};
     query_.drain_records = 8 + random_.below(57);
-    query_.deadline_clocks = 150'000;
+    query_.deadline_cycles = 150'000;
     for (unsigned attempt = 0; !whole(attempt == 0, each); ++attempt) {
       if (::testing::Test::HasFatalFailure()) return;
       ASSERT_LT(attempt, 30u) << "still errors after 30 attempts";
@@ -272,9 +272,9 @@ void print(const Tally& t) {
   for (const auto& [what, count] : t.errors) fmt::print("  errors: {}: {}\n", what, count);
   fmt::print(
       "  {} transfers, {} repeated; {} accesses and {} passes repeated; {} interrupts found "
-      "lost; {} PCI clocks\n",
+      "lost; {} PCI cycles\n",
       t.bus.transfers, t.bus.transfer_retries, t.bus.access_retries, t.bus.pass_retries,
-      t.bus.lost_interrupts, t.bus.pci_clocks);
+      t.bus.lost_interrupts, t.bus.pci_cycles);
 }
 
 TEST(DriverSoak, RandomFaults_LoseOrRepeatNoRecord) {

@@ -40,7 +40,7 @@ TEST(CardOutage, ShortOutage_EndsInCorrectRecords) {
     const RayScene scene = beam(random, 1 + random.below(40), 1 + random.below(40));
     board.inject(BusFault::kNoAnswer, 1 + random.below(4));
     (void)cast_and_compare(board, scene, {.mode = round % 2 != 0 ? Mode::kAll : Mode::kNearest});
-    (void)board.clocks();
+    (void)board.cycles();
   }
   EXPECT_GE(board.bus_counters().access_retries, 60u);
 }
@@ -116,7 +116,7 @@ TEST_P(LostCard, EveryCall_GivesTheSameErrorUntilReset) {
     const auto call = calls();
     SCOPED_TRACE(call[first].first);
     board.inject(BusFault::kNoAnswer, kUntilReset);
-    const std::uint64_t before = board.clocks();
+    const std::uint64_t before = board.cycles();
     const auto met = raised(call[first].second);
     ASSERT_TRUE(met);
     EXPECT_EQ(met->code, ErrorCode::kDevice);
@@ -324,13 +324,13 @@ class EngineHang : public ::testing::TestWithParam<Bus> {
 };
 
 TEST_P(EngineHang, ShortHang_IsWaitedFor) {
-  for (const std::uint32_t clocks : {1u, 2u, 19u, 20u, 21u, 100u, 5000u}) {
-    SCOPED_TRACE(clocks);
+  for (const std::uint32_t cycles : {1u, 2u, 19u, 20u, 21u, 100u, 5000u}) {
+    SCOPED_TRACE(cycles);
     Counters counters;
-    board.inject(BusFault::kHang, clocks);
+    board.inject(BusFault::kHang, cycles);
     (void)board.run(query, &counters);
     // On PCI the pass begins after accesses to its registers.
-    if (clocks >= 5000) {
+    if (cycles >= 5000) {
       EXPECT_GT(counters.bubbles, 2500u);
     }
     expect_same();
@@ -340,7 +340,7 @@ TEST_P(EngineHang, ShortHang_IsWaitedFor) {
 /// The deadline in modelled time ends the pass. The abort waits for memory and ends with it.
 TEST_P(EngineHang, Deadline_EndsThePass) {
   Query hasty = query;
-  hasty.deadline_clocks = 20'000;
+  hasty.deadline_cycles = 20'000;
   board.inject(BusFault::kHang, 21'000);
   const auto met = raised([&] { (void)board.run(hasty); });
   ASSERT_TRUE(met);
@@ -365,7 +365,7 @@ TEST_P(EngineHang, AbortThatDoesNotEnd_BecomesAReset) {
 
 TEST_P(EngineHang, Watchdog_EndsThePass) {
   Query patient = query;
-  patient.deadline_clocks = std::uint64_t{1} << 40;
+  patient.deadline_cycles = std::uint64_t{1} << 40;
   patient.watchdog = std::chrono::milliseconds(50);
   board.inject(BusFault::kHang, kUntilReset);
   const auto start = std::chrono::steady_clock::now();

@@ -86,28 +86,28 @@ BoardConfig card_of(const Start& start) {
 }
 
 /// Cycles of every query and the bus time, after a check of every record.
-struct Played {
-  std::vector<std::tuple<std::uint64_t, std::uint64_t, std::uint64_t>> clocks;
+struct SceneRun {
+  std::vector<std::tuple<std::uint64_t, std::uint64_t, std::uint64_t>> cycles;
   std::uint64_t hits = 0, compared = 0;
 };
 
-Played play(const Start& start, unsigned seed) {
+SceneRun play(const Start& start, unsigned seed) {
   setenv("CDE_RANDOM_SEED", std::to_string(seed).c_str(), 1);
   const BoardConfig card = card_of(start);
   const Scene scene = parse_scene(scene_of(card), "pairs.toml");
   Plan p = plan(scene);
   p.board = card;
   SceneRunner runner(scene, p, {});
-  Played played;
+  SceneRun ran;
   for (const std::uint32_t frame : {0u, 1u})
-    for (const QueryFrame& f : runner.play(frame, {})) {
+    for (const QueryFrame& f : runner.run_frame(frame, {})) {
       EXPECT_EQ(f.mismatches, 0u) << f.first_mismatch;
       EXPECT_EQ(f.compared, f.counters.records);
-      played.clocks.emplace_back(f.counters.cycles, f.secondary_clocks, f.download_clocks);
-      played.hits += f.hits;
-      played.compared += f.compared;
+      ran.cycles.emplace_back(f.counters.cycles, f.secondary_cycles, f.download_cycles);
+      ran.hits += f.hits;
+      ran.compared += f.compared;
     }
-  return played;
+  return ran;
 }
 
 class RandomStart : public ::testing::TestWithParam<Start> {
@@ -121,13 +121,13 @@ class RandomStart : public ::testing::TestWithParam<Start> {
 
 TEST_P(RandomStart, RandomRegisters_ChangeNothing) {
   const unsigned seeds = std::getenv("CDE_FULL") != nullptr ? 20 : 3;
-  const Played zeros = play(GetParam(), 0);
+  const SceneRun zeros = play(GetParam(), 0);
   const unsigned least = GetParam().every ? 100 : 10;
   EXPECT_GT(zeros.hits, least);
   EXPECT_GT(zeros.compared, zeros.hits + least);
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     SCOPED_TRACE(fmt::format("CDE_RANDOM_SEED={}", seed));
-    EXPECT_EQ(play(GetParam(), seed).clocks, zeros.clocks);
+    EXPECT_EQ(play(GetParam(), seed).cycles, zeros.cycles);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Cards, RandomStart,

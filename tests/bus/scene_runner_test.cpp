@@ -44,7 +44,7 @@ class SceneRunnerFaults : public ::testing::Test {
   }
   void play(std::uint32_t frames) {
     for (std::uint32_t f = 0; f < frames; ++f) {
-      const auto results = runner_->play(f);
+      const auto results = runner_->run_frame(f);
       ASSERT_EQ(results[0].mismatches, 0u) << results[0].first_mismatch;
       ASSERT_EQ(results[0].compared, 70u * 216);
     }
@@ -77,7 +77,7 @@ TEST_F(SceneRunnerFaults, PersistentFault_IsOneError) {
   SceneRunner& runner = open({fault_of("target-abort:1000:0@2")});
   play(2);
   try {
-    (void)runner.play(2);
+    (void)runner.run_frame(2);
     FAIL() << "the upload must fail";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kDevice);

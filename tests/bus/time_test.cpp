@@ -157,8 +157,8 @@ TEST(BusTimesCounters, Counters_MatchTheSignals) {
       EXPECT_NEAR(static_cast<double>(a), static_cast<double>(b),
                   kTolerance * static_cast<double>(b));
     };
-    close("busy clocks", f.pci_busy, c.pci_busy);
-    close("data clocks", f.pci_data, c.pci_data);
+    close("busy cycles", f.pci_busy, c.pci_busy);
+    close("data cycles", f.pci_data, c.pci_data);
     close("register accesses", f.register_accesses, c.register_accesses);
   }
 }

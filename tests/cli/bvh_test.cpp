@@ -254,8 +254,8 @@ secondaries = ["ball", "ring"]
                   "frame 2, query 'hit': brute force instead of a BVH: "
                   "the triangle in slot"));
   ASSERT_EQ(cde({"run", "off.toml", "-q"}).status, 0);
-  const auto on = nlohmann::json::parse(read("on.run/run.json"))["played"];
-  const auto off = nlohmann::json::parse(read("off.run/run.json"))["played"];
+  const auto on = nlohmann::json::parse(read("on.run/run.json"))["frame_results"];
+  const auto off = nlohmann::json::parse(read("off.run/run.json"))["frame_results"];
   for (const unsigned f : {0u, 1u, 2u, 3u}) {
     EXPECT_EQ(on[f]["queries"][0]["brute_force_reason"].is_null(), f < 2) << f;
     EXPECT_TRUE(off[f]["queries"][0]["brute_force_reason"].is_null());
@@ -268,8 +268,8 @@ TEST_F(SceneBvh, Frames_DoNotDependOnEarlierFrames) {
   write("s.toml", flight("transform_site = \"card\""));
   ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "all"}).status, 0);
   ASSERT_EQ(cde({"run", "s.toml", "-q", "--out", "one", "--frames", "2"}).status, 0);
-  const auto all = nlohmann::json::parse(read("all/run.json"))["played"][2]["queries"];
-  const auto one = nlohmann::json::parse(read("one/run.json"))["played"][0]["queries"];
+  const auto all = nlohmann::json::parse(read("all/run.json"))["frame_results"][2]["queries"];
+  const auto one = nlohmann::json::parse(read("one/run.json"))["frame_results"][0]["queries"];
   for (const unsigned q : {0u, 1u}) {
     for (const char* count : {"nodes", "leaves", "tests", "deepest", "device_cycles"})
       EXPECT_EQ(all[q]["counters"][count], one[q]["counters"][count]) << count;
@@ -330,7 +330,7 @@ mode = "hits"
     EXPECT_EQ(j["totals"]["mismatches"], 0);
     for (const auto& file : j["files"])
       records[name] += read(name + ".run/" + file.get<std::string>());
-    for (const auto& frame : j["played"]) {
+    for (const auto& frame : j["frame_results"]) {
       for (const auto& query : frame["queries"]) {
         EXPECT_EQ(query["counters"]["nodes"] > 0, name == "on");
         EXPECT_EQ(query["brute_force_reason"], nullptr);
@@ -375,7 +375,7 @@ mask = [4]
   const auto j = nlohmann::json::parse(read("cloud.run/run.json"));
   EXPECT_EQ(j["totals"]["mismatches"], 0);
   for (const auto& query : j["plan"]["queries"]) EXPECT_EQ(query["through"], "bvh");
-  for (const auto& frame : j["played"])
+  for (const auto& frame : j["frame_results"])
     for (const auto& query : frame["queries"]) {
       EXPECT_GT(query["counters"]["nodes"], 0);
       EXPECT_LT(query["counters"]["tests"], 5000);

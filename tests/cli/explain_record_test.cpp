@@ -97,8 +97,8 @@ TEST_F(ExplainRecord, Candidates_AreListedWithTheirComparison) {
     EXPECT_TRUE(c["reference_otherwise"].is_null());
   }
   // A row of four rays and a secondary enter the pipe in every cycle.
-  const List clocks = column(all, "pass_clock");
-  for (std::size_t i = 1; i < clocks.size(); ++i) EXPECT_EQ(clocks[i], clocks[i - 1] + 1);
+  const List cycles = column(all, "pass_clock");
+  for (std::size_t i = 1; i < cycles.size(); ++i) EXPECT_EQ(cycles[i], cycles[i - 1] + 1);
   EXPECT_EQ(j["pairs_tested"], 5);
   EXPECT_EQ(j["reference_candidates"], 4);
   EXPECT_EQ(j["card_records_of_it"][0]["index"], 1);

@@ -76,7 +76,7 @@ TEST_F(FormatCli, Scene_IsRunAndPlannedInTheFormat) {
   EXPECT_TRUE(has(ran.err, "210 of 210 records compared with the reference, 0 differ"));
   const auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["format"], "fp16");
-  for (const auto& frame : j["played"]) EXPECT_EQ(frame["queries"][0]["hits"], 70);
+  for (const auto& frame : j["frame_results"]) EXPECT_EQ(frame["queries"][0]["hits"], 70);
   const Ran plan = cde({"plan", "ball.toml"});
   ASSERT_EQ(plan.status, 0) << plan.err;
   EXPECT_TRUE(has(plan.out, "EXP=5 MAN=10"));
@@ -101,9 +101,10 @@ TEST_F(FormatCli, SceneWithACertifiedFilter_HasTheSameRecords) {
   EXPECT_TRUE(has(narrow.err, " of 7080 pairs, "));
   EXPECT_FALSE(has(wide.err, "filter"));
   const auto a = nlohmann::json::parse(wide.out), b = nlohmann::json::parse(narrow.out);
-  ASSERT_EQ(a["played"].size(), 2u);
+  ASSERT_EQ(a["frame_results"].size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto &all = a["played"][i]["queries"][0], &some = b["played"][i]["queries"][0];
+    const auto &all = a["frame_results"][i]["queries"][0],
+               &some = b["frame_results"][i]["queries"][0];
     EXPECT_GT(all["hits"], 0);
     EXPECT_EQ(some["hits"], all["hits"]);
     EXPECT_EQ(some["mismatches"], 0);

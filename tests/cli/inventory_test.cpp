@@ -95,7 +95,7 @@ TEST_F(Inventory, Json_HasThePapersFiguresAndOurs) {
   EXPECT_EQ(moller["operators"]["multipliers"], 27);
   EXPECT_EQ(moller["latency_levels"], moller["paper"]["latency_levels"]);
   EXPECT_EQ(moller["latency_levels"], 10);
-  EXPECT_EQ(moller["latency_clocks"], 37) << "add 3, mul 3, div 12, cmp 1";
+  EXPECT_EQ(moller["latency_cycles"], 37) << "add 3, mul 3, div 12, cmp 1";
   EXPECT_EQ(moller["input_words"]["primary"], 8);
   EXPECT_EQ(moller["input_words"]["secondary"], 9);
   EXPECT_EQ(moller["output_words"], 5);
@@ -115,7 +115,7 @@ TEST_F(Inventory, EveryKindOfPipe_HasLatencyAndInterval) {
   ASSERT_EQ(j["pipes"].size(), 5u);
   for (const auto& pipe : j["pipes"]) {
     EXPECT_GE(pipe["latency_levels"], 10) << pipe["pair"];
-    EXPECT_GT(pipe["latency_clocks"], pipe["latency_levels"]) << pipe["pair"];
+    EXPECT_GT(pipe["latency_cycles"], pipe["latency_levels"]) << pipe["pair"];
     EXPECT_EQ(pipe["initiation_interval"] > 1, pipe["pair"] == "obb-cylinder") << pipe["pair"];
   }
 }

@@ -293,7 +293,7 @@ TEST_F(Query, WrongUsage_IsRefused) {
 
 TEST_F(Query, Iterations_SetTheCyclesOfACylinderPair) {
   const std::string pair = "0,0,0,0,0,1,1,0.5,2,0.3,0.1,0.6,0,0.8,1,0.5\n";
-  const auto clocks = [&](const Words& iterations) {
+  const auto cycles = [&](const Words& iterations) {
     Words words = {"cylinder-cylinder", "--json"};
     words.insert(words.end(), iterations.begin(), iterations.end());
     const Ran ran = query(words, pair);
@@ -302,15 +302,15 @@ TEST_F(Query, Iterations_SetTheCyclesOfACylinderPair) {
     EXPECT_EQ(json["records_matching"], 1);
     return json["device_cycles"].get<int>();
   };
-  const int whole = clocks({}), none = clocks({"--iterations", "4,0,0"});
-  EXPECT_EQ(clocks({"--iterations", "8,8,8"}), whole);
+  const int whole = cycles({}), none = cycles({"--iterations", "4,0,0"});
+  EXPECT_EQ(cycles({"--iterations", "8,8,8"}), whole);
   // 54 and 14 evaluations, plus 9 loops each for the witness points: one more loop costs one trip
   // through the pipeline.
   const int loop = (whole - none) / 40;
   EXPECT_EQ(whole - none, 40 * loop);
-  EXPECT_EQ(clocks({"--iterations", "14"}), none);
-  EXPECT_EQ(clocks({"--iterations", "54"}), whole);
-  EXPECT_EQ(clocks({"--iterations", "58"}), whole + 3 * loop)
+  EXPECT_EQ(cycles({"--iterations", "14"}), none);
+  EXPECT_EQ(cycles({"--iterations", "54"}), whole);
+  EXPECT_EQ(cycles({"--iterations", "58"}), whole + 3 * loop)
       << "K2 takes three of four evaluations";
 }
 

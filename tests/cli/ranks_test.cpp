@@ -370,7 +370,7 @@ TEST_F(Ranks, ShardsOfARun_AddUpToTheWhole) {
   const auto counted = [&](const std::string& folder) {
     const auto json = nlohmann::ordered_json::parse(read(folder + "/run.json"));
     return fmt::format("{} {} {} {}", json.at("totals").at("tests").get<int>(),
-                       json.at("totals").at("hits").get<int>(), json.at("played").size(),
+                       json.at("totals").at("hits").get<int>(), json.at("frame_results").size(),
                        json.at("config_hash").get<std::string>());
   };
   EXPECT_EQ(counted("merged.run"), counted("plain.run"));

@@ -47,13 +47,13 @@ TEST_F(Pages, Report_EqualsRunJson) {
   const auto texts = between(html, "id=\"data\">", "</script>");
   ASSERT_EQ(texts.size(), 1u);
   const json data = json::parse(texts[0]), run = json::parse(read("scene.run/run.json"));
-  ASSERT_EQ(data["played"].size(), 4u);
+  ASSERT_EQ(data["frame_results"].size(), 4u);
   ASSERT_EQ(data["views"].size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) {
-    const json& shown = data["played"][i];
-    const json& played = run["played"][i];
-    const json& query = played["queries"][0];
-    EXPECT_EQ(shown["frame"], played["frame"]);
+    const json& shown = data["frame_results"][i];
+    const json& row = run["frame_results"][i];
+    const json& query = row["queries"][0];
+    EXPECT_EQ(shown["frame"], row["frame"]);
     EXPECT_EQ(shown["records"], query["records"]);
     EXPECT_EQ(shown["hits"], query["hits"]);
     EXPECT_EQ(shown["card_wall_seconds"], query["simulation_seconds"]);
@@ -61,7 +61,7 @@ TEST_F(Pages, Report_EqualsRunJson) {
     for (const json& part : shown["modelled_seconds"]) sum += part.get<double>();
     EXPECT_NEAR(sum, query["modelled_seconds"]["total"].get<double>(), 1e-12);
     EXPECT_DOUBLE_EQ(shown["modelled_seconds"][0], query["modelled_seconds"]["upload"]);
-    EXPECT_EQ(data["views"][i]["frame"], played["frame"]);
+    EXPECT_EQ(data["views"][i]["frame"], row["frame"]);
     // Two words per hit, four bytes per word, four characters per three bytes.
     const auto hits = query["hits"].get<std::size_t>();
     EXPECT_EQ(data["views"][i]["queries"][0]["numbers"].get<std::string>().size(),
@@ -99,11 +99,11 @@ TEST_F(Pages, Charts_CarryTheirFigures) {
     char comma = 0;
     std::istringstream fields(modelled[i + 1]);
     fields >> frame;
-    EXPECT_EQ(frame, run["played"][i]["frame"]);
+    EXPECT_EQ(frame, run["frame_results"][i]["frame"]);
     for (double part = 0; fields >> comma >> part;) sum += part;
-    EXPECT_NEAR(sum, run["played"][i]["queries"][0]["modelled_seconds"]["total"], 1e-12);
+    EXPECT_NEAR(sum, run["frame_results"][i]["queries"][0]["modelled_seconds"]["total"], 1e-12);
     std::istringstream(distances[i + 1]) >> at >> comma >> most >> comma >> least;
-    EXPECT_EQ(at, run["played"][i]["scene_seconds"]);
+    EXPECT_EQ(at, run["frame_results"][i]["scene_seconds"]);
     EXPECT_GT(least, 0);
     EXPECT_GE(most, least);
   }
@@ -157,7 +157,7 @@ TEST_F(Pages, MixedScene_IsReportedCompletely) {
   // For each of the three balls that the box does not touch: seven words to the closest points.
   const auto apart = data["views"][0]["queries"][1]["apart"].get<std::string>().size();
   const json run = json::parse(read("out/run.json"));
-  const std::size_t hits = run["played"][0]["queries"][1]["hits"];
+  const std::size_t hits = run["frame_results"][0]["queries"][1]["hits"];
   ASSERT_LT(hits, 3u);
   EXPECT_EQ(apart, ((3 - hits) * 7 * 4 + 2) / 3 * 4);
   EXPECT_EQ(data["views"][0]["queries"][0]["apart"], "") << "rays have no closest points";
@@ -165,7 +165,8 @@ TEST_F(Pages, MixedScene_IsReportedCompletely) {
   ASSERT_EQ(distances.size(), 1u);
   for (std::size_t q = 0; q < 3; ++q) {
     std::uint64_t any = data["queries"][q]["rays"] == false ? 1 : 0;
-    for (const json& frame : run["played"]) any += frame["queries"][q]["hits"].get<std::uint64_t>();
+    for (const json& frame : run["frame_results"])
+      any += frame["queries"][q]["hits"].get<std::uint64_t>();
     const std::string query = data["queries"][q]["name"];
     EXPECT_EQ(count(distances[0],
                     fmt::format("aria-label=\"{}, signed distance or T over time\"", query)),

@@ -71,7 +71,7 @@ TEST_F(RunFolders, FolderSwappedForALink_KeepsVictimUntouched) {
   for (int i = 0; i < 12; ++i) {
     fs::remove_all(folder_ / "d");
     fs::create_directory(folder_ / "d");
-    write("d/run.json", R"({"scene":"s","played":1,"files_beside":["shadow"]})");
+    write("d/run.json", R"({"scene":"s","frame_results":1,"files_beside":["shadow"]})");
     write("d/shadow", "");
     std::atomic<bool> ended = false;
     std::thread swapping([&] {

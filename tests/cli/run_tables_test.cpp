@@ -59,7 +59,7 @@ only_hits = true
   EXPECT_TRUE(has(read("tables/hit.csv"), "\n3,"));
   EXPECT_EQ(read("tables/sky.csv"), "frame,primary,F,bad,T,CPx,CPy,CPz,index\n");
   EXPECT_EQ(run_json("files")["files"], nlohmann::json::array());
-  EXPECT_EQ(run_json("files")["played"][2]["files"],
+  EXPECT_EQ(run_json("files")["frame_results"][2]["files"],
             nlohmann::json::array({"hit.000002.csv", "sky.000002.csv"}));
   const Ran other = cde({"run", "two.toml", "-q", "--resume", "journal", "--file-per-frame"});
   EXPECT_EQ(other.status, 2);
@@ -179,7 +179,7 @@ TEST_F(RunScene, StoppedEarly_LeavesNoTable) {
   write("ecc.toml", flight("lanes = 4\necc = true"));
   EXPECT_EQ(cde({"run", "ecc.toml", "--fault", "ddr:1:2@2", "-q"}).status, 4);
   EXPECT_EQ(run_json("ecc.run")["finished"], false);
-  EXPECT_EQ(run_json("ecc.run")["played"].size(), 2u);
+  EXPECT_EQ(run_json("ecc.run")["frame_results"].size(), 2u);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "ecc.run"), {}), 1);
   // A table that does not fit.
   write("flight.toml", kFlight);

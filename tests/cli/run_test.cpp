@@ -30,9 +30,9 @@ TEST_F(RunScene, Run_ChecksAndWritesEveryRecord) {
   EXPECT_EQ(j["finished"], true);
   EXPECT_EQ(j["check"], "all");
   EXPECT_EQ(j["clock_hz"], 1e8);
-  ASSERT_EQ(j["played"].size(), 4u);
+  ASSERT_EQ(j["frame_results"].size(), 4u);
   std::uint64_t hits = 0;
-  for (const auto& frame : j["played"]) {
+  for (const auto& frame : j["frame_results"]) {
     const auto& q = frame["queries"][0];
     EXPECT_EQ(q["passes"], 2) << "300 rays";
     EXPECT_EQ(q["records"], 300);
@@ -63,7 +63,7 @@ TEST_F(RunScene, Run_ChecksAndWritesEveryRecord) {
   EXPECT_LT(hits, 1080u);
   // The first frame uploads everything, the others only the moved objects.
   const auto words = [&](int frame) {
-    return j["played"][frame]["queries"][0]["counters"]["secondary_words"].get<int>();
+    return j["frame_results"][frame]["queries"][0]["counters"]["secondary_words"].get<int>();
   };
   EXPECT_EQ(words(0), 216 * 9);
   EXPECT_GT(words(1), 0);
@@ -105,7 +105,8 @@ TEST_F(RunScene, CardTransforms_CostPoseAndChangedVertices) {
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = run_json("moving.run");
   const auto words = [&](std::size_t frame) {
-    return j["played"][frame]["queries"][0]["counters"]["secondary_words"].get<std::uint64_t>();
+    return j["frame_results"][frame]["queries"][0]["counters"]["secondary_words"]
+        .get<std::uint64_t>();
   };
   const auto moved = j["plan"]["queries"][0]["moved_words"].get<std::uint64_t>();
   EXPECT_EQ(words(0), 216u * 9 + 14);
@@ -117,7 +118,7 @@ TEST_F(RunScene, CardTransforms_CostPoseAndChangedVertices) {
   write("host.toml", std::string(scene).replace(scene.find("lanes = 16"), 10,
                                                 "lanes = 16\ntransform_site = \"host\""));
   ASSERT_EQ(cde({"run", "host.toml", "-q"}).status, 0);
-  EXPECT_EQ(run_json("host.run")["played"][1]["queries"][0]["counters"]["secondary_words"],
+  EXPECT_EQ(run_json("host.run")["frame_results"][1]["queries"][0]["counters"]["secondary_words"],
             216 * 9);
   EXPECT_EQ(read("moving.run/hit.csv"), read("host.run/hit.csv"));
 }
@@ -156,7 +157,7 @@ TEST_F(RunScene, DdrFlips_AreCorrectedOrFound) {
   EXPECT_TRUE(has(ran.err, "1 of 2 injected"));
   const auto j = run_json("ecc.run");
   EXPECT_EQ(j["finished"], false);
-  EXPECT_EQ(j["played"].size(), 1u);
+  EXPECT_EQ(j["frame_results"].size(), 1u);
   EXPECT_EQ(j["faults"]["scheduled"][1]["injected"], false);
 
   write("bare.toml", kFlight);
@@ -177,7 +178,7 @@ TEST_F(RunScene, BusFaults_AreRetriedOrOneError) {
   EXPECT_EQ(ran.status, 4) << ran.err;
   EXPECT_TRUE(has(ran.err, "target abort"));
   EXPECT_TRUE(has(ran.err, "1 of 1 injected"));
-  EXPECT_EQ(run_json("cycle.run")["played"].size(), 1u);
+  EXPECT_EQ(run_json("cycle.run")["frame_results"].size(), 1u);
 }
 
 /// Several pairs, swapped roles, normals, masks, and other secondaries for every query.
@@ -186,8 +187,8 @@ TEST_F(RunScene, MixedScene_IsCheckedCompletely) {
   const Ran ran = cde({"run", scene, "--out", "out", "--frames", "0..5"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = run_json("out");
-  ASSERT_EQ(j["played"].size(), 6u);
-  for (const auto& frame : j["played"]) {
+  ASSERT_EQ(j["frame_results"].size(), 6u);
+  for (const auto& frame : j["frame_results"]) {
     ASSERT_EQ(frame["queries"].size(), 3u);
     EXPECT_EQ(frame["queries"][0]["records"], 41 - 4);
     EXPECT_EQ(frame["queries"][1]["records"], 3);
@@ -298,15 +299,15 @@ TEST_F(RunScene, Interrupt_LeavesReadableFiles) {
   const auto j = run_json("long.run");
   EXPECT_EQ(j["finished"], false);
   EXPECT_EQ(j["stopped_by_signal"], SIGINT);
-  const auto played = j["played"].size();
-  ASSERT_GE(played, 3u);
+  const auto frames = j["frame_results"].size();
+  ASSERT_GE(frames, 3u);
   std::size_t csv = 0;
   for (const auto& entry : fs::directory_iterator(folder_ / "long.run")) {
     csv += entry.path().extension() == ".csv" ? 1 : 0;
     EXPECT_TRUE(entry.path().extension() == ".csv" || entry.path().filename() == "run.json")
         << entry.path();
   }
-  EXPECT_EQ(csv, played);
+  EXPECT_EQ(csv, frames);
 }
 
 TEST_F(RunScene, Waves_AreWrittenOrRemoved) {
@@ -325,7 +326,7 @@ TEST_F(RunScene, Waves_AreWrittenOrRemoved) {
   EXPECT_EQ(ran.status, 2);
   EXPECT_EQ(ran.err, "cde: w.fst: the waves are incomplete: File too large\n");
   EXPECT_FALSE(exists("w.fst"));
-  EXPECT_EQ(run_json("small.run")["played"].size(), 1u);
+  EXPECT_EQ(run_json("small.run")["frame_results"].size(), 1u);
 }
 
 /// A faulty card: hits lie outside triangles. The run stops after the frame with status 3, and
@@ -340,7 +341,7 @@ TEST_F(RunScene, FaultyCard_IsFound) {
   EXPECT_TRUE(has(ran.err, "frame 0, query 'hit': "));
   EXPECT_TRUE(has(ran.err, "differ from the reference, the first:\nprimary "));
   const auto j = run_json("small.run");
-  EXPECT_EQ(j["played"].size(), 1u);
+  EXPECT_EQ(j["frame_results"].size(), 1u);
   EXPECT_GT(j["totals"]["mismatches"], 0);
   EXPECT_FALSE(exists("small.run/hit.csv")) << "no table, because frames are missing";
   EXPECT_LT(j["totals"]["mismatches"], 300);

@@ -40,8 +40,8 @@ TEST(PlanBvh, CheaperBvh_IsUsed) {
   EXPECT_EQ(p.board.nodes, BoardConfig{}.nodes);
   EXPECT_EQ(p.board.lanes, 4u) << "no query uses brute force";
   EXPECT_TRUE(p.queries[0].bvh);
-  ASSERT_TRUE(p.queries[0].bvh_clocks);
-  EXPECT_LT(*p.queries[0].bvh_clocks, p.queries[0].rows / 2);
+  ASSERT_TRUE(p.queries[0].bvh_cycles);
+  EXPECT_LT(*p.queries[0].bvh_cycles, p.queries[0].rows / 2);
   EXPECT_TRUE(has(bvh(p).why, "rays of hit traverse a BVH of"));
   EXPECT_TRUE(
       has(bvh(p).cost, fmt::format("brute force on 128 lanes takes {}", p.queries[0].rows)));
@@ -87,7 +87,7 @@ TEST(PlanBvh, OtherQueriesByBruteForce_KeepTheirLanes) {
                     "secondaries = \"ground\"\nmode = \"all\"\n");
   EXPECT_TRUE(p.queries[0].bvh);
   EXPECT_FALSE(p.queries[1].bvh);
-  EXPECT_EQ(p.queries[1].bvh_clocks, std::nullopt);
+  EXPECT_EQ(p.queries[1].bvh_cycles, std::nullopt);
   EXPECT_EQ(p.board.lanes, 128u);
 }
 
@@ -141,7 +141,7 @@ TEST(PlanBvh, SolidPrimaries_UseABvh) {
     EXPECT_TRUE(p.board.box) << "the BVH needs the box rule";
     EXPECT_EQ(p.board.lanes, shape == std::string("sphere") ? 4u : 8u)
         << "no query uses brute force";
-    EXPECT_LT(*p.queries[0].bvh_clocks, p.queries[0].rows / 2);
+    EXPECT_LT(*p.queries[0].bvh_cycles, p.queries[0].rows / 2);
     EXPECT_NO_THROW((void)p.board.parameters());
     const Plan off = of("[card]\nbvh = \"off\"\n" + ground(60) + solids(shape));
     EXPECT_TRUE(off.board.box) << "records must not depend on the BVH";
@@ -158,7 +158,7 @@ TEST(PlanBvh, SolidPrimaries_UseABvh) {
       const Plan large = of(ground(60) + giants);
       EXPECT_FALSE(bvh(large).used);
       EXPECT_EQ(bvh(large).why, "brute force takes less");
-      EXPECT_GT(*large.queries[0].bvh_clocks, large.queries[0].rows);
+      EXPECT_GT(*large.queries[0].bvh_cycles, large.queries[0].rows);
       const Plan both = of(ground(60) + giants + solids(shape, "mode = \"hits\"\n"));
       EXPECT_FALSE(both.queries[0].bvh);
       EXPECT_TRUE(both.queries[1].bvh);
@@ -238,7 +238,7 @@ TEST(PlanBvh, ManyMovingShapes_UseBruteForce) {
   const Plan p = dust("true");
   EXPECT_FALSE(bvh(p).used);
   EXPECT_EQ(bvh(p).why, "brute force takes less");
-  EXPECT_GT(*p.queries[0].bvh_clocks, p.queries[0].rows);
+  EXPECT_GT(*p.queries[0].bvh_cycles, p.queries[0].rows);
 }
 
 }  // namespace

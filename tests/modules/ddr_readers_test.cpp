@@ -45,8 +45,8 @@ class Traffic {
  public:
   /// A reader starts a request in `asks` of 16 cycles. DDR answers an old enough request in
   /// `answers` of 16 cycles.
-  void run(unsigned clocks, unsigned asks, unsigned answers) {
-    for (const unsigned end = clock_ + clocks; clock_ < end; ++clock_) one(asks, answers);
+  void run(unsigned cycles, unsigned asks, unsigned answers) {
+    for (const unsigned end = clock_ + cycles; clock_ < end; ++clock_) one(asks, answers);
   }
   void reset() {
     readers_->rst_i = 1;

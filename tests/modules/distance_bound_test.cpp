@@ -28,7 +28,7 @@ namespace {
 
 using namespace hard;
 
-constexpr unsigned kClocks = 60;  // longer than the latency of every module
+constexpr unsigned kCycles = 60;  // longer than the latency of every module
 std::uint32_t word(float x) {
   return std::bit_cast<std::uint32_t>(x);
 }
@@ -54,7 +54,7 @@ void expect_bounds(std::size_t count) {
       const auto b = to_words(solid);
       for (unsigned w = 0; w < a.size(); ++w) module->a_i[w] = word(a[w]);
       for (unsigned w = 0; w < b.size(); ++w) module->b_i[w] = word(b[w]);
-      for (unsigned clock = 0; clock < kClocks; ++clock) module.clock();
+      for (unsigned clock = 0; clock < kCycles; ++clock) module.clock();
       ASSERT_EQ(module->bound_o, word(reference::distance_bound<float>(t, solid))) << text(solid);
     }
   }
@@ -91,7 +91,7 @@ void expect_at_least() {
     module->t_i = word(pipe.t);
     for (int k = 0; k < 3; ++k)
       module->cp_i[k] = word(pipe.cp[k]), module->n_i[k] = word(pipe.n[k]);
-    for (unsigned clock = 0; clock < kClocks; ++clock) module.clock();
+    for (unsigned clock = 0; clock < kCycles; ++clock) module.clock();
     const auto should = reference::at_least<float>(pipe, bound);
     ASSERT_EQ(module->f_o, should.f ? ~0u : 0u) << pipe.f << ' ' << pipe.t << ' ' << bound;
     ASSERT_EQ(module->t_o, word(should.t)) << pipe.f << ' ' << pipe.t << ' ' << bound;
@@ -130,7 +130,7 @@ void expect_fronts() {
         module->root_i[3 + k] = word(root.upper[k]);
       }
       module->root_i[6] = word(root.margin);
-      for (unsigned clock = 0; clock < kClocks; ++clock) module.clock();
+      for (unsigned clock = 0; clock < kCycles; ++clock) module.clock();
       const auto front = reference::solid_front<float>(solid, root);
       for (int k = 0; k < 3; ++k) {
         ASSERT_EQ(module->r_o[k], word(front.above[k])) << text(solid);

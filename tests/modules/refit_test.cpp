@@ -59,14 +59,14 @@ class Bench {
     module_->node_count_i = static_cast<IData>(nodes.size());
     step();
     module_->start_i = 0;
-    clocks = free_ = asked_ = 0;
+    cycles = free_ = asked_ = 0;
   }
 
   /// Runs to the end; false after a timeout.
   bool run() {
     start();
     const std::size_t most = 2000 + 200 * (nodes.size() + triangles_.size());
-    while (clocks < most)
+    while (cycles < most)
       if (step()) return waiting_.empty();
     return false;
   }
@@ -94,7 +94,7 @@ class Bench {
     if (module_->fetch_valid_o != 0 && module_->fetch_ready_i != 0)
       ask(module_->fetch_slot_o, module_->fetch_tag_o);
     module_.clock();
-    ++clocks;
+    ++cycles;
     return done;
   }
 
@@ -104,7 +104,7 @@ class Bench {
 
   std::vector<Node> nodes;
   unsigned first = 0;  ///< the first node that is refitted
-  unsigned clocks = 0, writes = 0;
+  unsigned cycles = 0, writes = 0;
   /// Memory takes `held_from` requests, then stalls until cycle `held_to`.
   unsigned held_from = ~0u, held_to = 0;
 
@@ -117,25 +117,25 @@ class Bench {
   std::uint32_t noise() { return dice_.below(1u << 16) << 16 | dice_.below(1u << 16); }
 
   bool ready() {
-    if (asked_ >= held_from && clocks < held_to) return false;
-    if (timing_ != Timing::kLate) return timing_ == Timing::kAtOnce || free_ < clocks + 4;
-    if (clocks < free_) return false;
-    if (dice_.once_in(100)) free_ = clocks + 60 + dice_.below(200);
+    if (asked_ >= held_from && cycles < held_to) return false;
+    if (timing_ != Timing::kLate) return timing_ == Timing::kAtOnce || free_ < cycles + 4;
+    if (cycles < free_) return false;
+    if (dice_.once_in(100)) free_ = cycles + 60 + dice_.below(200);
     return dice_.once_in(2);
   }
   void ask(std::uint32_t slot, std::uint32_t tag) {
     ++asked_;
-    unsigned due = clocks + 1;
+    unsigned due = cycles + 1;
     if (timing_ == Timing::kLate) due += dice_.below(dice_.once_in(8) ? 200 : 40);
     if (timing_ == Timing::kSteady) {
-      free_ = std::max(free_, clocks) + 1 + (tag & 1);
+      free_ = std::max(free_, cycles) + 1 + (tag & 1);
       due = free_ + 20;
     }
     waiting_.push_back({slot, tag, due});
   }
   void answer() {
     const auto it = std::find_if(waiting_.begin(), waiting_.end(),
-                                 [&](const Asked& a) { return a.due <= clocks; });
+                                 [&](const Asked& a) { return a.due <= cycles; });
     const bool valid = it != waiting_.end() && (timing_ != Timing::kLate || !dice_.once_in(4));
     module_->fetched_valid_i = valid;
     for (unsigned w = 0; w < 18; ++w) module_->fetched_i[w] = noise();
@@ -404,11 +404,11 @@ TEST(RefitModule, Terrain_TakesTheDocumentedCycles) {
     ASSERT_TRUE(bench.run());
     expect_same(bench.nodes, should);
     EXPECT_EQ(bench.writes, bvh.nodes.size());
-    EXPECT_LT(bench.clocks, 450'000u);
+    EXPECT_LT(bench.cycles, 450'000u);
     std::printf("%zu triangles, %zu nodes, memory %s: %u cycles, %.3f per triangle\n",
                 triangles.size(), bvh.nodes.size(),
                 timing == Timing::kSteady ? "with a triangle per cycle" : "without waiting",
-                bench.clocks, bench.clocks / static_cast<double>(triangles.size()));
+                bench.cycles, bench.cycles / static_cast<double>(triangles.size()));
   }
 }
 

@@ -73,8 +73,8 @@ class Bench {
     module_->traversal_i =
         std::is_same_v<P, Ray> ? 0 : 11;  // ray-triangle, triangle-sphere swapped
     module_->ahead_i = ahead;
-    for (clocks = 0; got < rays.size(); ++clocks) {
-      if (clocks > 1000 * rays.size() + 1'000'000) {
+    for (cycles = 0; got < rays.size(); ++cycles) {
+      if (cycles > 1000 * rays.size() + 1'000'000) {
         ADD_FAILURE() << "timeout: " << got << " of " << rays.size();
         break;
       }
@@ -92,7 +92,7 @@ class Bench {
       if (ray && module_->ray_ready_o != 0) ++sent;
       if (module_->fetch_valid_o != 0 && module_->fetch_ready_i != 0)
         memory_.waiting.push_back({module_->fetch_slot_o, module_->fetch_tag_o,
-                                   clocks + 1 + (patient ? 0 : dice_.below(40))});
+                                   cycles + 1 + (patient ? 0 : dice_.below(40))});
       if (module_->record_valid_o != 0 && module_->record_ready_i != 0) {
         Record& r = records.at(module_->number_o);
         EXPECT_EQ(r.primary, 0u) << "duplicate record";
@@ -120,17 +120,17 @@ class Bench {
   bool ahead = false;        ///< rays do not wait for their leaves
   std::vector<Record> hits;  ///< records of the goal "hits"
 
-  unsigned clocks = 0;
+  unsigned cycles = 0;
   [[nodiscard]] std::uint64_t nodes() const { return nodes_; }
   [[nodiscard]] std::uint64_t secondaries() const { return secondaries_; }
 
   /// Expected cycles of a `patient` cast with enough rays to hide latency. Each unit reads one node
   /// per cycle. All units together accept one ray and one tested leaf per cycle.
-  void expect_clocks(std::size_t rays) const {
+  void expect_cycles(std::size_t rays) const {
     const double bound =
         std::max(static_cast<double>(nodes_) / kUnits, static_cast<double>(rays + leaves_));
-    EXPECT_GE(clocks, bound);
-    EXPECT_LT(clocks, 1.03 * bound);
+    EXPECT_GE(cycles, bound);
+    EXPECT_LT(cycles, 1.03 * bound);
   }
 
  private:
@@ -174,7 +174,7 @@ class Bench {
   void answer(bool patient) {
     auto& waiting = memory_.waiting;
     const auto ready = std::find_if(waiting.begin(), waiting.end(),
-                                    [&](const auto& asked) { return asked.due <= clocks; });
+                                    [&](const auto& asked) { return asked.due <= cycles; });
     module_->fetched_valid_i = ready != waiting.end() && (patient || !dice_.once_in(4));
     if (module_->fetched_valid_i == 0) return;
     module_->fetched_tag_i = ready->tag;
@@ -255,7 +255,7 @@ void expect_hits(const Scene& s, const Bvh& bvh, Algorithm algorithm, bool patie
   }
   EXPECT_EQ(at, bench.hits.size());
   EXPECT_GT(at, s.rays.size() / 10);
-  if (patient && s.rays.size() >= kStream) bench.expect_clocks(s.rays.size());
+  if (patient && s.rays.size() >= kStream) bench.expect_cycles(s.rays.size());
 }
 
 template <class Module>
@@ -282,10 +282,10 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
         EXPECT_LT(hits, count);
         EXPECT_EQ(bench.nodes(), expected.counts().nodes) << name_of(goal.mode);
         EXPECT_EQ(bench.secondaries(), expected.counts().secondaries) << name_of(goal.mode);
-        if (patient && count >= kStream) bench.expect_clocks(count);
+        if (patient && count >= kStream) bench.expect_cycles(count);
         if (patient && leaf == 2)
-          std::printf("%s: %.2f clocks, %.2f nodes, %.2f triangles a ray\n", name_of(goal.mode),
-                      bench.clocks / static_cast<double>(count),
+          std::printf("%s: %.2f cycles, %.2f nodes, %.2f triangles per ray\n", name_of(goal.mode),
+                      bench.cycles / static_cast<double>(count),
                       bench.nodes() / static_cast<double>(count),
                       bench.secondaries() / static_cast<double>(count));
       }
@@ -296,7 +296,7 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
         ASSERT_EQ(records[i].f, expected.occluded(s.rays[i])) << "ray " << i;
       EXPECT_EQ(bench.nodes(), expected.counts().nodes);
       EXPECT_EQ(bench.secondaries(), expected.counts().secondaries);
-      if (patient && count >= kStream) bench.expect_clocks(count);
+      if (patient && count >= kStream) bench.expect_cycles(count);
       expect_hits<Module>(s, bvh, algorithm, patient);
     }
   }
@@ -340,9 +340,9 @@ TEST(Traversal, Terrain_TakesTheDocumentedCycles) {
         ASSERT_TRUE(same_bits(records[i], should)) << "ray " << i;
       }
     }
-    if (count == kStream) bench.expect_clocks(count);
-    std::printf("%zu rays: %u clocks, %.2f a ray; %.2f nodes, %.2f triangles\n", count,
-                bench.clocks, bench.clocks / static_cast<double>(count),
+    if (count == kStream) bench.expect_cycles(count);
+    std::printf("%zu rays: %u cycles, %.2f per ray; %.2f nodes, %.2f triangles\n", count,
+                bench.cycles, bench.cycles / static_cast<double>(count),
                 bench.nodes() / static_cast<double>(count),
                 bench.secondaries() / static_cast<double>(count));
   }
@@ -381,8 +381,8 @@ void expect_spheres(const hard::TriangleScene& triangles, std::size_t count) {
       EXPECT_EQ(bench.nodes(), traversal.counts().nodes) << name_of(goal.mode);
       EXPECT_EQ(bench.secondaries(), traversal.counts().secondaries) << name_of(goal.mode);
       if (patient)
-        std::printf("%s: %.2f clocks, %.2f nodes, %.2f triangles a solid\n", name_of(goal.mode),
-                    bench.clocks / static_cast<double>(count),
+        std::printf("%s: %.2f cycles, %.2f nodes, %.2f triangles per solid\n", name_of(goal.mode),
+                    bench.cycles / static_cast<double>(count),
                     static_cast<double>(bench.nodes()) / static_cast<double>(count),
                     static_cast<double>(bench.secondaries()) / static_cast<double>(count));
     }
@@ -410,13 +410,13 @@ TEST(Traversal, Spheres_EqualTheReference) {
 }
 
 /// Passes of few primaries that do not wait for their leaves, one after the other in the same
-/// contexts. Records are the same, and no fewer nodes are read. `clocks` is the expected duration.
+/// contexts. Records are the same, and no fewer nodes are read. `cycles` is the expected duration.
 template <class Module, class P>
 void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& primaries,
-                  bool patient, bool ahead, unsigned& clocks) {
+                  bool patient, bool ahead, unsigned& cycles) {
   const Bvh bvh = Bvh::build(triangles, {.leaf = 2});
   reference::Traversal traversal(triangles, bvh);
-  clocks = 0;
+  cycles = 0;
   for (unsigned goal = 0; goal <= kHits; ++goal) {
     if (goal == 1 && !std::is_same_v<P, Ray>) continue;  // no solid is farthest
     SCOPED_TRACE(goal);
@@ -430,7 +430,7 @@ void expect_ahead(const std::vector<Triangle>& triangles, const std::vector<P>& 
                                 primaries.begin() + static_cast<std::ptrdiff_t>(first + count));
       bench.hits.clear();
       const std::vector<Record> records = bench.cast(some, goal, patient);
-      clocks += bench.clocks;
+      cycles += bench.cycles;
       std::vector<Record> hits;
       for (std::uint32_t i = 0; i < count; ++i) {
         if (goal == kOccluded) {
@@ -468,7 +468,7 @@ TEST(Traversal, PassesAheadOfTheirLeaves_EqualTheReferenceFaster) {
     expect_ahead<TraversalHost>(s.triangles, s.rays, patient, true, ahead);
     expect_ahead<TraversalSolids>(s.triangles, spheres, patient, true, ahead);
     expect_ahead<TraversalSolids>(s.triangles, spheres, patient, false, waiting);
-    std::printf("%u clocks, not %u\n", ahead, waiting);
+    std::printf("%u cycles, not %u\n", ahead, waiting);
     EXPECT_LT(2 * ahead, waiting);
   }
 }

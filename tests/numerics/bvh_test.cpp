@@ -174,7 +174,7 @@ TEST(BoxRule, OverflowingMargin_DropsTheHit) {
 }
 
 /// Nodes read per ray, for rays from anywhere.
-double nodes_a_ray(const TriangleScene& scene, const Bvh& bvh) {
+double nodes_per_ray(const TriangleScene& scene, const Bvh& bvh) {
   constexpr unsigned kRays = 2000;
   Draw draw(3);
   reference::Traversal traversal(scene, bvh);
@@ -201,8 +201,8 @@ TEST(BvhOverObjects, OldBvhOverFewObjects_IsAsGoodAsANewOne) {
     }
     Bvh stays = Bvh::build(before, parts);
     stays.refit(after);
-    const double old = nodes_a_ray(after, stays),
-                 anew = nodes_a_ray(after, Bvh::build(after, parts));
+    const double old = nodes_per_ray(after, stays),
+                 anew = nodes_per_ray(after, Bvh::build(after, parts));
     fmt::print("{} objects of {} triangles: {:.1f} nodes per ray, {:.1f} in a rebuilt BVH\n",
                objects, each, old, anew);
     if (objects == 8) {

@@ -461,7 +461,7 @@ class CylinderWitnesses : public ::testing::TestWithParam<std::tuple<oracle::Pai
 /// How many of a million everyday pairs have a witness point beyond tolP. A distance decides it,
 /// without the oracle.
 TEST_P(CylinderWitnesses, WitnessPoints_LieOnTheBodies) {
-  const auto [pair, most_of_a_million] = GetParam();
+  const auto [pair, max_per_million] = GetParam();
   const int count = full() ? 1000000 : 20000;
   int beyond = 0;
   double worst = 0;
@@ -474,7 +474,7 @@ TEST_P(CylinderWitnesses, WitnessPoints_LieOnTheBodies) {
   std::printf("%s, everyday: witness points of %d of %d more than 1 tolP off, at most %.2g\n",
               oracle::to_string(pair), beyond, count, worst);
   // A small count varies more.
-  EXPECT_LE(beyond, most_of_a_million * count * 1e-6 + (full() ? 0 : 5));
+  EXPECT_LE(beyond, max_per_million * count * 1e-6 + (full() ? 0 : 5));
 }
 
 INSTANTIATE_TEST_SUITE_P(Everyday, CylinderWitnesses,

@@ -537,14 +537,14 @@ TEST_P(EveryAlgorithm, BadInputInAnyWord_IsFlagged) {
 TEST(Operators, Counts_EqualTheDocs) {
   std::string multipliers = "| multipliers |", dividers = "| dividers |",
               adders = "| adders, subtractors |", comparators = "| comparators |",
-              clocks = "| cycles at one per operator |";
+              cycles = "| cycles at one per operator |";
   for (unsigned a = 0; a < kAlgorithms; ++a) {
     const Tally n = operators(Pair::kRayTriangle, static_cast<cde::Algorithm>(a));
     multipliers += fmt::format(" {} |", n.mul), dividers += fmt::format(" {} |", n.div);
     adders += fmt::format(" {}, {} |", n.add, n.sub), comparators += fmt::format(" {} |", n.cmp);
-    clocks += fmt::format(" {} |", n.depth + 1);  // plus the selection of the outcome
+    cycles += fmt::format(" {} |", n.depth + 1);  // plus the selection of the outcome
   }
-  expect_in_docs("reference/pairs_rays.md", {multipliers, dividers, adders, comparators, clocks});
+  expect_in_docs("reference/pairs_rays.md", {multipliers, dividers, adders, comparators, cycles});
 }
 
 }  // namespace

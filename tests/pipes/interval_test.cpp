@@ -51,7 +51,7 @@ struct Parameter {
   unsigned latency;  ///< cycles of the pipe with operators of one cycle
 
   /// Including the cycles that scale the pair and its result.
-  [[nodiscard]] unsigned clocks() const { return latency + 3; }
+  [[nodiscard]] unsigned cycles() const { return latency + 3; }
   [[nodiscard]] bool gates() const { return arithmetic == Arithmetic::kRtl; }
   friend void PrintTo(const Parameter& p, std::ostream* out) { *out << name(p.pair); }
 };
@@ -67,7 +67,7 @@ TEST_P(SatInterval, SharedAxes_TakeARowPerThreeCycles) {
                           .sat_interval = kInterval};
   const std::size_t count = p.gates() ? 2000 : 20000, rows = count / config.lanes;
   PairUnit unit(config);
-  EXPECT_EQ(unit.latency(), p.clocks());
+  EXPECT_EQ(unit.latency(), p.cycles());
   const Operands o = operands(p.pair, count);
   std::vector<PairResult> expected(count), got(count);
   reference::test_pairs(p.pair, config.algorithm, config.format, o.a, o.b, expected);
@@ -79,7 +79,7 @@ TEST_P(SatInterval, SharedAxes_TakeARowPerThreeCycles) {
   EXPECT_LE(hits, count * 7 / 10);
   EXPECT_GT(bad, 0);
 
-  EXPECT_EQ(unit.test(o.a, o.b, got), (rows - 1) * kInterval + p.clocks());
+  EXPECT_EQ(unit.test(o.a, o.b, got), (rows - 1) * kInterval + p.cycles());
   const auto differs = static_cast<std::size_t>(
       std::mismatch(got.begin(), got.end(), expected.begin()).first - got.begin());
   EXPECT_EQ(differs, count) << "first pair that differs:\n"
@@ -94,7 +94,7 @@ TEST_P(SatInterval, SharedAxes_TakeARowPerThreeCycles) {
       [](std::uint64_t t, unsigned gap) { return t + std::max(kInterval, gap + 1); });
   std::vector<PairResult> spaced(count);
   std::size_t next = 0;
-  EXPECT_EQ(unit.test(o.a, o.b, spaced, [&] { return gaps.at(next++); }), entered + p.clocks());
+  EXPECT_EQ(unit.test(o.a, o.b, spaced, [&] { return gaps.at(next++); }), entered + p.cycles());
   EXPECT_EQ(spaced == expected, true) << "gaps between rows must not change results";
 
   // One row alone, after a reset during a stream.
@@ -103,7 +103,7 @@ TEST_P(SatInterval, SharedAxes_TakeARowPerThreeCycles) {
   std::vector<PairResult> one(config.lanes);
   EXPECT_EQ(unit.test(a.first(config.lanes * primary_words(p.pair)),
                       b.first(config.lanes * secondary_words(p.pair)), one),
-            p.clocks());
+            p.cycles());
   EXPECT_TRUE(std::equal(one.begin(), one.end(), expected.begin()));
 }
 

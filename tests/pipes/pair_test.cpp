@@ -207,7 +207,7 @@ unsigned rows_in_flight(cde::PairUnit& unit) {
 /// Cycles from the first input row to the last result, for rows without gaps. A pipelined pair unit
 /// accepts one row per cycle. An iterative pipeline accepts one row per cycle until it is full, and
 /// again when these rows have finished.
-std::uint64_t stated_clocks(cde::PairUnit& unit, std::uint64_t rows,
+std::uint64_t stated_cycles(cde::PairUnit& unit, std::uint64_t rows,
                             const cde::PairIterations& iterations) {
   const std::uint64_t in_flight =
       cde::has_iterations(unit.config().pair) ? rows_in_flight(unit) : 0;
@@ -252,7 +252,7 @@ void PairPipe::compare(cde::PairUnit& unit, std::size_t first, std::size_t count
   cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
                              config.plane, {}, config.box);
   const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
-  const std::uint64_t stated = stated_clocks(unit, rows, {});
+  const std::uint64_t stated = stated_cycles(unit, rows, {});
   EXPECT_EQ(unit.test(o.a, o.b, got), stated);
   for (std::size_t i = 0; i < count; ++i) {
     hits_ += expected[i].f;
@@ -419,7 +419,7 @@ TEST_P(CylinderIterations, Iterations_SetTheWorkOfAPair) {
     cde::reference::test_pairs(config.pair, config.algorithm, config.format, o.a, o.b, expected,
                                config.plane, iterations);
     const std::uint64_t rows = (count + config.lanes - 1) / config.lanes;
-    const std::uint64_t stated = stated_clocks(unit, rows, iterations);
+    const std::uint64_t stated = stated_cycles(unit, rows, iterations);
     unit.set_iterations(iterations);
     EXPECT_EQ(unit.test(o.a, o.b, got), stated);
     if (const auto [g, e] = std::mismatch(got.begin(), got.end(), expected.begin()); g != got.end())
@@ -524,7 +524,7 @@ std::vector<Parameter> slow_operators() {
       slow.latency_compare = 4;
       if (arithmetic == cde::Arithmetic::kHost) slow.format = {11, 52};
       if (arithmetic == cde::Arithmetic::kRtl && pipe.pair != Pair::kSphereObb)
-        slow.left_out = "gates with operators of several clocks, but for sphere-obb";
+        slow.left_out = "gates with operators of several cycles, but for sphere-obb";
       all.push_back(slow);
     }
   return all;

@@ -131,7 +131,7 @@ TEST_F(WaveFiles, Vcd_HasSignalsAndValues) {
   EXPECT_EQ(i["comments"], nlohmann::json({"fail 3", "anywhere"}));
   EXPECT_EQ(i["blackouts"][0]["from"], 2);
   EXPECT_EQ(i["blackouts"][0]["to"], 4);
-  EXPECT_NEAR(i["seconds_a_unit"].get<double>(), 1e-11, 1e-20);
+  EXPECT_NEAR(i["seconds_per_unit"].get<double>(), 1e-11, 1e-20);
 }
 
 TEST_F(WaveFiles, UndumpedTimes_AreMarkedInPicturesAndPages) {
@@ -366,7 +366,7 @@ TEST_F(UnclosedFst, WithoutHeader_TakesNamesOfAClosedFileOfTheModel) {
   write("u.fst.hier", whole_);
   const nlohmann::json i = info("u.fst");
   EXPECT_EQ(i["closed"], false);
-  EXPECT_EQ(i["seconds_a_unit"], 1e-9);
+  EXPECT_EQ(i["seconds_per_unit"], 1e-9);
   EXPECT_TRUE(has(i["ending"].get<std::string>(), "names are of u.fst.hier")) << i["ending"];
   EXPECT_TRUE(changes("u.fst", "top.a").starts_with("0=00 1=01 2=02"));
   EXPECT_EQ(cde({"wave", "at", "u.fst", "12", "top.a"}).out, "at 12ns\ntop.a  0c\n");

@@ -27,16 +27,16 @@ class Bus {
   /// the falling clock edge, for registers that sample them at the rising edge.
   void clock(std::string_view asserted, bool own = false, unsigned cbe = 0, std::uint64_t ad = 0) {
     constexpr std::string_view kLetters = "FITSDQAP";
-    w_.time(30ull * clocks_);
+    w_.time(30ull * cycles_);
     w_.set(clk_, 0);
     for (std::size_t i = 0; i < kLetters.size(); ++i)
       w_.set(wires_[i], asserted.find(kLetters[i]) == std::string_view::npos);
     w_.set(cbe_, cbe);
     w_.set(ad_, ad);
     w_.set(own_, own);
-    w_.time(30ull * clocks_ + 15);
+    w_.time(30ull * cycles_ + 15);
     w_.set(clk_, 1);
-    ++clocks_;
+    ++cycles_;
   }
 
  private:
@@ -45,7 +45,7 @@ class Bus {
   Writer w_;
   fstHandle clk_ = 0, cbe_ = 0, ad_ = 0, own_ = 0;
   std::array<fstHandle, 8> wires_{};
-  unsigned clocks_ = 0;
+  unsigned cycles_ = 0;
 };
 
 }  // namespace

@@ -101,7 +101,7 @@ void write_structure(const std::filesystem::path& folder) {
 }
 
 void write_large(const std::filesystem::path& file, unsigned signals, unsigned cycles,
-                 unsigned changes_a_cycle) {
+                 unsigned changes_per_cycle) {
   Writer w(file);
   w.scope("top");
   const fstHandle clk = w.signal("clk", 1);
@@ -121,7 +121,7 @@ void write_large(const std::filesystem::path& file, unsigned signals, unsigned c
     w.set(clk, 0);
     w.time(10ull * cycle + 5);
     w.set(clk, 1);
-    for (unsigned i = 0; i < changes_a_cycle; ++i) w.set(all[random() % signals], random());
+    for (unsigned i = 0; i < changes_per_cycle; ++i) w.set(all[random() % signals], random());
   }
 }
 

@@ -57,7 +57,7 @@ void write_structure(const std::filesystem::path& folder);
 
 /// Many 32-bit signals s0, s1, ... in scopes of a hundred, with a clock.
 void write_large(const std::filesystem::path& file, unsigned signals, unsigned cycles,
-                 unsigned changes_a_cycle);
+                 unsigned changes_per_cycle);
 
 /// A PCI bus as seen by a card's bridge, with a clock of 30 ns. The host writes three words, and
 /// one of its reads is retried. The card's read is disconnected; then follow a target abort and a

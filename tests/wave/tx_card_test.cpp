@@ -61,7 +61,7 @@ class TxCard : public Cli {
     std::map<std::string, std::uint64_t> sums;
     if (ran.status != 0) return sums;
     const auto j = nlohmann::json::parse(ran.out);
-    for (const auto& q : j["played"][0]["queries"]) {
+    for (const auto& q : j["frame_results"][0]["queries"]) {
       sums["hits"] += q["hits"].get<std::uint64_t>();
       for (const auto& [key, value] : q["counters"].items())
         sums[key] += value.get<std::uint64_t>();
@@ -149,7 +149,7 @@ void expect_engine(const std::map<std::string, std::uint64_t>& counters,
   EXPECT_EQ(wave::field_of(passes[1], "mode"), "hits");
   EXPECT_EQ(wave::field_of(passes[1], "pair"), "ray-triangle");
   EXPECT_EQ(with(passes, "outcome", "done"), 2u);
-  EXPECT_EQ(sum(passes, "clocks"), counters.at("device_cycles") + counters.at("writeback_cycles"));
+  EXPECT_EQ(sum(passes, "cycles"), counters.at("device_cycles") + counters.at("writeback_cycles"));
   EXPECT_EQ(sum(passes, "writeback"), counters.at("writeback_cycles"));
   EXPECT_EQ(sum(passes, "rows"), counters.at("rows"));
   EXPECT_EQ(sum(passes, "stalls"), counters.at("stall_cycles"));
@@ -178,7 +178,7 @@ void expect_engine(const std::map<std::string, std::uint64_t>& counters,
   // One pipe has one latency. Hits of the first pass hit in the second pass.
   EXPECT_EQ(std::set<std::uint64_t>({19}), [&] {
     std::set<std::uint64_t> latencies;
-    for (const Transaction& t : tests) latencies.insert(number(t, "clocks"));
+    for (const Transaction& t : tests) latencies.insert(number(t, "cycles"));
     return latencies;
   }());
   EXPECT_EQ(sum(tests, "hits"), 2 * with(records, "pass", "1"));
@@ -282,7 +282,7 @@ TEST_F(TxCard, BusFaults_MatchTheCardsCounters) {
     EXPECT_EQ(with(own, "outcome", "target-abort") + with(own, "outcome", "master-abort"),
               counted(count + "[6]"));
     // All cycles with FRAME# or IRDY#, including the host's cycles.
-    EXPECT_EQ(sum(pci, "clocks") + pci.size(), counted(count + "[7]"));
+    EXPECT_EQ(sum(pci, "cycles") + pci.size(), counted(count + "[7]"));
     EXPECT_EQ(with(pci, "width", "64") == 0, faults.empty());
   }
 }

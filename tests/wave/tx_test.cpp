@@ -60,7 +60,7 @@ TEST_F(Tx, EveryEndOfAPciTransaction_IsReported) {
   EXPECT_EQ(j["kinds"], nlohmann::json({"pci"}));
   struct Expected {
     std::string master, command, address, words, width, outcome;
-    std::uint64_t begin, clocks, stalls;
+    std::uint64_t begin, cycles, stalls;
   };
   const std::vector<Expected> all = {
       {"host", "memory-write", "0xf0001000", "3", "32", "done", 45, 5, 2},
@@ -85,8 +85,8 @@ TEST_F(Tx, EveryEndOfAPciTransaction_IsReported) {
     EXPECT_EQ(t["stalls"], all[i].stalls);
     EXPECT_EQ(t["scope"], "card.bridge");
     if (all[i].outcome != "open") {
-      EXPECT_EQ(t["end"], all[i].begin + 30 * all[i].clocks);
-      EXPECT_EQ(value(t, "clocks"), std::to_string(all[i].clocks));
+      EXPECT_EQ(t["end"], all[i].begin + 30 * all[i].cycles);
+      EXPECT_EQ(value(t, "cycles"), std::to_string(all[i].cycles));
     }
   }
   EXPECT_EQ(value(j["transactions"][0], "first_word"), "2");
@@ -201,7 +201,7 @@ TEST_F(Tx, Output_IsBoundedAndCountsTheRest) {
   EXPECT_EQ(json({"pci.fst", "--max", "2"})["counts"][0]["count"], 8);
   const Ran csv = tx({"pci.fst", "pci", "--csv", "--max", "1"});
   EXPECT_EQ(csv.out,
-            "kind,begin,end,latency,stalls,outcome,clocks,master,access,command,address,words,"
+            "kind,begin,end,latency,stalls,outcome,cycles,master,access,command,address,words,"
             "width,bytes,first_word,stop,label,scope\n"
             "pci,45,195,150,2,done,5,host,write,memory-write,0xf0001000,3,32,12,2,0,"
             "\"host memory-write 0xf0001000, 3 words of 32 bits\",card.bridge\n");

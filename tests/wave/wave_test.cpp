@@ -55,7 +55,7 @@ TEST_F(Wave, Info_DescribesTheFile) {
   const auto j = json({"info", "a.fst"});
   EXPECT_EQ(j["schema"], "cde.wave.info.1");
   EXPECT_EQ(j["writer"], "sample");
-  EXPECT_EQ(j["seconds_a_unit"], 1e-9);
+  EXPECT_EQ(j["seconds_per_unit"], 1e-9);
   EXPECT_EQ(j["to"], 195);
   EXPECT_EQ(j["scopes"], 2);
   EXPECT_EQ(j["signals"], 7);

@@ -157,7 +157,7 @@ Table comparison(const std::string& title, const std::array<Quantity, N>& quanti
 Table all_pipes(const std::vector<Pipe>& pipes, const Profile& profile) {
   Table table{"Pipes",
               {.heads = {"pipe", "mul", "div", "sqrt", "add", "sub", "cmp", "min/max", "levels",
-                         "clocks", "interval"},
+                         "latency", "interval"},
                .gap = 2,
                .wide_markdown = true}};
   for (const Pipe& pipe : pipes) {
@@ -174,7 +174,7 @@ Table all_pipes(const std::vector<Pipe>& pipes, const Profile& profile) {
     table.columns.lines.push_back(row);
   }
   table.notes = {"levels: latency in cycles if every operator takes one",
-                 fmt::format("clocks: latency in cycles if operators take {}", profile.text()),
+                 fmt::format("latency: in cycles if operators take {}", profile.text()),
                  "interval: cycles from one row of pairs to the next"};
   if (std::any_of(pipes.begin(), pipes.end(), [](const Pipe& p) { return !p.absent.empty(); }))
     table.notes.emplace_back("absent: the RTL has no pipe for this pair and algorithm");
@@ -197,7 +197,7 @@ nlohmann::ordered_json as_json(const std::vector<Pipe>& pipes, const Profile& pr
       j["input_words"] = {{"primary", pipe.a_words}, {"secondary", pipe.b_words}};
       j["output_words"] = pipe.outputs;
       j["latency_levels"] = pipe.latency;
-      j["latency_clocks"] = pipe.latency_profile;
+      j["latency_cycles"] = pipe.latency_profile;
       j["initiation_interval"] = pipe.interval;
     }
     if (const Published* p = published(pipe.algorithm);
@@ -227,8 +227,8 @@ Profile parse_profile(const std::string& text) {
                      std::sscanf(text.c_str(), "%3u,%3u,%3u,%3u,%3u%n", &p.add, &p.mul, &p.div,
                                  &p.sqrt, &p.cmp, &end) == 5 &&
                      static_cast<std::size_t>(end) == text.size();
-  for (const unsigned clocks : {p.add, p.mul, p.div, p.sqrt, p.cmp})
-    if (!whole || clocks < 1 || clocks > 64)
+  for (const unsigned cycles : {p.add, p.mul, p.div, p.sqrt, p.cmp})
+    if (!whole || cycles < 1 || cycles > 64)
       throw Error(ErrorCode::kUsage,
                   fmt::format("--latencies is {}; it must be the cycles of add, mul, div, sqrt and "
                               "compare, 1 to 64 each: 3,3,12,12,1",
@@ -292,7 +292,7 @@ void add_inventory(CLI::App& app) {
           ->default_str("all"),
       "PAIR");
   text_value(verb->add_option("--latencies", o->profile,
-                              "Cycles of add, mul, div, sqrt and compare for the column `clocks`")
+                              "Cycles of add, mul, div, sqrt and compare for the column `latency`")
                  ->capture_default_str(),
              "A,M,D,S,C", [](const std::string& text) { (void)parse_profile(text); });
   one_of(verb->add_option("--sat-interval", o->sat_interval,

@@ -147,7 +147,8 @@ class Text {
         s_.frame, s_.asked().name, s_.primary, place / s_.board.lanes, place % s_.board.lanes,
         name(s_.asked().pair), name_of(s_.asked().mode));
     if (s_.first_frame != s_.frame)
-      put("No record differs if only frame {} is played, so frames {} to {} were played before "
+      put("No record differs if only frame {} is simulated, so frames {} to {} were simulated "
+          "before "
           "it.\n",
           s_.frame, s_.first_frame, s_.frame - 1);
     if (s_.brute_force_instead)

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 using Side = StoryPair::Side;
 
-bool one_a_pair(Mode mode) {
+bool one_per_pair(Mode mode) {
   return mode == Mode::kAll || mode == Mode::kHits;
 }
 
@@ -53,9 +53,9 @@ Named scene_named(const RecordName& name) {
   try {
     found.scene = run.at("scene");
     const std::uint32_t first = run.at("frames").at(0);
-    for (const auto& played : run.at("played"))
-      for (const auto& q : played.at("queries"))
-        found.failed = found.failed || (played.at("frame") == name.frame &&
+    for (const auto& frame : run.at("frame_results"))
+      for (const auto& q : frame.at("queries"))
+        found.failed = found.failed || (frame.at("frame") == name.frame &&
                                         q.at("query") == name.query && q.at("mismatches") != 0);
     if (found.failed) found.first = std::min(first, name.frame);
   } catch (const nlohmann::json::exception&) {
@@ -90,11 +90,11 @@ class Teller {
     const Scratch scratch("cde-record");
     const std::string waves = scratch / "waves.fst";
     (void)model_path(plan_.board.top(), plan_.board.parameters());  // prints its own progress
-    const Progress busy("playing the packet", quiet_);
-    const QueryFrame alone = play(name_.frame, waves);
+    const Progress busy("simulating the packet", quiet_);
+    const QueryFrame alone = run_frames(name_.frame, waves);
     // State from earlier frames may cause the error.
     if (named_.failed && alone.mismatches == 0 && named_.first < name_.frame)
-      (void)play(named_.first, waves);
+      (void)run_frames(named_.first, waves);
     if (s_.of_pairs())
       match_records();
     else
@@ -132,7 +132,7 @@ class Teller {
 
   /// Plays the frames from `first` to the record's frame, and takes the reference's data of the
   /// primary.
-  QueryFrame play(std::uint32_t first, const std::string& waves) {
+  QueryFrame run_frames(std::uint32_t first, const std::string& waves) {
     fs::remove(waves);
     s_.first_frame = first;
     s_.card.clear();
@@ -140,11 +140,11 @@ class Teller {
     options.check = named_.failed ? Check::kAll : Check::kNone;
     options.on_packet = [&](const RunnerOptions::PacketContents& made) { take(made); };
     const TraceOptions which = {.scopes = wave::tested_scopes()};
-    return play_packet({s_.scene, plan_, options, s_.frame, s_.query, s_.primary}, first, waves,
-                       which, [&](std::span<const Record> records) {
-                         for (const Record& r : records)
-                           if (r.primary == s_.primary) s_.card.push_back(r);
-                       });
+    return run_packet({s_.scene, plan_, options, s_.frame, s_.query, s_.primary}, first, waves,
+                      which, [&](std::span<const Record> records) {
+                        for (const Record& r : records)
+                          if (r.primary == s_.primary) s_.card.push_back(r);
+                      });
   }
 
   /// Takes the reference's side.
@@ -272,7 +272,7 @@ bool operator==(const Side& x, const Side& y) {
 }
 
 bool RecordStory::of_pairs() const {
-  return one_a_pair(asked().mode);
+  return one_per_pair(asked().mode);
 }
 
 bool RecordStory::same() const {

@@ -49,7 +49,7 @@ struct RecordStory {
   std::optional<BuiltCard> stands_in_for;
   std::size_t query = 0;
   std::uint32_t frame = 0, primary = 0;
-  std::uint32_t first_frame = 0;                         ///< first played frame
+  std::uint32_t first_frame = 0;                         ///< first simulated frame
   std::vector<Record> card, reference;                   ///< of the primary
   std::vector<StoryPair> arrived;                        ///< pairs, in order of arrival
   std::vector<StoryPair> missing;                        ///< candidates that the card did not test

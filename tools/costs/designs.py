@@ -18,7 +18,7 @@ OPERATORS = {
 }
 ORDINARY = ("add", "mul")
 STYLES = ("cde", "ordinary")
-MOST_CLOCKS = 64
+MOST_LATENCY = 64
 MOST_LANES = 64
 KINDS = ("add", "mul", "div", "sqrt", "cmp")  # kinds of latencies of a pipe, in the order of a card's parameters
 
@@ -147,8 +147,8 @@ endmodule
             for value in ["t"] + [f"{v}[{k}]" for v in ("cp", "n") for k in range(3)]:
                 text += f"  assign q_o[{out}+:{width}] = {value}[{lane}][{width - 1}:0];\n"
                 out += width
-        clocks = ".LAT({" + ", ".join(f"32'd{n}" for n in self.lat) + "})"
-        text += (f"  scaled_pipe #(.EXP({exp}), .MAN({man}), .LANES({lanes}), {clocks}, .ARITH(\"rtl\"),\n"
+        cycles = ".LAT({" + ", ".join(f"32'd{n}" for n in self.lat) + "})"
+        text += (f"  scaled_pipe #(.EXP({exp}), .MAN({man}), .LANES({lanes}), {cycles}, .ARITH(\"rtl\"),\n"
                  f"      .PAIR({known.pairs[self.what]}), .ALGORITHM({known.algorithms.get(self.algorithm, 0)})) unit (\n"
                  "      .clk_i, .enter_i(1'b1), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n),\n"
                  "      .latency_o(unused_latency));\n")
@@ -188,7 +188,7 @@ def design(what, format="fp32", lat=None, lanes="1", style="cde", algorithm=None
     words = (lat or ("1/1/1/1/1" if pipe else "1")).split("/")
     if len(words) != (len(KINDS) if pipe else 1):
         raise Bad(f"--lat {lat}: {what} takes " + (f"five numbers, {'/'.join(KINDS)}" if pipe else "one number"))
-    clocks = tuple(number(word, 1, MOST_CLOCKS, "latency") for word in words)
-    if style == "ordinary" and (clocks != (1,) or lanes not in ("1", 1)):
+    cycles = tuple(number(word, 1, MOST_LATENCY, "latency") for word in words)
+    if style == "ordinary" and (cycles != (1,) or lanes not in ("1", 1)):
         raise Bad(f"ordinary_{what} needs LAT 1 and LANES 1")
-    return Design(what, format, clocks, number(lanes, 1, MOST_LANES, "number of lanes"), style, algorithm or "", target)
+    return Design(what, format, cycles, number(lanes, 1, MOST_LANES, "number of lanes"), style, algorithm or "", target)

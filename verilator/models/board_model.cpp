@@ -52,13 +52,13 @@ class Card {
   }
 
   uint64_t write(uint32_t space, uint32_t offset, const uint8_t* data, uint64_t beats,
-                 uint64_t max_clocks) {
+                 uint64_t max_cycles) {
     uint64_t done = 0;
     if (space >> cde::card::kSpaceBits != 0) return 0;
     model_->bus_valid_i = 1;
     model_->bus_write_i = 1;
     model_->bus_space_i = space;
-    for (uint64_t limit = clocks_ + max_clocks; done < beats && clocks_ < limit;) {
+    for (uint64_t limit = cycles_ + max_cycles; done < beats && cycles_ < limit;) {
       model_->bus_addr_i = offset + static_cast<uint32_t>(8 * done);
       std::memcpy(&model_->bus_wdata_i, data + 8 * done, 8);
       done += tick();
@@ -68,12 +68,12 @@ class Card {
   }
 
   uint64_t read(uint32_t space, uint32_t offset, uint8_t* data, uint64_t beats,
-                uint64_t max_clocks) {
+                uint64_t max_cycles) {
     uint64_t asked = 0, got = 0;
     if (space >> cde::card::kSpaceBits != 0) return 0;
     model_->bus_write_i = 0;
     model_->bus_space_i = space;
-    for (uint64_t limit = clocks_ + max_clocks; got < beats && clocks_ < limit;) {
+    for (uint64_t limit = cycles_ + max_cycles; got < beats && cycles_ < limit;) {
       model_->bus_valid_i = asked < beats;
       model_->bus_addr_i =
           space == cde::card::kSpaceSram ? 0 : offset + static_cast<uint32_t>(8 * asked);
@@ -84,26 +84,26 @@ class Card {
     return got;
   }
 
-  uint64_t run(uint64_t max_clocks) {
-    const uint64_t start = clocks_;
-    while (!model_->irq_o && clocks_ - start < max_clocks) tick();
-    return clocks_ - start;
+  uint64_t run(uint64_t max_cycles) {
+    const uint64_t start = cycles_;
+    while (!model_->irq_o && cycles_ - start < max_cycles) tick();
+    return cycles_ - start;
   }
-  void advance(uint64_t clocks) {
-    for (const uint64_t end = clocks_ + clocks; clocks_ < end;) tick();
+  void advance(uint64_t cycles) {
+    for (const uint64_t end = cycles_ + cycles; cycles_ < end;) tick();
   }
   bool interrupt() const { return model_->irq_o; }
   const cde_memory_counters& memory() const { return chips_.counters(); }
-  uint64_t clocks() const { return clocks_; }
+  uint64_t cycles() const { return cycles_; }
 
   int trace_open(const cde_trace& what) {
-    return waves_.open(*context_, *model_, what, clocks_ * options_.clock_period_ps);
+    return waves_.open(*context_, *model_, what, cycles_ * options_.clock_period_ps);
   }
   int trace_close() { return waves_.close(); }
 
   int ddr_flip(uint64_t byte, uint8_t mask) { return flip(&chips_.ddr(), byte, mask); }
   int check_flip(uint64_t word, uint8_t mask) { return flip(chips_.check(), word, mask); }
-  void ddr_hang(uint32_t clocks) { chips_.hang(clocks); }
+  void ddr_hang(uint32_t cycles) { chips_.hang(cycles); }
 
  private:
   static int flip(SparseMemory* memory, uint64_t byte, uint8_t mask) {
@@ -123,14 +123,14 @@ class Card {
     model_->clk_i = 1;
     eval();
     chips_.after(*model_);
-    ++clocks_;
+    ++cycles_;
     return taken;
   }
 
   void eval() {
     model_->eval();
     const uint64_t now =
-        clocks_ * options_.clock_period_ps + (model_->clk_i ? options_.clock_period_ps / 2 : 0);
+        cycles_ * options_.clock_period_ps + (model_->clk_i ? options_.clock_period_ps / 2 : 0);
     if (Chips::asks(*model_, waves_.awaited_word())) waves_.begin(now);
     waves_.dump(now);
   }
@@ -141,7 +141,7 @@ class Card {
   std::unique_ptr<Vmodel> model_;
   WaveFile waves_;
   Chips chips_;
-  uint64_t clocks_ = 0;
+  uint64_t cycles_ = 0;
 };
 
 Card* card(void* p) {
@@ -164,22 +164,22 @@ const cde_board_api kApi = {
     [](void* p) { delete card(p); },
     [](void* p) { card(p)->reset(); },
     [](void* p, uint32_t space, uint32_t offset, const void* data, uint64_t beats,
-       uint64_t max_clocks) {
-      return card(p)->write(space, offset, static_cast<const uint8_t*>(data), beats, max_clocks);
+       uint64_t max_cycles) {
+      return card(p)->write(space, offset, static_cast<const uint8_t*>(data), beats, max_cycles);
     },
-    [](void* p, uint32_t space, uint32_t offset, void* data, uint64_t beats, uint64_t max_clocks) {
-      return card(p)->read(space, offset, static_cast<uint8_t*>(data), beats, max_clocks);
+    [](void* p, uint32_t space, uint32_t offset, void* data, uint64_t beats, uint64_t max_cycles) {
+      return card(p)->read(space, offset, static_cast<uint8_t*>(data), beats, max_cycles);
     },
-    [](void* p, uint64_t max_clocks) { return card(p)->run(max_clocks); },
-    [](void* p, uint64_t clocks) { card(p)->advance(clocks); },
+    [](void* p, uint64_t max_cycles) { return card(p)->run(max_cycles); },
+    [](void* p, uint64_t cycles) { card(p)->advance(cycles); },
     [](void* p) { return static_cast<int>(card(p)->interrupt()); },
-    [](void* p) { return card(p)->clocks(); },
+    [](void* p) { return card(p)->cycles(); },
     [](void* p, cde_memory_counters* c) { *c = card(p)->memory(); },
     [](void* p, const cde_trace* what) { return card(p)->trace_open(*what); },
     [](void* p) { return card(p)->trace_close(); },
     [](void* p, uint64_t byte, uint8_t mask) { return card(p)->ddr_flip(byte, mask); },
     [](void* p, uint64_t word, uint8_t mask) { return card(p)->check_flip(word, mask); },
-    [](void* p, uint32_t clocks) { card(p)->ddr_hang(clocks); },
+    [](void* p, uint32_t cycles) { card(p)->ddr_hang(cycles); },
 };
 
 }  // namespace

@@ -21,8 +21,8 @@ class BoardSide {
   void after(Vmodel& m) { chips_.after(m); }
   void interrupt(bool) {}  // the board has its own interrupt
   [[nodiscard]] const cde_memory_counters& counters() const { return chips_.counters(); }
-  bool hang(uint32_t clocks) {
-    chips_.hang(clocks);
+  bool hang(uint32_t cycles) {
+    chips_.hang(cycles);
     return true;
   }
   [[nodiscard]] uint64_t hung() const { return chips_.hung(); }

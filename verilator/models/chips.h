@@ -30,7 +30,7 @@ class Chips {
   }
   /// Stops DDR's answers for this many cycles; all ones: until reset. Requests made meanwhile are
   /// answered afterwards.
-  void hang(uint32_t clocks) { hang_ = clocks; }
+  void hang(uint32_t cycles) { hang_ = cycles; }
   [[nodiscard]] uint64_t hung() const { return hung_; }  // cycles so far
   SparseMemory& ddr() { return ddr_; }
   /// Check bits of DDR, one byte per word; null without ECC.

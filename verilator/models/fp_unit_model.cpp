@@ -145,7 +145,7 @@ double processor_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-double measure(cde_fp_unit* u, uint32_t op, uint64_t clocks) {
+double measure(cde_fp_unit* u, uint32_t op, uint64_t cycles) {
   if (!present(op)) return -1.0;
   constexpr unsigned kRows = 16;
   struct Row {
@@ -165,7 +165,7 @@ double measure(cde_fp_unit* u, uint32_t op, uint64_t clocks) {
     for (uint64_t& x : row.n) x = random() >> (random() % 64);
   }
   const double start = processor_seconds();
-  for (uint64_t i = 0; i < clocks; i++) {
+  for (uint64_t i = 0; i < cycles; i++) {
     const Row& row = (*rows)[i % kRows];
     if (integer_operand(op)) {
       std::memcpy(u->n, row.n.data(), sizeof(row.n));

@@ -24,7 +24,7 @@ struct cde_pair_unit {
   std::unique_ptr<VerilatedContext> context{new VerilatedContext};
   std::unique_ptr<Vmodel> model{new Vmodel(context.get(), "pair_unit")};
   WaveFile waves;
-  uint64_t clocks = 0, start = 0;
+  uint64_t cycles = 0, start = 0;
   cde_pair_progress progress{};
   uint32_t iterations = 0x080808;
   std::vector<Operator> operators;
@@ -57,20 +57,20 @@ struct cde_pair_unit {
   void eval() {
     evaluated = this;
     model->eval();
-    waves.dump(2 * clocks + model->clk_i);
+    waves.dump(2 * cycles + model->clk_i);
   }
 
   void tick() {
     model->clk_i = 1;
     eval();
-    ++clocks;
+    ++cycles;
     model->clk_i = 0;
     eval();
   }
 
   int trace_open(const cde_trace& what) {
-    const int opened = waves.open(*context, *model, what, 2 * clocks);
-    waves.dump(2 * clocks + model->clk_i);  // makes the first rising edge visible
+    const int opened = waves.open(*context, *model, what, 2 * cycles);
+    waves.dump(2 * cycles + model->clk_i);  // makes the first rising edge visible
     return opened;
   }
   int trace_close() { return waves.close(); }
@@ -114,7 +114,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
   const auto* pa = static_cast<const uint8_t*>(a);
   const auto* pb = static_cast<const uint8_t*>(b);
   auto* out = static_cast<uint8_t*>(results);
-  const uint64_t start = unit->start = unit->clocks, rows = (n + kLanes - 1) / kLanes;
+  const uint64_t start = unit->start = unit->cycles, rows = (n + kLanes - 1) / kLanes;
   const auto size = [&](uint64_t row) {
     return row + 1 < rows || n % kLanes == 0 ? kLanes : n % kLanes;
   };
@@ -131,7 +131,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
       if (seen.disordered != 0) return CDE_PAIR_STUCK;
       gather(m, out + got * kLanes * CDE_PAIR_RESULT_WORDS * kWord, size(got));
       ++got;
-      last = unit->clocks;
+      last = unit->cycles;
       if (got == rows) break;
     }
     if (!offered && in < rows && wait == 0) {
@@ -144,19 +144,19 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
     if (offered && m.ready_o) {
       offered = false;
       ++in;
-      last = unit->clocks;
+      last = unit->cycles;
       wait = in < rows && gap != nullptr ? gap(gap_context) : 0;
     } else if (wait != 0) {
       --wait;
-      if (got == in) last = unit->clocks;  // waits only for the gap
+      if (got == in) last = unit->cycles;  // waits only for the gap
     }
     seen.clock = last - start;
-    if (unit->clocks - last > CDE_PAIR_PATIENCE) return CDE_PAIR_STUCK;
+    if (unit->cycles - last > CDE_PAIR_PATIENCE) return CDE_PAIR_STUCK;
     unit->tick();
   }
   m.valid_i = 0;
   unit->tick();
-  return unit->clocks - 1 - start;
+  return unit->cycles - 1 - start;
 }
 
 const cde_pair_api kApi = {
@@ -208,7 +208,7 @@ extern "C" int cde_tap_open(const char* path, int operation, int latency) {
 extern "C" void cde_tap(int tap, unsigned long long a, unsigned long long b, unsigned long long r) {
   const cde_pair_unit& unit = *cde_pair_unit::evaluated;
   if (unit.seen != nullptr)
-    unit.seen(unit.seen_context, static_cast<uint32_t>(tap), unit.clocks - unit.start, a, b, r);
+    unit.seen(unit.seen_context, static_cast<uint32_t>(tap), unit.cycles - unit.start, a, b, r);
 }
 #endif
 

@@ -64,14 +64,14 @@ class Bus {
     model_->rst_i = 0;
     settle();
     run_until(now_ + options_.pci_period_ps);
-    for (const uint64_t limit = patience(); !model_->idle_o && counters_.clocks < limit;) step();
+    for (const uint64_t limit = patience(); !model_->idle_o && counters_.cycles < limit;) step();
   }
 
   int transact(cde_pci_transaction& t) {
     if (stuck_) return CDE_PCI_STUCK;
     host_.initiator().start(t);
     const uint64_t limit = patience();
-    while (host_.initiator().busy() && counters_.clocks < limit) step();
+    while (host_.initiator().busy() && counters_.cycles < limit) step();
     stuck_ = host_.initiator().busy();
     if (stuck_) host_.initiator().abandon();
     return stuck_ ? int{CDE_PCI_STUCK} : host_.initiator().result();
@@ -92,7 +92,7 @@ class Bus {
       if (const int result = transact(t); result != CDE_PCI_OK) return result;
       if (!is_write(command)) std::copy_n(t.data, t.done, data + at);
       at += t.done;
-      if (counters_.clocks >= limit) return CDE_PCI_RETRIED;
+      if (counters_.cycles >= limit) return CDE_PCI_RETRIED;
     }
     return CDE_PCI_OK;
   }
@@ -147,7 +147,7 @@ class Bus {
   static constexpr uint64_t kBeforeCore = 4;
 
   /// The clock at which an access that begins now is given up.
-  [[nodiscard]] uint64_t patience() const { return counters_.clocks + 1'000'000; }
+  [[nodiscard]] uint64_t patience() const { return counters_.cycles + 1'000'000; }
 
   /// Runs the next edge; on a tie the PCI clock's.
   void step() {
@@ -176,7 +176,7 @@ class Bus {
   }
 
   void pci_edge() {
-    ++counters_.clocks;
+    ++counters_.cycles;
     if (!evaluate_all_ && !model_->rst_i && model_->idle_o && host_.idle() &&
         wires_.inta == interrupt_) {
       ++counters_.skipped;

@@ -25,7 +25,7 @@ class RandomStart {
   void before_reset(Model& model, Clock clock) {
     if (seed() == 0) return;
     context_.assertOn(false);
-    for (int i = 0; i < kClocks; ++i) {
+    for (int i = 0; i < kCycles; ++i) {
       drive(model);
       clock();
     }
@@ -35,7 +35,7 @@ class RandomStart {
   void after_reset() { context_.assertOn(true); }
 
  private:
-  static constexpr int kClocks = 50;
+  static constexpr int kCycles = 50;
   static uint32_t seed() {
     const char* const text = std::getenv("CDE_RANDOM_SEED");
     return text != nullptr ? static_cast<uint32_t>(std::strtoul(text, nullptr, 10)) : 0;

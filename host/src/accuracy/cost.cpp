@@ -70,7 +70,7 @@ Json Cost::to_json() const {
           {"initiation_interval", known(f.interval)},
           {"operator_count", f.operators ? Json(f.operators->total()) : Json()},
           {"operators_by_kind", by_kind},
-          {"modelled_clocks_per_million", known(f.clocks_per_million())},
+          {"modelled_cycles_per_million", known(f.cycles_per_million())},
           {"luts", cells(&CellCounts::lut)},
           {"carries", cells(&CellCounts::carry)},
           {"registers", cells(&CellCounts::ff)},

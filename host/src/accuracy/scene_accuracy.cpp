@@ -163,7 +163,7 @@ class RecordChecker {
   const Tester& seen_;
 };
 
-std::uint64_t clocks_a_row(const SceneQuery& query, const BoardConfig& board) {
+std::uint64_t cycles_per_row(const SceneQuery& query, const BoardConfig& board) {
   const unsigned passes = reference::passes(query.pair, query.iterations);
   return passes != 0 ? passes : has_sat_interval(query.pair) ? board.sat_interval : 1;
 }
@@ -222,7 +222,7 @@ std::vector<SceneAccuracy> scene_accuracy(const cde::Scene& scene, const Plan& p
       for (const FpFormat format : options.formats) {
         formats.emplace_back(q, scene.card, format, primaries, secondaries);
         all.push_back({.format = format, .frame = frame, .query = q.name});
-        all.back().rows = plan.queries[k].rows * clocks_a_row(q, plan.board);
+        all.back().rows = plan.queries[k].rows * cycles_per_row(q, plan.board);
       }
       for (std::size_t p = 0; p < truth.primaries(); ++p) {
         const double share = static_cast<double>(p) / static_cast<double>(truth.primaries());

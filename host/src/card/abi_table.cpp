@@ -43,10 +43,10 @@ void open_waves(const std::filesystem::path& file, const TraceOptions& which,
                 const std::function<int(const cde_trace*)>& open) {
   // A cycle on the time axis begins with the clock's low half. Its last time precedes the next
   // cycle.
-  const auto time = [&](std::uint64_t clocks) {
-    return clocks > std::numeric_limits<std::uint64_t>::max() / clock - 1
+  const auto time = [&](std::uint64_t cycles) {
+    return cycles > std::numeric_limits<std::uint64_t>::max() / clock - 1
                ? std::numeric_limits<std::uint64_t>::max()
-               : clocks * clock;
+               : cycles * clock;
   };
   const std::uint64_t end = time(which.to);
   const std::string scopes = fmt::format("{}", fmt::join(which.scopes, "\n"));
@@ -55,7 +55,7 @@ void open_waves(const std::filesystem::path& file, const TraceOptions& which,
       .from = time(which.from),
       .to = end > std::numeric_limits<std::uint64_t>::max() - clock ? end : end + clock - 1,
       .ddr_word = ddr_word.value_or(CDE_TRACE_NOW),
-      .length = time(which.clocks),
+      .length = time(which.cycles),
       .scopes = scopes.c_str()};
   const int answer = open(&wanted);
   if (answer == -1)

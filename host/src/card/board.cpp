@@ -83,7 +83,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
     card.node_capacity = card::kNodeCapsNodes.of(node_caps);
     card.ray_places = card::kNodeCapsRays.of(node_caps);
     card.slot_capacity =
-        std::uint64_t{card.node_capacity} * card::kNodeCapsSlotsANode.of(node_caps);
+        std::uint64_t{card.node_capacity} * card::kNodeCapsSlotsPerNode.of(node_caps);
     field("memory of nodes", card.node_capacity, config.nodes);
   }
   field("check bits in DDR", card::kCaps3Ecc.of(caps3), config.ecc);
@@ -135,7 +135,7 @@ void Board::Impl::check_bus(const char* during) {
       ErrorCode::kDevice,
       fmt::format(
           "bus error during {}: access to space {} offset {:#x} refused, status {:#x}, clock {}",
-          during, card::kFaultSpace.of(fault), card::kFaultAddr.of(fault), status, clocks()));
+          during, card::kFaultSpace.of(fault), card::kFaultAddr.of(fault), status, cycles()));
 }
 
 void Board::Impl::reset() {
@@ -244,11 +244,11 @@ void Board::upload_words(Shape shape, std::size_t count, const Words& words,
   }
   for (std::size_t i = 0; i < count; ++i)
     if (const auto why = defect(i)) throw_defect(shape, i, *why);
-  const std::uint64_t start = clocks();
+  const std::uint64_t start = cycles();
   card().secondaries = 0;
   card().bvh = {};
   card().write_slots(shape, 0, count, words);
-  card().upload_clocks = clocks() - start;
+  card().upload_cycles = cycles() - start;
   card().secondaries = static_cast<std::uint32_t>(count);
   card().secondary_shape = shape;
 }
@@ -266,11 +266,11 @@ void Board::update_words(Shape shape, std::size_t first, std::size_t count, cons
   }
   for (std::size_t i = 0; i < count; ++i)
     if (const auto why = defect(i)) throw_defect(shape, i, *why);
-  const std::uint64_t start = clocks();
+  const std::uint64_t start = cycles();
   const std::uint32_t there = std::exchange(card().secondaries, 0);  // no secondaries if this fails
   card().outdate_bvh(first, count);
   card().write_slots(shape, first, count, words);
-  card().upload_clocks = clocks() - start;
+  card().upload_cycles = cycles() - start;
   card().secondaries = there;
 }
 
@@ -365,9 +365,9 @@ void Board::Impl::write_packet(Packet& packet) {
 
 void Board::load_words(Shape shape, std::size_t count, const Words& words) {
   idle_card().link->alive();
-  const std::uint64_t start = clocks(), start_ps = time_ps();
+  const std::uint64_t start = cycles(), start_ps = time_ps();
   card().load(0, shape, count, words);
-  card().load_clocks = clocks() - start;
+  card().load_cycles = cycles() - start;
   card().load_ps = time_ps() - start_ps;
   card().loaded = static_cast<std::uint32_t>(count);
   card().primary_shape = shape;
@@ -378,9 +378,9 @@ void Board::load_second_words(Shape shape, std::size_t count, const Words& words
   if (!card().parallel) throw Error(ErrorCode::kUsage, "this card works on one pair at a time");
   if (card().loaded == 0)
     throw Error(ErrorCode::kUsage, "the first pair's primaries are loaded before the second's");
-  const std::uint64_t start = clocks(), start_ps = time_ps();
+  const std::uint64_t start = cycles(), start_ps = time_ps();
   card().load(card().split(), shape, count, words);
-  card().load_clocks += clocks() - start;
+  card().load_cycles += cycles() - start;
   card().load_ps += time_ps() - start_ps;
   card().second_loaded = static_cast<std::uint32_t>(count);
   card().second_shape = shape;
@@ -420,8 +420,8 @@ std::uint64_t Board::sram_records() const {
 unsigned Board::pipe_latency() const {
   return card().pipe_latency;
 }
-std::uint64_t Board::upload_clocks() const {
-  return card().upload_clocks;
+std::uint64_t Board::upload_cycles() const {
+  return card().upload_cycles;
 }
 std::uint64_t Board::words_uploaded() const {
   return card().words_uploaded;
@@ -446,11 +446,11 @@ void Board::bus_write(card::Space space, std::uint32_t offset,
 void Board::bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats) {
   card().link->read(space, offset, beats.data(), beats.size());
 }
-std::uint64_t Board::wait(std::uint64_t max_clocks) {
-  return card().link->run(max_clocks);
+std::uint64_t Board::wait(std::uint64_t max_cycles) {
+  return card().link->run(max_cycles);
 }
-std::uint64_t Board::clocks() const {
-  return card().clocks();
+std::uint64_t Board::cycles() const {
+  return card().cycles();
 }
 std::uint64_t Board::time_ps() const {
   return card().link->time_ps();
@@ -481,7 +481,7 @@ void Board::flip_check(std::uint64_t word, std::uint8_t mask) {
 }
 
 std::string place_on_card(const Board& board, std::uint32_t primary) {
-  return fmt::format("clock {} (record read), lane {}, row {}", board.clocks(),
+  return fmt::format("clock {} (record read), lane {}, row {}", board.cycles(),
                      primary % board.lanes(), primary / board.lanes());
 }
 

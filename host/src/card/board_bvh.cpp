@@ -124,9 +124,9 @@ void Board::upload(const Bvh& bvh) {
   if (it.secondaries == 0 || !is_leaf(it.secondary_shape))
     throw Error(ErrorCode::kUsage, "a BVH needs uploaded triangles, spheres, AABBs or OBBs");
   check_fits(it, bvh, it.secondaries, it.secondary_shape);
-  const std::uint64_t start = clocks();
+  const std::uint64_t start = cycles();
   it.write_bvh(bvh);
-  it.upload_clocks += clocks() - start;
+  it.upload_cycles += cycles() - start;
 }
 
 void Board::Impl::write_bvh(const Bvh& source) {

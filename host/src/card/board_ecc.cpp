@@ -10,8 +10,8 @@
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kClocksASecondary = 2048;  // the most, of a cylinder pipe
-constexpr std::uint64_t kClocksAPass = 100'000;
+constexpr std::uint64_t kCyclesPerSecondary = 2048;  // the most, of a cylinder pipe
+constexpr std::uint64_t kCyclesPerPass = 100'000;
 
 }  // namespace
 
@@ -21,18 +21,18 @@ bool Board::Impl::uncorrectable(std::uint32_t first, std::uint32_t count) {
   write_register(card::kRegSecFirst, first);
   write_register(card::kRegSecCount, count);
   write_register(card::kRegControl, card::kControlGo);
-  const std::uint64_t end = clocks() + kClocksAPass + count * kClocksASecondary;
+  const std::uint64_t end = cycles() + kCyclesPerPass + count * kCyclesPerSecondary;
   // An interrupt of the previous pass may still arrive, so this loop checks the status.
   do {
-    link->run(std::min(end - clocks(), kClocksAPass));
+    link->run(std::min(end - cycles(), kCyclesPerPass));
     (void)link->interrupt();
-  } while ((read_register(card::kRegStatus) >> card::kStatusBusy & 1) != 0 && clocks() < end);
+  } while ((read_register(card::kRegStatus) >> card::kStatusBusy & 1) != 0 && cycles() < end);
   const std::uint64_t status = read_register(card::kRegStatus);
   if ((status >> card::kStatusBusy & 1) != 0) {
     throw Error(ErrorCode::kTimeout,
                 fmt::format("words of DDR have uncorrectable errors, and a pass that searches for "
                             "them did not end (status {:#x}, clock {})",
-                            status, clocks()),
+                            status, cycles()),
                 link->fault());
   }
   const bool found = card::kEccFailed.of(read_register(card::kRegEcc)) != 0;

@@ -59,7 +59,7 @@ class Board::Impl {
   void write(card::Space space, std::uint32_t offset, const void* data, std::uint64_t beats);
   [[nodiscard]] std::uint64_t read_register(std::uint32_t offset);
   void write_register(std::uint32_t offset, std::uint64_t value);
-  [[nodiscard]] std::uint64_t clocks() const { return link->clocks(); }
+  [[nodiscard]] std::uint64_t cycles() const { return link->cycles(); }
 
   /// Hardware reset: keeps only DDR.
   void reset();
@@ -138,7 +138,7 @@ class Board::Impl {
   std::uint64_t pass_retries = 0;
   std::uint64_t register_ps = 0;  ///< spent in register accesses
   std::uint64_t load_ps = 0;      ///< spent in the last load of primaries
-  std::uint64_t upload_clocks = 0, load_clocks = 0, words_uploaded = 0;
+  std::uint64_t upload_cycles = 0, load_cycles = 0, words_uploaded = 0;
   unsigned traversal_units = 0, node_capacity = 0, ray_places = 0;
   std::uint64_t slot_capacity = 0;  ///< leaf slots that the card can hold
   LoadedBvh bvh;

@@ -41,31 +41,31 @@ class Pass : private CardPass {
     // Behind the certified filter, a row takes up to one cycle per lane.
     const bool filter = card.filter && (has_filter(*query.pair) ||
                                         (query.second && has_filter(query.second->pair)));
-    const std::uint64_t clocks_a_row = passes != 0 ? passes
-                                       : filter    ? card.lanes
-                                       : sat       ? card.sat_interval
-                                                   : 1;
-    const std::uint64_t rows_total = rows * secondaries_ * clocks_a_row;
+    const std::uint64_t cycles_per_row = passes != 0 ? passes
+                                         : filter    ? card.lanes
+                                         : sat       ? card.sat_interval
+                                                     : 1;
+    const std::uint64_t rows_total = rows * secondaries_ * cycles_per_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? active_ * secondaries_ : active_;
-    expected_clocks_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
+    expected_cycles_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
     // Twice the worst case: all rows, writing and reading back all records, memory latency per
     // slot, and register accesses.
     constexpr std::uint64_t kAccessesPs = 100'000'000;
-    const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_clocks()) * records +
+    const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_cycles()) * records +
                                 secondaries_ * (card.ddr_latency / 32 + 2) + 8192 +
                                 card.pipe_latency + passes * contract::kIterativeRows +
                                 kAccessesPs / card.period_ps;
     ring_entries_ = query.normals ? 2 : 1;
-    deadline_ = query.deadline_clocks != 0 ? query.deadline_clocks : 2 * worst;
+    deadline_ = query.deadline_cycles != 0 ? query.deadline_cycles : 2 * worst;
   }
 
   /// Core cycles that a record takes over the bus, in transfers of the least size.
-  [[nodiscard]] std::uint64_t record_clocks() const {
+  [[nodiscard]] std::uint64_t record_cycles() const {
     const std::uint64_t together =
         std::min<std::uint64_t>({off_full_ring(), card_.sram_records, 1024});
     const std::uint64_t ps =
-        card_.bus.transfer(static_cast<std::uint32_t>(8 * beats_of(together)), true).clocks.ps() +
+        card_.bus.transfer(static_cast<std::uint32_t>(8 * beats_of(together)), true).cycles.ps() +
         3 * card_.bus.read().ps();
     return ps / (together * card_.period_ps) + 1;
   }
@@ -122,7 +122,7 @@ class Pass : private CardPass {
     // Slices are short enough for the watchdog and for records, and long enough to cost little.
     constexpr std::uint64_t kSlice = 16384, kStreamSlice = 4096, kEnough = 1024;
     for (;;) {
-      const std::uint64_t spent = card_.clocks() - started_;
+      const std::uint64_t spent = card_.cycles() - started_;
       if (spent >= deadline_) timeout(fmt::format("deadline of {} cycles", deadline_));
       const std::uint64_t status =
           work(std::min(streaming_ ? kStreamSlice : kSlice, deadline_ - spent));
@@ -136,8 +136,8 @@ class Pass : private CardPass {
           drain(waiting - waiting % 2);
       }
       check_watchdog();
-      tell_progress(std::min(1.0, static_cast<double>(card_.clocks() - started_) /
-                                      static_cast<double>(expected_clocks_)));
+      tell_progress(std::min(1.0, static_cast<double>(card_.cycles() - started_) /
+                                      static_cast<double>(expected_cycles_)));
     }
   }
 
@@ -213,8 +213,8 @@ class Pass : private CardPass {
     if (query_.mode == Mode::kAll) promise("records", received_, c.secondaries * active_ * each);
     if (!streaming_) promise("records", received_, active_ * each);
     c.records = received_ / each;
-    c.upload_clocks = card_.load_clocks;
-    c.total_clocks = card_.clocks() - started_ + card_.load_clocks;
+    c.upload_cycles = card_.load_cycles;
+    c.total_cycles = card_.cycles() - started_ + card_.load_cycles;
     c.time = times();
     c.time.write_back = std::min(c.time.engine, c.writeback * card_.period_ps);
     c.time.engine -= c.time.write_back;
@@ -226,12 +226,12 @@ class Pass : private CardPass {
         "status {:#x}, {} of {} secondaries tested, {} rows issued, {} records waiting, clock {}",
         card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries),
         secondaries_, card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
-        card_.clocks());
+        card_.cycles());
   }
 
   const RecordSink& sink_;
   std::uint64_t secondaries_;  // number of secondaries
-  std::uint64_t deadline_ = 0, expected_clocks_ = 0, received_ = 0;
+  std::uint64_t deadline_ = 0, expected_cycles_ = 0, received_ = 0;
   unsigned active_ = 0, slots_ = 0, split_ = 0;  // numbers of primaries
   Stencil stencil_;
   std::uint64_t ring_entries_ = 1;  // per record
@@ -403,7 +403,7 @@ Counters brute_force(Board::Impl& card, const Query& query, const RecordSink& si
 
 /// Most primaries per traversal pass. A large pass hides the latency of its last primaries. But the
 /// driver keeps a pass's records until it ends, and mode hits has up to one record per pair.
-std::size_t most_of_a_pass(const Board::Impl& card, Shape shape, Mode mode) {
+std::size_t max_per_pass(const Board::Impl& card, Shape shape, Mode mode) {
   if (mode != Mode::kHits) return 65'536;
   return shape == Shape::kRay ? 4096 : card.primaries;
 }
@@ -439,8 +439,8 @@ Counters Board::run(const Query& query, const RecordSink& sink) {
     std::copy_n(it.loaded_words(numbers[i]), cde::words(it.primary_shape), words);
   };
   Counters c = traverse(it, whole, numbers, ray, records);
-  c.upload_clocks += it.load_clocks;
-  c.total_clocks += it.load_clocks;
+  c.upload_cycles += it.load_cycles;
+  c.total_cycles += it.load_cycles;
   c.time.load += it.load_ps;
   if (!records.empty()) sink(records);
   present();
@@ -499,7 +499,7 @@ Counters Board::cast_through(Shape shape, std::size_t count, const Words& shapes
   const std::shared_ptr<Impl> kept = impl_;
   Impl& it = *kept;
   const Query whole = complete(it, query, shape);
-  const std::size_t batch = most_of_a_pass(it, shape, query.mode);
+  const std::size_t batch = max_per_pass(it, shape, query.mode);
   Counters total;
   std::vector<std::uint32_t> numbers;
   std::vector<Record> records;

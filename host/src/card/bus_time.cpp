@@ -9,16 +9,16 @@
 namespace cde {
 namespace {
 
-// PCI clocks of rtl/bus and of the host bridge that no profile changes. They are sums of states of
+// PCI cycles of rtl/bus and of the host bridge that no profile changes. They are sums of states of
 // the bus state machines, read off Bus::kCycle; tests/bus/time_test.cpp checks them.
-constexpr std::uint64_t kAccess = 6;     // CPU write: clocks around the data phases
-constexpr std::uint64_t kBetween = 4;    // any access: clocks with an idle bus
-constexpr std::uint64_t kReadBurst = 8;  // card's reads: clocks between bursts
+constexpr std::uint64_t kAccess = 6;     // CPU write: cycles around the data phases
+constexpr std::uint64_t kBetween = 4;    // any access: cycles with an idle bus
+constexpr std::uint64_t kReadBurst = 8;  // card's reads: cycles between bursts
 constexpr std::uint64_t kWriteBurst = 9;
 constexpr std::uint64_t kPage = 3;      // page lookup before the transfer
 constexpr std::uint64_t kHandOver = 2;  // from one master to the other, with arbitration
 constexpr std::uint64_t kDescriptor = 4, kRecord = 2;  // words
-constexpr double kUpload = 36;                         // fixed clocks of a transfer to the card,
+constexpr double kUpload = 36;                         // fixed cycles of a transfer to the card,
 constexpr double kDownload = 37.5;                     // and of one to the host,
 constexpr double kDownloadCore = 4.5;  // which also crosses into the core's clock domain and back
 constexpr double kRequests = 16;       // words between the DMA engine's FIFO and the local bus
@@ -27,7 +27,7 @@ constexpr double kSlice = 64;   // latency timer: a request of the CPU may cut a
 constexpr double kCut = 6;      // to resume a cut burst, without the latency
 constexpr double kStep = 5;     // cost of a poll that cuts no burst
 constexpr std::uint64_t kLead = 14;  // tail write to data, without descriptor and pages
-// Clocks of PCI and of the core until a read of the card's registers has its data.
+// Cycles of PCI and of the core until a read of the card's registers has its data.
 constexpr double kReadPci = 3.8, kReadCore = 5;
 
 constexpr std::uint64_t kPageBytes = 4096;
@@ -40,7 +40,7 @@ BusTime::BusTime(const OpenOptions& options)
       burst_(options.bus_burst),
       core_(static_cast<double>(options.clock_period_ps) / kPciPs) {}
 
-BusTime::Clocks& BusTime::Clocks::operator+=(const Clocks& other) {
+BusTime::Cycles& BusTime::Cycles::operator+=(const Cycles& other) {
   all += other.all;
   busy += other.busy;
   data += other.data;
@@ -49,19 +49,19 @@ BusTime::Clocks& BusTime::Clocks::operator+=(const Clocks& other) {
 
 // ---- The CPU's accesses ----
 
-BusTime::Clocks BusTime::write(std::uint64_t count) const {
+BusTime::Cycles BusTime::write(std::uint64_t count) const {
   const std::uint64_t all = kAccess + 2 * phases_ * count;  // a data phase every other clock
   return {.all = all, .busy = all - kBetween, .data = phases_ * count};
 }
 
-BusTime::Clocks BusTime::read(std::uint64_t count) const {
+BusTime::Cycles BusTime::read(std::uint64_t count) const {
   const std::uint64_t attempt = 7 + phases_;
   const double wait = kReadPci + kReadCore * core_;
   return read_after(static_cast<std::uint64_t>(std::ceil(wait / static_cast<double>(attempt))),
                     count);
 }
 
-BusTime::Clocks BusTime::read_after(std::uint64_t retries, std::uint64_t count) const {
+BusTime::Cycles BusTime::read_after(std::uint64_t retries, std::uint64_t count) const {
   const std::uint64_t attempt = 7 + phases_, last = kAccess + 2 * phases_;
   // All registers but the last disconnect in the middle of a burst.
   const std::uint64_t all = count * (retries * attempt + last) + (count - 1) * (3 - phases_);
@@ -80,7 +80,7 @@ BusTime::Bursts BusTime::bursts(std::uint32_t bytes) const {
           .last = ((tail - 1) % burst_ + 1) / 8};
 }
 
-double BusTime::data_clocks(const Bursts& b, bool to_host, double stolen) const {
+double BusTime::data_cycles(const Bursts& b, bool to_host, double stolen) const {
   const auto data = static_cast<double>(b.words * phases_);
   const auto more = static_cast<double>(b.number - 1);
   const auto words = static_cast<double>(b.words);
@@ -110,7 +110,7 @@ double BusTime::stolen(const Bursts& b, bool to_host, double since) const {
   return cuts == 0 ? kStep : cuts * (latency + kCut);
 }
 
-double BusTime::fixed_clocks(const Bursts& b, bool to_host) const {
+double BusTime::fixed_cycles(const Bursts& b, bool to_host) const {
   const std::uint64_t first = to_host ? host_.write_latency : host_.read_latency;
   const std::uint64_t known = (kDescriptor + kRecord) * phases_ + kPage * (b.pages - 1) +
                               host_.read_latency + host_.write_latency + host_.arbitration + first;
@@ -122,7 +122,7 @@ BusTime::Transfer BusTime::transfer(std::uint32_t bytes, bool to_host) const {
   const std::uint64_t reads = to_host ? 1 : 1 + b.number;  // descriptor, data
   const std::uint64_t writes = to_host ? 1 + b.number : 1;
   Transfer t{.accesses = 4};
-  Clocks& c = t.clocks;
+  Cycles& c = t.cycles;
   for (unsigned i = 0; i < 4; ++i) c += write();
   c.all += kHandOver + host_.arbitration;
   c.busy += reads * host_.read_latency + writes * host_.write_latency;
@@ -136,15 +136,15 @@ BusTime::Transfer BusTime::transfer(std::uint32_t bytes, bool to_host) const {
   // The driver waits for the interrupt, and polls now and then in case it was lost.
   const double begun = static_cast<double>(lead) +
                        (to_host ? static_cast<double>(b.first) * std::max(1.0, core_) : 0);
-  const double fixed = fixed_clocks(b, to_host);
-  double taken = 0, wait = fixed + data_clocks(b, to_host, taken);
-  double asked = static_cast<double>(kFirstAskClocks) * core_, slice = asked;
+  const double fixed = fixed_cycles(b, to_host);
+  double taken = 0, wait = fixed + data_cycles(b, to_host, taken);
+  double asked = static_cast<double>(kFirstAskCycles) * core_, slice = asked;
   while (asked < wait) {
     c.busy += poll().busy;
     c.data += poll().data;
     ++t.accesses;
     taken += stolen(b, to_host, asked - taken - begun);
-    wait = fixed + data_clocks(b, to_host, taken);
+    wait = fixed + data_cycles(b, to_host, taken);
     slice *= 2;
     asked += slice + static_cast<double>(poll().all);
   }

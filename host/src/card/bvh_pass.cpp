@@ -158,19 +158,19 @@ void BvhPass::wait_until_done() {
   }
 }
 
-/// The smaller of `clocks` and the clocks until the deadline.
-std::uint64_t BvhPass::until_deadline(std::uint64_t clocks) const {
-  if (query_.deadline_clocks == 0) return clocks;
-  const std::uint64_t gone = card_.clocks() - started_;
-  if (gone >= query_.deadline_clocks) return 1;
-  return std::min(clocks, query_.deadline_clocks - gone);
+/// The smaller of `cycles` and the cycles until the deadline.
+std::uint64_t BvhPass::until_deadline(std::uint64_t cycles) const {
+  if (query_.deadline_cycles == 0) return cycles;
+  const std::uint64_t gone = card_.cycles() - started_;
+  if (gone >= query_.deadline_cycles) return 1;
+  return std::min(cycles, query_.deadline_cycles - gone);
 }
 
 void BvhPass::check_progress() {
-  const std::uint64_t now = card_.clocks();
-  if (query_.deadline_clocks != 0) {
-    if (now - started_ >= query_.deadline_clocks)
-      timeout(fmt::format("deadline of {} cycles", query_.deadline_clocks));
+  const std::uint64_t now = card_.cycles();
+  if (query_.deadline_cycles != 0) {
+    if (now - started_ >= query_.deadline_cycles)
+      timeout(fmt::format("deadline of {} cycles", query_.deadline_cycles));
     return;
   }
   // The card always ends by itself, unless the memory never answers.
@@ -226,7 +226,7 @@ Counters BvhPass::finish() {
                    status);
     if (r.bad) ++c.bad_primaries;
   }
-  c.total_clocks = card_.clocks() - started_;
+  c.total_cycles = card_.cycles() - started_;
   c.time = times();
   c.time.load = ray_ps_;
   return c;
@@ -263,7 +263,7 @@ std::string BvhPass::state() {
       card_.read_register(card::kRegStatus), provided_, numbers_.size(),
       card_.read_register(card::kRegNodes), card_.read_register(card::kRegTested),
       card_.read_register(card::kRegWritten), card_.read_register(card::kRegRecords),
-      card_.clocks());
+      card_.cycles());
 }
 
 Counters RefitPass::execute(std::uint32_t first, std::uint32_t end) {
@@ -279,14 +279,14 @@ Counters RefitPass::execute(std::uint32_t first, std::uint32_t end) {
     const std::uint64_t most =
         1'000'000 + (64 + card_.ddr_latency) * std::uint64_t{card_.bvh.slots};
     while (!bit(status, card::kStatusDone)) {
-      if (card_.clocks() - started_ > most) timeout(fmt::format("deadline of {} cycles", most));
+      if (card_.cycles() - started_ > most) timeout(fmt::format("deadline of {} cycles", most));
       status = work(16384);
       check_watchdog();
     }
     Counters c;
     c.cycles = card_.read_register(card::kRegCycles);
     check_end(c);
-    c.total_clocks = card_.clocks() - started_;
+    c.total_cycles = card_.cycles() - started_;
     c.time = times();
     if (!bit(status, card::kStatusNodeError)) return c;
     const std::uint64_t fault = card_.read_register(card::kRegNodeFault);
@@ -305,7 +305,7 @@ Counters RefitPass::execute(std::uint32_t first, std::uint32_t end) {
 
 std::string RefitPass::state() {
   return fmt::format("status {:#x}, refitting {} nodes, clock {}",
-                     card_.read_register(card::kRegStatus), card_.bvh.nodes, card_.clocks());
+                     card_.read_register(card::kRegStatus), card_.bvh.nodes, card_.cycles());
 }
 
 }  // namespace cde

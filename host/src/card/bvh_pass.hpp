@@ -49,7 +49,7 @@ class BvhPass : private CardPass {
   void write_rays(std::uint32_t count);
   [[nodiscard]] std::uint32_t taken() const;  ///< rays whose places are free again
   void wait_until_done();
-  [[nodiscard]] std::uint64_t until_deadline(std::uint64_t clocks) const;
+  [[nodiscard]] std::uint64_t until_deadline(std::uint64_t cycles) const;
   void check_progress();
   void drain(std::uint64_t entries);
   /// Takes a record, or the normal of the last record.

@@ -14,9 +14,9 @@
 
 namespace cde {
 
-/// A waiting driver polls in case the interrupt was lost: first after this many core clocks, then
+/// A waiting driver polls in case the interrupt was lost: first after this many core cycles, then
 /// at doubling intervals.
-inline constexpr std::uint64_t kFirstAskClocks = 1024;
+inline constexpr std::uint64_t kFirstAskCycles = 1024;
 /// Bytes that a driver maps, which is the most per transfer.
 inline constexpr std::uint32_t kMappedBytes = 1u << 20;
 
@@ -54,7 +54,7 @@ class Pace {
 };
 
 /// The driver's access to a card: its spaces, over either bus, and its interrupt. Times are core
-/// clocks of the card since power-on. Private to the driver.
+/// cycles of the card since power-on. Private to the driver.
 class CardLink {
  public:
   virtual ~CardLink() = default;
@@ -66,12 +66,12 @@ class CardLink {
                      std::uint64_t beats) = 0;
   virtual void read(card::Space space, std::uint32_t offset, void* data, std::uint64_t beats) = 0;
 
-  /// Runs the card until its interrupt, for at most this many core clocks. Returns the clocks
-  /// spent. Calls `pause`, if given, between clocks several times per second of wall time; it may
+  /// Runs the card until its interrupt, for at most this many core cycles. Returns the cycles
+  /// spent. Calls `pause`, if given, between cycles several times per second of wall time; it may
   /// throw.
-  virtual std::uint64_t run(std::uint64_t max_clocks, const std::function<void()>& pause = {}) = 0;
+  virtual std::uint64_t run(std::uint64_t max_cycles, const std::function<void()>& pause = {}) = 0;
   [[nodiscard]] virtual bool interrupt() = 0;
-  [[nodiscard]] virtual std::uint64_t clocks() const = 0;
+  [[nodiscard]] virtual std::uint64_t cycles() const = 0;
   /// Modelled time since power-on, including the bus and the core.
   [[nodiscard]] virtual std::uint64_t time_ps() const = 0;
   [[nodiscard]] virtual BusCounters counters() const = 0;

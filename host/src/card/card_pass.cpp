@@ -25,15 +25,15 @@ Record decode(const std::uint32_t* word, const FloatWords& numbers) {
 CardPass::CardPass(Board::Impl& card, const Query& query)
     : card_(card),
       query_(query),
-      started_(card.clocks()),
+      started_(card.cycles()),
       registers_before_(card.register_ps),
       wall_start_(std::chrono::steady_clock::now()) {
   if (query_.progress) pause_ = [this] { query_.progress(0); };
 }
 
-std::uint64_t CardPass::work(std::uint64_t clocks) {
+std::uint64_t CardPass::work(std::uint64_t cycles) {
   const std::uint64_t asleep = card_.link->time_ps();
-  card_.link->run(clocks, pause_);
+  card_.link->run(cycles, pause_);
   waited_ps_ += card_.link->time_ps() - asleep;
   if (!card_.link->interrupt()) return 0;
   const std::uint64_t status = card_.read_register(card::kRegStatus);

@@ -22,7 +22,7 @@ constexpr bool bit(std::uint64_t status, unsigned number) {
 /// Decodes a record of the ring. Private to the driver.
 [[nodiscard]] Record decode(const std::uint32_t* word, const FloatWords& numbers);
 
-/// Common code of all passes: their clocks, waiting for a working card, stopping it, and messages
+/// Common code of all passes: their cycles, waiting for a working card, stopping it, and messages
 /// about a failed pass. Private to the driver.
 class CardPass {
  public:
@@ -35,10 +35,10 @@ class CardPass {
   /// The card's progress, for messages.
   [[nodiscard]] virtual std::string state() = 0;
 
-  /// Lets the card work for this many clocks or until its interrupt. Returns its status if it
+  /// Lets the card work for this many cycles or until its interrupt. Returns its status if it
   /// interrupted, else 0. Throws if the card refused the command or an access, and passes on what
   /// Query::progress throws.
-  [[nodiscard]] std::uint64_t work(std::uint64_t clocks);
+  [[nodiscard]] std::uint64_t work(std::uint64_t cycles);
   /// Query::drain_records, rounded up to even: two records share a beat, which needs both.
   [[nodiscard]] std::uint64_t off_full_ring() const {
     return std::max<std::uint64_t>(2, query_.drain_records + query_.drain_records % 2ull);

@@ -66,11 +66,11 @@ int FpUnit::lanes() const {
 }
 
 int FpUnit::latency(FpOp op) const {
-  const uint32_t clocks = state().api->latency(state().unit, static_cast<uint32_t>(op));
-  if (clocks == 0)
+  const uint32_t cycles = state().api->latency(state().unit, static_cast<uint32_t>(op));
+  if (cycles == 0)
     throw Error(ErrorCode::kConfiguration,
                 fmt::format("the fp_unit has no operation {}", static_cast<uint32_t>(op)));
-  return static_cast<int>(clocks);
+  return static_cast<int>(cycles);
 }
 
 void FpUnit::apply(FpOp op, std::span<const uint64_t> a, std::span<const uint64_t> b,
@@ -91,18 +91,18 @@ void FpUnit::apply(FpOp op, std::span<const uint64_t> a, std::span<const uint64_
 double FpUnit::measure(FpOp op, double seconds) {
   (void)latency(op);
   const auto number = static_cast<uint32_t>(op);
-  uint64_t clocks = 1000;
-  double spent = state().api->measure(state().unit, number, clocks);
+  uint64_t cycles = 1000;
+  double spent = state().api->measure(state().unit, number, cycles);
   while (spent <
          seconds / 10) {  // until the speed is known well enough to plan the rest of the time
-    clocks *= 4;
-    spent = state().api->measure(state().unit, number, clocks);
+    cycles *= 4;
+    spent = state().api->measure(state().unit, number, cycles);
   }
   if (spent < seconds) {
-    clocks = static_cast<uint64_t>(std::ceil(static_cast<double>(clocks) * seconds / spent));
-    spent = state().api->measure(state().unit, number, clocks);
+    cycles = static_cast<uint64_t>(std::ceil(static_cast<double>(cycles) * seconds / spent));
+    spent = state().api->measure(state().unit, number, cycles);
   }
-  return static_cast<double>(clocks) * lanes() / spent;
+  return static_cast<double>(cycles) * lanes() / spent;
 }
 
 }  // namespace cde

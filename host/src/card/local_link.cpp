@@ -15,7 +15,7 @@
 namespace cde {
 namespace {
 
-constexpr std::uint64_t kAccessClocks = 1000;  // more than any single access takes
+constexpr std::uint64_t kAccessCycles = 1000;  // more than any single access takes
 
 /// Transfers beats over the local bus as fast as the card takes them, and adds PCI's time to the
 /// modelled time. A running pass continues during that time. Idle cycles of the card are not
@@ -43,7 +43,7 @@ class LocalLink final : public CardLink {
     const auto put = [&](const std::uint8_t* from, std::uint64_t done, std::uint64_t n) {
       clocked([&] {
         transferred(api_->write(card_, space, offset + static_cast<std::uint32_t>(8 * done),
-                                from + 8 * done, n, n * 4 + kAccessClocks),
+                                from + 8 * done, n, n * 4 + kAccessCycles),
                     n, "written to", space, offset);
       });
     };
@@ -65,7 +65,7 @@ class LocalLink final : public CardLink {
       const std::uint64_t at = space == card::kSpaceSram ? 0 : 8 * done;
       clocked([&] {
         transferred(api_->read(card_, space, offset + static_cast<std::uint32_t>(at),
-                               bytes + 8 * done, n, n * 4 + kAccessClocks),
+                               bytes + 8 * done, n, n * 4 + kAccessCycles),
                     n, "read from", space, offset);
       });
     };
@@ -83,15 +83,15 @@ class LocalLink final : public CardLink {
   }
 
   /// Waits like the driver of a card behind PCI.
-  std::uint64_t run(std::uint64_t max_clocks, const std::function<void()>& pause) override {
+  std::uint64_t run(std::uint64_t max_cycles, const std::function<void()>& pause) override {
     loss_.alive();
-    const std::uint64_t start = now_, end = now_ + max_clocks * period_ps_;
+    const std::uint64_t start = now_, end = now_ + max_cycles * period_ps_;
     std::uint64_t status = 0;  // pushes a posted write through, which may clear this interrupt
     if (posted_ && interrupt()) read(card::kSpaceReg, card::kRegStatus, &status, 1);
-    for (std::uint64_t slice = kFirstAskClocks; now_ < end && !interrupt(); slice *= 2) {
+    for (std::uint64_t slice = kFirstAskCycles; now_ < end && !interrupt(); slice *= 2) {
       const std::uint64_t left = (end - now_ + period_ps_ - 1) / period_ps_;
-      const auto step = [&](std::uint64_t clocks) {
-        const std::uint64_t spent = api_->run(card_, clocks);
+      const auto step = [&](std::uint64_t cycles) {
+        const std::uint64_t spent = api_->run(card_, cycles);
         now_ += spent * period_ps_;
         core_ = now_;
         return spent;
@@ -102,11 +102,11 @@ class LocalLink final : public CardLink {
     return (now_ - start) / period_ps_;
   }
   bool interrupt() override { return api_->interrupt(card_) != 0; }
-  [[nodiscard]] std::uint64_t clocks() const override { return now_ / period_ps_; }
+  [[nodiscard]] std::uint64_t cycles() const override { return now_ / period_ps_; }
   [[nodiscard]] std::uint64_t time_ps() const override { return now_; }
   [[nodiscard]] BusCounters counters() const override {
     BusCounters c = counters_;
-    c.pci_clocks = now_ / BusTime::kPciPs;
+    c.pci_cycles = now_ / BusTime::kPciPs;
     c.faults[static_cast<std::size_t>(BusFault::kNoAnswer)] = unanswered_;
     return c;
   }
@@ -124,7 +124,7 @@ class LocalLink final : public CardLink {
   }
   void alive() const override { loss_.alive(); }
   [[nodiscard]] bool lost() const override { return loss_.lost(); }
-  [[nodiscard]] DeviceFault fault() override { return {.clock = clocks()}; }
+  [[nodiscard]] DeviceFault fault() override { return {.clock = cycles()}; }
   [[nodiscard]] std::string violation() const override { return {}; }
   void inject(BusFault fault, std::uint32_t count, std::uint32_t) override {
     if (!on_functional_bus(fault)) {
@@ -158,7 +158,7 @@ class LocalLink final : public CardLink {
   // ---- Time ----
 
   /// Spends bus time, in which a running pass continues.
-  void charge(const BusTime::Clocks& bus) {
+  void charge(const BusTime::Cycles& bus) {
     counters_.pci_busy += bus.busy;
     counters_.pci_data += bus.data;
     elapse(bus.ps());
@@ -167,16 +167,16 @@ class LocalLink final : public CardLink {
     now_ += ps;
     if (!running_) core_ = now_;
     if (core_ >= now_) return;
-    const std::uint64_t clocks = (now_ - core_) / period_ps_;
-    api_->advance(card_, clocks);
-    core_ += clocks * period_ps_;
+    const std::uint64_t cycles = (now_ - core_) / period_ps_;
+    api_->advance(card_, cycles);
+    core_ += cycles * period_ps_;
   }
   /// Wraps calls that clock the core: a running pass has had this time.
   template <class F>
   void clocked(const F& call) {
-    const std::uint64_t before = api_->clocks(card_);
+    const std::uint64_t before = api_->cycles(card_);
     call();
-    if (running_) core_ += (api_->clocks(card_) - before) * period_ps_;
+    if (running_) core_ += (api_->cycles(card_) - before) * period_ps_;
   }
   /// Simulates a card that does not answer an access, or the first access of a transfer. Retries as
   /// on PCI, then loses the card.
@@ -192,16 +192,16 @@ class LocalLink final : public CardLink {
                    {.code = pci::kCodeMasterAbort,
                     .pci_status = 0xffff,
                     .address = offset,
-                    .clock = clocks()});
+                    .clock = cycles()});
       }
       ++counters_.access_retries;
     }
   }
-  void access(const BusTime::Clocks& clocks) {
+  void access(const BusTime::Cycles& cycles) {
     ++counters_.register_accesses;
-    charge(clocks);
+    charge(cycles);
   }
-  BusTime::Clocks polled() {
+  BusTime::Cycles polled() {
     ++counters_.register_accesses;
     return bus_.poll();
   }
@@ -234,7 +234,7 @@ class LocalLink final : public CardLink {
       ++counters_.transfers;
       elapse(t.lead * BusTime::kPciPs);
       move(done, n);
-      BusTime::Clocks rest = t.clocks;
+      BusTime::Cycles rest = t.cycles;
       rest.all -= t.lead;
       charge(rest);
       now_ = std::max(now_, core_);
@@ -248,7 +248,7 @@ class LocalLink final : public CardLink {
     loss_.lose(ErrorCode::kDevice,
                fmt::format("local bus hangs: {} of {} beats {} space {} offset {:#x}", done, wanted,
                            what, static_cast<int>(space), offset),
-               {.address = offset, .clock = clocks()});
+               {.address = offset, .clock = cycles()});
   }
 
   SimulationModel model_;

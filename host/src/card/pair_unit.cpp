@@ -163,9 +163,9 @@ std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, Buffers<Word>& w
   words.a.assign(a.begin(), a.end());
   words.b.assign(b.begin(), b.end());
   words.out.resize(results.size() * CDE_PAIR_RESULT_WORDS);
-  const std::uint64_t clocks = api.test(unit, words.a.data(), words.b.data(), words.out.data(),
+  const std::uint64_t cycles = api.test(unit, words.a.data(), words.b.data(), words.out.data(),
                                         results.size(), gap, context);
-  if (clocks == CDE_PAIR_STUCK) throw_stuck(api, unit, results.size());
+  if (cycles == CDE_PAIR_STUCK) throw_stuck(api, unit, results.size());
   for (std::size_t i = 0; i < results.size(); ++i) {
     const Word* w = &words.out[i * CDE_PAIR_RESULT_WORDS];
     PairResult& r = results[i];
@@ -177,7 +177,7 @@ std::uint64_t run(const cde_pair_api& api, cde_pair_unit* unit, Buffers<Word>& w
       r.n[k] = w[CDE_PAIR_N + k];
     }
   }
-  return clocks;
+  return cycles;
 }
 
 }  // namespace
@@ -199,11 +199,11 @@ std::uint64_t PairUnit::test(std::span<const std::uint64_t> a, std::span<const s
   if (gap) call = [](void* f) { return uint32_t{(*static_cast<std::function<unsigned()>*>(f))()}; };
   kept->testing = true;
   try {
-    const std::uint64_t clocks =
+    const std::uint64_t cycles =
         api.word_bytes == 4 ? run(api, kept->unit, kept->narrow, a, b, results, call, context)
                             : run(api, kept->unit, kept->wide, a, b, results, call, context);
     kept->testing = false;
-    return clocks;
+    return cycles;
   } catch (...) {
     api.reset(kept->unit);  // else rows in flight would count for the next test
     kept->testing = false;
@@ -249,9 +249,9 @@ std::uint64_t PairUnit::watch(std::span<const std::uint64_t> a, std::span<const 
       },
       &watch);
   const std::shared_ptr<void> end(nullptr, [&s](void*) { s.api->watch(s.unit, nullptr, nullptr); });
-  const std::uint64_t clocks = test(a, b, results);
+  const std::uint64_t cycles = test(a, b, results);
   if (watch.failed) std::rethrow_exception(watch.failed);
-  return clocks;
+  return cycles;
 }
 
 void PairUnit::open_trace(const std::string& path, const TraceOptions& which) {

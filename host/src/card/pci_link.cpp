@@ -24,8 +24,8 @@ constexpr std::uint32_t kPageBytes = 1u << pci::kPageBits;
 constexpr std::uint32_t kRingPage = 0, kCompletionPage = 1, kDataPage = 2;
 constexpr std::uint32_t kDataBytes = kMappedBytes, kDataPages = kDataBytes / kPageBytes;
 constexpr unsigned kDescriptors = 16;
-constexpr std::uint64_t kLastAskClocks = 65536;  // longest interval between polls
-// Retries in a row until a transfer fails: 2 ms at 8 clocks per retry. That is a fifth of the time
+constexpr std::uint64_t kLastAskCycles = 65536;  // longest interval between polls
+// Retries in a row until a transfer fails: 2 ms at 8 cycles per retry. That is a fifth of the time
 // after which the engine counts as hung.
 constexpr std::uint32_t kRetryLimit = 1u << 14;
 
@@ -86,13 +86,13 @@ class PciLink final : public CardLink {
     }
   }
 
-  /// Polls for a lost interrupt, at intervals that double up to kLastAskClocks. So the delay is at
+  /// Polls for a lost interrupt, at intervals that double up to kLastAskCycles. So the delay is at
   /// most the time that the card worked.
-  std::uint64_t run(std::uint64_t max_clocks, const std::function<void()>& pause) override {
+  std::uint64_t run(std::uint64_t max_cycles, const std::function<void()>& pause) override {
     port_.alive();
-    const std::uint64_t start = time_ps(), end = start + max_clocks * period_ps_;
+    const std::uint64_t start = time_ps(), end = start + max_cycles * period_ps_;
     settle();
-    for (std::uint64_t slice = kFirstAskClocks * period_ps_; !pending_ && time_ps() < end;
+    for (std::uint64_t slice = kFirstAskCycles * period_ps_; !pending_ && time_ps() < end;
          slice = longer(slice)) {
       pass(std::min(slice, end - time_ps()), pause);
       if (interrupted()) break;
@@ -108,7 +108,7 @@ class PciLink final : public CardLink {
     pending_ = false;
     return seen;
   }
-  [[nodiscard]] std::uint64_t clocks() const override { return port_.clocks(); }
+  [[nodiscard]] std::uint64_t cycles() const override { return port_.cycles(); }
   [[nodiscard]] std::uint64_t time_ps() const override { return port_.time_ps(); }
   [[nodiscard]] BusCounters counters() const override {
     BusCounters c = counters_;
@@ -116,7 +116,7 @@ class PciLink final : public CardLink {
     c.access_retries = port_.access_retries();
     cde_pci_counters pci{};
     api().counters(port_.host(), &pci);
-    c.pci_clocks = pci.clocks;
+    c.pci_cycles = pci.cycles;
     c.pci_busy = pci.busy;
     c.pci_data = pci.data;
     std::copy(std::begin(pci.faults), std::end(pci.faults), c.faults.begin());
@@ -139,7 +139,7 @@ class PciLink final : public CardLink {
   void alive() const override { port_.alive(); }
   [[nodiscard]] bool lost() const override { return port_.lost(); }
   [[nodiscard]] DeviceFault fault() override {
-    return {.pci_status = port_.pci_status(), .clock = clocks()};
+    return {.pci_status = port_.pci_status(), .clock = cycles()};
   }
   [[nodiscard]] std::string violation() const override {
     const char* const rule = api().violation(port_.host());
@@ -169,17 +169,17 @@ class PciLink final : public CardLink {
   [[nodiscard]] const cde_pci_api& api() const { return port_.api(); }
   /// Waits for the interrupt, for at most `ps`.
   void pass(std::uint64_t ps, const std::function<void()>& pause = {}) {
-    const std::uint64_t clocks = (ps + period_ps_ - 1) / period_ps_, end = time_ps() + ps;
+    const std::uint64_t cycles = (ps + period_ps_ - 1) / period_ps_, end = time_ps() + ps;
     const auto step = [&](std::uint64_t some) {
       const std::uint64_t wanted = std::min(some * period_ps_, end - time_ps());
       const std::uint64_t spent = api().run(port_.host(), wanted, 1);
       return spent < wanted || interrupted() ? 0 : some;
     };
-    (void)pace_.run(clocks, step, pause);
+    (void)pace_.run(cycles, step, pause);
   }
   [[nodiscard]] bool interrupted() const { return api().interrupt(port_.host()) != 0; }
   [[nodiscard]] std::uint64_t longer(std::uint64_t slice) const {
-    return std::min(2 * slice, kLastAskClocks * period_ps_);
+    return std::min(2 * slice, kLastAskCycles * period_ps_);
   }
   /// Checks a pending interrupt again after posted writes, since one of them may clear it.
   void settle() {
@@ -322,7 +322,7 @@ class PciLink final : public CardLink {
     const std::uint64_t limit = 10'000'000'000 + std::uint64_t{bytes} * 1'250'000;
     const std::uint64_t deadline = time_ps() + limit;
     const Watchdog dog = port_.watchdog();
-    for (std::uint64_t slice = kFirstAskClocks * period_ps_;; slice = longer(slice)) {
+    for (std::uint64_t slice = kFirstAskCycles * period_ps_;; slice = longer(slice)) {
       pass(slice);
       const bool seen = interrupted();
       if (const auto ending = completion(number)) {

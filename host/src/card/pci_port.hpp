@@ -66,7 +66,7 @@ class PciPort {
   [[nodiscard]] bool posted() const { return posted_; }
 
   [[nodiscard]] std::uint64_t time_ps() const { return api_->time_ps(host_); }
-  [[nodiscard]] std::uint64_t clocks() const { return time_ps() / period_ps_; }
+  [[nodiscard]] std::uint64_t cycles() const { return time_ps() / period_ps_; }
   /// Status register of configuration space; all ones if the card does not answer.
   [[nodiscard]] std::uint16_t pci_status();
   [[nodiscard]] Watchdog watchdog() const { return Watchdog(watchdog_); }

@@ -133,7 +133,7 @@ Json kind_json(const CardFailure& f) {
           {"mode", static_cast<unsigned>(f.mode)},
           {"difference", difference_json(f.difference)},
           {"place", f.place},
-          {"clocks", f.clocks}};
+          {"cycles", f.cycles}};
 }
 Json kind_json(const HangFailure& f) {
   return {{"kind", "hang"}, {"clock", f.clock}, {"unit", f.unit}, {"shown", f.shown}};
@@ -154,7 +154,7 @@ CardFailure card_of(const Json& j) {
   f.pipe = config_of(j.at("pipe")), f.iterations = j.at("iterations").get<std::string>();
   f.swap = j.at("swap").get<bool>(), f.mode = static_cast<Mode>(j.at("mode").get<unsigned>());
   f.difference = difference_of(j.at("difference"));
-  f.place = j.at("place").get<std::uint32_t>(), f.clocks = j.at("clocks").get<std::uint64_t>();
+  f.place = j.at("place").get<std::uint32_t>(), f.cycles = j.at("cycles").get<std::uint64_t>();
   return f;
 }
 HangFailure hang_of(const Json& j) {
@@ -199,7 +199,7 @@ Json to_json(const TraceOptions& w) {
   return {{"from", w.from},
           {"to", w.to},
           {"secondary", w.secondary ? Json(*w.secondary) : Json()},
-          {"clocks", w.clocks},
+          {"cycles", w.cycles},
           {"scopes", w.scopes}};
 }
 
@@ -207,7 +207,7 @@ TraceOptions trace_options_from_json(const Json& j) {
   TraceOptions w;
   w.from = j.at("from").get<std::uint64_t>(), w.to = j.at("to").get<std::uint64_t>();
   if (!j.at("secondary").is_null()) w.secondary = j.at("secondary").get<std::uint32_t>();
-  w.clocks = j.at("clocks").get<std::uint64_t>();
+  w.cycles = j.at("cycles").get<std::uint64_t>();
   w.scopes = j.at("scopes").get<std::vector<std::string>>();
   return w;
 }

@@ -14,7 +14,7 @@ namespace {
 
 /// Cycles for scaling a pair to size one and its answer back (length_scale.sv, length_unscale.sv),
 /// around the pipe, which is the same in all formats. An iterative pipeline includes them.
-unsigned scaling_clocks(const PipeChoice& pipe) {
+unsigned scaling_cycles(const PipeChoice& pipe) {
   const bool scaled = pipe.format.exp_bits < 8 || contract::has(contract::kScaledPairs, pipe.pair);
   return scaled && !has_iterations(pipe.pair) ? 3 : 0;
 }
@@ -27,7 +27,7 @@ PipeFigures figures_of(const PipeChoice& pipe, const netlist::Pipe& in_rtl) {
                        .div = o.dividers,
                        .sqrt = o.square_roots,
                        .cmp = o.comparators + o.min_max};
-  figures.latency = in_rtl.latency + scaling_clocks(pipe), figures.interval = in_rtl.interval;
+  figures.latency = in_rtl.latency + scaling_cycles(pipe), figures.interval = in_rtl.interval;
   if (!has_iterations(pipe.pair)) return figures;
   // A row makes as many passes as its iterations require.
   const unsigned passes = reference::passes(pipe.pair, pipe.iterations),
@@ -49,7 +49,7 @@ std::string PipeChoice::name() const {
   return text;
 }
 
-std::optional<double> PipeFigures::clocks_per_million() const {
+std::optional<double> PipeFigures::cycles_per_million() const {
   if (!latency || !interval) return std::nullopt;
   return 1e6 * *interval + *latency - *interval;
 }
@@ -83,14 +83,14 @@ std::vector<PipeFigures> figures_of(const std::vector<PipeChoice>& pipes) {
 }
 
 CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,
-                   const OperatorClocks& clocks) {
+                   const OperatorLatencies& cycles) {
   if (target.assumed_mhz)
     return {*target.assumed_mhz, "an assumption about the device, not a measurement"};
   const CostTable table = CostTable::of_project();
   const std::vector<PipeFigures> figures = figures_of(pipes);
   CardClock least{0, ""};
   for (std::size_t i = 0; i < pipes.size(); ++i) {
-    const LaneCostOr found = table.lane(costed(pipes[i], figures[i]), target.name, clocks);
+    const LaneCostOr found = table.lane(costed(pipes[i], figures[i]), target.name, cycles);
     if (!found.cost)
       throw Error(ErrorCode::kUsage,
                   fmt::format("--target {}: no clock of {}: {}; {}", target.name, pipes[i].name(),

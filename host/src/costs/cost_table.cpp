@@ -37,7 +37,7 @@ constexpr double kRoutable = 0.85;
 constexpr std::string_view kAssumed = "assumed:";
 constexpr double kMostCells = 1e9;
 constexpr const char* kCells = "a whole number, 0 to 1e9";
-constexpr unsigned kMostClocks = 999;
+constexpr unsigned kMostLatency = 999;
 
 [[noreturn]] void wrong_field(const char* key, const Json& row, const char* must_be) {
   const auto at = row.find(key);
@@ -65,9 +65,9 @@ std::string latencies(const Json& row) {
   const std::string text = word(row, "lat");
   const char *at = text.data(), *const end = at + text.size();
   while (true) {
-    unsigned clocks = 0;
-    const auto [stop, error] = std::from_chars(at, end, clocks);
-    if (error != std::errc() || clocks < 1 || clocks > kMostClocks)
+    unsigned cycles = 0;
+    const auto [stop, error] = std::from_chars(at, end, cycles);
+    if (error != std::errc() || cycles < 1 || cycles > kMostLatency)
       wrong_field("lat", row, "cycles per kind of operator, 1 to 999 each, with / between them");
     if (stop == end) return text;
     if (*stop != '/') wrong_field("lat", row, "cycles with / between them");
@@ -220,13 +220,13 @@ std::string CostTable::rows_of(const std::string& target) const {
 }
 
 LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target,
-                               const std::optional<OperatorClocks>& clocks) const {
+                               const std::optional<OperatorLatencies>& cycles) const {
   if (!pipe.operators) return {{}, "its operators were not counted"};
   const OperatorCounts& n = *pipe.operators;
-  const OperatorClocks c = clocks.value_or(OperatorClocks{});
+  const OperatorLatencies c = cycles.value_or(OperatorLatencies{});
   struct Kind {
     const char* what;
-    unsigned count, clocks;
+    unsigned count, cycles;
   };
   LaneCost cost{.estimated = true, .mhz = std::numeric_limits<double>::infinity()};
   for (const Kind& kind : {Kind{"add", n.add, c.add},
@@ -235,7 +235,7 @@ LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target
                            {"sqrt", n.sqrt, c.sqrt},
                            {"lt", n.cmp, c.cmp}}) {
     if (kind.count == 0) continue;
-    const std::string lat = clocks ? fmt::to_string(kind.clocks) : "";
+    const std::string lat = cycles ? fmt::to_string(kind.cycles) : "";
     const CostRow* row = fastest(kind.what, "", pipe.format.name(), target, lat);
     if (row == nullptr)
       return {{},
@@ -255,24 +255,24 @@ LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target
 }
 
 LaneCostOr CostTable::lane(const CostedPipe& pipe, const std::string& target,
-                           const std::optional<OperatorClocks>& clocks) const {
+                           const std::optional<OperatorLatencies>& cycles) const {
   const bool triangle = pipe.pair == Pair::kRayTriangle;
-  const std::string lat = clocks ? fmt::format("{}/{}/{}/{}/{}", clocks->add, clocks->mul,
-                                               clocks->div, clocks->sqrt, clocks->cmp)
+  const std::string lat = cycles ? fmt::format("{}/{}/{}/{}/{}", cycles->add, cycles->mul,
+                                               cycles->div, cycles->sqrt, cycles->cmp)
                                  : "";
   // Lanes are measured without the box rule.
   const CostRow* row = triangle && pipe.box
                            ? nullptr
                            : fastest(name(pipe.pair), triangle ? name(pipe.algorithm) : "",
                                      pipe.format.name(), target, lat);
-  if (row == nullptr) return estimate(pipe, target, clocks);
+  if (row == nullptr) return estimate(pipe, target, cycles);
   LaneCost cost{.cells = row->cells, .mhz = *row->mhz};
   cost.fit = lanes_that_fit(row->cells, target);
   cost.of = fmt::format("the whole lane, LAT {}", row->lat);
-  unsigned clocks_of_one = 0;
+  unsigned cycles_of_one = 0;
   for (const char *at = row->lat.data(), *const end = at + row->lat.size(); at < end; ++at) {
-    at = std::from_chars(at, end, clocks_of_one).ptr;
-    cost.longest = std::max(cost.longest, clocks_of_one);
+    at = std::from_chars(at, end, cycles_of_one).ptr;
+    cost.longest = std::max(cost.longest, cycles_of_one);
   }
   return {cost, ""};
 }

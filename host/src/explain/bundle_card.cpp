@@ -253,18 +253,18 @@ Waves transactions_of(const fs::path& file, bool whole) {
 /// the fetch of the secondary that the pipe answers wrong, or else of the reference's and the
 /// card's secondary. The last window shows the writing of records after the brute-force pass.
 std::vector<TraceOptions> windows_of(const CardFailure& f, std::optional<std::uint32_t> wrong) {
-  if (f.clocks <= kWhole) return {{.to = 3 * kWhole}};
+  if (f.cycles <= kWhole) return {{.to = 3 * kWhole}};
   std::vector<TraceOptions> windows;
   const auto add = [&](std::uint32_t index) {
     if (index == ~0u) return;
     for (const TraceOptions& w : windows)
       if (w.secondary == index) return;
-    windows.push_back({.secondary = index, .clocks = kWindow});
+    windows.push_back({.secondary = index, .cycles = kWindow});
   };
   if (wrong) add(*wrong);
   if (f.difference.reference) add(f.difference.reference->index);
   if (f.difference.card) add(f.difference.card->index);
-  windows.push_back({.from = f.clocks, .to = f.clocks + kEnd});
+  windows.push_back({.from = f.cycles, .to = f.cycles + kEnd});
   return windows;
 }
 
@@ -302,7 +302,7 @@ std::optional<Stage> followed(Bundle& bundle, const Failure& failure, const Card
   std::optional<Stage> stage;
   for (const TraceOptions& which : windows_of(f, wrong)) {
     same = failure.rerun(file.string(), which) && same;
-    stage = Tracker(f, f.pipe, iterations, transactions_of(file, f.clocks <= kWhole)).follow(text);
+    stage = Tracker(f, f.pipe, iterations, transactions_of(file, f.cycles <= kWhole)).follow(text);
     if (stage) break;
   }
   bundle.json()["happened_again"] = same;

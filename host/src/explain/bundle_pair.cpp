@@ -104,14 +104,14 @@ class Rerun {
     if (has_iterations(config.pair)) unit.set_iterations(f_.iterations);
     std::vector<PairResult> results(again.count);
     unit.open_trace(file.string(), again.window);
-    clocks = unit.test(std::span(f_.a).subspan(again.first * aw_, again.count * aw_),
+    cycles = unit.test(std::span(f_.a).subspan(again.first * aw_, again.count * aw_),
                        std::span(f_.b).subspan(again.first * bw_, again.count * bw_), results);
     unit.close_trace();
     latency = unit.latency();
     return results[f_.at - again.first] == f_.card;
   }
 
-  std::uint64_t clocks = 0;
+  std::uint64_t cycles = 0;
   unsigned latency = 0;
 
  private:
@@ -135,8 +135,8 @@ void bundle_waves(Bundle& bundle, const PairFailure& f) {
     Again last = all;
     last.window = {.from = 0, .to = 0};
     (void)rerun.run(last, whole);
-    last.window.from = rerun.clocks > rerun.latency + 40 ? rerun.clocks - rerun.latency - 40 : 0;
-    last.window.to = rerun.clocks + 40;
+    last.window.from = rerun.cycles > rerun.latency + 40 ? rerun.cycles - rerun.latency - 40 : 0;
+    last.window.to = rerun.cycles + 40;
     fs::remove(whole, none);
     same = rerun.run(last, whole);
     answer.reset();

@@ -30,8 +30,8 @@ Counters& Counters::operator+=(const Counters& other) {
   leaves += other.leaves;
   deepest = std::max(deepest, other.deepest);
   records += other.records;
-  upload_clocks += other.upload_clocks;
-  total_clocks += other.total_clocks;
+  upload_cycles += other.upload_cycles;
+  total_cycles += other.total_cycles;
   time += other.time;
   return *this;
 }

@@ -83,12 +83,12 @@ SceneCard read_card(Table t) {
       static_cast<TransformSite>(t.choice("transform_site", {"auto", "host", "card"}, 0));
   card.bvh = static_cast<UseBvh>(t.choice("bvh", {"auto", "on", "off"}, 0));
   if (auto latency = t.table("latency")) {
-    const auto clocks = [&](const char* key) { return latency->integer<unsigned>(key, 1, 1, 16); };
-    card.latency_add = clocks("add");
-    card.latency_mul = clocks("mul");
-    card.latency_div = clocks("div");
-    card.latency_sqrt = clocks("sqrt");
-    card.latency_compare = clocks("compare");
+    const auto cycles = [&](const char* key) { return latency->integer<unsigned>(key, 1, 1, 16); };
+    card.latency_add = cycles("add");
+    card.latency_mul = cycles("mul");
+    card.latency_div = cycles("div");
+    card.latency_sqrt = cycles("sqrt");
+    card.latency_compare = cycles("compare");
     latency->finish();
   }
   if (card.lanes && (*card.lanes & (*card.lanes - 1)) != 0)

@@ -432,7 +432,7 @@ void add_transform_sites(const Scene& scene, const plan_transform_site::Transfor
   for (std::size_t q = 0; q < plan.queries.size(); ++q) {
     for (const std::size_t i : scene.queries[q].secondaries)
       plan.queries[q].moved_words +=
-          plan_transform_site::words_a_frame(scene, scene.objects[i], sites.secondaries[i]);
+          plan_transform_site::words_per_frame(scene, scene.objects[i], sites.secondaries[i]);
     if (sites.primary_words) plan.queries[q].primary_words = q == 0 ? *sites.primary_words : 0;
   }
 }

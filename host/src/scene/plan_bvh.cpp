@@ -18,17 +18,17 @@ namespace cde::plan_bvh {
 namespace {
 
 /// Cycles per level of the BVH for the last rays of a packet, when no other rays remain.
-constexpr double kClocksALevel = 30;
+constexpr double kCyclesPerLevel = 30;
 /// Cycles of a solid per secondary that it is tested with, including the nodes above it, if it
 /// waits for each leaf.
-constexpr double kClocksASolid = 75, kClocksTwoSpheres = 25;
+constexpr double kCyclesPerSolid = 75, kCyclesTwoSpheres = 25;
 /// In a pass of at most kAhead solids, traversal does not wait for leaves (bvh_pkg::AHEAD).
-/// It takes kClocksToTheFirst cycles until the first test, then kClocksAhead cycles per test.
+/// It takes kCyclesToFirst cycles until the first test, then kCyclesAhead cycles per test.
 constexpr std::uint64_t kAhead = 16;
-constexpr double kClocksToTheFirst = 250, kClocksAhead = 4.5;
+constexpr double kCyclesToFirst = 250, kCyclesAhead = 4.5;
 /// Cycles to write a node over the bus, with its share of slots, for a BVH that is not over
 /// triangles.
-constexpr std::uint64_t kClocksANode = 18;
+constexpr std::uint64_t kCyclesPerNode = 18;
 /// Solids of a query whose traversal is sampled.
 constexpr std::size_t kSampledSolids = 32;
 /// Extra visits per ray for each independently moving part in the BVH, relative to a BVH that is
@@ -106,7 +106,7 @@ struct TraversalCost {
 /// For rays: expected values from the BVH's boxes.
 TraversalCost cost_of_rays(const Bvh& bvh) {
   const Bvh::Visits visits = bvh.expected_visits();
-  return {visits.nodes, visits.secondaries, kClocksALevel * bvh.depth()};
+  return {visits.nodes, visits.secondaries, kCyclesPerLevel * bvh.depth()};
 }
 
 /// For solids: from sampled solids of the first frame.
@@ -127,9 +127,9 @@ TraversalCost cost_of_solids(const SceneQuery& q, const Plan& plan, const Scene&
         },
         met.placed());
   };
-  const double each = ahead                           ? kClocksAhead
-                      : q.pair == Pair::kSphereSphere ? kClocksTwoSpheres
-                                                      : kClocksASolid;
+  const double each = ahead                           ? kCyclesAhead
+                      : q.pair == Pair::kSphereSphere ? kCyclesTwoSpheres
+                                                      : kCyclesPerSolid;
   TraversalCost cost;
   std::visit(
       [&](const auto& list) {
@@ -143,7 +143,7 @@ TraversalCost cost_of_solids(const SceneQuery& q, const Plan& plan, const Scene&
             const auto tested = static_cast<double>(traversal.counts().secondaries);
             cost.nodes += static_cast<double>(traversal.counts().nodes);
             cost.secondaries += tested;
-            cost.last = std::max(cost.last, (ahead ? kClocksToTheFirst : 0) + each * tested);
+            cost.last = std::max(cost.last, (ahead ? kCyclesToFirst : 0) + each * tested);
           }
           sampled = std::max<std::size_t>(sampled, 1);
           cost.nodes /= static_cast<double>(sampled);
@@ -156,7 +156,7 @@ TraversalCost cost_of_solids(const SceneQuery& q, const Plan& plan, const Scene&
 
 /// Cycles per frame: visits of all primaries, plus the last primaries of each packet. A BVH over
 /// triangles keeps the structure of the first frame.
-std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, const Scene& scene,
+std::uint64_t cycles(const SceneQuery& q, const QueryWork& w, const Plan& plan, const Scene& scene,
                      const Bvh& bvh) {
   const std::uint64_t primaries = w.primaries - w.masked;
   const TraversalCost cost =
@@ -170,14 +170,14 @@ std::uint64_t clocks(const SceneQuery& q, const QueryWork& w, const Plan& plan, 
 
 /// Cycles per frame to refit the BVH. Over triangles: one per moving triangle and 1.2 per node
 /// above it. Any other BVH is written over the bus.
-std::uint64_t refit_clocks(const QueryWork& w, const Scene& scene, const Plan& plan,
+std::uint64_t refit_cycles(const QueryWork& w, const Scene& scene, const Plan& plan,
                            const Bvh& bvh) {
   std::uint64_t moving = 0;
   for (const std::size_t i : scene.queries.front().secondaries)
     if (!is_still(scene, scene.objects[i]) || !deforming(scene.objects[i]).empty())
       moving += size(scene.objects[i].shapes);
   if (moving == 0) return 0;
-  if (!meets_triangles(scene.queries.front())) return kClocksANode * bvh.nodes().size();
+  if (!meets_triangles(scene.queries.front())) return kCyclesPerNode * bvh.nodes().size();
   const bool parts =
       std::find(plan.card_moves.begin(), plan.card_moves.end(), true) != plan.card_moves.end();
   const double share =
@@ -230,22 +230,22 @@ Choice choose(const Scene& scene, Plan& plan) {
   choice.nodes = bvh_choice::node_memory(*bvh, work.secondaries);
   if (const auto reason = against(scene, plan.board, choice.nodes)) return none(*reason);
 
-  const std::uint64_t refit = refit_clocks(work, scene, plan, *bvh);
+  const std::uint64_t refit = refit_cycles(work, scene, plan, *bvh);
   std::uint64_t rows = 0, through = refit;
   std::string least;  // cost of the first query for which brute force is faster
   for (std::size_t q = 0; q < scene.queries.size(); ++q) {
     if (!choice.queries[q]) continue;
-    plan.queries[q].bvh_clocks = clocks(scene.queries[q], plan.queries[q], plan, scene, *bvh);
-    if (!traverses(*plan.queries[q].bvh_clocks, plan.queries[q].rows)) {
+    plan.queries[q].bvh_cycles = cycles(scene.queries[q], plan.queries[q], plan, scene, *bvh);
+    if (!traverses(*plan.queries[q].bvh_cycles, plan.queries[q].rows)) {
       choice.queries[q] = false;  // this query alone is faster with brute force
       least = least.empty()
                   ? fmt::format("about {} cycles per frame; brute force on {} lanes takes {}",
-                                *plan.queries[q].bvh_clocks, plan.board.lanes, plan.queries[q].rows)
+                                *plan.queries[q].bvh_cycles, plan.board.lanes, plan.queries[q].rows)
                   : least;
       continue;
     }
     rows += plan.queries[q].rows;
-    through += *plan.queries[q].bvh_clocks;
+    through += *plan.queries[q].bvh_cycles;
   }
   const std::string both = fmt::format(
       "about {} cycles per frame{}; brute force on {} lanes takes {}", through,

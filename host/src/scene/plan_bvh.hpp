@@ -15,7 +15,7 @@ struct Choice {
 };
 
 /// Decides for the card as planned so far, including which secondaries the card moves
-/// (Plan::card_moves). Sets QueryWork::bvh_clocks of the queries that could traverse. Error
+/// (Plan::card_moves). Sets QueryWork::bvh_cycles of the queries that could traverse. Error
 /// kUsage if the scene asks for a BVH and no query can use one.
 [[nodiscard]] Choice choose(const Scene& scene, Plan& plan);
 

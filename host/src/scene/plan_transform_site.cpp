@@ -65,9 +65,9 @@ Sums sums_of(const Scene& scene, const Group& moving, const std::vector<bool>& b
   Sums sums;
   for (const std::size_t i : moving) {
     const SceneObject& object = scene.objects[i];
-    sums.host += words_a_frame(scene, object, false);
-    sums.card += words_a_frame(scene, object, true);
-    sums.chosen += words_a_frame(scene, object, by_card[i]);
+    sums.host += words_per_frame(scene, object, false);
+    sums.card += words_per_frame(scene, object, true);
+    sums.chosen += words_per_frame(scene, object, by_card[i]);
     sums.entries += entries(object);
   }
   return sums;
@@ -86,8 +86,8 @@ void choose_secondaries(const Scene& scene, bool resident, TransformSites& sites
   const bool asked = scene.card.transform_site == TransformSite::kCard;
   std::vector<bool>& by_card = sites.secondaries;
   for (const std::size_t i : move)
-    by_card[i] = asked || words_a_frame(scene, scene.objects[i], true) <
-                              words_a_frame(scene, scene.objects[i], false);
+    by_card[i] = asked || words_per_frame(scene, scene.objects[i], true) <
+                              words_per_frame(scene, scene.objects[i], false);
   const bool cheaper = std::any_of(by_card.begin(), by_card.end(), [](bool b) { return b; });
   for (const SceneQuery& q : scene.queries) {
     const std::uint64_t n = entries(scene, q.secondaries, by_card);
@@ -191,7 +191,7 @@ void leave_primaries(TransformSites& sites, const std::string& why) {
   sites.effects.back() = {"transformer of primaries", false, "none", why, "written in every frame"};
 }
 
-std::uint64_t words_a_frame(const Scene& scene, const SceneObject& object, bool by_card) {
+std::uint64_t words_per_frame(const Scene& scene, const SceneObject& object, bool by_card) {
   std::uint64_t deformed = 0;
   for (const Range& range : deforming(object)) deformed += range.count;
   deformed *= slot_words(object);

@@ -27,7 +27,7 @@ struct TransformSites {
 void leave_primaries(TransformSites& sites, const std::string& why);
 
 /// Words written per frame for an object among secondaries that stay in DDR.
-[[nodiscard]] std::uint64_t words_a_frame(const Scene& scene, const SceneObject& object,
-                                          bool by_card);
+[[nodiscard]] std::uint64_t words_per_frame(const Scene& scene, const SceneObject& object,
+                                            bool by_card);
 
 }  // namespace cde::plan_transform_site

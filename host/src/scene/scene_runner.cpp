@@ -114,7 +114,7 @@ class PassCheck {
             .secondary = [&, words](std::uint32_t i) { return words(secondaries, i); },
             .place =
                 [&board, streams](std::uint32_t primary) {
-                  return streams ? fmt::format("clock {} (record read)", board.clocks())
+                  return streams ? fmt::format("clock {} (record read)", board.cycles())
                                  : place_on_card(board, primary % card::kMostPrimaries);
                 },
             .repeat =
@@ -184,7 +184,7 @@ class SceneRunner::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  std::vector<QueryFrame> play(std::uint32_t frame, const Sink& sink) {
+  std::vector<QueryFrame> run_frame(std::uint32_t frame, const Sink& sink) {
     faults_.start(frame);
     std::vector<QueryFrame> results;
     for (std::size_t q = 0; q < scene_.queries.size(); ++q) results.push_back(run(frame, q, sink));
@@ -216,11 +216,11 @@ class SceneRunner::Impl {
     const SceneQuery& q = scene_.queries[number];
     QueryFrame result;
     const auto start = Clock::now();
-    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
+    const std::uint64_t before = board_.cycles(), before_ps = board_.time_ps();
     const std::uint64_t written = board_.words_uploaded();
     secondaries_.show(q.secondaries, frame);
     result.secondary_words = board_.words_uploaded() - written;
-    result.secondary_clocks = board_.clocks() - before;
+    result.secondary_cycles = board_.cycles() - before;
     result.secondary_ps = board_.time_ps() - before_ps;
     result.pass_seconds = seconds_since(start);
     const SelfPairs self(scene_, q);
@@ -263,7 +263,7 @@ class SceneRunner::Impl {
                 .swap = q.swap,
                 .normals = q.normals,
                 .iterations = q.iterations,
-                .deadline_clocks = options_.deadline_clocks,
+                .deadline_cycles = options_.deadline_cycles,
                 .watchdog = options_.watchdog};
     std::vector<std::uint32_t> active;
     for (std::size_t p = 0; p < count; ++p) {
@@ -318,16 +318,16 @@ class SceneRunner::Impl {
 
   void load(std::size_t first, std::size_t count, QueryFrame& result) {
     const auto start = Clock::now();
-    const std::uint64_t before = board_.clocks(), before_ps = board_.time_ps();
+    const std::uint64_t before = board_.cycles(), before_ps = board_.time_ps();
     const std::uint64_t words = board_.words_uploaded();
     primaries_.load(first, count);
     result.pass_seconds += seconds_since(start);
     result.primary_ps += board_.time_ps() - before_ps;
     result.primary_words += board_.words_uploaded() - words;
-    const std::uint64_t loading = board_.clocks() - before;
-    result.primary_clocks += loading;
-    result.counters.upload_clocks += loading;
-    result.counters.total_clocks += loading;
+    const std::uint64_t loading = board_.cycles() - before;
+    result.primary_cycles += loading;
+    result.counters.upload_cycles += loading;
+    result.counters.total_cycles += loading;
   }
 
   [[nodiscard]] bool through(const Packet& packet, const Query& query) const {
@@ -377,12 +377,12 @@ class SceneRunner::Impl {
     Counters c = streams ? stream(packet, query, receive) : board_.run(query, receive);
     result.pass_seconds += seconds_since(start) - host;
     // The board counts its last load in every pass, and also the records that it wrote.
-    c.total_clocks -= c.upload_clocks;
-    c.upload_clocks = 0;
+    c.total_cycles -= c.upload_cycles;
+    c.upload_cycles = 0;
     c.records = 0;
     result.counters += c;
     ++result.passes;
-    result.download_clocks += c.total_clocks - std::min(c.total_clocks, c.cycles + c.writeback);
+    result.download_cycles += c.total_cycles - std::min(c.total_cycles, c.cycles + c.writeback);
   }
 
   /// Runs the pass through the BVH.
@@ -428,8 +428,8 @@ SceneRunner::SceneRunner(const Scene& scene, const Plan& plan, RunnerOptions opt
 }
 SceneRunner::~SceneRunner() = default;
 
-std::vector<QueryFrame> SceneRunner::play(std::uint32_t frame, const Sink& sink) {
-  return impl_->play(frame, sink);
+std::vector<QueryFrame> SceneRunner::run_frame(std::uint32_t frame, const Sink& sink) {
+  return impl_->run_frame(frame, sink);
 }
 
 const std::vector<bool>& SceneRunner::injected() const {

@@ -19,7 +19,7 @@ struct PciCycle {
        target_abort = false, parity = false;
 };
 
-/// Decodes PCI 2.3. The address phase is the first clock with FRAME#. Data move in clocks with
+/// Decodes PCI 2.3. The address phase is the first clock with FRAME#. Data move in cycles with
 /// IRDY# and TRDY#. A target ends the transaction with STOP#, and aborts it without DEVSEL#. The
 /// last data phase has no FRAME#.
 class PciDecoder : public Decoder {
@@ -54,7 +54,7 @@ class PciDecoder : public Decoder {
  protected:
   void at_edge(unsigned) override {
     const bool frame = frame_n_.off(), irdy = irdy_n_.off();
-    // PERR# comes two clocks after its data, when the transaction may be over.
+    // PERR# comes two cycles after its data, when the transaction may be over.
     if (ended_ && (perr_n_.off() || edges_ >= ended_->last_edge + 2)) {
       if (perr_n_.off() && !(now_it_is_ && now_it_is_->words > 0)) ended_->parity = true;
       tell();

@@ -52,7 +52,7 @@ Open Decoder::begin(std::string_view label) const {
 void Decoder::end_at(Open& open, std::string outcome, std::uint64_t time, std::uint64_t edge) {
   open.t.end = time;
   open.t.outcome = std::move(outcome);
-  open.t.fields.insert(open.t.fields.begin(), {"clocks", fmt::to_string(edge - open.edge)});
+  open.t.fields.insert(open.t.fields.begin(), {"cycles", fmt::to_string(edge - open.edge)});
   take_(std::move(open.t));
 }
 

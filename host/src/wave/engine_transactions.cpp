@@ -59,7 +59,7 @@ class PassDecoder : public EngineDecoder {
     tested_ += pop_.on() ? 1 : 0;
     bubbles_ += bubble_.on() ? 1 : 0;
     stalls_ += stall_.on() ? 1 : 0;
-    writeback_clocks_ += writeback_.on() ? 1 : 0;
+    writeback_cycles_ += writeback_.on() ? 1 : 0;
     records_ += record_.on() ? 1 : 0;
     aborted_ = aborted_ || (abort_.on() && !starts);
     if (done_.on() || (!starts && !busy())) {
@@ -72,7 +72,7 @@ class PassDecoder : public EngineDecoder {
  private:
   void start() {
     open_ = begin();
-    rows_ = tested_ = bubbles_ = stalls_ = writeback_clocks_ = records_ = 0;
+    rows_ = tested_ = bubbles_ = stalls_ = writeback_cycles_ = records_ = 0;
     aborted_ = false;
     Transaction& t = open_->t;
     const auto mode = mode_.number(), pair = pair_.number(), second = second_pair_.number();
@@ -99,7 +99,7 @@ class PassDecoder : public EngineDecoder {
     field(t, "rows", rows_);
     field(t, "records", records_);
     field(t, "bubbles", bubbles_);
-    field(t, "writeback", writeback_clocks_);
+    field(t, "writeback", writeback_cycles_);
     t.label = fmt::format("pass {}: {}, {}, {} primaries, {} secondaries tested, {} records",
                           t.fields[0].second, pairs_, mode_text_, primaries_.decimal(), tested_,
                           records_);
@@ -109,7 +109,7 @@ class PassDecoder : public EngineDecoder {
       &issue_, &pop_, &bubble_, &stall_, &writeback_, &record_;
   std::optional<Open> open_;
   std::string pairs_, mode_text_;
-  std::uint64_t rows_ = 0, tested_ = 0, bubbles_ = 0, stalls_ = 0, writeback_clocks_ = 0,
+  std::uint64_t rows_ = 0, tested_ = 0, bubbles_ = 0, stalls_ = 0, writeback_cycles_ = 0,
                 records_ = 0;
   bool aborted_ = false;
 };

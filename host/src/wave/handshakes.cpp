@@ -121,7 +121,7 @@ class Finder {
       scopes_[at->second].second.push_back(&s);
       const std::string own = lower(s.name.substr(dot == std::string::npos ? 0 : dot + 1));
       if (s.width == 1 && (own.find("clk") != own.npos || own.find("clock") != own.npos))
-        clocks_[scope].try_emplace(own, &s);
+        cycles_[scope].try_emplace(own, &s);
     }
     Times times(trace, clock);
     default_clock_ = clock.empty() ? times.clock_if_any() : &times.clock();
@@ -280,7 +280,7 @@ class Finder {
         wanted.push_back(fmt::format(fmt::runtime(form), prefix));
     wanted.insert(wanted.end(), kNames.begin(), kNames.end());
     for (std::string around = scope;;) {
-      if (const auto at = clocks_.find(around); at != clocks_.end())
+      if (const auto at = cycles_.find(around); at != cycles_.end())
         for (const std::string& name : wanted)
           if (const auto found = at->second.find(name); found != at->second.end())
             return found->second;
@@ -311,7 +311,7 @@ class Finder {
 
   std::vector<std::pair<std::string, std::vector<const Signal*>>> scopes_;
   std::unordered_map<std::string, std::size_t> number_;
-  std::unordered_map<std::string, std::map<std::string, const Signal*>> clocks_;  ///< by scope
+  std::unordered_map<std::string, std::map<std::string, const Signal*>> cycles_;  ///< by scope
   std::map<std::array<std::uint32_t, 3>, std::size_t> known_;
   std::set<std::uint32_t> paired_, pipes_;
   std::vector<Matched> matched_;

@@ -89,7 +89,7 @@ Columns::Cells decisions_line(const std::string& name, const Tally& t, const Cos
   line.insert(
       line.end(),
       {or_dash(f.latency), or_dash(f.interval), f.operators ? compact(f.operators->total()) : "-",
-       or_dash(f.clocks_per_million()), luts, or_dash(cost->mhz()),
+       or_dash(f.cycles_per_million()), luts, or_dash(cost->mhz()),
        cost->mhz() ? fmt::to_string(cost->lanes()) : "-", seconds ? compact(1e3 * *seconds) : "-"});
   return line;
 }
@@ -166,7 +166,7 @@ std::string accuracy_tables(const std::vector<AccuracyRow>& rows, bool by_family
                   "p99", "CP p99", "max", "n max"},
                  {}};
   Columns decisions{{"decisions, costs", "hits", "false/M", "misses", "false/M", "band%", "leaks",
-                     "clocks", "II", "ops", "clk/M", "LUT", "MHz", "lanes", "ms/M"},
+                     "latency", "II", "ops", "cyc/M", "LUT", "MHz", "lanes", "ms/M"},
                     {}};
   for (const AccuracyRow& row : rows) {
     const std::string name = row.measured.pipe.name();

@@ -212,9 +212,9 @@ class Card {
   /// it is smaller than the noise of a single round.
   [[nodiscard]] double bus() const { return least(seconds_) / least(pass_) - 1; }
   /// Cycles of a frame outside the pass, relative to the cycles of the pass.
-  [[nodiscard]] double bus_clocks() const {
+  [[nodiscard]] double bus_cycles() const {
     const auto pass = static_cast<double>(counters_.cycles + counters_.writeback);
-    return static_cast<double>(counters_.total_clocks) / pass - 1;
+    return static_cast<double>(counters_.total_cycles) / pass - 1;
   }
 
   void print_markdown() const {
@@ -245,7 +245,7 @@ class Card {
             {"frame_seconds", median(seconds_)},
             {"wall_seconds", median(wall_)},
             {"frame_over_pass", bus()},
-            {"frame_over_pass_clocks", bus_clocks()},
+            {"frame_over_pass_cycles", bus_cycles()},
             {"device_cycles", counters_.cycles},
             {"modelled_pass_seconds", counters_.modelled_seconds(clock_hz)},
             {"build_seconds", build_seconds_ ? ordered_json(*build_seconds_) : ordered_json()}};

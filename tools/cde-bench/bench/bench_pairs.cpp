@@ -30,7 +30,7 @@ constexpr unsigned kPairLanes = 8;
 
 /// One pipe and the pairs for its measurement.
 struct MeasuredPairs {
-  double pairs_per_second = 0, clocks_per_row = 0;
+  double pairs_per_second = 0, cycles_per_row = 0;
   unsigned latency = 0;
   std::size_t hits = 0;
   std::vector<PairResult> results;
@@ -50,8 +50,8 @@ MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::s
   MeasuredPairs m;
   m.latency = unit.latency();
   m.results.resize(kCases);
-  std::uint64_t clocks = unit.test(wa, wb, m.results);  // warms up
-  m.clocks_per_row = static_cast<double>(clocks - unit.latency() + 1) / (kCases / kPairLanes);
+  std::uint64_t cycles = unit.test(wa, wb, m.results);  // warms up
+  m.cycles_per_row = static_cast<double>(cycles - unit.latency() + 1) / (kCases / kPairLanes);
   m.hits = static_cast<std::size_t>(
       std::count_if(m.results.begin(), m.results.end(), [](const PairResult& r) { return r.f; }));
   const double start = thread_seconds();
@@ -69,7 +69,7 @@ MeasuredPairs measure(const PairConfig& config, std::span<const float> a, std::s
 /// largest gives the signed distances with which the others are compared.
 struct AccuracyCost {
   PairIterations iterations;
-  double pairs_per_second, clocks_per_row, p99, worst;
+  double pairs_per_second, cycles_per_row, p99, worst;
 };
 
 std::vector<AccuracyCost> measure_iterations(Pair pair, std::span<const float> a,
@@ -88,7 +88,7 @@ std::vector<AccuracyCost> measure_iterations(Pair pair, std::span<const float> a
       shortfall.push_back(std::max(0.0, best[i] - distance));
     }
     std::sort(shortfall.begin(), shortfall.end());
-    rows.push_back({iterations, m.pairs_per_second, m.clocks_per_row, shortfall[kCases * 99 / 100],
+    rows.push_back({iterations, m.pairs_per_second, m.cycles_per_row, shortfall[kCases * 99 / 100],
                     shortfall.back()});
   }
   return rows;
@@ -101,13 +101,13 @@ nlohmann::ordered_json iterations_json(const std::vector<AccuracyCost>& rows, do
     print_figure(
         "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} cycles per row, below the first by {:.1e} "
         "(p99), {:.1e} (max)\n",
-        m, k1, k2, r.pairs_per_second / 1e6, r.clocks_per_row, r.p99, r.worst);
+        m, k1, k2, r.pairs_per_second / 1e6, r.cycles_per_row, r.p99, r.worst);
     json.push_back({{"samples", m},
                     {"circle", k1},
                     {"free", k2},
                     {"tests_per_second_simulated", r.pairs_per_second},
-                    {"cycles_per_row", r.clocks_per_row},
-                    {"modelled_tests_per_second", kPairLanes * clock_hz / r.clocks_per_row},
+                    {"cycles_per_row", r.cycles_per_row},
+                    {"modelled_tests_per_second", kPairLanes * clock_hz / r.cycles_per_row},
                     {"shortfall_p99", r.p99},
                     {"shortfall_max", r.worst}});
   }
@@ -180,9 +180,9 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
   row["absent"] = !card;
   if (card) {
     row["tests_per_second_simulated"] = card->pairs_per_second;
-    row["latency_clocks"] = card->latency;
-    row["cycles_per_row"] = card->clocks_per_row;
-    row["modelled_tests_per_second"] = kPairLanes * o.clock_hz / card->clocks_per_row;
+    row["latency_cycles"] = card->latency;
+    row["cycles_per_row"] = card->cycles_per_row;
+    row["modelled_tests_per_second"] = kPairLanes * o.clock_hz / card->cycles_per_row;
     row["hit_share"] = static_cast<double>(card->hits) / kCases;
   }
   if (card && has_iterations(pair))

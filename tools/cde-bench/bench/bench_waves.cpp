@@ -62,9 +62,9 @@ void write_waves(const fs::path& file, std::uint64_t bytes) {
   std::vector<Triangle> triangles;
   for (std::size_t i = 0; i < mesh.faces.size(); i += 8) triangles.push_back(mesh.triangle(i));
   board.upload(triangles);
-  const auto cast = [&](std::uint64_t clocks) {
-    board.trace_open(file, {.to = clocks});
-    for (const std::uint64_t begin = board.clocks(); board.clocks() - begin < clocks;)
+  const auto cast = [&](std::uint64_t cycles) {
+    board.trace_open(file, {.to = cycles});
+    for (const std::uint64_t begin = board.cycles(); board.cycles() - begin < cycles;)
       (void)board.cast(grid_rays(bounds(mesh), {16, 16}), {}, [](std::span<const Record>) {});
     board.trace_close();
   };

@@ -58,8 +58,8 @@ struct BvhFigures {
   std::vector<BvhCard> cards;
   std::optional<BvhEmbree> embree;  ///< empty in a build without Embree
 
-  [[nodiscard]] double seconds(std::uint64_t clocks) const {
-    return static_cast<double>(clocks) / clock_hz;
+  [[nodiscard]] double seconds(std::uint64_t cycles) const {
+    return static_cast<double>(cycles) / clock_hz;
   }
 };
 

@@ -168,8 +168,8 @@ ordered_json solids_json(const std::vector<SolidFigures>& figures, double clock_
            {"seconds_alone", each(c.one, kAlone) / clock_hz},
            {"packet_cycles", c.packet.cycles},
            {"packet_seconds_with_bus", 1e-12 * static_cast<double>(c.packet.time.total())},
-           {"seconds_of_a_packet", each(c.packet, kBvhPacket) / clock_hz},
-           {"seconds_of_a_stream", each(c.stream, kBvhRing) / clock_hz},
+           {"seconds_in_packet", each(c.packet, kBvhPacket) / clock_hz},
+           {"seconds_in_stream", each(c.stream, kBvhRing) / clock_hz},
            {"nodes_each", static_cast<double>(c.stream.nodes) / kBvhRing},
            {"triangles_each", static_cast<double>(c.stream.pairs) / kBvhRing},
            {"fcl_seconds", c.fcl_seconds ? ordered_json(*c.fcl_seconds) : ordered_json()}});

@@ -42,7 +42,7 @@ int info(const Request& r) {
               {"file_bytes", trace.structure().bytes},
               {"writer", trace.writer()},
               {"date", trace.date()},
-              {"seconds_a_unit", std::pow(10.0, trace.scale())},
+              {"seconds_per_unit", std::pow(10.0, trace.scale())},
               {"from", times.number(trace.start())},
               {"to", times.number(trace.end())},
               {"scopes", trace.scopes()},

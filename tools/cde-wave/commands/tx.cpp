@@ -82,7 +82,7 @@ class Output {
       columns_ = field_names(r.words.empty() ? file.kinds : r.words);
       text_ = fmt::format("{}\n", fmt::join(columns_, ","));
     } else {
-      table_.heads = {"begin", "latency", "clocks", "stalls", "kind", "outcome", "what"};
+      table_.heads = {"begin", "latency", "cycles", "stalls", "kind", "outcome", "what"};
     }
   }
 
@@ -95,7 +95,7 @@ class Output {
       csv(t);
     else
       table_.lines.push_back(
-          {times_.text(t.begin), times_.span(t.end - t.begin), field_of(t, "clocks").value_or("-"),
+          {times_.text(t.begin), times_.span(t.end - t.begin), field_of(t, "cycles").value_or("-"),
            field_of(t, "stalls").value_or("-"), t.kind, t.outcome, printable_name(t.label)});
   }
   [[nodiscard]] std::uint64_t count() const { return lines_.seen(); }

@@ -46,7 +46,7 @@ Board traced_board(const CastJob& job) {
 Query query_of(const CastTask& o, Mode mode) {
   return {.mode = mode,
           .pair = Pair::kRayTriangle,
-          .deadline_clocks = o.deadline,
+          .deadline_cycles = o.deadline,
           .watchdog = std::chrono::duration<double>(o.timeout)};
 }
 
@@ -89,7 +89,7 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
       [&] { board.trace_close(); });
   std::optional<Interrupts> interrupts;
   if (o.trace.wanted()) interrupts.emplace();
-  const std::uint64_t began = board.clocks();
+  const std::uint64_t began = board.cycles();
   std::uint64_t seen = 0, before = 0;  // cycles at which the card last made progress
   double seen_share = 0;
   const std::function<void(double)> noting = [&](double share) {
@@ -97,7 +97,7 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
     if (share != seen_share) {  // a repeated share is no progress
       seen = before;
       seen_share = share;
-      before = board.clocks() - began;
+      before = board.cycles() - began;
     }
     if (progress) progress(share);
   };
@@ -129,7 +129,7 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
     check->report(result);
   }
   result.modelled_seconds = result.counters.modelled_seconds(o.clock.mhz * 1e6);
-  result.upload_clocks = board.upload_clocks();
+  result.upload_cycles = board.upload_cycles();
   result.model = board.model_path().string();
   result.config_hash = board.config_hash();
   return result;
@@ -242,7 +242,7 @@ CastOutcome cast_on_cards(const CastTask& o, const CastJob& job,
       for (auto* r : {&all.first_difference->card, &all.first_difference->reference})
         if (*r) (*r)->primary += static_cast<std::uint32_t>(share.first);
     }
-    all.upload_clocks += one.upload_clocks;
+    all.upload_cycles += one.upload_cycles;
     all.modelled_seconds = std::max(all.modelled_seconds, one.modelled_seconds);
     all.simulation_seconds = std::max(all.simulation_seconds, one.simulation_seconds);
     all.model = one.model;
@@ -286,7 +286,7 @@ Failure failure_of(const CastTask& o, const CastJob& job, const CastOutcome& out
   f.place = place;
   const std::size_t rays =
       std::min(card::kMostPrimaries, job.rays.size() - packet * card::kMostPrimaries);
-  f.clocks = (rays + job.config.lanes - 1) / job.config.lanes * job.mesh.faces.size();
+  f.cycles = (rays + job.config.lanes - 1) / job.config.lanes * job.mesh.faces.size();
   Failure failure{.kind = f, .message = outcome.difference};
   const std::size_t repeat = outcome.difference.find("repeat with: ");
   if (repeat != std::string::npos)

@@ -76,7 +76,7 @@ std::uint64_t brute_force_before(std::size_t ray, const CastTask& o, const CastJ
 /// journals must come from one build.
 struct Head {
   Counters counters;
-  std::uint64_t hits = 0, compared = 0, matching = 0, brute_force_rays = 0, upload_clocks = 0,
+  std::uint64_t hits = 0, compared = 0, matching = 0, brute_force_rays = 0, upload_cycles = 0,
                 config_hash = 0;
   double modelled_seconds = 0, simulation_seconds = 0;
   std::uint64_t model_bytes = 0, records = 0;
@@ -90,7 +90,7 @@ std::string as_bytes(const CastOutcome& r, std::span<const Record> records) {
                   .compared = r.compared,
                   .matching = r.matching,
                   .brute_force_rays = r.brute_force_rays,
-                  .upload_clocks = r.upload_clocks,
+                  .upload_cycles = r.upload_cycles,
                   .config_hash = r.config_hash,
                   .modelled_seconds = r.modelled_seconds,
                   .simulation_seconds = r.simulation_seconds,
@@ -111,7 +111,7 @@ CastOutcome outcome_in(const std::string& bytes, std::size_t first, std::vector<
   r.compared = head.compared;
   r.matching = head.matching;
   r.brute_force_rays = head.brute_force_rays;
-  r.upload_clocks = head.upload_clocks;
+  r.upload_cycles = head.upload_cycles;
   r.config_hash = head.config_hash;
   r.modelled_seconds = head.modelled_seconds;
   r.simulation_seconds = head.simulation_seconds;
@@ -143,7 +143,7 @@ class Sum {
     all.matching += one.matching;
     all.brute_force_rays += one.brute_force_rays;
     all.simulation_seconds += one.simulation_seconds;
-    all.upload_clocks = std::max(all.upload_clocks, one.upload_clocks);
+    all.upload_cycles = std::max(all.upload_cycles, one.upload_cycles);
     all.model = std::move(one.model);
     all.config_hash = one.config_hash;
     double& card = parts_ > 1 ? free_at_[part] : *std::ranges::min_element(free_at_);

@@ -39,7 +39,7 @@ struct CastJob {
 
 struct CastOutcome {
   Counters counters;
-  std::uint64_t hits = 0, compared = 0, matching = 0, upload_clocks = 0;
+  std::uint64_t hits = 0, compared = 0, matching = 0, upload_cycles = 0;
   std::uint64_t brute_force_rays = 0;          ///< rays that were also checked by brute force
   std::string difference;                      ///< about the first record that does not match
   std::optional<Difference> first_difference;  ///< the same as data

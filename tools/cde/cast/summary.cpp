@@ -49,9 +49,9 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
             {"modelled_pass_seconds", r.modelled_seconds}});
   j.update(counters_json(r.counters));
   j.update(
-      {{"secondary_upload_clocks", r.upload_clocks},
-       {"primary_upload_clocks", r.counters.upload_clocks},
-       {"total_clocks", r.counters.total_clocks},
+      {{"secondary_upload_cycles", r.upload_cycles},
+       {"primary_upload_cycles", r.counters.upload_cycles},
+       {"total_cycles", r.counters.total_cycles},
        {"simulation_seconds", r.simulation_seconds},
        {"tests_per_second_simulated", static_cast<double>(r.counters.pairs) / r.simulation_seconds},
        {"hits", r.hits},

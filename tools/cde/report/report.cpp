@@ -119,18 +119,18 @@ void Report::records(std::size_t number, std::span<const Record> records) {
 }
 
 void Report::frame(std::uint32_t number, const std::vector<QueryFrame>& answers) {
-  Played played;
-  played.number = number;
+  FrameResult result;
+  result.number = number;
   for (std::size_t q = 0; q < answers.size(); ++q) {
-    played.modelled += time_split(answers[q], scene_.card.clock_hz);
-    played.card_seconds += answers[q].pass_seconds;
-    played.reference_seconds += answers[q].check_seconds;
-    played.records += answers[q].counters.records;
-    played.hits += answers[q].hits;
-    played.distances.push_back({kept_[q].least, kept_[q].most});
+    result.modelled += time_split(answers[q], scene_.card.clock_hz);
+    result.card_seconds += answers[q].pass_seconds;
+    result.reference_seconds += answers[q].check_seconds;
+    result.records += answers[q].counters.records;
+    result.hits += answers[q].hits;
+    result.distances.push_back({kept_[q].least, kept_[q].most});
   }
-  played_.push_back(played);
-  if ((played_.size() - 1) % stride_ == 0) {
+  frame_results_.push_back(result);
+  if ((frame_results_.size() - 1) % stride_ == 0) {
     std::vector<ShownObject> shown;
     for (std::size_t i = 0; i < scene_.objects.size(); ++i)
       shown.push_back(geometry_.show(i, number));
@@ -310,19 +310,19 @@ void Report::draw(const std::vector<ShownObject>& shown,
 Report::Json Report::data(const Json& run) const {
   Json j = {{"clock_hz", run.at("clock_hz")},
             {"parts", kTimeParts},
-            {"played", Json::array()},
+            {"frame_results", Json::array()},
             {"interval", static_cast<double>(stride_) / scene_.rate},
             {"camera", {{"fov", camera_.fov_degrees}}},
             {"objects", Json::array()},
             {"queries", Json::array()},
             {"views", Json::array()}};
-  for (const Played& p : played_) {
-    j["played"].push_back({{"frame", p.number},
-                           {"records", p.records},
-                           {"hits", p.hits},
-                           {"modelled_seconds", parts(p.modelled)},
-                           {"card_wall_seconds", p.card_seconds},
-                           {"reference_wall_seconds", p.reference_seconds}});
+  for (const FrameResult& p : frame_results_) {
+    j["frame_results"].push_back({{"frame", p.number},
+                                  {"records", p.records},
+                                  {"hits", p.hits},
+                                  {"modelled_seconds", parts(p.modelled)},
+                                  {"card_wall_seconds", p.card_seconds},
+                                  {"reference_wall_seconds", p.reference_seconds}});
   }
   const auto vector = [](const Eigen::Vector3f& v) { return Json{v.x(), v.y(), v.z()}; };
   if (!views_.empty()) {
@@ -378,7 +378,7 @@ std::vector<std::string> Report::notes() const {
     notes.push_back(
         fmt::format("The view has every {}th frame, {} of {}, to keep the page small; the charts "
                     "have all frames.",
-                    stride_, views_.size(), played_.size()));
+                    stride_, views_.size(), frame_results_.size()));
   if (hits_left_out_ > 0)
     notes.push_back(
         fmt::format("{} hits beyond {} per query and frame are not drawn; run.json and the records "
@@ -398,8 +398,8 @@ std::string Report::html(const Json& run) const {
   body += fmt::format("<p class=\"lead\">{}</p></header>\n",
                       escaped(fmt::format("{}: frames {} to {}, run on the simulated card of cde.",
                                           file, run["frames"][0].dump(), run["frames"][1].dump())));
-  body +=
-      view_html() + (played_.empty() ? "" : distances_html()) + charts_html() + tables_html(run);
+  body += view_html() + (frame_results_.empty() ? "" : distances_html()) + charts_html() +
+          tables_html(run);
   body += fmt::format(
       "<footer><details><summary>Software in this page</summary><pre>{}</pre>"
       "</details></footer>\n</main>\n",

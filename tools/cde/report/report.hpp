@@ -17,7 +17,7 @@ namespace cde::cli {
 
 inline constexpr Resolution kPictureSize = {1200, 600};
 
-/// Takes the frames of a run as they are played, and writes the page. The size of the page is
+/// Takes the frames of a run as they are simulated, and writes the page. The size of the page is
 /// bounded: for a long run, the 3-D view has every 2nd, 4th, ... frame, and the charts have means
 /// of several frames.
 class Report {
@@ -42,7 +42,7 @@ class Report {
     std::uint64_t left_out = 0;
     float least = NAN, most = NAN;  ///< signed distance of solids; T of the hits of rays
   };
-  struct Played {
+  struct FrameResult {
     std::uint32_t number = 0;
     TimeSplit modelled;
     double card_seconds = 0, reference_seconds = 0;  ///< wall time
@@ -80,8 +80,8 @@ class Report {
   const Scene& scene_;
   SceneGeometry geometry_;
   std::vector<Kept> kept_;  ///< per query, of the current frame
-  std::vector<Played> played_;
-  std::vector<View> views_;  ///< of the played frames 0, stride_, 2 stride_, ...
+  std::vector<FrameResult> frame_results_;
+  std::vector<View> views_;  ///< of the frames 0, stride_, 2 stride_, ...
   std::vector<std::vector<Eigen::Vector3f>> first_points_;  ///< of meshes that deform, by object
   std::size_t stride_ = 1, view_bytes_ = 0;
   std::uint64_t hits_left_out_ = 0;

@@ -69,10 +69,11 @@ std::string Report::view_html() const {
       geometry_.objects(), [](const auto& object) { return object.drawn == Drawn::kRays; });
   const bool solids =
       std::ranges::any_of(scene_.queries, [](const SceneQuery& q) { return is_solid(q.pair); });
-  const std::string alt = fmt::format("The scene in frame {} with {}.", played_.front().number,
-                                      !rays    ? "contacts"
-                                      : solids ? "rays, hits and contacts"
-                                               : "rays and hits");
+  const std::string alt =
+      fmt::format("The scene in frame {} with {}.", frame_results_.front().number,
+                  !rays    ? "contacts"
+                  : solids ? "rays, hits and contacts"
+                           : "rays and hits");
   std::string html = fmt::format(
       "<section aria-label=\"3-D view\">\n<figure><div class=\"stage\" id=\"stage\"><img "
       "src=\"data:image/png;base64,{}\" width=\"{}\" height=\"{}\" alt=\"{}\">"
@@ -108,25 +109,26 @@ std::string Report::view_html() const {
 }
 
 std::string Report::charts_html() const {
-  if (played_.empty()) return "";
-  const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
-  const std::size_t bars = (played_.size() + group - 1) / group;
+  if (frame_results_.empty()) return "";
+  const std::size_t group = (frame_results_.size() + kMostBars - 1) / kMostBars;
+  const std::size_t bars = (frame_results_.size() + group - 1) / group;
   std::vector<std::uint32_t> numbers;
   std::vector<Series> modelled, wall = {{"simulated card", 4, {}}, {"reference", 5, {}}};
   for (std::size_t k = 0; k < kTimeParts.size(); ++k)
     modelled.push_back({kTimeParts[k], static_cast<int>(k), {}});
   for (std::size_t b = 0; b < bars; ++b) {
-    const std::size_t first = b * group, last = std::min(first + group, played_.size());
+    const std::size_t first = b * group, last = std::min(first + group, frame_results_.size());
     const auto mean = [&](auto value) {
       double sum = 0;
-      for (std::size_t i = first; i < last; ++i) sum += value(played_[i]);
+      for (std::size_t i = first; i < last; ++i) sum += value(frame_results_[i]);
       return sum / static_cast<double>(last - first);
     };
-    numbers.push_back(played_[first].number);
+    numbers.push_back(frame_results_[first].number);
     for (std::size_t k = 0; k < modelled.size(); ++k)
-      modelled[k].values.push_back(mean([k](const Played& p) { return parts(p.modelled)[k]; }));
-    wall[0].values.push_back(mean([](const Played& p) { return p.card_seconds; }));
-    wall[1].values.push_back(mean([](const Played& p) { return p.reference_seconds; }));
+      modelled[k].values.push_back(
+          mean([k](const FrameResult& p) { return parts(p.modelled)[k]; }));
+    wall[0].values.push_back(mean([](const FrameResult& p) { return p.card_seconds; }));
+    wall[1].values.push_back(mean([](const FrameResult& p) { return p.reference_seconds; }));
   }
   const std::string means =
       group == 1 ? "" : fmt::format(" Each bar is the mean of {} frames.", group);
@@ -143,7 +145,7 @@ std::string Report::charts_html() const {
 
 /// The chart over the frames: the signed distance of solids, or T of rays.
 std::string Report::distances_html() const {
-  const std::size_t group = (played_.size() + kMostBars - 1) / kMostBars;
+  const std::size_t group = (frame_results_.size() + kMostBars - 1) / kMostBars;
   std::string html =
       "<section id=\"distances\"><h2>Signed distance or T over time</h2>\n<p>For solids, the "
       "signed "
@@ -155,13 +157,14 @@ std::string Report::distances_html() const {
     Line least{.name = "least", .colour = 1, .x = {}, .y = {}};
     Line most{.name = "most", .colour = 4, .x = {}, .y = {}};
     bool any = false;
-    for (std::size_t first = 0; first < played_.size(); first += group) {
+    for (std::size_t first = 0; first < frame_results_.size(); first += group) {
       float low = NAN, high = NAN;
-      for (std::size_t i = first; i < std::min(first + group, played_.size()); ++i) {
-        low = std::fmin(low, played_[i].distances[q][0]);
-        high = std::fmax(high, played_[i].distances[q][1]);
+      for (std::size_t i = first; i < std::min(first + group, frame_results_.size()); ++i) {
+        low = std::fmin(low, frame_results_[i].distances[q][0]);
+        high = std::fmax(high, frame_results_[i].distances[q][1]);
       }
-      for (Line* line : {&least, &most}) line->x.push_back(seconds(scene_, played_[first].number));
+      for (Line* line : {&least, &most})
+        line->x.push_back(seconds(scene_, frame_results_[first].number));
       least.y.push_back(low), most.y.push_back(high);
       any = any || std::isfinite(low);
     }
@@ -178,7 +181,7 @@ std::string Report::tables_html(const Json& run) const {
   for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
     const SceneQuery& query = scene_.queries[q];
     std::array<std::uint64_t, 5> sums{};
-    for (const Json& frame : run["played"]) {
+    for (const Json& frame : run["frame_results"]) {
       const Json& answer = frame["queries"][q];
       std::size_t k = 0;
       sums[k++] += answer["counters"]["tests"].get<std::uint64_t>();
@@ -199,8 +202,8 @@ std::string Report::tables_html(const Json& run) const {
   html += table("Assumptions of the modelled times", {}, assumptions(scene_, run));
   html += table("Machine of the wall times", {}, machine_rows(run));
   std::vector<std::vector<Cell>> frames;
-  for (std::size_t i = 0; i < std::min(played_.size(), kMostRows); ++i) {
-    const Played& p = played_[i];
+  for (std::size_t i = 0; i < std::min(frame_results_.size(), kMostRows); ++i) {
+    const FrameResult& p = frame_results_[i];
     std::vector<Cell> row = {fmt::format("{}", p.number), figure(p.records), figure(p.hits)};
     for (const double part : parts(p.modelled)) row.push_back(Cell::figure(duration(part)));
     row.push_back(Cell::figure(duration(p.modelled.total())));
@@ -211,8 +214,8 @@ std::string Report::tables_html(const Json& run) const {
   head.emplace_back("total");
   html += fmt::format(
       "<details><summary>Figures of the chart</summary>{}</details></section>\n",
-      table(played_.size() > kMostRows ? "Modelled; the first 1,000 frames, run.json has all"
-                                       : "Modelled",
+      table(frame_results_.size() > kMostRows ? "Modelled; the first 1,000 frames, run.json has all"
+                                              : "Modelled",
             head, frames));
   return html;
 }

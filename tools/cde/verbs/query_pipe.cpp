@@ -32,7 +32,7 @@ QueryTotals& QueryTotals::operator+=(const QueryTotals& other) {
   hits += other.hits;
   bad += other.bad;
   malformed += other.malformed;
-  clocks += other.clocks;
+  cycles += other.cycles;
   compared += other.compared;
   differ += other.differ;
   simulation_seconds += other.simulation_seconds;
@@ -103,7 +103,7 @@ QueryAnswers QueryPipe::answer() {
   results_.resize(answers.totals.pairs);
   const auto start = std::chrono::steady_clock::now();
   try {
-    answers.totals.clocks = unit_.test(a_, b_, results_);
+    answers.totals.cycles = unit_.test(a_, b_, results_);
   } catch (const Error& e) {
     if (is_hang(e)) report(e);
     throw;

@@ -39,7 +39,7 @@ struct QueryOptions : PairOptions {
 [[nodiscard]] std::string place_of(const QueryOptions& options, bool array, std::uint64_t number);
 
 struct QueryTotals {
-  std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, clocks = 0, compared = 0, differ = 0;
+  std::uint64_t pairs = 0, hits = 0, bad = 0, malformed = 0, cycles = 0, compared = 0, differ = 0;
   double simulation_seconds = 0;
   QueryTotals& operator+=(const QueryTotals& other);
 };

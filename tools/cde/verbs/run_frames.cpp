@@ -26,9 +26,9 @@ Json query_json(const std::string& name, const QueryFrame& f) {
   counters.update({{"card_records", f.card_records},
                    {"secondary_words", f.secondary_words},
                    {"primary_words", f.primary_words},
-                   {"secondary_upload_clocks", f.secondary_clocks},
-                   {"primary_upload_clocks", f.primary_clocks},
-                   {"download_clocks", f.download_clocks}});
+                   {"secondary_upload_cycles", f.secondary_cycles},
+                   {"primary_upload_cycles", f.primary_cycles},
+                   {"download_cycles", f.download_cycles}});
   return {
       {"query", name},
       {"passes", f.passes},
@@ -44,14 +44,14 @@ Json query_json(const std::string& name, const QueryFrame& f) {
       {"reference_seconds", f.check_seconds}};
 }
 
-/// Plays a frame on a rank. Returns a line of JSON with the lengths of the texts, then the texts of
+/// Runs a frame on a rank. Returns a line of JSON with the lengths of the texts, then the texts of
 /// the records.
-std::string played(SceneRunner& runner, const DistributedFrames& f, std::uint32_t frame) {
+std::string run_frame(SceneRunner& runner, const DistributedFrames& f, std::uint32_t frame) {
   const Scene& scene = f.scene;
   std::vector<std::string> texts(scene.results == Results::kNone ? 0 : scene.queries.size());
   const auto start = std::chrono::steady_clock::now();
   const std::vector<QueryFrame> answers =
-      runner.play(frame, [&](std::size_t q, std::span<const Record> records) {
+      runner.run_frame(frame, [&](std::size_t q, std::span<const Record> records) {
         if (!texts.empty())
           record_text(scene, scene.queries[q], f.files).append(records, texts[q], frame);
       });
@@ -130,7 +130,7 @@ bool distribute_frames(const DistributedFrames& f, const FrameSink& take) {
   std::optional<SceneRunner> runner;
   const std::uint64_t frames = f.last - f.first + 1;
   return WorkDistributor::instance().run_part(
-      {.what = "playing",
+      {.what = "simulating",
        .chunks = frames,
        .input = [&](std::uint64_t c) -> std::optional<std::string> {
          if (c >= frames) return std::nullopt;
@@ -142,8 +142,8 @@ bool distribute_frames(const DistributedFrames& f, const FrameSink& take) {
                runner.emplace(f.scene, f.plan,
                               RunnerOptions{.check = f.check,
                                             .watchdog = std::chrono::duration<double>(f.timeout),
-                                            .deadline_clocks = f.deadline});
-             return played(*runner, f, f.first + static_cast<std::uint32_t>(c));
+                                            .deadline_cycles = f.deadline});
+             return run_frame(*runner, f, f.first + static_cast<std::uint32_t>(c));
            },
        .take =
            [&](std::uint64_t c, const std::string& result) {

@@ -20,7 +20,7 @@ namespace cde::cli {
                                                 const std::vector<std::string>& files,
                                                 const std::vector<QueryFrame>& answers);
 
-/// The command that plays a frame again.
+/// The command that simulates a frame again.
 [[nodiscard]] std::string repeat_of(const Scene& scene, std::uint32_t frame, Check check);
 /// The message about a query whose records differ from the reference.
 [[nodiscard]] std::string mismatch_text(const Scene& scene, std::uint32_t frame, std::size_t query,

@@ -99,7 +99,7 @@ std::string as_text(const QueryAnswers& a) {
   const QueryTotals& t = a.totals;
   return json_text(
              nlohmann::ordered_json{
-                 {"totals", {t.pairs, t.hits, t.bad, t.malformed, t.clocks, t.compared, t.differ}},
+                 {"totals", {t.pairs, t.hits, t.bad, t.malformed, t.cycles, t.compared, t.differ}},
                  {"failures", a.failures},
                  {"simulation_seconds", t.simulation_seconds},
                  {"message_bytes", a.messages.size()}},
@@ -115,7 +115,7 @@ QueryAnswers answers_in(const std::string& text) {
                      .hits = n.at(1),
                      .bad = n.at(2),
                      .malformed = n.at(3),
-                     .clocks = n.at(4),
+                     .cycles = n.at(4),
                      .compared = n.at(5),
                      .differ = n.at(6),
                      .simulation_seconds = head.at("simulation_seconds")},
@@ -176,7 +176,7 @@ nlohmann::ordered_json as_json(const QueryOptions& o, const PairConfig& config,
             {"hits", t.hits},
             {"bad_pairs", t.bad},
             {"malformed_lines", t.malformed},
-            {"device_cycles", t.clocks},
+            {"device_cycles", t.cycles},
             {"simulation_seconds", t.simulation_seconds},
             {"checked", o.check},
             {"records_compared", t.compared},
@@ -197,7 +197,7 @@ void print_summary(const QueryOptions& o, const PairConfig& config, const QueryT
   row("pairs",
       fmt::format("{}, {} bad, and {}", t.pairs, t.bad, counted(t.malformed, "malformed line")));
   row("hits", fmt::to_string(t.hits));
-  row("device cycles", fmt::to_string(t.clocks));
+  row("device cycles", fmt::to_string(t.cycles));
   if (t.pairs != 0)  // without pairs there is no rate
     row("simulation", fmt::format("{:.3g} s, {:.4g} M pairs/s", t.simulation_seconds,
                                   static_cast<double>(t.pairs) / t.simulation_seconds / 1e6));

@@ -117,7 +117,7 @@ void check_files(const Options& o, const Scene& scene) {
   o.trace.check();
 }
 
-/// A run: the frames played so far, and its outputs.
+/// A run: the frames simulated so far, and its outputs.
 class Run {
  public:
   Run(const Options& o, Scene& scene, const Plan& plan, Check check,
@@ -147,14 +147,14 @@ class Run {
                   {"plan", plan_json(scene, plan)},
                   {"files", table_names(scene, o.files())},
                   {"files_beside", folder_.beside()},
-                  {"played", Json::array()}});
+                  {"frame_results", Json::array()}});
     if (!o.report.empty()) {
       page_.emplace(o.report);
       report_.emplace(scene);
     }
   }
 
-  void play(const Plan& plan) {
+  void simulate(const Plan& plan) {
     std::optional<Interrupts> interrupts;  // once there is a card; before, a signal ends the build
     std::optional<OutputFile> waves;
     if (o_.trace.wanted()) waves.emplace(o_.trace.file, OutputFile::Use::kByName);
@@ -168,7 +168,7 @@ class Run {
            .trace = waves ? waves->by_name() : "",
            .waves = o_.trace.options(),
            .watchdog = std::chrono::duration<double>(o_.timeout),
-           .deadline_clocks = o_.deadline,
+           .deadline_cycles = o_.deadline,
            .faults = faults_,
            .progress = [&](std::uint32_t frame, double share) {
              if (Interrupts::signal() != 0) throw Stopped();
@@ -178,16 +178,16 @@ class Run {
            }});
       uploading.reset();
       runner_ = &runner;
-      began_ = runner.board().clocks();
+      began_ = runner.board().cycles();
       interrupts.emplace();
-      bar.emplace("playing", o_.quiet);
+      bar.emplace("simulating", o_.quiet);
       json_["plan"]["model"] = runner.board().model_path().string();
       json_["plan"]["built"] = true;
       json_.update(model_json(runner.board().model_path(), runner.board().config_hash()));
       begin();
       try {
         for (std::uint32_t f = frames_.first; f <= frames_.last && totals_.mismatches == 0; ++f)
-          play_frame(runner, f);
+          simulate_frame(runner, f);
         end_records();
       } catch (...) {
         count_faults(runner);
@@ -245,10 +245,10 @@ class Run {
   void report() const {
     const Totals& t = totals_;
     if (o_.json) print_json(json_);
-    const std::size_t played = json_["played"].size();
+    const std::size_t simulated = json_["frame_results"].size();
     if (!o_.quiet) {
       row("scene", printable_name(scene_.file));
-      row("frames", fmt::format("{} of {}..{}", played, frames_.first, frames_.last));
+      row("frames", fmt::format("{} of {}..{}", simulated, frames_.first, frames_.last));
       row("tests",
           fmt::format("{}{}, {}, {}", t.tests, t.nodes == 0 ? "" : ", " + counted(t.nodes, "node"),
                       counted(t.records, "record"), counted(t.hits, "hit")));
@@ -261,7 +261,7 @@ class Run {
                                                      static_cast<double>(t.asked)));
       row("modelled time",
           fmt::format("{:.6g} ms per frame at {:g} MHz, bus {}, memory {}",
-                      played == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(played),
+                      simulated == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(simulated),
                       scene_.card.clock_hz / 1e6, bus_name(scene_), memory_name(scene_)));
       // A run that stops early has no tests.
       const double rate = t.tests == 0 ? 0 : static_cast<double>(t.tests) / t.simulated / 1e6;
@@ -289,12 +289,12 @@ class Run {
     seen_ = before_;
     frame_ = frame;
     share_ = share;
-    if (runner_ != nullptr) before_ = runner_->board().clocks() - began_;
+    if (runner_ != nullptr) before_ = runner_->board().cycles() - began_;
   }
   [[nodiscard]] RunnerOptions options_again() const {
     return {.check = Check::kNone,
             .watchdog = std::chrono::duration<double>(o_.timeout),
-            .deadline_clocks = o_.deadline};
+            .deadline_cycles = o_.deadline};
   }
 
   std::string pack_hang(const Plan& plan, const Error& error) {
@@ -310,7 +310,7 @@ class Run {
       options.waves = which;
       SceneRunner runner(scene_, traced, options);
       try {
-        for (std::uint32_t frame = frames_.first; frame <= frame_; ++frame) runner.play(frame);
+        for (std::uint32_t frame = frames_.first; frame <= frame_; ++frame) runner.run_frame(frame);
       } catch (const Error& e) {
         if (!is_hang(e)) throw;
       }
@@ -348,16 +348,16 @@ class Run {
   }
   /// Completes the tables if they have every frame.
   void end_records() {
-    if (json_["played"].size() != frames_.last - frames_.first + 1) return;
+    if (json_["frame_results"].size() != frames_.last - frames_.first + 1) return;
     records_.commit();
     finished_ = true;
   }
 
-  void play_frame(SceneRunner& runner, std::uint32_t frame) {
+  void simulate_frame(SceneRunner& runner, std::uint32_t frame) {
     records_.begin_frame(frame);
     const auto start = std::chrono::steady_clock::now();
     const std::vector<QueryFrame> answers =
-        runner.play(frame, [&](std::size_t query, std::span<const Record> records) {
+        runner.run_frame(frame, [&](std::size_t query, std::span<const Record> records) {
           records_.add(query, records);
           if (report_) report_->records(query, records);
         });
@@ -374,7 +374,7 @@ class Run {
     }
   }
 
-  /// Adds a played frame, from this process or from a chunk.
+  /// Adds a simulated frame, from this process or from a chunk.
   void add_frame(std::uint32_t frame, const Json& j) {
     for (std::size_t q = 0; q < scene_.queries.size(); ++q) {
       const Json& counters = j["queries"][q]["counters"];
@@ -386,7 +386,7 @@ class Run {
         log("cde: warning: frame {}, query '{}': brute force instead of a BVH: {}\n", frame,
             scene_.queries[q].name, why.get<std::string>());
     }
-    json_["played"].push_back(j);
+    json_["frame_results"].push_back(j);
   }
 
   [[nodiscard]] std::string fault_words() const {
@@ -531,7 +531,7 @@ void run(const Options& o) {
   if (distributed)
     run.distribute(made);
   else
-    run.play(made);
+    run.simulate(made);
   run.report();
   run.check_folder();
 }

@@ -22,10 +22,10 @@ void clock_options(CLI::App& verb, ClockOptions& options) {
 }
 
 std::string resolve_clock(ClockOptions& options, const std::vector<PipeChoice>& pipes,
-                          const OperatorClocks& clocks) {
+                          const OperatorLatencies& cycles) {
   const Target target = options.target.empty() ? Target{.name = "", .assumed_mhz = options.mhz}
                                                : parse_target(options.target);
-  const CardClock clock = clock_on(target, pipes, clocks);
+  const CardClock clock = clock_on(target, pipes, cycles);
   options.mhz = clock.mhz;
   return clock.source;
 }

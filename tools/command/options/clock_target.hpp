@@ -24,7 +24,7 @@ void clock_options(CLI::App& verb, ClockOptions& options);
 
 /// Sets `options.mhz` to the clock of these pipes on the target. Returns where the clock is from.
 [[nodiscard]] std::string resolve_clock(ClockOptions& options, const std::vector<PipeChoice>& pipes,
-                                        const OperatorClocks& clocks);
+                                        const OperatorLatencies& cycles);
 /// The same for a card.
 [[nodiscard]] std::string resolve_clock(ClockOptions& options, const BoardConfig& card);
 

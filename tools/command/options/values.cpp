@@ -225,16 +225,16 @@ void exact_card_option(CLI::App& verb, bool& exact) {
                 "Use the planned card, even if it must be built first and a built card would do");
 }
 
-void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
+void deadline_options(CLI::App& verb, std::uint64_t& cycles, double& seconds,
                       const std::string& pass) {
   constexpr std::uint64_t kMost = 1'000'000'000'000'000;
   whole_number_in(
       verb.add_option(
-              "--deadline", clocks,
+              "--deadline", cycles,
               fmt::format("Device cycles that a {} may take; 0: several times the expected number",
                           pass))
           ->capture_default_str(),
-      0, kMost, "clocks");
+      0, kMost, "cycles");
   number_in(verb.add_option("--timeout", seconds,
                             fmt::format("Wall time that the simulation of a {} may take", pass))
                 ->capture_default_str(),

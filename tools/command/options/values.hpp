@@ -62,7 +62,7 @@ void scene_option(CLI::App& verb, std::string& file);
 /// --exact-card: no built card replaces the planned one.
 void exact_card_option(CLI::App& verb, bool& exact);
 /// The deadline of a pass in device cycles, and the watchdog of the simulation in seconds.
-void deadline_options(CLI::App& verb, std::uint64_t& clocks, double& seconds,
+void deadline_options(CLI::App& verb, std::uint64_t& cycles, double& seconds,
                       const std::string& pass);
 
 /// What an option takes, for help and completions.

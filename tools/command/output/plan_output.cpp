@@ -36,7 +36,7 @@ std::string sentence(const Effect& e) {
 std::string method_text(const QueryWork& w) {
   const std::string all = counted(w.tests, "test") + " in " + counted(w.rows, "row");
   if (!w.bvh) return all;
-  return fmt::format("through a BVH in about {} instead of {}", counted(*w.bvh_clocks, "cycle"),
+  return fmt::format("through a BVH in about {} instead of {}", counted(*w.bvh_cycles, "cycle"),
                      all);
 }
 
@@ -73,7 +73,7 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
                             {"why", e.why},
                             {"cost", e.cost}});
   for (const QueryWork& w : plan.queries) {
-    const auto clocks = w.bvh_clocks ? nlohmann::ordered_json(*w.bvh_clocks) : nullptr;
+    const auto cycles = w.bvh_cycles ? nlohmann::ordered_json(*w.bvh_cycles) : nullptr;
     j["queries"].push_back({{"name", w.name},
                             {"primaries", w.primaries},
                             {"masked", w.masked},
@@ -82,7 +82,7 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
                             {"tests", w.tests},
                             {"rows", w.rows},
                             {"through", w.bvh ? "bvh" : "brute_force"},
-                            {"bvh_clocks", clocks},
+                            {"bvh_cycles", cycles},
                             {"most_records", w.most_records},
                             {"secondary_words", w.secondary_words},
                             {"moved_words", w.moved_words},

@@ -187,7 +187,7 @@ Json RunFolder::run_in(const fs::path& folder) {
   } catch (const Error&) {
     return nullptr;
   }
-  const bool ours = json.is_object() && json.contains("scene") && json.contains("played");
+  const bool ours = json.is_object() && json.contains("scene") && json.contains("frame_results");
   return ours ? json : Json();
 }
 

@@ -36,19 +36,19 @@ typedef struct cde_board_api {
 
   /** `beats` transfers of 64 bits on the local bus, one per cycle, at byte offset, offset + 8, ...
      For SRAM the offset stays 0. Returns the number of beats transferred. It is smaller only if
-     `max_clocks` ran out, or the bus has no such space number (card::kSpaceBits). The card itself
+     `max_cycles` ran out, or the bus has no such space number (card::kSpaceBits). The card itself
      refuses a space that it does not have. */
   uint64_t (*write)(void* card, uint32_t space, uint32_t offset, const void* data, uint64_t beats,
-                    uint64_t max_clocks);
+                    uint64_t max_cycles);
   uint64_t (*read)(void* card, uint32_t space, uint32_t offset, void* data, uint64_t beats,
-                   uint64_t max_clocks);
+                   uint64_t max_cycles);
 
-  /** Runs until the interrupt line is high, at most max_clocks cycles. Returns the cycles spent. */
-  uint64_t (*run)(void* card, uint64_t max_clocks);
+  /** Runs until the interrupt line is high, at most max_cycles cycles. Returns the cycles spent. */
+  uint64_t (*run)(void* card, uint64_t max_cycles);
   /** Runs this many cycles, whatever the interrupt line does. */
-  void (*advance)(void* card, uint64_t clocks);
+  void (*advance)(void* card, uint64_t cycles);
   int (*interrupt)(void* card);
-  uint64_t (*clocks)(void* card); /**< since creation */
+  uint64_t (*cycles)(void* card); /**< since creation */
   void (*memory)(void* card, cde_memory_counters* counters);
 
   /** Waves: 0, or -1 if the model has no tracing or the file cannot be written. destroy() also
@@ -61,7 +61,7 @@ typedef struct cde_board_api {
   int (*ddr_flip)(void* card, uint64_t byte, uint8_t mask);
   int (*check_flip)(void* card, uint64_t word, uint8_t mask);
   /** DDR gives no data for this many cycles; all ones: until reset. */
-  void (*ddr_hang)(void* card, uint32_t clocks);
+  void (*ddr_hang)(void* card, uint32_t cycles);
 } cde_board_api;
 
 typedef const cde_board_api* (*cde_board_entry_fn)(void);

@@ -32,7 +32,7 @@ typedef struct cde_fp_api {
                uint8_t* flags, uint64_t n);
   /** Processor seconds of the calling thread for this many cycles of the operation, with new
      operands in every cycle. Negative for a missing operation. */
-  double (*measure)(cde_fp_unit*, uint32_t op, uint64_t clocks);
+  double (*measure)(cde_fp_unit*, uint32_t op, uint64_t cycles);
 } cde_fp_api;
 
 typedef const cde_fp_api* (*cde_fp_entry_fn)(void);

@@ -95,7 +95,7 @@ enum {
 #define CDE_PCI_SPACE_CHECK 0x100u
 
 typedef struct cde_pci_counters {
-  uint64_t clocks;     /**< PCI cycles since creation */
+  uint64_t cycles;     /**< PCI cycles since creation */
   uint64_t busy;       /**< cycles with FRAME# or IRDY# asserted */
   uint64_t data;       /**< cycles in which data moved */
   uint64_t waits;      /**< busy cycles without data */

@@ -237,7 +237,7 @@ class Board {
   [[nodiscard]] std::uint64_t capacity(Shape shape = Shape::kTriangle) const;
   [[nodiscard]] std::uint64_t sram_records() const;
   [[nodiscard]] unsigned pipe_latency() const;        ///< cycles
-  [[nodiscard]] std::uint64_t upload_clocks() const;  ///< cycles of the last upload()
+  [[nodiscard]] std::uint64_t upload_cycles() const;  ///< cycles of the last upload()
   /// 32-bit words of shapes, ranges and transforms written to the card since it was opened.
   [[nodiscard]] std::uint64_t words_uploaded() const;
   [[nodiscard]] const std::filesystem::path& model_path() const;
@@ -251,8 +251,8 @@ class Board {
   void bus_read(card::Space space, std::uint32_t offset, std::span<std::uint64_t> beats);
   /// Waits for the interrupt and returns the cycles spent. An interrupt that an earlier write has
   /// cleared does not count.
-  std::uint64_t wait(std::uint64_t max_clocks);
-  [[nodiscard]] std::uint64_t clocks() const;  ///< core cycles of time_ps().
+  std::uint64_t wait(std::uint64_t max_cycles);
+  [[nodiscard]] std::uint64_t cycles() const;  ///< core cycles of time_ps().
   /// Flips bits as a memory fault would: of a DDR byte, or with BoardConfig::ecc of the check bits
   /// (bits 0 to 6) of a four-byte word. Error kUsage if there are none.
   void flip_ddr(std::uint64_t byte, std::uint8_t mask);

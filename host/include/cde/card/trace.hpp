@@ -14,7 +14,7 @@ struct TraceOptions {
   std::uint64_t to = std::numeric_limits<std::uint64_t>::max();  ///< last core cycle
   /// Waves begin when the card fetches this secondary from DDR, instead of at `from`.
   std::optional<std::uint32_t> secondary = {};
-  std::uint64_t clocks = 400;  ///< With `secondary`: number of cycles, instead of `to`
+  std::uint64_t cycles = 400;  ///< With `secondary`: number of cycles, instead of `to`
   /// Patterns with * and ? of signals or scopes as `cde wave ls` lists them, with or without outer
   /// scopes. Only these are written; empty: all.
   std::vector<std::string> scopes = {};

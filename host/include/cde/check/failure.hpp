@@ -36,7 +36,7 @@ struct CardFailure {
   Mode mode = Mode::kNearest;
   Difference difference = {};
   std::uint32_t place = 0;   ///< slot of the primary in its packet
-  std::uint64_t clocks = 0;  ///< lower bound of the cycles of the pass
+  std::uint64_t cycles = 0;  ///< lower bound of the cycles of the pass
 };
 
 /// A card or unit that stopped, or reported an error.

@@ -145,7 +145,7 @@ inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Co
 inline constexpr Field kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
     kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Filter{23}, kCaps3PrimWords{24, 8},
     kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
-inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsANode{48, 8};
+inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsPerNode{48, 8};
 inline constexpr Field kRaysProvided{0, 32}, kRaysTaken{32, 32};
 inline constexpr Field kNodeFaultPlace{0, 32}, kNodeFaultKind{32, 4};
 inline constexpr Field kNodeFlipBits{0, 32}, kNodeFlipWord{32, 5};

@@ -30,7 +30,7 @@ struct PipeFigures {
   std::optional<OperatorCounts> operators;
 
   /// Cycles for a million tests on one lane.
-  [[nodiscard]] std::optional<double> clocks_per_million() const;
+  [[nodiscard]] std::optional<double> cycles_per_million() const;
 };
 
 /// Figures of the elaborated RTL. They take seconds per pipe the first time and are then cached.
@@ -47,6 +47,6 @@ struct CardClock {
 };
 /// Error kUsage if the table has no cost for a pipe, naming the rows that exist.
 [[nodiscard]] CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,
-                                 const OperatorClocks& clocks);
+                                 const OperatorLatencies& cycles);
 
 }  // namespace cde

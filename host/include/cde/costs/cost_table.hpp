@@ -53,7 +53,7 @@ struct OperatorCounts {
   [[nodiscard]] unsigned total() const { return add + mul + div + sqrt + cmp; }
 };
 /// Latencies of operators in cycles, in the order of a card's parameters.
-struct OperatorClocks {
+struct OperatorLatencies {
   unsigned add = 1, mul = 1, div = 1, sqrt = 1, cmp = 1;
 };
 
@@ -88,9 +88,9 @@ class CostTable {
   static CostTable of_project();
 
   /// The cost of a whole lane if it was measured, at the fastest operator latencies. Otherwise the
-  /// sum of its operators, each at its fastest. `clocks`: use only rows with these latencies.
+  /// sum of its operators, each at its fastest. `cycles`: use only rows with these latencies.
   [[nodiscard]] LaneCostOr lane(const CostedPipe& pipe, const std::string& target,
-                                const std::optional<OperatorClocks>& clocks = {}) const;
+                                const std::optional<OperatorLatencies>& cycles = {}) const;
 
   /// "there are: add fp32 LAT 8, ...": rows of a target that have a clock frequency.
   [[nodiscard]] std::string rows_of(const std::string& target) const;
@@ -100,7 +100,7 @@ class CostTable {
                                        const std::string& format, const std::string& target,
                                        const std::string& lat) const;
   [[nodiscard]] LaneCostOr estimate(const CostedPipe& pipe, const std::string& target,
-                                    const std::optional<OperatorClocks>& clocks) const;
+                                    const std::optional<OperatorLatencies>& cycles) const;
   std::string file_;
   std::vector<CostRow> rows_;
 };

@@ -52,7 +52,7 @@ struct BusCounters {
   std::uint64_t access_retries = 0;   ///< accesses repeated after a parity error or no answer
   std::uint64_t pass_retries = 0;     ///< passes repeated because records were lost in transfer
   std::uint64_t lost_interrupts = 0;  ///< detected by polling
-  std::uint64_t pci_clocks = 0;       ///< modelled PCI cycles. Among them:
+  std::uint64_t pci_cycles = 0;       ///< modelled PCI cycles. Among them:
   std::uint64_t pci_busy = 0;         ///< cycles with a transaction on the bus
   std::uint64_t pci_data = 0;         ///< cycles in which data moved.
   /// Faults of Board::inject that happened, by BusFault (kNoGrant, kHang: in cycles).

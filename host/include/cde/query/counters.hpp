@@ -40,8 +40,8 @@ struct Counters {
   std::uint64_t leaves = 0;         ///< leaves visited
   std::uint64_t deepest = 0;        ///< most groups on a ray's stack at a time
   std::uint64_t records = 0;        ///< records written, all of which were downloaded
-  std::uint64_t upload_clocks = 0;  ///< core cycles of loading the primaries
-  std::uint64_t total_clocks = 0;  ///< core cycles of loading, pass, download and register accesses
+  std::uint64_t upload_cycles = 0;  ///< core cycles of loading the primaries
+  std::uint64_t total_cycles = 0;  ///< core cycles of loading, pass, download and register accesses
   ModelledTime time;               ///< modelled time of the same, by part
 
   Counters& operator+=(const Counters& other);

@@ -44,7 +44,7 @@ struct Query {
   std::uint32_t secondary_count = 0;  ///< secondaries from there on (0: all); not with objects.
                                       ///< Record indices still count in upload order
   Through through = Through::kAuto;
-  std::uint64_t deadline_clocks = 0;  ///< per pass; 0: several times the worst case, or for a BVH a
+  std::uint64_t deadline_cycles = 0;  ///< per pass; 0: several times the worst case, or for a BVH a
                                       ///< million cycles in which nothing is read
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall-clock limit per pass
   std::uint32_t drain_records =

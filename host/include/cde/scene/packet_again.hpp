@@ -19,8 +19,8 @@ struct PacketAgain {
 };
 /// Runs the frames from `first` to that one on a card that writes waves of the packet. `sink`
 /// receives all records of the query in that frame. Returns the query's figures.
-QueryFrame play_packet(const PacketAgain& packet, std::uint32_t first, const std::string& file,
-                       const TraceOptions& which, const RecordSink& sink);
+QueryFrame run_packet(const PacketAgain& packet, std::uint32_t first, const std::string& file,
+                      const TraceOptions& which, const RecordSink& sink);
 
 /// A record of a scene that differs from the reference.
 struct RunFailure {

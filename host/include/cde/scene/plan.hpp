@@ -31,7 +31,7 @@ struct QueryWork {
   std::uint64_t tests = 0;    ///< pairs that the card tests, without masked primaries
   std::uint64_t rows = 0;     ///< cycles in which rows enter the pipe
   bool bvh = false;           ///< rays traverse a BVH: tests and rows then count brute force
-  std::optional<std::uint64_t> bvh_clocks;  ///< estimated cycles of a traversal, if possible
+  std::optional<std::uint64_t> bvh_cycles;  ///< estimated cycles of a traversal, if possible
   std::uint64_t most_records = 0;           ///< most records of the result mode
   std::uint64_t secondary_words = 0;        ///< words of an upload of all secondaries
   std::uint64_t moved_words = 0;    ///< words per frame if they stay in DDR: changed shapes, and 12

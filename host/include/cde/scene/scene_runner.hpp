@@ -35,7 +35,7 @@ struct RunnerOptions {
   };
   std::function<void(const PacketContents&)> on_packet = {};
   std::chrono::duration<double> watchdog = std::chrono::hours(1);  ///< wall-clock limit per pass
-  std::uint64_t deadline_clocks = 0;        ///< per pass; 0: several times the worst case
+  std::uint64_t deadline_cycles = 0;        ///< per pass; 0: several times the worst case
   std::vector<ScheduledFault> faults = {};  ///< each is injected once, in its frame
   /// Called from time to time with the frame and the share of the query's packets done. An
   /// exception ends the run and leaves the card ready.
@@ -52,13 +52,13 @@ struct QueryFrame {
   std::uint64_t secondary_words = 0;   ///< words written for this query: changed shapes, ranges of
                                        ///< objects, 12 words per object that the card moves
   std::uint64_t primary_words = 0;     ///< the same, in slots of whole beats
-  std::uint64_t secondary_clocks = 0;  ///< core cycles of writing the secondaries
+  std::uint64_t secondary_cycles = 0;  ///< core cycles of writing the secondaries
   std::uint64_t secondary_ps = 0;      ///< modelled picoseconds of writing the secondaries
-  std::uint64_t primary_clocks = 0;    ///< core cycles of loading primaries
+  std::uint64_t primary_cycles = 0;    ///< core cycles of loading primaries
   std::uint64_t primary_ps = 0;        ///< modelled picoseconds of loading and moving primaries
   /// The other cycles: reading records, register accesses. In modes all and hits, records are read
   /// during the pass, so most of that time counts as compute.
-  std::uint64_t download_clocks = 0;
+  std::uint64_t download_cycles = 0;
   std::uint64_t hits = 0;          ///< records with F = 1
   std::string brute_force_reason;  ///< why rays used brute force instead of the requested BVH;
                                    ///< empty if they traversed it
@@ -96,7 +96,7 @@ class SceneRunner {
   /// Runs one frame and returns a QueryFrame per query of the scene. Frames may be run in any
   /// order. Mismatches are counted, not thrown. Errors: kTimeout, kDevice, and exceptions of the
   /// sink or progress.
-  std::vector<QueryFrame> play(std::uint32_t frame, const Sink& sink = {});
+  std::vector<QueryFrame> run_frame(std::uint32_t frame, const Sink& sink = {});
 
   /// Which of RunnerOptions::faults were injected so far. Board::bus_counters() and
   /// Counters::corrected_words show their effects.

@@ -87,7 +87,7 @@ struct Bubbles {
   std::uint64_t first = 0, last = 0;    ///< times of the first and the last valid cycle
 };
 
-/// Measures how busy signals, handshakes and pipes are between two times. Clocks sample the values
+/// Measures how busy signals, handshakes and pipes are between two times. Cycles sample the values
 /// just before their rising edges, as flip-flops do. An edge at the very begin is outside the
 /// window. Times for which the simulation wrote no changes ($dumpoff) do not count.
 class Measure {

@@ -280,9 +280,9 @@
     readout.textContent = `${query.name} (${query.pair}): primary ${primary}, secondary ${index}, T ${n(w[3])}, CP ${n(w[0])}, ${n(w[1])}, ${n(w[2])}`;
   }
   function describe() {
-    const view = data.views[shown], played = data.played.find((p) => p.frame === view.frame);
-    const ms = 1e3 * played.modelled_seconds.reduce((a, b) => a + b);
-    readout.textContent = `${played.records.toLocaleString("en")} records, ${played.hits.toLocaleString("en")} hits, ${ms.toPrecision(3)} ms modelled`;
+    const view = data.views[shown], result = data.frame_results.find((p) => p.frame === view.frame);
+    const ms = 1e3 * result.modelled_seconds.reduce((a, b) => a + b);
+    readout.textContent = `${result.records.toLocaleString("en")} records, ${result.hits.toLocaleString("en")} hits, ${ms.toPrecision(3)} ms modelled`;
   }
 
   const slider = document.getElementById("frame"), output = document.getElementById("frame-text"), play = document.getElementById("play");
@@ -297,14 +297,14 @@
     slider.value = number;
     output.textContent = `frame ${view.frame}, ${view.seconds.toFixed(3)} s`;
     slider.setAttribute("aria-valuetext", output.textContent);
-    const at = data.played.findIndex((p) => p.frame === view.frame);
-    bars.forEach((bar, i) => bar.classList.toggle("chosen", i === Math.floor(at * bars.length / data.played.length)));
+    const at = data.frame_results.findIndex((p) => p.frame === view.frame);
+    bars.forEach((bar, i) => bar.classList.toggle("chosen", i === Math.floor(at * bars.length / data.frame_results.length)));
     describe();
     draw();
   }
   slider.addEventListener("input", () => show(Number(slider.value)));
   bars.forEach((bar, i) => bar.addEventListener("click", () => {
-    const frame = data.played[Math.floor(i * data.played.length / bars.length)].frame;
+    const frame = data.frame_results[Math.floor(i * data.frame_results.length / bars.length)].frame;
     let nearest = 0;
     data.views.forEach((v, k) => { if (Math.abs(v.frame - frame) < Math.abs(data.views[nearest].frame - frame)) nearest = k; });
     show(nearest);
