@@ -261,6 +261,23 @@ TEST_F(WaveFiles, WidthsBeyondTheFilesSize_AreRefused) {
   EXPECT_EQ(honest.status, 0) << "its packed values are in the file: " << honest.err;
 }
 
+/// Each value is extended to the width of its signal, so a small file must not say it a million
+/// times.
+TEST_F(WaveFiles, ManyShortValuesOfAWideSignal_AreRefused) {
+  const auto vcd = [&](unsigned changes) {
+    std::string text = fmt::format("$var wire {} ! wide $end\n$enddefinitions $end\n", 1u << 24);
+    for (unsigned i = 0; i < changes; ++i) text += fmt::format("#{}\nb1{} !\n", i, i % 2);
+    write("v.vcd", text);
+  };
+  vcd(1000);
+  refused({"wave", "show", "v.vcd", "wide"},
+          "v.vcd:132: short values of signals of 65536 bits or more: extended to their signals' "
+          "widths they gain ");
+  vcd(60);
+  const Ran ran = cde({"wave", "info", "v.vcd"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+}
+
 TEST_F(WaveFiles, TruncatedVcd_IsReadToItsLastWholeLine) {
   const std::string text = kVcd;
   for (std::size_t n = text.find("$enddefinitions") + 20; n < text.size(); ++n) {

@@ -19,6 +19,11 @@ namespace {
 constexpr std::uint64_t kLeastBetween = 1u << 20;  ///< bytes between two points
 constexpr std::uint64_t kMostPoints = 64u << 20;   ///< bytes of all points together
 constexpr std::size_t kMostComments = 1000;        ///< comments among the changes
+/// Values of wider signals count for the limit below.
+constexpr std::uint32_t kWide = 1u << 16;
+/// Bits that all short values of wide signals may gain by extension, besides 64 per byte of the
+/// file. A value of few digits is extended to the width of its signal.
+constexpr std::uint64_t kMostExtension = std::uint64_t{1} << 30;
 constexpr std::string_view kStates = "01xzXZUWLHuwlh-";
 
 /// Extends or cuts bits to the signal's width by VCD's rule: 0 before 1, else the first bit
@@ -61,7 +66,8 @@ bool unknown_value(std::string_view value) {
 /// The first pass: checks the whole file and notes the places of values.
 class VcdIndex : public VcdEvents {
  public:
-  VcdIndex(const VcdBody& body, const VcdHeader& header) : body_(body), header_(header) {
+  VcdIndex(const VcdBody& body, const VcdHeader& header, std::uint64_t file_bytes)
+      : body_(body), header_(header), most_extension_(kMostExtension + 64 * file_bytes) {
     last_.resize(header.identifiers.size() + 1, 0);
     seen.resize(last_.size(), 0);
   }
@@ -130,9 +136,17 @@ class VcdIndex : public VcdEvents {
       const std::uint32_t width = header_.widths[handle - 1];
       if (value.size() > width && width != 0 && !fit_bits(value, width, scratch_))
         body_.fail(fmt::format("a value of {} bits for a signal of {}", value.size(), width));
+      if (width >= kWide && value.size() < width) check_extension(width - value.size());
     }
     if ((s & VcdSource::kBits) != 0 && (s & VcdSource::kReal) != 0)
       body_.fail("a value of bits and one of a real number for the same signal");
+  }
+  void check_extension(std::uint64_t bits) {
+    if ((extension_ += bits) > most_extension_)
+      body_.fail(
+          fmt::format("short values of signals of {} bits or more: extended to their "
+                      "signals' widths they gain {} bits so far; expected at most {}",
+                      kWide, extension_, most_extension_));
   }
   /// Drops every second point.
   void thin() {
@@ -148,6 +162,7 @@ class VcdIndex : public VcdEvents {
   std::string scratch_;
   std::uint64_t now_ = 0, point_ = 0, between_ = kLeastBetween;
   bool any_ = false, off_ = false;
+  std::uint64_t extension_ = 0, most_extension_;
 };
 
 /// Reads a window: the changes of some handles.
@@ -219,7 +234,7 @@ VcdSource::VcdSource(WaveBytes file) : file_(std::move(file)) {
   if (more) words.again();
   identifiers_ = std::make_unique<VcdIdentifiers>(header.identifiers);
   VcdBody body(words, *identifiers_, factor_);
-  VcdIndex index(body, header);
+  VcdIndex index(body, header, file_.size());
   bool cut = false;
   try {
     body.run(index);
