@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <charconv>
+#include <climits>
 #include <cstring>
 #include <map>
 #include <mutex>
@@ -133,6 +135,26 @@ void add_stranger(OutputTarget& target, const struct stat& link) {
   if (link.st_uid != 0 && link.st_uid != ::geteuid()) target.strangers.push_back(link.st_uid);
 }
 
+/// What a path names, without following it. `to` is the text of a link. Both come from one open
+/// descriptor, so the owner of the folder cannot exchange the entry in between.
+struct Entry {
+  struct stat info {};
+  fs::path to;
+};
+
+/// Returns null, with errno, if nothing is at the path or it cannot be read.
+std::optional<Entry> entry_at(const fs::path& path) {
+  const Descriptor opened(::open(path.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  Entry entry;
+  if (opened.get() < 0 || ::fstat(opened.get(), &entry.info) != 0) return std::nullopt;
+  if (!S_ISLNK(entry.info.st_mode)) return entry;
+  std::array<char, PATH_MAX> text{};
+  const ssize_t length = ::readlinkat(opened.get(), "", text.data(), text.size());
+  if (length < 0) return std::nullopt;
+  entry.to = std::string(text.data(), static_cast<std::size_t>(length));
+  return entry;
+}
+
 /// For a link to `to`, whose folder cannot be entered for this reason.
 [[noreturn]] void fail_link(const fs::path& named, const fs::path& to, int number) {
   throw Error(
@@ -158,14 +180,13 @@ void check_folder_link(const fs::path& named, int folder) {
     while (at.has_parent_path() && at != at.root_path() &&
            (!at.has_filename() || at.filename() == "."))
       at = at.parent_path();
-    if (::lstat(at.c_str(), &found) != 0) fail_output(named, "write", errno);
+    const auto entry = entry_at(at);
+    if (!entry) fail_output(named, "write", errno);
+    found = entry->info;
     if (!S_ISLNK(found.st_mode)) break;
     if (links == kMostLinks) fail_output(named, "write", ELOOP);
     add_stranger(target, found);
-    std::error_code gone;  // the link's owner may remove it meanwhile
-    const fs::path to = fs::read_symlink(at, gone);
-    if (gone) fail_output(named, "write", gone.value());
-    at = at.parent_path() / to;
+    at = at.parent_path() / entry->to;
   }
   if (!target.info || found.st_dev != target.info->st_dev || found.st_ino != target.info->st_ino)
     fail_replaced(named);
@@ -173,11 +194,10 @@ void check_folder_link(const fs::path& named, int folder) {
 }
 
 fs::path behind_link(const fs::path& named, const fs::path& link) {
-  struct stat info {};
-  if (::lstat(link.c_str(), &info) != 0) fail_output(named, "create", errno);
-  std::error_code error;
-  const fs::path to = fs::read_symlink(link, error);
-  if (error) fail_output(named, "create", error.value());
+  const auto entry = entry_at(link);
+  if (!entry || !S_ISLNK(entry->info.st_mode)) fail_output(named, "create", entry ? EINVAL : errno);
+  struct stat info = entry->info;
+  const fs::path& to = entry->to;
   if (info.st_uid != 0 && info.st_uid != ::geteuid())
     throw Error(ErrorCode::kFile,
                 fmt::format("{}: cannot create: it is a link owned by user {} to {}, which does "
@@ -259,18 +279,17 @@ OutputTarget follow_output(const fs::path& named) {
     const std::string name = path.filename();
     path = folder / name;
     if (folder == own_descriptors()) return descriptor_target(std::move(target), parent);
-    struct stat info {};
-    if (::lstat(path.c_str(), &info) != 0) {
+    const auto entry = entry_at(path);
+    if (!entry) {
       if (errno == ENOENT) return found(std::nullopt);
       fail("write", errno);
     }
-    if (!S_ISLNK(info.st_mode)) {
-      if (S_ISDIR(info.st_mode)) fail_output(named, "write", EISDIR);
-      return found(info);
+    if (!S_ISLNK(entry->info.st_mode)) {
+      if (S_ISDIR(entry->info.st_mode)) fail_output(named, "write", EISDIR);
+      return found(entry->info);
     }
-    add_stranger(target, info);
-    link = fs::read_symlink(path, error);
-    if (error) fail_output(named, "write", error.value());
+    add_stranger(target, entry->info);
+    link = entry->to;
     path = folder / link;  // an absolute link replaces the folder
   }
   fail_output(named, "write", ELOOP);
