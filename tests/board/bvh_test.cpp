@@ -432,7 +432,7 @@ TEST_F(MalformedBvh, BadNode_EndsThePassWithItsAddress) {
   bvh::Node root = bvh_.nodes()[0];
   root.set_first_node(5'000);
   write_node(0, root);
-  expect_fault("of " + std::to_string(bvh_.nodes().size()));
+  expect_fault("there are " + std::to_string(bvh_.nodes().size()));
 
   root = bvh_.nodes()[0];
   root.set_first_node(0);  // a cycle: the root is its own child

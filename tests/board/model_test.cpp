@@ -99,7 +99,7 @@ TEST_F(SimulationModels, WrongConfiguration_IsRefused) {
   expect_error(ErrorCode::kConfiguration, "configuration hash is",
                [&] { (void)Board::open(host_config(), {.config_hash = 1}); });
   const std::uint64_t hash = model_hash("board", host_config().parameters());
-  expect_error(ErrorCode::kConfiguration, "number of lanes is 16, but 32",
+  expect_error(ErrorCode::kConfiguration, "number of lanes is 16; expected 32",
                [&] { (void)Board::open({.lanes = 32}, {.file = host, .config_hash = hash}); });
   EXPECT_NO_THROW((void)Board::open(host_config(), {.file = host, .config_hash = hash}));
 }
@@ -251,7 +251,7 @@ TEST_F(SimulationModels, WritableByOthers_IsNotLoaded) {
     fs::permissions(file.parent_path(), who, fs::perm_options::add);
     std::tie(folder, said) = loaded_from();
     EXPECT_NE(folder, folder_ / name);
-    EXPECT_NE(said.find("folder " + (folder_ / name).string() +
+    EXPECT_NE(said.find("folder of simulation models " + (folder_ / name).string() +
                         " is refused: it can be written by others"),
               std::string::npos)
         << said;

@@ -300,7 +300,7 @@ TEST(SolidsDriver, UnfittingRequests_AreRefused) {
   board.load(s.rays);
   EXPECT_NE(message({}).find("must name its pair"), std::string::npos);
   EXPECT_NE(message({.pair = Pair::kObbObb}).find("no pipe for obb-obb"), std::string::npos);
-  EXPECT_NE(message({.pair = Pair::kSphereSphere}).find("spheres loaded"), std::string::npos);
+  EXPECT_NE(message({.pair = Pair::kSphereSphere}).find("needs loaded spheres"), std::string::npos);
   EXPECT_NE(message({.pair = Pair::kRayTriangle, .swap = true}).find("exchange"),
             std::string::npos);
   EXPECT_NE(message({.pair = Pair::kRayTriangle, .normals = true}).find("normals"),
@@ -373,7 +373,7 @@ TEST(SolidsDriver, UnfittingSecondPairs_AreRefused) {
   refused(query, "nearest, farthest or any");
   query.mode = Mode::kNearest;
   query.second->swap = false;
-  refused(query, "needs triangles loaded");
+  refused(query, "needs loaded triangles");
   query.second = SecondPair{Pair::kRayTriangle};
   refused(query, "not two");
   query.second = SecondPair{Pair::kObbObb};
