@@ -17,6 +17,8 @@
 `define NODE_T_AXES (LAT.add + 2 * LAT.mul + LAT.add)
 `define NODE_T_BOXES (`NODE_T_AXES + 2 * LAT.cmp)
 `define NODE_T_DISTANCES (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
+// Outputs of node_boxes_int.sv.
+`define NODE_T_INT (`DF_MAX2(LAT.add + LAT.mul, 2) + 9)
 // Outputs of traversal_unit.sv: the children hit, in order.
 `define NODE_T_UNIT(SOLIDS) (((SOLIDS != 0) ? `NODE_T_DISTANCES : `NODE_T_BOXES) + 2)
 
