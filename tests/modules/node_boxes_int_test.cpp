@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// The node in whole numbers in gates against the reference, bit by bit: one node per cycle, with
+// random idle cycles.
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdlib>
+#include <deque>
+#include <optional>
+
+#include "NodeBoxesIntGates.h"
+#include "NodeBoxesIntHost.h"
+#include "NodeBoxesIntNarrow.h"
+#include "cde/reference/integer_node.hpp"
+#include "clocked.hpp"
+#include "integer_node_cases.hpp"
+
+namespace cde::testing {
+namespace {
+
+using reference::IntegerFormat;
+using reference::IntegerVisit;
+
+bool full() {
+  return std::getenv("CDE_FULL") != nullptr;
+}
+
+std::uint32_t word(float x) {
+  return std::bit_cast<std::uint32_t>(x);
+}
+
+/// Keys of 12 bits, as words of the module's output.
+std::array<std::uint32_t, 3> packed(const IntegerVisit& visit) {
+  std::array<std::uint32_t, 3> words{};
+  for (unsigned bit = 0; bit < 96; ++bit)
+    words[bit / 32] |= (visit.keys[bit / 12] >> bit % 12 & 1u) << bit % 32;
+  return words;
+}
+
+/// Visits of all scenes, `count` in all.
+template <class Module>
+void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& format = {}) {
+  Clocked<Module> module;
+  Dice dice;
+  struct Expected {
+    std::size_t number;
+    IntegerVisit visit;
+  };
+  std::deque<std::optional<Expected>> expected;
+  std::size_t entered = 0, checked = 0;
+  for (const hard::Case& scene : hard::kScenes) {
+    const hard::TriangleScene triangles = scene.make();
+    NodeVisits visits(triangles, 11);
+    for (std::size_t i = 0; i < count / std::size(hard::kScenes);) {
+      if (dice.once_in(16)) {  // an idle cycle: anything at the inputs
+        for (unsigned w = 0; w < 9; ++w) module->ray_i[w] = dice.below(~0u);
+        for (unsigned w = 0; w < 18; ++w) module->node_i[w] = dice.below(~0u);
+        expected.emplace_back();
+      } else {
+        const NodeVisit visit = visits();
+        const reference::IntegerRay ray = visit.ray();
+        for (unsigned k = 0; k < 3; ++k) {
+          const int axis = static_cast<int>(k);
+          module->ray_i[k] = word(ray.o[axis]);
+          module->ray_i[3 + k] = word(ray.margin[axis]);
+          module->ray_i[6 + k] = word(ray.inverse[axis]);
+        }
+        std::copy(visit.node.words.begin(), visit.node.words.end(), &module->node_i[0]);
+        module->floor_i = word(visit.floor);
+        module->limit_i = word(visit.limit);
+        module->farthest_i = visit.farthest;
+        expected.push_back(
+            Expected{i++, reference::integer_visit(ray, visit.node, visit.floor, visit.limit,
+                                                   visit.farthest, format)});
+      }
+      module.clock();
+      if (expected.size() < latency) continue;
+      if (const auto& should = expected.front()) {
+        const IntegerVisit& v = should->visit;
+        const auto where = fmt::format("{}, visit {}", scene.name, should->number);
+        ASSERT_EQ(module->reference_o, word(v.scale.reference)) << where;
+        ASSERT_EQ(module->scale_o, v.scale.exponent + 127) << where;
+        ASSERT_EQ(module->entered_o, v.entered) << where;
+        const auto keys = packed(v);
+        for (unsigned w = 0; w < 3; ++w) ASSERT_EQ(module->key_o[w], keys[w]) << where;
+        ++checked;
+        entered += static_cast<std::size_t>(std::popcount(v.entered));
+      }
+      expected.pop_front();
+    }
+  }
+  EXPECT_GT(checked, count - latency - 8);
+  EXPECT_GT(entered, count);
+  fmt::print("{} nodes, {} children entered\n", checked, entered);
+}
+
+/// CDE_FULL=1: four million nodes in all.
+TEST(NodeBoxesInt, Gates_EqualTheReference) {
+  expect_reference<NodeBoxesIntGates>(3 + 2 + 9, full() ? 400'000 : 40'000);
+}
+TEST(NodeBoxesInt, HostArithmetic_EqualsTheReference) {
+  expect_reference<NodeBoxesIntHost>(2 + 9, full() ? 3'200'000 : 200'000);
+}
+TEST(NodeBoxesInt, NarrowNumbers_EqualTheReference) {
+  expect_reference<NodeBoxesIntNarrow>(2 + 9, full() ? 400'000 : 40'000, {12, 4});
+}
+
+}  // namespace
+}  // namespace cde::testing
