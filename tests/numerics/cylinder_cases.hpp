@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "cde/oracle/oracle.hpp"
+#include "cde/reference/pipes/cylinder/pairs.hpp"
 
 /// Operands of the cylinder pairs that oracle::generate does not make. Each is a function of the
 /// pair and the index; the seed is kCylinderSeed.
@@ -27,5 +28,12 @@ inline constexpr std::uint64_t kCylinderSeed = 20070129;
 /// point of A's rim. The signed distance is 0 unless they overlap elsewhere. Index % 4 is the
 /// family: on a grid of 1, with a rim point off the axes, rotated together, real and rotated.
 [[nodiscard]] oracle::Case on_a_rim(oracle::Pair pair, std::uint64_t index);
+
+/// The signed distance of a pipe's answer, negative when the bodies overlap.
+template <typename S>
+[[nodiscard]] double signed_distance_of(const reference::Outcome<S>& outcome) {
+  const double t = static_cast<double>(outcome.t);
+  return outcome.f ? -t : t;
+}
 
 }  // namespace cde::testing
