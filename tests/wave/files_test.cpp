@@ -278,6 +278,32 @@ TEST_F(WaveFiles, ManyShortValuesOfAWideSignal_AreRefused) {
   EXPECT_EQ(ran.status, 0) << ran.err;
 }
 
+/// A full name repeats the names of all enclosing scopes.
+TEST_F(WaveFiles, LongNamesInDeepScopes_AreRefused) {
+  const auto vcd = [&](unsigned deep) {
+    std::string text;
+    for (unsigned i = 0; i < deep; ++i)
+      text += fmt::format("$scope module {} $end\n$var wire 1 ! s{} $end\n",
+                          std::string(1000, 'a'), i);
+    write("v.vcd", text + "$enddefinitions $end\n#0\n1!\n");
+  };
+  vcd(3000);
+  refused({"wave", "info", "v.vcd"},
+          "v.vcd: the full names of the first 956 signals have 457932780 bytes together; expected "
+          "at most ");
+  vcd(500);
+  const Ran ran = cde({"wave", "info", "v.vcd"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+}
+
+TEST_F(WaveFiles, PipeWithoutAWriterYet_IsWaitedFor) {
+  write("v.vcd", kVcd);
+  const Ran ran = shell(
+      "mkfifo p; \"$CDE\" wave info p & sleep 0.3; cat v.vcd >p; wait $!");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(has(ran.out, "VCD")) << ran.out;
+}
+
 TEST_F(WaveFiles, TruncatedVcd_IsReadToItsLastWholeLine) {
   const std::string text = kVcd;
   for (std::size_t n = text.find("$enddefinitions") + 20; n < text.size(); ++n) {

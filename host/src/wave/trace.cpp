@@ -24,6 +24,10 @@ constexpr std::array<const char*, FST_VT_MAX + 1> kKinds = {
 constexpr std::array<const char*, FST_VD_MAX + 1> kDirections = {"",      "input",  "output",
                                                                  "inout", "buffer", "linkage"};
 
+/// Bytes that the full names of all signals may take, besides 64 per byte of the file. Deep scopes
+/// with long names would otherwise take a thousand times the file's size.
+constexpr std::uint64_t kMostNames = std::uint64_t{256} << 20;
+
 /// Reads "[7:0]" or "[7]" at the end of a name, with or without a space before it.
 bool read_range(std::string_view text, Signal& s) {
   if (text.size() < 3 || text.front() != '[' || text.back() != ']') return false;
@@ -141,6 +145,9 @@ void Trace::read_names() {
   std::map<std::uint64_t, std::shared_ptr<const Names>> tables;
   std::shared_ptr<const Names> names;  // for the next signal
   bool fresh = true;
+  const std::uint64_t file_bytes = source_->facts().structure.bytes;
+  const std::uint64_t most = kMostNames + 64 * file_bytes;
+  std::uint64_t name_bytes = 0;
   SourceVisit visit;
   visit.open = [&](ScopeName&& s) {
     outer.push_back(scope.size());
@@ -166,6 +173,12 @@ void Trace::read_names() {
     }
   };
   visit.variable = [&](VariableName&& v) {
+    if ((name_bytes += scope.size() + v.name.size()) > most)
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{}: the full names of the first {} signals have {} bytes together; "
+                              "expected at most {} for all signals in a file of {} bytes",
+                              printable_name(file_.string()), found.size() + 1, name_bytes, most,
+                              file_bytes));
     Signal& s = found.emplace_back(signal_of(v, scope));
     events_[s.handle] = s.event;
     widths_[s.handle] = s.width;

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -65,6 +66,10 @@ WaveBytes::WaveBytes(const std::filesystem::path& file)
   }
   if (S_ISFIFO(status.st_mode)) {
     const int pipe = std::exchange(descriptor_, -1);
+    // Without a writer yet, a read would find the end of the pipe.
+    pollfd writer{pipe, POLLIN, 0};
+    while (::poll(&writer, 1, -1) < 0 && errno == EINTR) {
+    }
     ::fcntl(pipe, F_SETFL, 0);
     try {
       spool(pipe);
