@@ -122,6 +122,22 @@ TEST_F(Journals, DeepJson_IsAnErrorWithItsByte) {
                  [&] { (void)chunks_of(whole_ + line); });
 }
 
+TEST_F(Journals, LostFile_IsReportedOnce) {
+  for (const bool replaced : {false, true}) {
+    fs::remove(path());
+    Journal journal("--resume", path(), Journal::Use::kGoOn, {{"command", "query"}});
+    fs::rename(path(), folder_ / "elsewhere");
+    if (replaced) fs::create_symlink("/dev/null", path());
+    ::testing::internal::CaptureStderr();
+    journal.add({0, 0}, "input", "bytes");
+    journal.add({0, 1}, "input", "bytes");
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+              fmt::format("cde: warning: journal {}: the file was removed or replaced in the "
+                          "meantime; this run cannot be resumed\n",
+                          path()));
+  }
+}
+
 TEST(JsonText, DeepJson_IsDiscarded) {
   const auto nested = [](std::size_t levels) {
     return std::string(levels, '[') + std::string(levels, ']');

@@ -280,6 +280,20 @@ void Journal::append(std::string_view bytes) {
     if (n > 0) at += static_cast<std::size_t>(n);
   }
   bytes_ += bytes.size();
+  warn_if_lost();
+}
+
+/// Warns once if the path no longer leads to the file. Its entries are lost when it is closed.
+void Journal::warn_if_lost() {
+  struct stat ours {
+  }, named{};
+  if (lost_ || (::fstat(file_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 &&
+                ours.st_dev == named.st_dev && ours.st_ino == named.st_ino))
+    return;
+  lost_ = true;
+  log(fmt::format("cde: warning: journal {}: the file was removed or replaced in the meantime; "
+                  "this run cannot be resumed\n",
+                  printable_name(path_)));
 }
 
 void Journal::add(ChunkNumber number, const std::string& input, std::string_view bytes) {

@@ -30,7 +30,8 @@ struct ChunkPlace {
 
 /// Finished chunks of a run, in an append-only file. Its first line is JSON that identifies the
 /// run. Each chunk is a line followed by its bytes. An incomplete last entry of a killed process is
-/// dropped with a warning; everything before it stays. The file is locked while the object lives.
+/// dropped with a warning; everything before it stays. The file is locked while the object lives. A
+/// warning says if the file was removed or replaced meanwhile.
 class Journal {
  public:
   enum class Use {
@@ -87,10 +88,12 @@ class Journal {
   std::optional<std::uint64_t> last_chunk(unsigned part) const;
   bool scan_entry(const nlohmann::ordered_json& entry, std::uint64_t at, std::uint64_t& next);
   void append(std::string_view bytes);
+  void warn_if_lost();
 
   std::string what_, path_;
   int file_ = -1;
   std::uint64_t bytes_ = 0;  ///< size of the file
+  bool lost_ = false;        ///< warn_if_lost() has warned
   nlohmann::ordered_json run_;
   std::map<ChunkNumber, ChunkPlace> chunks_;
   std::map<unsigned, PartEnd> ends_;
