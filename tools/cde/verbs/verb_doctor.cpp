@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
 #include "cde/card/board.hpp"
@@ -18,6 +19,7 @@
 #include "cde/reference/reference.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
 #include "cde/support/process.hpp"
 #include "options/values.hpp"
 #include "output/streams.hpp"
@@ -42,27 +44,26 @@ std::string first_line(const std::vector<std::string>& command) {
   }
 }
 
-/// How models are built. verilator/model_builder decides with the same list.
-std::string mode_of(const std::string& version) {
-  const char* plain = std::getenv("CDE_PLAIN");  // NOLINT(concurrency-mt-unsafe)
-  if (plain != nullptr && std::string_view(plain) == "1") return "models are plain (CDE_PLAIN)";
-  try {
-    std::ifstream known(model_builder().parent_path() / "accelerator/versions");
-    for (std::string line; std::getline(known, line);)
-      if (!line.empty() && line.front() != '#' && version.starts_with("Verilator " + line + " "))
-        return "models are accelerated";
-  } catch (const Error&) {
-    return "no builder";  // another check reports it
-  }
-  return "models are plain, so slower: the accelerator does not know this version";
-}
-
+/// Verilator's version and how models are built, as the builder decides.
 Finding verilator() {
-  const std::string version = first_line({"verilator", "--version"});
-  if (version.empty()) return {"verilator is missing", "apt-get install verilator"};
-  const bool numbered = version.starts_with("Verilator");
-  return {fmt::format("{}{}; {}", numbered ? "" : "Verilator without a version,", version,
-                      mode_of(version)),
+  if (first_line({"verilator", "--version"}).empty())
+    return {"verilator is missing", "apt-get install verilator"};
+  std::string version, mode;
+  try {
+    const process::Result ran = process::run({model_builder().string(), "verilator"});
+    std::istringstream lines(ran.output);
+    if (ran.status != 0 || !std::getline(lines, version) || !std::getline(lines, mode))
+      return {printable(ran.output), "see the message"};
+  } catch (const Error&) {
+    return {"no builder", ""};  // another check reports it
+  }
+  const char* plain = std::getenv("CDE_PLAIN");  // NOLINT(concurrency-mt-unsafe)
+  const bool chosen = plain != nullptr && std::string_view(plain) == "1";
+  return {fmt::format("{}; {}", version,
+                      chosen                  ? "models are plain (CDE_PLAIN)"
+                      : mode == "accelerated" ? "models are accelerated"
+                                              : "models are plain, so slower: the accelerator does "
+                                                "not know this version"),
           ""};
 }
 
