@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verilator's writer of FST files, with four changes. It notes failed writes for wave_file.h. It
+// Verilator's writer of FST files by the library of GTKWave (fstcpp_writer.cpp is for the later
+// library), with four changes. It notes failed writes for wave_file.h. It
 // keeps temporary files in memory, since mapping them would end the process with SIGBUS on a full
 // disk. It can write comments. It can write a selection of signals, for which Verilator's
 // dumpvars() may make an invalid access.
@@ -7,7 +8,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <fnmatch.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -23,6 +23,7 @@
 #include <utility>
 #include <vector>
 
+#include "fst_selection.h"
 #include "wave_errors.h"
 
 thread_local int* wave_error = nullptr;
@@ -91,101 +92,44 @@ void* checked_map(size_t length, int protection, int flags, int fd) {
   return noted(too_short || memory == MAP_FAILED, memory);
 }
 
-/// Leaves out unselected signals. A scope is written when a signal in it is.
-class Selection {
- public:
-  explicit Selection(const char* patterns = "") {
-    std::istringstream lines(patterns);
-    for (std::string line; std::getline(lines, line);) {
-      std::string pattern;
-      for (const char c : line) {
-        if (c == '[' || c == '\\')
-          pattern += '\\';  // fnmatch treats more characters than * and ? as special
-        pattern += c;
-      }
-      patterns_.push_back({pattern, "*." + pattern});
-    }
-  }
-  void enter(void*, fstScopeType type, const char* name, const char*) {
-    const bool all = inside();
-    path_.push_back({type, name, false, false});
-    path_.back().wanted = named("") || all;
-  }
-  void leave(void* file) {
-    if (path_.back().written) fstWriterSetUpscope(file);
-    path_.pop_back();
-  }
-  void names(void*, fstEnumHandle table) { table_ = table; }
-  /// A signal that is left out gets a handle above all others, which the library does not write. An
-  /// alias of it may still be selected.
-  fstHandle declare(void* file, fstVarType type, fstVarDir direction, uint32_t bits,
-                    const char* name, fstHandle alias) {
-    const fstEnumHandle table = std::exchange(table_, 0);
-    const std::string stem(name, strcspn(name, " "));
-    if (!named(stem) && !inside()) {
-      if (alias != 0) return alias;
-      aliases_.push_back(0);
-      return kLeftOut - static_cast<fstHandle>(aliases_.size() - 1);
-    }
-    for (Scope& scope : path_) {
-      if (!scope.written) fstWriterSetScope(file, scope.type, scope.name.c_str(), nullptr);
-      scope.written = true;
-    }
-    if (table != 0) fstWriterEmitEnumTableRef(file, table);
-    fstHandle& same = alias > kLeftOut / 2 ? aliases_[kLeftOut - alias] : alias;
-    const fstHandle handle = fstWriterCreateVar(file, type, direction, bits, name, same);
-    if (same == 0) same = handle;
-    return handle;
-  }
-  /// The handle to write for a signal, once all signals are declared.
-  [[nodiscard]] fstHandle resolved(fstHandle handle) const {
-    if (handle <= kLeftOut / 2) return handle;
-    const fstHandle alias = aliases_[kLeftOut - handle];
-    return alias != 0 ? alias : kLeftOut;
-  }
-  /// The first pattern that matches nothing, or -1.
-  [[nodiscard]] int without_effect() const {
-    for (std::size_t i = 0; i < patterns_.size(); ++i)
-      if (!patterns_[i].used) return static_cast<int>(i);
-    return -1;
-  }
-
- private:
-  static constexpr fstHandle kLeftOut = UINT32_MAX;
-  struct Pattern {
-    std::string whole, inner;
-    bool used = false;
-  };
+/// Calls of the FST library by the selection.
+struct Library {
+  using File = void*;
+  using Table = fstEnumHandle;
   struct Scope {
     fstScopeType type;
     std::string name;
-    bool wanted, written;
+    static constexpr bool unnamed = false;
   };
-  [[nodiscard]] bool inside() const {
-    return patterns_.empty() || (!path_.empty() && path_.back().wanted);
+  struct Variable {
+    fstVarType type;
+    fstVarDir direction;
+    uint32_t bits;
+  };
+  static void enter(File file, const Scope& scope) {
+    fstWriterSetScope(file, scope.type, scope.name.c_str(), nullptr);
   }
-  /// Whether a pattern matches the last entered scope, or a signal in it.
-  bool named(const std::string& signal) {
-    if (patterns_.empty()) return true;
-    std::string name;
-    for (const Scope& scope : path_) name += (name.empty() ? "" : ".") + scope.name;
-    if (!signal.empty()) name += (name.empty() ? "" : ".") + signal;
-    bool any = false;
-    for (Pattern& p : patterns_) {
-      if (fnmatch(p.whole.c_str(), name.c_str(), 0) != 0 &&
-          fnmatch(p.inner.c_str(), name.c_str(), 0) != 0)
-        continue;
-      any = p.used = true;
-    }
-    return any;
+  static void leave(File file) { fstWriterSetUpscope(file); }
+  static void name_values(File file, Table table) { fstWriterEmitEnumTableRef(file, table); }
+  static fstHandle declare(File file, const Variable& v, const char* name, fstHandle alias) {
+    return fstWriterCreateVar(file, v.type, v.direction, v.bits, name, alias);
   }
-
-  std::vector<Pattern> patterns_;
-  std::vector<Scope> path_;
-  std::vector<fstHandle> aliases_;  // for signals left out: a selected alias, or 0
-  fstEnumHandle table_ = 0;
 };
-thread_local Selection selection;
+thread_local Selection<Library> selection;
+
+void enter_selected(void*, fstScopeType type, const char* name, const char*) {
+  selection.enter({type, name});
+}
+void leave_selected(void* file) {
+  selection.leave(file);
+}
+void name_selected(void*, fstEnumHandle table) {
+  selection.name_values(table);
+}
+fstHandle declare_selected(void* file, fstVarType type, fstVarDir direction, uint32_t bits,
+                           const char* name, fstHandle alias) {
+  return selection.declare(file, {type, direction, bits}, name, alias);
+}
 
 }  // namespace
 
@@ -204,17 +148,17 @@ thread_local Selection selection;
 // (m_fst) from the definitions in the included FST library, which must stay unchanged.
 #define fstWriterSetScope(file, ...) SET_SCOPE_##file, __VA_ARGS__)
 #define SET_SCOPE_void fstWriterSetScope(void
-#define SET_SCOPE_m_fst selection.enter(m_fst
+#define SET_SCOPE_m_fst enter_selected(m_fst
 #define fstWriterSetUpscope(file) SET_UPSCOPE_##file)
 #define SET_UPSCOPE_void fstWriterSetUpscope(void
-#define SET_UPSCOPE_m_fst selection.leave(m_fst
+#define SET_UPSCOPE_m_fst leave_selected(m_fst
 #define fstWriterEmitEnumTableRef(file, ...) TABLE_REF_##file, __VA_ARGS__)
 #define TABLE_REF_void fstWriterEmitEnumTableRef(void
-#define TABLE_REF_m_fst selection.names(m_fst
+#define TABLE_REF_m_fst name_selected(m_fst
 #define fstWriterCreateVar(file, ...) CREATE_VAR_##file, __VA_ARGS__)
 #define CREATE_VAR_void fstWriterCreateVar(void
 #define CREATE_VAR_ctx fstWriterCreateVar(ctx
-#define CREATE_VAR_m_fst selection.declare(m_fst
+#define CREATE_VAR_m_fst declare_selected(m_fst
 #include "verilated_fst_c.cpp"
 #undef fstWriterSetScope
 #undef fstWriterSetUpscope
@@ -247,7 +191,7 @@ int open_waves(VerilatedFstC& file, const char* path, const char* patterns) {
   fstHandle*& handles = handles_of(*file.spTrace());
   delete[] handles;
   handles = nullptr;
-  selection = Selection(patterns);
+  selection = Selection<Library>(patterns);
   file.open(path);
   if (!file.isOpen()) return -1;
   // Changes are packed and written in blocks, the last one when the file is closed. The library's
