@@ -15,7 +15,8 @@ inline char* put_length(char* to, int length) {
   return to;
 }
 
-/// Writes `literals` bytes from `from`, then a copy of `match` bytes (0: none) from `offset` before.
+/// Writes `literals` bytes from `from`, then a copy of `match` bytes (0: none) from `offset`
+/// before.
 inline char* put_sequence(char* to, const char* from, int literals, int match, int offset) {
   char* const token = to++;
   const int copied = match == 0 ? 0 : match - 4;
@@ -46,7 +47,7 @@ inline int LZ4_compressBound(int size) {
 /// bytes.
 inline int LZ4_compress_default(const char* from, char* to, int size, int /*most*/) {
   constexpr int kHashBits = 14, kFarthest = 65535;
-  constexpr int kLastLiterals = 5, kLastMatch = 12;  // of the format: distances from the end
+  constexpr int kLastLiterals = 5, kLastMatch = 12;        // of the format: distances from the end
   std::vector<int> last(std::size_t{1} << kHashBits, -1);  // by hash: where such a word began
   char* const begin = to;
   int written = 0, at = 0;
