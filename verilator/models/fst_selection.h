@@ -68,7 +68,7 @@ class Selection {
     if (same == 0) same = handle;
     return handle;
   }
-  /// Whether a handle is that of a signal that was left out.
+  /// Whether the signal with this handle was left out.
   [[nodiscard]] static bool is_left_out(Handle handle) { return handle > kLeftOut / 2; }
   /// The handle to write for a signal, once all signals are declared.
   [[nodiscard]] Handle resolved(Handle handle) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Verilator's writer of FST files by the library fstcpp, with the changes of fst_writer.cpp: it
-// notes failed writes for wave_file.h, writes comments and a selection of signals, and packs
+// Verilator's writer of FST files by the library fstcpp, with the changes of fst_writer.cpp. It
+// notes failed writes for wave_file.h. It can write comments and a selection of signals. It packs
 // smaller blocks.
 #include "verilated_fst_c.h"
 
