@@ -36,7 +36,7 @@ struct NearFar {
   double near, far, error;
 };
 
-/// The margin m' that the theorem of docs/background/bvh_proof.md needs.
+/// The margin m' that the proof in docs/background/bvh_integer.md needs.
 template <class Real>
 Real least_margin(const NodeVisit& visit) {
   Real reach = 0, most = 0;
@@ -60,7 +60,7 @@ Real corner_of(const bvh::Node& node, bool upper, unsigned child, int axis) {
   return Real(node.origin()[axis]) + byte * Real(std::ldexp(1.0, node.exponent(axis)));
 }
 
-/// The interval for the box of a child, widened by the margin of the theorem.
+/// The interval for the box of a child, widened by the margin of the proof.
 inline NearFar near_far(const NodeVisit& visit, unsigned child) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const double margin = least_margin<double>(visit);

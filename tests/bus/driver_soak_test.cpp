@@ -218,7 +218,7 @@ class DriverSoak {
     const std::string what = error.what();
     ASSERT_TRUE(error.code() == ErrorCode::kDevice || error.code() == ErrorCode::kTimeout) << what;
     ASSERT_TRUE(error.fault()) << what;
-    ASSERT_NE(what.find("clock"), std::string::npos) << what;
+    ASSERT_NE(what.find("cycle"), std::string::npos) << what;
     const bool bits = what.find(" of DDR ") != std::string::npos;
     const bool lost = what.find("lost until reset()") != std::string::npos;
     ++tally_.errors[fmt::format("{}{}, code {}", lost ? "lost, " : "",

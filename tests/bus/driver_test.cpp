@@ -76,7 +76,7 @@ TEST_P(PciFaults, RandomFaults_EndInCorrectRecordsOrOneError) {
     } catch (const Error& error) {
       ++errors;
       ASSERT_TRUE(error.fault()) << error.what();
-      EXPECT_NE(std::string(error.what()).find("clock"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("cycle"), std::string::npos) << error.what();
     }
     (void)cast_and_compare(board, scene, {.mode = mode});
   }

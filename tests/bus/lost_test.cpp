@@ -124,9 +124,9 @@ TEST_P(LostCard, EveryCall_GivesTheSameErrorUntilReset) {
     EXPECT_EQ(met->fault->code, pci::kCodeMasterAbort);
     EXPECT_EQ(met->fault->pci_status, 0xffff);
     EXPECT_LT(met->fault->address, 0x10000u) << "offset in BAR0";
-    EXPECT_GE(met->fault->clock, before);
+    EXPECT_GE(met->fault->cycle, before);
     expect_in("lost until reset()", met->what);
-    expect_in(fmt::format("clock {}", met->fault->clock), met->what);
+    expect_in(fmt::format("cycle {}", met->fault->cycle), met->what);
     board.inject(BusFault::kNoAnswer, 0);  // the card answers again, but its state is unknown
     for (const auto& [name, other] : call) {
       const auto again = raised(other);
@@ -346,7 +346,7 @@ TEST_P(EngineHang, Deadline_EndsThePass) {
   ASSERT_TRUE(met);
   EXPECT_EQ(met->code, ErrorCode::kTimeout);
   ASSERT_TRUE(met->fault);
-  EXPECT_GE(met->fault->clock, 20'000u);
+  EXPECT_GE(met->fault->cycle, 20'000u);
   expect_in("deadline of 20000 cycles", met->what);
   expect_same();
 }

@@ -397,7 +397,7 @@ TEST_F(Cast, FaultyCard_IsFound) {
   EXPECT_EQ(match[1], "index") << ran.err;
   ASSERT_TRUE(std::regex_search(
       ran.err, match,
-      std::regex("where     clock ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
+      std::regex("where     cycle ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
                  "(?:.*\n)*  ray ([0-9]+):")))
       << ran.err;
   EXPECT_GT(std::stoul(match[1]), 18u * 21) << "18 triangles times 21 rows of 4 rays come before";

@@ -97,7 +97,7 @@ TEST_F(ExplainRecord, Candidates_AreListedWithTheirComparison) {
     EXPECT_TRUE(c["reference_otherwise"].is_null());
   }
   // A row of four rays and a secondary enter the pipe in every cycle.
-  const List cycles = column(all, "pass_clock");
+  const List cycles = column(all, "pass_cycle");
   for (std::size_t i = 1; i < cycles.size(); ++i) EXPECT_EQ(cycles[i], cycles[i - 1] + 1);
   EXPECT_EQ(j["pairs_tested"], 5);
   EXPECT_EQ(j["reference_candidates"], 4);
@@ -120,7 +120,7 @@ TEST_F(ExplainRecord, OtherModes_KeepOtherCandidates) {
   EXPECT_TRUE(any["lacking"].empty());
   const json hits = told("hits.toml:q:0:0");
   EXPECT_EQ(column(hits["candidates"], "index"), (List{0, 1, 2, 3}));
-  EXPECT_TRUE(hits["candidates"][0]["pass_clock"].is_null());
+  EXPECT_TRUE(hits["candidates"][0]["pass_cycle"].is_null());
   EXPECT_EQ(hits["card_records_of_it"].size(), 4u);
   EXPECT_EQ(told("all.toml:q:0:0")["candidates"].size(), 5u);
 }

@@ -428,12 +428,12 @@ TEST_F(Query, FaultyPipe_IsFound) {
   EXPECT_TRUE(has(ran.err, "line 4: the card's answer differs from the reference"));
   EXPECT_TRUE(has(ran.err, "CP -0x1.8p-1,0x0p+0,0x0p+0"));
   // The second pair of the first row, which leaves the pipe after its 11 cycles.
-  EXPECT_TRUE(has(ran.err, "\n  differ in CPx\n  where     clock 11, lane 1, row 0\n"));
+  EXPECT_TRUE(has(ran.err, "\n  differ in CPx\n  where     cycle 11, lane 1, row 0\n"));
   std::string later = input;
   for (int i = 0; i < 4; ++i) later.insert(0, "0,0,0,1,0,0,0,1\n");
   const Ran third_row = query(words, later, environment);
   EXPECT_TRUE(has(third_row.err, "line 8: "));
-  EXPECT_TRUE(has(third_row.err, "\n  where     clock 13, lane 1, row 2\n"));
+  EXPECT_TRUE(has(third_row.err, "\n  where     cycle 13, lane 1, row 2\n"));
   std::smatch match;
   ASSERT_TRUE(std::regex_search(
       ran.err, match, std::regex("repeat with: yes (\\S*) \\| head -n (\\d+) \\| cde query (.*)")))

@@ -352,7 +352,7 @@ TEST_F(RunScene, FaultyCard_IsFound) {
       << ran.err;
   ASSERT_TRUE(std::regex_search(
       ran.err, match,
-      std::regex("where     clock ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
+      std::regex("where     cycle ([0-9]+) \\(record read\\), lane ([0-9]+), row ([0-9]+)\n"
                  "  primary ([0-9]+):")))
       << ran.err;
   EXPECT_GT(std::stoul(match[1]), 100u);

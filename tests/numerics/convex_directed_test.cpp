@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "convex_judge.hpp"
+#include "convex_check.hpp"
 
 namespace cde::testing {
 namespace {

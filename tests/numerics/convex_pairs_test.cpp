@@ -20,7 +20,7 @@
 #include "cde/oracle/oracle.hpp"
 #include "cde/oracle/random.hpp"
 #include "convex_cases.hpp"
-#include "convex_judge.hpp"
+#include "convex_check.hpp"
 #include "in_docs.hpp"
 #include "operators.hpp"
 #include "printed.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The node in whole numbers against the theorem of docs/background/bvh_proof.md, in exact rational
+// The node in whole numbers against the bound of docs/background/bvh_integer.md, in exact rational
 // arithmetic, and traversals with it against brute force.
 #include "cde/reference/integer_node.hpp"
 
@@ -31,10 +31,10 @@ bool full() {
   return std::getenv("CDE_FULL") != nullptr;
 }
 
-// ---- The theorem ----
+// ---- The bound of the proof ----
 
 /// Whether a T of the ray's interval exists at which the ray is in the child's box, widened by the
-/// margin of the theorem. Exact.
+/// margin of the proof. Exact.
 bool meets_exactly(const NodeVisit& visit, unsigned child) {
   const auto margin = least_margin<Rational>(visit);
   Rational near = 0, far = 0;
@@ -84,8 +84,8 @@ void check_key(const NodeVisit& visit, const IntegerVisit& answer, unsigned chil
   if (answer.keys[child] > limit) ++counts.wrong_keys;
 }
 
-Counts check_theorem(NodeVisits& visits, std::size_t count, int sixteenths,
-                     const IntegerFormat& format, bool report) {
+Counts check_bound(NodeVisits& visits, std::size_t count, int sixteenths,
+                   const IntegerFormat& format, bool report) {
   Counts counts;
   for (std::size_t i = 0; i < count; ++i) {
     const NodeVisit visit = visits();
@@ -132,12 +132,12 @@ TEST_P(IntegerNode, BoxesOfTheTheorem_AreEntered) {
   for (const IntegerFormat& format :
        {IntegerFormat{16, 6}, IntegerFormat{14, 5}, IntegerFormat{12, 4}}) {
     NodeVisits visits(scene, 1), same(scene, 1);
-    const Counts c = check_theorem(visits, count, 13, format, true);
+    const Counts c = check_bound(visits, count, 13, format, true);
     EXPECT_EQ(c.lost, 0u);
     EXPECT_EQ(c.wrong_keys, 0u);
     EXPECT_GT(c.entered, count);
     EXPECT_GT(c.keys, count / 2);
-    const Counts planted = check_theorem(same, count, 4, format, false);
+    const Counts planted = check_bound(same, count, 4, format, false);
     EXPECT_GT(planted.lost, count / 1000) << "a quarter of the margin must lose boxes";
     fmt::print(
         "{} bits: {} visits, {} boxes, {} entered, {} lost at 13/16 M, {} of {} keys wrong, {} "

@@ -283,8 +283,8 @@ TEST_F(WaveFiles, LongNamesInDeepScopes_AreRefused) {
   const auto vcd = [&](unsigned deep) {
     std::string text;
     for (unsigned i = 0; i < deep; ++i)
-      text += fmt::format("$scope module {} $end\n$var wire 1 ! s{} $end\n",
-                          std::string(1000, 'a'), i);
+      text +=
+          fmt::format("$scope module {} $end\n$var wire 1 ! s{} $end\n", std::string(1000, 'a'), i);
     write("v.vcd", text + "$enddefinitions $end\n#0\n1!\n");
   };
   vcd(3000);
@@ -298,8 +298,7 @@ TEST_F(WaveFiles, LongNamesInDeepScopes_AreRefused) {
 
 TEST_F(WaveFiles, PipeWithoutAWriterYet_IsWaitedFor) {
   write("v.vcd", kVcd);
-  const Ran ran = shell(
-      "mkfifo p; \"$CDE\" wave info p & sleep 0.3; cat v.vcd >p; wait $!");
+  const Ran ran = shell("mkfifo p; \"$CDE\" wave info p & sleep 0.3; cat v.vcd >p; wait $!");
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.out, "VCD")) << ran.out;
 }

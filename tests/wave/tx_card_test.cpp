@@ -124,10 +124,10 @@ void expect_tested(const std::filesystem::path& file, const std::vector<Transact
     std::uint64_t last = 0;
     wave::each_tested(trace, primary, [&](const wave::Tested& t) {
       EXPECT_EQ(t.pass, 0u) << "only the first pass reduces records per ray";
-      EXPECT_GT(t.clock, last);
+      EXPECT_GT(t.cycle, last);
       EXPECT_EQ(t.candidate, t.f) << "rays have no other candidates";
       EXPECT_LE(t.kept, t.candidate);
-      last = t.clock;
+      last = t.cycle;
       ++arrived;
       kept += t.kept ? 1 : 0;
       hits += t.f ? 1 : 0;

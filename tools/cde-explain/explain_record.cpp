@@ -214,7 +214,7 @@ class Text {
         lines.begin(), lines.end(), [](const Line& l) { return l.pair->card->candidate; })));
     if (lines.empty()) return;
     if (!s_.of_pairs() && s_.passes > 1) put("{:>4}  ", "pass");
-    if (!s_.of_pairs()) put("{:>7}  ", "clock");
+    if (!s_.of_pairs()) put("{:>7}  ", "cycle");
     put("{:>9}  F  T\n", "secondary");
     std::size_t shown = 0, left_out = 0;
     for (const Line& l : lines) {
@@ -230,7 +230,7 @@ class Text {
   void line(const Line& l) {
     const StoryPair& p = *l.pair;
     if (!s_.of_pairs() && s_.passes > 1) put("{:>4}  ", p.pass);
-    if (!s_.of_pairs()) put("{:>7}  ", p.clock);
+    if (!s_.of_pairs()) put("{:>7}  ", p.cycle);
     const std::string secondary = p.secondary == ~0u ? "none" : fmt::to_string(p.secondary);
     if (l.reason.empty())
       put("{:>9}  {}  {}\n", secondary, p.card->f ? 1 : 0, number(s_, p.card->t));
@@ -345,7 +345,7 @@ Json json_of(const RecordStory& s, const RecordRequest& r, const std::optional<E
     j["candidates"].push_back(
         {{"index", p.secondary == ~0u ? Json() : Json(p.secondary)},
          {"pass", s.of_pairs() ? Json() : Json(p.pass)},
-         {"pass_clock", s.of_pairs() ? Json() : Json(p.clock)},
+         {"pass_cycle", s.of_pairs() ? Json() : Json(p.cycle)},
          {"card_side", side_json(p.card)},
          {"reference_side", side_json(p.reference)},
          {"reason", l.reason.empty() ? Json() : Json(l.reason)},

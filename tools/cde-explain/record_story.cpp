@@ -215,7 +215,7 @@ class Teller {
                             .t = number(t.t)},
                .reference = {},
                .pass = t.pass,
-               .clock = t.clock,
+               .cycle = t.cycle,
                .held = number(t.held)});
     });
   }

@@ -39,7 +39,7 @@ struct StoryPair {
   };
   std::optional<Side> card, reference;  ///< empty: not tested on that side
   // On the card, in modes with one record per primary:
-  std::uint64_t pass = 0, clock = 0;  ///< arrival at the update engine; cycles from go
+  std::uint64_t pass = 0, cycle = 0;  ///< arrival at the update engine; cycles from go
   float held = 0;                     ///< the primary's T before that
 };
 

@@ -121,7 +121,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
   cde_pair_progress& seen = unit->progress = {};
   uint64_t& in = seen.taken;
   uint64_t& got = seen.answered;
-  uint64_t last = start;  // clock of the last progress
+  uint64_t last = start;  // cycle of the last progress
   bool offered = false;   // a row waits at the input port until it is taken
   uint32_t wait = rows != 0 && gap != nullptr ? gap(gap_context) : 0;
   while (got < rows) {
@@ -150,7 +150,7 @@ uint64_t test(cde_pair_unit* unit, const void* a, const void* b, void* results, 
       --wait;
       if (got == in) last = unit->cycles;  // waits only for the gap
     }
-    seen.clock = last - start;
+    seen.cycle = last - start;
     if (unit->cycles - last > CDE_PAIR_PATIENCE) return CDE_PAIR_STUCK;
     unit->tick();
   }

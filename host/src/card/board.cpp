@@ -134,7 +134,7 @@ void Board::Impl::check_bus(const char* during) {
   throw Error(
       ErrorCode::kDevice,
       fmt::format(
-          "bus error during {}: access to space {} offset {:#x} refused, status {:#x}, clock {}",
+          "bus error during {}: access to space {} offset {:#x} refused, status {:#x}, cycle {}",
           during, card::kFaultSpace.of(fault), card::kFaultAddr.of(fault), status, cycles()));
 }
 
@@ -481,7 +481,7 @@ void Board::flip_check(std::uint64_t word, std::uint8_t mask) {
 }
 
 std::string place_on_card(const Board& board, std::uint32_t primary) {
-  return fmt::format("clock {} (record read), lane {}, row {}", board.cycles(),
+  return fmt::format("cycle {} (record read), lane {}, row {}", board.cycles(),
                      primary % board.lanes(), primary / board.lanes());
 }
 

@@ -31,7 +31,7 @@ bool Board::Impl::uncorrectable(std::uint32_t first, std::uint32_t count) {
   if ((status >> card::kStatusBusy & 1) != 0) {
     throw Error(ErrorCode::kTimeout,
                 fmt::format("words of DDR have uncorrectable errors, and a pass that searches for "
-                            "them did not end (status {:#x}, clock {})",
+                            "them did not end (status {:#x}, cycle {})",
                             status, cycles()),
                 link->fault());
   }

@@ -223,7 +223,7 @@ class Pass : private CardPass {
 
   [[nodiscard]] std::string state() override {
     return fmt::format(
-        "status {:#x}, {} of {} secondaries tested, {} rows issued, {} records waiting, clock {}",
+        "status {:#x}, {} of {} secondaries tested, {} rows issued, {} records waiting, cycle {}",
         card_.read_register(card::kRegStatus), card_.read_register(card::kRegSecondaries),
         secondaries_, card_.read_register(card::kRegRows), card_.read_register(card::kRegRecords),
         card_.cycles());

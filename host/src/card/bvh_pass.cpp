@@ -259,7 +259,7 @@ void BvhPass::put_in_order(std::vector<Record>& records) {
 std::string BvhPass::state() {
   return fmt::format(
       "status {:#x}, {} of {} rays provided, {} nodes read, {} secondaries tested, {} records "
-      "written, {} waiting, clock {}",
+      "written, {} waiting, cycle {}",
       card_.read_register(card::kRegStatus), provided_, numbers_.size(),
       card_.read_register(card::kRegNodes), card_.read_register(card::kRegTested),
       card_.read_register(card::kRegWritten), card_.read_register(card::kRegRecords),
@@ -304,7 +304,7 @@ Counters RefitPass::execute(std::uint32_t first, std::uint32_t end) {
 }
 
 std::string RefitPass::state() {
-  return fmt::format("status {:#x}, refitting {} nodes, clock {}",
+  return fmt::format("status {:#x}, refitting {} nodes, cycle {}",
                      card_.read_register(card::kRegStatus), card_.bvh.nodes, card_.cycles());
 }
 

@@ -13,8 +13,8 @@ namespace cde {
 [[nodiscard]] inline Error device_error(ErrorCode code, const std::string& what,
                                         const DeviceFault& fault) {
   return {code,
-          fmt::format("{} (PCI status {:#06x}, address {:#x}, clock {})", what, fault.pci_status,
-                      fault.address, fault.clock),
+          fmt::format("{} (PCI status {:#06x}, address {:#x}, cycle {})", what, fault.pci_status,
+                      fault.address, fault.cycle),
           fault};
 }
 

@@ -124,7 +124,7 @@ class LocalLink final : public CardLink {
   }
   void alive() const override { loss_.alive(); }
   [[nodiscard]] bool lost() const override { return loss_.lost(); }
-  [[nodiscard]] DeviceFault fault() override { return {.clock = cycles()}; }
+  [[nodiscard]] DeviceFault fault() override { return {.cycle = cycles()}; }
   [[nodiscard]] std::string violation() const override { return {}; }
   void inject(BusFault fault, std::uint32_t count, std::uint32_t) override {
     if (!on_functional_bus(fault)) {
@@ -192,7 +192,7 @@ class LocalLink final : public CardLink {
                    {.code = pci::kCodeMasterAbort,
                     .pci_status = 0xffff,
                     .address = offset,
-                    .clock = cycles()});
+                    .cycle = cycles()});
       }
       ++counters_.access_retries;
     }
@@ -248,7 +248,7 @@ class LocalLink final : public CardLink {
     loss_.lose(ErrorCode::kDevice,
                fmt::format("local bus hangs: {} of {} beats {} space {} offset {:#x}", done, wanted,
                            what, static_cast<int>(space), offset),
-               {.address = offset, .clock = cycles()});
+               {.address = offset, .cycle = cycles()});
   }
 
   SimulationModel model_;

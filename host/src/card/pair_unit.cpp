@@ -143,12 +143,12 @@ namespace {
                               std::size_t pairs) {
   const cde_pair_progress p = api.progress(unit);
   DeviceFault fault;
-  fault.clock = p.clock;
+  fault.cycle = p.cycle;
   throw Error(
       ErrorCode::kTimeout,
       fmt::format("pair_unit: {} of {} rows of {} pairs were taken and {} answered, the last at "
                   "cycle {}; {}",
-                  p.taken, (pairs + api.lanes - 1) / api.lanes, api.lanes, p.answered, p.clock,
+                  p.taken, (pairs + api.lanes - 1) / api.lanes, api.lanes, p.answered, p.cycle,
                   p.disordered != 0
                       ? "then an answer came for another row than the next"
                       : fmt::format("there was no progress for {} cycles", +CDE_PAIR_PATIENCE)),
@@ -237,12 +237,12 @@ std::uint64_t PairUnit::watch(std::span<const std::uint64_t> a, std::span<const 
   } watch{seen};
   s.api->watch(
       s.unit,
-      [](void* context, std::uint32_t which, std::uint64_t clock, std::uint64_t x, std::uint64_t y,
+      [](void* context, std::uint32_t which, std::uint64_t cycle, std::uint64_t x, std::uint64_t y,
          std::uint64_t result) {
         auto& w = *static_cast<Watch*>(context);
         if (w.failed) return;
         try {
-          w.seen({which, clock, x, y, result});
+          w.seen({which, cycle, x, y, result});
         } catch (...) {
           w.failed = std::current_exception();
         }
@@ -275,8 +275,8 @@ std::string place_in_unit(PairUnit& unit, std::span<const std::uint64_t> a,
   if (i >= count || b.size() < count * b_words)
     throw Error(ErrorCode::kUsage, fmt::format("there is no pair {}", i));
   std::vector<PairResult> again(count);
-  const std::uint64_t clock = unit.test(a.first(count * a_words), b.first(count * b_words), again);
-  return fmt::format("clock {}, lane {}, row {}", clock, i % config.lanes, row);
+  const std::uint64_t cycle = unit.test(a.first(count * a_words), b.first(count * b_words), again);
+  return fmt::format("cycle {}, lane {}, row {}", cycle, i % config.lanes, row);
 }
 
 }  // namespace cde

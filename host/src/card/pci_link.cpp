@@ -139,7 +139,7 @@ class PciLink final : public CardLink {
   void alive() const override { port_.alive(); }
   [[nodiscard]] bool lost() const override { return port_.lost(); }
   [[nodiscard]] DeviceFault fault() override {
-    return {.pci_status = port_.pci_status(), .clock = cycles()};
+    return {.pci_status = port_.pci_status(), .cycle = cycles()};
   }
   [[nodiscard]] std::string violation() const override {
     const char* const rule = api().violation(port_.host());

@@ -110,7 +110,7 @@ std::uint16_t PciPort::pci_status() {
 
 DeviceFault PciPort::complete(DeviceFault fault) {
   if (fault.pci_status == 0) fault.pci_status = pci_status();
-  fault.clock = cycles();
+  fault.cycle = cycles();
   return fault;
 }
 

@@ -136,7 +136,7 @@ Json kind_json(const CardFailure& f) {
           {"cycles", f.cycles}};
 }
 Json kind_json(const HangFailure& f) {
-  return {{"kind", "hang"}, {"clock", f.clock}, {"unit", f.unit}, {"shown", f.shown}};
+  return {{"kind", "hang"}, {"cycle", f.cycle}, {"unit", f.unit}, {"shown", f.shown}};
 }
 
 PairFailure pair_of(const Json& j) {
@@ -158,7 +158,7 @@ CardFailure card_of(const Json& j) {
   return f;
 }
 HangFailure hang_of(const Json& j) {
-  return {.clock = j.at("clock").get<std::uint64_t>(),
+  return {.cycle = j.at("cycle").get<std::uint64_t>(),
           .unit = j.at("unit").get<bool>(),
           .shown = j.at("shown").get<std::vector<std::string>>()};
 }

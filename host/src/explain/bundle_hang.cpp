@@ -31,8 +31,8 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
        {"repeat_command", failure.repeat.empty() ? nlohmann::ordered_json()
                                                  : nlohmann::ordered_json(failure.repeat)}});
   const fs::path whole = bundle.file("whole.fst");
-  const std::uint64_t from = f.clock > kAheadOfHang ? f.clock - kAheadOfHang : 0;
-  (void)failure.rerun(whole.string(), {.from = from, .to = f.clock + kBehind});
+  const std::uint64_t from = f.cycle > kAheadOfHang ? f.cycle - kAheadOfHang : 0;
+  (void)failure.rerun(whole.string(), {.from = from, .to = f.cycle + kBehind});
   std::deque<wave::Transaction> last, open;
   std::uint64_t fail = 0;
   std::string text;
@@ -58,7 +58,7 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
     lines("Unfinished transactions:", open);
     if (f.unit) {
       // Rising edges are at odd times. The answer is visible after this many edges.
-      const std::uint64_t edges = std::max<std::uint64_t>(f.clock - from, 1);
+      const std::uint64_t edges = std::max<std::uint64_t>(f.cycle - from, 1);
       fail = std::min((trace.start() | 1) + 2 * (edges - 1), trace.end());
     }
   }

@@ -56,7 +56,7 @@ class Report {
     order_.resize(e.operations.size());
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::stable_sort(order_.begin(), order_.end(), [&e](std::size_t x, std::size_t y) {
-      return clock_of(e.operations[x]) < clock_of(e.operations[y]);
+      return cycle_of(e.operations[x]) < cycle_of(e.operations[y]);
     });
   }
 
@@ -97,7 +97,7 @@ class Report {
     fmt::format_to(std::back_inserter(all_), format, std::forward<Args>(args)...);
   }
 
-  static unsigned clock_of(const Compared& c) { return c.seat.which < 0 ? 0 : c.seat.offset; }
+  static unsigned cycle_of(const Compared& c) { return c.seat.which < 0 ? 0 : c.seat.offset; }
 
   [[nodiscard]] std::string value(std::uint64_t word) const { return text_.decimal_and_bits(word); }
   [[nodiscard]] std::string outcome(FpOp op, std::uint64_t word) const {
@@ -167,7 +167,7 @@ class Report {
       line = std::max(line, s.line().size());
       name = std::max(name, s.name().size());
     }
-    put("\n{:>5}  {:<{}}  {:<{}}  operation\n", "clock", "line", line, "name", name);
+    put("\n{:>5}  {:<{}}  {:<{}}  operation\n", "cycle", "line", line, "name", name);
     std::size_t shown = 0, left_out = 0;
     for (const std::size_t i : order_) {
       const Compared& c = e_.operations[i];

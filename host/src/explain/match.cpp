@@ -47,12 +47,12 @@ Operation expected(const Observed& card, const PairRecording& pair, std::size_t 
 }
 
 /// What an operator did with its operands in a cycle; nothing if its result comes after the end.
-std::optional<Operation> done(const Observed& card, std::int32_t which, std::size_t clock) {
+std::optional<Operation> done(const Observed& card, std::int32_t which, std::size_t cycle) {
   const auto w = static_cast<std::size_t>(which);
   const Track& track = card.tracks[w];
-  const std::size_t end = clock + card.operators[w].latency;
+  const std::size_t end = cycle + card.operators[w].latency;
   if (end >= track.result.size()) return std::nullopt;
-  return Operation{card.operators[w].operation, track.a[clock], track.b[clock], track.result[end]};
+  return Operation{card.operators[w].operation, track.a[cycle], track.b[cycle], track.result[end]};
 }
 
 Comparison compare_operations(const Operation& card, const Operation& reference) {

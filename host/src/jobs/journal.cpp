@@ -291,7 +291,8 @@ void Journal::warn_if_lost() {
                 ours.st_dev == named.st_dev && ours.st_ino == named.st_ino))
     return;
   lost_ = true;
-  log(fmt::format("cde: warning: journal {}: the file was removed or replaced in the meantime; "
+  log(
+      fmt::format("cde: warning: journal {}: the file was removed or replaced in the meantime; "
                   "this run cannot be resumed\n",
                   printable_name(path_)));
 }

@@ -114,7 +114,7 @@ class PassCheck {
             .secondary = [&, words](std::uint32_t i) { return words(secondaries, i); },
             .place =
                 [&board, streams](std::uint32_t primary) {
-                  return streams ? fmt::format("clock {} (record read)", board.cycles())
+                  return streams ? fmt::format("cycle {} (record read)", board.cycles())
                                  : place_on_card(board, primary % card::kMostPrimaries);
                 },
             .repeat =

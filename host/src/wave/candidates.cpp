@@ -43,7 +43,7 @@ class TestedDecoder : public EngineDecoder {
       if (!retire_.bit(k) || row_[k]->number() != wanted_row_ || !p.mask->on() || p.streaming->on())
         continue;
       tell_({.pass = passes() == 0 ? 0 : passes() - 1,
-             .clock = edges_ - began_,
+             .cycle = edges_ - began_,
              .time = now_,
              .index = index_[k]->number().value_or(~std::uint64_t{0}),
              .f = p.f->on(),

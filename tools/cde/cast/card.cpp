@@ -51,8 +51,8 @@ Query query_of(const CastTask& o, Mode mode) {
 }
 
 std::string pack_hang(const CastTask& o, const CastJob& job, Mode mode, const RayView& rays,
-                      const Error& error, std::uint64_t clock) {
-  Failure f{.kind = HangFailure{.clock = clock}, .message = error.what()};
+                      const Error& error, std::uint64_t cycle) {
+  Failure f{.kind = HangFailure{.cycle = cycle}, .message = error.what()};
   f.rerun = [&](const std::string& file, const TraceOptions& which) {
     Board board = traced_board(job);
     board.trace_open(file, which);

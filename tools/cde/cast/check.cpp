@@ -38,7 +38,7 @@ CastCheck::CastCheck(const CastTask& o, const CastJob& job, Mode mode, const Ray
              reference::ray_report(rays, job.mesh, command_of(o, job, mode))) {
   brute_force_rays_ = std::min<std::uint64_t>(o.brute_force_rays, rays.size());
   check_.set_place([&board, this](std::uint32_t ray) {
-    return traversal_ ? fmt::format("clock {} (record read)", board.cycles())
+    return traversal_ ? fmt::format("cycle {} (record read)", board.cycles())
                       : place_on_card(board, ray % packet_);
   });
   if (job.bvh) {

@@ -196,13 +196,13 @@ void QueryPipe::report(const Error& stuck) {
       o_.file == "-" && !array_
           ? fmt::format("lines {} to {}: {}", rows_.front().line, rows_.back().line, stuck.what())
           : fmt::format("{} to {}: {}", place(rows_.front().line), rows_.back().line, stuck.what());
-  const std::uint64_t clock = stuck.fault()->clock;
+  const std::uint64_t cycle = stuck.fault()->cycle;
   std::string pairs;
   for (std::size_t i = 0; i < results_.size(); ++i)
     pairs += listed(operand(a_, i, primary_words(config_.pair))) + " | " +
              listed(operand(b_, i, secondary_words(config_.pair))) + "\n";
   Failure f{
-      .kind = HangFailure{.clock = clock,
+      .kind = HangFailure{.cycle = cycle,
                           .unit = true,
                           .shown = {"pair_unit.clk_i", "pair_unit.valid_i", "pair_unit.ready_o",
                                     "pair_unit.tag_i", "pair_unit.valid_o", "pair_unit.tag_o"}},

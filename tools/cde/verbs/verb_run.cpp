@@ -298,7 +298,7 @@ class Run {
   }
 
   std::string pack_hang(const Plan& plan, const Error& error) {
-    cde::Failure f{.kind = HangFailure{.clock = seen_},
+    cde::Failure f{.kind = HangFailure{.cycle = seen_},
                    .message = error.what(),
                    .repeat = fmt::format("cde run {} --frames {}..{}", shell_word(scene_.file),
                                          frames_.first, frame_)};

@@ -42,7 +42,7 @@ enum { CDE_PAIR_PATIENCE = 1000000 };
 /** Progress of the last test(): rows taken and answered, and the cycle of the last of them, counted
    from the first row. `disordered`: the pending answer belongs to another row than the next. */
 typedef struct cde_pair_progress {
-  uint64_t taken, answered, clock;
+  uint64_t taken, answered, cycle;
   uint32_t disordered;
 } cde_pair_progress;
 
@@ -79,7 +79,7 @@ typedef struct cde_pair_api {
      stop.
    */
   void (*watch)(cde_pair_unit*,
-                void (*seen)(void* context, uint32_t index, uint64_t clock, uint64_t a, uint64_t b,
+                void (*seen)(void* context, uint32_t index, uint64_t cycle, uint64_t a, uint64_t b,
                              uint64_t result),
                 void* context);
 } cde_pair_api;

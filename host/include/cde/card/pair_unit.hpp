@@ -52,7 +52,7 @@ struct PairOperator {
 /// Words at an operator in one cycle, counted from the first row of a test().
 struct OperatorWords {
   std::uint32_t which = 0;  ///< index in PairUnit::operators()
-  std::uint64_t clock = 0;
+  std::uint64_t cycle = 0;
   std::uint64_t a = 0, b = 0;  ///< operands; b of a square root is undefined. All ones while no
                                ///< consumer uses the result, as in host arithmetic
   std::uint64_t result = 0;  ///< of the operands `latency` cycles earlier; a mask is 0 or all ones
@@ -111,7 +111,7 @@ class PairUnit {
   std::shared_ptr<State> state_;       ///< a test() keeps it alive if its gap drops the unit
 };
 
-/// Where result i of a gapless test() of these pairs comes out: "clock 12, lane 3, row 1". The
+/// Where result i of a gapless test() of these pairs comes out: "cycle 12, lane 3, row 1". The
 /// first row enters at cycle 0. Runs the rows up to this one again.
 [[nodiscard]] std::string place_in_unit(PairUnit& unit, std::span<const std::uint64_t> a,
                                         std::span<const std::uint64_t> b, std::size_t i);

@@ -41,8 +41,8 @@ struct CardFailure {
 
 /// A card or unit that stopped, or reported an error.
 struct HangFailure {
-  std::uint64_t clock = 0;  ///< last cycle with progress, counted as `rerun` counts
-  bool unit = false;        ///< a unit, not a card: `clock` is exact, and there are no transactions
+  std::uint64_t cycle = 0;  ///< last cycle with progress, counted as `rerun` counts
+  bool unit = false;        ///< a unit, not a card: `cycle` is exact, and there are no transactions
   std::vector<std::string> shown = {};  ///< signals to look at first
 };
 

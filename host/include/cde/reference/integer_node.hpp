@@ -31,7 +31,7 @@ struct IntegerRay {
       margin;  ///< T in which the ray moves by the margin M' along the axis; may be infinite
 };
 
-/// The margin M' is sixteenths / 16 of the margin M of ray_node.hpp. The theorem needs 13. With 17,
+/// The margin M' is sixteenths / 16 of the margin M of ray_node.hpp. The proof needs 13. With 17,
 /// every interval contains the interval of axis_stretch(), roundings included.
 /// Once per ray: 4 mul, 3 div, 1 add, 6 sub, 8 max. For spheres 2 mul, 2 cmp, 2 max more.
 [[nodiscard]] IntegerRay integer_ray(const Vector<float>& o, const Vector<float>& d,

@@ -26,7 +26,7 @@ class RecordCheck {
     /// the number is invalid.
     std::function<std::vector<float>(std::uint32_t primary)> primary = {};
     std::function<std::vector<float>(std::uint32_t index)> secondary = {};
-    /// Place of a primary's record in the card: "clock 12, lane 3, row 1"; may be empty.
+    /// Place of a primary's record in the card: "cycle 12, lane 3, row 1"; may be empty.
     std::function<std::string(std::uint32_t primary)> place = {};
     /// Lines that repeat the difference, after "repeat with: "; may be empty.
     std::function<std::string(const Difference&)> repeat = {};

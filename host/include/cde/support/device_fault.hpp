@@ -12,7 +12,7 @@ struct DeviceFault {
                                  ///< the card does not answer. Bus::kFunctional reports 0
   std::uint32_t address = 0;  ///< a transfer's mapped or bus address, an access's offset in BAR0 or
                               ///< configuration space, or a byte address in DDR
-  std::uint64_t clock = 0;    ///< core cycles since power-on; for a PairUnit since its first row
+  std::uint64_t cycle = 0;    ///< core cycles since power-on; for a PairUnit since its first row
   bool repeatable = false;    ///< the card still works: the pass can be run again
 };
 

@@ -12,7 +12,7 @@ namespace cde::wave {
 /// A pair of one primary as it leaves a card's pipe, and the decision of the update engine.
 struct Tested {
   std::uint64_t pass = 0;   ///< number of the pass, from 0 in the file
-  std::uint64_t clock = 0;  ///< engine cycle, counted from the pass's go
+  std::uint64_t cycle = 0;  ///< engine cycle, counted from the pass's go
   std::uint64_t time = 0;   ///< time of that edge, in units of the file
   std::uint64_t index = 0;  ///< of the secondary
   bool f = false, bad = false;
