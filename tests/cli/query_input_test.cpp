@@ -30,6 +30,9 @@ TEST_F(Query, ForeignTexts_AreRead) {
     fs::remove_all(folder_ / "j");
   }
   refused({"sphere-sphere", "none.txt"}, "none.txt: cannot be opened: No such file");
+  refused({"sphere-sphere", "0 0 0 1 | 1 0 0 1"},
+          "0 0 0 1 | 1 0 0 1: cannot be opened: No such file or directory; expected a file, or the "
+          "words of pairs on stdin");
   refused({"sphere-sphere", "pairs.txt", "-o", "pairs.txt"}, "pairs.txt");
   const Ran header = query({"sphere-sphere", "-q"}, "x,y,z,r,x2,y2,z2,r2\n0,0,0,1,1.5,0,0,1\n");
   EXPECT_EQ(header.status, 2);

@@ -16,9 +16,13 @@ constexpr char kText = 't', kArray = 'a';
 int opened(const std::string& file) {
   if (file == "-") return STDIN_FILENO;
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0)
-    throw Error(ErrorCode::kFile, fmt::format("{}: cannot be opened: {}", printable_name(file),
-                                              std::strerror(errno)));
+  if (descriptor < 0) {
+    const bool words = errno == ENOENT && file.find(' ') != std::string::npos;
+    throw Error(
+        ErrorCode::kFile,
+        fmt::format("{}: cannot be opened: {}{}", printable_name(file), std::strerror(errno),
+                    words ? "; expected a file, or the words of pairs on stdin" : ""));
+  }
   return descriptor;
 }
 
