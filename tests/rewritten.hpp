@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <unistd.h>
-
 #include <bit>
 #include <cstdlib>
 #include <filesystem>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "cde/bvh/bvh.hpp"
+#include "cde/support/scratch.hpp"
 
 namespace cde::testing {
 
@@ -19,9 +18,8 @@ namespace cde::testing {
 inline Bvh rewritten(const Bvh& bvh, const std::vector<bvh::Node>& nodes,
                      const Eigen::AlignedBox3f& box) {
   namespace fs = std::filesystem;
-  std::string name = (fs::temp_directory_path() / "cde-rewritten-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder " + name);
-  const fs::path folder = name, file = folder / "bvh", sum = folder / "sum";
+  const Scratch folder("cde-rewritten");
+  const fs::path file = folder / "bvh", sum = folder / "sum";
   const auto bytes_of = [](const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     return std::string(std::istreambuf_iterator<char>(in), {});
@@ -41,9 +39,7 @@ inline Bvh rewritten(const Bvh& bvh, const std::vector<bvh::Node>& nodes,
   const std::string command = "sha256sum <'" + file.string() + "' >'" + sum.string() + "'";
   if (std::system(command.c_str()) != 0) throw std::runtime_error("no sha256sum");
   std::ofstream(file, std::ios::binary | std::ios::app) << bytes_of(sum).substr(0, 64);
-  Bvh read = Bvh::load(file);
-  fs::remove_all(folder);
-  return read;
+  return Bvh::load(file);
 }
 
 }  // namespace cde::testing
