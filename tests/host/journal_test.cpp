@@ -123,6 +123,7 @@ TEST_F(Journals, DeepJson_IsAnErrorWithItsByte) {
 }
 
 TEST_F(Journals, LostFile_IsReportedOnce) {
+  namespace fs = std::filesystem;
   for (const bool replaced : {false, true}) {
     fs::remove(path());
     Journal journal("--resume", path(), Journal::Use::kGoOn, {{"command", "query"}});
