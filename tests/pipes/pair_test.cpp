@@ -347,7 +347,7 @@ TEST(PairFailure, Message_RepeatsThePairAndNamesTheFields) {
     SCOPED_TRACE(text);
     EXPECT_NE(text.find("\n  differ in F, T, CPz\n"), std::string::npos);
     const std::size_t row = i / config.lanes;
-    EXPECT_NE(text.find("\n  where     clock " + std::to_string(unit.latency() + row) + ", lane " +
+    EXPECT_NE(text.find("\n  where     cycle " + std::to_string(unit.latency() + row) + ", lane " +
                         std::to_string(i % config.lanes) + ", row " + std::to_string(row)),
               std::string::npos);
     const std::string line = text.substr(2, text.find('\n') - 2), answer = typed(line);
