@@ -289,7 +289,7 @@ TEST_F(WaveFiles, LongNamesInDeepScopes_AreRefused) {
   };
   vcd(3000);
   refused({"wave", "info", "v.vcd"},
-          "v.vcd: the full names of the first 956 signals have 457932780 bytes together; expected "
+          "v.vcd: the full names of the first 968 signals have 469468758 bytes together; expected "
           "at most ");
   vcd(500);
   const Ran ran = cde({"wave", "info", "v.vcd"});
