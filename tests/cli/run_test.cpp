@@ -280,22 +280,25 @@ TEST_F(RunScene, WrongUsage_IsRefused) {
 
 TEST_F(RunScene, Deadline_IsStatus4AndLeavesAReadableFile) {
   write("flight.toml", kFlight);
-  const Ran ran = cde({"run", "flight.toml", "--deadline", "100"});
+  const Ran ran = cde({"run", "flight.toml", "--deadline", "100", "--report", "page.html"});
   EXPECT_EQ(ran.status, 4) << ran.err;
   const auto j = run_json("flight.run");
   EXPECT_EQ(j["finished"], false);
   EXPECT_TRUE(has(j["error"].get<std::string>(), "deadline of 100 cycles"));
+  EXPECT_TRUE(has(read("page.html"), "The run ended early, after 0 of "));
 }
 
 TEST_F(RunScene, Interrupt_LeavesReadableFiles) {
   std::string scene = kFlight;
   scene.replace(0, 10, "frames = 100000");
   write("long.toml", scene);
-  const pid_t child = start({"run", "long.toml", "--file-per-frame"});
+  write("page.html", "old");
+  const pid_t child = start({"run", "long.toml", "--file-per-frame", "--report", "page.html"});
   for (int i = 0; i < 600 && !exists("long.run/hit.000002.csv"); ++i) ::usleep(50'000);
   ::kill(child, SIGINT);
   const Ran ran = finish(child);
   EXPECT_EQ(ran.status, 128 + SIGINT) << ran.err;
+  EXPECT_EQ(read("page.html"), "old");
   const auto j = run_json("long.run");
   EXPECT_EQ(j["finished"], false);
   EXPECT_EQ(j["stopped_by_signal"], SIGINT);

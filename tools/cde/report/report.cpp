@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cde/support/counted.hpp"
 #include "output/streams.hpp"
 #include "page/page.hpp"
 
@@ -391,13 +392,27 @@ std::vector<std::string> Report::notes() const {
   return notes;
 }
 
+namespace {
+
+/// A sentence for a run that a wrong record or an error ended.
+std::string ended_early(const nlohmann::ordered_json& run) {
+  if (run["finished"]) return "";
+  const std::uint64_t all =
+      run["frames"][1].get<std::uint64_t>() - run["frames"][0].get<std::uint64_t>() + 1;
+  return fmt::format(" The run ended early, after {} of {}.", run["frame_results"].size(),
+                     counted(all, "frame"));
+}
+
+}  // namespace
+
 std::string Report::html(const Json& run) const {
   const std::string file = std::filesystem::path(scene_.file).filename();
   const std::string title = scene_.title.empty() ? file : scene_.title;
   std::string body = fmt::format("<main>\n<header><h1>{}</h1>\n", escaped(title));
-  body += fmt::format("<p class=\"lead\">{}</p></header>\n",
-                      escaped(fmt::format("{}: frames {} to {}, run on the simulated card of cde.",
-                                          file, run["frames"][0].dump(), run["frames"][1].dump())));
+  body += fmt::format(
+      "<p class=\"lead\">{}</p></header>\n",
+      escaped(fmt::format("{}: frames {} to {}, run on the simulated card of cde.{}", file,
+                          run["frames"][0].dump(), run["frames"][1].dump(), ended_early(run))));
   body += view_html() + (frame_results_.empty() ? "" : distances_html()) + charts_html() +
           tables_html(run);
   body += fmt::format(

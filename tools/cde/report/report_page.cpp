@@ -194,7 +194,7 @@ std::string Report::tables_html(const Json& run) const {
   }
   std::string html = "<section><h2>Answers and checks</h2>\n";
   if (run["check"] == "none") html += "<p>The check was skipped: no record was compared.</p>\n";
-  html += table("All frames of the run",
+  html += table(run["finished"] ? "All frames of the run" : "Frames of the run",
                 {"query", "pair", "mode", "tests", "records", "hits", "compared with the reference",
                  "differ"},
                 queries);

@@ -436,7 +436,7 @@ class Run {
                        {"reference_seconds", t.checked}};
     if (!folder_.begun()) return;  // an earlier run in the folder stays
     folder_.write(json_);
-    if (!report_) return;
+    if (!report_ || Interrupts::signal() != 0) return;  // an old page stays
     page_->write(report_->html(json_));
     page_->commit();
   }
