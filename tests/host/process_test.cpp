@@ -45,6 +45,35 @@ void remove_and_end(int signal) {
   ::raise(signal);
 }
 
+/// In the current folder other users may have put programs.
+TEST(Process, RelativeEntriesOfPath_AreNotSearched) {
+  const Folder folder;
+  folder.write("own-tool", "#!/bin/sh\necho ran\n");
+  fs::permissions(folder / "own-tool", fs::perms::owner_all);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    int failures = ::chdir((folder / "").c_str());
+    for (const char* path : {"", ":/usr/bin:/bin", ".:/usr/bin:/bin", "/usr/bin:/bin:"}) {
+      ::setenv("PATH", path, 1);
+      try {
+        (void)process::run({"own-tool"});
+        ++failures;
+      } catch (const Error& e) {
+        failures += std::string(e.what()) != "cannot run own-tool: No such file or directory";
+      }
+    }
+    ::setenv("PATH", (":" + (folder / "").string() + ":/usr/bin:/bin").c_str(), 1);
+    failures += process::run({"own-tool"}).output != "ran\n";
+    failures += process::run({"/bin/sh", "-c", "own-tool"}).output != "ran\n";
+    failures += process::run({"/usr/bin/env"}).output.find("PATH=/") == std::string::npos;
+    ::_exit(failures);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0) << "failures";
+}
+
 TEST(Process, SignalDuringARun_EndsDescendantsAndRemovesScratch) {
   const std::string seconds = fmt::format("98765.{}", ::getpid());  // marks the descendants
   // The second program ignores SIGTERM, so it must be killed.

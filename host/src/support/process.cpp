@@ -7,6 +7,7 @@
 #include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,8 +15,10 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <sstream>
 #include <utility>
 
 #include "cde/support/error.hpp"
@@ -34,14 +37,41 @@ std::array<int, 2> new_pipe(ErrorCode code = ErrorCode::kBuild) {
   return ends;
 }
 
+/// The absolute entries of PATH. Relative and empty ones lead into the current folder, where other
+/// users may put programs.
+std::string absolute_path() {
+  const char* const all = std::getenv("PATH");  // NOLINT(concurrency-mt-unsafe)
+  std::string kept;
+  std::istringstream entries(all != nullptr ? all : "/usr/bin:/bin");
+  for (std::string entry; std::getline(entries, entry, ':');)
+    if (entry.starts_with('/')) kept += (kept.empty() ? "" : ":") + entry;
+  return kept;
+}
+
+/// The file of a program, found through the path unless its name has a slash.
+std::string program_file(const std::string& name, const std::string& path) {
+  if (name.find('/') != std::string::npos) return name;
+  std::istringstream entries(path);
+  for (std::string entry; std::getline(entries, entry, ':');) {
+    const std::string file = entry + '/' + name;
+    struct stat info {};
+    if (::stat(file.c_str(), &info) == 0 && S_ISREG(info.st_mode) &&
+        ::access(file.c_str(), X_OK) == 0)
+      return file;
+  }
+  return {};
+}
+
 /// This process's environment with LC_ALL=C, so that cde can parse messages. Shells and Perl warn
-/// of a locale that is not installed; C is always there.
-std::vector<char*> environment() {
+/// of a locale that is not installed; C is always there. `path` is "PATH=...".
+std::vector<char*> environment(std::string& path) {
   static char language[] = "LC_ALL=C";
   std::vector<char*> all;
-  for (char** variable = environ; *variable != nullptr; ++variable)
-    if (!std::string_view(*variable).starts_with("LC_ALL=")) all.push_back(*variable);
-  all.insert(all.end(), {language, nullptr});
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text = *variable;
+    if (!text.starts_with("LC_ALL=") && !text.starts_with("PATH=")) all.push_back(*variable);
+  }
+  all.insert(all.end(), {language, path.data(), nullptr});
   return all;
 }
 
@@ -75,8 +105,11 @@ pid_t start(const std::vector<std::string>& command, int input, int output, int 
   posix_spawnattr_setpgroup(&attributes, 0);
   posix_spawnattr_setflags(&attributes, static_cast<short>(flags));
   pid_t child = 0;
-  const int failed =
-      ::posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environment().data());
+  const std::string path = absolute_path(), file = program_file(command[0], path);
+  std::string variable = "PATH=" + path;
+  const int failed = file.empty() ? ENOENT
+                                  : ::posix_spawn(&child, file.c_str(), &actions, &attributes,
+                                                  argv.data(), environment(variable).data());
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (failed != 0)

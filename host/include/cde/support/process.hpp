@@ -19,11 +19,11 @@ struct Result {
   bool timed_out = false;         ///< killed at its time limit
 };
 
-/// Runs a program and waits for it. The program is found through PATH unless its name has a slash.
-/// Result::output holds its stdout and stderr; its stdin is empty. Error kBuild if it cannot be
-/// started. SIGINT, SIGTERM and SIGHUP, unless ignored, end the program and its descendants. Then
-/// the signal takes its usual effect on this process. If that does not end this process: error
-/// kInterrupted.
+/// Runs a program and waits for it. The program is found through the absolute entries of PATH
+/// unless its name has a slash. The program gets these entries alone. Result::output holds its
+/// stdout and stderr; its stdin is empty. Error kBuild if it cannot be started. SIGINT, SIGTERM and
+/// SIGHUP, unless ignored, end the program and its descendants. Then the signal takes its usual
+/// effect on this process. If that does not end this process: error kInterrupted.
 [[nodiscard]] Result run(const std::vector<std::string>& command);
 
 using Seconds = std::chrono::duration<double>;
