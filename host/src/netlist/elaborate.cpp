@@ -111,7 +111,7 @@ std::string latency_parameter(unsigned add, unsigned mul, unsigned div, unsigned
 
 std::string elaborated(const fs::path& source, const std::string& top,
                        const std::vector<std::string>& parameters, const Hidden& hidden,
-                       const std::vector<std::string>& switches) {
+                       const std::vector<std::string>& switches, std::uint64_t most_memory) {
   const Scratch scratch("cde-elaborate");
   const fs::path rtl = without_space(source, scratch / "rtl");
   const fs::path xml = scratch / "design.xml", json = scratch / "design.tree.json",
@@ -141,6 +141,8 @@ std::string elaborated(const fs::path& source, const std::string& top,
   std::string log;
   const auto written = [&](std::initializer_list<std::string> form) {
     std::vector<std::string> all = {"verilator"};
+    if (most_memory != 0)
+      all.insert(all.begin(), {"prlimit", fmt::format("--as={}", most_memory), "--core=0", "--"});
     all.insert(all.end(), form);
     all.insert(all.end(), command.begin(), command.end());
     try {
@@ -156,7 +158,9 @@ std::string elaborated(const fs::path& source, const std::string& top,
     if (written({"--json-only", "--json-only-output", json, "--json-only-meta-output", meta}))
       return xml_of_json(text_of(json), named(text_of(meta), rtl, source));
   }
-  throw ElaborationError("verilator cannot elaborate " + top + ":\n" + log);
+  const std::string limit =
+      most_memory == 0 ? "" : fmt::format(" in {} MB of memory", most_memory >> 20);
+  throw ElaborationError("verilator cannot elaborate " + top + limit + ":\n" + log);
 }
 
 Elaboration::Elaboration(const fs::path& rtl, const std::string& top,

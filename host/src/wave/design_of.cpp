@@ -27,6 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kHead = "cde structure 2\n";
+/// Bytes that Verilator may take. The parameters come from a wave file, perhaps of a stranger.
+constexpr std::uint64_t kMostMemory = std::uint64_t{4} << 30;
 
 /// The comment that the writer of a card's waves adds (verilator/models/wave_file.h).
 struct Origin {
@@ -152,7 +154,8 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
     try {
       kept->xml = netlist::elaborated(rtl, origin.kind, parameters,
                                       host ? netlist::Hidden(netlist::is_gates) : netlist::Hidden(),
-                                      {"-O0"});  // optimisation would remove signals of the sources
+                                      {"-O0"},  // optimisation would remove signals of the sources
+                                      kMostMemory);
     } catch (const netlist::ElaborationError& e) {
       throw Error(ErrorCode::kBuild, e.what());
     }

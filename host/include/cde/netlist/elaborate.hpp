@@ -55,11 +55,13 @@ using Hidden = std::function<bool(std::string_view module)>;
 /// Verilator's XML of module `top` of the RTL in folder `rtl`, whose waivers are in
 /// `rtl`/../verilator. Parameters are NAME=VALUE, as for the builder of simulation models; switches
 /// are Verilator's. With hidden gates this takes up to a few seconds. An empty `hidden` hides
-/// nothing and takes as long as Verilator takes for the model.
+/// nothing and takes as long as Verilator takes for the model. With `most_memory` bytes Verilator
+/// may take no more.
 [[nodiscard]] std::string elaborated(const std::filesystem::path& rtl, const std::string& top,
                                      const std::vector<std::string>& parameters,
                                      const Hidden& hidden,
-                                     const std::vector<std::string>& switches = {});
+                                     const std::vector<std::string>& switches = {},
+                                     std::uint64_t most_memory = 0);
 
 /// One elaborated design. Instances are named by their path from the top module, without the names
 /// of generate blocks: "pair_pipe.pipe".
