@@ -290,6 +290,14 @@ TEST_F(AccuracyPage, ImpossiblePage_IsRefused) {
   write("broken.json", R"({"schema": "cde.accuracy.3", "seed": 1, "cases": 2,
                            "configurations": [{"pair": "obb-obb", "format": "fp32"}]})");
   refused({"--from", "broken.json", "--page", "p.html"}, "broken.json: configuration 1: ");
+  for (const char* profile : {R"({"a": 1})", R"({"format": null})", "5",
+                              R"({"format": "fp32", "along": "x", "algorithm": "moller",
+                                  "profile_points": [{"axis_value": "1"}]})"}) {
+    write("broken.json", fmt::format(R"({{"schema": "cde.accuracy.3", "seed": 1, "cases": 2,
+                                         "configurations": [], "profiles": [{}]}})",
+                                     profile));
+    refused({"--from", "broken.json", "--page", "p.html"}, "cde: broken.json: ");
+  }
   write("none.txt", "{");
   refused({"--from", "none.txt", "--page", "p.html"}, "none.txt: not the JSON of one accuracy run");
   refused({"--target", "ecp5-85f"}, "--target is 'ecp5-85f'; it must be ecp5-85, hx8k or assumed");

@@ -131,8 +131,9 @@ TEST_F(Ranks, DamagedJournal_IsNamed) {
     }
   }
   const std::string words = "\"words\":";
-  for (const char* other : {"5,\"o\":", "[],\"o\":", "[\"merge\",\"bad\"],\"o\":",
-                            "[\"plan\"],\"o\":", "[\"cast\",5],\"o\":"}) {
+  for (const char* other :
+       {"5,\"o\":", "[],\"o\":", "[\"merge\",\"bad\"],\"o\":", "[\"plan\"],\"o\":",
+        "[\"cast\",5],\"o\":", "[\"cast\",\"-oa\\u0000b\"],\"o\":"}) {
     bad = journal;
     bad.insert(bad.find(words) + words.size(), other);
     write("bad", bad);

@@ -49,7 +49,7 @@ Named scene_named(const RecordName& name) {
   const auto no_run = [&](const std::string& why) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: {}", printable_name(name.run), why));
   };
-  if (run.is_null()) no_run("the folder has no run.json, so it is not the folder of a run");
+  if (run.is_null()) no_run("the folder has no run.json of a run");
   try {
     found.scene = run.at("scene");
     const std::uint32_t first = run.at("frames").at(0);

@@ -118,6 +118,18 @@ AccuracyPipe pipe_of(const Json& json) {
   return pipe;
 }
 
+/// Checks what the page reads of `profiles`.
+void check_profiles(const Json& profiles) {
+  for (const Json& p : profiles) {
+    for (const char* key : {"format", "along", "algorithm"})
+      (void)p.at(key).get_ref<const std::string&>();
+    for (const Json& point : p.at("profile_points")) {
+      (void)point.at("axis_value").get<double>();
+      for (const char* key : {"median", "p99"}) (void)finite_or_infinite(point.at(key));
+    }
+  }
+}
+
 }  // namespace
 
 double SavedTally::error(double Quantiles::*quantile, bool* bounded) const {
@@ -181,6 +193,8 @@ SavedSweep sweep_of(const Json& json, const std::string& where, const Target& ta
       for (const Json& family : one.at("families")) kept.families.push_back(tally_of(family));
       sweep.pipes.push_back(std::move(kept));
     }
+    number = 0;
+    if (json.contains("profiles")) check_profiles(json.at("profiles"));
   } catch (const std::exception& e) {  // of JSON, or an Error
     throw Error(
         ErrorCode::kFile,

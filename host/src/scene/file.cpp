@@ -317,7 +317,8 @@ Scene parse_scene(std::string_view text, const std::string& name) {
 }
 
 Scene load_scene(const std::filesystem::path& path) {
-  return parse_scene(file_io::read(path), path.string());
+  constexpr std::uint64_t kMostBytes = 64u << 20;
+  return parse_scene(file_io::read(path, nullptr, kMostBytes), path.string());
 }
 
 }  // namespace cde

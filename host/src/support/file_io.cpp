@@ -65,13 +65,13 @@ std::string all_bytes(const Descriptor& file, const std::filesystem::path& path,
 
 }  // namespace
 
-std::string read(const std::filesystem::path& path, uid_t* owner) {
+std::string read(const std::filesystem::path& path, uid_t* owner, std::uint64_t most) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
   const struct stat info = status_of(file, path);
   if (!S_ISREG(info.st_mode) && !S_ISFIFO(info.st_mode)) fail(path, "is not a file");
   if (owner != nullptr) *owner = info.st_uid;
   const auto size = S_ISREG(info.st_mode) ? static_cast<std::uint64_t>(info.st_size) : 0;
-  return all_bytes(file, path, size, kNoLimit);
+  return all_bytes(file, path, size, most);
 }
 
 Descriptor open_regular(const std::filesystem::path& path) {

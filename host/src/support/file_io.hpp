@@ -15,9 +15,11 @@ namespace cde::file_io {
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// All bytes of a regular file or pipe that the user named. Error kFile with the name if it is
-/// missing, unreadable, a directory, a device or a file of the kernel (/proc, /sys), which may have
-/// no end. If `owner` is given, it becomes the file's user.
-[[nodiscard]] std::string read(const std::filesystem::path& path, uid_t* owner = nullptr);
+/// missing, unreadable, a directory or a device. The same error for a file of the kernel (/proc,
+/// /sys), which may have no end, and for more bytes than `most`. If `owner` is given, it becomes
+/// the file's user.
+[[nodiscard]] std::string read(const std::filesystem::path& path, uid_t* owner = nullptr,
+                               std::uint64_t most = kNoLimit);
 
 /// Opens a regular file without waiting. Error kFile if it is anything else, as a pipe or a file of
 /// the kernel, or cannot be opened. Opens every file that another file names.

@@ -41,8 +41,10 @@ Words words_of_whole(const Journal& journal) {
 /// The words of a journal are run as a command, so only verbs that work in shards are allowed.
 void check_words(const Journal& journal) {
   const Json words = journal.run().value("words", Json());
-  const bool all_text = words.is_array() && !words.empty() &&
-                        std::ranges::all_of(words, [](const Json& w) { return w.is_string(); });
+  const auto is_word = [](const Json& w) {
+    return w.is_string() && w.get_ref<const std::string&>().find('\0') == std::string::npos;
+  };
+  const bool all_text = words.is_array() && !words.empty() && std::ranges::all_of(words, is_word);
   if (all_text && journal.run().value("verb", Json()) == words[0] && is_distributed(words[0]))
     return;
   throw Error(ErrorCode::kFile, fmt::format("cde merge: {}: \"words\" is not the command of a run",
