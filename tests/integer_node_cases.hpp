@@ -23,7 +23,7 @@ struct NodeVisit {
   bool farthest;
   bool infinite;  ///< the margin is infinite, as for rays that meet spheres far away
 
-  /// The ray with a share of the margin of today's nodes, in sixteenths.
+  /// The ray with a share of the margin M of fp32 nodes, in sixteenths.
   [[nodiscard]] reference::IntegerRay ray(int sixteenths = 13) const {
     auto front = reference::integer_ray(o, d, root, Shape::kTriangle, sixteenths);
     if (infinite) front.margin.setConstant(std::numeric_limits<float>::infinity());

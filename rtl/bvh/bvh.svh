@@ -4,23 +4,44 @@
 `define CDE_BVH_SVH
 `include "distance_bound.svh"
 
-// Outputs of ray_front.sv: o +- M, and 1 / d.
+// Outputs of ray_front.sv: o, the T of the margin, and 1 / d.
 `define RAY_T_REACH (LAT.add + 3 * LAT.cmp)
 `define RAY_T_IN_RANGE(LEAF) \
   ((LEAF == pairs_pkg::SHAPE_SPHERE) ? `DF_MAX2(`RAY_T_REACH, 2 * LAT.cmp + LAT.mul) + LAT.cmp : 0)
 `define RAY_T_MARGIN(LEAF) `DF_MAX2(`RAY_T_REACH + LAT.mul + LAT.add, `RAY_T_IN_RANGE(LEAF))
-`define RAY_T_FRONT(LEAF) `DF_MAX2(`RAY_T_MARGIN(LEAF) + LAT.add, LAT.cmp + LAT.div)
+`define RAY_T_FRONT(LEAF) (`DF_MAX2(`RAY_T_MARGIN(LEAF), LAT.cmp + LAT.div) + LAT.mul)
 // Outputs of solid_front.sv: the corners of its box, widened.
 `define SOLID_T_FRONT(SHAPE) \
   (`DF_MAX2(`SHAPE_T_HULL(SHAPE) + `RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT.cmp) + 3 * LAT.add + LAT.mul)
-// Outputs of node_boxes.sv, near and far of all children: per axis, then combined. Then node_distances.sv, for solids.
-`define NODE_T_AXES (LAT.add + 2 * LAT.mul + LAT.add)
-`define NODE_T_BOXES (`NODE_T_AXES + 2 * LAT.cmp)
+// Outputs of node_boxes.sv, for solids, and of node_distances.sv.
+`define NODE_T_AXES (2 * LAT.add)
 `define NODE_T_DISTANCES (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
-// Outputs of node_boxes_int.sv.
+// Outputs of node_boxes_int.sv, for rays.
 `define NODE_T_INT (`DF_MAX2(LAT.add + LAT.mul, 2) + 9)
-// Outputs of traversal_unit.sv: the children hit, in order.
-`define NODE_T_UNIT(SOLIDS) (((SOLIDS != 0) ? `NODE_T_DISTANCES : `NODE_T_BOXES) + 2)
+// Latency of node_order.sv.
+`define NODE_T_ORDER 3
+// Outputs of traversal_unit.sv: the children hit, in order. With rays and solids, each kind has its own latency.
+`define NODE_T_RAY (`NODE_T_INT + `NODE_T_ORDER)
+`define NODE_T_SOLID (`NODE_T_DISTANCES + 1 + `NODE_T_ORDER)
+// Output of key_limit.sv.
+`define NODE_T_LIMIT 4
+
+// The children of a node that a primary hits, in the order of visits. Rays have keys of 12 bits, relative to a T of the
+// node. Solids have keys of 16 bits, the upper half of a number.
+`define NODE_KEY(SOLIDS) ((SOLIDS != 0) ? 16 : bvh_pkg::RAY_KEY)
+`define GROUP_BITS(KEY) \
+  (32 + 8 + 2 * bvh_pkg::PLACE + 2 * bvh_pkg::CHILDREN + 4 + bvh_pkg::CHILDREN * (3 + KEY))
+`define BVH_GROUP(KEY) \
+  typedef struct packed { \
+    logic [31:0] t_ref;      /* of a ray's keys */ \
+    logic [7:0] scale;       /* biased exponent of their steps */ \
+    logic [PLACE-1:0] node;  /* place of the first child that is a node */ \
+    logic [PLACE-1:0] slot;  /* slot of the first child's secondary */ \
+    logic [CHILDREN-1:0][1:0] kinds; \
+    logic [3:0] count;  /* number of hit children */ \
+    logic [CHILDREN-1:0][2:0] order; \
+    logic [CHILDREN-1:0][KEY-1:0] keys;  /* in that order, rounded so that no child is culled too early */ \
+  } group_t;
 
 // State of a context: its number (CX bits), the number of groups on its stack, and a bit per group. The bit is set
 // while only the group's first child has been visited. A visit adds the node or leaf that the context goes to.

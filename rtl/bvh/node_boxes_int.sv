@@ -15,10 +15,10 @@ module node_boxes_int #(
     parameter int STEP_BITS = 6,
     localparam int CHILDREN = bvh_pkg::CHILDREN,
     localparam int CW = 32,
-    localparam int KEY = 12
+    localparam int KEY = bvh_pkg::RAY_KEY
 ) (
     input logic clk_i,
-    input logic [8:0][CW-1:0] ray_i,  // o x y z, T of the margin, 1 / d with the sign of d
+    input logic [8:0][CW-1:0] ray_i,  // from ray_front.sv
     input logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
     input logic [31:0] floor_i,  // lowest T that counts
     input logic [31:0] limit_i,  // highest T that counts
@@ -107,7 +107,7 @@ module node_boxes_int #(
   end
   logic [NW-1:0] lowest, highest;
   pipe_delay #(.W(2 * NW), .FROM(T_STEPS), .TO(T_BOXES)) delay_limits (
-      .clk_i, .d_i({steps[4], steps[3] + NW'(inexact[3])}), .q_o({highest, lowest}));
+      .clk_i, .d_i({steps[4], steps[3] + NW'(inexact[3] && steps[3] != MOST)}), .q_o({highest, lowest}));
   logic unused_inexact;
   assign unused_inexact = inexact[4];
 

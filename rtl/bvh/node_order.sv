@@ -1,64 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds which of a node's boxes a ray hits, and the order of visits: by near, or by far descending, ties by number.
-// Comparisons are on integers, as ordered words: 28 of keys, 3 per child.
-// Latency: 1 cycle.
+// The order in which a node's children are visited: those that are hit by ascending key, ties by number. Each pair of
+// keys is compared once: 28 comparisons.
+// Latency: NODE_T_ORDER cycles (bvh.svh).
 // Throughput: one node per cycle.
 // Stall: none, runs free.
+`include "bvh.svh"
 module node_order #(
+    parameter int KEY = bvh_pkg::RAY_KEY,  // bits of a key
+    parameter int STORED = KEY,            // bits of a key on the stack
     localparam int CHILDREN = bvh_pkg::CHILDREN
 ) (
     input logic clk_i,
-    input logic [CHILDREN-1:0][31:0] near_i,  // T interval of the ray in each box, with far_i; a NaN is canonical
-    input logic [CHILDREN-1:0][31:0] far_i,
-    input logic [CHILDREN-1:0][1:0] kinds_i,
-    input logic [31:0] floor_i,  // lowest T that counts
-    input logic [31:0] limit_i,  // highest T that counts
-    input logic farthest_i,
-    // The number of hit children; their numbers in order; upper halves of near or far in that order. Entries after the
-    // hit children are not used.
-    output logic [4+CHILDREN*(3+16)-1:0] found_o
+    input logic [CHILDREN-1:0] met_i,
+    input logic [CHILDREN-1:0][KEY-1:0] key_i,
+    input logic [CHILDREN-1:0][STORED-1:0] stored_i,
+    // The number of hit children; their numbers in order; their stored keys in that order. Entries after the hit
+    // children are not used.
+    output logic [4+CHILDREN*(3+STORED)-1:0] found_o
 );
   /*verilator inline_module*/
-  import bvh_pkg::*;
-  // ---- Hit: the ray's interval in the box is not empty and overlaps the T that counts. Keys: the least key is first
-  // in the order. The key of a child that is not hit is above the key of every number ----
-  logic [CHILDREN-1:0] meets, met_q;
-  logic [CHILDREN-1:0][31:0] key, key_q;
-  logic [CHILDREN-1:0][15:0] half_key, half_q;
-  for (genvar i = 0; i < CHILDREN; i++) begin : child
-    logic [31:0] n, f;
-    assign n = ordered(near_i[i]);
-    assign f = ordered(far_i[i]);
-    assign meets[i] = kinds_i[i] != KIND_NONE && n <= f && f >= ordered(floor_i) && n <= ordered(limit_i);
-    assign key[i] = (farthest_i ? ~f : n) | {32{!meets[i]}};
-    assign half_key[i] = half(farthest_i ? far_i[i] : near_i[i], farthest_i);
-  end
-  always_ff @(posedge clk_i) {met_q, key_q, half_q} <= {meets, key, half_key};
+  if (`NODE_T_ORDER != 3) $error("node_order: NODE_T_ORDER does not match");
 
-  // ---- Order: the rank of a child counts the children before it, of all eight. Each two are compared once ----
-  logic [CHILDREN-1:0][CHILDREN-1:0] behind;  // i is after k, for k < i
-  logic [CHILDREN-1:0][2:0] rank;
-  for (genvar i = 0; i < CHILDREN; i++) begin : place
+  // ---- Comparisons. A child that is not hit is behind those that are ----
+  logic [CHILDREN-1:0] met_1;
+  logic [CHILDREN-1:0][STORED-1:0] stored_1, stored_2;
+  logic [CHILDREN-1:0][CHILDREN-1:0] behind, behind_1;  // i is after k, for k < i
+  for (genvar i = 0; i < CHILDREN; i++) begin : child
     for (genvar k = 0; k < CHILDREN; k++) begin : other
-      assign behind[i][k] = k < i && key_q[k] <= key_q[i];
+      assign behind[i][k] = k < i && {!met_i[k], key_i[k]} <= {!met_i[i], key_i[i]};
     end
-    logic [2:0] r;
-    always_comb begin
-      r = 0;
-      for (int k = 0; k < CHILDREN; k++) if (k != i) r = r + {2'b0, (k < i) ? behind[i][k] : !behind[k][i]};
-    end
-    assign rank[i] = r;
   end
-  logic [3:0] count;
-  logic [CHILDREN-1:0][2:0] order;
-  logic [CHILDREN-1:0][15:0] keys;
+  always_ff @(posedge clk_i) {met_1, stored_1, behind_1} <= {met_i, stored_i, behind};
+
+  // ---- Ranks: the number of children before a child, of all eight ----
+  logic [CHILDREN-1:0][2:0] rank, rank_2;
+  logic [3:0] count, count_2;
   always_comb begin
-    {count, order, keys} = '0;
+    {rank, count} = '0;
     for (int i = 0; i < CHILDREN; i++) begin
-      count = count + {3'b0, met_q[i]};
-      order[rank[i]] = 3'(i);
-      keys[rank[i]] = half_q[i];
+      count = count + {3'b0, met_1[i]};
+      for (int k = 0; k < CHILDREN; k++)
+        if (k != i) rank[i] = rank[i] + {2'b0, (k < i) ? behind_1[i][k] : !behind_1[k][i]};
     end
   end
-  assign found_o = {count, order, keys};
+  always_ff @(posedge clk_i) {rank_2, count_2, stored_2} <= {rank, count, stored_1};
+
+  // ---- In order ----
+  logic [CHILDREN-1:0][2:0] order;
+  logic [CHILDREN-1:0][STORED-1:0] keys;
+  always_comb begin
+    {order, keys} = '0;
+    for (int i = 0; i < CHILDREN; i++) begin
+      order[rank_2[i]] = 3'(i);
+      keys[rank_2[i]] = stored_2[i];
+    end
+  end
+  always_ff @(posedge clk_i) found_o <= {count_2, order, keys};
 endmodule

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prepares a ray for the nodes of a BVH, once per ray (reference/pipes/ray_node.hpp): o + M, o - M and 1 / d.
-// M widens the boxes: M = 2^-16 R + 16 u W. R is the largest distance along an axis from o to the root's box.
-// A component of d counts as at least 2^-80. For rays that meet spheres, M is infinite where no bound of the pipe's
+// Prepares a ray for the nodes of a BVH, once per ray: o, mt = M' |1 / d| and 1 / d (integer_ray() of
+// host/src/reference/integer_node.cpp). mt is the T in which the ray moves by the margin M' along an axis.
+// M' = 13/16 (2^-16 R + 16 u W). R is the largest distance along an axis from o to the root's box.
+// A component of d counts as at least 2^-80. For rays that meet spheres, M' is infinite where no bound of the pipe's
 // roundings is known for the sizes of R and d. Such a ray hits all boxes.
-// Operators: 1 mul, 3 div, 4 add, 9 sub, 8 min/max; with spheres also 2 mul, 2 compare, 2 max.
+// Operators: 5 mul, 3 div, 1 add, 6 sub, 8 min/max; with spheres also 2 mul, 2 compare, 2 max.
 // Latency: RAY_T_FRONT cycles (bvh.svh).
 // Throughput: LANES rays per cycle.
 // Stall: none, runs free.
@@ -15,26 +16,29 @@ module ray_front #(
     input logic clk_i,
     input logic [5:0][LANES-1:0][CW-1:0] a_i,     // ray: o x y z, d x y z
     input logic [6:0][LANES-1:0][CW-1:0] root_i,  // root: lower corner x y z, upper corner x y z, 16 u W
-    output logic [8:0][LANES-1:0][CW-1:0] r_o     // o + M x y z, o - M, 1 / d with the sign of d
+    output logic [8:0][LANES-1:0][CW-1:0] r_o     // o x y z, mt, 1 / d with the sign of d
 );
   /*verilator inline_module*/
   if (EXP != 8 || MAN != 23) $error("ray_front: the format must be fp32");
   `DF_VIN(o, a_i[2:0], 0)
   `DF_VIN(d, a_i[5:3], 0)
   `DF_IN(world, root_i[6], 0)
-  `DF_CONST(share, `DF_POWER_OF_TWO(-16))
+  // 13/16 2^-16, and 13/16.
+  `DF_CONST(share, CW'(`DF_POWER_OF_TWO(-17)) | (CW'(5) << (MAN - 3)))
+  `DF_CONST(world_share, CW'(`DF_POWER_OF_TWO(-1)) | (CW'(5) << (MAN - 3)))
   `DF_CONST(one, `DF_POWER_OF_TWO(0))
   `DF_VCONST(least, `DF_POWER_OF_TWO(-80), `DF_POWER_OF_TWO(-80), `DF_POWER_OF_TWO(-80))
 
   `DF_VABS(d_size, d)
 
-  // ---- Distance to the far end of the root's box, and the widening of the boxes ----
+  // ---- Distance to the far end of the root's box, and the margin ----
   logic [LANES-1:0][CW-1:0] reach_of_root;
   root_reach #(`DF_SAME) of_root (
       .clk_i, .low_i(a_i[2:0]), .high_i(a_i[2:0]), .root_i(root_i[5:0]), .reach_o(reach_of_root));
   `DF_IN(reach, reach_of_root, `RAY_T_REACH)
   `DF_MUL(part, reach, share)
-  `DF_ADD(margin_known, part, world)
+  `DF_MUL(world_part, world, world_share)
+  `DF_ADD(margin_known, part, world_part)
   logic [LANES-1:0][CW-1:0] known;  // lane mask
   if (LEAF == pairs_pkg::SHAPE_SPHERE) begin : g_spheres
     `DF_CONST(least_share, `DF_POWER_OF_TWO(-42))
@@ -55,9 +59,6 @@ module ray_front #(
   `DF_IN(is_known, known, `RAY_T_IN_RANGE(LEAF))
   `DF_CONST(infinite, formats_pkg::infinity(EXP, MAN))
   `DF_SELECT(margin, is_known, margin_known, infinite)
-  `DF_VEC(margins, margin, margin, margin)
-  `DF_VADD(above, o, margins)
-  `DF_VSUB(below, o, margins)
 
   // ---- 1 / d ----
   `DF_VMAX(d_least, d_size, least)
@@ -69,10 +70,12 @@ module ray_front #(
   `DF_DIV(inverse_y, one, divisor_y)
   `DF_DIV(inverse_z, one, divisor_z)
   `DF_VEC(inverse, inverse_x, inverse_y, inverse_z)
+  `DF_VABS(inverse_size, inverse)
+  `DF_VSCALE(margin_t, inverse_size, margin)
 
   localparam int T_FRONT = `RAY_T_FRONT(LEAF);
-  `DF_VAT(above_out, above, T_FRONT)
-  `DF_VAT(below_out, below, T_FRONT)
+  if (T_margin_t != T_FRONT) $error("ray_front: RAY_T_FRONT does not match");
+  `DF_VAT(o_out, o, T_FRONT)
   `DF_VAT(inverse_out, inverse, T_FRONT)
-  assign r_o = {inverse_out, below_out, above_out};
+  assign r_o = {inverse_out, margin_t, o_out};
 endmodule

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prepares a solid or a triangle for the nodes of a BVH, once per primary (reference/pipes/ray_node.hpp).
-// It gives the upper corner of its box plus M, the lower one less M, and 1 instead of a ray's 1 / d. So node_boxes.sv
-// gives distances on axes. M widens the boxes: M = 2^-16 (R + e) + 16 u W. R is the largest distance along an axis from
-// the centre to the root's box. The term e is half the size of the solid's own box. For a triangle, R is measured from
-// end to end of both boxes, and e is 0.
+// Prepares a solid or a triangle for the nodes of a BVH, once per primary (solid_front() of
+// reference/pipes/solid_node.hpp). Its outputs are the upper corner of its box plus M, and the lower corner less M.
+// M widens the boxes: M = 2^-16 (R + e) + 16 u W. R is the largest distance along an axis from the centre to the root's
+// box. The term e is half the size of the solid's own box. For a triangle, R is measured from end to end of both boxes,
+// and e is 0.
 // Operators: 1 mul, 8 add, 12 sub, 7 max; an OBB also 9 mul, 6 add, a triangle also 12 min/max.
 // Latency: SOLID_T_FRONT cycles (bvh.svh).
 // Throughput: LANES solids per cycle.
@@ -17,13 +17,12 @@ module solid_front #(
     input logic clk_i,
     input logic [WORDS-1:0][LANES-1:0][CW-1:0] a_i,
     input logic [6:0][LANES-1:0][CW-1:0] root_i,  // root: lower corner x y z, upper corner x y z, 16 u W
-    output logic [8:0][LANES-1:0][CW-1:0] r_o     // upper + M x y z, lower - M, 1
+    output logic [5:0][LANES-1:0][CW-1:0] r_o     // upper + M x y z, lower - M
 );
   /*verilator inline_module*/
   if (EXP != 8 || MAN != 23) $error("solid_front: the format must be fp32");
   `DF_IN(world, root_i[6], 0)
   `DF_CONST(share, `DF_POWER_OF_TWO(-16))
-  `DF_VCONST(one, `DF_POWER_OF_TWO(0), `DF_POWER_OF_TWO(0), `DF_POWER_OF_TWO(0))
   `SOLID_HALF(half, SHAPE, a_i)
   `SHAPE_HULL(low, high, SHAPE, a_i)
 
@@ -50,5 +49,5 @@ module solid_front #(
   `DF_VADD(above, upper, margins)
   `DF_VSUB(below, lower, margins)
   if (T_above != `SOLID_T_FRONT(SHAPE)) $error("solid_front: SOLID_T_FRONT does not match");
-  assign r_o = {one, below, above};
+  assign r_o = {below, above};
 endmodule

@@ -82,11 +82,12 @@ module traversal #(
   if (CONTEXTS < 2 * UNITS || (CONTEXTS & (CONTEXTS - 1)) != 0) $error("traversal: CONTEXTS must be a power of two");
   if ((UNITS & (UNITS - 1)) != 0) $error("traversal: UNITS must be a power of two");
   `BVH_TYPES(CX)
+  localparam bit HAS_RAYS = has_rays(TRAVERSALS);
   localparam bit SOLIDS = has_solids(TRAVERSALS);
   localparam bit ONE = (TRAVERSALS & (TRAVERSALS - 1)) == 0;  // one kind of traversal: there is nothing to choose
   localparam logic [31:0] SIGN = 32'h8000_0000, INFINITE = 32'h7f80_0000;
   logic is_solid;  // the pass's primaries are solids: T is a signed distance until the record
-  assign is_solid = SOLIDS && solid(int'(traversal_i));
+  assign is_solid = !HAS_RAYS || (SOLIDS && solid(int'(traversal_i)));
   localparam int BANK = $clog2(UNITS);
   // The bank of a context.
   `define CDE_OWN(CONTEXT) (CONTEXT % CX'(UNITS) == CX'(u))
@@ -168,7 +169,8 @@ module traversal #(
         solid_front #(
             .SHAPE(k), .LANES(1), .LAT(LAT), .ARITH(ARITH)
         ) of_solid (
-            .clk_i, .a_i(words[F_WORDS-1:0]), .root_i(words[F_WORDS+:7]), .r_o(now));
+            .clk_i, .a_i(words[F_WORDS-1:0]), .root_i(words[F_WORDS+:7]), .r_o(now[5:0]));
+        assign now[8:6] = '0;
       end
       pipe_delay #(.W(9 * 32), .FROM(T_NOW), .TO(T_FRONT), .MEMORY(5)) delay_front (.clk_i, .d_i(now), .q_o(fronts[k]));
     end else begin : g_absent
@@ -195,7 +197,7 @@ module traversal #(
   for (genvar u = 0; u < UNITS; u++) begin : unit
     traversal_bank #(
         .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT(LAT),
-        .ARITH(ARITH), .SOLIDS(32'(SOLIDS))
+        .ARITH(ARITH), .RAYS(32'(HAS_RAYS)), .SOLIDS(32'(SOLIDS))
     ) bank (
         .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
         .farthest_i(farthest_q), .solid_i(is_solid), .ahead_i,

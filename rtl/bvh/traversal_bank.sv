@@ -2,7 +2,9 @@
 // Contexts of one traversal unit, and the node or leaf that each visits next. A node is read and its boxes tested. The
 // context visits the first hit child at once, and the others wait on its stack. It takes the next child from the stack
 // when a leaf has been tested or a node had no hit. With ahead_i it does so when a leaf has been sent.
-// Latency: NODE_T_UNIT + 2 cycles (bvh.svh) per visit, 2 per choice.
+// For rays, a choice compares the child's key with key_limit.sv.
+// Latency per visit: NODE_T_RAY + 2 cycles (bvh.svh), or NODE_T_SOLID + 2. Per choice: NODE_T_LIMIT + 2 for rays, 2 for
+// solids and for primaries that have finished.
 // Throughput: one node and one choice per cycle.
 // Stall: leaf_ready_i and done_ready_i only. Contexts wait in queues that hold all of them.
 `include "bvh.svh"
@@ -11,6 +13,7 @@ module traversal_bank #(
     parameter int CX = 8,          // bits of a context's number; the lowest bits select the bank
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
+    parameter int RAYS = 1,        // 0: only solids
     parameter int SOLIDS = 1,      // 0: only rays
     localparam int CB = $clog2(CONTEXTS)
 ) (
@@ -49,6 +52,8 @@ module traversal_bank #(
 );
   import bvh_pkg::*;
   `BVH_TYPES(CX)
+  localparam int KEY = `NODE_KEY(SOLIDS);
+  `BVH_GROUP(KEY)
   localparam int LW = $clog2(LEVELS);
   localparam int BANK = CX - CB;  // bits that select the bank
 
@@ -98,10 +103,11 @@ module traversal_bank #(
   end
 
   // ---- Nodes ----
-  localparam int T_UNIT = `NODE_T_UNIT(SOLIDS);
+  localparam int T_RAY = (RAYS != 0) ? `NODE_T_RAY : `NODE_T_SOLID;
+  localparam int T_SOLID = (SOLIDS != 0) ? `NODE_T_SOLID : `NODE_T_RAY;
   at_t visit, visit_q, met_at;
   logic [PLACE-1:0] visit_node_q;
-  logic visit_valid, visit_valid_q, group_valid;
+  logic visit_valid, visit_valid_q, group_valid, ray_valid, solid_valid;
   logic [8:0][31:0] front_q;
   logic [1:0][31:0] interval_q;
   group_t group;
@@ -121,12 +127,15 @@ module traversal_bank #(
   end
   assign visits_o = visit_valid_q;
   traversal_unit #(
-      .LAT(LAT), .ARITH(ARITH), .SOLIDS(SOLIDS)
+      .LAT(LAT), .ARITH(ARITH), .RAYS(RAYS), .SOLIDS(SOLIDS)
   ) unit (
-      .clk_i, .ray_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .solid_i,
+      .clk_i, .front_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .solid_i,
       .node_i, .group_o(group));
-  pipe_delay #(.W($bits(at_t)), .TO(T_UNIT)) delay_visit (.clk_i, .d_i(visit_q), .q_o(met_at));
-  pipe_delay_valid #(.TO(T_UNIT)) delay_valid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(group_valid));
+  pass_delay #(.W($bits(at_t)), .T_RAY(T_RAY), .T_SOLID(T_SOLID)) delay_visit (
+      .clk_i, .solid_i, .d_i(visit_q), .q_o(met_at));
+  pipe_delay_valid #(.TO(T_RAY)) delay_ray (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(ray_valid));
+  pipe_delay_valid #(.TO(T_SOLID)) delay_solid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(solid_valid));
+  assign group_valid = solid_i ? solid_valid : ray_valid;
 
   logic group_some, group_push, first_is_node;
   at_t group_at;
@@ -157,11 +166,11 @@ module traversal_bank #(
   assign first_leaves_write = group_some && !first_is_node;
 
   // ---- The next child of the top group ----
-  at_t choice, choice_q, choice_at;
+  at_t choice, choice_q;
   logic choice_valid, choice_valid_q;
   logic [LW-1:0] top, top_q;
   group_t top_group_q;
-  logic [3:0] next_q, next;
+  logic [3:0] next_q;
   logic [1:0][31:0] choice_interval_q;
   logic [SENT-1:0] sent_q, back_q;
   assign choice_valid = missed_some || tested_some || dropped_some;
@@ -178,39 +187,79 @@ module traversal_bank #(
     {choice_q, top_q} <= {choice, top};
     choice_valid_q <= choice_valid && !rst_i;
   end
-  assign next = choice_q.fresh[top_q] ? 4'd1 : next_q;
 
-  logic [2:0] child;
-  logic [1:0] child_kind;
+  // The child, before it is known whether it counts. A context has one choice under way, so its stack does not change.
+  typedef struct packed {
+    at_t at;
+    logic [3:0] next;
+    logic last;
+    logic [PLACE-1:0] place;
+    logic [1:0] kind;
+    logic [KEY-1:0] key;
+    logic beyond;  // for solids
+  } child_t;
+  child_t child, child_then;
+  logic [2:0] number;
   logic [2*CHILDREN-3:0] behind_child;
   logic [3*CHILDREN-4:0] later;
-  logic [31:0] key;
-  logic beyond, empty, chosen;
+  logic done_now;
   always_comb begin
-    {later, child} = top_group_q.order >> (5'd3 * 5'(next[2:0]));
-    {behind_child, child_kind} = top_group_q.kinds >> {child, 1'b0};
-    key = ordered({top_group_q.keys[next[2:0]], 16'd0});
-    // Children are in order: if one is beyond the interval, so are all later ones.
-    beyond = farthest_i ? key < ordered(choice_interval_q[0]) : key > ordered(choice_interval_q[1]);
-    empty = choice_q.level == 0;
-    choice_at = choice_q;
-    choice_at.fresh[top_q] = 1'b0;
-    if (!empty && (beyond || next + 1 == top_group_q.count)) choice_at.level = choice_q.level - 1;
+    child.at = choice_q;
+    child.next = choice_q.fresh[top_q] ? 4'd1 : next_q;
+    {later, number} = top_group_q.order >> (5'd3 * 5'(child.next[2:0]));
+    {behind_child, child.kind} = top_group_q.kinds >> {number, 1'b0};
+    child.last = child.next + 1 == top_group_q.count;
+    child.place = (child.kind == KIND_NODE ? top_group_q.node : top_group_q.slot) +
+        PLACE'(ahead(top_group_q.kinds, number));
+    child.key = top_group_q.keys[child.next[2:0]];
+    child.beyond = SOLIDS != 0 && ordered({16'(child.key), 16'd0}) > ordered(choice_interval_q[1]);
   end
-  assign chosen = choice_valid_q && !empty && !beyond;
-  assign done_write = choice_valid_q && empty && sent_q == back_q;
+  assign done_now = choice_valid_q && choice_q.level == 0 && sent_q == back_q;
+  assign done_write = done_now;
   assign done_in = choice_q.context_;
-  assign dropped_write = choice_valid_q && (empty ? sent_q != back_q : beyond);  // or it asks again
+
+  // Whether it counts.
+  localparam int T_CHOICE = (RAYS != 0) ? `NODE_T_LIMIT : 0;
+  localparam int T_SOLID_CHOICE = (SOLIDS != 0) ? 0 : T_CHOICE;
+  logic child_valid, child_valid_then, is_solid, beyond, empty, chosen;
+  at_t choice_at;
+  logic [LW-1:0] top_then;
+  logic [RAY_KEY-1:0] key_most;
+  assign is_solid = RAYS == 0 || (SOLIDS != 0 && solid_i);
+  assign child_valid = choice_valid_q && !done_now;
+  pass_delay #(.W($bits(child_t)), .T_RAY(T_CHOICE), .T_SOLID(T_SOLID_CHOICE)) delay_child (
+      .clk_i, .solid_i(is_solid), .d_i(child), .q_o(child_then));
+  pipe_delay_valid #(.TO(T_CHOICE)) delay_child_valid (
+      .clk_i, .rst_i, .valid_i(child_valid), .valid_o(child_valid_then));
+  if (RAYS != 0) begin : g_rays
+    key_limit #(.ARITH(ARITH)) limit_of_keys (
+        .clk_i, .time_i(choice_interval_q[!farthest_i]), .reference_i(top_group_q.t_ref),
+        .scale_i(top_group_q.scale), .farthest_i, .limit_o(key_most));
+  end else begin : g_no_rays
+    assign key_most = '1;
+    logic unused_scale;
+    assign unused_scale = &{1'b0, top_group_q.t_ref, top_group_q.scale, choice_interval_q[0]};
+  end
+  always_comb begin
+    // Children are in order: if one is beyond the interval, so are all later ones.
+    beyond = is_solid ? child_then.beyond : child_then.key[RAY_KEY-1:0] > key_most;
+    empty = child_then.at.level == 0;
+    top_then = child_then.at.level[LW-1:0] - 1;
+    choice_at = child_then.at;
+    choice_at.fresh[top_then] = 1'b0;
+    if (!empty && (beyond || child_then.last)) choice_at.level = child_then.at.level - 1;
+  end
+  logic decided;
+  assign decided = is_solid ? child_valid : child_valid_then;
+  assign chosen = decided && !empty && !beyond;
+  assign dropped_write = decided && (empty || beyond);  // or it asks again
   assign dropped_in = choice_at;
-  assign others_in = '{
-      at: choice_at,
-      place: (child_kind == KIND_NODE ? top_group_q.node : top_group_q.slot) +
-             PLACE'(ahead(top_group_q.kinds, child)),
-      two: child_kind == KIND_TWO};
+  assign others_in = '{at: choice_at, place: child_then.place, two: child_then.kind == KIND_TWO};
   assign other_leaves_in = others_in;
-  assign others_write = chosen && child_kind == KIND_NODE;
-  assign other_leaves_write = chosen && child_kind != KIND_NODE;
-  always_ff @(posedge clk_i) if (chosen) nexts[{choice_q.context_[CX-1:BANK], top_q}] <= next + 1;
+  assign others_write = chosen && child_then.kind == KIND_NODE;
+  assign other_leaves_write = chosen && child_then.kind != KIND_NODE;
+  always_ff @(posedge clk_i)
+    if (chosen) nexts[{child_then.at.context_[CX-1:BANK], top_then}] <= child_then.next + 1;
 
   // ---- Outputs ----
   assign leaf_valid_o = first_leaves_some || other_leaves_some;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds which children of a node a ray hits, and the order of visits (node_boxes.sv, node_order.sv). For a solid,
-// node_distances.sv replaces near, and no child is behind it.
-// Latency: NODE_T_UNIT cycles (bvh.svh).
+// Finds which children of a node a ray or a solid hits, and the order of visits. A ray's boxes are tested in whole
+// numbers (node_boxes_int.sv), a solid's in fp32 (node_boxes.sv, node_distances.sv). node_order.sv is for both.
+// Latency: NODE_T_RAY cycles, NODE_T_SOLID for a solid (bvh.svh). A unit without one kind has the latency of the other.
 // Throughput: one node per cycle.
 // Stall: none, runs free.
 `include "bvh.svh"
@@ -10,32 +10,37 @@ module traversal_unit #(
     parameter int MAN = 23,
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
+    parameter int RAYS = 1,    // 0: only solids
     parameter int SOLIDS = 1,  // 0: only rays
-    localparam int CHILDREN = bvh_pkg::CHILDREN
+    localparam int CHILDREN = bvh_pkg::CHILDREN,
+    localparam int KEY = `NODE_KEY(SOLIDS)
 ) (
     input logic clk_i,
-    input logic [8:0][31:0] ray_i,    // from ray_front.sv or solid_front.sv
-    input logic [31:0] floor_i,       // lowest T that counts
-    input logic [31:0] limit_i,       // highest T that counts
-    input logic farthest_i,
-    input logic solid_i,  // limit_i is a key of node_distances.sv
+    input logic [8:0][31:0] front_i,  // from ray_front.sv or solid_front.sv
+    input logic [31:0] floor_i,       // lowest T that counts; not for a solid
+    input logic [31:0] limit_i,       // highest T that counts; for a solid a key of node_distances.sv
+    input logic farthest_i,           // not for a solid
+    input logic solid_i,              // changes only between passes
     input logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
-    output bvh_pkg::group_t group_o
+    output logic [`GROUP_BITS(KEY)-1:0] group_o
 );
   /*verilator inline_module*/
   import bvh_pkg::*;
-  localparam int T_UNIT = `NODE_T_UNIT(SOLIDS);
-  localparam int T_BOXES = T_UNIT - 2;
+  localparam int T_RAY = (RAYS != 0) ? `NODE_T_RAY : `NODE_T_SOLID;
+  localparam int T_SOLID = (SOLIDS != 0) ? `NODE_T_SOLID : `NODE_T_RAY;
 
-  // A group holds the node's words (places and kinds) and the result: the number of hit children, their order and keys.
+  // A group holds the scale of a ray's keys, the node's words (places and kinds) and the result: the number of hit
+  // children, their order and keys.
+  localparam int SCALE = 40;
   localparam int LINKS = 2 * PLACE + 2 * CHILDREN;
-  localparam int FOUND = $bits(group_t) - LINKS;
+  localparam int FOUND = `GROUP_BITS(KEY) - SCALE - LINKS;
   logic [LINKS-1:0] links;
+  logic [SCALE-1:0] scale;
   logic [FOUND-1:0] found;
   assign links = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
 `ifdef VERILATOR
   if (ARITH != "rtl") begin : g_host
-    // All three results call one function with equal operands, so the compiler computes it once. Its operands are local
+    // All results call one function with equal operands, so the compiler computes it once. Its operands are local
     // variables of the model, since they are short and are first written as a whole. The result is delayed, not the
     // operands.
     logic [7:0][31:0] w, x, y;
@@ -47,66 +52,98 @@ module traversal_unit #(
       z = '0;
       for (int k = 0; k < 8; k++) w[k] = node_i[k];
       for (int k = 0; k < 8; k++) x[k] = node_i[8+k];
-      for (int k = 0; k < 8; k++) y[k] = ray_i[k];
+      for (int k = 0; k < 8; k++) y[k] = front_i[k];
       z[0] = node_i[16];
       z[1] = node_i[17];
-      z[2] = ray_i[8];
+      z[2] = front_i[8];
       z[3] = floor_i;
       z[4] = limit_i;
-      z[5] = {30'd0, solid_i, farthest_i};
+      z[5] = {30'd0, SOLIDS != 0 && (RAYS == 0 || solid_i), farthest_i};
     end
     `define CDE_EIGHT(X) X[0], ",", X[1], ",", X[2], ",", X[3], ",", X[4], ",", X[5], ",", X[6], ",", X[7]
-    `define CDE_VISIT(C, WHAT) C("host_fp::node_visit({", `CDE_EIGHT(w), ",", `CDE_EIGHT(x), ",", z[0], ",", z[1], \
-        "},{", `CDE_EIGHT(y), ",", z[2], "},", z[3], ",", z[4], ",", z[5], ").", WHAT)
+    `define CDE_VISIT(C, WHAT) C("host_fp::node_visit<", KEY, ">({", `CDE_EIGHT(w), ",", `CDE_EIGHT(x), ",", z[0], \
+        ",", z[1], "},{", `CDE_EIGHT(y), ",", z[2], "},", z[3], ",", z[4], ",", z[5], ").", WHAT)
     logic [31:0] order;
-    logic [63:0] low, high;
-    logic [3:0] unused;
+    logic [63:0] low, high, times;
+    logic unused;
     assign order = `CDE_VISIT($c32, "order");
     assign low = `CDE_VISIT($c64, "low");
     assign high = `CDE_VISIT($c64, "high");
-    assign {unused, found} = {order, high, low};
-    pipe_delay #(.W($bits(group_t)), .TO(T_UNIT), .MEMORY(5)) delay_group (.clk_i, .d_i({links, found}), .q_o(group_o));
+    assign times = `CDE_VISIT($c64, "scale");
+    assign unused = &{1'b0, order[31:28], low, high, times[63:SCALE]};
+    assign scale = times[SCALE-1:0];
+    assign found = {order[27:0], high[4*KEY-1:0], low[4*KEY-1:0]};
+    pass_delay #(.W(`GROUP_BITS(KEY)), .T_RAY(T_RAY), .T_SOLID(T_SOLID)) delay_group (
+        .clk_i, .solid_i, .d_i({scale, links, found}), .q_o(group_o));
     `undef CDE_EIGHT
     `undef CDE_VISIT
   end
 `endif
   if (ARITH == "rtl") begin : g_gates
-    logic [CHILDREN-1:0][31:0] near, far, near_late, far_late;
-    logic [2:0][CHILDREN-1:0][31:0] near_axis, far_axis;
-    logic is_solid;
-    node_boxes #(
-        .EXP(EXP), .MAN(MAN), .LAT(LAT), .ARITH(ARITH)
-    ) boxes (
-        .clk_i, .ray_i, .node_i, .near_axis_o(near_axis), .far_axis_o(far_axis), .near_o(near), .far_o(far));
+    // A solid's keys are compared as 32 bits, and the upper halves are stored.
+    localparam int WHOLE = (SOLIDS != 0) ? 32 : RAY_KEY;
+    logic [CHILDREN-1:0] met, ray_met, solid_met;
+    logic [CHILDREN-1:0][WHOLE-1:0] key, ray_key, solid_key;
+    logic [CHILDREN-1:0][KEY-1:0] stored, ray_stored, solid_stored;
+    if (RAYS != 0) begin : g_rays
+      logic [CHILDREN-1:0][RAY_KEY-1:0] ray_keys;
+      logic [31:0] t_ref;
+      logic [7:0] step;
+      node_boxes_int #(
+          .EXP(EXP), .MAN(MAN), .LAT(LAT), .ARITH(ARITH)
+      ) boxes (
+          .clk_i, .ray_i(front_i), .node_i, .floor_i, .limit_i, .farthest_i, .entered_o(ray_met), .key_o(ray_keys),
+          .reference_o(t_ref), .scale_o(step));
+      for (genvar c = 0; c < CHILDREN; c++) begin : child
+        assign ray_key[c] = WHOLE'(ray_keys[c]);
+        assign ray_stored[c] = KEY'(ray_keys[c]);
+      end
+      pipe_delay #(.W(SCALE), .TO(`NODE_T_ORDER)) delay_scale (.clk_i, .d_i({t_ref, step}), .q_o(scale));
+    end else begin : g_no_rays
+      assign {ray_met, ray_key, ray_stored, scale} = '0;
+      logic unused_rays;
+      assign unused_rays = &{1'b0, front_i[8:6], floor_i, farthest_i};
+    end
     if (SOLIDS != 0) begin : g_solids
       localparam logic [31:0] INFINITE = 32'h7f80_0000;
-      logic [CHILDREN-1:0][31:0] key, near_then, far_then;
+      logic [2:0][CHILDREN-1:0][31:0] above, below;
+      logic [CHILDREN-1:0][31:0] distance;
+      logic [CHILDREN-1:0][1:0] kinds;
+      logic [31:0] limit;
+      node_boxes #(
+          .EXP(EXP), .MAN(MAN), .LAT(LAT), .ARITH(ARITH)
+      ) boxes (
+          .clk_i, .solid_i(front_i[5:0]), .node_i, .above_o(above), .below_o(below));
       node_distances #(
           .EXP(EXP), .MAN(MAN), .LANES(CHILDREN), .LAT(LAT),
           .ARITH(ARITH)
-      ) solid_keys (
-          .clk_i, .near_i(near_axis), .far_i(far_axis), .key_o(key));
-      pipe_delay #(.W(2 * CHILDREN * 32), .FROM(`NODE_T_BOXES), .TO(T_BOXES)) delay_near (
-          .clk_i, .d_i({near, far}), .q_o({near_then, far_then}));
-      assign near_late = is_solid ? key : near_then;
-      assign far_late = is_solid ? {CHILDREN{INFINITE}} : far_then;
-    end else begin : g_rays
-      assign {near_late, far_late} = {near, far};
-      logic unused_axes;
-      assign unused_axes = &{1'b0, near_axis, far_axis, is_solid};
+      ) solid_distances (
+          .clk_i, .above_i(above), .below_i(below), .key_o(distance));
+      pipe_delay #(.W(2 * CHILDREN + 32), .TO(`NODE_T_DISTANCES)) delay_limit (
+          .clk_i, .d_i({limit_i, links[2*CHILDREN-1:0]}), .q_o({limit, kinds}));
+      for (genvar c = 0; c < CHILDREN; c++) begin : child
+        logic [31:0] ordered_key;
+        assign ordered_key = ordered(distance[c]);
+        always_ff @(posedge clk_i) begin
+          // No child is hit at a NaN.
+          solid_met[c] <= kinds[c] != KIND_NONE && ordered_key <= ordered(INFINITE) && ordered_key <= ordered(limit);
+          solid_key[c] <= ordered_key;
+          solid_stored[c] <= half(distance[c]);
+        end
+      end
+    end else begin : g_no_solids
+      assign {solid_met, solid_key, solid_stored} = '0;
     end
-    logic [LINKS-1:0] links_boxes, links_late;
-    logic [FOUND-1:0] found_q;
-    logic [31:0] from, to;
-    logic down;
-    pipe_delay #(.W(LINKS), .TO(T_BOXES)) delay_links (.clk_i, .d_i(links), .q_o(links_boxes));
-    pipe_delay #(.W(LINKS), .FROM(T_BOXES), .TO(T_UNIT)) delay_late (.clk_i, .d_i(links_boxes), .q_o(links_late));
-    pipe_delay #(.W(66), .TO(T_BOXES)) delay_interval (
-        .clk_i, .d_i({solid_i, farthest_i, limit_i, floor_i}), .q_o({is_solid, down, to, from}));
-    node_order ordering (
-        .clk_i, .near_i(near_late), .far_i(far_late), .kinds_i(links_boxes[2*CHILDREN-1:0]), .floor_i(from),
-        .limit_i(to), .farthest_i(down), .found_o(found));
-    always_ff @(posedge clk_i) found_q <= found;
-    assign group_o = {links_late, found_q};
+    logic [LINKS-1:0] links_late;
+    logic is_solid;
+    assign is_solid = SOLIDS != 0 && (RAYS == 0 || solid_i);
+    assign {met, key, stored} = is_solid ? {solid_met, solid_key, solid_stored} : {ray_met, ray_key, ray_stored};
+    node_order #(
+        .KEY(WHOLE), .STORED(KEY)
+    ) ordering (
+        .clk_i, .met_i(met), .key_i(key), .stored_i(stored), .found_o(found));
+    pass_delay #(.W(LINKS), .T_RAY(T_RAY), .T_SOLID(T_SOLID)) delay_links (
+        .clk_i, .solid_i, .d_i(links), .q_o(links_late));
+    assign group_o = {scale, links_late, found};
   end
 endmodule

@@ -10,6 +10,7 @@ package bvh_pkg;
   localparam int SLOTS_PER_NODE = 8;  // entries of the slot memory per node
   localparam int RAYS = 4096;  // places of the queue of primaries; an OBB or a triangle takes two
   localparam int PLACE_WORDS = 8;
+  localparam int RAY_KEY = 12;  // bits of a key by which rays order and cull children
   localparam int CONTEXTS = 256;  // primaries under way at a time
   localparam int AHEAD = 16;  // in a pass of at most this many primaries, contexts do not wait for their leaves
 
@@ -72,6 +73,9 @@ package bvh_pkg;
     for (int t = 0; t < TRAVERSALS; t++)
       if (has_traversal(traversals, t) && traverser_shape(t) == shape) has_traverser = 1;
   endfunction
+  function automatic bit has_rays(input traversals_t traversals);
+    has_rays = has_traverser(traversals, pairs_pkg::SHAPE_RAY);
+  endfunction
   function automatic bit has_solids(input traversals_t traversals);
     has_solids = 0;
     for (int t = 0; t < TRAVERSALS; t++)
@@ -112,16 +116,6 @@ package bvh_pkg;
     logic [3:0] secondaries;  // tested
   } events_t;
 
-  // Children of a node that a ray hits, in the order of visits.
-  typedef struct packed {
-    logic [PLACE-1:0] node;  // place of the first child that is a node
-    logic [PLACE-1:0] slot;  // slot of the first child's secondary
-    logic [CHILDREN-1:0][1:0] kinds;
-    logic [3:0] count;  // number of hit children
-    logic [CHILDREN-1:0][2:0] order;
-    logic [CHILDREN-1:0][15:0] keys;  // culling key of each child, rounded so that no child is culled too early
-  } group_t;
-
   // Maps a number to an unsigned word of the same order.
   function automatic logic [31:0] placed(input logic [31:0] x);
     placed = x ^ {1'b1, {31{x[31]}}};
@@ -131,9 +125,9 @@ package bvh_pkg;
     ordered = (x[30:0] == 0) ? 32'h8000_0000 : placed(x);
   endfunction
 
-  // The upper half of a word: a number that is not above it, or with `up` not below it.
-  function automatic logic [15:0] half(input logic [31:0] x, input logic up);
-    half = x[31:16] + 16'(x[15:0] != 0 && x[31] != up);
+  // The upper half of a word: a number that is not above it.
+  function automatic logic [15:0] half(input logic [31:0] x);
+    half = x[31:16] + 16'(x[15:0] != 0 && x[31]);
   endfunction
 
   // Number of nodes, or of leaf secondaries, that the children before i have: the offset from the first one. With nodes

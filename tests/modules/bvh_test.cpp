@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rays and BVH nodes in gates against the reference, bit by bit: one of each per cycle.
+// Primaries and BVH nodes in gates against the reference, bit by bit: one of each per cycle.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -11,15 +11,17 @@
 #include "RayFrontShort.h"
 #include "RayFrontSpheres.h"
 #include "cde/bvh/bvh.hpp"
-#include "cde/reference/pipes/ray_node.hpp"
+#include "cde/reference/integer_node.hpp"
+#include "cde/reference/pipes/solid_node.hpp"
 #include "clocked.hpp"
 
 namespace cde::testing {
 namespace {
 
 using Eigen::Vector3f;
-using reference::RayFront;
+using reference::IntegerRay;
 using reference::RootBounds;
+using reference::SolidFront;
 
 class Draw {
  public:
@@ -65,12 +67,12 @@ std::uint32_t word(float x) {
 }
 
 /// Words of a ray's front as ray_front.sv gives them.
-std::array<std::uint32_t, 9> words(const RayFront<float>& front) {
+std::array<std::uint32_t, 9> words(const IntegerRay& front) {
   std::array<std::uint32_t, 9> w{};
   for (unsigned k = 0; k < 3; ++k) {
     const int axis = static_cast<int>(k);
-    w[k] = word(front.above[axis]);
-    w[3 + k] = word(front.below[axis]);
+    w[k] = word(front.o[axis]);
+    w[3 + k] = word(front.margin[axis]);
     w[6 + k] = word(front.inverse[axis]);
   }
   return w;
@@ -93,52 +95,57 @@ void test_rays(unsigned latency, Shape leaf = Shape::kTriangle) {
       module->root_i[3 + k] = word(root.upper[axis]);
     }
     module->root_i[6] = word(root.margin);
-    expected.push_back(words(reference::ray_front<float>(o, d, root, leaf)));
-    infinite += std::isinf(std::bit_cast<float>(expected.back()[0]));
+    expected.push_back(words(reference::integer_ray(o, d, root, leaf)));
+    infinite += std::isinf(std::bit_cast<float>(expected.back()[3]));
     module.clock();
     if (expected.size() < latency) continue;
     for (unsigned i = 0; i < 9; ++i)
       ASSERT_EQ(module->r_o[i], expected.front()[i]) << clock << ", word " << i;
     expected.pop_front();
   }
-  // Only a BVH over spheres gives infinite bounds, for some rays.
+  // Only a BVH over spheres gives infinite margins, for some rays.
   EXPECT_EQ(infinite > 100, leaf == Shape::kSphere);
   EXPECT_LT(infinite, 10'000u);
 }
 
 TEST(RayFront, Fronts_EqualTheReference) {
   test_rays<RayFrontShort>(7);                     // all operators take one cycle
-  test_rays<RayFrontLong>(4 + 3 * 2 + 3 + 4 + 4);  // 4 add, 3 mul, 2 compare, 12 div
-  test_rays<RayFrontSpheres>(9, Shape::kSphere);   // 3 mul
+  test_rays<RayFrontLong>(4 + 3 * 2 + 3 + 4 + 3);  // 4 add, 3 mul, 2 compare, 12 div
+  test_rays<RayFrontSpheres>(11, Shape::kSphere);  // 3 mul
 }
 
 TEST(NodeBoxes, Boxes_EqualTheReference) {
   Clocked<NodeBoxes> module;
   Draw draw;
   struct Expected {
-    bvh::Node node;
-    std::array<std::uint32_t, 8> near, far;
+    std::array<std::uint32_t, 24> above, below;
   };
   std::deque<Expected> expected;
-  constexpr unsigned kLatency = 2 * 3 + 2 * 2 + 2 * 1;  // as in CMakeLists.txt
+  constexpr unsigned kLatency = 2 * 3;  // as in CMakeLists.txt
   for (int clock = 0; clock < 20'000; ++clock) {
-    const RayFront<float> ray =
-        reference::ray_front<float>(draw.vector(-10, 38), draw.direction(), draw.root());
-    Expected e{.node = draw.node(), .near = {}, .far = {}};
-    const auto w = words(ray);
-    std::copy(w.begin(), w.end(), &module->ray_i[0]);
-    std::copy(e.node.words.begin(), e.node.words.end(), &module->node_i[0]);
-    const auto front = reference::node_front(ray, e.node);
+    const Vector3f a = draw.vector(-10, 38), b = draw.vector(-10, 38);
+    const SolidFront<float> solid{a.cwiseMax(b), a.cwiseMin(b)};
+    const bvh::Node node = draw.node();
+    for (unsigned k = 0; k < 3; ++k) {
+      module->solid_i[k] = word(solid.upper[static_cast<int>(k)]);
+      module->solid_i[3 + k] = word(solid.lower[static_cast<int>(k)]);
+    }
+    std::copy(node.words.begin(), node.words.end(), &module->node_i[0]);
+    const auto front = reference::solid_node(solid, node);
+    Expected e{};
     for (unsigned i = 0; i < 8; ++i) {
-      const auto s = reference::stretch(reference::axis_stretch(front, ray, e.node, i));
-      e.near[i] = word(s.near), e.far[i] = word(s.far);
+      const auto axes = reference::axis_distances(front, node, i);
+      for (unsigned k = 0; k < 3; ++k) {
+        e.above.at(8 * k + i) = word(axes.above[static_cast<int>(k)]);
+        e.below.at(8 * k + i) = word(axes.below[static_cast<int>(k)]);
+      }
     }
     expected.push_back(e);
     module.clock();
     if (expected.size() < kLatency) continue;
-    for (unsigned i = 0; i < 8; ++i) {
-      ASSERT_EQ(module->near_o[i], expected.front().near[i]) << clock << ", child " << i;
-      ASSERT_EQ(module->far_o[i], expected.front().far[i]) << clock << ", child " << i;
+    for (unsigned w = 0; w < 24; ++w) {
+      ASSERT_EQ(module->above_o[w], expected.front().above.at(w)) << clock << ", word " << w;
+      ASSERT_EQ(module->below_o[w], expected.front().below.at(w)) << clock << ", word " << w;
     }
     expected.pop_front();
   }

@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <deque>
 #include <optional>
 
+#include "KeyLimitGates.h"
+#include "KeyLimitHost.h"
 #include "NodeBoxesIntGates.h"
 #include "NodeBoxesIntHost.h"
 #include "NodeBoxesIntNarrow.h"
@@ -106,6 +109,45 @@ TEST(NodeBoxesInt, HostArithmetic_EqualsTheReference) {
 }
 TEST(NodeBoxesInt, NarrowNumbers_EqualTheReference) {
   expect_reference<NodeBoxesIntNarrow>(2 + 9, full() ? 400'000 : 40'000, {12, 4});
+}
+
+/// Limits for T of any size, and for T whose keys are a few units from a whole number.
+template <class Module>
+void expect_key_limits(std::size_t count) {
+  constexpr unsigned kLatency = 4;
+  Clocked<Module> module;
+  hard::Draw draw(5);
+  for (const bool farthest : {false, true}) {
+    std::deque<unsigned> expected;
+    std::array<std::size_t, 3> kinds{};  // least, between, most
+    for (std::size_t i = 0; i < count; ++i) {
+      const int exponent = static_cast<int>(draw.below(120)) - 70;
+      const float reference = draw(-1, 1) * draw.power(exponent - 10, exponent + 24);
+      const double unit = std::ldexp(1.0, exponent + 4);
+      const double near = (static_cast<double>(draw.below(5'000)) - 2'500) * unit;
+      float t = static_cast<float>(reference + near);
+      if (draw.below(3) == 0) t = std::nextafter(t, draw.below(2) == 0 ? 0x1p100f : -0x1p100f);
+      if (draw.below(8) == 0) t = draw(-1, 1) * draw.power(-60, 40);
+      if (draw.below(16) == 0) t = draw.below(2) == 0 ? HUGE_VALF : -HUGE_VALF;
+      module->time_i = word(t);
+      module->reference_i = word(reference);
+      module->scale_i = static_cast<CData>(exponent + 127);
+      module->farthest_i = farthest;
+      expected.push_back(reference::key_limit({reference, exponent}, t, farthest));
+      module.clock();
+      if (expected.size() < kLatency) continue;
+      const unsigned should = expected.front();
+      ASSERT_EQ(module->limit_o, should) << "case " << i << " - " << kLatency - 1;
+      ++kinds[should == 0 ? 0 : should == 4095 ? 2 : 1];
+      expected.pop_front();
+    }
+    for (const std::size_t kind : kinds) EXPECT_GT(kind, count / 20);
+  }
+}
+
+TEST(KeyLimit, Limits_EqualTheReference) {
+  expect_key_limits<KeyLimitGates>(200'000);
+  expect_key_limits<KeyLimitHost>(200'000);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include "TraversalOne.h"
 #include "TraversalSolids.h"
 #include "cde/mesh/terrain.hpp"
-#include "cde/reference/pipes/ray_node.hpp"
+#include "cde/reference/pipes/root_bounds.hpp"
 #include "cde/reference/traversal.hpp"
 #include "clocked.hpp"
 #include "hard_solids.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The order of a node's children: gates and the function of the host's arithmetic give the same
-// group. Words are arbitrary, with NaNs and infinities.
+// group. Rays and nodes are within the contract. Words of solids are arbitrary, with NaNs and
+// infinities.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,62 +12,161 @@
 
 #include "TraversalUnitGates.h"
 #include "TraversalUnitHost.h"
+#include "TraversalUnitRaysGates.h"
+#include "TraversalUnitRaysHost.h"
+#include "TraversalUnitSolidsGates.h"
+#include "TraversalUnitSolidsHost.h"
+#include "cde/reference/integer_node.hpp"
 #include "clocked.hpp"
+#include "integer_node_cases.hpp"
 
 namespace cde::testing {
 namespace {
 
 struct Visit {
-  std::array<std::uint32_t, 9> ray;
+  std::array<std::uint32_t, 9> front;
   std::array<std::uint32_t, 18> node;
   std::uint32_t floor, limit;
   bool farthest, solid;
 };
 
-/// The group: places, kinds and number of hit children, with their numbers and keys
-/// (bvh_pkg::group_t).
+std::uint32_t word(float x) {
+  return std::bit_cast<std::uint32_t>(x);
+}
+
+struct Group {
+  std::uint32_t reference = 0, scale = 0;       // for rays
+  std::uint32_t node = 0, slot = 0, kinds = 0;  // links
+  std::vector<std::uint32_t> order{}, keys{};   // of the children hit
+  bool operator==(const Group&) const = default;
+};
+
+/// The words of a group (GROUP_BITS of rtl/bvh/bvh.svh), with keys of `key` bits.
+template <class Words>
+Group group_from(const Words& words, unsigned key, bool solid) {
+  const auto bits = [&](unsigned from, unsigned count) {
+    std::uint32_t value = 0;
+    for (unsigned bit = 0; bit < count; ++bit)
+      value |= (words[(from + bit) / 32] >> ((from + bit) % 32) & 1u) << bit;
+    return value;
+  };
+  const unsigned order = 8 * key, count = order + 24, links = count + 4;
+  Group group{.node = bits(links + 44, 28), .slot = bits(links + 16, 28), .kinds = bits(links, 16)};
+  if (!solid) group.reference = bits(links + 80, 32), group.scale = bits(links + 72, 8);
+  for (unsigned i = 0; i < bits(count, 4); ++i) {
+    group.order.push_back(bits(order + 3 * i, 3));
+    group.keys.push_back(bits(key * i, key));
+  }
+  return group;
+}
+
 template <class Module>
-std::vector<std::uint32_t> group_of(Clocked<Module>& module, const Visit& visit) {
-  std::copy(visit.ray.begin(), visit.ray.end(), &module->ray_i[0]);
+void drive(Clocked<Module>& module, const Visit& visit) {
+  std::copy(visit.front.begin(), visit.front.end(), &module->front_i[0]);
   std::copy(visit.node.begin(), visit.node.end(), &module->node_i[0]);
   module->floor_i = visit.floor;
   module->limit_i = visit.limit;
   module->farthest_i = visit.farthest;
   module->solid_i = visit.solid;
-  for (unsigned clock = 0; clock < 12; ++clock) module.clock();
-  const auto bits = [&](unsigned from, unsigned count) {
-    const unsigned word = from / 32;
-    const std::uint64_t two =
-        module->group_o[word] | (word < 7 ? std::uint64_t{module->group_o[word + 1]} << 32 : 0);
-    return static_cast<std::uint32_t>(two >> from % 32 & ((std::uint64_t{1} << count) - 1));
-  };
-  std::vector<std::uint32_t> group = {bits(200, 28), bits(172, 28), bits(156, 16), bits(152, 4)};
-  for (unsigned i = 0; i < group[3]; ++i) {
-    group.push_back(bits(128 + 3 * i, 3));
-    group.push_back(bits(16 * i, 16));
-  }
+}
+
+/// Cycles from a visit to its group.
+struct Latencies {
+  unsigned ray, solid;
+};
+
+/// One visit at a time: the group is there after exactly the latency.
+template <class Module>
+Group group_of(Clocked<Module>& module, const Visit& visit, unsigned key,
+               const Latencies& latencies) {
+  drive(module, visit);
+  module.clock();
+  Visit other = visit;
+  other.node[3] = ~other.node[3];  // another group in the next cycles
+  drive(module, other);
+  for (unsigned clock = 1; clock < (visit.solid ? latencies.solid : latencies.ray); ++clock)
+    module.clock();
+  return group_from(module->group_o, key, visit.solid);
+}
+
+/// The group of the reference.
+Group expected(const NodeVisit& visit) {
+  const auto answer =
+      reference::integer_visit(visit.ray(), visit.node, visit.floor, visit.limit, visit.farthest);
+  Group group{.reference = word(answer.scale.reference),
+              .scale = static_cast<std::uint32_t>(answer.scale.exponent + 127) & 255,
+              .node = visit.node.first_node(),
+              .slot = visit.node.first_slot(),
+              .kinds = visit.node.words[3] >> 24 | visit.node.words[4] >> 28 << 8 |
+                       visit.node.words[5] >> 28 << 12};
+  for (unsigned c = 0; c < bvh::Node::kChildren; ++c)
+    if ((answer.entered >> c & 1) != 0) group.order.push_back(c);
+  std::stable_sort(group.order.begin(), group.order.end(),
+                   [&](unsigned a, unsigned b) { return answer.keys[a] < answer.keys[b]; });
+  for (const unsigned c : group.order) group.keys.push_back(answer.keys[c]);
   return group;
 }
 
-TEST(TraversalUnit, Gates_EqualHostArithmetic) {
-  Clocked<TraversalUnitGates> gates;
-  Clocked<TraversalUnitHost> host;
+template <class Gates, class Host>
+void expect_rays(unsigned key, const Latencies& latencies, std::size_t gates_each,
+                 std::size_t host_each) {
+  Clocked<Gates> gates;
+  Clocked<Host> host;
+  std::array<unsigned, 9> met{};
+  for (const hard::Case& scene : hard::kScenes) {
+    const hard::TriangleScene triangles = scene.make();
+    NodeVisits visits(triangles, 21);
+    for (std::size_t i = 0; i < host_each; ++i) {
+      const NodeVisit visit = visits();
+      const reference::IntegerRay ray = visit.ray();
+      Visit words{.front = {},
+                  .node = visit.node.words,
+                  .floor = word(visit.floor),
+                  .limit = word(visit.limit),
+                  .farthest = visit.farthest,
+                  .solid = false};
+      for (unsigned k = 0; k < 3; ++k) {
+        const int axis = static_cast<int>(k);
+        words.front[k] = word(ray.o[axis]);
+        words.front[3 + k] = word(ray.margin[axis]);
+        words.front[6 + k] = word(ray.inverse[axis]);
+      }
+      const Group should = expected(visit);
+      ASSERT_EQ(group_of(host, words, key, latencies), should) << scene.name << ", visit " << i;
+      if (i < gates_each) {
+        ASSERT_EQ(group_of(gates, words, key, latencies), should) << scene.name << ", visit " << i;
+      }
+      ++met.at(should.order.size());
+    }
+  }
+  for (unsigned count = 0; count <= 8; ++count) EXPECT_GT(met[count], 10u) << count << " met";
+}
+
+TEST(TraversalUnit, Rays_EqualTheReference) {
+  expect_rays<TraversalUnitGates, TraversalUnitHost>(16, {14, 11}, 200, 4'000);
+  expect_rays<TraversalUnitRaysGates, TraversalUnitRaysHost>(12, {16, 16}, 200, 4'000);
+}
+
+template <class Gates, class Host>
+void expect_solids(const Latencies& latencies) {
+  Clocked<Gates> gates;
+  Clocked<Host> host;
   std::mt19937 engine(20240611);
   Dice dice;
   const auto number = [&](float least, float most) {
     const float share = static_cast<float>(dice.below(1u << 24)) * 0x1p-24f;
-    return std::bit_cast<std::uint32_t>(least + share * (most - least));
+    return word(least + share * (most - least));
   };
   constexpr std::array<std::uint32_t, 8> kSpecial = {
       0, 0x8000'0000, 0x7f80'0000, 0xff80'0000, 0x7fc0'0000, 1, 0x7f7f'ffff, 0xff7f'ffff};
   std::array<unsigned, 9> met{};
-  for (unsigned i = 0; i < 20'000; ++i) {
+  for (unsigned i = 0; i < 6'000; ++i) {
     Visit visit{};
-    // Children in a cube of 256, rays from around it. Few distinct planes, so that ties occur.
+    visit.solid = true;
+    // Children in a cube of 256, solids in and around it. Few distinct planes, so that ties occur.
     for (unsigned k = 0; k < 3; ++k) {
-      const std::uint32_t from = number(-300, 600);
-      visit.ray[k] = visit.ray[3 + k] = from;
-      visit.ray[6 + k] = number(-2, 2);
+      visit.front[k] = number(-300, 600);
+      visit.front[3 + k] = dice.once_in(2) ? visit.front[k] : number(-300, 600);
       visit.node[k] = dice.once_in(2) ? 0 : number(-20, 20);
     }
     for (unsigned w = 3; w < 18; ++w) visit.node[w] = static_cast<std::uint32_t>(engine());
@@ -78,26 +178,26 @@ TEST(TraversalUnit, Gates_EqualHostArithmetic) {
       for (unsigned w = 6; w < 12; ++w)
         visit.node[w] &= 0x0303'0303, visit.node[w + 6] |= 0xfcfc'fcfc;
     }
-    visit.floor = number(-200, 100);
-    visit.limit = number(0, 1000);
-    visit.farthest = dice.once_in(2);
-    visit.solid = dice.once_in(3);
-    if (visit.solid && dice.once_in(2))  // keys of solids are signed distances
-      for (unsigned k = 0; k < 3; ++k) visit.ray[6 + k] = std::bit_cast<std::uint32_t>(1.0f);
-    const auto anything = [&](std::uint32_t& word) {
-      if (dice.once_in(8)) word = dice.once_in(2) ? kSpecial[dice.below(8)] : engine();
+    visit.limit = number(0, dice.once_in(2) ? 1000 : 100'000);
+    const auto anything = [&](std::uint32_t& w) {
+      if (dice.once_in(8)) w = dice.once_in(2) ? kSpecial[dice.below(8)] : engine();
     };
     if (i % 4 == 3) {
-      for (auto& word : visit.ray) anything(word);
+      for (unsigned w = 0; w < 6; ++w) anything(visit.front[w]);
       for (unsigned w = 0; w < 4; ++w) anything(visit.node[w]);
-      anything(visit.floor);
       anything(visit.limit);
     }
-    const auto group = group_of(gates, visit);
-    ASSERT_EQ(group_of(host, visit), group) << "visit " << i;
-    ++met.at(group[3]);
+    const Group group = group_of(gates, visit, 16, latencies);
+    ASSERT_EQ(group_of(host, visit, 16, latencies), group) << "visit " << i;
+    ++met.at(group.order.size());
   }
   for (unsigned count = 0; count <= 8; ++count) EXPECT_GT(met[count], 10u) << count << " met";
+}
+
+TEST(TraversalUnit, Solids_EqualHostArithmetic) {
+  expect_solids<TraversalUnitGates, TraversalUnitHost>({14, 11});
+  // Two sums, four comparisons of four cycles, one cycle for hits, three for the order.
+  expect_solids<TraversalUnitSolidsGates, TraversalUnitSolidsHost>({22, 22});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cstdlib>
 #include <map>
@@ -15,6 +16,7 @@
 
 #include "cde/reference/reference.hpp"
 #include "cde/reference/traversal.hpp"
+#include "float_node.hpp"
 #include "hard_rays.hpp"
 #include "integer_node_cases.hpp"
 
@@ -147,30 +149,29 @@ TEST_P(IntegerNode, BoxesOfTheTheorem_AreEntered) {
   }
 }
 
-/// With 17/16 M a ray enters every child that it enters today. This needs no exact arithmetic.
+/// With 17/16 M a ray enters every child that it enters in fp32. This needs no exact arithmetic.
 TEST_P(IntegerNode, LargerMargin_ContainsTheFloatingPointNode) {
   const TriangleScene scene = GetParam().make();
   NodeVisits visits(scene, 2);
   const std::size_t count = full() ? 250'000 : 20'000;
-  std::size_t today = 0, lost = 0;
+  std::size_t entered_in_float = 0, lost = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const NodeVisit visit = visits();
     if (visit.infinite) continue;
-    const auto front = reference::ray_front<float>(visit.o, visit.d, visit.root);
-    const auto planes = reference::node_front(front, visit.node);
+    const FloatRay ray(visit.o, visit.d, visit.root);
     const unsigned entered = reference::integer_visit(visit.ray(17), visit.node, visit.floor,
                                                       visit.limit, visit.farthest)
                                  .entered;
     for (unsigned c = 0; c < bvh::Node::kChildren; ++c) {
       if (visit.node.child(c) == bvh::Child::kNone) continue;
-      const auto s = reference::stretch(reference::axis_stretch(planes, front, visit.node, c));
+      const FloatInterval s = float_interval(ray, visit.node, c);
       if (s.near > s.far || s.far < visit.floor || s.near > visit.limit) continue;
-      ++today;
+      ++entered_in_float;
       lost += (entered >> c & 1) == 0 ? 1 : 0;
     }
   }
-  EXPECT_EQ(lost, 0u) << "of " << today;
-  EXPECT_GT(today, count);
+  EXPECT_EQ(lost, 0u) << "of " << entered_in_float;
+  EXPECT_GT(entered_in_float, count);
 }
 
 /// Rays that meet spheres far away have an infinite margin.
@@ -194,11 +195,70 @@ TEST_P(IntegerNode, InfiniteMargin_EntersEveryChild) {
 
 // ---- Traversals ----
 
-/// Traverses a BVH over triangles as reference::Traversal does, with nodes in whole numbers. The
-/// stack holds keys of 12 bits and the scale of each node.
-class IntegerTraversal {
+/// Nodes in whole numbers of any format.
+class IntegerNodes {
  public:
-  IntegerTraversal(const TriangleScene& scene, const Bvh& bvh, IntegerFormat format)
+  IntegerNodes(const Ray& ray, const reference::RootBounds<float>& root,
+               const IntegerFormat& format)
+      : format_(format), ray_(reference::integer_ray(ray.o, ray.d, root)) {}
+
+  struct Visit {
+    std::vector<unsigned> order;  // of children
+    IntegerVisit answer;
+  };
+  [[nodiscard]] Visit visit(const bvh::Node& node, float floor, float limit, bool down) const {
+    Visit v{{}, reference::integer_visit(ray_, node, floor, limit, down, format_)};
+    for (unsigned c = 0; c < bvh::Node::kChildren; ++c)
+      if ((v.answer.entered >> c & 1) != 0) v.order.push_back(c);
+    std::stable_sort(v.order.begin(), v.order.end(),
+                     [&](unsigned a, unsigned b) { return v.answer.keys[a] < v.answer.keys[b]; });
+    return v;
+  }
+  [[nodiscard]] bool excluded(const Visit& v, unsigned child, float best, bool down) const {
+    return v.answer.keys[child] > reference::key_limit(v.answer.scale, best, down, format_);
+  }
+
+ private:
+  IntegerFormat format_;
+  IntegerRay ray_;
+};
+
+/// Nodes in fp32. Culls by the whole near or far.
+class FloatNodes {
+ public:
+  FloatNodes(const Ray& ray, const reference::RootBounds<float>& root, const IntegerFormat&)
+      : ray_(ray.o, ray.d, root) {}
+
+  struct Visit {
+    std::vector<unsigned> order;
+    std::array<float, bvh::Node::kChildren> first{};  // near, or -far
+  };
+  [[nodiscard]] Visit visit(const bvh::Node& node, float floor, float limit, bool down) const {
+    Visit v;
+    for (unsigned c = 0; c < bvh::Node::kChildren; ++c) {
+      if (node.child(c) == bvh::Child::kNone) continue;
+      const FloatInterval s = float_interval(ray_, node, c);
+      if (s.near > s.far || s.far < floor || s.near > limit) continue;
+      v.first[c] = down ? -s.far : s.near;
+      v.order.push_back(c);
+    }
+    std::stable_sort(v.order.begin(), v.order.end(),
+                     [&](unsigned a, unsigned b) { return v.first[a] < v.first[b]; });
+    return v;
+  }
+  [[nodiscard]] bool excluded(const Visit& v, unsigned child, float best, bool down) const {
+    return v.first[child] > (down ? -best : best);
+  }
+
+ private:
+  FloatRay ray_;
+};
+
+/// Traverses a BVH over triangles as reference::Traversal does, with nodes of either kind.
+template <class Nodes>
+class NodeTraversal {
+ public:
+  NodeTraversal(const TriangleScene& scene, const Bvh& bvh, IntegerFormat format)
       : scene_(scene),
         bvh_(bvh),
         format_(format),
@@ -208,9 +268,8 @@ class IntegerTraversal {
   std::vector<Record> trace(const Ray& ray, std::uint32_t number, Mode mode) {
     records_.clear();
     if (bvh_.order().empty()) return {};
-    front_ = reference::integer_ray(ray.o, ray.d, root_);
     floor_ = ray.tmin, limit_ = ray.tmax;
-    descend(bvh_.nodes()[0], ray, number, mode);
+    descend(Nodes(ray, root_, format_), bvh_.nodes()[0], ray, number, mode);
     std::sort(records_.begin(), records_.end(),
               [](const Record& a, const Record& b) { return a.index < b.index; });
     return records_;
@@ -218,22 +277,16 @@ class IntegerTraversal {
   std::size_t nodes = 0, triangles = 0;
 
  private:
-  void descend(const bvh::Node& node, const Ray& ray, std::uint32_t number, Mode mode) {
+  void descend(const Nodes& front, const bvh::Node& node, const Ray& ray, std::uint32_t number,
+               Mode mode) {
     ++nodes;
     const bool down = mode == Mode::kFarthest;
-    const IntegerVisit visit =
-        reference::integer_visit(front_, node, floor_, limit_, down, format_);
-    std::vector<unsigned> order;
-    for (unsigned c = 0; c < bvh::Node::kChildren; ++c)
-      if ((visit.entered >> c & 1) != 0) order.push_back(c);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](unsigned a, unsigned b) { return visit.keys[a] < visit.keys[b]; });
-    for (const unsigned c : order) {
-      if (visit.keys[c] > reference::key_limit(visit.scale, down ? floor_ : limit_, down, format_))
-        return;
+    const auto visit = front.visit(node, floor_, limit_, down);
+    for (const unsigned c : visit.order) {
+      if (front.excluded(visit, c, down ? floor_ : limit_, down)) return;
       const bvh::Child child = node.child(c);
       if (child == bvh::Child::kNode)
-        descend(bvh_.nodes()[node.place(c)], ray, number, mode);
+        descend(front, bvh_.nodes()[node.place(c)], ray, number, mode);
       else
         for (unsigned s = 0; s < slots_of(child); ++s) test(node.place(c) + s, ray, number, mode);
     }
@@ -261,7 +314,6 @@ class IntegerTraversal {
   const Bvh& bvh_;
   IntegerFormat format_;
   reference::RootBounds<float> root_;
-  IntegerRay front_{};
   float floor_ = 0, limit_ = 0;
   std::vector<Record> records_;
 };
@@ -282,13 +334,19 @@ TEST_P(IntegerNode, Traversals_EqualBruteForce) {
     });
   }
   for (const IntegerFormat& format : {IntegerFormat{16, 6}, IntegerFormat{12, 4}}) {
-    IntegerTraversal whole(scene, bvh, format);
+    NodeTraversal<IntegerNodes> whole(scene, bvh, format);
+    reference::Traversal library(scene, bvh);
     for (const auto& [mode, all] : should) {
       std::vector<Record> own;
       for (std::uint32_t i = 0; i < rays.size(); ++i)
         for (const Record& r : whole.trace(rays[i], i, mode)) own.push_back(r);
+      for (std::uint32_t i = 0; i < rays.size(); ++i) (void)library.trace(rays[i], i, mode);
       EXPECT_TRUE(std::ranges::equal(own, all, same_bits)) << name_of(mode);
       EXPECT_GT(own.size(), rays.size() / 20);
+    }
+    if (format.unit_bits == IntegerFormat{}.unit_bits) {
+      EXPECT_EQ(library.counts().nodes, whole.nodes);
+      EXPECT_EQ(library.counts().secondaries, whole.triangles);
     }
   }
 }
@@ -298,28 +356,29 @@ TEST_P(IntegerNode, Traversals_EqualBruteForce) {
 void compare_nodes(const TriangleScene& scene) {
   const Bvh bvh = Bvh::build(scene);
   const unsigned count = full() ? 200'000 : 5'000;
-  double whole_nodes = 0, nodes = 0, whole_triangles = 0, triangles = 0;
+  double whole_nodes = 0, float_nodes = 0, whole_triangles = 0, float_triangles = 0;
   std::string kinds;
   for (unsigned kind = 0; kind < Rays::kKinds; ++kind) {
     Rays draw(scene, 5);
-    IntegerTraversal whole(scene, bvh, {});
-    reference::Traversal today(scene, bvh);
+    reference::Traversal whole(scene, bvh);
+    NodeTraversal<FloatNodes> in_float(scene, bvh, {});
     for (unsigned i = 0; i < count / Rays::kKinds; ++i) {
       const Ray ray = draw(kind);
       (void)whole.trace(ray, i, Mode::kNearest);
-      (void)today.trace(ray, i, Mode::kNearest);
+      (void)in_float.trace(ray, i, Mode::kNearest);
     }
-    const auto then = static_cast<double>(today.counts().nodes),
-               now = static_cast<double>(whole.nodes);
-    kinds += fmt::format(" {:.3f}", now / then);
-    EXPECT_LT(now, 1.04 * then) << "rays of kind " << kind;
-    nodes += then, whole_nodes += now;
-    triangles += static_cast<double>(today.counts().secondaries);
-    whole_triangles += static_cast<double>(whole.triangles);
+    const auto nodes = static_cast<double>(whole.counts().nodes),
+               before = static_cast<double>(in_float.nodes);
+    kinds += fmt::format(" {:.3f}", nodes / before);
+    EXPECT_LT(nodes, 1.04 * before) << "rays of kind " << kind;
+    whole_nodes += nodes, float_nodes += before;
+    whole_triangles += static_cast<double>(whole.counts().secondaries);
+    float_triangles += static_cast<double>(in_float.triangles);
   }
-  EXPECT_LT(whole_nodes, 1.03 * nodes);
-  fmt::print("nodes per ray {:.2f}, {:.3f} of today's; triangles {:.3f}; nodes by kind{}\n",
-             whole_nodes / count, whole_nodes / nodes, whole_triangles / triangles, kinds);
+  EXPECT_LT(whole_nodes, 1.03 * float_nodes);
+  fmt::print("nodes per ray {:.2f}, {:.3f} of fp32; triangles {:.3f}; nodes by kind{}\n",
+             whole_nodes / count, whole_nodes / float_nodes, whole_triangles / float_triangles,
+             kinds);
 }
 TEST_P(IntegerNode, NodesPerRay_AreAsManyAsInFloatingPoint) {
   compare_nodes(GetParam().make());

@@ -6,7 +6,7 @@
 #include <bit>
 
 #include "card/bvh_pass.hpp"
-#include "cde/reference/pipes/ray_node.hpp"
+#include "cde/reference/pipes/root_bounds.hpp"
 #include "cde/reference/pipes/transform.hpp"
 #include "cde/reference/refit.hpp"
 #include "cde/support/counted.hpp"

@@ -148,13 +148,19 @@ unsigned key_of(Whole quarters) {
 
 IntegerRay integer_ray(const Vector<float>& o, const Vector<float>& d,
                        const RootBounds<float>& root, Shape leaf, int sixteenths) {
-  const RayFront<float> front = ray_front<float>(o, d, root, leaf);
   const auto share = static_cast<float>(sixteenths);
-  float margin = std::numeric_limits<float>::infinity();
-  if (!std::isinf(front.above[0]))
-    margin = reach<float>({o, o}, root) * (share * 0x1p-20f) + root.margin * (share * 0x1p-4f);
-  IntegerRay ray{o, front.inverse, {}};
-  for (int k = 0; k < 3; ++k) ray.margin[k] = margin * magnitude(ray.inverse[k]);
+  const float reach_of_root = reach<float>({o, o}, root);
+  float margin = reach_of_root * (share * 0x1p-20f) + root.margin * (share * 0x1p-4f);
+  if (leaf == Shape::kSphere) {
+    const float most = max_num(max_num(magnitude(d[0]), magnitude(d[1])), magnitude(d[2]));
+    if (!(most * 0x1p-42f <= reach_of_root && reach_of_root <= most * 0x1p37f))
+      margin = std::numeric_limits<float>::infinity();
+  }
+  IntegerRay ray{o, {}, {}};
+  for (int k = 0; k < 3; ++k) {
+    ray.inverse[k] = 1 / std::copysign(max_num(magnitude(d[k]), 0x1p-80f), d[k]);
+    ray.margin[k] = margin * magnitude(ray.inverse[k]);
+  }
   return ray;
 }
 

@@ -13,14 +13,15 @@
 
 #include "cde/contract/records.hpp"
 #include "cde/geometry/pair.hpp"
+#include "cde/reference/integer_node.hpp"
 #include "cde/reference/pipes/convex/obb_obb.hpp"
 #include "cde/reference/pipes/convex/sphere_obb.hpp"
 #include "cde/reference/pipes/convex/sphere_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_box.hpp"
 #include "cde/reference/pipes/convex/triangle_sphere.hpp"
 #include "cde/reference/pipes/convex/triangle_triangle.hpp"
-#include "cde/reference/pipes/ray_node.hpp"
 #include "cde/reference/pipes/ray_sphere.hpp"
+#include "cde/reference/pipes/solid_node.hpp"
 #include "cde/reference/reference.hpp"
 #include "cde/support/error.hpp"
 #include "query/record_choice.hpp"
@@ -32,31 +33,33 @@ using bvh::Child;
 using bvh::Node;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 
-/// A key as the card's stack holds it, in 16 bits: rounded up or down.
-float half(float x, bool up) {
+/// A key as the card's stack holds it, in 16 bits: rounded down.
+float half(float x) {
   const auto word = std::bit_cast<std::uint32_t>(x);
-  const bool away = (word & 0xffffu) != 0 && std::signbit(x) != up;
+  const bool away = (word & 0xffffu) != 0 && std::signbit(x);
   return std::bit_cast<float>((word & 0xffff0000u) + (away ? 0x10000u : 0u));
 }
 
 /// Children of a node that remain to be visited, last one first.
+template <class Key>
 struct Group {
   struct Entry {
-    float key;  ///< key for culling: near, or far when searching downwards
+    Key key;  ///< key for culling: the least is visited first
     std::uint32_t place;
     Child child;
   };
   std::array<Entry, Node::kChildren> entries;
   unsigned count = 0;
+  TimeScale scale{};  ///< of a ray's keys
 };
 
 // ---- What depends on the primary's shape ----
 
-RayFront<float> front_of(const Ray& ray, const RootBounds<float>& root, Shape leaf) {
-  return ray_front<float>(ray.o, ray.d, root, leaf);
+IntegerRay front_of(const Ray& ray, const RootBounds<float>& root, Shape leaf) {
+  return integer_ray(ray.o, ray.d, root, leaf);
 }
 template <class Solid>
-RayFront<float> front_of(const Solid& solid, const RootBounds<float>& root, Shape) {
+SolidFront<float> front_of(const Solid& solid, const RootBounds<float>& root, Shape) {
   return solid_front<float>(solid, root);
 }
 
@@ -131,7 +134,7 @@ class Traversal::Trace {
   Trace(Traversal& of, const P& primary, std::uint32_t number, Goal goal)
       : of_(of), primary_(primary), number_(number), goal_(goal) {
     if constexpr (kSolid) {
-      limit(goal == Goal::kNearest ? kInfinite : 0.0f);
+      tmax_ = goal == Goal::kNearest ? kInfinite : 0.0f;
     } else {
       tmin_ = primary.tmin;
       tmax_ = primary.tmax;
@@ -143,10 +146,10 @@ class Traversal::Trace {
                           : Shape::kTriangle);
     visit(of.bvh_.nodes()[0]);
     while (!over_ && depth_ != 0) {
-      Group& top = stack_[depth_ - 1];
-      const Group::Entry next = top.entries[--top.count];
+      Entries& top = stack_[depth_ - 1];
+      const auto next = top.entries[--top.count];
       // Entries are ordered by key: if one is too far, so is the rest.
-      const bool whole = excluded(next.key);
+      const bool whole = excluded(top, next.key);
       if (whole || top.count == 0) --depth_;
       if (whole) continue;
       if (next.child == Child::kNode)
@@ -160,41 +163,50 @@ class Traversal::Trace {
 
  private:
   static constexpr bool kSolid = !std::is_same_v<P, Ray>;
+  using Key = std::conditional_t<kSolid, float, unsigned>;
+  using Entries = Group<Key>;
 
-  /// For solids: sets the largest key that still counts (distance_key()), with no lower limit.
-  void limit(float key) {
-    tmax_ = key;
-    tmin_ = -kInfinite;
-  }
+  [[nodiscard]] bool down() const { return goal_ == Goal::kFarthest; }
 
   /// Whether no pair below a child with this key counts.
-  [[nodiscard]] bool excluded(float key) const {
-    return goal_ == Goal::kFarthest ? key < tmin_ : key > tmax_;
+  [[nodiscard]] bool excluded(const Entries& group, Key key) const {
+    if constexpr (kSolid)
+      return key > tmax_;
+    else
+      return key > key_limit(group.scale, down() ? tmin_ : tmax_, down());
   }
 
   void visit(const Node& node) {
     ++of_.counts_.nodes;
-    const NodeFront<float> front = node_front(front_, node);
-    Group& group = stack_[depth_];
+    Entries& group = stack_[depth_];
     group.count = 0;
-    const bool down = goal_ == Goal::kFarthest;
-    // The last entry is visited first. For equal keys, the lower number is visited first.
-    for (unsigned i = Node::kChildren; i-- > 0;) {
-      if (node.child(i) == Child::kNone) continue;
-      const AxisStretch<float> axes = axis_stretch(front, front_, node, i);
-      const Stretch<float> s =
-          kSolid ? Stretch<float>{distance_key(axes), kInfinite} : stretch(axes);
-      if (s.near > s.far || s.far < tmin_ || s.near > tmax_) continue;
-      group.entries[group.count++] = {down ? s.far : s.near, node.place(i), node.child(i)};
-    }
+    fill(group, node);
     if (group.count == 0) return;
+    // The last entry is visited first. For equal keys, the lower number is visited first.
     std::stable_sort(group.entries.begin(), group.entries.begin() + group.count,
-                     [down](const Group::Entry& a, const Group::Entry& b) {
-                       return down ? a.key < b.key : a.key > b.key;
-                     });
-    for (unsigned i = 0; i < group.count; ++i)
-      group.entries[i].key = half(group.entries[i].key, down);
+                     [](const auto& a, const auto& b) { return a.key > b.key; });
+    if constexpr (kSolid)
+      for (unsigned i = 0; i < group.count; ++i) group.entries[i].key = half(group.entries[i].key);
     of_.counts_.deepest = std::max(of_.counts_.deepest, ++depth_);
+  }
+
+  /// The children that the primary meets, by descending number.
+  void fill(Entries& group, const Node& node) {
+    const auto add = [&](unsigned i, Key key) {
+      group.entries[group.count++] = {key, node.place(i), node.child(i)};
+    };
+    if constexpr (kSolid) {
+      const SolidNode<float> front = solid_node(front_, node);
+      for (unsigned i = Node::kChildren; i-- > 0;) {
+        const float key = distance_key(axis_distances(front, node, i));
+        if (node.child(i) != Child::kNone && key <= tmax_) add(i, key);
+      }
+    } else {
+      const IntegerVisit met = integer_visit(front_, node, tmin_, tmax_, down());
+      group.scale = met.scale;
+      for (unsigned i = Node::kChildren; i-- > 0;)
+        if ((met.entered >> i & 1) != 0) add(i, met.keys[i]);
+    }
   }
 
   void test(std::uint32_t slot, unsigned count) {
@@ -217,7 +229,7 @@ class Traversal::Trace {
       records_[0] = record;
     }
     if (goal_ == Goal::kNearest && kSolid)
-      limit(distance_key<float>(records_[0].f, signed_t<P>(records_[0])));
+      tmax_ = distance_key<float>(records_[0].f, signed_t<P>(records_[0]));
     if (goal_ == Goal::kNearest && !kSolid) tmax_ = records_[0].t;
     if (goal_ == Goal::kFarthest) tmin_ = records_[0].t;
     over_ = over_ || goal_ == Goal::kOccluded;
@@ -234,10 +246,11 @@ class Traversal::Trace {
   const P& primary_;
   std::uint32_t number_;
   Goal goal_;
-  float tmax_ = 0, tmin_ = 0;  // the interval that still counts
-  RayFront<float> front_;
+  /// The T interval that still counts. For solids, tmax_ is the largest key (distance_key()).
+  float tmax_ = 0, tmin_ = 0;
+  std::conditional_t<kSolid, SolidFront<float>, IntegerRay> front_;
   /// When a node's last child is visited, its group is already popped. So depth is bounded.
-  std::array<Group, Bvh::kMostDepth> stack_;
+  std::array<Entries, Bvh::kMostDepth> stack_;
   unsigned depth_ = 0;
   std::vector<Record> records_;
   bool over_ = false;

@@ -4,11 +4,12 @@
 #include <cstdint>
 
 #include "cde/bvh/node.hpp"
-#include "cde/reference/pipes/ray_node.hpp"
+#include "cde/contract/pairs.hpp"
+#include "cde/reference/pipes/root_bounds.hpp"
 
 /// @file
-/// A ray and the eight boxes of a node in whole numbers (rtl/bvh/node_boxes_int.sv), bit-exact. It
-/// culls only boxes that ray_node.hpp may cull. docs/background/bvh_integer.md has the proof.
+/// A ray and the eight boxes of a node in whole numbers (rtl/bvh/node_boxes_int.sv), bit-exact.
+/// docs/background/bvh_integer.md has the proof. Solids are in solid_node.hpp.
 ///
 /// Three subtractions and three products per node are in fp32. Everything after them is a whole
 /// number of time steps: T = T_ref + n 2^E. T has the unit of the ray's interval, that is, lengths
@@ -31,9 +32,11 @@ struct IntegerRay {
       margin;  ///< T in which the ray moves by the margin M' along the axis; may be infinite
 };
 
-/// The margin M' is sixteenths / 16 of the margin M of ray_node.hpp. The proof needs 13. With 17,
-/// every interval contains the interval of axis_stretch(), roundings included.
-/// Once per ray: 4 mul, 3 div, 1 add, 6 sub, 8 max. For spheres 2 mul, 2 cmp, 2 max more.
+/// M' = 208 u R + 13 u W, which is 13/16 of M = 256 u R + 16 u W. Here u is 2^-24, R the largest
+/// distance along an axis from o to the root's box, and W the largest |coordinate| of that box. The
+/// margin M' is infinite for rays that meet spheres if R is not between 2^-42 and 2^37 times the
+/// largest component of d. `sixteenths` is for tests.
+/// Once per ray: 5 mul, 3 div, 1 add, 6 sub, 8 max. For spheres 2 mul, 2 cmp, 2 max more.
 [[nodiscard]] IntegerRay integer_ray(const Vector<float>& o, const Vector<float>& d,
                                      const RootBounds<float>& root, Shape leaf = Shape::kTriangle,
                                      int sixteenths = 13);

@@ -24,10 +24,10 @@
 /// is wrong. It depends on the pair alone, so that it is the same by brute force and in a BVH.
 ///
 /// A traversal may cull a box whose bound is above the best signed distance. The nodes compute g_k
-/// as in ray_node.hpp, with 1 / d = 1 and o +- M the corners of the solid's box, widened by M. That
-/// is off by less than 10 u (R + e) + 2 u W. R is the largest distance along an axis from c to the
-/// root's box, and W the largest |coordinate| of that box. Here roundings are below 16 u (R + e),
-/// and m is at most 128 u (R + e). Nodes subtract M = 256 u (R + e) + 16 u W from each g_k. A value
+/// from the corners of the solid's box, widened by M (solid_node.hpp). That is off by less than
+/// 10 u (R + e) + 2 u W. R is the largest distance along an axis from c to the root's box, and W
+/// the largest |coordinate| of that box. Here roundings are below 16 u (R + e), and m is at most
+/// 128 u (R + e). Nodes subtract M = 256 u (R + e) + 16 u W from each g_k. A value
 /// that is subtracted from all g_k is subtracted from their norm, so nodes are below g - m by at
 /// least 100 u (R + e).
 ///
