@@ -6,7 +6,7 @@ from canvas import Canvas
 def upper(c):
     c.box(10, 20, 130, 62, ["*Ray ring", "4,096 places"], "fa")
     c.arrow((140, 51), (186, 51))
-    c.box(186, 20, 164, 62, ["*Ray front", "o + M, o − M, 1/d", "once per ray"], "fb", size=12)
+    c.box(186, 20, 164, 62, ["*Ray front", "o, M' |1/d|, 1/d", "once per ray"], "fb", size=12)
     c.arrow((350, 51), (398, 51))
     c.box(398, 20, 246, 124, ["*Contexts, 256 rays", "ray, T interval that counts,", "best record: T, CP, index,", "stack of groups, 16 levels;",
                               "a group: children still to visit"], "fa", size=12)
@@ -69,7 +69,7 @@ def traversal(_root):
 def bound(_root):
     c = Canvas(820, 456, "Why a widened box loses no hit",
                "Nested boxes around a triangle: the box of the triangle, the band in which a computed hit can lie, the box of the node, which is "
-               "rounded outwards, and the node's box widened by M. The stretch of the ray in the widened box contains the computed T.")
+               "rounded outwards, and the node's box widened by M'. The stretch of the ray in the widened box contains the computed T.")
     c.rect(40, 40, 400, 330, "lb", 3, dash=True, solid=False)
     c.rect(82, 82, 316, 246, "fn", 3, solid=False)
     c.rect(110, 106, 260, 198, "lr", 3, dash=True, solid=False)
@@ -99,12 +99,12 @@ def bound(_root):
             ("lr", "5 4", ("*Box rule", "a hit is accepted only if o + T d is outside", "by less than m'; with T as computed",
                 "m' < 192 u (R + m') (1 + 4u) + 12 u W")),
             ("lu", None, ("*Box of the child in its node", "contains the triangle; corners are", "bytes times 2^e, rounded outwards")),
-            ("lb", "5 4", ("*Widened for the ray", "on every axis by M = 256 u R + 16 u W")))
+            ("lb", "5 4", ("*Widened for the ray", "on every axis by M' = 208 u R + 13 u W")))
     for kind, dash, lines in rows:
         c.line([(x, y - 4), (x + 34, y - 4)], kind, 2, dash, solid=False)
         c.texts_at(x + 44, y, lines, size=12)
         y += 16 * len(lines) + 20
-    c.texts_at(20, 406, ("Without roundings T lies in [near, far] by 63 u R + 3 u W. Roundings of near and far take less than 16 u R + u W.",
+    c.texts_at(20, 406, ("Without roundings T lies in [near, far] by 16 u R + u W. Near and far are whole numbers, rounded outwards from fp32 within 5 u R.",
                          "So near ≤ T ≤ far as computed, for every box above a hit. Culling uses T alone: the argument holds for all four algorithms.",
                          "~R: largest distance along an axis from o to the root's box. W: largest coordinate of that box. u = 2^-24. "
                          "Margins are not to scale."),
