@@ -229,14 +229,15 @@ module traversal_bank #(
   assign child_valid = choice_valid_q && !done_now;
   pass_delay #(.W($bits(child_t)), .T_RAY(T_CHOICE), .T_SOLID(T_SOLID_CHOICE)) delay_child (
       .clk_i, .solid_i(is_solid), .d_i(child), .q_o(child_then));
-  pipe_delay_valid #(.TO(T_CHOICE)) delay_child_valid (
-      .clk_i, .rst_i, .valid_i(child_valid), .valid_o(child_valid_then));
   if (RAYS != 0) begin : g_rays
+    pipe_delay_valid #(.TO(T_CHOICE)) delay_child_valid (
+        .clk_i, .rst_i, .valid_i(child_valid), .valid_o(child_valid_then));
     key_limit #(.ARITH(ARITH)) limit_of_keys (
         .clk_i, .time_i(choice_interval_q[!farthest_i]), .reference_i(top_group_q.t_ref),
         .scale_i(top_group_q.scale), .farthest_i, .limit_o(key_most));
   end else begin : g_no_rays
     assign key_most = '1;
+    assign child_valid_then = child_valid;
     logic unused_scale;
     assign unused_scale = &{1'b0, top_group_q.t_ref, top_group_q.scale, choice_interval_q[0]};
   end
