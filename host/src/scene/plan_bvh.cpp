@@ -18,7 +18,7 @@ namespace cde::plan_bvh {
 namespace {
 
 /// Cycles per level of the BVH for the last rays of a packet, when no other rays remain.
-constexpr double kCyclesPerLevel = 30;
+constexpr double kCyclesPerLevel = 50;
 /// Cycles of a solid per secondary that it is tested with, including the nodes above it, if it
 /// waits for each leaf.
 constexpr double kCyclesPerSolid = 75, kCyclesTwoSpheres = 25;
