@@ -12,6 +12,8 @@ module key_limit #(
     localparam int KEY = bvh_pkg::RAY_KEY
 ) (
     input logic clk_i,
+    // There is a T. Must come from a register: with host arithmetic it drives the enable of a clock gate.
+    input logic valid_i,
     input logic [31:0] time_i,       // T; may be infinite
     input logic [31:0] reference_i,  // T_ref of the keys
     input logic [7:0] scale_i,       // biased exponent of a step
@@ -24,14 +26,19 @@ module key_limit #(
   assign quarter = scale_i + 8'(STEP_BITS - 2);
 `ifdef VERILATOR
   if (ARITH != "rtl") begin : g_host
-    logic [31:0] now;
-    assign now = $c32("host_fp::key_limit(", time_i, ",", reference_i, ",", quarter, ",", farthest_i, ")");
+    logic clk;
+    logic [31:0] first_q;
+    clock_gate gate (.clk_i, .enable_i(valid_i), .clk_o(clk));
+    always_ff @(posedge clk)
+      first_q <= $c32("host_fp::key_limit(", time_i, ",", reference_i, ",", quarter, ",", farthest_i, ")");
     logic unused;
-    assign unused = &{1'b0, now[31:KEY]};
-    pipe_delay #(.W(KEY), .TO(`NODE_T_LIMIT)) delay_limit (.clk_i, .d_i(now[KEY-1:0]), .q_o(limit_o));
+    assign unused = &{1'b0, first_q[31:KEY]};
+    pipe_delay #(.W(KEY), .FROM(1), .TO(`NODE_T_LIMIT)) delay_limit (.clk_i, .d_i(first_q[KEY-1:0]), .q_o(limit_o));
   end
 `endif
   if (ARITH == "rtl") begin : g_gates
+    logic unused;
+    assign unused = valid_i;
     localparam int SW = KEY + 1;
     logic [SW-1:0] steps;
     logic inexact;

@@ -129,8 +129,8 @@ module traversal_bank #(
   traversal_unit #(
       .LAT(LAT), .ARITH(ARITH), .RAYS(RAYS), .SOLIDS(SOLIDS)
   ) unit (
-      .clk_i, .front_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i, .solid_i,
-      .node_i, .group_o(group));
+      .clk_i, .valid_i(visit_valid_q), .front_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i,
+      .solid_i, .node_i, .group_o(group));
   pass_delay #(.W($bits(at_t)), .T_RAY(T_RAY), .T_SOLID(T_SOLID)) delay_visit (
       .clk_i, .solid_i, .d_i(visit_q), .q_o(met_at));
   pipe_delay_valid #(.TO(T_RAY)) delay_ray (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(ray_valid));
@@ -233,7 +233,7 @@ module traversal_bank #(
     pipe_delay_valid #(.TO(T_CHOICE)) delay_child_valid (
         .clk_i, .rst_i, .valid_i(child_valid), .valid_o(child_valid_then));
     key_limit #(.ARITH(ARITH)) limit_of_keys (
-        .clk_i, .time_i(choice_interval_q[!farthest_i]), .reference_i(top_group_q.t_ref),
+        .clk_i, .valid_i(choice_valid_q), .time_i(choice_interval_q[!farthest_i]), .reference_i(top_group_q.t_ref),
         .scale_i(top_group_q.scale), .farthest_i, .limit_o(key_most));
   end else begin : g_no_rays
     assign key_most = '1;

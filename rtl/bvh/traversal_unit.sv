@@ -16,6 +16,8 @@ module traversal_unit #(
     localparam int KEY = `NODE_KEY(SOLIDS)
 ) (
     input logic clk_i,
+    // There is a node. Must come from a register: with host arithmetic it drives the enable of a clock gate.
+    input logic valid_i,
     input logic [8:0][31:0] front_i,  // from ray_front.sv or solid_front.sv
     input logic [31:0] floor_i,       // lowest T that counts; not for a solid
     input logic [31:0] limit_i,       // highest T that counts; for a solid a key of node_distances.sv
@@ -40,16 +42,19 @@ module traversal_unit #(
   assign links = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
 `ifdef VERILATOR
   if (ARITH != "rtl") begin : g_host
-    // All results call one function with equal operands, so the compiler computes it once. Its operands are local
-    // variables of the model, since they are short and are first written as a whole. The result is delayed, not the
-    // operands.
-    logic [7:0][31:0] w, x, y;
-    logic [5:0][31:0] z;
-    always_comb begin
-      w = '0;
-      x = '0;
-      y = '0;
-      z = '0;
+    // Computes in the first cycle, in a clock of its own, so without a node it computes nothing. All results call one
+    // function with equal operands, so the compiler computes it once. Its operands are local variables of the model,
+    // since they are short and are first written as a whole.
+    logic clk;
+    logic [31:0] order_q;
+    logic [63:0] low_q, high_q, scale_q;
+    clock_gate gate (.clk_i, .enable_i(valid_i), .clk_o(clk));
+    `define CDE_EIGHT(X) X[0], ",", X[1], ",", X[2], ",", X[3], ",", X[4], ",", X[5], ",", X[6], ",", X[7]
+    `define CDE_VISIT(C, WHAT) C("host_fp::node_visit<", KEY, ">({", `CDE_EIGHT(w), ",", `CDE_EIGHT(x), ",", z[0], \
+        ",", z[1], "},{", `CDE_EIGHT(y), ",", z[2], "},", z[3], ",", z[4], ",", z[5], ").", WHAT)
+    always_ff @(posedge clk) begin
+      automatic logic [7:0][31:0] w = '0, x = '0, y = '0;
+      automatic logic [5:0][31:0] z = '0;
       for (int k = 0; k < 8; k++) w[k] = node_i[k];
       for (int k = 0; k < 8; k++) x[k] = node_i[8+k];
       for (int k = 0; k < 8; k++) y[k] = front_i[k];
@@ -59,27 +64,26 @@ module traversal_unit #(
       z[3] = floor_i;
       z[4] = limit_i;
       z[5] = {30'd0, SOLIDS != 0 && (RAYS == 0 || solid_i), farthest_i};
+      order_q <= `CDE_VISIT($c32, "order");
+      low_q <= `CDE_VISIT($c64, "low");
+      high_q <= `CDE_VISIT($c64, "high");
+      scale_q <= `CDE_VISIT($c64, "scale");
     end
-    `define CDE_EIGHT(X) X[0], ",", X[1], ",", X[2], ",", X[3], ",", X[4], ",", X[5], ",", X[6], ",", X[7]
-    `define CDE_VISIT(C, WHAT) C("host_fp::node_visit<", KEY, ">({", `CDE_EIGHT(w), ",", `CDE_EIGHT(x), ",", z[0], \
-        ",", z[1], "},{", `CDE_EIGHT(y), ",", z[2], "},", z[3], ",", z[4], ",", z[5], ").", WHAT)
-    logic [31:0] order;
-    logic [63:0] low, high, times;
     logic unused;
-    assign order = `CDE_VISIT($c32, "order");
-    assign low = `CDE_VISIT($c64, "low");
-    assign high = `CDE_VISIT($c64, "high");
-    assign times = `CDE_VISIT($c64, "scale");
-    assign unused = &{1'b0, order[31:28], low, high, times[63:SCALE]};
-    assign scale = times[SCALE-1:0];
-    assign found = {order[27:0], high[4*KEY-1:0], low[4*KEY-1:0]};
-    pass_delay #(.W(`GROUP_BITS(KEY)), .T_RAY(T_RAY), .T_SOLID(T_SOLID)) delay_group (
-        .clk_i, .solid_i, .d_i({scale, links, found}), .q_o(group_o));
+    assign unused = &{1'b0, order_q[31:28], low_q, high_q, scale_q[63:SCALE]};
+    assign scale = scale_q[SCALE-1:0];
+    assign found = {order_q[27:0], high_q[4*KEY-1:0], low_q[4*KEY-1:0]};
+    logic [LINKS-1:0] links_q;
+    always_ff @(posedge clk) links_q <= links;
+    pass_delay #(.W(`GROUP_BITS(KEY)), .T_RAY(T_RAY - 1), .T_SOLID(T_SOLID - 1)) delay_group (
+        .clk_i, .solid_i, .d_i({scale, links_q, found}), .q_o(group_o));
     `undef CDE_EIGHT
     `undef CDE_VISIT
   end
 `endif
   if (ARITH == "rtl") begin : g_gates
+    logic unused_valid;
+    assign unused_valid = valid_i;
     // A solid's keys are compared as 32 bits, and the upper halves are stored.
     localparam int WHOLE = (SOLIDS != 0) ? 32 : RAY_KEY;
     logic [CHILDREN-1:0] met, ray_met, solid_met;

@@ -116,6 +116,7 @@ template <class Module>
 void expect_key_limits(std::size_t count) {
   constexpr unsigned kLatency = 4;
   Clocked<Module> module;
+  module->valid_i = 1;
   hard::Draw draw(5);
   for (const bool farthest : {false, true}) {
     std::deque<unsigned> expected;

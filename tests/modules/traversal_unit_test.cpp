@@ -64,6 +64,7 @@ template <class Module>
 void drive(Clocked<Module>& module, const Visit& visit) {
   std::copy(visit.front.begin(), visit.front.end(), &module->front_i[0]);
   std::copy(visit.node.begin(), visit.node.end(), &module->node_i[0]);
+  module->valid_i = 1;
   module->floor_i = visit.floor;
   module->limit_i = visit.limit;
   module->farthest_i = visit.farthest;
