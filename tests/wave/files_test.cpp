@@ -271,7 +271,7 @@ TEST_F(WaveFiles, ManyShortValuesOfAWideSignal_AreRefused) {
   };
   vcd(1000);
   refused({"wave", "show", "v.vcd", "wide"},
-          "v.vcd:132: short values of signals of 65536 bits or more: extended to their signals' "
+          "v.vcd:132: short values of signals of 8192 bits or more: extended to their signals' "
           "widths they gain ");
   vcd(60);
   const Ran ran = cde({"wave", "info", "v.vcd"});

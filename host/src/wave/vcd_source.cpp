@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint64_t kLeastBetween = 1u << 20;  ///< bytes between two points
 constexpr std::uint64_t kMostPoints = 64u << 20;   ///< bytes of all points together
 constexpr std::size_t kMostComments = 1000;        ///< comments among the changes
-/// Values of wider signals count for the limit below.
-constexpr std::uint32_t kWide = 1u << 16;
+/// Values of signals of this width and more count for the limit below.
+constexpr std::uint32_t kWide = 1u << 13;
 /// Bits that all short values of wide signals may gain by extension, besides 64 per byte of the
 /// file. A value of few digits is extended to the width of its signal.
 constexpr std::uint64_t kMostExtension = std::uint64_t{1} << 30;
