@@ -370,7 +370,7 @@ void compare_nodes(const TriangleScene& scene) {
     const auto nodes = static_cast<double>(whole.counts().nodes),
                before = static_cast<double>(in_float.nodes);
     kinds += fmt::format(" {:.3f}", nodes / before);
-    EXPECT_LT(nodes, 1.04 * before) << "rays of kind " << kind;
+    EXPECT_LT(nodes, 1.032 * before) << "rays of kind " << kind;
     whole_nodes += nodes, float_nodes += before;
     whole_triangles += static_cast<double>(whole.counts().secondaries);
     float_triangles += static_cast<double>(in_float.triangles);
