@@ -17,7 +17,7 @@ inline void expect(const T& object) {
 /// rtl/bvh/traversal_unit.sv: the children that are hit, in order.
 struct NodeVisit {
   uint32_t order;      ///< three bits per child; above them the number of children hit
-  uint64_t low, high;  ///< culling keys, KEY bits each: low holds the first four
+  uint64_t low, high;  ///< culling keys by child, KEY bits each: low holds the first four
   uint64_t scale;      ///< of a ray's keys: T_ref, and below it the biased exponent of a step
 };
 /// One word per child. Passed by reference: the registers for passing by value depend on the
@@ -61,12 +61,14 @@ template <unsigned KEY>
 [[gnu::always_inline]] inline NodeVisit in_order(const Children& rank, const Children& met,
                                                  const Children& stored) {
   const Children number = {0, 1, 2, 3, 4, 5, 6, 7};
-  const ChildrenWide at = __builtin_convertvector(rank, ChildrenWide);
-  const ChildrenWide key_at = __builtin_convertvector(stored, ChildrenWide) << (KEY * (at & 3));
-  const ChildrenWide above = (ChildrenWide)(at > 3);
+  const ChildrenWide place = {0, KEY, 2 * KEY, 3 * KEY, 0, KEY, 2 * KEY, 3 * KEY};
+  const ChildrenWide keys = __builtin_convertvector(stored, ChildrenWide) << place;
   const ChildrenBits order = (ChildrenBits)((number << (3 * rank)) + (met & (1 << 24)));
-  return {sum<uint32_t>(order), sum<uint64_t>(ChildrenWide(key_at & ~above)),
-          sum<uint64_t>(ChildrenWide(key_at & above)), 0};
+  typedef uint64_t Half __attribute__((vector_size(32)));
+  Half half[2];
+  __builtin_memcpy(half, &keys, sizeof keys);
+  return {sum<uint32_t>(order), half[0][0] | half[0][1] | half[0][2] | half[0][3],
+          half[1][0] | half[1][1] | half[1][2] | half[1][3], 0};
 }
 /// Children that are not empty.
 inline void present(Children& r, const uint32_t (&node)[18]) {

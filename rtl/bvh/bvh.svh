@@ -16,15 +16,18 @@
 // Outputs of node_boxes.sv, for solids, and of node_distances.sv.
 `define NODE_T_AXES (2 * LAT.add)
 `define NODE_T_DISTANCES (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
-// Outputs of node_boxes_int.sv, for rays.
-`define NODE_T_INT (`DF_MAX2(LAT.add + LAT.mul, 2) + 9)
+// Output of time_steps.sv, last outputs of node_scale.sv, and outputs of node_boxes_int.sv, for rays. CYCLES is the
+// number of cycles per node, 1 or 2.
+`define TIME_T_STEPS 5
+`define NODE_T_MARGIN(CYCLES) (6 + CYCLES)
+`define NODE_T_INT(CYCLES) (`DF_MAX2(LAT.add + LAT.mul + CYCLES - 1, 2) + `TIME_T_STEPS + 4 + CYCLES)
 // Latency of node_order.sv.
 `define NODE_T_ORDER 3
 // Outputs of traversal_unit.sv: the children hit, in order. With rays and solids, each kind has its own latency.
-`define NODE_T_RAY (`NODE_T_INT + `NODE_T_ORDER)
+`define NODE_T_RAY(CYCLES) (`NODE_T_INT(CYCLES) + `NODE_T_ORDER)
 `define NODE_T_SOLID (`NODE_T_DISTANCES + 1 + `NODE_T_ORDER)
 // Output of key_limit.sv.
-`define NODE_T_LIMIT 4
+`define NODE_T_LIMIT `TIME_T_STEPS
 
 // The children of a node that a primary hits, in the order of visits. Rays have keys of 12 bits, relative to a T of the
 // node. Solids have keys of 16 bits, the upper half of a number.
@@ -40,7 +43,7 @@
     logic [CHILDREN-1:0][1:0] kinds; \
     logic [3:0] count;  /* number of hit children */ \
     logic [CHILDREN-1:0][2:0] order; \
-    logic [CHILDREN-1:0][KEY-1:0] keys;  /* in that order, rounded so that no child is culled too early */ \
+    logic [CHILDREN-1:0][KEY-1:0] keys;  /* by child, rounded so that no child is culled too early */ \
   } group_t;
 
 // State of a context: its number (CX bits), the number of groups on its stack, and a bit per group. The bit is set

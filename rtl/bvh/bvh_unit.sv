@@ -159,8 +159,8 @@ module bvh_unit #(
   assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
       GOAL_HITS : mode_q;
   traversal #(
-      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .TRAVERSALS(TRAVERSALS), .ALGORITHM(CONFIG.algorithm),
-      .NORMALS(CONFIG.normals), .LAT(CONFIG.lat), .ARITH(config_pkg::arith(CONFIG.host))
+      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .CYCLES(CONFIG.node_cycles), .TRAVERSALS(TRAVERSALS),
+      .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals), .LAT(CONFIG.lat), .ARITH(config_pkg::arith(CONFIG.host))
   ) traversal (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
       .root_i(root), .goal_i(goal), .traversal_i(traversal_q),

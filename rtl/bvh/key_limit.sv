@@ -44,7 +44,6 @@ module key_limit #(
     logic inexact;
     time_steps #(.BITS(SW)) in_quarters (
         .clk_i, .time_i, .reference_i, .step_i(quarter), .steps_o(steps), .inexact_o(inexact));
-    if (`NODE_T_LIMIT != 4) $error("key_limit: NODE_T_LIMIT does not match");
     logic [SW:0] first;
     assign first = farthest_i ? -({steps[SW-1], steps} + (SW + 1)'(inexact)) : {steps[SW-1], steps};
     // Limited to signed KEY bits. The sign is inverted: keys are unsigned.

@@ -14,8 +14,8 @@ module node_order #(
     input logic [CHILDREN-1:0] met_i,
     input logic [CHILDREN-1:0][KEY-1:0] key_i,
     input logic [CHILDREN-1:0][STORED-1:0] stored_i,
-    // The number of hit children; their numbers in order; their stored keys in that order. Entries after the hit
-    // children are not used.
+    // The number of hit children; their numbers in order; the stored keys of all children, by number. Numbers after
+    // the hit children are not used.
     output logic [4+CHILDREN*(3+STORED)-1:0] found_o
 );
   /*verilator inline_module*/
@@ -47,13 +47,9 @@ module node_order #(
 
   // ---- In order ----
   logic [CHILDREN-1:0][2:0] order;
-  logic [CHILDREN-1:0][STORED-1:0] keys;
   always_comb begin
-    {order, keys} = '0;
-    for (int i = 0; i < CHILDREN; i++) begin
-      order[rank_2[i]] = 3'(i);
-      keys[rank_2[i]] = stored_2[i];
-    end
+    order = '0;
+    for (int i = 0; i < CHILDREN; i++) order[rank_2[i]] = 3'(i);
   end
-  always_ff @(posedge clk_i) found_o <= {count_2, order, keys};
+  always_ff @(posedge clk_i) found_o <= {count_2, order, stored_2};
 endmodule

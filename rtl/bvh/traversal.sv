@@ -11,12 +11,13 @@
 //
 // A new primary needs a free context (ray_ready_o). A fetched leaf returns with the tag of its request.
 // Latency: depends on the nodes and leaves visited.
-// Throughput: UNITS nodes, one leaf, one primary and one record per cycle.
+// Throughput: UNITS / CYCLES nodes, one leaf, one primary and one record per cycle.
 // Stall: ray_ready_o, fetch_ready_i, record_ready_i.
 `include "bvh.svh"
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // traversal units, each with its share of the contexts
+    parameter int CYCLES = 1,      // per node of a unit: 1 or 2
     parameter bvh_pkg::traversals_t TRAVERSALS = 1,  // bvh_pkg::card_traversals
     parameter int ALGORITHM = 0,   // ray-triangle: pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,     // 1: solids have normals
@@ -197,7 +198,7 @@ module traversal #(
   for (genvar u = 0; u < UNITS; u++) begin : unit
     traversal_bank #(
         .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT(LAT),
-        .ARITH(ARITH), .RAYS(32'(HAS_RAYS)), .SOLIDS(32'(SOLIDS))
+        .ARITH(ARITH), .RAYS(32'(HAS_RAYS)), .SOLIDS(32'(SOLIDS)), .CYCLES(CYCLES)
     ) bank (
         .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
         .farthest_i(farthest_q), .solid_i(is_solid), .ahead_i,

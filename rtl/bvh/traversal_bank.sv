@@ -5,7 +5,7 @@
 // For rays, a choice compares the child's key with key_limit.sv.
 // Latency per visit: NODE_T_RAY + 2 cycles (bvh.svh), or NODE_T_SOLID + 2. Per choice: NODE_T_LIMIT + 2 for rays, 2 for
 // solids and for primaries that have finished.
-// Throughput: one node and one choice per cycle.
+// Throughput: one node per CYCLES cycles, and one choice per cycle.
 // Stall: leaf_ready_i and done_ready_i only. Contexts wait in queues that hold all of them.
 `include "bvh.svh"
 module traversal_bank #(
@@ -15,6 +15,7 @@ module traversal_bank #(
     parameter ARITH = "rtl",
     parameter int RAYS = 1,        // 0: only solids
     parameter int SOLIDS = 1,      // 0: only rays
+    parameter int CYCLES = 1,      // per node: 1 or 2
     localparam int CB = $clog2(CONTEXTS)
 ) (
     input logic clk_i,
@@ -103,31 +104,35 @@ module traversal_bank #(
   end
 
   // ---- Nodes ----
-  localparam int T_RAY = (RAYS != 0) ? `NODE_T_RAY : `NODE_T_SOLID;
-  localparam int T_SOLID = (SOLIDS != 0) ? `NODE_T_SOLID : `NODE_T_RAY;
+  localparam int T_RAY = (RAYS != 0) ? `NODE_T_RAY(CYCLES) : `NODE_T_SOLID;
+  localparam int T_SOLID = (SOLIDS != 0) ? `NODE_T_SOLID : `NODE_T_RAY(CYCLES);
   at_t visit, visit_q, met_at;
   logic [PLACE-1:0] visit_node_q;
   logic visit_valid, visit_valid_q, group_valid, ray_valid, solid_valid;
   logic [8:0][31:0] front_q;
   logic [1:0][31:0] interval_q;
   group_t group;
-  assign visit_valid = nearer_some || others_some || started_some;
+  logic busy;  // the second cycle of a node
+  assign visit_valid = (nearer_some || others_some || started_some) && !busy;
   assign node_read_o = visit_valid;
-  assign nearer_read = nearer_some;
-  assign others_read = others_some && !nearer_some;
-  assign started_read = started_some && !nearer_some && !others_some;
+  assign nearer_read = nearer_some && !busy;
+  assign others_read = others_some && !nearer_some && !busy;
+  assign started_read = started_some && !nearer_some && !others_some && !busy;
   assign visit = nearer_some ? nearer.at : others_some ? others.at : '{context_: started, level: '0, fresh: '0};
-  assign node_at_o = nearer_some ? nearer.place : others_some ? others.place : '0;
+  assign node_at_o = busy ? visit_node_q : nearer_some ? nearer.place : others_some ? others.place : '0;
   always_ff @(posedge clk_i) begin
     visit_node_q <= node_at_o;
-    front_q <= fronts[visit.context_[CX-1:BANK]];
-    interval_q <= {limits[visit.context_[CX-1:BANK]], floors[visit.context_[CX-1:BANK]]};
-    visit_q <= visit;
+    if (!busy) begin
+      front_q <= fronts[visit.context_[CX-1:BANK]];
+      interval_q <= {limits[visit.context_[CX-1:BANK]], floors[visit.context_[CX-1:BANK]]};
+      visit_q <= visit;
+    end
     visit_valid_q <= visit_valid && !rst_i;
   end
+  assign busy = CYCLES == 2 && visit_valid_q;
   assign visits_o = visit_valid_q;
   traversal_unit #(
-      .LAT(LAT), .ARITH(ARITH), .RAYS(RAYS), .SOLIDS(SOLIDS)
+      .LAT(LAT), .ARITH(ARITH), .RAYS(RAYS), .SOLIDS(SOLIDS), .CYCLES(CYCLES)
   ) unit (
       .clk_i, .valid_i(visit_valid_q), .front_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i,
       .solid_i, .node_i, .group_o(group));
@@ -211,7 +216,7 @@ module traversal_bank #(
     child.last = child.next + 1 == top_group_q.count;
     child.place = (child.kind == KIND_NODE ? top_group_q.node : top_group_q.slot) +
         PLACE'(ahead(top_group_q.kinds, number));
-    child.key = top_group_q.keys[child.next[2:0]];
+    child.key = top_group_q.keys[number];
     child.beyond = SOLIDS != 0 && ordered({16'(child.key), 16'd0}) > ordered(choice_interval_q[1]);
   end
   assign done_now = choice_valid_q && choice_q.level == 0 && sent_q == back_q;

@@ -2,7 +2,7 @@
 // Finds which children of a node a ray or a solid hits, and the order of visits. A ray's boxes are tested in whole
 // numbers (node_boxes_int.sv), a solid's in fp32 (node_boxes.sv, node_distances.sv). node_order.sv is for both.
 // Latency: NODE_T_RAY cycles, NODE_T_SOLID for a solid (bvh.svh). A unit without one kind has the latency of the other.
-// Throughput: one node per cycle.
+// Throughput: one node per CYCLES cycles. The inputs of a node stay for as long.
 // Stall: none, runs free.
 `include "bvh.svh"
 module traversal_unit #(
@@ -12,11 +12,12 @@ module traversal_unit #(
     parameter ARITH = "rtl",
     parameter int RAYS = 1,    // 0: only solids
     parameter int SOLIDS = 1,  // 0: only rays
+    parameter int CYCLES = 1,  // per node: 1 or 2
     localparam int CHILDREN = bvh_pkg::CHILDREN,
     localparam int KEY = `NODE_KEY(SOLIDS)
 ) (
     input logic clk_i,
-    // There is a node. Must come from a register: with host arithmetic it drives the enable of a clock gate.
+    // The first cycle of a node. Must come from a register: with host arithmetic it drives the enable of a clock gate.
     input logic valid_i,
     input logic [8:0][31:0] front_i,  // from ray_front.sv or solid_front.sv
     input logic [31:0] floor_i,       // lowest T that counts; not for a solid
@@ -28,8 +29,8 @@ module traversal_unit #(
 );
   /*verilator inline_module*/
   import bvh_pkg::*;
-  localparam int T_RAY = (RAYS != 0) ? `NODE_T_RAY : `NODE_T_SOLID;
-  localparam int T_SOLID = (SOLIDS != 0) ? `NODE_T_SOLID : `NODE_T_RAY;
+  localparam int T_RAY = (RAYS != 0) ? `NODE_T_RAY(CYCLES) : `NODE_T_SOLID;
+  localparam int T_SOLID = (SOLIDS != 0) ? `NODE_T_SOLID : `NODE_T_RAY(CYCLES);
 
   // A group holds the scale of a ray's keys, the node's words (places and kinds) and the result: the number of hit
   // children, their order and keys.
@@ -94,10 +95,10 @@ module traversal_unit #(
       logic [31:0] t_ref;
       logic [7:0] step;
       node_boxes_int #(
-          .EXP(EXP), .MAN(MAN), .LAT(LAT), .ARITH(ARITH)
+          .EXP(EXP), .MAN(MAN), .LAT(LAT), .ARITH(ARITH), .CYCLES(CYCLES)
       ) boxes (
-          .clk_i, .ray_i(front_i), .node_i, .floor_i, .limit_i, .farthest_i, .entered_o(ray_met), .key_o(ray_keys),
-          .reference_o(t_ref), .scale_o(step));
+          .clk_i, .valid_i, .ray_i(front_i), .node_i, .floor_i, .limit_i, .farthest_i, .entered_o(ray_met),
+          .key_o(ray_keys), .reference_o(t_ref), .scale_o(step));
       for (genvar c = 0; c < CHILDREN; c++) begin : child
         assign ray_key[c] = WHOLE'(ray_keys[c]);
         assign ray_stored[c] = KEY'(ray_keys[c]);

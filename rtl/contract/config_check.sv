@@ -32,6 +32,9 @@ module config_check #(
       g_bvh
     $error("board: TRAVERSAL_UNITS must be 0, 1, 2 or 4; above 0 needs fp32 and a pair that can traverse a BVH");
   end
+  if (CONFIG.node_cycles != 1 && CONFIG.node_cycles != 2) begin : g_node_cycles
+    $error("board: NODE_CYCLES must be 1 or 2");
+  end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&
        (CONFIG.objects < 2 || CONFIG.objects > 2048 || CONFIG.prim_objects < 2 ||

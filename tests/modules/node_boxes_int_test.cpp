@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The node in whole numbers in gates against the reference, bit by bit: one node per cycle, with
-// random idle cycles.
+// The node in whole numbers in gates against the reference, bit by bit: one node per cycle or per
+// two, with random idle cycles.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +17,8 @@
 #include "NodeBoxesIntGates.h"
 #include "NodeBoxesIntHost.h"
 #include "NodeBoxesIntNarrow.h"
+#include "NodeBoxesIntTwoGates.h"
+#include "NodeBoxesIntTwoHost.h"
 #include "cde/reference/integer_node.hpp"
 #include "clocked.hpp"
 #include "integer_node_cases.hpp"
@@ -43,9 +45,10 @@ std::array<std::uint32_t, 3> packed(const IntegerVisit& visit) {
   return words;
 }
 
-/// Visits of all scenes, `count` in all.
+/// Visits of all scenes, `count` in all, one per `cycles` cycles.
 template <class Module>
-void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& format = {}) {
+void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& format = {},
+                      unsigned cycles = 1) {
   Clocked<Module> module;
   Dice dice;
   struct Expected {
@@ -54,13 +57,19 @@ void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& 
   };
   std::deque<std::optional<Expected>> expected;
   std::size_t entered = 0, checked = 0;
+  unsigned busy = 0;  // further cycles of the node at the inputs
   for (const hard::Case& scene : hard::kScenes) {
     const hard::TriangleScene triangles = scene.make();
     NodeVisits visits(triangles, 11);
     for (std::size_t i = 0; i < count / std::size(hard::kScenes);) {
-      if (dice.once_in(16)) {  // an idle cycle: anything at the inputs
+      if (busy != 0) {  // the same inputs
+        --busy;
+        module->valid_i = 0;
+        expected.emplace_back();
+      } else if (dice.once_in(16)) {  // an idle cycle: anything at the inputs
         for (unsigned w = 0; w < 9; ++w) module->ray_i[w] = dice.below(~0u);
         for (unsigned w = 0; w < 18; ++w) module->node_i[w] = dice.below(~0u);
+        module->valid_i = 0;
         expected.emplace_back();
       } else {
         const NodeVisit visit = visits();
@@ -75,6 +84,8 @@ void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& 
         module->floor_i = word(visit.floor);
         module->limit_i = word(visit.limit);
         module->farthest_i = visit.farthest;
+        module->valid_i = 1;
+        busy = cycles - 1;
         expected.push_back(
             Expected{i++, reference::integer_visit(ray, visit.node, visit.floor, visit.limit,
                                                    visit.farthest, format)});
@@ -102,19 +113,23 @@ void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& 
 
 /// CDE_FULL=1: four million nodes in all.
 TEST(NodeBoxesInt, Gates_EqualTheReference) {
-  expect_reference<NodeBoxesIntGates>(3 + 2 + 9, full() ? 400'000 : 40'000);
+  expect_reference<NodeBoxesIntGates>(3 + 2 + 10, full() ? 400'000 : 40'000);
 }
 TEST(NodeBoxesInt, HostArithmetic_EqualsTheReference) {
-  expect_reference<NodeBoxesIntHost>(2 + 9, full() ? 3'200'000 : 200'000);
+  expect_reference<NodeBoxesIntHost>(2 + 10, full() ? 3'200'000 : 200'000);
 }
 TEST(NodeBoxesInt, NarrowNumbers_EqualTheReference) {
-  expect_reference<NodeBoxesIntNarrow>(2 + 9, full() ? 400'000 : 40'000, {12, 4});
+  expect_reference<NodeBoxesIntNarrow>(2 + 10, full() ? 400'000 : 40'000, {12, 4});
+}
+TEST(NodeBoxesInt, TwoCyclesPerNode_EqualTheReference) {
+  expect_reference<NodeBoxesIntTwoGates>(3 + 2 + 12, full() ? 400'000 : 40'000, {}, 2);
+  expect_reference<NodeBoxesIntTwoHost>(2 + 12, full() ? 400'000 : 40'000, {}, 2);
 }
 
 /// Limits for T of any size, and for T whose keys are a few units from a whole number.
 template <class Module>
 void expect_key_limits(std::size_t count) {
-  constexpr unsigned kLatency = 4;
+  constexpr unsigned kLatency = 5;
   Clocked<Module> module;
   module->valid_i = 1;
   hard::Draw draw(5);

@@ -16,6 +16,8 @@
 #include "TraversalUnitRaysHost.h"
 #include "TraversalUnitSolidsGates.h"
 #include "TraversalUnitSolidsHost.h"
+#include "TraversalUnitTwoGates.h"
+#include "TraversalUnitTwoHost.h"
 #include "cde/reference/integer_node.hpp"
 #include "clocked.hpp"
 #include "integer_node_cases.hpp"
@@ -55,7 +57,7 @@ Group group_from(const Words& words, unsigned key, bool solid) {
   if (!solid) group.reference = bits(links + 80, 32), group.scale = bits(links + 72, 8);
   for (unsigned i = 0; i < bits(count, 4); ++i) {
     group.order.push_back(bits(order + 3 * i, 3));
-    group.keys.push_back(bits(key * i, key));
+    group.keys.push_back(bits(key * group.order.back(), key));
   }
   return group;
 }
@@ -71,9 +73,9 @@ void drive(Clocked<Module>& module, const Visit& visit) {
   module->solid_i = visit.solid;
 }
 
-/// Cycles from a visit to its group.
+/// Cycles from a visit to its group, and cycles per node.
 struct Latencies {
-  unsigned ray, solid;
+  unsigned ray, solid, cycles = 1;
 };
 
 /// One visit at a time: the group is there after exactly the latency.
@@ -82,10 +84,13 @@ Group group_of(Clocked<Module>& module, const Visit& visit, unsigned key,
                const Latencies& latencies) {
   drive(module, visit);
   module.clock();
+  module->valid_i = 0;
+  for (unsigned cycle = 1; cycle < latencies.cycles; ++cycle) module.clock();
   Visit other = visit;
   other.node[3] = ~other.node[3];  // another group in the next cycles
   drive(module, other);
-  for (unsigned clock = 1; clock < (visit.solid ? latencies.solid : latencies.ray); ++clock)
+  for (unsigned clock = latencies.cycles; clock < (visit.solid ? latencies.solid : latencies.ray);
+       ++clock)
     module.clock();
   return group_from(module->group_o, key, visit.solid);
 }
@@ -144,8 +149,9 @@ void expect_rays(unsigned key, const Latencies& latencies, std::size_t gates_eac
 }
 
 TEST(TraversalUnit, Rays_EqualTheReference) {
-  expect_rays<TraversalUnitGates, TraversalUnitHost>(16, {14, 11}, 200, 4'000);
-  expect_rays<TraversalUnitRaysGates, TraversalUnitRaysHost>(12, {16, 16}, 200, 4'000);
+  expect_rays<TraversalUnitGates, TraversalUnitHost>(16, {15, 11}, 200, 4'000);
+  expect_rays<TraversalUnitRaysGates, TraversalUnitRaysHost>(12, {17, 17}, 200, 4'000);
+  expect_rays<TraversalUnitTwoGates, TraversalUnitTwoHost>(12, {19, 19, 2}, 200, 4'000);
 }
 
 template <class Gates, class Host>
@@ -196,7 +202,7 @@ void expect_solids(const Latencies& latencies) {
 }
 
 TEST(TraversalUnit, Solids_EqualHostArithmetic) {
-  expect_solids<TraversalUnitGates, TraversalUnitHost>({14, 11});
+  expect_solids<TraversalUnitGates, TraversalUnitHost>({15, 11});
   // Two sums, four comparisons of four cycles, one cycle for hits, three for the order.
   expect_solids<TraversalUnitSolidsGates, TraversalUnitSolidsHost>({22, 22});
 }

@@ -74,6 +74,7 @@ constexpr Number kFields[] = {
     filter_field<&FpFormat::man_bits>("FILTER_MAN"),
     field<&BoardConfig::traversal_units>("TRAVERSAL_UNITS"),
     field<&BoardConfig::nodes>("NODES"),
+    field<&BoardConfig::node_cycles>("NODE_CYCLES"),
     field<&BoardConfig::ecc>("ECC"),
     field<&BoardConfig::transform>("TRANSFORM"),
     field<&BoardConfig::objects>("OBJECTS", Transformer::kSecondaries),
@@ -149,6 +150,7 @@ void check_bvh(const BoardConfig& c) {
   };
   if (c.traversal_units == 0) {
     require(c.nodes == BoardConfig().nodes, "a card without traversal units has no node memory");
+    require(c.node_cycles == 1, "a card without traversal units has no cycles per node");
     return;
   }
   constexpr unsigned kMostUnits = 4, kLeastNodes = 16, kMostNodes = 1u << 22;
@@ -157,6 +159,8 @@ void check_bvh(const BoardConfig& c) {
   require(std::has_single_bit(c.nodes) && c.nodes >= kLeastNodes && c.nodes <= kMostNodes,
           fmt::format("nodes is {}; it must be a power of two from {} to {}", c.nodes, kLeastNodes,
                       kMostNodes));
+  require(c.node_cycles == 1 || c.node_cycles == 2,
+          fmt::format("node_cycles is {}; it must be 1 or 2", c.node_cycles));
   require(c.format == FpFormat(),
           fmt::format("a BVH needs fp32, not {}: it widens boxes by 2^-16 of the scene, and a "
                       "coarser format would widen them by percents",
