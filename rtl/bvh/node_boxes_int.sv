@@ -208,16 +208,20 @@ module node_boxes_int #(
       .clk_i, .d_i({farthest_i, node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]}), .q_o({farthest, kinds}));
   assign kinds_now = first[T_BOXES] ? kinds[BOXES-1:0] : kinds[CHILDREN-1-:BOXES];
   for (genvar c = 0; c < BOXES; c++) begin : box
-    logic [NW-1:0] near, far, near_q, far_q, ordered_by, quarters;
-    always_comb begin
-      near = near_axis_q[0][c];
-      far = far_axis_q[0][c];
-      for (int k = 1; k < 3; k++) begin
-        if ($signed(near_axis_q[k][c]) > $signed(near)) near = near_axis_q[k][c];
-        if ($signed(far_axis_q[k][c]) < $signed(far)) far = far_axis_q[k][c];
-      end
+    logic [2:0][NW-1:0] near, far;
+    logic [NW-1:0] near_q, far_q, ordered_by, quarters;
+    logic [2:0] later, sooner;  // [0]: axis 1 than 0, [1]: 2 than 0, [2]: 2 than 1
+    for (genvar k = 0; k < 3; k++) begin : bound
+      assign {near[k], far[k]} = {near_axis_q[k][c], far_axis_q[k][c]};
     end
-    always_ff @(posedge clk_i) {near_q, far_q} <= {near, far};
+    assign later = {$signed(near[2]) > $signed(near[1]), $signed(near[2]) > $signed(near[0]),
+        $signed(near[1]) > $signed(near[0])};
+    assign sooner = {$signed(far[2]) < $signed(far[1]), $signed(far[2]) < $signed(far[0]),
+        $signed(far[1]) < $signed(far[0])};
+    always_ff @(posedge clk_i) begin
+      near_q <= (later[1] && later[2]) ? near[2] : later[0] ? near[1] : near[0];
+      far_q <= (sooner[1] && sooner[2]) ? far[2] : sooner[0] ? far[1] : far[0];
+    end
     assign ordered_by = farthest ? -far_q : near_q;
     assign quarters = $signed(ordered_by) >>> (STEP_BITS - 2);
     always_ff @(posedge clk_i) begin

@@ -67,18 +67,18 @@ module node_scale #(
   // ---- Axis lo: the least range, ties the lowest axis ----
   logic [2:0] shorter, lo;  // [0]: axis 1 than 0, [1]: 2 than 0, [2]: 2 than 1
   logic [2:0][XW-1:0] unit_2, margin_2, range_2;
-  logic [XW-1:0] shared, scale_2, most_2;  // the shared step, and the largest range that allows it
+  logic [XW-1:0] shared, most_2, places_2;  // largest range that allows the shared step; exponent of words not shifted
   assign shorter = {$signed(range_1[2]) < $signed(range_1[1]), $signed(range_1[2]) < $signed(range_1[0]),
       $signed(range_1[1]) < $signed(range_1[0])};
   assign lo = {shorter[2] && shorter[1], shorter[0] && !shorter[2], !shorter[0] && !shorter[1]};
   assign shared = (range_1[0] & {XW{lo[0]}}) | (range_1[1] & {XW{lo[1]}}) | (range_1[2] & {XW{lo[2]}});
   always_ff @(posedge clk_i) begin
     lo_o <= lo;
-    scale_2 <= shared - XW'(BYTE + STEP_BITS);
+    scale_o <= shared[7:0] - 8'(BYTE + STEP_BITS);
     most_2 <= shared + XW'(UNIT_BITS - 1 - STEP_BITS);
+    places_2 <= shared + XW'(MW - 1 - BYTE - STEP_BITS);
     {unit_2, margin_2, range_2} <= {unit_1, margin_1, range_1};
   end
-  assign scale_o = scale_2[7:0];
 
   // ---- Steps of each axis, and by how many places units and margins are larger ----
   localparam int LONGER = BYTE + UNIT_BITS - 1;
@@ -88,16 +88,15 @@ module node_scale #(
     shift_of = (places > XW'(31)) ? 5'd31 : places[4:0];
   endfunction
   for (genvar k = 0; k < 3; k++) begin : steps
-    logic [XW-1:0] range_step, shared_step;
+    logic [XW-1:0] places;
     logic slow;
     assign slow = $signed(range_2[k]) > $signed(most_2);
-    assign range_step = range_2[k] + XW'(MW - 1 - LONGER);
-    assign shared_step = scale_2 + XW'(MW - 1);
+    assign places = range_2[k] + XW'(MW - 1 - LONGER);
     always_ff @(posedge clk_i) begin
       slow_3[k] <= slow;
-      step_o[k] <= slow ? range_2[k][7:0] - 8'(LONGER) : scale_2[7:0];
-      unit_shift_3[k] <= slow ? shift_of(range_step - unit_2[k]) : shift_of(shared_step - unit_2[k]);
-      margin_shift_3[k] <= slow ? shift_of(range_step - margin_2[k]) : shift_of(shared_step - margin_2[k]);
+      step_o[k] <= slow ? range_2[k][7:0] - 8'(LONGER) : scale_o;
+      unit_shift_3[k] <= slow ? shift_of(places - unit_2[k]) : shift_of(places_2 - unit_2[k]);
+      margin_shift_3[k] <= slow ? shift_of(places - margin_2[k]) : shift_of(places_2 - margin_2[k]);
     end
   end
 

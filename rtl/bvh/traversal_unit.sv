@@ -91,11 +91,13 @@ module traversal_unit #(
     logic [CHILDREN-1:0][WHOLE-1:0] key, ray_key, solid_key;
     logic [CHILDREN-1:0][KEY-1:0] stored, ray_stored, solid_stored;
     if (RAYS != 0) begin : g_rays
+      localparam latency_pkg::latency_t LAT_NODE =
+          latency_pkg::latencies(LAT.add, `NODE_LAT_MUL, LAT.div, LAT.sqrt, LAT.cmp);
       logic [CHILDREN-1:0][RAY_KEY-1:0] ray_keys;
       logic [31:0] t_ref;
       logic [7:0] step;
       node_boxes_int #(
-          .EXP(EXP), .MAN(MAN), .LAT(LAT), .ARITH(ARITH), .CYCLES(CYCLES)
+          .EXP(EXP), .MAN(MAN), .LAT(LAT_NODE), .ARITH(ARITH), .CYCLES(CYCLES)
       ) boxes (
           .clk_i, .valid_i, .ray_i(front_i), .node_i, .floor_i, .limit_i, .farthest_i, .entered_o(ray_met),
           .key_o(ray_keys), .reference_o(t_ref), .scale_o(step));
