@@ -16,13 +16,27 @@
 // Outputs of node_boxes.sv, for solids, and of node_distances.sv.
 `define NODE_T_AXES (2 * LAT.add)
 `define NODE_T_DISTANCES (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
-// Output of time_steps.sv, last outputs of node_scale.sv, and outputs of node_boxes_int.sv, for rays. CYCLES is the
+// Output of time_steps.sv; output sizes_o of node_scale.sv; outputs of node_boxes_int.sv, for rays. CYCLES is the
 // number of cycles per node, 1 or 2. A multiplier of 10 cycles takes four multiplier blocks. One of 11 cycles takes one
 // block and adders (fp_mul_lane.sv), for lanes that need many. A node needs few.
-`define NODE_LAT_MUL ((LAT.mul > 10) ? 10 : LAT.mul)
 `define TIME_T_STEPS 5
-`define NODE_T_MARGIN(CYCLES) (6 + CYCLES)
-`define NODE_T_INT(CYCLES) (`DF_MAX2(LAT.add + `NODE_LAT_MUL + CYCLES - 1, 2) + `TIME_T_STEPS + 4 + CYCLES)
+`define NODE_T_SIZES(CYCLES) (3 + CYCLES)
+`define NODE_LAT_MUL ((LAT.mul > 10) ? 10 : LAT.mul)
+`define NODE_T_INT(CYCLES) \
+  (`DF_MAX2(LAT.add + `NODE_LAT_MUL + CYCLES - 1, 2) + `TIME_T_STEPS + 3 + 2 * CYCLES)
+// Bits of the bounds of node_boxes_int.sv, and sizes of an axis from node_scale.sv.
+`define NODE_BOUND_BITS(UNIT_BITS) (UNIT_BITS + 11)
+`define NODE_SIZES_BITS(UNIT_BITS) (5 + (UNIT_BITS + 1) + (UNIT_BITS + 8))
+`define NODE_SIZES(UNIT_BITS) \
+  typedef struct packed { \
+    logic lo;        /* axis lo */ \
+    logic slow;      /* the axis has longer steps */ \
+    logic negative;  /* the ray's direction */ \
+    logic infinite;  /* the margin is infinite */ \
+    logic inexact;   /* a byte is more than `unit` steps */ \
+    logic [UNIT_BITS:0] unit; \
+    logic [UNIT_BITS+7:0] margin;  /* steps, rounded down */ \
+  } sizes_t;
 // Latency of node_order.sv.
 `define NODE_T_ORDER 3
 // Outputs of traversal_unit.sv: the children hit, in order. With rays and solids, each kind has its own latency.

@@ -33,11 +33,12 @@ inline BoardConfig gates_config() {
           .box = true,
           .traversal_units = 1,
           .nodes = 1024,
+          .node_cycles = 2,
           .transform = Transformer::kSecondaries,
           .ddr_slots = 2000,
           .sram_records = 64};
 }
-/// Slow operators, four traversal units, check bits in DDR, other pairs, a small ring.
+/// Slow operators, four traversal units with two cycles per node, check bits in DDR, other pairs, a small ring.
 inline BoardConfig slow_config() {
   return {.lanes = 4,
           .pairs = {Pair::kRayTriangle, Pair::kTriangleSphere},
@@ -45,6 +46,7 @@ inline BoardConfig slow_config() {
           .swap = true,
           .traversal_units = 4,
           .nodes = 1024,
+          .node_cycles = 2,
           .transform = Transformer::kBoth,
           .latency_add = 2,
           .latency_mul = 3,

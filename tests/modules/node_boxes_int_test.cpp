@@ -122,8 +122,8 @@ TEST(NodeBoxesInt, NarrowNumbers_EqualTheReference) {
   expect_reference<NodeBoxesIntNarrow>(2 + 10, full() ? 400'000 : 40'000, {12, 4});
 }
 TEST(NodeBoxesInt, TwoCyclesPerNode_EqualTheReference) {
-  expect_reference<NodeBoxesIntTwoGates>(3 + 2 + 12, full() ? 400'000 : 40'000, {}, 2);
-  expect_reference<NodeBoxesIntTwoHost>(2 + 12, full() ? 400'000 : 40'000, {}, 2);
+  expect_reference<NodeBoxesIntTwoGates>(3 + 2 + 13, full() ? 400'000 : 40'000, {}, 2);
+  expect_reference<NodeBoxesIntTwoHost>(2 + 13, full() ? 400'000 : 40'000, {}, 2);
 }
 
 /// Limits for T of any size, and for T whose keys are a few units from a whole number.

@@ -16,11 +16,12 @@ def listed(words):
 
 
 class Contract:
-    """Tables of formats_pkg and pairs_pkg."""
+    """Tables of formats_pkg and pairs_pkg, and numbers of bvh_pkg."""
 
-    def __init__(self, formats, pairs):
+    def __init__(self, formats, pairs, bvh):
         self.formats = self._formats(formats)
         self._pairs(pairs)
+        self.bvh = {name: int(value) for name, value in re.findall(r"^ *localparam int ([A-Z_]+) = (\d+);", bvh, re.M)}
 
     @staticmethod
     def _codes(text, prefix, kind="int"):
@@ -72,4 +73,4 @@ class Contract:
 @functools.lru_cache(maxsize=None)
 def contract():
     folder = ROOT / "rtl" / "contract"
-    return Contract((folder / "formats_pkg.sv").read_text(), (folder / "pairs_pkg.sv").read_text())
+    return Contract(*((folder / f"{name}_pkg.sv").read_text() for name in ("formats", "pairs", "bvh")))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Designs to measure: one operator or one pipe, between registers, with three pins."""
+"""Designs to measure: one operator, one pipe or one traversal unit, between registers, with three pins."""
 import dataclasses
 
 from contract import Bad, contract, listed
@@ -17,10 +17,12 @@ OPERATORS = {
     "eq": ("fp_cmp", ", .OP(formats_pkg::FP_EQ)", "ab", "m_o"),
 }
 ORDINARY = ("add", "mul")
+# Traversal units for rays, and their cycles per node.
+UNITS = {"traversal-unit": 1, "traversal-unit-shared": 2}
 STYLES = ("cde", "ordinary")
 MOST_LATENCY = 64
 MOST_LANES = 64
-KINDS = ("add", "mul", "div", "sqrt", "cmp")  # kinds of latencies of a pipe, in the order of a card's parameters
+KINDS = ("add", "mul", "div", "sqrt", "cmp")  # kinds of latencies of a pipe or unit, in the order of a card's parameters
 
 
 def container(width):
@@ -42,6 +44,10 @@ class Design:
         return self.what in contract().pairs
 
     @property
+    def unit(self):
+        return self.what in UNITS
+
+    @property
     def lat_text(self):
         return "/".join(map(str, self.lat))
 
@@ -51,11 +57,13 @@ class Design:
             return f"ordinary_{self.what}"
         if self.pipe:
             return self.what + (f" {self.algorithm}" if self.algorithm else "")
+        if self.unit:
+            return self.what
         return OPERATORS[self.what][0] if self.what in OPERATORS else "fp_cvt"
 
     @property
     def label(self):
-        name = self.module if self.pipe or self.style == "ordinary" else f"fp_{self.what}"
+        name = self.module if self.pipe or self.unit or self.style == "ordinary" else f"fp_{self.what}"
         return f"{name} {self.format} LAT {self.lat_text}" + (f" LANES {self.lanes}" if self.lanes > 1 else "") + f" {self.target}"
 
     @property
@@ -70,7 +78,7 @@ class Design:
     def order(self):
         """The place of a row in the table."""
         known = contract()
-        whats = list(OPERATORS) + [f"to_{f}" for f in known.formats] + list(known.pairs)
+        whats = list(OPERATORS) + [f"to_{f}" for f in known.formats] + list(known.pairs) + list(UNITS)
         formats = list(known.formats)
         named = self.format in known.formats
         return (list(targets.TARGETS).index(self.target), whats.index(self.what),
@@ -82,7 +90,7 @@ class Design:
         """Text of the modules `measured`, whose cells are counted, and `bench`, which shifts operands in and folds results, with registers on both sides."""
         exp, man = contract().format(self.format)
         width = 1 + exp + man
-        body, inputs, outputs = self._pipe(exp, man, width) if self.pipe else self._operator(exp, man, width)
+        body, inputs, outputs = self._unit() if self.unit else self._pipe(exp, man, width) if self.pipe else self._operator(exp, man, width)
         return f"""module measured (input logic clk_i, input logic [{inputs - 1}:0] d_i, output logic [{outputs - 1}:0] q_o);
 {body}endmodule
 
@@ -147,12 +155,27 @@ endmodule
             for value in ["t"] + [f"{v}[{k}]" for v in ("cp", "n") for k in range(3)]:
                 text += f"  assign q_o[{out}+:{width}] = {value}[{lane}][{width - 1}:0];\n"
                 out += width
-        cycles = ".LAT({" + ", ".join(f"32'd{n}" for n in self.lat) + "})"
+        cycles = f".LAT({self._latencies()})"
         text += (f"  scaled_pipe #(.EXP({exp}), .MAN({man}), .LANES({lanes}), {cycles}, .ARITH(\"rtl\"),\n"
                  f"      .PAIR({known.pairs[self.what]}), .ALGORITHM({known.algorithms.get(self.algorithm, 0)})) unit (\n"
                  "      .clk_i, .enter_i(1'b1), .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .n_o(n),\n"
                  "      .latency_o(unused_latency));\n")
         return text, at, out
+
+    def _unit(self):
+        bvh = contract().bvh
+        inputs = {"front_i": 9 * 32, "floor_i": 32, "limit_i": 32, "farthest_i": 1, "valid_i": 1, "node_i": bvh["NODE_WORDS"] * 32}
+        group = 40 + 2 * bvh["PLACE"] + 4 + bvh["CHILDREN"] * (2 + 3 + bvh["RAY_KEY"])  # GROUP_BITS of rtl/bvh/bvh.svh
+        ports, at = "", 0
+        for name, width in inputs.items():
+            ports += f".{name}(d_i[{at}+:{width}]), "
+            at += width
+        text = (f"  traversal_unit #(.LAT({self._latencies()}), .ARITH(\"rtl\"), .SOLIDS(0), .CYCLES({UNITS[self.what]})) unit (\n"
+                f"      .clk_i, {ports}.solid_i(1'b0), .group_o(q_o));\n")
+        return text, at, group
+
+    def _latencies(self):
+        return "{" + ", ".join(f"32'd{n}" for n in self.lat) + "}"
 
 
 def number(word, least, most, name):
@@ -172,8 +195,12 @@ def design(what, format="fp32", lat=None, lanes="1", style="cde", algorithm=None
     pipe = what in known.pairs
     if what in known.iterative:
         raise Bad(f"{what} is an iterative pipeline, which is not measured; expected {listed(p for p in known.pairs if p not in known.iterative)}")
-    if not pipe and what not in OPERATORS and not (what.startswith("to_") and what[3:] in known.formats):
-        raise Bad(f"{what} is not an operator or a pair; expected {listed(OPERATORS)}, to_FORMAT, {listed(p for p in known.pairs if p not in known.iterative)}")
+    unit = what in UNITS
+    if not pipe and not unit and what not in OPERATORS and not (what.startswith("to_") and what[3:] in known.formats):
+        raise Bad(f"{what} is not an operator, a pair or a unit; expected {listed(OPERATORS)}, to_FORMAT, "
+                  f"{listed(p for p in known.pairs if p not in known.iterative)}, {listed(UNITS)}")
+    if unit and (format != "fp32" or lanes not in ("1", 1)):
+        raise Bad(f"{what} needs fp32 and LANES 1")
     known.format(format)
     if style not in STYLES:
         raise Bad(f"{style} is not a style; expected {listed(STYLES)}")
@@ -185,9 +212,9 @@ def design(what, format="fp32", lat=None, lanes="1", style="cde", algorithm=None
         algorithm = algorithm or "moller"
         if algorithm not in known.algorithms:
             raise Bad(f"{algorithm} is not an algorithm; expected {listed(known.algorithms)}")
-    words = (lat or ("1/1/1/1/1" if pipe else "1")).split("/")
-    if len(words) != (len(KINDS) if pipe else 1):
-        raise Bad(f"--lat {lat}: {what} takes " + (f"five numbers, {'/'.join(KINDS)}" if pipe else "one number"))
+    words = (lat or ("1/1/1/1/1" if pipe or unit else "1")).split("/")
+    if len(words) != (len(KINDS) if pipe or unit else 1):
+        raise Bad(f"--lat {lat}: {what} takes " + (f"five numbers, {'/'.join(KINDS)}" if pipe or unit else "one number"))
     cycles = tuple(number(word, 1, MOST_LATENCY, "latency") for word in words)
     if style == "ordinary" and (cycles != (1,) or lanes not in ("1", 1)):
         raise Bad(f"ordinary_{what} needs LAT 1 and LANES 1")
