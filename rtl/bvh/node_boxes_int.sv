@@ -164,7 +164,7 @@ module node_boxes_int #(
   logic [SIDES-1:0][CHILDREN-1:0][NW-1:0] bound;
   for (genvar s = 0; s < SIDES; s++) begin : side
     logic [2:0][CHILDREN-1:0][7:0] byte_late;
-    pipe_delay #(.W(3 * CHILDREN * 8), .TO(T_HELD)) delay_bytes (
+    long_delay #(.W(3 * CHILDREN * 8), .DEPTH(T_HELD)) delay_bytes (
         .clk_i, .d_i((s == 0 && first[0]) ? side_byte[0] : side_byte[1]), .q_o(byte_late));
     node_side #(
         .UNIT_BITS(UNIT_BITS), .T_SIZES(T_SIZES), .T_STEPS(T_HELD)

@@ -17,7 +17,7 @@ module pass_delay #(
   localparam int SHORT = (T_RAY < T_SOLID) ? T_RAY : T_SOLID;
   localparam int LONG = T_RAY + T_SOLID - SHORT;
   logic [W-1:0] early, late;
-  pipe_delay #(.W(W), .TO(SHORT), .MEMORY(5)) delay_early (.clk_i, .d_i, .q_o(early));
-  pipe_delay #(.W(W), .FROM(SHORT), .TO(LONG), .MEMORY(5)) delay_late (.clk_i, .d_i(early), .q_o(late));
+  long_delay #(.W(W), .DEPTH(SHORT)) delay_early (.clk_i, .d_i, .q_o(early));
+  long_delay #(.W(W), .DEPTH(LONG - SHORT)) delay_late (.clk_i, .d_i(early), .q_o(late));
   assign q_o = (solid_i == (T_SOLID > T_RAY)) ? late : early;
 endmodule
