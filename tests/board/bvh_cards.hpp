@@ -38,7 +38,8 @@ inline BoardConfig gates_config() {
           .ddr_slots = 2000,
           .sram_records = 64};
 }
-/// Slow operators, four traversal units with two cycles per node, check bits in DDR, other pairs, a small ring.
+/// The latencies of a placed lane (docs/background/costs.md), four traversal units with two cycles
+/// per node, check bits in DDR, other pairs, a small ring.
 inline BoardConfig slow_config() {
   return {.lanes = 4,
           .pairs = {Pair::kRayTriangle, Pair::kTriangleSphere},
@@ -48,10 +49,11 @@ inline BoardConfig slow_config() {
           .nodes = 1024,
           .node_cycles = 2,
           .transform = Transformer::kBoth,
-          .latency_add = 2,
-          .latency_mul = 3,
-          .latency_div = 9,
-          .latency_compare = 2,
+          .latency_add = 9,
+          .latency_mul = 11,
+          .latency_div = 34,
+          .latency_sqrt = 32,
+          .latency_compare = 3,
           .ddr_slots = 2000,
           .sram_records = 64,
           .ecc = true};

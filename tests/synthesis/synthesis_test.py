@@ -52,9 +52,10 @@ class Contract(unittest.TestCase):
 
 class Designs(unittest.TestCase):
     def test_bad_words(self):
-        for words, said in ((("pow",), "pow is not an operator or a pair; expected add, "), (("to_fp9",), "is not an operator"), (("add", "fp9"), "fp9 is not a format"),
+        for words, said in ((("pow",), "pow is not an operator, a pair or a unit; expected add, .*, traversal-unit"), (("to_fp9",), "is not an operator"), (("add", "fp9"), "fp9 is not a format"),
                             (("add", "fp32", "0"), "0 is not a latency; expected 1 to 64"), (("add", "fp32", "x"), "x is not a latency"), (("add", "fp32", "65"), "1 to 64"),
                             (("add", "fp32", "1/2"), "takes one number"), (("ray-triangle", "fp16", "6"), "takes five numbers, add/mul/div/sqrt/cmp"),
+                            (("traversal-unit", "fp16"), "traversal-unit needs fp32 and LANES 1"), (("traversal-unit", "fp32", "6"), "takes five numbers"),
                             (("cylinder-cylinder",), "is an iterative pipeline"), (("add", "fp32", "1", "0"), "0 is not a number of lanes"),
                             (("add", "fp32", "1", "1", "plain"), "plain is not a style; expected cde, ordinary"), (("div", "fp32", "1", "1", "ordinary"), "no ordinary div"),
                             (("add", "fp32", "2", "1", "ordinary"), "needs LAT 1"), (("add", "fp32", "1", "1", "cde", "moller"), "has no algorithms"),
@@ -72,6 +73,13 @@ class Designs(unittest.TestCase):
         lane = designs.design("ray-triangle", "fp16", "6/6/15/13/1").bench()
         self.assertIn(f"input logic [{17 * 16 - 1}:0] d_i, output logic [{7 * 16}:0] q_o", lane)
         self.assertIn(".LAT({32'd6, 32'd6, 32'd15, 32'd13, 32'd1})", lane)
+
+    def test_bench_of_a_unit_drives_all_ports(self):
+        bench = designs.design("traversal-unit-shared", "fp32", "9/11/34/32/3").bench()
+        self.assertIn(f"input logic [{288 + 64 + 2 + 576 - 1}:0] d_i, output logic [{40 + 72 + 4 + 120 - 1}:0] q_o", bench)
+        self.assertIn(".SOLIDS(0), .CYCLES(2)", bench)
+        self.assertIn(".valid_i(d_i[353+:1])", bench)  # a constant would remove half of the unit
+        self.assertIn(".CYCLES(1)", designs.design("traversal-unit").bench())
 
     def test_every_row_of_the_plan_is_a_design(self):
         rows = table.plan(table.PLAN.read_text())

@@ -4,6 +4,7 @@ import re
 import statistics
 
 from contract import ROOT, Bad
+import designs
 import table
 import targets
 
@@ -32,11 +33,15 @@ def is_pipe(row):
     return table.design_of(row).pipe
 
 
+def is_unit(row):
+    return table.design_of(row).unit
+
+
 def operators(kept, target, clocks):
     head = ["operator", "format", "cycles", "LUT", "carry", "FF", "DSP"] + (["MHz"] if clocks else [])
     rows = []
     for row in kept.sorted():
-        if row["target"] == target and not is_pipe(row) and row["style"] == "cde":
+        if row["target"] == target and not is_pipe(row) and not is_unit(row) and row["style"] == "cde":
             rows.append([row["what"], row["format"], row["lat"], row["lut"], row["carry"], row["ff"], row["dsp"]] + ([clock(row)] if clocks else []))
     return grid(head, rows)
 
@@ -67,6 +72,16 @@ def lanes(kept):
     return grid(["pipe", "format", "cycles of add/mul/div/sqrt/cmp", "target", "LUT", "carry", "FF", "DSP", "RAM", "MHz", "lanes that fit"], rows)
 
 
+def units(kept):
+    head = ["unit", "cycles per node", "cycles of add/mul/div/sqrt/cmp", "LUT", "carry", "LUT memory", "FF", "DSP", "RAM", "logic", "MHz"]
+    rows = []
+    for row in kept.sorted():
+        if is_unit(row):
+            rows.append([row["what"], designs.UNITS[row["what"]], row["lat"], row["lut"], row["carry"], row["lutram"], row["ff"], row["dsp"], row["ram"],
+                         targets.TARGETS[row["target"]].used(row)["logic"], clock(row)])
+    return grid(head, rows)
+
+
 def made_with(kept):
     """Targets, with the tools of their rows."""
     rows = []
@@ -84,6 +99,7 @@ def parts(kept):
             "hx8k": operators(kept, "hx8k", True),
             "ordinary": ordinary(kept),
             "lanes": lanes(kept),
+            "units": units(kept),
             "xc7": operators(kept, "xc7", False),
             "virtex2p": operators(kept, "virtex2p", False)}
 

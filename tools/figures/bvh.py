@@ -110,3 +110,38 @@ def bound(_root):
                          "Margins are not to scale."),
                size=12, leading=18)
     return c
+
+
+def node_test(_root):
+    """rtl/bvh/node_boxes_int.sv and node_order.sv: modules and words between them."""
+    c = Canvas(860, 408, "The node test for rays in whole numbers",
+               "Fp32 operators compute T of byte 0 of the three axes. In parallel node_scale computes steps, units and margins. Time_steps converts "
+               "three planes and the ray's interval into whole steps after T_ref. Node_side adds bytes times units and takes the greatest of three "
+               "axes, for the near and the far side. Comparisons decide which children are entered, and node_order ranks them. With two cycles per "
+               "node, one set of units does the near side, then the far side.")
+    c.box(20, 40, 150, 62, ("*3 sub, 3 mul", "c = (origin − o) i", "~fp32, per axis"), "fb", 12.5)
+    c.box(20, 128, 150, 62, ("`node_scale", "ranges, lo, steps,", "units, margins"), "fg", 12.5)
+    c.box(20, 216, 150, 44, ("bytes of 8 children", "~wait"), "fn", 12.5)
+    c.box(216, 40, 100, 62, ("T_ref =", "c of axis lo"), "fn", 12.5)
+    c.box(356, 40, 148, 62, ("*5 time_steps", "planes, lowest, highest", "in whole steps"), "fa", 11.5)
+    c.box(546, 92, 146, 134, ("*2 node_side", "near, and −far:", "plane − margin", "+ byte × unit,", "greatest of 3 axes", "~24 multipliers each"), "fa", 12.5)
+    c.box(734, 40, 110, 62, ("near + −far ≤ 0,", "limits;", "key of 12 bits"), "fg", 12)
+    c.box(734, 164, 110, 62, ("`node_order", "28 comparisons,", "ranks"), "fg", 12.5)
+    c.arrow((170, 71), (216, 71))
+    c.arrow((316, 71), (356, 71))
+    c.arrow((170, 144), (266, 144), (266, 102))
+    c.arrow((170, 168), (546, 168))
+    c.text(360, 160, "units, margins", "middle", 12, "tu")
+    c.arrow((504, 71), (522, 71), (522, 118), (546, 118))
+    c.arrow((170, 238), (522, 238), (522, 206), (546, 206))
+    c.arrow((692, 118), (712, 118), (712, 71), (734, 71))
+    c.arrow((789, 102), (789, 164))
+    c.text(789, 250, "children hit,", "middle", 12, "tu")
+    c.text(789, 265, "in order", "middle", 12, "tu")
+    c.line([(20, 286), (844, 286)], "lh", 1, "2 3", solid=False)
+    c.texts_at(20, 312, ("*One cycle per node (NODE_CYCLES = 1)", "5 time_steps and 2 node_side work at once.",
+                         "48 products of 8 by 18 bits per cycle."), size=12.5)
+    c.texts_at(440, 312, ("*Two cycles per node (NODE_CYCLES = 2)", "First cycle: c of axes 0 and 1; planes; near side of 8 children.",
+                          "Second cycle: c of axis 2; lowest and highest; far side.", "2 sub, 2 mul, 3 time_steps, 1 node_side: 24 products."), size=12.5)
+    c.text(20, 396, "A new node enters every one or two cycles. Nothing stalls.", size=12, kind="tu")
+    return c

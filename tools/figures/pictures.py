@@ -18,6 +18,7 @@ ALL = {
     "shapes": solid_shapes.picture,
     "traversal": bvh.traversal,
     "bvh_bound": bvh.bound,
+    "node_test": bvh.node_test,
     "pipe": pipe.moeller,
     "pipe_spheres": pipe.spheres,
     "bus": bus.picture,

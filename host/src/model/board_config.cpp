@@ -195,7 +195,7 @@ std::vector<std::string> BoardConfig::parameters() const {
   require(std::has_single_bit(lanes) && lanes <= 256, "lanes", lanes,
           "a power of two from 1 to 256");
   const auto latency = [&](unsigned value, const char* name) {
-    require(value >= 1 && value <= 16, name, value, "1 to 16 cycles");
+    require(value >= 1 && value <= 64, name, value, "1 to 64 cycles");
   };
   check(arithmetic);
   check_card_format(format);
