@@ -13,18 +13,20 @@ module long_delay #(
 );
   /*verilator inline_module*/
   if (DEPTH >= 18) begin : g_block
-    // The oldest word is read while another slot is written.
-    localparam int AW = $clog2(DEPTH);
-    (* ram_style = "block" *) logic [W-1:0] mem[DEPTH];
+    // The oldest word is read while another slot is written. A block memory is slow, so its output has a second
+    // register.
+    localparam int SLOTS = DEPTH - 1;
+    localparam int AW = $clog2(SLOTS);
+    (* ram_style = "block" *) logic [W-1:0] mem[SLOTS];
     logic [W-1:0] q;
     logic [AW-1:0] slot_q, next;
-    assign next = (slot_q >= AW'(DEPTH - 1)) ? '0 : slot_q + 1;
+    assign next = (slot_q >= AW'(SLOTS - 1)) ? '0 : slot_q + 1;
     always_ff @(posedge clk_i) begin
       q <= mem[next];
+      q_o <= q;
       mem[slot_q] <= d_i;
       slot_q <= next;
     end
-    assign q_o = q;
   end else begin : g_short
     pipe_delay #(.W(W), .TO(DEPTH), .MEMORY(5)) delay (.clk_i, .d_i, .q_o);
   end

@@ -72,7 +72,7 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
          card.latency_compare == planned.latency_compare && card.ddr_slots == planned.ddr_slots &&
          card.sram_records == planned.sram_records && card.bus == planned.bus &&
          card.ecc == planned.ecc && card.traversal_units == planned.traversal_units &&
-         card.nodes >= planned.nodes;
+         card.nodes >= planned.nodes && card.node_cycles == planned.node_cycles;
 }
 
 double times(const BoardConfig& card, const BoardConfig& planned, const Rows& rows) {
