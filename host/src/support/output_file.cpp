@@ -27,6 +27,7 @@
 
 #include "cde/support/message.hpp"
 #include "cde/support/scratch.hpp"
+#include "support/file_access.hpp"
 #include "support/output_target.hpp"
 
 namespace cde {
@@ -170,16 +171,19 @@ OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
   else
     target = follow_output(path);
   target_ = target.path;
+  const auto kept = target.descriptor ? std::nullopt : kept_found(path);
+  found_ = kept ? kept->info : target.info;
   stdout_ = target.descriptor == STDOUT_FILENO;
   if (stdout_) {
     file_ = stdout;
   } else if (target.descriptor || (target.info && !S_ISREG(target.info->st_mode))) {
+    if (target.info && !target.descriptor && (!found_ || !is_same_file(*found_, *target.info)))
+      fail_replaced(path);
     if ((file_ = ::fdopen(open_output(target, O_WRONLY).release(), "w")) == nullptr) fail("write");
   } else {
     // A rename needs no permission for the file that it replaces, so check it here.
     if (target.info && ::access(target_.c_str(), W_OK) != 0) fail("write");
     folder_ = folder_of(target).release();
-    if (target.info) replaced_mode_ = target.info->st_mode & 0777;
     make_temporary();
     return;
   }
@@ -190,21 +194,22 @@ OutputFile::OutputFile(const fs::path& path, Use use) : path_(path) {
 }
 
 void OutputFile::make_temporary() {
-  // Users who cannot read the old file must not read the new one before it has the same mode.
-  const mode_t mode = replaced_mode_ ? 0600 : 0666;
+  const Descriptor old(
+      ::openat(folder_, target_.filename().c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  if (found_ && S_ISREG(found_->st_mode)) replaced_mode_ = found_->st_mode & 0777;
+  // With an ACL, the bits of the group are the most that the ACL gives.
+  if (replaced_mode_ && !access_acl(old.get()).empty()) *replaced_mode_ &= ~070u;
+  new_mode_ = mode_of_new_file(folder_);
   const std::string name(stem(target_.filename().native()));
   sweep_all(folder_, name);
   for (int attempts = 0; attempts < 100; ++attempts) {
     temporary_ = {folder_, fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word())};
     remember(files, temporary_);  // first, so that a signal in between still finds the file
     const char* const last = temporary_.name.c_str();
-    const int fd = ::openat(folder_, last, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    // Users who could open the file could read it before it has its mode, or hold its lock.
+    const int fd = ::openat(folder_, last, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (fd >= 0) {
-      // A cleaner in another process finds the file locked, or has removed it before the lock.
-      struct stat info {};
-      (void)::flock(fd, LOCK_EX);
-      const bool there = ::fstat(fd, &info) == 0 && info.st_nlink != 0;
-      if (there && (file_ = ::fdopen(fd, "w")) != nullptr) return;
+      if (lock_temporary(fd) && (file_ = ::fdopen(fd, "w")) != nullptr) return;
       ::close(fd);
       ::unlinkat(folder_, last, 0);
     }
@@ -217,6 +222,14 @@ void OutputFile::make_temporary() {
   }
   errno = EEXIST;
   fail("create");
+}
+
+/// A cleaner in another process finds the file locked, or has locked or removed it before. Some
+/// file systems have no locks.
+bool OutputFile::lock_temporary(int fd) const {
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+  const auto info = info_of(fd);
+  return info && info->st_nlink != 0;
 }
 
 /// Makes a nameless file, which others open by its descriptor.
@@ -243,7 +256,7 @@ std::string OutputFile::by_name() const {
 }
 
 void OutputFile::set_mode(unsigned mode) {
-  if (!temporary_.name.empty() && ::fchmod(::fileno(file_), mode) != 0) fail("write");
+  new_mode_ = mode;
 }
 
 void OutputFile::fail(const char* doing) const {
@@ -295,19 +308,39 @@ void OutputFile::commit() {
   if (!temporary_.name.empty()) move_into_place(written.get());
 }
 
-/// Puts the new file in place, with the mode and owner of the replaced file.
+/// Gives the new file the owner, mode and ACL of the old one. Whoever could not read the old file
+/// cannot read the new one.
+void OutputFile::set_owner_and_mode(int fd) {
+  const Descriptor there(
+      ::openat(folder_, target_.filename().c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
+  const auto now = info_of(there.get()), ours = info_of(fd);
+  if (!ours) fail("write");
+  const bool same = now && found_ && is_same_file(*now, *found_);
+  // In a held folder, as that of a run, all files are this user's.
+  if (now && now->st_uid != ours->st_uid && (!same || is_in_held_folder(path_)))
+    fail_replaced(path_);
+  if (same && S_ISREG(now->st_mode)) {
+    // Only root can change a file's owner, and not on every file system.
+    if (::geteuid() == 0) (void)!::fchown(fd, now->st_uid, now->st_gid);
+    if (!set_access(fd, now->st_mode & 0777, access_acl(there.get()))) fail("write");
+    return;
+  }
+  mode_t mode = replaced_mode_.value_or(new_mode_);
+  if (now && S_ISREG(now->st_mode)) mode &= now->st_mode;
+  if (found_ && found_->st_uid != ours->st_uid) mode &= ~022u;  // the new file's owner is another
+  if (!replaced_mode_)
+    (void)::fchmod(fd, mode);
+  else if (!set_access(fd, mode, {}))
+    fail("write");
+}
+
+/// Puts the new file in place.
 void OutputFile::move_into_place(int fd) {
   const std::string target = target_.filename();
   const char* const name = temporary_.name.c_str();
-  struct stat old {
-  }, ours{}, named{};
-  if (::fstatat(folder_, target.c_str(), &old, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(old.st_mode)) {
-    // Only root can change a file's owner, and not on every file system.
-    if (::geteuid() == 0) (void)!::fchown(fd, old.st_uid, old.st_gid);
-    (void)::fchmod(fd, old.st_mode & 0777);
-  } else if (replaced_mode_) {  // removed meanwhile, so the new file has another owner
-    (void)::fchmod(fd, *replaced_mode_ & ~022u);
-  }
+  set_owner_and_mode(fd);
+  struct stat ours {
+  }, named{};
   if (::fstat(fd, &ours) != 0 || ::fstatat(folder_, name, &named, AT_SYMLINK_NOFOLLOW) != 0)
     fail("write");
   if (named.st_dev != ours.st_dev || named.st_ino != ours.st_ino)
@@ -318,6 +351,7 @@ void OutputFile::move_into_place(int fd) {
   if (::renameat(folder_, name, folder_, target.c_str()) != 0) fail("write");
   forget(files, temporary_);
   temporary_ = {};
+  if (kept_found(path_)) keep_found(path_, ours);  // the command may write it again
 }
 
 void OutputFile::buffer_stdout() {
@@ -483,6 +517,7 @@ void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> in
   // Keep the folders open: another user may replace one before the file is opened.
   for (const Checked& output : written) {
     const OutputTarget& target = output.target;
+    if (!target.descriptor) keep_found(output.use->path, target.info);
     if (target.descriptor || (target.info && !S_ISREG(target.info->st_mode))) continue;
     keep_folder(target.linked ? target.path.parent_path() : target.named.parent_path(),
                 folder_of(target));

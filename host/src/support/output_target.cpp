@@ -49,6 +49,10 @@ std::optional<int> held_folder(const fs::path& path) {
 }
 
 std::mutex kept_mutex;
+std::map<fs::path, FoundOutput>& kept_outputs() {
+  static std::map<fs::path, FoundOutput> kept;
+  return kept;
+}
 std::map<fs::path, Descriptor>& kept_folders() {
   static std::map<fs::path, Descriptor> kept;
   return kept;
@@ -94,6 +98,34 @@ void keep_folder(const fs::path& folder, Descriptor opened) {
     if (kept && now && kept->st_dev == now->st_dev && kept->st_ino == now->st_ino) return;
   }
   kept_folders().insert_or_assign(key, std::move(opened));
+}
+
+void keep_found(const fs::path& named, const std::optional<struct stat>& info) {
+  std::error_code error;
+  const std::lock_guard lock(kept_mutex);
+  kept_outputs().insert_or_assign(fs::absolute(named, error), FoundOutput{info});
+}
+
+std::optional<FoundOutput> kept_found(const fs::path& named) {
+  std::error_code error;
+  const std::lock_guard lock(kept_mutex);
+  const auto found = kept_outputs().find(fs::absolute(named, error));
+  return found == kept_outputs().end() ? std::nullopt : std::optional(found->second);
+}
+
+bool is_same_file(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino && a.st_uid == b.st_uid &&
+         (a.st_mode & S_IFMT) == (b.st_mode & S_IFMT);
+}
+
+bool is_in_held_folder(const fs::path& path) {
+  return held_folder(path).has_value();
+}
+
+void fail_replaced(const fs::path& named) {
+  throw Error(
+      ErrorCode::kFile,
+      fmt::format("{}: cannot write: another user of its folder has replaced it", shown(named)));
 }
 
 bool same_name(const OutputTarget& a, const OutputTarget& b) {
@@ -163,12 +195,6 @@ std::optional<Entry> entry_at(const fs::path& path) {
                   printable_name(to.string()), number == ENOTDIR ? "is a file" : "does not exist"));
 }
 
-[[noreturn]] void fail_replaced(const fs::path& named) {
-  throw Error(
-      ErrorCode::kFile,
-      fmt::format("{}: cannot write: another user of its folder has replaced it", shown(named)));
-}
-
 }  // namespace
 
 void check_folder_link(const fs::path& named, int folder) {
@@ -224,6 +250,7 @@ OutputTarget held_target(const fs::path& named, int folder) {
   }
   if (S_ISLNK(info.st_mode) || S_ISDIR(info.st_mode))
     fail_output(named, "write", S_ISDIR(info.st_mode) ? EISDIR : ELOOP);
+  if (!S_ISREG(info.st_mode) && info.st_uid != ::geteuid()) fail_replaced(named);
   target.info = info;
   return target;
 }
@@ -321,21 +348,45 @@ Descriptor folder_of(const OutputTarget& target) {
   return Descriptor(at);
 }
 
-Descriptor open_output(const OutputTarget& target, int flags) {
+namespace {
+
+/// Opens the file that `there` leads to as a path only.
+Descriptor open_again(const OutputTarget& target, const Descriptor& there, int flags) {
+  const struct stat& info = *target.info;
+  // A FIFO of another user could let this process wait for ever.
+  const bool foreign = S_ISFIFO(info.st_mode) && info.st_uid != 0 && info.st_uid != ::geteuid();
+  const std::string name = fmt::format("/proc/self/fd/{}", there.get());
+  Descriptor file(
+      ::open(name.c_str(), (flags & ~O_CREAT) | O_NOCTTY | O_CLOEXEC | (foreign ? O_NONBLOCK : 0)));
+  if (file.get() < 0 && errno == ENXIO && foreign)
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: cannot write: it is a FIFO of user {} that no process reads",
+                            shown(target.named), info.st_uid));
+  if (file.get() < 0) fail_output(target.named, "write", errno);
+  if (foreign) (void)::fcntl(file.get(), F_SETFL, ::fcntl(file.get(), F_GETFL) & ~O_NONBLOCK);
+  return file;
+}
+
+}  // namespace
+
+Descriptor open_output(const OutputTarget& target, int flags, mode_t mode) {
   if (target.descriptor) {
     Descriptor again(::fcntl(*target.descriptor, F_DUPFD_CLOEXEC, 0));
     if (again.get() < 0) fail_output(target.named, "write", errno);
     return again;
   }
   const Descriptor folder = folder_of(target);
-  Descriptor file(::openat(folder.get(), target.path.filename().c_str(),
-                           flags | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, 0666));
+  const std::string name = target.path.filename();
+  if (target.info) {
+    const Descriptor there(::openat(folder.get(), name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
+    const auto info = info_of(there.get());
+    if (!info) fail_output(target.named, "write", errno);
+    if (!is_same_file(*info, *target.info)) fail_replaced(target.named);
+    return open_again(target, there, flags);
+  }
+  Descriptor file(
+      ::openat(folder.get(), name.c_str(), flags | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, mode));
   if (file.get() < 0) fail_output(target.named, "write", errno);
-  const auto opened = info_of(file.get());
-  if (target.info && opened &&
-      (opened->st_dev != target.info->st_dev || opened->st_ino != target.info->st_ino ||
-       (opened->st_mode & S_IFMT) != (target.info->st_mode & S_IFMT)))
-    fail_replaced(target.named);
   return file;
 }
 

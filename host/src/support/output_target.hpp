@@ -32,7 +32,8 @@ struct OutputTarget {
 /// Follows links in the last component by hand. Links in /proc/self/fd are not paths, and a link to
 /// a missing file names where to create it. Error kFile if the target is a folder, or if another
 /// user's link leads to a descriptor or to a file that this user does not own. Error kFile for any
-/// link in a held folder, and for a descriptor below another name of /proc/self/fd.
+/// link in a held folder, for another user's FIFO or device there, and for a descriptor below
+/// another name of /proc/self/fd.
 [[nodiscard]] OutputTarget follow_output(const std::filesystem::path& named);
 
 /// Checks a folder that was opened by name. Error kFile if another user's link led to a folder that
@@ -49,6 +50,27 @@ void check_folder_link(const std::filesystem::path& named, int folder);
 /// same name takes its place.
 void keep_folder(const std::filesystem::path& folder, Descriptor opened);
 
+/// What was at an output's name at the start of the command.
+struct FoundOutput {
+  std::optional<struct stat> info;  ///< nothing if the name was free
+};
+
+/// Remembers what is at an output's name. A later file of the same name takes its place.
+void keep_found(const std::filesystem::path& named, const std::optional<struct stat>& info);
+
+/// What keep_found() was given for the name.
+[[nodiscard]] std::optional<FoundOutput> kept_found(const std::filesystem::path& named);
+
+/// Whether two files are one: the same inode, of the same type and user. A removed file's number
+/// may be given to a file of another user.
+[[nodiscard]] bool is_same_file(const struct stat& a, const struct stat& b);
+
+/// Error kFile "PATH: cannot write: another user of its folder has replaced it".
+[[noreturn]] void fail_replaced(const std::filesystem::path& named);
+
+/// Whether the path is a name in a folder that this process holds open, as /proc/self/fd/N/NAME.
+[[nodiscard]] bool is_in_held_folder(const std::filesystem::path& path);
+
 /// Whether two targets are the same name in the same folder.
 [[nodiscard]] bool same_name(const OutputTarget& a, const OutputTarget& b);
 
@@ -56,8 +78,9 @@ void keep_folder(const std::filesystem::path& folder, Descriptor opened);
 /// error. The owners of all followed links must still own the target.
 [[nodiscard]] Descriptor folder_of(const OutputTarget& target);
 
-/// Opens the existing file, or creates it if `flags` say so. Error kFile if it has become a link or
-/// another file since it was resolved.
-[[nodiscard]] Descriptor open_output(const OutputTarget& target, int flags);
+/// Opens the existing file, or creates it with this mode if `flags` say so. Error kFile if it has
+/// become a link or another file since it was resolved. Waits for the reader of a FIFO. Error kFile
+/// if the FIFO belongs to another user and has no reader.
+[[nodiscard]] Descriptor open_output(const OutputTarget& target, int flags, mode_t mode = 0666);
 
 }  // namespace cde

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <sys/stat.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -22,17 +24,18 @@ struct NameInFolder {
 /// pages and waves.
 ///
 /// A regular or new file is written under a temporary name in the same folder. Then commit()
-/// renames it. A reader sees the old file or the complete new one. The mode of an old file stays,
-/// and until commit() only this user can read what replaces it. A symbolic link stays, and its
-/// target is written. Anything else that exists (a device, a FIFO, a descriptor such as
-/// /dev/stdout) is opened and written directly. "-" is stdout.
+/// renames it. A reader sees the old file or the complete new one. Until commit() only this user
+/// can open the new file. Then it gets the owner, mode and access control list of the old file. A
+/// symbolic link stays, and its target is written. Anything else that exists (a device, a FIFO, a
+/// descriptor such as /dev/stdout) is opened and written directly. "-" is stdout.
 ///
 /// The temporary name is NAME.cde-PID-RANDOM, and the file is locked. Without commit() the file is
 /// removed. The next process that writes the same NAME removes what a killed process left behind.
 ///
 /// The folder may belong to another user, who can replace either name. Mode and owner are therefore
-/// set by descriptor. commit() fails if the temporary name no longer leads to the written file. A
-/// symbolic link of another user must lead to a file of that user.
+/// set by descriptor. commit() fails if the temporary name no longer leads to the written file, or
+/// if the target is now another user's file that was not there at check_outputs() (without that
+/// call: at the construction). A symbolic link of another user must lead to a file of that user.
 class OutputFile {
  public:
   enum class Use {
@@ -71,15 +74,19 @@ class OutputFile {
 
  private:
   void make_temporary();
+  bool lock_temporary(int fd) const;
   void make_spool();
   void spill();
   void move_into_place(int fd);
+  void set_owner_and_mode(int fd);
   [[noreturn]] void fail(const char* doing) const;
 
   std::filesystem::path path_, target_;  // as it was named, and with links followed
   NameInFolder temporary_;  // commit() renames it to target_; empty: the target is written directly
   int folder_ = -1;         // folder of both names
+  std::optional<struct stat> found_;       // the file at target_ at the start, if any
   std::optional<unsigned> replaced_mode_;  // permissions of the file that is replaced
+  unsigned new_mode_ = 0600;               // permissions of a file that replaces none
   bool stdout_ = false;
   std::FILE* file_ = nullptr;  // the target, or the temporary file
   std::FILE* held_ = nullptr;  // buffer that write() fills instead of file_
@@ -138,7 +145,8 @@ struct FileUse {
 /// Files are the same if they have the same inode. /dev/null may be several outputs; a terminal may
 /// be input and output. Error kFile if an output cannot be written: its folder is missing, or it is
 /// a folder. The folders stay open in this process: an OutputFile of the same path is written to
-/// the folder that was checked, even if another one has taken its name.
+/// the folder that was checked, even if another one has taken its name. It is not written if
+/// another user has put a file there since.
 void check_outputs(std::span<const FileUse> outputs, std::span<const FileUse> inputs);
 
 /// Why a path cannot name a new folder, as "it ends with .."; nothing if it can.

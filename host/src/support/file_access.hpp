@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <sys/types.h>
+
+#include <string>
+
+/// Who may read and write a file: its mode and access control list (ACL). Private to the library.
+namespace cde {
+
+/// The mode of a new file of mode 0666: without the bits of the umask, or with the bits of the
+/// folder's default ACL. The folder may be open as a path only.
+[[nodiscard]] mode_t mode_of_new_file(int folder);
+
+/// The access ACL of a file that is open, perhaps as a path only. Empty if its mode says all.
+[[nodiscard]] std::string access_acl(int file);
+
+/// Gives an open file this mode and this access ACL. Without an ACL the file loses the one that it
+/// inherited from its folder. False, with errno, if an inherited ACL stays.
+[[nodiscard]] bool set_access(int file, mode_t mode, const std::string& acl);
+
+}  // namespace cde
