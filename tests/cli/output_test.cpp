@@ -120,6 +120,17 @@ TEST_F(Outputs, PipesAndDescriptors_AreWritten) {
   EXPECT_EQ(ran.out, kCsv);
 }
 
+TEST_F(Outputs, FifoWithASuffix_GetsThatFormat) {
+  const std::string into = "\"$CDE\" cast one.obj --rays rays.csv --lanes 4 -q -o ";
+  Ran ran = shell("mkfifo f.jsonl; cat f.jsonl & " + into + "f.jsonl; wait");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(ran.out.starts_with("{")) << ran.out;
+  write("one.vcd", "$timescale 1ns $end\n$var wire 1 a x $end\n$enddefinitions $end\n#0\n0a\n");
+  ran = shell("mkfifo f.vcd; cat f.vcd & \"$CDE\" wave export one.vcd -o f.vcd 2>/dev/null; wait");
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_TRUE(has(ran.out, "$enddefinitions")) << ran.out;
+}
+
 TEST_F(Outputs, Link_WritesItsTarget) {
   fs::create_directory(folder_ / "there");
   fs::create_symlink("there/hits.csv", folder_ / "link");

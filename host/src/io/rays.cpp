@@ -68,7 +68,8 @@ const text::TableForm& ray_table() {
 RayList read_rays(const std::filesystem::path& path) {
   const std::string name = printable_name(path.string());
   std::string bytes = file_io::read(path);
-  const std::string suffix = suffix_of(path.string()).text;
+  const Suffix end = suffix_of(path.string());
+  const std::string suffix = end.nameless ? "" : end.text;
   if ((suffix == ".npy" || suffix == ".npz") && !io::is_array(bytes))
     throw Error(ErrorCode::kFile, name + ": is not a NumPy array (" + suffix + ")");
   return rays_in(std::move(bytes), name);

@@ -148,9 +148,9 @@ std::vector<RecordField> parse_fields(const std::vector<std::string>& fields) {
 
 RecordFormat::Kind kind_of(const std::string& path) {
   const Suffix name = suffix_of(path);
-  if (name.nameless || name.text == ".csv") return RecordFormat::Kind::kCsv;
   if (name.text == ".npy") return RecordFormat::Kind::kNpy;
   if (name.text == ".jsonl") return RecordFormat::Kind::kJsonLines;
+  if (name.nameless || name.text == ".csv") return RecordFormat::Kind::kCsv;
   wrong_suffix("--output", path, ".csv, .npy or .jsonl");
 }
 

@@ -16,8 +16,8 @@ Suffix suffix_of(const std::string& path) {
   if (path == "-") return {"", true, ""};
   std::error_code failed;
   const auto status = fs::status(path, failed);
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
-    return {"", true, ""};
+  const bool special =
+      fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
   // Descriptors have no name with a suffix. But /dev/shm/a.vcd is a file.
   for (const char* folder : {"/dev/fd/", "/dev/std", "/proc/"})
     if (path.starts_with(folder)) return {"", true, ""};
@@ -28,7 +28,7 @@ Suffix suffix_of(const std::string& path) {
   std::string text = name.extension().string();
   for (char& c : text)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return {text, false, name == fs::path(path) ? "" : name.string()};
+  return {text, special, name == fs::path(path) ? "" : name.string()};
 }
 
 void wrong_suffix(std::string_view option, const std::string& path, std::string_view may_be) {

@@ -74,9 +74,9 @@ enum class Format { kPng, kPfm, kNpy, kOther };
 /// A name without a known suffix is a PNG.
 Format format_of(const std::string& path) {
   const Suffix name = suffix_of(path);
-  if (name.nameless || name.text == ".png") return Format::kPng;
   if (name.text == ".pfm") return Format::kPfm;
-  return name.text == ".npy" ? Format::kNpy : Format::kOther;
+  if (name.text == ".npy") return Format::kNpy;
+  return name.nameless || name.text == ".png" ? Format::kPng : Format::kOther;
 }
 
 std::string_view bytes_of(std::span<const float> numbers) {

@@ -6,12 +6,11 @@
 namespace cde {
 
 /// The suffix of an output's name: ".csv", also for "A.CSV". For a symbolic link it is the suffix
-/// of the target. It is empty for an output whose name says nothing: "-", a device, a FIFO, a
-/// descriptor such as /dev/stdout.
+/// of the target. It is empty for "-" and for a descriptor such as /dev/stdout.
 struct Suffix {
   std::string text;
-  bool nameless = false;
-  std::string target;  ///< target of a symbolic link, else empty
+  bool nameless = false;  ///< "-", a descriptor, a device or a FIFO: any suffix, or none, will do
+  std::string target;     ///< target of a symbolic link, else empty
 };
 [[nodiscard]] Suffix suffix_of(const std::string& path);
 
