@@ -14,6 +14,7 @@
 #include <random>
 
 #include "../has.hpp"
+#include "cde/jobs/journal.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -48,6 +49,12 @@ class Ranks : public Cli {
       at.push_back(i);
     at.push_back(journal.size());
     return at;
+  }
+  /// The journal with the fingerprint of its first line as it is now.
+  static std::string with_first_line(std::string journal) {
+    const std::string key = ",\"fingerprint\":\"";
+    const std::size_t at = journal.rfind(key, journal.find('\n'));
+    return journal.replace(at + key.size(), 16, fingerprint(journal.substr(0, at)));
   }
   /// A cast of `side` x `side` rays at a mesh that is large enough for a BVH.
   static Words through(const std::string& records, unsigned side, const Words& more = {}) {
@@ -136,7 +143,7 @@ TEST_F(Ranks, DamagedJournal_IsNamed) {
         "[\"cast\",5],\"o\":", "[\"cast\",\"-oa\\u0000b\"],\"o\":"}) {
     bad = journal;
     bad.insert(bad.find(words) + words.size(), other);
-    write("bad", bad);
+    write("bad", with_first_line(bad));
     refused({"merge", "bad"}, "bad: \"words\" is not the command of a run");
   }
   refused(cast("x.csv", {"--resume", "x.csv"}), "-o and --resume both write to x.csv");
@@ -160,10 +167,13 @@ TEST_F(Ranks, JournalWritableByOthers_IsNotRun) {
   fs::remove(folder_ / "x.csv");
   fs::permissions(folder_ / "journal", fs::perms::others_write, fs::perm_options::add);
   refused({"merge", "journal"}, "journal is refused, because its command would be run: all users");
+  refused(cast("x.csv", {"--resume", "journal"}),
+          "journal is refused, because its results would not be checked again: all users");
   fs::permissions(folder_ / "journal", fs::perms::others_write, fs::perm_options::remove);
   if (::geteuid() == 0) {
     ASSERT_EQ(::chown((folder_ / "journal").c_str(), 65534, 65534), 0);
-    refused({"merge", "journal"}, "it belongs to user 65534; make a copy of your own");
+    for (const Words& words : {Words{"merge", "journal"}, cast("x.csv", {"--resume", "journal"})})
+      refused(words, "it belongs to user 65534; make a copy of your own");
     fs::copy_file(folder_ / "journal", folder_ / "copy");
     ASSERT_EQ(cde({"merge", "copy"}).status, 0);
   }

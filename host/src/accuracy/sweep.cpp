@@ -98,6 +98,8 @@ std::optional<std::vector<Measured>> sweep(const SweepOptions& o) {
                              : measured_leaks(pipe, part.name, o.seed, part.first, part.cases);
              return json_text(tally.to_json(), -1);
            },
+       .check = [](std::uint64_t,
+                   const std::string& result) { (void)Tally::from_json(parse_json(result)); },
        .take =
            [&](std::uint64_t c, const std::string& result) {
              const auto& [pipe, part] = chunks[c];

@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "cde.journal.1";
+constexpr const char* kSchema = "cde.journal.2";
 constexpr std::uint64_t kMostOfAnything = std::uint64_t{1} << 40;  ///< largest number in a journal
 constexpr std::size_t kLongestLine = 1 << 20;  ///< bytes of JSON; mostly the words of the command
 
@@ -40,6 +40,17 @@ std::optional<std::string> bytes_at(int file, std::uint64_t at, std::size_t coun
   }
   bytes.resize(got);
   return bytes;
+}
+
+/// The end of the first line, behind the fields that it covers.
+std::string end_of_first(std::string_view fields) {
+  return fmt::format(",\"fingerprint\":\"{}\"}}", fingerprint(fields));
+}
+
+/// The fingerprint of a chunk: its number, its input and its bytes.
+std::string print_of(ChunkNumber number, std::string_view input, std::string_view bytes) {
+  return fingerprint(
+      fmt::format("{} {} {} {}", number.part, number.chunk, input, fingerprint(bytes)));
 }
 
 }  // namespace
@@ -67,7 +78,9 @@ Journal::Journal(std::string what, std::string path, Use use, const Json& run, c
     run_ = Json{{"schema", kSchema}};
     run_.update(run);
     run_.update(beside);
-    append(json_text(run_, -1) + "\n");
+    std::string fields = json_text(run_, -1);
+    fields.pop_back();  // the brace
+    append(fields + end_of_first(fields) + "\n");
   } catch (...) {
     ::close(file_);
     throw;
@@ -85,7 +98,8 @@ void Journal::open(Use use) {
     if (file_ < 0) fail("cannot open");
   } else {
     try {
-      file_ = open_output(follow_output(path_), O_RDWR | O_CREAT | O_NONBLOCK).release();
+      // Users who could open the file could hold its lock.
+      file_ = open_output(follow_output(path_), O_RDWR | O_CREAT | O_NONBLOCK, 0600).release();
     } catch (const Error& e) {
       throw Error(e.code(), fmt::format("{}: {}", what_, e.what()));
     }
@@ -96,7 +110,7 @@ void Journal::open(Use use) {
     throw Error(ErrorCode::kFile,
                 fmt::format("{}: {} is not a regular file", what_, printable_name(path_)));
   }
-  if (use == Use::kRead) check_owner(status);
+  check_owner(status, use);
   bytes_ = static_cast<std::uint64_t>(status.st_size);
   if (use == Use::kRead || ::flock(file_, LOCK_EX | LOCK_NB) == 0) return;
   ::close(file_);
@@ -104,15 +118,17 @@ void Journal::open(Use use) {
               fmt::format("{}: another process works on {}", what_, printable_name(path_)));
 }
 
-/// A journal's command is run, and it names files that are written. So the owner must be trusted.
-void Journal::check_owner(const struct stat& status) {
+/// A journal's command is run, and it names files that are written. Its results are not checked
+/// again. So the owner must be trusted.
+void Journal::check_owner(const struct stat& status, Use use) {
   const bool ours = status.st_uid == ::geteuid() || status.st_uid == 0;
   if (ours && (status.st_mode & S_IWOTH) == 0) return;
   ::close(file_);
   throw Error(
       ErrorCode::kFile,
       fmt::format(
-          "{}: {} is refused, because its command would be run: {}", what_, printable_name(path_),
+          "{}: {} is refused, because its {}: {}", what_, printable_name(path_),
+          use == Use::kRead ? "command would be run" : "results would not be checked again",
           ours ? "all users can write it (chmod o-w)"
                : fmt::format("it belongs to user {}; make a copy of your own", status.st_uid)));
 }
@@ -169,8 +185,7 @@ std::uint64_t Journal::scan() {
     std::uint64_t next = at + line->size() + 1;
     try {
       if (at == 0) {
-        if (entry.value("schema", Json()) != kSchema) damaged(0, "not a journal of this version");
-        run_ = entry;
+        read_first(*line, entry);
       } else if (!scan_entry(entry, at, next)) {
         return at;
       }
@@ -180,6 +195,26 @@ std::uint64_t Journal::scan() {
     at = next;
   }
   return at;
+}
+
+/// Reads the line that identifies the run.
+void Journal::read_first(const std::string& line, const Json& entry) {
+  const Json schema = entry.value("schema", Json());
+  const bool other = schema.is_string() &&
+                     schema.get_ref<const std::string&>().starts_with("cde.journal.") &&
+                     schema != kSchema;
+  if (other)
+    throw Error(ErrorCode::kFile,
+                fmt::format("{}: {} is a journal of another version of cde, {}; this version reads "
+                            "{}; remove the file and run its command again",
+                            what_, printable_name(path_), json_text(schema, -1), kSchema));
+  if (schema != kSchema) damaged(0, "not a journal of this version");
+  const std::size_t size = end_of_first({}).size();
+  const std::string_view fields = std::string_view(line).substr(0, line.size() - size);
+  if (line.size() < size || !line.ends_with(end_of_first(fields)))
+    damaged(0, "the line is damaged: its fingerprint is another");
+  run_ = entry;
+  run_.erase("fingerprint");
 }
 
 /// The place after this byte where an entry's line begins.
@@ -252,11 +287,22 @@ void Journal::check_run(const Json& run) const {
   }
 }
 
-std::string Journal::read(ChunkNumber number) const {
+std::string Journal::read(ChunkNumber number, const Check& check) const {
   const ChunkPlace& place = chunks_.at(number);
   const auto bytes = bytes_at(file_, place.at, place.bytes);
   if (!bytes) fail("cannot read");
-  if (fingerprint(*bytes) != place.fingerprint) damaged(place.at, "the chunk is damaged");
+  if (print_of(number, place.input, *bytes) != place.fingerprint)
+    damaged(place.at, "the chunk is damaged");
+  const auto refuse = [&](const char* why) {
+    damaged(place.at, fmt::format("the chunk is no result of this run: {}", why));
+  };
+  try {
+    if (check) check(*bytes);
+  } catch (const Error& e) {
+    refuse(e.what());
+  } catch (const Json::exception& e) {
+    refuse(e.what());
+  }
   return *bytes;
 }
 
@@ -298,8 +344,10 @@ void Journal::warn_if_lost() {
 }
 
 void Journal::add(ChunkNumber number, const std::string& input, std::string_view bytes) {
-  ChunkPlace place{
-      .at = 0, .bytes = bytes.size(), .fingerprint = fingerprint(bytes), .input = input};
+  ChunkPlace place{.at = 0,
+                   .bytes = bytes.size(),
+                   .fingerprint = print_of(number, input, bytes),
+                   .input = input};
   std::string text = json_text(Json{{"part", number.part},
                                     {"chunk", number.chunk},
                                     {"bytes", place.bytes},

@@ -59,15 +59,23 @@ bool is_distributed(const std::string& verb) {
   return std::ranges::find(kDistributed, verb) != kDistributed.end();
 }
 
+/// The result of a chunk that a journal holds.
+std::string stored(const Journal& journal, const Part& part, ChunkNumber key) {
+  return journal.read(key, [&](const std::string& bytes) {
+    if (part.check) part.check(key.chunk, bytes);
+  });
+}
+
 /// Combines the fingerprints of a part's inputs, in their order, into one.
 class Inputs {
  public:
   /// Adds an input and returns its own fingerprint.
   std::string add(const std::string& input) {
     std::string print = fingerprint(input);
-    all_ = fingerprint(all_ + print);
+    add_print(print);
     return print;
   }
+  void add_print(const std::string& print) { all_ = fingerprint(all_ + print); }
   [[nodiscard]] Journal::PartEnd end(std::uint64_t chunks) const { return {chunks, all_}; }
 
  private:
@@ -219,7 +227,7 @@ void WorkDistributor::run_all(const Part& part) {
       std::string print = journal_ ? all.add(*input) : std::string();
       if (journal_ && journal_->has(key)) {
         journal_->check_input(key, print);
-        order.add(number++, journal_->read(key));
+        order.add(number++, stored(*journal_, part, key));
         continue;
       }
       inputs.emplace(number, std::move(print));
@@ -275,7 +283,7 @@ bool WorkDistributor::run_merged(const Part& part) {
       const auto input = part.input(number);
       (*holder)->check_input(key, input ? fingerprint(*input) : "none");
     }
-    order.add(number, (*holder)->read(key));
+    order.add(number, stored(**holder, part, key));
   }
   if (part.inputs_again && part.input(chunks))
     throw Error(ErrorCode::kUsage,
@@ -315,7 +323,27 @@ void WorkDistributor::check_merged() const {
               "cde merge: chunk {} of {} is in no journal; the journal of shard {}/{} is missing",
               number, chunks, number % shards + 1, shards));
     }
+    check_inputs(p, from);
   }
+}
+
+/// Checks that the chunks of a part, in their order, are those that its end states.
+void WorkDistributor::check_inputs(unsigned part,
+                                   const std::map<ChunkNumber, const Journal*>& from) const {
+  const auto end = merged_.front()->end_of(part);
+  Inputs inputs;
+  for (std::uint64_t number = 0; number < end->chunks; ++number) {
+    const ChunkNumber key{part, number};
+    inputs.add_print(from.at(key)->chunks().at(key).input);
+  }
+  if (inputs.end(end->chunks) == *end) return;
+  std::string names;
+  for (const auto& journal : merged_)
+    names += (names.empty() ? "" : ", ") + printable_name(journal->path());
+  throw Error(ErrorCode::kFile,
+              fmt::format("cde merge: {}: the inputs of the chunks of part {} are not those that "
+                          "the part's end states: a chunk is missing or in another place",
+                          names, part));
 }
 
 /// Checks that all journals have reached the end of the same part.

@@ -101,10 +101,39 @@ std::string as_bytes(const CastOutcome& r, std::span<const Record> records) {
   return bytes.append(reinterpret_cast<const char*>(records.data()), records.size_bytes());
 }
 
+/// The head of a chunk's result. Error kFile if its counts differ from the bytes behind it.
+Head head_in(const std::string& bytes) {
+  Head head;
+  const auto fail = [](const std::string& why) { throw Error(ErrorCode::kFile, why); };
+  if (bytes.size() < sizeof head)
+    fail(fmt::format("it has {} bytes, its head alone has {}", bytes.size(), sizeof head));
+  std::memcpy(&head, bytes.data(), sizeof head);
+  const std::uint64_t rest = bytes.size() - sizeof head;
+  if (head.model_bytes > rest || (rest - head.model_bytes) % sizeof(Record) != 0 ||
+      (rest - head.model_bytes) / sizeof(Record) != head.records)
+    fail(fmt::format("it states a name of {} bytes and {} records of {} bytes; {} bytes follow",
+                     head.model_bytes, head.records, sizeof(Record), rest));
+  return head;
+}
+
+/// Checks that a chunk's result is one of so many rays and triangles.
+void check_outcome(const std::string& bytes, std::size_t rays, std::uint64_t triangles) {
+  const Head head = head_in(bytes);
+  const char* const records = bytes.data() + sizeof head + head.model_bytes;
+  for (std::uint64_t i = 0; i < head.records; ++i) {
+    Record r;
+    std::memcpy(static_cast<void*>(&r), records + i * sizeof r, sizeof r);
+    if (r.primary >= rays || (r.index != ~0u && r.index >= triangles))
+      throw Error(ErrorCode::kFile,
+                  fmt::format("its record {} has ray {} and triangle {}; it has {} rays and {} "
+                              "triangles",
+                              i, r.primary, r.index, rays, triangles));
+  }
+}
+
 /// Reads a chunk's result. The numbers in its records count through all rays.
 CastOutcome outcome_in(const std::string& bytes, std::size_t first, std::vector<Record>& records) {
-  Head head;
-  std::memcpy(&head, bytes.data(), sizeof head);
+  const Head head = head_in(bytes);
   CastOutcome r;
   r.counters = head.counters;
   r.hits = head.hits;
@@ -306,6 +335,11 @@ CastOutcome distribute_rays(const CastTask& o, const CastJob& job, const std::st
           fmt::format("in the chunk that begins with ray {}{}: {}", c / parts * rays,
                       parts == 1 ? "" : fmt::format(", part {} of the mesh", p), one.difference));
     return as_bytes(one, found);
+  };
+  part.check = [&](std::uint64_t c, const std::string& result) {
+    const auto p = static_cast<unsigned>(c % parts);
+    check_outcome(result, job.rays.subview(c / parts * rays, rays).size(),
+                  first_face_of(job.triangles, p + 1, parts) - firsts[p]);
   };
   part.take = [&](std::uint64_t c, const std::string& result) {
     const auto p = static_cast<unsigned>(c % parts);

@@ -72,6 +72,46 @@ std::string run_frame(SceneRunner& runner, const DistributedFrames& f, std::uint
   return all;
 }
 
+/// Checks that a value has the members of another, with values of the same kinds.
+void check_members(const Json& json, const Json& wanted) {
+  if (wanted.is_object())
+    for (const auto& [key, value] : wanted.items()) check_members(json.at(key), value);
+  else if (wanted.is_array() && (!json.is_array() || json.size() != wanted.size()))
+    throw Error(ErrorCode::kFile, fmt::format("a list in it is {} instead of {} entries",
+                                              json_text(json, -1), wanted.size()));
+  else if (wanted.is_array())
+    for (std::size_t i = 0; i < wanted.size(); ++i) check_members(json.at(i), wanted.at(i));
+  else if (wanted.is_number_unsigned() ? !json.is_number_unsigned()
+           : wanted.is_null()          ? !json.is_null() && !json.is_string()
+           : wanted.is_number()        ? !json.is_number()
+                                       : json.type() != wanted.type())
+    throw Error(ErrorCode::kFile, fmt::format("a value in it is {} instead of one such as {}",
+                                              json_text(json, -1), json_text(wanted, -1)));
+}
+
+/// A frame as run_frame() returns it.
+struct FrameResult {
+  Json frame;
+  std::vector<std::string> records;
+};
+FrameResult frame_in(const std::string& result) {
+  const std::size_t line = result.find('\n') + 1;
+  const Json head = parse_json(result.substr(0, line));
+  FrameResult all{head.at("frame"), {}};
+  std::size_t at = line;
+  for (const Json& number : head.at("sizes")) {
+    const auto size = number.get<std::size_t>();
+    if (size > result.size() - at)
+      throw Error(ErrorCode::kFile, fmt::format("it states records of {} bytes; {} bytes follow",
+                                                size, result.size() - at));
+    all.records.push_back(result.substr(at, size));
+    at += size;
+  }
+  if (at != result.size())
+    throw Error(ErrorCode::kFile, fmt::format("{} bytes follow its records", result.size() - at));
+  return all;
+}
+
 /// A digest of a scene and of the files that it names.
 std::string contents(const Scene& scene) {
   std::string all = fingerprint(read_file(scene.file));
@@ -145,17 +185,23 @@ bool distribute_frames(const DistributedFrames& f, const FrameSink& take) {
                                             .deadline_cycles = f.deadline});
              return run_frame(*runner, f, f.first + static_cast<std::uint32_t>(c));
            },
+       .check =
+           [&](std::uint64_t c, const std::string& result) {
+             const FrameResult one = frame_in(result);
+             const auto frame = f.first + static_cast<std::uint32_t>(c);
+             const std::size_t queries = f.scene.queries.size();
+             check_members(one.frame,
+                           frame_json(f.scene, frame, 0.0, frame_names(f.scene, frame, f.files),
+                                      std::vector<QueryFrame>(queries)));
+             if (one.records.size() != (f.scene.results == Results::kNone ? 0 : queries))
+               throw Error(ErrorCode::kFile, fmt::format("it has records of {} queries; the scene "
+                                                         "has {}",
+                                                         one.records.size(), queries));
+           },
        .take =
            [&](std::uint64_t c, const std::string& result) {
-             const std::size_t line = result.find('\n') + 1;
-             const Json head = Json::parse(result.substr(0, line));
-             std::vector<std::string> records;
-             std::size_t at = line;
-             for (const Json& size : head.at("sizes")) {
-               records.push_back(result.substr(at, size.get<std::size_t>()));
-               at += records.back().size();
-             }
-             take(f.first + static_cast<std::uint32_t>(c), head.at("frame"), records);
+             const FrameResult one = frame_in(result);
+             take(f.first + static_cast<std::uint32_t>(c), one.frame, one.records);
            }});
 }
 

@@ -111,6 +111,11 @@ QueryAnswers answers_in(const std::string& text) {
   const auto head = parse_json(text.substr(0, line));
   const auto n = head.at("totals").get<std::vector<std::uint64_t>>();
   const auto messages = head.at("message_bytes").get<std::size_t>();
+  if (n.size() != 7)
+    throw Error(ErrorCode::kFile, fmt::format("it has {} totals instead of 7", n.size()));
+  if (messages > text.size() - line)
+    throw Error(ErrorCode::kFile, fmt::format("it states messages of {} bytes; {} bytes follow",
+                                              messages, text.size() - line));
   return {.totals = {.pairs = n.at(0),
                      .hits = n.at(1),
                      .bad = n.at(2),
@@ -152,6 +157,7 @@ std::optional<QueryTotals> distribute_pairs(const QueryOptions& o, const PairCon
              if (!pipe) pipe.emplace(o, config);
              return as_text(answers_to(*pipe, chunk));
            },
+       .check = [](std::uint64_t, const std::string& result) { (void)answers_in(result); },
        .take = [&](std::uint64_t,
                    const std::string& result) { answers->add(answers_in(result)); }});
   return whole ? std::optional(answers->end()) : std::nullopt;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -29,9 +30,10 @@ struct ChunkPlace {
 };
 
 /// Finished chunks of a run, in an append-only file. Its first line is JSON that identifies the
-/// run. Each chunk is a line followed by its bytes. An incomplete last entry of a killed process is
-/// dropped with a warning; everything before it stays. The file is locked while the object lives. A
-/// warning says if the file was removed or replaced meanwhile.
+/// run, and ends with the fingerprint of what is before. Each chunk is a line followed by its
+/// bytes; its fingerprint covers both. Only this user can open a new file. An incomplete last entry
+/// of a killed process is dropped with a warning; everything before it stays. The file is locked
+/// while the object lives. A warning says if the file was removed or replaced meanwhile.
 class Journal {
  public:
   enum class Use {
@@ -41,8 +43,8 @@ class Journal {
 
   /// `what` names the option or verb in messages. `run` is compared key by key with the file;
   /// `beside` is only written to a new one (kGoOn). Error kUsage if the file belongs to another
-  /// run, naming the difference, or is in use. Error kFile if it is not a journal, is damaged, or
-  /// cannot be written.
+  /// run, naming the difference, or is in use. Error kFile if it is not a journal of this version,
+  /// is damaged, cannot be written, belongs to another user (not root), or all users can write it.
   Journal(std::string what, std::string path, Use use,
           const nlohmann::ordered_json& run = nlohmann::ordered_json::object(),
           const nlohmann::ordered_json& beside = nlohmann::ordered_json::object());
@@ -59,8 +61,11 @@ class Journal {
   [[nodiscard]] std::size_t size() const { return chunks_.size(); }
   [[nodiscard]] bool has(ChunkNumber number) const { return chunks_.contains(number); }
   [[nodiscard]] const std::map<ChunkNumber, ChunkPlace>& chunks() const { return chunks_; }
-  /// The bytes of a stored chunk. Error kFile if they differ from those that were written.
-  [[nodiscard]] std::string read(ChunkNumber number) const;
+  /// Error if a chunk's bytes are not a result of this run: Error, or an exception of Json.
+  using Check = std::function<void(const std::string& bytes)>;
+  /// The bytes of a stored chunk. Error kFile, which names the place, if they differ from those
+  /// that were written, or if `check` refuses them.
+  [[nodiscard]] std::string read(ChunkNumber number, const Check& check = {}) const;
   /// Error kUsage if the chunk was made from another input.
   void check_input(ChunkNumber number, const std::string& input) const;
   /// Stores a chunk and the fingerprint of its input.
@@ -81,7 +86,8 @@ class Journal {
   [[noreturn]] void damaged(std::uint64_t at, std::string_view why) const;
   void warn_dropped(std::uint64_t whole, const char* result) const;
   void open(Use use);
-  void check_owner(const struct stat& status);
+  void check_owner(const struct stat& status, Use use);
+  void read_first(const std::string& line, const nlohmann::ordered_json& entry);
   std::uint64_t scan();
   std::optional<std::string> line_at(std::uint64_t at) const;
   std::optional<std::uint64_t> entry_within(std::uint64_t from) const;

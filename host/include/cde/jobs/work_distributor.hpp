@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -36,6 +37,9 @@ struct Part {
   bool inputs_again = true;
   /// Result of a chunk. It depends on the input alone; any rank may compute it.
   std::function<std::string(std::uint64_t, const std::string& input)> run;
+  /// Error if the bytes are not a result of this chunk. Asked for results that a journal holds,
+  /// before `take`.
+  std::function<void(std::uint64_t, const std::string& result)> check = {};
   /// The rank that must run a chunk because only it has the data; none: any rank.
   std::function<unsigned(std::uint64_t)> owner = {};
   /// Receives the results in order. Never at the same time as `input`, possibly at the same time as
@@ -105,6 +109,7 @@ class WorkDistributor {
   void check_ranks(const nlohmann::ordered_json& run) const;
   void check_merged() const;
   void check_ends(unsigned part) const;
+  void check_inputs(unsigned part, const std::map<ChunkNumber, const Journal*>& from) const;
   bool run_merged(const Part& part);
   bool run_shard(const Part& part);
   void run_all(const Part& part);
