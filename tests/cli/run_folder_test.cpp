@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -107,6 +108,74 @@ TEST_F(RunFolders, ForeignLink_ReachesNoRunOfOurs) {
     EXPECT_TRUE(has(ran.err, "it is a link owned by user 65534 to")) << ran.err;
   }
   EXPECT_EQ(read("d/run.json"), before);
+}
+
+/// Another user's run.json in a shared folder would name the files that root removes.
+TEST_F(RunFolders, MarkerOfAnotherUser_RemovesNothing) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs root, to run as two users";
+  fs::create_directory(folder_ / "d");
+  write("d/thesis.txt", "years of work");
+  write("d/run.json", R"({"scene":"s","frame_results":[],"files":["thesis.txt"]})");
+  const auto give = [&](const char* name) {
+    ASSERT_EQ(::lchown((folder_ / name).c_str(), 65534, 65534), 0);
+  };
+  give("d/run.json");
+  const std::string refusal =
+      " belongs to user 65534; a run removes only files of its own user; move it elsewhere, or "
+      "name "
+      "another folder with --output\n";
+  Ran ran = run({"-o", "d"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err, "cde: d/run.json" + refusal);
+  // Their link to a run.json of ours, and ours to one of theirs.
+  fs::rename(folder_ / "d/run.json", folder_ / "theirs.json");
+  write("ours.json", read("theirs.json"));
+  for (const char* to : {"../ours.json", "../theirs.json"}) {
+    fs::create_symlink(to, folder_ / "d/run.json");
+    if (std::string(to) == "../ours.json") give("d/run.json");
+    ran = run({"-o", "d"});
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_EQ(ran.err, "cde: d/run.json" + refusal);
+    fs::remove(folder_ / "d/run.json");
+  }
+  // Our own run.json, with a file of theirs.
+  fs::rename(folder_ / "ours.json", folder_ / "d/run.json");
+  give("d/thesis.txt");
+  ran = run({"-o", "d"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_EQ(ran.err, "cde: d/thesis.txt" + refusal);
+  EXPECT_EQ(in("d"), (Words{"run.json", "thesis.txt"}));
+}
+
+/// Who may read a folder can lock it.
+TEST_F(RunFolders, LockOfTheFolderByOthers_StopsNoRun) {
+  fs::create_directory(folder_ / "d");
+  const int held = ::open((folder_ / "d").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(held, LOCK_EX), 0);
+  const Ran ran = run({"-o", "d", "--frames", "0"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  ::close(held);
+  EXPECT_EQ(in("d"), (Words{"hit.csv", "run.json"}));
+}
+
+TEST_F(RunFolders, LockFile_IsOnlyItsUsers) {
+  fs::create_directory(folder_ / "d");
+  ASSERT_EQ(::mkfifo((folder_ / "d/run.lock").c_str(), 0600), 0);
+  Ran ran = run({"-o", "d"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err, "d/run.lock: cannot lock: it is no file of a run of yours")) << ran.err;
+  fs::remove(folder_ / "d/run.lock");
+  ran = run({"-o", "d", "--report", "d/run.lock"});
+  EXPECT_EQ(ran.err, "cde: d/run.lock has the name of a file that --output writes\n");
+  write("long.toml", std::string(kFolderScene).replace(0, 10, "frames = 1000000"));
+  const pid_t child = start({"run", "long.toml", "--out", "d"});
+  for (int i = 0; i < 600 && !exists("d/run.json"); ++i) ::usleep(50'000);
+  struct stat info {};
+  EXPECT_EQ(::stat((folder_ / "d/run.lock").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 07777u, 0600u);
+  ::kill(child, SIGTERM);
+  (void)finish(child);
+  EXPECT_FALSE(exists("d/run.lock"));
 }
 
 /// Folders are created exactly where the system resolves their names.
@@ -255,7 +324,7 @@ TEST_F(RunFolders, KillMidRun_LeavesNoTable) {
   EXPECT_EQ(json["finished"], false);
   EXPECT_EQ(json["files"], nlohmann::json::array({"hit.csv"}));
   EXPECT_FALSE(exists("d/hit.csv"));
-  EXPECT_EQ(in("d").size(), 2u);
+  EXPECT_EQ(in("d").size(), 3u) << "run.json, run.lock and the unfinished table";
   ASSERT_EQ(run({"--out", "d", "--frames", "1", "--file-per-frame"}).status, 0);
   EXPECT_EQ(in("d"), (Words{"hit.000001.csv", "run.json"}));
 }

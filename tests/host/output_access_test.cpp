@@ -103,7 +103,7 @@ TEST(OutputAccess, DefaultAcl_HoldsOnlyForNewFiles) {
   }
 }
 
-/// The bits of the group in the mode are those of the ACL's mask: the group itself may have none.
+/// The bits of the group in the mode are the ACL's mask: the group itself may have none.
 TEST(OutputAccess, AclOfTheOldFile_Stays) {
   const Folder folder;
   const fs::path old = folder / "old";

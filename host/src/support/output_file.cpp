@@ -29,6 +29,7 @@
 #include "cde/support/scratch.hpp"
 #include "support/file_access.hpp"
 #include "support/output_target.hpp"
+#include "support/unfinished.hpp"
 
 namespace cde {
 namespace {
@@ -159,6 +160,13 @@ bool same_file(const OutputTarget& a, const OutputTarget& b) {
 }
 
 }  // namespace
+
+void remember_unfinished(const NameInFolder& entry) {
+  remember(files, entry);
+}
+void forget_unfinished(const NameInFolder& entry) {
+  forget(files, entry);
+}
 
 StdoutError::StdoutError(int number)
     : Error(ErrorCode::kFile, fmt::format("stdout: cannot write: {}", std::strerror(number))),
@@ -308,7 +316,7 @@ void OutputFile::commit() {
   if (!temporary_.name.empty()) move_into_place(written.get());
 }
 
-/// Gives the new file the owner, mode and ACL of the old one. Whoever could not read the old file
+/// Gives the new file the owner, mode and ACL of the old one. Users who could not read the old file
 /// cannot read the new one.
 void OutputFile::set_owner_and_mode(int fd) {
   const Descriptor there(
@@ -316,7 +324,7 @@ void OutputFile::set_owner_and_mode(int fd) {
   const auto now = info_of(there.get()), ours = info_of(fd);
   if (!ours) fail("write");
   const bool same = now && found_ && is_same_file(*now, *found_);
-  // In a held folder, as that of a run, all files are this user's.
+  // In a held folder, such as the folder of a run, all files are this user's.
   if (now && now->st_uid != ours->st_uid && (!same || is_in_held_folder(path_)))
     fail_replaced(path_);
   if (same && S_ISREG(now->st_mode)) {

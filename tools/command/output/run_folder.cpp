@@ -4,7 +4,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -29,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kMarker = "run.json";
+constexpr const char *kMarker = "run.json", *kLock = "run.lock";
 /// Keys of run.json that list files in the folder: tables of records, and other files.
 constexpr std::array kListed = {"files", "files_beside"};
 
@@ -83,8 +82,8 @@ void RunFolder::make_and_lock() {
     lock_.folder = ::openat(made_->descriptor(), ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (lock_.folder < 0 && errno == ENOENT) continue;  // another run has just removed it
     if (lock_.folder < 0) fail(std::strerror(errno));   // NOLINT(concurrency-mt-unsafe)
-    // On a file system that cannot lock folders the run goes on without a lock.
-    if (::flock(lock_.folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    const auto locking = lock_.file.lock(lock_.folder, kLock, path_ / kLock);
+    if (locking == FolderLock::Result::kInUse) {
       made_->keep();  // it belongs to the other run
       throw Error(ErrorCode::kUsage,
                   fmt::format("{} is the folder of a run that is still going on; wait for its end, "
@@ -96,7 +95,9 @@ void RunFolder::make_and_lock() {
     if (::fstat(lock_.folder, &locked) != 0) fail(std::strerror(errno));
     const bool there = ::stat(path_.c_str(), &named) == 0;
     if (!there && errno != ENOENT) fail(std::strerror(errno));
-    if (there && locked.st_dev == named.st_dev && locked.st_ino == named.st_ino) return;
+    if (locking == FolderLock::Result::kLocked && there && locked.st_dev == named.st_dev &&
+        locked.st_ino == named.st_ino)
+      return;
     made_->keep();  // another run removed it, and may have made it again
     lock_.release();
   }
@@ -107,6 +108,7 @@ fs::path RunFolder::inside() const {
 }
 
 void RunFolder::Lock::release() {
+  file.release();
   if (folder >= 0) ::close(std::exchange(folder, -1));
 }
 
@@ -128,15 +130,30 @@ void RunFolder::check_names(const Scene& scene, const std::vector<std::string>& 
     const bool is_table = std::ranges::any_of(scene.queries, [&](const SceneQuery& query) {
       return name == record_name(query.name, std::nullopt, scene.results);
     });
-    if (name == kMarker || is_table || is_record_name(name))
+    if (name == kMarker || name == kLock || is_table || is_record_name(name))
       throw Error(ErrorCode::kUsage, fmt::format("{} has the name of a file that --output writes",
                                                  printable_name(file)));
     beside_.push_back(name);
   }
 }
 
+/// Another user could name files of this user in a run.json, or put files into the folder.
+void RunFolder::check_owner(const std::string& name) const {
+  for (const int flag : {0, AT_SYMLINK_NOFOLLOW}) {
+    struct stat info {};
+    if (::fstatat(lock_.folder, name.c_str(), &info, flag) != 0) continue;
+    if (info.st_uid == lock_.file.owner()) continue;
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{} belongs to user {}; a run removes only files of its own user; move it "
+                    "elsewhere, or name another folder with --output",
+                    printable_name((path_ / name).string()), info.st_uid));
+  }
+}
+
 void RunFolder::look() {
   const Json marker = run_in(inside());
+  if (!marker.is_null()) check_owner(kMarker);
   std::vector<std::string> listed = beside_;
   for (const char* key : kListed)
     if (marker.is_object() && marker.contains(key))
@@ -144,7 +161,7 @@ void RunFolder::look() {
         if (name.is_string()) listed.push_back(name);
   for (const auto& entry : fs::directory_iterator(inside())) {
     const std::string name = entry.path().filename();
-    if (is_unfinished_name(name)) continue;
+    if (is_unfinished_name(name) || name == kLock) continue;
     if (marker.is_null())
       throw Error(ErrorCode::kUsage, fmt::format("{} is not empty and has no {} of a run; it stays "
                                                  "unchanged; name another folder with --output",
@@ -156,12 +173,14 @@ void RunFolder::look() {
                                                  "elsewhere, or name another folder with --output",
                                                  printable_name((path_ / name).string()),
                                                  printable_name(path_.string())));
+    check_owner(name);
     old_.push_back(name);
   }
 }
 
 void RunFolder::begin(Json json) {
   // run.json stays until it is replaced. It marks the folder of a run.
+  for (const std::string& name : old_) check_owner(name);
   for (const std::string& name : old_)
     if (name != kMarker && ::unlinkat(lock_.folder, name.c_str(), 0) != 0 && errno != ENOENT)
       throw Error(ErrorCode::kFile,

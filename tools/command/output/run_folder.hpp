@@ -9,19 +9,21 @@
 #include <vector>
 
 #include "cde/scene/scene.hpp"
+#include "cde/support/folder_lock.hpp"
 #include "cde/support/output_file.hpp"
 
 namespace cde::cli {
 
 /// The folder of `cde run`. It holds run.json, the records of one run and, if requested, its page
 /// and waves. The file run.json is there from the first frame on, and marks the folder of a
-/// run. The folder is locked while the object lives. The system releases the lock when the process
-/// ends, in any way.
+/// run. The folder is locked while the object lives, by its file run.lock. The system releases the
+/// lock when the process ends, in any way.
 class RunFolder {
  public:
   /// Makes the folder if it does not exist. Error kUsage if it is neither empty nor the folder of a
   /// run, or if another process uses it; the message names what is there. Error kUsage if it
-  /// contains a file of the scene. Error kUsage if one of `beside` (--report, --trace) has the name
+  /// contains a file of the scene, or a file of an earlier run that belongs to another user. Error
+  /// kUsage if one of `beside` (--report, --trace) has the name
   /// of a file of the run.
   RunFolder(std::filesystem::path path, const Scene& scene, const std::vector<std::string>& beside);
 
@@ -48,7 +50,7 @@ class RunFolder {
   [[nodiscard]] const std::vector<std::string>& beside() const { return beside_; }
 
  private:
-  /// The lock of the process that uses the folder.
+  /// The folder, open, and the lock of the process that uses it.
   struct Lock {
     Lock() = default;
     ~Lock() { release(); }
@@ -56,15 +58,17 @@ class RunFolder {
     Lock& operator=(const Lock&) = delete;
     void release();
     int folder = -1;  ///< descriptor, or -1
+    FolderLock file;
   };
   void make_and_lock();
+  void check_owner(const std::string& name) const;
   void check_names(const Scene& scene, const std::vector<std::string>& beside);
   void look();
   std::filesystem::path path_;
   std::vector<std::string> beside_;   ///< names of --report and --trace in this folder
   std::vector<std::string> old_;      ///< names of the files of the earlier run
-  Lock lock_;                         ///< outlives made_
   std::optional<OutputFolder> made_;  ///< removed again if no run begins
+  Lock lock_;                         ///< its file is removed before the folder
   bool begun_ = false;
 };
 

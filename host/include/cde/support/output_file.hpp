@@ -33,9 +33,10 @@ struct NameInFolder {
 /// removed. The next process that writes the same NAME removes what a killed process left behind.
 ///
 /// The folder may belong to another user, who can replace either name. Mode and owner are therefore
-/// set by descriptor. commit() fails if the temporary name no longer leads to the written file, or
-/// if the target is now another user's file that was not there at check_outputs() (without that
-/// call: at the construction). A symbolic link of another user must lead to a file of that user.
+/// set by descriptor. commit() fails if the temporary name no longer leads to the written file. It
+/// fails if the target is now another user's file that was not there at check_outputs(). Without
+/// that call, the file must have been there at the construction. A symbolic link of another user
+/// must lead to a file of that user.
 class OutputFile {
  public:
   enum class Use {
