@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/wave/body.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -41,7 +43,7 @@ bool is_swapped(const netlist::Element& e) {
 /// Reads one module, variables first, since statements may precede them.
 class Reader {
  public:
-  explicit Reader(const netlist::Element& module) {
+  Reader(const netlist::Element& module, BodyBytes& bytes) : bytes_(bytes) {
     body_.name = module.text("name");
     body_.source_name = module.text("origName");
     body_.scopes.emplace_back();
@@ -70,6 +72,7 @@ class Reader {
     const std::string outer = names_.contains(parent) ? names_.at(parent) : "";
     if (!outer.empty() && name.starts_with(outer + "["))
       scope.prefix.resize(scope.prefix.size() - outer.size() - 1);
+    bytes_.add(scope.prefix.size() + name.size());
     if (!name.empty()) scope.prefix += name + ".";
     const auto id = static_cast<std::uint32_t>(body_.scopes.size());
     names_[id] = name;
@@ -82,6 +85,7 @@ class Reader {
     if (e.tag() == "var") {
       Variable v;
       const std::string name = e.text("name");
+      bytes_.add(body_.scopes[scope].prefix.size() + name.size());
       v.path = body_.scopes[scope].prefix + name;
       v.declared = &e;
       v.type = e.number("dtype_id");
@@ -133,7 +137,9 @@ class Reader {
 
   void part(const netlist::Element& e) {
     Part p;
-    p.path = body_.scopes[scope_].prefix + e.text("name");
+    const std::string name = e.text("name");
+    bytes_.add(body_.scopes[scope_].prefix.size() + name.size());
+    p.path = body_.scopes[scope_].prefix + name;
     p.module = e.text("defName");
     p.declared = &e;
     p.scope = scope_;
@@ -152,6 +158,7 @@ class Reader {
     add({&e, e.children().back(), e.child(0), edges, scope_, process_, guards_, blocking, loop_});
   }
   void add(Drive d) {
+    bytes_.add(d.guards.size() * sizeof(Guard));
     const auto id = static_cast<std::uint32_t>(body_.drives.size());
     each_target(*d.target, scope_, [&](std::uint32_t v) {
       auto& drives = body_.variables[v].drives;
@@ -247,6 +254,7 @@ class Reader {
     }
   }
 
+  BodyBytes& bytes_;
   Body body_;
   std::map<std::uint32_t, std::string> names_;  ///< by scope
   std::map<const netlist::Element*, std::uint32_t> scopes_;
@@ -290,8 +298,16 @@ std::int64_t Body::variable(std::uint32_t scope, std::string_view name) const {
   return -1;
 }
 
-Body read_body(const netlist::Element& module) {
-  return Reader(module).take();
+void BodyBytes::add(std::uint64_t bytes) {
+  if ((all_ += bytes) > most_)
+    throw netlist::NetlistError(fmt::format(
+        "the full names and conditions of its statements have {} bytes so far; expected "
+        "at most {} in {} bytes of XML",
+        all_, most_, file_));
+}
+
+Body read_body(const netlist::Element& module, BodyBytes& bytes) {
+  return Reader(module, bytes).take();
 }
 
 }  // namespace cde::wave

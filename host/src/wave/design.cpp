@@ -23,10 +23,12 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostUnits = 1'000'000;
 constexpr unsigned kMostDepth = 200;
 
-/// Adds the instances below an existing unit.
-void place_parts(Design::Elaborated& all, std::uint32_t unit, unsigned depth,
+/// Adds the instances below an existing unit. `parts` counts all instances, also of missing
+/// modules.
+void place_parts(Design::Elaborated& all, std::uint32_t unit, unsigned depth, std::size_t& parts,
                  const std::unordered_map<std::string, std::uint32_t>& bodies) {
-  if (depth > kMostDepth || all.units.size() > kMostUnits)
+  parts += all.body(unit).parts.size();
+  if (depth > kMostDepth || parts > kMostUnits)
     throw netlist::NetlistError("instances are too many or nested too deeply");
   const std::uint32_t body = all.units[unit].body;
   for (std::int64_t outer = all.units[unit].parent; outer >= 0;
@@ -42,8 +44,8 @@ void place_parts(Design::Elaborated& all, std::uint32_t unit, unsigned depth,
     }
     const auto inner = static_cast<std::uint32_t>(all.units.size());
     all.units[unit].parts.push_back(inner);
-    all.units.push_back({found->second, unit, p, all.units[unit].path + part.path + ".", {}});
-    place_parts(all, inner, depth + 1, bodies);
+    all.units.push_back({found->second, unit, p, {}});
+    place_parts(all, inner, depth + 1, parts, bodies);
   }
 }
 
@@ -159,21 +161,23 @@ std::string Place::name() const {
   return file.empty() ? "" : fmt::format("{}:{}", fs::path(file).filename().string(), line);
 }
 
-Design::Design(std::string xml, std::string file) try
+Design::Design(std::string xml, const std::string& file) try
     : all_(std::make_unique<Elaborated>(std::move(xml))) {
-  all_->file = std::move(file);
+  all_->file = file;
   std::unordered_map<std::string, std::uint32_t> bodies;
+  BodyBytes bytes(all_->netlist.bytes());
   std::int64_t top = -1;
   for (const netlist::Element* e : all_->netlist.netlist().children()) {
     if (e->tag() != "module" && e->tag() != "package") continue;
     const auto id = static_cast<std::uint32_t>(all_->bodies.size());
     if (e->attribute("topModule") == "1") top = id;
     bodies.emplace(e->text("name"), id);
-    all_->bodies.push_back(read_body(*e));
+    all_->bodies.push_back(read_body(*e, bytes));
   }
   if (top < 0) throw netlist::NetlistError("it has no top module");
-  all_->units.push_back({static_cast<std::uint32_t>(top), -1, 0, "", {}});
-  place_parts(*all_, 0, 0, bodies);
+  all_->units.push_back({static_cast<std::uint32_t>(top), -1, 0, {}});
+  std::size_t parts = 0;
+  place_parts(*all_, 0, 0, parts, bodies);
   all_->prefix = all_->bodies[static_cast<std::size_t>(top)].source_name;
 } catch (const netlist::NetlistError& e) {
   throw Error(ErrorCode::kFile, fmt::format("{}: not a structure file: {}", printable_name(file),
@@ -243,8 +247,20 @@ std::optional<Slice> Design::find_exact(std::string_view name) const {
   return std::nullopt;
 }
 
+std::string Design::Elaborated::path(std::uint32_t unit) const {
+  std::vector<std::uint32_t> inside;  // the innermost first
+  for (; units[unit].parent >= 0; unit = static_cast<std::uint32_t>(units[unit].parent))
+    inside.push_back(unit);
+  std::string path;
+  for (auto u = inside.rbegin(); u != inside.rend(); ++u) {
+    const auto outer = static_cast<std::uint32_t>(units[*u].parent);
+    path.append(body(outer).parts[units[*u].part].path).push_back('.');
+  }
+  return path;
+}
+
 std::string Design::instance(const Slice& s) const {
-  return fmt::format("{}.{}", all_->prefix, all_->units[s.unit].path);
+  return fmt::format("{}.{}", all_->prefix, all_->path(s.unit));
 }
 
 std::string Design::variable_name(const Slice& s) const {

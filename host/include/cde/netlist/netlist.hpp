@@ -67,6 +67,8 @@ class Netlist {
   /// NetlistError if the text is not such a design.
   explicit Netlist(std::string xml);
 
+  /// Bytes of the text.
+  [[nodiscard]] std::size_t bytes() const { return text_->size(); }
   /// `<netlist>`, whose children are the modules, and `<cells>`, the instances.
   [[nodiscard]] const Element& netlist() const { return *netlist_; }
   [[nodiscard]] const Element& cells() const { return *cells_; }

@@ -85,7 +85,21 @@ struct Body {
   [[nodiscard]] std::int64_t variable(std::uint32_t scope, std::string_view name) const;
 };
 
-[[nodiscard]] Body read_body(const netlist::Element& module);
+/// Limits the bytes of all paths and conditions of a structure. Nested blocks with long names would
+/// otherwise take a thousand times the file's size.
+class BodyBytes {
+ public:
+  explicit BodyBytes(std::uint64_t file_bytes)
+      : most_((std::uint64_t{256} << 20) + 64 * file_bytes), file_(file_bytes) {}
+  /// NetlistError if there are too many.
+  void add(std::uint64_t bytes);
+
+ private:
+  std::uint64_t most_, file_, all_ = 0;
+};
+
+/// NetlistError if the limit is reached.
+[[nodiscard]] Body read_body(const netlist::Element& module, BodyBytes& bytes);
 
 /// Whether an element is a reference to a variable.
 [[nodiscard]] bool is_reference(const netlist::Element& e);

@@ -64,7 +64,7 @@ class Design {
  public:
   /// Reads Verilator's XML. `file` names it in messages. Sources are the files that the XML names,
   /// or are beside it. Error kFile if it is not such XML.
-  Design(std::string xml, std::string file);
+  Design(std::string xml, const std::string& file);
   ~Design();
   Design(Design&&) noexcept;
   Design& operator=(Design&&) = delete;

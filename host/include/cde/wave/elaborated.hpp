@@ -17,7 +17,6 @@ struct Unit {
   std::uint32_t body = 0;
   std::int64_t parent = -1;         ///< unit
   std::uint32_t part = 0;           ///< of the parent's body
-  std::string path;                 ///< below the top module, which is left out; followed by a dot
   std::vector<std::int64_t> parts;  ///< units of the instances of its body; -1: module missing
 };
 
@@ -33,6 +32,8 @@ struct Design::Elaborated {
   std::vector<Unit> units;  ///< the top module first
   mutable std::map<std::string, std::vector<std::string>> sources;
 
+  /// The unit's instances below the top module, which is left out; each followed by a dot.
+  [[nodiscard]] std::string path(std::uint32_t unit) const;
   [[nodiscard]] const Body& body(std::uint32_t unit) const { return bodies[units[unit].body]; }
   [[nodiscard]] const Variable& variable(const Slice& s) const {
     return body(s.unit).variables[s.variable];
