@@ -286,7 +286,7 @@ class Changes {
         sources_.push_back(handle);
         continue;
       }
-      vectors_.emplace(handle, std::string(trace.widths_[handle], 'x'));
+      vectors_.emplace(handle, Vector{std::string(trace.widths_[handle], 'x')});
       for (const std::uint32_t part : trace.parts_.at(handle)) sources_.push_back(part);
     }
     std::sort(sources_.begin(), sources_.end());
@@ -303,9 +303,8 @@ class Changes {
     for (auto p = begin; p != end; ++p) {
       const auto vector = vectors_.find(p->second.vector);
       if (vector == vectors_.end()) continue;
-      vector->second.replace(p->second.at, value.size(), value);
-      if (std::find(changed_.begin(), changed_.end(), vector->first) == changed_.end())
-        changed_.push_back(vector->first);
+      vector->second.value.replace(p->second.at, value.size(), value);
+      if (!std::exchange(vector->second.changed, true)) changed_.push_back(vector->first);
     }
     if (!direct_.empty() && direct_[handle]) put(time, handle, value);
   }
@@ -316,8 +315,11 @@ class Changes {
 
  private:
   void end_time() {
-    for (const std::uint32_t handle : std::exchange(changed_, {}))
-      put(now_, handle, vectors_.at(handle));
+    for (const std::uint32_t handle : std::exchange(changed_, {})) {
+      Vector& vector = vectors_.at(handle);
+      vector.changed = false;
+      put(now_, handle, vector.value);
+    }
   }
   void flush() {
     flushed_ = true;
@@ -347,9 +349,13 @@ class Changes {
   const Trace::Visit& visit_;
   std::span<const std::uint32_t> wanted_;
   std::vector<std::uint32_t> sources_;
-  std::vector<bool> direct_;                      ///< by handle: whether it was requested itself
-  std::map<std::uint32_t, std::string> vectors_;  ///< values of vectors written in parts
-  std::vector<std::uint32_t> changed_;            ///< vectors changed at now_
+  struct Vector {
+    std::string value;
+    bool changed = false;  ///< at now_
+  };
+  std::vector<bool> direct_;                 ///< by handle: whether it was requested itself
+  std::map<std::uint32_t, Vector> vectors_;  ///< written in parts
+  std::vector<std::uint32_t> changed_;       ///< vectors changed at now_
   std::uint64_t now_ = 0;
   std::vector<std::optional<std::string>> first_;  ///< by handle: the value at from_
   bool flushed_ = false;

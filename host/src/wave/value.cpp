@@ -20,6 +20,10 @@ namespace cde::wave {
 namespace {
 
 constexpr std::string_view kMask = "|mask";
+/// Limits for the comments `forms` of a file.
+constexpr std::size_t kMostPatterns = 1000;
+constexpr std::uint64_t kMostSteps = std::uint64_t{1} << 31;
+constexpr unsigned kMostDecimal = 4096;  ///< bits; longer values take too long in decimal
 
 std::string hexadecimal(std::string_view bits) {
   std::string text;
@@ -44,10 +48,15 @@ std::string hexadecimal(std::string_view bits) {
 /// Decimal text of any width, by long division.
 std::string decimal(std::string_view bits) {
   std::vector<std::uint32_t> digits = {0};  // base 10^9, lowest first
-  for (const char c : bits) {
-    std::uint64_t carry = c == '1' ? 1 : 0;
+  constexpr std::size_t kAtOnce = 29;       // less than a digit
+  for (std::size_t at = 0; at < bits.size();) {
+    const std::string_view part =
+        bits.substr(at, at == 0 ? (bits.size() - 1) % kAtOnce + 1 : kAtOnce);
+    at += part.size();
+    std::uint64_t carry = 0;
+    for (const char c : part) carry = 2 * carry + (c == '1' ? 1 : 0);
     for (std::uint32_t& d : digits) {
-      const std::uint64_t next = std::uint64_t{d} * 2 + carry;
+      const std::uint64_t next = (std::uint64_t{d} << part.size()) + carry;
       d = static_cast<std::uint32_t>(next % 1000000000u);
       carry = next / 1000000000u;
     }
@@ -305,7 +314,9 @@ Form fitting(const Form& form, unsigned width) {
   return lane == 0 || (width != 0 && width % lane == 0) ? form : Form{};
 }
 
-FileForms::FileForms(Trace& trace) {
+FileForms::FileForms(Trace& trace)
+    : file_(printable_name(trace.file().string())),
+      steps_(kMostSteps + 256 * trace.structure().bytes) {
   for (const std::string& comment : trace.comments()) {
     std::istringstream words(comment);
     std::string word;
@@ -323,6 +334,10 @@ FileForms::FileForms(Trace& trace) {
         const auto read = std::from_chars(what.data() + star + 1, stop, rule.words);
         if (read.ec != std::errc() || read.ptr != stop || rule.words == 0) continue;
       }
+      if (rules_.size() == kMostPatterns)
+        throw Error(ErrorCode::kFile,
+                    fmt::format("{}: its comments `forms` have more than {} patterns", file_,
+                                kMostPatterns));
       rules_.push_back(std::move(rule));
     }
   }
@@ -340,7 +355,16 @@ Form FileForms::of(const Signal& signal, const Form& asked) const {
   for (const Rule& rule : rules_) {
     const unsigned lane = std::max(lane_bits(rule.form, signal.width), 1u);
     if (rule.words != 0 && std::uint64_t{lane} * rule.words != signal.width) continue;
-    if (matches(rule.pattern, signal.name)) return fitting(rule.form, signal.width);
+    if (matches(rule.pattern, signal.name, steps_)) {
+      const bool decimal =
+          rule.form.kind == Form::Kind::kUnsigned || rule.form.kind == Form::Kind::kSigned;
+      return decimal && signal.width > kMostDecimal ? Form{} : fitting(rule.form, signal.width);
+    }
+    if (steps_ == 0)
+      throw Error(ErrorCode::kFile,
+                  fmt::format("{}: comparing the patterns of its comments `forms` with its signals "
+                              "takes too long; expected fewer or shorter ones",
+                              file_));
   }
   return {};
 }
@@ -368,9 +392,11 @@ std::string View::text(std::string_view value) const {
   return text + "}";
 }
 
-bool matches(std::string_view pattern, std::string_view name) {
+bool matches(std::string_view pattern, std::string_view name, std::uint64_t& steps) {
   std::size_t p = 0, n = 0, star = std::string_view::npos, resume = 0;
   while (n < name.size()) {
+    if (steps == 0) return false;
+    --steps;
     if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n]) && pattern[p] != '*') {
       ++p;
       ++n;
@@ -386,6 +412,10 @@ bool matches(std::string_view pattern, std::string_view name) {
   }
   while (p < pattern.size() && pattern[p] == '*') ++p;
   return p == pattern.size();
+}
+bool matches(std::string_view pattern, std::string_view name) {
+  std::uint64_t steps = UINT64_MAX;
+  return matches(pattern, name, steps);
 }
 
 namespace {

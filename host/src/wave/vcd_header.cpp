@@ -19,6 +19,7 @@ namespace {
 constexpr std::string_view kEndWord = "$end";
 /// A $var takes about 30 bytes, so this allows 2000 bits for each.
 constexpr std::uint64_t kBitsPerByte = 64;
+constexpr unsigned kMostOfIdentifier = 8;                    ///< signals of different width or type
 constexpr std::size_t kMostSection = std::size_t{64} << 20;  ///< bytes
 
 constexpr std::array<std::pair<std::string_view, int>, 34> kVariableTypes = {{
@@ -252,12 +253,24 @@ class HeaderReader {
     const auto [known, fresh] =
         handles_.emplace(std::tuple(section[2], v.width, real, event), h_.identifiers.size() + 1);
     if (fresh) {
+      check_number_of(section[2]);
       h_.identifiers.push_back(section[2]);
       h_.widths.push_back(v.width);
       h_.types.push_back(v.type);
     }
     v.handle = static_cast<std::uint32_t>(known->second);
     h_.names.emplace_back(std::move(v));
+  }
+
+  /// Every change of an identifier is a change of all its signals.
+  void check_number_of(const std::string& identifier) {
+    unsigned number = 0;
+    for (auto one = handles_.lower_bound(std::tuple(identifier, 0u, false, false));
+         one != handles_.end() && std::get<0>(one->first) == identifier; ++one)
+      ++number;
+    if (number > kMostOfIdentifier)
+      words_.fail(fmt::format("$var: identifier {} has more than {} different widths and types",
+                              in_quotes(identifier), kMostOfIdentifier));
   }
 
   std::uint32_t width(const std::string& text, std::string& range) {

@@ -32,7 +32,8 @@ struct Form {
 /// Selects the form of a signal. If a form other than kFile is asked for, it is that form, where it
 /// fits. Otherwise the file decides: by an enumeration, or by its comment `forms PATTERN=FORM
 /// PATTERN=FORM*WORDS ...`. The first pattern that matches the name counts; with WORDS the signal
-/// must have that many words. Otherwise the form is hex.
+/// must have that many words. Otherwise the form is hex. Error kFile if there are over 1,000
+/// patterns, or if comparing them with the names takes too many steps.
 class FileForms {
  public:
   explicit FileForms(Trace& trace);
@@ -45,6 +46,8 @@ class FileForms {
     unsigned words;  ///< 0: any number
   };
   std::vector<Rule> rules_;
+  std::string file_;             ///< as messages show it
+  mutable std::uint64_t steps_;  ///< comparisons of characters that may follow
 };
 /// The same for a single signal.
 [[nodiscard]] Form default_form(Trace& trace, const Signal& signal, const Form& asked);
@@ -73,6 +76,8 @@ struct View {
 
 /// Whether a pattern of `*` and `?` matches a name. A pattern without dots may match a name in any
 /// scope.
+/// `steps`: comparisons that may follow. At 0 the answer is false.
+[[nodiscard]] bool matches(std::string_view pattern, std::string_view name, std::uint64_t& steps);
 [[nodiscard]] bool matches(std::string_view pattern, std::string_view name);
 
 /// Finds a signal by its name, full or without outer scopes. A suffix #2 selects the second signal
