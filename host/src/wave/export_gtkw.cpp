@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <set>
 #include <string_view>
 
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
@@ -61,11 +64,24 @@ std::string name_of(const Signal& s) {
                   : name;
 }
 
+/// Whether GTKWave reads a line with this name as the name. It takes other first characters for
+/// directives, among them `^>` before a program that it starts. It removes the first brace, takes *
+/// for a pattern, and ends the name at a blank.
+bool is_name(std::string_view name) {
+  if (name.empty() || name.find_first_of(" \t*{}") != std::string_view::npos) return false;
+  const auto first = static_cast<unsigned char>(name[0]);
+  return std::isalnum(first) != 0 || first >= 0x80 || first == '_' || first == '$' || first == '\\';
+}
+
 class SaveFile {
  public:
   explicit SaveFile(std::size_t count) : closed_(count > kOpenSignals ? kClosed : 0) {}
 
   void add(const View& v) {
+    if (const std::string name = name_of(v.signal); !is_name(name)) {
+      if (left_out_.insert(name).second && left_out_.size() == 1) first_left_out_ = name;
+      return;
+    }
     const std::size_t dot = v.signal.name.rfind('.');
     const std::string scope = dot == std::string::npos ? "" : v.signal.name.substr(0, dot);
     if (scope != scope_) {
@@ -88,8 +104,15 @@ class SaveFile {
       part(v, v.first + v.width - lane * (i + 1), lane, fmt::format("{}[{}]", v.label, i));
     group(kGroupEnd | closed, v.label);
   }
-  std::string finish() {
+  /// The text. Warns of signals that are not in it.
+  std::string finish(const std::filesystem::path& path) {
     end();
+    if (!left_out_.empty())
+      log(
+          fmt::format("cde: warning: {} lacks {} whose names GTKWave would not read as names; the "
+                      "first is {}\n",
+                      path == "-" ? "stdout" : printable_name(path.string()),
+                      cde::counted(left_out_.size(), "signal"), in_quotes(first_left_out_)));
     return std::move(text_);
   }
 
@@ -116,7 +139,8 @@ class SaveFile {
   }
 
   unsigned closed_;
-  std::string scope_, text_;
+  std::string scope_, text_, first_left_out_;
+  std::set<std::string> left_out_;
 };
 
 /// Converts a time to GTKWave's units, which are s, ms, us, ns, ps or fs. A time in units of 10 ps
@@ -162,7 +186,7 @@ void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& op
   const std::vector<View> all = views_or_all(trace, views);
   SaveFile save(all.size());
   for (const View& v : all) save.add(v);
-  text += save.finish() + "[pattern_trace] 1\n[pattern_trace] 0\n";
+  text += save.finish(path) + "[pattern_trace] 1\n[pattern_trace] 0\n";
   write_file(path, text);
 }
 

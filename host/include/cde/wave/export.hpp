@@ -29,7 +29,8 @@ void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, st
                const std::filesystem::path& file, std::span<const std::string> comments = {});
 
 /// A save file of GTKWave, with one group per scope. Forms are those that GTKWave has: fp32 and
-/// fp64 as numbers, their lanes as separate signals, other number formats in hexadecimal.
+/// fp64 as numbers, their lanes as separate signals, other number formats in hexadecimal. Signals
+/// whose names GTKWave would read as something else are left out, with a warning on stderr.
 struct GtkwOptions {
   std::optional<std::uint64_t> fail = std::nullopt;  ///< position of the marker
   std::filesystem::path waves = {};  ///< wave file to open; empty: the file of the trace
