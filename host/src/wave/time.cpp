@@ -177,6 +177,16 @@ std::uint64_t Times::base(const std::string& text, const std::string& whole) {
   return from_zero(negative, static_cast<std::uint64_t>(*found + 0.5), whole);
 }
 
+void warn_if_cut(const Trace& trace, const Times& times) {
+  if (trace.ending().empty()) return;
+  // A block of an FST has whole instants.
+  const std::string half = trace.format() != "VCD" ? ""
+                                                   : fmt::format("; changes at {} may be missing",
+                                                                 times.text(trace.end()));
+  log(fmt::format("cde: warning: {}: {}{}\n", printable_name(trace.file().string()),
+                  printable_name(trace.ending()), half));
+}
+
 std::uint64_t Times::parse(const std::string& whole) {
   // A sign after an e belongs to the exponent.
   std::size_t sign = whole.find_first_of("+-", 1);

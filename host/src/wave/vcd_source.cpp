@@ -241,8 +241,9 @@ VcdSource::VcdSource(WaveBytes file) : file_(std::move(file)) {
   } catch (const VcdCut&) {
     cut = true;
     facts_.ending = fmt::format(
-        "the file ends within line {}, which is ignored: the simulation still runs, or was killed",
-        words.line());
+        "the file ends within line {}, at byte {}, which is ignored: the simulation still runs, or "
+        "was killed",
+        words.line(), file_.size());
   }
   index.finish();
   facts_.format = "VCD";

@@ -274,6 +274,7 @@ std::string why_text(const Request& r) {
                 "cde wave why takes one signal and time: cde wave why FILE SIGNAL@TIME");
   Trace trace(r.file);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
   const Design design = Design::of(trace, r.structure);
   const Asked a = asked(r, trace, times, design);
   const Texts texts(trace, design, a.form);

@@ -85,6 +85,7 @@ int list(const Request& r) {
     throw Error(ErrorCode::kUsage,
                 "cde wave ls takes one pattern; put it in quotes if it has * or ?");
   Trace trace(r.file);
+  warn_if_cut(trace, Times(trace, ""));
   Lines lines(r.max);
   Json signals = Json::array();
   fmt::memory_buffer text;
@@ -130,6 +131,7 @@ int values_at(const Request& r) {
                 "cde wave at needs a time and signals: cde wave at FILE TIME SIGNAL ...");
   Trace trace(r.file);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
   const std::uint64_t time = times.parse(r.words.front());
   const std::vector<View> all = views(r, trace, 1);
   std::vector<std::string> values(trace.handles() + std::size_t{1});

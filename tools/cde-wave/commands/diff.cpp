@@ -427,6 +427,8 @@ int diff(const Request& r) {
   if (r.words.size() != 1)
     throw Error(ErrorCode::kUsage, "cde wave diff needs two files: cde wave diff A B");
   Trace a(r.file), b(r.words.front());
+  warn_if_cut(a, Times(a, ""));
+  warn_if_cut(b, Times(b, ""));
   if (a.scale() != b.scale())
     throw Error(ErrorCode::kUsage, fmt::format("the files count time in units of 1e{} s and 1e{} s",
                                                a.scale(), b.scale()));

@@ -68,6 +68,7 @@ int export_waves(const Request& r) {
                 std::vector<FileUse>{{"FILE", r.file}});
   Trace trace(r.file);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
   const Window w = window(r, trace, times);
   std::vector<View> all;
   if (!r.words.empty() || (format != "vcd" && format != "fst"))

@@ -52,6 +52,7 @@ int find(const Request& r) {
     throw Error(ErrorCode::kUsage, "cde wave find takes one expression; put it in quotes");
   Trace trace(r.file);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
   const Window w = window(r, trace, times);
   Search search(r, trace);
   search.run(trace, w);

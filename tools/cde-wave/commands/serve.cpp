@@ -168,6 +168,7 @@ int serve(const Request& r) {
                 std::vector<FileUse>{{"FILE", r.file}});
   Trace trace(r.file);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
   const Window w = window(r, trace, times);
   if (w.to - w.from >= std::uint64_t{1} << 52)
     throw Error(ErrorCode::kUsage,

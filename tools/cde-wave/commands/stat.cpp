@@ -286,6 +286,7 @@ class Report {
 int statistics(const Request& r) {
   Trace trace(r.file);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
   if (!r.clock.empty()) (void)times.clock();  // throws if it is not a clock
   const Window w = window(r, trace, times);
   std::vector<View> views = views_in_scopes(r, trace, true);

@@ -253,6 +253,7 @@ void show_json(const Request& r, Trace& trace, const Times& times, const Window&
 int show(const Request& r) {
   Trace trace(r.file);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
   std::vector<View> all = r.words.empty() ? outermost(r, trace) : views(r, trace, 0);
   const Window w = window(r, trace, times);
   if (r.json) {

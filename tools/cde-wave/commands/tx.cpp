@@ -306,6 +306,7 @@ int transaction_table(const Request& r) {
   check(r);
   Trace trace(r.file);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
   const Window w = window(r, trace, times);
   std::optional<Filter> filter;
   if (!r.where.empty()) filter.emplace(r.where, r.words, times);

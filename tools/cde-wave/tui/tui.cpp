@@ -34,6 +34,8 @@ int terminal_viewer(const Request& r) {
   std::unique_ptr<Trace> other;
   if (!r.other.empty()) other = std::make_unique<Trace>(r.other);
   Times times(trace, r.clock);
+  warn_if_cut(trace, times);
+  if (other) warn_if_cut(*other, Times(*other, r.clock));
   const Window w = window(r, trace, times);
   tui::Begin begin{r.clock, r.default_form(), r.ascii || !utf8, {w.from, w.to}, 0, {}};
   begin.cursor = first_cursor(r, times, w);

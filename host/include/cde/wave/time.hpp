@@ -51,4 +51,7 @@ class Times {
   std::optional<std::vector<std::uint64_t>> edges_;
 };
 
+/// Warns on stderr, if the file is not closed, where it ends and which changes are missing.
+void warn_if_cut(const Trace& trace, const Times& times);
+
 }  // namespace cde::wave
