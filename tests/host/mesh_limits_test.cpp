@@ -274,6 +274,59 @@ TEST_F(HostileMesh, HugeMaterialLibrary_IsNotRead) {
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
 }
 
+/// A library of a megabyte that names `words` files in each line.
+std::string library_of(unsigned words) {
+  std::string line = "map_Kd";
+  for (unsigned i = 0; i < words; ++i) line += " a";
+  std::string text;
+  while (text.size() + line.size() + 1 < (1u << 20)) text += line + "\n";
+  return text;
+}
+
+TEST_F(HostileMesh, LibraryUnderManyNames_IsReadOnce) {
+  folder_.write("m.mtl", library_of(2000));
+  fs::create_hard_link(folder_ / "m.mtl", folder_ / "other.mtl");
+  std::string text = "mtllib other.mtl\n", prefix;
+  for (unsigned i = 0; i < 400; ++i) text += "mtllib " + (prefix += "./") + "m.mtl\n";
+  const Mesh mesh = load_mesh(folder_.write("a.obj", text + kTriangle), kShort);
+  EXPECT_EQ(mesh.files.size(), 401u);
+}
+
+TEST_F(HostileMesh, ManyLibraries_EndAtTheTimeLimit) {
+  std::string text;
+  for (unsigned i = 0; i < 30; ++i)
+    text += "mtllib " +
+            folder_.write(fmt::format("m{}.mtl", i), library_of(32)).filename().string() + "\n";
+  const fs::path mesh = folder_.write("a.obj", text + kTriangle);
+  const auto began = std::chrono::steady_clock::now();
+  expect_error(ErrorCode::kFile, "not read within 1 s; the file is probably damaged",
+               [&] { (void)load_mesh(mesh, {.time = std::chrono::seconds(1)}); });
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));
+}
+
+TEST_F(HostileMesh, ManyNamesOfALibrary_HaveALimitOfMemory) {
+  folder_.write("m.mtl", "");
+  std::string text, prefix;
+  for (unsigned i = 0; i < 1500; ++i) text += "mtllib " + (prefix += "./") + "m.mtl\n";
+  const fs::path mesh = folder_.write("a.obj", text + kTriangle);
+  EXPECT_EQ(load_mesh(mesh, {}).files.size(), 1500u);
+  expect_error(ErrorCode::kFile, "takes more than 1 MB to read",
+               [&] { (void)load_mesh(mesh, {.memory = 1u << 20}); });
+}
+
+/// Options of a texture precede its name.
+TEST_F(HostileMesh, TextureBehindOptions_IsFound) {
+  folder_.write("a b.png", "pixels");
+  folder_.write(
+      "m.mtl",
+      "map_Kd -blendu on -blendv on -boost 1 -mm 0 1 -o 0 0 0 -s 1 1 1 -t 0 0 0 -texres 9 "
+      "-clamp on -bm 1 -imfchan r -type sphere a%20b.png\n");
+  const Mesh mesh =
+      load_mesh(folder_.write("a.obj", "mtllib m.mtl\n" + std::string(kTriangle)), kShort);
+  ASSERT_EQ(mesh.files.size(), 2u);
+  EXPECT_EQ(mesh.files[1].filename(), "a b.png");
+}
+
 /// Faces of 1024 corners along a spiral take cubic time to cut.
 TEST_F(HostileMesh, SpiralFaces_EndAtTheTimeLimit) {
   std::string text, face = "f";

@@ -287,14 +287,6 @@ std::string import(const std::string& path) {
   }
 }
 
-std::uint64_t memory_of(const std::filesystem::path& path, const MeshLimits& limits) {
-  constexpr std::uint64_t kLeast = 512u << 20, kPerByte = 64, kMost = std::uint64_t{2} << 30;
-  if (limits.memory != 0) return limits.memory;
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  return error ? kLeast : std::min(kMost, kLeast + kPerByte * std::min<std::uint64_t>(size, kMost));
-}
-
 /// Bytes of data that this process holds. A child starts with as many.
 std::uint64_t data_bytes() {
   std::ifstream file("/proc/self/statm");
@@ -360,18 +352,12 @@ Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits)
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(name), printable_name(why)));
   };
   const std::uint64_t memory = memory_of(path, limits);
+  const Deadline deadline(limits.time);
   const process::Result ran = process::run_isolated(
       [&](int out) { run_child(out, name, limits.time, memory); }, limits.time);
-  if (ran.timed_out || ran.status == 128 + SIGXCPU)
-    fail(
-        fmt::format("not read within {} s; the file is probably damaged (CDE_MESH_SECONDS sets "
-                    "another limit)",
-                    limits.time.count()));
+  if (ran.timed_out || ran.status == 128 + SIGXCPU) fail_slow(path, deadline);
   if (ran.status == 128 + SIGKILL || ran.output == std::string(1, kTooLarge))
-    fail(
-        fmt::format("takes more than {} MB to read; the file is probably damaged (CDE_MESH_MEMORY "
-                    "sets another limit)",
-                    memory >> 20));
+    fail_large(path, memory);
   if (ran.status != 0) fail("the importer crashed; the file is probably damaged");
   std::string_view rest = ran.output;
   if (rest.empty()) fail("the importer ended without an answer");
@@ -388,9 +374,9 @@ Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits)
   }
   mesh.dropped = dropped[0];
   const MeshFolder folder(path);
+  NamedFiles named(mesh, folder, deadline, memory);
   for (const std::string& file : files)
-    (void)add_named_file(mesh, folder, path.parent_path(),
-                         std::filesystem::absolute(file).string());
+    (void)named.add(path.parent_path(), std::filesystem::absolute(file).string());
   return mesh;
 }
 

@@ -193,57 +193,93 @@ bool mesh_readers::MeshFolder::holds(const Descriptor& file) const {
   return false;
 }
 
-bool mesh_readers::add_named_file(Mesh& mesh, const MeshFolder& folder,
-                                  const std::filesystem::path& beside, const std::string& name) {
+void mesh_readers::fail_slow(const std::filesystem::path& path, const Deadline& deadline) {
+  throw Error(ErrorCode::kFile,
+              fmt::format("{}: not read within {} s; the file is probably damaged "
+                          "(CDE_MESH_SECONDS sets another limit)",
+                          printable_name(path.string()), deadline.limit.count()));
+}
+
+void mesh_readers::fail_large(const std::filesystem::path& path, std::uint64_t memory) {
+  throw Error(ErrorCode::kFile,
+              fmt::format("{}: takes more than {} MB to read; the file is probably damaged "
+                          "(CDE_MESH_MEMORY sets another limit)",
+                          printable_name(path.string()), memory >> 20));
+}
+
+std::uint64_t mesh_readers::memory_of(const std::filesystem::path& path, const MeshLimits& limits) {
+  constexpr std::uint64_t kLeast = 512u << 20, kPerByte = 64, kMost = std::uint64_t{2} << 30;
+  if (limits.memory != 0) return limits.memory;
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  return error ? kLeast : std::min(kMost, kLeast + kPerByte * std::min<std::uint64_t>(size, kMost));
+}
+
+void mesh_readers::NamedFiles::count(std::size_t bytes) {
+  constexpr std::size_t kWithEach = 128;  // bytes of containers
+  if ((bytes_ += bytes + kWithEach) > memory_) fail_large(folder_.mesh(), memory_);
+}
+
+/// The same as add() for one spelling.
+bool mesh_readers::NamedFiles::add_one(const std::filesystem::path& file) {
+  if (std::chrono::steady_clock::now() > deadline_.end) fail_slow(folder_.mesh(), deadline_);
+  const Descriptor found(::open(file.c_str(), O_PATH | O_CLOEXEC));
+  struct stat info {};
+  if (found.get() < 0 || ::fstat(found.get(), &info) != 0 || !S_ISREG(info.st_mode)) return false;
+  std::error_code none;
+  if (std::filesystem::equivalent(file, folder_.mesh(), none)) return false;
+  if (!folder_.holds(found)) return true;
+  if (known_.contains(file.native())) return false;
+  count(2 * file.native().size());
+  known_.insert(file.native());
+  mesh_.files.push_back(file);
+  return false;
+}
+
+bool mesh_readers::NamedFiles::add(const std::filesystem::path& beside, const std::string& name) {
   bool outside = false;
-  const auto add = [&](const std::string& one) {
-    const std::filesystem::path file = beside / one;  // or `one`, if absolute
-    const Descriptor found(::open(file.c_str(), O_PATH | O_CLOEXEC));
-    struct stat info {};
-    if (found.get() < 0 || ::fstat(found.get(), &info) != 0 || !S_ISREG(info.st_mode)) return;
-    std::error_code none;
-    if (std::filesystem::equivalent(file, folder.mesh(), none)) return;
-    if (!folder.holds(found)) {
-      outside = true;
-    } else if (std::find(mesh.files.begin(), mesh.files.end(), file) == mesh.files.end()) {
-      mesh.files.push_back(file);
-    }
-  };
-  for (std::string one : {name, text::percent_decoded(name)}) {
+  const std::string decoded = text::percent_decoded(name);
+  for (std::string one : {name, decoded}) {
     if (one.find('\0') != std::string::npos) continue;
-    add(one);
-    std::replace(one.begin(), one.end(), '\\', '/');
-    add(one);
+    outside = add_one(beside / one) || outside;  // or `one`, if absolute
+    if (one.find('\\') != std::string::npos) {
+      std::replace(one.begin(), one.end(), '\\', '/');
+      outside = add_one(beside / one) || outside;
+    }
+    if (decoded == name) break;
   }
   return outside;
 }
 
-namespace {
-
-/// The text of a material library; empty if it cannot be read or is larger than any real one.
-std::string library_text(const mesh_readers::MeshFolder& folder,
-                         const std::filesystem::path& file) {
+/// The text of a material library; empty if it was read before, cannot be read, or is larger than
+/// any real one.
+std::string mesh_readers::NamedFiles::library_text(const std::filesystem::path& file) {
   constexpr std::uint64_t kMost = 1u << 20;
   try {
     const Descriptor opened = file_io::open_regular(file);
-    if (folder.holds(opened)) return file_io::read_regular(mesh_readers::path_of(opened), kMost);
+    struct stat info {};
+    if (!folder_.holds(opened) || ::fstat(opened.get(), &info) != 0 ||
+        !libraries_.emplace(info.st_dev, info.st_ino).second)
+      return {};
+    return file_io::read_regular(path_of(opened), kMost);
   } catch (const Error&) {
-    // Only the names of textures are missing.
+    return {};  // Only the names of textures are missing.
   }
-  return {};
 }
 
-/// Adds a material library, which has no shapes, and the textures that it names.
-void add_materials(Mesh& mesh, const mesh_readers::MeshFolder& folder, const std::string& name) {
+void mesh_readers::NamedFiles::add_library(const std::string& name) {
   constexpr std::size_t kLongestLine = 4096;  // of a path in Linux
-  const std::size_t before = mesh.files.size();
-  if (mesh_readers::add_named_file(mesh, folder, folder.mesh().parent_path(), name))
-    mesh.warnings.push_back(
+  constexpr unsigned kMostWords = 32;         // options before a name, and their values
+  const std::size_t before = mesh_.files.size();
+  if (add(folder_.mesh().parent_path(), name)) {
+    mesh_.warnings.push_back(
         fmt::format("{}: mtllib {} is outside the folder of the mesh and is ignored",
-                    printable_name(folder.mesh().string()), in_quotes(name)));
-  if (mesh.files.size() == before) return;
-  const std::filesystem::path library = mesh.files[before];  // the name as written comes first
-  std::istringstream in(library_text(folder, library));
+                    printable_name(folder_.mesh().string()), in_quotes(name)));
+    count(mesh_.warnings.back().size());
+  }
+  if (mesh_.files.size() == before) return;
+  const std::filesystem::path library = mesh_.files[before];  // the name as written comes first
+  std::istringstream in(library_text(library));
   for (std::string line; std::getline(in, line);) {
     std::string_view rest = line;
     const std::string_view keyword = text::next_word(rest);
@@ -252,14 +288,13 @@ void add_materials(Mesh& mesh, const mesh_readers::MeshFolder& folder, const std
          keyword != "decal" && keyword != "refl" && keyword != "norm"))
       continue;
     // Options precede the name, which may contain blanks.
-    for (rest = text::trim(rest); !rest.empty(); rest = text::trim(rest)) {
-      (void)mesh_readers::add_named_file(mesh, folder, library.parent_path(), std::string(rest));
+    rest = text::trim(rest);
+    for (unsigned i = 0; i < kMostWords && !rest.empty(); ++i, rest = text::trim(rest)) {
+      (void)add(library.parent_path(), std::string(rest));
       (void)text::next_word(rest);
     }
   }
 }
-
-}  // namespace
 
 MeshLimits MeshLimits::from_environment() {
   MeshLimits limits;
@@ -293,7 +328,8 @@ Mesh load(const std::filesystem::path& path, const MeshLimits& limits, bool may_
            : extension == ".ply" ? mesh_readers::read_ply(bytes, name, deadline)
                                  : mesh_readers::read_stl(bytes, name);
     const mesh_readers::MeshFolder folder(path);
-    for (const std::string& library : libraries) add_materials(mesh, folder, library);
+    mesh_readers::NamedFiles files(mesh, folder, deadline, mesh_readers::memory_of(path, limits));
+    for (const std::string& library : libraries) files.add_library(library);
   } else {
     if (file_io::size_of_regular(path) == 0)
       throw Error(ErrorCode::kFile, fmt::format("{}: is empty", name));

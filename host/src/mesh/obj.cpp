@@ -80,7 +80,7 @@ class ObjReader {
     mesh_.parts.push_back({std::string(text::trim(rest)), static_cast<std::uint32_t>(faces)});
   }
 
-  /// The text holds several names or one name with blanks. add_materials() finds out which.
+  /// The text holds several names or one name with blanks. NamedFiles finds out which.
   void library(std::string_view rest) {
     const std::string_view whole = text::trim(rest);
     libraries_.emplace_back(whole);

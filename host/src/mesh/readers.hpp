@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <sys/types.h>
+
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "cde/mesh/mesh.hpp"
@@ -60,12 +65,37 @@ class MeshFolder {
 /// A path that leads to an open file, whatever happens to its name.
 [[nodiscard]] std::string path_of(const Descriptor& file);
 
-/// Adds a file that the mesh or its material library names, if it exists, is regular and not in
-/// mesh.files yet. The name is a path as written, or relative to the folder `beside`. It may have
-/// Windows' separators or be a URI (%20). Returns true for a file outside the folder, which is not
-/// added.
-bool add_named_file(Mesh& mesh, const MeshFolder& folder, const std::filesystem::path& beside,
-                    const std::string& name);
+/// Bytes that reading a mesh may take.
+[[nodiscard]] std::uint64_t memory_of(const std::filesystem::path& path, const MeshLimits& limits);
+/// Error kFile: a limit is reached.
+[[noreturn]] void fail_slow(const std::filesystem::path& path, const Deadline& deadline);
+[[noreturn]] void fail_large(const std::filesystem::path& path, std::uint64_t memory);
+
+/// Adds the files that a mesh and its material libraries name to mesh.files. Error kFile if that
+/// takes too much time or memory.
+class NamedFiles {
+ public:
+  NamedFiles(Mesh& mesh, const MeshFolder& folder, const Deadline& deadline, std::uint64_t memory)
+      : mesh_(mesh), folder_(folder), deadline_(deadline), memory_(memory) {}
+  /// Adds a file if it exists, is regular and was not added yet. The name is a path as written, or
+  /// relative to the folder `beside`. It may have Windows' separators or be a URI (%20). Returns
+  /// true for a file outside the folder, which is not added.
+  bool add(const std::filesystem::path& beside, const std::string& name);
+  /// Adds a material library, which has no shapes, and the textures that it names.
+  void add_library(const std::string& name);
+
+ private:
+  bool add_one(const std::filesystem::path& file);
+  void count(std::size_t bytes);
+  [[nodiscard]] std::string library_text(const std::filesystem::path& file);
+
+  Mesh& mesh_;
+  const MeshFolder& folder_;
+  const Deadline& deadline_;
+  std::uint64_t memory_, bytes_ = 0;
+  std::unordered_set<std::string> known_;        ///< names in mesh.files
+  std::set<std::pair<dev_t, ino_t>> libraries_;  ///< read ones
+};
 
 /// Number of triangles of the terrain that load_mesh_or_builtin() makes from
 /// "terrain[:QX,QY,SEED]". Error kUsage if the text names no terrain.
