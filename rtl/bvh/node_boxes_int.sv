@@ -2,7 +2,7 @@
 // A ray and the eight boxes of a node in whole numbers: the children that the ray enters, and their keys. The reference
 // is integer_visit() of host/include/cde/reference/integer_node.hpp. docs/background/bvh_integer.md has the proof.
 // Operators per node: 3 sub, 3 mul in fp32. Per child: 6 products of a byte and a unit of UNIT_BITS + 2 bits, 6 sums.
-// With CYCLES = 2 a node takes two cycles, and most operators work in both: 2 sub, 2 mul, and the operators for one side.
+// With CYCLES = 2 a node takes two cycles, and most operators work in both: 2 sub, 2 mul, and those for one side.
 // Latency: NODE_T_INT cycles (bvh.svh).
 // Throughput: one node per CYCLES cycles. Its inputs stay for as long.
 // Stall: none, runs free.
