@@ -58,7 +58,7 @@ struct BoardConfig {
   unsigned nodes = 65'536;  ///< nodes in its memory, a power of two up to 2^22; with eight slots of
                             ///< leaves per node
   unsigned node_cycles = 1;  ///< cycles per node of a traversal unit, 1 or 2. With 2, its operators
-                             ///< for rays are shared, and it is about half as large
+                             ///< for rays are shared: half the multipliers
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
   unsigned objects = 1024;                     ///< size of the card's object table, 2 to 2,048
   unsigned primary_objects = 64;               ///< the same for primaries
