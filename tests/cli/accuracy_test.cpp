@@ -198,11 +198,11 @@ TEST_F(Accuracy, InterruptedRun_ContinuesWhereItEnded) {
   EXPECT_TRUE(has(refused.err, "belongs to a run with seed 1; this run has 7"));
   EXPECT_EQ(read("journal"), lines);
   std::string old = lines;
-  old.replace(old.find("journal.1"), 9, "journal.0");
+  old.replace(old.find("journal.2"), 9, "journal.1");
   write("journal", old);
   const Ran stale = with("journal");
   EXPECT_EQ(stale.status, 2);
-  EXPECT_TRUE(has(stale.err, "journal, byte 0: not a journal of this version"));
+  EXPECT_TRUE(has(stale.err, "journal of another version of cde, \"cde.journal.1\""));
   EXPECT_EQ(read("journal"), old);
 }
 
