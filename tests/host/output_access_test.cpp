@@ -60,7 +60,7 @@ fs::path unfinished_in(const fs::path& folder) {
 }
 
 /// A user who could open the unfinished file could hold its lock, for which cde would wait.
-TEST(OutputAccess, UnfinishedNewFile_OpensForNobodyElse) {
+TEST(OutputAccess, UnfinishedNewFile_IsPrivate) {
   const Folder folder;
   const mode_t mask = ::umask(022);
   OutputFile file(folder / "new");

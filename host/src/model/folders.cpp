@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/folders.hpp"
 
-#include <endian.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/magic.h>
-#include <linux/posix_acl.h>
-#include <linux/posix_acl_xattr.h>
 #include <pwd.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -28,6 +25,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/shell_word.hpp"
 #include "support/descriptor.hpp"
+#include "support/file_access.hpp"
 
 /// The installation folder, in programs that found cde by CMake (cdeConfig.cmake); else null.
 extern "C" __attribute__((weak)) const char* cde_installed_share();
@@ -261,18 +259,7 @@ bool default_acl_shares(const fs::path& folder) {
   if (size <= 0) return false;
   std::string acl(static_cast<std::size_t>(size), '\0');
   if (::getxattr(folder.c_str(), kDefaultAcl, acl.data(), acl.size()) != size) return true;
-  unsigned group = 0, other = 0;  // permissions of a new file
-  bool masked = false;
-  posix_acl_xattr_entry entry{};
-  for (std::size_t at = sizeof(posix_acl_xattr_header); at + sizeof entry <= acl.size();
-       at += sizeof entry) {
-    std::memcpy(&entry, acl.data() + at, sizeof entry);
-    const unsigned tag = le16toh(entry.e_tag), permissions = le16toh(entry.e_perm);
-    if (tag == ACL_OTHER) other = permissions;
-    if (tag == ACL_MASK || (tag == ACL_GROUP_OBJ && !masked)) group = permissions;
-    masked = masked || tag == ACL_MASK;
-  }
-  return ((group | other) & ACL_WRITE) != 0;
+  return (mode_by_acl(acl) & (S_IWGRP | S_IWOTH)) != 0;
 }
 
 }  // namespace

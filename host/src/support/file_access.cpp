@@ -39,9 +39,7 @@ mode_t umask_now() {
 
 }  // namespace
 
-mode_t mode_of_new_file(int folder) {
-  const std::string acl = acl_of(folder, kAclOfNewFiles);
-  if (acl.empty()) return 0666 & ~umask_now();
+mode_t mode_by_acl(const std::string& acl) {
   mode_t owner = 0, group = 0, other = 0;
   bool masked = false;
   posix_acl_xattr_entry entry{};
@@ -54,7 +52,12 @@ mode_t mode_of_new_file(int folder) {
     if (tag == ACL_MASK || (tag == ACL_GROUP_OBJ && !masked)) group = bits;
     masked = masked || tag == ACL_MASK;
   }
-  return (owner << 6 | group << 3 | other) & 0666;
+  return owner << 6 | group << 3 | other;
+}
+
+mode_t mode_of_new_file(int folder) {
+  const std::string acl = acl_of(folder, kAclOfNewFiles);
+  return 0666 & (acl.empty() ? ~umask_now() : mode_by_acl(acl));
 }
 
 std::string access_acl(int file) {

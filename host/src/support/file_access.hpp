@@ -7,6 +7,10 @@
 /// Who may read and write a file: its mode and access control list (ACL). Private to the library.
 namespace cde {
 
+/// The permissions that a default ACL gives to a new file: owner, group or mask, and other.
+/// `acl` is the value of the extended attribute.
+[[nodiscard]] mode_t mode_by_acl(const std::string& acl);
+
 /// The mode of a new file of mode 0666: without the bits of the umask, or with the bits of the
 /// folder's default ACL. The folder may be open as a path only.
 [[nodiscard]] mode_t mode_of_new_file(int folder);
