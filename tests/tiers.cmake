@@ -29,14 +29,14 @@ set(CDE_DEFAULT_cli
   Explain.Manual_ShowsThePrintedOutput Explain.InvalidUsage_IsRefused ExplainLine.* ExplainRecord.*
   FormatCli.Cast_RefusesUnsupportedFormats FormatCli.Scene_RefusesUnsupportedFormats PlantedBugsTable.*
   ModelBuild.SignalToTheCommand_EndsTheBuild RunFolders.* Outputs.* Streams.*
-  CommandLine.* Help.* JsonKeys.* MeshInputFiles.*
+  CommandLine.* Devices.* Help.* JsonKeys.* MeshInputFiles.*
   InventoryCache.* Inventory.TextMarkdownAndUsage_AreCorrect
   Pages.Report_EqualsRunJson Pages.UnwritableReport_IsRefusedBeforeTheRun
   Query.* Ranks.DamagedJournal_IsNamed Ranks.ForeignJournal_IsRefused Ranks.ShardsOfACast_AddUpToTheWhole MpiRanks.Errors_ArePrintedOnce
   RunScene.* SceneBvh.MovingObjects_GiveTheBytesOfBruteForce TraceWindow.WindowOfAQuery_HoldsItsCycles TraceWindow.InvalidWindow_IsRefused Tutorial.*)
 # Long tests, and tests that build a simulation model which no other test uses.
 set(CDE_NOT_DEFAULT_cli
-  Accuracy.MoreBits_HaveSmallerErrors AccuracyPage.ModelledClock_ComesFromTheCardsOperators AccuracyPage.ModelledClock_ComesFromTheScenesOperators AccuracyPage.WorstCase_RepeatsWithItsCommand
+  Accuracy.MoreBits_HaveSmallerErrors AccuracyPage.WorstCase_RepeatsWithItsCommand
   Cast.BothArithmetics_GiveTheSameFile Cast.FaultyCard_IsFound Cast.MoreCards_GiveTheSameFile CastFiles.Algorithms_FindTheSameHits CastBvh.Watertight_EqualsReferenceAndBruteForce
   ExplainRecord.WrongUpdate_IsNamed ExplainRecord.MissedPair_IsListedAsMissing
   Query.MillionPairs_AreAnsweredInOrder Query.HalfSpaceOption_MakesThePlaneSolid Query.BothArithmetics_GiveTheSameAnswers Query.Iterations_SetTheCyclesOfACylinderPair Query.CandidateAxesOfLongWords_UseOneLane Query.FaultyPipe_IsFound Query.BoxRule_MissesTrianglesWithoutArea

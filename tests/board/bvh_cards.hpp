@@ -49,11 +49,7 @@ inline BoardConfig slow_config() {
           .nodes = 1024,
           .node_cycles = 2,
           .transform = Transformer::kBoth,
-          .latency_add = 9,
-          .latency_mul = 11,
-          .latency_div = 34,
-          .latency_sqrt = 32,
-          .latency_compare = 3,
+          .latency = {.add = 9, .mul = 11, .div = 34, .sqrt = 32, .compare = 3},
           .ddr_slots = 2000,
           .sram_records = 64,
           .ecc = true};
@@ -120,8 +116,7 @@ inline BoardConfig spheres_gates_config() {
           .swap = true,
           .traversal_units = 1,
           .nodes = 1024,
-          .latency_add = 2,
-          .latency_compare = 2,
+          .latency = {.add = 2, .compare = 2},
           .ddr_slots = 2000,
           .sram_records = 64,
           .ecc = true};

@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Cards, BvhObjectCards,
 TEST_P(BvhObjectCards, MovingObjects_EqualBruteForceAndReference) {
   const BoardConfig config = GetParam().config();
   Board board = Board::open(config, GetParam().options);
-  const bool gates = config.arithmetic == Arithmetic::kRtl, slow = config.latency_add > 1,
+  const bool gates = config.arithmetic == Arithmetic::kRtl, slow = config.latency.add > 1,
              full = std::getenv("CDE_FULL") != nullptr;
   const std::size_t count = full ? (gates ? 300 : slow ? 3'000 : 36'000) : gates || slow ? 30 : 200;
   std::size_t hits = 0;

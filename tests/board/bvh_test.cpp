@@ -39,7 +39,7 @@ TEST_P(BvhCards, HardRays_EqualTheReference) {
   Board board = Board::open(config, GetParam().options);
   const bool gates = config.arithmetic == Arithmetic::kRtl,
              full = std::getenv("CDE_FULL") != nullptr;
-  const bool slow = config.latency_add > 1;
+  const bool slow = config.latency.add > 1;
   const std::size_t count = full ? (gates ? 3'000 : 30'000) : gates ? 100 : slow ? 300 : 1500;
   for (const Case& one : kScenes) {
     SCOPED_TRACE(one.name);

@@ -154,10 +154,7 @@ BoardConfig rtl_config() {
 }
 BoardConfig small_config() {
   return {.lanes = 4,
-          .latency_add = 2,
-          .latency_mul = 3,
-          .latency_div = 9,
-          .latency_compare = 2,
+          .latency = {.add = 2, .mul = 3, .div = 9, .compare = 2},
           .ddr_slots = 1000,
           .sram_records = 64};
 }

@@ -64,9 +64,9 @@ BoardConfig narrow_first(Arithmetic arithmetic, unsigned lanes, std::vector<Pair
 
 /// With operators of several cycles.
 BoardConfig slow(BoardConfig c) {
-  c.latency_add = c.latency_compare = 2;
-  c.latency_mul = 3;
-  c.latency_div = 9;
+  c.latency.add = c.latency.compare = 2;
+  c.latency.mul = 3;
+  c.latency.div = 9;
   return c;
 }
 
@@ -190,7 +190,7 @@ TEST(CertifiedFilterCards, TooSmallPairs_ProveNothing) {
 /// The slowest adders make the filter, its proof and the wide pipe as deep as possible.
 TEST(CertifiedFilterCards, SlowAdders_EqualTheReference) {
   BoardConfig config = narrow_first(Arithmetic::kHost, 2, {Pair::kTriangleObb});
-  config.latency_add = 16;
+  config.latency.add = 16;
   Board board = Board::open(config);
   check(board, Pair::kTriangleObb, shapes<Triangle>(9, 1), shapes<Obb>(150, 2));
 }

@@ -145,10 +145,10 @@ TEST(Driver, InvalidRequests_AreRefused) {
   expect_error(ErrorCode::kUsage, "1 to 256 rays, not 257",
                [&] { board.load(std::vector<Ray>(257, scene.rays[0])); });
   expect_error(ErrorCode::kUsage, "lanes is 3", [] { (void)Board::open({.lanes = 3}); });
-  expect_error(ErrorCode::kUsage, "latency_div is 0",
-               [] { (void)Board::open({.latency_div = 0}); });
-  expect_error(ErrorCode::kUsage, "latency_sqrt is 65; it must be 1 to 64 cycles",
-               [] { (void)Board::open({.latency_sqrt = 65}); });
+  expect_error(ErrorCode::kUsage, "latency.div is 0",
+               [] { (void)Board::open({.latency = {.div = 0}}); });
+  expect_error(ErrorCode::kUsage, "latency.sqrt is 65; it must be 1 to 64 cycles",
+               [] { (void)Board::open({.latency = {.sqrt = 65}}); });
   expect_error(ErrorCode::kUsage, "sram_records is 100",
                [] { (void)Board::open({.sram_records = 100}); });
   expect_error(ErrorCode::kUsage, "ddr_latency is 0",

@@ -12,9 +12,9 @@ BoardConfig config_of(const MovingBoard& kind, Transformer transform) {
   c.pairs = kind.pairs;
   c.swap = true;
   c.transform = transform;
-  c.latency_add += kind.slower;
-  c.latency_mul += 2 * kind.slower;
-  c.latency_compare += kind.slower;
+  c.latency.add += kind.slower;
+  c.latency.mul += 2 * kind.slower;
+  c.latency.compare += kind.slower;
   c.ddr_slots = 4000;
   c.sram_records = 1024;
   return c;

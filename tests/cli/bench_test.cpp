@@ -41,7 +41,7 @@ TEST_F(Bench, QuickUnits_ReportPlausibleFigures) {
   const auto units = j["fp"]["units"];
   // As in the JSON of other verbs.
   for (const char* key : {"version", "commit"}) EXPECT_TRUE(j[key].is_string()) << key;
-  EXPECT_EQ(j["clock_hz"], 100e6);
+  EXPECT_EQ(j["device"]["name"], "large");
   EXPECT_TRUE(j["machine"]["processors"].is_number());
   EXPECT_TRUE(j["machine"]["system"].is_string());
   ASSERT_EQ(units.size(), 2u);

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "../has.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {

@@ -24,7 +24,7 @@ TEST_F(RunScene, Run_ChecksAndWritesEveryRecord) {
   const Ran ran = cde({"run", "flight.toml", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_TRUE(has(ran.err, "1200 of 1200 records compared with the reference, 0 differ"));
-  EXPECT_TRUE(has(ran.err, "at 100 MHz"));
+  EXPECT_TRUE(has(ran.err, "per frame on large (projected, 100 MHz)"));
   const auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j, run_json("flight.run"));
   EXPECT_EQ(j["finished"], true);

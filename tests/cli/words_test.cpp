@@ -218,7 +218,7 @@ TEST_F(CommandLine, Numbers_AreCheckedAsTheHelpStates) {
 
 /// The same for words: each word in the help is accepted, and another one is refused.
 TEST_F(CommandLine, Words_AreCheckedAsTheHelpStates) {
-  static const std::regex option(R"(\n  (?:-[a-z], )?(--[a-z-]+) ((?:[a-z0-9]+\|)+[a-z0-9]+))");
+  static const std::regex option(R"(\n  (?:-[a-z], )?(--[a-z-]+) ((?:[a-z0-9-]+\|)+[a-z0-9-]+))");
   unsigned checked = 0;
   for (const Words& verb : {Words{"cast", "m.obj"}, Words{"query", "sphere-sphere"},
                             Words{"run", "s.toml"}, Words{"inventory"}, Words{"fp", "add"}}) {

@@ -43,8 +43,7 @@ TEST(PlanBvh, CheaperBvh_IsUsed) {
   ASSERT_TRUE(p.queries[0].bvh_cycles);
   EXPECT_LT(*p.queries[0].bvh_cycles, p.queries[0].rows / 2);
   EXPECT_TRUE(has(bvh(p).why, "rays of hit traverse a BVH of"));
-  EXPECT_TRUE(
-      has(bvh(p).cost, fmt::format("brute force on 128 lanes takes {}", p.queries[0].rows)));
+  EXPECT_TRUE(has(bvh(p).cost, fmt::format("brute force on 16 lanes takes {}", p.queries[0].rows)));
   EXPECT_EQ(p.board.transform, Transformer::kNone) << "the host moves rays";
 
   const Plan small = of(ground(20) + kManyRays + query());
@@ -88,7 +87,7 @@ TEST(PlanBvh, OtherQueriesByBruteForce_KeepTheirLanes) {
   EXPECT_TRUE(p.queries[0].bvh);
   EXPECT_FALSE(p.queries[1].bvh);
   EXPECT_EQ(p.queries[1].bvh_cycles, std::nullopt);
-  EXPECT_EQ(p.board.lanes, 128u);
+  EXPECT_EQ(p.board.lanes, 16u);
 }
 
 /// Rays that the card moves in its register file cannot use the BVH.

@@ -22,7 +22,7 @@ TEST(Plan, Scene_GetsTheCardItNeeds) {
   const Scene s = parse_scene(kGood, "s.toml");
   const Plan p = plan(s);
   EXPECT_EQ(p.board.pairs, std::vector<Pair>{Pair::kRaySphere});
-  EXPECT_EQ(p.board.lanes, 16u) << "one primary: the smallest shared size";
+  EXPECT_EQ(p.board.lanes, 16u) << "the device's";
   EXPECT_FALSE(p.board.swap || p.board.normals || p.board.trace || p.board.parallel);
   EXPECT_FALSE(effect(p, "transformer").used);
   EXPECT_EQ(effect(p, "transformer").why, "no secondary moves as a rigid body");
@@ -53,12 +53,11 @@ TEST(Plan, MorePrimaries_GetMoreLanes) {
                     "s.toml"))
         .board.lanes;
   };
-  for (const unsigned few : {1u, 3u, 16u}) EXPECT_EQ(lanes(few), 16u);
-  for (const unsigned more : {17u, 64u}) EXPECT_EQ(lanes(more), 64u);
-  for (const unsigned many : {65u, 100u, 256u}) EXPECT_EQ(lanes(many), 128u);
-  EXPECT_EQ(lanes(5000), 128u);
+  for (const unsigned any : {1u, 16u, 17u, 256u, 5000u})
+    EXPECT_EQ(lanes(any), default_device().lanes);
+  EXPECT_EQ(lanes(5000, "[card]\ndevice = \"ecp5-85\"\n"), 1u);
   EXPECT_EQ(lanes(5000, "[card]\nlanes = 2\n"), 2u);
-  EXPECT_EQ(lanes(5000, "[card]\narithmetic = \"rtl\"\n"), 16u);
+  EXPECT_EQ(lanes(5000, "[card]\narithmetic = \"rtl\"\n"), 8u);
   EXPECT_EQ(lanes(3, "[card]\narithmetic = \"rtl\"\n"), 4u) << "gates take minutes to build";
 }
 
@@ -99,8 +98,8 @@ TEST(Plan, Work_IsCounted) {
   EXPECT_EQ(w.tests, 256u * (999 + 743 + 487) + 232 * 231)
       << "each packet meets the secondaries after it";
   EXPECT_EQ(w.most_records, 499'500u);
-  EXPECT_EQ(p.board.lanes, 128u);
-  EXPECT_EQ(w.rows, 2u * (999 + 743 + 487 + 231)) << "232 in the last packet";
+  EXPECT_EQ(p.board.lanes, 16u);
+  EXPECT_EQ(w.rows, 16u * (999 + 743 + 487) + 15 * 231) << "16 lanes; 232 in the last packet";
   EXPECT_EQ(w.secondary_words, 4000u);
   EXPECT_EQ(w.moved_words, 4000u);
   EXPECT_TRUE(has(effect(p, "transformer").cost, "12000"));

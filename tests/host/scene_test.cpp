@@ -39,7 +39,7 @@ TEST(SceneFile, Text_ParsesToItsScene) {
   EXPECT_EQ(s.results, Results::kBinary);
   EXPECT_EQ(parse_scene("[report]\nresults = \"npy\"\n" + kGood, "s.toml").results, Results::kNpy);
   EXPECT_EQ(s.card.lanes, 8u);
-  EXPECT_EQ(s.card.clock_hz, 50e6);
+  EXPECT_EQ(s.card.device.clock_mhz, 50);
   ASSERT_EQ(s.objects.size(), 2u);
   const auto& ball = std::get<std::vector<Sphere>>(s.objects[0].shapes).at(0);
   EXPECT_EQ(ball.c, Eigen::Vector3f(1, 2, 3));

@@ -15,15 +15,12 @@ TEST(Moller, SingleCycleOperators_GiveTenCycles) {
 
 TEST(Moller, Latency_FollowsTheOperators) {
   const BoardConfig config{.lanes = 4,
-                           .latency_add = 2,
-                           .latency_mul = 3,
-                           .latency_div = 9,
-                           .latency_compare = 2,
+                           .latency = {.add = 2, .mul = 3, .div = 9, .compare = 2},
                            .ddr_slots = 1000,
                            .sram_records = 64};
   cde::Board board = cde::Board::open(config);
   // sub, cross (mul sub), dot (mul add add), div, scale (mul), point (add), select.
-  const unsigned a = config.latency_add, m = config.latency_mul, d = config.latency_div;
+  const unsigned a = config.latency.add, m = config.latency.mul, d = config.latency.div;
   EXPECT_EQ(board.pipe_latency(), a + (m + a) + (m + 2 * a) + d + m + a + 1);
 }
 

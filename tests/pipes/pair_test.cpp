@@ -146,10 +146,7 @@ unsigned pipe_latency(const PairConfig& config) {
   // Besides the depth in operators: the output register, and waits between the parts of a candidate
   // axis where a triangle meets a box or a triangle.
   constexpr unsigned kOutput = 1, kMeet = 4;
-  const bool one_clock = config.latency_add == 1 && config.latency_mul == 1 &&
-                         config.latency_div == 1 && config.latency_sqrt == 1 &&
-                         config.latency_compare == 1;
-  if (!one_clock) return 0;
+  if (config.latency != cde::OperatorLatencies{}) return 0;
   if (has_iterations(config.pair)) return 0;
   const bool meets = config.pair == Pair::kTriangleObb || config.pair == Pair::kTriangleAabb ||
                      config.pair == Pair::kTriangleTriangle;
@@ -517,11 +514,11 @@ std::vector<Parameter> slow_operators() {
       Parameter slow{pipe, 2000, 20000};
       slow.lanes = 1;
       slow.arithmetic = arithmetic;
-      slow.latency_add = 2;
-      slow.latency_mul = 3;
-      slow.latency_div = 7;
-      slow.latency_sqrt = 11;
-      slow.latency_compare = 4;
+      slow.latency.add = 2;
+      slow.latency.mul = 3;
+      slow.latency.div = 7;
+      slow.latency.sqrt = 11;
+      slow.latency.compare = 4;
       if (arithmetic == cde::Arithmetic::kHost) slow.format = {11, 52};
       if (arithmetic == cde::Arithmetic::kRtl && pipe.pair != Pair::kSphereObb)
         slow.left_out = "gates with operators of several cycles, but for sphere-obb";
@@ -548,7 +545,7 @@ std::vector<Parameter> box_rule() {
     Parameter slow{pipe, 2000, 20000};
     slow.format = {11, 52};
     slow.lanes = 1;
-    slow.latency_add = 2, slow.latency_mul = 3, slow.latency_div = 7, slow.latency_compare = 4;
+    slow.latency.add = 2, slow.latency.mul = 3, slow.latency.div = 7, slow.latency.compare = 4;
     all.push_back(slow);
   }
   for (const Pair pair : {Pair::kTriangleSphere, Pair::kTriangleObb, Pair::kTriangleTriangle}) {
@@ -560,7 +557,7 @@ std::vector<Parameter> box_rule() {
     Parameter gates{pipe, 500, 20000};
     gates.arithmetic = cde::Arithmetic::kRtl;
     gates.lanes = 1;
-    gates.latency_add = 2, gates.latency_compare = 3;
+    gates.latency.add = 2, gates.latency.compare = 3;
     if (pair != Pair::kTriangleSphere)
       gates.left_out = "gates of triangle-obb and triangle-triangle with the box rule";
     all.push_back(gates);

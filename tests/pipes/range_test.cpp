@@ -161,11 +161,7 @@ std::vector<PairConfig> configurations() {
   all.push_back({.pair = Pair::kTriangleSphere, .format = kFp64, .lanes = 1});
   const PairConfig slow{.lanes = 1,
                         .arithmetic = Arithmetic::kRtl,
-                        .latency_add = 2,
-                        .latency_mul = 3,
-                        .latency_div = 7,
-                        .latency_sqrt = 11,
-                        .latency_compare = 4};
+                        .latency = {.add = 2, .mul = 3, .div = 7, .sqrt = 11, .compare = 4}};
   for (const auto& [pair, format] : {std::pair{Pair::kRaySphere, kFp16},
                                      {Pair::kSphereSphere, kFp16},
                                      {Pair::kTriangleSphere, FpFormat{8, 23}}}) {

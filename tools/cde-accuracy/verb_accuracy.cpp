@@ -31,13 +31,14 @@
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "cde/support/suffix.hpp"
-#include "options/clock_target.hpp"
+#include "options/device_options.hpp"
 #include "options/distribution_options.hpp"
 #include "options/help.hpp"
 #include "options/pair_options.hpp"
 #include "options/scene_frames.hpp"
 #include "options/typed.hpp"
 #include "options/values.hpp"
+#include "output/device_output.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "page/page.hpp"
@@ -52,10 +53,9 @@ struct AccuracyOptions {
   std::vector<std::string> pairs, formats, algorithms, iterations, families;
   std::vector<std::string> variants = {"card"};
   std::string box = "both", output, mesh, grid = "64x48", camera;
-  std::string target = kDefaultTarget, page, from;
+  std::string target = kDefaultTarget, device, page, from;
   std::uint64_t cases = 2400, seed = 1, check = 0, profile_cases = 0;
   std::string scene, frames;
-  double clock_mhz = 100;
   DistributionOptions distribution;
   bool json = false, markdown = false, by_family = false, operators = true, quiet = false;
   bool short_json = false, promises = false, filters = false;
@@ -288,6 +288,7 @@ void run_picture(const AccuracyOptions& o) {
 /// Runs the queries of every frame in each format. Modelled times are for the planned card.
 void run_scene(const AccuracyOptions& o) {
   cde::Scene scene = load_scene(o.scene);
+  use_device(o.device, scene);
   scene.card.bvh = UseBvh::kOff;  // a BVH needs fp32, and the rows are for brute force
   const Plan planned = plan(scene);
   const Frames frames = frames_of(o.frames, scene);
@@ -298,18 +299,20 @@ void run_scene(const AccuracyOptions& o) {
   say_what(o, all["machine"],
            fmt::format("{}, frames {}..{}", printable_name(o.scene), frames.first, frames.last));
   const std::vector<SceneAccuracy> rows = scene_accuracy(scene, planned, options);
-  const double clock_hz = 1e6 * o.clock_mhz;
+  const Device& device = scene.card.device;
+  const double clock_hz = device.clock_hz();
   if (o.json) {
     all.update({{"scene", o.scene},
+                {"device", device_json(device)},
                 {"clock_hz", clock_hz},
                 {"lanes", planned.board.lanes},
                 {"scene_rows", scene_accuracy_json(rows, clock_hz)}});
     write(o, json_text(all) + "\n");
   } else {
     write(o, scene_table(rows, clock_hz, o.markdown) +
-                 fmt::format("rows ms: modelled time of only the rows, {} at an assumed core clock "
-                             "of {:g} MHz in every format, without start, write-back and bus\n",
-                             counted(planned.board.lanes, "lane"), o.clock_mhz));
+                 fmt::format("rows ms: modelled time of only the rows, {} of {} in every "
+                             "format, without start, write-back and bus\n",
+                             counted(planned.board.lanes, "lane"), device.text()));
   }
 }
 
@@ -373,7 +376,7 @@ const Work kWorks[] = {
     {"--filters",
      {"--pair", "--formats", "--iterations", "--families", "--cases", "--seed", "--by-family",
       "--json", "--markdown", "--output"}},
-    {"--scene", {"--formats", "--frames", "--clock", "--json", "--markdown", "--output"}},
+    {"--scene", {"--formats", "--frames", "--device", "--json", "--markdown", "--output"}},
     {"--mesh",
      {"--pair", "--formats", "--algorithms", "--box", "--variants", "--grid", "--camera", "--page",
       "--json", "--markdown", "--output"}}};
@@ -511,7 +514,7 @@ void add_works(CLI::App& verb, AccuracyOptions& o) {
                  "SCENE");
   scene->excludes(mesh);
   frames_option(verb, o.frames)->needs(scene);
-  clock_option(verb, o.clock_mhz)->needs(scene);
+  scene_device_option(verb, o.device)->needs(scene);
 }
 
 void add_page(CLI::App& verb, AccuracyOptions& o) {
@@ -529,7 +532,8 @@ void add_page(CLI::App& verb, AccuracyOptions& o) {
                                   "grazing angle, size, distance and aspect; 0: no charts")
                       ->capture_default_str(),
                   0, 1'000'000, "");
-  target_option(verb, o.target, "Device of the costs, or an assumed clock")->capture_default_str();
+  target_option(verb, o.target, "FPGA of the costs per lane, or an assumed clock")
+      ->capture_default_str();
   verb.add_flag("--operators,!--no-operators", o.operators,
                 "Count operators and cycles in the RTL; the first time this takes seconds per pipe")
       ->default_str("on");

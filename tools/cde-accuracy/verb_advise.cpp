@@ -16,7 +16,7 @@
 #include "cde/model/model.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
-#include "options/clock_target.hpp"
+#include "options/device_options.hpp"
 #include "options/help.hpp"
 #include "options/typed.hpp"
 #include "options/values.hpp"
@@ -127,7 +127,8 @@ void add_advise(CLI::App& app) {
       verb->add_option("--tests", o->tests, "Number of tests for --time")->capture_default_str(), 1,
       1e15, "");
   begin_group(*verb, "Figures");
-  target_option(*verb, o->target, "Device, or an assumed clock")->capture_default_str();
+  target_option(*verb, o->target, "FPGA of the costs per lane, or an assumed clock")
+      ->capture_default_str();
   file_value(verb->add_option("--from", o->from, "File of cde accuracy --json")
                  ->default_str("docs/accuracy.json"),
              "FILE");

@@ -15,7 +15,9 @@
 #include "cde/card/json_keys.hpp"
 #include "cde/card/machine.hpp"
 #include "cde/support/error.hpp"
+#include "options/device_options.hpp"
 #include "options/values.hpp"
+#include "output/device_output.hpp"
 #include "output/streams.hpp"
 #include "verbs.hpp"
 
@@ -62,13 +64,11 @@ void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool jso
     throw_usage("--markdown needs only the section effects: cde bench effects --markdown");
   if (json) Figures::beside_json();
   nlohmann::ordered_json all = program_json();
-  all.update({{"clock_hz", o.clock_hz},
-              {"clock_source", "an assumption about the device, not a measurement"},
-              {"machine", machine()}});
+  all.update({{"device", device_json(o.device)}, {"machine", machine()}});
   if (!o.markdown) {
     for (const auto& [key, value] : all["machine"].items())
       print_figure("{:<22} {}\n", key, value.is_string() ? value.get<std::string>() : value.dump());
-    print_figure("{:<22} {:g} MHz, assumed\n", "clock", o.clock_hz / 1e6);
+    print_figure("{:<22} {}\n", "device", device_row(o.device));
   }
   for (const Section& s : kSections) {
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), s.name) == wanted.end())
@@ -90,7 +90,7 @@ void add_bench(CLI::App& app) {
   struct Arguments {
     BenchOptions options;
     std::vector<std::string> sections;
-    double clock_mhz = 100;
+    DeviceWords device;
     bool json = false;
   };
   auto a = std::make_shared<Arguments>();
@@ -109,9 +109,9 @@ void add_bench(CLI::App& app) {
                                "Default models and small scenes, under a minute");
   verb->add_flag("--full", a->options.full, "Up to 10 million triangles, every format")
       ->excludes(quick);
-  clock_option(*verb, a->clock_mhz);
+  device_options(*verb, a->device);
   verb->callback([a] {
-    a->options.clock_hz = a->clock_mhz * 1e6;
+    a->options.device = a->device.chosen();
     run(a->options, a->sections, a->json);
   });
 }

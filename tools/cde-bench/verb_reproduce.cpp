@@ -9,8 +9,9 @@
 #include "cde/support/counted.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suffix.hpp"
-#include "options/clock_target.hpp"
+#include "options/device_options.hpp"
 #include "options/values.hpp"
+#include "output/device_output.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
 #include "page/page.hpp"
@@ -22,7 +23,7 @@ namespace {
 struct Arguments {
   ReproduceOptions options;
   std::string out = "reproduction.html";
-  ClockOptions clock;
+  DeviceWords device;
   bool json = false, quiet = false;
 };
 
@@ -32,6 +33,8 @@ void run(const Arguments& a) {
   check_suffix("--output", a.out, ".html");
   if (a.out == "-") Figures::beside_json();
   OutputFile page(a.out);  // a missing folder is an error before the work
+  print_figure("{:<22} {}\n", "device", device_row(a.options.device));
+  print_figure("{:<22} {}\n", "evidence", a.options.device.why);
   const Reproduction r = reproduce(a.options);
   const nlohmann::ordered_json machine = machine_json();
   page.write(reproduction_html(r, machine));
@@ -70,14 +73,12 @@ void add_reproduce(CLI::App& app) {
   quiet_flag(*verb, &a->quiet);
   verb->add_flag("--quick", a->options.quick,
                  "A small terrain and few spheres, to check that everything works");
-  lanes_value(verb->add_option("--lanes", a->options.lanes, "Lanes of the best card")
-                  ->capture_default_str());
-  clock_options(*verb, a->clock);
-  verb->callback([a] {
-    // All its cards have these two pipes.
-    a->options.clock_source =
-        resolve_clock(a->clock, BoardConfig{.pairs = {Pair::kRayTriangle, Pair::kSphereSphere}});
-    a->options.clock_hz = a->clock.mhz * 1e6;
+  auto* lanes = lanes_value(verb->add_option("--lanes", a->options.lanes,
+                                             "Lanes of the best card instead of the device's"));
+  device_options(*verb, a->device);
+  verb->callback([a, lanes] {
+    a->options.device = a->device.chosen();
+    if (lanes->empty()) a->options.lanes = a->options.device.lanes;
     run(*a);
   });
 }

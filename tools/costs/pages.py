@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tables of docs/background/costs.md and docs/tables/costs.md, between their markers."""
+import json
 import re
 import statistics
 
@@ -12,11 +13,11 @@ PAGES = [ROOT / "docs" / "background" / "costs.md", ROOT / "docs" / "tables" / "
 MARKS = re.compile(r"(<!-- costs: (\w+) -->\n)(.*?)(<!-- end -->)", re.S)
 
 
-def grid(head, rows):
-    """A table in Markdown, or a sentence without rows."""
+def grid(head, rows, words=()):
+    """A table in Markdown, or a sentence without rows. The first column and those of `words` are text, the others numbers."""
     if not rows:
         return "No rows yet.\n"
-    lines = ["| " + " | ".join(head) + " |", "| " + " | ".join("---" if k == 0 else "---:" for k in range(len(head))) + " |"]
+    lines = ["| " + " | ".join(head) + " |", "| " + " | ".join("---" if k == 0 or name in words else "---:" for k, name in enumerate(head)) + " |"]
     lines += ["| " + " | ".join(map(str, row)) + " |" for row in rows]
     return "\n".join(lines) + "\n"
 
@@ -82,6 +83,15 @@ def units(kept):
     return grid(head, rows)
 
 
+def devices():
+    """docs/devices.json, which the programs compile in."""
+    rows = [[f"`{d['name']}`", d["kind"], d["fpga"], d["clock_mhz"], d["lanes"], d["traversal_units"], d["node_cycles"],
+             "/".join(str(d["latencies"][k]) for k in ("add", "mul", "div", "sqrt", "compare")), d["why"]]
+            for d in json.loads((ROOT / "docs" / "devices.json").read_text())["devices"]]
+    return grid(["device", "kind", "FPGA", "MHz", "lanes", "traversal units", "cycles per node", "cycles of add/mul/div/sqrt/compare", "evidence"], rows,
+                words=("kind", "FPGA", "evidence"))
+
+
 def made_with(kept):
     """Targets, with the tools of their rows."""
     rows = []
@@ -100,6 +110,7 @@ def parts(kept):
             "ordinary": ordinary(kept),
             "lanes": lanes(kept),
             "units": units(kept),
+            "devices": devices(),
             "xc7": operators(kept, "xc7", False),
             "virtex2p": operators(kept, "virtex2p", False)}
 

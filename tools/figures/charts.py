@@ -213,7 +213,7 @@ def reproduction(root):
             11.5, "tu")
     c.parts = c.parts[late:] + c.parts[behind:late]  # lines of the grid below the dots
     c.dot(14, y + 4, "mb", 4.5)
-    c.text(24, y + 8, "modelled: fp32, core clock of 100 MHz assumed, PCI 64/66", size=12)
+    c.text(24, y + 8, "modelled: device large (projected, 100 MHz), fp32, PCI 64/66", size=12)
     c.dot(400, y + 4, "mg", 4.5)
     c.text(410, y + 8, "measured: one thread, AMD EPYC with AVX-512", size=12)
     c.height = y + 20

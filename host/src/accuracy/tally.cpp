@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/accuracy/tally.hpp"
 #include <nlohmann/json.hpp>
-#include "cde/costs/card_clock.hpp"
+#include "cde/costs/costed_pipe.hpp"
 
 #include <fmt/format.h>
 

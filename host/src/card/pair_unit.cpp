@@ -27,9 +27,8 @@ std::vector<std::string> PairConfig::parameters() const {
   (void)name(algorithm);
   in_range("plane", static_cast<unsigned>(plane), 0, 1);
   in_range("lanes", lanes, 1, tap ? 1 : 256);
-  for (const unsigned latency :
-       {latency_add, latency_mul, latency_div, latency_sqrt, latency_compare})
-    in_range("latency of an operator", latency, 1, 64);
+  for (const unsigned cycles : cycles_of(latency))
+    in_range("latency of an operator", cycles, 1, kMostOperatorLatency);
   if (algorithm != Algorithm::kMoller && pair != Pair::kRayTriangle)
     throw Error(ErrorCode::kUsage, fmt::format("{} has only one algorithm", name(pair)));
   if (box && !has_box_rule(pair))
@@ -49,11 +48,11 @@ std::vector<std::string> PairConfig::parameters() const {
     if (value != 1) p.push_back(fmt::format("{}={}", key, value));
   };
   add("SAT_II", sat_interval);
-  add("LAT_ADD", latency_add);
-  add("LAT_MUL", latency_mul);
-  add("LAT_DIV", latency_div);
-  add("LAT_SQRT", latency_sqrt);
-  add("LAT_CMP", latency_compare);
+  add("LAT_ADD", latency.add);
+  add("LAT_MUL", latency.mul);
+  add("LAT_DIV", latency.div);
+  add("LAT_SQRT", latency.sqrt);
+  add("LAT_CMP", latency.compare);
   if (trace) p.emplace_back("TRACE=1");
   if (tap) p.emplace_back("TAP=1");
   return p;

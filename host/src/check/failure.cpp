@@ -33,8 +33,7 @@ Json config_json(const PairConfig& c) {
           {"lanes", c.lanes},
           {"arithmetic", static_cast<unsigned>(c.arithmetic)},
           {"sat_interval", c.sat_interval},
-          {"latencies",
-           {c.latency_add, c.latency_mul, c.latency_div, c.latency_sqrt, c.latency_compare}}};
+          {"latencies", cycles_of(c.latency)}};
 }
 PairConfig config_of(const Json& j) {
   PairConfig c;
@@ -46,9 +45,8 @@ PairConfig config_of(const Json& j) {
   c.lanes = j.at("lanes").get<unsigned>();
   c.arithmetic = static_cast<Arithmetic>(j.at("arithmetic").get<unsigned>());
   c.sat_interval = j.at("sat_interval").get<unsigned>();
-  const auto latencies = j.at("latencies").get<std::array<unsigned, 5>>();
-  c.latency_add = latencies[0], c.latency_mul = latencies[1], c.latency_div = latencies[2];
-  c.latency_sqrt = latencies[3], c.latency_compare = latencies[4];
+  const auto cycles = j.at("latencies").get<std::array<unsigned, 5>>();
+  c.latency = {cycles[0], cycles[1], cycles[2], cycles[3], cycles[4]};
   return c;
 }
 

@@ -120,13 +120,6 @@ void CellCounts::add(const CellCounts& other, double times) {
   dsp += times * other.dsp, ram += times * other.ram, lutram += times * other.lutram;
 }
 
-std::vector<std::string> target_words() {
-  std::vector<std::string> words;
-  for (const Device& d : kDevices) words.emplace_back(d.name);
-  words.emplace_back("assumed:100MHz");
-  return words;
-}
-
 Target parse_target(const std::string& text) {
   for (const Device& d : kDevices)
     if (text == d.name) return {text, std::nullopt};
@@ -195,12 +188,11 @@ CostTable CostTable::of_project() {
 }
 
 const CostRow* CostTable::fastest(std::string_view what, std::string_view algorithm,
-                                  const std::string& format, const std::string& target,
-                                  const std::string& lat) const {
+                                  const std::string& format, const std::string& target) const {
   const CostRow* best = nullptr;
   for (const CostRow& row : rows_) {
     if (row.what != what || row.algorithm != algorithm || row.format != format ||
-        row.target != target || !row.mhz || (!lat.empty() && row.lat != lat))
+        row.target != target || !row.mhz)
       continue;
     if (best == nullptr || *row.mhz > *best->mhz ||
         (*row.mhz == *best->mhz && row.cells.lut < best->cells.lut))
@@ -209,38 +201,20 @@ const CostRow* CostTable::fastest(std::string_view what, std::string_view algori
   return best;
 }
 
-std::string CostTable::rows_of(const std::string& target) const {
-  std::vector<std::string> there;
-  for (const CostRow& row : rows_)
-    if (row.target == target && row.mhz)
-      there.push_back(fmt::format("{}{}{} {} LAT {}", row.what, row.algorithm.empty() ? "" : " ",
-                                  row.algorithm, row.format, row.lat));
-  return there.empty() ? fmt::format("{} has no row of {}", file_, target)
-                       : fmt::format("{} has {}", file_, fmt::join(there, ", "));
-}
-
-LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target,
-                               const std::optional<OperatorLatencies>& cycles) const {
+LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target) const {
   if (!pipe.operators) return {{}, "its operators were not counted"};
   const OperatorCounts& n = *pipe.operators;
-  const OperatorLatencies c = cycles.value_or(OperatorLatencies{});
   struct Kind {
     const char* what;
-    unsigned count, cycles;
+    unsigned count;
   };
   LaneCost cost{.estimated = true, .mhz = std::numeric_limits<double>::infinity()};
-  for (const Kind& kind : {Kind{"add", n.add, c.add},
-                           {"mul", n.mul, c.mul},
-                           {"div", n.div, c.div},
-                           {"sqrt", n.sqrt, c.sqrt},
-                           {"lt", n.cmp, c.cmp}}) {
+  for (const Kind& kind :
+       {Kind{"add", n.add}, {"mul", n.mul}, {"div", n.div}, {"sqrt", n.sqrt}, {"lt", n.cmp}}) {
     if (kind.count == 0) continue;
-    const std::string lat = cycles ? fmt::to_string(kind.cycles) : "";
-    const CostRow* row = fastest(kind.what, "", pipe.format.name(), target, lat);
+    const CostRow* row = fastest(kind.what, "", pipe.format.name(), target);
     if (row == nullptr)
-      return {{},
-              fmt::format("no row of {} {}{}{} on {}", kind.what, pipe.format.name(),
-                          lat.empty() ? "" : " LAT ", lat, target)};
+      return {{}, fmt::format("no row of {} {} on {}", kind.what, pipe.format.name(), target)};
     cost.cells.add(row->cells, kind.count);
     cost.mhz = std::min(cost.mhz, *row->mhz);
     unsigned of_row = 1;
@@ -254,18 +228,14 @@ LaneCostOr CostTable::estimate(const CostedPipe& pipe, const std::string& target
   return {cost, ""};
 }
 
-LaneCostOr CostTable::lane(const CostedPipe& pipe, const std::string& target,
-                           const std::optional<OperatorLatencies>& cycles) const {
+LaneCostOr CostTable::lane(const CostedPipe& pipe, const std::string& target) const {
   const bool triangle = pipe.pair == Pair::kRayTriangle;
-  const std::string lat = cycles ? fmt::format("{}/{}/{}/{}/{}", cycles->add, cycles->mul,
-                                               cycles->div, cycles->sqrt, cycles->cmp)
-                                 : "";
   // Lanes are measured without the box rule.
   const CostRow* row = triangle && pipe.box
                            ? nullptr
                            : fastest(name(pipe.pair), triangle ? name(pipe.algorithm) : "",
-                                     pipe.format.name(), target, lat);
-  if (row == nullptr) return estimate(pipe, target, cycles);
+                                     pipe.format.name(), target);
+  if (row == nullptr) return estimate(pipe, target);
   LaneCost cost{.cells = row->cells, .mhz = *row->mhz};
   cost.fit = lanes_that_fit(row->cells, target);
   cost.of = fmt::format("the whole lane, LAT {}", row->lat);

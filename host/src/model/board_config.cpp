@@ -57,6 +57,13 @@ constexpr Number filter_field(const char* name) {
           }};
 }
 
+/// The latency of an operator.
+template <auto Member>
+constexpr Number latency_field(const char* name) {
+  return {name, [](const BoardConfig& c) { return c.latency.*Member; },
+          [](BoardConfig& c, unsigned value) { c.latency.*Member = value; }};
+}
+
 constexpr Number kFields[] = {
     field<&BoardConfig::lanes>("LANES"),
     {"EXP", [](const BoardConfig& c) { return static_cast<unsigned>(c.format.exp_bits); },
@@ -79,11 +86,11 @@ constexpr Number kFields[] = {
     field<&BoardConfig::transform>("TRANSFORM"),
     field<&BoardConfig::objects>("OBJECTS", Transformer::kSecondaries),
     field<&BoardConfig::primary_objects>("PRIM_OBJECTS", Transformer::kBoth),
-    field<&BoardConfig::latency_add>("LAT_ADD"),
-    field<&BoardConfig::latency_mul>("LAT_MUL"),
-    field<&BoardConfig::latency_div>("LAT_DIV"),
-    field<&BoardConfig::latency_sqrt>("LAT_SQRT"),
-    field<&BoardConfig::latency_compare>("LAT_CMP"),
+    latency_field<&OperatorLatencies::add>("LAT_ADD"),
+    latency_field<&OperatorLatencies::mul>("LAT_MUL"),
+    latency_field<&OperatorLatencies::div>("LAT_DIV"),
+    latency_field<&OperatorLatencies::sqrt>("LAT_SQRT"),
+    latency_field<&OperatorLatencies::compare>("LAT_CMP"),
     field<&BoardConfig::ddr_slots>("DDR_SLOTS"),
     field<&BoardConfig::sram_records>("SRAM_RECORDS"),
     field<&BoardConfig::trace>("TRACE"),
@@ -188,14 +195,15 @@ std::optional<TraversalShapes> BoardConfig::traversal_shapes(Pair pair, bool swa
 }
 
 std::vector<std::string> BoardConfig::parameters() const {
-  const auto require = [](bool ok, const char* name, unsigned value, const char* range) {
+  const auto require = [](bool ok, const char* name, unsigned value, const std::string& range) {
     if (!ok)
       throw Error(ErrorCode::kUsage, fmt::format("{} is {}; it must be {}", name, value, range));
   };
   require(std::has_single_bit(lanes) && lanes <= 256, "lanes", lanes,
           "a power of two from 1 to 256");
-  const auto latency = [&](unsigned value, const char* name) {
-    require(value >= 1 && value <= 64, name, value, "1 to 64 cycles");
+  const auto in_cycles = [&](unsigned value, const char* name) {
+    require(value >= 1 && value <= kMostOperatorLatency, name, value,
+            fmt::format("1 to {} cycles", kMostOperatorLatency));
   };
   check(arithmetic);
   check_card_format(format);
@@ -204,11 +212,11 @@ std::vector<std::string> BoardConfig::parameters() const {
           "0 or 1");
   (void)name(algorithm);
   for (const Pair pair : pairs) (void)name(pair);
-  latency(latency_add, "latency_add");
-  latency(latency_mul, "latency_mul");
-  latency(latency_div, "latency_div");
-  latency(latency_sqrt, "latency_sqrt");
-  latency(latency_compare, "latency_compare");
+  in_cycles(latency.add, "latency.add");
+  in_cycles(latency.mul, "latency.mul");
+  in_cycles(latency.div, "latency.div");
+  in_cycles(latency.sqrt, "latency.sqrt");
+  in_cycles(latency.compare, "latency.compare");
   if (parallel && pairs.size() < 2)
     throw Error(ErrorCode::kUsage, "two pipes at a time need a card with several pairs");
   if (pairs.empty()) throw Error(ErrorCode::kUsage, "a card has at least one pair");

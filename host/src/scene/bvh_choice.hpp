@@ -7,14 +7,10 @@
 
 #include "cde/bvh/bvh.hpp"
 #include "cde/geometry/pair.hpp"
-#include "cde/model/model.hpp"
+#include "cde/model/device.hpp"
 
 /// Chooses between brute force and a BVH, for scenes and for casts. Private to the planners.
 namespace cde::bvh_choice {
-
-constexpr unsigned kTraversalUnits = 2;
-/// Lanes of a card whose queries all traverse: more would be idle.
-constexpr unsigned kLanes = 4;
 
 /// Cost of both methods, in the same unit.
 struct Cost {
@@ -34,8 +30,8 @@ inline bool traverses(bool asked, Shape leaf, std::uint64_t secondaries,
 }
 
 /// Cycles of the traversal units per primary. They also test the secondaries.
-inline double cycles(double nodes, double secondaries) {
-  return std::max(nodes / kTraversalUnits, secondaries);
+inline double cycles(const Device& device, double nodes, double secondaries) {
+  return std::max(nodes * device.node_cycles / device.traversal_units, secondaries);
 }
 
 /// Words of node memory for a BVH over so many secondaries.

@@ -12,18 +12,18 @@ namespace cde {
 namespace {
 
 /// Estimated microseconds of simulation. Building a BVH takes 1 us per triangle, and traversing it
-/// 4 us per ray. Brute force on 64 lanes takes 4.6 ns per test (cde bench).
+/// 4 us per ray. Brute force on 16 lanes takes 13 ns per test (cde bench).
 bvh_choice::Cost cost(std::uint64_t triangles, std::uint64_t rays) {
   const auto t = static_cast<double>(triangles), r = static_cast<double>(rays);
-  return {t + 4 * r, 4.6e-3 * t * r};
+  return {t + 4 * r, 13e-3 * t * r};
 }
 
 /// The same per ray, once the BVH is built: overlapping boxes cull little. Simulating a cycle takes
 /// 0.4 us.
-bvh_choice::Cost cost(const Bvh& bvh, std::uint64_t triangles) {
+bvh_choice::Cost cost(const CastRequest& r, const Bvh& bvh, std::uint64_t triangles) {
   const Bvh::Visits visits = bvh.expected_visits();
-  return {2 + 0.4 * bvh_choice::cycles(visits.nodes, visits.secondaries),
-          4.6e-3 * static_cast<double>(triangles)};
+  return {2 + 0.4 * bvh_choice::cycles(r.device, visits.nodes, visits.secondaries),
+          13e-3 * static_cast<double>(triangles)};
 }
 
 bool must_traverse(const CastRequest& r) {
@@ -35,11 +35,12 @@ bool traverses(const CastRequest& r, std::uint64_t triangles,
   return bvh_choice::traverses(must_traverse(r), Shape::kTriangle, triangles, cost);
 }
 
-/// Wide cards simulate more tests per second. But their gates take minutes to compile, their waves
-/// are larger, and few rays do not fill their lanes.
-unsigned lanes_of(const CastRequest& r, std::uint64_t rays) {
+/// The lanes of the device. Gates take minutes to compile, so they get fewer.
+unsigned lanes_of(const CastRequest& r) {
+  constexpr unsigned kLanesOfGates = 8;
   if (r.lanes) return *r.lanes;
-  return r.arithmetic == Arithmetic::kHost && !r.trace && rays > 16 ? 64 : 16;
+  return r.arithmetic == Arithmetic::kHost ? r.device.lanes
+                                           : std::min(kLanesOfGates, r.device.lanes);
 }
 
 /// The BVH, or nothing where brute force is as good. `warning` says why a BVH cannot be built.
@@ -53,7 +54,7 @@ std::shared_ptr<const Bvh> built_bvh(const CastRequest& r, const Mesh& mesh, std
     return nullptr;
   }
   const std::uint64_t triangles = mesh.faces.size();
-  return traverses(r, triangles, cost(*bvh, triangles)) ? bvh : nullptr;
+  return traverses(r, triangles, cost(r, *bvh, triangles)) ? bvh : nullptr;
 }
 
 /// Replaces a card that is not built by a built one, if this adds at most 0.3 minutes or so of
@@ -64,6 +65,7 @@ void use_built_card(const CastRequest& r, CastPlan& plan, std::uint64_t rays,
   if (r.exact_card || static_cast<double>(rays) * static_cast<double>(triangles) > kMostTests)
     return;
   SceneCard asked;
+  asked.device = r.device;
   if (r.lanes) asked.lanes = plan.card.lanes;
   const auto card = built_card(plan.card, asked, [&](unsigned lanes) {
     return ((rays / card::kMostPrimaries) * (card::kMostPrimaries / lanes) +
@@ -105,13 +107,15 @@ CastPlan plan_cast(const CastRequest& r, const Mesh& mesh, std::uint64_t rays) {
   plan.card.box = r.box;
   plan.card.format = r.format;
   plan.card.trace = r.trace;
-  plan.card.lanes = lanes_of(r, rays);
+  plan.card.lanes = lanes_of(r);
+  plan.card = on(r.device, plan.card);
   if (may_traverse(r, triangles) && traverses(r, triangles, cost(triangles, rays)))
     plan.bvh = built_bvh(r, mesh, plan.warning);
   if (plan.bvh) {
-    plan.card.traversal_units = bvh_choice::kTraversalUnits;
+    plan.card.traversal_units = r.device.traversal_units;
+    plan.card.node_cycles = r.device.node_cycles;
     plan.card.nodes = bvh_choice::node_memory(*plan.bvh, triangles);
-    if (!r.lanes) plan.card.lanes = bvh_choice::kLanes;
+    if (!r.lanes) plan.card.lanes = r.device.leaf_lanes();
   }
   if (!plan.bvh) use_built_card(r, plan, rays, triangles);
   return plan;

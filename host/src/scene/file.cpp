@@ -66,7 +66,11 @@ SceneCard read_card(Table t) {
   card.algorithm = static_cast<Algorithm>(t.choice(
       "algorithm", {"moller", "badouel", "pluecker", "watertight"}, static_cast<int>(kLeakFree)));
   card.box = t.flag("box", true);
-  card.clock_hz = 1e6 * t.number("clock_mhz", 100.0, {.min = kLeastClockMhz, .max = kMostClockMhz});
+  std::vector<std::string> known;
+  for (const Device& d : devices()) known.push_back(d.name);
+  card.device = devices()[t.choice("device", known, 0)];
+  card.device.clock_mhz =
+      t.number("clock_mhz", card.device.clock_mhz, {.min = kLeastClockMhz, .max = kMostClockMhz});
   card.cycle_bus = t.choice("bus", {"functional", "cycle"}, 0) == 1;
   std::vector<std::string> hosts;
   hosts.reserve(std::size(kHostProfiles));
@@ -83,12 +87,13 @@ SceneCard read_card(Table t) {
       static_cast<TransformSite>(t.choice("transform_site", {"auto", "host", "card"}, 0));
   card.bvh = static_cast<UseBvh>(t.choice("bvh", {"auto", "on", "off"}, 0));
   if (auto latency = t.table("latency")) {
-    const auto cycles = [&](const char* key) { return latency->integer<unsigned>(key, 1, 1, 16); };
-    card.latency_add = cycles("add");
-    card.latency_mul = cycles("mul");
-    card.latency_div = cycles("div");
-    card.latency_sqrt = cycles("sqrt");
-    card.latency_compare = cycles("compare");
+    OperatorLatencies& l = card.device.latencies;
+    for (const auto& [key, cycles] : {std::pair{"add", &l.add},
+                                      {"mul", &l.mul},
+                                      {"div", &l.div},
+                                      {"sqrt", &l.sqrt},
+                                      {"compare", &l.compare}})
+      *cycles = latency->integer<unsigned>(key, *cycles, 1, kMostOperatorLatency);
     latency->finish();
   }
   if (card.lanes && (*card.lanes & (*card.lanes - 1)) != 0)

@@ -20,14 +20,10 @@
 namespace cde {
 namespace {
 
-constexpr unsigned kMostLanes = 128;
-/// Planned cards use few lane counts, so that scenes share cards. Building a card takes longer than
-/// a scene loses with idle lanes.
-constexpr unsigned kLaneSteps[] = {16, 64, kMostLanes};
 /// Lanes of pipes with candidate axes (SAT) and iterative pipelines, which take longest to build:
 /// one vector register of the host.
 constexpr unsigned kLanesOfLargePipes = 8;
-constexpr unsigned kMostLanesOfGates = 16;
+constexpr unsigned kMostLanesOfGates = 8;
 
 /// How many times as long a frame of rays and triangles takes to simulate with an effect: medians
 /// of `cde bench effects`, which prints them beside its own.
@@ -122,19 +118,18 @@ std::vector<Pair> pairs_of(const Scene& scene) {
   return asked;
 }
 
-/// Enough lanes for the largest packet in one row, in steps, but few enough to build soon. Gates
-/// take minutes to build and are slow to simulate, so they get no more lanes than primaries.
+/// The lanes of the device, so that scenes share cards. Large pipes and gates take minutes to build
+/// and are slow to simulate: they get fewer, and gates no more than there are primaries.
 unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
   if (scene.card.lanes) return *scene.card.lanes;
+  const unsigned lanes = scene.card.device.lanes;
   std::uint64_t most = 1;
   for (const SceneQuery& q : scene.queries)
     most = std::max(most, std::min<std::uint64_t>(card::kMostPrimaries, count(scene, q.primaries)));
   if (scene.card.arithmetic == Arithmetic::kRtl)
-    return std::min(std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates);
-  if (scene.card.filter || std::any_of(pairs.begin(), pairs.end(), plan_card::is_large))
-    return kLanesOfLargePipes;
-  return *std::find_if(std::begin(kLaneSteps), std::end(kLaneSteps),
-                       [&](unsigned step) { return step >= most || step == kMostLanes; });
+    return std::min({std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates, lanes});
+  const bool large = scene.card.filter || std::ranges::any_of(pairs, plan_card::is_large);
+  return large ? std::min(kLanesOfLargePipes, lanes) : lanes;
 }
 
 BoardConfig board_of(const Scene& scene) {
@@ -155,11 +150,7 @@ BoardConfig board_of(const Scene& scene) {
     b.swap = b.swap || q.swap;
     b.normals = b.normals || q.normals;
   }
-  b.latency_add = scene.card.latency_add;
-  b.latency_mul = scene.card.latency_mul;
-  b.latency_div = scene.card.latency_div;
-  b.latency_sqrt = scene.card.latency_sqrt;
-  b.latency_compare = scene.card.latency_compare;
+  b = on(scene.card.device, b);
   (void)b.parameters();  // throws for bad values
   return b;
 }
@@ -238,17 +229,13 @@ Effect lanes(const Scene& scene, const Plan& plan) {
   if (scene.card.lanes)
     e.why = "asked for in [card]";
   else if (n >= most)
-    e.why = fmt::format("the largest packet has {} primaries: one row per secondary{}", most,
-                        n >= 2 * most ? "; cards of 16, 64 and 128 lanes are shared" : "");
+    e.why = fmt::format("the largest packet has {} primaries: one row per secondary", most);
   else
     e.why = fmt::format(
-        "the largest packet has {} primaries, and a card of {} gets at most {} lanes unless [card] "
-        "sets more",
-        most,
-        std::any_of(plan.board.pairs.begin(), plan.board.pairs.end(), plan_card::is_large)
-            ? "these pipes"
-        : plan.board.arithmetic == Arithmetic::kRtl ? "gates"
-                                                    : "any pipes",
+        "the largest packet has {} primaries, and {} has {} lanes unless [card] sets more", most,
+        n == scene.card.device.lanes                ? "the device"
+        : plan.board.arithmetic == Arithmetic::kRtl ? "a card of gates"
+                                                    : "a card of these pipes",
         n);
   const auto rows = [&](unsigned lanes) { return rows_of(scene, lanes); };
   e.cost = fmt::format("{} rows per frame", rows(n));
@@ -442,7 +429,8 @@ void add_transform_sites(const Scene& scene, const plan_transform_site::Transfor
 Effect add_bvh(const Scene& scene, plan_transform_site::TransformSites& sites, Plan& plan) {
   const plan_bvh::Choice choice = plan_bvh::choose(scene, plan);
   if (choice.nodes == 0) return choice.effect;
-  plan.board.traversal_units = bvh_choice::kTraversalUnits;
+  plan.board.traversal_units = scene.card.device.traversal_units;
+  plan.board.node_cycles = scene.card.device.node_cycles;
   plan.board.nodes = choice.nodes;
   for (std::size_t q = 0; q < plan.queries.size(); ++q) plan.queries[q].bvh = choice.queries[q];
   plan_transform_site::leave_primaries(sites, "the host writes them during BVH traversal");
@@ -451,8 +439,8 @@ Effect add_bvh(const Scene& scene, plan_transform_site::TransformSites& sites, P
   const std::vector<Pair>& pairs = plan.board.pairs;
   if (!brute_force && !scene.card.lanes)
     plan.board.lanes = std::any_of(pairs.begin(), pairs.end(), plan_card::is_large)
-                           ? kLanesOfLargePipes
-                           : bvh_choice::kLanes;
+                           ? std::min(kLanesOfLargePipes, scene.card.device.lanes)
+                           : scene.card.device.leaf_lanes();
   return choice.effect;
 }
 

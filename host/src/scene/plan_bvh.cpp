@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "cde/reference/traversal.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/bvh_choice.hpp"
@@ -17,6 +18,8 @@
 namespace cde::plan_bvh {
 namespace {
 
+// The cycles below hold for operators that take one cycle. `slowness` scales them.
+//
 /// Cycles per level of the BVH for the last rays of a packet, when no other rays remain.
 constexpr double kCyclesPerLevel = 50;
 /// Cycles of a solid per secondary that it is tested with, including the nodes above it, if it
@@ -34,6 +37,14 @@ constexpr std::size_t kSampledSolids = 32;
 /// Extra visits per ray for each independently moving part in the BVH, relative to a BVH that is
 /// built anew.
 constexpr double kVisitsAMovingPart = 1.0 / 6;
+
+/// How many times as long a primary waits for a node and a leaf as with operators of one cycle. A
+/// node takes 17 cycles and a ray-triangle pipe 10; 5 additions, 3 products and a quotient follow
+/// each other.
+double slowness(const OperatorLatencies& l) {
+  constexpr double kNodeAndLeaf = 27;
+  return (kNodeAndLeaf + 5 * (l.add - 1) + 3 * (l.mul - 1) + (l.div - 1)) / kNodeAndLeaf;
+}
 
 bool is_ray(const SceneQuery& q) {
   return !is_solid(q.pair);
@@ -66,7 +77,8 @@ std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, c
 /// Why the card cannot have a BVH; nothing if it can.
 std::optional<std::string> against(const Scene& scene, BoardConfig board, unsigned nodes) {
   board.box = scene.card.box && std::any_of(board.pairs.begin(), board.pairs.end(), has_box_rule);
-  board.traversal_units = bvh_choice::kTraversalUnits;
+  board.traversal_units = scene.card.device.traversal_units;
+  board.node_cycles = scene.card.device.node_cycles;
   board.nodes = nodes;
   try {
     (void)board.parameters();
@@ -163,9 +175,11 @@ std::uint64_t cycles(const SceneQuery& q, const QueryWork& w, const Plan& plan, 
       is_ray(q) ? cost_of_rays(bvh) : cost_of_solids(q, plan, scene, bvh, primaries <= kAhead);
   const double more =
       meets_triangles(q) ? kVisitsAMovingPart * static_cast<double>(moving_parts(scene)) : 0;
-  const double each = bvh_choice::cycles(cost.nodes + more, cost.secondaries + more);
+  const double each =
+      bvh_choice::cycles(scene.card.device, cost.nodes + more, cost.secondaries + more);
   return static_cast<std::uint64_t>(std::ceil(each * static_cast<double>(primaries) +
-                                              cost.last * static_cast<double>(w.packets)));
+                                              slowness(scene.card.device.latencies) * cost.last *
+                                                  static_cast<double>(w.packets)));
 }
 
 /// Cycles per frame to refit the BVH. Over triangles: one per moving triangle and 1.2 per node
@@ -264,7 +278,7 @@ Choice choose(const Scene& scene, Plan& plan) {
     names.push_back(scene.queries[q].name);
     rays = rays && is_ray(scene.queries[q]);
   }
-  e = {"bvh", true, fmt::format("{} traversal units", bvh_choice::kTraversalUnits),
+  e = {"bvh", true, counted(scene.card.device.traversal_units, "traversal unit"),
        fmt::format("{}{} of {} traverse a BVH of {} nodes", asked ? "asked for: " : "",
                    rays ? "rays" : "primaries", fmt::join(names, ", "), bvh->nodes().size()),
        both};

@@ -58,21 +58,19 @@ bool is_large(Pair pair) {
 bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard& asked) {
   const bool rays = has(planned, Pair::kRayTriangle);
   return has_all(card, planned.pairs) && (asked.pairs.empty() || has_all(planned, card.pairs)) &&
-         (!asked.lanes || card.lanes == planned.lanes) && card.arithmetic == planned.arithmetic &&
-         card.format == planned.format && card.filter == planned.filter &&
-         (!rays || card.algorithm == planned.algorithm) &&
+         (asked.lanes ? card.lanes == planned.lanes : card.lanes <= asked.device.lanes) &&
+         card.arithmetic == planned.arithmetic && card.format == planned.format &&
+         card.filter == planned.filter && (!rays || card.algorithm == planned.algorithm) &&
          std::all_of(planned.pairs.begin(), planned.pairs.end(),
                      [&](Pair p) { return card.box_rule(p) == planned.box_rule(p); }) &&
          (card.swap || !planned.swap) && (card.normals || !planned.normals) &&
          (card.trace || !planned.trace) && card.sat_interval == planned.sat_interval &&
          card.transform == planned.transform && card.objects >= planned.objects &&
-         card.primary_objects >= planned.primary_objects &&
-         card.latency_add == planned.latency_add && card.latency_mul == planned.latency_mul &&
-         card.latency_div == planned.latency_div && card.latency_sqrt == planned.latency_sqrt &&
-         card.latency_compare == planned.latency_compare && card.ddr_slots == planned.ddr_slots &&
-         card.sram_records == planned.sram_records && card.bus == planned.bus &&
-         card.ecc == planned.ecc && card.traversal_units == planned.traversal_units &&
-         card.nodes >= planned.nodes && card.node_cycles == planned.node_cycles;
+         card.primary_objects >= planned.primary_objects && card.latency == planned.latency &&
+         card.ddr_slots == planned.ddr_slots && card.sram_records == planned.sram_records &&
+         card.bus == planned.bus && card.ecc == planned.ecc &&
+         card.traversal_units == planned.traversal_units && card.nodes >= planned.nodes &&
+         card.node_cycles == planned.node_cycles;
 }
 
 double times(const BoardConfig& card, const BoardConfig& planned, const Rows& rows) {

@@ -198,8 +198,7 @@ class SceneRunner::Impl {
   static OpenOptions options_of(const Scene& scene) {
     OpenOptions o;
     o.memory = scene.card.cycle_memory ? Memory::kCycle : Memory::kIdeal;
-    o.clock_period_ps =
-        static_cast<std::uint32_t>(std::clamp(1e12 / scene.card.clock_hz, 1.0, 4e9));
+    o.clock_period_ps = scene.card.device.clock_period_ps();
     o.host = scene.card.host;
     o.bus_burst = scene.card.burst;
     o.narrow_bus = scene.card.narrow;

@@ -2,6 +2,8 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
+#include "cde/model/device.hpp"
+
 /// Sections of `cde bench`. Each measures, prints its table (streams.hpp), and returns its figures.
 namespace cde::cli {
 
@@ -9,7 +11,7 @@ struct BenchOptions {
   bool quick = false;     ///< only default models, small scenes
   bool full = false;      ///< up to 10 million triangles, and models that take long to build
   bool markdown = false;  ///< section effects: prints the table of docs/tables/effects.md
-  double clock_hz = 100e6;
+  Device device = default_device();
 };
 
 nlohmann::ordered_json bench_rays(const BenchOptions& options);

@@ -38,8 +38,8 @@ Board open(Bus bus, unsigned lanes, const HostProfile& host, std::uint32_t burst
   OpenOptions options;
   options.host = host;
   options.bus_burst = burst;
-  options.clock_period_ps = static_cast<std::uint32_t>(1e12 / o.clock_hz + 0.5);
-  return Board::open({.lanes = lanes, .bus = bus}, options);
+  options.clock_period_ps = o.device.clock_period_ps();
+  return Board::open(on(o.device, {.lanes = lanes, .bus = bus}), options);
 }
 
 /// The first triangles of a terrain. Rays are cast straight down at all of it.
@@ -126,8 +126,8 @@ std::vector<Sweep> sweeps(const BenchOptions& o, std::uint32_t burst) {
 void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const BenchOptions& o) {
   print_figure(
       "\nbus: modelled MB/s of a transfer to the card and to the host, with the driver's "
-      "accesses\n{} bytes per burst, 64 bits at 66.67 MHz (533 MB/s), core {:g} MHz\n{:>10}",
-      burst, o.clock_hz / 1e6, "bytes");
+      "accesses\n{} bytes per burst, 64 bits at 66.67 MHz (533 MB/s), core {}\n{:>10}",
+      burst, o.device.text(), "bytes");
   for (const Sweep& s : all)
     print_figure(" {:>22}", fmt::format("{} {}", s.host->name, name_of_bus(s.bus)));
   print_figure("\n{:>10}", "");
@@ -162,7 +162,7 @@ ordered_json json_of(const std::vector<Sweep>& all, std::uint32_t burst, const B
     rows.push_back({{"host", s.host->name},
                     {"bus", name_of_bus(s.bus)},
                     {"burst_bytes", burst},
-                    {"clock_hz", o.clock_hz},
+                    {"clock_hz", o.device.clock_hz()},
                     {"peak_bytes_per_second", kPeak},
                     {"modelled", points},
                     {"wall_seconds", s.wall_seconds}});
@@ -198,10 +198,10 @@ Frame frame(Bus bus, unsigned lanes, Mode mode, const BenchOptions& o) {
 
 ordered_json paper(const BenchOptions& o) {
   print_figure(
-      "\npaper profile: a frame of {} tests ({} triangles x {} rays), fp32, core {:g} MHz, "
+      "\npaper profile: a frame of {} tests ({} triangles x {} rays), fp32, core {}, "
       "host p64-2001, 64 bits, 256-byte bursts; modelled ms\n{:<8} {:<11} {:>5} {:>8} "
       "{:>8} {:>8} {:>10} {:>8} {:>9} {:>8}   wall s\n",
-      kFrameTriangles * kRays, kFrameTriangles, kRays, o.clock_hz / 1e6, "mode", "bus", "lanes",
+      kFrameTriangles * kRays, kFrameTriangles, kRays, o.device.text(), "mode", "bus", "lanes",
       "upload", "load", "engine", "write-back", "download", "registers", "total");
   ordered_json rows = ordered_json::array();
   constexpr std::array<std::pair<Mode, unsigned>, 3> kCards = {
@@ -227,7 +227,7 @@ ordered_json paper(const BenchOptions& o) {
                       {"format", "fp32"},
                       {"host", "p64-2001"},
                       {"burst_bytes", 256},
-                      {"clock_hz", o.clock_hz},
+                      {"clock_hz", o.device.clock_hz()},
                       {"tests", f.counters.pairs},
                       {"modelled_seconds", time_json(t, f.upload)},
                       {"wall_seconds", f.wall_seconds}});

@@ -28,24 +28,24 @@ nlohmann::ordered_json bench_bvh(const BenchOptions& o) {
   for (const TerrainOptions& options : meshes) {
     const Mesh mesh = make_terrain(options);
     progress(done++ / steps, fmt::format("rays against {} triangles", mesh.faces.size()));
-    const BvhFigures figures = measure_bvh(mesh, o.quick ? 8'192 : 65'536, o.clock_hz);
+    const BvhFigures figures = measure_bvh(mesh, o.quick ? 8'192 : 65'536, o.device);
     show_bvh(figures);
     all.push_back(bvh_json(figures));
     progress(done++ / steps, fmt::format("solids against {} triangles", mesh.faces.size()));
-    const std::vector<SolidFigures> solids = measure_solids(mesh, o.clock_hz, o.quick);
-    show_solids(solids, o.clock_hz);
-    all.back()["solids"] = solids_json(solids, o.clock_hz);
+    const std::vector<SolidFigures> solids = measure_solids(mesh, o.device, o.quick);
+    show_solids(solids, o.device);
+    all.back()["solids"] = solids_json(solids, o.device);
     if (o.quick) continue;  // needs another card
     progress(done++ / steps, fmt::format("a mesh against {} triangles", mesh.faces.size()));
-    const MeshFigures through = measure_meshes(mesh, o.clock_hz);
-    show_meshes(through, o.clock_hz);
-    all.back()["meshes"] = meshes_json(through, o.clock_hz);
+    const MeshFigures through = measure_meshes(mesh, o.device);
+    show_meshes(through, o.device);
+    all.back()["meshes"] = meshes_json(through, o.device);
   }
   if (o.quick) return all;  // needs another card
   progress(done++ / steps, "spheres against spheres and OBBs");
-  const std::vector<CloudFigures> clouds = measure_clouds(o.clock_hz);
-  show_clouds(clouds, o.clock_hz);
-  all.back()["clouds"] = clouds_json(clouds, o.clock_hz);
+  const std::vector<CloudFigures> clouds = measure_clouds(o.device);
+  show_clouds(clouds, o.device);
+  all.back()["clouds"] = clouds_json(clouds, o.device);
   return all;
 }
 

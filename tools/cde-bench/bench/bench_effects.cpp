@@ -87,7 +87,8 @@ void all_but_waves(BoardConfig& c) {
 constexpr const char* kEverything = "everything and waves, none written";
 constexpr Variant kPlanned = {"planned", "", [](BoardConfig&) {}};
 constexpr Variant kVariants[] = {
-    {"pipe alone", "", [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes, .box = c.box}; },
+    {"pipe alone", "",
+     [](BoardConfig& c) { c = BoardConfig{.lanes = c.lanes, .box = c.box, .latency = c.latency}; },
      When::kAlways},
     {"no box rule", "", [](BoardConfig& c) { c.box = false; }},
     {"box rule, against no box rule", "box rule", [](BoardConfig&) {}, When::kNotQuick, true},
@@ -133,8 +134,9 @@ std::vector<P> placed(const Scene& scene, std::size_t object) {
 
 Workload make_workload(const BenchOptions& o) {
   const unsigned side = o.quick ? 25 : 100;
-  const Scene scene = parse_scene(
+  Scene scene = parse_scene(
       fmt::format(fmt::runtime(kScene), o.quick ? kQuickLanes : kLanes, side, side), "effects");
+  scene.card.device = o.device;
   Workload w{plan(scene).board, placed<Ray>(scene, 1), placed<Triangle>(scene, 0), {}};
   w.records = reference::cast(w.rays, w.triangles);
   return w;
@@ -231,7 +233,7 @@ class Card {
                  known ? fmt::format("{:.1f}", *known) : "-");
   }
 
-  [[nodiscard]] ordered_json json(double clock_hz) const {
+  [[nodiscard]] ordered_json json(const Device& device) const {
     const std::optional<double> known = simulation_cost(variant_.effect);
     return {{"name", variant_.name},
             {"effect", *variant_.effect != '\0' ? ordered_json(variant_.effect) : ordered_json()},
@@ -247,7 +249,7 @@ class Card {
             {"frame_over_pass", bus()},
             {"frame_over_pass_cycles", bus_cycles()},
             {"device_cycles", counters_.cycles},
-            {"modelled_pass_seconds", counters_.modelled_seconds(clock_hz)},
+            {"modelled_pass_seconds", counters_.modelled_seconds(device.clock_hz())},
             {"build_seconds", build_seconds_ ? ordered_json(*build_seconds_) : ordered_json()}};
   }
 
@@ -343,7 +345,7 @@ ordered_json bench_effects(const BenchOptions& o) {
   ordered_json list = ordered_json::array();
   for (const Card& c : cards) {
     o.markdown ? c.print_markdown() : c.print();
-    list.push_back(c.json(o.clock_hz));
+    list.push_back(c.json(o.device));
   }
   if (o.markdown)
     print_figure("\n");

@@ -94,7 +94,8 @@ std::vector<AccuracyCost> measure_iterations(Pair pair, std::span<const float> a
   return rows;
 }
 
-nlohmann::ordered_json iterations_json(const std::vector<AccuracyCost>& rows, double clock_hz) {
+nlohmann::ordered_json iterations_json(const std::vector<AccuracyCost>& rows,
+                                       const Device& device) {
   auto json = nlohmann::ordered_json::array();
   for (const AccuracyCost& r : rows) {
     const auto& [m, k1, k2] = r.iterations;
@@ -102,14 +103,15 @@ nlohmann::ordered_json iterations_json(const std::vector<AccuracyCost>& rows, do
         "  M {:>2} K1 {:>2} K2 {:>2}{:>17.3f}  {:.0f} cycles per row, below the first by {:.1e} "
         "(p99), {:.1e} (max)\n",
         m, k1, k2, r.pairs_per_second / 1e6, r.cycles_per_row, r.p99, r.worst);
-    json.push_back({{"samples", m},
-                    {"circle", k1},
-                    {"free", k2},
-                    {"tests_per_second_simulated", r.pairs_per_second},
-                    {"cycles_per_row", r.cycles_per_row},
-                    {"modelled_tests_per_second", kPairLanes * clock_hz / r.cycles_per_row},
-                    {"shortfall_p99", r.p99},
-                    {"shortfall_max", r.worst}});
+    json.push_back(
+        {{"samples", m},
+         {"circle", k1},
+         {"free", k2},
+         {"tests_per_second_simulated", r.pairs_per_second},
+         {"cycles_per_row", r.cycles_per_row},
+         {"modelled_tests_per_second", kPairLanes * device.clock_hz() / r.cycles_per_row},
+         {"shortfall_p99", r.p99},
+         {"shortfall_max", r.worst}});
   }
   return json;
 }
@@ -182,11 +184,11 @@ nlohmann::ordered_json bench_pair(const BenchOptions& o, Pair pair, Algorithm al
     row["tests_per_second_simulated"] = card->pairs_per_second;
     row["latency_cycles"] = card->latency;
     row["cycles_per_row"] = card->cycles_per_row;
-    row["modelled_tests_per_second"] = kPairLanes * o.clock_hz / card->cycles_per_row;
+    row["modelled_tests_per_second"] = kPairLanes * o.device.clock_hz() / card->cycles_per_row;
     row["hit_share"] = static_cast<double>(card->hits) / kCases;
   }
   if (card && has_iterations(pair))
-    row["by_iterations"] = iterations_json(measure_iterations(pair, a, b, seconds), o.clock_hz);
+    row["by_iterations"] = iterations_json(measure_iterations(pair, a, b, seconds), o.device);
   row["fcl"] = has_fcl() ? fcl_json(fcl, card) : nlohmann::ordered_json();
   return row;
 }

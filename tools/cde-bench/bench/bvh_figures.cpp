@@ -12,6 +12,7 @@
 #include "bench/flight_rays.hpp"
 #include "cde/card/board.hpp"
 #include "cde/reference/traversal.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "output/streams.hpp"
 #include "page/page.hpp"
@@ -40,9 +41,11 @@ BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh, std::span<con
                   BvhFigures& figures, std::vector<Record>& records) {
   BvhCard card;
   card.memory = memory;
-  Board board = Board::open(
-      {.lanes = 4, .box = true, .traversal_units = kTraversalUnits},
-      {.memory = memory, .clock_period_ps = static_cast<std::uint32_t>(1e12 / figures.clock_hz)});
+  Board board =
+      Board::open(on(figures.device, {.lanes = figures.device.leaf_lanes(),
+                                      .box = true,
+                                      .traversal_units = figures.device.traversal_units}),
+                  {.memory = memory, .clock_period_ps = figures.device.clock_period_ps()});
   std::uint64_t before = board.time_ps();
   const auto passed = [&] { return 1e-12 * static_cast<double>(board.time_ps() - before); };
   board.upload(mesh, bvh);
@@ -102,10 +105,10 @@ double BvhCard::per_ray(double total) const {
   return total / static_cast<double>(stream.records);
 }
 
-BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, double clock_hz,
+BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, const Device& device,
                        const std::optional<EmbreeFrames>& known) {
   BvhFigures figures;
-  figures.clock_hz = clock_hz;
+  figures.device = device;
   figures.triangles = mesh.faces.size();
   figures.rays = count;
   const double start = thread_seconds();
@@ -131,7 +134,7 @@ ordered_json bvh_json(const BvhFigures& f) {
                  {"bytes", f.bytes},
                  {"rays", f.rays},
                  {"build_seconds", f.build_seconds},
-                 {"traversal_units", kTraversalUnits},
+                 {"traversal_units", f.device.traversal_units},
                  {"hit_share", static_cast<double>(f.hits) / static_cast<double>(f.rays)},
                  {"card", ordered_json::array()},
                  {"embree", nullptr}};
@@ -144,7 +147,7 @@ ordered_json bvh_json(const BvhFigures& f) {
          {"packet_seconds", f.seconds(c.packet.cycles)},
          {"packet_seconds_with_bus", 1e-12 * static_cast<double>(c.packet.time.total())},
          {"cycles_per_ray", of_ring},
-         {"rays_per_second_device", f.clock_hz / of_ring},
+         {"rays_per_second_device", f.device.clock_hz() / of_ring},
          {"rays_per_second_with_bus", 1 / bus},
          {"refit_cycles", c.refit.cycles},
          {"refit_seconds", f.seconds(c.refit.cycles)},
@@ -169,10 +172,11 @@ ordered_json bvh_json(const BvhFigures& f) {
 void show_bvh(const BvhFigures& f) {
   print_figure(
       "\n{} triangles: {} nodes, {} levels, {:.1f} bytes per triangle, built in {} by one thread; "
-      "card with {} traversal units at {:g} MHz, fp32, PCI 64/66, {} rays\n",
+      "{} of {}, {}, fp32, PCI 64/66, {} rays\n",
       f.triangles, f.nodes, f.levels,
       static_cast<double>(f.bytes) / static_cast<double>(f.triangles), duration(f.build_seconds),
-      kTraversalUnits, f.clock_hz / 1e6, f.rays);
+      counted(f.device.traversal_units, "traversal unit"), f.device.text(),
+      counted(f.device.leaf_lanes(), "lane"), f.rays);
   for (const BvhCard& c : f.cards) {
     const double of_ring = static_cast<double>(c.ring.cycles) / kBvhRing;
     print_figure(
@@ -180,7 +184,7 @@ void show_bvh(const BvhFigures& f) {
         "each), with all transfers {:.2f} M rays/s; refit {}, with upload of triangles {}; "
         "simulated {:.0f} k rays/s\n",
         name_of(c.memory), duration(f.seconds(c.packet.cycles)),
-        duration(1e-12 * static_cast<double>(c.packet.time.total())), 1e-6 * f.clock_hz / of_ring,
+        duration(1e-12 * static_cast<double>(c.packet.time.total())), f.device.clock_mhz / of_ring,
         of_ring, 1e6 / c.per_ray(static_cast<double>(c.stream.time.total())),
         duration(f.seconds(c.refit.cycles)), duration(c.update_seconds),
         1e-3 / c.per_ray(c.wall_seconds));

@@ -9,6 +9,7 @@
 #include "bench/measured.hpp"
 #include "cde/card/memory.hpp"
 #include "cde/mesh/mesh.hpp"
+#include "cde/model/device.hpp"
 #include "cde/query/counters.hpp"
 
 /// Measures rays against a BVH: a card with traversal units, and Embree on the same rays, from
@@ -17,7 +18,6 @@ namespace cde::cli {
 
 inline constexpr std::size_t kBvhPacket = 256;  ///< rays per frame
 inline constexpr std::size_t kBvhRing = 4096;   ///< rays on the card before the pass begins
-inline constexpr unsigned kTraversalUnits = 2;  ///< traversal units
 
 /// A card with one kind of memory. All figures but wall_seconds are modelled.
 struct BvhCard {
@@ -49,7 +49,7 @@ struct BvhEmbree {
 
 /// A mesh and its BVH.
 struct BvhFigures {
-  double clock_hz = 0;
+  Device device;
   std::size_t triangles = 0, nodes = 0, rays = 0, hits = 0;
   unsigned levels = 0;
   std::size_t bytes = 0;     ///< size of the BVH
@@ -59,7 +59,7 @@ struct BvhFigures {
   std::optional<BvhEmbree> embree;  ///< empty in a build without Embree
 
   [[nodiscard]] double seconds(std::uint64_t cycles) const {
-    return static_cast<double>(cycles) / clock_hz;
+    return static_cast<double>(cycles) / device.clock_hz();
   }
 };
 
@@ -67,7 +67,7 @@ struct BvhFigures {
 
 /// Error kMismatch if a record differs from the reference's traversal, or if Embree finds other
 /// hits. `known`: Embree's frames on this mesh, if already measured.
-[[nodiscard]] BvhFigures measure_bvh(const Mesh& mesh, std::size_t rays, double clock_hz,
+[[nodiscard]] BvhFigures measure_bvh(const Mesh& mesh, std::size_t rays, const Device& device,
                                      const std::optional<EmbreeFrames>& known = {});
 
 [[nodiscard]] nlohmann::ordered_json bvh_json(const BvhFigures& figures);

@@ -99,26 +99,26 @@ double each(const Counters& c, std::size_t count) {
 
 }  // namespace
 
-std::vector<CloudFigures> measure_clouds(double clock_hz) {
-  Board board = Board::open({.lanes = 16,
-                             .pairs = {Pair::kSphereSphere, Pair::kSphereObb},
-                             .box = true,
-                             .traversal_units = kTraversalUnits},
-                            {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz)});
+std::vector<CloudFigures> measure_clouds(const Device& device) {
+  Board board = Board::open(on(device, {.lanes = device.lanes,
+                                        .pairs = {Pair::kSphereSphere, Pair::kSphereObb},
+                                        .box = true,
+                                        .traversal_units = device.traversal_units}),
+                            {.clock_period_ps = device.clock_period_ps()});
   std::vector<CloudFigures> figures;
   for (const std::size_t count : kCounts) figures.push_back(of_cloud<Sphere>(board, count));
   for (const std::size_t count : kCounts) figures.push_back(of_cloud<Obb>(board, count));
   return figures;
 }
 
-ordered_json clouds_json(const std::vector<CloudFigures>& figures, double clock_hz) {
+ordered_json clouds_json(const std::vector<CloudFigures>& figures, const Device& device) {
   auto all = ordered_json::array();
   for (const CloudFigures& f : figures)
     all.push_back({{"shape", name(f.shape)},
                    {"secondaries", f.secondaries},
                    {"packet_cycles", f.packet.cycles},
-                   {"seconds_in_packet", each(f.packet, kBvhPacket) / clock_hz},
-                   {"seconds_in_stream", each(f.stream, kBvhRing) / clock_hz},
+                   {"seconds_in_packet", each(f.packet, kBvhPacket) / device.clock_hz()},
+                   {"seconds_in_stream", each(f.stream, kBvhRing) / device.clock_hz()},
                    {"lanes", f.lanes},
                    {"brute_force_cycles", f.brute_force_cycles},
                    {"refit_seconds", f.refit_seconds},
@@ -126,17 +126,17 @@ ordered_json clouds_json(const std::vector<CloudFigures>& figures, double clock_
   return all;
 }
 
-void show_clouds(const std::vector<CloudFigures>& figures, double clock_hz) {
+void show_clouds(const std::vector<CloudFigures>& figures, const Device& device) {
   print_figure("  spheres that find the nearest shape, ideal memory:\n");
   for (const CloudFigures& f : figures)
     print_figure(
         "  {:>6} {:<7} 256 in {} ({:.1f} cycles each), 4,096 in {:.1f} each; brute force with {} "
         "lanes {}; refit by the host {}, upload of the BVH over the bus {}\n",
         f.secondaries, fmt::format("{}s:", name(f.shape)),
-        duration(static_cast<double>(f.packet.cycles) / clock_hz), each(f.packet, kBvhPacket),
-        each(f.stream, kBvhRing), f.lanes,
-        duration(static_cast<double>(f.brute_force_cycles) / clock_hz), duration(f.refit_seconds),
-        duration(f.bvh_upload_seconds));
+        duration(static_cast<double>(f.packet.cycles) / device.clock_hz()),
+        each(f.packet, kBvhPacket), each(f.stream, kBvhRing), f.lanes,
+        duration(static_cast<double>(f.brute_force_cycles) / device.clock_hz()),
+        duration(f.refit_seconds), duration(f.bvh_upload_seconds));
 }
 
 }  // namespace cde::cli

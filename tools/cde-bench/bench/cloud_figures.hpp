@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cde/geometry/pair.hpp"
+#include "cde/model/device.hpp"
 #include "cde/query/counters.hpp"
 
 /// Measures spheres against a BVH of spheres or OBBs, which is refitted.
@@ -23,10 +24,10 @@ struct CloudFigures {
 
 /// Measures 1,000 and 10,000 spheres and OBBs. Error kMismatch if a record differs from the
 /// reference's traversal.
-[[nodiscard]] std::vector<CloudFigures> measure_clouds(double clock_hz);
+[[nodiscard]] std::vector<CloudFigures> measure_clouds(const Device& device);
 [[nodiscard]] nlohmann::ordered_json clouds_json(const std::vector<CloudFigures>& figures,
-                                                 double clock_hz);
+                                                 const Device& device);
 /// Prints the figures as text.
-void show_clouds(const std::vector<CloudFigures>& figures, double clock_hz);
+void show_clouds(const std::vector<CloudFigures>& figures, const Device& device);
 
 }  // namespace cde::cli

@@ -42,14 +42,14 @@ Mesh placed(const Mesh& small, const Mesh& terrain, std::size_t i) {
 
 class Bench {
  public:
-  Bench(const Mesh& terrain, double clock_hz)
+  Bench(const Mesh& terrain, const Device& device)
       : terrain_(terrain),
         bvh_(Bvh::build(terrain)),
-        board_(Board::open({.lanes = 8,
-                            .pairs = {Pair::kTriangleTriangle},
-                            .box = true,
-                            .traversal_units = kTraversalUnits},
-                           {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz)})) {
+        board_(Board::open(on(device, {.lanes = std::min(8u, device.lanes),
+                                       .pairs = {Pair::kTriangleTriangle},
+                                       .box = true,
+                                       .traversal_units = device.traversal_units}),
+                           {.clock_period_ps = device.clock_period_ps()})) {
     board_.upload(terrain, bvh_);
     const Mesh small = make_terrain({.quads_x = kQuads, .quads_y = kQuads});
     for (std::size_t i = 0; i < kPlaces; ++i) meshes_.push_back(placed(small, terrain, i));
@@ -125,11 +125,11 @@ class Bench {
 
 }  // namespace
 
-MeshFigures measure_meshes(const Mesh& terrain, double clock_hz) {
-  return Bench(terrain, clock_hz).figures();
+MeshFigures measure_meshes(const Mesh& terrain, const Device& device) {
+  return Bench(terrain, device).figures();
 }
 
-ordered_json meshes_json(const MeshFigures& figures, double clock_hz) {
+ordered_json meshes_json(const MeshFigures& figures, const Device& device) {
   ordered_json j{{"triangles", figures.triangles},
                  {"contacts", figures.contacts},
                  {"by_question", ordered_json::array()}};
@@ -137,7 +137,7 @@ ordered_json meshes_json(const MeshFigures& figures, double clock_hz) {
     j["by_question"].push_back(
         {{"question", q.question},
          {"cycles", q.cycles},
-         {"seconds", q.cycles / clock_hz},
+         {"seconds", q.cycles / device.clock_hz()},
          {"seconds_with_bus", q.seconds_with_bus},
          {"nodes", q.nodes},
          {"pairs", q.pairs},
@@ -145,15 +145,15 @@ ordered_json meshes_json(const MeshFigures& figures, double clock_hz) {
   return j;
 }
 
-void show_meshes(const MeshFigures& figures, double clock_hz) {
+void show_meshes(const MeshFigures& figures, const Device& device) {
   print_figure(
       "  a mesh of {} triangles in it, with {:.0f} touching pairs, on a card of "
       "triangle-triangle:\n",
       figures.triangles, figures.contacts);
   for (const MeshQuestion& q : figures.questions)
     print_figure("  {:<8} {}, with bus {} ({:.0f} nodes, {:.0f} pairs); FCL {}\n", q.question,
-                 duration(q.cycles / clock_hz), duration(q.seconds_with_bus), q.nodes, q.pairs,
-                 q.fcl_seconds ? duration(*q.fcl_seconds) : "not available");
+                 duration(q.cycles / device.clock_hz()), duration(q.seconds_with_bus), q.nodes,
+                 q.pairs, q.fcl_seconds ? duration(*q.fcl_seconds) : "not available");
 }
 
 }  // namespace cde::cli

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cde/mesh/mesh.hpp"
+#include "cde/model/device.hpp"
 #include "cde/query/counters.hpp"
 
 /// Measures a mesh against a mesh, by traversing the BVH of one with the triangles of the other,
@@ -30,9 +31,9 @@ struct MeshFigures {
 };
 
 /// Error kMismatch if a record differs from the reference's traversal, or from FCL.
-[[nodiscard]] MeshFigures measure_meshes(const Mesh& terrain, double clock_hz);
-[[nodiscard]] nlohmann::ordered_json meshes_json(const MeshFigures& figures, double clock_hz);
+[[nodiscard]] MeshFigures measure_meshes(const Mesh& terrain, const Device& device);
+[[nodiscard]] nlohmann::ordered_json meshes_json(const MeshFigures& figures, const Device& device);
 /// Prints the figures as text.
-void show_meshes(const MeshFigures& figures, double clock_hz);
+void show_meshes(const MeshFigures& figures, const Device& device);
 
 }  // namespace cde::cli

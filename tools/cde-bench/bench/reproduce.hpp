@@ -55,10 +55,9 @@ struct WithBvh {
 };
 
 struct ReproduceOptions {
-  bool quick = false;   ///< a small terrain, few spheres
-  unsigned lanes = 16;  ///< lanes of the best card
-  double clock_hz = 100e6;
-  std::string clock_source = "an assumption about the device, not a measurement";
+  bool quick = false;  ///< a small terrain, few spheres
+  Device device = default_device();
+  unsigned lanes = default_device().lanes;  ///< of the best card
 };
 
 struct Reproduction {

@@ -41,13 +41,13 @@ Entry software(const std::string& name, const std::string& note, const Spread& s
 /// One of the cards, with its uploaded data.
 class Card {
  public:
-  Card(Setup setup, double clock_hz)
+  Card(Setup setup, const Device& device)
       : setup_(std::move(setup)),
-        clock_hz_(clock_hz),
-        board_(Board::open({.lanes = setup_.lanes,
-                            .pairs = {Pair::kRayTriangle, Pair::kSphereSphere},
-                            .bus = kBus},
-                           {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz),
+        clock_hz_(device.clock_hz()),
+        board_(Board::open(on(device, {.lanes = setup_.lanes,
+                                       .pairs = {Pair::kRayTriangle, Pair::kSphereSphere},
+                                       .bus = kBus}),
+                           {.clock_period_ps = device.clock_period_ps(),
                             .host = setup_.host,
                             .bus_burst = setup_.burst})) {}
 
@@ -400,7 +400,7 @@ void with_bvh(Lab& lab, const Mesh& terrain) {
     std::optional<EmbreeFrames> known;
     if (&mesh == &meshes.back()) known = of_figure5(lab.result.figure5.back(), row.brute_force);
     row.figures =
-        measure_bvh(mesh, tree_rays_of(lab.result.options), lab.result.options.clock_hz, known);
+        measure_bvh(mesh, tree_rays_of(lab.result.options), lab.result.options.device, known);
     lab.result.records_compared += row.figures.records_compared;
     if (&mesh != &meshes.back()) {
       lab.detail("card " + best.setup().name);
@@ -433,7 +433,7 @@ Reproduction reproduce(const ReproduceOptions& options) {
   for (const auto kind : {baseline::Kind::kAvx2, baseline::Kind::kAvx512})
     if (baseline::available(kind)) lab.vector = kind;
   lab.result.vector_kind = baseline::name_of(lab.vector);
-  for (const Setup& setup : lab.result.setups) lab.cards.emplace_back(setup, options.clock_hz);
+  for (const Setup& setup : lab.result.setups) lab.cards.emplace_back(setup, options.device);
   const Mesh mesh = [&] {
     const Progress busy("making the terrain");
     return options.quick ? make_terrain({.quads_x = 40, .quads_y = 50}) : make_terrain({});

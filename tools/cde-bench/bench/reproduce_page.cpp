@@ -8,6 +8,8 @@
 #include "bench/measured.hpp"
 #include "bench/reproduce.hpp"
 #include "cde/card/json_keys.hpp"
+#include "cde/support/counted.hpp"
+#include "output/device_output.hpp"
 #include "output/streams.hpp"
 #include "page/chart.hpp"
 #include "page/page.hpp"
@@ -112,17 +114,19 @@ double with_bus(const Counters& counters) {
 }
 
 std::string clock_of(const Reproduction& r) {
-  return fmt::format("fp32, {:g} MHz", r.options.clock_hz / 1e6);
+  return fmt::format("fp32, {}", r.options.device.text());
 }
 
 /// The assumptions of the card with a BVH.
 std::string bvh_card(const Reproduction& r) {
-  return fmt::format("{} traversal units, two lanes for leaves, {}", kTraversalUnits, clock_of(r));
+  return fmt::format("{}, {} for leaves, {}",
+                     counted(r.options.device.traversal_units, "traversal unit"),
+                     counted(r.options.device.leaf_lanes(), "lane"), clock_of(r));
 }
 constexpr const char* kBvhBus = "PCI 64/66, host profile ideal, bursts of 4,096 bytes";
 
 std::string brute_force_card(const Reproduction& r) {
-  return fmt::format("{} lanes, {}", r.options.lanes, clock_of(r));
+  return fmt::format("{}, {}", counted(r.options.lanes, "lane"), clock_of(r));
 }
 
 std::string embree_on(const Json& machine) {
@@ -315,7 +319,7 @@ std::string bvh_tables(const Reproduction& r, const Json& machine) {
          {fmt::format("{:.0f} %", 100 * c.per_ray(static_cast<double>(f.hits))),
           share(c.stream.nodes), share(c.stream.pairs), grouped(f.nodes), grouped(f.levels),
           fmt::format("{:.1f}", static_cast<double>(f.bytes) / static_cast<double>(f.triangles)),
-          grouped(f.nodes * 72 * kTraversalUnits)})
+          grouped(f.nodes * 72 * f.device.traversal_units)})
       rows.back().push_back(Cell::figure(cell));
   }
   return html + table("Nodes and triangles per ray, counted by the card, and size of the BVH",
@@ -332,9 +336,9 @@ std::string bvh_chapter(const Reproduction& r, const Json& machine) {
       "test every triangle. A card with traversal units traverses a BVH and returns the same "
       "records, bit by bit. Every record was compared with the reference. The rays are the rays of "
       "Figure 5; the meshes are similar terrains.</p>\n<p>{}</p>\n<ul class=\"plain\">\n<li>The "
-      "card's figures are modelled cycles of a simulated card, the same in every run. {}. This "
-      "card has not been placed in an FPGA; its clock is assumed, like the clock of the "
-      "others.</li>\n<li>Without the bus: from go to done; rays and records stay on the card. With "
+      "card's figures are modelled cycles of a simulated card, the same in every run. {}. Its "
+      "device is {}: {}.</li>\n<li>Without the bus: from go to done; rays and records stay on the "
+      "card. With "
       "the bus: including rays, records and register accesses.</li>\n<li>{}</li>\n<li>Ideal memory "
       "answers 20 cycles after a request. DDR-400 has banks, rows and refresh, and may answer "
       "sooner. Each traversal unit has its own copy of the node memory, without a cache, so warm "
@@ -343,6 +347,7 @@ std::string bvh_chapter(const Reproduction& r, const Json& machine) {
       there ? "Embree's figures are the median processor time of one thread of this machine, which "
               "equals wall time if nothing else runs"
             : "Embree, for comparison, is not in this build of cde",
+      escaped(r.options.device.text()), escaped(r.options.device.why),
       there ? "Fresh: new rays in every frame. The same again: 256 rays in every frame, so that "
               "Embree's caches are warm."
             : "Figure 5 has software that tests every triangle.",
@@ -397,28 +402,27 @@ std::string summary(const Reproduction& r) {
 }
 
 Rows assumptions(const Reproduction& r, const Json& machine) {
-  Rows rows = {{"core clock", fmt::format("{:g} MHz, {}; the paper names no clock",
-                                          r.options.clock_hz / 1e6, r.options.clock_source)},
-               {"number format", "fp32 everywhere"},
-               {"ray-triangle",
-                "Möller and Trumbore, as in the paper; brute force: every ray against every "
-                "triangle, except in the chapter “With a BVH”"},
-               {"bus",
-                "PCI 64 bits, 66.67 MHz, with signals simulated cycle by cycle; the work of the "
-                "host's CPU between two accesses takes no time"},
-               {"memory of the card",
-                "one slot per cycle after a latency of 20 cycles; no refresh, no bank conflicts"}};
+  const Device& device = r.options.device;
+  Rows rows = {
+      {"device", fmt::format("{}; {}. The paper names no clock.", device_row(device), device.why)},
+      {"number format", "fp32 everywhere"},
+      {"ray-triangle",
+       "Möller and Trumbore, as in the paper; brute force: every ray against every "
+       "triangle, except in the chapter “With a BVH”"},
+      {"bus",
+       "PCI 64 bits, 66.67 MHz, with signals simulated cycle by cycle; the work of the "
+       "host's CPU between two accesses takes no time"},
+      {"memory of the card",
+       "one slot per cycle after a latency of 20 cycles; no refresh, no bank conflicts"}};
   for (const Setup& s : r.setups)
     rows.push_back(
         {fmt::format("card, {}", s.name),
          fmt::format("{} {}, host profile {} ({}), bursts of {} bytes", s.lanes,
                      s.lanes == 1 ? "lane" : "lanes", s.host.name, s.host.source, s.burst)});
   rows.push_back(
-      {"card with traversal units", fmt::format("{}, operators of one cycle; {}, with computed, "
+      {"card with traversal units", fmt::format("{}; {}, with computed, "
                                                 "not simulated time; memory as stated above",
                                                 bvh_card(r), kBvhBus)});
-  rows.push_back({"size of the best card and of the card with traversal units",
-                  "not placed in an FPGA; it is unknown whether they fit and reach this clock"});
   rows.push_back({"the paper's frame",
                   "“259,572 ray-triangle tests” is read as one ray against the terrain. 256 rays "
                   "are also measured, because the register file holds 256"});
@@ -467,8 +471,8 @@ std::string sphere_lines(const Reproduction& r) {
 Json reproduction_json(const Reproduction& r, const Json& machine) {
   Json j = program_json();
   j.update({{"quick", r.options.quick},
-            {"clock_hz", r.options.clock_hz},
-            {"clock_source", r.options.clock_source},
+            {"device", device_json(r.options.device)},
+            {"clock_hz", r.options.device.clock_hz()},
             {"machine", machine},
             {"triangles", r.triangles},
             {"moved_triangles", r.moved_triangles},

@@ -136,15 +136,15 @@ double each(const Counters& c, std::size_t solids) {
 
 }  // namespace
 
-std::vector<SolidFigures> measure_solids(const Mesh& terrain, double clock_hz, bool quick) {
+std::vector<SolidFigures> measure_solids(const Mesh& terrain, const Device& device, bool quick) {
   std::vector<Pair> pairs = {Pair::kTriangleSphere};
   if (!quick) pairs.push_back(Pair::kTriangleObb);
-  Board board = Board::open({.lanes = quick ? 4u : 8u,
-                             .pairs = pairs,
-                             .box = true,
-                             .swap = true,
-                             .traversal_units = kTraversalUnits},
-                            {.clock_period_ps = static_cast<std::uint32_t>(1e12 / clock_hz)});
+  Board board = Board::open(on(device, {.lanes = std::min(quick ? 4u : 8u, device.lanes),
+                                        .pairs = pairs,
+                                        .box = true,
+                                        .swap = true,
+                                        .traversal_units = device.traversal_units}),
+                            {.clock_period_ps = device.clock_period_ps()});
   const Bvh bvh = Bvh::build(terrain);
   board.upload(terrain, bvh);
   std::vector<SolidFigures> all;
@@ -155,7 +155,7 @@ std::vector<SolidFigures> measure_solids(const Mesh& terrain, double clock_hz, b
   return all;
 }
 
-ordered_json solids_json(const std::vector<SolidFigures>& figures, double clock_hz) {
+ordered_json solids_json(const std::vector<SolidFigures>& figures, const Device& device) {
   auto all = ordered_json::array();
   for (const SolidFigures& f : figures) {
     ordered_json j{{"shape", name(f.shape)},
@@ -165,11 +165,11 @@ ordered_json solids_json(const std::vector<SolidFigures>& figures, double clock_
     for (const SolidCard& c : f.cards)
       j["by_question"].push_back(
           {{"question", c.question},
-           {"seconds_alone", each(c.one, kAlone) / clock_hz},
+           {"seconds_alone", each(c.one, kAlone) / device.clock_hz()},
            {"packet_cycles", c.packet.cycles},
            {"packet_seconds_with_bus", 1e-12 * static_cast<double>(c.packet.time.total())},
-           {"seconds_in_packet", each(c.packet, kBvhPacket) / clock_hz},
-           {"seconds_in_stream", each(c.stream, kBvhRing) / clock_hz},
+           {"seconds_in_packet", each(c.packet, kBvhPacket) / device.clock_hz()},
+           {"seconds_in_stream", each(c.stream, kBvhRing) / device.clock_hz()},
            {"nodes_each", static_cast<double>(c.stream.nodes) / kBvhRing},
            {"triangles_each", static_cast<double>(c.stream.pairs) / kBvhRing},
            {"fcl_seconds", c.fcl_seconds ? ordered_json(*c.fcl_seconds) : ordered_json()}});
@@ -178,7 +178,7 @@ ordered_json solids_json(const std::vector<SolidFigures>& figures, double clock_
   return all;
 }
 
-void show_solids(const std::vector<SolidFigures>& figures, double clock_hz) {
+void show_solids(const std::vector<SolidFigures>& figures, const Device& device) {
   print_figure(
       "  solids on a card of their pairs, ideal memory; modelled time of each: alone, in a packet "
       "of 256, in a stream of 4,096\n");
@@ -186,9 +186,9 @@ void show_solids(const std::vector<SolidFigures>& figures, double clock_hz) {
     for (const SolidCard& c : f.cards)
       print_figure("  {:<7} {} quad{}, {}: {}, {}, {} ({:.1f} nodes, {:.1f} triangles); FCL {}\n",
                    name(f.shape), f.quads, f.quads == 1 ? "" : "s", c.question,
-                   duration(each(c.one, kAlone) / clock_hz),
-                   duration(each(c.packet, kBvhPacket) / clock_hz),
-                   duration(each(c.stream, kBvhRing) / clock_hz),
+                   duration(each(c.one, kAlone) / device.clock_hz()),
+                   duration(each(c.packet, kBvhPacket) / device.clock_hz()),
+                   duration(each(c.stream, kBvhRing) / device.clock_hz()),
                    static_cast<double>(c.stream.nodes) / kBvhRing,
                    static_cast<double>(c.stream.pairs) / kBvhRing,
                    c.fcl_seconds ? duration(*c.fcl_seconds) : "not available");

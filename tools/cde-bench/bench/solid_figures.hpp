@@ -8,6 +8,7 @@
 
 #include "cde/geometry/pair.hpp"
 #include "cde/mesh/mesh.hpp"
+#include "cde/model/device.hpp"
 #include "cde/query/counters.hpp"
 
 /// Measures spheres and OBBs against a BVH of triangles: a card with traversal units, and FCL on
@@ -34,11 +35,11 @@ struct SolidFigures {
 
 /// `quick`: only spheres, whose card is built faster. Error kMismatch if a record differs from the
 /// reference's traversal, or from FCL.
-[[nodiscard]] std::vector<SolidFigures> measure_solids(const Mesh& terrain, double clock_hz,
+[[nodiscard]] std::vector<SolidFigures> measure_solids(const Mesh& terrain, const Device& device,
                                                        bool quick);
 [[nodiscard]] nlohmann::ordered_json solids_json(const std::vector<SolidFigures>& figures,
-                                                 double clock_hz);
+                                                 const Device& device);
 /// Prints the figures as text.
-void show_solids(const std::vector<SolidFigures>& figures, double clock_hz);
+void show_solids(const std::vector<SolidFigures>& figures, const Device& device);
 
 }  // namespace cde::cli

@@ -70,9 +70,7 @@ std::string pack_hang(const CastTask& o, const CastJob& job, Mode mode, const Ra
 }  // namespace
 
 Board card_of(const CastTask& o, const CastJob& job) {
-  Board board = Board::open(
-      job.config,
-      {.clock_period_ps = static_cast<std::uint32_t>(std::max(1.0, 1e6 / o.clock.mhz))});
+  Board board = Board::open(job.config, {.clock_period_ps = o.request.device.clock_period_ps()});
   upload(board, job);
   return board;
 }
@@ -128,7 +126,7 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
     check->end();
     check->report(result);
   }
-  result.modelled_seconds = result.counters.modelled_seconds(o.clock.mhz * 1e6);
+  result.modelled_seconds = result.counters.modelled_seconds(o.request.device.clock_hz());
   result.upload_cycles = board.upload_cycles();
   result.model = board.model_path().string();
   result.config_hash = board.config_hash();

@@ -289,7 +289,7 @@ void begin_distribution(const CastTask& o, const CastJob& job) {
               {"through", job.bvh ? "bvh" : "brute_force"},
               {"parameters", job.config.parameters()},
               {"checked", o.check},
-              {"clock_hz", o.clock.mhz * 1e6},
+              {"clock_hz", o.request.device.clock_hz()},
               {"partition", o.partition},
               {"triangles", job.triangles},
               {"mesh", job.fingerprint}};

@@ -61,7 +61,6 @@ void run_cast(const CastTask& asked) {
   else
     job.mode = o.request.mode;
   share_job(o, job);
-  o.clock_source = resolve_clock(o.clock, job.config);
   begin_distribution(o, job);
   if (!WorkDistributor::instance().leads() || WorkDistributor::instance().is_shard()) {
     (void)cast_rays(o, job, "casting", [](std::span<const Record>) {});

@@ -9,6 +9,7 @@
 #include "cde/contract/records.hpp"
 #include "cde/jobs/work_distributor.hpp"
 #include "cde/support/counted.hpp"
+#include "output/device_output.hpp"
 #include "output/plan_output.hpp"
 #include "output/streams.hpp"
 
@@ -44,8 +45,8 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
   j.update(card_json(job.config));
   j.update(model_json(r.model, r.config_hash));
   j.update(stand_in_json(job.stands_in_for));
-  j.update({{"clock_hz", o.clock.mhz * 1e6},
-            {"clock_source", o.clock_source},
+  j.update({{"device", device_json(o.request.device)},
+            {"clock_hz", o.request.device.clock_hz()},
             {"modelled_pass_seconds", r.modelled_seconds}});
   j.update(counters_json(r.counters));
   j.update(
@@ -115,12 +116,12 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                     counted(job.config.traversal_units, "traversal unit"), a_ray(c.nodes),
                     a_ray(c.pairs)));
   }
+  row("device", device_row(o.request.device));
   row("device cycles", fmt::format("{}, {} for write-back; {}, {}", c.cycles, c.writeback,
                                    counted(c.stalls, "stall"), counted(c.bubbles, "idle cycle")));
-  row("modelled time",
-      fmt::format("{:.6g} ms at {:g} MHz{}, without bus transfers{}", 1e3 * r.modelled_seconds,
-                  o.clock.mhz, o.clock.target.empty() ? "" : " " + o.clock_source,
-                  has_network(o) ? std::string(", ") + kNetwork : ""));
+  row("modelled time", fmt::format("{:.6g} ms on {}, memory ideal, without bus transfers{}",
+                                   1e3 * r.modelled_seconds, o.request.device.name,
+                                   has_network(o) ? std::string(", ") + kNetwork : ""));
   row("simulation", job.bvh
                         ? fmt::format("{:.3g} s, {:.4g} M rays/s", r.simulation_seconds,
                                       static_cast<double>(rays) / r.simulation_seconds / 1e6)

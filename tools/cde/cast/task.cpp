@@ -51,6 +51,7 @@ CastRequest request_of(const CastWords& w) {
   if (w.bvh != 0) r.bvh = w.bvh > 0;
   r.parts = w.partition > 1;
   r.exact_card = w.exact;
+  r.device = w.device.chosen();
   return r;
 }
 
@@ -118,7 +119,7 @@ CastTask task_of(const CastWords& w) {
   if (t.records.empty() && !w.renders && !w.json && (few || w.inside)) t.records = "-";
   t.trace = w.trace, t.bundle = w.bundle, t.distribution = w.distribution;
   t.boards = w.boards, t.partition = w.partition;
-  t.clock = w.clock, t.timeout = w.timeout, t.deadline = w.deadline;
+  t.timeout = w.timeout, t.deadline = w.deadline;
   t.json = w.json, t.quiet = w.quiet;
   t.check = w.checks != "false";
   if (t.check && w.checks != "true") t.brute_force_rays = parse_check(w.checks);

@@ -48,8 +48,6 @@ struct CastTask {
   DistributionOptions distribution;
   unsigned boards = 1;
   unsigned partition = 1;  ///< parts of the mesh, each on a card of its own
-  ClockOptions clock;
-  std::string clock_source;  ///< source of the clock
   double timeout = 3600;
   std::uint64_t deadline = 0;
   bool bits = false, json = false, quiet = false;

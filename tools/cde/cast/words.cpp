@@ -183,7 +183,7 @@ void add_card_and_run(CLI::App& verb, CastWords& o) {
   add_trace_options(verb, o.trace,
                     "Waves of the cast, FST; kept even if the cast fails or is stopped");
   begin_group(verb, "Modelled time");
-  clock_options(verb, o.clock);
+  device_options(verb, o.device);
   add_shares(verb, o);
   begin_group(verb, "Messages");
   add_messages(verb, o);

@@ -6,7 +6,7 @@
 
 #include "cde/jobs/work_distributor.hpp"
 #include "options/cli_fwd.hpp"
-#include "options/clock_target.hpp"
+#include "options/device_options.hpp"
 #include "options/trace_options.hpp"
 #include "program/pack_failure.hpp"
 
@@ -23,7 +23,7 @@ struct CastWords {
   std::string mode = "nearest", arithmetic = "host", algorithm = "watertight", lanes = "auto",
               up = "auto", format = "fp32", checks = "true";
   unsigned boards = 1, partition = 1;
-  ClockOptions clock;
+  DeviceWords device;
   double timeout = 3600;
   std::uint64_t deadline = 0;
   bool box = true, json = false, bits = false, quiet = false, shadows = false, exact = false;

@@ -123,7 +123,7 @@ void Report::frame(std::uint32_t number, const std::vector<QueryFrame>& answers)
   FrameResult result;
   result.number = number;
   for (std::size_t q = 0; q < answers.size(); ++q) {
-    result.modelled += time_split(answers[q], scene_.card.clock_hz);
+    result.modelled += time_split(answers[q], scene_.card.device.clock_hz());
     result.card_seconds += answers[q].pass_seconds;
     result.reference_seconds += answers[q].check_seconds;
     result.records += answers[q].counters.records;

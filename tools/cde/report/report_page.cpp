@@ -32,8 +32,7 @@ std::vector<std::vector<Cell>> assumptions(const Scene& scene, const Json& run) 
   const SceneCard& card = scene.card;
   const Json& board = run["plan"];
   std::vector<std::vector<Cell>> rows = {
-      {"core clock", fmt::format("{:g} MHz, {}", card.clock_hz / 1e6,
-                                 text_of(run.value("clock_source", Json("assumed"))))},
+      {"device", fmt::format("{}: {}", card.device.text(), card.device.why)},
       {"bus", text_of(run["bus"])},
       {"memory of the card", text_of(run["memory"])},
       {"number format", "fp32 (IEEE 754 binary32), round to nearest even"},
@@ -41,8 +40,7 @@ std::vector<std::vector<Cell>> assumptions(const Scene& scene, const Json& run) 
                          ? "computed by this processor, with the same bits as the gates"
                          : "gates"},
       {"latency of operators",
-       fmt::format("add {}, mul {}, div {}, sqrt {}, compare {} cycles", card.latency_add,
-                   card.latency_mul, card.latency_div, card.latency_sqrt, card.latency_compare)}};
+       fmt::format("add/mul/div/sqrt/compare: {} cycles", card.device.latencies_text())}};
   for (const Json& effect : board.value("effects", Json::array())) {
     const std::string name = effect.value("name", "");
     if (effect.value("used", false) || name == "lanes")
@@ -138,7 +136,7 @@ std::string Report::charts_html() const {
       "assumptions.{}</p>\n{}</section>\n<section><h2>Wall time of the simulation</h2>\n<p>Time "
       "that this machine took to simulate the card and to compute the reference. It says nothing "
       "about the speed of the card.{}</p>\n{}</section>\n",
-      scene_.card.clock_hz / 1e6, means,
+      scene_.card.device.clock_mhz, means,
       stacked_bars("Modelled time of every frame by part", "frame", numbers, modelled), means,
       stacked_bars("Wall time of every frame", "frame", numbers, wall));
 }

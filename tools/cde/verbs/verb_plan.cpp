@@ -10,7 +10,7 @@
 #include "cde/card/json_keys.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/support/progress.hpp"
-#include "options/clock_target.hpp"
+#include "options/device_options.hpp"
 #include "options/values.hpp"
 #include "output/plan_output.hpp"
 #include "output/streams.hpp"
@@ -20,7 +20,7 @@ namespace cde::cli {
 
 void add_plan(CLI::App& app) {
   struct Options {
-    std::string scene, target;
+    std::string scene, device;
     bool json = false, exact = false;
   };
   auto o = std::make_shared<Options>();
@@ -30,7 +30,7 @@ void add_plan(CLI::App& app) {
   scene_option(*verb, o->scene);
   verb->add_flag("--json", o->json, "The plan as JSON on stdout");
   quiet_flag(*verb);
-  scene_target_option(*verb, o->target);
+  scene_device_option(*verb, o->device);
   exact_card_option(*verb, o->exact);
   verb->callback([o] {
     Scene scene = [&] {
@@ -38,18 +38,12 @@ void add_plan(CLI::App& app) {
       return load_scene(o->scene);
     }();
     warn(scene.warnings);
+    use_device(o->device, scene);
     Plan made = plan(scene);
     if (!o->exact) use_built_card(scene, made);
-    const std::string clock_source = resolve_clock(o->target, scene, made.board);
-    if (!o->json) {
-      print_plan(scene, made);
-      if (!o->target.empty())
-        print("clock      {:g} MHz, {}\n", scene.card.clock_hz / 1e6, clock_source);
-      return;
-    }
+    if (!o->json) return print_plan(scene, made);
     nlohmann::ordered_json j = program_json();
     j.update(plan_json(scene, made));
-    j["clock_source"] = clock_source;
     print_json(j);
   });
 }

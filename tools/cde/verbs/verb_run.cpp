@@ -25,7 +25,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/progress.hpp"
 #include "cde/support/suffix.hpp"
-#include "options/clock_target.hpp"
+#include "options/device_options.hpp"
 #include "options/distribution_options.hpp"
 #include "options/help.hpp"
 #include "options/scene_frames.hpp"
@@ -50,7 +50,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string scene, frames, out, check, report, target;
+  std::string scene, frames, out, check, report, device;
   TraceRequest trace;
   BundleRequest bundle;
   DistributionOptions distribution;
@@ -120,8 +120,7 @@ void check_files(const Options& o, const Scene& scene) {
 /// A run: the frames simulated so far, and its outputs.
 class Run {
  public:
-  Run(const Options& o, Scene& scene, const Plan& plan, Check check,
-      const std::string& clock_source)
+  Run(const Options& o, Scene& scene, const Plan& plan, Check check)
       : o_(o),
         scene_(scene),
         check_(check),
@@ -139,8 +138,7 @@ class Run {
                   {"frames", {frames_.first, frames_.last}},
                   {"rate", scene.rate},
                   {"check", name_of(check)},
-                  {"clock_hz", scene.card.clock_hz},
-                  {"clock_source", clock_source},
+                  {"clock_hz", scene.card.device.clock_hz()},
                   {"bus", bus_name(scene)},
                   {"memory", memory_name(scene)},
                   {"machine", machine_json()},
@@ -260,9 +258,9 @@ class Run {
                                                  100 * static_cast<double>(t.uncertain) /
                                                      static_cast<double>(t.asked)));
       row("modelled time",
-          fmt::format("{:.6g} ms per frame at {:g} MHz, bus {}, memory {}",
+          fmt::format("{:.6g} ms per frame on {}, bus {}, memory {}",
                       simulated == 0 ? 0 : 1e3 * t.modelled / static_cast<double>(simulated),
-                      scene_.card.clock_hz / 1e6, bus_name(scene_), memory_name(scene_)));
+                      scene_.card.device.text(), bus_name(scene_), memory_name(scene_)));
       // A run that stops early has no tests.
       const double rate = t.tests == 0 ? 0 : static_cast<double>(t.tests) / t.simulated / 1e6;
       row("simulation",
@@ -505,9 +503,9 @@ void run(const Options& o) {
   }
   if (WorkDistributor::instance().leads()) warn(scene.warnings);
   if (o.trace.wanted()) scene.card.trace = true;
+  use_device(o.device, scene);
   Plan made = plan(scene);
   if (!o.exact) use_built_card(scene, made);
-  const std::string clock_source = resolve_clock(o.target, scene, made.board);
   const bool distributed = WorkDistributor::instance().is_chunked(o.distribution);
   if (distributed) {
     made.board = WorkDistributor::instance().shared(made.board);
@@ -525,7 +523,7 @@ void run(const Options& o) {
     if (!WorkDistributor::instance().leads() || WorkDistributor::instance().is_shard())
       return (void)distribute_frames(all, {});
   }
-  Run run(o, scene, made, check, clock_source);
+  Run run(o, scene, made, check);
   if (made.stands_in_for && !o.quiet)
     log("cde: {}\n", stand_in_text(made.board, *made.stands_in_for));
   if (distributed)
@@ -551,7 +549,7 @@ void add_run(CLI::App& app) {
                        "Inject a bus or memory error, KIND[:COUNT[:VALUE]]@FRAME; repeatable")
           ->allow_extra_args(false),
       "FAULT", [](const std::string& text) { (void)fault_of(text); });
-  scene_target_option(*verb, o->target);
+  scene_device_option(*verb, o->device);
   exact_card_option(*verb, o->exact);
   begin_group(*verb, "Outputs");
   folder_value(verb->add_option("-o,--output,--out", o->out,

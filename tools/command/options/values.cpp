@@ -195,12 +195,11 @@ void scene_option(CLI::App& verb, std::string& file) {
 
 CLI::Option* clock_option(CLI::App& verb, double& mhz) {
   const std::string range = fmt::format("{:g} to {:g} MHz", kLeastClockMhz, kMostClockMhz);
-  CLI::Option* option =
-      verb.add_option("--clock", mhz,
-                      fmt::format("Core clock assumed for modelled times ({}), as 1GHz, 250MHz or "
-                                  "5000kHz; the unit is MHz if none is given",
-                                  range));
-  option->capture_default_str();
+  CLI::Option* option = verb.add_option(
+      "--clock", mhz,
+      fmt::format("Core clock assumed instead of the device's ({}), as 1GHz, 250MHz or "
+                  "5000kHz; the unit is MHz if none is given",
+                  range));
   label(option, {Takes::Kind::kAnything, {}, "CLOCK", {}});
   check(option, range, [](const std::string& text) { return megahertz(text).has_value(); });
   return option->transform([](const std::string& text) {

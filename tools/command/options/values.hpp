@@ -53,7 +53,7 @@ CLI::Option* new_folder_value(CLI::Option* option, const std::string& name);
 /// Lanes of a card: a power of two. `more` are words that are also allowed.
 CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& more = {});
 
-/// The clock that modelled times assume, in MHz: 100, 100MHz, 0.1GHz.
+/// --clock: a clock in MHz instead of the device's, as 100, 100MHz or 0.1GHz.
 CLI::Option* clock_option(CLI::App& verb, double& mhz);
 /// -q: no progress, and models are built without messages. Also sets `quiet`, if it is not null.
 void quiet_flag(CLI::App& verb, bool* quiet = nullptr);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "cde/support/counted.hpp"
+#include "output/device_output.hpp"
 #include "output/streams.hpp"
 
 namespace cde::cli {
@@ -65,7 +66,8 @@ nlohmann::ordered_json plan_json(const Scene& scene, const Plan& plan) {
   nlohmann::ordered_json j = {
       {"parameters", parameters}, {"model", file.path.string()}, {"built", file.built}};
   j.update(stand_in_json(plan.stands_in_for));
-  j["clock_hz"] = scene.card.clock_hz;
+  j["device"] = device_json(scene.card.device);
+  j["clock_hz"] = scene.card.device.clock_hz();
   for (const Effect& e : plan.effects)
     j["effects"].push_back({{"name", e.name},
                             {"used", e.used},
@@ -96,6 +98,8 @@ void print_plan(const Scene& scene, const Plan& plan) {
   print("{}: {}, {} quer{}, {}\n", printable_name(scene.file),
         counted(scene.objects.size(), "object"), scene.queries.size(),
         scene.queries.size() == 1 ? "y" : "ies", counted(scene.frames, "frame"));
+  print("device: {}\n", device_row(scene.card.device));
+  print_wrapped("evidence: " + scene.card.device.why, 0);
   for (const bool used : {true, false}) {
     print("\n{}\n", used ? "in the simulated card" : "left out");
     for (const Effect& e : plan.effects) {

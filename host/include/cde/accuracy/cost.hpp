@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cde/accuracy/tally.hpp"
-#include "cde/costs/card_clock.hpp"
+#include "cde/costs/costed_pipe.hpp"
 
 /// @file
 /// Cost of a pipe, to compare with its accuracy.

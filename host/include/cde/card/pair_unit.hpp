@@ -29,11 +29,7 @@ struct PairConfig {
   Arithmetic arithmetic = Arithmetic::kHost;
   unsigned sat_interval = 1;  ///< cycles from row to row of SAT pairs, 1 or 3. With 3, one unit
                               ///< tests three candidate axes in turn (has_sat_interval)
-  unsigned latency_add = 1;   ///< cycles of an operator, at least 1
-  unsigned latency_mul = 1;
-  unsigned latency_div = 1;
-  unsigned latency_sqrt = 1;
-  unsigned latency_compare = 1;
+  OperatorLatencies latency = {};
   bool trace = false;  ///< waves can be written; the simulation is slower
   bool tap = false;    ///< operators can be watched (PairUnit::watch); one lane only
 

@@ -36,7 +36,6 @@ inline constexpr const char* kDefaultTarget = "ecp5-85";  ///< for costs
 
 /// Parses "ecp5-85", "hx8k" or "assumed:NUMBERMHz". Error kUsage for anything else, naming these.
 [[nodiscard]] Target parse_target(const std::string& text);
-[[nodiscard]] std::vector<std::string> target_words();
 
 /// How many copies of a lane fit on a device, and which resource limits them. A design may use 85 %
 /// of logic and registers, and all multipliers and memories.
@@ -52,11 +51,6 @@ struct OperatorCounts {
   unsigned add = 0, mul = 0, div = 0, sqrt = 0, cmp = 0;  ///< cmp: comparisons, minima and maxima
   [[nodiscard]] unsigned total() const { return add + mul + div + sqrt + cmp; }
 };
-/// Latencies of operators in cycles, in the order of a card's parameters.
-struct OperatorLatencies {
-  unsigned add = 1, mul = 1, div = 1, sqrt = 1, cmp = 1;
-};
-
 /// A pipe, reduced to what its cost depends on.
 struct CostedPipe {
   Pair pair = Pair::kRayTriangle;
@@ -88,19 +82,13 @@ class CostTable {
   static CostTable of_project();
 
   /// The cost of a whole lane if it was measured, at the fastest operator latencies. Otherwise the
-  /// sum of its operators, each at its fastest. `cycles`: use only rows with these latencies.
-  [[nodiscard]] LaneCostOr lane(const CostedPipe& pipe, const std::string& target,
-                                const std::optional<OperatorLatencies>& cycles = {}) const;
-
-  /// "there are: add fp32 LAT 8, ...": rows of a target that have a clock frequency.
-  [[nodiscard]] std::string rows_of(const std::string& target) const;
+  /// sum of its operators, each at its fastest.
+  [[nodiscard]] LaneCostOr lane(const CostedPipe& pipe, const std::string& target) const;
 
  private:
   [[nodiscard]] const CostRow* fastest(std::string_view what, std::string_view algorithm,
-                                       const std::string& format, const std::string& target,
-                                       const std::string& lat) const;
-  [[nodiscard]] LaneCostOr estimate(const CostedPipe& pipe, const std::string& target,
-                                    const std::optional<OperatorLatencies>& cycles) const;
+                                       const std::string& format, const std::string& target) const;
+  [[nodiscard]] LaneCostOr estimate(const CostedPipe& pipe, const std::string& target) const;
   std::string file_;
   std::vector<CostRow> rows_;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -32,6 +33,18 @@ void check_narrow_format(FpFormat narrow, FpFormat wide);
 /// Objects that the card's transformer moves before a pass tests them.
 enum class Transformer : unsigned { kNone, kSecondaries, kBoth };
 
+/// Latencies of operators in cycles, 1 to kMostOperatorLatency, in the order of a card's
+/// parameters.
+struct OperatorLatencies {
+  unsigned add = 1, mul = 1, div = 1, sqrt = 1, compare = 1;
+  bool operator==(const OperatorLatencies&) const = default;
+};
+inline constexpr unsigned kMostOperatorLatency = 64;
+/// The five in their order.
+[[nodiscard]] constexpr std::array<unsigned, 5> cycles_of(const OperatorLatencies& l) {
+  return {l.add, l.mul, l.div, l.sqrt, l.compare};
+}
+
 /// One elaborated configuration of rtl/board.sv, or of rtl/card.sv around it.
 struct BoardConfig {
   unsigned lanes = 16;  ///< pairs per cycle: a power of two, 1 to 256
@@ -62,11 +75,7 @@ struct BoardConfig {
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
   unsigned objects = 1024;                     ///< size of the card's object table, 2 to 2,048
   unsigned primary_objects = 64;               ///< the same for primaries
-  unsigned latency_add = 1;                    ///< cycles of an operator, at least 1
-  unsigned latency_mul = 1;
-  unsigned latency_div = 1;
-  unsigned latency_sqrt = 1;
-  unsigned latency_compare = 1;
+  OperatorLatencies latency = {};
   unsigned ddr_slots =
       55'555'555;  ///< DDR size in triangles (36 bytes each); the default is two 1 GB modules
   unsigned sram_records = 524'288;  ///< record ring, a power of two; seven 2 MB chips

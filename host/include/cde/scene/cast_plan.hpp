@@ -22,6 +22,7 @@ struct CastRequest {
   FpFormat format = {};
   bool box = true;     ///< the box rule
   bool trace = false;  ///< waves are written
+  Device device = default_device();
   std::optional<unsigned> lanes = {};
   std::optional<bool> bvh = {};  ///< true: must traverse a BVH; false: must not
   bool parts = false;            ///< the mesh is distributed among cards

@@ -12,7 +12,7 @@
 #include "cde/geometry/shapes.hpp"
 #include "cde/geometry/transform.hpp"
 #include "cde/mesh/mesh.hpp"
-#include "cde/model/model.hpp"
+#include "cde/model/device.hpp"
 
 /// @file
 /// Contents of a scene file (docs/reference/scenes.md): moving objects, and the queries about them
@@ -116,15 +116,15 @@ enum class UseBvh {
 
 /// What the scene requests of the card. The planner chooses for an empty optional.
 struct SceneCard {
+  Device device = default_device();  ///< of modelled times; clock and latencies may be changed
   std::optional<unsigned> lanes;
   std::vector<Pair> pairs;  ///< pipes of the card; empty: the pairs of the queries
   Arithmetic arithmetic = Arithmetic::kHost;
   FpFormat format = {};                           ///< BoardConfig::format
   std::optional<FpFormat> filter = std::nullopt;  ///< `BoardConfig::filter`
   Algorithm algorithm = kLeakFree;
-  bool box = true;          ///< box rule, for pairs that have it
-  double clock_hz = 100e6;  ///< assumed for the device
-  bool cycle_bus = false;   ///< PCI signals cycle by cycle; otherwise PCI time is computed
+  bool box = true;         ///< box rule, for pairs that have it
+  bool cycle_bus = false;  ///< PCI signals cycle by cycle; otherwise PCI time is computed
   HostProfile host = kHostProfiles[0];  ///< host of the card
   unsigned burst = 4096;                ///< most bytes per DMA burst
   bool narrow = false;                  ///< the host has a 32-bit bus
@@ -133,7 +133,6 @@ struct SceneCard {
   bool trace = false;
   TransformSite transform_site = TransformSite::kAuto;
   UseBvh bvh = UseBvh::kAuto;
-  unsigned latency_add = 1, latency_mul = 1, latency_div = 1, latency_sqrt = 1, latency_compare = 1;
 };
 
 struct Scene {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cde/costs/card_clock.hpp"
+#include "cde/costs/costed_pipe.hpp"
 
 #include <fmt/format.h>
 
@@ -80,28 +80,6 @@ std::vector<PipeFigures> figures_of(const std::vector<PipeChoice>& pipes) {
   for (std::size_t i = 0; i < pipes.size(); ++i)
     if (wanted[which[i]].absent.empty()) all[i] = figures_of(pipes[i], wanted[which[i]]);
   return all;
-}
-
-CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,
-                   const OperatorLatencies& cycles) {
-  if (target.assumed_mhz)
-    return {*target.assumed_mhz, "an assumption about the device, not a measurement"};
-  const CostTable table = CostTable::of_project();
-  const std::vector<PipeFigures> figures = figures_of(pipes);
-  CardClock least{0, ""};
-  for (std::size_t i = 0; i < pipes.size(); ++i) {
-    const LaneCostOr found = table.lane(costed(pipes[i], figures[i]), target.name, cycles);
-    if (!found.cost)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("--target {}: no clock of {}: {}; {}", target.name, pipes[i].name(),
-                              found.why_not, table.rows_of(target.name)));
-    if (!least.source.empty() && found.cost->mhz >= least.mhz) continue;
-    least = {found.cost->mhz,
-             fmt::format("of {} on {}, {}", pipes[i].name(), target.name,
-                         found.cost->estimated ? "estimated: the slowest of its operators"
-                                               : "measured for the whole lane")};
-  }
-  return least;
 }
 
 }  // namespace cde

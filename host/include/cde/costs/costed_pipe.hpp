@@ -7,7 +7,7 @@
 #include "cde/costs/cost_table.hpp"
 
 /// @file
-/// Latency and operators of pipes, and the clock frequency of a card on a device.
+/// Latency and operators of pipes, from the elaborated RTL.
 namespace cde {
 
 /// A pipe of the card.
@@ -38,15 +38,5 @@ struct PipeFigures {
 
 /// The pipe with its operators, as the cost table takes it.
 [[nodiscard]] CostedPipe costed(const PipeChoice& pipe, const PipeFigures& figures);
-
-/// The clock frequency of a card: the lowest clock frequency among the lanes of its pipes on the
-/// target, with the given operator latencies.
-struct CardClock {
-  double mhz = 100;
-  std::string source;  ///< its source, as text
-};
-/// Error kUsage if the table has no cost for a pipe, naming the rows that exist.
-[[nodiscard]] CardClock clock_on(const Target& target, const std::vector<PipeChoice>& pipes,
-                                 const OperatorLatencies& cycles);
 
 }  // namespace cde

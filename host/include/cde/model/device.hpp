@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "cde/fp/fp_format.hpp"
+#include "cde/model/model.hpp"
+
+/// @file
+/// Reference devices of modelled times: docs/devices.json (docs/background/devices.md).
+namespace cde {
+
+enum class DeviceKind {
+  kPlaced,     ///< the whole card was placed and routed
+  kProjected,  ///< computed from parts that were placed and routed
+  kIdeal,      ///< for comparison: no FPGA has such operators
+};
+
+/// A card on an FPGA. Modelled times assume its clock and its latencies.
+struct Device {
+  std::string name;
+  DeviceKind kind = DeviceKind::kIdeal;
+  std::string fpga;
+  double clock_mhz = 100;
+  FpFormat format = {};
+  unsigned lanes = 1;
+  unsigned traversal_units = 1;
+  unsigned node_cycles = 1;  ///< BoardConfig::node_cycles
+  OperatorLatencies latencies = {};
+  std::string memory;  ///< where triangles and nodes are
+  std::string why;     ///< evidence for the figures
+
+  [[nodiscard]] double clock_hz() const { return 1e6 * clock_mhz; }
+  /// Period of the core clock, for OpenOptions::clock_period_ps.
+  [[nodiscard]] std::uint32_t clock_period_ps() const;
+  /// Lanes of a card whose queries all traverse a BVH: two per traversal unit, if the device has so
+  /// many. More would be idle.
+  [[nodiscard]] unsigned leaf_lanes() const;
+  /// "large (projected, 100 MHz)". If the clock or the latencies differ from the table, it says
+  /// "large with another clock (projected, 50 MHz)".
+  [[nodiscard]] std::string text() const;
+  /// "9/11/34/32/3".
+  [[nodiscard]] std::string latencies_text() const;
+};
+
+/// All rows of the table; the first is the default.
+[[nodiscard]] std::span<const Device> devices();
+[[nodiscard]] inline const Device& default_device() {
+  return devices().front();
+}
+/// Error kUsage for an unknown name, with the known ones.
+[[nodiscard]] const Device& device_named(std::string_view name);
+/// "placed", "projected" or "ideal".
+[[nodiscard]] const char* name_of(DeviceKind kind);
+
+/// The card with the latencies and the cycles per node of the device.
+[[nodiscard]] BoardConfig on(const Device& device, BoardConfig card);
+
+}  // namespace cde

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/model/device.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "cde/support/error.hpp"
+#include "cde/support/message.hpp"
+
+namespace cde {
+
+/// docs/devices.json, which CMake compiles in.
+extern const char* const kDevicesJson;
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::pair<const char*, DeviceKind> kKinds[] = {{"placed", DeviceKind::kPlaced},
+                                                         {"projected", DeviceKind::kProjected},
+                                                         {"ideal", DeviceKind::kIdeal}};
+
+DeviceKind kind_of(const std::string& word) {
+  const auto* const kind = std::ranges::find(
+      kKinds, word, [](const auto& known) { return std::string_view(known.first); });
+  if (kind == std::end(kKinds))
+    throw Error(ErrorCode::kFile, fmt::format("docs/devices.json: there is no kind {}", word));
+  return kind->second;
+}
+
+Device device_of(const Json& row) {
+  const Json& cycles = row.at("latencies");
+  return {.name = row.at("name"),
+          .kind = kind_of(row.at("kind")),
+          .fpga = row.at("fpga"),
+          .clock_mhz = row.at("clock_mhz"),
+          .format = FpFormat::parse(row.at("format").get<std::string>()),
+          .lanes = row.at("lanes"),
+          .traversal_units = row.at("traversal_units"),
+          .node_cycles = row.at("node_cycles"),
+          .latencies = {.add = cycles.at("add"),
+                        .mul = cycles.at("mul"),
+                        .div = cycles.at("div"),
+                        .sqrt = cycles.at("sqrt"),
+                        .compare = cycles.at("compare")},
+          .memory = row.at("memory"),
+          .why = row.at("why")};
+}
+
+std::vector<Device> read_devices() {
+  const Json table = Json::parse(kDevicesJson);
+  std::vector<Device> all;
+  for (const Json& row : table.at("devices")) all.push_back(device_of(row));
+  return all;
+}
+
+}  // namespace
+
+const char* name_of(DeviceKind kind) {
+  return std::ranges::find(kKinds, kind, [](const auto& known) { return known.second; })->first;
+}
+
+std::span<const Device> devices() {
+  static const std::vector<Device> all = read_devices();
+  return all;
+}
+
+const Device& device_named(std::string_view name) {
+  const auto all = devices();
+  const auto found = std::ranges::find(all, name, &Device::name);
+  if (found != all.end()) return *found;
+  std::string known;
+  for (const Device& d : all) known += (known.empty() ? "" : ", ") + d.name;
+  throw Error(ErrorCode::kUsage, fmt::format("there is no device {}; expected one of {}",
+                                             in_quotes(std::string(name)), known));
+}
+
+std::uint32_t Device::clock_period_ps() const {
+  return static_cast<std::uint32_t>(std::clamp(1e6 / clock_mhz, 1.0, 4e9));
+}
+
+unsigned Device::leaf_lanes() const {
+  return std::min(2 * traversal_units, lanes);
+}
+
+std::string Device::latencies_text() const {
+  return fmt::format("{}", fmt::join(cycles_of(latencies), "/"));
+}
+
+std::string Device::text() const {
+  const Device& known = device_named(name);
+  const bool clock = clock_mhz != known.clock_mhz, cycles = latencies != known.latencies;
+  return fmt::format("{}{} ({}, {:g} MHz)", name,
+                     clock && cycles ? " with another clock and latencies"
+                     : clock         ? " with another clock"
+                     : cycles        ? " with other latencies"
+                                     : "",
+                     name_of(kind), clock_mhz);
+}
+
+BoardConfig on(const Device& device, BoardConfig card) {
+  card.latency = device.latencies;
+  if (card.traversal_units != 0) card.node_cycles = device.node_cycles;
+  return card;
+}
+
+}  // namespace cde
