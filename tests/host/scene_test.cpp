@@ -287,6 +287,26 @@ TEST(SceneFile, MissingOrCircularReferences_AreErrors) {
       "becomes part of file names");
 }
 
+/// Every object follows the object behind it in the file.
+TEST(SceneFile, LongChainsOfParents_AreRefusedInLinearTime) {
+  const auto chain = [](unsigned objects) {
+    std::string text;
+    for (unsigned i = 0; i < objects; ++i)
+      text += fmt::format("[[object]]\nname=\"o{}\"\nsphere={{center=[0,0,0],radius=1}}\n{}", i,
+                          i + 1 < objects ? fmt::format("parent=\"o{}\"\n", i + 1) : "");
+    return text + kGood;
+  };
+  const Scene longest = parse_scene(chain(kMostParents + 1), "s.toml");
+  EXPECT_TRUE(is_still(longest, longest.objects[0]));
+  EXPECT_TRUE(pose(longest, longest.objects[0], 0).translation.isZero());
+  refused(chain(kMostParents + 2), "s.toml:4:8: object 'o0', parent: more than 1000 parents");
+  refused(chain(40'000), "more than 1000 parents");
+  // Objects without end, behind a chain that was followed before.
+  refused(chain(50) + "[[object]]\nname=\"a\"\nparent=\"b\"\nsphere={center=[0,0,0],radius=1}\n"
+          "[[object]]\nname=\"b\"\nparent=\"a\"\nsphere={center=[0,0,0],radius=1}\n",
+          "the parents of 'a' and 'a' form a cycle");
+}
+
 TEST(SceneFile, MissingMeshesAndFiles_AreErrors) {
   const Folder folder;
   const std::string name = folder.write("s.toml", "").string();

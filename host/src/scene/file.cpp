@@ -116,26 +116,61 @@ struct Names {
   }
 };
 
-/// Follows the parents of an object upwards, and checks their demands on the objects below them.
-void check_ancestors(const Scene& scene, std::size_t number, const Table& t) {
-  std::set<std::size_t> seen = {number};
-  const SceneObject& object = scene.objects[number];
-  bool turned = rotates(object.motion);
-  for (auto above = object.parent; above; above = scene.objects[*above].parent) {
-    const SceneObject& parent = scene.objects[*above];
-    if (!seen.insert(*above).second)
+/// Checks that the parents of each object end, and their demands on the objects below them. Each
+/// object is visited once.
+class ParentCheck {
+ public:
+  explicit ParentCheck(const Scene& scene) : scene_(scene), chains_(scene.objects.size()) {}
+
+  void check(std::size_t number, const Table& t) {
+    follow(number, t);
+    if (chains_[number].turned && shape_of(scene_.objects[number].shapes) == Shape::kAabb)
+      t.fail(ErrorCode::kUsage, t.has("motion") ? "motion" : "parent",
+             "an AABB cannot be rotated; use obb, or a motion without rotation");
+  }
+
+ private:
+  /// An object and the objects that it follows.
+  struct Chain {
+    std::size_t length = 0;   ///< objects; 0: not known yet
+    bool turned = false;      ///< whether one of them rotates
+    bool on_the_way = false;  ///< met by this call of follow()
+  };
+
+  void follow(std::size_t number, const Table& t) {
+    const auto& objects = scene_.objects;
+    std::vector<std::size_t> way;
+    Chain above;
+    for (std::optional<std::size_t> at = number; at; at = objects[*at].parent) {
+      if (!way.empty()) check_parent(objects[number], *at, t);
+      above = chains_[*at];
+      if (above.length != 0) break;
+      chains_[*at].on_the_way = true;
+      way.push_back(*at);
+    }
+    if (above.length + way.size() > kMostParents + 1)
+      t.fail("parent", fmt::format("more than {} parents are above this object", kMostParents));
+    for (; !way.empty(); way.pop_back()) {
+      above.turned = above.turned || rotates(objects[way.back()].motion);
+      ++above.length;
+      chains_[way.back()] = above;
+    }
+  }
+
+  void check_parent(const SceneObject& object, std::size_t number, const Table& t) const {
+    const SceneObject& parent = scene_.objects[number];
+    if (chains_[number].on_the_way)
       t.fail("parent", fmt::format("the parents of {} and {} form a cycle", in_quotes(object.name),
                                    in_quotes(parent.name)));
     if (has_member_poses(parent))
       t.fail(ErrorCode::kUsage, "parent",
              fmt::format("every shape of {} moves on its own, so no object can follow it",
                          in_quotes(parent.name)));
-    turned = turned || rotates(parent.motion);
   }
-  if (turned && shape_of(object.shapes) == Shape::kAabb)
-    t.fail(ErrorCode::kUsage, t.has("motion") ? "motion" : "parent",
-           "an AABB cannot be rotated; use obb, or a motion without rotation");
-}
+
+  const Scene& scene_;
+  std::vector<Chain> chains_;  ///< by object
+};
 
 void read_objects(Scene& scene, Tables tables, const std::filesystem::path& folder, Names& names) {
   std::vector<std::string> parents;
@@ -153,7 +188,8 @@ void read_objects(Scene& scene, Tables tables, const std::filesystem::path& fold
   for (std::size_t i = 0; i < parents.size(); ++i)
     if (tables[i].has("parent"))
       scene.objects[i].parent = names.find(tables[i], "parent", parents[i]);
-  for (std::size_t i = 0; i < parents.size(); ++i) check_ancestors(scene, i, tables[i]);
+  ParentCheck parent_check(scene);
+  for (std::size_t i = 0; i < parents.size(); ++i) parent_check.check(i, tables[i]);
 }
 
 /// The shape that all these objects share.

@@ -21,8 +21,12 @@ Transform rounded(const Pose& pose) {
 }
 
 Pose chained(const Scene& scene, const SceneObject& object, double time) {
-  const Pose own = pose(object.motion, time);
-  return object.parent ? chained(scene, scene.objects[*object.parent], time) * own : own;
+  std::vector<const SceneObject*> chain = {&object};
+  while (chain.back()->parent) chain.push_back(&scene.objects[*chain.back()->parent]);
+  Pose sum = pose(chain.back()->motion, time);
+  for (chain.pop_back(); !chain.empty(); chain.pop_back())
+    sum = sum * pose(chain.back()->motion, time);
+  return sum;
 }
 
 Eigen::Vector3d displacement(const Deformation& d, const Eigen::Vector3d& at, std::uint32_t vertex,
@@ -198,8 +202,9 @@ std::vector<Transform> member_poses(const Scene& scene, const SceneObject& objec
 }
 
 bool is_still(const Scene& scene, const SceneObject& object) {
-  if (moves(object.motion)) return false;
-  return !object.parent || is_still(scene, scene.objects[*object.parent]);
+  const SceneObject* at = &object;
+  while (!moves(at->motion) && at->parent) at = &scene.objects[*at->parent];
+  return !moves(at->motion);
 }
 
 Shapes posed(const Shapes& shapes, const Transform& pose) {

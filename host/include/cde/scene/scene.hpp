@@ -43,6 +43,9 @@ struct RandomRays {
   bool redraw = true;                                ///< new directions in every frame
 };
 
+/// Objects that an object can follow: its parent, the parent's parent, and so on.
+inline constexpr unsigned kMostParents = 1000;
+
 struct SceneObject {
   std::string name;
   std::string source;                             ///< origin of its shapes, for messages
