@@ -7,11 +7,13 @@
 
 #include <cstdio>
 
+#include "../expect_error.hpp"
 #include "../has.hpp"
 #include "cde/image/ray_view.hpp"
 #include "cde/scene/plan.hpp"
 #include "cde/scene/scene.hpp"
 #include "cde/support/error.hpp"
+#include "cde/support/suggest.hpp"
 
 namespace cde::testing {
 namespace {
@@ -90,6 +92,34 @@ TEST(SceneMemory, OtherLargeSources_AreRefusedWithTheirSize) {
 }
 
 /// Two hundred ranges of four million: 3 GB as single numbers.
+/// The name of an object fills the file, and a query names no object.
+TEST(SceneMemory, LongNames_TakeNoMemoryForSuggestions) {
+  const std::string name(8u << 20, 'a'), typed(64, 'b');
+  const std::string text = fmt::format(
+      "[[object]]\nname = \"{}\"\nsphere = {{ center = [0, 0, 0], radius = 1 }}\n", name);
+  const double before = peak_mb();
+  expect_error(ErrorCode::kBadInput, "there is no object 'bbb",
+               [&] { (void)parse_scene(text + query("\"" + typed + "\""), "s.toml"); });
+  expect_grown(before, 300);
+}
+
+TEST(SuggestedWords, OnlyNearWords_AreCompared) {
+  const std::string large(1u << 20, 'a');
+  const double before = peak_mb();
+  EXPECT_EQ(edit_distance(std::string(64, 'b'), large, 22), 22u);
+  EXPECT_EQ(edit_distance(large, "", 1u << 20), 1u << 20);
+  EXPECT_EQ(nearest_word(large.substr(0, 64), std::vector<std::string>{large}), large);  // it begins with that word
+  expect_grown(before, 10);
+  const std::vector<std::string> lanes = {"lines", "lanes"};
+  EXPECT_EQ(edit_distance("kitten", "sitting", 9), 3u);
+  EXPECT_EQ(edit_distance("kitten", "sitting", 2), 2u);
+  EXPECT_EQ(edit_distance("form", "from", 9), 1u);
+  EXPECT_EQ(edit_distance("ca", "abc", 9), 3u);
+  EXPECT_EQ(edit_distance("", "", 1), 0u);
+  EXPECT_EQ(nearest_word("lanse", lanes), "lanes");
+  EXPECT_EQ(nearest_word("lasne", std::vector<std::string>{"rays"}), std::nullopt);
+}
+
 TEST(SceneMemory, Masks_AreStoredAsRanges) {
   std::string mask = "mask = [7";
   for (unsigned i = 0; i < 200; ++i) mask += ", \"10..3999998\"";

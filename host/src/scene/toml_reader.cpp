@@ -123,12 +123,12 @@ class DepthCheck {
 std::string suggestion(std::string_view word, const std::vector<std::string>& candidates) {
   const std::string* best = nullptr;
   std::size_t least = std::max<std::size_t>(2, word.size() / 2) + 1;
-  if (word.size() > 64) return "";
+  if (word.size() > kLongestTyped) return "";
   const std::string_view now = new_name(word);
   if (std::find(candidates.begin(), candidates.end(), now) != candidates.end())
     return fmt::format("; it is now '{}'", now);
   for (const std::string& candidate : candidates) {
-    const std::size_t d = edit_distance(word, candidate);
+    const std::size_t d = edit_distance(word, candidate, least);
     if (d < least && d < candidate.size()) least = d, best = &candidate;
   }
   return best != nullptr ? fmt::format(" (did you mean '{}'?)", *best) : "";

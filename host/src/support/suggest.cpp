@@ -13,30 +13,37 @@
 
 namespace cde {
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
-  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t limit) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
+  std::vector<std::size_t> row(b.size() + 1), before(row), before_that(row);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::swap(before_that, before);
+    std::swap(before, row);
+    row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      d[i][j] = std::min(
-          {d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      row[j] = std::min(
+          {before[j] + 1, row[j - 1] + 1, before[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+        row[j] = std::min(row[j], before_that[j - 2] + 1);
     }
   }
-  return d[a.size()][b.size()];
+  return std::min(row[b.size()], limit);
 }
 
 std::optional<std::string> nearest_word(std::string_view typed,
                                         const std::vector<std::string>& known) {
-  constexpr std::size_t kLongest = 64;  // longer words are not typing errors
-  if (typed.size() < 2 || typed.size() > kLongest) return std::nullopt;
+  return nearest_word(typed, std::vector<std::string_view>(known.begin(), known.end()));
+}
+
+std::optional<std::string> nearest_word(std::string_view typed,
+                                        const std::vector<std::string_view>& known) {
+  if (typed.size() < 2 || typed.size() > kLongestTyped) return std::nullopt;
   std::optional<std::string> best;
   std::size_t least = std::max<std::size_t>(1, typed.size() / 3) + 1;
-  for (const std::string& word : known) {
-    std::size_t d = edit_distance(typed, word);
-    if (d != 0 && typed.size() >= 2 && word.starts_with(typed)) d = 1;
+  for (const std::string_view word : known) {
+    std::size_t d = edit_distance(typed, word, least);
+    if (d != 0 && word.starts_with(typed)) d = 1;
     if (d >= least) continue;
     least = d;
     best = word;

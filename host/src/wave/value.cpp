@@ -218,20 +218,22 @@ void check_form(const View& v, const std::string& word) {
 
 std::string no_signal(Trace& trace, std::string_view name) {
   const std::string_view last = name.substr(name.rfind('.') + 1);
-  std::set<std::string> whole, inner;
+  // Views, since the names of a large file take much memory.
+  std::set<std::string_view> whole, inner;
   for (const Signal& s : trace.signals()) {
     whole.insert(s.name);
-    inner.insert(s.name.substr(s.name.rfind('.') + 1));
+    inner.insert(std::string_view(s.name).substr(s.name.rfind('.') + 1));
   }
-  const auto near = nearest_word(name, std::vector<std::string>(whole.begin(), whole.end()));
+  const auto near = nearest_word(name, std::vector<std::string_view>(whole.begin(), whole.end()));
   std::vector<std::string> offered;
   if (near) offered.push_back(*near);
-  const auto near_last = nearest_word(last, std::vector<std::string>(inner.begin(), inner.end()));
-  for (const std::string& one : whole) {
+  const auto near_last =
+      nearest_word(last, std::vector<std::string_view>(inner.begin(), inner.end()));
+  for (const std::string_view one : whole) {
     if (offered.size() >= 3) break;
-    const std::string_view own = std::string_view(one).substr(one.rfind('.') + 1);
+    const std::string_view own = one.substr(one.rfind('.') + 1);
     if ((own == last || (near_last && own == *near_last)) && (!near || one != *near))
-      offered.push_back(one);
+      offered.emplace_back(one);
   }
   const std::string text =
       fmt::format("{} has no signal {}", printable_name(trace.file().string()), in_quotes(name));
