@@ -78,7 +78,7 @@ int export_waves(const Request& r) {
   } else if (format == "fst") {
     write_cut(trace, all, w.from, w.to, output);
   } else if (format == "gtkw") {
-    write_gtkw(trace, all, {fail_time(trace, times), {}, w.from, w.to}, output);
+    write_gtkw(trace, all, {.fail = fail_time(trace, times), .from = w.from, .to = w.to}, output);
   } else if (format == "csv") {
     std::optional<Event> on;
     if (!r.on.empty()) on.emplace(trace, r.on);
