@@ -4,10 +4,13 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "cde/explain/bundle.hpp"
 #include "cde/support/json_text.hpp"
+#include "cde/support/output_file.hpp"
 #include "options/values.hpp"
 #include "output/streams.hpp"
 #include "verbs.hpp"
@@ -17,10 +20,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// The program that asks for the package has ended, perhaps by a signal. Not an Error, for which
+/// pack() would keep the folder.
+struct AskerEnded {};
+
 Json next_line() {
   std::string line;
-  if (!std::getline(std::cin, line))
-    throw Error(ErrorCode::kBadInput, "stdin is empty; expected a line of JSON about a failure");
+  if (!std::getline(std::cin, line)) throw AskerEnded();
   if (nested_deeper(line))
     throw Error(ErrorCode::kBadInput, "stdin: JSON is nested in more than 200 levels");
   try {
@@ -30,10 +36,13 @@ Json next_line() {
   }
 }
 
-void pack_failure(const std::string& folder) {
-  Failure failure = failure_from_json(next_line());
+void pack_failure(const std::string& folder, Failure failure) {
   failure.rerun = [](const std::string& file, const TraceOptions& which) {
-    print_json({{"rerun", file}, {"which", to_json(which)}}, -1);
+    try {
+      print_json({{"rerun", file}, {"which", to_json(which)}}, -1);
+    } catch (const StdoutError&) {
+      throw AskerEnded();
+    }
     const Json answer = next_line();
     if (answer.contains("error"))
       throw Error(ErrorCode::kDevice, answer["error"].get<std::string>());
@@ -54,7 +63,17 @@ void add_pack(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("pack", "Pack a failure, described on stdin, into a folder");
   verb->group("");
   new_folder_value(verb->add_option("folder", *folder, "Folder")->required(), "FOLDER");
-  verb->callback([folder] { pack_failure(*folder); });
+  verb->callback([folder] {
+    std::optional<Failure> failure;
+    try {
+      failure = failure_from_json(next_line());
+      pack_failure(*folder, std::move(*failure));
+    } catch (const AskerEnded&) {
+      if (!failure)
+        throw Error(ErrorCode::kBadInput,
+                    "stdin is empty; expected a line of JSON about a failure");
+    }
+  });
 }
 
 }  // namespace cde::cli

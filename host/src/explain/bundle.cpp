@@ -25,6 +25,7 @@
 #include "cde/wave/request.hpp"
 #include "cde/wave/trace.hpp"
 #include "cde/wave/value.hpp"
+#include "support/unfinished.hpp"
 
 namespace cde {
 namespace {
@@ -51,9 +52,8 @@ fs::path new_folder(const std::string& wanted, std::optional<OutputFolder>& made
     const fs::path folder = n == 1 ? name : fmt::format("{}-{}", name, n);
     if (fs::exists(fs::symlink_status(folder))) continue;
     made.emplace(folder);
-    const bool ours = made->made();  // false if another process has just made it
-    made->keep();
-    if (ours) return folder;
+    if (made->made()) return folder;
+    made->keep();  // another process has just made it
   }
   throw Error(
       ErrorCode::kFile,
@@ -283,8 +283,20 @@ Bundle::Bundle(const std::string& folder) : folder_(new_folder(folder, made_)) {
   json_.update(program_json());
 }
 
+Bundle::~Bundle() {
+  for (const NameInFolder& one : written_) {
+    ::unlinkat(one.folder, one.name.c_str(), 0);
+    forget_unfinished(one);
+  }
+}
+
 fs::path Bundle::file(std::string_view name) const {
   return fs::path(fmt::format("/proc/{}/fd/{}", ::getpid(), made_->descriptor())) / name;
+}
+
+fs::path Bundle::new_file(const std::string& name) {
+  remember_unfinished(written_.emplace_back(made_->descriptor(), name));
+  return file(name);
 }
 
 void Bundle::check() const {
@@ -297,7 +309,7 @@ void Bundle::add(std::string_view heading, std::string_view text) {
 }
 
 void Bundle::write(const std::string& name, std::string_view text) {
-  write_file(file(name), text);
+  write_file(new_file(name), text);
 }
 
 void Bundle::finish() {
@@ -309,6 +321,9 @@ void Bundle::finish() {
   }
   write("fail.json", json_text(json_) + '\n');
   write("fail.txt", fmt::format("{}", fmt::join(sections_, "\n")));
+  for (const NameInFolder& one : written_) forget_unfinished(one);
+  written_.clear();
+  made_->keep();
 }
 
 Packed pack(const std::string& folder, const Failure& f) {
@@ -348,7 +363,7 @@ void cut_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window) 
   const std::uint64_t from =
       edges.empty() || number <= window.before ? trace.start() : edges[first];
   const std::uint64_t to = last == edges.size() ? trace.end() : edges[last];
-  const fs::path file = bundle.file("waves.fst");
+  const fs::path file = bundle.new_file("waves.fst");
   const std::vector<std::string> comments = {fmt::format("fail {}", window.fail)};
   wave::write_cut(trace, {}, from, to, file, comments);
   std::vector<wave::View> shown;
@@ -358,10 +373,13 @@ void cut_waves(Bundle& bundle, const fs::path& whole, const WaveWindow& window) 
     } catch (const Error&) {  // this signal is not in the waves
     }
   }
-  wave::write_gtkw(
-      trace, shown,
-      {.fail = window.fail, .waves = bundle.folder() / "waves.fst", .from = from, .to = to},
-      bundle.folder() / "waves.gtkw");
+  wave::write_gtkw(trace, shown,
+                   {.fail = window.fail,
+                    .waves = bundle.folder() / "waves.fst",
+                    .named = bundle.folder() / "waves.gtkw",
+                    .from = from,
+                    .to = to},
+                   bundle.new_file("waves.gtkw"));
   bundle.json()["wave_window"] = {{"file", "waves.fst"},
                                   {"fail_time", window.fail},
                                   {"fail_at", times.text(window.fail)},

@@ -331,7 +331,8 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
        {"reference_answer", record_json(f.difference.reference)}});
   const std::optional<std::uint32_t> wrong =
       f.difference.primary.empty() ? std::nullopt : explained(bundle, f, o, f.pipe);
-  const fs::path whole_file = bundle.file("whole.fst");
+  const NamelessFile whole = bundle.whole_waves();
+  const std::string whole_file = whole.by_name();
   std::string text;
   const std::optional<Stage> stage =
       followed(bundle, failure, f, iterations, wrong, whole_file, text);
@@ -357,8 +358,6 @@ void bundle_card(Bundle& bundle, const Failure& failure) {
       window.before += *times.cycle(window.fail) - times.cycle(made->time).value_or(0);
   }
   cut_waves(bundle, whole_file, window);
-  std::error_code none;
-  fs::remove(whole_file, none);
   if (made) bundle_causes(bundle, stage->signal, *made);
 }
 

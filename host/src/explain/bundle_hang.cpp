@@ -15,8 +15,6 @@
 namespace cde {
 namespace {
 
-namespace fs = std::filesystem;
-
 // The card is polled, so it stopped within this many cycles.
 constexpr std::uint64_t kAheadOfHang = 400, kBehind = 20'000;
 constexpr std::size_t kLast = 16;  // number of transactions listed
@@ -30,9 +28,10 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
       {{"failure", "timeout"},
        {"repeat_command", failure.repeat.empty() ? nlohmann::ordered_json()
                                                  : nlohmann::ordered_json(failure.repeat)}});
-  const fs::path whole = bundle.file("whole.fst");
+  const NamelessFile waves = bundle.whole_waves();
+  const std::string whole = waves.by_name();
   const std::uint64_t from = f.cycle > kAheadOfHang ? f.cycle - kAheadOfHang : 0;
-  (void)failure.rerun(whole.string(), {.from = from, .to = f.cycle + kBehind});
+  (void)failure.rerun(whole, {.from = from, .to = f.cycle + kBehind});
   std::deque<wave::Transaction> last, open;
   std::uint64_t fail = 0;
   std::string text;
@@ -74,8 +73,6 @@ void bundle_hang(Bundle& bundle, const Failure& failure) {
              .shown = f.shown,
              .first = f.shown,
              .what = "the last transaction"});
-  std::error_code none;
-  fs::remove(whole, none);
 }
 
 }  // namespace cde

@@ -120,7 +120,8 @@ class Rerun {
 };
 
 void bundle_waves(Bundle& bundle, const PairFailure& f) {
-  const fs::path whole = bundle.file("whole.fst");
+  const NamelessFile waves = bundle.whole_waves();
+  const std::string whole = waves.by_name();
   const std::size_t lanes = f.config.lanes, row = f.at / lanes,
                     pairs = f.a.size() / primary_words(f.config.pair);
   const std::size_t first = row > kRowsAround ? row - kRowsAround : 0;
@@ -131,13 +132,11 @@ void bundle_waves(Bundle& bundle, const PairFailure& f) {
   if (!same && first > 0) {
     // Earlier rows matter: runs all of them again, with waves of the end only.
     const Again all{0, std::min(pairs, (row + 1) * lanes)};
-    std::error_code none;
     Again last = all;
     last.window = {.from = 0, .to = 0};
     (void)rerun.run(last, whole);
     last.window.from = rerun.cycles > rerun.latency + 40 ? rerun.cycles - rerun.latency - 40 : 0;
     last.window.to = rerun.cycles + 40;
-    fs::remove(whole, none);
     same = rerun.run(last, whole);
     answer.reset();
   }
@@ -147,8 +146,6 @@ void bundle_waves(Bundle& bundle, const PairFailure& f) {
   window.shown = shown_signals(f);
   window.first = {"pair_unit.clk_i", "pair_unit.valid_o", differing_signal(f)};
   cut_waves(bundle, whole, window);
-  std::error_code none;
-  fs::remove(whole, none);
   if (!same)
     bundle.add(
         "Not repeated",

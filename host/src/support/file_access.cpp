@@ -60,6 +60,14 @@ mode_t mode_of_new_file(int folder) {
   return 0666 & (acl.empty() ? ~umask_now() : mode_by_acl(acl));
 }
 
+void set_access_of_new_folder(int folder) {
+  const std::string name = fmt::format("/proc/self/fd/{}", folder);
+  struct stat info {};
+  for (const char* kind : {kAclOfNewFiles, kAclOfFile}) (void)::removexattr(name.c_str(), kind);
+  if (::fstat(folder, &info) == 0)
+    (void)::chmod(name.c_str(), (info.st_mode & S_ISGID) | (0777 & ~umask_now()));
+}
+
 std::string access_acl(int file) {
   return acl_of(file, kAclOfFile);
 }

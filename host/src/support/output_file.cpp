@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/support/output_file.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
@@ -26,7 +24,6 @@
 #include <vector>
 
 #include "cde/support/message.hpp"
-#include "cde/support/scratch.hpp"
 #include "support/file_access.hpp"
 #include "support/output_target.hpp"
 #include "support/unfinished.hpp"
@@ -40,33 +37,7 @@ constexpr std::string_view kMark = ".cde-";  // NAME.cde-PID-RANDOM
 constexpr std::size_t kRandom = 6;
 constexpr std::string_view kRandomDigits = "abcdefghijklmnopqrstuvwxyz0123456789";
 
-/// A file or folder that remove_unfinished() removes. Slots are never freed, so a signal handler
-/// can walk them at any time.
-struct Slot {
-  std::atomic<const NameInFolder*> entry;
-  Slot* next;
-};
-using Slots = std::atomic<Slot*>;
-Slots files{nullptr}, folders{nullptr}, scratches{nullptr};
-
 std::atomic<bool> stdout_held = false;
-
-void remember(Slots& slots, const NameInFolder& entry) {
-  for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
-    const NameInFolder* none = nullptr;
-    if (slot->entry.compare_exchange_strong(none, &entry)) return;
-  }
-  Slot* const slot = new Slot{&entry, slots.load()};
-  while (!slots.compare_exchange_weak(slot->next, slot)) {
-  }
-}
-
-void forget(Slots& slots, const NameInFolder& entry) {
-  for (Slot* slot = slots.load(); slot != nullptr; slot = slot->next) {
-    const NameInFolder* expected = &entry;
-    if (slot->entry.compare_exchange_strong(expected, nullptr)) return;
-  }
-}
 
 /// NAME in NAME.cde-PID-RANDOM, shortened to leave room for the suffix.
 std::string_view stem(std::string_view name) {
@@ -161,13 +132,6 @@ bool same_file(const OutputTarget& a, const OutputTarget& b) {
 
 }  // namespace
 
-void remember_unfinished(const NameInFolder& entry) {
-  remember(files, entry);
-}
-void forget_unfinished(const NameInFolder& entry) {
-  forget(files, entry);
-}
-
 StdoutError::StdoutError(int number)
     : Error(ErrorCode::kFile, fmt::format("stdout: cannot write: {}", std::strerror(number))),
       number_(number) {}
@@ -212,7 +176,7 @@ void OutputFile::make_temporary() {
   sweep_all(folder_, name);
   for (int attempts = 0; attempts < 100; ++attempts) {
     temporary_ = {folder_, fmt::format("{}{}{}-{}", name, kMark, ::getpid(), random_word())};
-    remember(files, temporary_);  // first, so that a signal in between still finds the file
+    remember_unfinished(temporary_);  // first, so that a signal in between still finds the file
     const char* const last = temporary_.name.c_str();
     // Users who could open the file could read it before it has its mode, or hold its lock.
     const int fd = ::openat(folder_, last, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
@@ -222,7 +186,7 @@ void OutputFile::make_temporary() {
       ::unlinkat(folder_, last, 0);
     }
     const int number = fd >= 0 ? EEXIST : errno;
-    forget(files, temporary_);
+    forget_unfinished(temporary_);
     temporary_ = {};
     if (number == EEXIST) continue;
     errno = number;
@@ -254,7 +218,7 @@ OutputFile::~OutputFile() {
   if (spool_ >= 0) ::close(spool_);
   if (!temporary_.name.empty()) {
     ::unlinkat(folder_, temporary_.name.c_str(), 0);
-    forget(files, temporary_);
+    forget_unfinished(temporary_);
   }
   if (folder_ >= 0) ::close(folder_);
 }
@@ -357,133 +321,13 @@ void OutputFile::move_into_place(int fd) {
                             printable_name(path_.string()),
                             printable_name((path_.parent_path() / name).string())));
   if (::renameat(folder_, name, folder_, target.c_str()) != 0) fail("write");
-  forget(files, temporary_);
+  forget_unfinished(temporary_);
   temporary_ = {};
   if (kept_found(path_)) keep_found(path_, ours);  // the command may write it again
 }
 
 void OutputFile::buffer_stdout() {
   stdout_held = true;
-}
-
-namespace {
-
-/// Removes a folder with its contents, by system calls that a signal handler may use.
-void remove_tree(int parent, const char* name) noexcept {
-  const int folder = ::openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (folder >= 0) {
-    alignas(dirent64) std::array<char, 4096> entries;
-    long bytes = 0;
-    while ((bytes = ::syscall(SYS_getdents64, folder, entries.data(), entries.size())) > 0) {
-      for (long at = 0; at < bytes;) {
-        const auto* const entry = reinterpret_cast<const dirent64*>(entries.data() + at);
-        at += entry->d_reclen;
-        const std::string_view file = entry->d_name;
-        if (file == "." || file == "..") continue;
-        if (::unlinkat(folder, entry->d_name, 0) != 0 && errno == EISDIR)
-          remove_tree(folder, entry->d_name);
-      }
-    }
-    ::close(folder);
-  }
-  ::unlinkat(parent, name, AT_REMOVEDIR);
-}
-
-}  // namespace
-
-Scratch::Scratch(const std::string& name)
-    : folder_{AT_FDCWD, fs::absolute(fs::temp_directory_path() / (name + "-XXXXXX")).string()} {
-  if (::mkdtemp(folder_.name.data()) == nullptr) fail_output(folder_.name, "create", errno);
-  remember(scratches, folder_);
-}
-
-Scratch::~Scratch() {
-  forget(scratches, folder_);
-  std::error_code ignored;
-  fs::remove_all(folder_.name, ignored);
-}
-
-void OutputFile::remove_unfinished() noexcept {
-  for (const Slot* slot = scratches.load(); slot != nullptr; slot = slot->next)
-    if (const NameInFolder* entry = slot->entry.load())
-      remove_tree(entry->folder, entry->name.c_str());
-  for (const Slot* slot = files.load(); slot != nullptr; slot = slot->next)
-    if (const NameInFolder* entry = slot->entry.load())
-      ::unlinkat(entry->folder, entry->name.c_str(), 0);
-  // Folders may be in any order, so repeat as many times as there are folders.
-  for (const Slot* pass = folders.load(); pass != nullptr; pass = pass->next)
-    for (const Slot* slot = folders.load(); slot != nullptr; slot = slot->next)
-      if (const NameInFolder* entry = slot->entry.load())
-        ::unlinkat(entry->folder, entry->name.c_str(), AT_REMOVEDIR);
-}
-
-OutputFolder::OutputFolder(const fs::path& path) : path_(path) {
-  constexpr int kFolder = O_PATH | O_DIRECTORY | O_CLOEXEC;
-  const auto fail = [&](int number) {
-    remove_created();
-    fail_output(path, "create", number);
-  };
-  std::error_code none;
-  std::vector<std::string> missing;  // the outermost is last
-  fs::path there = fs::absolute(path);
-  for (auto what = fs::status(there, none); !fs::exists(what); what = fs::status(there, none)) {
-    if (what.type() == fs::file_type::none) fail(none.value());
-    if (fs::is_symlink(fs::symlink_status(there, none))) {
-      there = behind_link(path, there);
-      continue;
-    }
-    const fs::path name = there.filename();
-    if (name == "..") fail(ENOENT);  // ".." below a missing folder
-    if (!name.empty() && name != ".") missing.push_back(name);
-    there = there.parent_path();
-  }
-  Descriptor folder(::open(there.c_str(), kFolder));
-  if (folder.get() < 0) fail(errno);
-  made_.reserve(missing.size());  // entries stay in place, since handlers read them
-  for (auto name = missing.rbegin(); name != missing.rend(); ++name) {
-    const bool made = ::mkdirat(folder.get(), name->c_str(), 0777) == 0;
-    if (!made && errno != EEXIST) fail(errno);
-    Descriptor inner(::openat(folder.get(), name->c_str(), kFolder | O_NOFOLLOW));
-    if (made) {
-      made_.push_back({folder.release(), *name});
-      remember(folders, made_.back());
-    }
-    if (inner.get() < 0) fail(errno);
-    folder = std::move(inner);
-  }
-  if (missing.empty()) check_folder_link(path, folder.get());
-  keep_folder(path, Descriptor(::fcntl(folder.get(), F_DUPFD_CLOEXEC, 0)));
-  folder_ = folder.release();
-}
-
-void OutputFolder::check() const {
-  struct stat ours {
-  }, named{};
-  if (::fstat(folder_, &ours) == 0 && ::stat(path_.c_str(), &named) == 0 &&
-      ours.st_dev == named.st_dev && ours.st_ino == named.st_ino)
-    return;
-  throw Error(ErrorCode::kFile, fmt::format("{}: the folder was moved or replaced in the meantime",
-                                            printable_name(path_.string())));
-}
-
-OutputFolder::~OutputFolder() {
-  remove_created();
-  if (folder_ >= 0) ::close(folder_);
-}
-
-/// Removes the created folders that are empty.
-void OutputFolder::remove_created() {
-  for (auto one = made_.rbegin(); one != made_.rend(); ++one)
-    ::unlinkat(one->folder, one->name.c_str(), AT_REMOVEDIR);
-  keep();
-}
-
-void OutputFolder::keep() {
-  for (const NameInFolder& one : made_) {
-    forget(folders, one);
-    ::close(one.folder);
-  }
-  made_.clear();
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {

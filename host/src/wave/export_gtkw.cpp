@@ -169,7 +169,9 @@ void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& op
   text += fmt::format("[dumpfile] \"{}\"\n",
                       whole_path(options.waves.empty() ? trace.file() : options.waves));
   // If both files have moved, GTKWave finds the waves by the save file's old path.
-  if (path != "-") text += fmt::format("[savefile] \"{}\"\n", whole_path(path));
+  if (path != "-")
+    text += fmt::format("[savefile] \"{}\"\n",
+                        whole_path(options.named.empty() ? path : options.named));
   const auto units = [&](std::uint64_t time) { return in_units_of_gtkwave(trace, time); };
   const std::uint64_t from = units(options.from.value_or(trace.start())),
                       to = units(options.to.value_or(trace.end()));

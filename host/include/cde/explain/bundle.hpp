@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -16,6 +17,7 @@
 #include "cde/explain/explanation.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/output_file.hpp"
+#include "cde/support/scratch.hpp"
 #include "cde/wave/origin.hpp"
 
 /// @file
@@ -26,13 +28,21 @@ namespace cde {
 class Bundle {
  public:
   /// Creates the folder, or the first of FOLDER-2, FOLDER-3, ... that does not exist. Error kFile.
-  /// Error kUsage if the path cannot name a new folder, as "." cannot.
+  /// Error kUsage if the path cannot name a new folder, as "." cannot. Without finish(), the
+  /// destructor or a signal removes the folder.
   explicit Bundle(const std::string& folder);
+  ~Bundle();
+  Bundle(const Bundle&) = delete;
+  Bundle& operator=(const Bundle&) = delete;
 
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   /// Path of a file in the created folder, even if the folder's name leads elsewhere by now. Other
   /// processes of this user can also open it while this object lives.
   [[nodiscard]] std::filesystem::path file(std::string_view name) const;
+  /// The same for a file that is to be written.
+  [[nodiscard]] std::filesystem::path new_file(const std::string& name);
+  /// A file for the waves of a repeated failure.
+  [[nodiscard]] NamelessFile whole_waves() const { return {made_->descriptor(), folder_}; }
   /// Contents of fail.json.
   [[nodiscard]] nlohmann::ordered_json& json() { return json_; }
   /// Adds a section to fail.txt.
@@ -45,7 +55,8 @@ class Bundle {
 
  private:
   std::optional<OutputFolder> made_;
-  std::filesystem::path folder_;  ///< as named
+  std::list<NameInFolder> written_;  ///< removed again without finish()
+  std::filesystem::path folder_;     ///< as named
   nlohmann::ordered_json json_;
   std::vector<std::string> sections_;  ///< of fail.txt
 };
@@ -58,7 +69,7 @@ struct Packed {
 };
 [[nodiscard]] Packed pack(const std::string& folder, const Failure& failure);
 
-/// Cuts the waves `whole`, which is then removed, to waves.fst and waves.gtkw in the bundle. They
+/// Cuts the waves `whole` to waves.fst and waves.gtkw in the bundle. They
 /// cover `before` cycles ahead of `fail` and `behind` cycles after it. `shown` are the signals that
 /// GTKWave shows first, as `cde wave show` takes them; missing ones are left out.
 /// `json["wave_window"]` describes the window.

@@ -99,16 +99,17 @@ class OutputFile {
 /// stays, and that folder is created if its own folder exists. Folders that it created are removed
 /// again if they are empty and keep() was not called. The destructor or
 /// OutputFile::remove_unfinished() removes them. They are removed by descriptor, even if a parent
-/// was renamed.
+/// was renamed. A created folder has the mode that the umask allows, and no ACL of its parent.
 class OutputFolder {
  public:
-  /// Error kFile if the folder cannot be created, or is a symbolic link of another user to a folder
-  /// that is not that user's.
+  /// Error kFile if the folder cannot be created, if another user replaces it at once, or if it is
+  /// a symbolic link of another user to a folder that is not that user's.
   explicit OutputFolder(const std::filesystem::path& path);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
-  [[nodiscard]] bool made() const { return !made_.empty(); }
+  /// Whether it was created, and not another process has put files into it.
+  [[nodiscard]] bool made() const { return made_; }
   void keep();
   /// Error kFile if the path leads elsewhere by now.
   void check() const;
@@ -116,9 +117,11 @@ class OutputFolder {
   [[nodiscard]] int descriptor() const { return folder_; }
 
  private:
+  int make(int around, const std::string& name);
   void remove_created();
   std::filesystem::path path_;
-  std::vector<NameInFolder> made_;  ///< innermost last
+  std::vector<NameInFolder> created_;  ///< with its parents, innermost last
+  bool made_ = false;
   int folder_ = -1;
 };
 

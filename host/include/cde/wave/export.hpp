@@ -34,6 +34,7 @@ void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, st
 struct GtkwOptions {
   std::optional<std::uint64_t> fail = std::nullopt;  ///< position of the marker
   std::filesystem::path waves = {};  ///< wave file to open; empty: the file of the trace
+  std::filesystem::path named = {};  ///< name of this file in its text; empty: `file`
   /// Initially visible window.
   std::optional<std::uint64_t> from = std::nullopt, to = std::nullopt;
 };
