@@ -106,6 +106,11 @@ TEST_F(Advise, InvalidDemands_AreRefused) {
     EXPECT_TRUE(has(ran.err, text));
     EXPECT_EQ(ran.out, "");
   };
+  const std::string digits(120'000, '1');
+  refused({"--time", digits + "ns"}, "it must be 1 ps to 1e9 s");
+  refused({"--time", digits}, "it must be a number and ns, us, ms or s");
+  for (const char* time : {"1e1234s", "e3s", ".5s", "1es", "1 s", "1ss"})
+    refused({"--time", time}, "it must be a number and ns, us, ms or s");
   refused({"--time", "1"}, "--time is '1'; it must be a number and ns, us, ms or s");
   for (const char* time : {"0ms", "1e400s", "1e-320s", "1e308s"})
     refused({"--time", time}, fmt::format("--time is '{}'; it must be 1 ps to 1e9 s", time));

@@ -142,6 +142,30 @@ TEST_F(HostileWaves, VeryWideDecimals_AreShownInHexadecimal) {
   EXPECT_TRUE(has(shown(1'000'000), "ffffffff"));
 }
 
+/// A comment names the simulation model of the waves.
+TEST_F(HostileWaves, LongWordsOfAModel_AreRead) {
+  const auto refused = [&](const std::string& model, const std::string& why) {
+    write("m.vcd", "$comment model " + model +
+                       " configuration=0123456789abcdef $end\n$var wire 1 ! x $end\n"
+                       "$enddefinitions $end\n#0\n0!\n#9\n1!\n");
+    EXPECT_EQ(cde({"wave", "serve", "m.vcd", "-o", "m.html"}).status, 0);
+    const Ran ran = cde({"wave", "why", "m.vcd", "x@9"});
+    EXPECT_EQ(ran.status, 2);
+    EXPECT_TRUE(has(ran.err, why)) << ran.err;
+  };
+  const std::string none = "m.vcd does not name its design";
+  for (const std::size_t length : {100'000, 1'000'000}) {
+    refused(std::string(length, 'a') + " LANES=4", none);
+    refused("board LANES=" + std::string(length, '4'), none);
+    refused("board " + std::string(length, 'L'), none);
+  }
+  const std::string lanes = "LANES=" + std::string(2000, '4');
+  refused("board " + lanes, "m.vcd comes from simulation model board LANES=444");
+  refused("board LANES=4", "m.vcd comes from simulation model board LANES=4 with other RTL");
+  for (const char* model : {"board LANES=", "board =4", "Board LANES=4", "board lanes=4"})
+    refused(model, none);
+}
+
 TEST_F(HostileWaves, NamesOfManyInstances_TakeLittleMemory) {
   const std::string name(3000, 'n');
   std::string modules;

@@ -4,11 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <regex>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "accuracy/advice.hpp"
 #include "accuracy/names.hpp"
@@ -33,16 +35,30 @@ struct AdviseOptions {
   bool has_error = false, has_wrong = false, no_leaks = false, sure = false, json = false;
 };
 
+/// Length of "1", "1.5", "2e-3" at the front of a text, with at most 3 digits of an exponent; 0 if
+/// it begins otherwise.
+std::size_t number_length(std::string_view text) {
+  const auto behind_digits = [&](std::size_t at) {
+    return std::min(text.find_first_not_of("0123456789", at), text.size());
+  };
+  std::size_t end = behind_digits(0);
+  if (end == 0) return 0;
+  if (text.substr(end).starts_with('.')) end = behind_digits(end + 1);
+  if (!text.substr(end).starts_with('e')) return end;
+  const std::size_t digits = end + (text.substr(end).starts_with("e-") ? 2 : 1);
+  const std::size_t count = behind_digits(digits) - digits;
+  return count >= 1 && count <= 3 ? digits + count : end;
+}
+
 double parse_time(const std::string& text) {
-  static const std::regex form("([0-9]+(?:\\.[0-9]*)?(?:e-?[0-9]{1,3})?)(ns|us|µs|ms|s)");
   constexpr double kLeast = 1e-12, kMost = 1e9;  // s
-  std::smatch parts;
-  if (!std::regex_match(text, parts, form))
+  const std::string number = text.substr(0, number_length(text));
+  const std::string unit = text.substr(number.size());
+  const std::vector<std::string> units = {"ns", "us", "µs", "ms", "s"};
+  if (number.empty() || std::find(units.begin(), units.end(), unit) == units.end())
     throw Error(ErrorCode::kUsage,
                 fmt::format("--time is {}; it must be a number and ns, us, ms or s, e.g. 1ms",
                             in_quotes(text)));
-  const std::string unit = parts[2];
-  const std::string number = parts[1];
   // A number beyond the range of double becomes 0 or infinity.
   const double seconds = std::strtod(number.c_str(), nullptr) * (unit == "ns"   ? 1e-9
                                                                  : unit == "ms" ? 1e-3

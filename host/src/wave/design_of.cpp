@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <charconv>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -40,21 +39,52 @@ struct Origin {
   }
 };
 
+constexpr std::string_view kLower = "abcdefghijklmnopqrstuvwxyz",
+                           kUpper = "ABCDEFGHIJKLMNOPQRSTUVWXYZ", kDigits = "0123456789";
+
+/// Whether the word is not empty and has only characters of these sets.
+bool consists_of(std::string_view word, std::initializer_list<std::string_view> sets) {
+  return !word.empty() && std::all_of(word.begin(), word.end(), [&](char c) {
+    return std::any_of(sets.begin(), sets.end(),
+                       [&](std::string_view set) { return set.find(c) != std::string_view::npos; });
+  });
+}
+
+/// "board", "pair_unit"
+bool is_kind(std::string_view word) {
+  return consists_of(word.substr(0, 1), {kLower}) && consists_of(word, {kLower, kDigits, "_"});
+}
+
+/// "LANES=4"
+bool is_parameter(std::string_view word) {
+  const std::size_t equals = std::min(word.find('='), word.size());
+  return consists_of(word.substr(0, 1), {kUpper}) &&
+         consists_of(word.substr(0, equals), {kUpper, kDigits, "_"}) &&
+         consists_of(word.substr(std::min(equals + 1, word.size())),
+                     {kUpper, kLower, kDigits, "_"});
+}
+
+/// The digits of "configuration=0123456789abcdef"; empty for another word.
+std::string_view configuration_of(std::string_view word) {
+  constexpr std::string_view kKey = "configuration=";
+  const std::string_view hash = word.starts_with(kKey) ? word.substr(kKey.size()) : "";
+  return hash.size() == 16 && consists_of(hash, {kDigits, "abcdef"}) ? hash : "";
+}
+
 std::optional<Origin> origin_of(Trace& trace) {
-  static const std::regex kKind("[a-z][a-z0-9_]*"), kParameter("[A-Z][A-Z0-9_]*=[A-Za-z0-9_]+"),
-      kHash("configuration=[0-9a-f]{16}");
+  constexpr std::size_t kLongest = 4096;  // the words go to the builder's command line
   for (const std::string& comment : trace.comments()) {
+    if (comment.size() > kLongest) continue;
     std::istringstream words(comment);
     std::string word;
     Origin origin;
-    if (!(words >> word) || word != "model" || !(words >> origin.kind) ||
-        !std::regex_match(origin.kind, kKind))
+    if (!(words >> word) || word != "model" || !(words >> origin.kind) || !is_kind(origin.kind))
       continue;
     bool good = true;
     while (words >> word) {
-      if (std::regex_match(word, kHash))
-        origin.hash = word.substr(word.find('=') + 1);
-      else if (std::regex_match(word, kParameter))
+      if (const std::string_view hash = configuration_of(word); !hash.empty())
+        origin.hash = hash;
+      else if (is_parameter(word))
         origin.parameters.push_back(word);
       else
         good = false;
