@@ -48,13 +48,16 @@ class JournalEntries : public Cli {
   }
   static std::string journal_of(const Parts& parts) {
     std::string journal = parts.first;
+    const std::string fields = parts.first.substr(0, parts.first.rfind(",\"fingerprint\":")),
+                      run = fingerprint(fields);
     for (Entry entry : parts.entries) {
       const bool chunk = entry.line.contains("bytes");
       if (chunk) {
         entry.line["bytes"] = entry.bytes.size();
-        entry.line["fingerprint"] = fingerprint(fmt::format(
-            "{} {} {} {}", entry.line["part"].get<unsigned>(), entry.line["chunk"].get<unsigned>(),
-            entry.line["input"].get<std::string>(), fingerprint(entry.bytes)));
+        entry.line["fingerprint"] = fingerprint(
+            fmt::format("{} {} {} {} {}", run, entry.line["part"].get<unsigned>(),
+                        entry.line["chunk"].get<unsigned>(), entry.line["input"].get<std::string>(),
+                        fingerprint(entry.bytes)));
       }
       journal += entry.line.dump() + "\n";
       if (chunk) journal += entry.bytes + "\n";
@@ -184,6 +187,52 @@ TEST_F(JournalEntries, ExchangedOrMissingChunks_AreNotMerged) {
   EXPECT_EQ(cde({"merge", "whole"}).status, 0);
 }
 
+/// Two meshes of the same size, cast with the same rays.
+TEST_F(JournalEntries, ChunksOfAnotherRun_AreRefused) {
+  const auto words = [](const std::string& mesh) {
+    return Words{"cast", mesh, "--grid", "8x8", "-q", "-o", "x.csv"};
+  };
+  make_whole(words("terrain:3,3,1"));
+  const std::string first = parts_of(read("whole")).first;
+  std::filesystem::remove(folder_ / "whole");
+  make_whole(words("terrain:3,3,2"));
+  write("mixed", first + read("whole").substr(parts_of(read("whole")).first.size()));
+  Words resume = words("terrain:3,3,1");
+  resume.insert(resume.end(), {"--resume", "mixed"});
+  for (const Words& all : {resume, Words{"merge", "mixed"}})
+    refused(all, "the chunk is damaged, or belongs to another run");
+}
+
+/// A pipe gives its bytes once, and a file can change after it was read.
+TEST_F(JournalEntries, AnotherSceneFromAPipe_IsRefused) {
+  const auto scene = [this](const std::string& seed) {
+    return fmt::format(
+               "[card]\nlanes = 4\n[[object]]\nname = \"terrain\"\nmesh = \"{}\"\n[[object]]\n"
+               "name = \"rays\"\nrandom_rays = {{ count = 3, seed = {} }}\n"
+               "motion = {{ kind = \"still\", position = [0, 0, 3] }}\n",
+               (folder_ / "m.obj").string(), seed) +
+           hit_query("terrain");
+  };
+  write("m.obj", kOneTriangle);
+  write("a.toml", scene("7"));
+  write("b.toml", scene("8"));
+  const std::string run = "timeout 60 \"$CDE\" run /dev/stdin -q --resume j -o ";
+  const Ran first = shell("cat a.toml | " + run + "a");
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_EQ(shell("cat a.toml | " + run + "again").status, 0);
+  const Ran other = shell("cat b.toml | " + run + "b");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_TRUE(has(other.err, "--resume: j belongs to a run with scene ")) << other.err;
+  const Ran fifo = shell(
+      "mkfifo f.toml && (cat b.toml > f.toml &) && timeout 60 \"$CDE\" run f.toml -q --resume f -o "
+      "d");
+  EXPECT_EQ(fifo.status, 0) << fifo.err;
+  write("m.obj", "v 0 0 2\nv 1 0 1\nv 0 1 1\nf 1 2 3\n");
+  const Ran mesh = shell("cat a.toml | " + run + "c");
+  EXPECT_EQ(mesh.status, 2);
+  EXPECT_TRUE(has(mesh.err, "--resume: j belongs to a run with scene ")) << mesh.err;
+}
+
 TEST_F(JournalEntries, DamagedOrOldFirstLine_IsNamed) {
   write("m.obj", kOneTriangle);
   const Words words = {"cast", "m.obj", "--grid", "8x8", "-q", "-o", "x.csv"};
@@ -203,10 +252,10 @@ TEST_F(JournalEntries, DamagedOrOldFirstLine_IsNamed) {
   bad[bad.find("\"fingerprint\":\"") + 15] ^= 1;
   refuse(bad, "bad, byte 0: the line is damaged");
   bad = whole;
-  bad.replace(bad.find("cde.journal.2"), 13, "cde.journal.1");
+  bad.replace(bad.find("cde.journal.3"), 13, "cde.journal.2");
   refuse(bad,
-         "bad is a journal of another version of cde, \"cde.journal.1\"; this version reads "
-         "cde.journal.2; remove the file and run its command again");
+         "bad is a journal of another version of cde, \"cde.journal.2\"; this version reads "
+         "cde.journal.3; remove the file and run its command again");
 }
 
 }  // namespace

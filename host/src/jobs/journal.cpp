@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "cde.journal.2";
+constexpr const char* kSchema = "cde.journal.3";
 constexpr std::uint64_t kMostOfAnything = std::uint64_t{1} << 40;  ///< largest number in a journal
 constexpr std::size_t kLongestLine = 1 << 20;  ///< bytes of JSON; mostly the words of the command
 
@@ -47,10 +47,11 @@ std::string end_of_first(std::string_view fields) {
   return fmt::format(",\"fingerprint\":\"{}\"}}", fingerprint(fields));
 }
 
-/// The fingerprint of a chunk: its number, its input and its bytes.
-std::string print_of(ChunkNumber number, std::string_view input, std::string_view bytes) {
+/// The fingerprint of a chunk: its run, its number, its input and its bytes.
+std::string print_of(std::string_view run, ChunkNumber number, std::string_view input,
+                     std::string_view bytes) {
   return fingerprint(
-      fmt::format("{} {} {} {}", number.part, number.chunk, input, fingerprint(bytes)));
+      fmt::format("{} {} {} {} {}", run, number.part, number.chunk, input, fingerprint(bytes)));
 }
 
 }  // namespace
@@ -80,6 +81,7 @@ Journal::Journal(std::string what, std::string path, Use use, const Json& run, c
     run_.update(beside);
     std::string fields = json_text(run_, -1);
     fields.pop_back();  // the brace
+    run_print_ = fingerprint(fields);
     append(fields + end_of_first(fields) + "\n");
   } catch (...) {
     ::close(file_);
@@ -213,6 +215,7 @@ void Journal::read_first(const std::string& line, const Json& entry) {
   const std::string_view fields = std::string_view(line).substr(0, line.size() - size);
   if (line.size() < size || !line.ends_with(end_of_first(fields)))
     damaged(0, "the line is damaged: its fingerprint is another");
+  run_print_ = fingerprint(fields);
   run_ = entry;
   run_.erase("fingerprint");
 }
@@ -291,8 +294,8 @@ std::string Journal::read(ChunkNumber number, const Check& check) const {
   const ChunkPlace& place = chunks_.at(number);
   const auto bytes = bytes_at(file_, place.at, place.bytes);
   if (!bytes) fail("cannot read");
-  if (print_of(number, place.input, *bytes) != place.fingerprint)
-    damaged(place.at, "the chunk is damaged");
+  if (print_of(run_print_, number, place.input, *bytes) != place.fingerprint)
+    damaged(place.at, "the chunk is damaged, or belongs to another run");
   const auto refuse = [&](const char* why) {
     damaged(place.at, fmt::format("the chunk is no result of this run: {}", why));
   };
@@ -346,7 +349,7 @@ void Journal::warn_if_lost() {
 void Journal::add(ChunkNumber number, const std::string& input, std::string_view bytes) {
   ChunkPlace place{.at = 0,
                    .bytes = bytes.size(),
-                   .fingerprint = print_of(number, input, bytes),
+                   .fingerprint = print_of(run_print_, number, input, bytes),
                    .input = input};
   std::string text = json_text(Json{{"part", number.part},
                                     {"chunk", number.chunk},

@@ -59,16 +59,14 @@ void run(const std::vector<std::string>& files, const CommandRun& again) {
       throw Error(ErrorCode::kUsage,
                   fmt::format("cde merge: {} is not finished; its command has not begun",
                               printable_name(file)));
+    check_words(*journal);
     for (const auto& [number, place] : journal->chunks()) (void)journal->read(number);
     journals.push_back(std::move(journal));
   }
   Json of_all;
   for (const auto& [key, value] : journals.front()->run().items())
     if (key != "shard" && key != "words") of_all[key] = value;
-  for (const auto& journal : journals) {
-    check_words(*journal);
-    journal->check_run(of_all);
-  }
+  for (const auto& journal : journals) journal->check_run(of_all);
   const Words words = words_of_whole(*journals.front());
   if (const VerbEntry* entry = verb_elsewhere(words[0])) {
     Words merge = {"merge"};

@@ -31,9 +31,10 @@ struct ChunkPlace {
 
 /// Finished chunks of a run, in an append-only file. Its first line is JSON that identifies the
 /// run, and ends with the fingerprint of what is before. Each chunk is a line followed by its
-/// bytes; its fingerprint covers both. Only this user can open a new file. An incomplete last entry
-/// of a killed process is dropped with a warning; everything before it stays. The file is locked
-/// while the object lives. A warning says if the file was removed or replaced meanwhile.
+/// bytes; its fingerprint covers the run and both. Only this user can open a new file. An
+/// incomplete last entry of a killed process is dropped with a warning; everything before it stays.
+/// The file is locked while the object lives. A warning says if the file was removed or replaced
+/// meanwhile.
 class Journal {
  public:
   enum class Use {
@@ -101,6 +102,7 @@ class Journal {
   std::uint64_t bytes_ = 0;  ///< size of the file
   bool lost_ = false;        ///< warn_if_lost() has warned
   nlohmann::ordered_json run_;
+  std::string run_print_;  ///< fingerprint of the first line
   std::map<ChunkNumber, ChunkPlace> chunks_;
   std::map<unsigned, PartEnd> ends_;
 };
