@@ -12,6 +12,7 @@
 #include "cde/support/message.hpp"
 #include "scene/parts.hpp"
 #include "support/file_io.hpp"
+#include "support/sha256.hpp"
 #include "support/text.hpp"
 
 namespace cde {
@@ -19,6 +20,8 @@ namespace {
 
 using toml_reader::Table;
 using toml_reader::Tables;
+
+constexpr std::uint64_t kMostBytes = 64u << 20;  ///< of a scene file
 
 const std::vector<std::string> kModes = {"nearest", "farthest", "any", "all", "hits"};
 
@@ -325,6 +328,7 @@ Scene parse_scene(std::string_view text, const std::string& name) {
   Table t(name, *document, "");
   Scene scene;
   scene.file = name;
+  scene.digest = sha256(text);
   scene.title = t.text("title", "");
   scene.frames = t.integer<std::uint32_t>("frames", 1, 1, 1'000'000);
   scene.rate = t.number("rate", 30.0, {.min = 1e-6, .max = 1e6});
@@ -358,8 +362,11 @@ Scene parse_scene(std::string_view text, const std::string& name) {
 }
 
 Scene load_scene(const std::filesystem::path& path) {
-  constexpr std::uint64_t kMostBytes = 64u << 20;
   return parse_scene(file_io::read(path, nullptr, kMostBytes), path.string());
+}
+
+Scene load_named_scene(const std::filesystem::path& path) {
+  return parse_scene(file_io::read_regular(path, kMostBytes), path.string());
 }
 
 }  // namespace cde

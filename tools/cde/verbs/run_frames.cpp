@@ -5,14 +5,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <optional>
+#include <type_traits>
+#include <variant>
+#include <vector>
 
 #include "cde/card/json_keys.hpp"
 #include "cde/model/model.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
-#include "cde/support/input_file.hpp"
 #include "output/output.hpp"
 #include "output/streams.hpp"
 
@@ -112,12 +115,25 @@ FrameResult frame_in(const std::string& result) {
   return all;
 }
 
-/// A digest of a scene and of the files that it names.
+/// A digest of the scene and of the shapes that were read from its files. No file is read again: a
+/// pipe is at its end by now, and another file may have changed.
 std::string contents(const Scene& scene) {
-  std::string all = fingerprint(read_file(scene.file));
+  std::string all = scene.digest;
+  const auto add = [&all](const auto& list) {
+    all += fingerprint({reinterpret_cast<const char*>(list.data()), list.size() * sizeof list[0]});
+  };
   for (const SceneObject& object : scene.objects) {
-    if (!object.file.empty()) all += fingerprint(read_named_file(object.file.string()));
-    for (const auto& file : object.more_files) all += fingerprint(read_named_file(file.string()));
+    if (object.file.empty()) continue;
+    std::visit(
+        [&](const auto& list) {
+          std::vector<std::array<float, std::decay_t<decltype(list)>::value_type::kWords>> words;
+          for (const auto& shape : list) words.push_back(to_words(shape));
+          add(words);
+        },
+        object.shapes);
+    if (!object.mesh) continue;
+    add(object.mesh->vertices);
+    add(object.mesh->faces);
   }
   return fingerprint(all);
 }

@@ -139,7 +139,8 @@ struct SceneCard {
 };
 
 struct Scene {
-  std::string file;  ///< as named by the user
+  std::string file;    ///< as named by the user
+  std::string digest;  ///< SHA-256 of the file's bytes
   std::string title;
   std::uint32_t frames = 1;
   double rate = 30;  ///< frames per second: frame f is at time f / rate
@@ -160,6 +161,10 @@ struct Scene {
 /// their contract, values out of range, missing or circular references. Error kUsage: what no card
 /// can do, such as rotating an AABB.
 [[nodiscard]] Scene load_scene(const std::filesystem::path& path);
+
+/// The same for a scene that another file names. Error kFile if it is no regular file: a FIFO could
+/// let this process wait for ever.
+[[nodiscard]] Scene load_named_scene(const std::filesystem::path& path);
 
 /// The same from a text. `name` names the file in messages and gives the folder.
 [[nodiscard]] Scene parse_scene(std::string_view text, const std::string& name);
