@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // cde explain --from-record and --from-test: how a record was computed, and the line of a failing
 // test.
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -226,6 +228,14 @@ TEST_F(ExplainRecord, InvalidRecordName_IsRefused) {
   no("nearest.toml:q:0:3", "masked");
   no("nothing.toml:q:0:0", "nothing.toml");
   no(".:q:0:0", "run.json");
+  // A stranger's run.json names a FIFO, for whose writer the command would wait.
+  std::filesystem::create_directory(folder_ / "theirs");
+  write("theirs/run.json",
+        R"({"scene":")" + (folder_ / "fifo").string() + R"(","frame_results":[],"frames":[0,0]})");
+  ASSERT_EQ(::mkfifo((folder_ / "fifo").c_str(), 0600), 0);
+  const Ran fifo = shell("timeout 60 \"$CDE\" explain --from-record theirs:q:0:0");
+  EXPECT_EQ(fifo.status, 2);
+  EXPECT_TRUE(has(fifo.err, "fifo: is not a regular file\n")) << fifo.err;
   refused({"explain", "sphere-sphere", "--from-record", "nearest.toml:q:0:0"}, "--from-record");
   refused({"explain", "--from-record", "nearest.toml:q:0:0", "--arith", "host"}, "--arith");
   refused({"explain", "--from-record", "nearest.toml:q:0:0", "--from-test", "x"},

@@ -70,7 +70,8 @@ class Teller {
     named_ = scene_named(name);
     {
       const Progress busy("loading " + named_.scene, quiet);
-      s_.scene = load_scene(named_.scene);
+      // A pipe may only be on the command line.
+      s_.scene = named_.scene == name.run ? load_scene(name.run) : load_named_scene(named_.scene);
     }
     s_.scene.card.trace = true;
     find_record();
