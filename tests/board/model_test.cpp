@@ -384,7 +384,8 @@ TEST_F(SimulationModels, LastResortCacheAsLink_IsRefused) {
   }
 }
 
-/// A file under the name of another key, with a correct checksum, is rebuilt once.
+/// A file under the name of another key, with a correct checksum, is rebuilt once. An empty folder
+/// under the name of the lock is no obstacle.
 TEST_F(SimulationModels, FileOfAnotherKey_IsRebuiltOnce) {
   const auto parameters = [](const char* pair) {
     return std::vector<std::string>{std::string("PAIR=") + pair, "ARITH=host", "LANES=1"};
@@ -392,6 +393,8 @@ TEST_F(SimulationModels, FileOfAnotherKey_IsRebuiltOnce) {
   const fs::path other = model_path("pair_unit", parameters("4")),
                  file = model_file("pair_unit", parameters("13")).path;
   ASSERT_EQ(file.parent_path(), folder_ / "cache");
+  const fs::path lock = fs::path(file).replace_extension(".lock");
+  fs::create_directory(lock);
   fs::copy_file(other, file);
   std::ifstream sum(fs::path(other) += ".sha256");
   std::string text(std::istreambuf_iterator<char>(sum), {});
@@ -426,6 +429,9 @@ TEST_F(SimulationModels, FileOfAnotherKey_IsRebuiltOnce) {
   fs::remove(file);
   fs::create_directory(file);
   expect_error(ErrorCode::kBuild, file.string() + " is refused: it is a folder", hash);
+  fs::remove(lock);
+  fs::create_directories(lock / "more");
+  expect_error(ErrorCode::kFile, lock.string() + ": is a folder; expected a file", hash);
 }
 
 TEST_F(SimulationModels, Cache_IsAPrivateFolder) {

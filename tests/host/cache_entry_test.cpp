@@ -87,6 +87,16 @@ TEST_F(CacheEntry, DamagedOrForeignEntry_IsNotRead) {
   EXPECT_EQ(read_cache_entry("entry"), "text\n");
 }
 
+/// An entry that was copied to another entry's name, as by hand.
+TEST_F(CacheEntry, EntryOfAnotherName_IsNotRead) {
+  write_cache_entry("other", "text of the other\n");
+  std::string sum;
+  std::getline(std::ifstream(folder_ / "cache/other.sha256"), sum);
+  fs::copy_file(folder_ / "cache/other", file());
+  std::ofstream(file(".sha256")) << sum.substr(0, sum.find(' ')) << "  entry\n";
+  expect_refused("is damaged: its checksum differs");
+}
+
 TEST_F(CacheEntry, FifoOrFolderAsEntry_IsRefusedAtOnce) {
   for (const char* suffix : {"", ".sha256"}) {
     write_cache_entry("entry", "text\n");

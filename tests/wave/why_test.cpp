@@ -357,6 +357,28 @@ TEST_F(Why, VerilatorWithoutXml_IsAskedForJson) {
   EXPECT_TRUE(has(ran.err, "is not the structure of c.fst: no scope"));
 }
 
+/// An entry with a fitting checksum that holds no structure, and an entry of another design.
+TEST_F(Why, WrongCacheEntry_IsMadeAgainOnce) {
+  write("pairs", "0,0,0,1,1.5,0,0,1\n");
+  ASSERT_EQ(shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs").status, 0);
+  const std::string why =
+      "export CDE_CACHE=$PWD/cache; \"$CDE\" wave why c.fst pair_unit.pair_unit.t_o[0]@end\n";
+  const Ran right = shell(why);
+  ASSERT_EQ(right.status, 0) << right.err;
+  const std::string sum = "\nsum() { { echo $e; cat $e; } | sha256sum | cut -d' ' -f1; }\n";
+  for (const std::string damage :
+       {"printf 'cde structure 2\n\nnot xml' > $e; echo \"$(sum)  $e\" > $e.sha256",
+        "printf 'cde structure 2\n\n' > other; sed s/$e/other/ $e.sha256 > other.sha256; mv other "
+        "$e; "
+        "mv other.sha256 $e.sha256"}) {
+    const Ran ran = shell("cd cache; e=$(ls *.structure)" + sum + damage + "\ncd ..\n" + why);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    EXPECT_EQ(ran.out, right.out);
+    EXPECT_TRUE(has(ran.err, "reading the structure of"));
+    EXPECT_EQ(shell(why).err, "");
+  }
+}
+
 /// The parameters of the waves' comment may be a stranger's.
 TEST_F(Why, Elaboration_HasALimitOfMemory) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n");

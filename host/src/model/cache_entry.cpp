@@ -33,6 +33,11 @@ std::optional<std::string> text_of(const fs::path& file) {
   }
 }
 
+/// The checksum of an entry. It covers the name, so that no entry can stand for another one.
+std::string checksum(const std::string& name, std::string_view text) {
+  return sha256(fmt::format("{}\n{}", name, text));
+}
+
 /// Writes a file independent of the umask: cde does not read files that others may write.
 void write_private(const fs::path& file, std::string_view text) {
   OutputFile out(file);
@@ -71,7 +76,9 @@ std::optional<std::string> read_cache_entry(const std::string& name) {
     refuse(folder->named / name, text ? "has no checksum beside it" : "is no readable file");
     return std::nullopt;
   }
-  if (sum->substr(0, sum->find(' ')) != sha256(*text)) {
+  const std::string stated = sum->substr(0, sum->find(' '));
+  if (stated == sha256(*text)) return std::nullopt;  // of a version that did not cover the name
+  if (stated != checksum(name, *text)) {
     refuse(folder->named / name, "is damaged: its checksum differs");
     return std::nullopt;
   }
@@ -84,7 +91,8 @@ void write_cache_entry(const std::string& name, std::string_view text) {
     std::error_code none;
     fs::remove(file, none);  // a refused file keeps neither its owner nor its mode
     fs::remove(folders::checksum_file(file), none);
-    write_private(folders::checksum_file(file), fmt::format("{}  {}\n", sha256(text), name));
+    write_private(folders::checksum_file(file),
+                  fmt::format("{}  {}\n", checksum(name, text), name));
     write_private(file, text);
   } catch (const Error&) {
     // Nothing is cached, as before.

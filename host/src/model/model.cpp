@@ -171,9 +171,18 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
 /// Holds an exclusive lock on a file during its lifetime, and reports what it waits for.
 class FileLock {
  public:
-  FileLock(const Place& place, const std::string& what)
-      : fd_(::open(place.inside.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600)) {
+  FileLock(const Place& place, const std::string& what) : fd_(opened(place)) {
+    if (fd_ < 0 && (errno == EISDIR || errno == ELOOP)) {  // an empty folder or a link
+      std::error_code none;
+      fs::remove(place.inside, none);
+      fd_ = opened(place);
+    }
     if (fd_ < 0) {
+      if (errno == EISDIR)
+        throw Error(ErrorCode::kFile,
+                    fmt::format("{}: is a folder; expected a file, which is locked during a build; "
+                                "remove the folder",
+                                printable_name(place.named.string())));
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(place.named.string()),
                                                 std::strerror(errno)));
     }
@@ -191,6 +200,10 @@ class FileLock {
   FileLock& operator=(const FileLock&) = delete;
 
  private:
+  static int opened(const Place& place) {
+    return ::open(place.inside.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600);
+  }
+
   int fd_;
 };
 

@@ -154,7 +154,25 @@ struct Kept {
     kept.xml = text.substr(at + 1);
     return kept;
   }
+  /// Error kFile if the XML is none of Verilator.
+  [[nodiscard]] Design design(const std::string& what) const {
+    Design design(xml, what);
+    for (const auto& [file, source] : sources) design.set_source(file, source);
+    return design;
+  }
 };
+
+/// The design in a cache entry; nothing if the entry holds none, so that it is made again.
+std::optional<Design> cached_design(const std::string& name, const std::string& what) {
+  const auto text = read_cache_entry(name);
+  const auto kept = text ? Kept::of(*text) : std::nullopt;
+  if (!kept) return std::nullopt;
+  try {
+    return kept->design(what);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
 
 /// The elaborated design of a simulation model. Nothing if it is not cached and `elaborate` is
 /// false.
@@ -162,41 +180,35 @@ std::optional<Design> design_of(const Origin& origin, const std::string& waves, 
   const std::string name =
       cache_key({std::string(kHead), origin.text(), origin.hash}) + ".structure";
   const std::string what = "simulation model " + origin.text();
-  std::optional<Kept> kept;
-  if (const auto text = read_cache_entry(name)) kept = Kept::of(*text);
-  if (!kept && !elaborate) return std::nullopt;
-  if (!kept) {
-    const std::uint64_t here = model_hash(origin.kind, origin.parameters);
-    if (fmt::format("{:016x}", here) != origin.hash)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("{} comes from {} with other RTL (configuration {}; here {:016x}); "
-                              "write the waves again, or name their structure with --structure",
-                              printable_name(waves), what, origin.hash, here));
-    const fs::path rtl = model_builder().parent_path().parent_path() / "rtl";
-    std::vector<std::string> parameters = origin.parameters;
-    std::erase_if(parameters, [](const std::string& p) {
-      return p.starts_with("TRACE=") || p.starts_with("TAP=");
-    });
-    const bool host =
-        std::find(parameters.begin(), parameters.end(), "ARITH=host") != parameters.end();
-    log(fmt::format("cde: reading the structure of {} (kept for the next time)\n", what));
-    kept.emplace();
-    try {
-      kept->xml = netlist::elaborated(rtl, origin.kind, parameters,
-                                      host ? netlist::Hidden(netlist::is_gates) : netlist::Hidden(),
-                                      {"-O0"},  // optimisation would remove signals of the sources
-                                      kMostMemory);
-    } catch (const netlist::ElaborationError& e) {
-      throw Error(ErrorCode::kBuild, e.what());
-    }
-    Design design(kept->xml, what);
-    for (const std::string& file : design.files())
-      if (fs::is_regular_file(file)) kept->sources[file] = read_named_file(file);
-    write_cache_entry(name, kept->text());
+  std::optional<Design> cached = cached_design(name, what);
+  if (cached || !elaborate) return cached;
+  const std::uint64_t here = model_hash(origin.kind, origin.parameters);
+  if (fmt::format("{:016x}", here) != origin.hash)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} comes from {} with other RTL (configuration {}; here {:016x}); "
+                            "write the waves again, or name their structure with --structure",
+                            printable_name(waves), what, origin.hash, here));
+  const fs::path rtl = model_builder().parent_path().parent_path() / "rtl";
+  std::vector<std::string> parameters = origin.parameters;
+  std::erase_if(parameters, [](const std::string& p) {
+    return p.starts_with("TRACE=") || p.starts_with("TAP=");
+  });
+  const bool host =
+      std::find(parameters.begin(), parameters.end(), "ARITH=host") != parameters.end();
+  log(fmt::format("cde: reading the structure of {} (kept for the next time)\n", what));
+  Kept kept;
+  try {
+    kept.xml = netlist::elaborated(rtl, origin.kind, parameters,
+                                   host ? netlist::Hidden(netlist::is_gates) : netlist::Hidden(),
+                                   {"-O0"},  // optimisation would remove signals of the sources
+                                   kMostMemory);
+  } catch (const netlist::ElaborationError& e) {
+    throw Error(ErrorCode::kBuild, e.what());
   }
-  Design design(std::move(kept->xml), what);
-  for (const auto& [file, source] : kept->sources) design.set_source(file, source);
-  return design;
+  for (const std::string& file : Design(kept.xml, what).files())
+    if (fs::is_regular_file(file)) kept.sources[file] = read_named_file(file);
+  write_cache_entry(name, kept.text());
+  return kept.design(what);
 }
 
 /// A top module's parameter as text; empty if it does not exist or is neither a number nor a
