@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFolderOnly = O_PATH | O_DIRECTORY | O_CLOEXEC;
 
-/// The path of an open folder in /proc, which other processes of this user can use too.
+/// The path of an open folder or file in /proc. Other processes of this user can also use it.
 std::string held_name(int folder) {
   return fmt::format("/proc/{}/fd/{}", ::getpid(), folder);
 }

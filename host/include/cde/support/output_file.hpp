@@ -102,8 +102,8 @@ class OutputFile {
 /// was renamed. A created folder has the mode that the umask allows, and no ACL of its parent.
 class OutputFolder {
  public:
-  /// Error kFile if the folder cannot be created, if another user replaces it at once, or if it is
-  /// a symbolic link of another user to a folder that is not that user's.
+  /// Error kFile if the folder cannot be created, or another user replaces it at once. Error kFile
+  /// for a symbolic link of another user to a folder that is not that user's.
   explicit OutputFolder(const std::filesystem::path& path);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
