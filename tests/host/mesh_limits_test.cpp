@@ -478,6 +478,73 @@ TEST_F(HostileMesh, KilledProcess_LeavesNoImporter) {
   EXPECT_TRUE(ended);
 }
 
+/// The time that loading takes.
+template <typename Load>
+std::chrono::steady_clock::duration time_of(Load load) {
+  const auto begin = std::chrono::steady_clock::now();
+  load();
+  return std::chrono::steady_clock::now() - begin;
+}
+
+/// A binary STL whose vertices all collide under a fixed hash of two multiplications.
+std::string colliding_stl(std::uint32_t facets) {
+  constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15u;
+  std::uint64_t inverse = kFactor;
+  for (int i = 0; i < 6; ++i) inverse *= 2 - kFactor * inverse;
+  std::string text(80, ' ');
+  text += word(facets);
+  std::uint32_t low = 0;
+  const auto finite = [](std::uint32_t bits) { return (bits >> 23 & 0xff) != 0xff; };
+  for (std::uint32_t i = 0; i < facets; ++i) {
+    text += std::string(12, '\0');
+    for (int corner = 0; corner < 3;) {
+      const std::uint64_t h = std::uint64_t{0x12345678} << 32 | low++, xy = h * inverse;
+      const auto x = static_cast<std::uint32_t>(xy >> 32), y = static_cast<std::uint32_t>(xy),
+                 z = static_cast<std::uint32_t>(h ^ h >> 29);
+      if (!finite(x) || !finite(y) || !finite(z)) continue;
+      text += word(x) + word(y) + word(z);
+      ++corner;
+    }
+    text += half(0);
+  }
+  return text;
+}
+
+TEST_F(HostileMesh, CollidingVerticesOfStl_AreReadInLinearTime) {
+  const auto file = folder_.write("a.stl", colliding_stl(40'000));
+  Mesh mesh;
+  EXPECT_LT(time_of([&] { mesh = load_mesh(file); }), std::chrono::seconds(5));
+  EXPECT_EQ(mesh.vertices.size(), 120'000u);
+  for (std::uint32_t i = 0; i < mesh.faces.size(); ++i)
+    EXPECT_EQ(mesh.faces[i], (std::array<std::uint32_t, 3>{3 * i, 3 * i + 1, 3 * i + 2}));
+}
+
+TEST_F(HostileMesh, ManyElementsOfPly_AreReadInLinearTime) {
+  std::string text = "ply\nformat ascii 1.0\n";
+  for (unsigned i = 0; i < 170'000; ++i) text += fmt::format("element e{} 0\n", i);
+  text +=
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\n";
+  const auto file = folder_.write("a.ply", text + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  EXPECT_LT(time_of([&] { EXPECT_EQ(load_mesh(file).faces.size(), 1u); }),
+            std::chrono::seconds(5));
+  const auto twice = folder_.write("b.ply", text + "element e7 0\nend_header\n");
+  expect_error(ErrorCode::kFile, "element 'e7' appears twice", [&] { (void)load_mesh(twice); });
+}
+
+TEST_F(HostileMesh, TimeOfOwnReaders_IsLimited) {
+  const std::string facet =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+      "endfacet\n";
+  for (const auto& [name, text] :
+       {std::pair{"a.stl", "solid a\n" + facet + "endsolid a\n"},
+        {"b.stl", colliding_stl(2)},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n"}})
+    expect_error(ErrorCode::kFile, fmt::format("{}: not read within 0 s", name), [&] {
+      (void)load_mesh(folder_.write(name, text), {.time = std::chrono::seconds(0)});
+    });
+}
+
 TEST(MeshLimits, EnvironmentVariables_SetTheLimits) {
   ASSERT_EQ(::setenv("CDE_MESH_SECONDS", "5", 1), 0);
   ASSERT_EQ(::setenv("CDE_MESH_MEMORY", "100", 1), 0);

@@ -200,6 +200,10 @@ void mesh_readers::fail_slow(const std::filesystem::path& path, const Deadline& 
                           printable_name(path.string()), deadline.limit.count()));
 }
 
+void mesh_readers::Deadline::check(const std::filesystem::path& mesh) const {
+  if (std::chrono::steady_clock::now() > end) fail_slow(mesh, *this);
+}
+
 void mesh_readers::fail_large(const std::filesystem::path& path, std::uint64_t memory) {
   throw Error(ErrorCode::kFile,
               fmt::format("{}: takes more than {} MB to read; the file is probably damaged "
@@ -222,7 +226,7 @@ void mesh_readers::NamedFiles::count(std::size_t bytes) {
 
 /// The same as add() for one spelling.
 bool mesh_readers::NamedFiles::add_one(const std::filesystem::path& file) {
-  if (std::chrono::steady_clock::now() > deadline_.end) fail_slow(folder_.mesh(), deadline_);
+  deadline_.check(folder_.mesh());
   const Descriptor found(::open(file.c_str(), O_PATH | O_CLOEXEC));
   struct stat info {};
   if (found.get() < 0 || ::fstat(found.get(), &info) != 0 || !S_ISREG(info.st_mode)) return false;
@@ -326,7 +330,7 @@ Mesh load(const std::filesystem::path& path, const MeshLimits& limits, bool may_
     const mesh_readers::Deadline deadline(limits.time);
     mesh = extension == ".obj"   ? mesh_readers::read_obj(bytes, name, libraries, deadline)
            : extension == ".ply" ? mesh_readers::read_ply(bytes, name, deadline)
-                                 : mesh_readers::read_stl(bytes, name);
+                                 : mesh_readers::read_stl(bytes, name, deadline);
     const mesh_readers::MeshFolder folder(path);
     mesh_readers::NamedFiles files(mesh, folder, deadline, mesh_readers::memory_of(path, limits));
     for (const std::string& library : libraries) files.add_library(library);

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <set>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -126,6 +127,7 @@ class PlyReader {
       fail("a PLY file begins with the line 'ply'");
     bool has_format = false;
     for (;;) {
+      deadline_.check(name_);
       auto line = lines_.next();
       if (!line) fail("the header has no 'end_header'");
       const std::string_view keyword = text::next_word(*line);
@@ -169,9 +171,8 @@ class PlyReader {
     e.name = text::next_word(rest);
     const std::string_view count = text::next_word(rest);
     if (!text::parse_int(count, e.count)) fail(fmt::format("{} is not a count", in_quotes(count)));
-    for (const auto& other : elements_) {
-      if (other.name == e.name) fail(fmt::format("element {} appears twice", in_quotes(e.name)));
-    }
+    if (!names_.insert(e.name).second)
+      fail(fmt::format("element {} appears twice", in_quotes(e.name)));
     if (e.name == "vertex") {
       if (e.count > 0xffffffffu) fail(fmt::format("{} vertices exceed the 32-bit limit", e.count));
       vertex_count_ = e.count;
@@ -388,6 +389,7 @@ class PlyReader {
   bool ascii_ = false;
   bool swap_ = false;
   std::vector<Element> elements_;
+  std::set<std::string> names_;  // of elements
   std::uint64_t vertex_count_ = 0;
   std::uint64_t row_ = 0;
   std::string_view body_;  // the unread part behind the header

@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cmath>
+#include <random>
 
 #include "mesh/readers.hpp"
 
@@ -108,11 +109,28 @@ std::string append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners,
   return {};
 }
 
-std::size_t VertexPool::Hash::operator()(const Bits& b) const noexcept {
-  std::uint64_t h = (std::uint64_t{b.x} << 32 | b.y) * 0x9e3779b97f4a7c15u;
-  h = (h ^ h >> 29 ^ b.z) * 0xbf58476d1ce4e5b9u;
-  return h ^ h >> 32;
+namespace {
+
+/// The same for all meshes of a process.
+std::array<std::uint64_t, 4> random_keys() {
+  static const std::array<std::uint64_t, 4> keys = [] {
+    std::random_device random;
+    std::array<std::uint64_t, 4> drawn{};
+    for (std::uint64_t& key : drawn) key = std::uint64_t{random()} << 32 | random();
+    return drawn;
+  }();
+  return keys;
 }
+
+}  // namespace
+
+std::size_t VertexPool::Hash::operator()(const Bits& b) const noexcept {
+  // Multiply-shift (Dietzfelbinger 1996): any two vertices collide with probability 2^-32.
+  return (keys[0] + keys[1] * b.x + keys[2] * b.y + keys[3] * b.z) >> 32;
+}
+
+VertexPool::VertexPool(std::vector<Eigen::Vector3f>& vertices)
+    : vertices_(vertices), numbers_(0, Hash{random_keys()}) {}
 
 std::uint32_t VertexPool::add(const Eigen::Vector3f& vertex) {
   const Bits bits{std::bit_cast<std::uint32_t>(vertex.x()),

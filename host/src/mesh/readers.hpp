@@ -2,6 +2,7 @@
 #pragma once
 #include <sys/types.h>
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -26,6 +27,8 @@ namespace cde::mesh_readers {
 struct Deadline {
   explicit Deadline(std::chrono::seconds time)
       : limit(time), end(std::chrono::steady_clock::now() + time) {}
+  /// Error kFile after the end.
+  void check(const std::filesystem::path& mesh) const;
   std::chrono::seconds limit;
   std::chrono::steady_clock::time_point end;
 };
@@ -35,7 +38,8 @@ struct Deadline {
                             std::vector<std::string>& libraries, const Deadline& deadline);
 [[nodiscard]] Mesh read_ply(std::string_view bytes, const std::string& name,
                             const Deadline& deadline);
-[[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name);
+[[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name,
+                            const Deadline& deadline);
 [[nodiscard]] Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits);
 
 /// ".obj" for "a.OBJ".
@@ -111,10 +115,11 @@ class NamedFiles {
 [[nodiscard]] std::string append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners,
                                          const Deadline& deadline);
 
-/// Appends vertices, and uses a vertex again if all 96 bits agree.
+/// Appends vertices, and uses a vertex again if all 96 bits agree. The hash is random, so that no
+/// file can make many vertices collide. The order of the vertices does not depend on it.
 class VertexPool {
  public:
-  explicit VertexPool(std::vector<Eigen::Vector3f>& vertices) : vertices_(vertices) {}
+  explicit VertexPool(std::vector<Eigen::Vector3f>& vertices);
   [[nodiscard]] std::uint32_t add(const Eigen::Vector3f& vertex);
 
  private:
@@ -123,6 +128,7 @@ class VertexPool {
     bool operator==(const Bits&) const = default;
   };
   struct Hash {
+    std::array<std::uint64_t, 4> keys;
     std::size_t operator()(const Bits& b) const noexcept;
   };
   std::vector<Eigen::Vector3f>& vertices_;

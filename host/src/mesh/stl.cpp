@@ -20,11 +20,13 @@ namespace {
 constexpr std::size_t kHeader = 84;
 constexpr std::size_t kFacet = 50;
 
-Mesh read_binary(std::string_view bytes, std::uint32_t count) {
+Mesh read_binary(std::string_view bytes, std::uint32_t count, const std::string& name,
+                 const Deadline& deadline) {
   Mesh mesh;
   VertexPool pool(mesh.vertices);
   mesh.faces.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) {
+    deadline.check(name);
     std::array<std::uint32_t, 3> face{};
     for (std::size_t corner = 0; corner < 3; ++corner) {
       Eigen::Vector3f v;
@@ -38,7 +40,8 @@ Mesh read_binary(std::string_view bytes, std::uint32_t count) {
 
 class AsciiReader {
  public:
-  AsciiReader(std::string_view bytes, const std::string& name) : lines_(bytes), name_(name) {}
+  AsciiReader(std::string_view bytes, const std::string& name, const Deadline& deadline)
+      : lines_(bytes), name_(name), deadline_(deadline) {}
 
   Mesh read() {
     expect("solid");
@@ -97,6 +100,7 @@ class AsciiReader {
   }
 
   void facet() {
+    deadline_.check(name_);
     if (!open_) fail("'facet' outside of a solid");
     expect("normal");
     for (int i = 0; i < 3; ++i) {  // not read as numbers: some writers put "-nan(ind)"
@@ -118,6 +122,7 @@ class AsciiReader {
 
   text::Lines lines_;
   const std::string& name_;
+  const Deadline& deadline_;
   std::string_view line_;
   bool open_ = true;
   Mesh mesh_;
@@ -138,16 +143,16 @@ bool is_text(std::string_view bytes) {
 
 }  // namespace
 
-Mesh read_stl(std::string_view bytes, const std::string& name) {
+Mesh read_stl(std::string_view bytes, const std::string& name, const Deadline& deadline) {
   std::uint64_t expected = 0;
   std::uint32_t count = 0;
   if (bytes.size() >= kHeader) {
     std::memcpy(&count, bytes.data() + 80, 4);
     expected = kHeader + kFacet * std::uint64_t{count};
-    if (bytes.size() == expected) return read_binary(bytes, count);
+    if (bytes.size() == expected) return read_binary(bytes, count, name, deadline);
   }
   text::require_utf8(bytes, name);
-  if (is_text(bytes)) return AsciiReader(text::without_mark(bytes), name).read();
+  if (is_text(bytes)) return AsciiReader(text::without_mark(bytes), name, deadline).read();
   const auto fail = [&](const std::string& why) {
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", name, why));
   };
@@ -160,7 +165,7 @@ Mesh read_stl(std::string_view bytes, const std::string& name) {
                                           count, expected, bytes.size());
   if (bytes.size() < expected) fail(counted);
   if (count == 0) fail(counted + ": its writer did not set the count");
-  Mesh mesh = read_binary(bytes, count);
+  Mesh mesh = read_binary(bytes, count, name, deadline);
   mesh.warnings.push_back(
       fmt::format("{}: byte {}: {} bytes after the last of {} facets are ignored", name, expected,
                   bytes.size() - expected, count));
