@@ -509,7 +509,8 @@ class ExpressionParser {
     if (!formed && !v.indexed && !n->real && !n->text) {
       Form file;
       file.kind = Form::Kind::kFile;
-      v.form = default_form(trace_, v.signal, file);
+      if (!file_forms_) file_forms_.emplace(trace_);
+      v.form = file_forms_->of(v.signal, file);
       n->may_be_real = v.form.kind == Form::Kind::kFloat && is_one_lane(v);
     }
     n->is_signed = signed_view(v);
@@ -551,6 +552,7 @@ class ExpressionParser {
   }
 
   Trace& trace_;
+  std::optional<FileForms> file_forms_;
   const std::string& text_;
   const std::string& option_;
   Expression::Parsed& to_;

@@ -371,10 +371,6 @@ Form FileForms::of(const Signal& signal, const Form& asked) const {
   return {};
 }
 
-Form default_form(Trace& trace, const Signal& signal, const Form& asked) {
-  return FileForms(trace).of(signal, asked);
-}
-
 std::string_view View::bits(std::string_view value) const {
   if (signal.real || signal.text || value.size() != signal.width) return value;
   return value.substr(first, width);
@@ -550,12 +546,13 @@ std::vector<View> views(Trace& trace, const std::string& asked, const Form& form
     found.push_back(&find_signal(trace, w.name));
   }
   std::vector<View> all;
-  const FileForms forms(trace);
+  std::optional<FileForms> forms;
+  if (wanted.kind == Form::Kind::kFile) forms.emplace(trace);
   for (const Signal* s : found) {
     View v;
     v.signal = *s;
     v.width = s->width;
-    v.form = wanted.kind == Form::Kind::kFile ? forms.of(*s, wanted) : wanted;
+    v.form = forms ? forms->of(*s, wanted) : wanted;
     v.label = s->name;
     if (!w.index.empty()) {
       narrow(v, w.index, text);

@@ -70,9 +70,9 @@ Asked asked(const Request& r, Trace& trace, Times& times, const Design& design) 
 /// Formats values in the requested form, or in the file's form for each signal.
 class Texts {
  public:
-  Texts(Trace& trace, const Design& design, const Form& form)
-      : trace_(trace), design_(design), form_(form) {
+  Texts(Trace& trace, const Design& design, const Form& form) : design_(design), form_(form) {
     if (form.kind != Form::Kind::kFile) return;
+    file_forms_.emplace(trace);
     for (const Signal& s : trace.signals()) {
       named_.try_emplace(s.name, &s);
       if (s.name.ends_with(']')) named_.try_emplace(without_array_scope(s.name), &s);
@@ -95,14 +95,14 @@ class Texts {
     if (found == named_.end())
       found = named_.find(name.erase(std::min(name.rfind('['), name.size())));
     if (found == named_.end()) return {};
-    const Form form = default_form(trace_, *found->second, form_);
+    const Form form = file_forms_->of(*found->second, form_);
     return form.kind == Form::Kind::kNames && n.value.size() != found->second->width ? Form{}
                                                                                      : form;
   }
 
-  Trace& trace_;
   const Design& design_;
   const Form form_;
+  std::optional<FileForms> file_forms_;  ///< if form_ leaves the form to the file
   std::unordered_map<std::string, const Signal*> named_;
 };
 

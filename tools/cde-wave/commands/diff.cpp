@@ -192,7 +192,10 @@ class Equal {
 
 class Comparison {
  public:
-  Comparison(const Request& r, Trace& a, Trace& b) : r_(r), a_(a), b_(b), equal_(r) { match(); }
+  Comparison(const Request& r, Trace& a, Trace& b)
+      : r_(r), a_(a), b_(b), forms_a_(a), forms_b_(b), equal_(r) {
+    match();
+  }
 
   [[nodiscard]] bool any_numbers() const {
     return std::any_of(pairs.begin(), pairs.end(),
@@ -244,8 +247,8 @@ class Comparison {
       if (!seen.emplace(std::pair{s.handle, t.handle}, true).second)
         continue;  // an alias of a pair that is already there
       Pair p;
-      p.a = whole(a_, s);
-      p.b = whole(b_, t);
+      p.a = whole(forms_a_, s);
+      p.b = whole(forms_b_, t);
       if (s.width != t.width) {
         p.done = true;
         found.push_back({pairs.size(),
@@ -264,12 +267,12 @@ class Comparison {
     if (common == 0)
       throw Error(ErrorCode::kUsage, "the files have no signal in common; no name is in both");
   }
-  [[nodiscard]] View whole(Trace& trace, const Signal& s) const {
+  [[nodiscard]] View whole(const FileForms& forms, const Signal& s) const {
     View v;
     v.signal = s;
     v.label = s.name;
     v.width = s.width;
-    v.form = default_form(trace, s, r_.default_form());
+    v.form = forms.of(s, r_.default_form());
     return v;
   }
   [[nodiscard]] std::vector<std::uint32_t> handles(bool of_a) const {
@@ -416,6 +419,7 @@ class Comparison {
   const Request& r_;
   Trace& a_;
   Trace& b_;
+  const FileForms forms_a_, forms_b_;
   Equal equal_;
   std::vector<std::vector<std::size_t>> of_a_, of_b_;
   std::vector<std::string> last_a_, last_b_;

@@ -197,6 +197,7 @@ std::size_t common_scope(const std::vector<View>& all) {
 /// the outermost scope.
 std::vector<View> outermost(const Request& r, Trace& trace) {
   std::vector<View> all;
+  const FileForms forms(trace);
   const auto depth = [](const Signal& s) { return std::count(s.name.begin(), s.name.end(), '.'); };
   for (const bool ports : {true, false}) {
     std::ptrdiff_t least = PTRDIFF_MAX;
@@ -208,7 +209,7 @@ std::vector<View> outermost(const Request& r, Trace& trace) {
       v.signal = s;
       v.label = s.name;
       v.width = s.width;
-      v.form = default_form(trace, s, r.default_form());
+      v.form = forms.of(s, r.default_form());
     }
     if (!all.empty()) break;
   }

@@ -451,7 +451,7 @@ void Viewer::set_form(const std::string& text) {
                 fmt::format("{} has {} bits and not {}", v.label, v.width, form->format.width()));
   }
   const Form shown =
-      form->kind == Form::Kind::kFile ? default_form(trace_, v.signal, *form) : *form;
+      form->kind == Form::Kind::kFile ? FileForms(trace_).of(v.signal, *form) : *form;
   row.wave.set_form(shown);
   if (row.other && row.other->view().signal.width == v.signal.width) row.other->set_form(shown);
   lay_out();

@@ -14,7 +14,7 @@ namespace cde::wave {
 /// Text form of a value.
 struct Form {
   enum class Kind { kHex, kUnsigned, kSigned, kBinary, kFloat, kNames, kFile };
-  Kind kind = Kind::kHex;  ///< kFile: form given in the file, which default_form() looks up
+  Kind kind = Kind::kHex;  ///< kFile: form given in the file, which FileForms looks up
   FpFormat format;         ///< for kFloat
   unsigned lane = 0;       ///< bits per lane; 0: the width of the format, or all bits
   /// For kFloat: a word of all ones, which no operator produces, is a condition.
@@ -33,7 +33,8 @@ struct Form {
 /// fits. Otherwise the file decides: by an enumeration, or by its comment `forms PATTERN=FORM
 /// PATTERN=FORM*WORDS ...`. The first pattern that matches the name counts; with WORDS the signal
 /// must have that many words. Otherwise the form is hex. Error kFile if there are over 1,000
-/// patterns, or if comparing them with the names takes too many steps.
+/// patterns, or if comparing them with the names takes too many steps. The constructor reads all
+/// comments: make one object per file, not one per signal.
 class FileForms {
  public:
   explicit FileForms(Trace& trace);
@@ -49,8 +50,6 @@ class FileForms {
   std::string file_;             ///< as messages show it
   mutable std::uint64_t steps_;  ///< comparisons of characters that may follow
 };
-/// The same for a single signal.
-[[nodiscard]] Form default_form(Trace& trace, const Signal& signal, const Form& asked);
 /// Words that parse_form() reads, for help texts.
 [[nodiscard]] std::vector<std::string> form_names();
 
