@@ -142,6 +142,49 @@ TEST_F(HostileWaves, VeryWideDecimals_AreShownInHexadecimal) {
   EXPECT_TRUE(has(shown(1'000'000), "ffffffff"));
 }
 
+/// All signals take their forms from one comment.
+TEST_F(HostileWaves, CommentsWithForms_AreReadOncePerFile) {
+  std::string text = "$comment forms";
+  for (unsigned i = 0; i < 300'000; ++i) text += " x";
+  text += " $end\n";
+  for (unsigned i = 0; i < 3000; ++i) text += fmt::format("$var wire 1 s{0} s{0} $end\n", i);
+  write("f.vcd", text + "$enddefinitions $end\n#0\n0s0\n#9\n1s0\n");
+  for (const char* words : {"diff f.vcd f.vcd", "show f.vcd", "find f.vcd s0"}) {
+    const Ran ran = shell(std::string("ulimit -t 10 && \"$CDE\" wave ") + words);
+    EXPECT_EQ(ran.status, 0) << words << ran.err;
+  }
+}
+
+/// Each row of CSV repeats the values of all signals.
+TEST_F(HostileWaves, TablesOfWholeFiles_FollowTheFilesSize) {
+  std::string text;
+  for (unsigned i = 0; i < 2000; ++i) text += fmt::format("$var wire 8000 s{0} s{0} $end\n", i);
+  text += "$var wire 1 c c $end\n$enddefinitions $end\n";
+  for (unsigned i = 0; i < 200; ++i) text += fmt::format("#{}\n{}c\n", i, i % 2);
+  write("a.vcd", text);
+  const Ran ran = cde({"wave", "export", "a.vcd", "-o", "a.csv"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err,
+                  "a.vcd: a CSV table of the whole file takes more than 259 MB; name "
+                  "signals ('*' for all of them), or select a window with --from"))
+      << ran.err;
+  for (const std::string& name : files()) EXPECT_FALSE(has(name, ".csv"));
+  EXPECT_EQ(cde({"wave", "export", "a.vcd", "c", "-o", "c.csv"}).status, 0);
+  EXPECT_EQ(cde({"wave", "export", "a.vcd", "--to", "9", "-o", "w.csv"}).status, 0);
+  EXPECT_EQ(cde({"wave", "export", "a.vcd", "*", "--format", "csv", "-o", "/dev/null"}).status, 0);
+}
+
+TEST_F(HostileWaves, LargePicturesOfWaveDrom_AreRefused) {
+  std::string text;
+  for (unsigned i = 0; i < 30'000; ++i) text += fmt::format("$var wire 1 s{0} s{0} $end\n", i);
+  text += "$enddefinitions $end\n";
+  for (unsigned i = 0; i < 4000; ++i) text += fmt::format("#{}\n{}s0\n", i, i % 2);
+  write("w.vcd", text);
+  const Ran ran = cde({"wave", "export", "w.vcd", "-o", "w.json"});
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_TRUE(has(ran.err, "would have 4000 columns of 30000 signals; name fewer")) << ran.err;
+}
+
 /// A comment names the simulation model of the waves.
 TEST_F(HostileWaves, LongWordsOfAModel_AreRead) {
   const auto refused = [&](const std::string& model, const std::string& why) {

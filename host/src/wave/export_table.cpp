@@ -87,10 +87,12 @@ class Values {
 /// Writes rows of CSV as they arrive.
 class Rows {
  public:
-  Rows(OutputFile& file, Times& times, Values& values)
+  Rows(OutputFile& file, const Trace& trace, Times& times, Values& values, std::uint64_t most)
       : file_(file),
+        trace_(trace),
         times_(times),
         values_(values),
+        most_(most),
         cycles_(times.clock_if_any() != nullptr),
         fields_(values.views().size()) {
     std::string line = cycles_ ? "time,cycle" : "time";
@@ -110,6 +112,13 @@ class Rows {
     values_.end_events();
   }
   void flush() {
+    if ((bytes_ += text_.size()) > most_)
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("{}: a CSV table of the whole file takes more than {} MB; name signals "
+                      "('*' for all of them), or select a window with --from, --to or "
+                      "--around",
+                      printable_name(trace_.file().string()), most_ >> 20));
     file_.write(text_);
     text_.clear();
   }
@@ -120,8 +129,10 @@ class Rows {
     if (text_.size() > 1u << 20) flush();
   }
   OutputFile& file_;
+  const Trace& trace_;
   Times& times_;
   Values& values_;
+  std::uint64_t most_, bytes_ = 0;
   bool cycles_;
   std::vector<std::string> fields_;  ///< each with its comma
   std::string text_;
@@ -129,14 +140,18 @@ class Rows {
 
 }  // namespace
 
+std::uint64_t most_csv_bytes(const Trace& trace) {
+  return (std::uint64_t{256} << 20) + 64 * trace.structure().bytes;
+}
+
 void write_csv(Trace& trace, Times& times, std::span<const View> views,
                const std::optional<Event>& on, std::uint64_t from, std::uint64_t to,
-               const std::filesystem::path& path) {
+               const std::filesystem::path& path, std::uint64_t most) {
   Values values(trace, views_or_all(trace, views));
   if (times.clock_if_any() != nullptr)
     (void)times.edges();  // before the stream, since this is another stream
   OutputFile file(path);
-  Rows rows(file, times, values);
+  Rows rows(file, trace, times, values, most);
   std::vector<std::uint32_t> wanted = handles(values.views());
   if (on) wanted.push_back(on->handle);
   std::vector<std::pair<std::uint32_t, std::string>> waiting;
@@ -178,7 +193,7 @@ void write_csv(Trace& trace, Times& times, std::span<const View> views,
 
 namespace {
 
-constexpr std::size_t kMostColumns = 5000;
+constexpr std::size_t kMostColumns = 5000, kMostCells = 100'000'000;
 
 /// The times at which the columns of a WaveDrom picture begin.
 std::vector<std::uint64_t> columns_of(Trace& trace, Times& times, const std::vector<View>& views,
@@ -269,6 +284,11 @@ void write_wavedrom(Trace& trace, Times& times, std::span<const View> views, std
   Values values(trace, views_or_all(trace, views));
   const std::vector<View>& all = values.views();
   const std::vector<std::uint64_t> begins = columns_of(trace, times, all, from, to);
+  if (begins.size() * all.size() > kMostCells)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("a picture of WaveDrom would have {} columns of {} signals; name fewer "
+                            "signals, or select a window with --from, --to or --around",
+                            begins.size(), all.size()));
   const Signal* const clock = times.clock_if_any();
   std::vector<Drawn> drawn(all.size());
   std::size_t column = 0;

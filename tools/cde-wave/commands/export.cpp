@@ -82,7 +82,9 @@ int export_waves(const Request& r) {
   } else if (format == "csv") {
     std::optional<Event> on;
     if (!r.on.empty()) on.emplace(trace, r.on);
-    write_csv(trace, times, all, on, w.from, w.to, output);
+    const bool whole = r.words.empty() && r.from.empty() && r.to.empty() && r.around.empty();
+    write_csv(trace, times, all, on, w.from, w.to, output,
+              whole ? most_csv_bytes(trace) : UINT64_MAX);
   } else if (format == "wavedrom") {
     write_wavedrom(trace, times, all, w.from, w.to, output);
   } else {

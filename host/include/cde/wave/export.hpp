@@ -43,13 +43,16 @@ void write_gtkw(Trace& trace, std::span<const View> views, const GtkwOptions& op
 
 /// A CSV table with a header, and fields quoted if necessary. Columns are time, cycle (with a clock
 /// only), and one per view. There is a row for `from` and for each time at which a view changes.
-/// With `on` there is a row per such edge, with the values just before it.
+/// With `on` there is a row per such edge, with the values just before it. Each row repeats the
+/// values of all views, so a small file can make a large table. Error kUsage beyond `most` bytes.
 void write_csv(Trace& trace, Times& times, std::span<const View> views,
                const std::optional<Event>& on, std::uint64_t from, std::uint64_t to,
-               const std::filesystem::path& file);
+               const std::filesystem::path& file, std::uint64_t most = UINT64_MAX);
+/// The limit of a table of a whole file.
+[[nodiscard]] std::uint64_t most_csv_bytes(const Trace& trace);
 
 /// WaveDrom: one column per clock cycle, with the values at its end; without a clock one column per
-/// time of changes. Error kUsage for more than 5000 columns.
+/// time of changes. Error kUsage for more than 5000 columns, or for 100 million values.
 void write_wavedrom(Trace& trace, Times& times, std::span<const View> views, std::uint64_t from,
                     std::uint64_t to, const std::filesystem::path& file);
 
