@@ -368,6 +368,12 @@ TEST_F(Export, Names_SendNoControlCodes) {
       EXPECT_FALSE(has(text, control)) << text;
   }
   EXPECT_TRUE(has(read("names.csv"), "\\x1b[2J"));
+  ASSERT_EQ(cde({"wave", "export", "names.fst", "-o", "copy.fst"}).status, 0);
+  wave::Trace copy(folder_ / "copy.fst");
+  ASSERT_EQ(copy.signals().size(), 2u);
+  EXPECT_EQ(copy.signals()[0].name, "t\\x1b[31mp.b\\x7f\\x9b\\u202e");
+  EXPECT_EQ(copy.signals()[1].name, "t\\x1b[31mp.a\\x07\\x0a@28\\x1b[2J");
+  EXPECT_EQ(copy.comments(), std::vector<std::string>{"\\x1b[2J\\x9b"});
   EXPECT_TRUE(has(read("names.vcd"), "b\\x7f\\x9b\\u202e"));
   EXPECT_TRUE(has(read("names.vcd"), "$comment \\x1b[2J\\x9b $end"));
   EXPECT_FALSE(has(read("names.gtkw"), "\n@28\x1b"));

@@ -26,25 +26,25 @@ using Fst = std::unique_ptr<void, void (*)(void*)>;
                                             printable_name(path.string())));
 }
 
-/// Writes the names and returns the new handles.
+/// Writes the names, escaped as in other exports, and returns the new handles.
 std::vector<fstHandle> copy_names(Trace& trace, const std::vector<bool>& chosen, void* to) {
   std::vector<fstHandle> handles(trace.handles() + std::size_t{1}, 0);
   NameVisit names;
   names.open = [&](const ScopeName& s) {
-    fstWriterSetScope(to, static_cast<fstScopeType>(s.type), s.name.c_str(),
-                      s.component.empty() ? nullptr : s.component.c_str());
+    fstWriterSetScope(to, static_cast<fstScopeType>(s.type), printable_name(s.name).c_str(),
+                      s.component.empty() ? nullptr : printable_name(s.component).c_str());
   };
   names.close = [&] { fstWriterSetUpscope(to); };
   names.attribute = [&](const Attribute& a) {
-    fstWriterSetAttrBegin(to, static_cast<fstAttrType>(a.type), a.subtype, a.name.c_str(),
-                          a.argument);
+    fstWriterSetAttrBegin(to, static_cast<fstAttrType>(a.type), a.subtype,
+                          printable(a.name).c_str(), a.argument);
   };
   names.signal = [&](const VariableName& v, const Signal& s) {
     // A port's value has a state and two strengths per bit, and two blanks.
     const std::uint32_t length = v.type == FST_VT_VCD_PORT ? 3 * v.width + 2 : v.width;
     const fstHandle made =
         fstWriterCreateVar(to, static_cast<fstVarType>(v.type), static_cast<fstVarDir>(v.direction),
-                           length, v.name.c_str(), handles[s.handle]);
+                           length, printable_name(v.name).c_str(), handles[s.handle]);
     if (handles[s.handle] == 0) handles[s.handle] = made;
   };
   visit_names(trace, chosen, names);
@@ -110,8 +110,8 @@ void write_cut(Trace& trace, std::span<const View> views, std::uint64_t from, st
     if (!fst) cannot_write(path);
     fstWriterSetTimescale(fst.get(), trace.scale());
     fstWriterSetTimezero(fst.get(), trace.time_zero());
-    fstWriterSetVersion(fst.get(), trace.writer().c_str());
-    fstWriterSetDate(fst.get(), trace.date().c_str());
+    fstWriterSetVersion(fst.get(), printable(trace.writer()).c_str());
+    fstWriterSetDate(fst.get(), printable(trace.date()).c_str());
     fstWriterSetPackType(fst.get(), FST_WR_PT_LZ4);
     for (const std::string& comment : comments) fstWriterSetComment(fst.get(), comment.c_str());
     const std::vector<fstHandle> handles = copy_names(trace, chosen, fst.get());
