@@ -186,6 +186,13 @@ TEST_F(Advise, ContradictingCounts_AreRefused) {
   refused("/configurations/1/all_families/false_hits/count", 5000,
           "configuration 2: 400 cases, of these ");
   refused("/configurations/0/all_families/cases", -5, "configuration 1: cases is -5; it must be");
+  for (const char* key : {"latency_levels", "initiation_interval"})
+    refused(fmt::format("/configurations/0/cost/{}", key).c_str(), -1,
+            fmt::format("configuration 1: {} is -1; it must be a whole number", key));
+  refused("/configurations/0/cost/operators_by_kind/div", -3, "configuration 1: div is -3");
+  refused("/configurations/0/cost/latency_levels", 1ull << 32,
+          "configuration 1: latency_levels is 4294967296; expected at most 4294967295");
+  refused("/configurations/0/all_families/t_error_u/count", -7, "configuration 1: count is -7");
   refused("/seed", -1, "seed is -1; it must be a whole number");
   refused("/seed", "one", "seed is \"one\"");
 }

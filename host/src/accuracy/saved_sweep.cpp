@@ -20,13 +20,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::uint64_t count_of(const Json& json, const char* key) {
+  const Json& value = json.at(key);
+  if (!value.is_number_unsigned())
+    throw Error(ErrorCode::kFile,
+                fmt::format("{} is {}; it must be a whole number, 0 or more", key, value.dump()));
+  return value.get<std::uint64_t>();
+}
+
 double finite_or_infinite(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
 }
 
 Quantiles quantiles_of(const Json& json) {
   Quantiles q;
-  json.at("count").get_to(q.count);
+  q.count = count_of(json, "count");
   if (q.count == 0) return q;
   q.median = finite_or_infinite(json.at("median")), q.p99 = finite_or_infinite(json.at("p99"));
   q.p999 = finite_or_infinite(json.at("p999"));
@@ -40,16 +48,20 @@ std::optional<SavedCase> case_of(const Json& json) {
                    .command = json.at("repeat_command").is_null()
                                   ? std::string()
                                   : json.at("repeat_command").get<std::string>(),
-                   .index = json.at("case_index"),
+                   .index = count_of(json, "case_index"),
                    .size = finite_or_infinite(json.at("error_u"))};
 }
 
-std::uint64_t count_of(const Json& json, const char* key) {
-  const Json& value = json.at(key);
-  if (!value.is_number_unsigned())
-    throw Error(ErrorCode::kFile,
-                fmt::format("{} is {}; it must be a whole number, 0 or more", key, value.dump()));
-  return value.get<std::uint64_t>();
+unsigned small_count_of(const Json& json, const char* key) {
+  const std::uint64_t count = count_of(json, key);
+  if (count > std::numeric_limits<unsigned>::max())
+    throw Error(ErrorCode::kFile, fmt::format("{} is {}; expected at most {}", key, count,
+                                              std::numeric_limits<unsigned>::max()));
+  return static_cast<unsigned>(count);
+}
+
+std::optional<unsigned> optional_count_of(const Json& json, const char* key) {
+  return json.at(key).is_null() ? std::nullopt : std::optional(small_count_of(json, key));
 }
 
 SavedTally tally_of(const Json& json) {
@@ -75,22 +87,17 @@ SavedTally tally_of(const Json& json) {
   return t;
 }
 
-template <class T>
-std::optional<T> maybe(const Json& json) {
-  return json.is_null() ? std::nullopt : std::optional(json.get<T>());
-}
-
 PipeFigures figures_of(const Json& cost) {
   PipeFigures f;
-  f.latency = maybe<unsigned>(cost.at("latency_levels"));
-  f.interval = maybe<unsigned>(cost.at("initiation_interval"));
+  f.latency = optional_count_of(cost, "latency_levels");
+  f.interval = optional_count_of(cost, "initiation_interval");
   const Json& kinds = cost.at("operators_by_kind");
   if (!kinds.is_null())
-    f.operators = {.add = kinds.at("add"),
-                   .mul = kinds.at("mul"),
-                   .div = kinds.at("div"),
-                   .sqrt = kinds.at("sqrt"),
-                   .cmp = kinds.at("compare")};
+    f.operators = {.add = small_count_of(kinds, "add"),
+                   .mul = small_count_of(kinds, "mul"),
+                   .div = small_count_of(kinds, "div"),
+                   .sqrt = small_count_of(kinds, "sqrt"),
+                   .cmp = small_count_of(kinds, "compare")};
   return f;
 }
 
@@ -115,6 +122,7 @@ AccuracyPipe pipe_of(const Json& json) {
   if (std::sscanf(iterations.c_str(), "%2u,%2u,%2u", &pipe.iterations.samples,
                   &pipe.iterations.circle, &pipe.iterations.free) != 3)
     throw Error(ErrorCode::kFile, "iterations are " + in_quotes(iterations) + "; expected M,K1,K2");
+  pipe.iterations.check();
   return pipe;
 }
 
