@@ -7,7 +7,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <unordered_map>
+#include <map>
 
 #include "page/page.hpp"
 
@@ -18,14 +18,8 @@ constexpr std::size_t kMostTriangles =
     120'000;  // for all objects in the page; one object gets at most half of them
 constexpr std::size_t kMostShapes = 4'096;  // per object of rays or solids
 
-struct WordsHash {
-  std::size_t operator()(const std::array<std::uint32_t, 3>& w) const {
-    std::uint64_t h = 0xcbf29ce484222325u;
-    for (const std::uint32_t word : w) h = (h ^ word) * 0x100000001b3u;
-    return h ^ h >> 29;
-  }
-};
-using PointNumbers = std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, WordsHash>;
+/// Sorted, since a file could make points collide under a hash.
+using PointNumbers = std::map<std::array<std::uint32_t, 3>, std::uint32_t>;
 
 Drawn drawn_as(Shape shape) {
   return with_shape<float>(shape, []<class P>() { return P::kDrawn; });
