@@ -108,7 +108,8 @@ TEST(SuggestedWords, OnlyNearWords_AreCompared) {
   const double before = peak_mb();
   EXPECT_EQ(edit_distance(std::string(64, 'b'), large, 22), 22u);
   EXPECT_EQ(edit_distance(large, "", 1u << 20), 1u << 20);
-  EXPECT_EQ(nearest_word(large.substr(0, 64), std::vector<std::string>{large}), large);  // it begins with that word
+  EXPECT_EQ(nearest_word(large.substr(0, 64), std::vector<std::string>{large}),
+            large);  // it begins with that word
   expect_grown(before, 10);
   const std::vector<std::string> lanes = {"lines", "lanes"};
   EXPECT_EQ(edit_distance("kitten", "sitting", 9), 3u);

@@ -526,8 +526,7 @@ TEST_F(HostileMesh, ManyElementsOfPly_AreReadInLinearTime) {
       "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 1\nproperty list uchar int vertex_indices\n";
   const auto file = folder_.write("a.ply", text + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
-  EXPECT_LT(time_of([&] { EXPECT_EQ(load_mesh(file).faces.size(), 1u); }),
-            std::chrono::seconds(5));
+  EXPECT_LT(time_of([&] { EXPECT_EQ(load_mesh(file).faces.size(), 1u); }), std::chrono::seconds(5));
   const auto twice = folder_.write("b.ply", text + "element e7 0\nend_header\n");
   expect_error(ErrorCode::kFile, "element 'e7' appears twice", [&] { (void)load_mesh(twice); });
 }

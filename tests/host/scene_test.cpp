@@ -302,8 +302,9 @@ TEST(SceneFile, LongChainsOfParents_AreRefusedInLinearTime) {
   refused(chain(kMostParents + 2), "s.toml:4:8: object 'o0', parent: more than 1000 parents");
   refused(chain(40'000), "more than 1000 parents");
   // Objects without end, behind a chain that was followed before.
-  refused(chain(50) + "[[object]]\nname=\"a\"\nparent=\"b\"\nsphere={center=[0,0,0],radius=1}\n"
-          "[[object]]\nname=\"b\"\nparent=\"a\"\nsphere={center=[0,0,0],radius=1}\n",
+  refused(chain(50) +
+              "[[object]]\nname=\"a\"\nparent=\"b\"\nsphere={center=[0,0,0],radius=1}\n"
+              "[[object]]\nname=\"b\"\nparent=\"a\"\nsphere={center=[0,0,0],radius=1}\n",
           "the parents of 'a' and 'a' form a cycle");
 }
 
