@@ -15,8 +15,8 @@ namespace cde {
 /// folder's default ACL. The folder may be open as a path only.
 [[nodiscard]] mode_t mode_of_new_file(int folder);
 
-/// Gives a new folder, perhaps open as a path only, the mode that the umask allows. The folder loses
-/// the ACLs that it inherited.
+/// Gives a new folder, perhaps open as a path only, the mode that the umask allows. The folder
+/// loses the ACLs that it inherited.
 void set_access_of_new_folder(int folder);
 
 /// The access ACL of a file that is open, perhaps as a path only. Empty if its mode says all.
