@@ -2,12 +2,10 @@
 // cde bench waves: measures commands on a wave file as processes, from start to end, and GTKWave's
 // tools on the same file.
 #include <fmt/format.h>
-#include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <filesystem>
 #include <random>
 
@@ -18,6 +16,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/process.hpp"
 #include "cde/support/progress.hpp"
+#include "cde/support/scratch.hpp"
 #include "cde/wave/time.hpp"
 #include "cde/wave/trace.hpp"
 #include "output/streams.hpp"
@@ -32,27 +31,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kWhole = 70'000'000, kQuick = 4'000'000;  // bytes
 constexpr int kRounds = 5;
-
-/// A temporary folder, removed after the measurement.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "cde-bench-waves-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr)
-      throw Error(ErrorCode::kFile, fmt::format("{}: {}", pattern, std::strerror(errno)));
-    path_ = pattern;
-  }
-  ~Folder() {
-    std::error_code none;
-    fs::remove_all(path_, none);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
 
 /// Writes waves of a card that casts rays at a terrain. A first window shows the bytes per cycle;
 /// the second has enough cycles for about `bytes`.
@@ -153,7 +131,7 @@ std::vector<Row> rows_of(const std::string& self, const std::string& file) {
 }  // namespace
 
 ordered_json bench_waves(const BenchOptions& o) {
-  const Folder folder;
+  const Scratch folder("cde-bench-waves");
   const fs::path file = folder / "waves.fst";
   {
     const Progress busy("writing waves");
