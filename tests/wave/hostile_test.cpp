@@ -3,6 +3,8 @@
 // programs.
 #include <fmt/format.h>
 
+#include <cstring>
+#include <functional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -140,6 +142,51 @@ TEST_F(HostileWaves, VeryWideDecimals_AreShownInHexadecimal) {
   EXPECT_TRUE(has(shown(100), "1267650600228229401496703205375"));
   EXPECT_TRUE(has(shown(4096), "10443888814131525066917527107166"));
   EXPECT_TRUE(has(shown(1'000'000), "ffffffff"));
+}
+
+/// A number whose bytes may stand in a name of a VCD.
+bool is_printable(std::uint64_t number) {
+  for (; number != 0; number >>= 8)
+    if ((number & 0xff) <= ' ' || (number & 0xff) > '~') return false;
+  return true;
+}
+
+/// Words of 16 letters that collide under std::hash of libstdc++ (MurmurHash64A).
+std::vector<std::string> colliding_words(std::size_t count) {
+  constexpr std::uint64_t kMul = 0xc6a4a7935bd1e995u, kSeed = 0xc70f6907u;
+  std::uint64_t inverse = kMul;
+  for (int i = 0; i < 6; ++i) inverse *= 2 - kMul * inverse;
+  const auto mixed = [](std::uint64_t k) { return k ^ k >> 47; };
+  std::vector<std::string> words;
+  std::uint64_t number = 0;
+  for (; words.size() < count; ++number) {
+    std::uint64_t first = 0;
+    for (std::uint64_t rest = number, i = 0; i < 8; ++i, rest /= 64)
+      first = first << 8 | ('0' + rest % 64);
+    const std::uint64_t h = ((kSeed ^ 16 * kMul) ^ mixed(first * kMul) * kMul) * kMul;
+    const std::uint64_t second = mixed((h ^ 0x1234567) * inverse) * inverse;
+    if (!is_printable(second) || second >> 56 == 0) continue;
+    std::string word(16, ' ');
+    std::memcpy(word.data(), &first, 8);
+    std::memcpy(word.data() + 8, &second, 8);
+    words.push_back(word);
+  }
+  return words;
+}
+
+TEST_F(HostileWaves, CollidingNames_AreReadInLinearTime) {
+  const std::vector<std::string> words = colliding_words(60'000);
+#ifdef __GLIBCXX__
+  EXPECT_EQ(std::hash<std::string>()(words[0]), std::hash<std::string>()(words[1]));
+#endif
+  std::string text;
+  for (const std::string& word : words) text += fmt::format("$var wire 1 {0} {0} $end\n", word);
+  text += "$enddefinitions $end\n#0\n";
+  for (const std::string& word : words) text += "1" + word + "\n";
+  write("h.vcd", text);
+  const Ran ran =
+      shell("ulimit -t 5 && \"$CDE\" wave info h.vcd && \"$CDE\" wave ls h.vcd > /dev/null");
+  EXPECT_EQ(ran.status, 0) << ran.err;
 }
 
 /// All signals take their forms from one comment.

@@ -7,11 +7,11 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "cde/netlist/netlist.hpp"
 #include "cde/support/json_text.hpp"
+#include "cde/support/text_map.hpp"
 #include "cde/support/xml_text.hpp"
 
 namespace cde::netlist {
@@ -232,8 +232,8 @@ class Writer {
   }
 
   const Json& tree_;
-  std::unordered_map<std::string, const Json*> by_address_;
-  std::unordered_map<std::string, unsigned> ids_;
+  TextMap<const Json*> by_address_;
+  TextMap<unsigned> ids_;
   std::string out_;
 };
 

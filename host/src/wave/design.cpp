@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/wave/design.hpp"
+#include "cde/support/text_map.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +9,6 @@
 #include <filesystem>
 #include <optional>
 #include <sstream>
-#include <unordered_map>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -26,7 +26,7 @@ constexpr unsigned kMostDepth = 200;
 /// Adds the instances below an existing unit. `parts` counts all instances, also of missing
 /// modules.
 void place_parts(Design::Elaborated& all, std::uint32_t unit, unsigned depth, std::size_t& parts,
-                 const std::unordered_map<std::string, std::uint32_t>& bodies) {
+                 const TextMap<std::uint32_t>& bodies) {
   parts += all.body(unit).parts.size();
   if (depth > kMostDepth || parts > kMostUnits)
     throw netlist::NetlistError("instances are too many or nested too deeply");
@@ -164,7 +164,7 @@ std::string Place::name() const {
 Design::Design(std::string xml, const std::string& file) try
     : all_(std::make_unique<Elaborated>(std::move(xml))) {
   all_->file = file;
-  std::unordered_map<std::string, std::uint32_t> bodies;
+  TextMap<std::uint32_t> bodies;
   BodyBytes bytes(all_->netlist.bytes());
   std::int64_t top = -1;
   for (const netlist::Element* e : all_->netlist.netlist().children()) {

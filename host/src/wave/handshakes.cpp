@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/wave/handshakes.hpp"
+#include "cde/support/text_map.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +10,6 @@
 #include <optional>
 #include <set>
 #include <string_view>
-#include <unordered_map>
 
 #include "cde/wave/value.hpp"
 
@@ -310,8 +310,8 @@ class Finder {
   }
 
   std::vector<std::pair<std::string, std::vector<const Signal*>>> scopes_;
-  std::unordered_map<std::string, std::size_t> number_;
-  std::unordered_map<std::string, std::map<std::string, const Signal*>> cycles_;  ///< by scope
+  TextMap<std::size_t> number_;
+  TextMap<std::map<std::string, const Signal*>> cycles_;  ///< by scope
   std::map<std::array<std::uint32_t, 3>, std::size_t> known_;
   std::set<std::uint32_t> paired_, pipes_;
   std::vector<Matched> matched_;

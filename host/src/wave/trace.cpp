@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/wave/trace.hpp"
+#include "cde/support/text_map.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <unordered_map>
 #include <utility>
 
 #include "cde/support/error.hpp"
@@ -227,7 +227,7 @@ void Trace::join_pieces(std::vector<Signal>& found, const std::vector<bool>& beg
 
 /// Numbers different signals that have the same name.
 void Trace::number_twins() {
-  std::unordered_map<std::string_view, std::size_t> first;
+  TextViewMap<std::size_t> first;
   first.reserve(signals_->size());
   std::map<std::size_t, std::vector<std::size_t>> twins;
   for (std::size_t i = 0; i < signals_->size(); ++i) {

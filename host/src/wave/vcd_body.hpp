@@ -3,10 +3,11 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "wave/vcd_words.hpp"
+
+#include "cde/support/text_map.hpp"
 
 namespace cde::wave {
 
@@ -20,12 +21,8 @@ class VcdIdentifiers {
   [[nodiscard]] std::uint32_t next(std::uint32_t handle) const { return next_[handle]; }
 
  private:
-  struct Hash {
-    using is_transparent = void;
-    std::size_t operator()(std::string_view s) const { return std::hash<std::string_view>()(s); }
-  };
   std::vector<std::uint32_t> short_;  ///< by number, for short identifiers
-  std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> long_;
+  TextMap<std::uint32_t> long_;
   std::vector<std::uint32_t> next_;
 };
 

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <limits>
-#include <unordered_map>
 
 #include "cde/support/error.hpp"
 #include "cde/support/json_text.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/text_map.hpp"
 #include "cde/wave/cone.hpp"
 #include "cde/wave/origin.hpp"
 #include "cde/wave/request.hpp"
@@ -103,7 +103,7 @@ class Texts {
   const Design& design_;
   const Form form_;
   std::optional<FileForms> file_forms_;  ///< if form_ leaves the form to the file
-  std::unordered_map<std::string, const Signal*> named_;
+  TextMap<const Signal*> named_;
 };
 
 std::string shortened(const std::string& text) {

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
+#include "cde/support/text_map.hpp"
 #include "cde/wave/follow.hpp"
 #include "cde/wave/time.hpp"
 #include "cde/wave/transaction.hpp"
@@ -152,7 +152,7 @@ class Viewer {
   Trace* other_trace_;
   Tracks tracks_;
   std::optional<Tracks> other_tracks_;
-  std::unordered_map<std::string_view, const Signal*> others_;  ///< by name
+  TextViewMap<const Signal*> others_;  ///< by name
   Times times_;
   Form form_;
   bool ascii_;

@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "cde/netlist/netlist.hpp"
+#include "cde/support/text_map.hpp"
 
 /// @file
 /// The RTL as Verilator elaborates it, without simulation. Operators are counted and constants read
@@ -96,7 +96,7 @@ class Elaboration {
       std::string module;  ///< name of Verilator, with its parameters
       Line line;
     };
-    std::unordered_map<std::string, Part> parts;  ///< instances, with their generate blocks
+    TextMap<Part> parts;  ///< instances, with their generate blocks
   };
   void read_cells(const Element& cells);
   void read_body(const Element& element, Module& module, std::vector<std::string>& blocks);
@@ -106,7 +106,7 @@ class Elaboration {
     std::string path, module;  ///< instances of a generate loop share a path
   };
   std::vector<Instance> instances_;
-  std::unordered_map<std::string, std::size_t> by_path_;  ///< first instance of a path
+  TextMap<std::size_t> by_path_;  ///< first instance of a path
   std::map<std::string, Module> modules_;
   std::optional<Netlist> netlist_;
 };

@@ -4,11 +4,10 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 namespace cde::netlist {
@@ -92,9 +91,9 @@ class Netlist {
   const Element* netlist_ = nullptr;
   const Element* cells_ = nullptr;
   std::map<std::string, std::string, std::less<>> files_;  ///< letters -> name
-  std::unordered_map<unsigned, Type> types_;
-  std::unordered_set<unsigned> measured_;           ///< types whose widths are being computed
-  std::unordered_map<unsigned, unsigned> aliases_;  ///< types that are aliases of others
+  std::map<unsigned, Type> types_;        // files choose the numbers, so a hash would not do
+  std::set<unsigned> measured_;           ///< types whose widths are being computed
+  std::map<unsigned, unsigned> aliases_;  ///< types that are aliases of others
 };
 
 /// Bits of a constant such as 8'h1f, most significant first: 0, 1, x or z. Empty if the element is

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "cde/support/text_map.hpp"
 #include "cde/wave/design.hpp"
 #include "cde/wave/request.hpp"
 
@@ -39,7 +40,7 @@ class Sampled {
 
   Trace& trace_;
   const Design& design_;
-  std::unordered_map<std::string, const Signal*> names_;
+  TextMap<const Signal*> names_;
   std::map<Slice, std::vector<Part>> parts_;  ///< the highest bits first
   std::map<std::uint64_t, std::unordered_map<std::uint32_t, std::string>> values_;
   /// Stretches of time that are read at once (blocks of the file). The changes of one bit are

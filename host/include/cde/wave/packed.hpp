@@ -4,8 +4,9 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
+
+#include "cde/support/text_map.hpp"
 
 namespace cde::wave {
 
@@ -45,7 +46,7 @@ class Packed {
   std::size_t last_length_ = 0;  ///< of the times, without the last one
   std::string times_, values_;
   std::vector<std::string> texts_;
-  std::unordered_map<std::string, std::uint32_t> numbers_;
+  TextMap<std::uint32_t> numbers_;
 };
 
 /// Compressed by zlib, with its frame.
