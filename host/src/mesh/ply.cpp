@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstring>
 #include <set>
+#include <span>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
@@ -56,8 +57,13 @@ struct Property {
   Role role = Role::kSkip;
 };
 
-struct Polygon {
-  std::uint64_t row = 0;
+/// Faces that stand before the vertices. They take about as much memory as in the file.
+struct WaitingFaces {
+  struct Face {
+    std::uint64_t row;
+    std::size_t end;  ///< of its corners
+  };
+  std::vector<Face> faces;
   std::vector<std::uint32_t> corners;
 };
 
@@ -94,7 +100,11 @@ class PlyReader {
     body_ = ascii_ ? lines_.rest() : binary_body();
     for (const auto& element : elements_)
       if (element.count > 0) read_element(element);
-    for (const auto& [row, c] : waiting_) polygon(row, c);
+    std::size_t begin = 0;
+    for (const auto& [row, end] : waiting_.faces) {
+      polygon(row, std::span(waiting_.corners).subspan(begin, end - begin));
+      begin = end;
+    }
     if (body_.find_first_not_of(ascii_ ? " \t\r\n" : "") != std::string_view::npos)
       warn(fmt::format("{} bytes after the last row are ignored", body_.size()));
     return std::move(mesh_);
@@ -275,13 +285,15 @@ class PlyReader {
     }
     if (strip)
       append_strip();
-    else if (mesh_.vertices.size() == vertex_count_)
+    else if (mesh_.vertices.size() == vertex_count_ || corners_.size() < 3)
       polygon(row_, corners_);
-    else
-      waiting_.push_back({row_, corners_});
+    else {
+      waiting_.corners.insert(waiting_.corners.end(), corners_.begin(), corners_.end());
+      waiting_.faces.push_back({row_, waiting_.corners.size()});
+    }
   }
 
-  void polygon(std::uint64_t row, const std::vector<std::uint32_t>& c) {
+  void polygon(std::uint64_t row, std::span<const std::uint32_t> c) {
     if (const std::string why = append_polygon(mesh_, c, deadline_); !why.empty())
       fail(fmt::format("face {}: {}", row, why));
   }
@@ -395,8 +407,8 @@ class PlyReader {
   std::string_view body_;  // the unread part behind the header
   std::string_view line_;  // the unread part of an ascii row
   std::vector<std::uint32_t> corners_;
-  std::vector<Polygon> waiting_;  // faces that stand before the vertices
-  std::uint64_t too_long_ = 0;    // rows of the element with too many values
+  WaitingFaces waiting_;
+  std::uint64_t too_long_ = 0;  // rows of the element with too many values
   struct {
     std::size_t line;
     std::uint64_t row;
