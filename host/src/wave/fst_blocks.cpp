@@ -18,7 +18,11 @@ namespace {
 
 /// zlib expands at most 1032 times; LZ4 and FastLZ expand less.
 constexpr std::uint64_t kMostExpansion = 1100;
-constexpr std::uint64_t kMostNames = std::uint64_t{1} << 32;
+
+/// Most bytes of unpacked names. Their full names have the same limit (trace.cpp).
+std::uint64_t most_names(std::uint64_t file_bytes) {
+  return (std::uint64_t{256} << 20) + 64 * file_bytes;
+}
 
 /// A read-only memory-mapped file.
 class Mapped {
@@ -172,7 +176,7 @@ void check_geometry(const Mapped& file, std::uint64_t block, std::uint64_t lengt
 
 void check_hierarchy(const Mapped& file, std::uint64_t block, std::uint64_t length) {
   if (length < 17 || file.word(block + 9) > kMostExpansion * kMostExpansion * (length - 16) ||
-      file.word(block + 9) > kMostNames)
+      file.word(block + 9) > most_names(file.size()))
     file.corrupt(block, "has names that do not fit");
 }
 
@@ -197,7 +201,9 @@ std::vector<Blackout> read_blackouts(const Mapped& file, std::uint64_t block, st
 
 /// Memory that is only touched where it is written.
 std::unique_ptr<char[]> names_buffer(const WaveBytes& file, std::uint64_t size) {
-  if (size > kMostNames) file.fail("has more than 4 GiB of names");
+  if (size > most_names(file.size()))
+    file.fail(fmt::format("has names of {} bytes; at most {} may be in a file of {} bytes", size,
+                          most_names(file.size()), file.size()));
   return std::unique_ptr<char[]>(new char[size]);
 }
 
