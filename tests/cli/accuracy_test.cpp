@@ -198,7 +198,7 @@ TEST_F(Accuracy, InterruptedRun_ContinuesWhereItEnded) {
   EXPECT_TRUE(has(refused.err, "belongs to a run with seed 1; this run has 7"));
   EXPECT_EQ(read("journal"), lines);
   std::string old = lines;
-  old.replace(old.find("journal.2"), 9, "journal.1");
+  old.replace(old.find("journal.3"), 9, "journal.1");
   write("journal", old);
   const Ran stale = with("journal");
   EXPECT_EQ(stale.status, 2);

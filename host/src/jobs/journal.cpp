@@ -222,16 +222,18 @@ void Journal::read_first(const std::string& line, const Json& entry) {
 
 /// The place after this byte where an entry's line begins.
 std::optional<std::uint64_t> Journal::entry_within(std::uint64_t from) const {
-  const auto rest = bytes_at(file_, from, bytes_ - from);
-  if (!rest) fail("cannot read");
   constexpr std::string_view kBegin = "\n{\"part\":";
-  for (std::size_t at = rest->find(kBegin); at != std::string::npos;
-       at = rest->find(kBegin, at + 1)) {
-    const std::size_t end = rest->find('\n', at + 1);
-    if (end == std::string::npos) break;
-    const Json entry = parse_json(rest->substr(at + 1, end - at - 1));
-    if (entry.is_object() && (entry.contains("chunk") || entry.contains("chunks")))
-      return from + at + 1;
+  constexpr std::uint64_t kWindow = 16 << 20;  // bytes searched at a time
+  for (; from < bytes_; from += kWindow) {
+    const auto rest = bytes_at(file_, from, std::min(bytes_ - from, kWindow + kLongestLine));
+    if (!rest) fail("cannot read");
+    for (std::size_t at = rest->find(kBegin); at < kWindow; at = rest->find(kBegin, at + 1)) {
+      const std::size_t end = rest->find('\n', at + 1);
+      if (end == std::string::npos) continue;
+      const Json entry = parse_json(rest->substr(at + 1, end - at - 1));
+      if (entry.is_object() && (entry.contains("chunk") || entry.contains("chunks")))
+        return from + at + 1;
+    }
   }
   return std::nullopt;
 }
