@@ -271,6 +271,7 @@ void read_source(Table& t, const std::filesystem::path& folder, SceneObject& obj
       t.fail(e.code(), key, e.what());
     }
     if (size(object.shapes) == 0) t.fail(key, fmt::format("{} has no rays", file));
+    memory.add(t, key, Shape::kRay, size(object.shapes));
     object.source = file + ", " + counted(size(object.shapes), "ray");
   } else {
     const auto shape = static_cast<Shape>(
