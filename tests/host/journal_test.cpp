@@ -48,6 +48,18 @@ TEST_F(Journals, UnfinishedLastEntry_IsCut) {
   EXPECT_EQ(chunks_of(whole_), kChunks);
 }
 
+/// The search for an entry behind a damaged count reads the file in windows.
+TEST_F(Journals, EntryFarBehindADamagedCount_IsNamed) {
+  constexpr std::size_t kBetween = 40 << 20;  // more than two windows
+  std::string damaged = claiming(0, "1000000000");
+  const std::size_t second = starts_[1] + damaged.size() - whole_.size();
+  damaged.insert(second, std::string(kBetween, '\0') + '\n');
+  folder_.write("journal", damaged);
+  expect_error(ErrorCode::kFile,
+               fmt::format("another entry begins at byte {}", second + kBetween + 1),
+               [&] { (void)chunks_of(damaged); });
+}
+
 TEST_F(Journals, DamagedCount_IsAnErrorAndKeepsTheJournal) {
   for (std::size_t chunk = 0; chunk + 1 < kChunks; ++chunk) {
     for (const char* number : {"1000000", "4294967295", "1099511627775"}) {
