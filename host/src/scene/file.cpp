@@ -230,21 +230,26 @@ void check_name(const Table& t, const std::string& name) {
                        in_quotes(name)));
 }
 
+/// `closed`: objects that earlier queries have checked.
 void check_inside(const Scene& scene, const SceneQuery& q, Shape primary, Shape secondary,
-                  const Table& t) {
+                  std::set<std::size_t>& closed, const Table& t) {
   if (primary == Shape::kPlane || secondary != Shape::kTriangle)
     t.fail(ErrorCode::kUsage, "inside",
            fmt::format("needs secondaries that are closed meshes and primaries that have a middle, "
                        "but the primaries are {}s and the secondaries {}s",
                        name(primary), name(secondary)));
+  SceneQuery fresh = q;
+  std::erase_if(fresh.secondaries, [&](std::size_t number) { return closed.contains(number); });
   try {
-    SceneInside{scene, q};
+    SceneInside{scene, fresh};
+    closed.insert(fresh.secondaries.begin(), fresh.secondaries.end());
   } catch (const Error& e) {
     t.fail(e.code(), "inside", e.what());
   }
 }
 
-SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
+SceneQuery read_query(const Scene& scene, const Names& names, std::set<std::size_t>& closed,
+                      Table& t) {
   SceneQuery q;
   q.name = t.text("name");
   check_name(t, q.name);
@@ -268,7 +273,7 @@ SceneQuery read_query(const Scene& scene, const Names& names, Table& t) {
   q.normals = t.flag("normals", false);
   q.self = t.flag("self", false);
   q.inside = t.flag("inside", false);
-  if (q.inside) check_inside(scene, q, primary, secondary, t);
+  if (q.inside) check_inside(scene, q, primary, secondary, closed, t);
   if (q.normals && !is_solid(q.pair)) t.fail(ErrorCode::kUsage, "normals", "rays have no normals");
   if (auto iterations = t.table("iterations")) {
     if (!has_iterations(q.pair))
@@ -351,8 +356,9 @@ Scene parse_scene(std::string_view text, const std::string& name) {
   Names names;
   read_objects(scene, t.tables("object"), folder, names);
   std::set<std::string> query_names;
+  std::set<std::size_t> closed;
   for (Table& query : t.tables("query")) {
-    scene.queries.push_back(read_query(scene, names, query));
+    scene.queries.push_back(read_query(scene, names, closed, query));
     if (!query_names.insert(scene.queries.back().name).second)
       query.fail("name", "another query has that name");
   }
