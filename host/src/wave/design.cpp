@@ -290,8 +290,11 @@ std::vector<Design::Piece> Design::pieces(
     const Slice& wanted;
     std::vector<Piece>& found;
     const std::function<bool(const std::string&)>& exists;
+    std::uint64_t& steps;  ///< left; a type can have 2^30 elements in a line of a structure
     void operator()(const std::string& name, unsigned type_id, std::uint64_t low, int depth) const {
       const netlist::Type& type = netlist.type(type_id);
+      if (steps == 0) return;
+      --steps;
       if (depth > 20 || type.width == 0 || low >= wanted.low + wanted.width ||
           low + type.width <= wanted.low)
         return;
@@ -307,14 +310,15 @@ std::vector<Design::Piece> Design::pieces(
         const std::uint64_t first = wanted.low > low ? (wanted.low - low) / one : 0;
         const std::uint64_t last =
             std::min(type.width / one, (wanted.low + wanted.width - low - 1) / one + 1);
-        for (std::uint64_t i = first; i < last && found.size() < 4096; ++i)
+        for (std::uint64_t i = first; i < last && found.size() < 4096 && steps > 0; ++i)
           (*this)(fmt::format("{}[{}]", name, index_at(type, static_cast<std::int64_t>(i))),
                   type.element, low + i * one, depth + 1);
       }
     }
   };
   std::vector<Piece> found;
-  Walk{all_->netlist, s, found, exists}(variable_name(s), all_->variable(s).type, 0, 0);
+  std::uint64_t steps = 1 << 20;
+  Walk{all_->netlist, s, found, exists, steps}(variable_name(s), all_->variable(s).type, 0, 0);
   return found;
 }
 

@@ -16,7 +16,8 @@
 namespace cde::wave {
 namespace {
 
-constexpr std::uint64_t kMostNamesFile = std::uint64_t{1} << 32;
+/// Bytes of names in a file beside the waves, and 64 more for each byte of waves.
+constexpr std::uint64_t kMostNamesBeside = std::uint64_t{256} << 20;
 
 void put_word(std::string& header, std::size_t at, std::uint64_t word) {
   for (unsigned i = 0; i < 8; ++i) header[at + i] = static_cast<char>(word >> (8 * (7 - i)));
@@ -185,7 +186,10 @@ void FstSource::names_beside(const std::filesystem::path& beside) {
     for (const std::size_t word : {9u, 17u}) put_word(blocks_.header, word, 0);
     return;
   }
-  if (names.size() > kMostNamesFile) names.fail("is larger than names can be");
+  const std::uint64_t most = kMostNamesBeside + 64 * file_.size();
+  if (names.size() > most)
+    names.fail(fmt::format("has {} bytes; at most {} may be names of a wave file of {} bytes",
+                           names.size(), most, file_.size()));
   names_.resize(names.size());
   names_.resize(names.read(0, names_.data(), names_.size()));
 }
