@@ -23,6 +23,8 @@ extern char** environ;
 namespace cde::netlist {
 namespace {
 
+constexpr unsigned kMostSeconds = 120;  ///< of processor time, where memory is limited
+
 namespace fs = std::filesystem;
 
 std::string text_of(const fs::path& file) {
@@ -142,7 +144,8 @@ std::string elaborated(const fs::path& source, const std::string& top,
   const auto written = [&](std::initializer_list<std::string> form) {
     std::vector<std::string> all = {"verilator"};
     if (most_memory != 0)
-      all.insert(all.begin(), {"prlimit", fmt::format("--as={}", most_memory), "--core=0", "--"});
+      all.insert(all.begin(), {"prlimit", fmt::format("--as={}", most_memory),
+                               fmt::format("--cpu={}", kMostSeconds), "--core=0", "--"});
     all.insert(all.end(), form);
     all.insert(all.end(), command.begin(), command.end());
     try {
@@ -158,8 +161,9 @@ std::string elaborated(const fs::path& source, const std::string& top,
     if (written({"--json-only", "--json-only-output", json, "--json-only-meta-output", meta}))
       return xml_of_json(text_of(json), named(text_of(meta), rtl, source));
   }
-  const std::string limit =
-      most_memory == 0 ? "" : fmt::format(" in {} MB of memory", most_memory >> 20);
+  const std::string limit = most_memory == 0 ? ""
+                                             : fmt::format(" in {} MB of memory and {} s",
+                                                           most_memory >> 20, kMostSeconds);
   throw ElaborationError("verilator cannot elaborate " + top + limit + ":\n" + log);
 }
 

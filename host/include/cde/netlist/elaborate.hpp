@@ -56,7 +56,7 @@ using Hidden = std::function<bool(std::string_view module)>;
 /// `rtl`/../verilator. Parameters are NAME=VALUE, as for the builder of simulation models; switches
 /// are Verilator's. With hidden gates this takes up to a few seconds. An empty `hidden` hides
 /// nothing and takes as long as Verilator takes for the model. With `most_memory` bytes Verilator
-/// may take no more.
+/// may take no more, and 120 s of processor time.
 [[nodiscard]] std::string elaborated(const std::filesystem::path& rtl, const std::string& top,
                                      const std::vector<std::string>& parameters,
                                      const Hidden& hidden,
