@@ -380,14 +380,14 @@ TEST_F(Why, WrongCacheEntry_IsMadeAgainOnce) {
 }
 
 /// The parameters of the waves' comment may be a stranger's.
-TEST_F(Why, Elaboration_HasALimitOfMemory) {
+TEST_F(Why, Elaboration_HasLimits) {
   write("pairs", "0,0,0,1,1.5,0,0,1\n");
   ASSERT_EQ(shell("\"$CDE\" query sphere-sphere --lanes 8 --trace c.fst -q < pairs").status, 0);
   const Ran real = shell("command -v verilator");
   fs::create_directory(folder_ / "bin");
   write("bin/verilator", "#!/bin/bash\n[[ \" $* \" == *' --xml-only '* ]] || exec " +
                              real.out.substr(0, real.out.find('\n')) +
-                             " \"$@\"\nulimit -v >limit\nexit 1\n");
+                             " \"$@\"\nulimit -v >limit\nulimit -t >>limit\nexit 1\n");
   fs::permissions(folder_ / "bin/verilator", fs::perms::owner_all);
   const Ran ran = cde({"wave", "why", "c.fst", "pair_unit.pair_unit.t_o[0]@end"},
                       {"PATH=" + (folder_ / "bin").string() + ":" + std::getenv("PATH"),
@@ -395,7 +395,7 @@ TEST_F(Why, Elaboration_HasALimitOfMemory) {
   EXPECT_EQ(ran.status, 2);
   EXPECT_TRUE(has(ran.err, "verilator cannot elaborate pair_unit in 4096 MB of memory and 120 s"))
       << ran.err;
-  EXPECT_EQ(read("limit"), "4194304\n");
+  EXPECT_EQ(read("limit"), "4194304\n120\n");
 }
 
 /// Verilator takes seconds to read a card's RTL.
