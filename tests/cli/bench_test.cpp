@@ -24,11 +24,12 @@ TEST_F(Bench, QuickRays_ReportPlausibleFigures) {
     EXPECT_EQ(card["device_cycles"], rates["card"][0]["device_cycles"])
         << "both arithmetic back ends take the same cycles";
     EXPECT_GT(card["tests_per_second_simulated"], 1e4);
-    EXPECT_NEAR(card["cycles_per_row"].get<double>(), 1.0, 0.001);
+    EXPECT_NEAR(card["cycles_per_row"].get<double>(), 1.0, 0.002)
+        << "the pipe's latency in 160,000";
   }
   for (const auto& scene : j["rays"]["linearity"]) {
     const double rows = scene["triangles"].get<double>() * 16;
-    EXPECT_LE(scene["device_cycles"], rows + 200);
+    EXPECT_LE(scene["device_cycles"], rows + 300);
     EXPECT_LT(scene["resident_bytes_per_triangle"], 60);
   }
   EXPECT_GT(j["rays"]["two_boards"]["throughput_ratio"], 0);

@@ -285,7 +285,7 @@ TEST_F(SceneBvh, Plan_ShowsCyclesOfBoth) {
   std::string all, word;
   while (words >> word) all += word + " ";
   EXPECT_TRUE(has(all, "through a BVH in about")) << text.out;
-  EXPECT_TRUE(has(all, "brute force on 128 lanes takes")) << text.out;
+  EXPECT_TRUE(has(all, "brute force on 16 lanes takes")) << text.out;
   write("bad.toml", flight("bvh = \"yes\""));
   const Ran bad = cde({"plan", "bad.toml"});
   EXPECT_EQ(bad.status, 2);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../has.hpp"
+#include "cde/model/device.hpp"
 #include "run_cde.hpp"
 
 namespace cde::testing {
@@ -118,7 +119,7 @@ TEST_F(FormatCli, SceneWithACertifiedFilter_HasTheSameRecords) {
 TEST_F(FormatCli, AccuracyOfAScene_ReportsEveryFormat) {
   write("ball.toml", scene("", kBall));
   const Ran ran = cde({"accuracy", "--scene", "ball.toml", "--frames", "1..2", "--formats",
-                       "bf16,fp16,fp64", "--clock", "50", "--json", "-q"});
+                       "bf16,fp16,fp64", "--device", "ecp5-85", "--json", "-q"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto j = nlohmann::json::parse(ran.out);
   EXPECT_EQ(j["schema"], "cde.accuracy.scene.1");
@@ -126,7 +127,7 @@ TEST_F(FormatCli, AccuracyOfAScene_ReportsEveryFormat) {
   for (const auto& row : j["scene_rows"]) {
     EXPECT_EQ(row["records"], 70);
     EXPECT_EQ(row["rows"], 18 * 1280);
-    EXPECT_DOUBLE_EQ(row["modelled_row_seconds"], 18 * 1280 / 50e6);
+    EXPECT_DOUBLE_EQ(row["modelled_row_seconds"], 18 * 1280 / device_named("ecp5-85").clock_hz());
     const double error = row["relative_t_error"]["largest"];
     if (row["format"] == "fp64") {
       EXPECT_EQ(error, 0);
@@ -140,9 +141,9 @@ TEST_F(FormatCli, AccuracyOfAScene_ReportsEveryFormat) {
   }
   const Ran table = cde({"accuracy", "--scene", "ball.toml", "--frames", "0", "--formats", "tf32"});
   EXPECT_EQ(table.status, 0) << table.err;
-  EXPECT_TRUE(has(table.out, "4 lanes at an assumed core clock of 100 MHz"));
+  EXPECT_TRUE(has(table.out, "4 lanes of large (projected, 100 MHz) in every"));
   refused({"accuracy", "--scene", "ball.toml", "--frames", "7"}, "--frames is '7'");
-  refused({"accuracy", "--clock", "50"}, "--scene");
+  refused({"accuracy", "--device", "ideal"}, "--scene");
   refused({"accuracy", "--scene", "ball.toml", "--mesh", "terrain"}, "--mesh");
 }
 
