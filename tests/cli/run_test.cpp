@@ -425,7 +425,8 @@ normals = true
   EXPECT_FALSE(exists("cache")) << "no model was built";
   EXPECT_EQ(
       ran.err.find("cde: the built card board ARITH=host LANES=8 PAIRS=6145 BOX=1 SWAP=1 NORMALS=1 "
-                   "replaces the planned card board ARITH=host LANES=8 PAIRS=6144"),
+                   "LAT_ADD=9 LAT_MUL=11 LAT_DIV=34 LAT_SQRT=32 LAT_CMP=3 replaces the planned "
+                   "card board ARITH=host LANES=8 PAIRS=6144"),
       0u)
       << ran.err;
   EXPECT_TRUE(has(ran.err, "100 of 100 records compared with the reference, 0 differ"));
