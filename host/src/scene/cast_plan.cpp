@@ -7,6 +7,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "scene/bvh_choice.hpp"
+#include "scene/plan_card.hpp"
 
 namespace cde {
 namespace {
@@ -37,10 +38,9 @@ bool traverses(const CastRequest& r, std::uint64_t triangles,
 
 /// The lanes of the device. Gates take minutes to compile, so they get fewer.
 unsigned lanes_of(const CastRequest& r) {
-  constexpr unsigned kLanesOfGates = 8;
   if (r.lanes) return *r.lanes;
   return r.arithmetic == Arithmetic::kHost ? r.device.lanes
-                                           : std::min(kLanesOfGates, r.device.lanes);
+                                           : std::min(plan_card::kMostLanesOfGates, r.device.lanes);
 }
 
 /// The BVH, or nothing where brute force is as good. `warning` says why a BVH cannot be built.

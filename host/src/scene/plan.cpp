@@ -23,7 +23,6 @@ namespace {
 /// Lanes of pipes with candidate axes (SAT) and iterative pipelines, which take longest to build:
 /// one vector register of the host.
 constexpr unsigned kLanesOfLargePipes = 8;
-constexpr unsigned kMostLanesOfGates = 8;
 
 /// How many times as long a frame of rays and triangles takes to simulate with an effect: medians
 /// of `cde bench effects`, which prints them beside its own.
@@ -127,7 +126,8 @@ unsigned lanes_for(const Scene& scene, const std::vector<Pair>& pairs) {
   for (const SceneQuery& q : scene.queries)
     most = std::max(most, std::min<std::uint64_t>(card::kMostPrimaries, count(scene, q.primaries)));
   if (scene.card.arithmetic == Arithmetic::kRtl)
-    return std::min({std::bit_ceil(static_cast<unsigned>(most)), kMostLanesOfGates, lanes});
+    return std::min(
+        {std::bit_ceil(static_cast<unsigned>(most)), plan_card::kMostLanesOfGates, lanes});
   const bool large = scene.card.filter || std::ranges::any_of(pairs, plan_card::is_large);
   return large ? std::min(kLanesOfLargePipes, lanes) : lanes;
 }

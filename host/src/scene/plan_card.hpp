@@ -9,6 +9,9 @@ namespace cde::plan_card {
 /// as long to simulate and to build as tens of other lanes.
 [[nodiscard]] bool is_large(Pair pair);
 
+/// Gates take minutes to build, so a card of gates gets no more lanes by default.
+inline constexpr unsigned kMostLanesOfGates = 8;
+
 /// A card that takes more times as long as this is not worth using: building the planned one is.
 inline constexpr double kMostTimes = 1.3;
 
