@@ -156,7 +156,7 @@ TEST_F(Help, Pages_EndWithStatusesAndVariables) {
   EXPECT_EQ(variables({"advise"}), (Words{"CDE_SHARE", "CDE_COSTS", "NO_COLOR"}));
   EXPECT_EQ(variables({"query"}), (Words{"CDE_CACHE", "CDE_MODELS", "CDE_SHARE", "CDE_CLANG",
                                          "CDE_MARCH", "CDE_ASSERT", "NO_COLOR"}));
-  EXPECT_TRUE(has(section(page_of({"cast"}), "Environment"), "CDE_MESH_MEMORY"));
+  EXPECT_TRUE(has(section(page_of({"cast"}), "Environment"), "CDE_READ_MEMORY"));
 }
 
 /// Options of a verb stand under "Options" or under other headings. Manual pages have the same

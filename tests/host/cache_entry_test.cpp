@@ -108,6 +108,14 @@ TEST_F(CacheEntry, FifoOrFolderAsEntry_IsRefusedAtOnce) {
   fs::create_directory(file());
   ASSERT_EQ(::chmod(file().c_str(), 0700), 0);
   expect_refused("is no readable file");
+  fs::remove(file());
+  fs::create_directories(file() / "a");
+  ::testing::internal::CaptureStderr();
+  write_cache_entry("entry", "text\n");
+  EXPECT_TRUE(has(::testing::internal::GetCapturedStderr(),
+                  "cde: entry is not kept in the cache: " + file().string() + ": cannot write: "))
+      << "a folder with files stays";
+  EXPECT_TRUE(fs::exists(file() / "a"));
 }
 
 TEST_F(CacheEntry, FifoAsChecksumOfAModel_IsSkipped) {

@@ -339,7 +339,7 @@ TEST_F(HostileMesh, SpiralFaces_EndAtTheTimeLimit) {
   for (int i = 0; i < 5000; ++i) text += face + "\n";
   const fs::path mesh = folder_.write("spiral.obj", text);
   const auto began = std::chrono::steady_clock::now();
-  expect_error(ErrorCode::kFile, "not read within 1 s (CDE_MESH_SECONDS sets another limit)",
+  expect_error(ErrorCode::kFile, "not read within 1 s (CDE_READ_SECONDS sets another limit)",
                [&] { (void)load_mesh(mesh, {.time = std::chrono::seconds(1)}); });
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
 }
@@ -382,7 +382,7 @@ TEST_F(HostileMesh, UnpackedGigabytesOf3mf_AreRefused) {
   const std::string bytes = file_of_3mf(1'000'000);
   ASSERT_LT(bytes.size(), 200'000u);
   const fs::path large = folder_.write("large.3mf", bytes);
-  expect_error(ErrorCode::kFile, "of its 100 MB; CDE_MESH_MEMORY sets another limit",
+  expect_error(ErrorCode::kFile, "of its 100 MB; CDE_READ_MEMORY sets another limit",
                [&] { (void)load_mesh(large, {.memory = 100u << 20}); });
 }
 
@@ -544,18 +544,26 @@ TEST_F(HostileMesh, TimeOfOwnReaders_IsLimited) {
     });
 }
 
-TEST(MeshLimits, EnvironmentVariables_SetTheLimits) {
-  ASSERT_EQ(::setenv("CDE_MESH_SECONDS", "5", 1), 0);
-  ASSERT_EQ(::setenv("CDE_MESH_MEMORY", "100", 1), 0);
-  EXPECT_EQ(MeshLimits::from_environment().time, std::chrono::seconds(5));
-  EXPECT_EQ(MeshLimits::from_environment().memory, 100u << 20);
-  for (const char* bad : {"0", "-1", "x", "1.5", "99999999999"}) {
-    ASSERT_EQ(::setenv("CDE_MESH_MEMORY", bad, 1), 0);
-    expect_error(ErrorCode::kUsage, "CDE_MESH_MEMORY is ",
-                 [] { (void)MeshLimits::from_environment(); });
-  }
-  ::unsetenv("CDE_MESH_SECONDS");
-  ::unsetenv("CDE_MESH_MEMORY");
+/// Faces that stand before the vertices are kept: 20 million bytes, each an empty face.
+TEST_F(HostileMesh, FacesBeforeVertices_TakeLittleMemory) {
+  constexpr unsigned kEmpty = 20'000'000;
+  const std::string header = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement face {}\n"
+      "property list uchar uchar vertex_indices\nelement vertex 3\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n",
+      kEmpty + 1);
+  std::string vertices(36, '\0');
+  vertices.replace(14, 2, "\x80\x3f").replace(30, 2, "\x80\x3f");
+  const fs::path file = folder_.write(
+      "a.ply", header + std::string("\3\0\1\2", 4) + std::string(kEmpty, '\0') + vertices);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_DATA, &before), 0);
+  const rlimit little{data_bytes() + (400u << 20), before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_DATA, &little), 0);
+  Mesh mesh;
+  EXPECT_NO_THROW(mesh = load_mesh(file));
+  ASSERT_EQ(::setrlimit(RLIMIT_DATA, &before), 0);
+  EXPECT_EQ(mesh.faces.size(), 1u);
 }
 
 }  // namespace

@@ -287,7 +287,7 @@ void run_picture(const AccuracyOptions& o) {
 
 /// Runs the queries of every frame in each format. Modelled times are for the planned card.
 void run_scene(const AccuracyOptions& o) {
-  cde::Scene scene = load_scene(o.scene);
+  cde::Scene scene = read_scene(o.scene, o.quiet);
   use_device(o.device, scene);
   scene.card.bvh = UseBvh::kOff;  // a BVH needs fp32, and the rows are for brute force
   const Plan planned = plan(scene);

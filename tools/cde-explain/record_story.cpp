@@ -68,11 +68,7 @@ class Teller {
  public:
   Teller(const RecordName& name, bool exact, bool quiet) : name_(name), quiet_(quiet) {
     named_ = scene_named(name);
-    {
-      const Progress busy("loading " + named_.scene, quiet);
-      // A pipe may only be on the command line.
-      s_.scene = named_.scene == name.run ? load_scene(name.run) : load_named_scene(named_.scene);
-    }
+    s_.scene = read_scene(named_.scene, quiet, named_.scene != name.run);
     s_.scene.card.trace = true;
     find_record();
     plan_ = plan(s_.scene);

@@ -22,6 +22,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/process.hpp"
+#include "cde/support/read_limits.hpp"
 #include "mesh/readers.hpp"
 #include "support/file_io.hpp"
 #include "support/sanitizer.hpp"
@@ -287,14 +288,6 @@ std::string import(const std::string& path) {
   }
 }
 
-/// Bytes of data that this process holds. A child starts with as many.
-std::uint64_t data_bytes() {
-  std::ifstream file("/proc/self/statm");
-  std::uint64_t pages[6] = {};  // size, resident, shared, text, 0, data
-  for (std::uint64_t& count : pages) file >> count;
-  return pages[5] * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-}
-
 void limit_child(std::chrono::seconds time, std::uint64_t memory) {
   const rlimit none{0, 0};
   ::setrlimit(RLIMIT_CORE, &none);
@@ -326,7 +319,7 @@ std::uint64_t most_resident_bytes() {
 std::string with_memory(std::string answer, std::uint64_t before, std::uint64_t memory) {
   const std::uint64_t most = most_resident_bytes(), taken = most - std::min(most, before);
   if (answer.front() != kMessageFollows || taken < memory / 2) return answer;
-  return answer + fmt::format(" (it used {} of its {} MB; CDE_MESH_MEMORY sets another limit)",
+  return answer + fmt::format(" (it used {} of its {} MB; CDE_READ_MEMORY sets another limit)",
                               taken >> 20, memory >> 20);
 }
 
@@ -355,7 +348,7 @@ Mesh read_by_assimp(const std::filesystem::path& path, const MeshLimits& limits)
   const Deadline deadline(limits.time);
   const process::Result ran = process::run_isolated(
       [&](int out) { run_child(out, name, limits.time, memory); }, limits.time);
-  if (ran.timed_out || ran.status == 128 + SIGXCPU) fail_slow(path, deadline);
+  if (ran.timed_out || ran.status == 128 + SIGXCPU) fail_slow(path, limits.time);
   if (ran.status == 128 + SIGKILL || ran.output == std::string(1, kTooLarge))
     fail_large(path, memory);
   if (ran.status != 0) fail("the importer crashed; the file is probably damaged");

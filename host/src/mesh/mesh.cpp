@@ -20,6 +20,7 @@
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
+#include "cde/support/read_limits.hpp"
 #include "mesh/readers.hpp"
 #include "support/file_io.hpp"
 #include "support/text.hpp"
@@ -193,22 +194,8 @@ bool mesh_readers::MeshFolder::holds(const Descriptor& file) const {
   return false;
 }
 
-void mesh_readers::fail_slow(const std::filesystem::path& path, const Deadline& deadline) {
-  throw Error(ErrorCode::kFile,
-              fmt::format("{}: not read within {} s; the file is probably damaged "
-                          "(CDE_MESH_SECONDS sets another limit)",
-                          printable_name(path.string()), deadline.limit.count()));
-}
-
 void mesh_readers::Deadline::check(const std::filesystem::path& mesh) const {
-  if (std::chrono::steady_clock::now() > end) fail_slow(mesh, *this);
-}
-
-void mesh_readers::fail_large(const std::filesystem::path& path, std::uint64_t memory) {
-  throw Error(ErrorCode::kFile,
-              fmt::format("{}: takes more than {} MB to read; the file is probably damaged "
-                          "(CDE_MESH_MEMORY sets another limit)",
-                          printable_name(path.string()), memory >> 20));
+  if (std::chrono::steady_clock::now() > end) fail_slow(mesh, limit);
 }
 
 std::uint64_t mesh_readers::memory_of(const std::filesystem::path& path, const MeshLimits& limits) {
@@ -302,18 +289,9 @@ void mesh_readers::NamedFiles::add_library(const std::string& name) {
 
 MeshLimits MeshLimits::from_environment() {
   MeshLimits limits;
-  const auto number = [](const char* name, std::uint64_t most) -> std::optional<std::uint64_t> {
-    const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
-    if (text == nullptr || *text == '\0') return std::nullopt;
-    std::uint32_t value = 0;
-    if (!text::parse_int(text, value) || value == 0 || value > most)
-      throw Error(ErrorCode::kUsage, fmt::format("{} is {}; it must be a whole number from 1 to {}",
-                                                 name, in_quotes(text), most));
-    return value;
-  };
-  if (const auto seconds = number("CDE_MESH_SECONDS", 86'400))
-    limits.time = std::chrono::seconds(*seconds);
-  if (const auto megabytes = number("CDE_MESH_MEMORY", 1u << 24)) limits.memory = *megabytes << 20;
+  const ReadLimits set = ReadLimits::from_environment();
+  if (set.time) limits.time = *set.time;
+  if (set.memory) limits.memory = *set.memory;
   return limits;
 }
 

@@ -85,7 +85,7 @@ std::string append_polygon(Mesh& mesh, std::span<const std::uint32_t> corners,
       return fmt::format("concave polygon of {} corners (limit {})", corners.size(),
                          kMostConcaveCorners);
     if (corners.size() > kFewCorners && std::chrono::steady_clock::now() > deadline.end)
-      return fmt::format("not read within {} s (CDE_MESH_SECONDS sets another limit)",
+      return fmt::format("not read within {} s (CDE_READ_SECONDS sets another limit)",
                          deadline.limit.count());
     for (std::size_t at = 0, tried = 0; ring.size() > 3 && tried < ring.size();) {
       const std::size_t n = ring.size();

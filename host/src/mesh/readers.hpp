@@ -71,9 +71,6 @@ class MeshFolder {
 
 /// Bytes that reading a mesh may take.
 [[nodiscard]] std::uint64_t memory_of(const std::filesystem::path& path, const MeshLimits& limits);
-/// Error kFile: a limit is reached.
-[[noreturn]] void fail_slow(const std::filesystem::path& path, const Deadline& deadline);
-[[noreturn]] void fail_large(const std::filesystem::path& path, std::uint64_t memory);
 
 /// Adds the files that a mesh and its material libraries name to mesh.files. Error kFile if that
 /// takes too much time or memory.

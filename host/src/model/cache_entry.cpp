@@ -94,8 +94,8 @@ void write_cache_entry(const std::string& name, std::string_view text) {
     write_private(folders::checksum_file(file),
                   fmt::format("{}  {}\n", checksum(name, text), name));
     write_private(file, text);
-  } catch (const Error&) {
-    // Nothing is cached, as before.
+  } catch (const Error& e) {
+    log(fmt::format("cde: {} is not kept in the cache: {}\n", name, e.what()));
   }
 }
 

@@ -168,6 +168,11 @@ Key key_of(const std::string& kind, const std::vector<std::string>& parameters) 
   return {hash, fmt::format("{}.so", key)};
 }
 
+[[noreturn]] void fail_folder(const fs::path& file, std::string_view use) {
+  throw Error(ErrorCode::kFile, fmt::format("{}: is a folder; expected a file{}; remove the folder",
+                                            printable_name(file.string()), use));
+}
+
 /// Holds an exclusive lock on a file during its lifetime, and reports what it waits for.
 class FileLock {
  public:
@@ -178,11 +183,7 @@ class FileLock {
       fd_ = opened(place);
     }
     if (fd_ < 0) {
-      if (errno == EISDIR)
-        throw Error(ErrorCode::kFile,
-                    fmt::format("{}: is a folder; expected a file, which is locked during a build; "
-                                "remove the folder",
-                                printable_name(place.named.string())));
+      if (errno == EISDIR) fail_folder(place.named, ", which is locked during a build");
       throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(place.named.string()),
                                                 std::strerror(errno)));
     }
@@ -275,8 +276,12 @@ Place place_to_build(const Key& key) {
 /// Builds the model in the cache. The caller holds the lock.
 void build_kept(const Place& place, const std::string& kind,
                 const std::vector<std::string>& parameters) {
-  build(place, kind, parameters);
   std::error_code none;
+  for (const Place& file : {place, place.beside(".so.sha256")}) {
+    if (!fs::is_directory(fs::symlink_status(file.inside, none))) continue;
+    if (!fs::remove(file.inside, none)) fail_folder(file.named, "");  // not empty
+  }
+  build(place, kind, parameters);
   if (!fs::exists(place.inside, none))
     throw Error(ErrorCode::kFile,
                 fmt::format("cache of simulation models {} was replaced during the build",

@@ -145,6 +145,7 @@ std::string elaborated(const fs::path& source, const std::string& top,
     std::vector<std::string> all = {"verilator"};
     if (most_memory != 0)
       all.insert(all.begin(), {"prlimit", fmt::format("--as={}", most_memory),
+                               fmt::format("--data={}", most_memory),
                                fmt::format("--cpu={}", kMostSeconds), "--core=0", "--"});
     all.insert(all.end(), form);
     all.insert(all.end(), command.begin(), command.end());

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cde/wave/guarded.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/process.hpp"
+#include "cde/support/read_limits.hpp"
 
 namespace cde::wave {
 namespace {
@@ -32,16 +36,34 @@ std::string relay(int messages) {
   return held.substr(1);
 }
 
+/// Limits the processor time of this process. Programs that it starts begin at 0.
+void limit_time(std::chrono::seconds time) {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_CPU, &limit);
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  const auto end = static_cast<rlim_t>(used.ru_utime.tv_sec + used.ru_stime.tv_sec + time.count());
+  limit.rlim_cur = std::min(limit.rlim_cur, end);
+  ::setrlimit(RLIMIT_CPU, &limit);
+}
+
 }  // namespace
 
 int guarded(const std::string& file, const std::function<void()>& work,
             const std::function<void()>& crashed) {
   std::string last_words;
+  const std::chrono::seconds time = ReadLimits::time_for(file);
+  const auto limited = [&] {
+    const bool viewer = static_cast<bool>(crashed);
+    if (!viewer) limit_time(time);
+    within_memory_for(file, work);
+  };
   const auto ended = process::continue_in_child(
-      work, [&](int errors) { last_words = relay(errors); }, static_cast<bool>(crashed));
+      limited, [&](int errors) { last_words = relay(errors); }, static_cast<bool>(crashed));
   if (!ended) return -1;
   const int signal = ended->signal;
   if (crashed && signal != 0) crashed();
+  if (signal == SIGXCPU) fail_slow(file, time);
   const bool crash = signal == SIGSEGV || signal == SIGBUS || signal == SIGABRT ||
                      signal == SIGFPE || signal == SIGILL;
   if (signal != 0 && !crash) {

@@ -33,10 +33,7 @@ void add_plan(CLI::App& app) {
   scene_device_option(*verb, o->device);
   exact_card_option(*verb, o->exact);
   verb->callback([o] {
-    Scene scene = [&] {
-      const Progress busy("loading " + o->scene);
-      return load_scene(o->scene);
-    }();
+    Scene scene = read_scene(o->scene, false);
     warn(scene.warnings);
     use_device(o->device, scene);
     Plan made = plan(scene);

@@ -489,10 +489,7 @@ void check_options(const Options& o) {
 
 void run(const Options& o) {
   check_options(o);
-  Scene scene = [&] {
-    const Progress busy("loading " + o.scene, o.quiet);
-    return load_scene(o.scene);
-  }();
+  Scene scene = read_scene(o.scene, o.quiet);
   Check check = scene.check;
   if (!o.check.empty()) {
     const auto asked = check_named(o.check);

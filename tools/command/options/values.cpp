@@ -19,6 +19,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/output_file.hpp"
 #include "cde/support/progress.hpp"
+#include "cde/support/read_limits.hpp"
 #include "cde/support/suggest.hpp"
 
 namespace cde::cli {
@@ -181,6 +182,11 @@ CLI::Option* lanes_value(CLI::Option* option, const std::vector<std::string>& mo
                [words](const std::string& text) {
                  return std::find(words.begin(), words.end(), text) != words.end();
                });
+}
+
+Scene read_scene(const std::string& file, bool quiet, bool named) {
+  const Progress busy("loading " + file, quiet);
+  return within_memory_for(file, [&] { return named ? load_named_scene(file) : load_scene(file); });
 }
 
 void scene_option(CLI::App& verb, std::string& file) {

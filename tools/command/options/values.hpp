@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "cde/geometry/pair.hpp"
+#include "cde/scene/scene.hpp"
 #include "cde/support/suggest.hpp"
 #include "options/cli_fwd.hpp"
 
@@ -59,6 +60,9 @@ CLI::Option* clock_option(CLI::App& verb, double& mhz);
 void quiet_flag(CLI::App& verb, bool* quiet = nullptr);
 /// The scene that a verb reads.
 void scene_option(CLI::App& verb, std::string& file);
+/// Loads a scene file within its limit of memory (read_limits.hpp), with a line of progress.
+/// `named`: another file names it, so it must be regular.
+[[nodiscard]] Scene read_scene(const std::string& file, bool quiet, bool named = false);
 /// --exact-card: no built card replaces the planned one.
 void exact_card_option(CLI::App& verb, bool& exact);
 /// The deadline of a pass in device cycles, and the watchdog of the simulation in seconds.

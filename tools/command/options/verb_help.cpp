@@ -13,10 +13,10 @@ enum Does : unsigned {
   kModels = 1,   ///< uses simulation models, and builds missing ones
   kSources = 2,  ///< reads the RTL, and caches results
   kCards = 4,    ///< opens whole cards
-  kMeshes = 8,   ///< imports meshes
+  kFiles = 8,    ///< reads meshes, scenes or waves
   kCosts = 16,   ///< reads measured costs
   kWidth = 32,   ///< prints text as wide as the terminal
-  kAnything = kModels | kSources | kCards | kMeshes | kCosts | kWidth,
+  kAnything = kModels | kSources | kCards | kFiles | kCosts | kWidth,
   kCompares = 64,   ///< compares the card with the reference
   kSimulates = 128  ///< waits for a card, which may fail
 };
@@ -37,9 +37,13 @@ constexpr Variable kVariables[] = {
     {"CDE_MARCH", "processor for which simulation models are compiled, as in -march [native]",
      kModels},
     {"CDE_ASSERT", "1: simulation models with the assertions of the RTL", kModels},
-    {"CDE_MESH_MEMORY", "MB for importing a mesh [512 plus 64 times the file, at most 2048]",
-     kMeshes},
-    {"CDE_MESH_SECONDS", "seconds for importing a mesh [30]", kMeshes},
+    {"CDE_READ_MEMORY",
+     "MB for a mesh [512 plus 64 times the file, at most 2048], a scene or wave file [2048 plus 64 "
+     "times the file]",
+     kFiles},
+    {"CDE_READ_SECONDS",
+     "seconds for importing a mesh [30], and of processor time for a wave file [30 plus 10 per MB]",
+     kFiles},
     {"CDE_WAVES", "folder: every card that is opened writes waves, board-N.fst", kCards},
     {"COLUMNS", "width of text where stdout is no terminal [80]", kWidth},
     {"NO_COLOR", "not empty: no colours, on a terminal either", kAnything},
@@ -50,7 +54,7 @@ struct VerbFacts {
   unsigned does;
   const char* status_1 = nullptr;  ///< what status 1 means; null: the verb does not have it
 };
-constexpr unsigned kCast = kModels | kCards | kMeshes | kCosts | kCompares | kSimulates;
+constexpr unsigned kCast = kModels | kCards | kFiles | kCosts | kCompares | kSimulates;
 constexpr unsigned kBench = kModels | kCards | kCompares | kSimulates;
 constexpr VerbFacts kFacts[] = {
     {"", kAnything | kCompares | kSimulates,
@@ -60,13 +64,13 @@ constexpr VerbFacts kFacts[] = {
     {"render", kCast},
     {"query", kModels | kCompares | kSimulates},
     {"run", kCast},
-    {"plan", kModels | kMeshes | kCosts},
+    {"plan", kModels | kFiles | kCosts},
     {"fp", kModels | kSimulates},
-    {"merge", kModels | kMeshes | kCosts | kCompares},
+    {"merge", kModels | kFiles | kCosts | kCompares},
     {"doctor", kModels | kCards, "a fault was found"},
     {"help", kWidth},
-    {"explain", kModels | kSources | kCards | kMeshes | kCompares | kSimulates},
-    {"accuracy", kModels | kSources | kMeshes | kCosts | kCompares | kSimulates},
+    {"explain", kModels | kSources | kCards | kFiles | kCompares | kSimulates},
+    {"accuracy", kModels | kSources | kFiles | kCosts | kCompares | kSimulates},
     {"advise", kCosts, "no pipe meets the demands"},
     {"bench", kBench},
     {"reproduce", kBench | kCosts},
@@ -84,7 +88,9 @@ constexpr VerbFacts kFacts[] = {
 VerbFacts facts(std::string_view verb) {
   const auto* const found = std::find_if(std::begin(kFacts), std::end(kFacts),
                                          [&](const VerbFacts& f) { return f.verb == verb; });
-  return found == std::end(kFacts) ? VerbFacts{verb, kNothing} : *found;
+  VerbFacts all = found == std::end(kFacts) ? VerbFacts{verb, kNothing} : *found;
+  if (verb.starts_with("wave")) all.does |= kFiles;
+  return all;
 }
 
 using ExampleTable = std::map<std::string_view, std::vector<Example>>;

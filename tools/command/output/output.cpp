@@ -37,6 +37,7 @@ void install_removal() {
   static const bool installed = [] {
     terminal = ::isatty(STDERR_FILENO) != 0;
     for (const int signal : kSignals) handle(signal, remove_unfinished);
+    handle(SIGXCPU, remove_unfinished);
     return true;
   }();
   (void)installed;

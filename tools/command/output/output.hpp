@@ -10,7 +10,7 @@
 /// Signals while files are written, and the terminal.
 namespace cde::cli {
 
-/// From now on SIGINT, SIGTERM and SIGHUP remove the unfinished files and end the process.
+/// From now on SIGINT, SIGTERM, SIGHUP and SIGXCPU remove the unfinished files and end the process.
 void remove_unfinished_on_signals();
 
 /// While an object lives, the first SIGINT, SIGTERM or SIGHUP is only noted, so that finished work

@@ -54,7 +54,7 @@ struct MeshLimits {
   /// Bytes; 0: 512 MB plus 64 times the file's size, at most 2 GB.
   std::uint64_t memory = 0;
 
-  /// Limits from $CDE_MESH_SECONDS and $CDE_MESH_MEMORY (MB). Error kUsage, naming the variable, if
+  /// Limits from $CDE_READ_SECONDS and $CDE_READ_MEMORY (MB). Error kUsage, naming the variable, if
   /// its value is not an integer above 0.
   [[nodiscard]] static MeshLimits from_environment();
 };

@@ -10,6 +10,9 @@ namespace cde::wave {
 /// status. The reader of Verilator's runtime may crash on a corrupt file. If the child thus ends
 /// while it works, the parent throws error kFile, naming `file`.
 ///
+/// ReadLimits limits the child's memory, and without `crashed` its processor time. Error kFile,
+/// naming `file`, if it needs more.
+///
 /// `crashed` is for a child that changes state outside itself, such as terminal modes. The parent
 /// runs it if a signal has ended the child. With it, signals that end a process are passed to the
 /// child, which the parent outlives.

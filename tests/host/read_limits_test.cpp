@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cde/support/read_limits.hpp"
+
+#include <sys/stat.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include "cde/mesh/mesh.hpp"
+#include "scenes.hpp"
+
+namespace cde::testing {
+namespace {
+
+TEST(ReadLimits, EnvironmentVariables_SetTheLimits) {
+  ASSERT_EQ(::setenv("CDE_READ_SECONDS", "5", 1), 0);
+  ASSERT_EQ(::setenv("CDE_READ_MEMORY", "100", 1), 0);
+  EXPECT_EQ(MeshLimits::from_environment().time, std::chrono::seconds(5));
+  EXPECT_EQ(MeshLimits::from_environment().memory, 100u << 20);
+  EXPECT_EQ(ReadLimits::time_for("any"), std::chrono::seconds(5));
+  EXPECT_EQ(ReadLimits::memory_for("any"), 100u << 20);
+  for (const char* bad : {"0", "-1", "x", "1.5", "99999999999"}) {
+    ASSERT_EQ(::setenv("CDE_READ_MEMORY", bad, 1), 0);
+    expect_error(ErrorCode::kUsage, "CDE_READ_MEMORY is ",
+                 [] { (void)MeshLimits::from_environment(); });
+  }
+  ::unsetenv("CDE_READ_SECONDS");
+  ::unsetenv("CDE_READ_MEMORY");
+}
+
+TEST(ReadLimits, FollowTheFilesSize) {
+  const Folder folder;
+  const auto file = folder.write("a", std::string(3 << 20, 'a'));
+  EXPECT_EQ(ReadLimits::memory_for(file), (std::uint64_t{2} << 30) + 64u * (3 << 20));
+  EXPECT_EQ(ReadLimits::time_for(file), std::chrono::seconds(60));
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_GT(ReadLimits::memory_for(folder / "pipe"), std::uint64_t{1} << 50);
+  EXPECT_GT(ReadLimits::time_for(folder / "pipe"), std::chrono::hours(1000));
+}
+
+TEST(ReadLimits, MoreMemory_IsAnErrorThatNamesTheFile) {
+  ASSERT_EQ(::setenv("CDE_READ_MEMORY", "100", 1), 0);
+  const auto take = [](std::size_t megabytes) {
+    return within_memory_for("a.toml", [=] { return std::vector<char>(megabytes << 20).size(); });
+  };
+  EXPECT_EQ(take(50), 50u << 20);
+  if (data_bytes() < std::uint64_t{1} << 36)  // not under a sanitizer
+    expect_error(ErrorCode::kFile, "a.toml: takes more than 100 MB to read; ",
+                 [&] { (void)take(150); });
+  ::unsetenv("CDE_READ_MEMORY");
+  EXPECT_EQ(std::vector<char>(150u << 20).size(), 150u << 20) << "the limit has ended";
+}
+
+/// Rays of a CSV file count like other shapes of a scene: with them, the boxes are too many.
+TEST(SceneLimits, RaysOfCsv_Count) {
+  const Folder folder;
+  folder.write("r.csv", "0,0,0,0,0,1\n0,0,0,0,0,1\n0,0,0,0,0,1\n");
+  const std::uint64_t most = (std::uint64_t{2} << 30) / (5 * 4 * words(Shape::kObb));
+  const std::string text =
+      "[[object]]\nname = \"a\"\nrays_csv = \"r.csv\"\n[[object]]\nname = \"b\"\nrandom = { "
+      "shape = \"obb\", min = [0, 0, 0], max = [1, 1, 1], count = " +
+      std::to_string(most) + " }\n" + kBall +
+      "[[query]]\nname = \"q\"\npair = \"ray-sphere\"\nprimaries = \"a\"\n"
+      "secondaries = \"ball\"\n";
+  expect_error(ErrorCode::kCapacity,
+               "count: ", [&] { (void)parse_scene(text, (folder / "s.toml").string()); });
+}
+
+/// A closed mesh is checked once, however many queries ask what is inside.
+TEST(SceneLimits, ClosedMesh_IsCheckedOnce) {
+  const Folder folder;
+  constexpr unsigned kRing = 20'000;
+  std::string mesh = "v 0 0 1\nv 0 0 -1\n";
+  for (unsigned i = 0; i < kRing; ++i) {
+    const double angle = 6.283185307179586 * i / kRing;
+    mesh += "v " + std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0\n";
+  }
+  for (unsigned i = 0; i < kRing; ++i) {
+    const unsigned a = 3 + i, b = 3 + (i + 1) % kRing;
+    mesh += "f 1 " + std::to_string(a) + " " + std::to_string(b) + "\nf 2 " + std::to_string(b) +
+            " " + std::to_string(a) + "\n";
+  }
+  folder.write("m.obj", mesh);
+  std::string text = kBall + "[[object]]\nname = \"m\"\nmesh = \"m.obj\"\n";
+  for (unsigned i = 0; i < 500; ++i)
+    text += "[[query]]\nname = \"q" + std::to_string(i) +
+            "\"\npair = \"sphere-triangle\"\nprimaries = \"ball\"\nsecondaries = \"m\"\n"
+            "inside = true\n";
+  const auto began = std::chrono::steady_clock::now();
+  EXPECT_EQ(parse_scene(text, (folder / "s.toml").string()).queries.size(), 500u);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(8));
+}
+
+}  // namespace
+}  // namespace cde::testing
