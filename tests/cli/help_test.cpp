@@ -151,8 +151,9 @@ TEST_F(Help, Pages_EndWithStatusesAndVariables) {
   const auto variables = [&](const Words& verb) {
     return matches(section(page_of(verb), "Environment"), variable);
   };
-  EXPECT_EQ(variables({"wave", "show"}), (Words{"COLUMNS", "NO_COLOR"}));
-  EXPECT_EQ(variables({"wave", "ls"}), (Words{"NO_COLOR"}));
+  EXPECT_EQ(variables({"wave", "show"}),
+            (Words{"CDE_READ_MEMORY", "CDE_READ_SECONDS", "COLUMNS", "NO_COLOR"}));
+  EXPECT_EQ(variables({"wave", "ls"}), (Words{"CDE_READ_MEMORY", "CDE_READ_SECONDS", "NO_COLOR"}));
   EXPECT_EQ(variables({"advise"}), (Words{"CDE_SHARE", "CDE_COSTS", "NO_COLOR"}));
   EXPECT_EQ(variables({"query"}), (Words{"CDE_CACHE", "CDE_MODELS", "CDE_SHARE", "CDE_CLANG",
                                          "CDE_MARCH", "CDE_ASSERT", "NO_COLOR"}));
