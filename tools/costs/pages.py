@@ -5,6 +5,7 @@ import re
 import statistics
 
 from contract import ROOT, Bad
+import asic
 import designs
 import table
 import targets
@@ -77,10 +78,22 @@ def units(kept):
     head = ["unit", "cycles per node", "cycles of add/mul/div/sqrt/cmp", "LUT", "carry", "LUT memory", "FF", "DSP", "RAM", "logic", "MHz"]
     rows = []
     for row in kept.sorted():
-        if is_unit(row):
+        if is_unit(row) and targets.TARGETS[row["target"]].has:
             rows.append([row["what"], designs.UNITS[row["what"]], row["lat"], row["lut"], row["carry"], row["lutram"], row["ff"], row["dsp"], row["ram"],
                          targets.TARGETS[row["target"]].used(row)["logic"], clock(row)])
     return grid(head, rows)
+
+
+def standard_cells(kept):
+    """Ratios of the rows of standard cells to the adder of the lane."""
+    found = [row for row in kept.sorted() if targets.TARGETS[row["target"]].library and row["fmax"]]
+    to = asic.reference(found)
+    rows = []
+    for row in found if to else ():
+        ratio = asic.ratios(row, to)
+        rows.append([row["what"] + (f", {row['algorithm']}" if row["algorithm"] else ""), row["lat"], f"{ratio['area']:.2f}", f"{100 * ratio['registers']:.0f} %",
+                     f"{ratio['period']:.2f}", row["memory_bits"], f"{ratio['memory']:.2f}" if row["memory_bits"] else "-"])
+    return grid(["design, fp32", "cycles", "area", "FF, of the area", "clock period", "memory bits, not in the area", "area of these bits as FF"], rows)
 
 
 def devices():
@@ -98,7 +111,8 @@ def made_with(kept):
     for name, target in targets.TARGETS.items():
         here = [row for row in kept.rows.values() if row["target"] == name]
         tools = "; ".join(sorted({row["tools"] for row in here})) or "-"
-        rows.append([f"`{name}`", target.device, f"`{target.synthesis}`", f"`{' '.join((target.router, *target.route))}`" if target.router else "area alone",
+        route = f"`{' '.join((target.router, *target.route))}`" if target.router else f"none; timing by `{target.timer}`" if target.timer else "area alone"
+        rows.append([f"`{name}`", target.device, f"`{target.synthesis}`", route,
                      tools, len(here), f"{sum(row['seconds'] for row in here) / 60:.0f}"])
     return grid(["target", "device", "Yosys", "place and route", "tools", "rows", "minutes"], rows)
 
@@ -111,6 +125,7 @@ def parts(kept):
             "lanes": lanes(kept),
             "units": units(kept),
             "devices": devices(),
+            "asic": standard_cells(kept),
             "xc7": operators(kept, "xc7", False),
             "virtex2p": operators(kept, "virtex2p", False)}
 

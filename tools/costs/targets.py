@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Devices: synthesis and placement for each, its kinds of cells, and their numbers."""
+"""Devices and libraries of cells: synthesis and placement for each, its kinds of cells, and their numbers."""
 import dataclasses
 import re
 
@@ -7,6 +7,8 @@ from contract import Bad, listed
 
 # Kinds of cells that a table counts.
 COLUMNS = ("lut", "carry", "ff", "dsp", "ram", "lutram", "mux")
+# Further columns of standard cells. Areas are in the library's unit.
+CELL_COLUMNS = ("gates", "area", "ff_area", "memory_bits")
 ROUTABLE = 0.85
 NO_CELL = r"\$scopeinfo|VCC|GND"
 
@@ -20,10 +22,12 @@ class Target:
     router: str = ""        # tool for place and route, "" for area only
     route: tuple = ()       # its options, without seed and files
     has: dict = dataclasses.field(default_factory=dict)  # capacity of the device, by key of `used`
+    library: str = ""       # library of standard cells, "" for an FPGA
+    timer: str = ""         # tool for the timing of standard cells
 
     def count(self, types):
         """Cells by column. A type without a column is an error."""
-        counted = dict.fromkeys(COLUMNS, 0)
+        counted = dict.fromkeys(COLUMNS + (CELL_COLUMNS if self.library else ()), 0)
         for name, number in types.items():
             if re.fullmatch(NO_CELL, name):
                 continue
@@ -65,6 +69,10 @@ TARGETS = {t.name: t for t in (
            {"logic": 7680, "ff": 7680, "ram": 32}),
     Target("xc7", "AMD 7 series", "synth_xilinx -family xc7 -flatten -nowidelut -noiopad -noclkbuf", XILINX),
     Target("virtex2p", "AMD Virtex-II Pro", "synth_xilinx -family xc2vp -flatten -nowidelut -noiopad -noclkbuf", XILINX),
+    # The cells of `memory_bits` are ports of memories (asic.py); the row has the bits of the memories instead.
+    Target("osu018", "OSU standard cells, 0.18 µm, typical", "synth -flatten",
+           {"ff": r"DFF(POSX1|NEGX1|SR)", "gates": r"(AND|AOI|BUF|FA|HA|INV|MUX|NAND|NOR|OAI|OR|XNOR|XOR)\d*X\d|CLKBUF\d", "memory_bits": r"memory_[dq]"},
+           library="osu018", timer="sta"),
 )}
 
 
