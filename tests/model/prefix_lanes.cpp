@@ -20,8 +20,8 @@ int main() {
     model.clk_i = 1;
     model.eval();
     for (unsigned l = 0; l < kLanes; ++l)
-      std::printf("%08x %08x %08x %08x ", model.any_o[l], model.turn_o[l], model.and_o[l],
-                  model.late_o[l]);
+      std::printf("%08x %08x %08x %08x %08x ", model.any_o[l], model.turn_o[l], model.and_o[l],
+                  model.late_o[l], model.steps_o[l]);
     std::printf("\n");
   }
 }

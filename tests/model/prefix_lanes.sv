@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chains over lanes, and independent lanes: the test of `reroll` simulates this module with and without it.
+// Chains over lanes, independent lanes, and lanes with registers: the test of `gather` and `reroll` simulates this module
+// with and without them.
 module prefix_lanes #(parameter int LANES = 16) (
     input logic clk_i,
     input logic [LANES-1:0][31:0] a_i,
@@ -7,7 +8,8 @@ module prefix_lanes #(parameter int LANES = 16) (
     output logic [LANES-1:0][31:0] any_o,
     output logic [LANES-1:0][31:0] turn_o,
     output logic [LANES-1:0][31:0] and_o,
-    output logic [LANES-1:0][31:0] late_o
+    output logic [LANES-1:0][31:0] late_o,
+    output logic [LANES-1:0][31:0] steps_o
 );
   logic [LANES-1:0][31:0] any, turn, step, late_q;
   always_comb begin
@@ -29,4 +31,9 @@ module prefix_lanes #(parameter int LANES = 16) (
   assign turn_o = turn;
   assign and_o = a_i & b_i;
   assign late_o = late_q;
+  for (genvar l = 0; l < LANES; l++) begin : g_lane
+    logic [31:0] r;
+    lane_steps lane (.clk_i, .a_i(a_i[l]), .b_i(b_i[l]), .r_o(r));
+    assign steps_o[l] = r;
+  end
 endmodule

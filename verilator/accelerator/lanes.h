@@ -26,6 +26,13 @@ inline void put(VlWide<N>& to, unsigned word, Words v) {
   __builtin_memcpy(to.m_storage + word, &v, sizeof v);
 }
 
+inline Words word(Words v) {
+  return v;
+}
+inline IData word(IData v) {
+  return v;
+}
+
 }  // namespace lanes
 
 namespace host_fp {

@@ -148,8 +148,8 @@ double timed(Work work) {
   return thread_seconds() - start;
 }
 
-/// Rounds belong to this many groups in turn. The fastest rounds of each group give a figure of
-/// their own; the figures differ by as much as those of repeated runs.
+/// Rounds belong to this many groups in turn. Each group's fastest rounds give a figure, and the
+/// groups' figures differ by as much as the figures of repeated runs.
 constexpr std::size_t kGroups = 3;
 
 /// A figure from the fastest rounds, with the spread of the groups.
