@@ -82,7 +82,8 @@ TEST_F(Differences, MoreThanOneIn50_IsAnError) {
   std::size_t changed = 0;
   for (std::size_t i = 0; i < hits_.size() && changed < 5; ++i)
     if (records_[i].f) hits_[i] = {}, ++changed;
-  expect_error(ErrorCode::kMismatch, "PoCL: of 200 rays 5 differ from the reference: 5 false misses",
+  expect_error(ErrorCode::kMismatch,
+               "PoCL: of 200 rays 5 differ from the reference: 5 false misses",
                [&] { baseline::require_few(found(), "PoCL"); });
   hits_[hit_] = {records_[hit_].t, records_[hit_].index};
   baseline::require_few(found(), "PoCL");  // four are one in 50

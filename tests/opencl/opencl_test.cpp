@@ -39,8 +39,7 @@ class OpenCl : public ::testing::Test {
   /// Expects the records of brute force in the reference: bit for bit where the device is exact.
   void expect_reference(const TriangleScene& scene, const std::vector<Ray>& rays,
                         double least_hit_share = 0) const {
-    const std::vector<Record> records =
-        reference::cast(rays, scene, Mode::kNearest, {}, {}, true);
+    const std::vector<Record> records = reference::cast(rays, scene, Mode::kNearest, {}, {}, true);
     OpenClRays opencl(device_, scene);
     for (const Through through : kWays) {
       opencl.upload(through);
@@ -163,7 +162,8 @@ TEST_F(OpenCl, MovedTriangles_AreSeenByBruteForce) {
   const auto d = baseline::compare_hits(reference::cast(rays, scene, Mode::kNearest, {}, {}, true),
                                         opencl.cast(rays, Through::kBruteForce));
   EXPECT_TRUE(!device_.is_exact() || d.equal() == rays.size()) << d.text();
-  expect_error(ErrorCode::kUsage, "exceed the mesh", [&] { (void)opencl.move(scene.size(), scene); });
+  expect_error(ErrorCode::kUsage, "exceed the mesh",
+               [&] { (void)opencl.move(scene.size(), scene); });
 }
 
 TEST_F(OpenCl, Times_ArePlausible) {
@@ -204,7 +204,8 @@ TEST_F(OpenCl, Spheres_OverlapAsInSoftware) {
 
 TEST_F(OpenCl, BadInput_IsNamed) {
   expect_error(ErrorCode::kBadInput, "no triangles", [&] { OpenClRays(device_, {}); });
-  const TriangleScene huge{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 0}, {0x1p41f, 0, 0}, {0, 1, 0}}};
+  const TriangleScene huge{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                           {{0, 0, 0}, {0x1p41f, 0, 0}, {0, 1, 0}}};
   expect_error(ErrorCode::kBadInput, "triangle 1", [&] { OpenClRays(device_, huge); });
   OpenClRays opencl(device_, std::span(huge).first(1));
   opencl.upload(Through::kBvh);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "baselines/baseline_opencl.hpp"
 #include "bench/bench.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/card/machine.hpp"
@@ -30,7 +31,7 @@ struct Section {
 };
 constexpr Section kSections[] = {
     {"rays", bench_rays},       {"fp", bench_fp},   {"pairs", bench_pairs}, {"bus", bench_bus},
-    {"effects", bench_effects}, {"bvh", bench_bvh}, {"waves", bench_waves}};
+    {"effects", bench_effects}, {"bvh", bench_bvh}, {"gpu", bench_gpu},     {"waves", bench_waves}};
 
 std::string field_of(const char* file, const std::string& field) {
   std::ifstream in(file);
@@ -59,9 +60,24 @@ nlohmann::ordered_json machine() {
   return j;
 }
 
+void list_devices(bool json) {
+  if (json) Figures::beside_json();
+  nlohmann::ordered_json all = program_json();
+  all["opencl_devices"] = list_opencl_devices();
+  if (json) print_json(all);
+}
+
 void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool json) {
   if (o.markdown && wanted != std::vector<std::string>{"effects"})
     throw_usage("--markdown needs only the section effects: cde bench effects --markdown");
+  if (!o.mesh.empty() && wanted != std::vector<std::string>{"gpu"})
+    throw_usage("--mesh needs only the section gpu: cde bench gpu --mesh MESH");
+  if (!o.opencl_device.empty()) {
+    const auto uses = [](const std::string& s) { return s == "gpu" || s == "rays" || s == "bvh"; };
+    if (!wanted.empty() && std::none_of(wanted.begin(), wanted.end(), uses))
+      throw_usage("--opencl-device needs the section gpu, rays or bvh");
+    (void)baseline::choose_opencl_device(baseline::opencl_devices(), o.opencl_device);
+  }
   if (json) Figures::beside_json();
   nlohmann::ordered_json all = program_json();
   all.update({{"device", device_json(o.device)}, {"machine", machine()}});
@@ -86,32 +102,56 @@ double thread_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+CLI::Option* opencl_device_option(CLI::App& verb, std::string& words) {
+  return text_value(
+      verb.add_option("--opencl-device", words,
+                      "OpenCL device, by number or part of its name, also if it is no GPU "
+                      "[the first GPU; section gpu: else the first device]"),
+      "NAME", {});
+}
+
 void add_bench(CLI::App& app) {
   struct Arguments {
     BenchOptions options;
     std::vector<std::string> sections;
     DeviceWords device;
-    bool json = false;
+    bool json = false, list = false;
   };
   auto a = std::make_shared<Arguments>();
   CLI::App* verb = app.add_subcommand(
       "bench", "Measure simulation speed and device cycles, and software on the same machine");
   named(verb->add_option("section", a->sections,
-                         "Sections to run: rays, fp, pairs, bus, effects, bvh, waves")
+                         "Sections to run: rays, fp, pairs, bus, effects, bvh, gpu, waves")
             ->default_str("all"),
-        {"rays", "fp", "pairs", "bus", "effects", "bvh", "waves"}, "SECTION", "section");
+        {"rays", "fp", "pairs", "bus", "effects", "bvh", "gpu", "waves"}, "SECTION", "section");
   auto* json = verb->add_flag("--json", a->json, "Figures as JSON on stdout");
   quiet_flag(*verb);
-  verb->add_flag("--markdown", a->options.markdown,
-                 "Section effects only: print the table of docs/tables/effects.md")
-      ->excludes(json);
+  auto* markdown = verb->add_flag("--markdown", a->options.markdown,
+                                  "Section effects only: print the table of docs/tables/effects.md")
+                       ->excludes(json);
   auto* quick = verb->add_flag("--quick", a->options.quick,
                                "Default models and small scenes, under a minute");
-  verb->add_flag("--full", a->options.full, "Up to 10 million triangles, every format")
-      ->excludes(quick);
+  auto* full = verb->add_flag("--full", a->options.full,
+                              "Up to 10 million triangles, every format; gpu: every cast")
+                   ->excludes(quick);
   device_options(*verb, a->device);
+  auto* mesh =
+      file_value(verb->add_option("--mesh", a->options.mesh,
+                                  "Section gpu only: the mesh, a file or terrain:QX,QY,SEED "
+                                  "[259,572 triangles of terrain]"),
+                 "MESH");
+  auto* opencl = opencl_device_option(*verb, a->options.opencl_device);
+  auto* list = verb->add_flag("--list", a->list, "Print the OpenCL devices, and measure nothing");
+  for (CLI::Option* option : {markdown, quick, full, mesh, opencl}) list->excludes(option);
   verb->callback([a] {
+    if (a->list) {
+      if (!a->sections.empty() && a->sections != std::vector<std::string>{"gpu"})
+        throw_usage("--list needs only the section gpu: cde bench gpu --list");
+      return list_devices(a->json);
+    }
     a->options.device = a->device.chosen();
+    a->options.needs_opencl =
+        std::find(a->sections.begin(), a->sections.end(), "gpu") != a->sections.end();
     run(a->options, a->sections, a->json);
   });
 }

@@ -24,6 +24,7 @@ struct Arguments {
   ReproduceOptions options;
   std::string out = "reproduction.html";
   DeviceWords device;
+  std::string opencl_device;
   bool json = false, quiet = false;
 };
 
@@ -76,9 +77,11 @@ void add_reproduce(CLI::App& app) {
   auto* lanes = lanes_value(verb->add_option("--lanes", a->options.lanes,
                                              "Lanes of the best card instead of the device's"));
   device_options(*verb, a->device);
+  opencl_device_option(*verb, a->opencl_device);
   verb->callback([a, lanes] {
     a->options.device = a->device.chosen();
     if (lanes->empty()) a->options.lanes = a->options.device.lanes;
+    a->options.opencl = opencl_for_rows(a->opencl_device);
     run(*a);
   });
 }

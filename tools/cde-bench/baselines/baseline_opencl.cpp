@@ -120,16 +120,16 @@ struct OpenClProgram {
       queue = cl::CommandQueue(context, device, CL_QUEUE_PROFILING_ENABLE);
       program = cl::Program(context, std::string(cli::kOpenClQueries.text));
     });
-    const std::string options =
-        facts.exact_division ? "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt"
-                             : "-cl-std=CL1.2";
+    const std::string options = facts.exact_division
+                                    ? "-cl-std=CL1.2 -cl-fp32-correctly-rounded-divide-sqrt"
+                                    : "-cl-std=CL1.2";
     try {
       program.build({device}, options.c_str());
     } catch (const cl::Error& e) {
-      throw Error(ErrorCode::kBuild,
-                  fmt::format("{}: the kernels cannot be compiled (OpenCL error {}): {}",
-                              facts.name, e.err(),
-                              program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device)));
+      throw Error(
+          ErrorCode::kBuild,
+          fmt::format("{}: the kernels cannot be compiled (OpenCL error {}): {}", facts.name,
+                      e.err(), program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device)));
     }
   }
 
@@ -139,8 +139,8 @@ struct OpenClProgram {
         std::min(kGroup, kernel.getWorkGroupInfo<CL_KERNEL_WORK_GROUP_SIZE>(device));
     cl::Event event;
     queue.enqueueNDRangeKernel(kernel, cl::NullRange,
-                               cl::NDRange((items + group - 1) / group * group),
-                               cl::NDRange(group), nullptr, &event);
+                               cl::NDRange((items + group - 1) / group * group), cl::NDRange(group),
+                               nullptr, &event);
     return event;
   }
 

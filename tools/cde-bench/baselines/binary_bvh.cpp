@@ -107,22 +107,21 @@ class BinaryBuilder {
         const auto left = [&](std::uint32_t i) {
           return bin_of(i, best.axis, centres) < best.first_right;
         };
-        return static_cast<std::size_t>(
-            std::partition(begin + static_cast<std::ptrdiff_t>(first),
-                           begin + static_cast<std::ptrdiff_t>(last), left) -
-            begin);
+        return static_cast<std::size_t>(std::partition(begin + static_cast<std::ptrdiff_t>(first),
+                                                       begin + static_cast<std::ptrdiff_t>(last),
+                                                       left) -
+                                        begin);
       }
     }
     Eigen::Index axis = 0;
     centres.sizes().maxCoeff(&axis);
     const std::size_t middle = first + (last - first) / 2;
-    std::nth_element(begin + static_cast<std::ptrdiff_t>(first),
-                     begin + static_cast<std::ptrdiff_t>(middle),
-                     begin + static_cast<std::ptrdiff_t>(last),
-                     [&](std::uint32_t a, std::uint32_t b) {
-                       const float x = centres_[a][axis], y = centres_[b][axis];
-                       return x != y ? x < y : a < b;
-                     });
+    std::nth_element(
+        begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(middle),
+        begin + static_cast<std::ptrdiff_t>(last), [&](std::uint32_t a, std::uint32_t b) {
+          const float x = centres_[a][axis], y = centres_[b][axis];
+          return x != y ? x < y : a < b;
+        });
     return middle;
   }
 

@@ -60,9 +60,8 @@ HitDifferences compare_hits(std::span<const Record> records, std::span<const Clo
 
 void require_few(const HitDifferences& d, std::string_view name) {
   if (d.wrong() > d.compared / 50)
-    throw Error(ErrorCode::kMismatch,
-                fmt::format("{}: of {} rays {} differ from the reference: {}", name, d.compared,
-                            d.wrong(), d.text()));
+    throw Error(ErrorCode::kMismatch, fmt::format("{}: of {} rays {} differ from the reference: {}",
+                                                  name, d.compared, d.wrong(), d.text()));
 }
 
 }  // namespace cde::baseline

@@ -10,8 +10,8 @@
 
 namespace cde::baseline {
 
-/// How hits of a baseline differ from records of mode nearest, by kind. A ray counts once, under the
-/// first kind that fits.
+/// How hits of a baseline differ from records of mode nearest, by kind. A ray counts once, under
+/// the first kind that fits.
 struct HitDifferences {
   std::size_t compared = 0;
   std::size_t false_hits = 0;       ///< the record is a miss

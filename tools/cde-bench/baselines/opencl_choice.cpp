@@ -50,14 +50,15 @@ OpenClDevice choose_opencl_device(std::span<const OpenClDevice> devices, std::st
   std::copy_if(devices.begin(), devices.end(), std::back_inserter(fitting),
                [&](const OpenClDevice& d) { return fits(d, wanted); });
   // A number alone is clear, even if names also contain it.
-  const auto numbered =
-      std::find_if(fitting.begin(), fitting.end(),
-                   [&](const OpenClDevice& d) { return fmt::to_string(d.number) == wanted; });
+  const auto numbered = std::find_if(fitting.begin(), fitting.end(), [&](const OpenClDevice& d) {
+    return fmt::to_string(d.number) == wanted;
+  });
   if (numbered != fitting.end()) return *numbered;
   if (fitting.empty())
-    throw_usage(fmt::format("--opencl-device is '{}'; expected the number or a part of the name of "
-                            "one of: {}",
-                            words, listed(devices)));
+    throw_usage(
+        fmt::format("--opencl-device is '{}'; expected the number or a part of the name of "
+                    "one of: {}",
+                    words, listed(devices)));
   if (fitting.size() > 1)
     throw_usage(fmt::format("--opencl-device is '{}', which fits several devices: {}", words,
                             listed(fitting)));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "cde/model/device.hpp"
 
@@ -12,6 +13,9 @@ struct BenchOptions {
   bool full = false;      ///< up to 10 million triangles, and models that take long to build
   bool markdown = false;  ///< section effects: prints the table of docs/tables/effects.md
   Device device = default_device();
+  std::string mesh;           ///< section gpu: the mesh; empty: a terrain
+  std::string opencl_device;  ///< number or part of the name; empty: a GPU if there is one
+  bool needs_opencl = false;  ///< section gpu: a missing OpenCL device is an error
 };
 
 nlohmann::ordered_json bench_rays(const BenchOptions& options);
@@ -20,7 +24,11 @@ nlohmann::ordered_json bench_fp(const BenchOptions& options);
 nlohmann::ordered_json bench_pairs(const BenchOptions& options);
 nlohmann::ordered_json bench_effects(const BenchOptions& options);
 nlohmann::ordered_json bench_bvh(const BenchOptions& options);
+nlohmann::ordered_json bench_gpu(const BenchOptions& options);
 nlohmann::ordered_json bench_waves(const BenchOptions& options);
+
+/// Prints the OpenCL devices and returns their figures. Error kUsage without any.
+nlohmann::ordered_json list_opencl_devices();
 
 /// Processor time of this thread and of the process, in seconds.
 [[nodiscard]] double thread_seconds();

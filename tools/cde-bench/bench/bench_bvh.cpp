@@ -28,7 +28,8 @@ nlohmann::ordered_json bench_bvh(const BenchOptions& o) {
   for (const TerrainOptions& options : meshes) {
     const Mesh mesh = make_terrain(options);
     progress(done++ / steps, fmt::format("rays against {} triangles", mesh.faces.size()));
-    const BvhFigures figures = measure_bvh(mesh, o.quick ? 8'192 : 65'536, o.device);
+    const BvhFigures figures =
+        measure_bvh(mesh, o.quick ? 8'192 : 65'536, o.device, {}, opencl_for_rows(o.opencl_device));
     show_bvh(figures);
     all.push_back(bvh_json(figures));
     progress(done++ / steps, fmt::format("solids against {} triangles", mesh.faces.size()));

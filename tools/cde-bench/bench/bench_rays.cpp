@@ -15,6 +15,7 @@
 
 #include "baselines/baseline.hpp"
 #include "bench/bench.hpp"
+#include "bench/opencl_figures.hpp"
 #include "cde/card/board.hpp"
 #include "cde/image/camera.hpp"
 #include "cde/mesh/terrain.hpp"
@@ -121,6 +122,24 @@ void run_baselines(const Scene& scene, const std::vector<Record>& card,
   }
 }
 
+/// The same rays by brute force on an OpenCL device.
+ordered_json opencl_rates(const baseline::OpenClDevice& device, const Scene& scene) {
+  const Progress busy("OpenCL");
+  baseline::OpenClRays opencl(device, scene.triangles);
+  const OpenClSeries series =
+      measure_opencl(opencl, Through::kBruteForce, scene.rays, scene.rays.size(),
+                     reference_records(scene.triangles, scene.rays), device.label());
+  const auto rate = [&](const Spread& x) {
+    return 1e-6 * static_cast<double>(scene.rays.size() * scene.triangles.size()) / x.median;
+  };
+  print_figure(
+      "{}: {:.1f} M tests/s by the kernel, {:.1f} with copies, {:.1f} with upload of triangles; "
+      "random rays, median; {}\n",
+      device.label(), rate(series.kernel), rate(series.with_copies), rate(series.with_upload),
+      series.differences.text());
+  return opencl_row_json(device, std::span(&series, 1));
+}
+
 ordered_json compare_rates(const BenchOptions& o) {
   const Scene scene = o.quick ? make_scene(70, 70) : make_scene(291, 446);
   const Scene down = o.quick ? make_scene(70, 70, false) : make_scene(291, 446, false);
@@ -194,6 +213,8 @@ ordered_json compare_rates(const BenchOptions& o) {
          {"writeback_cycles", c.writeback},
          {"cycles_per_row", per_row}});
   }
+  const auto device = opencl_for_rows(o.opencl_device);
+  j["opencl"] = device ? opencl_rates(*device, scene) : ordered_json();
   return j;
 }
 

@@ -95,6 +95,17 @@ BvhEmbree embree_on(const Mesh& mesh, std::span<const Ray> rays, std::span<const
   return embree;
 }
 
+BvhOpenCl opencl_on(const baseline::OpenClDevice& device, const Mesh& mesh,
+                    std::span<const Ray> rays, std::span<const Record> records) {
+  std::vector<Triangle> triangles(mesh.faces.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = mesh.triangle(i);
+  baseline::OpenClRays opencl(device, triangles);
+  BvhOpenCl row{.device = device, .bvh = opencl.bvh(), .casts = {}};
+  for (const std::size_t size : {kBvhPacket, rays.size()})
+    row.casts.push_back(measure_opencl(opencl, Through::kBvh, rays, size, records, device.label()));
+  return row;
+}
+
 }  // namespace
 
 const char* name_of(Memory memory) {
@@ -106,7 +117,8 @@ double BvhCard::per_ray(double total) const {
 }
 
 BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, const Device& device,
-                       const std::optional<EmbreeFrames>& known) {
+                       const std::optional<EmbreeFrames>& known,
+                       const std::optional<baseline::OpenClDevice>& opencl) {
   BvhFigures figures;
   figures.device = device;
   figures.triangles = mesh.faces.size();
@@ -124,6 +136,7 @@ BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, const Device& device
   figures.hits = static_cast<std::size_t>(
       std::count_if(records.begin(), records.end(), [](const Record& r) { return r.f; }));
   if (EmbreeBaseline::available()) figures.embree = embree_on(mesh, rays, records, known);
+  if (opencl) figures.opencl = opencl_on(*opencl, mesh, rays, records);
   return figures;
 }
 
@@ -137,7 +150,8 @@ ordered_json bvh_json(const BvhFigures& f) {
                  {"traversal_units", f.device.traversal_units},
                  {"hit_share", static_cast<double>(f.hits) / static_cast<double>(f.rays)},
                  {"card", ordered_json::array()},
-                 {"embree", nullptr}};
+                 {"embree", nullptr},
+                 {"opencl", nullptr}};
   for (const BvhCard& c : f.cards) {
     const double of_ring = static_cast<double>(c.ring.cycles) / kBvhRing,
                  bus = c.per_ray(1e-12 * static_cast<double>(c.stream.time.total()));
@@ -166,6 +180,10 @@ ordered_json bvh_json(const BvhFigures& f) {
                    {"spread_warm", spread_json(f.embree->frame.warm)},
                    {"spread_fresh", spread_json(f.embree->frame.fresh)},
                    {"spread_refit", spread_json(f.embree->refit)}};
+  if (f.opencl) {
+    j["opencl"] = opencl_row_json(f.opencl->device, f.opencl->casts);
+    j["opencl"]["build_seconds"] = f.opencl->bvh.build_seconds;
+  }
   return j;
 }
 
@@ -189,6 +207,8 @@ void show_bvh(const BvhFigures& f) {
         duration(f.seconds(c.refit.cycles)), duration(c.update_seconds),
         1e-3 / c.per_ray(c.wall_seconds));
   }
+  if (f.opencl)
+    for (const OpenClSeries& s : f.opencl->casts) show_opencl_row(f.opencl->device, s);
   if (!f.embree) {
     print_figure("  Embree: not in this build of cde\n");
     return;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bench/measured.hpp"
+#include "bench/opencl_figures.hpp"
 #include "cde/card/memory.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/model/device.hpp"
@@ -47,6 +48,13 @@ struct BvhEmbree {
   Spread refit;
 };
 
+/// The OpenCL baseline with a BVH of its own, on one device.
+struct BvhOpenCl {
+  baseline::OpenClDevice device;
+  baseline::OpenClRays::BvhFacts bvh;
+  std::vector<OpenClSeries> casts;  ///< one frame, all rays
+};
+
 /// A mesh and its BVH.
 struct BvhFigures {
   Device device;
@@ -57,6 +65,7 @@ struct BvhFigures {
   std::uint64_t records_compared = 0;
   std::vector<BvhCard> cards;
   std::optional<BvhEmbree> embree;  ///< empty in a build without Embree
+  std::optional<BvhOpenCl> opencl;  ///< empty without a device
 
   [[nodiscard]] double seconds(std::uint64_t cycles) const {
     return static_cast<double>(cycles) / device.clock_hz();
@@ -65,10 +74,12 @@ struct BvhFigures {
 
 [[nodiscard]] const char* name_of(Memory memory);
 
-/// Error kMismatch if a record differs from the reference's traversal, or if Embree finds other
-/// hits. `known`: Embree's frames on this mesh, if already measured.
+/// Error kMismatch if a record differs from the reference's traversal, or if Embree
+/// or the OpenCL device finds other hits. `known`: Embree's frames on this mesh, if already
+/// measured. `opencl`: the device of a row beside Embree.
 [[nodiscard]] BvhFigures measure_bvh(const Mesh& mesh, std::size_t rays, const Device& device,
-                                     const std::optional<EmbreeFrames>& known = {});
+                                     const std::optional<EmbreeFrames>& known = {},
+                                     const std::optional<baseline::OpenClDevice>& opencl = {});
 
 [[nodiscard]] nlohmann::ordered_json bvh_json(const BvhFigures& figures);
 /// Prints the figures as text.

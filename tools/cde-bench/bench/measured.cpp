@@ -13,8 +13,7 @@
 namespace cde::cli {
 
 Spread measured(const std::function<void(std::size_t)>& work) {
-  constexpr double kLeastSample = 1e-4, kEnough = 0.2;
-  constexpr std::size_t kFewest = 9, kMost = 500;
+  constexpr double kLeastSample = 1e-4;
   std::size_t call = 0, calls = 1;
   const auto sample = [&] {
     const double start = thread_seconds();
@@ -23,11 +22,15 @@ Spread measured(const std::function<void(std::size_t)>& work) {
   };
   while (sample() < kLeastSample) calls *= 2;
   std::vector<double> times;
-  for (double sum = 0; times.size() < kFewest || (sum < kEnough && times.size() < kMost);) {
+  for (double sum = 0; more_samples(times.size(), sum);) {
     const double seconds = sample();
     sum += seconds;
     times.push_back(std::max(seconds / static_cast<double>(calls), 1e-9));
   }
+  return spread_of(std::move(times));
+}
+
+Spread spread_of(std::vector<double> times) {
   std::sort(times.begin(), times.end());
   const std::size_t last = times.size() - 1;
   return {times.front(),           times[last / 10], times[last / 2],

@@ -14,11 +14,20 @@
 /// Measurement of software, and comparison of its results with the card's.
 namespace cde::cli {
 
-/// The spread of repeated measurements, in seconds of processor time of one thread.
+/// The spread of repeated measurements, in seconds: for software on one thread processor time.
 struct Spread {
   double least = 0, tenth = 0, median = 0, ninetieth = 0, most = 0;
   std::size_t samples = 0;
 };
+
+/// The spread of these samples, at least one.
+[[nodiscard]] Spread spread_of(std::vector<double> samples);
+
+/// Whether another sample follows `samples` samples that took `seconds` in all: at least nine and a
+/// fifth of a second, at most 500.
+[[nodiscard]] constexpr bool more_samples(std::size_t samples, double seconds) {
+  return samples < 9 || (seconds < 0.2 && samples < 500);
+}
 
 /// Measures processor times of work(0), work(1) and so on: at least nine samples and a fifth of a
 /// second. Calls shorter than a tenth of a millisecond are timed several at once, because reading

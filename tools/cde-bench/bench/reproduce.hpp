@@ -18,6 +18,7 @@ enum class Source {
   kPaper,     ///< printed in the paper, or derived from its figures
   kCard,      ///< modelled time of the simulated card
   kSoftware,  ///< processor time of one thread of this machine
+  kOpenCl,    ///< wall time of an OpenCL device, copies of queries and answers included
 };
 
 /// Time of one frame.
@@ -57,7 +58,8 @@ struct WithBvh {
 struct ReproduceOptions {
   bool quick = false;  ///< a small terrain, few spheres
   Device device = default_device();
-  unsigned lanes = default_device().lanes;  ///< of the best card
+  unsigned lanes = default_device().lanes;            ///< of the best card
+  std::optional<baseline::OpenClDevice> opencl = {};  ///< device of rows in Figures 5 to 7
 };
 
 struct Reproduction {

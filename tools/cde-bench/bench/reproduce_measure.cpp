@@ -12,6 +12,7 @@
 #include "bench/flight_rays.hpp"
 #include "bench/measured.hpp"
 #include "bench/reproduce.hpp"
+#include "bench/reproduce_opencl.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/geometry/motion.hpp"
 #include "cde/image/camera.hpp"
@@ -95,6 +96,7 @@ struct Lab {
   std::vector<Card> cards;
   baseline::Kind vector = baseline::Kind::kScalar;
   std::vector<Ray> fresh;  ///< new rays of the same kind as in Figure 5
+  std::optional<OpenClRows> opencl;
   std::string doing;
   std::vector<double> works;  ///< estimated work per step, in the order of the steps
   std::size_t begun = 0;      ///< steps
@@ -225,6 +227,7 @@ void figure5(Lab& lab, const Mesh& mesh, EmbreeBaseline* embree) {
     std::vector<Record> records;
     add_cards(lab, e, rays, triangles, {}, records);
     add_software(lab, e, rays, triangles, embree, records);
+    if (lab.opencl) lab.opencl->figure5(e, count);
     lab.result.figure5.push_back(std::move(e));
   }
 }
@@ -260,6 +263,7 @@ void figure6(Lab& lab, Mesh mesh, EmbreeBaseline* embree) {
       mesh.vertices.begin() + static_cast<std::ptrdiff_t>(last));
   add_software(lab, e, rays, triangles, embree, records,
                [&](EmbreeBaseline& baseline) { baseline.move(first, places); });
+  if (lab.opencl) lab.opencl->figure6(e, static_cast<std::size_t>(from), moved, rays, records);
   lab.result.figure6.push_back(std::move(e));
 }
 
@@ -328,6 +332,7 @@ void figure7(Lab& lab, std::size_t count) {
         std::count_if(records.begin(), records.end(), [](const Record& r) { return r.f; }));
   }
   add_sphere_software(lab, e, spheres, hits);
+  if (lab.opencl) lab.opencl->figure7(e, spheres, hits);
   lab.result.spheres.push_back(count);
   lab.result.figure7.push_back(std::move(e));
 }
@@ -337,6 +342,7 @@ std::optional<EmbreeFrames> of_figure5(const Experiment& e, Entry& brute_force) 
   EmbreeFrames frames;
   for (const Entry& entry : e.entries) {
     if (entry.source == Source::kCard) brute_force = entry;  // the last one is the best card's
+    if (entry.source != Source::kSoftware) continue;
     if (entry.spread) (entry.warm ? frames.warm : frames.fresh) = *entry.spread;
   }
   return EmbreeBaseline::available() ? std::optional(frames) : std::nullopt;
@@ -399,8 +405,8 @@ void with_bvh(Lab& lab, const Mesh& terrain) {
     WithBvh row;
     std::optional<EmbreeFrames> known;
     if (&mesh == &meshes.back()) known = of_figure5(lab.result.figure5.back(), row.brute_force);
-    row.figures =
-        measure_bvh(mesh, tree_rays_of(lab.result.options), lab.result.options.device, known);
+    row.figures = measure_bvh(mesh, tree_rays_of(lab.result.options), lab.result.options.device,
+                              known, lab.result.options.opencl);
     lab.result.records_compared += row.figures.records_compared;
     if (&mesh != &meshes.back()) {
       lab.detail("card " + best.setup().name);
@@ -448,6 +454,10 @@ Reproduction reproduce(const ReproduceOptions& options) {
     lab.result.embree_build_seconds = thread_seconds() - start;
   }
   EmbreeBaseline* baseline = embree ? &*embree : nullptr;
+  if (options.opencl) {
+    const Progress busy("compiling the OpenCL kernels");
+    lab.opencl.emplace(*options.opencl, mesh);
+  }
   lab.works = works_of(options, lab.result.setups, mesh.faces.size());
   lab.step(1, "Figure 5, static objects");
   figure5(lab, mesh, baseline);

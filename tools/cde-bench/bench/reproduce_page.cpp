@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bench/measured.hpp"
+#include "bench/opencl_figures.hpp"
 #include "bench/reproduce.hpp"
 #include "cde/card/json_keys.hpp"
 #include "cde/support/counted.hpp"
@@ -20,10 +21,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Rows = std::vector<std::vector<Cell>>;
 
-constexpr const char* kSourceNames[] = {"paper", "card", "software"};
+constexpr const char* kSourceNames[] = {"paper", "card", "software", "opencl"};
 
 int colour_of(const Entry& entry) {
   if (entry.source == Source::kPaper) return 4;
+  if (entry.source == Source::kOpenCl) return 2;
   return entry.source == Source::kCard ? 1 : 0;
 }
 
@@ -32,6 +34,13 @@ std::vector<const Entry*> of_source(const Experiment& e, Source source) {
   for (const Entry& entry : e.entries)
     if (entry.source == source) entries.push_back(&entry);
   return entries;
+}
+
+/// What the cards are compared with: software, and an OpenCL device if there is one.
+std::vector<const Entry*> baselines_of(const Experiment& e) {
+  std::vector<const Entry*> all = of_source(e, Source::kSoftware);
+  for (const Entry* entry : of_source(e, Source::kOpenCl)) all.push_back(entry);
+  return all;
 }
 
 std::string dots(const Experiment& e) {
@@ -68,12 +77,11 @@ std::string against(double card, double baseline) {
 /// A table of every card against every baseline.
 std::string comparison_table(const Experiment& e) {
   std::vector<std::string> head = {"card"};
-  for (const Entry* baseline : of_source(e, Source::kSoftware))
-    head.push_back("against " + baseline->name);
+  for (const Entry* baseline : baselines_of(e)) head.push_back("against " + baseline->name);
   Rows rows;
   for (const Entry* card : of_source(e, Source::kCard)) {
     std::vector<Cell> row = {card->name};
-    for (const Entry* baseline : of_source(e, Source::kSoftware))
+    for (const Entry* baseline : baselines_of(e))
       row.push_back(Cell::figure(against(card->seconds, baseline->seconds)));
     rows.push_back(std::move(row));
   }
@@ -443,6 +451,11 @@ Rows assumptions(const Reproduction& r, const Json& machine) {
                  "version 3, robust, one ray at a time; building its BVH once took {}, not counted",
                  duration(r.embree_build_seconds))
            : std::string("not in this build of cde")});
+  if (r.options.opencl)
+    rows.push_back(
+        {"OpenCL", fmt::format("{}, driver {}; median wall time with copies of rays, spheres, "
+                               "moved triangles and answers",
+                               r.options.opencl->label(), r.options.opencl->driver)});
   for (const auto& [key, value] : machine.items())
     rows.push_back({key, value.is_string() ? value.get<std::string>() : json_text(value, -1)});
   return rows;
@@ -479,6 +492,7 @@ Json reproduction_json(const Reproduction& r, const Json& machine) {
             {"records_compared", r.records_compared},
             {"vector", r.vector_kind},
             {"embree", r.embree},
+            {"opencl_device", r.options.opencl ? opencl_device_json(*r.options.opencl) : Json()},
             {"cards", Json::array()},
             {"paper",
              {{"card_seconds", kPaperCard},
@@ -537,8 +551,8 @@ std::string reproduction_html(const Reproduction& r, const Json& machine) {
       "in every run. Orange: processor time of one thread of this machine; the dot is the median, "
       "and the line goes from the 10th to the 90th of 100 measurements. Hollow: Embree with the "
       "same rays in every frame, with warmer caches than in a real frame. Grey: the paper, only "
-      "for workloads with as many tests. All time axes are logarithmic.</p></section>\n",
-      summary(r));
+      "for workloads with as many tests.{} All time axes are logarithmic.</p></section>\n",
+      summary(r), r.options.opencl ? " Green: the OpenCL device, in wall time with copies." : "");
   body += fmt::format(
       "<section><h2>Figure 5: static objects</h2>\n<p>The paper prints {:g} ms for its card and {} "
       "ms for its CPU, “about {:g} times”, and “four times faster than the GPU”.</p>\n",
