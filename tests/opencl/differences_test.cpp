@@ -49,13 +49,13 @@ TEST_F(Differences, EqualHits_HaveNone) {
 
 TEST_F(Differences, HitThatWasAMiss_IsNoticed) {
   hits_[miss_] = {1, 3};
-  EXPECT_EQ(found().false_hits, 1u);
-  EXPECT_EQ(found().text(), "1 false hits");
+  EXPECT_EQ(found().extra_hits, 1u);
+  EXPECT_EQ(found().text(), "1 extra hits");
 }
 
 TEST_F(Differences, MissThatWasAHit_IsNoticed) {
   hits_[hit_] = {};
-  EXPECT_EQ(found().false_misses, 1u);
+  EXPECT_EQ(found().missed_hits, 1u);
 }
 
 TEST_F(Differences, OtherT_IsNoticed) {
@@ -82,8 +82,7 @@ TEST_F(Differences, MoreThanOneIn50_IsAnError) {
   std::size_t changed = 0;
   for (std::size_t i = 0; i < hits_.size() && changed < 5; ++i)
     if (records_[i].f) hits_[i] = {}, ++changed;
-  expect_error(ErrorCode::kMismatch,
-               "PoCL: of 200 rays 5 differ from the reference: 5 false misses",
+  expect_error(ErrorCode::kMismatch, "PoCL: of 200 rays 5 differ from the reference: 5 missed hits",
                [&] { baseline::require_few(found(), "PoCL"); });
   hits_[hit_] = {records_[hit_].t, records_[hit_].index};
   baseline::require_few(found(), "PoCL");  // four are one in 50

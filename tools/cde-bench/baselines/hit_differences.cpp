@@ -17,8 +17,8 @@ std::string HitDifferences::text() const {
   const auto add = [&](std::size_t count, const char* what) {
     if (count != 0) list += fmt::format("{}{} {}", list.empty() ? "" : ", ", count, what);
   };
-  add(false_hits, "false hits");
-  add(false_misses, "false misses");
+  add(extra_hits, "extra hits");
+  add(missed_hits, "missed hits");
   add(other_t, "with another T");
   add(other_triangles, "with another triangle at the same T");
   add(rounded_t, "with T rounded otherwise");
@@ -27,8 +27,8 @@ std::string HitDifferences::text() const {
 
 HitDifferences& HitDifferences::operator+=(const HitDifferences& other) {
   compared += other.compared;
-  false_hits += other.false_hits;
-  false_misses += other.false_misses;
+  extra_hits += other.extra_hits;
+  missed_hits += other.missed_hits;
   other_t += other.other_t;
   other_triangles += other.other_triangles;
   rounded_t += other.rounded_t;
@@ -45,7 +45,7 @@ HitDifferences compare_hits(std::span<const Record> records, std::span<const Clo
     const ClosestHit& hit = hits[i];
     const bool met = hit.index != ~0u;
     if (met != record.f) {
-      ++(met ? d.false_hits : d.false_misses);
+      ++(met ? d.extra_hits : d.missed_hits);
     } else if (met) {
       if (!(std::abs(hit.t - record.t) <= 1e-4f * std::abs(record.t)))
         ++d.other_t;

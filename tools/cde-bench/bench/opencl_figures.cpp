@@ -96,8 +96,8 @@ ordered_json series_json(const OpenClSeries& s) {
           {"spread_upload", spread_json(s.with_upload)},
           {"records_compared", d.compared},
           {"records_matching", d.equal()},
-          {"false_hits", d.false_hits},
-          {"false_misses", d.false_misses},
+          {"extra_hits", d.extra_hits},
+          {"missed_hits", d.missed_hits},
           {"other_t", d.other_t},
           {"other_triangles", d.other_triangles},
           {"rounded_t", d.rounded_t}};
