@@ -104,6 +104,31 @@ TEST_F(Bench, QuickBvh_ReportsPlausibleFigures) {
   }
 }
 
+/// Without --opencl-device only a GPU has a row. A named device has one that says what it is.
+TEST_F(Bench, OpenClRow_NamesItsDevice) {
+  const auto row_of = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"bench", "bvh", "--quick", "--json"});
+    const Ran ran = cde(more);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return std::pair(nlohmann::json::parse(ran.out)["bvh"][0]["opencl"], ran.err);
+  };
+  const auto unnamed = row_of({}).first;
+  EXPECT_TRUE(unnamed.is_null() || unnamed["opencl_device"]["kind"] == "GPU") << unnamed;
+  const Ran list = cde({"bench", "--list", "--json"});
+  if (list.status != 0) GTEST_SKIP() << list.err;
+  const auto device = nlohmann::json::parse(list.out)["opencl_devices"][0];
+  const auto [row, text] = row_of({"--opencl-device", "0"});
+  EXPECT_EQ(row["opencl_device"], device);
+  const std::string name = device["name"], kind = device["kind"];
+  EXPECT_TRUE(has(text, kind == "GPU" ? "GPU " + name : kind + " " + name + " through OpenCL"));
+  ASSERT_EQ(row["casts"].size(), 2u);
+  for (const auto& cast : row["casts"]) {
+    EXPECT_EQ(cast["through"], "bvh");
+    EXPECT_GT(cast["kernel_seconds"], 0);
+    EXPECT_GE(cast["records_matching"], 0.98 * cast["records_compared"].get<double>());
+  }
+}
+
 TEST_F(Bench, QuickBus_ReportsPlausibleFigures) {
   const Ran ran = cde({"bench", "bus", "--quick", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;

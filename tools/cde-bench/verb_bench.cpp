@@ -67,17 +67,22 @@ void list_devices(bool json) {
   if (json) print_json(all);
 }
 
-void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool json) {
+/// Checks options that only some sections use, before any work.
+void check_sections(const BenchOptions& o, bool mesh, const std::vector<std::string>& wanted) {
   if (o.markdown && wanted != std::vector<std::string>{"effects"})
     throw_usage("--markdown needs only the section effects: cde bench effects --markdown");
-  if (!o.mesh.empty() && wanted != std::vector<std::string>{"gpu"})
+  if (mesh && wanted != std::vector<std::string>{"gpu"})
     throw_usage("--mesh needs only the section gpu: cde bench gpu --mesh MESH");
   if (!o.opencl_device.empty()) {
     const auto uses = [](const std::string& s) { return s == "gpu" || s == "rays" || s == "bvh"; };
     if (!wanted.empty() && std::none_of(wanted.begin(), wanted.end(), uses))
       throw_usage("--opencl-device needs the section gpu, rays or bvh");
-    (void)baseline::choose_opencl_device(baseline::opencl_devices(), o.opencl_device);
   }
+  if (o.needs_opencl || !o.opencl_device.empty())
+    (void)baseline::choose_opencl_device(baseline::opencl_devices(), o.opencl_device);
+}
+
+void run(const BenchOptions& o, const std::vector<std::string>& wanted, bool json) {
   if (json) Figures::beside_json();
   nlohmann::ordered_json all = program_json();
   all.update({{"device", device_json(o.device)}, {"machine", machine()}});
@@ -114,6 +119,7 @@ void add_bench(CLI::App& app) {
   struct Arguments {
     BenchOptions options;
     std::vector<std::string> sections;
+    std::string mesh;
     DeviceWords device;
     bool json = false, list = false;
   };
@@ -136,7 +142,7 @@ void add_bench(CLI::App& app) {
                    ->excludes(quick);
   device_options(*verb, a->device);
   auto* mesh =
-      file_value(verb->add_option("--mesh", a->options.mesh,
+      file_value(verb->add_option("--mesh", a->mesh,
                                   "Section gpu only: the mesh, a file or terrain:QX,QY,SEED "
                                   "[259,572 triangles of terrain]"),
                  "MESH");
@@ -152,6 +158,8 @@ void add_bench(CLI::App& app) {
     a->options.device = a->device.chosen();
     a->options.needs_opencl =
         std::find(a->sections.begin(), a->sections.end(), "gpu") != a->sections.end();
+    check_sections(a->options, !a->mesh.empty(), a->sections);
+    if (!a->mesh.empty()) a->options.mesh = load_mesh_or_builtin(a->mesh);
     run(a->options, a->sections, a->json);
   });
 }

@@ -309,6 +309,7 @@ double OpenClRays::move(std::size_t first, std::span<const Triangle> triangles) 
   Impl& i = *impl_;
   if (first > i.in_order.size() || triangles.size() > i.in_order.size() - first)
     throw_usage("the moved triangles exceed the mesh");
+  if (triangles.empty()) return 0;
   return guarded(i.p.facts.name, [&] {
     const auto start = Clock::now();
     for (std::size_t k = 0; k < triangles.size(); ++k)

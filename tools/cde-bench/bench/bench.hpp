@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
+#include "cde/mesh/mesh.hpp"
 #include "cde/model/device.hpp"
 
 /// Sections of `cde bench`. Each measures, prints its table (streams.hpp), and returns its figures.
@@ -13,7 +15,7 @@ struct BenchOptions {
   bool full = false;      ///< up to 10 million triangles, and models that take long to build
   bool markdown = false;  ///< section effects: prints the table of docs/tables/effects.md
   Device device = default_device();
-  std::string mesh;           ///< section gpu: the mesh; empty: a terrain
+  std::optional<Mesh> mesh;   ///< section gpu; empty: a terrain
   std::string opencl_device;  ///< number or part of the name; empty: a GPU if there is one
   bool needs_opencl = false;  ///< section gpu: a missing OpenCL device is an error
 };

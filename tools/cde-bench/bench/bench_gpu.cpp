@@ -50,11 +50,10 @@ std::vector<Triangle> triangles_in(const Mesh& mesh) {
 OpenClFigures measure(const BenchOptions& o, const OpenClDevice& device) {
   OpenClFigures f;
   f.device = device;
-  if (!o.mesh.empty())
-    f.mesh = load_mesh_or_builtin(o.mesh);
+  if (o.mesh)
+    f.mesh = *o.mesh;
   else
     f.mesh = o.quick ? make_terrain({.quads_x = 80, .quads_y = 80}) : make_terrain({});
-  check(f.mesh, o.mesh.empty() ? "terrain" : o.mesh);
   const std::vector<std::size_t> sizes = sizes_of(o);
   Progress progress("gpu");
   progress(0, "the reference");

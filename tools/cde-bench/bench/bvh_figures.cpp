@@ -24,7 +24,7 @@ using nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
 /// Enough rays that the nodes they need are not in a cache.
-constexpr std::size_t kFreshRays = std::size_t{1} << 20;
+constexpr std::size_t kFreshBvhRays = std::size_t{1} << 20;
 
 /// Compares records with the reference's traversal. Error kMismatch at a difference.
 void compare(BvhFigures& figures, reference::Traversal& traversal, std::span<const Ray> rays,
@@ -87,7 +87,7 @@ BvhEmbree embree_on(const Mesh& mesh, std::span<const Ray> rays, std::span<const
   if (known) {
     embree.frame = *known;
   } else {
-    embree.frame.fresh = cast(flight_rays(mesh, kFreshRays, rays.size()), kBvhPacket);
+    embree.frame.fresh = cast(flight_rays(mesh, kFreshBvhRays, rays.size()), kBvhPacket);
     embree.frame.warm = cast(rays.first(kBvhPacket), kBvhPacket);
   }
   embree.stream = cast(rays, rays.size());
