@@ -46,7 +46,9 @@ TEST(OpenClChoice, OtherNames_AreRefusedWithTheList) {
 TEST(OpenClChoice, Cpu_IsNeverCalledAGpu) {
   EXPECT_EQ(machine()[0].label(), "CPU pthread-x 2 through OpenCL");
   EXPECT_FALSE(machine()[0].is_gpu());
+  EXPECT_EQ(machine()[0].short_label(), "CPU through OpenCL");
   EXPECT_EQ(machine()[1].label(), "GPU Fast 1000");
+  EXPECT_EQ(machine()[1].short_label(), "GPU");
 }
 
 }  // namespace

@@ -185,8 +185,8 @@ TEST_F(OpenCl, Times_ArePlausible) {
 
 TEST_F(OpenCl, Spheres_OverlapAsInSoftware) {
   hard::Draw draw(17);
-  std::vector<Sphere> spheres;
-  for (int i = 0; i < 333; ++i) spheres.push_back({5 * draw.point(), draw(0.2f, 0.6f)});
+  std::vector<Sphere> spheres(333);
+  for (Sphere& sphere : spheres) sphere = {5 * draw.point(), draw(0.2f, 0.6f)};
   std::uint64_t expected = 0;
   for (const Sphere& a : spheres)
     for (const Sphere& b : spheres) {

@@ -36,6 +36,7 @@ void run(const Arguments& a) {
   OutputFile page(a.out);  // a missing folder is an error before the work
   print_figure("{:<22} {}\n", "device", device_row(a.options.device));
   print_figure("{:<22} {}\n", "evidence", a.options.device.why);
+  if (a.options.opencl) print_figure("{:<22} {}\n", "OpenCL device", a.options.opencl->label());
   const Reproduction r = reproduce(a.options);
   const nlohmann::ordered_json machine = machine_json();
   page.write(reproduction_html(r, machine));

@@ -30,6 +30,8 @@ struct OpenClDevice {
   [[nodiscard]] bool is_exact() const { return exact_division && subnormals; }
   /// "GPU NAME", "CPU NAME through OpenCL".
   [[nodiscard]] std::string label() const;
+  /// "GPU", "CPU through OpenCL".
+  [[nodiscard]] std::string short_label() const;
 };
 
 /// Whether this program was built with OpenCL. Otherwise the functions below throw Error kUsage,

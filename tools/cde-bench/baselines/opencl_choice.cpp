@@ -38,6 +38,10 @@ std::string OpenClDevice::label() const {
   return is_gpu() ? fmt::format("GPU {}", name) : fmt::format("{} {} through OpenCL", kind, name);
 }
 
+std::string OpenClDevice::short_label() const {
+  return is_gpu() ? kind : kind + " through OpenCL";
+}
+
 OpenClDevice choose_opencl_device(std::span<const OpenClDevice> devices, std::string_view words) {
   if (devices.empty()) throw_usage("there is no OpenCL device");
   if (words.empty()) {

@@ -56,7 +56,7 @@ void OpenClRows::figure5(Experiment& e, std::size_t count) {
     const OpenClSeries s =
         measure_opencl(*opencl_, through, fresh_, count, records_, device_.label());
     e.entries.push_back(opencl_entry(
-        fmt::format("{}, {}", device_.label(), method_of(s)),
+        fmt::format("{}, {}", device_.short_label(), method_of(s)),
         through == Through::kBvh ? "BVH built and uploaded before" : "every pair, uploaded before",
         s.kernel.median, s.with_copies));
   }
@@ -73,7 +73,7 @@ void OpenClRows::figure6(Experiment& e, std::size_t first, std::span<const Trian
     return moving + times.copies;
   });
   baseline::require_few(differences, device_.label());
-  e.entries.push_back(opencl_entry(fmt::format("{}, brute force", device_.label()),
+  e.entries.push_back(opencl_entry(fmt::format("{}, brute force", device_.short_label()),
                                    "moved triangles uploaded, every pair", kernel, spread));
 }
 
@@ -87,8 +87,8 @@ void OpenClRows::figure7(Experiment& e, std::span<const Sphere> spheres, std::ui
   const std::uint64_t wrong = std::max(found, hits) - std::min(found, hits);
   if (wrong > 2 + hits / 1000)
     differs("overlaps of " + device_.label() + " and of the card", wrong, hits);
-  e.entries.push_back(
-      opencl_entry(device_.label(), "spheres uploaded, every pair counted only", kernel, spread));
+  e.entries.push_back(opencl_entry(device_.short_label(),
+                                   "spheres uploaded, every pair counted only", kernel, spread));
 }
 
 }  // namespace cde::cli
