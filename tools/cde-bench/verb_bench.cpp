@@ -17,6 +17,7 @@
 #include "cde/card/machine.hpp"
 #include "cde/support/error.hpp"
 #include "options/device_options.hpp"
+#include "options/help.hpp"
 #include "options/values.hpp"
 #include "output/device_output.hpp"
 #include "output/streams.hpp"
@@ -130,8 +131,8 @@ void add_bench(CLI::App& app) {
                          "Sections to run: rays, fp, pairs, bus, effects, bvh, gpu, waves")
             ->default_str("all"),
         {"rays", "fp", "pairs", "bus", "effects", "bvh", "gpu", "waves"}, "SECTION", "section");
+  begin_group(*verb, "Figures");
   auto* json = verb->add_flag("--json", a->json, "Figures as JSON on stdout");
-  quiet_flag(*verb);
   auto* markdown = verb->add_flag("--markdown", a->options.markdown,
                                   "Section effects only: print the table of docs/tables/effects.md")
                        ->excludes(json);
@@ -140,7 +141,9 @@ void add_bench(CLI::App& app) {
   auto* full = verb->add_flag("--full", a->options.full,
                               "Up to 10 million triangles, every format; gpu: every cast")
                    ->excludes(quick);
+  begin_group(*verb, "Modelled time");
   device_options(*verb, a->device);
+  begin_group(*verb, "OpenCL");
   auto* mesh =
       file_value(verb->add_option("--mesh", a->mesh,
                                   "Section gpu only: the mesh, a file or terrain:QX,QY,SEED "
@@ -149,6 +152,8 @@ void add_bench(CLI::App& app) {
   auto* opencl = opencl_device_option(*verb, a->options.opencl_device);
   auto* list = verb->add_flag("--list", a->list, "Print the OpenCL devices, and measure nothing");
   for (CLI::Option* option : {markdown, quick, full, mesh, opencl}) list->excludes(option);
+  begin_group(*verb, "Messages");
+  quiet_flag(*verb);
   verb->callback([a] {
     if (a->list) {
       if (!a->sections.empty() && a->sections != std::vector<std::string>{"gpu"})

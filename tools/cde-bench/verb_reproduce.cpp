@@ -10,6 +10,7 @@
 #include "cde/support/message.hpp"
 #include "cde/support/suffix.hpp"
 #include "options/device_options.hpp"
+#include "options/help.hpp"
 #include "options/values.hpp"
 #include "output/device_output.hpp"
 #include "output/output.hpp"
@@ -68,17 +69,21 @@ void add_reproduce(CLI::App& app) {
   CLI::App* verb = app.add_subcommand(
       "reproduce",
       "Measure the paper's Figures 5, 6 and 7 again, and rays with a BVH, and write a page");
+  begin_group(*verb, "Figures");
   file_value(verb->add_option("-o,--output,--out", a->out, "The page, one HTML file")
                  ->capture_default_str(),
              "FILE.html");
   verb->add_flag("--json", a->json, "Figures as JSON on stdout");
-  quiet_flag(*verb, &a->quiet);
   verb->add_flag("--quick", a->options.quick,
                  "A small terrain and few spheres, to check that everything works");
   auto* lanes = lanes_value(verb->add_option("--lanes", a->options.lanes,
                                              "Lanes of the best card instead of the device's"));
+  begin_group(*verb, "Modelled time");
   device_options(*verb, a->device);
+  begin_group(*verb, "OpenCL");
   opencl_device_option(*verb, a->opencl_device);
+  begin_group(*verb, "Messages");
+  quiet_flag(*verb, &a->quiet);
   verb->callback([a, lanes] {
     a->options.device = a->device.chosen();
     if (lanes->empty()) a->options.lanes = a->options.device.lanes;
