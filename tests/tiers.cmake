@@ -3,7 +3,7 @@
 #
 # The default tier runs the lists below and every test that tools/mutants names. The full tier runs all tests:
 # CDE_FULL_TESTS=ON (tools/test --full) builds and finds them. A program without a list runs completely in the default
-# tier: the programs of tests/numerics, tests/oracle, tests/modules, tests/synthesis, and cde_wave_tests.
+# tier: the programs of tests/numerics, tests/opencl, tests/oracle, tests/modules, tests/synthesis, and cde_wave_tests.
 
 # ---- Tests of the default tier: GoogleTest filters per program (cde_NAME_tests), and exclusions ----
 
