@@ -72,7 +72,7 @@ constexpr VerbFacts kFacts[] = {
     {"explain", kModels | kSources | kCards | kFiles | kCompares | kSimulates},
     {"accuracy", kModels | kSources | kFiles | kCosts | kCompares | kSimulates},
     {"advise", kCosts, "no pipe meets the demands"},
-    {"bench", kBench | kMeshes},
+    {"bench", kBench | kFiles},
     {"reproduce", kBench | kCosts},
     {"inventory", kSources},
     {"wave", kSources | kWidth, "find or tx found nothing, or diff found a difference"},
