@@ -184,6 +184,19 @@ TEST_F(JournalEntries, ExchangedOrMissingChunks_AreNotMerged) {
   journal[at] = journal[at] == '1' ? '2' : '1';
   write("bad", journal);
   refused({"merge", "bad"}, "the chunk is damaged");
+  // The chunks of a complete shard are checked.
+  const Words shard = {"query",      "sphere-sphere", "pairs", "-q",       "-o",   "x.csv",
+                       "--no-check", "--shard",       "1/2",   "--resume", "shard"};
+  ASSERT_EQ(cde(shard).status, 0);
+  std::string bytes = read("shard");
+  bytes[bytes.size() - 200] ^= 1;
+  write("shard", bytes);
+  const Ran again = cde(shard);
+  EXPECT_EQ(again.status, 2);
+  EXPECT_TRUE(has(again.err,
+                  "the chunk is damaged, or belongs to another run; remove the file and "
+                  "run its command again"))
+      << again.err;
   EXPECT_EQ(cde({"merge", "whole"}).status, 0);
 }
 

@@ -169,6 +169,24 @@ TEST_P(WavesOnSignal, Cast_LeavesReadableWaves) {
   EXPECT_EQ(files(), Words{"w.fst"});
 }
 
+/// Waves on stdout are written at the end.
+TEST_P(WavesOnSignal, WavesOnStdout_HaveATime) {
+  const auto cast = [](const char* mesh, const char* grid, const char* waves) {
+    return Words{"cast",         mesh, "--grid",     grid,      "--lanes", "4",
+                 "--exact-card", "-q", "--no-check", "--trace", waves};
+  };
+  ASSERT_EQ(cde(cast("terrain:3,3,1", "1x1", "first.fst")).status, 0);  // the model exists
+  const pid_t child = start(cast("terrain:300,300,1", "64x64", "-"));
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  ASSERT_EQ(::kill(child, GetParam()), 0);
+  const Ran ran = finish(child);
+  EXPECT_EQ(ran.status, 128 + GetParam()) << ran.err;
+  write("w.fst", ran.out);
+  EXPECT_TRUE(has(ran.err, fmt::format("stopped; stdout has the waves until {} ps",
+                                       info("w.fst")["to"].get<std::uint64_t>())))
+      << ran.err;
+}
+
 TEST_P(WavesOnSignal, Run_LeavesReadableWaves) {
   write("s.toml",
         "[card]\nlanes = 4\nbvh = \"off\"\n[[object]]\nname = \"t\"\n"

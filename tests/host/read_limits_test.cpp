@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cde/mesh/mesh.hpp"
+#include "cde/scene/plan.hpp"
 #include "scenes.hpp"
 
 namespace cde::testing {
@@ -66,6 +67,55 @@ TEST(SceneLimits, RaysOfCsv_Count) {
       "secondaries = \"ball\"\n";
   expect_error(ErrorCode::kCapacity,
                "count: ", [&] { (void)parse_scene(text, (folder / "s.toml").string()); });
+}
+
+/// Twenty objects of one slow file: it is read once.
+TEST(SceneLimits, MeshOfObjectsInARow_IsReadOnce) {
+  const Folder folder;
+  folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  std::string text = kRays + kBall + kHit;
+  for (unsigned i = 0; i < 3; ++i)
+    text += "[[object]]\nname = \"m" + std::to_string(i) +
+            "\"\nmesh = \"m.obj\"\nscale = " + std::to_string(i + 1) + "\n";
+  const Scene scene = parse_scene(text, (folder / "s.toml").string());
+  for (unsigned i = 0; i < 3; ++i)
+    EXPECT_EQ(std::get<std::vector<Triangle>>(scene.objects.at(2 + i).shapes).at(0).v1.x(),
+              i + 1.f);
+  // Other files in turn take their time, of which all have 1 s here.
+  std::string slow = "v 0 0 0\n";
+  for (unsigned i = 0; i < 1000; ++i) {
+    const double angle = 6.283185307179586 * i / 1000, r = i % 2 == 0 ? 1 : 0.5;
+    slow += "v " + std::to_string(r * std::cos(angle)) + " " + std::to_string(r * std::sin(angle)) +
+            " 0\n";
+  }
+  std::string face = "f";
+  for (unsigned i = 0; i < 1000; ++i) face += " " + std::to_string(2 + i);
+  for (unsigned i = 0; i < 20; ++i) slow += face + "\n";
+  folder.write("a.obj", slow);
+  folder.write("b.obj", slow);
+  std::string many = kRays + kBall + kHit;
+  for (unsigned i = 0; i < 400; ++i)
+    many += "[[object]]\nname = \"m" + std::to_string(i) + "\"\nmesh = \"" +
+            (i % 2 == 0 ? "a" : "b") + ".obj\"\n";
+  ASSERT_EQ(::setenv("CDE_READ_SECONDS", "1", 1), 0);
+  expect_error(ErrorCode::kFile, "not read within 1 s",
+               [&] { (void)parse_scene(many, (folder / "s.toml").string()); });
+  ::unsetenv("CDE_READ_SECONDS");
+}
+
+/// Many objects in one query.
+TEST(SceneLimits, ManyObjectsOfAQuery_AreReadInLinearTime) {
+  std::string text, names;
+  for (unsigned i = 0; i < 40'000; ++i) {
+    const std::string name = "o" + std::to_string(i);
+    text += "[[object]]\nname = \"" + name + "\"\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    names += "\"" + name + "\", ";
+  }
+  text += "[[query]]\nname = \"q\"\npair = \"sphere-sphere\"\nprimaries = [" + names +
+          "]\nsecondaries = [" + names + "]\n";
+  const auto began = std::chrono::steady_clock::now();
+  (void)plan(parse_scene(text, "s.toml"));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(8));
 }
 
 /// A closed mesh is checked once, however many queries ask what is inside.

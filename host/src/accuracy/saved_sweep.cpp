@@ -203,11 +203,17 @@ SavedSweep sweep_of(const Json& json, const std::string& where, const Target& ta
     }
     number = 0;
     if (json.contains("profiles")) check_profiles(json.at("profiles"));
-  } catch (const std::exception& e) {  // of JSON, or an Error
+  } catch (const std::exception& e) {
+    const bool of_json = dynamic_cast<const Json::exception*>(&e) != nullptr;
+    const std::string why = e.what();  // of JSON: "[json.exception.type_error.304] cannot ..."
     throw Error(
         ErrorCode::kFile,
         fmt::format("{}: {}{}", where, number == 0 ? "" : fmt::format("configuration {}: ", number),
-                    e.what()));
+                    of_json
+                        ? fmt::format("a value is missing or has another type than `cde accuracy "
+                                      "--json` writes ({})",
+                                      why.substr(why.find("] ") + 2))
+                        : why));
   }
   return sweep;
 }

@@ -29,8 +29,8 @@ TraceFile::~TraceFile() {
   }
 }
 
-void TraceFile::close() {
-  if (!file_) return;
+std::optional<std::uint64_t> TraceFile::close() {
+  if (!file_) return std::nullopt;
   try {
     close_();
   } catch (const Error& e) {
@@ -50,6 +50,7 @@ void TraceFile::close() {
   if (times && times->first == times->second)
     log(fmt::format("cde: {} has no cycle of the run: the run had ended before the waves began\n",
                     printable_name(path_)));
+  return times ? std::optional(times->second) : std::nullopt;
 }
 
 /// The header block of an FST holds its type (1 byte), its length, and its first and last time (8

@@ -72,6 +72,7 @@ Journal::Journal(std::string what, std::string path, Use use, const Json& run, c
       return;
     }
     if (whole != 0) check_run(run);
+    for (const auto& [number, place] : chunks_) (void)read(number);
     warn_dropped(whole, "is computed again");
     if (whole != bytes_ && ::ftruncate(file_, static_cast<off_t>(whole)) != 0) fail("cannot write");
     bytes_ = whole;
@@ -297,7 +298,9 @@ std::string Journal::read(ChunkNumber number, const Check& check) const {
   const auto bytes = bytes_at(file_, place.at, place.bytes);
   if (!bytes) fail("cannot read");
   if (print_of(run_print_, number, place.input, *bytes) != place.fingerprint)
-    damaged(place.at, "the chunk is damaged, or belongs to another run");
+    damaged(place.at,
+            "the chunk is damaged, or belongs to another run; remove the file and run its command "
+            "again");
   const auto refuse = [&](const char* why) {
     damaged(place.at, fmt::format("the chunk is no result of this run: {}", why));
   };

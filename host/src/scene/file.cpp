@@ -178,8 +178,9 @@ class ParentCheck {
 void read_objects(Scene& scene, Tables tables, const std::filesystem::path& folder, Names& names) {
   std::vector<std::string> parents;
   scene_parts::Memory memory;
+  scene_parts::Meshes meshes;
   for (Table& t : tables) {
-    SceneObject object = scene_parts::read_object(t, folder, memory, scene.card.format);
+    SceneObject object = scene_parts::read_object(t, folder, memory, meshes, scene.card.format);
     parents.push_back(t.text("parent", ""));
     t.finish();
     if (!names.numbers.emplace(object.name, scene.objects.size()).second)
@@ -212,10 +213,10 @@ Shape common_shape(const Scene& scene, const std::vector<std::size_t>& objects, 
 
 std::vector<std::size_t> read_group(const Names& names, Table& t, const char* key) {
   std::vector<std::size_t> group;
+  std::set<std::size_t> known;
   for (const std::string& name : t.texts(key)) {
     const std::size_t number = names.find(t, key, name);
-    if (std::find(group.begin(), group.end(), number) != group.end())
-      t.fail(key, fmt::format("names {} twice", in_quotes(name)));
+    if (!known.insert(number).second) t.fail(key, fmt::format("names {} twice", in_quotes(name)));
     group.push_back(number);
   }
   return group;

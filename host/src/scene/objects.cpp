@@ -10,6 +10,7 @@
 #include "cde/io/rays_csv.hpp"
 #include "cde/support/counted.hpp"
 #include "cde/support/message.hpp"
+#include "cde/support/read_limits.hpp"
 #include "mesh/readers.hpp"
 #include "scene/parts.hpp"
 #include "support/text.hpp"
@@ -188,7 +189,7 @@ std::vector<Triangle> triangles_of(const Mesh& mesh) {
 }
 
 Mesh read_mesh(Table& t, const std::filesystem::path& folder, std::filesystem::path& file,
-               Memory& memory) {
+               Memory& memory, Meshes& meshes) {
   const std::string spec = t.text("mesh");
   const bool builtin = spec == "terrain" || spec.starts_with("terrain:");
   if (!builtin) file = folder / spec;
@@ -204,7 +205,7 @@ Mesh read_mesh(Table& t, const std::filesystem::path& folder, std::filesystem::p
     memory.add(t, "mesh", Shape::kTriangle,
                attempt([&] { return mesh_readers::builtin_triangles(spec); }));
   Mesh mesh = attempt([&] {
-    Mesh made = builtin ? load_mesh_or_builtin(spec) : load_named_mesh(file);
+    Mesh made = builtin ? load_mesh_or_builtin(spec) : meshes.load(file);
     for (Eigen::Vector3f& v : made.vertices) v = (v.cast<double>() * scale).cast<float>();
     check(made, made.name);
     if (const auto why = out_of_range(made, made.name)) throw Error(ErrorCode::kBadInput, *why);
@@ -237,14 +238,14 @@ Deformation read_deformation(Table t, const Mesh& mesh) {
   return d;
 }
 
-void read_source(Table& t, const std::filesystem::path& folder, SceneObject& object,
-                 Memory& memory) {
+void read_source(Table& t, const std::filesystem::path& folder, SceneObject& object, Memory& memory,
+                 Meshes& meshes) {
   std::vector<std::string> sources = kShapeNames;
   sources.insert(sources.end(), {"mesh", "random", "camera", "random_rays", "rays_csv"});
   const std::string source = t.one_of(sources);
   const char* key = source.c_str();
   if (source == "mesh") {
-    Mesh mesh = read_mesh(t, folder, object.file, memory);
+    Mesh mesh = read_mesh(t, folder, object.file, memory, meshes);
     object.source = mesh.name + ", " + counted(mesh.faces.size(), "triangle");
     object.shapes = triangles_of(mesh);
     object.more_files = mesh.files;
@@ -320,14 +321,34 @@ void Memory::add_poses(const Table& t, std::uint64_t count) {
       (2 * sizeof(Transform) + sizeof(Eigen::Vector3d)) * count);
 }
 
+const Mesh& Meshes::load(const std::filesystem::path& file) {
+  if (file == last_file_) return last_;
+  std::error_code none;
+  if (files_.insert(file).second)
+    if (const auto size = std::filesystem::file_size(file, none); !none) bytes_ += size;
+  const std::chrono::seconds most = ReadLimits::time_for(bytes_);
+  if (spent_ >= most)
+    throw Error(ErrorCode::kFile, fmt::format("the meshes of the scene are not read within {} s "
+                                              "(CDE_READ_SECONDS sets another limit)",
+                                              most.count()));
+  MeshLimits limits = MeshLimits::from_environment();
+  limits.time = std::min(limits.time, std::chrono::ceil<std::chrono::seconds>(most - spent_));
+  const auto began = std::chrono::steady_clock::now();
+  last_file_.clear();
+  last_ = load_named_mesh(file, limits);
+  last_file_ = file;
+  spent_ += std::chrono::steady_clock::now() - began;
+  return last_;
+}
+
 SceneObject read_object(Table& t, const std::filesystem::path& folder, Memory& memory,
-                        FpFormat format) {
+                        Meshes& meshes, FpFormat format) {
   SceneObject object;
   object.name = t.text("name");
   if (object.name.empty()) t.fail("name", "is empty");
   t = t.named(fmt::format("object {}", in_quotes(object.name)));
   t.also_known({"motion", "parent", "deform", "scale"});
-  read_source(t, folder, object, memory);
+  read_source(t, folder, object, memory, meshes);
   if (format != FpFormat{} && !object.rays) check_shapes(t, object.shapes, format);
   if (auto motion = t.table("motion")) object.motion = read_motion(*motion, object);
   if (has_member_poses(object)) memory.add_poses(t, size(object.shapes));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <filesystem>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,11 +32,26 @@ class Memory {
   std::uint64_t bytes_ = 0;
 };
 
+/// The mesh files that a scene names. Objects in a row that name the same file read it once. All
+/// files together have a limit of time (ReadLimits).
+class Meshes {
+ public:
+  /// load_named_mesh(). Error kFile if the time is over.
+  const Mesh& load(const std::filesystem::path& file);
+
+ private:
+  std::filesystem::path last_file_;
+  Mesh last_;
+  std::set<std::filesystem::path> files_;
+  std::uint64_t bytes_ = 0;  ///< of the files
+  std::chrono::steady_clock::duration spent_{};
+};
+
 /// Reads [[object]]; the caller resolves its parent. Paths are relative to `folder`. Shapes with a
 /// defect in the card's format are errors.
 [[nodiscard]] SceneObject read_object(toml_reader::Table& table,
                                       const std::filesystem::path& folder, Memory& memory,
-                                      FpFormat format);
+                                      Meshes& meshes, FpFormat format);
 
 /// Reads [object.motion]. The shapes of `object` must be read already.
 [[nodiscard]] Motion read_motion(toml_reader::Table& table, const SceneObject& object);

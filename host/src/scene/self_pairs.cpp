@@ -2,6 +2,8 @@
 #include "scene/self_pairs.hpp"
 
 #include <algorithm>
+#include <unordered_map>
+#include <vector>
 
 namespace cde {
 
@@ -9,14 +11,16 @@ SelfPairs::SelfPairs(const Scene& scene, const SceneQuery& query)
     : mask_(query.mask), once_(query.mode == Mode::kAll || query.mode == Mode::kHits) {
   for (const std::size_t i : query.secondaries) secondaries_ += size(scene.objects[i].shapes);
   if (query.self) return;
-  std::uint64_t primary = 0;
+  std::unordered_map<std::size_t, std::vector<std::uint64_t>> first_of;  // secondaries, by object
+  std::uint64_t secondary = 0, primary = 0;
+  for (const std::size_t s : query.secondaries) {
+    first_of[s].push_back(secondary);
+    secondary += size(scene.objects[s].shapes);
+  }
   for (const std::size_t p : query.primaries) {
     const std::uint64_t count = size(scene.objects[p].shapes);
-    std::uint64_t secondary = 0;
-    for (const std::size_t s : query.secondaries) {
-      if (s == p) shared_.push_back({primary, secondary, count});
-      secondary += size(scene.objects[s].shapes);
-    }
+    if (const auto found = first_of.find(p); found != first_of.end())
+      for (const std::uint64_t first : found->second) shared_.push_back({primary, first, count});
     primary += count;
   }
 }

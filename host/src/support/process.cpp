@@ -242,7 +242,10 @@ void end_with(pid_t parent, int signal) {
 
 /// Runs `work` in the child. A byte on `done` tells the parent that it has not crashed.
 void work_as_child(int done, pid_t parent, const std::function<void()>& work) {
-  end_with(parent, SIGTERM);
+  // SIGTERM lets the child remove its unfinished files.
+  struct sigaction at_end {};
+  ::sigaction(SIGTERM, nullptr, &at_end);
+  end_with(parent, at_end.sa_handler == SIG_IGN ? SIGKILL : SIGTERM);
   const rlimit no_core{0, 0};
   ::setrlimit(RLIMIT_CORE, &no_core);
   const auto tell = [done] { write_all(done, std::string_view("", 1)); };

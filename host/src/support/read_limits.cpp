@@ -51,9 +51,13 @@ std::uint64_t ReadLimits::memory_for(const std::filesystem::path& file) {
 }
 
 std::chrono::seconds ReadLimits::time_for(const std::filesystem::path& file) {
+  return time_for(size_of(file));
+}
+
+std::chrono::seconds ReadLimits::time_for(std::uint64_t bytes) {
   constexpr std::uint64_t kLeast = 30, kPerMegabyte = 10;
   return from_environment().time.value_or(
-      std::chrono::seconds(kLeast + kPerMegabyte * (size_of(file) >> 20)));
+      std::chrono::seconds(kLeast + kPerMegabyte * (bytes >> 20)));
 }
 
 std::uint64_t data_bytes() {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -73,6 +74,11 @@ std::optional<std::string> sha256_of_file(const std::filesystem::path& file) {
   const auto size = std::filesystem::file_size(file, error);
   std::ifstream in(file, std::ios::binary);
   if (error || !in) return std::nullopt;
+  constexpr std::uintmax_t kMost = std::uintmax_t{1} << 30;  // a file with a hole may claim more
+  if (size > kMost) {
+    errno = EFBIG;
+    return std::nullopt;
+  }
   std::string bytes(size, '\0');
   if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
   return sha256(bytes);

@@ -2,6 +2,7 @@
 // Restores a terminal that a full-screen program left changed.
 #define NCURSES_NOMACROS 1
 #include <curses.h>
+#include <fcntl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -37,7 +38,7 @@ Terminal::~Terminal() = default;
 
 void Terminal::restore() const {
   if (!modes_->known) return;
-  ::tcsetattr(STDOUT_FILENO, TCSADRAIN, &modes_->modes);
+  ::tcsetattr(STDOUT_FILENO, TCSANOW, &modes_->modes);
   int error = 0;
   if (::setupterm(nullptr, STDOUT_FILENO, &error) != OK) return;
   collected.clear();
@@ -45,7 +46,11 @@ void Terminal::restore() const {
     const char* const text = ::tigetstr(name);
     if (text != nullptr && text != reinterpret_cast<const char*>(-1)) ::tputs(text, 1, collect);
   }
-  process::write_all(STDOUT_FILENO, collected);
+  // Opened again, because a terminal that is stopped (^S) would make the writer wait.
+  const int terminal = ::open("/proc/self/fd/1", O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (terminal < 0) return;
+  process::write_all(terminal, collected);
+  ::close(terminal);
 }
 
 }  // namespace cde::wave::tui

@@ -112,6 +112,8 @@ CastOutcome cast_on(Board& board, const CastTask& o, const CastJob& job, Mode mo
   };
   try {
     result.counters = board.cast(rays, query, sink);
+  } catch (const CastStopped&) {
+    throw CastStopped{waves.close()};
   } catch (const Error& e) {
     if (!is_hang(e) || o.deadline != 0) throw;
     waves.close();

@@ -50,7 +50,9 @@ struct CastOutcome {
 };
 
 /// Thrown if a signal stops a cast with waves. The waves until then are kept.
-struct CastStopped {};
+struct CastStopped {
+  std::optional<std::uint64_t> last = {};  ///< time of the waves, ps
+};
 
 /// The job's card, with the mesh uploaded.
 [[nodiscard]] Board card_of(const CastTask& task, const CastJob& job);

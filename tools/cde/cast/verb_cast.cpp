@@ -19,8 +19,8 @@ void run(const CastWords& words) {
   const CastTask task = task_of(words);
   try {
     run_cast(task);
-  } catch (const CastStopped&) {
-    say_stopped(task.trace.file);
+  } catch (const CastStopped& stopped) {
+    say_stopped(task.trace.file, stopped.last);
     exit_code = 128 + Interrupts::signal();
   }
 }

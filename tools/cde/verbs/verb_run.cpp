@@ -15,6 +15,7 @@
 
 #include "cde/card/json_keys.hpp"
 #include "cde/card/machine.hpp"
+#include "cde/card/trace_file.hpp"
 #include "cde/contract/records.hpp"
 #include "cde/geometry/length_range.hpp"
 #include "cde/model/model.hpp"
@@ -204,7 +205,7 @@ class Run {
       throw Error(e.code(), e.what() + pack_hang(plan, e), e.fault());
     }
     finish(waves);
-    if (Interrupts::signal() != 0 && o_.trace.wanted()) say_stopped(o_.trace.file);
+    if (Interrupts::signal() != 0 && o_.trace.wanted()) say_stopped(o_.trace.file, last_);
     if (failure_.difference && faults_.empty()) pack(plan);
     if (!waves_defect_.empty()) throw Error(ErrorCode::kFile, waves_defect_);
   }
@@ -419,7 +420,10 @@ class Run {
   }
 
   void finish(std::optional<OutputFile>& waves) {
-    if (waves && waves_whole_) waves->commit();
+    if (waves && waves_whole_) {
+      if (const auto times = trace_times(waves->by_name())) last_ = times->second;
+      waves->commit();
+    }
     const Totals& t = totals_;
     json_["finished"] = finished_;
     if (const int signal = Interrupts::signal()) json_["stopped_by_signal"] = signal;
@@ -474,6 +478,7 @@ class Run {
   } failure_;
   std::set<std::string> warned_, brute_force_;  // names of queries with such a warning
   bool waves_whole_ = false;
+  std::optional<std::uint64_t> last_;  ///< time of the waves, ps
   std::string waves_defect_;
 };
 

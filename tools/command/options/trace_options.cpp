@@ -59,10 +59,9 @@ void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string&
       ->needs(trace);
 }
 
-void say_stopped(const std::string& file) {
-  const auto times = trace_times(file);
-  log("cde: stopped; {} has the waves{}\n", printable_name(file),
-      times ? fmt::format(" until {} ps", times->second) : "");
+void say_stopped(const std::string& file, std::optional<std::uint64_t> last) {
+  log("cde: stopped; {} has the waves{}\n", file == "-" ? "stdout" : printable_name(file),
+      last ? fmt::format(" until {} ps", *last) : "");
 }
 
 }  // namespace cde::cli

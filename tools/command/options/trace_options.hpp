@@ -20,7 +20,7 @@ struct TraceRequest {
 };
 
 /// Prints that a signal stopped the run, and the time of the last waves.
-void say_stopped(const std::string& file);
+void say_stopped(const std::string& file, std::optional<std::uint64_t> last);
 
 /// --trace, --trace-window and --trace-scope; `what` is the help of --trace.
 void add_trace_options(CLI::App& verb, TraceRequest& request, const std::string& what);

@@ -2,7 +2,9 @@
 #include "output/output.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/ioctl.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,11 +21,18 @@ namespace {
 
 constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 
-bool terminal = false;
+/// Whether a stream takes output without waiting. A terminal that is stopped (^S), and a full pipe,
+/// do not.
+bool takes_output(int stream) {
+  pollfd one{stream, POLLOUT, 0};
+  return ::poll(&one, 1, 0) == 1 && (one.revents & POLLOUT) != 0;
+}
 
 extern "C" void remove_unfinished(int signal) {
   OutputFile::remove_unfinished();
-  if (terminal) (void)!::write(STDERR_FILENO, "\n", 1);  // after ^C and a line of progress
+  // After ^C and a line of progress.
+  if (::isatty(STDERR_FILENO) != 0 && takes_output(STDERR_FILENO))
+    (void)!::write(STDERR_FILENO, "\n", 1);
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -35,7 +44,6 @@ void handle(int signal, void (*handler)(int)) {
 
 void install_removal() {
   static const bool installed = [] {
-    terminal = ::isatty(STDERR_FILENO) != 0;
     for (const int signal : kSignals) handle(signal, remove_unfinished);
     handle(SIGXCPU, remove_unfinished);
     return true;
@@ -45,9 +53,27 @@ void install_removal() {
 
 volatile std::sig_atomic_t noted = 0;
 
+/// SIGALRM comes once after so many microseconds; 0: not.
+void alarm_after(suseconds_t time) {
+  const itimerval once{{}, {0, time}};
+  ::setitimer(ITIMER_REAL, &once, nullptr);
+}
+
+constexpr suseconds_t kPatience = 500'000;
+
+/// After the first signal, waits as long as stdout takes output.
+extern "C" void end_if_stdout_waits(int) {
+  if (takes_output(STDOUT_FILENO))
+    alarm_after(kPatience);
+  else
+    remove_unfinished(noted);
+}
+
 extern "C" void note(int signal) {
   noted = signal;
   for (const int other : kSignals) handle(other, remove_unfinished);
+  std::signal(SIGALRM, end_if_stdout_waits);
+  alarm_after(kPatience);
 }
 
 }  // namespace
@@ -77,6 +103,7 @@ Interrupts::Interrupts() {
 }
 
 Interrupts::~Interrupts() {
+  alarm_after(0);
   for (const int signal : kSignals) handle(signal, remove_unfinished);
 }
 

@@ -26,8 +26,9 @@ class TraceFile {
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
 
-  /// Error kFile if the file is incomplete; it is then removed.
-  void close();
+  /// Returns the last time of the file, in ps. Error kFile if the file is incomplete; it is then
+  /// removed.
+  std::optional<std::uint64_t> close();
 
  private:
   std::string path_;

@@ -21,8 +21,9 @@ struct ReadLimits {
   [[nodiscard]] static ReadLimits from_environment();
   /// Bytes for a file: $CDE_READ_MEMORY, or 2 GB plus 64 times its size.
   [[nodiscard]] static std::uint64_t memory_for(const std::filesystem::path& file);
-  /// Processor time for a file: $CDE_READ_SECONDS, or 30 s plus 10 s per MB.
+  /// Time for a file: $CDE_READ_SECONDS, or 30 s plus 10 s per MB.
   [[nodiscard]] static std::chrono::seconds time_for(const std::filesystem::path& file);
+  [[nodiscard]] static std::chrono::seconds time_for(std::uint64_t bytes);
 };
 
 /// Bytes of data that this process holds. A child starts with as many.
