@@ -82,7 +82,7 @@ class Stopped : public Cli {
 
 TEST_F(Stopped, TerminalThatNobodyReads_LetsSignalsEndTheCommand) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
-    const pid_t child = start_on_terminal("ls w.vcd --json");
+    const pid_t child = start_on_terminal("at w.vcd 5 '*' --max 0");
     std::this_thread::sleep_for(milliseconds(500));  // until the terminal is full
     expect_end(child, signal);
     ::close(terminal_);
