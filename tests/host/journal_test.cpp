@@ -144,6 +144,7 @@ TEST_F(Journals, LostFile_IsReportedOnce) {
     ::testing::internal::CaptureStderr();
     journal.add({0, 0}, "input", "bytes");
     journal.add({0, 1}, "input", "bytes");
+    EXPECT_TRUE(journal.lost());
     EXPECT_EQ(::testing::internal::GetCapturedStderr(),
               fmt::format("cde: warning: journal {}: the file was removed or replaced in the "
                           "meantime; this run cannot be resumed\n",

@@ -72,7 +72,6 @@ Journal::Journal(std::string what, std::string path, Use use, const Json& run, c
       return;
     }
     if (whole != 0) check_run(run);
-    for (const auto& [number, place] : chunks_) (void)read(number);
     warn_dropped(whole, "is computed again");
     if (whole != bytes_ && ::ftruncate(file_, static_cast<off_t>(whole)) != 0) fail("cannot write");
     bytes_ = whole;
@@ -319,6 +318,11 @@ void Journal::check_input(ChunkNumber number, const std::string& input) const {
   throw Error(ErrorCode::kUsage,
               fmt::format("{}: {} belongs to a run with another input: its chunk {} differs", what_,
                           printable_name(path_), number.chunk));
+}
+
+bool Journal::lost() {
+  warn_if_lost();
+  return lost_;
 }
 
 void Journal::append(std::string_view bytes) {

@@ -177,6 +177,7 @@ void WorkDistributor::begin(const DistributionOptions& options, Json run, bool q
   all["shard"] = options.shard;
   journal_ = std::make_unique<Journal>("--resume", options.resume, Journal::Use::kGoOn, all,
                                        Json{{"words", words_}});
+  for (const auto& [number, place] : journal_->chunks()) (void)journal_->read(number);
 }
 
 /// Checks that all ranks agree with rank 0.
@@ -406,6 +407,10 @@ void WorkDistributor::check_words() const {
 }
 
 void WorkDistributor::end() {
+  if (journal_ && shards_ > 1 && journal_->lost())
+    throw Error(ErrorCode::kFile,
+                fmt::format("shard {}/{} has no result: its journal {} was removed or replaced",
+                            shard_, shards_, printable_name(journal_->path())));
   if (journal_ && shards_ > 1 && !quiet_)
     log(fmt::format("cde: shard {}/{} is complete: {} in {}; cde merge combines the shards\n",
                     shard_, shards_, chunks_text(journal_->size()),

@@ -21,18 +21,16 @@ namespace {
 
 constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP};
 
-/// Whether a stream takes output without waiting. A terminal that is stopped (^S), and a full pipe,
-/// do not.
-bool takes_output(int stream) {
+/// Whether output would wait: the stream is a terminal that is stopped (^S), or a full pipe.
+bool waits(int stream) {
   pollfd one{stream, POLLOUT, 0};
-  return ::poll(&one, 1, 0) == 1 && (one.revents & POLLOUT) != 0;
+  return ::poll(&one, 1, 0) == 0;
 }
 
 extern "C" void remove_unfinished(int signal) {
   OutputFile::remove_unfinished();
   // After ^C and a line of progress.
-  if (::isatty(STDERR_FILENO) != 0 && takes_output(STDERR_FILENO))
-    (void)!::write(STDERR_FILENO, "\n", 1);
+  if (::isatty(STDERR_FILENO) != 0 && !waits(STDERR_FILENO)) (void)!::write(STDERR_FILENO, "\n", 1);
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }
@@ -53,7 +51,7 @@ void install_removal() {
 
 volatile std::sig_atomic_t noted = 0;
 
-/// SIGALRM comes once after so many microseconds; 0: not.
+/// SIGALRM comes once after so many microseconds.
 void alarm_after(suseconds_t time) {
   const itimerval once{{}, {0, time}};
   ::setitimer(ITIMER_REAL, &once, nullptr);
@@ -61,18 +59,18 @@ void alarm_after(suseconds_t time) {
 
 constexpr suseconds_t kPatience = 500'000;
 
-/// After the first signal, waits as long as stdout takes output.
-extern "C" void end_if_stdout_waits(int) {
-  if (takes_output(STDOUT_FILENO))
-    alarm_after(kPatience);
-  else
+/// After the first signal, the process goes on as long as stdout and stderr take output.
+extern "C" void end_if_output_waits(int) {
+  if (waits(STDOUT_FILENO) || waits(STDERR_FILENO))
     remove_unfinished(noted);
+  else
+    alarm_after(kPatience);
 }
 
 extern "C" void note(int signal) {
   noted = signal;
   for (const int other : kSignals) handle(other, remove_unfinished);
-  std::signal(SIGALRM, end_if_stdout_waits);
+  std::signal(SIGALRM, end_if_output_waits);
   alarm_after(kPatience);
 }
 
@@ -103,7 +101,6 @@ Interrupts::Interrupts() {
 }
 
 Interrupts::~Interrupts() {
-  alarm_after(0);
   for (const int signal : kSignals) handle(signal, remove_unfinished);
 }
 

@@ -14,8 +14,8 @@ namespace cde::cli {
 void remove_unfinished_on_signals();
 
 /// While an object lives, the first SIGINT, SIGTERM or SIGHUP is only noted, so that finished work
-/// can be written. A second one ends the process as usual. So does stdout if it then takes no
-/// output for half a second. At most one object may live at a time.
+/// can be written. A second one ends the process as usual. So do stdout and stderr if they then
+/// take no output for half a second. At most one object may live at a time.
 class Interrupts {
  public:
   Interrupts();

@@ -54,6 +54,8 @@ class Journal {
   Journal& operator=(const Journal&) = delete;
 
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// Whether the file was removed or replaced, which a warning then says.
+  [[nodiscard]] bool lost();
   /// Identification of the run.
   [[nodiscard]] const nlohmann::ordered_json& run() const { return run_; }
   /// Error kUsage, naming the first key of `run` whose value differs here.
