@@ -188,21 +188,20 @@ TEST_P(WavesOnSignal, WavesOnStdout_HaveATime) {
 }
 
 /// Messages go to a full pipe that has a reader, who does not read.
-TEST_P(WavesOnSignal, FullStderr_LetsTheRunEnd) {
+TEST_F(TraceWindow, FullStderr_LetsTheRunEnd) {
   write("s.toml",
         "frames = 1000\n[card]\nlanes = 4\nbvh = \"off\"\n[[object]]\nname = \"t\"\n"
         "mesh = \"terrain:20,20,1\"\n[[object]]\nname = \"rays\"\n"
         "random_rays = { count = 300 }\n" +
             hit_query("t"));
   ASSERT_EQ(cde({"run", "s.toml", "--frames", "0", "-q", "-o", "first.run"}).status, 0);
-  const Ran ran = shell(fmt::format(
+  const Ran ran = shell(
       "mkfifo full && exec 7<>full && head -c 65536 /dev/zero >&7\n"
       "\"$CDE\" run s.toml -o s.run 2>&7 >/dev/null 7<&- &\n"
-      "sleep 3; kill -{} $!\n"
+      "sleep 3; kill $!\n"
       "for ((i = 0; i < 60; ++i)); do kill -0 $! 2>/dev/null || break; sleep 0.05; done\n"
-      "kill -KILL $! 2>/dev/null; wait $!; echo $?",
-      GetParam()));
-  EXPECT_EQ(ran.out, fmt::format("{}\n", 128 + GetParam()));
+      "kill -KILL $! 2>/dev/null; wait $!; echo $?");
+  EXPECT_EQ(ran.out, fmt::format("{}\n", 128 + SIGTERM));
 }
 
 TEST_P(WavesOnSignal, Run_LeavesReadableWaves) {
