@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A lane with words, a byte, 64 bits, a memory, functions that are called twice, and an operation without a vector form.
+// A lane with words, a byte, 64 bits, a memory, functions that are called twice, and an operation without a vector
+// form.
 module lane_steps (
     input logic clk_i,
     input logic [31:0] a_i,

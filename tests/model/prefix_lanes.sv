@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chains over lanes, independent lanes, and lanes with registers: the test of `gather` and `reroll` simulates this module
-// with and without them.
+// Chains over lanes, independent lanes, and lanes with registers: the test of `gather` and `reroll` simulates this
+// module with and without them.
 module prefix_lanes #(parameter int LANES = 16) (
     input logic clk_i,
     input logic [LANES-1:0][31:0] a_i,

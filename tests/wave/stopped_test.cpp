@@ -80,7 +80,7 @@ class Stopped : public Cli {
   int terminal_ = -1;
 };
 
-TEST_F(Stopped, TerminalThatNobodyReads_LetsSignalsEndTheCommand) {
+TEST_F(Stopped, FullTerminal_LetsSignalsEndTheCommand) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
     const pid_t child = start_on_terminal("at w.vcd 5 '*' --max 0");
     std::this_thread::sleep_for(milliseconds(500));  // until the terminal is full

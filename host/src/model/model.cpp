@@ -311,8 +311,10 @@ bool is_of(const SimulationModel& model, const Key& key) {
 
 }  // namespace
 
-void report_builds(bool tell) {
+bool report_builds(bool tell) {
+  const bool before = !BuildProgress::quiet();
   BuildProgress::set_quiet(!tell);
+  return before;
 }
 
 fs::path model_cache() {

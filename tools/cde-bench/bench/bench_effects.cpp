@@ -13,6 +13,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bench/bench.hpp"
@@ -292,25 +293,31 @@ std::vector<Planned> cards_of(const BenchOptions& o, const Workload& w) {
 
 /// Builds the missing models, two at a time. The last card takes longest, so it comes first.
 void build_missing(const std::vector<Planned>& cards) {
-  std::set<std::vector<std::string>> known;
+  std::set<std::pair<std::string, std::vector<std::string>>> known;
   std::vector<const BoardConfig*> missing;
   for (std::size_t i = cards.size(); i-- > 0;) {
     const BoardConfig& c = cards[i].config;
-    if (known.insert(c.parameters()).second && !model_file(c.top(), c.parameters()).built)
+    if (known.emplace(c.top(), c.parameters()).second && !model_file(c.top(), c.parameters()).built)
       missing.push_back(&c);
   }
   if (missing.empty()) return;
   Progress progress(fmt::format("building {}, two at a time", counted(missing.size(), "card")));
-  report_builds(false);
+  const bool told = report_builds(false);
   std::atomic<std::size_t> next = 0;
   const auto build = [&] {
-    for (std::size_t i = next++; i < missing.size(); i = next++)
-      (void)model_path(missing[i]->top(), missing[i]->parameters());
+    for (std::size_t i = next++; i < missing.size(); i = next++) {
+      try {
+        (void)model_path(missing[i]->top(), missing[i]->parameters());
+      } catch (...) {
+        next = missing.size();
+        throw;
+      }
+    }
   };
   std::future<void> other = std::async(std::launch::async, build);
   build();
   other.get();
-  report_builds(true);
+  report_builds(told);
 }
 
 /// Measures all cards in rounds: each card once per round, in the same order.

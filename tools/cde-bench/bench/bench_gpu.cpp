@@ -119,7 +119,7 @@ void show(const OpenClFigures& f) {
     print_figure("{} rays by brute force: not run, about {} per cast (--full runs it)\n", rays,
                  duration(seconds));
   if (!f.device.is_gpu())
-    print_figure("This device is no GPU: its figures are not those of a GPU.\n");
+    print_figure("This device is no GPU, so these are no figures of a GPU.\n");
 }
 
 ordered_json json_of(const OpenClFigures& f) {

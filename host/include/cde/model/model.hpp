@@ -149,8 +149,9 @@ class SimulationModel {
 /// Rough number of seconds to build a simulation model with these parameters on two cores.
 [[nodiscard]] double expected_build_seconds(const std::vector<std::string>& parameters);
 
-/// Whether builds report themselves and their phases on stderr. The default is true.
-void report_builds(bool tell);
+/// Whether builds report themselves and their phases on stderr. The default is true. Returns the
+/// value before.
+bool report_builds(bool tell);
 
 /// File of a configuration, built if necessary: SimulationModel::open without loading.
 [[nodiscard]] std::filesystem::path model_path(const std::string& kind,
