@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// OBJ, STL and PLY files as other programs write them.
+// OBJ, STL, PLY and OFF files as other programs write them.
 #include <fmt/format.h>
 
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include "cde/mesh/mesh.hpp"
 #include "testing.hpp"
@@ -29,6 +30,11 @@ const std::string kPlyHead =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
     "z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n";
 const std::string kPly = kPlyHead + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
+
+const std::string kOff =
+    "OFF # a square\n\n4 2 0\n0 0 0\n 1\t0 0\n# corners\n1 1 0 255 0 0\n0 1 0\n3 0 1 2\n# last\n3  "
+    "0 2 3 "
+    "0.5 0.5 1\n";
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
@@ -73,7 +79,8 @@ std::string mixed(const std::string& text, const std::string& odd, const std::st
 
 TEST(MeshText, LineEndsAndMarks_DoNotMatter) {
   const Folder folder;
-  for (const auto& [file, text] : {std::pair{"a.obj", kObj}, {"a.stl", kStl}, {"a.ply", kPly}}) {
+  for (const auto& [file, text] :
+       {std::pair{"a.obj", kObj}, {"a.stl", kStl}, {"a.ply", kPly}, {"a.off", kOff}}) {
     for (const char* mark : {"", "\xef\xbb\xbf"}) {
       for (const auto& [odd, even] : {std::pair{"\n", "\n"},
                                       {"\r\n", "\r\n"},
@@ -94,9 +101,38 @@ TEST(MeshText, LineEndsAndMarks_DoNotMatter) {
   }
 }
 
+TEST(MeshText, OffHeaders_AreReadAsTheyAreWritten) {
+  const Folder folder;
+  const std::string rest = kOff.substr(kOff.find("4 2 0") + 5);
+  for (const char* header : {"OFF\n4 2 0", "OFF 4 2 0", "OFF4 2 0", "COFF\n4 2 0", "NOFF\n4 2 0",
+                             "STCNOFF\n4 2", "CNOFF 4 2 7", "4 2 0", "# no header\n4 2"})
+    expect_square_without_warning(load_mesh(folder.write("a.off", header + rest)));
+}
+
+/// Faces of 3 to 40 corners are cut into as many triangles as they have corners, less two.
+TEST(MeshText, OffPolygons_KeepAllTriangles) {
+  const Folder folder;
+  std::string vertices, faces;
+  std::size_t first = 0, triangles = 0;
+  for (int corners = 3; corners <= 40; ++corners) {
+    faces += std::to_string(corners);
+    for (int k = 0; k < corners; ++k) {
+      const double angle = 6.283185307179586 * k / corners;
+      vertices += fmt::format("{} {} {}\n", std::cos(angle), std::sin(angle), corners);
+      faces += fmt::format(" {}", first++);
+    }
+    faces += '\n';
+    triangles += static_cast<std::size_t>(corners) - 2;
+  }
+  const Mesh mesh =
+      load_mesh(folder.write("a.off", fmt::format("OFF {} 38 0\n{}{}", first, vertices, faces)));
+  EXPECT_EQ(mesh.vertices.size(), first);
+  EXPECT_EQ(mesh.faces.size(), triangles);
+}
+
 TEST(MeshText, Utf16_IsRefusedByName) {
   const Folder folder;
-  for (const char* file : {"a.obj", "a.stl", "a.ply"})
+  for (const char* file : {"a.obj", "a.stl", "a.ply", "a.off"})
     for (const std::string& mark : {std::string("\xff\xfe"), std::string("\xfe\xff"),
                                     std::string("\xff\xfe\0\0", 4), std::string("\0\0\xfe\xff", 4)})
       expect_error(ErrorCode::kFile, std::string(file) + ": text in UTF-16 or UTF-32; save it as",

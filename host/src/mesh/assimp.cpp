@@ -18,7 +18,9 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <optional>
 
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/process.hpp"
@@ -243,11 +245,21 @@ std::string refusal(const Assimp::Importer& importer, const std::string& path) {
   return why;
 }
 
+/// Triangles of all meshes, each counted once.
+std::uint64_t triangles_of(const aiScene& scene) {
+  std::uint64_t triangles = 0;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m)
+    for (unsigned i = 0; i < scene.mMeshes[m]->mNumFaces; ++i)
+      triangles += scene.mMeshes[m]->mFaces[i].mNumIndices == 3 ? 1 : 0;
+  return triangles;
+}
+
 /// Runs in the child and returns the bytes for the parent.
 std::string import(const std::string& path) {
   try {
     const std::string extension = lower_extension(path);
-    if (extension == ".gltf" || extension == ".glb") check_gltf_ranges(path);
+    std::optional<std::uint64_t> triangles;
+    if (extension == ".gltf" || extension == ".glb") triangles = gltf_triangles(path);
     std::vector<std::string> files;
     std::string remark;
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
@@ -270,6 +282,9 @@ std::string import(const std::string& path) {
              (remark.empty() ? "" : "; assimp says: " + remark);
     if (scene->mRootNode == nullptr)
       return kMessageFollows + std::string("the scene is incomplete");
+    if (const std::uint64_t read = triangles_of(*scene); triangles.value_or(read) != read)
+      return kMessageFollows + fmt::format("has {} of {} with corner numbers out of range",
+                                           *triangles - read, counted(*triangles, "triangle"));
     Mesh mesh;
     VertexPool pool(mesh.vertices);
     append_node(mesh, pool, *scene, *scene->mRootNode, Eigen::Matrix4d::Identity());

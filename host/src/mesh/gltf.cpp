@@ -11,8 +11,9 @@
 #include "cde/support/json_text.hpp"
 #include "mesh/readers.hpp"
 
-// Checks the ranges in glTF 2.0. The importer adds offsets and lengths without a check, so a
-// negative offset would read memory before the buffer.
+// Checks the ranges in glTF 2.0, and counts triangles. The importer adds offsets and lengths
+// without a check, so a negative offset would read memory before the buffer. It leaves out
+// triangles whose corner numbers are out of range.
 namespace cde::mesh_readers {
 namespace {
 
@@ -128,6 +129,26 @@ void check_positions(const json& file, const json& mesh, const std::string& wher
   }
 }
 
+/// Triangles of a primitive. Points and lines have none.
+std::uint64_t triangles_of(const json& file, const json& primitive, const std::string& where) {
+  constexpr std::uint64_t kTriangles = 4, kStrip = 5, kFan = 6;
+  if (!primitive.is_object() || !primitive.contains("attributes")) return 0;
+  const json& attributes = primitive["attributes"];
+  if (!attributes.is_object() || !attributes.contains("POSITION")) return 0;
+  const std::uint64_t mode = number(primitive, "mode", where, kTriangles),
+                      index = primitive.contains("indices")
+                                  ? number(primitive, "indices", where, {})
+                                  : number(attributes, "POSITION", where, {}),
+                      corners = number(item(file, "accessors", index, where), "count",
+                                       fmt::format("accessors[{}]", index), {});
+  if (mode == kStrip || mode == kFan) return corners < 3 ? 0 : corners - 2;
+  if (mode != kTriangles) return 0;
+  if (corners % 3 != 0)
+    fail(where,
+         fmt::format("has triangles of {} corners in all, which is no multiple of 3", corners));
+  return corners / 3;
+}
+
 /// Whether the importer reads the geometry correctly without this extension.
 bool is_harmless(const std::string& extension) {
   for (const char* const kind : {"KHR_materials_", "EXT_materials_", "KHR_texture_", "EXT_texture_",
@@ -159,20 +180,28 @@ void each(const json& file, const char* list, const Check& check) {
 
 }  // namespace
 
-void check_gltf_ranges(const std::filesystem::path& path) {
+std::optional<std::uint64_t> gltf_triangles(const std::filesystem::path& path) {
   const std::string bytes = whole_file(path);
   if (nested_deeper(json_text(bytes)))
     fail("JSON", fmt::format("is nested deeper than {} levels", kDeepestJson));
   const json file = json::parse(json_text(bytes), nullptr, false);
-  if (!file.is_object()) return;
+  if (!file.is_object()) return std::nullopt;
   check_extensions(file);
   each(file, "bufferViews",
        [&](const json& view, const std::string& where) { check_view(file, view, where); });
   each(file, "accessors", [&](const json& accessor, const std::string& where) {
     check_accessor(file, accessor, where);
   });
-  each(file, "meshes",
-       [&](const json& mesh, const std::string& where) { check_positions(file, mesh, where); });
+  std::uint64_t triangles = 0;
+  each(file, "meshes", [&](const json& mesh, const std::string& where) {
+    check_positions(file, mesh, where);
+    const auto primitives = mesh.find("primitives");
+    if (primitives == mesh.end() || !primitives->is_array()) return;
+    for (const json& primitive : *primitives) triangles += triangles_of(file, primitive, where);
+  });
+  const auto meshes = file.find("meshes");
+  if (meshes == file.end() || !meshes->is_array()) return std::nullopt;
+  return triangles;
 }
 
 }  // namespace cde::mesh_readers

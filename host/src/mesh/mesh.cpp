@@ -301,12 +301,13 @@ Mesh load(const std::filesystem::path& path, const MeshLimits& limits, bool may_
   const std::string name = printable_name(path.string());
   const std::string extension = lower_extension(path);
   Mesh mesh;
-  if (extension == ".obj" || extension == ".ply" || extension == ".stl") {
+  if (extension == ".obj" || extension == ".off" || extension == ".ply" || extension == ".stl") {
     const std::string bytes = may_be_pipe ? file_io::read(path) : file_io::read_regular(path);
     if (bytes.empty()) throw Error(ErrorCode::kFile, fmt::format("{}: is empty", name));
     std::vector<std::string> libraries;
     const mesh_readers::Deadline deadline(limits.time);
     mesh = extension == ".obj"   ? mesh_readers::read_obj(bytes, name, libraries, deadline)
+           : extension == ".off" ? mesh_readers::read_off(bytes, name, deadline)
            : extension == ".ply" ? mesh_readers::read_ply(bytes, name, deadline)
                                  : mesh_readers::read_stl(bytes, name, deadline);
     const mesh_readers::MeshFolder folder(path);
@@ -318,8 +319,9 @@ Mesh load(const std::filesystem::path& path, const MeshLimits& limits, bool may_
     if (!mesh_readers::assimp_knows(extension)) {
       throw Error(
           ErrorCode::kFile,
-          fmt::format("{}: no mesh format has the extension '{}' (.obj, .ply, .stl, .glb, ...)",
-                      name, printable_name(extension)));
+          fmt::format(
+              "{}: no mesh format has the extension '{}' (.obj, .off, .ply, .stl, .glb, ...)", name,
+              printable_name(extension)));
     }
     mesh = mesh_readers::read_by_assimp(path, limits);
   }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -36,6 +37,8 @@ struct Deadline {
 /// `libraries`: the names of mtllib statements.
 [[nodiscard]] Mesh read_obj(std::string_view bytes, const std::string& name,
                             std::vector<std::string>& libraries, const Deadline& deadline);
+[[nodiscard]] Mesh read_off(std::string_view bytes, const std::string& name,
+                            const Deadline& deadline);
 [[nodiscard]] Mesh read_ply(std::string_view bytes, const std::string& name,
                             const Deadline& deadline);
 [[nodiscard]] Mesh read_stl(std::string_view bytes, const std::string& name,
@@ -46,8 +49,9 @@ struct Deadline {
 [[nodiscard]] std::string lower_extension(const std::filesystem::path& path);
 
 /// Checks a glTF 2.0 file (.gltf or .glb): the numbers that locate its data are whole and within
-/// their buffers. A file that is not JSON is left to the importer. Error kFile names the field.
-void check_gltf_ranges(const std::filesystem::path& path);
+/// their buffers. Returns the number of triangles of all meshes. A file that is not JSON or is glTF
+/// 1.0 is left to the importer. Error kFile names the field.
+[[nodiscard]] std::optional<std::uint64_t> gltf_triangles(const std::filesystem::path& path);
 
 /// The folder of a mesh, which a mesh may name files of. Folder and mesh are opened once, so the
 /// answers hold even if names are replaced meanwhile.
