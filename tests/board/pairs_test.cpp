@@ -8,16 +8,16 @@
 namespace cde::testing {
 namespace {
 
-struct Kind {
+struct BoardKind {
   const char* name;
   BoardConfig (*config)();
   std::size_t packets;  ///< of 256 x `triangles` pairs
   std::size_t triangles;
 
-  friend void PrintTo(const Kind& k, std::ostream* out) { *out << k.name; }
+  friend void PrintTo(const BoardKind& k, std::ostream* out) { *out << k.name; }
 };
 
-class BoardPairs : public ::testing::TestWithParam<Kind> {};
+class BoardPairs : public ::testing::TestWithParam<BoardKind> {};
 
 /// A million pairs on the full boards, over scales from 2^-50 to 2^50.
 TEST_P(BoardPairs, RandomPairs_MatchBitForBit) {
@@ -59,9 +59,9 @@ TEST_P(BoardPairs, DirectedCases_ReduceCorrectly) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Boards, BoardPairs,
-                         ::testing::Values(Kind{"Host", host_config, 8, 500},
-                                           Kind{"Rtl", rtl_config, 8, 500},
-                                           Kind{"SmallAndSlow", small_config, 4, 100}),
+                         ::testing::Values(BoardKind{"Host", host_config, 8, 500},
+                                           BoardKind{"Rtl", rtl_config, 8, 500},
+                                           BoardKind{"SmallAndSlow", small_config, 4, 100}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace
