@@ -74,7 +74,7 @@ module board #(
   card_pkg::access_t access;
   logic [63:0] bvh_rdata;
   logic provided_good, node_error;
-  logic [1:0] bvh_good;
+  logic [2:0] bvh_good;
   logic [7:0] node_corrected;
   assign events = {uncertain, ecc_failed, 8'(ecc_corrected) + node_corrected, record_write, writeback.valid, sec_bad,
       sec_pop, stall, bubble,
@@ -106,14 +106,15 @@ module board #(
   logic ddr_valid;
   logic [BEAT-1:0][CW-1:0] ddr_data;
   logic [3:0] ddr_words;  // words of the beat that belong to a slot
-  // Readers of DDR: the secondary register file, and the leaf reader of the BVH.
-  localparam logic [1:0] READERS = {CONFIG.traversal_units != 0, 1'b1};
-  card_pkg::ddr_request_t [1:0] reader_requests;
+  // Readers of DDR: [0] the secondary register file, then the BVH.
+  localparam int BVH_READERS = config_pkg::bvh_readers(CONFIG);
+  localparam int READERS = (BVH_READERS > 1) ? 1 + BVH_READERS : 2;
+  card_pkg::ddr_request_t [READERS-1:0] reader_requests;
   card_pkg::ddr_request_t ddr_request;
-  logic [1:0] reader_ready, reader_valid;
-  logic [1:0][3:0] reader_words;
+  logic [READERS-1:0] reader_ready, reader_valid;
+  logic [READERS-1:0][3:0] reader_words;
   assign {ddr_read_o, ddr_read_word_o} = ddr_request;
-  ddr_readers #(.READERS(2), .USED(READERS)) readers (
+  ddr_readers #(.READERS(READERS), .USED(READERS'((2 << BVH_READERS) - 1))) readers (
       .clk_i(clk_engine), .rst_i, .readers_i(reader_requests), .ready_o(reader_ready),
       .valid_o(reader_valid), .words_i(reader_words), .request_o(ddr_request),
       .valid_i(ddr_valid), .words_o(ddr_words));
@@ -248,8 +249,9 @@ module board #(
         .valid_i(unit_valid[BVH]), .ready_o(unit_ready[BVH]), .abort_i(unit_abort[BVH]),
         .pass_i(command), .busy_o(unit_busy[BVH]), .traversal_o(traversal),
         .done_o(unit_done[BVH]), .fault_o(node_error), .corrected_o(node_corrected),
-        .ddr_o(reader_requests[1]), .ddr_ready_i(reader_ready[1]), .ddr_valid_i(reader_valid[1]), .ddr_data_i(ddr_data),
-        .ddr_words_o(reader_words[1]), .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
+        .ddr_o(reader_requests[READERS-1:1]), .ddr_ready_i(reader_ready[READERS-1:1]),
+        .ddr_valid_i(reader_valid[READERS-1:1]), .ddr_data_i(ddr_data), .ddr_words_o(reader_words[READERS-1:1]),
+        .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
         .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((LEAF * CW)'(moved)),
         .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(bvh_write), .record_o(bvh_record));
     assign unmoved[1] = (SEC_WORDS * CW)'(leaf_unmoved);

@@ -68,7 +68,7 @@ module card_registers #(
     output card_pkg::access_t access_o,
     input logic [63:0] rdata_ext_i,  // read data of other modules
     input logic provided_good_i,  // the value written to REG_RAYS is valid
-    input logic [1:0] bvh_good_i,  // settings are valid: of primaries, of nodes
+    input logic [2:0] bvh_good_i,  // settings are valid: of a refit, of primaries, of nodes
     input logic node_error_i
 );
   logic ready, rvalid_q;
@@ -78,7 +78,7 @@ module card_registers #(
   localparam logic [63:0] CW_BYTES = 64'(CW) / 64'd8;
   localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
   localparam logic [31:0] PRIM_BYTES = 32'(PRIMARIES * ((PRIM_WORDS * CW + 63) / 64) * 8);
-  localparam logic [31:0] NODE_BYTES = 32'(CONFIG.nodes) * 32'(4 * bvh_pkg::NODE_WORDS);
+  localparam logic [31:0] NODE_BYTES = 32'(config_pkg::chip_nodes(CONFIG)) * 32'(4 * bvh_pkg::NODE_WORDS);
   localparam logic [31:0] SLOT_BYTES = 32'(CONFIG.nodes) * 32'(4 * bvh_pkg::SLOTS_PER_NODE) *
       ((TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? 32'd2 : 32'd1);
   localparam int STENCILS = (PRIMARIES + 63) / 64;
@@ -148,6 +148,8 @@ module card_registers #(
                 32'(registers_pkg::REG_RAY_COUNT), 32'(registers_pkg::REG_ROOT), 32'(registers_pkg::REG_ROOT) + 8,
                 32'(registers_pkg::REG_ROOT) + 16,
                 32'(registers_pkg::REG_ROOT) + 24: allowed = TRAVERSAL_UNITS != 0 && !busy_i;
+            32'(registers_pkg::REG_NODE_BASE),
+                32'(registers_pkg::REG_SLOT_BASE): allowed = CONFIG.node_cache != 0 && !busy_i;
             32'(registers_pkg::REG_NODE_FLIP): allowed = TRAVERSAL_UNITS != 0 && ECC != 0 && !busy_i;
             32'(registers_pkg::REG_RAYS): allowed = TRAVERSAL_UNITS != 0 && provided_good_i;
             32'(registers_pkg::REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == pairs_pkg::TRANSFORM_BOTH && !busy_i;
@@ -157,7 +159,8 @@ module card_registers #(
       registers_pkg::SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
       registers_pkg::SPACE_SRAM: allowed = !write_q && sram_readable_i;
       registers_pkg::SPACE_NODES: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i && addr_q < NODE_BYTES;
-      registers_pkg::SPACE_SLOTS: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i && addr_q < SLOT_BYTES;
+      registers_pkg::SPACE_SLOTS: allowed = TRAVERSAL_UNITS != 0 && CONFIG.node_cache == 0 && write_q && !busy_i &&
+          addr_q < SLOT_BYTES;
       registers_pkg::SPACE_RAYS: allowed = TRAVERSAL_UNITS != 0 && write_q && addr_q < 32'(32 * bvh_pkg::RAYS);
       default: allowed = 0;
     endcase
@@ -217,7 +220,7 @@ module card_registers #(
   end
   assign bvh_ok = TRAVERSAL_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
       command_q.mode != registers_pkg::MODE_ALL && bvh_good_i[0] &&
-      (bvh_good_i[1] || command_q.mode == registers_pkg::MODE_REFIT) &&
+      bvh_good_i[(command_q.mode == registers_pkg::MODE_REFIT) ? 2 : 1] &&
       bvh_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && bvh_solid)) &&
       (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
       sec_end <= DDR_BYTES;

@@ -6,7 +6,8 @@
 // Throughput: one access per cycle.
 // Stall: none.
 module bvh_registers #(
-    parameter int NODES = 4096
+    parameter config_pkg::config_t CONFIG,
+    localparam int NODES = CONFIG.nodes
 ) (
     input logic clk_bus_i,
     input logic clk_i,
@@ -15,7 +16,7 @@ module bvh_registers #(
     output logic [63:0] rdata_o,
     input logic [63:0] wdata_i,    // data of the access; a separate port, since the checks depend on it
     output logic provided_good_o,  // for REG_RAYS
-    output logic [1:0] good_o,     // settings are valid for a pass: of primaries, of nodes
+    output logic [2:0] good_o,     // settings are valid for a pass: of a refit, of primaries, of nodes
     input logic busy_i,
     input logic wide_i,   // primaries of the pass take two places
     input logic clear_i,  // a pass begins
@@ -26,6 +27,7 @@ module bvh_registers #(
     output logic [31:0] nodes_o,
     output logic [31:0] first_node_o,  // first node that a refit updates
     output logic [31:0] slots_o,
+    output logic [2:0][31:0] bases_o,  // words in DDR: objects of slots, slots, nodes
     output logic [6:0][31:0] root_o,
     input bvh_pkg::events_t events_i,
     input logic [4:0] deepest_i,
@@ -37,12 +39,14 @@ module bvh_registers #(
   import registers_pkg::*;
   logic [3:0][63:0] root_q;
   logic [31:0] nodes_q, first_node_q, slots_q, ray_count_q, provided_q;
+  logic [2:0][31:0] bases_q;
   node_flip_t flip_q;
   assign flip_o = flip_q;
   assign root_o = {root_q[3][31:0], root_q[2:0]};
   assign nodes_o = nodes_q;
   assign first_node_o = first_node_q;
   assign slots_o = slots_q;
+  assign bases_o = bases_q;
   assign ray_count_o = ray_count_q;
   assign provided_o = provided_q;
   // Counts of primaries rise within a pass. At most as many as there are places can be provided and not taken.
@@ -51,8 +55,13 @@ module bvh_registers #(
   assign taken = busy_i ? taken_i : '0;
   assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
       value >= taken && value - taken <= (wide_i ? bvh_pkg::RAYS / 2 : bvh_pkg::RAYS);
-  assign good_o = {ray_count_q != 0, nodes_q <= NODES && first_node_q < nodes_q && slots_q != 0 &&
-      slots_q <= bvh_pkg::SLOTS_PER_NODE * NODES};
+  // In DDR, nodes and slots end before its end.
+  localparam logic [63:0] DDR_WORDS = 64'(CONFIG.ddr_slots) * 64'(records_pkg::DDR_WORDS);
+  logic in_ddr;
+  assign in_ddr = CONFIG.node_cache == 0 || (64'(bases_q[0]) + 64'(nodes_q) * bvh_pkg::NODE_WORDS <= DDR_WORDS &&
+      64'(bases_q[1]) + 64'(slots_q) <= DDR_WORDS && 64'(bases_q[2]) + 64'(slots_q) <= DDR_WORDS);
+  assign good_o = {nodes_q <= config_pkg::chip_nodes(CONFIG), ray_count_q != 0, nodes_q <= NODES &&
+      first_node_q < nodes_q && slots_q != 0 && slots_q <= bvh_pkg::SLOTS_PER_NODE * NODES && in_ddr};
 
   function automatic logic [31:0] saturated(input logic [63:0] x);
     saturated = (x[63:32] != 0) ? '1 : x[31:0];
@@ -72,6 +81,7 @@ module bvh_registers #(
     caps.nodes = 32'(NODES);
     caps.rays = 16'(bvh_pkg::RAYS);
     caps.slots_per_node = 8'(bvh_pkg::SLOTS_PER_NODE);
+    caps.pinned_bits = (CONFIG.node_cache != 0) ? 8'($clog2(CONFIG.pinned_nodes)) : 8'hff;
   end
   always_ff @(posedge clk_bus_i) begin
     if (write) begin
@@ -86,6 +96,8 @@ module bvh_registers #(
         REG_NODE_FLIP: flip_q <= access_i.data;
         REG_SLOT_COUNT: slots_q <= saturated(access_i.data);
         REG_NODE_FIRST: first_node_q <= saturated(access_i.data);
+        REG_NODE_BASE: bases_q[0] <= saturated(access_i.data);
+        REG_SLOT_BASE: bases_q[2:1] <= access_i.data;
         default: ;
       endcase
     end
@@ -104,17 +116,19 @@ module bvh_registers #(
           REG_NODE_FLIP: answer_q <= flip_q;
           REG_SLOT_COUNT: answer_q <= 64'(slots_q);
           REG_NODE_FIRST: answer_q <= 64'(first_node_q);
+          REG_NODE_BASE: answer_q <= 64'(bases_q[0]);
+          REG_SLOT_BASE: answer_q <= bases_q[2:1];
           default: ;
         endcase
       end
     end
-    if (rst_i) {root_q, nodes_q, first_node_q, slots_q, ray_count_q, provided_q, flip_q, answer_q} <= '0;
+    if (rst_i) {root_q, bases_q, nodes_q, first_node_q, slots_q, ray_count_q, provided_q, flip_q, answer_q} <= '0;
   end
 
   // ---- Counters ----
   logic [63:0] counts;
   logic [registers_pkg::COUNTERS-registers_pkg::ENGINE_COUNTERS-1:0][card_pkg::COUNT_BITS-1:0] events;
-  assign events = {events_i.secondaries, events_i.leaves, events_i.nodes};
+  assign events = {events_i.fetched, events_i.cached, events_i.secondaries, events_i.leaves, events_i.nodes};
   pass_counters #(.FIRST(registers_pkg::ENGINE_COUNTERS)) counters (
       .clk_i, .rst_i, .clear_i, .counts_i(events), .clk_bus_i, .read_i(access_i.read),
       .hit_i(access_i.hit && access_i.space == SPACE_REG), .offset_i(access_i.addr[11:0]), .rdata_o(counts));

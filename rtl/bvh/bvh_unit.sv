@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // BVH passes of rays or solids. The host provides the primaries. Nodes and the contents of leaf slots are in their own
-// memories, and secondaries come from DDR. Records carry the primaries' numbers and come in the order found.
+// memories, with a cache also in DDR (node_reader.sv). Secondaries come from DDR. Records carry the primaries' numbers
+// and come in the order found.
 // A pass ends when every primary has its record, or with a fault if the memory holds no valid BVH.
 // A pass without primaries refits the boxes of the nodes (refit.sv).
 // Latency: see traversal.sv.
@@ -10,6 +11,7 @@
 module bvh_unit #(
     parameter config_pkg::config_t CONFIG,
     localparam int UNITS = CONFIG.traversal_units,
+    localparam int READERS = config_pkg::bvh_readers(CONFIG),
     localparam bvh_pkg::traversals_t TRAVERSALS = bvh_pkg::card_traversals(CONFIG),
     localparam int PRIMARY = bvh_pkg::traverser_words(TRAVERSALS),
     localparam int LEAF = bvh_pkg::leaf_words(TRAVERSALS),
@@ -27,7 +29,7 @@ module bvh_unit #(
     output logic [63:0] rdata_o,
     input logic [63:0] wdata_i,
     output logic provided_good_o,  // for REG_RAYS
-    output logic [1:0] good_o,     // settings are valid for a pass: of primaries, of nodes
+    output logic [2:0] good_o,     // settings are valid for a pass: of a refit, of primaries, of nodes
 
     input logic valid_i,
     output logic ready_o,
@@ -39,11 +41,12 @@ module bvh_unit #(
     output logic fault_o,  // the finished pass failed
     output logic [7:0] corrected_o,  // words corrected in this cycle, in the memories of nodes and slots
 
-    output card_pkg::ddr_request_t ddr_o,
-    input logic ddr_ready_i,
-    input logic ddr_valid_i,
+    // Readers of DDR: [0] leaves, with a cache also [1] slots and then each traversal unit.
+    output card_pkg::ddr_request_t [READERS-1:0] ddr_o,
+    input logic [READERS-1:0] ddr_ready_i,
+    input logic [READERS-1:0] ddr_valid_i,
     input logic [BEAT-1:0][31:0] ddr_data_i,
-    output logic [3:0] ddr_words_o,
+    output logic [READERS-1:0][3:0] ddr_words_o,
 
     // To the object table and the transformer (leaf_reader.sv).
     output logic [OBJECT_W-1:0] transform_entry_o,
@@ -58,8 +61,9 @@ module bvh_unit #(
     output logic [WORDS-1:0][31:0] record_o
 );
   import bvh_pkg::*;
-  localparam int NODES = CONFIG.nodes;
+  localparam int NODES = config_pkg::chip_nodes(CONFIG);
   localparam int NW = $clog2(NODES);
+  localparam bit CACHED = CONFIG.node_cache != 0;
   localparam int CX = $clog2(CONTEXTS);
   localparam int TAG = `AT_BITS(CX) + 1;
   localparam int T_TRANSFORM = pairs_pkg::transform_latency(CONFIG.pairs, CONFIG.swap != 0, CONFIG.transform,
@@ -93,6 +97,7 @@ module bvh_unit #(
   logic [PLACE-1:0] refit_read_at, refit_write_at;
   logic [NODE_WORDS-1:0][31:0] refitted;
   logic [6:0][31:0] root;
+  logic [2:0][31:0] bases;  // words in DDR: objects of slots, slots, nodes
   events_t events;
   logic [4:0] deepest, deepest_q;
   logic [35:0] fault_q;
@@ -104,11 +109,11 @@ module bvh_unit #(
   end
   logic unused_flip;
   assign unused_flip = &{1'b0, flip.reserved};
-  bvh_registers #(.NODES(NODES)) registers (
+  bvh_registers #(.CONFIG(CONFIG)) registers (
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
       .wide_i(wide(int'(traversal_now))),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count), .nodes_o(nodes),
-      .first_node_o(first_node), .slots_o(slots), .root_o(root), .events_i(running ? events : '0),
+      .first_node_o(first_node), .slots_o(slots), .bases_o(bases), .root_o(root), .events_i(running ? events : '0),
       .deepest_i(deepest_q), .fault_i(fault_q), .flip_o(flip),
       .new_root_i(refit_write && refit_write_at == '0), .node_i(refitted));
 
@@ -159,10 +164,13 @@ module bvh_unit #(
   assign goal = (mode_q == registers_pkg::MODE_OCCLUDED) ? GOAL_OCCLUDED : (mode_q == registers_pkg::MODE_HITS) ?
       GOAL_HITS : mode_q;
   traversal #(
-      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .CYCLES(CONFIG.node_cycles), .TRAVERSALS(TRAVERSALS),
+      .CONTEXTS(CONTEXTS), .UNITS(UNITS), .CYCLES(CONFIG.node_cycles), .PINNED(NODES), .LINES(CONFIG.node_cache),
+      .WAYS(CONFIG.node_ways), .TRAVERSALS(TRAVERSALS),
       .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals), .LAT(CONFIG.lat), .ARITH(config_pkg::arith(CONFIG.host))
   ) traversal (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
+      .reset_i(rst_i), .node_base_i(bases[0]), .node_ddr_o(node_ddr), .node_ddr_ready_i(node_ddr_ready),
+      .node_ddr_valid_i(node_ddr_valid), .ddr_data_i, .node_outstanding_o(node_outstanding),
       .root_i(root), .goal_i(goal), .traversal_i(traversal_q),
       .ahead_i(ray_count <= AHEAD),
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
@@ -174,7 +182,9 @@ module bvh_unit #(
       .fault_o(traversal_fault), .fault_place_o(traversal_place));
 
   // ---- Secondaries ----
-  logic leaf_fault, outstanding;
+  logic leaf_fault, outstanding, leaves_outstanding;
+  card_pkg::ddr_request_t slot_ddr;
+  logic slot_ddr_ready, slot_ddr_valid;
   logic [3:0] leaf_fault_kind;
   logic [1:0] slot_corrected;
   logic [31:0] leaf_place;
@@ -188,17 +198,34 @@ module bvh_unit #(
   assign leaf_tag = refitting ? TAG'(refit_tag) : fetch_tag;
   leaf_reader #(
       .SLOTS(SLOTS_PER_NODE * NODES), .WORDS(LEAF), .TAG(TAG), .ECC(CONFIG.ecc), .OBJECTS(OBJECTS),
+      .EXTERNAL(32'(CACHED)),
       .ARITH(config_pkg::arith(CONFIG.host)), .T_TRANSFORM(T_TRANSFORM)
   ) leaves (
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
       .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
-      .slots_i(slots), .secondaries_i(secondaries_q),
+      .slots_i(slots), .slot_base_i(bases[2:1]), .secondaries_i(secondaries_q),
       .words_i(pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(leaf_shape(int'(traversal_q))))),
-      .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag), .ddr_o,
-      .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .ddr_words_o, .outstanding_o(outstanding), .transform_entry_o, .moving_o,
+      .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag),
+      .ddr_o(ddr_o[0]), .ddr_ready_i(ddr_ready_i[0]), .ddr_valid_i(ddr_valid_i[0]), .ddr_data_i,
+      .ddr_words_o(ddr_words_o[0]), .slot_ddr_o(slot_ddr), .slot_ddr_ready_i(slot_ddr_ready),
+      .slot_ddr_valid_i(slot_ddr_valid), .outstanding_o(leaves_outstanding), .transform_entry_o, .moving_o,
       .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid), .tag_o(fetched_tag),
       .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place), .corrected_o(slot_corrected));
+
+  card_pkg::ddr_request_t [UNITS-1:0] node_ddr;
+  logic [UNITS-1:0] node_ddr_ready, node_ddr_valid, node_outstanding;
+  assign outstanding = leaves_outstanding || node_outstanding != 0;
+  if (CACHED) begin : g_readers
+    assign ddr_o[READERS-1:1] = {node_ddr, slot_ddr};
+    assign {node_ddr_ready, slot_ddr_ready} = ddr_ready_i[READERS-1:1];
+    assign {node_ddr_valid, slot_ddr_valid} = ddr_valid_i[READERS-1:1];
+    assign ddr_words_o[READERS-1:1] = {{UNITS{4'(BEAT)}}, 4'd2};
+  end else begin : g_on_chip
+    assign {node_ddr_ready, slot_ddr_ready, node_ddr_valid, slot_ddr_valid} = '0;
+    logic unused_ddr;
+    assign unused_ddr = &{1'b0, node_ddr, slot_ddr, bases};
+  end
 
   // ---- Refit ----
   logic clk_refit, refit_comes, refit_start_q, refit_rst, refit_busy, refit_read, refit_writes, refit_done, refit_bad;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the secondaries of leaves from DDR, where they are in the order of their upload. A memory beside the nodes maps
-// a slot of the BVH to a secondary. So DDR holds each secondary once, and the mapping gives its index.
-// A secondary takes one beat, or two beats if it has more than 9 words. With OBJECTS, a second memory maps a slot to
-// its object, and secondaries go through the external transformer.
-// Latency: 2 cycles plus the memory's latency and T_MOVED.
+// Reads the secondaries of leaves from DDR, where they are in the order of their upload. A slot of the BVH names its
+// secondary (slot_reader.sv). So DDR holds each secondary once, and the slot gives its index.
+// A secondary takes one beat, or two beats if it has more than 9 words. With OBJECTS, a slot also names its object, and
+// secondaries go through the external transformer.
+// Latency: slot_reader.sv, 1 cycle, the memory's latency and T_MOVED.
 // Throughput: one beat per cycle.
 // Stall: ready_o, ddr_ready_i.
 module leaf_reader #(
@@ -13,9 +13,9 @@ module leaf_reader #(
     parameter int DEPTH = 256,    // secondaries requested from DDR or being transformed, power of two
     parameter int ECC = 0,        // 1: slot words have check bits
     parameter int OBJECTS = 0,    // most objects of a pass; 0: nothing moves
+    parameter int EXTERNAL = 0,   // 1: slots are in DDR
     parameter int T_TRANSFORM = 0,
     parameter ARITH = "rtl",
-    localparam int SW = $clog2(SLOTS),
     localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1,
     localparam int T_MOVED = (OBJECTS != 0) ? 1 + T_TRANSFORM : 0,
     localparam int BEAT = records_pkg::DDR_WORDS
@@ -30,6 +30,7 @@ module leaf_reader #(
     input logic rst_i,
     input logic clear_i,  // between passes; drops outstanding requests
     input logic [31:0] slots_i,  // slots of the BVH
+    input logic [1:0][31:0] slot_base_i,  // with EXTERNAL, words of slot 0 in DDR: of its object, of its secondary
     input logic [31:0] secondaries_i,  // number of secondaries in DDR
     input pairs_pkg::words_t words_i,  // words per secondary
     input logic [31:0] objects_i,  // 0: secondaries are not transformed
@@ -43,6 +44,9 @@ module leaf_reader #(
     input logic ddr_valid_i,
     input logic [BEAT-1:0][31:0] ddr_data_i,
     output logic [3:0] ddr_words_o,  // words of the beat that belong to a secondary
+    output card_pkg::ddr_request_t slot_ddr_o,
+    input logic slot_ddr_ready_i,
+    input logic slot_ddr_valid_i,
     output logic outstanding_o,  // reads are outstanding, or will be by this cycle's request
 
     // To the object table and the transformer, as in secondary_regfile.sv.
@@ -64,8 +68,8 @@ module leaf_reader #(
   localparam int DW = $clog2(DEPTH);
   localparam int TAG_W = 1 + OBJECT_W + 32 + TAG;
 
-  // ---- Slots, one per cycle: their secondaries ----
-  logic second_q, move, requested_q, last_q, beyond_q;  // second_q: the second secondary of a leaf is next
+  // ---- Slots ----
+  logic requested, last_slot, beyond, no_object;
   logic wide, half, half_q, taken, whole_requested;  // half: the second beat of a secondary is next
   if (WORDS > BEAT) begin : g_two_beats
     assign wide = 32'(words_i) > BEAT;
@@ -78,48 +82,25 @@ module leaf_reader #(
   end
   assign taken = ddr_o.valid && ddr_ready_i;
   assign whole_requested = taken && !half;
-  logic [31:0] slot, index, slot_q;
+  logic [31:0] index, object;
   logic [1:0] corrected, failed;
-  logic [TAG-1:0] tag_q;
-  assign slot = second_q ? slot_q + 1 : 32'(slot_i);
-  assign move = !requested_q || whole_requested;
-  assign ready_o = move && !second_q;
-  always_ff @(posedge clk_i) begin
-    if (move) begin
-      requested_q <= valid_i || second_q;
-      if (!second_q) tag_q <= tag_i;
-      last_q <= second_q || !tag_i[0];
-      second_q <= !second_q && valid_i && tag_i[0];
-      slot_q <= slot;
-      beyond_q <= slot >= slots_i;
-    end
-    if (rst_i || clear_i) second_q <= 1'b0;
-    if (rst_i || (clear_i && !half)) requested_q <= 1'b0;  // never between the two beats of a secondary
-  end
-  logic write_objects;
-  assign write_objects = OBJECTS != 0 && addr_i[2+SW];
-  slot_memory #(.SLOTS(SLOTS), .ECC(ECC)) order (
-      .clk_bus_i, .write_i(write_i && !write_objects), .addr_i, .data_i, .flip_i, .clk_i, .read_i(move),
-      .slot_i(slot[SW-1:0]), .word_o(index), .corrected_o(corrected[0]), .failed_o(failed[0]));
-  logic [31:0] object;
-  logic no_object;
-  if (OBJECTS != 0) begin : g_objects
-    slot_memory #(.SLOTS(SLOTS), .ECC(ECC)) slot_objects (
-        .clk_bus_i, .write_i(write_i && write_objects), .addr_i, .data_i, .flip_i, .clk_i, .read_i(move),
-        .slot_i(slot[SW-1:0]), .word_o(object), .corrected_o(corrected[1]), .failed_o(failed[1]));
-    assign no_object = objects_i != 0 && object >= objects_i;
-  end else begin : g_still
-    assign object = '0;
-    assign {corrected[1], failed[1], no_object} = '0;
-    logic unused;
-    assign unused = &{1'b0, objects_i, addr_i, object};
-  end
+  logic [TAG-1:0] slot_tag;
+  logic slots_outstanding;
+  // A pass does not end between the two beats of a secondary.
+  slot_reader #(
+      .SLOTS(SLOTS), .TAG(TAG), .ECC(ECC), .OBJECTS(OBJECTS), .EXTERNAL(EXTERNAL)
+  ) slots (
+      .clk_bus_i, .write_i, .addr_i, .data_i, .flip_i, .clk_i, .rst_i, .clear_i, .keep_i(half), .slots_i,
+      .base_i(slot_base_i), .objects_i(objects_i != 0), .valid_i, .ready_o, .slot_i, .tag_i, .ddr_o(slot_ddr_o),
+      .ddr_ready_i(slot_ddr_ready_i), .ddr_valid_i(slot_ddr_valid_i), .ddr_data_i, .outstanding_o(slots_outstanding),
+      .valid_o(requested), .take_i(whole_requested), .slot_o(fault_place_o), .tag_o(slot_tag), .last_o(last_slot),
+      .beyond_o(beyond), .index_o(index), .object_o(object), .corrected_o(corrected), .failed_o(failed));
+  assign no_object = OBJECTS != 0 && objects_i != 0 && object >= objects_i;
   assign corrected_o = corrected & {2{whole_requested}};
-  assign fault_o = requested_q && (beyond_q || failed != 0 || index >= secondaries_i || no_object);
-  assign fault_kind_o = beyond_q ? registers_pkg::NODE_FAULT_SLOT :
+  assign fault_o = requested && (beyond || failed != 0 || index >= secondaries_i || no_object);
+  assign fault_kind_o = beyond ? registers_pkg::NODE_FAULT_SLOT :
       (failed != 0) ? registers_pkg::NODE_FAULT_SLOT_BITS :
       no_object ? registers_pkg::NODE_FAULT_OBJECT : registers_pkg::NODE_FAULT_INDEX;
-  assign fault_place_o = slot_q;
 
   // ---- Secondaries requested or being transformed ----
   logic [DW:0] outstanding, write_q, read_q;
@@ -128,13 +109,13 @@ module leaf_reader #(
   logic [TAG-1:0] tag;
   logic [OBJECT_W-1:0] unused_object;
   logic [TAG_W-1:0] tags[DEPTH];
-  assign ddr_o.valid = requested_q && !fault_o && (half_q || outstanding != (DW + 1)'(DEPTH));
+  assign ddr_o.valid = requested && !fault_o && (half_q || outstanding != (DW + 1)'(DEPTH));
   assign ddr_o.word = index * 32'(words_i) + (half_q ? BEAT : 0);
   assign outstanding = write_q - read_q;
-  assign outstanding_o = outstanding != 0 || ddr_o.valid;  // includes this cycle's request
+  assign outstanding_o = outstanding != 0 || ddr_o.valid || slots_outstanding;  // includes this cycle's requests
   always_ff @(posedge clk_i) begin
     if (taken && !half_q) begin
-      tags[write_q[DW-1:0]] <= {last_q, object[OBJECT_W-1:0], index, tag_q};
+      tags[write_q[DW-1:0]] <= {last_slot, object[OBJECT_W-1:0], index, slot_tag};
       write_q <= write_q + 1;
     end
     if (valid) read_q <= read_q + 1;

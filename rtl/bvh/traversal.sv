@@ -18,6 +18,9 @@ module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // traversal units, each with its share of the contexts
     parameter int CYCLES = 1,      // per node of a unit: 1 or 2
+    parameter int PINNED = 4096,   // nodes on chip, if LINES is not 0 (node_reader.sv)
+    parameter int LINES = 0,       // of each unit's cache
+    parameter int WAYS = 4,
     parameter bvh_pkg::traversals_t TRAVERSALS = 1,  // bvh_pkg::card_traversals
     parameter int ALGORITHM = 0,   // ray-triangle: pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,     // 1: solids have normals
@@ -37,6 +40,14 @@ module traversal #(
     output logic [UNITS-1:0] node_read_o,
     output logic [UNITS-1:0][bvh_pkg::PLACE-1:0] node_at_o,
     input logic [UNITS-1:0][bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
+    // Nodes in DDR, with LINES.
+    input logic reset_i,  // of the card; rst_i also ends a pass
+    input logic [31:0] node_base_i,  // word of node 0
+    output card_pkg::ddr_request_t [UNITS-1:0] node_ddr_o,
+    input logic [UNITS-1:0] node_ddr_ready_i,
+    input logic [UNITS-1:0] node_ddr_valid_i,
+    input logic [records_pkg::DDR_WORDS-1:0][31:0] ddr_data_i,
+    output logic [UNITS-1:0] node_outstanding_o,
     // Settings of all primaries.
     input logic [6:0][31:0] root_i,  // root's box: lower corner x y z, upper corner x y z, 16 u W (ray_front.sv)
     input logic [2:0] goal_i,        // bvh_pkg::GOAL_*
@@ -183,7 +194,7 @@ module traversal #(
   pipe_delay_valid #(.TO(T_FRONT)) delay_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
 
   // ---- Banks ----
-  logic [UNITS-1:0] leaf_valid, leaf_ready, done_valid, done_ready, reads;
+  logic [UNITS-1:0] leaf_valid, leaf_ready, done_valid, done_ready, reads, cached, fetched;
   visit_t [UNITS-1:0] leaf;
   logic [UNITS-1:0][CX-1:0] dones;
   logic [UNITS-1:0][4:0] levels;
@@ -198,9 +209,13 @@ module traversal #(
   for (genvar u = 0; u < UNITS; u++) begin : unit
     traversal_bank #(
         .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT(LAT),
-        .ARITH(ARITH), .RAYS(32'(HAS_RAYS)), .SOLIDS(32'(SOLIDS)), .CYCLES(CYCLES)
+        .ARITH(ARITH), .RAYS(32'(HAS_RAYS)), .SOLIDS(32'(SOLIDS)), .CYCLES(CYCLES),
+        .PINNED(PINNED), .LINES(LINES), .WAYS(WAYS)
     ) bank (
         .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
+        .node_base_i, .reset_i, .ddr_o(node_ddr_o[u]), .ddr_ready_i(node_ddr_ready_i[u]),
+        .ddr_valid_i(node_ddr_valid_i[u]), .ddr_data_i, .outstanding_o(node_outstanding_o[u]), .cached_o(cached[u]),
+        .fetched_o(fetched[u]),
         .farthest_i(farthest_q), .solid_i(is_solid), .ahead_i,
         .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
         .interval_context_i(interval_context[CX-1:BANK]),
@@ -326,6 +341,13 @@ module traversal #(
   assign events_o.nodes = 4'($countones(reads));
   assign events_o.leaves = 4'(fetch_valid_o && fetch_ready_i);
   assign events_o.secondaries = 4'(tested_now);
+  always_comb begin
+    {events_o.cached, events_o.fetched} = '0;
+    for (int u = 0; u < UNITS; u++) begin
+      events_o.cached = events_o.cached + 4'(cached[u]);
+      events_o.fetched = events_o.fetched + 4'(fetched[u]);
+    end
+  end
   logic [4:0] deepest;
   always_comb begin
     deepest = deepest_o;

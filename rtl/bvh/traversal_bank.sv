@@ -3,8 +3,8 @@
 // context visits the first hit child at once, and the others wait on its stack. It takes the next child from the stack
 // when a leaf has been tested or a node had no hit. With ahead_i it does so when a leaf has been sent.
 // For rays, a choice compares the child's key with key_limit.sv.
-// Latency per visit: NODE_T_RAY + 2 cycles (bvh.svh), or NODE_T_SOLID + 2. Per choice: NODE_T_LIMIT + 2 for rays, 2 for
-// solids and for primaries that have finished.
+// Latency per visit: the node reader's, and NODE_T_RAY + 2 cycles (bvh.svh) or NODE_T_SOLID + 2. Per choice:
+// NODE_T_LIMIT + 2 for rays, 2 for solids and for primaries that have finished.
 // Throughput: one node per CYCLES cycles, and one choice per cycle.
 // Stall: leaf_ready_i and done_ready_i only. Contexts wait in queues that hold all of them.
 `include "bvh.svh"
@@ -16,6 +16,9 @@ module traversal_bank #(
     parameter int RAYS = 1,        // 0: only solids
     parameter int SOLIDS = 1,      // 0: only rays
     parameter int CYCLES = 1,      // per node: 1 or 2
+    parameter int PINNED = 4096,   // node_reader.sv
+    parameter int LINES = 0,
+    parameter int WAYS = 4,
     localparam int CB = $clog2(CONTEXTS)
 ) (
     input logic clk_i,
@@ -25,6 +28,16 @@ module traversal_bank #(
     output logic node_read_o,
     output logic [bvh_pkg::PLACE-1:0] node_at_o,
     input logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
+    // Nodes in DDR, with LINES.
+    input logic [31:0] node_base_i,  // word of node 0
+    input logic reset_i,  // rst_i also ends a pass; requests are forgotten with this reset only
+    output card_pkg::ddr_request_t ddr_o,
+    input logic ddr_ready_i,
+    input logic ddr_valid_i,
+    input logic [records_pkg::DDR_WORDS-1:0][31:0] ddr_data_i,
+    output logic outstanding_o,
+    output logic cached_o,   // a node outside the chip is visited
+    output logic fetched_o,  // and fetched from DDR
     input logic farthest_i,
     input logic solid_i,
     input logic ahead_i,  // contexts go on while their leaves are tested
@@ -106,36 +119,41 @@ module traversal_bank #(
   // ---- Nodes ----
   localparam int T_RAY = (RAYS != 0) ? `NODE_T_RAY(CYCLES) : `NODE_T_SOLID;
   localparam int T_SOLID = (SOLIDS != 0) ? `NODE_T_SOLID : `NODE_T_RAY(CYCLES);
-  at_t visit, visit_q, met_at;
-  logic [PLACE-1:0] visit_node_q;
-  logic visit_valid, visit_valid_q, group_valid, ray_valid, solid_valid;
+  at_t visit, reading, visit_q, met_at;
+  logic [PLACE-1:0] visit_place, reading_place, visit_node_q;
+  logic visit_ready, read, visit_valid_q, group_valid, ray_valid, solid_valid;
   logic [8:0][31:0] front_q;
   logic [1:0][31:0] interval_q;
   group_t group;
-  logic busy;  // the second cycle of a node
-  assign visit_valid = (nearer_some || others_some || started_some) && !busy;
-  assign node_read_o = visit_valid;
-  assign nearer_read = nearer_some && !busy;
-  assign others_read = others_some && !nearer_some && !busy;
-  assign started_read = started_some && !nearer_some && !others_some && !busy;
+  logic [NODE_WORDS-1:0][31:0] node;
+  assign nearer_read = nearer_some && visit_ready;
+  assign others_read = others_some && !nearer_some && visit_ready;
+  assign started_read = started_some && !nearer_some && !others_some && visit_ready;
   assign visit = nearer_some ? nearer.at : others_some ? others.at : '{context_: started, level: '0, fresh: '0};
-  assign node_at_o = busy ? visit_node_q : nearer_some ? nearer.place : others_some ? others.place : '0;
+  assign visit_place = nearer_some ? nearer.place : others_some ? others.place : '0;
+  node_reader #(
+      .CONTEXTS(CONTEXTS), .CX(CX), .CYCLES(CYCLES), .PINNED(PINNED), .LINES(LINES), .WAYS(WAYS)
+  ) reader (
+      .clk_i, .rst_i(reset_i), .clear_i(rst_i), .nodes_i, .base_i(node_base_i),
+      .valid_i(nearer_some || others_some || started_some),
+      .ready_o(visit_ready), .at_i(visit), .place_i(visit_place), .valid_o(read), .at_o(reading),
+      .place_o(reading_place), .node_o(node), .chip_read_o(node_read_o), .chip_at_o(node_at_o), .chip_node_i(node_i),
+      .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .outstanding_o, .cached_o, .fetched_o);
   always_ff @(posedge clk_i) begin
-    visit_node_q <= node_at_o;
-    if (!busy) begin
-      front_q <= fronts[visit.context_[CX-1:BANK]];
-      interval_q <= {limits[visit.context_[CX-1:BANK]], floors[visit.context_[CX-1:BANK]]};
-      visit_q <= visit;
+    if (read) begin
+      front_q <= fronts[reading.context_[CX-1:BANK]];
+      interval_q <= {limits[reading.context_[CX-1:BANK]], floors[reading.context_[CX-1:BANK]]};
+      visit_q <= reading;
+      visit_node_q <= reading_place;
     end
-    visit_valid_q <= visit_valid && !rst_i;
+    visit_valid_q <= read && !rst_i;
   end
-  assign busy = CYCLES == 2 && visit_valid_q;
   assign visits_o = visit_valid_q;
   traversal_unit #(
       .LAT(LAT), .ARITH(ARITH), .RAYS(RAYS), .SOLIDS(SOLIDS), .CYCLES(CYCLES)
   ) unit (
       .clk_i, .valid_i(visit_valid_q), .front_i(front_q), .floor_i(interval_q[0]), .limit_i(interval_q[1]), .farthest_i,
-      .solid_i, .node_i, .group_o(group));
+      .solid_i, .node_i(node), .group_o(group));
   pass_delay #(.W($bits(at_t)), .T_RAY(T_RAY), .T_SOLID(T_SOLID)) delay_visit (
       .clk_i, .solid_i, .d_i(visit_q), .q_o(met_at));
   pipe_delay_valid #(.TO(T_RAY)) delay_ray (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(ray_valid));

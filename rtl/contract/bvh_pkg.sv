@@ -111,6 +111,8 @@ package bvh_pkg;
 
   // Events in a cycle, for the counters.
   typedef struct packed {
+    logic [3:0] fetched;      // nodes requested from DDR
+    logic [3:0] cached;       // nodes read that are in DDR
     logic [3:0] nodes;        // read
     logic [3:0] leaves;       // requested
     logic [3:0] secondaries;  // tested

@@ -20,6 +20,9 @@
 //   OBJECTS       Entries of the object table of secondaries, 2 to 2,048. PRIM_OBJECTS: of the table of primaries.
 //   TRAVERSAL_UNITS  Traversal units of a BVH: 0 (no BVH), 1, 2 or 4. NODES: nodes of their memory, a power of two.
 //   NODE_CYCLES   Cycles per node of a traversal unit that tests rays, 1 or 2. With 2, operators are shared.
+//   NODE_CACHE    0: all nodes and slots are on chip. Else the nodes in the cache of each traversal unit, a power of
+//                 two. The first PINNED_NODES nodes, a power of two, are on chip, and others and slots are in DDR.
+//   NODE_WAYS     Ways of the cache, a power of two from 2.
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected.
 //   LAT_*         Cycles of the operators; in the structure `lat`.
 //   ARITH         Gates ("rtl") or the simulating processor's arithmetic ("host"); field `host`, 0 or 1.
@@ -48,6 +51,9 @@
     parameter int TRAVERSAL_UNITS = 0, \
     parameter int NODES = 65536, \
     parameter int NODE_CYCLES = 1, \
+    parameter int NODE_CACHE = 0, \
+    parameter int NODE_WAYS = 4, \
+    parameter int PINNED_NODES = 4096, \
     parameter int ECC = 0, \
     parameter int LAT_ADD = 1, \
     parameter int LAT_MUL = 1, \
@@ -59,8 +65,9 @@
     parameter int SRAM_RECORDS = 524288
 
 `define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, SAT_II, \
-    FILTER_EXP, FILTER_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, TRAVERSAL_UNITS, NODES, NODE_CYCLES, ECC, LAT_ADD, \
-    LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
+    FILTER_EXP, FILTER_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, TRAVERSAL_UNITS, NODES, NODE_CYCLES, NODE_CACHE, \
+    NODE_WAYS, PINNED_NODES, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, \
+    SRAM_RECORDS, CONFIG_HASH}
 
 `define CARD_FIELDS \
     int exp; \
@@ -82,6 +89,9 @@
     int traversal_units; \
     int nodes; \
     int node_cycles; \
+    int node_cache; \
+    int node_ways; \
+    int pinned_nodes; \
     int ecc; \
     latency_pkg::latency_t lat; \
     int host; \

@@ -35,6 +35,12 @@ module config_check #(
   if (CONFIG.node_cycles != 1 && CONFIG.node_cycles != 2) begin : g_node_cycles
     $error("board: NODE_CYCLES must be 1 or 2");
   end
+  if (CONFIG.node_cache != 0 && ((CONFIG.node_cache & (CONFIG.node_cache - 1)) != 0 || CONFIG.node_ways < 2 ||
+      (CONFIG.node_ways & (CONFIG.node_ways - 1)) != 0 || CONFIG.node_cache < 2 * CONFIG.node_ways ||
+      (CONFIG.pinned_nodes & (CONFIG.pinned_nodes - 1)) != 0 || CONFIG.pinned_nodes > CONFIG.nodes)) begin :
+      g_node_cache
+    $error("board: NODE_CACHE, NODE_WAYS and PINNED_NODES must be powers of two, see config.svh");
+  end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&
        (CONFIG.objects < 2 || CONFIG.objects > 2048 || CONFIG.prim_objects < 2 ||

@@ -48,6 +48,13 @@ package config_pkg;
   function automatic int fifo_depth(input config_t card);
     fifo_depth = (filter_pairs(card) != 0) ? pipe_depth(card) : 128;
   endfunction
+  // Nodes that are on chip, and readers of DDR for a BVH: leaves, and with a cache slots and each traversal unit.
+  function automatic int chip_nodes(input config_t card);
+    chip_nodes = (card.node_cache != 0) ? card.pinned_nodes : card.nodes;
+  endfunction
+  function automatic int bvh_readers(input config_t card);
+    bvh_readers = (card.traversal_units == 0) ? 0 : (card.node_cache != 0) ? 2 + card.traversal_units : 1;
+  endfunction
   function automatic int index_bits(input int n);  // bits that distinguish n values, at least one
     index_bits = (n > 1) ? $clog2(n) : 1;
   endfunction

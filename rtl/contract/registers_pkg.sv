@@ -11,8 +11,9 @@ package registers_pkg;
   localparam logic [2:0] SPACE_DDR = 3'd2;   // secondary memory, packed slots, write only
   localparam logic [2:0] SPACE_SRAM = 3'd3;  // record stream: each beat read takes the next words of the ring
   // Spaces of a BVH, written between passes, except primaries. Nodes: words 0 to 15 of node n at byte 64 n, words 16
-  // and 17 at 64 NODES + 8 n. Slots: the secondary of each leaf slot, one word per slot. With a transformer, their
-  // objects follow, also one word per slot. Primaries (`rays` in names): a ring with 32 bytes per place.
+  // and 17 at 64 N + 8 n, with N nodes on chip. Slots: the secondary of each leaf slot, one word per slot. With a
+  // transformer, their objects follow, also one word per slot. Primaries (`rays` in names): a ring with 32 bytes per
+  // place. With a node cache, nodes from N on and all slots are in SPACE_DDR instead (REG_NODE_BASE, REG_SLOT_BASE).
   localparam logic [2:0] SPACE_NODES = 3'd4;
   localparam logic [2:0] SPACE_SLOTS = 3'd5;
   localparam logic [2:0] SPACE_RAYS = 3'd6;
@@ -83,14 +84,18 @@ package registers_pkg;
   localparam logic [11:0] REG_SLOT_COUNT = 12'h1D0;   // slots of the BVH
   localparam logic [11:0] REG_NODE_FIRST = 12'h1D8;   // refit: nodes before this one stay as they are
   localparam logic [11:0] REG_PAIRS = 12'h1E0;        // bit p: the card has pair p
-  localparam logic [31:0] REG_END = 32'h000001E8;
+  localparam logic [11:0] REG_CACHED = 12'h1E8;       // nodes read that are not on chip
+  localparam logic [11:0] REG_FETCHED = 12'h1F0;      // nodes that a cache fetched from DDR
+  localparam logic [11:0] REG_NODE_BASE = 12'h1F8;    // with a node cache: word of node 0 in DDR
+  localparam logic [11:0] REG_SLOT_BASE = 12'h200;    // slot_base_t
+  localparam logic [31:0] REG_END = 32'h00000208;
 
   // ---- Counters of a pass: their registers, 64 bits each, unit by unit. The engine's counters are in card_registers.
   // Other units have their own (pass_counters.sv), in this order, behind the other registers and below REG_END ----
-  localparam int COUNTERS = 12;
+  localparam int COUNTERS = 14;
   localparam logic [0:12*COUNTERS-1] COUNTER_REGISTERS = {
     REG_CYCLES, REG_WRITEBACK, REG_ROWS, REG_STALLS, REG_BUBBLES, REG_SECONDARIES, REG_BAD_SEC, REG_WRITTEN,
-    REG_UNCERTAIN, REG_NODES, REG_LEAVES, REG_TESTED};
+    REG_UNCERTAIN, REG_NODES, REG_LEAVES, REG_TESTED, REG_CACHED, REG_FETCHED};
   localparam int ENGINE_COUNTERS = 9;  // number of the engine's counters, which come first
   function automatic logic [11:0] counter_register(input int counter);
     counter_register = COUNTER_REGISTERS[12*counter+:12];
@@ -102,7 +107,7 @@ package registers_pkg;
   localparam logic [31:0] PRIM_OBJECT_TABLE = 32'h00080000;
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;  // "CDE1"
-  localparam logic [31:0] INTERFACE_VERSION = 32'd5;
+  localparam logic [31:0] INTERFACE_VERSION = 32'd6;
 
   // ---- Fields, from bit 63 down ----
   typedef struct packed {
@@ -168,11 +173,15 @@ package registers_pkg;
   } command_t;
   localparam logic [63:0] COMMAND_BITS = 64'h00000000003FFF77;  // bits in use
   typedef struct packed {
-    logic [7:0] reserved;
+    logic [7:0] pinned_bits;     // with a node cache: 2^this nodes are on chip; else all ones
     logic [7:0] slots_per_node;  // entries of the slot memory, per node
     logic [15:0] rays;         // places of the queue of primaries
     logic [31:0] nodes;        // nodes that the memory holds
   } node_caps_t;
+  typedef struct packed {
+    logic [31:0] objects;  // with a node cache: word of slot 0's object in DDR,
+    logic [31:0] slots;    // and of its secondary
+  } slot_base_t;
   typedef struct packed {
     logic [26:0] reserved;
     logic [4:0] word;   // word of a node write, or from 18 on of a slot beat,

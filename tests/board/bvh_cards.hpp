@@ -54,6 +54,23 @@ inline BoardConfig slow_config() {
           .sram_records = 64,
           .ecc = true};
 }
+/// Sixteen nodes on chip, the others and all slots in DDR behind small caches, with check bits.
+inline BoardConfig cached_config() {
+  return {.lanes = 4,
+          .pairs = {Pair::kRayTriangle, Pair::kTriangleSphere},
+          .box = true,
+          .swap = true,
+          .traversal_units = 2,
+          .nodes = 1024,
+          .node_cycles = 2,
+          .node_cache = 32,
+          .node_ways = 2,
+          .pinned_nodes = 16,
+          .transform = Transformer::kSecondaries,
+          .ddr_slots = 4000,
+          .sram_records = 64,
+          .ecc = true};
+}
 /// Rays, spheres and OBBs, and moving objects.
 inline BoardConfig solids_config() {
   return {.lanes = 8,
@@ -142,7 +159,9 @@ inline const Card kFast{"fast", fast_config}, kGates{"gates", gates_config},
     kSlow{"slow", slow_config}, kPci{"pci", on_pci_config},
     kWatertight{"watertight", watertight_config},
     kDdr{"ddr", fast_config, {.memory = Memory::kCycle}},
-    kLate{"late", slow_config, {.ddr_latency = 300}}, kObjects{"objects", objects_config};
+    kLate{"late", slow_config, {.ddr_latency = 300}}, kObjects{"objects", objects_config},
+    kCached{"cached", cached_config, {.memory = Memory::kCycle}},
+    kCachedLate{"cached_late", cached_config, {.ddr_latency = 300}};
 
 constexpr Mode kModes[] = {Mode::kNearest, Mode::kFarthest, Mode::kAny, Mode::kHits,
                            Mode::kOccluded};

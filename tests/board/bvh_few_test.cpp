@@ -81,7 +81,7 @@ const Card kFewSolids{"solids", solids_config}, kFewMeshes{"meshes", meshes_conf
 INSTANTIATE_TEST_SUITE_P(Cards, BvhSmallBatchCards,
                          ::testing::Values(kFast, kDdr, kGates, kLate, kWatertight, kFewSolids,
                                            kFewMeshes, kFewSpheres, kFewBoxes, kFewBoxesDdr,
-                                           kFewSpheresGates),
+                                           kFewSpheresGates, kCached),
                          [](const auto& card) { return std::string(card.param.name); });
 
 TEST_P(BvhSmallBatchCards, PassesOfFewPrimaries_EqualReferenceAndBruteForce) {

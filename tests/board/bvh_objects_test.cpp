@@ -60,7 +60,7 @@ struct Moving {
 
 class BvhObjectCards : public ::testing::TestWithParam<Card> {};
 INSTANTIATE_TEST_SUITE_P(Cards, BvhObjectCards,
-                         ::testing::Values(kObjects, kObjectsDdr, kGates, kSlow, kLate),
+                         ::testing::Values(kObjects, kObjectsDdr, kGates, kSlow, kLate, kCached),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: a million rays with host arithmetic.

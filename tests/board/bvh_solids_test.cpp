@@ -99,7 +99,7 @@ class BvhSolidCards : public ::testing::TestWithParam<Card> {
 };
 INSTANTIATE_TEST_SUITE_P(Cards, BvhSolidCards,
                          ::testing::Values(kSolids, kSolidsDdr, kSlow, kLate, kMeshes, kSolidsGates,
-                                           kSpherePairs),
+                                           kSpherePairs, kCached),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: 20,000 of each shape on the first card, and of triangles on the card of meshes.

@@ -30,7 +30,8 @@ using namespace through;
 
 class BvhCards : public ::testing::TestWithParam<Card> {};
 INSTANTIATE_TEST_SUITE_P(Cards, BvhCards,
-                         ::testing::Values(kFast, kGates, kSlow, kPci, kWatertight, kDdr, kLate),
+                         ::testing::Values(kFast, kGates, kSlow, kPci, kWatertight, kDdr, kLate,
+                                           kCached, kCachedLate),
                          [](const auto& card) { return std::string(card.param.name); });
 
 /// CDE_FULL=1: more than a million rays with host arithmetic, 100,000 with gates.
@@ -39,8 +40,13 @@ TEST_P(BvhCards, HardRays_EqualTheReference) {
   Board board = Board::open(config, GetParam().options);
   const bool gates = config.arithmetic == Arithmetic::kRtl,
              full = std::getenv("CDE_FULL") != nullptr;
-  const bool slow = config.latency.add > 1;
-  const std::size_t count = full ? (gates ? 3'000 : 30'000) : gates ? 100 : slow ? 300 : 1500;
+  const bool slow = config.latency.add > 1 || config.node_cache != 0;
+  const bool late = config.node_cache != 0 && GetParam().options.ddr_latency > 100;
+  const std::size_t count = full    ? (gates ? 3'000 : 30'000)
+                            : late  ? 60
+                            : gates ? 100
+                            : slow  ? 300
+                                    : 1500;
   for (const Case& one : kScenes) {
     SCOPED_TRACE(one.name);
     const TriangleScene scene = one.make();

@@ -277,6 +277,45 @@ TEST_F(SceneBvh, Frames_DoNotDependOnEarlierFrames) {
   }
 }
 
+/// The host refits the BVH of a terrain that moves. Records equal brute force.
+TEST_F(SceneBvh, NodesInDdr_AreRefittedByTheHost) {
+  const std::string scene = R"(frames = 3
+[[object]]
+name = "ground"
+mesh = "terrain:140,140,1"
+deform = { kind = "wave", vertices = [20, 9000], amplitude = [0, 0, 5], period = 1, wavelength = 40 }
+[object.motion]
+kind = "path"
+points = [[0, 0, 0], [6, 5, 9]]
+duration = 0.05
+[[object]]
+name = "rays"
+random_rays = { count = 300, seed = 7 }
+[[query]]
+name = "hit"
+pair = "ray-triangle"
+primaries = "rays"
+secondaries = "ground"
+[card]
+device = "ecp5-85"
+)";
+  write("ddr.toml", scene);
+  write("chip.toml", scene + "bvh = \"off\"\n");
+  for (const char* name : {"ddr", "chip"}) {
+    const Ran ran = cde({"run", std::string(name) + ".toml", "-q"});
+    ASSERT_EQ(ran.status, 0) << ran.err;
+  }
+  EXPECT_EQ(read("ddr.run/hit.csv"), read("chip.run/hit.csv"));
+  const auto j = nlohmann::json::parse(read("ddr.run/run.json"));
+  EXPECT_EQ(j["totals"]["mismatches"], 0);
+  for (const auto& frame : j["frame_results"]) {
+    const auto& counters = frame["queries"][0]["counters"];
+    EXPECT_GT(counters["fetched_nodes"], 20);
+    EXPECT_GE(counters["cached_nodes"], counters["fetched_nodes"]);
+    EXPECT_GT(counters["nodes"], counters["cached_nodes"]);
+  }
+}
+
 TEST_F(SceneBvh, Plan_ShowsCyclesOfBoth) {
   write("s.toml", flight(""));
   const Ran text = cde({"plan", "s.toml"});

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <deque>
 #include <map>
 #include <span>
 #include <vector>
 
+#include "TraversalCached.h"
 #include "TraversalGates.h"
 #include "TraversalHost.h"
 #include "TraversalOne.h"
@@ -37,12 +39,13 @@ std::uint32_t word(float x) {
   return std::bit_cast<std::uint32_t>(x);
 }
 
+struct Asked {
+  std::uint32_t slot, tag;
+  unsigned due;
+};
+
 /// Answers memory requests after a random delay, out of order.
 struct Memory {
-  struct Asked {
-    std::uint32_t slot, tag;
-    unsigned due;
-  };
   std::vector<Asked> waiting;
 };
 
@@ -51,12 +54,22 @@ template <class Module>
 constexpr unsigned kNodeCycles = 1;
 template <>
 constexpr unsigned kNodeCycles<TraversalTwo> = 2;
+template <>
+constexpr unsigned kNodeCycles<TraversalCached> = 2;
+
+/// Nodes on chip; 0: all.
+template <class Module>
+constexpr unsigned kPinned = 0;
+template <>
+constexpr unsigned kPinned<TraversalCached> = 32;
 
 template <class Module>
 class Bench {
  public:
   Bench(const std::vector<Triangle>& triangles, const Bvh& bvh) : triangles_(triangles), bvh_(bvh) {
-    module_->rst_i = 1;
+    module_->rst_i = module_->reset_i = 1;
+    module_->node_base_i = kNodeBase;
+    module_->node_ddr_ready_i = module_->node_ddr_valid_i = 0;
     module_->ray_valid_i = module_->fetched_valid_i = 0;
     module_->record_ready_i = module_->fetch_ready_i = 0;
     module_.clock();
@@ -68,7 +81,7 @@ class Bench {
       module_->root_i[3 + k] = word(root.upper[static_cast<int>(k)]);
     }
     module_->root_i[6] = word(root.margin);
-    module_->rst_i = 0;
+    module_->rst_i = module_->reset_i = 0;
   }
 
   /// Records by ray number. `patient`: memory and the record output are always ready.
@@ -95,7 +108,9 @@ class Bench {
       module_->record_ready_i = patient || dice_.once_in(2);
       module_->fetch_ready_i = patient || dice_.once_in(2);
       answer(patient);
+      if constexpr (kPinned<Module> != 0) answer_nodes(patient);
       module_.settle();
+      if constexpr (kPinned<Module> != 0) ask_nodes(patient);
       if (ray && module_->ray_ready_o != 0) ++sent;
       if (module_->fetch_valid_o != 0 && module_->fetch_ready_i != 0)
         memory_.waiting.push_back({module_->fetch_slot_o, module_->fetch_tag_o,
@@ -108,6 +123,8 @@ class Bench {
       }
       for (unsigned l = 0; l < 2; ++l)
         if ((module_->hit_o >> l & 1) != 0) hits.push_back(hit(l));
+      fetched_ += module_->events_o >> 16 & 15u;
+      cached_ += module_->events_o >> 12 & 15u;
       nodes_ += module_->events_o >> 8 & 15u;
       leaves_ += module_->events_o >> 4 & 15u;
       secondaries_ += module_->events_o & 15u;
@@ -117,6 +134,7 @@ class Bench {
       module_.clock();
       for (unsigned u = 0; u < kUnits; ++u) {
         if (at.at(u) >= bvh_.nodes().size()) continue;
+        if (kPinned<Module> != 0 && at.at(u) >= kPinned<Module>) at.at(u) = 0;  // not on chip
         const auto& words = bvh_.nodes()[at.at(u)].words;
         std::copy(words.begin(), words.end(), &module_->node_i[words.size() * u]);
       }
@@ -130,17 +148,21 @@ class Bench {
   unsigned cycles = 0;
   [[nodiscard]] std::uint64_t nodes() const { return nodes_; }
   [[nodiscard]] std::uint64_t secondaries() const { return secondaries_; }
+  [[nodiscard]] std::uint64_t fetched() const { return fetched_; }
+  [[nodiscard]] std::uint64_t cached() const { return cached_; }
 
   /// Expected cycles of a `patient` cast with enough rays to hide latency. Each unit reads one node
-  /// in kNodeCycles. All units together accept one ray and one tested leaf per cycle.
+  /// in kNodeCycles. All units together accept one ray, one tested leaf and one beat of DDR per
+  /// cycle.
   void expect_cycles(std::size_t rays) const {
     const double bound = std::max(static_cast<double>(nodes_ * kNodeCycles<Module>) / kUnits,
-                                  static_cast<double>(rays + leaves_));
+                                  static_cast<double>(std::max(rays + leaves_, 2 * fetched_)));
     EXPECT_GE(cycles, bound);
     EXPECT_LT(cycles, 1.03 * bound);
   }
 
  private:
+  static constexpr unsigned kNodeBase = 1'000'002, kBeat = 9;
   static constexpr unsigned kUnits =
       sizeof(Module::node_i) / sizeof(std::array<std::uint32_t, bvh::Node::kWords>);
 
@@ -153,6 +175,44 @@ class Bench {
       place |= (words[at / 32] >> (at % 32) & 1u) << bit;
     }
     return place;
+  }
+
+  /// Requests for nodes in DDR: of one unit per cycle, in turn.
+  void answer_nodes(bool patient) {
+    turn_ = (turn_ + 1) % kUnits;
+    module_->node_ddr_ready_i =
+        static_cast<CData>(patient || dice_.once_in(2) ? 1u << asking(turn_) : 0);
+    module_->node_ddr_valid_i = 0;
+    if (beats_.empty() || beats_.front().due > cycles || (!patient && dice_.once_in(4))) return;
+    const Asked beat = beats_.front();
+    beats_.pop_front();
+    module_->node_ddr_valid_i = static_cast<CData>(1u << beat.tag);
+    const std::uint32_t word = beat.slot - kNodeBase, place = word / bvh::Node::kWords;
+    ASSERT_LT(place, bvh_.nodes().size());
+    for (unsigned w = 0; w < kBeat; ++w)
+      module_->ddr_data_i[w] = bvh_.nodes()[place].words.at(word % bvh::Node::kWords + w);
+  }
+  /// The first unit from `unit` on with a request, by the outputs of the last cycle.
+  unsigned asking(unsigned unit) {
+    for (unsigned k = 0; k < kUnits; ++k)
+      if (request((unit + k) % kUnits) >> 32 != 0) return (unit + k) % kUnits;
+    return unit;
+  }
+  void ask_nodes(bool patient) {
+    for (unsigned u = 0; u < kUnits; ++u)
+      if (const std::uint64_t r = request(u); r >> 32 != 0 && (module_->node_ddr_ready_i >> u & 1))
+        beats_.push_back(
+            {static_cast<std::uint32_t>(r), u, cycles + 8 + (patient ? 0 : dice_.below(40))});
+  }
+  /// A unit's request: bit 32 valid, below it the word.
+  std::uint64_t request(unsigned unit) {
+    const auto* words = reinterpret_cast<const IData*>(&module_->node_ddr_o);
+    std::uint64_t r = 0;
+    for (unsigned bit = 0; bit < 33; ++bit) {
+      const unsigned at = 33 * unit + bit;
+      r |= static_cast<std::uint64_t>(words[at / 32] >> (at % 32) & 1u) << bit;
+    }
+    return r;
   }
 
   Record record() {
@@ -200,7 +260,9 @@ class Bench {
   const Bvh& bvh_;
   Clocked<Module> module_;
   Memory memory_;
-  std::uint64_t nodes_ = 0, leaves_ = 0, secondaries_ = 0;
+  std::deque<Asked> beats_;  ///< of nodes: the word, the unit
+  unsigned turn_ = 0;
+  std::uint64_t nodes_ = 0, leaves_ = 0, secondaries_ = 0, fetched_ = 0, cached_ = 0;
   Dice dice_;
 };
 
@@ -295,6 +357,10 @@ void expect_reference(std::size_t count, Algorithm algorithm = Algorithm::kMolle
                       bench.cycles / static_cast<double>(count),
                       bench.nodes() / static_cast<double>(count),
                       bench.secondaries() / static_cast<double>(count));
+        if (kPinned<Module> != 0) {
+          EXPECT_GT(bench.fetched(), 2 * bvh.nodes().size());  // lines are replaced
+          EXPECT_LT(3 * bench.fetched(), 2 * bench.cached());
+        }
       }
       Bench<Module> bench(s.triangles, bvh);
       reference::Traversal expected(s.triangles, bvh, algorithm);
@@ -320,6 +386,10 @@ TEST(Traversal, HostArithmetic_EqualsTheReference) {
 
 TEST(Traversal, TwoCyclesPerNode_EqualTheReference) {
   expect_reference<TraversalTwo>(kStream);
+}
+
+TEST(Traversal, NodesInDdr_EqualTheReference) {
+  expect_reference<TraversalCached>(kStream);
 }
 
 /// One packet, then a stream of rays from within the terrain in any direction.

@@ -99,10 +99,10 @@ def standard_cells(kept):
 def devices():
     """docs/devices.json, which the programs compile in."""
     rows = [[f"`{d['name']}`", d["kind"], d["fpga"], d["clock_mhz"], d["lanes"], d["traversal_units"], d["node_cycles"],
-             "/".join(str(d["latencies"][k]) for k in ("add", "mul", "div", "sqrt", "compare")), d["why"]]
+             "/".join(str(d["latencies"][k]) for k in ("add", "mul", "div", "sqrt", "compare")), d["memory"], d["why"]]
             for d in json.loads((ROOT / "docs" / "devices.json").read_text())["devices"]]
-    return grid(["device", "kind", "FPGA", "MHz", "lanes", "traversal units", "cycles per node", "cycles of add/mul/div/sqrt/compare", "evidence"], rows,
-                words=("kind", "FPGA", "evidence"))
+    return grid(["device", "kind", "FPGA", "MHz", "lanes", "traversal units", "cycles per node", "cycles of add/mul/div/sqrt/compare", "memory", "evidence"], rows,
+                words=("kind", "FPGA", "memory", "evidence"))
 
 
 def made_with(kept):

@@ -112,6 +112,38 @@ def bound(_root):
     return c
 
 
+def node_cache(_root):
+    """rtl/bvh/node_reader.sv."""
+    c = Canvas(820, 330, "Nodes in DDR, behind a cache",
+               "A visit is looked up in the tags. If its node is on chip or in the cache, the traversal unit reads it. Else the visit joins a queue, and "
+               "the node is fetched from DDR unless it is already under way. When the node has arrived, the visit leaves the queue, and the unit reads "
+               "the node from the cache.")
+    c.box(20, 60, 128, 62, ("*Visits", "first children,", "others, new rays"), "fa", 12.5)
+    c.box(208, 60, 128, 62, ("*Look-up", "tags of one set,", "one visit per cycle"), "fb", 12.5)
+    c.arrow((148, 91), (208, 91))
+    c.box(430, 20, 150, 48, ("*Nodes on chip", "the first ones"), "fa", 12.5)
+    c.box(430, 112, 150, 48, ("*Cache", "lines of one node"), "fa", 12.5)
+    c.box(668, 60, 132, 62, ("*Traversal unit", "reads one node", "per 1 or 2 cycles"), "fb", 12.5)
+    c.arrow((336, 80), (380, 80), (380, 44), (430, 44))
+    c.arrow((336, 102), (380, 102), (380, 136), (430, 136))
+    c.text(388, 94, "hit", size=12, kind="tu")
+    c.arrow((580, 44), (620, 44), (620, 80), (668, 80))
+    c.arrow((580, 136), (620, 136), (620, 102), (668, 102))
+    c.box(208, 212, 128, 62, ("*Queue", "of waiting visits,", "one per context"), "fa", 12.5)
+    c.arrow((272, 122), (272, 212))
+    c.text(280, 160, "miss, or the node", size=12, kind="tu")
+    c.text(280, 175, "is under way", size=12, kind="tu")
+    c.box(430, 212, 150, 62, ("*DDR", "nodes, slots, triangles;", "answers in order"), "fa", 12.5)
+    c.arrow((336, 232), (430, 232))
+    c.text(383, 226, "fetch", "middle", 12, "tu")
+    c.arrow((505, 212), (505, 160))
+    c.text(513, 190, "two beats per node", size=12, kind="tu")
+    c.line([(336, 258), (400, 258), (400, 300), (734, 300)])
+    c.arrow((734, 300), (734, 122))
+    c.text(567, 294, "the oldest visit, when its node has arrived", "middle", 12, "tu")
+    return c
+
+
 def node_test(_root):
     """rtl/bvh/node_boxes_int.sv and node_order.sv: modules and words between them."""
     c = Canvas(860, 408, "The node test for rays in whole numbers",

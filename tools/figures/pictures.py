@@ -19,6 +19,7 @@ ALL = {
     "traversal": bvh.traversal,
     "bvh_bound": bvh.bound,
     "node_test": bvh.node_test,
+    "node_cache": bvh.node_cache,
     "pipe": pipe.moeller,
     "pipe_spheres": pipe.spheres,
     "bus": bus.picture,

@@ -26,6 +26,7 @@ bool is_leaf(Shape shape) {
 }
 
 void check_fits(const Board::Impl& card, const Bvh& bvh, std::uint64_t secondaries, Shape shape) {
+  const std::uint64_t in_memory = secondaries;
   if (card.traversal_units == 0)
     throw Error(ErrorCode::kUsage, "this card has no traversal units, and so no BVH");
   const std::vector<Object>& objects = card.objects.objects;
@@ -49,6 +50,18 @@ void check_fits(const Board::Impl& card, const Bvh& bvh, std::uint64_t secondari
         fmt::format(
             "a BVH of {} nodes and {} slots does not fit this card, which has memory for {} and {}",
             bvh.nodes().size(), secondaries, card.node_capacity, card.slot_capacity));
+  if (!card.node_cache) return;
+  // With a node cache they share DDR with the shapes. A slot has an index, and with objects
+  // another.
+  const std::uint64_t slot_bytes = 4 * (secondaries + 1) * (card.objects.entries == 0 ? 1 : 2),
+                      node_bytes = 4 * bvh::Node::kWords * (bvh.nodes().size() + 1);
+  const std::uint64_t shapes = 4 * std::uint64_t{words(shape)} * in_memory;
+  if (shapes + slot_bytes + node_bytes > card.capacity)
+    throw Error(ErrorCode::kCapacity,
+                fmt::format("{} of {} bytes and a BVH of {} bytes do not fit the card's DDR, which "
+                            "holds {}",
+                            counted(in_memory, name(shape)), shapes, slot_bytes + node_bytes,
+                            card.capacity));
 }
 
 std::array<std::uint32_t, 8> root_words(const Eigen::AlignedBox3f& box) {
@@ -129,13 +142,19 @@ void Board::upload(const Bvh& bvh) {
   it.upload_cycles += cycles() - start;
 }
 
-void Board::Impl::write_bvh(const Bvh& source) {
-  for (std::size_t i = 0; i < objects.objects.size(); ++i)
-    check_object(objects, i, objects.objects[i]);
-  bvh = {};
+void Board::Impl::place_in_ddr(std::uint64_t node_count, std::uint64_t slot_count) {
+  constexpr std::uint64_t kWords = bvh::Node::kWords;
+  const std::uint64_t even = slot_count + slot_count % 2;
+  const std::uint64_t nodes_at = (capacity / 4 - kWords * node_count) / kWords * kWords;
+  bvh.node_base = static_cast<std::uint32_t>(nodes_at);
+  bvh.slot_base = static_cast<std::uint32_t>(nodes_at - even);
+  bvh.object_base =
+      objects.entries == 0 ? bvh.slot_base : static_cast<std::uint32_t>(nodes_at - 2 * even);
+}
+
+void Board::Impl::write_chip_nodes(std::span<const bvh::Node> nodes) {
   constexpr std::size_t kChunk = 4096;
   constexpr unsigned kFront = 16;  // leading words of a node; the rest is behind all nodes
-  const auto nodes = source.nodes();
   std::vector<std::uint32_t> front, rest;
   for (std::size_t first = 0; first < nodes.size(); first += kChunk) {
     front.clear();
@@ -147,15 +166,47 @@ void Board::Impl::write_bvh(const Bvh& source) {
     write(card::kSpaceNodes, static_cast<std::uint32_t>(4 * kFront * first), front.data(),
           front.size() / 2);
     write(card::kSpaceNodes,
-          static_cast<std::uint32_t>(4 * kFront * std::uint64_t{node_capacity} + 8 * first),
+          static_cast<std::uint32_t>(4 * kFront * std::uint64_t{chip_nodes} + 8 * first),
           rest.data(), rest.size() / 2);
   }
+}
+
+void Board::Impl::write_ddr_nodes(std::span<const bvh::Node> nodes) {
+  constexpr std::size_t kChunk = 4096;
+  std::vector<std::uint32_t> words;
+  for (std::size_t first = chip_nodes; first < nodes.size(); first += kChunk) {
+    words.clear();
+    for (const bvh::Node& node : nodes.subspan(first, std::min(kChunk, nodes.size() - first)))
+      words.insert(words.end(), node.words.begin(), node.words.end());
+    write(card::kSpaceDdr,
+          static_cast<std::uint32_t>(4 * (bvh.node_base + bvh::Node::kWords * first)), words.data(),
+          words.size() / 2);
+  }
+}
+
+void Board::Impl::write_bvh(const Bvh& source) {
+  for (std::size_t i = 0; i < objects.objects.size(); ++i)
+    check_object(objects, i, objects.objects[i]);
+  bvh = {};
+  const auto nodes = source.nodes();
+  const std::uint64_t shape_words = words_uploaded;
+  write_chip_nodes(nodes.first(std::min<std::size_t>(nodes.size(), chip_nodes)));
+  card::Space space = card::kSpaceSlots;
+  std::uint64_t slots_at = 0, objects_at = 4 * slot_capacity;
+  if (node_cache) {
+    place_in_ddr(nodes.size(), source.order().size());
+    write_ddr_nodes(nodes);
+    space = card::kSpaceDdr;
+    slots_at = 4 * std::uint64_t{bvh.slot_base};
+    objects_at = 4 * std::uint64_t{bvh.object_base};
+  }
   const std::vector<Place> places = places_of(objects.objects);
-  write_slots_of(source.order(), 0,
+  write_slots_of(source.order(), space, slots_at,
                  [&](std::uint32_t at) { return places.empty() ? at : places[at].index; });
   if (!places.empty())
-    write_slots_of(source.order(), 4 * slot_capacity,
+    write_slots_of(source.order(), space, objects_at,
                    [&](std::uint32_t at) { return places[at].object; });
+  words_uploaded = shape_words;
   check_bus("the upload of a BVH");
   for (const Object& object : objects.objects) {
     bvh.firsts.push_back(object.first);
@@ -167,7 +218,8 @@ void Board::Impl::write_bvh(const Bvh& source) {
   bvh.nodes = static_cast<std::uint32_t>(nodes.size());
 }
 
-void Board::Impl::write_slots_of(std::span<const std::uint32_t> order, std::uint64_t byte,
+void Board::Impl::write_slots_of(std::span<const std::uint32_t> order, card::Space space,
+                                 std::uint64_t byte,
                                  const std::function<std::uint32_t(std::uint32_t)>& word) {
   constexpr std::size_t kChunk = 65'536;
   std::vector<std::uint32_t> words;
@@ -176,8 +228,7 @@ void Board::Impl::write_slots_of(std::span<const std::uint32_t> order, std::uint
     words.clear();
     std::transform(some.begin(), some.end(), std::back_inserter(words), word);
     if (words.size() % 2 != 0) words.push_back(0);
-    write(card::kSpaceSlots, static_cast<std::uint32_t>(byte + 4 * first), words.data(),
-          words.size() / 2);
+    write(space, static_cast<std::uint32_t>(byte + 4 * first), words.data(), words.size() / 2);
   }
 }
 
@@ -202,11 +253,20 @@ void Board::Impl::configure_bvh(std::uint32_t first, std::uint32_t end) {
   write_register(card::kRegSecFirst, 0);
   write_register(card::kRegSecCount, secondaries);
   write_register(card::kRegSlotCount, bvh.slots);
+  if (node_cache) {
+    write_register(card::kRegNodeBase, bvh.node_base);
+    write_register(card::kRegSlotBase,
+                   card::kSlotBaseSlots(bvh.slot_base) | card::kSlotBaseObjects(bvh.object_base));
+  }
   write_register(card::kRegNodeFirst, first);
   write_register(card::kRegNodeCount, end);
   for (unsigned k = 0; k < 4; ++k)
     write_register(card::kRegRoot + 8 * k,
                    bvh.root[2 * k] | std::uint64_t{bvh.root[2 * k + 1]} << 32);
+}
+
+bool Board::refits() const {
+  return card().bvh.nodes <= card().chip_nodes;
 }
 
 Counters Board::refit() {
@@ -217,6 +277,11 @@ Counters Board::refit() {
     throw Error(ErrorCode::kUsage, fmt::format("the card refits a BVH over triangles only; for {}s "
                                                "call Bvh::refit() and upload the result",
                                                name(it.secondary_shape)));
+  if (!refits())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("the card refits nodes on chip only, and {} of {} nodes are in DDR; "
+                            "call Bvh::refit() and upload the result",
+                            it.bvh.nodes - it.chip_nodes, it.bvh.nodes));
   if (const auto why = it.why_objects_not_traversable()) throw Error(ErrorCode::kUsage, *why);
   Query query;
   query.pair = Pair::kRayTriangle;

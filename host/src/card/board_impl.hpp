@@ -32,10 +32,12 @@ struct ObjectTable {
 
 /// The BVH in a card's memory.
 struct LoadedBvh {
-  std::uint32_t nodes = 0, slots = 0;   ///< 0: no BVH
-  std::array<std::uint32_t, 8> root{};  ///< as in kRegRoot
-  std::vector<Bvh::Part> parts;         ///< one per object
-  std::vector<std::uint32_t> firsts;    ///< first secondary of each object
+  std::uint32_t nodes = 0, slots = 0;            ///< 0: no BVH
+  std::uint32_t node_base = 0;                   ///< words in DDR, with a node cache: of node 0,
+  std::uint32_t slot_base = 0, object_base = 0;  ///< of slot 0, of its object
+  std::array<std::uint32_t, 8> root{};           ///< as in kRegRoot
+  std::vector<Bvh::Part> parts;                  ///< one per object
+  std::vector<std::uint32_t> firsts;             ///< first secondary of each object
   std::vector<std::uint32_t> counts;
   bool stale = false;       ///< secondaries have changed since the upload
   std::vector<bool> moved;  ///< by object; valid only while stale
@@ -90,8 +92,12 @@ class Board::Impl {
   [[nodiscard]] std::optional<std::uint64_t> find_uncorrectable(std::uint64_t command);
   /// Writes nodes and slots into their memories.
   void write_bvh(const Bvh& source);
+  /// With a node cache: places nodes and slots at the end of DDR, nodes on multiples of their size.
+  void place_in_ddr(std::uint64_t node_count, std::uint64_t slot_count);
+  void write_chip_nodes(std::span<const bvh::Node> nodes);
+  void write_ddr_nodes(std::span<const bvh::Node> nodes);
   /// Writes one word per slot: the word of the secondary at that place of the order.
-  void write_slots_of(std::span<const std::uint32_t> order, std::uint64_t byte,
+  void write_slots_of(std::span<const std::uint32_t> order, card::Space space, std::uint64_t byte,
                       const std::function<std::uint32_t(std::uint32_t)>& word);
   /// Writes the registers that traversal and refit share, for the nodes [first, end).
   void configure_bvh(std::uint32_t first, std::uint32_t end);
@@ -140,6 +146,8 @@ class Board::Impl {
   std::uint64_t load_ps = 0;      ///< spent in the last load of primaries
   std::uint64_t upload_cycles = 0, load_cycles = 0, words_uploaded = 0;
   unsigned traversal_units = 0, node_capacity = 0, ray_places = 0;
+  std::uint32_t chip_nodes = 0;     ///< of node_capacity, those on chip
+  bool node_cache = false;          ///< BoardConfig::node_cache: slots are in DDR
   std::uint64_t slot_capacity = 0;  ///< leaf slots that the card can hold
   LoadedBvh bvh;
   ObjectTable objects{"secondaries", card::kObjectTable};

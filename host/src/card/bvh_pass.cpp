@@ -137,7 +137,10 @@ void BvhPass::wait_until_done() {
     if (bit(status, card::kStatusDone)) {
       if (bit(status, card::kStatusNodeError)) {
         const std::uint64_t fault = card_.read_register(card::kRegNodeFault);
-        device_error(node_fault(card_, fault), status, card::kNodeFaultPlace.of(fault));
+        device_error(
+            node_fault(card_, fault) +
+                (bit(status, card::kStatusEccError) ? ", and DDR has an uncorrectable error" : ""),
+            status, card::kNodeFaultPlace.of(fault));
       }
       return;
     }
@@ -213,6 +216,10 @@ Counters BvhPass::finish() {
   c.cycles = card_.read_register(card::kRegCycles);
   c.nodes = card_.read_register(card::kRegNodes);
   c.leaves = card_.read_register(card::kRegLeaves);
+  if (card_.node_cache) {
+    c.cached_nodes = card_.read_register(card::kRegCached);
+    c.fetched_nodes = card_.read_register(card::kRegFetched);
+  }
   c.pairs = card_.read_register(card::kRegTested);
   c.deepest = card_.read_register(card::kRegDeepest);
   c.records = card_.read_register(card::kRegWritten);

@@ -40,6 +40,8 @@ Json counters_json(const Counters& c) {
           {"bad_secondaries", c.bad_secondaries},
           {"corrected_words", c.corrected_words},
           {"nodes", c.nodes},
+          {"cached_nodes", c.cached_nodes},
+          {"fetched_nodes", c.fetched_nodes},
           {"leaves", c.leaves},
           {"deepest", c.deepest}};
 }

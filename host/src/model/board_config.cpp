@@ -82,6 +82,9 @@ constexpr Number kFields[] = {
     field<&BoardConfig::traversal_units>("TRAVERSAL_UNITS"),
     field<&BoardConfig::nodes>("NODES"),
     field<&BoardConfig::node_cycles>("NODE_CYCLES"),
+    field<&BoardConfig::node_cache>("NODE_CACHE"),
+    field<&BoardConfig::node_ways>("NODE_WAYS"),
+    field<&BoardConfig::pinned_nodes>("PINNED_NODES"),
     field<&BoardConfig::ecc>("ECC"),
     field<&BoardConfig::transform>("TRANSFORM"),
     field<&BoardConfig::objects>("OBJECTS", Transformer::kSecondaries),
@@ -151,6 +154,26 @@ void check_filter(const BoardConfig& c) {
 
 namespace {
 
+void check_node_cache(const BoardConfig& c) {
+  const BoardConfig standard;
+  if (c.node_cache == 0) {
+    if (c.node_ways != standard.node_ways || c.pinned_nodes != standard.pinned_nodes)
+      throw Error(ErrorCode::kUsage,
+                  "a card without a node cache has no node_ways or pinned_nodes");
+    return;
+  }
+  constexpr unsigned kMostWays = 16, kMostLines = 1u << 16;
+  const auto power = [](unsigned value, const char* name, unsigned least, unsigned most) {
+    if (!std::has_single_bit(value) || value < least || value > most)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{} is {}; it must be a power of two from {} to {}", name, value,
+                              least, most));
+  };
+  power(c.node_ways, "node_ways", 2, kMostWays);
+  power(c.node_cache, "node_cache", 2 * c.node_ways, kMostLines);
+  power(c.pinned_nodes, "pinned_nodes", 16, c.nodes);
+}
+
 void check_bvh(const BoardConfig& c) {
   const auto require = [](bool ok, const std::string& why) {
     if (!ok) throw Error(ErrorCode::kUsage, why);
@@ -158,6 +181,8 @@ void check_bvh(const BoardConfig& c) {
   if (c.traversal_units == 0) {
     require(c.nodes == BoardConfig().nodes, "a card without traversal units has no node memory");
     require(c.node_cycles == 1, "a card without traversal units has no cycles per node");
+    require(c.node_cache == 0, "a card without traversal units has no node cache");
+    check_node_cache(c);
     return;
   }
   constexpr unsigned kMostUnits = 4, kLeastNodes = 16, kMostNodes = 1u << 22;
@@ -168,6 +193,7 @@ void check_bvh(const BoardConfig& c) {
                       kMostNodes));
   require(c.node_cycles == 1 || c.node_cycles == 2,
           fmt::format("node_cycles is {}; it must be 1 or 2", c.node_cycles));
+  check_node_cache(c);
   require(c.format == FpFormat(),
           fmt::format("a BVH needs fp32, not {}: it widens boxes by 2^-16 of the scene, and a "
                       "coarser format would widen them by percents",

@@ -44,6 +44,9 @@ Device device_of(const Json& row) {
           .lanes = row.at("lanes"),
           .traversal_units = row.at("traversal_units"),
           .node_cycles = row.at("node_cycles"),
+          .node_cache = row.value("node_cache", 0u),
+          .node_ways = row.value("node_ways", BoardConfig{}.node_ways),
+          .pinned_nodes = row.value("pinned_nodes", BoardConfig{}.pinned_nodes),
           .latencies = {.add = cycles.at("add"),
                         .mul = cycles.at("mul"),
                         .div = cycles.at("div"),
@@ -104,9 +107,27 @@ std::string Device::text() const {
                      name_of(kind), clock_mhz);
 }
 
+namespace {
+
+void set_node_memory(const Device& device, BoardConfig& card) {
+  card.node_cycles = device.node_cycles;
+  card.node_cache = device.node_cache;
+  if (device.node_cache == 0) return;
+  card.node_ways = device.node_ways;
+  card.pinned_nodes = std::min(device.pinned_nodes, card.nodes);
+}
+
+}  // namespace
+
+void add_traversal_units(const Device& device, unsigned nodes, BoardConfig& card) {
+  card.traversal_units = device.traversal_units;
+  card.nodes = nodes;
+  set_node_memory(device, card);
+}
+
 BoardConfig on(const Device& device, BoardConfig card) {
   card.latency = device.latencies;
-  if (card.traversal_units != 0) card.node_cycles = device.node_cycles;
+  if (card.traversal_units != 0) set_node_memory(device, card);
   return card;
 }
 

@@ -112,9 +112,7 @@ CastPlan plan_cast(const CastRequest& r, const Mesh& mesh, std::uint64_t rays) {
   if (may_traverse(r, triangles) && traverses(r, triangles, cost(triangles, rays)))
     plan.bvh = built_bvh(r, mesh, plan.warning);
   if (plan.bvh) {
-    plan.card.traversal_units = r.device.traversal_units;
-    plan.card.node_cycles = r.device.node_cycles;
-    plan.card.nodes = bvh_choice::node_memory(*plan.bvh, triangles);
+    add_traversal_units(r.device, bvh_choice::node_memory(*plan.bvh, triangles), plan.card);
     if (!r.lanes) plan.card.lanes = r.device.leaf_lanes();
   }
   if (!plan.bvh) use_built_card(r, plan, rays, triangles);

@@ -429,9 +429,7 @@ void add_transform_sites(const Scene& scene, const plan_transform_site::Transfor
 Effect add_bvh(const Scene& scene, plan_transform_site::TransformSites& sites, Plan& plan) {
   const plan_bvh::Choice choice = plan_bvh::choose(scene, plan);
   if (choice.nodes == 0) return choice.effect;
-  plan.board.traversal_units = scene.card.device.traversal_units;
-  plan.board.node_cycles = scene.card.device.node_cycles;
-  plan.board.nodes = choice.nodes;
+  add_traversal_units(scene.card.device, choice.nodes, plan.board);
   for (std::size_t q = 0; q < plan.queries.size(); ++q) plan.queries[q].bvh = choice.queries[q];
   plan_transform_site::leave_primaries(sites, "the host writes them during BVH traversal");
   const bool brute_force =

@@ -77,9 +77,7 @@ std::optional<std::string> against(const SceneQuery& q, const QueryWork& work, c
 /// Why the card cannot have a BVH; nothing if it can.
 std::optional<std::string> against(const Scene& scene, BoardConfig board, unsigned nodes) {
   board.box = scene.card.box && std::any_of(board.pairs.begin(), board.pairs.end(), has_box_rule);
-  board.traversal_units = scene.card.device.traversal_units;
-  board.node_cycles = scene.card.device.node_cycles;
-  board.nodes = nodes;
+  add_traversal_units(scene.card.device, nodes, board);
   try {
     (void)board.parameters();
   } catch (const Error& e) {
@@ -183,7 +181,7 @@ std::uint64_t cycles(const SceneQuery& q, const QueryWork& w, const Plan& plan, 
 }
 
 /// Cycles per frame to refit the BVH. Over triangles: one per moving triangle and 1.2 per node
-/// above it. Any other BVH is written over the bus.
+/// above it. Any other BVH, or one with nodes in DDR, is written over the bus.
 std::uint64_t refit_cycles(const QueryWork& w, const Scene& scene, const Plan& plan,
                            const Bvh& bvh) {
   std::uint64_t moving = 0;
@@ -191,7 +189,9 @@ std::uint64_t refit_cycles(const QueryWork& w, const Scene& scene, const Plan& p
     if (!is_still(scene, scene.objects[i]) || !deforming(scene.objects[i]).empty())
       moving += size(scene.objects[i].shapes);
   if (moving == 0) return 0;
-  if (!meets_triangles(scene.queries.front())) return kCyclesPerNode * bvh.nodes().size();
+  const Device& device = scene.card.device;
+  const bool in_ddr = device.node_cache != 0 && bvh.nodes().size() > device.pinned_nodes;
+  if (in_ddr || !meets_triangles(scene.queries.front())) return kCyclesPerNode * bvh.nodes().size();
   const bool parts =
       std::find(plan.card_moves.begin(), plan.card_moves.end(), true) != plan.card_moves.end();
   const double share =

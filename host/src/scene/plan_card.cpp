@@ -70,7 +70,8 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
          card.ddr_slots == planned.ddr_slots && card.sram_records == planned.sram_records &&
          card.bus == planned.bus && card.ecc == planned.ecc &&
          card.traversal_units == planned.traversal_units && card.nodes >= planned.nodes &&
-         card.node_cycles == planned.node_cycles;
+         card.node_cycles == planned.node_cycles && card.node_cache == planned.node_cache &&
+         card.node_ways == planned.node_ways && card.pinned_nodes == planned.pinned_nodes;
 }
 
 double times(const BoardConfig& card, const BoardConfig& planned, const Rows& rows) {

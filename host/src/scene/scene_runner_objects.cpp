@@ -173,8 +173,18 @@ void Secondaries::write(const Row::Change& change) {
   for (const std::size_t k : change.entries) board_->move_object(k, row_.entries()[k].transform);
 }
 
+/// The card refits boxes of nodes on chip. The host refits others, and writes them.
+void Secondaries::refit() {
+  if (board_->refits()) {
+    board_->refit();
+    return;
+  }
+  bvh_->refit(std::get<std::vector<Triangle>>(row_.placed()));
+  board_->upload(*bvh_);
+}
+
 /// A BVH over triangles is built for the first frame, whichever frame is shown first. If something
-/// moves, the card refits its boxes. A BVH over solids is built for each frame. So the reads of a
+/// moves, its boxes are refitted. A BVH over solids is built for each frame. So the reads of a
 /// frame do not depend on earlier frames.
 void Secondaries::fit_bvh(const Row::Change& change, const std::vector<std::size_t>& objects) {
   if (!change.all && change.shapes.empty() && change.entries.empty()) return;
@@ -183,17 +193,18 @@ void Secondaries::fit_bvh(const Row::Change& change, const std::vector<std::size
     if (!std::holds_alternative<std::vector<Triangle>>(row_.placed())) {
       board_->upload(bvh_of_row(row_));
     } else if (change.all) {
-      bvh_there_ = false;
+      bvh_.reset();
       Row first(*scene_, by_card_, Table::kAll);
       (void)first.show(objects, 0);
-      board_->upload(bvh_of_row(first));
-      bvh_there_ = true;
+      Bvh built = bvh_of_row(first);
+      board_->upload(built);
+      bvh_ = std::move(built);
       if (std::any_of(objects.begin(), objects.end(), [&](std::size_t i) {
             return !is_still(*scene_, scene_->objects[i]) || !deforming(scene_->objects[i]).empty();
           }))
-        board_->refit();
-    } else if (bvh_there_) {
-      board_->refit();
+        refit();
+    } else if (bvh_) {
+      refit();
     }
   } catch (const Error& e) {
     // Some secondaries exceed the range of boxes: brute force.

@@ -106,8 +106,10 @@ class Secondaries {
  private:
   void write(const Row::Change& change);
   void fit_bvh(const Row::Change& change, const std::vector<std::size_t>& objects);
+  void refit();
   Board* board_;
-  bool has_table_, has_bvh_, bvh_there_ = false;
+  bool has_table_, has_bvh_;
+  std::optional<Bvh> bvh_;  ///< over triangles; what the card refits
   const Scene* scene_;
   std::vector<bool> by_card_;
   std::optional<std::string> no_bvh_;

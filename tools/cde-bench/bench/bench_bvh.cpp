@@ -37,6 +37,9 @@ nlohmann::ordered_json bench_bvh(const BenchOptions& o) {
     show_solids(solids, o.device);
     all.back()["solids"] = solids_json(solids, o.device);
     if (o.quick) continue;  // needs another card
+    const auto caches = measure_node_caches(mesh, 16'384, o.device);
+    show_node_caches(caches, o.device);
+    all.back()["node_caches"] = node_caches_json(caches, o.device);
     progress(done++ / steps, fmt::format("a mesh against {} triangles", mesh.faces.size()));
     const MeshFigures through = measure_meshes(mesh, o.device);
     show_meshes(through, o.device);

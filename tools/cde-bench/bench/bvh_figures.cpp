@@ -67,7 +67,10 @@ BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh, std::span<con
   for (std::size_t i = 0; i < triangles.size(); ++i) triangles[i] = mesh.triangle(i);
   before = board.time_ps();
   board.update_shapes(0, std::span<const Triangle>(triangles));
-  card.refit = board.refit();
+  if (board.refits())
+    card.refit = board.refit();
+  else
+    board.upload(bvh);  // as the host refits it; its processor time is not modelled
   card.update_seconds = passed();
   return card;
 }
@@ -116,6 +119,10 @@ double BvhCard::per_ray(double total) const {
   return total / static_cast<double>(stream.records);
 }
 
+std::string BvhFigures::refit_text(const BvhCard& card) const {
+  return card.refit ? duration(seconds(card.refit->cycles)) : "by the host";
+}
+
 BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, const Device& device,
                        const std::optional<EmbreeFrames>& known,
                        const std::optional<baseline::OpenClDevice>& opencl) {
@@ -138,6 +145,58 @@ BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, const Device& device
   if (EmbreeBaseline::available()) figures.embree = embree_on(mesh, rays, records, known);
   if (opencl) figures.opencl = opencl_on(*opencl, mesh, rays, records);
   return figures;
+}
+
+std::vector<NodeCacheFigures> measure_node_caches(const Mesh& mesh, std::size_t count,
+                                                  const Device& device) {
+  std::vector<NodeCacheFigures> all;
+  if (device.node_cache == 0) return all;
+  const Bvh bvh = Bvh::build(mesh);
+  const std::vector<Ray> rays = flight_rays(mesh, count);
+  const unsigned own = device.node_cache, pinned = device.pinned_nodes;
+  for (const auto& [lines, on_chip] : {std::pair{0u, pinned},
+                                       {own / 4, pinned},
+                                       {own, pinned},
+                                       {4 * own, pinned},
+                                       {own, pinned / 4}}) {
+    BvhFigures figures;
+    figures.device = device;
+    figures.device.node_cache = lines;
+    figures.device.pinned_nodes = on_chip;
+    std::vector<Record> records;
+    all.push_back({lines, on_chip, card_with(Memory::kCycle, mesh, bvh, rays, figures, records)});
+  }
+  return all;
+}
+
+ordered_json node_caches_json(const std::vector<NodeCacheFigures>& all, const Device& device) {
+  auto rows = ordered_json::array();
+  for (const NodeCacheFigures& f : all)
+    rows.push_back(
+        {{"node_cache", f.lines},
+         {"pinned_nodes", f.lines == 0 ? ordered_json(nullptr) : ordered_json(f.pinned)},
+         {"packet_seconds", static_cast<double>(f.card.packet.cycles) / device.clock_hz()},
+         {"cycles_per_ray", static_cast<double>(f.card.ring.cycles) / kBvhRing},
+         {"nodes_per_ray", f.card.per_ray(static_cast<double>(f.card.stream.nodes))},
+         {"cached_nodes_per_ray", f.card.per_ray(static_cast<double>(f.card.stream.cached_nodes))},
+         {"fetched_nodes_per_ray",
+          f.card.per_ray(static_cast<double>(f.card.stream.fetched_nodes))}});
+  return rows;
+}
+
+void show_node_caches(const std::vector<NodeCacheFigures>& all, const Device& device) {
+  if (!all.empty()) print_figure("\nNodes in DDR: {}, DDR-400, without the bus\n", device.text());
+  for (const NodeCacheFigures& f : all)
+    print_figure(
+        "  {:<40} 256 rays {}, streamed {:.2f} M rays/s; per ray {:.2f} nodes, {:.2f} not on chip, "
+        "{:.2f} fetched\n",
+        f.lines == 0 ? "all nodes on chip"
+                     : fmt::format("cache of {} nodes, {} on chip", f.lines, f.pinned),
+        duration(static_cast<double>(f.card.packet.cycles) / device.clock_hz()),
+        device.clock_mhz * kBvhRing / static_cast<double>(f.card.ring.cycles),
+        f.card.per_ray(static_cast<double>(f.card.stream.nodes)),
+        f.card.per_ray(static_cast<double>(f.card.stream.cached_nodes)),
+        f.card.per_ray(static_cast<double>(f.card.stream.fetched_nodes)));
 }
 
 ordered_json bvh_json(const BvhFigures& f) {
@@ -163,11 +222,13 @@ ordered_json bvh_json(const BvhFigures& f) {
          {"cycles_per_ray", of_ring},
          {"rays_per_second_device", f.device.clock_hz() / of_ring},
          {"rays_per_second_with_bus", 1 / bus},
-         {"refit_cycles", c.refit.cycles},
-         {"refit_seconds", f.seconds(c.refit.cycles)},
+         {"refit_cycles", c.refit ? ordered_json(c.refit->cycles) : nullptr},
+         {"refit_seconds", c.refit ? ordered_json(f.seconds(c.refit->cycles)) : nullptr},
          {"refit_seconds_with_bus", c.update_seconds},
          {"upload_seconds_with_bus", c.upload_seconds},
          {"nodes_per_ray", c.per_ray(static_cast<double>(c.stream.nodes))},
+         {"cached_nodes_per_ray", c.per_ray(static_cast<double>(c.stream.cached_nodes))},
+         {"fetched_nodes_per_ray", c.per_ray(static_cast<double>(c.stream.fetched_nodes))},
          {"triangles_per_ray", c.per_ray(static_cast<double>(c.stream.pairs))},
          {"rays_per_second_simulated", 1 / c.per_ray(c.wall_seconds)}});
   }
@@ -203,9 +264,17 @@ void show_bvh(const BvhFigures& f) {
         "simulated {:.0f} k rays/s\n",
         name_of(c.memory), duration(f.seconds(c.packet.cycles)),
         duration(1e-12 * static_cast<double>(c.packet.time.total())), f.device.clock_mhz / of_ring,
-        of_ring, 1e6 / c.per_ray(static_cast<double>(c.stream.time.total())),
-        duration(f.seconds(c.refit.cycles)), duration(c.update_seconds),
-        1e-3 / c.per_ray(c.wall_seconds));
+        of_ring, 1e6 / c.per_ray(static_cast<double>(c.stream.time.total())), f.refit_text(c),
+        duration(c.update_seconds), 1e-3 / c.per_ray(c.wall_seconds));
+    if (c.stream.cached_nodes != 0)
+      print_figure(
+          "           per ray {:.2f} nodes, {:.2f} of them not on chip, {:.2f} fetched from DDR "
+          "({:.0f} "
+          "bytes)\n",
+          c.per_ray(static_cast<double>(c.stream.nodes)),
+          c.per_ray(static_cast<double>(c.stream.cached_nodes)),
+          c.per_ray(static_cast<double>(c.stream.fetched_nodes)),
+          c.per_ray(static_cast<double>(4 * bvh::Node::kWords * c.stream.fetched_nodes)));
   }
   if (f.opencl)
     for (const OpenClSeries& s : f.opencl->casts) show_opencl_row(f.opencl->device, s);

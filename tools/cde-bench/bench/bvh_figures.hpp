@@ -23,13 +23,13 @@ inline constexpr std::size_t kBvhRing = 4096;   ///< rays on the card before the
 /// A card with one kind of memory. All figures but wall_seconds are modelled.
 struct BvhCard {
   Memory memory = Memory::kIdeal;
-  Counters packet;  ///< one frame
-  Counters ring;    ///< a full ring buffer
-  Counters stream;  ///< all rays
-  Counters refit;
-  double upload_seconds = 0;  ///< upload of triangles and BVH
-  double update_seconds = 0;  ///< upload of all triangles, and the refit
-  double wall_seconds = 0;    ///< time of this machine to simulate `stream`
+  Counters packet;                ///< one frame
+  Counters ring;                  ///< a full ring buffer
+  Counters stream;                ///< all rays
+  std::optional<Counters> refit;  ///< nothing if nodes are in DDR: the host refits them
+  double upload_seconds = 0;      ///< upload of triangles and BVH
+  double update_seconds = 0;      ///< upload of all triangles, and the refit
+  double wall_seconds = 0;        ///< time of this machine to simulate `stream`
 
   [[nodiscard]] double per_ray(double total) const;  ///< a total over the rays of `stream`
 };
@@ -70,9 +70,25 @@ struct BvhFigures {
   [[nodiscard]] double seconds(std::uint64_t cycles) const {
     return static_cast<double>(cycles) / device.clock_hz();
   }
+  /// How long the card refits, or "by the host".
+  [[nodiscard]] std::string refit_text(const BvhCard& card) const;
+};
+
+/// The device's card with other sizes of the node cache, DDR-400, without the bus.
+struct NodeCacheFigures {
+  unsigned lines = 0, pinned = 0;  ///< of Device; 0: all nodes are on chip
+  BvhCard card;
 };
 
 [[nodiscard]] const char* name_of(Memory memory);
+
+/// Measures all nodes on chip, a quarter of the device's cache, its own and four times as much;
+/// then its own with a quarter of the nodes on chip. Nothing for a device without a node cache.
+[[nodiscard]] std::vector<NodeCacheFigures> measure_node_caches(const Mesh& mesh, std::size_t count,
+                                                                const Device& device);
+[[nodiscard]] nlohmann::ordered_json node_caches_json(const std::vector<NodeCacheFigures>& all,
+                                                      const Device& device);
+void show_node_caches(const std::vector<NodeCacheFigures>& all, const Device& device);
 
 /// Error kMismatch if a record differs from the reference's traversal, or if Embree
 /// or the OpenCL device finds other hits. `known`: Embree's frames on this mesh, if already

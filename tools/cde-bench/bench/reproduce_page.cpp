@@ -295,8 +295,7 @@ std::string bvh_tables(const Reproduction& r, const Json& machine) {
       {"Embree, with its vertices"},
       [](const WithBvh& row) -> std::vector<std::string> {
         const BvhFigures& f = row.figures;
-        return {duration(f.seconds(f.cards.front().refit.cycles)),
-                duration(f.seconds(f.cards.back().refit.cycles)),
+        return {f.refit_text(f.cards.front()), f.refit_text(f.cards.back()),
                 duration(f.cards.back().update_seconds)};
       },
       [](const BvhEmbree& e, const BvhFigures&) -> std::vector<std::string> {

@@ -110,11 +110,14 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
     const auto a_ray = [&](std::uint64_t n) {
       return static_cast<double>(n) / static_cast<double>(rays);
     };
-    row("BVH",
-        fmt::format("{}, {}, {}; per ray {:.1f} nodes read, {:.1f} triangles tested",
-                    counted(job.bvh->nodes().size(), "node"), counted(job.bvh->depth(), "level"),
-                    counted(job.config.traversal_units, "traversal unit"), a_ray(c.nodes),
-                    a_ray(c.pairs)));
+    row("BVH", fmt::format(
+                   "{}, {}, {}; per ray {:.1f} nodes read{}, {:.1f} triangles tested",
+                   counted(job.bvh->nodes().size(), "node"), counted(job.bvh->depth(), "level"),
+                   counted(job.config.traversal_units, "traversal unit"), a_ray(c.nodes),
+                   c.cached_nodes == 0 ? ""
+                                       : fmt::format(" ({:.2f} not on chip, {:.2f} fetched)",
+                                                     a_ray(c.cached_nodes), a_ray(c.fetched_nodes)),
+                   a_ray(c.pairs)));
   }
   row("device", device_row(o.request.device));
   row("device cycles", fmt::format("{}, {} for write-back; {}, {}", c.cycles, c.writeback,

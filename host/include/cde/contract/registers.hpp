@@ -18,9 +18,10 @@ enum Space : std::uint32_t {
   kSpaceDdr = 2,    ///< secondary memory, packed slots, write only
   kSpaceSram = 3,   ///< record stream: each beat read takes the next words of the SRAM ring
   kSpaceNodes = 4,  ///< BVH nodes: words 0 to 15 of node n at byte 64 n, words 16 and 17 at byte 64
-                    ///< NODES + 8 n
+                    ///< N + 8 n, with N nodes on chip
   kSpaceSlots = 5,  ///< secondary index per slot of the BVH's leaves, one word each; with a
-                    ///< transformer, the object index of every slot follows
+                    ///< transformer, the object index of every slot follows. With a node cache,
+                    ///< nodes from N on and all slots are in kSpaceDdr instead
   kSpaceRays = 6,   ///< primaries of a BVH pass: a ring of kRays places
 };
 inline constexpr unsigned kSpaces = 7;     ///< the card refuses space numbers from here on
@@ -76,13 +77,17 @@ enum Register : std::uint32_t {
   kRegSlotCount = 0x1d0,  ///< slots of the BVH
   kRegNodeFirst = 0x1d8,  ///< refit: nodes before this one stay as they are
   kRegPairs = 0x1e0,      ///< bit p: pair p is in the card
-  kRegEnd = 0x1e8,
+  kRegCached = 0x1e8,     ///< BVH: nodes read that are not on chip
+  kRegFetched = 0x1f0,    ///< BVH: nodes that a cache fetched from DDR
+  kRegNodeBase = 0x1f8,   ///< with a node cache: word of node 0 in DDR
+  kRegSlotBase = 0x200,   ///< kSlotBase* fields
+  kRegEnd = 0x208,
 };
 
 /// Registers of the counters of a pass, unit by unit, in the order in which a unit delivers them.
 inline constexpr Register kCounterRegisters[] = {
-    kRegCycles, kRegWriteback, kRegRows,      kRegStalls, kRegBubbles, kRegSecondaries,
-    kRegBadSec, kRegWritten,   kRegUncertain, kRegNodes,  kRegLeaves,  kRegTested,
+    kRegCycles,  kRegWriteback, kRegRows,  kRegStalls, kRegBubbles, kRegSecondaries, kRegBadSec,
+    kRegWritten, kRegUncertain, kRegNodes, kRegLeaves, kRegTested,  kRegCached,      kRegFetched,
 };
 inline constexpr unsigned kCounters = std::size(kCounterRegisters);
 inline constexpr unsigned kEngineCounters = 9;  ///< the first counters
@@ -93,7 +98,7 @@ inline constexpr std::uint32_t kObjectTable = 0x40000;      ///< of secondaries
 inline constexpr std::uint32_t kPrimObjectTable = 0x80000;  ///< of primaries
 
 inline constexpr std::uint32_t kIdMagic = 0x43444531;
-inline constexpr std::uint32_t kInterfaceVersion = 5;
+inline constexpr std::uint32_t kInterfaceVersion = 6;
 
 /// Bits of kRegControl.
 inline constexpr std::uint64_t kControlGo = 1;
@@ -145,7 +150,10 @@ inline constexpr Field kCaps2Latency{0, 16}, kCaps2SramRecords{16, 32}, kCaps2Co
 inline constexpr Field kCaps3Swap{16}, kCaps3Normals{17}, kCaps3Parallel{18},
     kCaps3Transform{19, 2}, kCaps3Ecc{21}, kCaps3Box{22}, kCaps3Filter{23}, kCaps3PrimWords{24, 8},
     kCaps3Objects{32, 16}, kCaps3PrimObjects{48, 16};
-inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsPerNode{48, 8};
+inline constexpr Field kNodeCapsNodes{0, 32}, kNodeCapsRays{32, 16}, kNodeCapsSlotsPerNode{48, 8},
+    kNodeCapsPinnedBits{56, 8};  ///< with a node cache 2^this nodes are on chip; else all ones
+inline constexpr unsigned kNoNodeCache = 0xff;  ///< of kNodeCapsPinnedBits
+inline constexpr Field kSlotBaseSlots{0, 32}, kSlotBaseObjects{32, 32};
 inline constexpr Field kRaysProvided{0, 32}, kRaysTaken{32, 32};
 inline constexpr Field kNodeFaultPlace{0, 32}, kNodeFaultKind{32, 4};
 inline constexpr Field kNodeFlipBits{0, 32}, kNodeFlipWord{32, 5};

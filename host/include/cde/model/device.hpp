@@ -28,6 +28,9 @@ struct Device {
   unsigned lanes = 1;
   unsigned traversal_units = 1;
   unsigned node_cycles = 1;  ///< BoardConfig::node_cycles
+  unsigned node_cache = 0;   ///< 0: all nodes are on chip, as in BoardConfig
+  unsigned node_ways = BoardConfig{}.node_ways;
+  unsigned pinned_nodes = BoardConfig{}.pinned_nodes;
   OperatorLatencies latencies = {};
   std::string memory;  ///< where triangles and nodes are
   std::string why;     ///< evidence for the figures
@@ -55,7 +58,9 @@ struct Device {
 /// "placed", "projected" or "ideal".
 [[nodiscard]] const char* name_of(DeviceKind kind);
 
-/// The card with the latencies and the cycles per node of the device.
+/// Gives the card traversal units of the device, and memory for so many nodes.
+void add_traversal_units(const Device& device, unsigned nodes, BoardConfig& card);
+/// The card with the latencies of the device and, if it has traversal units, their kind.
 [[nodiscard]] BoardConfig on(const Device& device, BoardConfig card);
 
 }  // namespace cde

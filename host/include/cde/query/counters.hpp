@@ -38,6 +38,8 @@ struct Counters {
   // BVH passes, whose `pairs` count the pairs of the visited leaves:
   std::uint64_t nodes = 0;          ///< nodes read
   std::uint64_t leaves = 0;         ///< leaves visited
+  std::uint64_t cached_nodes = 0;   ///< nodes read that are not on chip (BoardConfig::node_cache)
+  std::uint64_t fetched_nodes = 0;  ///< nodes that a cache fetched from DDR, 72 bytes each
   std::uint64_t deepest = 0;        ///< most groups on a ray's stack at a time
   std::uint64_t records = 0;        ///< records written, all of which were downloaded
   std::uint64_t upload_cycles = 0;  ///< core cycles of loading the primaries

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the nodes that a traversal unit visits. Without LINES, all nodes are on chip. With LINES, the first PINNED
+// nodes are on chip. The others are in DDR, and a cache holds LINES of them.
+// A visit whose node is not in the cache waits in a queue, and later visits overtake it. DDR answers in order, so
+// visits leave the queue in order. A node takes two beats of DDR.
+// A line of the cache keeps the number of the last waiting visit to it. It is in use until this visit leaves. Another
+// node cannot replace it meanwhile, and further visits to its node join the queue. Numbers repeat, so a line may seem
+// in use when it is not. Then a visit waits without need, or takes another way.
+// Without a free way, a visit joins the queue and is looked up again from there. Also while the cache is cleared after
+// a reset, one set per cycle.
+// Latency: 0 cycles on chip without LINES, else 1 cycle; plus the memory's latency for a fetch.
+// Throughput: one node per CYCLES cycles. A visit that begins to wait delays others by at most one cycle, and by none
+// while another visit is kept behind the look-up.
+// Stall: ready_o, ddr_ready_i.
+`include "bvh.svh"
+module node_reader #(
+    parameter int CONTEXTS = 128,  // power of two: most visits at a time
+    parameter int CX = 8,          // bits of a context's number
+    parameter int CYCLES = 1,      // per node: 1 or 2
+    parameter int PINNED = 4096,
+    parameter int LINES = 0,       // 0, or a power of two, at least 2 WAYS
+    parameter int WAYS = 4,        // power of two
+    localparam int AT = `AT_BITS(CX),
+    localparam int BEAT = records_pkg::DDR_WORDS
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic clear_i,  // between passes: drops visits and outstanding requests
+    input logic [31:0] nodes_i,  // number of nodes; a node beyond them is read as if it were on chip
+    input logic [31:0] base_i,   // word of node 0 in DDR
+    input logic valid_i,
+    output logic ready_o,
+    input logic [AT-1:0] at_i,
+    input logic [bvh_pkg::PLACE-1:0] place_i,
+    // The visit whose node is in node_o in the next CYCLES cycles.
+    output logic valid_o,
+    output logic [AT-1:0] at_o,
+    output logic [bvh_pkg::PLACE-1:0] place_o,
+    output logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_o,
+    // On-chip memory; a read returns one cycle later.
+    output logic chip_read_o,
+    output logic [bvh_pkg::PLACE-1:0] chip_at_o,
+    input logic [bvh_pkg::NODE_WORDS-1:0][31:0] chip_node_i,
+
+    output card_pkg::ddr_request_t ddr_o,
+    input logic ddr_ready_i,
+    input logic ddr_valid_i,
+    input logic [BEAT-1:0][31:0] ddr_data_i,
+    output logic outstanding_o,  // beats are outstanding, or will be by this cycle's request
+    output logic cached_o,       // the visit of valid_o is to a node outside the chip
+    output logic fetched_o       // a node is requested from DDR
+);
+  import bvh_pkg::*;
+  logic busy, second_q;  // the second cycle of a node
+  logic [PLACE-1:0] place_q;
+  assign busy = CYCLES == 2 && second_q;
+  always_ff @(posedge clk_i) begin
+    second_q <= valid_o && !rst_i && !clear_i;
+    if (!busy) place_q <= place_o;
+  end
+  assign chip_at_o = busy ? place_q : place_o;
+
+  if (LINES == 0) begin : g_on_chip
+    assign ready_o = !busy;
+    assign valid_o = valid_i && !busy;
+    assign {at_o, place_o} = {at_i, place_i};
+    assign node_o = chip_node_i;
+    assign chip_read_o = valid_o;
+    assign ddr_o = '0;
+    assign {outstanding_o, cached_o, fetched_o} = '0;
+    logic unused;
+    assign unused = &{1'b0, nodes_i, base_i, ddr_ready_i, ddr_valid_i, ddr_data_i};
+  end else begin : g_cache
+    localparam int SETS = LINES / WAYS;
+    localparam int SW = $clog2(SETS);
+    localparam int WW = $clog2(WAYS);
+    localparam int TAG = PLACE - SW;
+    localparam int COUNT = $clog2(CONTEXTS);
+    localparam int NUMBER = COUNT + 3;  // bits of a waiting visit's number
+    if (2 * WAYS > LINES || (LINES & (LINES - 1)) != 0 || (WAYS & (WAYS - 1)) != 0 || WAYS < 2) begin : g_lines
+      $error("node_reader: WAYS must be a power of two from 2, LINES one from 2 WAYS");
+    end
+    typedef struct packed {
+      logic valid;
+      logic [TAG-1:0] tag;
+      logic [NUMBER-1:0] last;
+    } line_t;
+    typedef enum logic [1:0] {FETCH, JOIN, AGAIN} wait_t;
+    typedef struct packed {
+      wait_t kind;
+      logic [WW+SW-1:0] line;
+      logic [AT-1:0] at;
+      logic [PLACE-1:0] place;
+    } waiting_t;
+    typedef struct packed {
+      logic valid;
+      logic cached;
+      logic [WW+SW-1:0] line;
+      logic [AT-1:0] at;
+      logic [PLACE-1:0] place;
+    } read_t;
+    logic rst, ddr_second;
+    read_t kept_q;  // a visit whose node can be read, behind the look-up
+    assign rst = rst_i || clear_i;
+
+    // ---- Waiting visits ----
+    waiting_t head, parked;
+    logic park, leave, some, arrived, serve, again, cleared;
+    logic [COUNT:0] count, arrived_q;  // arrived_q: fetched nodes whose visits have not left
+    logic [NUMBER-1:0] head_q, tail;
+    sync_fifo #(.W($bits(waiting_t)), .DEPTH(CONTEXTS)) queue_waiting (
+        .clk_i, .rst_i(rst), .write_i(park), .wdata_i(parked), .free_o(), .count_o(count), .rdata_o(head),
+        .read_i(leave));
+    assign some = count != 0;
+    assign tail = head_q + NUMBER'(count);
+    assign arrived = some && (head.kind == JOIN || (head.kind == FETCH && arrived_q != 0));
+    assign leave = serve || again;
+
+    // ---- Look-up: the tags of a set, one cycle after the visit ----
+    logic look, look_q, hold;
+    logic [AT-1:0] look_at, look_at_q;
+    logic [PLACE-1:0] look_place, look_place_q;
+    logic [SW-1:0] look_set, set;
+    assign again = some && head.kind == AGAIN && cleared && !hold;
+    assign ready_o = !hold && !again;
+    assign look = again || valid_i;
+    assign {look_at, look_place} = hold ? {look_at_q, look_place_q} : again ? {head.at, head.place} : {at_i, place_i};
+    assign look_set = look_place[SW-1:0];
+    assign set = look_place_q[SW-1:0];
+    always_ff @(posedge clk_i) begin
+      look_q <= (hold || look) && !rst;
+      {look_at_q, look_place_q} <= {look_at, look_place};
+    end
+    logic [SW:0] clear_q;  // sets that have been cleared
+    logic tags_q;  // the tags were read after that
+    assign cleared = clear_q[SW];
+    always_ff @(posedge clk_i) begin
+      clear_q <= rst ? '0 : clear_q + (SW + 1)'(!cleared);
+      tags_q <= cleared && !rst;
+    end
+    line_t [WAYS-1:0] found;
+    line_t written;
+    logic [WAYS-1:0] write, match, waited, used, valid;
+    for (genvar w = 0; w < WAYS; w++) begin : way
+      line_t lines[SETS];
+      line_t line_q;
+      always_ff @(posedge clk_i) begin
+        if (!cleared) lines[clear_q[SW-1:0]] <= '0;
+        else if (write[w]) lines[set] <= written;
+        line_q <= (write[w] && look_set == set) ? written : lines[look_set];
+      end
+      assign found[w] = line_q;
+      assign valid[w] = found[w].valid;
+      assign match[w] = valid[w] && found[w].tag == look_place_q[PLACE-1:SW];
+      assign waited[w] = valid[w] && NUMBER'(found[w].last - head_q) < NUMBER'(count);
+      assign used[w] = waited[w] || (kept_q.valid && kept_q.cached && kept_q.line == {WW'(w), set});
+    end
+    function automatic logic [WW-1:0] first_of(input logic [WAYS-1:0] ways);
+      first_of = '0;
+      for (int w = WAYS - 1; w >= 0; w--) if (ways[w]) first_of = WW'(w);
+    endfunction
+    // A new node takes an empty way, else the next free way in turn.
+    logic [WW-1:0] turn_q, chosen;
+    logic [WAYS-1:0] free, next;
+    assign free = ~used;
+    assign next = free & ~((WAYS'(1) << turn_q) - 1'b1);
+    assign chosen = (match != 0) ? first_of(match) : (valid != '1) ? first_of(~valid) :
+        first_of((next != 0) ? next : free);
+
+    // ---- Decision: read, or wait. A visit that cannot be read at once is kept, and the next one looked up ----
+    read_t looked, reading;
+    logic on_chip, hit, now, head_next_q;
+    assign on_chip = 32'(look_place_q) < PINNED || 32'(look_place_q) >= nodes_i;
+    assign hit = tags_q && (match & ~waited) != 0;
+    assign looked = '{
+        valid: look_q && (on_chip || hit), cached: !on_chip, line: {chosen, set}, at: look_at_q, place: look_place_q};
+    assign reading = kept_q.valid ? kept_q : looked;
+    // Waiting visits and others take turns.
+    assign serve = arrived && !busy && (head_next_q || !reading.valid);
+    assign now = reading.valid && !busy && !serve;
+    assign hold = looked.valid && kept_q.valid && !now;
+    assign park = look_q && !on_chip && !hit && !rst;
+    always_ff @(posedge clk_i) begin
+      if (valid_o) head_next_q <= now;
+      if (!kept_q.valid || now) begin
+        kept_q <= looked;
+        kept_q.valid <= looked.valid && (kept_q.valid || !now);
+      end
+      if (rst) {kept_q.valid, head_next_q} <= '0;
+    end
+    assign parked = '{
+        kind: (!tags_q || (match == 0 && free == 0)) ? AGAIN : (match != 0) ? JOIN : FETCH,
+        line: {chosen, set}, at: look_at_q, place: look_place_q};
+    assign fetched_o = park && parked.kind == FETCH;
+    assign write = (park && parked.kind != AGAIN) ? WAYS'(1) << chosen : '0;
+    assign written = '{valid: 1'b1, tag: look_place_q[PLACE-1:SW], last: tail};
+    always_ff @(posedge clk_i) begin
+      if (fetched_o) turn_q <= chosen + 1'b1;
+      if (leave) head_q <= head_q + 1'b1;
+      arrived_q <= arrived_q + (COUNT + 1)'(ddr_second) - (COUNT + 1)'(serve && head.kind == FETCH);
+      if (rst) {turn_q, head_q, arrived_q} <= '0;
+    end
+
+    // ---- Read ----
+    logic [NODE_WORDS/BEAT-1:0][BEAT-1:0][31:0] nodes[LINES];
+    logic [NODE_WORDS-1:0][31:0] node_q;
+    logic [WW+SW-1:0] line, line_q, line_now;
+    logic cache_q;
+    assign valid_o = serve || now;
+    assign {at_o, place_o} = serve ? {head.at, head.place} : {reading.at, reading.place};
+    assign cached_o = serve || (now && reading.cached);
+    assign chip_read_o = now && !reading.cached;
+    assign line = serve ? head.line : reading.line;
+    assign line_now = busy ? line_q : line;
+    always_ff @(posedge clk_i) begin
+      line_q <= line_now;
+      if (!busy) cache_q <= cached_o;
+      node_q <= nodes[line_now];
+    end
+    assign node_o = cache_q ? node_q : chip_node_i;
+
+    // ---- DDR ----
+    logic [COUNT:0] requests;
+    logic [PLACE-1:0] request;
+    logic [WW+SW-1:0] fill;
+    logic [COUNT+1:0] outstanding_q;
+    logic asked, asked_half_q, half_q;
+    sync_fifo #(.W(PLACE), .DEPTH(CONTEXTS)) queue_requests (
+        .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(look_place_q), .free_o(), .count_o(requests),
+        .rdata_o(request), .read_i(asked && asked_half_q));
+    sync_fifo #(.W(WW + SW), .DEPTH(CONTEXTS)) queue_fills (
+        .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(parked.line), .free_o(), .count_o(),
+        .rdata_o(fill), .read_i(ddr_second));
+    assign ddr_o.valid = requests != 0 && !rst;
+    assign ddr_o.word = base_i + {32'(request) << 4} + {32'(request) << 1} + (asked_half_q ? BEAT : 0);
+    assign asked = ddr_o.valid && ddr_ready_i;
+    assign ddr_second = ddr_valid_i && half_q && !rst;
+    assign outstanding_o = outstanding_q != 0 || ddr_o.valid;
+    always_ff @(posedge clk_i) begin
+      if (ddr_valid_i && !rst) nodes[fill][half_q] <= ddr_data_i;
+      asked_half_q <= asked_half_q ^ asked;
+      half_q <= half_q ^ ddr_valid_i;
+      if (rst) {asked_half_q, half_q} <= '0;
+      outstanding_q <= rst_i ? '0 : outstanding_q + (COUNT + 2)'(asked) - (COUNT + 2)'(ddr_valid_i);
+    end
+
+`ifndef SYNTHESIS
+    always_ff @(posedge clk_i)
+      if (!rst_i) begin
+        assert (!(ddr_valid_i && outstanding_q == 0)) else $error("node_reader: data without a request");
+        assert (!(ddr_valid_i && !rst && (cached_o || (busy && cache_q)) && fill == line_now))
+        else $error("node_reader: a line is filled while it is read");
+      end
+`endif
+  end
+endmodule
