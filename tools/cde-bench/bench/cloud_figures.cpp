@@ -13,6 +13,7 @@
 #include "bench/measured.hpp"
 #include "cde/card/board.hpp"
 #include "cde/reference/traversal.hpp"
+#include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
 #include "output/streams.hpp"
 #include "page/page.hpp"
@@ -131,10 +132,10 @@ void show_clouds(const std::vector<CloudFigures>& figures, const Device& device)
   for (const CloudFigures& f : figures)
     print_figure(
         "  {:>6} {:<7} 256 in {} ({:.1f} cycles each), 4,096 in {:.1f} each; brute force with {} "
-        "lanes {}; refit by the host {}, upload of the BVH over the bus {}\n",
+        "{}; refit by the host {}, upload of the BVH over the bus {}\n",
         f.secondaries, fmt::format("{}s:", name(f.shape)),
         duration(static_cast<double>(f.packet.cycles) / device.clock_hz()),
-        each(f.packet, kBvhPacket), each(f.stream, kBvhRing), f.lanes,
+        each(f.packet, kBvhPacket), each(f.stream, kBvhRing), counted(f.lanes, "lane"),
         duration(static_cast<double>(f.brute_force_cycles) / device.clock_hz()),
         duration(f.refit_seconds), duration(f.bvh_upload_seconds));
 }
