@@ -68,15 +68,15 @@ struct BoardConfig {
                      ///< uncertain pairs. Records are the same
   unsigned traversal_units = 0;  ///< for a BVH: 0 (none), 1, 2 or 4. Only fp32 cards with a
                                  ///< pair that can traverse a BVH (traversal_shapes())
-  unsigned nodes = 65'536;  ///< nodes in its memory, a power of two up to 2^22; with eight slots of
-                            ///< leaves per node
+  unsigned nodes = 65'536;  ///< most nodes of a BVH, a power of two from 16 to 2^22; eight slots of
+                            ///< leaves per node. Without a cache all are on chip
   unsigned node_cycles = 1;  ///< cycles per node of a traversal unit, 1 or 2. With 2, its operators
                              ///< for rays are shared: half the multipliers
   unsigned node_cache = 0;   ///< 0: all nodes are on chip. Else the nodes in the cache of each
                             ///< traversal unit, a power of two up to 2^16. The first `pinned_nodes`
                             ///< nodes are on chip, the others and all slots in DDR
   unsigned node_ways = 4;        ///< of the cache: 2, 4, 8 or 16, at most node_cache / 2
-  unsigned pinned_nodes = 4096;  ///< with a cache, a power of two up to `nodes`
+  unsigned pinned_nodes = 4096;  ///< with a cache, a power of two from 16 to `nodes`
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
   unsigned objects = 1024;                     ///< size of the card's object table, 2 to 2,048
   unsigned primary_objects = 64;               ///< the same for primaries

@@ -36,9 +36,9 @@ struct Counters {
   std::uint64_t secondaries = 0;      ///< secondaries streamed (mode any may end early)
   std::uint64_t pairs = 0;  ///< pair tests: secondaries streamed times unmasked primaries.
   // BVH passes, whose `pairs` count the pairs of the visited leaves:
-  std::uint64_t nodes = 0;          ///< nodes read
-  std::uint64_t leaves = 0;         ///< leaves visited
-  std::uint64_t cached_nodes = 0;   ///< nodes read that are not on chip (BoardConfig::node_cache)
+  std::uint64_t nodes = 0;         ///< nodes read
+  std::uint64_t leaves = 0;        ///< leaves visited
+  std::uint64_t cached_nodes = 0;  ///< reads of nodes that are not pinned (BoardConfig::node_cache)
   std::uint64_t fetched_nodes = 0;  ///< nodes that a cache fetched from DDR, 72 bytes each
   std::uint64_t deepest = 0;        ///< most groups on a ray's stack at a time
   std::uint64_t records = 0;        ///< records written, all of which were downloaded
