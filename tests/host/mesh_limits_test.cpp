@@ -9,13 +9,13 @@
 #include <zlib.h>
 
 #include <atomic>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <fstream>
 #include <thread>
 
 #include "cde/mesh/mesh.hpp"
+#include "glb.hpp"
 #include "testing.hpp"
 
 namespace cde::testing {
@@ -37,19 +37,6 @@ std::string gltf(const std::string& buffer, unsigned depth) {
       R"("accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}}],)"
       R"("bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"uri":"{}","byteLength":36}}]}})",
       nodes, buffer);
-}
-
-std::string word(std::uint32_t value) {
-  return {reinterpret_cast<const char*>(&value), 4};
-}
-std::string half(std::uint16_t value) {
-  return {reinterpret_cast<const char*>(&value), 2};
-}
-
-std::string chunks_of_glb(const std::string& json, const std::string& data) {
-  const auto size = [](const std::string& of) { return static_cast<std::uint32_t>(of.size()); };
-  return "glTF" + word(2) + word(28 + size(json) + size(data)) + word(size(json)) + "JSON" + json +
-         word(size(data)) + std::string("BIN\0", 4) + data;
 }
 
 /// A ZIP archive of deflated files.
@@ -172,31 +159,6 @@ TEST_F(HostileMesh, GltfDataOutsideItsBufferIsRefused) {
                    [&, text = name[3] == 'l' ? chunks_of_glb(json, "") : json] {
                      (void)load_mesh(folder_.write(name, text));
                    });
-}
-
-/// The importer leaves out such triangles without a message.
-TEST_F(HostileMesh, GltfCornerNumbersOutOfRange_AreRefused) {
-  const auto file = [](std::uint16_t corner, unsigned corners) {
-    const std::string json = fmt::format(
-        R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0,1]}}],)"
-        R"("nodes":[{{"mesh":0}},{{"mesh":0,"translation":[9,0,0]}}],)"
-        R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"indices":1}}]}}],"accessors":[)"
-        R"({{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}},)"
-        R"({{"bufferView":1,"componentType":5123,"count":{},"type":"SCALAR"}}],"bufferViews":[)"
-        R"({{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,"byteLength":12}}],)"
-        R"("buffers":[{{"byteLength":48}}]}})",
-        corners);
-    std::string data(12, '\0');
-    for (const float x : {1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
-      data += word(std::bit_cast<std::uint32_t>(x));
-    for (const std::uint16_t i : {0, 1, 2, 0, 2}) data += half(i);
-    return chunks_of_glb(json + std::string((4 - json.size() % 4) % 4, ' '), data + half(corner));
-  };
-  EXPECT_EQ(load_mesh(folder_.write("a.glb", file(1, 6))).faces.size(), 4u);
-  expect_error(ErrorCode::kFile, "a.glb: has 1 of 2 triangles with corner numbers out of range",
-               [&] { (void)load_mesh(folder_.write("a.glb", file(3, 6))); });
-  expect_error(ErrorCode::kFile, "meshes[0] has triangles of 5 corners in all",
-               [&] { (void)load_mesh(folder_.write("a.glb", file(1, 5))); });
 }
 
 TEST_F(HostileMesh, GltfThatIsNotReadRight_IsRefused) {

@@ -19,6 +19,7 @@
 #include <cstring>
 #include <fstream>
 #include <optional>
+#include <set>
 
 #include "cde/support/counted.hpp"
 #include "cde/support/error.hpp"
@@ -245,10 +246,18 @@ std::string refusal(const Assimp::Importer& importer, const std::string& path) {
   return why;
 }
 
-/// Triangles of all meshes, each counted once.
-std::uint64_t triangles_of(const aiScene& scene) {
+/// Triangles of the meshes below a node, each mesh counted once.
+std::uint64_t triangles_below(const aiScene& scene, const aiNode& root) {
+  std::vector<const aiNode*> left{&root};
+  std::set<unsigned> meshes;
+  while (!left.empty()) {
+    const aiNode& node = *left.back();
+    left.pop_back();
+    meshes.insert(node.mMeshes, node.mMeshes + node.mNumMeshes);
+    left.insert(left.end(), node.mChildren, node.mChildren + node.mNumChildren);
+  }
   std::uint64_t triangles = 0;
-  for (unsigned m = 0; m < scene.mNumMeshes; ++m)
+  for (const unsigned m : meshes)
     for (unsigned i = 0; i < scene.mMeshes[m]->mNumFaces; ++i)
       triangles += scene.mMeshes[m]->mFaces[i].mNumIndices == 3 ? 1 : 0;
   return triangles;
@@ -282,7 +291,8 @@ std::string import(const std::string& path) {
              (remark.empty() ? "" : "; assimp says: " + remark);
     if (scene->mRootNode == nullptr)
       return kMessageFollows + std::string("the scene is incomplete");
-    if (const std::uint64_t read = triangles_of(*scene); triangles.value_or(read) != read)
+    if (const std::uint64_t read = triangles_below(*scene, *scene->mRootNode);
+        triangles.value_or(read) != read)
       return kMessageFollows + fmt::format("has {} of {} with corner numbers out of range",
                                            *triangles - read, counted(*triangles, "triangle"));
     Mesh mesh;

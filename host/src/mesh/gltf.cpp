@@ -6,6 +6,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
+#include <vector>
 
 #include "cde/support/error.hpp"
 #include "cde/support/json_text.hpp"
@@ -149,6 +151,44 @@ std::uint64_t triangles_of(const json& file, const json& primitive, const std::s
   return corners / 3;
 }
 
+/// Whole numbers in the array `key` of an item. The importer refuses other entries.
+std::vector<std::uint64_t> numbers(const json& item, const char* key) {
+  std::vector<std::uint64_t> all;
+  const auto found = item.find(key);
+  if (found == item.end() || !found->is_array()) return all;
+  for (const json& number : *found)
+    if (number.is_number_unsigned()) all.push_back(number.get<std::uint64_t>());
+  return all;
+}
+
+/// Triangles of the meshes that the file's scene reaches, each mesh counted once. The importer
+/// reads no others.
+std::uint64_t triangles_of_scene(const json& file) {
+  const auto scenes = file.find("scenes");
+  if (scenes == file.end() || !scenes->is_array() || scenes->empty()) return 0;
+  const json& scene = item(file, "scenes", number(file, "scene", "the file", 0), "the file");
+  std::vector<std::uint64_t> left = numbers(scene, "nodes");
+  std::set<std::uint64_t> nodes, meshes;
+  while (!left.empty()) {
+    const std::uint64_t index = left.back();
+    left.pop_back();
+    if (!nodes.insert(index).second) continue;
+    const json& node = item(file, "nodes", index, "a scene or node");
+    if (node.contains("mesh"))
+      meshes.insert(number(node, "mesh", fmt::format("nodes[{}]", index), {}));
+    for (const std::uint64_t child : numbers(node, "children")) left.push_back(child);
+  }
+  std::uint64_t triangles = 0;
+  for (const std::uint64_t index : meshes) {
+    const json& mesh = item(file, "meshes", index, "a node");
+    const auto primitives = mesh.find("primitives");
+    if (primitives == mesh.end() || !primitives->is_array()) continue;
+    for (const json& primitive : *primitives)
+      triangles += triangles_of(file, primitive, fmt::format("meshes[{}]", index));
+  }
+  return triangles;
+}
+
 /// Whether the importer reads the geometry correctly without this extension.
 bool is_harmless(const std::string& extension) {
   for (const char* const kind : {"KHR_materials_", "EXT_materials_", "KHR_texture_", "EXT_texture_",
@@ -192,16 +232,11 @@ std::optional<std::uint64_t> gltf_triangles(const std::filesystem::path& path) {
   each(file, "accessors", [&](const json& accessor, const std::string& where) {
     check_accessor(file, accessor, where);
   });
-  std::uint64_t triangles = 0;
-  each(file, "meshes", [&](const json& mesh, const std::string& where) {
-    check_positions(file, mesh, where);
-    const auto primitives = mesh.find("primitives");
-    if (primitives == mesh.end() || !primitives->is_array()) return;
-    for (const json& primitive : *primitives) triangles += triangles_of(file, primitive, where);
-  });
+  each(file, "meshes",
+       [&](const json& mesh, const std::string& where) { check_positions(file, mesh, where); });
   const auto meshes = file.find("meshes");
   if (meshes == file.end() || !meshes->is_array()) return std::nullopt;
-  return triangles;
+  return triangles_of_scene(file);
 }
 
 }  // namespace cde::mesh_readers

@@ -49,8 +49,8 @@ struct Deadline {
 [[nodiscard]] std::string lower_extension(const std::filesystem::path& path);
 
 /// Checks a glTF 2.0 file (.gltf or .glb): the numbers that locate its data are whole and within
-/// their buffers. Returns the number of triangles of all meshes. A file that is not JSON or is glTF
-/// 1.0 is left to the importer. Error kFile names the field.
+/// their buffers. Returns the number of triangles of all meshes in its scene. A file that is not
+/// JSON or is glTF 1.0 is left to the importer. Error kFile names the field.
 [[nodiscard]] std::optional<std::uint64_t> gltf_triangles(const std::filesystem::path& path);
 
 /// The folder of a mesh, which a mesh may name files of. Folder and mesh are opened once, so the
