@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the nodes that a traversal unit visits. Without LINES, all nodes are on chip. With LINES, the first PINNED
-// nodes are on chip. The others are in DDR, and a cache holds LINES of them.
+// nodes are pinned, which means on chip. The others are in DDR, and a cache holds LINES of them.
 // A visit whose node is not in the cache waits in a queue, and later visits overtake it. DDR answers in order, so
 // visits leave the queue in order. A node takes two beats of DDR.
 // A line of the cache keeps the number of the last waiting visit to it. It is in use until this visit leaves. Another
 // node cannot replace it meanwhile, and further visits to its node join the queue. Numbers repeat, so a line may seem
-// in use when it is not. Then a visit waits without need, or takes another way.
-// Without a free way, a visit joins the queue and is looked up again from there. Also while the cache is cleared after
-// a reset, one set per cycle.
-// Latency: 0 cycles on chip without LINES, else 1 cycle; plus the memory's latency for a fetch.
+// in use when it is not. Then a visit waits without need, or replaces the line of another way.
+// Without a free way, a visit joins the queue and is looked up again at its head. The same holds while the cache is
+// cleared after rst_i or clear_i, one set per cycle.
+// Latency: from valid_i to valid_o 0 cycles without LINES, else 1 cycle, plus the memory's latency for a fetch. The
+// node follows one cycle later.
 // Throughput: one node per CYCLES cycles. A visit that begins to wait delays others by at most one cycle, and by none
 // while another visit is kept behind the look-up.
 // Stall: ready_o, ddr_ready_i.
@@ -18,7 +19,7 @@ module node_reader #(
     parameter int CX = 8,          // bits of a context's number
     parameter int CYCLES = 1,      // per node: 1 or 2
     parameter int PINNED = 4096,
-    parameter int LINES = 0,       // 0, or a power of two, at least 2 WAYS
+    parameter int LINES = 0,       // 0, or a power of two >= 2 * WAYS
     parameter int WAYS = 4,        // power of two
     localparam int AT = `AT_BITS(CX),
     localparam int BEAT = records_pkg::DDR_WORDS
@@ -47,7 +48,7 @@ module node_reader #(
     input logic ddr_valid_i,
     input logic [BEAT-1:0][31:0] ddr_data_i,
     output logic outstanding_o,  // beats are outstanding, or will be by this cycle's request
-    output logic cached_o,       // the visit of valid_o is to a node outside the chip
+    output logic cached_o,       // the visit of valid_o is to a node that is not pinned
     output logic fetched_o       // a node is requested from DDR
 );
   import bvh_pkg::*;
@@ -78,7 +79,7 @@ module node_reader #(
     localparam int COUNT = $clog2(CONTEXTS);
     localparam int NUMBER = COUNT + 3;  // bits of a waiting visit's number
     if (2 * WAYS > LINES || (LINES & (LINES - 1)) != 0 || (WAYS & (WAYS - 1)) != 0 || WAYS < 2) begin : g_lines
-      $error("node_reader: WAYS must be a power of two from 2, LINES one from 2 WAYS");
+      $error("node_reader: WAYS must be a power of two >= 2, LINES a power of two >= 2 * WAYS");
     end
     typedef struct packed {
       logic valid;

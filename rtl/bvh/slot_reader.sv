@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Secondaries in the slots of leaves, and their objects: one slot per cycle. They are in memories beside the nodes.
-// With EXTERNAL they are in DDR, and a leaf takes one beat, or two beats with objects.
+// For each slot of a leaf, the numbers of its secondary and of its object. Slots are in memories beside the nodes. With
+// EXTERNAL they are in DDR, and a leaf takes one beat, or two beats with objects.
 // Latency: 1 cycle. With EXTERNAL 3 cycles plus the memory's latency.
-// Throughput: one slot per cycle.
+// Throughput: one slot per cycle; with EXTERNAL and objects at most one leaf per two cycles.
 // Stall: ready_o, take_i, ddr_ready_i.
 module slot_reader #(
     parameter int SLOTS = 32768,  // power of two
@@ -107,7 +107,8 @@ module slot_reader #(
     assign last_asked = asked && half_q == objects;
     assign ready_o = (!asking_q || last_asked) && under_way_q != (DW + 1)'(DEPTH);
     assign ddr_o.valid = asking_q && !rst;
-    assign ddr_o.word = base_i[half_q] + 32'(asking_slot_q);
+    // A slot beyond the last is not read beyond DDR. The output beyond_o tells of it.
+    assign ddr_o.word = base_i[half_q] + ((32'(asking_slot_q) < slots_i) ? 32'(asking_slot_q) : '0);
     always_ff @(posedge clk_i) begin
       if (ready_o) begin
         asking_q <= valid_i;

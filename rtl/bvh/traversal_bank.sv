@@ -36,8 +36,8 @@ module traversal_bank #(
     input logic ddr_valid_i,
     input logic [records_pkg::DDR_WORDS-1:0][31:0] ddr_data_i,
     output logic outstanding_o,
-    output logic cached_o,   // a node outside the chip is visited
-    output logic fetched_o,  // and fetched from DDR
+    output logic cached_o,   // a node that is not pinned is read
+    output logic fetched_o,  // a node is requested from DDR
     input logic farthest_i,
     input logic solid_i,
     input logic ahead_i,  // contexts go on while their leaves are tested

@@ -85,12 +85,11 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
     card.slot_capacity =
         std::uint64_t{card.node_capacity} * card::kNodeCapsSlotsPerNode.of(node_caps);
     field("memory of nodes", card.node_capacity, config.nodes);
-    const std::uint64_t pinned = card::kNodeCapsPinnedBits.of(node_caps);
-    card.chip_nodes =
-        pinned == card::kNoNodeCache ? card.node_capacity : static_cast<std::uint32_t>(1) << pinned;
-    field("nodes on chip", card.chip_nodes,
-          config.node_cache == 0 ? config.nodes : config.pinned_nodes);
     card.node_cache = config.node_cache != 0;
+    card.chip_nodes = card.node_cache ? config.pinned_nodes : config.nodes;
+    field("number of pinned nodes, as a power of two,", card::kNodeCapsPinnedBits.of(node_caps),
+          card.node_cache ? static_cast<unsigned>(std::countr_zero(config.pinned_nodes))
+                          : card::kNoNodeCache);
   }
   field("check bits in DDR", card::kCaps3Ecc.of(caps3), config.ecc);
   field("transformer", card::kCaps3Transform.of(caps3), static_cast<unsigned>(config.transform));

@@ -53,7 +53,7 @@ void check_fits(const Board::Impl& card, const Bvh& bvh, std::uint64_t secondari
   if (!card.node_cache) return;
   // With a node cache they share DDR with the shapes. A slot has an index, and with objects
   // another.
-  const std::uint64_t slot_bytes = 4 * (secondaries + 1) * (card.objects.entries == 0 ? 1 : 2),
+  const std::uint64_t slot_bytes = 4 * (secondaries + 2) * (card.objects.entries == 0 ? 1 : 2),
                       node_bytes = 4 * bvh::Node::kWords * (bvh.nodes().size() + 1);
   const std::uint64_t shapes = 4 * std::uint64_t{words(shape)} * in_memory;
   if (shapes + slot_bytes + node_bytes > card.capacity)
@@ -144,7 +144,8 @@ void Board::upload(const Bvh& bvh) {
 
 void Board::Impl::place_in_ddr(std::uint64_t node_count, std::uint64_t slot_count) {
   constexpr std::uint64_t kWords = bvh::Node::kWords;
-  const std::uint64_t even = slot_count + slot_count % 2;
+  // A leaf with one slot reads another word, whose check bits must be right.
+  const std::uint64_t even = (slot_count + 2) / 2 * 2;
   const std::uint64_t nodes_at = (capacity / 4 - kWords * node_count) / kWords * kWords;
   bvh.node_base = static_cast<std::uint32_t>(nodes_at);
   bvh.slot_base = static_cast<std::uint32_t>(nodes_at - even);
@@ -227,6 +228,7 @@ void Board::Impl::write_slots_of(std::span<const std::uint32_t> order, card::Spa
     const auto some = order.subspan(first, std::min(kChunk, order.size() - first));
     words.clear();
     std::transform(some.begin(), some.end(), std::back_inserter(words), word);
+    if (space == card::kSpaceDdr) words.push_back(0);  // place_in_ddr()
     if (words.size() % 2 != 0) words.push_back(0);
     write(space, static_cast<std::uint32_t>(byte + 4 * first), words.data(), words.size() / 2);
   }

@@ -103,9 +103,10 @@ void CardPass::uncorrectable(std::uint64_t words, std::uint64_t status) {
   device_error(
       fmt::format("{} of DDR {} uncorrectable errors, {}", counted(words, "word"),
                   words == 1 ? "has" : "have",
-                  byte ? fmt::format("in secondary {} at byte {:#x}",
-                                     *byte / (4 * cde::words(card_.secondary_shape)), *byte)
-                       : "but were read without them afterwards"),
+                  byte               ? fmt::format("in secondary {} at byte {:#x}",
+                                                   *byte / (4 * cde::words(card_.secondary_shape)), *byte)
+                  : card_.node_cache ? "and no secondary has any: they are in nodes or slots"
+                                     : "but were read without them afterwards"),
       status, byte.value_or(0));
 }
 

@@ -207,8 +207,8 @@ void Secondaries::fit_bvh(const Row::Change& change, const std::vector<std::size
       refit();
     }
   } catch (const Error& e) {
-    // Some secondaries exceed the range of boxes: brute force.
-    if (e.code() != ErrorCode::kBadInput) throw;
+    // Some secondaries exceed the range of boxes, or DDR has no room for the BVH: brute force.
+    if (e.code() != ErrorCode::kBadInput && e.code() != ErrorCode::kCapacity) throw;
     no_bvh_ = e.what();
   }
 }
