@@ -35,6 +35,8 @@ module board #(
     output logic [64/CW-1:0][7:0] ddr_write_check_o,
     output logic ddr_read_o,  // reads DDR_WORDS words at an address in words; data comes in order
     output logic [31:0] ddr_read_word_o,
+    output logic [3:0] ddr_read_words_o,  // words in use; a memory may leave the others out
+    input logic ddr_ready_i,  // a read or write is taken; until then it stays
     input logic ddr_valid_i,
     input logic [records_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
     input logic [records_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
@@ -81,7 +83,7 @@ module board #(
       issue.valid};
   card_registers #(.CONFIG(CONFIG)) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_i(bus_request), .bus_o(bus_response), .irq_o, .clk_bus_o(clk_bus),
-      .addr_o(ddr_write_addr_o), .wdata_o(ddr_write_data_o), .prim_write_o(prim_write), .ddr_write_o,
+      .addr_o(ddr_write_addr_o), .wdata_o(ddr_write_data_o), .prim_write_o(prim_write), .ddr_write_o, .ddr_ready_i,
       .sram_pop_o(sram_pop), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid), .sram_beat_i(sram_beat),
       .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command),
       .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency),
@@ -90,10 +92,18 @@ module board #(
       .access_o(access), .rdata_ext_i(bvh_rdata), .provided_good_i(provided_good),
       .bvh_good_i(bvh_good), .node_error_i(node_error));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
-  // Clock of the brute-force pass. It stands still during a BVH pass.
+  // Turn of a lane that takes a row per several cycles.
+  logic [1:0] turn;
+  if (CONFIG.shared_lane > 1) begin : g_turns
+    always_ff @(posedge clk_engine)
+      turn <= (rst_i || turn == 2'(CONFIG.shared_lane - 1)) ? '0 : turn + 1'b1;
+  end else begin : g_one_turn
+    assign turn = '0;
+  end
+  // Clock of the brute-force pass. It stands still during a BVH pass, unless leaves use the lane.
   logic clk_brute_force, traversing;
   logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal;
-  if (CONFIG.traversal_units != 0) begin : g_brute_force
+  if (CONFIG.traversal_units != 0 && !config_pkg::shares_lane(CONFIG)) begin : g_brute_force
     clock_gate gate_brute_force (.clk_i, .enable_i((busy & !traversing) | go | rst_i), .clk_o(clk_brute_force));
   end else begin : g_all
     assign clk_brute_force = clk_engine;
@@ -113,10 +123,10 @@ module board #(
   card_pkg::ddr_request_t ddr_request;
   logic [READERS-1:0] reader_ready, reader_valid;
   logic [READERS-1:0][3:0] reader_words;
-  assign {ddr_read_o, ddr_read_word_o} = ddr_request;
+  assign {ddr_read_words_o, ddr_read_o, ddr_read_word_o} = ddr_request;
   ddr_readers #(.READERS(READERS), .USED(READERS'((2 << BVH_READERS) - 1))) readers (
       .clk_i(clk_engine), .rst_i, .readers_i(reader_requests), .ready_o(reader_ready),
-      .valid_o(reader_valid), .words_i(reader_words), .request_o(ddr_request),
+      .valid_o(reader_valid), .words_i(reader_words), .request_o(ddr_request), .ready_i(ddr_ready_i),
       .valid_i(ddr_valid), .words_o(ddr_words));
   ddr_check #(.CONFIG(CONFIG)) check_bits (
       .clk_i(clk_engine), .rst_i, .write_data_i(ddr_write_data_o), .write_check_o(ddr_write_check_o),
@@ -200,6 +210,8 @@ module board #(
       .bubble_o(bubble), .stall_o(stall));
 
   // ---- Collision detection engine and output FIFO ----
+  card_pkg::lane_operands_t leaf_operands;
+  card_pkg::lane_results_t leaf_results;
   logic [ROW_W-1:0] row;
   logic [31:0] index, result_index;
   logic [CONFIG.lanes-1:0] f, bad, unmasked;
@@ -216,6 +228,7 @@ module board #(
       .solid_o(solid), .ready_o(ready), .clear_i(clear),
       .clear_row_i(clear_row), .clear_mask_i(clear_mask), .issue_i(issue),
       .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode), .streaming_i(streaming),
+      .turn_i(turn), .leaf_i(leaf_operands), .leaf_o(leaf_results),
       .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .uncertain_o(uncertain), .push_i(fifo_keep), .write_i(fifo_write),
       .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
@@ -253,6 +266,7 @@ module board #(
         .ddr_valid_i(reader_valid[READERS-1:1]), .ddr_data_i(ddr_data), .ddr_words_o(reader_words[READERS-1:1]),
         .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
         .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((LEAF * CW)'(moved)),
+        .turn_i(turn), .lane_o(leaf_operands), .lane_i(leaf_results),
         .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(bvh_write), .record_o(bvh_record));
     assign unmoved[1] = (SEC_WORDS * CW)'(leaf_unmoved);
     logic unused_rest;  // slots may be shorter or longer
@@ -264,8 +278,9 @@ module board #(
     assign reader_words[1] = '0;
     assign bvh_record = '0;
     assign traversal = '0;
+    assign leaf_operands = '0;
     logic unused_bvh;
-    assign unused_bvh = &{1'b0, access, reader_ready[1], reader_valid[1]};
+    assign unused_bvh = &{1'b0, access, reader_ready[1], reader_valid[1], leaf_results, turn};
   end
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(CONFIG.sram_records)) ring (

@@ -70,6 +70,8 @@ module card #(
     output logic [64/CW-1:0][7:0] ddr_write_check_o,
     output logic ddr_read_o,  // reads DDR_WORDS words at an address in words; data comes in order
     output logic [31:0] ddr_read_word_o,
+    output logic [3:0] ddr_read_words_o,  // words in use; a memory may leave the others out
+    input logic ddr_ready_i,  // a read or write is taken; until then it stays
     input logic ddr_valid_i,
     input logic [records_pkg::DDR_WORDS-1:0][CW-1:0] ddr_data_i,
     input logic [records_pkg::DDR_WORDS-1:0][7:0] ddr_check_i,
@@ -101,6 +103,6 @@ module card #(
       .bus_addr_i(bus_addr),
       .bus_wdata_i(bus_wdata), .bus_ready_o(bus_ready), .bus_rvalid_o(bus_rvalid), .bus_rdata_o(bus_rdata), .irq_o(irq),
       .ddr_write_o, .ddr_write_addr_o, .ddr_write_data_o, .ddr_write_check_o, .ddr_read_o, .ddr_read_word_o,
-      .ddr_valid_i, .ddr_data_i, .ddr_check_i, .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o,
-      .sram_read_addr_o, .sram_read_data_i);
+      .ddr_read_words_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .ddr_check_i, .sram_write_o, .sram_write_addr_o,
+      .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -6,8 +6,8 @@
 // beat, so an idle bus costs nothing.
 // Latency: read data 2 cycles after the beat is taken.
 // Throughput: one beat per cycle.
-// Stall: ready_o is low while an SRAM read waits for the ring, and while a control write waits for the check of an
-// object.
+// Stall: ready_o is low while an SRAM read waits for the ring, while a write waits for DDR, and while a control write
+// waits for the check of an object.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -42,6 +42,7 @@ module card_registers #(
     output logic [63:0] wdata_o,
     output logic prim_write_o,
     output logic ddr_write_o,
+    input logic ddr_ready_i,
     output logic sram_pop_o,
     input logic sram_readable_i,
     input logic sram_valid_i,
@@ -161,13 +162,14 @@ module card_registers #(
       registers_pkg::SPACE_NODES: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i && addr_q < NODE_BYTES;
       registers_pkg::SPACE_SLOTS: allowed = TRAVERSAL_UNITS != 0 && CONFIG.node_cache == 0 && write_q && !busy_i &&
           addr_q < SLOT_BYTES;
-      registers_pkg::SPACE_RAYS: allowed = TRAVERSAL_UNITS != 0 && write_q && addr_q < 32'(32 * bvh_pkg::RAYS);
+      registers_pkg::SPACE_RAYS: allowed = TRAVERSAL_UNITS != 0 && write_q && addr_q < 32'(32 * CONFIG.ray_places);
       default: allowed = 0;
     endcase
     allowed = allowed && aligned;
   end
 
   assign ready = !(valid_q && ((space_q == registers_pkg::SPACE_SRAM && allowed && !sram_valid_i) ||
+      (ddr_write_o && !ddr_ready_i) ||
       (objects_busy_i && space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL))));
   assign read = valid_q && ready && !write_q;
   assign write_reg = valid_q && ready && write_q && allowed && space_q == registers_pkg::SPACE_REG;
@@ -346,7 +348,7 @@ module card_registers #(
         registers_pkg::REG_ITERATIONS: iterations_q <= {40'b0, |wdata_q[63:24] ? 24'hFFFFFF : wdata_q[23:0]};
         registers_pkg::REG_PRIM_COUNT: begin
           prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
-          for (int p = 0; p < PRIMARIES; p++) present_q[p] <= 64'(p) < wdata_q;
+          present_q <= (wdata_q >= 64'(PRIMARIES)) ? '1 : ~({PRIMARIES{1'b1}} << wdata_q[7:0]);
         end
         registers_pkg::REG_SEC_FIRST: sec_first_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         registers_pkg::REG_SEC_COUNT: sec_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];

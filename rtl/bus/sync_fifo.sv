@@ -17,16 +17,20 @@ module sync_fifo #(
     output logic [W-1:0] rdata_o,
     input logic read_i
 );
-  logic [W-1:0] memory[DEPTH];
   logic [AW:0] write_q, read_q;
   assign count_o = write_q - read_q;
   assign free_o = (AW + 1)'(DEPTH) - count_o;
-  assign rdata_o = memory[read_q[AW-1:0]];
+  if (DEPTH >= 32 && W >= 24) begin : g_block
+    (* ram_style = "block" *) logic [W-1:0] memory[DEPTH];
+    assign rdata_o = memory[read_q[AW-1:0]];
+    always_ff @(posedge clk_i) if (write_i) memory[write_q[AW-1:0]] <= wdata_i;
+  end else begin : g_distributed
+    logic [W-1:0] memory[DEPTH];
+    assign rdata_o = memory[read_q[AW-1:0]];
+    always_ff @(posedge clk_i) if (write_i) memory[write_q[AW-1:0]] <= wdata_i;
+  end
   always_ff @(posedge clk_i) begin
-    if (write_i) begin
-      memory[write_q[AW-1:0]] <= wdata_i;
-      write_q <= write_q + 1;
-    end
+    if (write_i) write_q <= write_q + 1;
     if (read_i) read_q <= read_q + 1;
     if (rst_i) {write_q, read_q} <= '0;
   end

@@ -54,13 +54,13 @@ module bvh_registers #(
   assign value = wdata_i[31:0];
   assign taken = busy_i ? taken_i : '0;
   assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
-      value >= taken && value - taken <= (wide_i ? bvh_pkg::RAYS / 2 : bvh_pkg::RAYS);
+      value >= taken && value - taken <= (wide_i ? CONFIG.ray_places / 2 : CONFIG.ray_places);
   // In DDR, nodes and slots end before its end.
   localparam logic [63:0] DDR_WORDS = 64'(CONFIG.ddr_slots) * 64'(records_pkg::DDR_WORDS);
   logic in_ddr;
   assign in_ddr = CONFIG.node_cache == 0 || (64'(bases_q[0]) + 64'(nodes_q) * bvh_pkg::NODE_WORDS <= DDR_WORDS &&
       64'(bases_q[1]) + 64'(slots_q) <= DDR_WORDS && 64'(bases_q[2]) + 64'(slots_q) <= DDR_WORDS);
-  assign good_o = {nodes_q <= config_pkg::chip_nodes(CONFIG), ray_count_q != 0, nodes_q <= NODES &&
+  assign good_o = {CONFIG.node_cache == 0, ray_count_q != 0, nodes_q <= NODES &&
       first_node_q < nodes_q && slots_q != 0 && slots_q <= bvh_pkg::SLOTS_PER_NODE * NODES && in_ddr};
 
   function automatic logic [31:0] saturated(input logic [63:0] x);
@@ -79,7 +79,7 @@ module bvh_registers #(
   always_comb begin
     caps = '0;
     caps.nodes = 32'(NODES);
-    caps.rays = 16'(bvh_pkg::RAYS);
+    caps.rays = 16'(CONFIG.ray_places);
     caps.slots_per_node = 8'(bvh_pkg::SLOTS_PER_NODE);
     caps.pinned_bits = (CONFIG.node_cache != 0) ? 8'($clog2(CONFIG.pinned_nodes)) : 8'hff;
   end

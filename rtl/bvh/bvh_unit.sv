@@ -3,7 +3,7 @@
 // memories, with a cache also in DDR (node_reader.sv). Secondaries come from DDR. Records carry the primaries' numbers
 // and come in the order found.
 // A pass ends when every primary has its record, or with a fault if the memory holds no valid BVH.
-// A pass without primaries refits the boxes of the nodes (refit.sv).
+// A pass without primaries refits the boxes of the nodes (refit.sv), if all are on chip.
 // Latency: see traversal.sv.
 // Throughput: see traversal.sv; a primary takes four beats of the bus.
 // Stall: the record ring.
@@ -55,6 +55,11 @@ module bvh_unit #(
     output logic [LEAF-1:0][31:0] unmoved_o,
     input logic [LEAF-1:0][31:0] moved_i,
 
+    // The lane, with SHARED_LANE and gates, and its turn.
+    input logic [1:0] turn_i,
+    output card_pkg::lane_operands_t lane_o,
+    input card_pkg::lane_results_t lane_i,
+
     input logic sram_full_i,
     input logic [31:0] sram_count_i,
     output logic write_o,
@@ -64,6 +69,7 @@ module bvh_unit #(
   localparam int NODES = config_pkg::chip_nodes(CONFIG);
   localparam int NW = $clog2(NODES);
   localparam bit CACHED = CONFIG.node_cache != 0;
+  localparam int CONTEXTS = CONFIG.contexts;
   localparam int CX = $clog2(CONTEXTS);
   localparam int TAG = `AT_BITS(CX) + 1;
   localparam int T_TRANSFORM = pairs_pkg::transform_latency(CONFIG.pairs, CONFIG.swap != 0, CONFIG.transform,
@@ -147,7 +153,9 @@ module bvh_unit #(
   assign ray_pop = ray_valid && (ray_bad ? bad_ready : ray_ready);
 
   // ---- Traversal ----
-  logic fetch_valid, fetch_ready, fetched_valid, leaf_ready, hits_free;
+  card_pkg::ddr_request_t [UNITS-1:0] node_ddr;
+  logic [UNITS-1:0] node_ddr_ready, node_ddr_valid, node_outstanding;
+  logic fetch_valid, fetch_ready, fetched_valid, one_valid, one_last, leaf_ready, hits_free;
   logic [PLACE-1:0] fetch_slot;
   logic [TAG-1:0] fetch_tag, fetched_tag;
   logic [1:0][LEAF-1:0][31:0] fetched;
@@ -165,7 +173,7 @@ module bvh_unit #(
       GOAL_HITS : mode_q;
   traversal #(
       .CONTEXTS(CONTEXTS), .UNITS(UNITS), .CYCLES(CONFIG.node_cycles), .PINNED(NODES), .LINES(CONFIG.node_cache),
-      .WAYS(CONFIG.node_ways), .TRAVERSALS(TRAVERSALS),
+      .WAYS(CONFIG.node_ways), .TRAVERSALS(TRAVERSALS), .SERIAL(CONFIG.shared_lane),
       .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals), .LAT(CONFIG.lat), .ARITH(config_pkg::arith(CONFIG.host))
   ) traversal (
       .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
@@ -175,7 +183,9 @@ module bvh_unit #(
       .ahead_i(ray_count <= AHEAD),
       .ray_valid_i(ray_valid && !ray_bad), .ray_ready_o(ray_ready), .ray_i(ray), .number_i(ray_number),
       .fetch_valid_o(fetch_valid), .fetch_ready_i(fetch_ready), .fetch_slot_o(fetch_slot), .fetch_tag_o(fetch_tag),
-      .fetched_valid_i(fetched_valid && !refitting), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index),
+      .fetched_valid_i((CONFIG.shared_lane != 0 ? one_valid : fetched_valid) && !refitting),
+      .fetched_last_i(one_last), .fetched_tag_i(fetched_tag), .fetched_i(fetched), .index_i(index), .turn_i, .lane_o,
+      .lane_i,
       .tested_o(tested), .hit_o(hit), .hit_number_o(hit_number), .hit_t_o(hit_t), .hit_point_o(hit_point),
       .hit_index_o(hit_index), .record_valid_o(record_valid), .record_ready_i(record_ready), .number_o(number),
       .found_o(found), .f_o(f), .t_o(t), .point_o(point), .index_o(best_index), .events_o(events), .deepest_o(deepest),
@@ -210,11 +220,10 @@ module bvh_unit #(
       .ddr_words_o(ddr_words_o[0]), .slot_ddr_o(slot_ddr), .slot_ddr_ready_i(slot_ddr_ready),
       .slot_ddr_valid_i(slot_ddr_valid), .outstanding_o(leaves_outstanding), .transform_entry_o, .moving_o,
       .clk_moving_i, .unmoved_o, .moved_i, .valid_o(fetched_valid), .tag_o(fetched_tag),
+      .one_valid_o(one_valid), .one_last_o(one_last),
       .words_o(fetched), .index_o(index), .fault_o(leaf_fault), .fault_kind_o(leaf_fault_kind),
       .fault_place_o(leaf_place), .corrected_o(slot_corrected));
 
-  card_pkg::ddr_request_t [UNITS-1:0] node_ddr;
-  logic [UNITS-1:0] node_ddr_ready, node_ddr_valid, node_outstanding;
   assign outstanding = leaves_outstanding || node_outstanding != 0;
   if (CACHED) begin : g_readers
     assign ddr_o[READERS-1:1] = {node_ddr, slot_ddr};
@@ -227,22 +236,29 @@ module bvh_unit #(
     assign unused_ddr = &{1'b0, node_ddr, slot_ddr, bases};
   end
 
-  // ---- Refit ----
+  // ---- Refit. The card cannot refit nodes in DDR ----
   logic clk_refit, refit_comes, refit_start_q, refit_rst, refit_busy, refit_read, refit_writes, refit_done, refit_bad;
   logic [PLACE-1:0] refit_bad_slot;
   assign refit_rst = rst_i || !refitting;
   assign refit_write = refit_writes && refitting;  // an aborted refit stops in any state, so its outputs are masked
-  assign refit_comes = state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT;
-  clock_gate gate_refit (.clk_i(clk_core_i), .enable_i(refit_comes | refitting | rst_i), .clk_o(clk_refit));
-  refit #(.CONTEXTS(REFIT_CONTEXTS)) boxes (
-      .clk_i(clk_refit), .rst_i(refit_rst), .start_i(refit_start_q), .first_node_i(first_node[PLACE-1:0]),
-      .node_count_i(nodes[PLACE-1:0]), .busy_o(refit_busy), .done_o(refit_done), .bad_o(refit_bad),
-      .bad_slot_o(refit_bad_slot), .read_o(refit_read), .read_at_o(refit_read_at), .node_i(node[0]),
-      .write_o(refit_writes), .write_at_o(refit_write_at), .node_o(refitted), .fetch_valid_o(refit_fetch),
-      .fetch_ready_i(leaf_ready && refitting), .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag),
-      .fetched_valid_i(fetched_valid && refitting), .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]),
-      .fetched_i(triangles));
   assign triangles = {fetched[1][BEAT-1:0], fetched[0][BEAT-1:0]};
+  if (CACHED) begin : g_no_refit
+    assign {clk_refit, refit_comes, refit_busy, refit_read, refit_writes, refit_done, refit_bad, refit_fetch} = '0;
+    assign {refit_bad_slot, refit_read_at, refit_write_at, refitted, refit_slot, refit_tag} = '0;
+    logic unused_triangles;
+    assign unused_triangles = &{1'b0, triangles, clk_refit, refit_start_q, fetched_tag};
+  end else begin : g_refit
+    assign refit_comes = state_q == IDLE && valid_i && pass_i.mode == registers_pkg::MODE_REFIT;
+    clock_gate gate_refit (.clk_i(clk_core_i), .enable_i(refit_comes | refitting | rst_i), .clk_o(clk_refit));
+    refit #(.CONTEXTS(REFIT_CONTEXTS)) boxes (
+        .clk_i(clk_refit), .rst_i(refit_rst), .start_i(refit_start_q), .first_node_i(first_node[PLACE-1:0]),
+        .node_count_i(nodes[PLACE-1:0]), .busy_o(refit_busy), .done_o(refit_done), .bad_o(refit_bad),
+        .bad_slot_o(refit_bad_slot), .read_o(refit_read), .read_at_o(refit_read_at), .node_i(node[0]),
+        .write_o(refit_writes), .write_at_o(refit_write_at), .node_o(refitted), .fetch_valid_o(refit_fetch),
+        .fetch_ready_i(leaf_ready && refitting), .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag),
+        .fetched_valid_i(fetched_valid && refitting), .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]),
+        .fetched_i(triangles));
+  end
   logic unused;
   assign unused = &{1'b0, refit_busy, refit_read_at, first_node};
 

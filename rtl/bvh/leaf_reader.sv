@@ -56,8 +56,10 @@ module leaf_reader #(
     output logic [WORDS-1:0][31:0] unmoved_o,
     input logic [WORDS-1:0][31:0] moved_i,
 
-    output logic valid_o,
+    output logic valid_o,  // a whole leaf
     output logic [TAG-1:0] tag_o,
+    output logic one_valid_o,  // each secondary: words_o[1] and index_o[1], with tag_o
+    output logic one_last_o,
     output logic [1:0][WORDS-1:0][31:0] words_o,
     output logic [1:0][31:0] index_o,
     output logic fault_o,  // a slot, or the secondary or object in it, does not exist
@@ -111,6 +113,7 @@ module leaf_reader #(
   logic [TAG_W-1:0] tags[DEPTH];
   assign ddr_o.valid = requested && !fault_o && (half_q || outstanding != (DW + 1)'(DEPTH));
   assign ddr_o.word = index * 32'(words_i) + (half_q ? BEAT : 0);
+  assign ddr_o.words = half_q ? 4'(32'(words_i) - BEAT) : wide ? 4'(BEAT) : 4'(words_i);
   assign outstanding = write_q - read_q;
   assign outstanding_o = outstanding != 0 || ddr_o.valid || slots_outstanding;  // includes this cycle's requests
   always_ff @(posedge clk_i) begin
@@ -184,6 +187,8 @@ module leaf_reader #(
   end
   assign valid_o = valid && last && !clear_i;
   assign tag_o = tag;
+  assign one_valid_o = valid && !clear_i;
+  assign one_last_o = last;
   assign words_o = first_q ? {moved, words_q} : {2{moved}};
   assign index_o = first_q ? {index_now, first_index_q} : {2{index_now}};
 

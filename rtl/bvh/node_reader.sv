@@ -143,14 +143,16 @@ module node_reader #(
     line_t written;
     logic [WAYS-1:0] write, match, waited, used, valid;
     for (genvar w = 0; w < WAYS; w++) begin : way
-      line_t lines[SETS];
-      line_t line_q;
+      (* ram_style = "block" *) line_t lines[SETS];
+      line_t line_q, written_q;
+      logic new_q;  // the set was written in the cycle of its read
       always_ff @(posedge clk_i) begin
-        if (!cleared) lines[clear_q[SW-1:0]] <= '0;
-        else if (write[w]) lines[set] <= written;
-        line_q <= (write[w] && look_set == set) ? written : lines[look_set];
+        if (!cleared || write[w]) lines[cleared ? set : clear_q[SW-1:0]] <= cleared ? written : '0;
+        line_q <= lines[look_set];
+        written_q <= written;
+        new_q <= write[w] && look_set == set;
       end
-      assign found[w] = line_q;
+      assign found[w] = new_q ? written_q : line_q;
       assign valid[w] = found[w].valid;
       assign match[w] = valid[w] && found[w].tag == look_place_q[PLACE-1:SW];
       assign waited[w] = valid[w] && NUMBER'(found[w].last - head_q) < NUMBER'(count);
@@ -233,6 +235,7 @@ module node_reader #(
         .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(parked.line), .free_o(), .count_o(),
         .rdata_o(fill), .read_i(ddr_second));
     assign ddr_o.valid = requests != 0 && !rst;
+    assign ddr_o.words = 4'(BEAT);
     assign ddr_o.word = base_i + {32'(request) << 4} + {32'(request) << 1} + (asked_half_q ? BEAT : 0);
     assign asked = ddr_o.valid && ddr_ready_i;
     assign ddr_second = ddr_valid_i && half_q && !rst;

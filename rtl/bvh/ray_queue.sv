@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Queue of a pass's primaries, a ring in memory that the bus writes. Primary n is at byte 32 (n mod RAYS). A primary of
 // more than 8 words is at 64 (n mod RAYS / 2). The unit takes primaries up to the number that the host has provided.
-// Each primary is checked against the input contract.
+// Each primary is checked against the input contract, while it waits in a queue.
 // Latency: 2 cycles plus shape_check's.
 // Throughput: one primary per cycle.
 // Stall: pop_i.
 module ray_queue #(
     parameter config_pkg::config_t CONFIG,
-    parameter int RAYS = bvh_pkg::RAYS,
+    localparam int RAYS = CONFIG.ray_places,
     localparam ARITH = config_pkg::arith(CONFIG.host),
     localparam bvh_pkg::traversals_t TRAVERSALS = bvh_pkg::card_traversals(CONFIG),
     localparam int WORDS = bvh_pkg::traverser_words(TRAVERSALS),
@@ -32,9 +32,9 @@ module ray_queue #(
   localparam int T_CHECK = config_pkg::check_latency(CONFIG.lat);
   localparam int DEPTH = 1 << $clog2(T_CHECK + 4);
   localparam int DW = $clog2(DEPTH);
-  logic [DW:0] places_q, queue_count;
+  logic [DW:0] places_q, checked_count;
   logic unused;
-  assign unused = &{1'b0, addr_i, queue_count, traversal_i};
+  assign unused = &{1'b0, addr_i, checked_count, traversal_i};
   logic [31:0] next_q;  // next primary to take
   logic [WORDS-1:0][31:0] place;
   if (WORDS > bvh_pkg::PLACE_WORDS) begin : g_wide
@@ -61,8 +61,8 @@ module ray_queue #(
 
   // ---- At most as many primaries are under way as the queue has places ----
   logic request, requested_q, checked;
-  logic [31:0] number_q, number;
-  logic [WORDS-1:0][31:0] ray_q, ray;
+  logic [31:0] number_q;
+  logic [WORDS-1:0][31:0] ray_q;
   assign request = next_q != provided_i && places_q != 0;
   always_ff @(posedge clk_i) begin
     ray_q <= place;
@@ -99,10 +99,12 @@ module ray_queue #(
   end
   assign bad = ((TRAVERSALS & (TRAVERSALS - 1)) == 0) ? bad_of != '0 :
       bad_of[bvh_pkg::traverser_shape(int'(traversal_i))];
-  pipe_delay #(.W((1 + WORDS) * 32), .TO(T_CHECK)) delay_ray (.clk_i, .d_i({number_q, ray_q}), .q_o({number, ray}));
   pipe_delay_valid #(.TO(T_CHECK)) delay_requested (.clk_i, .rst_i, .valid_i(requested_q), .valid_o(checked));
-  sync_fifo #(.W(1 + (1 + WORDS) * 32), .DEPTH(DEPTH)) queue (
-      .clk_i, .rst_i, .write_i(checked), .wdata_i({bad, number, ray}), .free_o(), .count_o(queue_count),
-      .rdata_o({bad_o, number_o, ray_o}), .read_i(pop_i));
-  assign valid_o = queue_count != 0;
+  sync_fifo #(.W((1 + WORDS) * 32), .DEPTH(DEPTH)) queue (
+      .clk_i, .rst_i, .write_i(requested_q), .wdata_i({number_q, ray_q}), .free_o(), .count_o(),
+      .rdata_o({number_o, ray_o}), .read_i(pop_i));
+  sync_fifo #(.W(1), .DEPTH(DEPTH)) queue_checked (
+      .clk_i, .rst_i, .write_i(checked), .wdata_i(bad), .free_o(), .count_o(checked_count), .rdata_o(bad_o),
+      .read_i(pop_i));
+  assign valid_o = checked_count != 0;
 endmodule

@@ -107,6 +107,7 @@ module slot_reader #(
     assign last_asked = asked && half_q == objects;
     assign ready_o = (!asking_q || last_asked) && under_way_q != (DW + 1)'(DEPTH);
     assign ddr_o.valid = asking_q && !rst;
+    assign ddr_o.words = 4'd2;
     // A slot beyond the last is not read beyond DDR. The output beyond_o tells of it.
     assign ddr_o.word = base_i[half_q] + ((32'(asking_slot_q) < slots_i) ? 32'(asking_slot_q) : '0);
     always_ff @(posedge clk_i) begin

@@ -22,6 +22,8 @@ module traversal #(
     parameter int LINES = 0,       // of each unit's cache
     parameter int WAYS = 4,
     parameter bvh_pkg::traversals_t TRAVERSALS = 1,  // bvh_pkg::card_traversals
+    // 0, or cycles per secondary of one lane (CONFIG's SHARED_LANE). With gates the lane is outside.
+    parameter int SERIAL = 0,
     parameter int ALGORITHM = 0,   // ray-triangle: pairs_pkg::ALGORITHM_*
     parameter int NORMALS = 0,     // 1: solids have normals
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
@@ -64,10 +66,16 @@ module traversal #(
     input logic fetch_ready_i,
     output logic [bvh_pkg::PLACE-1:0] fetch_slot_o,
     output logic [TAG-1:0] fetch_tag_o,  // its lowest bit: two secondaries
+    // With SERIAL it comes with each secondary, in fetched_i[1] and index_i[1].
     input logic fetched_valid_i,
+    input logic fetched_last_i,  // with SERIAL: the leaf's last secondary
     input logic [TAG-1:0] fetched_tag_i,
     input logic [LANES-1:0][LEAF-1:0][31:0] fetched_i,
     input logic [LANES-1:0][31:0] index_i,
+    // The lane outside, and the turn in which it is.
+    input logic [1:0] turn_i,
+    output card_pkg::lane_operands_t lane_o,
+    input card_pkg::lane_results_t lane_i,
     // Hits of goal hits, as they are found. Never back-pressured: fetch_ready_i reserves space for the hits of every
     // outstanding leaf request.
     output logic tested_o,  // a leaf has been tested; hit_o are its hits
@@ -111,21 +119,21 @@ module traversal #(
     logic [POINTS-1:0][31:0] point;
     logic [31:0] index;
   } best_t;
-  logic [WORDS-1:0][31:0] rays[CONTEXTS];
-  logic [31:0] numbers[CONTEXTS];
-  best_t bests[CONTEXTS];
+  (* ram_style = "block" *) logic [WORDS-1:0][31:0] rays[CONTEXTS];
+  (* ram_style = "block" *) logic [31:0] numbers[CONTEXTS];
+  (* ram_style = "block" *) best_t bests[CONTEXTS];
 
   // ---- Ray input ----
   logic [CX:0] fresh_q;  // contexts that never had a primary
   logic [CX:0] free_count;
   logic [CX-1:0] free, taken;
-  logic take, keep_valid, record_read;
-  logic [CX-1:0] done;
+  logic take, front_ready, keep_valid, record_read;
+  logic [CX-1:0] done;  // of the record
   sync_fifo #(.W(CX), .DEPTH(CONTEXTS)) queue_free (
       .clk_i, .rst_i, .write_i(record_read), .wdata_i(done), .free_o(), .count_o(free_count), .rdata_o(free),
       .read_i(take && fresh_q[CX]));
   assign taken = fresh_q[CX] ? free : fresh_q[CX-1:0];
-  assign ray_ready_o = (!fresh_q[CX] || free_count != 0) && !keep_valid;
+  assign ray_ready_o = (!fresh_q[CX] || free_count != 0) && !keep_valid && front_ready;
   assign take = ray_valid_i && ray_ready_o;
   always_ff @(posedge clk_i) begin
     if (take && !fresh_q[CX]) fresh_q <= fresh_q + 1;
@@ -142,8 +150,13 @@ module traversal #(
   function automatic bit ray_front_kind(input int kind);
     ray_front_kind = kind == FRONT_RAY_SPHERE || kind == pairs_pkg::SHAPE_RAY;
   endfunction
+  // With two cycles per node, rays that meet triangles share the operators of ray_front_shared.sv.
+  function automatic bit shares_front(input int kind);
+    shares_front = CYCLES == 2 && kind == pairs_pkg::SHAPE_RAY;
+  endfunction
   function automatic int t_front_of(input int kind);
-    t_front_of = ray_front_kind(kind) ? `RAY_T_FRONT(front_leaf(kind)) : `SOLID_T_FRONT(kind);
+    t_front_of = shares_front(kind) ? `FRONT_T_SHARED :
+        ray_front_kind(kind) ? `RAY_T_FRONT(front_leaf(kind)) : `SOLID_T_FRONT(kind);
   endfunction
   function automatic int slowest_front();
     slowest_front = 0;
@@ -157,6 +170,19 @@ module traversal #(
   logic [CX-1:0] front_context;
   logic [$clog2(FRONTS)-1:0] kind;
   assign kind = ($clog2(FRONTS))'(front_kind(int'(traversal_i)));
+  // A shared front starts in phase 0. One ray waits for it.
+  logic [$clog2(`FRONT_CYCLES)-1:0] phase_q;
+  logic shared, start, waits_q;
+  logic [CX-1:0] starting, waiting_q;
+  assign shared = shares_front(ONE ? front_kind($clog2(TRAVERSALS)) : int'(kind));
+  assign front_ready = !shared || !waits_q;
+  assign start = shared ? phase_q == '0 && waits_q : take;
+  assign starting = shared ? waiting_q : taken;
+  always_ff @(posedge clk_i) begin
+    phase_q <= rst_i ? '0 : phase_q + 1'b1;
+    waits_q <= !rst_i && shared && (take || (waits_q && !start));
+    if (take) waiting_q <= taken;
+  end
   for (genvar k = 0; k < FRONTS; k++) begin : front_of
     if (has_front(TRAVERSALS, k)) begin : g_present
       localparam int F_WORDS = ray_front_kind(k) ? 6 : pairs_pkg::shape_words(k);
@@ -172,7 +198,13 @@ module traversal #(
         clock_gate gate (.clk_i, .enable_i(take && (ONE || int'(kind) == k)), .clk_o(clk));
         always_ff @(posedge clk) words <= {root_i, ray_i[F_WORDS-1:0]};
       end
-      if (ray_front_kind(k)) begin : g_ray
+      if (shares_front(k) && ARITH == "rtl") begin : g_shared
+        logic leaves;
+        pipe_delay_valid #(.TO(T_OWN)) delay_leaves (.clk_i, .rst_i, .valid_i(start), .valid_o(leaves));
+        ray_front_shared #(.LAT(LAT)) of_ray (
+            .clk_i, .rst_i, .phase_i(phase_q), .enter_i(take), .leave_i(leaves), .ray_i(words[5:0]),
+            .root_i(words[12:6]), .r_o(now));
+      end else if (ray_front_kind(k)) begin : g_ray
         ray_front #(
             .LEAF(front_leaf(k)), .LANES(1), .LAT(LAT), .ARITH(ARITH)
         ) of_ray (
@@ -190,8 +222,8 @@ module traversal #(
     end
   end
   assign front = ONE ? fronts[front_kind($clog2(TRAVERSALS))] : fronts[kind];
-  pipe_delay #(.W(CX), .TO(T_FRONT)) delay_taken (.clk_i, .d_i(taken), .q_o(front_context));
-  pipe_delay_valid #(.TO(T_FRONT)) delay_take (.clk_i, .rst_i, .valid_i(take), .valid_o(front_valid));
+  pipe_delay #(.W(CX), .TO(T_FRONT)) delay_taken (.clk_i, .d_i(starting), .q_o(front_context));
+  pipe_delay_valid #(.TO(T_FRONT)) delay_take (.clk_i, .rst_i, .valid_i(start), .valid_o(front_valid));
 
   // ---- Banks ----
   logic [UNITS-1:0] leaf_valid, leaf_ready, done_valid, done_ready, reads, cached, fetched;
@@ -226,11 +258,13 @@ module traversal #(
         .visits_o(reads[u]), .level_o(levels[u]), .fault_o(faults[u]), .fault_place_o(fault_places[u]));
   end
   // Round-robin arbiter of the banks.
+  logic leaf_room;  // for the secondaries of a leaf
+  logic done_move;  // a finished primary goes to the record
   logic [UNITS-1:0] leaf_grant, done_grant;
   rr_arbiter #(.N(UNITS)) leaf_arbiter (
-      .clk_i, .rst_i, .request_i(leaf_valid), .taken_i(fetch_ready_i), .grant_o(leaf_grant));
+      .clk_i, .rst_i, .request_i(leaf_valid), .taken_i(fetch_ready_i && leaf_room), .grant_o(leaf_grant));
   rr_arbiter #(.N(UNITS)) done_arbiter (
-      .clk_i, .rst_i, .request_i(done_valid), .taken_i(record_ready_i), .grant_o(done_grant));
+      .clk_i, .rst_i, .request_i(done_valid), .taken_i(done_move), .grant_o(done_grant));
 
   // ---- Leaves ----
   visit_t leaves;
@@ -238,10 +272,10 @@ module traversal #(
     leaves = '0;
     for (int u = 0; u < UNITS; u++) if (leaf_grant[u]) leaves = leaf[u];
   end
-  assign fetch_valid_o = leaf_valid != '0;
+  assign fetch_valid_o = leaf_valid != '0 && leaf_room;
   assign fetch_slot_o = leaves.place;
   assign fetch_tag_o = {leaves.at, leaves.two};
-  assign leaf_ready = leaf_grant & {UNITS{fetch_ready_i}};
+  assign leaf_ready = leaf_grant & {UNITS{fetch_ready_i && leaf_room}};
   logic [1:0] tested_now;
   logic [LANES-1:0] f, present;
   logic [LANES-1:0][31:0] t, key, index;
@@ -249,11 +283,33 @@ module traversal #(
   at_t keep_at_next;
   logic unused_next;
   assign unused_next = &{1'b0, keep_at_next.level, keep_at_next.fresh};
+  logic serial_valid, serial_last;
+  logic [TAG-1:0] serial_tag;
+  logic [LANES-1:0][LEAF-1:0][31:0] serial;
+  logic [LANES-1:0][31:0] serial_index;
+  if (SERIAL != 0) begin : g_serial
+    leaf_queue #(.WORDS(LEAF), .TAG(TAG), .TURNS(SERIAL)) one_by_one (
+        .clk_i, .rst_i, .turn_i, .room_o(leaf_room), .leaf_i(fetch_valid_o && fetch_ready_i), .two_i(fetch_tag_o[0]),
+        .valid_i(fetched_valid_i), .last_i(fetched_last_i), .tag_i(fetched_tag_i), .words_i(fetched_i[1]),
+        .index_i(index_i[1]), .valid_o(serial_valid), .last_o(serial_last), .tag_o(serial_tag), .words_o(serial[0]),
+        .index_o(serial_index[0]));
+    assign {serial[1], serial_index[1]} = '0;
+    logic unused_first;
+    assign unused_first = &{1'b0, fetched_i[0], index_i[0]};
+  end else begin : g_at_once
+    assign leaf_room = 1'b1;
+    assign {serial_valid, serial_last, serial_tag} = {fetched_valid_i, 1'b1, fetched_tag_i};
+    assign {serial, serial_index} = {fetched_i, index_i};
+    logic unused_last;
+    assign unused_last = &{1'b0, fetched_last_i, turn_i};
+  end
   leaf_pairs #(
-      .TRAVERSALS(TRAVERSALS), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT(LAT), .ARITH(ARITH)
+      .TRAVERSALS(TRAVERSALS), .SERIAL(SERIAL), .ALGORITHM(ALGORITHM), .NORMALS(NORMALS), .AT($bits(at_t)), .LAT(LAT),
+      .ARITH(ARITH)
   ) pairs (
-      .clk_i, .rst_i, .traversal_i, .valid_i(fetched_valid_i), .at_i(fetched_tag_i[TAG-1:1]), .two_i(fetched_tag_i[0]),
-      .primary_i(rays[fetched_tag_i[TAG-1-:CX]]), .secondaries_i(fetched_i), .index_i, .tested_o(tested_now),
+      .clk_i, .rst_i, .traversal_i, .valid_i(serial_valid), .last_i(serial_last), .at_i(serial_tag[TAG-1:1]),
+      .two_i(serial_tag[0]), .primary_i(rays[serial_tag[TAG-1-:CX]]), .secondaries_i(serial), .index_i(serial_index),
+      .lane_o, .lane_i, .tested_o(tested_now),
       .next_o(keep_at_next), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .present_o(present), .t_o(t), .key_o(key),
       .point_o(point), .index_o(index));
 
@@ -291,7 +347,14 @@ module traversal #(
   // If a context runs ahead of its leaves, its leaves can follow each other directly.
   logic again;
   assign again = keep_valid && keep_at.context_ == keep_at_next.context_;
-  always_ff @(posedge clk_i) best_q <= again ? best : bests[keep_at_next.context_];
+  logic again_q;
+  best_t read_q, kept_q;
+  always_ff @(posedge clk_i) begin
+    read_q <= bests[keep_at_next.context_];
+    kept_q <= best;
+    again_q <= again;
+  end
+  assign best_q = again_q ? kept_q : read_q;
   always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_next.context_];
   assign tested_o = keep_valid;
   assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
@@ -321,16 +384,22 @@ module traversal #(
   always_ff @(posedge clk_i) if (keep_valid || take) bests[interval_context] <= keep_valid ? best : '0;
 
   // ---- Records ----
-  always_comb begin
-    done = '0;
-    for (int u = 0; u < UNITS; u++) if (done_grant[u]) done = dones[u];
-  end
-  assign record_valid_o = done_valid != '0;
-  assign done_ready = done_grant & {UNITS{record_ready_i}};
-  assign record_read = record_valid_o && record_ready_i;
-  assign number_o = numbers[done];
+  logic [CX-1:0] done_next;
   best_t answer;
-  assign answer = bests[done];
+  always_comb begin
+    done_next = '0;
+    for (int u = 0; u < UNITS; u++) if (done_grant[u]) done_next = dones[u];
+  end
+  assign done_move = !record_valid_o || record_ready_i;
+  assign done_ready = done_grant & {UNITS{done_move}};
+  assign record_read = record_valid_o && record_ready_i;
+  always_ff @(posedge clk_i) begin
+    if (done_move) begin
+      record_valid_o <= done_valid != '0;
+      {done, number_o, answer} <= {done_next, numbers[done_next], bests[done_next]};
+    end
+    if (rst_i) record_valid_o <= 1'b0;
+  end
   assign found_o = answer.f;
   assign f_o = answer.f && (!is_solid || goal_i != GOAL_NEAREST || answer.t[31]);
   assign t_o = is_solid ? answer.t & ~SIGN : answer.t;

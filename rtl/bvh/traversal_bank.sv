@@ -71,9 +71,9 @@ module traversal_bank #(
   localparam int LW = $clog2(LEVELS);
   localparam int BANK = CX - CB;  // bits that select the bank
 
-  logic [8:0][31:0] fronts[CONTEXTS];
-  logic [31:0] floors[CONTEXTS], limits[CONTEXTS];
-  group_t groups[CONTEXTS*LEVELS];
+  (* ram_style = "block" *) logic [8:0][31:0] fronts[CONTEXTS];
+  (* ram_style = "block" *) logic [31:0] floors[CONTEXTS], limits[CONTEXTS];
+  (* ram_style = "block" *) group_t groups[CONTEXTS*LEVELS];
   logic [3:0] nexts[CONTEXTS*LEVELS];  // visited children of a group; not used for a fresh group, which has one
   always_ff @(posedge clk_i) begin
     if (front_valid_i) fronts[front_context_i[CX-1:BANK]] <= front_i;

@@ -8,10 +8,8 @@ package bvh_pkg;
   localparam int LEVELS = 16;  // most levels of nodes: Bvh::kMostDepth
   localparam int MOST_NODES = 1 << 22;  // limit of a card's node memory
   localparam int SLOTS_PER_NODE = 8;  // entries of the slot memory per node
-  localparam int RAYS = 4096;  // places of the queue of primaries; an OBB or a triangle takes two
-  localparam int PLACE_WORDS = 8;
+  localparam int PLACE_WORDS = 8;  // of a place of the queue of primaries; an OBB or a triangle takes two places
   localparam int RAY_KEY = 12;  // bits of a key by which rays order and cull children
-  localparam int CONTEXTS = 256;  // primaries under way at a time
   localparam int AHEAD = 16;  // in a pass of at most this many primaries, contexts do not wait for their leaves
 
   // Kinds of children.

@@ -53,6 +53,7 @@ package card_pkg;
 
   // Read request of a DDR reader. It holds the request until it is taken, or withdraws it.
   typedef struct packed {
+    logic [3:0] words;  // of the beat in use
     logic valid;
     logic [31:0] word;  // address in words
   } ddr_request_t;
@@ -79,6 +80,19 @@ package card_pkg;
     logic parity;  // buffer parity of the pass
     logic [7:0] primary;
   } writeback_t;
+
+  // A lane that brute-force passes and leaves of a BVH share: a ray and a triangle, and the pipe's results.
+  typedef struct packed {
+    logic valid;  // leaves use the lane in this pass
+    logic [7:0][31:0] ray;
+    logic [8:0][31:0] triangle;
+  } lane_operands_t;
+  typedef struct packed {
+    logic [31:0] f;
+    logic [31:0] t;
+    logic [2:0][31:0] point;
+    logic [15:0] latency;
+  } lane_results_t;
 
   // Between the PCI clock and the core clock: requests for the local bus, in order, and their responses.
   typedef struct packed {

@@ -23,6 +23,10 @@
 //   NODE_CACHE    0: all nodes and slots are on chip. Else the nodes in the cache of each traversal unit, a power of
 //                 two. The first PINNED_NODES nodes, a power of two, are on chip, and others and slots are in DDR.
 //   NODE_WAYS     Ways of the cache, a power of two from 2.
+//   CONTEXTS      Primaries that traverse a BVH at a time, a power of two from 16 to 256.
+//   SHARED_LANE   0, or 1, 2 or 4: brute-force passes and leaves of a BVH share one lane, which takes a row per so many
+//                 cycles (ray_triangle_shared.sv). It needs LANES = 1, BOX = 1, and ray-triangle as the only pair.
+//   RAY_PLACES    Places of the queue of primaries of BVH passes, a power of two from 64.
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected.
 //   LAT_*         Cycles of the operators; in the structure `lat`.
 //   ARITH         Gates ("rtl") or the simulating processor's arithmetic ("host"); field `host`, 0 or 1.
@@ -54,6 +58,9 @@
     parameter int NODE_CACHE = 0, \
     parameter int NODE_WAYS = 4, \
     parameter int PINNED_NODES = 4096, \
+    parameter int CONTEXTS = 256, \
+    parameter int SHARED_LANE = 0, \
+    parameter int RAY_PLACES = 4096, \
     parameter int ECC = 0, \
     parameter int LAT_ADD = 1, \
     parameter int LAT_MUL = 1, \
@@ -66,8 +73,8 @@
 
 `define CARD_CONFIG {EXP, MAN, LANES, PRIMARIES, PAIRS, ALGORITHM, BOX, SWAP, NORMALS, PARALLEL, SAT_II, \
     FILTER_EXP, FILTER_MAN, TRANSFORM, OBJECTS, PRIM_OBJECTS, TRAVERSAL_UNITS, NODES, NODE_CYCLES, NODE_CACHE, \
-    NODE_WAYS, PINNED_NODES, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, 32'(ARITH != "rtl"), DDR_SLOTS, \
-    SRAM_RECORDS, CONFIG_HASH}
+    NODE_WAYS, PINNED_NODES, CONTEXTS, SHARED_LANE, RAY_PLACES, ECC, LAT_ADD, LAT_MUL, LAT_DIV, LAT_SQRT, LAT_CMP, \
+    32'(ARITH != "rtl"), DDR_SLOTS, SRAM_RECORDS, CONFIG_HASH}
 
 `define CARD_FIELDS \
     int exp; \
@@ -92,6 +99,9 @@
     int node_cache; \
     int node_ways; \
     int pinned_nodes; \
+    int contexts; \
+    int shared_lane; \
+    int ray_places; \
     int ecc; \
     latency_pkg::latency_t lat; \
     int host; \

@@ -41,6 +41,19 @@ module config_check #(
       g_node_cache
     $error("board: NODE_CACHE, NODE_WAYS and PINNED_NODES must be powers of two, see config.svh");
   end
+  if (CONFIG.contexts < 16 || CONFIG.contexts > 256 || (CONFIG.contexts & (CONFIG.contexts - 1)) != 0) begin :
+      g_contexts
+    $error("board: CONTEXTS must be a power of two from 16 to 256");
+  end
+  if (CONFIG.shared_lane != 0 && ((CONFIG.shared_lane != 1 && CONFIG.shared_lane != 2 && CONFIG.shared_lane != 4) ||
+      CONFIG.lanes != 1 || CONFIG.traversal_units == 0 || CONFIG.pairs != 1 << pairs_pkg::PAIR_RAY_TRIANGLE ||
+      CONFIG.algorithm != 0 || CONFIG.box != 1 || CONFIG.swap != 0 || CONFIG.parallel != 0)) begin : g_shared_lane
+    $error("board: SHARED_LANE must be 0, 1, 2 or 4; it needs LANES = 1, traversal units and ray-triangle alone");
+  end
+  if (CONFIG.ray_places < 64 || CONFIG.ray_places > 4096 || (CONFIG.ray_places & (CONFIG.ray_places - 1)) != 0) begin :
+      g_ray_places
+    $error("board: RAY_PLACES must be a power of two from 64 to 4096");
+  end
   if (CONFIG.transform < pairs_pkg::TRANSFORM_NONE || CONFIG.transform > pairs_pkg::TRANSFORM_BOTH ||
       (CONFIG.transform != pairs_pkg::TRANSFORM_NONE &&
        (CONFIG.objects < 2 || CONFIG.objects > 2048 || CONFIG.prim_objects < 2 ||

@@ -55,6 +55,10 @@ package config_pkg;
   function automatic int bvh_readers(input config_t card);
     bvh_readers = (card.traversal_units == 0) ? 0 : (card.node_cache != 0) ? 2 + card.traversal_units : 1;
   endfunction
+  // The lane of brute-force passes is also the leaves' lane. Host arithmetic has a pipe for each.
+  function automatic bit shares_lane(input config_t card);
+    shares_lane = card.shared_lane != 0 && card.host == 0;
+  endfunction
   function automatic int index_bits(input int n);  // bits that distinguish n values, at least one
     index_bits = (n > 1) ? $clog2(n) : 1;
   endfunction

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clock gate: passes the clock while it is enabled, without glitches. The enable comes from registers of `clk_i` and
-// counts for the next rising edge. Logic behind it costs neither power nor simulation time while it is idle. Its
-// registers keep their values, so a gate must not be replaced by a wire.
+// counts for the next rising edge. Logic behind it costs neither power nor simulation time while it is idle.
 //   "latch"   a latch that is open while the clock is low, and an AND. For simulation. ASIC flows put the library's
 //             integrated clock gate (ICG) here, as for the same form where they infer it.
 //   "bufgce"  AMD's clock buffer with enable. For FPGAs, for the few gates of whole units.
 //   "enable"  an AND with the attribute `gated_clock`. For FPGAs: the tool makes it the enable of the registers behind
 //             it (Vivado: synth_design -gated_clock_conversion auto; Synplify: fix_gated_and_generated_clocks).
+//   "open"    a wire. For FPGAs with few clock trees. Registers then change while their unit is idle, but no result
+//             depends on them.
 // GATE is chosen once per chip, by the macro CDE_CLOCK_GATE, which every tool can define, or at an instance.
 // Latency: none.
 // Throughput: not applicable.
@@ -31,7 +32,11 @@ module clock_gate #(
     (* gated_clock = "true" *) logic gated;
     assign gated = clk_i & enable_i;
     assign clk_o = gated;
+  end else if (GATE == "open") begin : g_open
+    logic unused_enable;
+    assign unused_enable = enable_i;
+    assign clk_o = clk_i;
   end else begin : g_illegal
-    $error("clock_gate: GATE must be latch, bufgce or enable");
+    $error("clock_gate: GATE must be latch, bufgce, enable or open");
   end
 endmodule

@@ -65,6 +65,9 @@ module collision_engine #(
     input logic secondary_bad_i,
     input logic [2:0] mode_i,
     input logic streaming_i,
+    input logic [1:0] turn_i,  // of a shared lane; rows enter in turn 0
+    input card_pkg::lane_operands_t leaf_i,  // leaves of a BVH in the lane, and their results
+    output card_pkg::lane_results_t leaf_o,
 
     output logic [1:0] valid_o,
     output logic [ROW_W-1:0] row_o,  // row of the first pair
@@ -137,13 +140,14 @@ module collision_engine #(
   logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary;
   for (genvar k = 0; k < PORTS; k++) begin : port
     assign latency[k] = pipe_latency[k] + 16'(MANY);  // the register in front of each of several pipes
-    logic ordered, late_valid, interval_ready;
+    logic ordered, late_valid, throttle_ready, interval_ready;
     issue_throttle #(.INTERVAL(TURNS ? SAT_II : 1)) interval (
         .clk_i, .rst_i, .take_i(issue_i.valid[k] && pairs_pkg::has(pairs_pkg::SAT_PAIRS, int'(pair[k]))),
-        .ready_o(interval_ready));
+        .ready_o(throttle_ready));
+    assign interval_ready = throttle_ready && turn_i == '0;
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row[k], issue_i.parity, index_i, secondary_bad_i};
-    issue_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
+    row_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
         .clk_i, .rst_i, .latency_i(ordered ? 16'd1 : latency[k]), .valid_i(issue_i.valid[k] && !ordered), .d_i(tag),
         .valid_o(late_valid), .q_o(late_tag));
     if (ANY_ORDERED) begin : g_order  // keeps the order, not the time
@@ -166,7 +170,7 @@ module collision_engine #(
     end
     if (ARITH != "rtl") begin : g_late
       logic unused_valid;
-      issue_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history_operands (
+      row_history #(.W(ROW_W + SEC_WORDS * CW), .DEPTH(HISTORY)) history_operands (
           .clk_i, .rst_i, .latency_i(ordered ? 16'd1 : pipe_latency[k]), .valid_i(issue_i.valid[k] && !ordered),
           .d_i({row[k], secondary_i}), .valid_o(unused_valid), .q_o({row_in[k], secondary[k]}));
     end else begin : g_early
@@ -216,6 +220,8 @@ module collision_engine #(
   end
   logic [HITS_W-1:0] new_hits[GROUPS];
   logic [1:0] uncertain[GROUPS];
+  card_pkg::lane_results_t leaf_results[GROUPS];
+  assign leaf_o = leaf_results[0];  // a shared lane is alone
   assign uncertain_o = uncertain[0];  // narrow lanes are one group
   logic [31:0] result_index[GROUPS];
   logic [CW-1:0] result_t[GROUPS];
@@ -236,7 +242,8 @@ module collision_engine #(
         .prim_row_i(prim_row), .prim_lane_i(GLANE_W'(prim_lane)), .prim_slot_i(prim_slot), .clear_i, .clear_row_i,
         .clear_mask_i(clear_mask_i[g*GROUP+:GROUP]), .clear_bad_i(prim_bad_o[32'(clear_row_i)*LANES+g*GROUP+:GROUP]),
         .pair_i(pair_i[PORTS-1:0]), .solid_i(solid_o[PORTS-1:0]), .swap_i(swap_i[PORTS-1:0]), .clk_pipe_i(clk_pipe),
-        .row_i(row_in), .secondary_i(secondary), .rst_i(ANY_ORDERED && rst_i),
+        .row_i(row_in), .secondary_i(secondary), .turn_i, .leaf_i, .leaf_o(leaf_results[g]),
+        .rst_i(ANY_ORDERED && rst_i),
         .iterations_i(ANY_ORDERED ? iterations_i : '0),
         .issue_i(ISSUE ? issue_i.valid[PORTS-1:0] : '0), .ordered_row_i(ANY_ORDERED ? row[PORTS-1:0] : '0),
         .ordered_secondary_i(ANY_ORDERED ? secondary_i : '0), .ordered_bad_i(ANY_ORDERED && secondary_bad_i),

@@ -52,6 +52,9 @@ module lane_group #(
     input logic [N_PAIRS-1:0] clk_pipe_i,  // each runs while its pipe is used
     input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
     input logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary_i,
+    input logic [1:0] turn_i,
+    input card_pkg::lane_operands_t leaf_i,  // leaves of a BVH, with SHARED_LANE
+    output card_pkg::lane_results_t leaf_o,
     output logic [N_PAIRS-1:0][15:0] latency_o,
     input logic [PORTS-1:0] issue_i,  // a row is issued: only for ordered pipes, and for gates with SAT_II = 3
     input logic rst_i,  // reset of pipes that keep only the order (config_pkg::ordered_pairs); they take a row at issue
@@ -91,7 +94,7 @@ module lane_group #(
   /*verilator no_inline_module*/
   // ---- Primaries: one block RAM per lane and word, read by every pipe ----
   for (genvar k = 0; k < PRIM_WORDS; k++) begin : word
-    logic [LANES-1:0][CW-1:0] mem[ROWS];
+    (* ram_style = "distributed", no_rw_check *) logic [LANES-1:0][CW-1:0] mem[ROWS];
     always_ff @(posedge clk_prim_i) if (prim_write_i) mem[prim_row_i][prim_lane_i] <= prim_slot_i[k];
   end
 
@@ -117,6 +120,7 @@ module lane_group #(
     assign uncertain_o = '0;
   end
   localparam bit MANY = (PAIRS & (PAIRS - 1)) != 0;
+  localparam bit SHARED = config_pkg::shares_lane(CONFIG);
   for (genvar p = 0; p < N_PAIRS; p++) begin : pair
     if (((PAIRS >> p) & 1) != 0) begin : g_present
       logic [LANES-1:0][CW-1:0] f, t;
@@ -158,14 +162,18 @@ module lane_group #(
         assign unused_swap = &{1'b0, swap, swap_i};
       end
       for (genvar k = 0; k < A_WORDS; k++) begin : word_a
-        if (SWAP != 0) begin : g_either
+        if (SHARED) begin : g_shared
+          assign a[k][0] = leaf_i.valid ? leaf_i.ray[k] : word[k].mem[row][0];
+        end else if (SWAP != 0) begin : g_either
           assign a[k] = swap ? {LANES{secondary[k]}} : word[k].mem[row];
         end else begin : g_primary
           assign a[k] = word[k].mem[row];
         end
       end
       for (genvar k = 0; k < B_WORDS; k++) begin : word_b
-        if (SWAP != 0) begin : g_either
+        if (SHARED) begin : g_shared
+          assign b[k][0] = leaf_i.valid ? leaf_i.triangle[k] : secondary[k];
+        end else if (SWAP != 0) begin : g_either
           assign b[k] = swap ? word[k].mem[row] : {LANES{secondary[k]}};
         end else begin : g_secondary
           assign b[k] = secondary[k];
@@ -211,6 +219,14 @@ module lane_group #(
         assign latency_o[p] = (latency > 32'hffff) ? 16'hffff : 16'(latency);
         logic unused;
         assign unused = &{1'b0, unused_tag, unused_bad, enter};
+      end else if (CONFIG.shared_lane != 0) begin : g_shared_lane
+        logic unused_enter;
+        assign unused_enter = enter;
+        assign ordered_ready_o[p] = 1'b1;
+        assign ordered_valid_o[p] = 1'b0;
+        ray_triangle_shared #(.TURNS(CONFIG.shared_lane), .LAT(LAT), .ARITH(ARITH)) pipe (
+            .clk_i, .turn_i, .a_i(a), .b_i(b), .f_o(f), .t_o(t), .cp_o(cp), .latency_o(latency_o[p]));
+        assign n = '0;
       end else begin : g_free
         assign ordered_ready_o[p] = 1'b1;
         assign ordered_valid_o[p] = 1'b0;
@@ -230,6 +246,15 @@ module lane_group #(
       logic unused_clk;
       assign unused_clk = clk_pipe_i[p];
     end
+  end
+
+  if (SHARED) begin : g_shared
+    localparam int RAY = int'(pairs_pkg::PAIR_RAY_TRIANGLE);
+    assign leaf_o = {pair[RAY].g_present.f, pair[RAY].g_present.t, pair[RAY].g_present.cp, latency_o[RAY]};
+  end else begin : g_not_shared
+    assign leaf_o = '0;
+    logic unused_lane;
+    assign unused_lane = &{1'b0, leaf_i, turn_i};
   end
 
   // ---- Results of each of the pass's pairs ----

@@ -3,10 +3,10 @@
 // reader. A reader holds its request until ready_o, or withdraws it. So a reader waits for at most one request of each
 // other reader. DDR answers in order, at any time, and a queue holds the readers of outstanding responses.
 // USED, bit r: reader r exists. Requests of others are ignored. With a single reader the module is wires, and its
-// requests are always taken.
+// requests are taken while the memory is ready.
 // Latency: 0 cycles for requests and responses.
 // Throughput: one request and one response per cycle.
-// Stall: ready_o, also while DEPTH responses are outstanding.
+// Stall: ready_o, while the memory is not ready or DEPTH responses are outstanding.
 module ddr_readers #(
     parameter int READERS = 2,  // 2 and more
     parameter logic [READERS-1:0] USED = '1,
@@ -21,6 +21,7 @@ module ddr_readers #(
     input logic [READERS-1:0][3:0] words_i,  // words of that beat in use
 
     output card_pkg::ddr_request_t request_o,
+    input logic ready_i,
     input logic valid_i,
     output logic [3:0] words_o
 );
@@ -30,7 +31,7 @@ module ddr_readers #(
   if ((USED & (USED - 1'b1)) == 0) begin : g_alone
     localparam int R = $clog2(USED);
     assign request_o = readers_i[R];
-    assign ready_o = USED;
+    assign ready_o = ready_i ? USED : '0;
     assign valid_o = valid_i ? USED : '0;
     assign words_o = words_i[R];
     logic unused_others;
@@ -52,13 +53,13 @@ module ddr_readers #(
       for (int r = READERS - 1; r >= 0; r--) if (chosen[r]) turn = W'(r);
     end
     assign request_o.valid = requesting != 0;
-    assign request_o.word = readers_i[turn].word;
-    assign ready_o = request_o.valid ? READERS'(1) << turn : '0;
+    assign {request_o.word, request_o.words} = {readers_i[turn].word, readers_i[turn].words};
+    assign ready_o = (request_o.valid && ready_i) ? READERS'(1) << turn : '0;
     assign owner = owners[answered_q[D-1:0]];
     assign valid_o = valid_i ? READERS'(1) << owner : '0;
     assign words_o = words_i[owner];
     always_ff @(posedge clk_i) begin
-      if (request_o.valid) begin
+      if (request_o.valid && ready_i) begin
         owners[requested_q[D-1:0]] <= turn;
         requested_q <= requested_q + 1'b1;
         mask_q <= ~((READERS'(2) << turn) - 1'b1);

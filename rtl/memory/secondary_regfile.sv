@@ -60,9 +60,11 @@ module secondary_regfile #(
   localparam int T_CHECK = config_pkg::check_latency(LAT);
   localparam int T_MOVED = (TRANSFORM != 0) ? 1 + T_TRANSFORM : 0;
   localparam int T_CHECKED = T_MOVED + T_CHECK;
-  // The host back end answers at once. The slot enters the FIFO early, and is counted in the cycle of the gates.
-  localparam int T_PLACED = (ARITH == "rtl") ? T_CHECKED : (TRANSFORM != 0) ? 1 : 0;
-  logic [WORDS:0][CW-1:0] fifo[DEPTH];  // check result in front
+  // A slot enters the FIFO before its check, and is counted after it. The host back end answers at once.
+  localparam int T_PLACED = (ARITH == "rtl") ? T_MOVED : (TRANSFORM != 0) ? 1 : 0;
+  localparam int T_JUDGED = (ARITH == "rtl") ? T_CHECKED : T_PLACED;
+  (* ram_style = "block" *) logic [WORDS-1:0][CW-1:0] fifo[DEPTH];
+  logic bads[DEPTH];  // results of checks
   // counts of slots in the FIFO, shown, popped, requested (modulo 2*DEPTH)
   logic [AW:0] placed_q, write_q, read_q, requested_q;
   logic dropping_q, stopping_q, stop;
@@ -79,6 +81,7 @@ module secondary_regfile #(
   assign two = WORDS > BEAT && 32'(words) > BEAT;
   assign ddr_o.valid = requesting && (requested_q - read_q) != (AW + 1)'(DEPTH);
   assign ddr_o.word = word + (second_q ? BEAT : 0);
+  assign ddr_o.words = second_q ? 4'(32'(words) - BEAT) : two ? 4'(BEAT) : 4'(words);
   assign taken = ddr_o.valid && ddr_ready_i;
   assign slot_requested = taken && (!two || second_q);
   assign stop = (stop_i || stopping_q) && (!two || second_q == taken);  // never between the two beats of a slot
@@ -158,10 +161,7 @@ module secondary_regfile #(
   end
 
   // ---- The check ----
-  logic [WORDS-1:0][CW-1:0] checked_slot;
   logic [SHAPES-1:0] bad_by_shape;
-  pipe_delay #(.W(WORDS * CW), .FROM(0), .TO(T_CHECK), .ARITH(ARITH)) delay_slot (.clk_i, .d_i(unchecked),
-      .q_o(checked_slot));
   for (genvar k = 0; k < SHAPES; k++) begin : check
     if (pairs_pkg::uses_shape(PAIRS, k, 0, SWAP != 0)) begin : g_present
       localparam int N = pairs_pkg::shape_words(k);
@@ -178,14 +178,16 @@ module secondary_regfile #(
 
   assign valid_o = write_q != read_q && !dropping_q;
   assign idle_o = write_q == requested_q && !requesting && (write_q == read_q || dropping_q);
-  assign slot_o = fifo[read_q[AW-1:0]][WORDS-1:0];
-  assign bad_o = fifo[read_q[AW-1:0]][WORDS][0];
+  assign slot_o = fifo[read_q[AW-1:0]];
+  assign bad_o = bads[read_q[AW-1:0]];
 
   always_ff @(posedge clk_i) begin
     if (in_flight[T_PLACED]) begin
-      fifo[placed_q[AW-1:0]] <= {CW'(bad_by_shape[shape[pairs_pkg::SHAPE_INDEX-1:0]]), checked_slot};
+      fifo[placed_q[AW-1:0]] <= unchecked;
       placed_q <= placed_q + 1;
     end
+    if (in_flight[T_JUDGED])
+      bads[(ARITH == "rtl") ? write_q[AW-1:0] : placed_q[AW-1:0]] <= bad_by_shape[shape[pairs_pkg::SHAPE_INDEX-1:0]];
     if (in_flight[T_CHECKED]) write_q <= write_q + 1;
     if (taken) second_q <= two && !second_q;
     if (slot_requested) requested_q <= requested_q + 1;

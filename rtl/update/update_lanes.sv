@@ -63,6 +63,10 @@ module update_lanes #(
   logic [LANES-1:0][CW-1:0] hit, t_value, t_old, t_new, better, mask, candidate;
   logic [LANES-1:0] first_hit;
   logic any_hit;
+  // A row is written back after the last row of the pass, and cleared before the first. So each buffer has one port.
+  logic [ROW_W-1:0] read_row, write_row;
+  assign read_row = result_i ? result_row_i : row_i;
+  assign write_row = clear_i ? clear_row_i : row_i;
   assign mask = unmasked[row_i];
   // Candidates: hits; for solids, except in mode any, every pair.
   assign candidate = f_i | ~(bad_i | {(LANES * CW) {!solid_i || mode_i == registers_pkg::MODE_ANY}});
@@ -72,7 +76,12 @@ module update_lanes #(
     if (solid_i) for (int l = 0; l < LANES; l++) t_value[l] = t_i[l] | (f_i[l] & SIGN);
   end
   assign any_hit = valid_i && |hit;
-  assign t_old = parity_i ? stencil_t1[row_i] : stencil_t0[row_i];
+  logic [LANES-1:0][CW-1:0] t0, t1;
+  logic [LANES-1:0][31:0] index_old;
+  assign t0 = stencil_t0[read_row];
+  assign t1 = stencil_t1[read_row];
+  assign index_old = f_index[read_row];
+  assign t_old = parity_i ? t1 : t0;
 
   // Most rows have no hit, and need no comparison in simulation.
   always_comb begin
@@ -81,11 +90,11 @@ module update_lanes #(
     t_new = t_old;
     if (any_hit) begin
       for (int l = 0; l < LANES; l++) begin
-        first_hit[l] = hit[l][0] && f_index[row_i][l] == '1;
+        first_hit[l] = hit[l][0] && index_old[l] == '1;
         if (hit[l][0]) begin
           if (mode_i == registers_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
           else if (first_hit[l]) better[l] = '1;
-          else if (key(t_value[l]) == key(t_old[l])) better[l] = {CW{index_i < f_index[row_i][l]}};
+          else if (key(t_value[l]) == key(t_old[l])) better[l] = {CW{index_i < index_old[l]}};
           else better[l] = {CW{(key(t_value[l]) < key(t_old[l])) == (mode_i == registers_pkg::MODE_NEAREST)}};
         end
         if (better[l][0]) t_new[l] = t_value[l];
@@ -98,7 +107,7 @@ module update_lanes #(
   always_comb begin
     index_new = '1;
     if (any_hit)
-      for (int l = 0; l < LANES; l++) index_new[l] = better[l][0] ? index_i : f_index[row_i][l];
+      for (int l = 0; l < LANES; l++) index_new[l] = better[l][0] ? index_i : index_old[l];
   end
 
   logic [LANES-1:0][CW-1:0] clear_lanes;
@@ -108,33 +117,27 @@ module update_lanes #(
   end
 
   always_ff @(posedge clk_i) begin
-    if (valid_i && parity_i) stencil_t0[row_i] <= t_new;
-    if (valid_i && !parity_i) stencil_t1[row_i] <= t_new;
-    if (any_hit) begin
-      f_index[row_i] <= index_new;
-    end
-    if (clear_i) begin
-      unmasked[clear_row_i] <= clear_lanes;
-      stencil_t0[clear_row_i] <= {LANES{INF}};
-      stencil_t1[clear_row_i] <= {LANES{INF}};
-      f_index[clear_row_i] <= '1;
-    end
+    if (clear_i || (valid_i && parity_i)) stencil_t0[write_row] <= clear_i ? {LANES{INF}} : t_new;
+    if (clear_i || (valid_i && !parity_i)) stencil_t1[write_row] <= clear_i ? {LANES{INF}} : t_new;
+    if (clear_i || any_hit) f_index[write_row] <= clear_i ? '1 : index_new;
+    if (clear_i) unmasked[clear_row_i] <= clear_lanes;
   end
 
   always_comb begin
     result_index_o = '0;
     result_t_o = '0;
     if (result_i) begin
-      result_index_o = f_index[result_row_i][result_lane_i];
-      result_t_o = result_parity_i ? stencil_t1[result_row_i][result_lane_i] : stencil_t0[result_row_i][result_lane_i];
+      result_index_o = index_old[result_lane_i];
+      result_t_o = result_parity_i ? t1[result_lane_i] : t0[result_lane_i];
     end
   end
   for (genvar k = 0; k < POINTS; k++) begin : point
-    logic [LANES-1:0][CW-1:0] kept[ROWS];  // undefined while nothing is stored
-    always_ff @(posedge clk_i) if (any_hit) kept[row_i] <= (kept[row_i] & ~better) | (point_i[k] & better);
+    logic [LANES-1:0][CW-1:0] kept[ROWS], old;  // undefined while nothing is stored
+    assign old = kept[read_row];
+    always_ff @(posedge clk_i) if (any_hit) kept[row_i] <= (old & ~better) | (point_i[k] & better);
     always_comb begin
       result_point_o[k] = '0;
-      if (result_i && result_index_o != '1) result_point_o[k] = kept[result_row_i][result_lane_i];
+      if (result_i && result_index_o != '1) result_point_o[k] = old[result_lane_i];
     end
   end
 endmodule

@@ -27,6 +27,7 @@ inline BoardConfig fast_config() {
 inline BoardConfig watertight_config() {  // the card of `cde cast`
   return {.lanes = 4, .algorithm = Algorithm::kWatertight, .box = true, .traversal_units = 2};
 }
+/// Gates, as the placed card: one lane for all triangles, few contexts, nodes in DDR.
 inline BoardConfig gates_config() {
   return {.lanes = 1,
           .arithmetic = Arithmetic::kRtl,
@@ -34,6 +35,12 @@ inline BoardConfig gates_config() {
           .traversal_units = 1,
           .nodes = 1024,
           .node_cycles = 2,
+          .node_cache = 32,
+          .node_ways = 2,
+          .pinned_nodes = 16,
+          .contexts = 32,
+          .shared_lane = 4,
+          .ray_places = 64,
           .transform = Transformer::kSecondaries,
           .ddr_slots = 2000,
           .sram_records = 64};

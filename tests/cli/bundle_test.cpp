@@ -82,8 +82,8 @@ const char* const kTwice =
     "v 0 0 1\nv 2 0 1\nv 0 2 1\nf 1 2 3\nf 1 2 3\nv 0 0 0\nv 2 0 0\nv 0 2 0\nf 4 5 6\n";
 
 TEST_F(Bundles, WrongRecord_IsPacked) {
-  const Planted fault(folder_, "rtl/update/update_lanes.sv", "{CW{index_i < f_index[row_i][l]}}",
-                      "{CW{index_i > f_index[row_i][l]}}");
+  const Planted fault(folder_, "rtl/update/update_lanes.sv", "{CW{index_i < index_old[l]}}",
+                      "{CW{index_i > index_old[l]}}");
   write("twice.obj", kTwice);
   const Ran ran = cde({"cast", "twice.obj", "--ray", "0.5,0.5,5,0,0,-1", "-q", "--exact-card"},
                       fault.environment());

@@ -181,8 +181,8 @@ TEST_F(ExplainRecord, RunFolder_NamesTheRun) {
 }
 
 TEST_F(ExplainRecord, WrongUpdate_IsNamed) {
-  const Planted fault(folder_, "rtl/update/update_lanes.sv", "{CW{index_i < f_index[row_i][l]}}",
-                      "{CW{index_i > f_index[row_i][l]}}");
+  const Planted fault(folder_, "rtl/update/update_lanes.sv", "{CW{index_i < index_old[l]}}",
+                      "{CW{index_i > index_old[l]}}");
   const json j = told("nearest.toml:q:0:0", 3, fault.environment());
   EXPECT_EQ(j["candidates"][3]["reason"], "kept, though tie with 1: lower index stays");
   EXPECT_EQ(j["candidates"][3]["reference_otherwise"], "not kept");

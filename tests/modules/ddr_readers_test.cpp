@@ -17,17 +17,24 @@ namespace {
 
 constexpr unsigned kReaders = 4, kNobody = 2, kUsed = 0b1011, kDepth = 8;  // as CMakeLists.txt has
 
-/// Packs a request as card_pkg::ddr_request_t: 33 bits each, with the valid bit on top.
+/// Words in use, from a request's address.
+std::uint32_t words_of(std::uint32_t word) {
+  return word % 9 + 1;
+}
+/// Packs a request as card_pkg::ddr_request_t: 37 bits each, from the lowest bit on the address,
+/// the valid bit, and the words in use.
 template <class Words>
 void put(Words& words, unsigned reader, bool asks, std::uint32_t word) {
-  for (unsigned bit = 0; bit < 33; ++bit) {
-    const unsigned at = 33 * reader + bit;
-    const bool set = bit < 32 ? (word >> bit & 1) != 0 : asks;
-    words[at / 32] = (words[at / 32] & ~(1u << at % 32)) | std::uint32_t{set} << at % 32;
+  const std::uint64_t request =
+      word | std::uint64_t{asks} << 32 | std::uint64_t{words_of(word)} << 33;
+  for (unsigned bit = 0; bit < 37; ++bit) {
+    const unsigned at = 37 * reader + bit;
+    words[at / 32] = (words[at / 32] & ~(1u << at % 32)) |
+                     static_cast<std::uint32_t>(request >> bit & 1) << at % 32;
   }
 }
 bool asks(std::uint64_t request) {
-  return (request >> 32) != 0;
+  return (request >> 32 & 1) != 0;
 }
 std::uint32_t word(std::uint64_t request) {
   return static_cast<std::uint32_t>(request);
@@ -50,6 +57,7 @@ class Traffic {
   }
   void reset() {
     readers_->rst_i = 1;
+    readers_->ready_i = 1;
     readers_->valid_i = 0;
     readers_.clock();
     readers_->rst_i = 0;
@@ -65,7 +73,7 @@ class Traffic {
   }
 
   std::array<unsigned, kReaders> taken_ = {}, answered_ = {}, longest_ = {};
-  unsigned contended_ = 0, full_ = 0, withdrawn_ = 0, idle_ = 0;
+  unsigned contended_ = 0, full_ = 0, withdrawn_ = 0, idle_ = 0, refused_ = 0;
 
  private:
   void one(unsigned asks, unsigned answers) {
@@ -92,6 +100,8 @@ class Traffic {
       words_.at(r) = dice_.below(10);
       readers_->words_i |= static_cast<SData>(words_.at(r) << 4 * r);
     }
+    memory_ready_ = !dice_.once_in(4);
+    readers_->ready_i = memory_ready_;
     readers_->valid_i =
         !asked_.empty() && asked_.front().due <= clock_ && dice_.below(16) < answers;
   }
@@ -115,8 +125,12 @@ class Traffic {
     idle_ += asking == 0;
     contended_ += (asking & (asking - 1)) != 0;
     EXPECT_EQ(asks(readers_->request_o), asking != 0 && room) << "cycle " << clock_;
-    if (!asks(readers_->request_o)) {
+    if (asks(readers_->request_o)) {
+      EXPECT_EQ(readers_->request_o >> 33, words_of(word(readers_->request_o)));
+    }
+    if (!asks(readers_->request_o) || !memory_ready_) {
       EXPECT_EQ(readers_->ready_o, 0u);
+      refused_ += asks(readers_->request_o);
     } else {
       const unsigned ready = readers_->ready_o;
       ASSERT_TRUE(ready != 0 && (ready & (ready - 1)) == 0 && (ready & ~asking) == 0) << ready;
@@ -141,7 +155,7 @@ class Traffic {
   std::deque<Asked> asked_;
   std::uint32_t next_ = 0x1000;
   unsigned clock_ = 0, asking_ = 0;
-  bool popped_ = false;
+  bool popped_ = false, memory_ready_ = true;
 };
 
 TEST(DdrReaders, RandomTraffic_LosesNothingAndStarvesNoReader) {
@@ -165,6 +179,7 @@ TEST(DdrReaders, RandomTraffic_LosesNothingAndStarvesNoReader) {
   EXPECT_GT(traffic.full_, 1000u);
   EXPECT_GT(traffic.withdrawn_, 500u);
   EXPECT_GT(traffic.idle_, 100u);
+  EXPECT_GT(traffic.refused_, 1000u);
 }
 
 /// Responses outstanding at a reset reach no reader.
@@ -192,8 +207,9 @@ TEST(DdrReaders, LoneReader_IsAlwaysServed) {
     put(readers->readers_i, 1, (asking & 2) != 0, second);
     readers->words_i = static_cast<CData>(dice.below(256));
     readers->valid_i = dice.once_in(2);
+    readers->ready_i = dice.once_in(2);
     readers.settle();
-    EXPECT_EQ(readers->ready_o, 2u);
+    EXPECT_EQ(readers->ready_o, 2u * readers->ready_i);
     EXPECT_EQ(asks(readers->request_o), (asking & 2) != 0);
     EXPECT_EQ(word(readers->request_o), second);
     EXPECT_EQ(readers->valid_o, readers->valid_i << 1);

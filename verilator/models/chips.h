@@ -15,6 +15,8 @@
 /// after().
 class Chips {
  public:
+  static constexpr unsigned kWordBits =
+      8 * sizeof(Vmodel::sram_write_data_o) / cde::card::kRecordWords;
   /// `memory` is CDE_MEMORY_*. The ideal memory has a fixed latency in cycles.
   Chips(uint32_t memory, uint32_t ddr_latency, uint32_t clock_period_ps)
       : ideal_(memory == CDE_MEMORY_IDEAL),
@@ -41,6 +43,7 @@ class Chips {
   /// Supplies DDR's answer of this cycle to an earlier request.
   void before(Vmodel& m) {
     ++clock_;
+    m.ddr_ready_i = 1;
     m.ddr_valid_i = 0;
     if (hang_ != 0) {
       if (hang_ != kUntilReset) --hang_;

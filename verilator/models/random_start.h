@@ -60,6 +60,7 @@ class RandomStart {
   template <class Model>
   void drive(Model& m) {
     if constexpr (requires { m.ddr_data_i; }) {
+      fill(1, m.ddr_ready_i);
       fill(1, m.ddr_valid_i);
       fill(8 * sizeof m.ddr_data_i, m.ddr_data_i);
       fill(72, m.ddr_check_i);

@@ -268,7 +268,7 @@ void Board::Impl::configure_bvh(std::uint32_t first, std::uint32_t end) {
 }
 
 bool Board::refits() const {
-  return card().bvh.nodes <= card().chip_nodes;
+  return card().node_cache == 0;
 }
 
 Counters Board::refit() {
@@ -281,9 +281,8 @@ Counters Board::refit() {
                                                name(it.secondary_shape)));
   if (!refits())
     throw Error(ErrorCode::kUsage,
-                fmt::format("the card refits nodes on chip only, and {} of {} nodes are in DDR; "
-                            "call Bvh::refit() and upload the result",
-                            it.bvh.nodes - it.chip_nodes, it.bvh.nodes));
+                "the card has a node cache and does not refit; call Bvh::refit() and upload the "
+                "result");
   if (const auto why = it.why_objects_not_traversable()) throw Error(ErrorCode::kUsage, *why);
   Query query;
   query.pair = Pair::kRayTriangle;

@@ -85,6 +85,9 @@ constexpr Number kFields[] = {
     field<&BoardConfig::node_cache>("NODE_CACHE"),
     field<&BoardConfig::node_ways>("NODE_WAYS"),
     field<&BoardConfig::pinned_nodes>("PINNED_NODES"),
+    field<&BoardConfig::contexts>("CONTEXTS"),
+    field<&BoardConfig::shared_lane>("SHARED_LANE"),
+    field<&BoardConfig::ray_places>("RAY_PLACES"),
     field<&BoardConfig::ecc>("ECC"),
     field<&BoardConfig::transform>("TRANSFORM"),
     field<&BoardConfig::objects>("OBJECTS", Transformer::kSecondaries),
@@ -174,6 +177,11 @@ void check_node_cache(const BoardConfig& c) {
   power(c.pinned_nodes, "pinned_nodes", 16, c.nodes);
 }
 
+bool can_share_lane(const BoardConfig& c) {
+  return c.lanes == 1 && !c.swap && c.algorithm == Algorithm::kMoller &&
+         c.pairs == std::vector<Pair>{Pair::kRayTriangle};
+}
+
 void check_bvh(const BoardConfig& c) {
   const auto require = [](bool ok, const std::string& why) {
     if (!ok) throw Error(ErrorCode::kUsage, why);
@@ -182,6 +190,9 @@ void check_bvh(const BoardConfig& c) {
     require(c.nodes == BoardConfig().nodes, "a card without traversal units has no node memory");
     require(c.node_cycles == 1, "a card without traversal units has no cycles per node");
     require(c.node_cache == 0, "a card without traversal units has no node cache");
+    require(c.contexts == BoardConfig().contexts && c.ray_places == BoardConfig().ray_places &&
+                c.shared_lane == 0,
+            "a card without traversal units has no contexts, no ray places and no shared lane");
     check_node_cache(c);
     return;
   }
@@ -194,6 +205,22 @@ void check_bvh(const BoardConfig& c) {
   require(c.node_cycles == 1 || c.node_cycles == 2,
           fmt::format("node_cycles is {}; it must be 1 or 2", c.node_cycles));
   check_node_cache(c);
+  constexpr unsigned kLeastContexts = 16, kMostContexts = 256;
+  require(std::has_single_bit(c.contexts) && c.contexts >= kLeastContexts &&
+              c.contexts <= kMostContexts,
+          fmt::format("contexts is {}; it must be a power of two from {} to {}", c.contexts,
+                      kLeastContexts, kMostContexts));
+  constexpr unsigned kLeastPlaces = 64, kMostPlaces = 4096;
+  require(std::has_single_bit(c.ray_places) && c.ray_places >= kLeastPlaces &&
+              c.ray_places <= kMostPlaces,
+          fmt::format("ray_places is {}; it must be a power of two from {} to {}", c.ray_places,
+                      kLeastPlaces, kMostPlaces));
+  constexpr unsigned kMostTurns = 4;
+  require(c.shared_lane == 0 || (std::has_single_bit(c.shared_lane) && c.shared_lane <= kMostTurns),
+          fmt::format("shared_lane is {}; it must be 0, 1, 2 or 4", c.shared_lane));
+  require(c.shared_lane == 0 || can_share_lane(c),
+          "a shared lane needs one lane, and ray-triangle by moller as the only pair, without "
+          "exchange of roles");
   require(c.format == FpFormat(),
           fmt::format("a BVH needs fp32, not {}: it widens boxes by 2^-16 of the scene, and a "
                       "coarser format would widen them by percents",

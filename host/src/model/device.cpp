@@ -47,6 +47,9 @@ Device device_of(const Json& row) {
           .node_cache = row.value("node_cache", 0u),
           .node_ways = row.value("node_ways", BoardConfig{}.node_ways),
           .pinned_nodes = row.value("pinned_nodes", BoardConfig{}.pinned_nodes),
+          .contexts = row.value("contexts", BoardConfig{}.contexts),
+          .shared_lane = row.value("shared_lane", 0u),
+          .ray_places = row.value("ray_places", BoardConfig{}.ray_places),
           .latencies = {.add = cycles.at("add"),
                         .mul = cycles.at("mul"),
                         .div = cycles.at("div"),
@@ -111,6 +114,11 @@ namespace {
 
 void set_node_memory(const Device& device, BoardConfig& card) {
   card.node_cycles = device.node_cycles;
+  card.contexts = device.contexts;
+  card.ray_places = device.ray_places;
+  const bool can_share = card.lanes == 1 && !card.swap && card.algorithm == Algorithm::kMoller &&
+                         card.pairs == std::vector<Pair>{Pair::kRayTriangle};
+  card.shared_lane = can_share ? device.shared_lane : 0;
   card.node_cache = device.node_cache;
   if (device.node_cache == 0) return;
   card.node_ways = device.node_ways;

@@ -31,16 +31,16 @@ struct Cost {
   double times;
 };
 constexpr Cost kCosts[] = {
-    {"pipes", 2.1},
-    {"gates", 11.0},
-    {"transformer", 1.6},
+    {"pipes", 2.2},
+    {"gates", 58.0},
+    {"transformer", 1.4},
     {"box rule", 1.0},
     {"normals", 1.0},
-    {"exchange of roles", 1.2},
-    {"two pairs at a time", 1.1},
+    {"exchange of roles", 1.1},
+    {"two pairs at a time", 1.3},
     {"bus timing", 1.3},
     {"memory timing", 1.0},
-    {"ecc", 1.6},
+    {"ecc", 1.8},
     {"trace", 1.1},
 };
 

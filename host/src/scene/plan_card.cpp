@@ -71,7 +71,9 @@ bool serves(const BoardConfig& card, const BoardConfig& planned, const SceneCard
          card.bus == planned.bus && card.ecc == planned.ecc &&
          card.traversal_units == planned.traversal_units && card.nodes >= planned.nodes &&
          card.node_cycles == planned.node_cycles && card.node_cache == planned.node_cache &&
-         card.node_ways == planned.node_ways && card.pinned_nodes == planned.pinned_nodes;
+         card.node_ways == planned.node_ways && card.pinned_nodes == planned.pinned_nodes &&
+         card.contexts == planned.contexts && card.shared_lane == planned.shared_lane &&
+         card.ray_places == planned.ray_places;
 }
 
 double times(const BoardConfig& card, const BoardConfig& planned, const Rows& rows) {

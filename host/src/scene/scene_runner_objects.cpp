@@ -173,7 +173,7 @@ void Secondaries::write(const Row::Change& change) {
   for (const std::size_t k : change.entries) board_->move_object(k, row_.entries()[k].transform);
 }
 
-/// The card refits boxes of nodes on chip. The host refits others, and writes them.
+/// The card refits boxes if all nodes are on chip. Otherwise the host does, and writes the nodes.
 void Secondaries::refit() {
   if (board_->refits()) {
     board_->refit();

@@ -111,13 +111,12 @@ class Board {
   /// Refits the boxes of the card's BVH on the card after update_shapes() and move_object(); the
   /// topology stays. In a BVH of objects it refits only changed objects, and the top BVH with the
   /// roots of all objects. Returns the card's counters.
-  /// Error kUsage: there is no BVH, it has other objects or nodes in DDR, or its secondaries are
-  /// not triangles (use Bvh::refit()). Error kBadInput, naming a slot: its moved triangle is not
-  /// finite or beyond 2^40. Error kDevice as for run(). After kBadInput or kDevice the BVH is
-  /// unused.
+  /// Error kUsage: there is no BVH, it has other objects, the card has a node cache, or its
+  /// secondaries are not triangles (use Bvh::refit()). Error kBadInput, naming a slot: its moved
+  /// triangle is not finite or beyond 2^40. Error kDevice as for run(). After kBadInput or kDevice
+  /// the BVH is unused.
   Counters refit();
-  /// Whether refit() can refit the uploaded BVH: all its nodes are on chip
-  /// (BoardConfig::node_cache).
+  /// Whether the card can refit a BVH: it has no BoardConfig::node_cache.
   [[nodiscard]] bool refits() const;
   /// upload() for other shapes (Sphere, Aabb, Obb, Plane, Cylinder, Ray) and for Triangle.
   template <class P>

@@ -31,6 +31,9 @@ struct Device {
   unsigned node_cache = 0;   ///< 0: all nodes are on chip, as in BoardConfig
   unsigned node_ways = BoardConfig{}.node_ways;
   unsigned pinned_nodes = BoardConfig{}.pinned_nodes;
+  unsigned contexts = BoardConfig{}.contexts;
+  unsigned shared_lane = 0;  ///< BoardConfig::shared_lane, of cards that can share it
+  unsigned ray_places = BoardConfig{}.ray_places;
   OperatorLatencies latencies = {};
   std::string memory;  ///< where triangles and nodes are
   std::string why;     ///< evidence for the figures

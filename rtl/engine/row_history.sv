@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Delay line of tags, like issue_history.sv, for many entries: all of it is memory, also the valid bits.
+// Latency: latency_i cycles (1..DEPTH-1). An entry of the cycle in which latency_i changes is lost.
+// Throughput: one entry per cycle. Stall: none.
+module row_history #(
+    parameter int W = 1,
+    parameter int DEPTH = 256  // power of two
+) (
+    input logic clk_i,
+    input logic rst_i,
+    input logic [15:0] latency_i,
+    input logic valid_i,
+    input logic [W-1:0] d_i,
+    output logic valid_o,
+    output logic [W-1:0] q_o
+);
+  localparam int AW = $clog2(DEPTH);
+  logic [AW-1:0] write_q, read_q;  // a registered address: a subtraction before the memory would be the critical path
+  logic valid_mem[DEPTH];  // written in every cycle
+  logic [W-1:0] mem[DEPTH];
+  logic [AW-1:0] age_q, latency_q;  // cycles since reset or a change of the latency, up to the latency
+  assign valid_o = valid_mem[read_q] && age_q >= latency_q;
+  assign q_o = mem[read_q];
+  always_ff @(posedge clk_i) begin
+    valid_mem[write_q] <= valid_i;
+    if (valid_i) mem[write_q] <= d_i;
+    write_q <= write_q + 1;
+    read_q <= write_q + 1 - AW'(latency_i);
+    latency_q <= AW'(latency_i);
+    if (age_q < latency_q) age_q <= age_q + 1;
+    if (rst_i || latency_q != AW'(latency_i)) age_q <= '0;
+    if (rst_i) begin
+      write_q <= '0;
+      read_q <= -AW'(latency_i);
+    end
+  end
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i && valid_i) assert (latency_i != 0 &&
+        latency_i < 16'(DEPTH)) else $error("row_history: latency must be 1..%0d", DEPTH - 1);
+`endif
+endmodule
