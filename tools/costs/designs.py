@@ -2,6 +2,7 @@
 """Designs to measure: one operator, one pipe or one traversal unit, between registers, with three pins."""
 import dataclasses
 
+import cards
 from contract import Bad, contract, listed
 import targets
 
@@ -48,6 +49,10 @@ class Design:
         return self.what in UNITS
 
     @property
+    def card(self):
+        return self.what == cards.WHAT
+
+    @property
     def lat_text(self):
         return "/".join(map(str, self.lat))
 
@@ -57,13 +62,13 @@ class Design:
             return f"ordinary_{self.what}"
         if self.pipe:
             return self.what + (f" {self.algorithm}" if self.algorithm else "")
-        if self.unit:
+        if self.unit or self.card:
             return self.what
         return OPERATORS[self.what][0] if self.what in OPERATORS else "fp_cvt"
 
     @property
     def label(self):
-        name = self.module if self.pipe or self.unit or self.style == "ordinary" else f"fp_{self.what}"
+        name = self.module if self.pipe or self.unit or self.card or self.style == "ordinary" else f"fp_{self.what}"
         return f"{name} {self.format} LAT {self.lat_text}" + (f" LANES {self.lanes}" if self.lanes > 1 else "") + f" {self.target}"
 
     @property
@@ -78,7 +83,7 @@ class Design:
     def order(self):
         """The place of a row in the table."""
         known = contract()
-        whats = list(OPERATORS) + [f"to_{f}" for f in known.formats] + list(known.pairs) + list(UNITS)
+        whats = list(OPERATORS) + [f"to_{f}" for f in known.formats] + list(known.pairs) + list(UNITS) + [cards.WHAT]
         formats = list(known.formats)
         named = self.format in known.formats
         return (list(targets.TARGETS).index(self.target), whats.index(self.what),
@@ -88,6 +93,8 @@ class Design:
     # ---- The text that is synthesised ----
     def bench(self):
         """Text of the modules `measured`, whose cells are counted, and `bench`, which shifts operands in and folds results, with registers on both sides."""
+        if self.card:
+            return cards.bench(self.lat)
         exp, man = contract().format(self.format)
         width = 1 + exp + man
         body, inputs, outputs = self._unit() if self.unit else self._pipe(exp, man, width) if self.pipe else self._operator(exp, man, width)
@@ -195,10 +202,12 @@ def design(what, format="fp32", lat=None, lanes="1", style="cde", algorithm=None
     pipe = what in known.pairs
     if what in known.iterative:
         raise Bad(f"{what} is an iterative pipeline, which is not measured; expected {listed(p for p in known.pairs if p not in known.iterative)}")
-    unit = what in UNITS
+    unit = what in UNITS or what == cards.WHAT
     if not pipe and not unit and what not in OPERATORS and not (what.startswith("to_") and what[3:] in known.formats):
-        raise Bad(f"{what} is not an operator, a pair or a unit; expected {listed(OPERATORS)}, to_FORMAT, "
-                  f"{listed(p for p in known.pairs if p not in known.iterative)}, {listed(UNITS)}")
+        raise Bad(f"{what} is not an operator, a pair, a unit or a card; expected {listed(OPERATORS)}, to_FORMAT, "
+                  f"{listed(p for p in known.pairs if p not in known.iterative)}, {listed(UNITS)}, {cards.WHAT}")
+    if what == cards.WHAT and target != cards.DEVICE:
+        raise Bad(f"{what} needs the target {cards.DEVICE}, not {target}")
     if unit and (format != "fp32" or lanes not in ("1", 1)):
         raise Bad(f"{what} needs fp32 and LANES 1")
     known.format(format)

@@ -99,13 +99,16 @@ def files_of(design):
 def script(design):
     """Commands for Yosys, without the long list of files."""
     target = targets.TARGETS[design.target]
-    read = ("read_slang --threads 1 --keep-hierarchy -D SYNTHESIS {files} --top bench bench.sv; tee -q -o modules.txt ls; "
+    # A card's clock gates are open: an FPGA has few clock trees (clock_gate.sv).
+    gates = '-D CDE_CLOCK_GATE="open" ' if design.card else ""
+    read = (f"read_slang --threads 1 --keep-hierarchy -D SYNTHESIS {gates}" "{files} --top bench bench.sv; tee -q -o modules.txt ls; "
             "hierarchy -check -top bench; setattr -mod -set keep_hierarchy 1 measured*; ")
     if target.library:
         return read + asic.commands(target.synthesis)
     # nextpnr-ice40 0.4 would read the marks of a cell's origin as cells.
     unmarked = "delete t:$scopeinfo; " if target.router == "nextpnr-ice40" else ""
-    return read + f"{target.synthesis} -top bench; tee -q -o cells.json stat -json; {unmarked}write_json netlist.json"
+    verilog = "; write_verilog -noattr netlist.v" if design.card else ""
+    return read + f"{target.synthesis} -top bench; tee -q -o cells.json stat -json; {unmarked}write_json netlist.json{verilog}"
 
 
 def flow_text(design):

@@ -39,11 +39,15 @@ def is_unit(row):
     return table.design_of(row).unit
 
 
+def is_card(row):
+    return table.design_of(row).card
+
+
 def operators(kept, target, clocks):
     head = ["operator", "format", "cycles", "LUT", "carry", "FF", "DSP"] + (["MHz"] if clocks else [])
     rows = []
     for row in kept.sorted():
-        if row["target"] == target and not is_pipe(row) and not is_unit(row) and row["style"] == "cde":
+        if row["target"] == target and not is_pipe(row) and not is_unit(row) and not is_card(row) and row["style"] == "cde":
             rows.append([row["what"], row["format"], row["lat"], row["lut"], row["carry"], row["ff"], row["dsp"]] + ([clock(row)] if clocks else []))
     return grid(head, rows)
 
@@ -82,6 +86,18 @@ def units(kept):
             rows.append([row["what"], designs.UNITS[row["what"]], row["lat"], row["lut"], row["carry"], row["lutram"], row["ff"], row["dsp"], row["ram"],
                          targets.TARGETS[row["target"]].used(row)["logic"], clock(row)])
     return grid(head, rows)
+
+
+def cards(kept):
+    """Whole cards: what they use of the FPGA, and their clocks."""
+    names = {"logic": "logic", "ff": "FF", "dsp": "multiplier blocks", "ram": "block memories"}
+    rows = []
+    for row in kept.sorted():
+        if is_card(row):
+            target = targets.TARGETS[row["target"]]
+            rows += [[names[what], used, target.has[what], f"{100 * used / target.has[what]:.1f} %"] for what, used in target.used(row).items()]
+            rows.append([f"clock, MHz, {len(row['fmax'])} seeds", clock(row), "", ""])
+    return grid([f"`{designs.cards.WHAT}`", "used", "on the FPGA", "share"], rows)
 
 
 def standard_cells(kept):
@@ -124,6 +140,7 @@ def parts(kept):
             "ordinary": ordinary(kept),
             "lanes": lanes(kept),
             "units": units(kept),
+            "card": cards(kept),
             "devices": devices(),
             "asic": standard_cells(kept),
             "xc7": operators(kept, "xc7", False),
