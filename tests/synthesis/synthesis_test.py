@@ -3,6 +3,7 @@
 import json
 import os
 import pathlib
+import re
 import stat
 import subprocess
 import sys
@@ -14,6 +15,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(ROOT / "tools" / "costs"))
 # pylint: disable=wrong-import-position
 from contract import Bad, contract  # noqa: E402
+import cards  # noqa: E402
 import designs  # noqa: E402
 import flow  # noqa: E402
 import pages  # noqa: E402
@@ -52,7 +54,7 @@ class Contract(unittest.TestCase):
 
 class Designs(unittest.TestCase):
     def test_bad_words(self):
-        for words, said in ((("pow",), "pow is not an operator, a pair or a unit; expected add, .*, traversal-unit"), (("to_fp9",), "is not an operator"), (("add", "fp9"), "fp9 is not a format"),
+        for words, said in ((("pow",), "pow is not an operator, a pair, a unit or a card; expected add, .*, traversal-unit, .*, card"), (("to_fp9",), "is not an operator"), (("add", "fp9"), "fp9 is not a format"),
                             (("add", "fp32", "0"), "0 is not a latency; expected 1 to 64"), (("add", "fp32", "x"), "x is not a latency"), (("add", "fp32", "65"), "1 to 64"),
                             (("add", "fp32", "1/2"), "takes one number"), (("ray-triangle", "fp16", "6"), "takes five numbers, add/mul/div/sqrt/cmp"),
                             (("traversal-unit", "fp16"), "traversal-unit needs fp32 and LANES 1"), (("traversal-unit", "fp32", "6"), "takes five numbers"),
@@ -73,6 +75,17 @@ class Designs(unittest.TestCase):
         lane = designs.design("ray-triangle", "fp16", "6/6/15/13/1").bench()
         self.assertIn(f"input logic [{17 * 16 - 1}:0] d_i, output logic [{7 * 16}:0] q_o", lane)
         self.assertIn(".LAT({32'd6, 32'd6, 32'd15, 32'd13, 32'd1})", lane)
+
+    def test_card_has_the_ports_of_its_top(self):
+        bench = designs.design("card", "fp32", "9/10/34/32/2").bench()
+        top = (ROOT / "rtl" / "fpga_card.sv").read_text()
+        ports = set(re.findall(r"^ *(?:input|output) logic (?:\[[^\]]*\] )?(\w+)", top, re.M))
+        self.assertEqual(ports, {name for _, _, name in cards.PORTS})
+        known = re.findall(r"parameter (?:int )?(\w+) =", (ROOT / "rtl" / "contract" / "config.svh").read_text())
+        self.assertEqual([], sorted(set(cards.parameters((9, 10, 34, 32, 2))) - set(known)))
+        self.assertIn(".SHARED_LANE(4)", bench)
+        with self.assertRaisesRegex(Bad, "card needs the target ecp5-85, not hx8k"):
+            designs.design("card", "fp32", "1/1/1/1/1", target="hx8k")
 
     def test_bench_of_a_unit_drives_all_ports(self):
         bench = designs.design("traversal-unit-shared", "fp32", "9/11/34/32/3").bench()
