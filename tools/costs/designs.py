@@ -206,8 +206,8 @@ def design(what, format="fp32", lat=None, lanes="1", style="cde", algorithm=None
     if not pipe and not unit and what not in OPERATORS and not (what.startswith("to_") and what[3:] in known.formats):
         raise Bad(f"{what} is not an operator, a pair, a unit or a card; expected {listed(OPERATORS)}, to_FORMAT, "
                   f"{listed(p for p in known.pairs if p not in known.iterative)}, {listed(UNITS)}, {cards.WHAT}")
-    if what == cards.WHAT and target != cards.DEVICE:
-        raise Bad(f"{what} needs the target {cards.DEVICE}, not {target}")
+    if what == cards.WHAT and target != cards.TARGET:
+        raise Bad(f"{what} needs the target {cards.TARGET}, not {target}")
     if unit and (format != "fp32" or lanes not in ("1", 1)):
         raise Bad(f"{what} needs fp32 and LANES 1")
     known.format(format)
