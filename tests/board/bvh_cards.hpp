@@ -42,7 +42,7 @@ inline BoardConfig gates_config() {
           .shared_lane = 4,
           .ray_places = 64,
           .transform = Transformer::kSecondaries,
-          .ddr_slots = 2000,
+          .ddr_slots = 4000,
           .sram_records = 64};
 }
 /// The latencies of a placed lane (docs/background/costs.md), four traversal units with two cycles
