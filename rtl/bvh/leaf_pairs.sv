@@ -198,7 +198,7 @@ module leaf_pairs #(
     // The pipe's latency is a port value. Gates answer after it, the host back end at once.
     localparam int SLOWEST = latency_pkg::mean(LAT);
     localparam int DEPTH = ((SERIAL != 0) ? 64 : 256) << $clog2(SLOWEST);
-    localparam int INSIDE = 512;  // with SERIAL: secondaries in the pipe
+    localparam int INSIDE = (SERIAL != 0) ? DEPTH / SERIAL : 1;  // most secondaries in the pipe
     localparam int RESULT = (3 + POINTS) * LANES * 32;
     logic [pairs_pkg::PAIR_INDEX-1:0] of_pair;
     assign of_pair = pass_pair[pairs_pkg::PAIR_INDEX-1:0];
@@ -248,7 +248,8 @@ module leaf_pairs #(
     end
   end
 
-  // ---- Results of a leaf. With SERIAL, those of its first secondary come earlier, and are kept ----
+  // ---- Results of a leaf ----
+  // With SERIAL, a register keeps the result of the first of two secondaries until the second has its own.
   logic [MOST-1:0] meets;
   if (SERIAL != 0) begin : g_first
     logic f_q;
