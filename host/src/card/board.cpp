@@ -100,6 +100,7 @@ void check_identity(Board::Impl& card, const BoardConfig& config, std::uint64_t 
   card.has_normals = config.normals;
   card.parallel = config.parallel;
   card.sat_interval = config.sat_interval;
+  card.row_cycles = std::max(config.shared_lane, 1u);
   card.filter = config.filter.has_value();
   card.box = config.box;
   if (card.primaries == 0 || card.primaries > Stencil().size())

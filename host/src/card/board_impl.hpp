@@ -138,6 +138,7 @@ class Board::Impl {
   bool can_swap = false, has_normals = false, parallel = false;
   unsigned slot_words = 0;    ///< of a primary
   unsigned sat_interval = 1;  ///< cycles between rows for pairs with candidate axes
+  unsigned row_cycles = 1;    ///< cycles between rows for other pairs
   bool filter = false;        ///< `BoardConfig::filter`
   bool box = false;           ///< BoardConfig::box
   bool passing = false;       ///< inside Board::run, whose sink and progress must not start a pass

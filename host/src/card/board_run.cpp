@@ -44,16 +44,17 @@ class Pass : private CardPass {
     const std::uint64_t cycles_per_row = passes != 0 ? passes
                                          : filter    ? card.lanes
                                          : sat       ? card.sat_interval
-                                                     : 1;
+                                                     : card.row_cycles;
     const std::uint64_t rows_total = rows * secondaries_ * cycles_per_row;
     streaming_ = query.mode == Mode::kAll || query.mode == Mode::kHits;
     const std::uint64_t records = streaming_ ? active_ * secondaries_ : active_;
     expected_cycles_ = rows_total + (streaming_ && query.mode == Mode::kAll ? records : 0) + 1;
     // Twice the worst case: all rows, writing and reading back all records, memory latency per
-    // slot, and register accesses.
+    // slot, whose words may come in halves, and register accesses.
     constexpr std::uint64_t kAccessesPs = 100'000'000;
+    const std::uint64_t halves = 2 * std::uint64_t{words(card.secondary_shape)};
     const std::uint64_t worst = rows_total + 2 * (2 + beats_of(1) + record_cycles()) * records +
-                                secondaries_ * (card.ddr_latency / 32 + 2) + 8192 +
+                                secondaries_ * (card.ddr_latency / 32 + 2 + halves) + 8192 +
                                 card.pipe_latency + passes * contract::kIterativeRows +
                                 kAccessesPs / card.period_ps;
     ring_entries_ = query.normals ? 2 : 1;

@@ -177,11 +177,6 @@ void check_node_cache(const BoardConfig& c) {
   power(c.pinned_nodes, "pinned_nodes", 16, c.nodes);
 }
 
-bool can_share_lane(const BoardConfig& c) {
-  return c.lanes == 1 && !c.swap && c.algorithm == Algorithm::kMoller &&
-         c.pairs == std::vector<Pair>{Pair::kRayTriangle};
-}
-
 void check_bvh(const BoardConfig& c) {
   const auto require = [](bool ok, const std::string& why) {
     if (!ok) throw Error(ErrorCode::kUsage, why);
@@ -218,7 +213,7 @@ void check_bvh(const BoardConfig& c) {
   constexpr unsigned kMostTurns = 4;
   require(c.shared_lane == 0 || (std::has_single_bit(c.shared_lane) && c.shared_lane <= kMostTurns),
           fmt::format("shared_lane is {}; it must be 0, 1, 2 or 4", c.shared_lane));
-  require(c.shared_lane == 0 || can_share_lane(c),
+  require(c.shared_lane == 0 || c.can_share_lane(),
           "a shared lane needs one lane, and ray-triangle by moller as the only pair, without "
           "exchange of roles");
   require(c.format == FpFormat(),
@@ -239,6 +234,11 @@ void check_bvh(const BoardConfig& c) {
 
 bool BoardConfig::box_rule(Pair pair) const {
   return box && has_box_rule(pair) && !(filter && has_filter(pair));
+}
+
+bool BoardConfig::can_share_lane() const {
+  return lanes == 1 && !swap && algorithm == Algorithm::kMoller &&
+         pairs == std::vector<Pair>{Pair::kRayTriangle};
 }
 
 std::optional<TraversalShapes> BoardConfig::traversal_shapes(Pair pair, bool swapped) const {

@@ -116,9 +116,7 @@ void set_node_memory(const Device& device, BoardConfig& card) {
   card.node_cycles = device.node_cycles;
   card.contexts = device.contexts;
   card.ray_places = device.ray_places;
-  const bool can_share = card.lanes == 1 && !card.swap && card.algorithm == Algorithm::kMoller &&
-                         card.pairs == std::vector<Pair>{Pair::kRayTriangle};
-  card.shared_lane = can_share ? device.shared_lane : 0;
+  card.shared_lane = card.can_share_lane() ? device.shared_lane : 0;
   card.node_cache = device.node_cache;
   if (device.node_cache == 0) return;
   card.node_ways = device.node_ways;

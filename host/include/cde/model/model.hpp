@@ -95,6 +95,8 @@ struct BoardConfig {
 
   /// Whether the card has the box rule for a pair. It does not for pairs of the certified filter.
   [[nodiscard]] bool box_rule(Pair pair) const;
+  /// Whether `shared_lane` may be above 0, on a card with traversal units.
+  [[nodiscard]] bool can_share_lane() const;
   /// Shapes with which a pair traverses a BVH on this card; nothing if it has brute-force passes
   /// only.
   [[nodiscard]] std::optional<TraversalShapes> traversal_shapes(Pair pair, bool swap) const;
