@@ -6,8 +6,8 @@
 //   "bufgce"  AMD's clock buffer with enable. For FPGAs, for the few gates of whole units.
 //   "enable"  an AND with the attribute `gated_clock`. For FPGAs: the tool makes it the enable of the registers behind
 //             it (Vivado: synth_design -gated_clock_conversion auto; Synplify: fix_gated_and_generated_clocks).
-//   "open"    a wire. For FPGAs with few clock trees. Registers then change while their unit is idle, but no result
-//             depends on them.
+//   "open"    a wire, for gates in FPGAs with few clock trees. Registers then change while their unit is idle. Models
+//             of fpga_card.sv have it, and tests compare their records.
 // GATE is chosen once per chip, by the macro CDE_CLOCK_GATE, which every tool can define, or at an instance.
 // Latency: none.
 // Throughput: not applicable.

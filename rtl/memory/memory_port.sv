@@ -75,4 +75,13 @@ module memory_port #(
   end
   logic unused;
   assign unused = &{1'b0, write_addr_i[0], read_word_i[31]};
+
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i) begin
+      assert (!(read_i && write_i)) else $error("memory_port: a read and a write at once");
+      assert (!(read_i && (read_words_i == 0 || 32'(read_words_i) > WORDS)))
+      else $error("memory_port: a read of %0d words", read_words_i);
+    end
+`endif
 endmodule
