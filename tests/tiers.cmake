@@ -11,7 +11,7 @@
 set(CDE_DEFAULT_fp FpFormat.* FpReference.* ScalarOps.*)
 
 # Cards: tests that need no other simulation models than tools/mutants needs.
-set(CDE_DEFAULT_board BvhCache.* Cards/BvhCards.HardRays_EqualTheReference/cached SimulationModels.FileOfAnotherKey_IsRebuiltOnce SimulationModels.Fifo_IsNotRead SimulationModels.LastResortCacheAsLink_IsRefused SimulationModels.BuilderInputs_MustBeTrusted ModelShare.* CardChoice.Parameters_ReadBackEqual Checker.* Contract.* BvhDriver.ImpossibleConfigurations_AreRefused BvhForSolids.ImpossibleConfigurations_AreRefused WithoutEcc.*
+set(CDE_DEFAULT_board BvhCache.* FpgaCard.* Cards/BvhCards.HardRays_EqualTheReference/cached SimulationModels.FileOfAnotherKey_IsRebuiltOnce SimulationModels.Fifo_IsNotRead SimulationModels.LastResortCacheAsLink_IsRefused SimulationModels.BuilderInputs_MustBeTrusted ModelShare.* CardChoice.Parameters_ReadBackEqual Checker.* Contract.* BvhDriver.ImpossibleConfigurations_AreRefused BvhForSolids.ImpossibleConfigurations_AreRefused WithoutEcc.*
   */ReferenceKnown.* FormatConfig.UnsupportedFormat_IsNamed FormatWords.* Registers.*)
 set(CDE_DEFAULT_bus BusFaults.Names_ReadBackEqual PciBar.* PciConfig.* PciCardTest.Registers_IdentifyTheCard)
 set(CDE_DEFAULT_pipe Moller.SingleCycleOperators_GiveTenCycles)

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The top for one FPGA, in gates with open clock gates: record ring on chip, and a memory of 16
+// bits for triangles, nodes and slots.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "bvh_cards.hpp"
+#include "cde/card/board.hpp"
+
+namespace cde::testing {
+namespace {
+
+using namespace hard;
+using namespace through;
+
+/// A board of the top `fpga_card`, whose parameters are a board's.
+Board open_fpga_card(std::uint32_t latency) {
+  BoardConfig config = gates_config();
+  config.transform = Transformer::kNone;
+  OpenOptions options;
+  options.file = model_path("fpga_card", config.parameters());
+  options.config_hash = model_hash("fpga_card", config.parameters());
+  options.ddr_latency = latency;
+  return Board::open(config, options);
+}
+
+std::vector<Record> cast_on(Board& board, const std::vector<Ray>& rays, Through through) {
+  return board.cast(rays, {.pair = Pair::kRayTriangle, .through = through});
+}
+
+TEST(FpgaCard, TreeAndSweep_EqualTheReference) {
+  for (const std::uint32_t latency : {1u, 40u}) {
+    Board board = open_fpga_card(latency);
+    for (const Case& c : kScenes) {
+      SCOPED_TRACE(c.name);
+      TriangleScene scene = c.make();
+      if (scene.size() > 400) scene.resize(400);  // nodes and slots fit behind them
+      const Bvh bvh = Bvh::build(scene);
+      const std::vector<Ray> rays = hard_rays(scene, 60);
+      const std::vector<Record> should = expected(scene, bvh, rays, Mode::kNearest);
+      board.upload(scene, bvh);
+      const unsigned hits = expect_same(cast_on(board, rays, Through::kBvh), should);
+      EXPECT_EQ(expect_same(cast_on(board, rays, Through::kBruteForce), should), hits);
+    }
+  }
+}
+
+/// A triangle of nine words takes 18 cycles of the memory, and less than two cycles are lost.
+TEST(FpgaCard, Sweep_TakesTheCyclesOfTheMemory) {
+  Board board = open_fpga_card(20);
+  const TriangleScene scene = kScenes[0].make();
+  board.upload(scene);
+  const std::vector<Ray> ray = {{{0, 0, 10}, {0, 0, -1}}};
+  const Counters counters = board.cast(ray, {.pair = Pair::kRayTriangle}, [](auto) {});
+  const double per_triangle =
+      static_cast<double>(counters.cycles) / static_cast<double>(scene.size());
+  EXPECT_GE(per_triangle, 18);
+  EXPECT_LT(per_triangle, 20);
+}
+
+}  // namespace
+}  // namespace cde::testing
