@@ -46,7 +46,7 @@ set(CDE_NOT_DEFAULT_cli
 set(CDE_DEFAULT_wave_card TxCard.CardBehindPci_MatchesTheCardsCounters)
 
 # Tests that are not GoogleTests run in the default tier, except these.
-set(CDE_FULL_ONLY fp_cli.formats lint.rtl model.concurrent model.interrupted model.plain mpi.hosts mutate.faults)
+set(CDE_FULL_ONLY fp_cli.formats lint.rtl model.concurrent model.interrupted model.plain mpi.hosts mutate.faults netlist)
 
 # ---- Functions that apply the lists ----
 

@@ -107,7 +107,8 @@ def script(design):
         return read + asic.commands(target.synthesis)
     # nextpnr-ice40 0.4 would read the marks of a cell's origin as cells.
     unmarked = "delete t:$scopeinfo; " if target.router == "nextpnr-ice40" else ""
-    verilog = "; write_verilog -noattr netlist.v" if design.card else ""
+    # For simulation, each bit is a net: Verilator would find loops through vectors.
+    verilog = "; delete t:$scopeinfo; splitnets -format _; write_verilog -noattr netlist.v" if design.card else ""
     return read + f"{target.synthesis} -top bench; tee -q -o cells.json stat -json; {unmarked}write_json netlist.json{verilog}"
 
 
