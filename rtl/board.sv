@@ -59,7 +59,8 @@ module board #(
   registers_pkg::bus_response_t bus_response;
   assign bus_request = {bus_valid_i, bus_write_i, bus_space_i, bus_addr_i, bus_wdata_i};
   assign {bus_ready_o, bus_rvalid_o, bus_rdata_o} = bus_response;
-  logic clk_bus, clk_engine, prim_write, sram_pop, sram_readable, sram_beat_valid, sram_full, go, abort, busy, done;
+  logic clk_bus, clk_engine, prim_write, go, abort, busy, done;
+  logic sram_pop, sram_readable, sram_beat_valid, sram_full, sram_nearly_full;
   logic [63:0] sram_beat;
   logic [31:0] sram_count;
   logic [CONFIG.primaries-1:0] active, prim_bad;
@@ -248,7 +249,7 @@ module board #(
       .second_pair_i(pair[1]), .solid_i(solid), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
       .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
       .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full),
-      .sram_count_i(sram_count), .write_o(brute_force_write), .record_o(brute_force_record));
+      .sram_nearly_full_i(sram_nearly_full), .write_o(brute_force_write), .record_o(brute_force_record));
   assign record_write = brute_force_write | bvh_write;
   assign record = bvh_write ? bvh_record : brute_force_record;
   if (CONFIG.traversal_units != 0) begin : g_bvh
@@ -267,7 +268,7 @@ module board #(
         .transform_entry_o(transform_entry[1]), .moving_o(moving[1]),
         .clk_moving_i(clk_moving), .unmoved_o(leaf_unmoved), .moved_i((LEAF * CW)'(moved)),
         .turn_i(turn), .lane_o(leaf_operands), .lane_i(leaf_results),
-        .sram_full_i(sram_full), .sram_count_i(sram_count), .write_o(bvh_write), .record_o(bvh_record));
+        .sram_full_i(sram_full), .sram_nearly_full_i(sram_nearly_full), .write_o(bvh_write), .record_o(bvh_record));
     assign unmoved[1] = (SEC_WORDS * CW)'(leaf_unmoved);
     logic unused_rest;  // slots may be shorter or longer
     assign unused_rest = &{1'b0, leaf_unmoved, traversal};
@@ -285,7 +286,7 @@ module board #(
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(CONFIG.sram_records)) ring (
       .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | flush), .write_i(record_write & busy),
-      .record_i(record), .full_o(sram_full), .count_o(sram_count), .last_i(!busy), .readable_o(sram_readable),
-      .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop), .sram_write_o, .sram_write_addr_o,
-      .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
+      .record_i(record), .full_o(sram_full), .nearly_full_o(sram_nearly_full), .count_o(sram_count), .last_i(!busy),
+      .readable_o(sram_readable), .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop),
+      .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -7,7 +7,7 @@
 // Latency: read data 2 cycles after the beat is taken.
 // Throughput: one beat per cycle.
 // Stall: ready_o is low while an SRAM read waits for the ring, while a write waits for DDR, and while a control write
-// waits for the check of an object.
+// waits for the check of an object or, after another write, for the check of the command.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -168,9 +168,14 @@ module card_registers #(
     allowed = allowed && aligned;
   end
 
+  logic controls;
+  logic [1:0] settle_q;  // cycles until the checks of the command are those of the registers
+  assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
   assign ready = !(valid_q && ((space_q == registers_pkg::SPACE_SRAM && allowed && !sram_valid_i) ||
-      (ddr_write_o && !ddr_ready_i) ||
-      (objects_busy_i && space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL))));
+      (ddr_write_o && !ddr_ready_i) || (controls && (objects_busy_i || settle_q != 0))));
+  always_ff @(posedge clk_bus_o)
+    if (rst_i || access_o.write) settle_q <= '1;
+    else if (settle_q != 0) settle_q <= settle_q - 1'b1;
   assign read = valid_q && ready && !write_q;
   assign write_reg = valid_q && ready && write_q && allowed && space_q == registers_pkg::SPACE_REG;
   assign access_o = '{
@@ -185,15 +190,20 @@ module card_registers #(
   assign ddr_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_DDR;
   assign sram_pop_o = read && allowed && space_q == registers_pkg::SPACE_SRAM;
 
-  // End of the secondaries in DDR. It needs a multiplication, so simulation computes it only during writes.
-  logic [63:0] sec_end;
-  pairs_pkg::words_t sec_words;
+  // End of the secondaries in DDR. The checks of the command take three cycles after a write (settle_q).
+  logic [63:0] sec_end_q;
+  logic [32:0] sec_last_q;
+  logic command_ok_q, objects_ok;
+  pairs_pkg::words_t sec_words_q;
   pairs_pkg::shape_t sec_shape, sec_shape2;
   logic pair_present, second_ok, iterations_ok, secondaries_ok;
   assign sec_shape = pairs_pkg::SHAPE_BITS'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
       pairs_pkg::secondary_shape(int'(command_q.pair)));
-  assign sec_words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape)));
-  assign sec_end = ({31'b0, {1'b0, sec_first_q} + {1'b0, sec_count_q}} * 64'(sec_words)) * CW_BYTES;
+  always_ff @(posedge clk_bus_o) begin
+    sec_words_q <= pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape)));
+    sec_last_q <= {1'b0, sec_first_q} + {1'b0, sec_count_q};
+    sec_end_q <= (64'(sec_last_q) * 64'(sec_words_q)) * CW_BYTES;
+  end
   assign pair_present = pairs_pkg::has(PAIRS, int'(command_q.pair));
   // A second pair: another pipe with the same secondaries and its own primaries. Streaming modes allow no second pair.
   assign sec_shape2 = pairs_pkg::SHAPE_BITS'(command_q.second_swap ?
@@ -224,16 +234,16 @@ module card_registers #(
       command_q.mode != registers_pkg::MODE_ALL && bvh_good_i[0] &&
       bvh_good_i[(command_q.mode == registers_pkg::MODE_REFIT) ? 2 : 1] &&
       bvh_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && bvh_solid)) &&
-      (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && sec_first_q == 0 && sec_count_q != 0 &&
-      sec_end <= DDR_BYTES;
-  assign command_ok = (command_q.bvh ? bvh_ok : brute_force_ok) && !busy_i;
+      sec_first_q == 0 && sec_count_q != 0 && sec_end_q <= DDR_BYTES;
+  // The objects in use, also of primaries, must be in contract, or go is refused.
+  assign objects_ok = TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i;
+  always_ff @(posedge clk_bus_o) command_ok_q <= command_q.bvh ? bvh_ok : brute_force_ok;
+  assign command_ok = command_ok_q && objects_ok && !busy_i;
   assign brute_force_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_present && second_ok && iterations_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
-  // The objects in use, also of primaries, must be in contract, or go is refused. Their ranges replace the range in the
-  // registers.
-  assign secondaries_ok = (TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i) && (object_count_q != 0 ||
-      (sec_count_q != 0 && sec_end <= DDR_BYTES));
+  // The ranges of objects replace the range in the registers.
+  assign secondaries_ok = object_count_q != 0 || (sec_count_q != 0 && sec_end_q <= DDR_BYTES);
   assign go_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.go && command_ok;
   assign abort_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.stop;
   always_comb begin

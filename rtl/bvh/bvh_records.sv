@@ -41,7 +41,7 @@ module bvh_records #(
     input logic [31:0] bad_number_i,
 
     input logic sram_full_i,
-    input logic [31:0] sram_count_i,
+    input logic sram_nearly_full_i,
     output logic write_o,
     output logic [WORDS-1:0][31:0] record_o,
     output logic finished_o,  // a primary has all its records
@@ -85,7 +85,7 @@ module bvh_records #(
   // ---- One record per cycle. A primary's last record follows its hits, which are queued before it arrives ----
   logic ring_ready, record_ready, take_hit, lane_1, take_bad, take, second_q;
   hit_t hit;
-  assign ring_ready = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign ring_ready = !sram_full_i && !(write_o && sram_nearly_full_i);
   assign record_ready = ring_ready && !second_q;  // the second record of a pair goes next
   assign take_hit = record_ready && some != 0;
   assign lane_1 = !some[0];

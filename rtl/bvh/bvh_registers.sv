@@ -16,7 +16,7 @@ module bvh_registers #(
     output logic [63:0] rdata_o,
     input logic [63:0] wdata_i,    // data of the access; a separate port, since the checks depend on it
     output logic provided_good_o,  // for REG_RAYS
-    output logic [2:0] good_o,     // settings are valid for a pass: of a refit, of primaries, of nodes
+    output logic [2:0] good_o,     // settings are valid for a pass: of a refit, of primaries, of nodes. One cycle late
     input logic busy_i,
     input logic wide_i,   // primaries of the pass take two places
     input logic clear_i,  // a pass begins
@@ -60,8 +60,9 @@ module bvh_registers #(
   logic in_ddr;
   assign in_ddr = CONFIG.node_cache == 0 || (64'(bases_q[0]) + 64'(nodes_q) * bvh_pkg::NODE_WORDS <= DDR_WORDS &&
       64'(bases_q[1]) + 64'(slots_q) <= DDR_WORDS && 64'(bases_q[2]) + 64'(slots_q) <= DDR_WORDS);
-  assign good_o = {CONFIG.node_cache == 0, ray_count_q != 0, nodes_q <= NODES &&
-      first_node_q < nodes_q && slots_q != 0 && slots_q <= bvh_pkg::SLOTS_PER_NODE * NODES && in_ddr};
+  always_ff @(posedge clk_bus_i)
+    good_o <= {CONFIG.node_cache == 0, ray_count_q != 0, nodes_q <= NODES &&
+        first_node_q < nodes_q && slots_q != 0 && slots_q <= bvh_pkg::SLOTS_PER_NODE * NODES && in_ddr};
 
   function automatic logic [31:0] saturated(input logic [63:0] x);
     saturated = (x[63:32] != 0) ? '1 : x[31:0];

@@ -29,7 +29,7 @@ module bvh_unit #(
     output logic [63:0] rdata_o,
     input logic [63:0] wdata_i,
     output logic provided_good_o,  // for REG_RAYS
-    output logic [2:0] good_o,     // settings are valid for a pass: of a refit, of primaries, of nodes
+    output logic [2:0] good_o,     // as in bvh_registers.sv
 
     input logic valid_i,
     output logic ready_o,
@@ -61,7 +61,7 @@ module bvh_unit #(
     input card_pkg::lane_results_t lane_i,
 
     input logic sram_full_i,
-    input logic [31:0] sram_count_i,
+    input logic sram_nearly_full_i,
     output logic write_o,
     output logic [WORDS-1:0][31:0] record_o
 );
@@ -117,7 +117,7 @@ module bvh_unit #(
   assign unused_flip = &{1'b0, flip.reserved};
   bvh_registers #(.CONFIG(CONFIG)) registers (
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
-      .wide_i(wide(int'(traversal_now))),
+      .wide_i(PRIMARY > PLACE_WORDS && wide(int'(traversal_now))),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count), .nodes_o(nodes),
       .first_node_o(first_node), .slots_o(slots), .bases_o(bases), .root_o(root), .events_i(running ? events : '0),
       .deepest_i(deepest_q), .fault_i(fault_q), .flip_o(flip),
@@ -202,6 +202,9 @@ module bvh_unit #(
   logic [PLACE-1:0] leaf_slot, refit_slot;
   logic [TAG-1:0] leaf_tag;
   logic [REFIT_TAG-1:0] refit_tag;
+  pairs_pkg::words_t leaf_words_q;  // per secondary
+  always_ff @(posedge clk)
+    leaf_words_q <= pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(leaf_shape(int'(traversal_q))));
   assign fetch_ready = leaf_ready && hits_free && !refitting;
   assign leaf_valid = refitting ? refit_fetch : fetch_valid && hits_free;
   assign leaf_slot = refitting ? refit_slot : fetch_slot;
@@ -214,7 +217,7 @@ module bvh_unit #(
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
       .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
       .slots_i(slots), .slot_base_i(bases[2:1]), .secondaries_i(secondaries_q),
-      .words_i(pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(leaf_shape(int'(traversal_q))))),
+      .words_i(leaf_words_q),
       .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag),
       .ddr_o(ddr_o[0]), .ddr_ready_i(ddr_ready_i[0]), .ddr_valid_i(ddr_valid_i[0]), .ddr_data_i,
       .ddr_words_o(ddr_words_o[0]), .slot_ddr_o(slot_ddr), .slot_ddr_ready_i(slot_ddr_ready),
@@ -269,7 +272,7 @@ module bvh_unit #(
       .hit_t_i(hit_t), .hit_point_i(hit_point), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
       .number_i(number), .found_i(found), .f_i(f), .t_i(t), .point_i(point), .index_i(best_index),
       .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i,
-      .sram_count_i, .write_o, .record_o, .finished_o(finished), .empty_o(records_empty));
+      .sram_nearly_full_i, .write_o, .record_o, .finished_o(finished), .empty_o(records_empty));
 
   // ---- Invalid BVHs. In a valid BVH, a primary finishes before it has read every node once. A refit writes
   // a node in less than a million cycles ----

@@ -127,13 +127,13 @@ module traversal #(
   logic [CX:0] fresh_q;  // contexts that never had a primary
   logic [CX:0] free_count;
   logic [CX-1:0] free, taken;
-  logic take, front_ready, keep_valid, record_read;
+  logic take, front_ready, keep_valid, better_valid, record_read;
   logic [CX-1:0] done;  // of the record
   sync_fifo #(.W(CX), .DEPTH(CONTEXTS)) queue_free (
       .clk_i, .rst_i, .write_i(record_read), .wdata_i(done), .free_o(), .count_o(free_count), .rdata_o(free),
       .read_i(take && fresh_q[CX]));
   assign taken = fresh_q[CX] ? free : fresh_q[CX-1:0];
-  assign ray_ready_o = (!fresh_q[CX] || free_count != 0) && !keep_valid && front_ready;
+  assign ray_ready_o = (!fresh_q[CX] || free_count != 0) && !better_valid && front_ready;
   assign take = ray_valid_i && ray_ready_o;
   always_ff @(posedge clk_i) begin
     if (take && !fresh_q[CX]) fresh_q <= fresh_q + 1;
@@ -253,7 +253,7 @@ module traversal #(
         .interval_context_i(interval_context[CX-1:BANK]),
         .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),
         .front_context_i(front_context), .front_i(front), .leaf_valid_o(leaf_valid[u]),
-        .leaf_ready_i(leaf_ready[u]), .leaf_o(leaf[u]), .tested_valid_i(keep_valid && `CDE_OWN(tested.context_)),
+        .leaf_ready_i(leaf_ready[u]), .leaf_o(leaf[u]), .tested_valid_i(better_valid && `CDE_OWN(tested.context_)),
         .tested_i(tested), .done_valid_o(done_valid[u]), .done_ready_i(done_ready[u]), .done_o(dones[u]),
         .visits_o(reads[u]), .level_o(levels[u]), .fault_o(faults[u]), .fault_place_o(fault_places[u]));
   end
@@ -313,7 +313,8 @@ module traversal #(
       .next_o(keep_at_next), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .present_o(present), .t_o(t), .key_o(key),
       .point_o(point), .index_o(index));
 
-  // ---- The better of the best result so far and the new ones ----
+  // ---- The better of the best result so far and the new ones: first among those of a leaf, one cycle later with the
+  // best result so far ----
   best_t best_q, best;
   // Two zeros are equal: a solid's distance may be either.
   function automatic logic better(input logic [31:0] t_1, input logic [31:0] index_1, input logic [31:0] t_2,
@@ -327,34 +328,34 @@ module traversal #(
   // For solids, the least distance counts, whether they meet or not.
   logic [LANES-1:0] counts;
   assign counts = (is_solid && goal_i == GOAL_NEAREST) ? present : f;
+  localparam int LW = $clog2(LANES);
+  logic [LW-1:0] chosen;
+  best_t one, one_q;
+  logic [31:0] best_key;  // of the chosen one
+  at_t better_at;
   logic improved;
-  logic [31:0] best_key;
   always_comb begin
-    best = best_q;
-    improved = 1'b0;
-    best_key = '0;
-    for (int l = 0; l < LANES; l++) begin
-      best_t one;
-      one = '{f: 1'b1, t: t[l], point: '0, index: index[l]};
-      for (int k = 0; k < POINTS; k++) one.point[k] = point[k][l];
-      if (counts[l] && goal_i != GOAL_HITS && (!best.f || better(one.t, one.index, best.t, best.index))) begin
-        best = one;
-        improved = 1'b1;
-        best_key = key[l];
-      end
-    end
+    chosen = '0;
+    for (int l = 1; l < LANES; l++)
+      if (counts[l] && (!counts[chosen] || better(t[l], index[l], t[chosen], index[chosen]))) chosen = LW'(l);
+    one = '{f: counts[chosen] && goal_i != GOAL_HITS, t: t[chosen], point: '0, index: index[chosen]};
+    for (int k = 0; k < POINTS; k++) one.point[k] = point[k][chosen];
   end
-  // If a context runs ahead of its leaves, its leaves can follow each other directly.
-  logic again;
-  assign again = keep_valid && keep_at.context_ == keep_at_next.context_;
-  logic again_q;
-  best_t read_q, kept_q;
+  assign improved = one_q.f && (!best_q.f || better(one_q.t, one_q.index, best_q.t, best_q.index));
+  assign best = improved ? one_q : best_q;
+  // If a context runs ahead of its leaves, its leaves can follow each other directly, or with one cycle between.
+  logic again_q, again_late_q;  // the leaf is of the context of the leaf before, and of the second leaf before
+  best_t read_q, read_late_q, kept_q;
   always_ff @(posedge clk_i) begin
     read_q <= bests[keep_at_next.context_];
+    again_late_q <= better_valid && better_at.context_ == keep_at_next.context_;
+    read_late_q <= again_late_q ? kept_q : read_q;
+    again_q <= better_valid && better_at.context_ == keep_at.context_;
     kept_q <= best;
-    again_q <= again;
+    better_valid <= keep_valid && !rst_i;
+    {better_at, best_key, one_q} <= {keep_at, key[chosen], one};
   end
-  assign best_q = again_q ? kept_q : read_q;
+  assign best_q = again_q ? kept_q : read_late_q;
   always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_next.context_];
   assign tested_o = keep_valid;
   assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
@@ -369,11 +370,11 @@ module traversal #(
     interval_write = {2{take}};
     interval_context = taken;
     interval = !is_solid ? ray_i[7:6] : {(goal_i == GOAL_NEAREST) ? INFINITE : 32'd0, INFINITE | SIGN};
-    tested = keep_at;
-    if (keep_valid) begin
+    tested = better_at;
+    if (better_valid) begin
       interval_write = {improved && (goal_i == GOAL_NEAREST || goal_i == GOAL_OCCLUDED),
                         improved && goal_i == GOAL_FARTHEST};
-      interval_context = keep_at.context_;
+      interval_context = better_at.context_;
       interval = {is_solid ? best_key : best.t, best.t};
       if (best.f && goal_i == GOAL_OCCLUDED) begin
         tested.level = '0;
@@ -381,7 +382,7 @@ module traversal #(
       end
     end
   end
-  always_ff @(posedge clk_i) if (keep_valid || take) bests[interval_context] <= keep_valid ? best : '0;
+  always_ff @(posedge clk_i) if (better_valid || take) bests[interval_context] <= better_valid ? best : '0;
 
   // ---- Records ----
   logic [CX-1:0] done_next;

@@ -20,6 +20,7 @@ module sram_ring #(
     input logic [WORDS-1:0][CW-1:0] record_i,
     output logic active_o,  // work is pending: the clock must run
     output logic full_o,
+    output logic nearly_full_o,  // there is room for one record
     output logic [31:0] count_o,  // records not yet read completely
 
     input logic last_i,  // no pass runs: the newest record is a last one
@@ -45,7 +46,6 @@ module sram_ring #(
   logic shared, alone, finish;
 
   assign active_o = sram_read_o || fetching_q;
-  assign full_o = count_q == 32'(RECORDS);
   assign count_o = count_q;
   assign sram_write_o = write_i;
   assign sram_write_addr_o = write_q[AW-1:0];
@@ -70,6 +70,9 @@ module sram_ring #(
     if (sram_read_o) fetch_q <= fetch_q + 1;
     fetching_q <= sram_read_o;
     count_q <= count_q + 32'(write_i) - 32'(finish);
+    full_o <= (full_o && !finish) || (nearly_full_o && write_i && !finish);
+    nearly_full_o <= (full_o && finish) || (nearly_full_o && write_i == finish) ||
+        (count_q == 32'(RECORDS - 2) && write_i && !finish);
     if (beat_pop_i) word_q <= next_word;
     if (!head_valid_q || finish) begin
       head_valid_q <= next_valid_q || fetching_q;
@@ -83,7 +86,7 @@ module sram_ring #(
       {write_q, fetch_q} <= '0;
       count_q <= 0;
       word_q <= 0;
-      {fetching_q, head_valid_q, next_valid_q} <= '0;
+      {fetching_q, head_valid_q, next_valid_q, full_o, nearly_full_o} <= '0;
     end
   end
 

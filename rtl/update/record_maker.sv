@@ -29,7 +29,7 @@ module record_maker #(
     output logic ready_o,
 
     input logic sram_full_i,
-    input logic [31:0] sram_count_i,
+    input logic sram_nearly_full_i,
     output logic write_o,
     output logic [WORDS-1:0][CW-1:0] record_o
 );
@@ -42,7 +42,7 @@ module record_maker #(
   logic [CW-1:0] record_t;
   logic [31:0] record_index;
   logic [PRIM_W-1:0] record_primary;
-  assign sram_ready = !sram_full_i && !(write_o && sram_count_i + 1 == 32'(CONFIG.sram_records));
+  assign sram_ready = !sram_full_i && !(write_o && sram_nearly_full_i);
   assign normals = CONFIG.normals != 0 && normals_i;  // a constant if the card has no normals
   assign ready_o = sram_ready && (!normals || second_q);
   assign record_valid = streaming_i ? streamed_i.valid : writeback_i.valid;
