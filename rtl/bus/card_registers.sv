@@ -97,6 +97,7 @@ module card_registers #(
   logic valid_q, write_q, write_reg, read, aligned, allowed, in_stencil, command_ok;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
+  logic controls, pops, ddr_writes, ddr_allowed;  // the beat is such an access
   logic [63:0] wdata_q;
   registers_pkg::control_t control;
   assign control = wdata_q;
@@ -157,7 +158,7 @@ module card_registers #(
             default: allowed = (in_stencil || in_objects) && !busy_i;
           endcase
       registers_pkg::SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
-      registers_pkg::SPACE_DDR: allowed = write_q && !busy_i && {32'b0, addr_q} < DDR_BYTES;
+      registers_pkg::SPACE_DDR: allowed = write_q && ddr_allowed;
       registers_pkg::SPACE_SRAM: allowed = !write_q && sram_readable_i;
       registers_pkg::SPACE_NODES: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i && addr_q < NODE_BYTES;
       registers_pkg::SPACE_SLOTS: allowed = TRAVERSAL_UNITS != 0 && CONFIG.node_cache == 0 && write_q && !busy_i &&
@@ -168,10 +169,12 @@ module card_registers #(
     allowed = allowed && aligned;
   end
 
-  logic controls;
   logic [1:0] settle_q;  // cycles until the checks of the command are those of the registers
   assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
-  assign ready = !(valid_q && ((space_q == registers_pkg::SPACE_SRAM && allowed && !sram_valid_i) ||
+  assign ddr_allowed = !busy_i && {32'b0, addr_q} < DDR_BYTES;
+  assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && aligned;
+  assign ddr_writes = space_q == registers_pkg::SPACE_DDR && write_q && ddr_allowed && aligned;
+  assign ready = !(valid_q && ((pops && !sram_valid_i) ||
       (ddr_write_o && !ddr_ready_i) || (controls && (objects_busy_i || settle_q != 0))));
   always_ff @(posedge clk_bus_o)
     if (rst_i || access_o.write) settle_q <= '1;
@@ -187,8 +190,8 @@ module card_registers #(
       data: wdata_q};
   assign object_write_o = write_reg && in_objects;
   assign prim_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_PRIM;
-  assign ddr_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_DDR;
-  assign sram_pop_o = read && allowed && space_q == registers_pkg::SPACE_SRAM;
+  assign ddr_write_o = valid_q && ddr_writes;
+  assign sram_pop_o = valid_q && pops && sram_valid_i;
 
   // End of the secondaries in DDR. The checks of the command take three cycles after a write (settle_q).
   logic [63:0] sec_end_q;
@@ -310,7 +313,9 @@ module card_registers #(
     status_of.ecc_error = ecc_error;
     status_of.node_error = node_error;
   endfunction
+  logic [8:0] bad_prim_q;
   always_ff @(posedge clk_bus_o) begin
+    bad_prim_q <= 9'($countones(prim_bad_i & present_q));
     rvalid_q <= read && !rst_i;
     if (read && space_q == registers_pkg::SPACE_SRAM) rdata_q <= allowed ? sram_beat_i : '0;
     else if (read && !allowed) rdata_q <= '0;
@@ -340,7 +345,7 @@ module card_registers #(
         registers_pkg::REG_ROWS: rdata_q <= rows_q;
         registers_pkg::REG_STALLS: rdata_q <= stalls_q;
         registers_pkg::REG_BUBBLES: rdata_q <= bubbles_q;
-        registers_pkg::REG_BAD_PRIM: rdata_q <= 64'($countones(prim_bad_i & present_q));
+        registers_pkg::REG_BAD_PRIM: rdata_q <= 64'(bad_prim_q);
         registers_pkg::REG_BAD_SEC: rdata_q <= bad_sec_q;
         registers_pkg::REG_SECONDARIES: rdata_q <= secondaries_q;
         registers_pkg::REG_WRITTEN: rdata_q <= written_q;

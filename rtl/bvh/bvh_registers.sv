@@ -16,7 +16,7 @@ module bvh_registers #(
     output logic [63:0] rdata_o,
     input logic [63:0] wdata_i,    // data of the access; a separate port, since the checks depend on it
     output logic provided_good_o,  // for REG_RAYS
-    output logic [2:0] good_o,     // settings are valid for a pass: of a refit, of primaries, of nodes. One cycle late
+    output logic [2:0] good_o,     // settings are valid for a pass: of a refit, of primaries, of nodes. Two cycles late
     input logic busy_i,
     input logic wide_i,   // primaries of the pass take two places
     input logic clear_i,  // a pass begins
@@ -52,14 +52,18 @@ module bvh_registers #(
   // Counts of primaries rise within a pass. At most as many as there are places can be provided and not taken.
   logic [31:0] value, taken;
   assign value = wdata_i[31:0];
-  assign taken = busy_i ? taken_i : '0;
+  always_ff @(posedge clk_bus_i) taken <= busy_i ? taken_i : '0;
   assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
       value >= taken && value - taken <= (wide_i ? CONFIG.ray_places / 2 : CONFIG.ray_places);
   // In DDR, nodes and slots end before its end.
   localparam logic [63:0] DDR_WORDS = 64'(CONFIG.ddr_slots) * 64'(records_pkg::DDR_WORDS);
   logic in_ddr;
-  assign in_ddr = CONFIG.node_cache == 0 || (64'(bases_q[0]) + 64'(nodes_q) * bvh_pkg::NODE_WORDS <= DDR_WORDS &&
-      64'(bases_q[1]) + 64'(slots_q) <= DDR_WORDS && 64'(bases_q[2]) + 64'(slots_q) <= DDR_WORDS);
+  logic [2:0][63:0] ends_q;
+  always_ff @(posedge clk_bus_i)
+    ends_q <= {64'(bases_q[2]) + 64'(slots_q), 64'(bases_q[1]) + 64'(slots_q),
+        64'(bases_q[0]) + 64'(nodes_q) * bvh_pkg::NODE_WORDS};
+  assign in_ddr = CONFIG.node_cache == 0 ||
+      (ends_q[0] <= DDR_WORDS && ends_q[1] <= DDR_WORDS && ends_q[2] <= DDR_WORDS);
   always_ff @(posedge clk_bus_i)
     good_o <= {CONFIG.node_cache == 0, ray_count_q != 0, nodes_q <= NODES &&
         first_node_q < nodes_q && slots_q != 0 && slots_q <= bvh_pkg::SLOTS_PER_NODE * NODES && in_ddr};

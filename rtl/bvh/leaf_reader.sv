@@ -3,7 +3,7 @@
 // secondary (slot_reader.sv). So DDR holds each secondary once, and the slot gives its index.
 // A secondary takes one beat, or two beats if it has more than 9 words. With OBJECTS, a slot also names its object, and
 // secondaries go through the external transformer.
-// Latency: slot_reader.sv, 1 cycle, the memory's latency and T_MOVED.
+// Latency: slot_reader.sv, 2 cycles, the memory's latency and T_MOVED.
 // Throughput: one beat per cycle.
 // Stall: ready_o, ddr_ready_i.
 module leaf_reader #(
@@ -72,27 +72,23 @@ module leaf_reader #(
 
   // ---- Slots ----
   logic requested, last_slot, beyond, no_object;
-  logic wide, half, half_q, taken, whole_requested;  // half: the second beat of a secondary is next
+  logic wide, half_q, taken, whole_requested;  // half_q: the second beat of a secondary is next
   if (WORDS > BEAT) begin : g_two_beats
     assign wide = 32'(words_i) > BEAT;
-    assign half = wide && half_q != taken;
-    always_ff @(posedge clk_i) half_q <= half && !rst_i;
+    always_ff @(posedge clk_i) half_q <= wide && half_q != taken && !rst_i;
   end else begin : g_a_beat
-    assign {wide, half, half_q} = '0;
+    assign {wide, half_q} = '0;
     logic unused_wide;
     assign unused_wide = wide;
   end
-  assign taken = ddr_o.valid && ddr_ready_i;
-  assign whole_requested = taken && !half;
   logic [31:0] index, object;
   logic [1:0] corrected, failed;
   logic [TAG-1:0] slot_tag;
   logic slots_outstanding;
-  // A pass does not end between the two beats of a secondary.
   slot_reader #(
       .SLOTS(SLOTS), .TAG(TAG), .ECC(ECC), .OBJECTS(OBJECTS), .EXTERNAL(EXTERNAL)
   ) slots (
-      .clk_bus_i, .write_i, .addr_i, .data_i, .flip_i, .clk_i, .rst_i, .clear_i, .keep_i(half), .slots_i,
+      .clk_bus_i, .write_i, .addr_i, .data_i, .flip_i, .clk_i, .rst_i, .clear_i, .slots_i,
       .base_i(slot_base_i), .objects_i(objects_i != 0), .valid_i, .ready_o, .slot_i, .tag_i, .ddr_o(slot_ddr_o),
       .ddr_ready_i(slot_ddr_ready_i), .ddr_valid_i(slot_ddr_valid_i), .ddr_data_i, .outstanding_o(slots_outstanding),
       .valid_o(requested), .take_i(whole_requested), .slot_o(fault_place_o), .tag_o(slot_tag), .last_o(last_slot),
@@ -111,13 +107,21 @@ module leaf_reader #(
   logic [TAG-1:0] tag;
   logic [OBJECT_W-1:0] unused_object;
   logic [TAG_W-1:0] tags[DEPTH];
-  assign ddr_o.valid = requested && !fault_o && (half_q || outstanding != (DW + 1)'(DEPTH));
-  assign ddr_o.word = index * 32'(words_i) + (half_q ? BEAT : 0);
+  // Their addresses wait in a queue. A pass that ends does not drop them.
+  logic [2:0] requests, requests_free;
+  logic [31:0] request;
+  sync_fifo #(.W(32), .DEPTH(4)) queue_requests (
+      .clk_i, .rst_i, .write_i(whole_requested), .wdata_i(index * 32'(words_i)), .free_o(requests_free),
+      .count_o(requests), .rdata_o(request), .read_i(taken && half_q == wide));
+  assign whole_requested = requested && !fault_o && requests_free != 0 && outstanding != (DW + 1)'(DEPTH);
+  assign taken = ddr_o.valid && ddr_ready_i;
+  assign ddr_o.valid = requests != 0;
+  assign ddr_o.word = request + (half_q ? BEAT : 0);
   assign ddr_o.words = half_q ? 4'(32'(words_i) - BEAT) : wide ? 4'(BEAT) : 4'(words_i);
   assign outstanding = write_q - read_q;
-  assign outstanding_o = outstanding != 0 || ddr_o.valid || slots_outstanding;  // includes this cycle's requests
+  assign outstanding_o = outstanding != 0 || whole_requested || slots_outstanding;  // includes this cycle's requests
   always_ff @(posedge clk_i) begin
-    if (taken && !half_q) begin
+    if (whole_requested) begin
       tags[write_q[DW-1:0]] <= {last_slot, object[OBJECT_W-1:0], index, slot_tag};
       write_q <= write_q + 1;
     end

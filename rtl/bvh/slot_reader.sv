@@ -23,7 +23,6 @@ module slot_reader #(
     input logic clk_i,
     input logic rst_i,
     input logic clear_i,  // between passes; drops outstanding requests
-    input logic keep_i,   // but not the slot at the output
     input logic [31:0] slots_i,  // slots of the BVH
     input logic [1:0][31:0] base_i,  // words of slot 0 in DDR: of its object, of its secondary
     input logic objects_i,  // the pass has objects
@@ -64,8 +63,7 @@ module slot_reader #(
       slot_q <= slot;
       beyond_o <= slot >= slots_i;
     end
-    if (rst_i || clear_i) second_q <= 1'b0;
-    if (rst_i || (clear_i && !keep_i)) valid_o <= 1'b0;
+    if (rst_i || clear_i) {valid_o, second_q} <= '0;
   end
 
   if (EXTERNAL == 0) begin : g_on_chip

@@ -316,14 +316,17 @@ module traversal #(
   // ---- The better of the best result so far and the new ones: first among those of a leaf, one cycle later with the
   // best result so far ----
   best_t best_q, best;
-  // Two zeros are equal: a solid's distance may be either.
+  logic by_index_q;
+  always_ff @(posedge clk_i) by_index_q <= goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED;
+  // Two zeros are equal: a solid's distance may be either. The comparisons have few levels of logic.
   function automatic logic better(input logic [31:0] t_1, input logic [31:0] index_1, input logic [31:0] t_2,
                                   input logic [31:0] index_2);
-    logic [31:0] first, second;
-    first = ordered(t_1);
-    second = ordered(t_2);
-    better = (goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED || first == second) ? index_1 < index_2 :
-        (goal_i == GOAL_FARTHEST) == (first > second);
+    logic same, greater, farther;
+    same = t_1[30:0] == t_2[30:0];
+    greater = t_1[30:0] > t_2[30:0];
+    farther = (t_1[31] != t_2[31]) ? t_2[31] : t_1[31] ? !greater : greater;
+    if (t_1[31] != t_2[31]) same = t_1[30:0] == 0 && t_2[30:0] == 0;
+    better = (by_index_q || same) ? index_1 < index_2 : farthest_q == farther;
   endfunction
   // For solids, the least distance counts, whether they meet or not.
   logic [LANES-1:0] counts;

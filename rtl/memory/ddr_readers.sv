@@ -42,10 +42,15 @@ module ddr_readers #(
     logic [W-1:0] turn, owner;
     logic [W-1:0] owners[DEPTH];
     logic [D:0] requested_q, answered_q;
-    logic queue_free;
-    assign queue_free = requested_q - answered_q != (D + 1)'(DEPTH);
+    // The room of the queue of owners, one cycle ahead.
+    logic taken, full_q;
+    logic [D:0] outstanding;
+    assign taken = request_o.valid && ready_i;
+    assign outstanding = requested_q - answered_q;
+    always_ff @(posedge clk_i)
+      full_q <= !rst_i && !valid_i && (full_q || (outstanding == (D + 1)'(DEPTH - 1) && taken));
     for (genvar r = 0; r < READERS; r++) begin : reader
-        assign requesting[r] = queue_free && USED[r] && readers_i[r].valid; end
+        assign requesting[r] = !full_q && USED[r] && readers_i[r].valid; end
     assign masked = requesting & mask_q;
     assign chosen = (masked != 0) ? masked : requesting;
     always_comb begin
@@ -54,12 +59,12 @@ module ddr_readers #(
     end
     assign request_o.valid = requesting != 0;
     assign {request_o.word, request_o.words} = {readers_i[turn].word, readers_i[turn].words};
-    assign ready_o = (request_o.valid && ready_i) ? READERS'(1) << turn : '0;
+    assign ready_o = taken ? READERS'(1) << turn : '0;
     assign owner = owners[answered_q[D-1:0]];
     assign valid_o = valid_i ? READERS'(1) << owner : '0;
     assign words_o = words_i[owner];
     always_ff @(posedge clk_i) begin
-      if (request_o.valid && ready_i) begin
+      if (taken) begin
         owners[requested_q[D-1:0]] <= turn;
         requested_q <= requested_q + 1'b1;
         mask_q <= ~((READERS'(2) << turn) - 1'b1);
