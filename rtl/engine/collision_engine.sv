@@ -126,6 +126,8 @@ module collision_engine #(
   // rows of some pairs need several cycles
   localparam bit TURNS = SAT_II != 1 && (PAIRS & pairs_pkg::SAT_PAIRS) != 0;
   localparam bit ISSUE = ANY_ORDERED || (TURNS && ARITH == "rtl");  // some pipe needs the cycle of issue
+  localparam int REGISTERS = 2;  // behind the memory of rows in flight
+  localparam int UNUSED = 1 + REGISTERS;  // latency where no row enters: it must have passed since a change
   // Rows in flight where only the order is kept.
   localparam int IN_ORDER = formats_pkg::larger(pairs_pkg::ITERATIVE_ROWS, 4 * HISTORY);
   pairs_pkg::pair_t [PORTS-1:0] pair;
@@ -147,8 +149,8 @@ module collision_engine #(
     assign interval_ready = throttle_ready && turn_i == '0;
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row[k], issue_i.parity, index_i, secondary_bad_i};
-    row_history #(.W(ROW_W + 34), .DEPTH(HISTORY)) history (
-        .clk_i, .rst_i, .latency_i(ordered ? 16'd1 : latency[k]), .valid_i(issue_i.valid[k] && !ordered), .d_i(tag),
+    row_history #(.W(ROW_W + 34), .DEPTH(HISTORY), .REGISTERS(REGISTERS)) history (
+        .clk_i, .rst_i, .latency_i(ordered ? 16'(UNUSED) : latency[k]), .valid_i(issue_i.valid[k] && !ordered), .d_i(tag),
         .valid_o(late_valid), .q_o(late_tag));
     if (ANY_ORDERED) begin : g_order  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
@@ -259,7 +261,7 @@ module collision_engine #(
   end
   for (genvar k = 0; k < PORTS; k++) begin : latency_of
     assign pipe_latency[k] = (k > 0 &&
-        pair_i[k] == pairs_pkg::NO_PAIR) ? 16'd1 : group[0].latency_pipes[MANY ? int'(pair_i[k]) : $clog2(PAIRS)];
+        pair_i[k] == pairs_pkg::NO_PAIR) ? 16'(UNUSED) : group[0].latency_pipes[MANY ? int'(pair_i[k]) : $clog2(PAIRS)];
   end
   always_comb begin
     new_hits_o = '0;

@@ -61,14 +61,14 @@ module engine_control #(
   typedef enum logic [2:0] {IDLE, POSE, CLEAR, BRUTE_FORCE, DRAIN, WRITEBACK, FLUSH} state_e;
   state_e state_q;
   logic [ROW_W-1:0] row_q, second_row;
-  logic [PRIM_W-1:0] primary;
+  logic [PRIM_W-1:0] primary, primary_q;
   logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
-  logic parity_q, stop_q;
-  logic [PRIMARIES-1:0] pending_q, lowest;
+  logic parity_q, stop_q, write_q;  // write_q: primary_q is to be written back
+  logic [PRIMARIES-1:0] pending_q, lowest;  // primaries to write back after it
   logic [PRIM_W:0] missing_q;                        // active primaries without a hit, for mode any
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
-  logic enter, last_row, has_credit, all_hit;
+  logic enter, last_row, has_credit, all_hit, taken;
   logic [1:0] has_row;  // the pairs that have a row here
 
   assign rows = (ROW_W + 1)'((32'(command_i.primaries) + 32'(LANES - 1)) / 32'(LANES));
@@ -101,12 +101,15 @@ module engine_control #(
   assign stall_o = state_q == BRUTE_FORCE && secondary_valid_i && !stop_q && !enter;
 
   priority_encoder #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
-  assign writeback_o.valid = state_q == WRITEBACK && pending_q != 0;
-  assign writeback_o.primary = 8'(primary);
+  assign writeback_o.valid = state_q == WRITEBACK && write_q;
+  assign writeback_o.primary = 8'(primary_q);
   assign writeback_o.parity = parity_q;
-  assign done_o = state_q == WRITEBACK && pending_q == 0 && fifo_empty_i && sram_idle_i;
+  assign done_o = state_q == WRITEBACK && !write_q && fifo_empty_i && sram_idle_i;
 
+  // The encoder works one primary ahead, and finds the first one during the drain.
+  assign taken = writeback_o.valid && writeback_ready_i;
   always_ff @(posedge clk_i) begin
+    if (state_q == DRAIN || taken) {write_q, primary_q} <= {pending_q != 0, primary};
     in_flight_q <= in_flight_q + 16'($countones(issue_o.valid)) - 16'($countones(retire_i));
     credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
     missing_q <= missing_q - new_hits_i;
@@ -140,14 +143,17 @@ module engine_control #(
           // Mode any ends between two secondaries, so every row has met the same ones.
           if (all_hit) stop_q <= 1;
         end
-        if ((secondary_pop_o && secondary_last_i) || stop_q) state_q <= DRAIN;
+        if ((secondary_pop_o && secondary_last_i) || stop_q) begin
+          pending_q <= streaming_mode_o ? '0 : active_i;
+          state_q <= DRAIN;
+        end
       end
       DRAIN: if (in_flight_q == 0 && secondary_idle_i) begin
-        pending_q <= streaming_mode_o ? '0 : active_i;
+        pending_q <= pending_q & ~lowest;
         state_q <= WRITEBACK;
       end
       WRITEBACK: begin
-        if (writeback_o.valid && writeback_ready_i) pending_q <= pending_q & ~lowest;
+        if (taken) pending_q <= pending_q & ~lowest;
         if (done_o) state_q <= IDLE;
       end
       FLUSH: if (in_flight_q == 0 && secondary_idle_i) state_q <= IDLE;

@@ -54,18 +54,10 @@ module lane_results #(
   localparam logic [CW-1:0] QNAN = (((CW'(1) << EXP) - 1) << MAN) | (CW'(1) << (MAN - 1));
 
   logic [LANES-1:0] unmasked_mem[ROWS];  // bits, for the streaming modes
-  logic [LANES-1:0][CW-1:0] bad_mem[ROWS], clear_bad, bad, f;
-  always_comb begin
-    clear_bad = '0;
-    if (clear_i) for (int l = 0; l < LANES; l++) clear_bad[l] = {CW{clear_bad_i[l]}};
-  end
-  always_ff @(posedge clk_i)
-    if (clear_i) begin
-      bad_mem[clear_row_i] <= clear_bad;
-      unmasked_mem[clear_row_i] <= ~clear_mask_i;
-    end
-  logic [LANES-1:0][CW-1:0] bad_row, bad_secondary;
-  assign bad_row = bad_mem[row_i];
+  always_ff @(posedge clk_i) if (clear_i) unmasked_mem[clear_row_i] <= ~clear_mask_i;
+  logic [LANES-1:0][CW-1:0] bad_row, bad_secondary, bad, f;
+  lane_masks #(.CW(CW), .LANES(LANES), .ROWS(ROWS)) bad_primaries (
+      .clk_i, .write_i(clear_i), .write_row_i(clear_row_i), .bits_i(clear_bad_i), .row_i, .masks_o(bad_row));
   assign bad_secondary = {(LANES * CW) {secondary_bad_i}};
   assign bad = bad_row | bad_secondary;
   assign f = f_i & ~bad;
@@ -87,7 +79,7 @@ module lane_results #(
 
   update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .POINTS(POINTS)) update (
       .clk_i, .mode_i, .solid_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i,
-      .parity_i, .index_i, .f_i(f), .bad_i(bad), .t_i(t_o), .point_i(point_o), .new_hits_o, .result_i, .result_row_i,
+      .parity_i, .index_i, .f_i(f), .bad_i(bad), .t_i, .point_i(point_pipe), .new_hits_o, .result_i, .result_row_i,
       .result_lane_i, .result_parity_i, .result_index_o, .result_t_o, .result_point_o);
   always_comb begin
     f_o = '0;

@@ -33,7 +33,7 @@ module update_lanes #(
     input logic parity_i,
     input logic [31:0] index_i,
     input logic [LANES-1:0][CW-1:0] f_i,  // lane masks
-    input logic [LANES-1:0][CW-1:0] bad_i,
+    input logic [LANES-1:0][CW-1:0] bad_i,  // of these nothing is kept
     input logic [LANES-1:0][CW-1:0] t_i,
     input logic [POINTS-1:0][LANES-1:0][CW-1:0] point_i,
     output logic [HITS_W-1:0] new_hits_o,  // primaries with their first hit in this row
@@ -52,22 +52,31 @@ module update_lanes #(
   localparam logic [CW-1:0] SIGN = CW'(1) << (W - 1);
 
   logic [LANES-1:0][CW-1:0] stencil_t0[ROWS], stencil_t1[ROWS];  // the two T buffers
-  logic [LANES-1:0][CW-1:0] unmasked[ROWS];                       // stencil values, as lane masks
   logic [LANES-1:0][31:0] f_index[ROWS];                          // F-index buffer: all ones means F = 0
 
-  // Maps sign-magnitude to an ordered unsigned key. Both zeros have the same key.
-  function automatic logic [CW-1:0] key(input logic [CW-1:0] bits);
-    key = ((bits & SIGN) != 0) ? SIGN - (bits & ~SIGN) : SIGN + bits;
+  // {a < b, a == b} of numbers in sign and magnitude. Both zeros are equal. The comparisons of the magnitudes are the
+  // critical path: nothing comes before them, and b has the same side of both, so that it is never inverted.
+  function automatic logic [1:0] order_of(input logic [CW-1:0] a, b);
+    logic above, below, alike;
+    above = (b & ~SIGN) < (a & ~SIGN);
+    below = {b & ~SIGN, 1'b0} >= {a & ~SIGN, 1'b1};
+    alike = ((a ^ b) & SIGN) == 0;
+    order_of[0] = !above && !below && (alike || (a & ~SIGN) == 0);
+    order_of[1] = below ? ((a & SIGN) != 0) != alike : (a & SIGN) != 0;
   endfunction
 
   logic [LANES-1:0][CW-1:0] hit, t_value, t_old, t_new, better, mask, candidate;
   logic [LANES-1:0] first_hit;
-  logic any_hit;
+  logic any_hit, keep;
+  logic [1:0] order;
   // A row is written back after the last row of the pass, and cleared before the first. So each buffer has one port.
   logic [ROW_W-1:0] read_row, write_row;
+  logic read_parity;
   assign read_row = result_i ? result_row_i : row_i;
+  assign read_parity = result_i ? result_parity_i : parity_i;
   assign write_row = clear_i ? clear_row_i : row_i;
-  assign mask = unmasked[row_i];
+  lane_masks #(.CW(CW), .LANES(LANES), .ROWS(ROWS)) unmasked (
+      .clk_i, .write_i(clear_i), .write_row_i(clear_row_i), .bits_i(~clear_mask_i), .row_i, .masks_o(mask));
   // Candidates: hits; for solids, except in mode any, every pair.
   assign candidate = f_i | ~(bad_i | {(LANES * CW) {!solid_i || mode_i == registers_pkg::MODE_ANY}});
   assign hit = candidate & mask;
@@ -81,21 +90,23 @@ module update_lanes #(
   assign t0 = stencil_t0[read_row];
   assign t1 = stencil_t1[read_row];
   assign index_old = f_index[read_row];
-  assign t_old = parity_i ? t1 : t0;
+  assign t_old = read_parity ? t1 : t0;
 
   // Most rows have no hit, and need no comparison in simulation.
   always_comb begin
     better = '0;
     first_hit = '0;
+    order = '0;
     t_new = t_old;
     if (any_hit) begin
       for (int l = 0; l < LANES; l++) begin
         first_hit[l] = hit[l][0] && index_old[l] == '1;
         if (hit[l][0]) begin
+          order = order_of(t_value[l], t_old[l]);
           if (mode_i == registers_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
           else if (first_hit[l]) better[l] = '1;
-          else if (key(t_value[l]) == key(t_old[l])) better[l] = {CW{index_i < index_old[l]}};
-          else better[l] = {CW{(key(t_value[l]) < key(t_old[l])) == (mode_i == registers_pkg::MODE_NEAREST)}};
+          else if (order[0]) better[l] = {CW{index_i < index_old[l]}};
+          else better[l] = {CW{order[1] == (mode_i == registers_pkg::MODE_NEAREST)}};
         end
         if (better[l][0]) t_new[l] = t_value[l];
       end
@@ -103,24 +114,20 @@ module update_lanes #(
   end
   assign new_hits_o = any_hit ? HITS_W'($countones(first_hit)) : '0;
 
+  // One lane alone is written only if it changes, so nothing old is written back.
+  localparam bit ALONE = LANES == 1;
+  assign keep = ALONE ? better[0][0] : any_hit;
   logic [LANES-1:0][31:0] index_new;
   always_comb begin
-    index_new = '1;
-    if (any_hit)
+    index_new = {LANES{index_i}};
+    if (!ALONE && any_hit)
       for (int l = 0; l < LANES; l++) index_new[l] = better[l][0] ? index_i : index_old[l];
-  end
-
-  logic [LANES-1:0][CW-1:0] clear_lanes;
-  always_comb begin
-    clear_lanes = '0;
-    if (clear_i) for (int l = 0; l < LANES; l++) clear_lanes[l] = {CW{~clear_mask_i[l]}};
   end
 
   always_ff @(posedge clk_i) begin
     if (clear_i || (valid_i && parity_i)) stencil_t0[write_row] <= clear_i ? {LANES{INF}} : t_new;
     if (clear_i || (valid_i && !parity_i)) stencil_t1[write_row] <= clear_i ? {LANES{INF}} : t_new;
-    if (clear_i || any_hit) f_index[write_row] <= clear_i ? '1 : index_new;
-    if (clear_i) unmasked[clear_row_i] <= clear_lanes;
+    if (clear_i || keep) f_index[write_row] <= clear_i ? '1 : index_new;
   end
 
   always_comb begin
@@ -128,13 +135,14 @@ module update_lanes #(
     result_t_o = '0;
     if (result_i) begin
       result_index_o = index_old[result_lane_i];
-      result_t_o = result_parity_i ? t1[result_lane_i] : t0[result_lane_i];
+      result_t_o = t_old[result_lane_i];
     end
   end
   for (genvar k = 0; k < POINTS; k++) begin : point
     logic [LANES-1:0][CW-1:0] kept[ROWS], old;  // undefined while nothing is stored
     assign old = kept[read_row];
-    always_ff @(posedge clk_i) if (any_hit) kept[row_i] <= (old & ~better) | (point_i[k] & better);
+    always_ff @(posedge clk_i)
+      if (keep) kept[row_i] <= ALONE ? point_i[k] : (old & ~better) | (point_i[k] & better);
     always_comb begin
       result_point_o[k] = '0;
       if (result_i && result_index_o != '1) result_point_o[k] = old[result_lane_i];

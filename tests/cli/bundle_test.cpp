@@ -100,7 +100,7 @@ TEST_F(Bundles, WrongRecord_IsPacked) {
 
 TEST_F(Bundles, HangingCard_IsPacked) {
   const Planted fault(folder_, "rtl/engine/engine_control.sv",
-                      "assign done_o = state_q == WRITEBACK && pending_q == 0",
+                      "assign done_o = state_q == WRITEBACK && !write_q",
                       "assign done_o = state_q == WRITEBACK && pending_q == 3");
   write("twice.obj", kTwice);
   const Ran ran = cde({"cast", "twice.obj", "--ray", "0.5,0.5,5,0,0,-1", "-q", "--exact-card"},
