@@ -65,7 +65,7 @@ module engine_control #(
   logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
   logic parity_q, stop_q, write_q;  // write_q: primary_q is to be written back
   logic [PRIMARIES-1:0] pending_q, lowest;  // primaries to write back after it
-  logic [PRIM_W:0] missing_q;                        // active primaries without a hit, for mode any
+  logic [PRIM_W:0] missing_q, new_hits_q;  // active primaries without a hit, for mode any, and those that it still counts
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
   logic enter, last_row, has_credit, all_hit, taken;
@@ -87,7 +87,7 @@ module engine_control #(
 
   assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == longer;
   assign has_credit = !streaming_mode_o || credits_q != 0;
-  assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == 0;
+  assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == new_hits_q;
   assign has_row = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
   assign enter = state_q == BRUTE_FORCE && secondary_valid_i && has_credit && (has_row & ~ready_i) == 0 && !stop_q;
   assign issue_o.valid = has_row & {2{enter}};
@@ -101,18 +101,20 @@ module engine_control #(
   assign stall_o = state_q == BRUTE_FORCE && secondary_valid_i && !stop_q && !enter;
 
   priority_encoder #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
-  assign writeback_o.valid = state_q == WRITEBACK && write_q;
+  assign writeback_o.valid = write_q;
   assign writeback_o.primary = 8'(primary_q);
   assign writeback_o.parity = parity_q;
   assign done_o = state_q == WRITEBACK && !write_q && fifo_empty_i && sram_idle_i;
 
-  // The encoder works one primary ahead, and finds the first one during the drain.
-  assign taken = writeback_o.valid && writeback_ready_i;
+  // The encoder works one primary ahead, and finds the first one before the write-back.
+  assign taken = write_q && writeback_ready_i;
   always_ff @(posedge clk_i) begin
-    if (state_q == DRAIN || taken) {write_q, primary_q} <= {pending_q != 0, primary};
+    if (taken) write_q <= pending_q != 0;
+    if (state_q == DRAIN || taken) primary_q <= primary;
     in_flight_q <= in_flight_q + 16'($countones(issue_o.valid)) - 16'($countones(retire_i));
     credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
-    missing_q <= missing_q - new_hits_i;
+    new_hits_q <= new_hits_i;
+    missing_q <= missing_q - new_hits_q;
     case (state_q)
       IDLE: begin
         row_q <= 0;
@@ -130,6 +132,7 @@ module engine_control #(
       CLEAR: if (clear_o) begin
         stop_q <= 0;
         parity_q <= 0;
+        pending_q <= streaming_mode_o ? '0 : active_i;
         row_q <= row_q + 1;
         if (32'(row_q) == ROWS - 1) begin
           row_q <= 0;
@@ -143,12 +146,10 @@ module engine_control #(
           // Mode any ends between two secondaries, so every row has met the same ones.
           if (all_hit) stop_q <= 1;
         end
-        if ((secondary_pop_o && secondary_last_i) || stop_q) begin
-          pending_q <= streaming_mode_o ? '0 : active_i;
-          state_q <= DRAIN;
-        end
+        if ((secondary_pop_o && secondary_last_i) || stop_q) state_q <= DRAIN;
       end
       DRAIN: if (in_flight_q == 0 && secondary_idle_i) begin
+        write_q <= pending_q != 0;
         pending_q <= pending_q & ~lowest;
         state_q <= WRITEBACK;
       end
@@ -160,6 +161,7 @@ module engine_control #(
       default: state_q <= IDLE;
     endcase
     if (abort_i && state_q != IDLE) state_q <= FLUSH;
+    if (abort_i || rst_i) write_q <= 0;
     if (rst_i) begin
       state_q <= IDLE;
       in_flight_q <= 0;
