@@ -150,8 +150,8 @@ module collision_engine #(
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row[k], issue_i.parity, index_i, secondary_bad_i};
     row_history #(.W(ROW_W + 34), .DEPTH(HISTORY), .REGISTERS(REGISTERS)) history (
-        .clk_i, .rst_i, .latency_i(ordered ? 16'(UNUSED) : latency[k]), .valid_i(issue_i.valid[k] && !ordered), .d_i(tag),
-        .valid_o(late_valid), .q_o(late_tag));
+        .clk_i, .rst_i, .latency_i(ordered ? 16'(UNUSED) : latency[k]), .valid_i(issue_i.valid[k] && !ordered),
+        .d_i(tag), .valid_o(late_valid), .q_o(late_tag));
     if (ANY_ORDERED) begin : g_order  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
       logic [pairs_pkg::PAIR_INDEX-1:0] of_pair;

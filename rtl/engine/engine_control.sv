@@ -65,7 +65,7 @@ module engine_control #(
   logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
   logic parity_q, stop_q, write_q;  // write_q: primary_q is to be written back
   logic [PRIMARIES-1:0] pending_q, lowest;  // primaries to write back after it
-  logic [PRIM_W:0] missing_q, new_hits_q;  // active primaries without a hit, for mode any, and those that it still counts
+  logic [PRIM_W:0] missing_q, new_hits_q;  // active primaries without a hit, for mode any; of these, new hits
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
   logic enter, last_row, has_credit, all_hit, taken;
