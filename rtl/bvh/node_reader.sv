@@ -8,7 +8,8 @@
 // in use when it is not. Then a visit waits without need, or replaces the line of another way.
 // Without a free way, a visit joins the queue and is looked up again at its head. The same holds while the cache is
 // cleared after rst_i or clear_i, one set per cycle.
-// Latency: from valid_i to valid_o 0 cycles without LINES, else 1 cycle, plus the memory's latency for a fetch. The
+// A look-up never stalls. A visit enters it only if there is room behind it.
+// Latency: from valid_i to valid_o 0 cycles without LINES, else 2 cycles, plus the memory's latency for a fetch. The
 // node follows one cycle later.
 // Throughput: one node per CYCLES cycles. A visit that begins to wait delays others by at most one cycle, and by none
 // while another visit is kept behind the look-up.
@@ -100,36 +101,47 @@ module node_reader #(
       logic [AT-1:0] at;
       logic [PLACE-1:0] place;
     } read_t;
+    localparam int KEPT = 3;  // visits in the look-up and behind it
     logic rst, ddr_second;
-    read_t kept_q;  // a visit whose node can be read, behind the look-up
+    read_t [KEPT-1:0] kept_q;  // visits whose nodes can be read, behind the look-up; the oldest is the first
     assign rst = rst_i || clear_i;
 
-    // ---- Waiting visits ----
-    waiting_t head, parked;
-    logic park, leave, some, arrived, serve, again, cleared;
+    // ---- Waiting visits: a queue, and its head in a register ----
+    waiting_t queued, parked;
+    read_t head_q;
+    logic park, leave, move, fetch_q, join_q, again_q, arrived, serve, again, cleared;
     logic [COUNT:0] count, arrived_q;  // arrived_q: fetched nodes whose visits have not left
-    logic [NUMBER-1:0] head_q, tail;
+    logic [NUMBER-1:0] first_q, tail_q;  // number of the head, and of the next visit that begins to wait
     sync_fifo #(.W($bits(waiting_t)), .DEPTH(CONTEXTS)) queue_waiting (
-        .clk_i, .rst_i(rst), .write_i(park), .wdata_i(parked), .free_o(), .count_o(count), .rdata_o(head),
-        .read_i(leave));
-    assign some = count != 0;
-    assign tail = head_q + NUMBER'(count);
-    assign arrived = some && (head.kind == JOIN || (head.kind == FETCH && arrived_q != 0));
+        .clk_i, .rst_i(rst), .write_i(park), .wdata_i(parked), .free_o(), .count_o(count), .rdata_o(queued),
+        .read_i(move));
+    assign move = count != 0 && (!head_q.valid || leave);
+    assign arrived = join_q || (fetch_q && arrived_q != 0);
     assign leave = serve || again;
-
-    // ---- Look-up: the tags of a set, one cycle after the visit ----
-    logic look, look_q, hold;
-    logic [AT-1:0] look_at, look_at_q;
-    logic [PLACE-1:0] look_place, look_place_q;
-    logic [SW-1:0] look_set, set;
-    assign again = some && head.kind == AGAIN && cleared && !hold;
-    assign ready_o = !hold && !again;
-    assign look = again || valid_i;
-    assign {look_at, look_place} = hold ? {look_at_q, look_place_q} : again ? {head.at, head.place} : {at_i, place_i};
-    assign look_set = look_place[SW-1:0];
-    assign set = look_place_q[SW-1:0];
     always_ff @(posedge clk_i) begin
-      look_q <= (hold || look) && !rst;
+      if (move || leave) begin
+        head_q <= '{valid: move, cached: 1'b1, line: queued.line, at: queued.at, place: queued.place};
+        {fetch_q, join_q, again_q} <= {move && queued.kind == FETCH, move && queued.kind == JOIN,
+                                       move && queued.kind == AGAIN};
+      end
+      if (rst) {head_q.valid, fetch_q, join_q, again_q} <= '0;
+    end
+
+    // ---- Look-up: one cycle after the visit, the tags of its set are compared ----
+    logic look, look_q, room;
+    logic [AT-1:0] look_at, look_at_q;
+    logic [PLACE-1:0] look_place, look_place_q, place_then_q, place_last_q;  // place_then_q: of the decision
+    logic [SW-1:0] look_set, set;  // set: of the decision
+    logic on_chip;
+    assign again = again_q && cleared && room;
+    assign ready_o = room && !again;
+    assign look = room && (again || valid_i);
+    assign {look_at, look_place} = (again_q && cleared) ? {head_q.at, head_q.place} : {at_i, place_i};
+    assign look_set = look_place[SW-1:0];
+    assign set = place_then_q[SW-1:0];
+    assign on_chip = 32'(look_place_q) < PINNED || 32'(look_place_q) >= nodes_i;
+    always_ff @(posedge clk_i) begin
+      look_q <= look && !rst;
       {look_at_q, look_place_q} <= {look_at, look_place};
     end
     logic [SW:0] clear_q;  // sets that have been cleared
@@ -139,104 +151,141 @@ module node_reader #(
       clear_q <= rst ? '0 : clear_q + (SW + 1)'(!cleared);
       tags_q <= cleared && !rst;
     end
-    line_t [WAYS-1:0] found;
     line_t written;
-    logic [WAYS-1:0] write, match, waited, used, valid;
+    logic same_node;  // as the decision of the previous cycle
+    logic [WAYS-1:0] write, match, waited, kept, valid;
+    assign same_node = look_place_q == place_last_q;
     for (genvar w = 0; w < WAYS; w++) begin : way
-      (* ram_style = "block" *) line_t lines[SETS];
-      line_t line_q, written_q;
+      (* ram_style = "block", no_rw_check *) line_t lines[SETS];
+      line_t line_q;
       logic new_q;  // the set was written in the cycle of its read
       always_ff @(posedge clk_i) begin
         if (!cleared || write[w]) lines[cleared ? set : clear_q[SW-1:0]] <= cleared ? written : '0;
         line_q <= lines[look_set];
-        written_q <= written;
         new_q <= write[w] && look_set == set;
       end
-      assign found[w] = new_q ? written_q : line_q;
-      assign valid[w] = found[w].valid;
-      assign match[w] = valid[w] && found[w].tag == look_place_q[PLACE-1:SW];
-      assign waited[w] = valid[w] && NUMBER'(found[w].last - head_q) < NUMBER'(count);
-      assign used[w] = waited[w] || (kept_q.valid && kept_q.cached && kept_q.line == {WW'(w), set});
+      always_comb begin
+        kept[w] = 1'b0;
+        for (int k = 0; k < KEPT; k++)
+          if (kept_q[k].valid && kept_q[k].cached && kept_q[k].line == {WW'(w), look_place_q[SW-1:0]}) kept[w] = 1'b1;
+      end
+      assign valid[w] = new_q || line_q.valid;
+      assign match[w] = new_q ? same_node : line_q.valid && line_q.tag == look_place_q[PLACE-1:SW];
+      assign waited[w] = new_q || between(line_q.last);
     end
+    // The visit of this number waits.
+    function automatic logic between(input logic [NUMBER-1:0] visit);
+      logic from, to;
+      {from, to} = {visit >= first_q, visit < tail_q};
+      between = (first_q <= tail_q) ? from && to : from || to;
+    endfunction
     function automatic logic [WW-1:0] first_of(input logic [WAYS-1:0] ways);
       first_of = '0;
       for (int w = WAYS - 1; w >= 0; w--) if (ways[w]) first_of = WW'(w);
     endfunction
+
+    // ---- The comparison, one cycle later. It did not see what the decision of its cycle wrote or kept ----
+    logic then_q, tags_then_q, on_chip_q, same_set_q, same_node_q;
+    logic [AT-1:0] at_then_q;
+    logic [WAYS-1:0] match_q, waited_q, kept_then_q, valid_q, write_q, taken_q, changed;
+    logic [WAYS-1:0] match_now, used_now, valid_now;
+    always_ff @(posedge clk_i) begin
+      then_q <= look_q && !rst;
+      {at_then_q, place_then_q, place_last_q} <= {look_at_q, look_place_q, place_then_q};
+      {tags_then_q, on_chip_q} <= {tags_q, on_chip};
+      {match_q, waited_q, kept_then_q, valid_q} <= {match, waited, kept, valid};
+      same_set_q <= look_place_q[SW-1:0] == set;
+      same_node_q <= look_place_q == place_then_q;
+      {write_q, taken_q} <= {write, write | (then_q ? match_q : '0)};
+    end
+    assign changed = same_set_q ? write_q : '0;
+    assign match_now = (match_q & ~changed) | (same_node_q ? changed : '0);
+    assign used_now = waited_q | kept_then_q | (same_set_q ? taken_q : '0);
+    assign valid_now = valid_q | changed;
     // A new node takes an empty way, else the next free way in turn.
     logic [WW-1:0] turn_q, chosen;
     logic [WAYS-1:0] free, next;
-    assign free = ~used;
+    assign free = ~used_now;
     assign next = free & ~((WAYS'(1) << turn_q) - 1'b1);
-    assign chosen = (match != 0) ? first_of(match) : (valid != '1) ? first_of(~valid) :
+    assign chosen = (match_now != 0) ? first_of(match_now) : (valid_now != '1) ? first_of(~valid_now) :
         first_of((next != 0) ? next : free);
 
     // ---- Decision: read, or wait. A visit that cannot be read at once is kept, and the next one looked up ----
     read_t looked, reading;
-    logic on_chip, hit, now, head_next_q;
-    assign on_chip = 32'(look_place_q) < PINNED || 32'(look_place_q) >= nodes_i;
-    assign hit = tags_q && (match & ~waited) != 0;
+    read_t [KEPT-1:0] left;  // kept visits without the one that is read
+    logic found, now, keep, head_next_q;
+    assign found = tags_then_q && (match_q & ~waited_q & ~changed) != 0;
     assign looked = '{
-        valid: look_q && (on_chip || hit), cached: !on_chip, line: {chosen, set}, at: look_at_q, place: look_place_q};
-    assign reading = kept_q.valid ? kept_q : looked;
+        valid: then_q && (on_chip_q || found), cached: !on_chip_q, line: {first_of(match_q), set}, at: at_then_q,
+        place: place_then_q};
+    assign reading = kept_q[0].valid ? kept_q[0] : looked;
     // Waiting visits and others take turns.
     assign serve = arrived && !busy && (head_next_q || !reading.valid);
     assign now = reading.valid && !busy && !serve;
-    assign hold = looked.valid && kept_q.valid && !now;
-    assign park = look_q && !on_chip && !hit && !rst;
+    assign keep = looked.valid && (kept_q[0].valid || !now);
+    assign left = now ? {read_t'('0), kept_q[KEPT-1:1]} : kept_q;
+    assign park = then_q && !on_chip_q && !found && !rst;
+    assign room = $countones({then_q, look_q, kept_q[0].valid, kept_q[1].valid, kept_q[2].valid}) < KEPT;
     always_ff @(posedge clk_i) begin
       if (valid_o) head_next_q <= now;
-      if (!kept_q.valid || now) begin
-        kept_q <= looked;
-        kept_q.valid <= looked.valid && (kept_q.valid || !now);
+      for (int k = 0; k < KEPT; k++) begin
+        kept_q[k] <= (keep && !left[k].valid && (k == 0 || left[k-1].valid)) ? looked : left[k];
+        if (rst) kept_q[k].valid <= 1'b0;
       end
-      if (rst) {kept_q.valid, head_next_q} <= '0;
+      if (rst) head_next_q <= 1'b0;
     end
     assign parked = '{
-        kind: (!tags_q || (match == 0 && free == 0)) ? AGAIN : (match != 0) ? JOIN : FETCH,
-        line: {chosen, set}, at: look_at_q, place: look_place_q};
+        kind: (!tags_then_q || (match_now == 0 && free == 0 && valid_now == '1)) ? AGAIN :
+            (match_now != 0) ? JOIN : FETCH,
+        line: {chosen, set}, at: at_then_q, place: place_then_q};
     assign fetched_o = park && parked.kind == FETCH;
     assign write = (park && parked.kind != AGAIN) ? WAYS'(1) << chosen : '0;
-    assign written = '{valid: 1'b1, tag: look_place_q[PLACE-1:SW], last: tail};
+    assign written = '{valid: 1'b1, tag: place_then_q[PLACE-1:SW], last: tail_q};
     always_ff @(posedge clk_i) begin
       if (fetched_o) turn_q <= chosen + 1'b1;
-      if (leave) head_q <= head_q + 1'b1;
-      arrived_q <= arrived_q + (COUNT + 1)'(ddr_second) - (COUNT + 1)'(serve && head.kind == FETCH);
-      if (rst) {turn_q, head_q, arrived_q} <= '0;
+      if (leave) first_q <= first_q + 1'b1;
+      if (park) tail_q <= tail_q + 1'b1;
+      if (ddr_second != (serve && fetch_q)) arrived_q <= arrived_q + {{COUNT{!ddr_second}}, 1'b1};
+      if (rst) {turn_q, first_q, tail_q, arrived_q} <= '0;
     end
 
     // ---- Read ----
     logic [NODE_WORDS/BEAT-1:0][BEAT-1:0][31:0] nodes[LINES];
     logic [NODE_WORDS-1:0][31:0] node_q;
-    logic [WW+SW-1:0] line, line_q, line_now;
+    read_t read;
+    logic [WW+SW-1:0] line_q, line_now;
     logic cache_q;
-    assign valid_o = serve || now;
-    assign {at_o, place_o} = serve ? {head.at, head.place} : {reading.at, reading.place};
-    assign cached_o = serve || (now && reading.cached);
-    assign chip_read_o = now && !reading.cached;
-    assign line = serve ? head.line : reading.line;
-    assign line_now = busy ? line_q : line;
+    assign valid_o = !busy && (arrived || reading.valid);
+    assign read = serve ? head_q : reading;
+    assign {at_o, place_o} = {read.at, read.place};
+    assign cached_o = valid_o && read.cached;
+    assign chip_read_o = valid_o && !read.cached;
+    assign line_now = busy ? line_q : read.line;
     always_ff @(posedge clk_i) begin
       line_q <= line_now;
       if (!busy) cache_q <= cached_o;
       node_q <= nodes[line_now];
     end
+    logic unused;
+    assign unused = &{1'b0, read.valid};
     assign node_o = cache_q ? node_q : chip_node_i;
 
     // ---- DDR ----
     logic [COUNT:0] requests;
-    logic [PLACE-1:0] request;
+    logic [31:0] first_word, request;  // a node's first word
+    assign first_word = base_i + {32'(place_then_q) << 4} + {32'(place_then_q) << 1};
     logic [WW+SW-1:0] fill;
     logic [COUNT+1:0] outstanding_q;
     logic asked, asked_half_q, half_q;
-    sync_fifo #(.W(PLACE), .DEPTH(CONTEXTS)) queue_requests (
-        .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(look_place_q), .free_o(), .count_o(requests),
+    sync_fifo #(.W(32), .DEPTH(CONTEXTS)) queue_requests (
+        .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(first_word), .free_o(), .count_o(requests),
         .rdata_o(request), .read_i(asked && asked_half_q));
     sync_fifo #(.W(WW + SW), .DEPTH(CONTEXTS)) queue_fills (
         .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(parked.line), .free_o(), .count_o(),
         .rdata_o(fill), .read_i(ddr_second));
     assign ddr_o.valid = requests != 0 && !rst;
     assign ddr_o.words = 4'(BEAT);
-    assign ddr_o.word = base_i + {32'(request) << 4} + {32'(request) << 1} + (asked_half_q ? BEAT : 0);
+    assign ddr_o.word = request + (asked_half_q ? BEAT : 0);
     assign asked = ddr_o.valid && ddr_ready_i;
     assign ddr_second = ddr_valid_i && half_q && !rst;
     assign outstanding_o = outstanding_q != 0 || ddr_o.valid;
