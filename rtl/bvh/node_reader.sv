@@ -101,7 +101,8 @@ module node_reader #(
       logic [AT-1:0] at;
       logic [PLACE-1:0] place;
     } read_t;
-    localparam int KEPT = 3;  // visits in the look-up and behind it
+    // Most visits in the look-up and behind it. With two cycles per node, more only fill the queue earlier.
+    localparam int KEPT = (CYCLES == 2) ? 3 : 4;
     logic rst, ddr_second;
     read_t [KEPT-1:0] kept_q;  // visits whose nodes can be read, behind the look-up; the oldest is the first
     assign rst = rst_i || clear_i;
@@ -225,7 +226,9 @@ module node_reader #(
     assign keep = looked.valid && (kept_q[0].valid || !now);
     assign left = now ? {read_t'('0), kept_q[KEPT-1:1]} : kept_q;
     assign park = then_q && !on_chip_q && !found && !rst;
-    assign room = $countones({then_q, look_q, kept_q[0].valid, kept_q[1].valid, kept_q[2].valid}) < KEPT;
+    logic [KEPT-1:0] places;  // of kept_q that are taken
+    for (genvar k = 0; k < KEPT; k++) assign places[k] = kept_q[k].valid;
+    assign room = $countones({then_q, look_q, places}) < KEPT;
     always_ff @(posedge clk_i) begin
       if (valid_o) head_next_q <= now;
       for (int k = 0; k < KEPT; k++) begin

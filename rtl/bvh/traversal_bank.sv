@@ -4,7 +4,7 @@
 // when a leaf has been tested or a node had no hit. With ahead_i it does so when a leaf has been sent.
 // For rays, a choice compares the child's key with key_limit.sv.
 // Latency per visit: the node reader's, and NODE_T_RAY + 2 cycles (bvh.svh) or NODE_T_SOLID + 2. Per choice:
-// NODE_T_LIMIT + 2 for rays, 2 for solids and for primaries that have finished.
+// NODE_T_LIMIT + 2 for rays, 3 for solids, 2 for primaries that have finished.
 // Throughput: one node per CYCLES cycles, and one choice per cycle.
 // Stall: leaf_ready_i and done_ready_i only. Contexts wait in queues that hold all of them.
 `include "bvh.svh"
@@ -71,10 +71,12 @@ module traversal_bank #(
   localparam int LW = $clog2(LEVELS);
   localparam int BANK = CX - CB;  // bits that select the bank
 
-  (* ram_style = "block" *) logic [8:0][31:0] fronts[CONTEXTS];
+  // A context has one operation under way, so no place of fronts, groups and nexts is written while it is read.
+  (* ram_style = "block", no_rw_check *) logic [8:0][31:0] fronts[CONTEXTS];
   (* ram_style = "block" *) logic [31:0] floors[CONTEXTS], limits[CONTEXTS];
-  (* ram_style = "block" *) group_t groups[CONTEXTS*LEVELS];
-  logic [3:0] nexts[CONTEXTS*LEVELS];  // visited children of a group; not used for a fresh group, which has one
+  (* ram_style = "block", no_rw_check *) group_t groups[CONTEXTS*LEVELS];
+  // Visited children of a group; not used for a fresh group, which has one.
+  (* no_rw_check *) logic [3:0] nexts[CONTEXTS*LEVELS];
   always_ff @(posedge clk_i) begin
     if (front_valid_i) fronts[front_context_i[CX-1:BANK]] <= front_i;
     if (interval_write_i[0]) floors[interval_context_i] <= interval_i[0];
@@ -211,7 +213,19 @@ module traversal_bank #(
     choice_valid_q <= choice_valid && !rst_i;
   end
 
-  // The child, before it is known whether it counts. A context has one choice under way, so its stack does not change.
+  // The number of the child, and one cycle later the child, before it is known whether it counts. A context has one
+  // choice under way, so its stack does not change.
+  typedef struct packed {
+    at_t at;
+    logic [3:0] next;
+    logic last;
+    logic [2:0] number;
+    logic [2*CHILDREN-1:0] kinds;
+    logic [PLACE-1:0] node;
+    logic [PLACE-1:0] slot;
+    logic [CHILDREN-1:0][KEY-1:0] keys;
+    logic [31:0] limit;
+  } picked_t;
   typedef struct packed {
     at_t at;
     logic [3:0] next;
@@ -221,21 +235,33 @@ module traversal_bank #(
     logic [KEY-1:0] key;
     logic beyond;  // for solids
   } child_t;
+  picked_t picked, picked_q;
+  logic picked_valid_q;
   child_t child, child_then;
-  logic [2:0] number;
   logic [2*CHILDREN-3:0] behind_child;
   logic [3*CHILDREN-4:0] later;
-  logic done_now;
+  logic done_now, child_valid;
   always_comb begin
-    child.at = choice_q;
-    child.next = choice_q.fresh[top_q] ? 4'd1 : next_q;
-    {later, number} = top_group_q.order >> (5'd3 * 5'(child.next[2:0]));
-    {behind_child, child.kind} = top_group_q.kinds >> {number, 1'b0};
-    child.last = child.next + 1 == top_group_q.count;
-    child.place = (child.kind == KIND_NODE ? top_group_q.node : top_group_q.slot) +
-        PLACE'(ahead(top_group_q.kinds, number));
-    child.key = top_group_q.keys[number];
-    child.beyond = SOLIDS != 0 && ordered({16'(child.key), 16'd0}) > ordered(choice_interval_q[1]);
+    picked.at = choice_q;
+    picked.next = choice_q.fresh[top_q] ? 4'd1 : next_q;
+    {later, picked.number} = top_group_q.order >> (5'd3 * 5'(picked.next[2:0]));
+    picked.last = picked.next + 1 == top_group_q.count;
+    picked.kinds = top_group_q.kinds;
+    {picked.node, picked.slot} = {top_group_q.node, top_group_q.slot};
+    picked.keys = top_group_q.keys;
+    picked.limit = choice_interval_q[1];
+  end
+  always_ff @(posedge clk_i) begin
+    picked_q <= picked;
+    picked_valid_q <= child_valid && !rst_i;
+  end
+  always_comb begin
+    {child.at, child.next, child.last} = {picked_q.at, picked_q.next, picked_q.last};
+    {behind_child, child.kind} = picked_q.kinds >> {picked_q.number, 1'b0};
+    child.place = (child.kind == KIND_NODE ? picked_q.node : picked_q.slot) +
+        PLACE'(ahead(picked_q.kinds, picked_q.number));
+    child.key = picked_q.keys[picked_q.number];
+    child.beyond = SOLIDS != 0 && ordered({16'(child.key), 16'd0}) > ordered(picked_q.limit);
   end
   assign done_now = choice_valid_q && choice_q.level == 0 && sent_q == back_q;
   assign done_write = done_now;
@@ -243,14 +269,15 @@ module traversal_bank #(
 
   // Whether it counts.
   localparam int T_CHOICE = (RAYS != 0) ? `NODE_T_LIMIT : 0;
-  localparam int T_SOLID_CHOICE = (SOLIDS != 0) ? 0 : T_CHOICE;
-  logic child_valid, child_valid_then, is_solid, beyond, empty, chosen;
+  localparam int T_CHILD = (RAYS != 0) ? T_CHOICE - 1 : 0;
+  localparam int T_SOLID_CHILD = (SOLIDS != 0) ? 0 : T_CHILD;
+  logic child_valid_then, is_solid, beyond, empty, chosen;
   at_t choice_at;
   logic [LW-1:0] top_then;
   logic [RAY_KEY-1:0] key_most;
   assign is_solid = RAYS == 0 || (SOLIDS != 0 && solid_i);
   assign child_valid = choice_valid_q && !done_now;
-  pass_delay #(.W($bits(child_t)), .T_RAY(T_CHOICE), .T_SOLID(T_SOLID_CHOICE)) delay_child (
+  pass_delay #(.W($bits(child_t)), .T_RAY(T_CHILD), .T_SOLID(T_SOLID_CHILD)) delay_child (
       .clk_i, .solid_i(is_solid), .d_i(child), .q_o(child_then));
   if (RAYS != 0) begin : g_rays
     pipe_delay_valid #(.TO(T_CHOICE)) delay_child_valid (
@@ -260,7 +287,7 @@ module traversal_bank #(
         .scale_i(top_group_q.scale), .farthest_i, .limit_o(key_most));
   end else begin : g_no_rays
     assign key_most = '1;
-    assign child_valid_then = child_valid;
+    assign child_valid_then = picked_valid_q;
     logic unused_scale;
     assign unused_scale = &{1'b0, top_group_q.t_ref, top_group_q.scale, choice_interval_q[0]};
   end
@@ -274,7 +301,7 @@ module traversal_bank #(
     if (!empty && (beyond || child_then.last)) choice_at.level = child_then.at.level - 1;
   end
   logic decided;
-  assign decided = is_solid ? child_valid : child_valid_then;
+  assign decided = is_solid ? picked_valid_q : child_valid_then;
   assign chosen = decided && !empty && !beyond;
   assign dropped_write = decided && (empty || beyond);  // or it asks again
   assign dropped_in = choice_at;
