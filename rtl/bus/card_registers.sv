@@ -247,8 +247,8 @@ module card_registers #(
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
   // The ranges of objects replace the range in the registers.
   assign secondaries_ok = object_count_q != 0 || (sec_count_q != 0 && sec_end_q <= DDR_BYTES);
-  assign go_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.go && command_ok;
-  assign abort_o = write_reg && addr_q == 32'(registers_pkg::REG_CONTROL) && control.stop;
+  assign go_o = valid_q && ready && controls && control.go && command_ok;
+  assign abort_o = valid_q && ready && controls && control.stop;
   always_comb begin
     pass_o.unit = (TRAVERSAL_UNITS != 0 && command_q.bvh) ? card_pkg::UNIT_BVH : card_pkg::UNIT_ENGINE;
     pass_o.mode = command_q.mode;

@@ -2,7 +2,7 @@
 // For each slot of a leaf, the numbers of its secondary and of its object. Slots are in memories beside the nodes. With
 // EXTERNAL they are in DDR, and a leaf takes one beat, or two beats with objects.
 // Latency: 1 cycle. With EXTERNAL 3 cycles plus the memory's latency.
-// Throughput: one slot per cycle; with EXTERNAL and objects at most one leaf per two cycles.
+// Throughput: one slot per cycle; with EXTERNAL at most one leaf per two cycles.
 // Stall: ready_o, take_i, ddr_ready_i.
 module slot_reader #(
     parameter int SLOTS = 32768,  // power of two
@@ -103,7 +103,7 @@ module slot_reader #(
     assign objects = OBJECTS != 0 && objects_i;
     assign asked = ddr_o.valid && ddr_ready_i;
     assign last_asked = asked && half_q == objects;
-    assign ready_o = (!asking_q || last_asked) && under_way_q != (DW + 1)'(DEPTH);
+    assign ready_o = !asking_q && under_way_q != (DW + 1)'(DEPTH);
     assign ddr_o.valid = asking_q && !rst;
     assign ddr_o.words = 4'd2;
     // A slot beyond the last is not read beyond DDR. The output beyond_o tells of it.

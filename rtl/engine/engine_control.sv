@@ -58,6 +58,7 @@ module engine_control #(
     output logic bubble_o,
     output logic stall_o
 );
+  localparam bit ONE = (CONFIG.pairs & (CONFIG.pairs - 1)) == 0;  // the card has one pair
   typedef enum logic [2:0] {IDLE, POSE, CLEAR, BRUTE_FORCE, DRAIN, WRITEBACK, FLUSH} state_e;
   state_e state_q;
   logic [ROW_W-1:0] row_q, second_row;
@@ -121,7 +122,8 @@ module engine_control #(
         if (go_i) begin
           mode_o <= command_i.mode;
           // Options that the card lacks are constants here, and so is all that depends on them.
-          pair_o <= {(CONFIG.parallel != 0) ? command_i.pair[1] : pairs_pkg::NO_PAIR, command_i.pair[0]};
+          pair_o <= {(CONFIG.parallel != 0) ? command_i.pair[1] : pairs_pkg::NO_PAIR,
+              ONE ? pairs_pkg::PAIR_BITS'($clog2(CONFIG.pairs)) : command_i.pair[0]};
           swap_o <= {2{CONFIG.swap != 0}} & command_i.swap;
           state_q <= pose_request_i ? POSE : CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);

@@ -127,11 +127,10 @@ module primary_regfile #(
       assign bad_by_shape[shape] = '1;
     end
   end
-  localparam bit ONE = SWAP == 0 && (PAIRS & (PAIRS - 1)) == 0;  // all primaries have one shape
   pairs_pkg::shape_t [1:0] shape_now;
   for (genvar k = 0; k < 2; k++) begin : of
-    assign shape_now[k] = pairs_pkg::SHAPE_BITS'(ONE ? pairs_pkg::primary_shape($clog2(PAIRS)) :
-        swap_i[k] ? pairs_pkg::secondary_shape(int'(pair_i[k])) : pairs_pkg::primary_shape(int'(pair_i[k])));
+    assign shape_now[k] = pairs_pkg::SHAPE_BITS'(swap_i[k] ? pairs_pkg::secondary_shape(int'(pair_i[k])) :
+        pairs_pkg::primary_shape(int'(pair_i[k])));
   end
   if (PARALLEL != 0) begin : g_two
     logic [PRIMARIES-1:0] second;
