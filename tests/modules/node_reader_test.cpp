@@ -109,7 +109,8 @@ class Bench {
     }
     const auto under_way = static_cast<unsigned>(
         std::count_if(places_.begin(), places_.end(), [](const auto& p) { return p.has_value(); }));
-    const bool valid = offered_ && (endless || served + under_way < end) && (patient || !dice_.once_in(4));
+    const bool valid =
+        offered_ && (endless || served + under_way < end) && (patient || !dice_.once_in(4));
     module_->valid_i = valid;
     if (!valid) return;
     module_->at_i = at_of((*offered_)[0]);
