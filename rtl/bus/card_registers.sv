@@ -6,8 +6,8 @@
 // beat, so an idle bus costs nothing.
 // Latency: read data 2 cycles after the beat is taken.
 // Throughput: one beat per cycle.
-// Stall: ready_o is low while an SRAM read waits for the ring, while a write waits for DDR, and while a control write
-// waits for the check of an object or, after another write, for the check of the command.
+// Stall: ready_o is low while an SRAM read waits for the ring, and while a write waits for DDR. A control write waits
+// for the check of objects, and after another write for the check of the command.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -169,7 +169,7 @@ module card_registers #(
     allowed = allowed && aligned;
   end
 
-  logic [1:0] settle_q;  // cycles until the checks of the command are those of the registers
+  logic [1:0] settle_q;  // cycles until the checks of the command are up to date
   assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
   assign ddr_allowed = !busy_i && {32'b0, addr_q} < DDR_BYTES;
   assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && aligned;
