@@ -112,10 +112,16 @@ def script(design):
     return read + f"{target.synthesis} -top bench; tee -q -o cells.json stat -json; {unmarked}write_json netlist.json{verilog}"
 
 
+def route(design):
+    """Options of place and route."""
+    # The default router does not end on a full FPGA.
+    return targets.TARGETS[design.target].route + (("--router", "router2") if design.card else ())
+
+
 def flow_text(design):
     """Text of everything that decides a measurement, except sources and seed."""
     target = targets.TARGETS[design.target]
-    return "\n".join((design.bench(), script(design), target.router, *target.route, *(asic.FILES.values() if target.library else ())))
+    return "\n".join((design.bench(), script(design), target.router, *route(design), *(asic.FILES.values() if target.library else ())))
 
 
 def flow_hash(design):
@@ -215,16 +221,17 @@ def counted(target, folder):
     return target.count(cells_in(report)) | more
 
 
-def clocks(target, seeds, folder, say):
+def clocks(design, seeds, folder, say):
     """Megahertz and the ends of the critical path, per seed. Standard cells are not placed, so they have one clock and no seeds."""
     fmax, ends = {}, {}
+    target = targets.TARGETS[design.target]
     if target.timer and seeds:
         call([tool(target.timer)[0], "-no_init", "-no_splash", "-exit", "timing.tcl"], folder, "timing.log")
         period, ends[asic.UNPLACED] = asic.period_in((folder / "timing.log").read_text(errors="replace"))
         fmax[asic.UNPLACED] = asic.megahertz(period)
     for seed in seeds if target.router else ():
         report = f"report_{seed}.json"
-        call([tool(target.router)[0], "-q", *target.route, "--timing-allow-fail", "--top", "bench", "--json", "netlist.json", "--seed", str(seed),
+        call([tool(target.router)[0], "-q", *route(design), "--timing-allow-fail", "--top", "bench", "--json", "netlist.json", "--seed", str(seed),
               "--report", report], folder, f"route_{seed}.log")
         fmax[str(seed)], ends[str(seed)] = frequency_in((folder / report).read_text())
         say(f"seed {seed}: {fmax[str(seed)]} MHz")
@@ -246,6 +253,6 @@ def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
         hashes = sources.digests(read, folder)  # of the copy, because the tree may change meanwhile
         row = counted(target, folder)
         say(f"synthesised in {time.monotonic() - began:.0f} s")
-        fmax, ends = clocks(target, seeds, folder, lambda text: say(f"{text}, {time.monotonic() - began:.0f} s"))
+        fmax, ends = clocks(design, seeds, folder, lambda text: say(f"{text}, {time.monotonic() - began:.0f} s"))
     row.update(fmax=fmax, seconds=round(time.monotonic() - began), tools=told, flow=flow_hash(design), sources=sources.combined(hashes))
     return row, hashes, ends
