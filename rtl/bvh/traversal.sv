@@ -313,8 +313,8 @@ module traversal #(
       .next_o(keep_at_next), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .present_o(present), .t_o(t), .key_o(key),
       .point_o(point), .index_o(index));
 
-  // ---- The better of the best result so far and the new ones: first among those of a leaf, one cycle later with the
-  // best result so far ----
+  // ---- The better of the best result so far and the new ones ----
+  // The first step chooses among the results of a leaf. One cycle later, the second step compares with the best so far.
   best_t best_q, best;
   logic by_index_q;
   always_ff @(posedge clk_i) by_index_q <= goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED;
