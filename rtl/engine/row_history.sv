@@ -21,7 +21,7 @@ module row_history #(
   logic valid_mem[DEPTH];  // written in every cycle
   logic [W-1:0] mem[DEPTH];
   logic [AW-1:0] left_q, latency_q;  // cycles until the latency has passed since reset or its change
-  logic valid;
+  logic valid, restart, open_q;
   if (REGISTERS == 0) begin : g_direct
     assign valid = valid_mem[read_q];
     assign q_o = mem[read_q];
@@ -33,7 +33,10 @@ module row_history #(
       {valid, q_o} <= {valid_q, d_q};
     end
   end
-  assign valid_o = valid && left_q == 0;
+  // The memory holds random bits after power-on. Until a pass begins, the pair may be one that the card lacks, whose
+  // latency is too short.
+  assign restart = rst_i || latency_q != AW'(latency_i);
+  assign valid_o = valid && open_q;
   always_ff @(posedge clk_i) begin
     valid_mem[write_q] <= valid_i;
     if (valid_i) mem[write_q] <= d_i;
@@ -41,7 +44,8 @@ module row_history #(
     read_q <= write_q + 1 + AW'(REGISTERS) - AW'(latency_i);
     latency_q <= AW'(latency_i);
     if (left_q != 0) left_q <= left_q - 1;
-    if (rst_i || latency_q != AW'(latency_i)) left_q <= AW'(latency_i);
+    if (restart) left_q <= AW'(latency_i);
+    open_q <= !restart && left_q <= 1 && latency_i > 16'(REGISTERS);
     if (rst_i) begin
       write_q <= '0;
       read_q <= AW'(REGISTERS) - AW'(latency_i);
