@@ -94,10 +94,10 @@ module board #(
       .bvh_good_i(bvh_good), .node_error_i(node_error));
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
   // Turn of a lane that takes a row per several cycles.
-  logic [1:0] turn;
+  logic [2:0] turn;
   if (CONFIG.shared_lane > 1) begin : g_turns
     always_ff @(posedge clk_engine)
-      turn <= (rst_i || turn == 2'(CONFIG.shared_lane - 1)) ? '0 : turn + 1'b1;
+      turn <= (rst_i || turn == 3'(CONFIG.shared_lane - 1)) ? '0 : turn + 1'b1;
   end else begin : g_one_turn
     assign turn = '0;
   end

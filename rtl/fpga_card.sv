@@ -37,6 +37,8 @@ module fpga_card #(
     $error("fpga_card: needs fp32, without check bits");
   end
   logic ddr_write, ddr_read, ddr_ready, ddr_valid, sram_write, sram_read;
+  logic rst_q;  // the path from a pin would be long
+  always_ff @(posedge clk_i) rst_q <= rst_i;
   logic [31:0] ddr_write_addr, ddr_read_word;
   logic [63:0] ddr_write_data;
   logic [3:0] ddr_read_words;
@@ -45,7 +47,7 @@ module fpga_card #(
   logic [SRAM_AW-1:0] sram_write_addr, sram_read_addr;
   logic [WORDS-1:0][31:0] sram_write_data, sram_read_data;
   board #(.CONFIG(CONFIG)) functions (
-      .clk_i, .rst_i, .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
+      .clk_i, .rst_i(rst_q), .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
       .bus_rdata_o, .irq_o, .ddr_write_o(ddr_write), .ddr_write_addr_o(ddr_write_addr),
       .ddr_write_data_o(ddr_write_data), .ddr_write_check_o(unused_check), .ddr_read_o(ddr_read),
       .ddr_read_word_o(ddr_read_word), .ddr_read_words_o(ddr_read_words), .ddr_ready_i(ddr_ready),
@@ -53,7 +55,7 @@ module fpga_card #(
       .sram_write_addr_o(sram_write_addr), .sram_write_data_o(sram_write_data), .sram_read_o(sram_read),
       .sram_read_addr_o(sram_read_addr), .sram_read_data_i(sram_read_data));
   memory_port port (
-      .clk_i, .rst_i, .read_i(ddr_read), .read_word_i(ddr_read_word), .read_words_i(ddr_read_words),
+      .clk_i, .rst_i(rst_q), .read_i(ddr_read), .read_word_i(ddr_read_word), .read_words_i(ddr_read_words),
       .write_i(ddr_write), .write_addr_i(ddr_write_addr), .write_data_i(ddr_write_data), .ready_o(ddr_ready),
       .valid_o(ddr_valid), .data_o(ddr_data), .access_o(memory_access_o), .write_o(memory_write_o),
       .addr_o(memory_addr_o), .data_to_memory_o(memory_data_o), .ready_i(memory_ready_i), .valid_i(memory_valid_i),

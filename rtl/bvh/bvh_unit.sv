@@ -56,7 +56,7 @@ module bvh_unit #(
     input logic [LEAF-1:0][31:0] moved_i,
 
     // The lane, with SHARED_LANE and gates, and its turn.
-    input logic [1:0] turn_i,
+    input logic [2:0] turn_i,
     output card_pkg::lane_operands_t lane_o,
     input card_pkg::lane_results_t lane_i,
 

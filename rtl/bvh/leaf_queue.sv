@@ -7,12 +7,12 @@
 module leaf_queue #(
     parameter int WORDS = 9,   // of a secondary
     parameter int TAG = 32,    // bits; the lowest bit says that the leaf has two secondaries
-    parameter int TURNS = 4,   // 1, 2 or 4
+    parameter int TURNS = 4,   // 1, 2, 4 or 8
     parameter int DEPTH = 64   // power of two
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic [1:0] turn_i,
+    input logic [2:0] turn_i,
     output logic room_o,
     input logic leaf_i,  // a leaf is requested, with one secondary or two
     input logic two_i,
@@ -32,7 +32,7 @@ module leaf_queue #(
   sync_fifo #(.W(1 + TAG + 32 * WORDS + 32), .DEPTH(DEPTH)) queue (
       .clk_i, .rst_i, .write_i(valid_i), .wdata_i({last_i, tag_i, words_i, index_i}), .free_o(), .count_o(waiting),
       .rdata_o({last_o, tag_o, words_o, index_o}), .read_i(valid_o));
-  assign valid_o = waiting != 0 && turn_i == 2'(TURNS - 1);
+  assign valid_o = waiting != 0 && turn_i == 3'(TURNS - 1);
   assign room_o = outstanding_q <= (DW + 1)'(DEPTH - 2);
   always_ff @(posedge clk_i)
     if (rst_i) outstanding_q <= '0;

@@ -73,7 +73,7 @@ module traversal #(
     input logic [LANES-1:0][LEAF-1:0][31:0] fetched_i,
     input logic [LANES-1:0][31:0] index_i,
     // The lane outside, and the turn in which it is.
-    input logic [1:0] turn_i,
+    input logic [2:0] turn_i,
     output card_pkg::lane_operands_t lane_o,
     input card_pkg::lane_results_t lane_i,
     // Hits of goal hits, as they are found. Never back-pressured: fetch_ready_i reserves space for the hits of every

@@ -24,7 +24,7 @@
 //                 two. The first PINNED_NODES nodes, a power of two, are on chip, and others and slots are in DDR.
 //   NODE_WAYS     Ways of the cache, a power of two from 2.
 //   CONTEXTS      Primaries that traverse a BVH at a time, a power of two from 16 to 256.
-//   SHARED_LANE   0, or 1, 2 or 4: brute-force passes and leaves of a BVH share one lane, which takes a row per so many
+//   SHARED_LANE   0, or 1, 2, 4 or 8: brute-force passes and leaves share one lane, which takes a row per so many
 //                 cycles (ray_triangle_shared.sv). It needs LANES = 1, BOX = 1, and ray-triangle as the only pair.
 //   RAY_PLACES    Places of the queue of primaries of BVH passes, a power of two from 64.
 //   ECC           1: words in DDR have check bits; single wrong bits are corrected.

@@ -45,10 +45,10 @@ module config_check #(
       g_contexts
     $error("board: CONTEXTS must be a power of two from 16 to 256");
   end
-  if (CONFIG.shared_lane != 0 && ((CONFIG.shared_lane != 1 && CONFIG.shared_lane != 2 && CONFIG.shared_lane != 4) ||
+  if (CONFIG.shared_lane != 0 && (CONFIG.shared_lane > 8 || (CONFIG.shared_lane & (CONFIG.shared_lane - 1)) != 0 ||
       CONFIG.lanes != 1 || CONFIG.traversal_units == 0 || CONFIG.pairs != 1 << pairs_pkg::PAIR_RAY_TRIANGLE ||
       CONFIG.algorithm != 0 || CONFIG.box != 1 || CONFIG.swap != 0 || CONFIG.parallel != 0)) begin : g_shared_lane
-    $error("board: SHARED_LANE must be 0, 1, 2 or 4; it needs LANES = 1, traversal units and ray-triangle alone");
+    $error("board: SHARED_LANE must be 0, 1, 2, 4 or 8; it needs LANES = 1, traversal units and ray-triangle alone");
   end
   if (CONFIG.ray_places < 64 || CONFIG.ray_places > 4096 || (CONFIG.ray_places & (CONFIG.ray_places - 1)) != 0) begin :
       g_ray_places

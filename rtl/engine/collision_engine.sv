@@ -65,7 +65,7 @@ module collision_engine #(
     input logic secondary_bad_i,
     input logic [2:0] mode_i,
     input logic streaming_i,
-    input logic [1:0] turn_i,  // of a shared lane; rows enter in turn 0
+    input logic [2:0] turn_i,  // of a shared lane; rows enter in turn 0
     input card_pkg::lane_operands_t leaf_i,  // leaves of a BVH in the lane, and their results
     output card_pkg::lane_results_t leaf_o,
 

@@ -52,7 +52,7 @@ module lane_group #(
     input logic [N_PAIRS-1:0] clk_pipe_i,  // each runs while its pipe is used
     input logic [PORTS-1:0][ROW_W-1:0] row_i,  // row and secondary that enter the datapath
     input logic [PORTS-1:0][SEC_WORDS-1:0][CW-1:0] secondary_i,
-    input logic [1:0] turn_i,
+    input logic [2:0] turn_i,
     input card_pkg::lane_operands_t leaf_i,  // leaves of a BVH, with SHARED_LANE
     output card_pkg::lane_results_t leaf_o,
     output logic [N_PAIRS-1:0][15:0] latency_o,

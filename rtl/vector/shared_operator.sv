@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Up to four operations of a datapath that takes a row per TURNS cycles. With four turns they share one operator, with
-// two turns two operators, and with one turn each has its own. Operation k starts at stage time T_k. Operations that
-// share an operator start in different turns (shared.svh).
+// Up to eight operations of a datapath that takes a row per TURNS cycles. TURNS of them share an operator. Operation k
+// starts at stage time TIMES[k]. Operations that share an operator start in different turns (shared.svh).
 // Latency: LAT cycles.
 // Throughput: one result per operation per TURNS cycles.
 // Stall: none.
@@ -9,40 +8,47 @@ module shared_operator #(
     parameter int EXP = 8,
     parameter int MAN = 23,
     parameter int OP = formats_pkg::FP_SUB,
-    parameter logic [3:0] ADDS = '0,  // FP_SUB, bit k: operation k adds
-    parameter int N = 4,              // operations
-    parameter int T_0 = 0,
-    parameter int T_1 = 0,
-    parameter int T_2 = 0,
-    parameter int T_3 = 0,
+    parameter logic [7:0] ADDS = '0,  // FP_SUB, bit k: operation k adds
+    parameter int N = 8,              // operations
+    parameter logic [7:0][31:0] TIMES = '0,
     parameter int LAT = 1,
     parameter int TURNS = 4,
     parameter ARITH = "rtl",  // "host": nothing is computed, and outputs are zeros
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
-    localparam int TW = 2
+    localparam int AW = (TURNS > 1) ? $clog2(TURNS) : 1
 ) (
     input logic clk_i,
-    input logic [TW-1:0] turn_i,
-    input logic [3:0][CW-1:0] a_i,  // with the operation's start
-    input logic [3:0][CW-1:0] b_i,
-    output logic [3:0][CW-1:0] r_o
+    input logic [2:0] turn_i,
+    input logic [7:0][CW-1:0] a_i,  // with the operation's start
+    input logic [7:0][CW-1:0] b_i,
+    output logic [7:0][CW-1:0] r_o
 );
   /*verilator inline_module*/
   localparam logic [CW-1:0] SIGN = CW'(1) << (EXP + MAN);
-  function automatic logic [TW-1:0] turn_of(input int k);
-    turn_of = TW'((((k == 0) ? T_0 : (k == 1) ? T_1 : (k == 2) ? T_2 : T_3) + 1) % TURNS);
+  // The operation of an operator that starts in a turn, else its first.
+  function automatic int started(input int operator, input int turn);
+    started = operator * TURNS;
+    for (int k = operator * TURNS; k < N && k < (operator + 1) * TURNS; k++)
+      if ((int'(TIMES[k]) + 1) % TURNS == turn) started = k;
   endfunction
-  logic [3:0][CW-1:0] b;
-  for (genvar k = 0; k < 4; k++) begin : operand
+  logic [7:0][CW-1:0] b;
+  for (genvar k = 0; k < 8; k++) begin : operand
     assign b[k] = ADDS[k] ? b_i[k] ^ SIGN : b_i[k];
   end
-  for (genvar u = 0; u < 4 / TURNS; u++) begin : unit
+  for (genvar u = 0; u < 8 / TURNS; u++) begin : unit
     if (ARITH == "rtl" && u * TURNS < N) begin : g_present
       logic [CW-1:0] a_now, b_now, r, unused_flags;
-      always_comb begin
-        {a_now, b_now} = {a_i[u*TURNS], b[u*TURNS]};
-        for (int k = 1; k < TURNS; k++)
-          if (u * TURNS + k < N && turn_i == turn_of(u * TURNS + k)) {a_now, b_now} = {a_i[u*TURNS+k], b[u*TURNS+k]};
+      if (N == 1 || TURNS == 1) begin : g_one
+        assign {a_now, b_now} = {a_i[u*TURNS], b[u*TURNS]};
+      end else begin : g_turns
+        (* keep *) logic [AW-1:0] before_q;  // the turn of the cycle before
+        logic [TURNS-1:0][CW-1:0] a_of, b_of;
+        always_ff @(posedge clk_i) before_q <= turn_i[AW-1:0];
+        for (genvar t = 0; t < TURNS; t++) begin : turn
+          assign a_of[t] = a_i[started(u, (t + 1) % TURNS)];
+          assign b_of[t] = b[started(u, (t + 1) % TURNS)];
+        end
+        assign {a_now, b_now} = {a_of[before_q], b_of[before_q]};
       end
       fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LAT(LAT), .CANON(0)) operator (
           .clk_i, .en_i(1'b1), .a_i(a_now), .b_i(b_now), .r_o(r), .flags_o(unused_flags));

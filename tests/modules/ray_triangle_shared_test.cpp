@@ -5,6 +5,7 @@
 #include <bit>
 #include <deque>
 
+#include "RayTriangleSharedEight.h"
 #include "RayTriangleSharedFour.h"
 #include "RayTriangleSharedHost.h"
 #include "RayTriangleSharedOne.h"
@@ -97,6 +98,7 @@ TEST(RayTriangleShared, Gates_EqualTheReference) {
   (void)expect_reference<RayTriangleSharedOne>(1, false, 500);
   (void)expect_reference<RayTriangleSharedTwo>(2, false, 500);
   (void)expect_reference<RayTriangleSharedFour>(4, false, 500);
+  (void)expect_reference<RayTriangleSharedEight>(8, false, 500);
 }
 
 /// Host arithmetic answers at once. It reports the latency of the gates.

@@ -210,9 +210,9 @@ void check_bvh(const BoardConfig& c) {
               c.ray_places <= kMostPlaces,
           fmt::format("ray_places is {}; it must be a power of two from {} to {}", c.ray_places,
                       kLeastPlaces, kMostPlaces));
-  constexpr unsigned kMostTurns = 4;
+  constexpr unsigned kMostTurns = 8;
   require(c.shared_lane == 0 || (std::has_single_bit(c.shared_lane) && c.shared_lane <= kMostTurns),
-          fmt::format("shared_lane is {}; it must be 0, 1, 2 or 4", c.shared_lane));
+          fmt::format("shared_lane is {}; it must be 0, 1, 2, 4 or 8", c.shared_lane));
   require(c.shared_lane == 0 || c.can_share_lane(),
           "a shared lane needs one lane, and ray-triangle by moller as the only pair, without "
           "exchange of roles");
