@@ -83,7 +83,7 @@ class Designs(unittest.TestCase):
         self.assertEqual(ports, {name for _, _, name in cards.PORTS})
         known = re.findall(r"parameter (?:int )?(\w+) =", (ROOT / "rtl" / "contract" / "config.svh").read_text())
         self.assertEqual([], sorted(set(cards.parameters((9, 10, 34, 32, 2))) - set(known)))
-        self.assertIn(".SHARED_LANE(4)", bench)
+        self.assertIn(".SHARED_LANE(8)", bench)
         with self.assertRaisesRegex(Bad, "card needs the target ecp5-85, not hx8k"):
             designs.design("card", "fp32", "1/1/1/1/1", target="hx8k")
 
