@@ -317,9 +317,10 @@ module card_registers #(
   always_ff @(posedge clk_bus_o) begin
     bad_prim_q <= 9'($countones(prim_bad_i & present_q));
     rvalid_q <= read && !rst_i;
-    if (read && space_q == registers_pkg::SPACE_SRAM) rdata_q <= allowed ? sram_beat_i : '0;
-    else if (read && !allowed) rdata_q <= '0;
-    else if (read) begin
+    // The data of a read that waits are used when it is ready.
+    if (valid_q && !write_q && space_q == registers_pkg::SPACE_SRAM) rdata_q <= allowed ? sram_beat_i : '0;
+    else if (valid_q && !write_q && !allowed) rdata_q <= '0;
+    else if (valid_q && !write_q) begin
       case (offset)
         registers_pkg::REG_ID: rdata_q <= id;
         registers_pkg::REG_CAPS: rdata_q <= caps;

@@ -30,10 +30,10 @@
 // number of cycles per node, 1 or 2. A multiplier of 10 cycles takes four multiplier blocks. One of 11 cycles takes one
 // block and adders (fp_mul_lane.sv), for lanes that need many. A node needs few.
 `define TIME_T_STEPS 5
-`define NODE_T_SIZES(CYCLES) (3 + CYCLES)
+`define NODE_T_SIZES(CYCLES) (4 + CYCLES)
 `define NODE_LAT_MUL ((LAT.mul > 10) ? 10 : LAT.mul)
 `define NODE_T_INT(CYCLES) \
-  (`DF_MAX2(LAT.add + `NODE_LAT_MUL + CYCLES - 1, 2) + `TIME_T_STEPS + 3 + 2 * CYCLES)
+  (`DF_MAX2(LAT.add + `NODE_LAT_MUL + CYCLES - 1, 3) + `TIME_T_STEPS + 3 + 2 * CYCLES)
 // Bits of the bounds of node_boxes_int.sv, and sizes of an axis from node_scale.sv.
 `define NODE_BOUND_BITS(UNIT_BITS) (UNIT_BITS + 11)
 `define NODE_SIZES_BITS(UNIT_BITS) (5 + (UNIT_BITS + 1) + (UNIT_BITS + 8))

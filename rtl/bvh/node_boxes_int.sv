@@ -34,8 +34,8 @@ module node_boxes_int #(
   /*verilator inline_module*/
   import bvh_pkg::*;
   localparam int LANES = (CYCLES == 1) ? 3 : 2;  // axes at a time
-  localparam int T_LO = 2;
-  localparam int T_STEP = 3;
+  localparam int T_LO = 3;
+  localparam int T_STEP = 4;
   localparam int T_SIZES = `NODE_T_SIZES(CYCLES);
   localparam int T_CORNER = `DF_MAX2(LAT.add + LAT.mul + CYCLES - 1, T_LO);
   localparam int T_REFERENCE = T_CORNER + 1;

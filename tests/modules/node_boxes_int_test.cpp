@@ -117,10 +117,10 @@ TEST(NodeBoxesInt, Gates_EqualTheReference) {
   expect_reference<NodeBoxesIntGates>(3 + 2 + 10, full() ? 400'000 : 40'000);
 }
 TEST(NodeBoxesInt, HostArithmetic_EqualsTheReference) {
-  expect_reference<NodeBoxesIntHost>(2 + 10, full() ? 3'200'000 : 200'000);
+  expect_reference<NodeBoxesIntHost>(3 + 10, full() ? 3'200'000 : 200'000);
 }
 TEST(NodeBoxesInt, NarrowNumbers_EqualTheReference) {
-  expect_reference<NodeBoxesIntNarrow>(2 + 10, full() ? 400'000 : 40'000, {12, 4});
+  expect_reference<NodeBoxesIntNarrow>(3 + 10, full() ? 400'000 : 40'000, {12, 4});
 }
 TEST(NodeBoxesInt, TwoCyclesPerNode_EqualTheReference) {
   expect_reference<NodeBoxesIntTwoGates>(3 + 2 + 13, full() ? 400'000 : 40'000, {}, 2);
