@@ -183,7 +183,7 @@ module card_registers #(
   assign write_reg = valid_q && ready && write_q && allowed && space_q == registers_pkg::SPACE_REG;
   assign access_o = '{
       write: valid_q && ready && write_q && allowed,
-      read: read,
+      read: valid_q && !write_q,
       hit: allowed,
       space: space_q,
       addr: addr_q,

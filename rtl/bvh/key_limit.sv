@@ -42,8 +42,12 @@ module key_limit #(
     localparam int SW = KEY + 1;
     logic [SW-1:0] steps;
     logic inexact;
+    logic [31:0] time_q, reference_q;  // the inputs come from block memories
+    logic [7:0] quarter_q;
+    always_ff @(posedge clk_i) {time_q, reference_q, quarter_q} <= {time_i, reference_i, quarter};
     time_steps #(.BITS(SW)) in_quarters (
-        .clk_i, .time_i, .reference_i, .step_i(quarter), .steps_o(steps), .inexact_o(inexact));
+        .clk_i, .time_i(time_q), .reference_i(reference_q), .step_i(quarter_q), .steps_o(steps),
+        .inexact_o(inexact));
     logic [SW:0] first;
     assign first = farthest_i ? -({steps[SW-1], steps} + (SW + 1)'(inexact)) : {steps[SW-1], steps};
     // Limited to signed KEY bits. The sign is inverted: keys are unsigned.

@@ -201,7 +201,8 @@ module leaf_pairs #(
     localparam int INSIDE = (SERIAL != 0) ? DEPTH / SERIAL : 1;  // most secondaries in the pipe
     localparam int RESULT = (3 + POINTS) * LANES * 32;
     logic [pairs_pkg::PAIR_INDEX-1:0] of_pair;
-    assign of_pair = pass_pair[pairs_pkg::PAIR_INDEX-1:0];
+    assign of_pair = (TRAVERSALS == 1) ? pairs_pkg::PAIR_INDEX'(pairs_pkg::PAIR_RAY_TRIANGLE) :
+        pass_pair[pairs_pkg::PAIR_INDEX-1:0];
     logic [RESULT-1:0] result;
     logic [LANES-1:0][31:0] key;
     if (SERIAL != 0) begin : g_serial
@@ -219,7 +220,7 @@ module leaf_pairs #(
     assign rest = latency_of[of_pair] - 1;
     if (SERIAL != 0) begin : g_in_order
       logic unused_bit;
-      row_history #(.W(1), .DEPTH(DEPTH)) history (
+      row_history #(.W(1), .DEPTH(DEPTH), .REGISTERS(2)) history (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(1'b0), .valid_o(next_valid), .q_o(unused_bit));
       sync_fifo #(.W($bits(entry)), .DEPTH(INSIDE)) entries (
           .clk_i, .rst_i, .write_i(taken_q), .wdata_i(entry), .free_o(), .count_o(), .rdata_o(next_entry),

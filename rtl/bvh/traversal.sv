@@ -346,14 +346,16 @@ module traversal #(
   end
   assign improved = one_q.f && (!best_q.f || better(one_q.t, one_q.index, best_q.t, best_q.index));
   assign best = improved ? one_q : best_q;
-  // If a context runs ahead of its leaves, its leaves can follow each other directly, or with one cycle between.
+  // If a context runs ahead of its leaves, its leaves can follow each other directly, or with one cycle between. The
+  // results of a lane with turns do not.
+  localparam bit CLOSE = SERIAL < 4;
   logic again_q, again_late_q;  // the leaf is of the context of the leaf before, and of the second leaf before
   best_t read_q, read_late_q, kept_q;
   always_ff @(posedge clk_i) begin
     read_q <= bests[keep_at_next.context_];
-    again_late_q <= better_valid && better_at.context_ == keep_at_next.context_;
+    again_late_q <= CLOSE && better_valid && better_at.context_ == keep_at_next.context_;
     read_late_q <= again_late_q ? kept_q : read_q;
-    again_q <= better_valid && better_at.context_ == keep_at.context_;
+    again_q <= CLOSE && better_valid && better_at.context_ == keep_at.context_;
     kept_q <= best;
     better_valid <= keep_valid && !rst_i;
     {better_at, best_key, one_q} <= {keep_at, key[chosen], one};

@@ -44,7 +44,7 @@ package card_pkg;
   // module answers 0 to a read that is not its own.
   typedef struct packed {
     logic write;
-    logic read;
+    logic read;  // also in the cycles in which it waits
     logic hit;  // the read is allowed
     logic [2:0] space;
     logic [31:0] addr;
