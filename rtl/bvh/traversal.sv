@@ -127,16 +127,22 @@ module traversal #(
   logic [CX:0] fresh_q;  // contexts that never had a primary
   logic [CX:0] free_count;
   logic [CX-1:0] free, taken;
+  logic free_some, free_next, some_q;  // a register keeps the next free context
   logic take, front_ready, keep_valid, better_valid, record_read;
   logic [CX-1:0] done;  // of the record
   sync_fifo #(.W(CX), .DEPTH(CONTEXTS)) queue_free (
       .clk_i, .rst_i, .write_i(record_read), .wdata_i(done), .free_o(), .count_o(free_count), .rdata_o(free),
-      .read_i(take && fresh_q[CX]));
-  assign taken = fresh_q[CX] ? free : fresh_q[CX-1:0];
-  assign ray_ready_o = (!fresh_q[CX] || free_count != 0) && !better_valid && front_ready;
+      .read_i(free_next && fresh_q[CX]));
+  assign free_some = !fresh_q[CX] || free_count != 0;
+  assign free_next = free_some && (!some_q || take);
+  assign ray_ready_o = some_q && !better_valid && front_ready;
   assign take = ray_valid_i && ray_ready_o;
   always_ff @(posedge clk_i) begin
-    if (take && !fresh_q[CX]) fresh_q <= fresh_q + 1;
+    if (free_next) begin
+      taken <= fresh_q[CX] ? free : fresh_q[CX-1:0];
+      if (!fresh_q[CX]) fresh_q <= fresh_q + 1;
+    end
+    some_q <= !rst_i && (free_some || (some_q && !take));
     if (rst_i) fresh_q <= '0;
     if (take) begin
       rays[taken] <= ray_i;
