@@ -169,7 +169,7 @@ module card_registers #(
     allowed = allowed && aligned;
   end
 
-  logic [1:0] settle_q;  // cycles until the checks of the command are up to date
+  logic [2:0] settle_q;  // cycles until the checks of the command are up to date
   assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
   assign ddr_allowed = !busy_i && {32'b0, addr_q} < DDR_BYTES;
   assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && aligned;
@@ -177,7 +177,7 @@ module card_registers #(
   assign ready = !(valid_q && ((pops && !sram_valid_i) ||
       (ddr_write_o && !ddr_ready_i) || (controls && (objects_busy_i || settle_q != 0))));
   always_ff @(posedge clk_bus_o)
-    if (rst_i || access_o.write) settle_q <= '1;
+    if (rst_i || access_o.write) settle_q <= 3'd4;
     else if (settle_q != 0) settle_q <= settle_q - 1'b1;
   assign read = valid_q && ready && !write_q;
   assign write_reg = valid_q && ready && write_q && allowed && space_q == registers_pkg::SPACE_REG;
@@ -193,17 +193,17 @@ module card_registers #(
   assign ddr_write_o = valid_q && ddr_writes;
   assign sram_pop_o = valid_q && pops && sram_valid_i;
 
-  // End of the secondaries in DDR. The checks of the command take three cycles after a write (settle_q).
+  // End of the secondaries in DDR. The checks of the command take four cycles after a write (settle_q).
   logic [63:0] sec_end_q;
   logic [32:0] sec_last_q;
   logic command_ok_q, objects_ok;
   pairs_pkg::words_t sec_words_q;
-  pairs_pkg::shape_t sec_shape, sec_shape2;
+  pairs_pkg::shape_t sec_shape_q, sec_shape2;
   logic pair_present, second_ok, iterations_ok, secondaries_ok;
-  assign sec_shape = pairs_pkg::SHAPE_BITS'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
-      pairs_pkg::secondary_shape(int'(command_q.pair)));
   always_ff @(posedge clk_bus_o) begin
-    sec_words_q <= pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape)));
+    sec_shape_q <= pairs_pkg::SHAPE_BITS'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
+        pairs_pkg::secondary_shape(int'(command_q.pair)));
+    sec_words_q <= pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape_q)));
     sec_last_q <= {1'b0, sec_first_q} + {1'b0, sec_count_q};
     sec_end_q <= (64'(sec_last_q) * 64'(sec_words_q)) * CW_BYTES;
   end
@@ -214,7 +214,7 @@ module card_registers #(
       pairs_pkg::secondary_shape(int'(command_q.second_pair)));
   assign second_ok = !command_q.second ||
       (PARALLEL != 0 && pairs_pkg::has(PAIRS, int'(command_q.second_pair)) &&
-          command_q.second_pair != command_q.pair && sec_shape2 == sec_shape &&
+          command_q.second_pair != command_q.pair && sec_shape2 == sec_shape_q &&
       command_q.mode <= registers_pkg::MODE_ANY && (SWAP != 0 ||
           !command_q.second_swap) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
   // Iterations of cylinder pairs. Cards without such pairs ignore them.
