@@ -216,7 +216,7 @@ module board #(
   logic [ROW_W-1:0] row;
   logic [31:0] index, result_index;
   logic [CONFIG.lanes-1:0] f, bad, unmasked;
-  logic fifo_keep;
+  logic fifo_keep, result_f;
   logic [FIFO_W-1:0] fifo_write, fifo_head;
   logic [CW-1:0] result_t;
   logic [POINTS-1:0][CW-1:0] result_point;
@@ -232,7 +232,8 @@ module board #(
       .turn_i(turn), .leaf_i(leaf_operands), .leaf_o(leaf_results),
       .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .uncertain_o(uncertain), .push_i(fifo_keep), .write_i(fifo_write),
-      .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
+      .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_f_o(result_f),
+      .result_index_o(result_index),
       .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::fifo_depth(CONFIG))) fifo (
       .clk_i(clk_brute_force), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
@@ -247,7 +248,8 @@ module board #(
   record_maker #(.CONFIG(CONFIG)) records (
       .clk_i(clk_brute_force), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
       .second_pair_i(pair[1]), .solid_i(solid), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
-      .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
+      .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_f_i(result_f),
+      .result_index_i(result_index),
       .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full),
       .sram_nearly_full_i(sram_nearly_full), .write_o(brute_force_write), .record_o(brute_force_record));
   assign record_write = brute_force_write | bvh_write;

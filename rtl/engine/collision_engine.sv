@@ -84,6 +84,7 @@ module collision_engine #(
     input logic [FIFO_W-1:0] head_i,
     input card_pkg::streamed_t streamed_i,   // T and CP of its lane come from the FIFO
     input card_pkg::writeback_t result_i,  // T, CP and index of its primary come from the update buffers
+    output logic result_f_o,
     output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,
     output logic [POINTS-1:0][CW-1:0] result_point_o
@@ -225,6 +226,7 @@ module collision_engine #(
   card_pkg::lane_results_t leaf_results[GROUPS];
   assign leaf_o = leaf_results[0];  // a shared lane is alone
   assign uncertain_o = uncertain[0];  // narrow lanes are one group
+  logic [GROUPS-1:0] result_f;
   logic [31:0] result_index[GROUPS];
   logic [CW-1:0] result_t[GROUPS];
   logic [POINTS-1:0][CW-1:0] result_point[GROUPS];
@@ -256,7 +258,7 @@ module collision_engine #(
         .push_i, .write_i, .read_i(streaming_i && streamed_i.valid && selected), .head_i,
         .result_i(result & {PORTS{selected}}),
         .result_row_i(result_row), .result_parity_i(result_i.parity), .lane_i(GLANE_W'(lane)),
-        .result_index_o(result_index[g]),
+        .result_f_o(result_f[g]), .result_index_o(result_index[g]),
         .result_t_o(result_t[g]), .result_point_o(result_point[g]));
   end
   for (genvar k = 0; k < PORTS; k++) begin : latency_of
@@ -265,6 +267,7 @@ module collision_engine #(
   end
   always_comb begin
     new_hits_o = '0;
+    result_f_o = |result_f;
     result_index_o = '0;
     result_t_o = '0;
     result_point_o = '0;
