@@ -313,9 +313,17 @@ module card_registers #(
     status_of.ecc_error = ecc_error;
     status_of.node_error = node_error;
   endfunction
-  logic [8:0] bad_prim_q;
+  // Primaries present and out of contract, counted in parts. A read adds the parts.
+  localparam int BAD_PARTS = (PRIMARIES + 15) / 16;
+  logic [BAD_PARTS-1:0][4:0] bad_prim_q;
+  logic [16*BAD_PARTS-1:0] bad_prim;
+  assign bad_prim = (16 * BAD_PARTS)'(prim_bad_i & present_q);
+  function automatic logic [63:0] sum_of(input logic [BAD_PARTS-1:0][4:0] parts);
+    sum_of = '0;
+    for (int k = 0; k < BAD_PARTS; k++) sum_of = sum_of + 64'(parts[k]);
+  endfunction
   always_ff @(posedge clk_bus_o) begin
-    bad_prim_q <= 9'($countones(prim_bad_i & present_q));
+    for (int k = 0; k < BAD_PARTS; k++) bad_prim_q[k] <= 5'($countones(bad_prim[16*k+:16]));
     rvalid_q <= read && !rst_i;
     // The data of a read that waits are used when it is ready.
     if (valid_q && !write_q && space_q == registers_pkg::SPACE_SRAM) rdata_q <= allowed ? sram_beat_i : '0;
@@ -346,7 +354,7 @@ module card_registers #(
         registers_pkg::REG_ROWS: rdata_q <= rows_q;
         registers_pkg::REG_STALLS: rdata_q <= stalls_q;
         registers_pkg::REG_BUBBLES: rdata_q <= bubbles_q;
-        registers_pkg::REG_BAD_PRIM: rdata_q <= 64'(bad_prim_q);
+        registers_pkg::REG_BAD_PRIM: rdata_q <= sum_of(bad_prim_q);
         registers_pkg::REG_BAD_SEC: rdata_q <= bad_sec_q;
         registers_pkg::REG_SECONDARIES: rdata_q <= secondaries_q;
         registers_pkg::REG_WRITTEN: rdata_q <= written_q;

@@ -127,7 +127,7 @@ module engine_control #(
           swap_o <= {2{CONFIG.swap != 0}} & command_i.swap;
           state_q <= pose_request_i ? POSE : CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
-          missing_q <= (PRIM_W + 1)'($countones(active_i));
+          missing_q <= '0;
         end
       end
       POSE: if (pose_done_i) state_q <= CLEAR;
@@ -135,6 +135,7 @@ module engine_control #(
         stop_q <= 0;
         parity_q <= 0;
         pending_q <= streaming_mode_o ? '0 : active_i;
+        missing_q <= missing_q + (PRIM_W + 1)'($countones(~clear_mask_o));
         row_q <= row_q + 1;
         if (32'(row_q) == ROWS - 1) begin
           row_q <= 0;
