@@ -65,11 +65,12 @@ module engine_control #(
   logic [PRIM_W-1:0] primary, primary_q;
   logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
   logic parity_q, stop_q, write_q;  // write_q: primary_q is to be written back
+  logic last_row_q;  // row_q is the last row of a secondary
   logic [PRIMARIES-1:0] pending_q, lowest;  // primaries to write back after it
   logic [PRIM_W:0] missing_q, new_hits_q;  // active primaries without a hit, for mode any; of these, new hits
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
-  logic enter, last_row, has_credit, all_hit, taken;
+  logic enter, has_credit, all_hit, taken;
   logic [1:0] has_row;  // the pairs that have a row here
 
   assign rows = (ROW_W + 1)'((32'(command_i.primaries) + 32'(LANES - 1)) / 32'(LANES));
@@ -86,16 +87,17 @@ module engine_control #(
   assign clear_row_o = row_q;
   assign clear_mask_o = ~active_i[32'(row_q)*LANES+:LANES];
 
-  assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == longer;
   assign has_credit = !streaming_mode_o || credits_q != 0;
   assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == new_hits_q;
-  assign has_row = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
+  // The only pair of a pass has every row.
+  assign has_row = (CONFIG.parallel == 0) ? 2'b01 :
+      {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
   assign enter = state_q == BRUTE_FORCE && secondary_valid_i && has_credit && (has_row & ~ready_i) == 0 && !stop_q;
   assign issue_o.valid = has_row & {2{enter}};
   assign second_row = row_q + ROW_W'(first_rows);
   assign issue_o.row = {8'(second_row), 8'(row_q)};
   assign issue_o.parity = parity_q;
-  assign secondary_pop_o = enter && last_row;
+  assign secondary_pop_o = enter && last_row_q;
   assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
   assign fetch_stop_o = state_q == BRUTE_FORCE && stop_q || abort_i;
   assign bubble_o = state_q == BRUTE_FORCE && !secondary_valid_i && !stop_q;
@@ -139,11 +141,15 @@ module engine_control #(
         row_q <= row_q + 1;
         if (32'(row_q) == ROWS - 1) begin
           row_q <= 0;
+          last_row_q <= longer == 1;
           state_q <= BRUTE_FORCE;
         end
       end
       BRUTE_FORCE: begin
-        if (enter) row_q <= last_row ? '0 : row_q + 1;
+        if (enter) begin
+          row_q <= last_row_q ? '0 : row_q + 1;
+          last_row_q <= longer == (last_row_q ? (ROW_W + 1)'(1) : (ROW_W + 1)'(row_q) + (ROW_W + 1)'(2));
+        end
         if (secondary_pop_o) begin
           parity_q <= ~parity_q;
           // Mode any ends between two secondaries, so every row has met the same ones.
@@ -177,6 +183,8 @@ module engine_control #(
     if (!rst_i) begin
       assert (16'($countones(retire_i)) <= in_flight_q)
       else $error("engine_control: a row left the pipe that never entered");
+      assert (!(enter && last_row_q != ((ROW_W + 1)'(row_q) + 1'b1 == longer)))
+      else $error("engine_control: wrong last row");
       assert (!(go_i && busy_o)) else $error("engine_control: go while busy");
     end
 `endif

@@ -67,6 +67,7 @@ module secondary_regfile #(
   logic bads[DEPTH];  // results of checks
   // counts of slots in the FIFO, shown, popped, requested (modulo 2*DEPTH)
   logic [AW:0] placed_q, write_q, read_q, requested_q;
+  logic any_q;  // write_q != read_q: the comparison would be in the path of every row
   logic dropping_q, stopping_q, stop;
 
   // ---- Requests, one beat each ----
@@ -176,8 +177,8 @@ module secondary_regfile #(
     end
   end
 
-  assign valid_o = write_q != read_q && !dropping_q;
-  assign idle_o = write_q == requested_q && !requesting && (write_q == read_q || dropping_q);
+  assign valid_o = any_q && !dropping_q;
+  assign idle_o = write_q == requested_q && !requesting && (!any_q || dropping_q);
   assign slot_o = fifo[read_q[AW-1:0]];
   assign bad_o = bads[read_q[AW-1:0]];
 
@@ -192,14 +193,17 @@ module secondary_regfile #(
     if (taken) second_q <= two && !second_q;
     if (slot_requested) requested_q <= requested_q + 1;
     if (pop_i) read_q <= read_q + 1;
+    any_q <= in_flight[T_CHECKED] || (any_q && !(pop_i && read_q + 1'b1 == write_q));
     if (stop) dropping_q <= 1;
     stopping_q <= !rst_i && !start_i && (stop_i || stopping_q) && !stop;
     if (start_i) begin
       read_q <= write_q;
+      any_q <= 0;
       dropping_q <= 0;
     end
     if (rst_i) begin
       {placed_q, write_q, read_q, requested_q} <= '0;
+      any_q <= 0;
       dropping_q <= 0;
       second_q <= 0;
     end
@@ -208,6 +212,7 @@ module secondary_regfile #(
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
     if (!rst_i) begin
+      assert (any_q == (write_q != read_q)) else $error("secondary_regfile: wrong comparison");
       assert (!(pop_i && !valid_o)) else $error("secondary_regfile: pop of an empty FIFO");
       assert (!(in_flight[T_CHECKED] && write_q == requested_q))
           else $error("secondary_regfile: data without a request");
