@@ -66,11 +66,13 @@ module engine_control #(
   logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
   logic parity_q, stop_q, write_q;  // write_q: primary_q is to be written back
   logic last_row_q;  // row_q is the last row of a secondary
-  logic [PRIMARIES-1:0] pending_q, lowest;  // primaries to write back after it
+  // The primary to write back after it, one-hot, and those after that one. One register for all of it would be slow.
+  logic [PRIMARIES-1:0] next_q, pending_q, lowest;
+  logic ahead_q;  // next_q has left pending_q
   logic [PRIM_W:0] missing_q, new_hits_q;  // active primaries without a hit, for mode any; of these, new hits
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
-  logic enter, has_credit, all_hit, taken;
+  logic enter, has_credit, all_hit, taken, step, drained;
   logic [1:0] has_row;  // the pairs that have a row here
 
   assign rows = (ROW_W + 1)'((32'(command_i.primaries) + 32'(LANES - 1)) / 32'(LANES));
@@ -103,16 +105,21 @@ module engine_control #(
   assign bubble_o = state_q == BRUTE_FORCE && !secondary_valid_i && !stop_q;
   assign stall_o = state_q == BRUTE_FORCE && secondary_valid_i && !stop_q && !enter;
 
-  priority_encoder #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
+  assign lowest = pending_q & (~pending_q + 1'b1);
+  one_hot_index #(.N(PRIMARIES)) encode (.bit_i(next_q), .index_o(primary));
   assign writeback_o.valid = write_q;
   assign writeback_o.primary = 8'(primary_q);
   assign writeback_o.parity = parity_q;
   assign done_o = state_q == WRITEBACK && !write_q && fifo_empty_i && sram_idle_i;
 
-  // The encoder works one primary ahead, and finds the first one before the write-back.
+  // The search works two primaries ahead, and finds the first ones before the write-back.
   assign taken = write_q && writeback_ready_i;
+  assign drained = in_flight_q == 0 && secondary_idle_i;
+  assign step = taken || (state_q == DRAIN && drained) || (state_q == BRUTE_FORCE && !ahead_q);
   always_ff @(posedge clk_i) begin
-    if (taken) write_q <= pending_q != 0;
+    if (taken) write_q <= next_q != 0;
+    if (step) next_q <= lowest;
+    if (step) pending_q <= pending_q & ~lowest;
     if (state_q == DRAIN || taken) primary_q <= primary;
     in_flight_q <= in_flight_q + 16'($countones(issue_o.valid)) - 16'($countones(retire_i));
     credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
@@ -135,6 +142,7 @@ module engine_control #(
       POSE: if (pose_done_i) state_q <= CLEAR;
       CLEAR: if (clear_o) begin
         stop_q <= 0;
+        ahead_q <= 0;
         parity_q <= 0;
         pending_q <= streaming_mode_o ? '0 : active_i;
         missing_q <= missing_q + (PRIM_W + 1)'($countones(~clear_mask_o));
@@ -146,6 +154,7 @@ module engine_control #(
         end
       end
       BRUTE_FORCE: begin
+        ahead_q <= 1;
         if (enter) begin
           row_q <= last_row_q ? '0 : row_q + 1;
           last_row_q <= longer == (last_row_q ? (ROW_W + 1)'(1) : (ROW_W + 1)'(row_q) + (ROW_W + 1)'(2));
@@ -157,16 +166,12 @@ module engine_control #(
         end
         if ((secondary_pop_o && secondary_last_i) || stop_q) state_q <= DRAIN;
       end
-      DRAIN: if (in_flight_q == 0 && secondary_idle_i) begin
-        write_q <= pending_q != 0;
-        pending_q <= pending_q & ~lowest;
+      DRAIN: if (drained) begin
+        write_q <= next_q != 0;
         state_q <= WRITEBACK;
       end
-      WRITEBACK: begin
-        if (taken) pending_q <= pending_q & ~lowest;
-        if (done_o) state_q <= IDLE;
-      end
-      FLUSH: if (in_flight_q == 0 && secondary_idle_i) state_q <= IDLE;
+      WRITEBACK: if (done_o) state_q <= IDLE;
+      FLUSH: if (drained) state_q <= IDLE;
       default: state_q <= IDLE;
     endcase
     if (abort_i && state_q != IDLE) state_q <= FLUSH;
