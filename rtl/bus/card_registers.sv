@@ -126,7 +126,8 @@ module card_registers #(
 
   localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * records_pkg::OBJECT_WORDS * CW / 8),
       PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * records_pkg::OBJECT_WORDS * CW / 8);
-  logic in_objects, in_bvh;
+  logic in_objects, in_bvh, reads_register;  // reads_register: if it is a read
+  assign reads_register = space_q == registers_pkg::SPACE_REG && addr_q < registers_pkg::REG_END && aligned;
   assign in_bvh = TRAVERSAL_UNITS != 0 && addr_q >= 32'(registers_pkg::REG_ROOT) && addr_q < registers_pkg::REG_END;
   assign in_objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && addr_q >= registers_pkg::OBJECT_TABLE &&
       addr_q < registers_pkg::OBJECT_TABLE + OBJECT_BYTES) ||
@@ -138,7 +139,7 @@ module card_registers #(
     allowed = 0;
     case (space_q)
       registers_pkg::SPACE_REG:
-        if (!write_q) allowed = addr_q < registers_pkg::REG_END;
+        if (!write_q) allowed = reads_register;
         else
           case (addr_q)
             32'(registers_pkg::REG_CONTROL): allowed = 1;
@@ -325,9 +326,9 @@ module card_registers #(
   always_ff @(posedge clk_bus_o) begin
     for (int k = 0; k < BAD_PARTS; k++) bad_prim_q[k] <= 5'($countones(bad_prim[16*k+:16]));
     rvalid_q <= read && !rst_i;
-    // The data of a read that waits are used when it is ready.
-    if (valid_q && !write_q && space_q == registers_pkg::SPACE_SRAM) rdata_q <= allowed ? sram_beat_i : '0;
-    else if (valid_q && !write_q && !allowed) rdata_q <= '0;
+    // The data of a read that waits are used when it is ready. `allowed` would be a long path here.
+    if (valid_q && !write_q && space_q == registers_pkg::SPACE_SRAM) rdata_q <= pops ? sram_beat_i : '0;
+    else if (valid_q && !write_q && !reads_register) rdata_q <= '0;
     else if (valid_q && !write_q) begin
       case (offset)
         registers_pkg::REG_ID: rdata_q <= id;
