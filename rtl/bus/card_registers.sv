@@ -7,7 +7,8 @@
 // Latency: read data 2 cycles after the beat is taken.
 // Throughput: one beat per cycle.
 // Stall: ready_o is low while an SRAM read waits for the ring, and while a write waits for DDR. A control write waits
-// for the check of objects, and after another write for the check of the command.
+// for the check of objects, and after another write for the check of the command. After go or stop the next beat waits
+// a cycle, in which they take effect.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -103,7 +104,7 @@ module card_registers #(
   assign control = wdata_q;
   logic unused_control;
   assign unused_control = &{1'b0, control.reserved};
-  clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | done_i | pose_done_i | rst_i),
+  clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | go_o | abort_o | done_i | pose_done_i | rst_i),
       .clk_o(clk_bus_o));
   always_ff @(posedge clk_bus_o) begin
     if (ready) begin
@@ -171,11 +172,13 @@ module card_registers #(
   end
 
   logic [2:0] settle_q;  // cycles until the checks of the command are up to date
+  logic waits;  // go or stop take effect
   assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
   assign ddr_allowed = !busy_i && {32'b0, addr_q} < DDR_BYTES;
   assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && aligned;
   assign ddr_writes = space_q == registers_pkg::SPACE_DDR && write_q && ddr_allowed && aligned;
-  assign ready = !(valid_q && ((pops && !sram_valid_i) ||
+  assign waits = go_o || abort_o;
+  assign ready = !(valid_q && (waits || (pops && !sram_valid_i) ||
       (ddr_write_o && !ddr_ready_i) || (controls && (objects_busy_i || settle_q != 0))));
   always_ff @(posedge clk_bus_o)
     if (rst_i || access_o.write) settle_q <= 3'd4;
@@ -190,9 +193,9 @@ module card_registers #(
       addr: addr_q,
       data: wdata_q};
   assign object_write_o = write_reg && in_objects;
-  assign prim_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_PRIM;
-  assign ddr_write_o = valid_q && ddr_writes;
-  assign sram_pop_o = valid_q && pops && sram_valid_i;
+  assign prim_write_o = valid_q && !waits && write_q && allowed && space_q == registers_pkg::SPACE_PRIM;
+  assign ddr_write_o = valid_q && !waits && ddr_writes;
+  assign sram_pop_o = valid_q && !waits && pops && sram_valid_i;
 
   // End of the secondaries in DDR. The checks of the command take four cycles after a write (settle_q).
   logic [63:0] sec_end_q;
@@ -248,8 +251,11 @@ module card_registers #(
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
   // The ranges of objects replace the range in the registers.
   assign secondaries_ok = object_count_q != 0 || (sec_count_q != 0 && sec_end_q <= DDR_BYTES);
-  assign go_o = valid_q && ready && controls && control.go && command_ok;
-  assign abort_o = valid_q && ready && controls && control.stop;
+  // Registers: the paths from the bus into the units would be long.
+  always_ff @(posedge clk_bus_o) begin
+    go_o <= !rst_i && valid_q && ready && controls && control.go && command_ok;
+    abort_o <= !rst_i && valid_q && ready && controls && control.stop;
+  end
   always_comb begin
     pass_o.unit = (TRAVERSAL_UNITS != 0 && command_q.bvh) ? card_pkg::UNIT_BVH : card_pkg::UNIT_ENGINE;
     pass_o.mode = command_q.mode;
