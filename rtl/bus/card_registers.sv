@@ -227,7 +227,7 @@ module card_registers #(
       iterations_q.k1 <= registers_pkg::ITERATIONS_MOST && iterations_q.k2 <= registers_pkg::ITERATIONS_MOST);
   // BVH passes are for rays and solids; solids have no mode farthest. No secondary beyond the count is in the BVH.
   localparam bvh_pkg::traversals_t TRAVERSALS = (TRAVERSAL_UNITS != 0) ? bvh_pkg::card_traversals(CONFIG) : '0;
-  logic brute_force_ok, bvh_ok, bvh_pair_ok, bvh_solid;
+  logic brute_force_ok, bvh_ok, bvh_pair_ok, bvh_pair_ok_q, bvh_solid;
   logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal;
   assign traversal = {command_q.pair, command_q.swap};
   assign bvh_solid = bvh_pkg::solid(int'(traversal));
@@ -237,10 +237,11 @@ module card_registers #(
     if (command_q.mode == registers_pkg::MODE_REFIT)
       bvh_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
   end
+  always_ff @(posedge clk_bus_o) bvh_pair_ok_q <= bvh_pair_ok;
   assign bvh_ok = TRAVERSAL_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
       command_q.mode != registers_pkg::MODE_ALL && bvh_good_i[0] &&
       bvh_good_i[(command_q.mode == registers_pkg::MODE_REFIT) ? 2 : 1] &&
-      bvh_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && bvh_solid)) &&
+      bvh_pair_ok_q && !command_q.second && (!command_q.normals || (NORMALS != 0 && bvh_solid)) &&
       sec_first_q == 0 && sec_count_q != 0 && sec_end_q <= DDR_BYTES;
   // The objects in use, also of primaries, must be in contract, or go is refused.
   assign objects_ok = TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i;

@@ -72,6 +72,7 @@ module engine_control #(
   logic [PRIM_W:0] missing_q, new_hits_q;  // active primaries without a hit, for mode any; of these, new hits
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
+  logic [1:0] credit, credit_q;
   logic enter, has_credit, all_hit, taken, step, drained;
   logic [1:0] has_row;  // the pairs that have a row here
 
@@ -89,6 +90,8 @@ module engine_control #(
   assign clear_row_o = row_q;
   assign clear_mask_o = ~active_i[32'(row_q)*LANES+:LANES];
 
+  // A shared lane takes few rows, so its credits may come a cycle later.
+  assign credit = (CONFIG.shared_lane != 0) ? credit_q : credit_i;
   assign has_credit = !streaming_mode_o || credits_q != 0;
   assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == new_hits_q;
   // The only pair of a pass has every row.
@@ -122,7 +125,8 @@ module engine_control #(
     if (step) pending_q <= pending_q & ~lowest;
     if (state_q == DRAIN || taken) primary_q <= primary;
     in_flight_q <= in_flight_q + 16'($countones(issue_o.valid)) - 16'($countones(retire_i));
-    credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
+    credit_q <= credit_i;
+    credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
     new_hits_q <= new_hits_i;
     missing_q <= missing_q - new_hits_q;
     case (state_q)
