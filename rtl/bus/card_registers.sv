@@ -95,6 +95,7 @@ module card_registers #(
       uncertain_q;
 
   // ---- The beat being served ----
+  logic in_page_q;  // the beat is in the 4 KB of the registers, aligned; the others read 0
   logic valid_q, write_q, write_reg, read, aligned, allowed, in_stencil, command_ok;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
@@ -112,6 +113,7 @@ module card_registers #(
       write_q <= bus_i.write;
       space_q <= bus_i.space;
       addr_q <= bus_i.addr;
+      in_page_q <= bus_i.space == registers_pkg::SPACE_REG && bus_i.addr[31:12] == '0 && bus_i.addr[2:0] == '0;
       wdata_q <= bus_i.wdata;
     end
     if (rst_i) valid_q <= 0;
@@ -122,13 +124,11 @@ module card_registers #(
   logic [11:0] offset;
   assign aligned = addr_q[2:0] == 0;
   assign offset = addr_q[11:0];
-  assign in_stencil = addr_q >= 32'(registers_pkg::REG_STENCIL) &&
-      addr_q < 32'(registers_pkg::REG_STENCIL) + 32'(STENCILS * 8);
+  assign in_stencil = addr_q[31:5] == 27'(registers_pkg::REG_STENCIL[11:5]) && 32'(addr_q[4:3]) < STENCILS;
 
   localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * records_pkg::OBJECT_WORDS * CW / 8),
       PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * records_pkg::OBJECT_WORDS * CW / 8);
-  logic in_objects, in_bvh, reads_register;  // reads_register: if it is a read
-  assign reads_register = space_q == registers_pkg::SPACE_REG && addr_q < registers_pkg::REG_END && aligned;
+  logic in_objects, in_bvh;
   assign in_bvh = TRAVERSAL_UNITS != 0 && addr_q >= 32'(registers_pkg::REG_ROOT) && addr_q < registers_pkg::REG_END;
   assign in_objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && addr_q >= registers_pkg::OBJECT_TABLE &&
       addr_q < registers_pkg::OBJECT_TABLE + OBJECT_BYTES) ||
@@ -140,7 +140,7 @@ module card_registers #(
     allowed = 0;
     case (space_q)
       registers_pkg::SPACE_REG:
-        if (!write_q) allowed = reads_register;
+        if (!write_q) allowed = addr_q < registers_pkg::REG_END;
         else
           case (addr_q)
             32'(registers_pkg::REG_CONTROL): allowed = 1;
@@ -335,7 +335,7 @@ module card_registers #(
     rvalid_q <= read && !rst_i;
     // The data of a read that waits are used when it is ready. `allowed` would be a long path here.
     if (valid_q && !write_q && space_q == registers_pkg::SPACE_SRAM) rdata_q <= pops ? sram_beat_i : '0;
-    else if (valid_q && !write_q && !reads_register) rdata_q <= '0;
+    else if (valid_q && !write_q && !in_page_q) rdata_q <= '0;
     else if (valid_q && !write_q) begin
       case (offset)
         registers_pkg::REG_ID: rdata_q <= id;

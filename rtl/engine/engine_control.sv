@@ -70,6 +70,7 @@ module engine_control #(
   logic [PRIMARIES-1:0] next_q, pending_q, lowest;
   logic ahead_q;  // next_q has left pending_q
   logic [PRIM_W:0] missing_q, new_hits_q;  // active primaries without a hit, for mode any; of these, new hits
+  logic [PRIM_W:0] found_q;  // active primaries of the row that was cleared
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
   logic [1:0] credit, credit_q;
@@ -93,7 +94,7 @@ module engine_control #(
   // A shared lane takes few rows, so its credits may come a cycle later.
   assign credit = (CONFIG.shared_lane != 0) ? credit_q : credit_i;
   assign has_credit = !streaming_mode_o || credits_q != 0;
-  assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == new_hits_q;
+  assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == new_hits_q && found_q == '0;
   // The only pair of a pass has every row.
   assign has_row = (CONFIG.parallel == 0) ? 2'b01 :
       {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
@@ -128,7 +129,8 @@ module engine_control #(
     credit_q <= credit_i;
     credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
     new_hits_q <= new_hits_i;
-    missing_q <= missing_q - new_hits_q;
+    found_q <= clear_o ? (PRIM_W + 1)'($countones(~clear_mask_o)) : '0;
+    missing_q <= missing_q + found_q - new_hits_q;
     case (state_q)
       IDLE: begin
         row_q <= 0;
@@ -149,7 +151,6 @@ module engine_control #(
         ahead_q <= 0;
         parity_q <= 0;
         pending_q <= streaming_mode_o ? '0 : active_i;
-        missing_q <= missing_q + (PRIM_W + 1)'($countones(~clear_mask_o));
         row_q <= row_q + 1;
         if (32'(row_q) == ROWS - 1) begin
           row_q <= 0;
