@@ -8,7 +8,7 @@
 // Throughput: one beat per cycle.
 // Stall: ready_o is low while an SRAM read waits for the ring, and while a write waits for DDR. A control write waits
 // for the check of objects, and after another write for the check of the command. After go or stop the next beat waits
-// a cycle, in which they take effect.
+// one cycle, in which they take effect.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,

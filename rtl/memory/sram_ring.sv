@@ -81,10 +81,8 @@ module sram_ring #(
       head_valid_q <= next_valid_q || fetching_q;
       head_q <= next_valid_q ? next_q : sram_read_data_i;
       next_valid_q <= 0;
-    end else if (fetching_q) begin
-      next_valid_q <= 1;
-      next_q <= sram_read_data_i;
-    end
+    end else if (fetching_q) next_valid_q <= 1;
+    if (fetching_q) next_q <= sram_read_data_i;  // also for the head, which is harmless
     if (rst_i) begin
       {write_q, fetch_q} <= '0;
       count_q <= 0;
