@@ -45,6 +45,7 @@ module card_registers #(
     output logic ddr_write_o,
     input logic ddr_ready_i,
     output logic sram_pop_o,
+    output logic sram_last_o,  // no pass ran a cycle ago, so the newest record is a last one
     input logic sram_readable_i,
     input logic sram_valid_i,
     input logic [63:0] sram_beat_i,
@@ -173,6 +174,7 @@ module card_registers #(
 
   logic [2:0] settle_q;  // cycles until the checks of the command are up to date
   logic waits;  // go or stop take effect
+  always_ff @(posedge clk_bus_o) sram_last_o <= !busy_i;
   assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
   assign ddr_allowed = !busy_i && {32'b0, addr_q} < DDR_BYTES;
   assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && aligned;

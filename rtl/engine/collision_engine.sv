@@ -66,6 +66,7 @@ module collision_engine #(
     input logic [2:0] mode_i,
     input logic streaming_i,
     input logic [2:0] turn_i,  // of a shared lane; rows enter in turn 0
+    input logic first_turn_i,  // turn_i is 0
     input card_pkg::lane_operands_t leaf_i,  // leaves of a BVH in the lane, and their results
     output card_pkg::lane_results_t leaf_o,
 
@@ -147,7 +148,7 @@ module collision_engine #(
     issue_throttle #(.INTERVAL(TURNS ? SAT_II : 1)) interval (
         .clk_i, .rst_i, .take_i(issue_i.valid[k] && pairs_pkg::has(pairs_pkg::SAT_PAIRS, int'(pair[k]))),
         .ready_o(throttle_ready));
-    assign interval_ready = throttle_ready && turn_i == '0;
+    assign interval_ready = throttle_ready && first_turn_i;
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row[k], issue_i.parity, index_i, secondary_bad_i};
     row_history #(.W(ROW_W + 34), .DEPTH(HISTORY), .REGISTERS(REGISTERS)) history (
