@@ -153,7 +153,7 @@ module update_lanes #(
   end
   for (genvar k = 0; k < POINTS; k++) begin : point
     logic [LANES-1:0][CW-1:0] kept[ROWS], old;  // undefined while nothing is stored
-    assign old = kept[ALONE ? result_row_i : read_row];
+    assign old = kept[read_row];
     always_ff @(posedge clk_i)
       if (keep) kept[row_i] <= ALONE ? point_i[k] : (old & ~better) | (point_i[k] & better);
     always_comb begin
