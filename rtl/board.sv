@@ -60,7 +60,7 @@ module board #(
   assign bus_request = {bus_valid_i, bus_write_i, bus_space_i, bus_addr_i, bus_wdata_i};
   assign {bus_ready_o, bus_rvalid_o, bus_rdata_o} = bus_response;
   logic clk_bus, clk_engine, prim_write, go, abort, busy, done;
-  logic sram_pop, sram_readable, sram_beat_valid, sram_full, sram_nearly_full;
+  logic sram_pop, sram_last, sram_readable, sram_beat_valid, sram_full, sram_nearly_full;
   logic [63:0] sram_beat;
   logic [31:0] sram_count;
   logic [CONFIG.primaries-1:0] active, prim_bad;
@@ -85,7 +85,8 @@ module board #(
   card_registers #(.CONFIG(CONFIG)) registers (
       .clk_i, .clk_engine_i(clk_engine), .rst_i, .bus_i(bus_request), .bus_o(bus_response), .irq_o, .clk_bus_o(clk_bus),
       .addr_o(ddr_write_addr_o), .wdata_o(ddr_write_data_o), .prim_write_o(prim_write), .ddr_write_o, .ddr_ready_i,
-      .sram_pop_o(sram_pop), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid), .sram_beat_i(sram_beat),
+      .sram_pop_o(sram_pop), .sram_last_o(sram_last), .sram_readable_i(sram_readable), .sram_valid_i(sram_beat_valid),
+      .sram_beat_i(sram_beat),
       .sram_count_i(sram_count), .sram_full_i(sram_full), .go_o(go), .abort_o(abort), .pass_o(command),
       .active_o(active), .busy_i(busy), .done_i(done), .prim_bad_i(prim_bad), .events_i(events), .latency_i(latency),
       .object_write_o(object_write), .objects_good_i(objects_good), .objects_busy_i(objects_busy),
@@ -95,11 +96,15 @@ module board #(
   clock_gate gate (.clk_i, .enable_i(busy | go | rst_i), .clk_o(clk_engine));
   // Turn of a lane that takes a row per several cycles.
   logic [2:0] turn;
+  logic first_turn;  // turn is 0
   if (CONFIG.shared_lane > 1) begin : g_turns
-    always_ff @(posedge clk_engine)
+    always_ff @(posedge clk_engine) begin
+      first_turn <= rst_i || turn == 3'(CONFIG.shared_lane - 1);
       turn <= (rst_i || turn == 3'(CONFIG.shared_lane - 1)) ? '0 : turn + 1'b1;
+    end
   end else begin : g_one_turn
     assign turn = '0;
+    assign first_turn = 1'b1;
   end
   // Clock of the brute-force pass. It stands still during a BVH pass, unless leaves use the lane.
   logic clk_brute_force, traversing;
@@ -216,7 +221,7 @@ module board #(
   logic [ROW_W-1:0] row;
   logic [31:0] index, result_index;
   logic [CONFIG.lanes-1:0] f, bad, unmasked;
-  logic fifo_keep;
+  logic fifo_keep, result_f;
   logic [FIFO_W-1:0] fifo_write, fifo_head;
   logic [CW-1:0] result_t;
   logic [POINTS-1:0][CW-1:0] result_point;
@@ -229,10 +234,11 @@ module board #(
       .solid_o(solid), .ready_o(ready), .clear_i(clear),
       .clear_row_i(clear_row), .clear_mask_i(clear_mask), .issue_i(issue),
       .index_i(sec_index), .secondary_i(secondary), .secondary_bad_i(sec_bad), .mode_i(mode), .streaming_i(streaming),
-      .turn_i(turn), .leaf_i(leaf_operands), .leaf_o(leaf_results),
+      .turn_i(turn), .first_turn_i(first_turn), .leaf_i(leaf_operands), .leaf_o(leaf_results),
       .valid_o(retire), .row_o(row), .index_o(index), .new_hits_o(new_hits), .f_o(f), .bad_o(bad),
       .unmasked_o(unmasked), .latency_o(latency), .uncertain_o(uncertain), .push_i(fifo_keep), .write_i(fifo_write),
-      .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_index_o(result_index),
+      .head_i(fifo_head), .streamed_i(streamed), .result_i(writeback), .result_f_o(result_f),
+      .result_index_o(result_index),
       .result_t_o(result_t), .result_point_o(result_point));
   record_fifo #(.LANES(CONFIG.lanes), .ROW_W(ROW_W), .DEPTH(config_pkg::fifo_depth(CONFIG))) fifo (
       .clk_i(clk_brute_force), .rst_i(rst_i | clear | flush), .hits_only_i(mode == registers_pkg::MODE_HITS),
@@ -247,7 +253,8 @@ module board #(
   record_maker #(.CONFIG(CONFIG)) records (
       .clk_i(clk_brute_force), .rst_i, .flush_i(flush), .normals_i(command.normals), .streaming_i(streaming),
       .second_pair_i(pair[1]), .solid_i(solid), .split_i(command.split[PRIM_W-1:0]), .streamed_i(streamed),
-      .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_index_i(result_index),
+      .writeback_i(writeback), .writeback_bad_i(prim_bad[writeback.primary[PRIM_W-1:0]]), .result_f_i(result_f),
+      .result_index_i(result_index),
       .result_t_i(result_t), .result_point_i(result_point), .ready_o(record_ready), .sram_full_i(sram_full),
       .sram_nearly_full_i(sram_nearly_full), .write_o(brute_force_write), .record_o(brute_force_record));
   assign record_write = brute_force_write | bvh_write;
@@ -286,7 +293,7 @@ module board #(
   clock_gate gate_ring (.clk_i, .enable_i(record_write | sram_pop | ring_active | flush | rst_i), .clk_o(clk_ring));
   sram_ring #(.CW(CW), .RECORDS(CONFIG.sram_records)) ring (
       .clk_i(clk_ring), .active_o(ring_active), .rst_i(rst_i | flush), .write_i(record_write & busy),
-      .record_i(record), .full_o(sram_full), .nearly_full_o(sram_nearly_full), .count_o(sram_count), .last_i(!busy),
+      .record_i(record), .full_o(sram_full), .nearly_full_o(sram_nearly_full), .count_o(sram_count), .last_i(sram_last),
       .readable_o(sram_readable), .beat_valid_o(sram_beat_valid), .beat_o(sram_beat), .beat_pop_i(sram_pop),
       .sram_write_o, .sram_write_addr_o, .sram_write_data_o, .sram_read_o, .sram_read_addr_o, .sram_read_data_i);
 endmodule

@@ -7,7 +7,8 @@
 // Latency: read data 2 cycles after the beat is taken.
 // Throughput: one beat per cycle.
 // Stall: ready_o is low while an SRAM read waits for the ring, and while a write waits for DDR. A control write waits
-// for the check of objects, and after another write for the check of the command.
+// for the check of objects, and after another write for the check of the command. After go or stop the next beat waits
+// one cycle, in which they take effect.
 module card_registers #(
     parameter config_pkg::config_t CONFIG,
     localparam int EXP = CONFIG.exp,
@@ -44,6 +45,7 @@ module card_registers #(
     output logic ddr_write_o,
     input logic ddr_ready_i,
     output logic sram_pop_o,
+    output logic sram_last_o,  // no pass ran a cycle ago, so the newest record is a last one
     input logic sram_readable_i,
     input logic sram_valid_i,
     input logic [63:0] sram_beat_i,
@@ -94,6 +96,7 @@ module card_registers #(
       uncertain_q;
 
   // ---- The beat being served ----
+  logic in_page_q;  // the beat is in the 4 KB of the registers, aligned; the others read 0
   logic valid_q, write_q, write_reg, read, aligned, allowed, in_stencil, command_ok;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
@@ -103,7 +106,7 @@ module card_registers #(
   assign control = wdata_q;
   logic unused_control;
   assign unused_control = &{1'b0, control.reserved};
-  clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | done_i | pose_done_i | rst_i),
+  clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | go_o | abort_o | done_i | pose_done_i | rst_i),
       .clk_o(clk_bus_o));
   always_ff @(posedge clk_bus_o) begin
     if (ready) begin
@@ -111,6 +114,7 @@ module card_registers #(
       write_q <= bus_i.write;
       space_q <= bus_i.space;
       addr_q <= bus_i.addr;
+      in_page_q <= bus_i.space == registers_pkg::SPACE_REG && bus_i.addr[31:12] == '0 && bus_i.addr[2:0] == '0;
       wdata_q <= bus_i.wdata;
     end
     if (rst_i) valid_q <= 0;
@@ -121,8 +125,7 @@ module card_registers #(
   logic [11:0] offset;
   assign aligned = addr_q[2:0] == 0;
   assign offset = addr_q[11:0];
-  assign in_stencil = addr_q >= 32'(registers_pkg::REG_STENCIL) &&
-      addr_q < 32'(registers_pkg::REG_STENCIL) + 32'(STENCILS * 8);
+  assign in_stencil = addr_q[31:5] == 27'(registers_pkg::REG_STENCIL[11:5]) && 32'(addr_q[4:3]) < STENCILS;
 
   localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * records_pkg::OBJECT_WORDS * CW / 8),
       PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * records_pkg::OBJECT_WORDS * CW / 8);
@@ -169,15 +172,18 @@ module card_registers #(
     allowed = allowed && aligned;
   end
 
-  logic [1:0] settle_q;  // cycles until the checks of the command are up to date
+  logic [2:0] settle_q;  // cycles until the checks of the command are up to date
+  logic waits;  // go or stop take effect
+  always_ff @(posedge clk_bus_o) sram_last_o <= !busy_i;
   assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
   assign ddr_allowed = !busy_i && {32'b0, addr_q} < DDR_BYTES;
   assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && aligned;
   assign ddr_writes = space_q == registers_pkg::SPACE_DDR && write_q && ddr_allowed && aligned;
-  assign ready = !(valid_q && ((pops && !sram_valid_i) ||
+  assign waits = go_o || abort_o;
+  assign ready = !(valid_q && (waits || (pops && !sram_valid_i) ||
       (ddr_write_o && !ddr_ready_i) || (controls && (objects_busy_i || settle_q != 0))));
   always_ff @(posedge clk_bus_o)
-    if (rst_i || access_o.write) settle_q <= '1;
+    if (rst_i || access_o.write) settle_q <= 3'd4;
     else if (settle_q != 0) settle_q <= settle_q - 1'b1;
   assign read = valid_q && ready && !write_q;
   assign write_reg = valid_q && ready && write_q && allowed && space_q == registers_pkg::SPACE_REG;
@@ -189,21 +195,21 @@ module card_registers #(
       addr: addr_q,
       data: wdata_q};
   assign object_write_o = write_reg && in_objects;
-  assign prim_write_o = valid_q && write_q && allowed && space_q == registers_pkg::SPACE_PRIM;
-  assign ddr_write_o = valid_q && ddr_writes;
-  assign sram_pop_o = valid_q && pops && sram_valid_i;
+  assign prim_write_o = valid_q && !waits && write_q && allowed && space_q == registers_pkg::SPACE_PRIM;
+  assign ddr_write_o = valid_q && !waits && ddr_writes;
+  assign sram_pop_o = valid_q && !waits && pops && sram_valid_i;
 
-  // End of the secondaries in DDR. The checks of the command take three cycles after a write (settle_q).
+  // End of the secondaries in DDR. The checks of the command take four cycles after a write (settle_q).
   logic [63:0] sec_end_q;
   logic [32:0] sec_last_q;
   logic command_ok_q, objects_ok;
   pairs_pkg::words_t sec_words_q;
-  pairs_pkg::shape_t sec_shape, sec_shape2;
+  pairs_pkg::shape_t sec_shape_q, sec_shape2;
   logic pair_present, second_ok, iterations_ok, secondaries_ok;
-  assign sec_shape = pairs_pkg::SHAPE_BITS'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
-      pairs_pkg::secondary_shape(int'(command_q.pair)));
   always_ff @(posedge clk_bus_o) begin
-    sec_words_q <= pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape)));
+    sec_shape_q <= pairs_pkg::SHAPE_BITS'(command_q.swap ? pairs_pkg::primary_shape(int'(command_q.pair)) :
+        pairs_pkg::secondary_shape(int'(command_q.pair)));
+    sec_words_q <= pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(sec_shape_q)));
     sec_last_q <= {1'b0, sec_first_q} + {1'b0, sec_count_q};
     sec_end_q <= (64'(sec_last_q) * 64'(sec_words_q)) * CW_BYTES;
   end
@@ -214,7 +220,7 @@ module card_registers #(
       pairs_pkg::secondary_shape(int'(command_q.second_pair)));
   assign second_ok = !command_q.second ||
       (PARALLEL != 0 && pairs_pkg::has(PAIRS, int'(command_q.second_pair)) &&
-          command_q.second_pair != command_q.pair && sec_shape2 == sec_shape &&
+          command_q.second_pair != command_q.pair && sec_shape2 == sec_shape_q &&
       command_q.mode <= registers_pkg::MODE_ANY && (SWAP != 0 ||
           !command_q.second_swap) && split_q != 0 && split_q < prim_count_q && split_q % 32'(LANES) == 0);
   // Iterations of cylinder pairs. Cards without such pairs ignore them.
@@ -223,7 +229,7 @@ module card_registers #(
       iterations_q.k1 <= registers_pkg::ITERATIONS_MOST && iterations_q.k2 <= registers_pkg::ITERATIONS_MOST);
   // BVH passes are for rays and solids; solids have no mode farthest. No secondary beyond the count is in the BVH.
   localparam bvh_pkg::traversals_t TRAVERSALS = (TRAVERSAL_UNITS != 0) ? bvh_pkg::card_traversals(CONFIG) : '0;
-  logic brute_force_ok, bvh_ok, bvh_pair_ok, bvh_solid;
+  logic brute_force_ok, bvh_ok, bvh_pair_ok, bvh_pair_ok_q, bvh_solid;
   logic [bvh_pkg::TRAVERSAL_BITS-1:0] traversal;
   assign traversal = {command_q.pair, command_q.swap};
   assign bvh_solid = bvh_pkg::solid(int'(traversal));
@@ -233,10 +239,11 @@ module card_registers #(
     if (command_q.mode == registers_pkg::MODE_REFIT)
       bvh_pair_ok = command_q.pair == pairs_pkg::PAIR_RAY_TRIANGLE && !command_q.swap;
   end
+  always_ff @(posedge clk_bus_o) bvh_pair_ok_q <= bvh_pair_ok;
   assign bvh_ok = TRAVERSAL_UNITS != 0 && command_q.mode <= registers_pkg::MODE_REFIT &&
       command_q.mode != registers_pkg::MODE_ALL && bvh_good_i[0] &&
       bvh_good_i[(command_q.mode == registers_pkg::MODE_REFIT) ? 2 : 1] &&
-      bvh_pair_ok && !command_q.second && (!command_q.normals || (NORMALS != 0 && bvh_solid)) &&
+      bvh_pair_ok_q && !command_q.second && (!command_q.normals || (NORMALS != 0 && bvh_solid)) &&
       sec_first_q == 0 && sec_count_q != 0 && sec_end_q <= DDR_BYTES;
   // The objects in use, also of primaries, must be in contract, or go is refused.
   assign objects_ok = TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i;
@@ -247,8 +254,11 @@ module card_registers #(
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;
   // The ranges of objects replace the range in the registers.
   assign secondaries_ok = object_count_q != 0 || (sec_count_q != 0 && sec_end_q <= DDR_BYTES);
-  assign go_o = valid_q && ready && controls && control.go && command_ok;
-  assign abort_o = valid_q && ready && controls && control.stop;
+  // Registers: the paths from the bus into the units would be long.
+  always_ff @(posedge clk_bus_o) begin
+    go_o <= !rst_i && valid_q && ready && controls && control.go && command_ok;
+    abort_o <= !rst_i && valid_q && ready && controls && control.stop;
+  end
   always_comb begin
     pass_o.unit = (TRAVERSAL_UNITS != 0 && command_q.bvh) ? card_pkg::UNIT_BVH : card_pkg::UNIT_ENGINE;
     pass_o.mode = command_q.mode;
@@ -313,13 +323,21 @@ module card_registers #(
     status_of.ecc_error = ecc_error;
     status_of.node_error = node_error;
   endfunction
-  logic [8:0] bad_prim_q;
+  // Primaries present and out of contract, counted in parts. A read adds the parts.
+  localparam int BAD_PARTS = (PRIMARIES + 15) / 16;
+  logic [BAD_PARTS-1:0][4:0] bad_prim_q;
+  logic [16*BAD_PARTS-1:0] bad_prim;
+  assign bad_prim = (16 * BAD_PARTS)'(prim_bad_i & present_q);
+  function automatic logic [63:0] sum_of(input logic [BAD_PARTS-1:0][4:0] parts);
+    sum_of = '0;
+    for (int k = 0; k < BAD_PARTS; k++) sum_of = sum_of + 64'(parts[k]);
+  endfunction
   always_ff @(posedge clk_bus_o) begin
-    bad_prim_q <= 9'($countones(prim_bad_i & present_q));
+    for (int k = 0; k < BAD_PARTS; k++) bad_prim_q[k] <= 5'($countones(bad_prim[16*k+:16]));
     rvalid_q <= read && !rst_i;
-    // The data of a read that waits are used when it is ready.
-    if (valid_q && !write_q && space_q == registers_pkg::SPACE_SRAM) rdata_q <= allowed ? sram_beat_i : '0;
-    else if (valid_q && !write_q && !allowed) rdata_q <= '0;
+    // The data of a read that waits are used when it is ready. `allowed` would be a long path here.
+    if (valid_q && !write_q && space_q == registers_pkg::SPACE_SRAM) rdata_q <= pops ? sram_beat_i : '0;
+    else if (valid_q && !write_q && !in_page_q) rdata_q <= '0;
     else if (valid_q && !write_q) begin
       case (offset)
         registers_pkg::REG_ID: rdata_q <= id;
@@ -346,7 +364,7 @@ module card_registers #(
         registers_pkg::REG_ROWS: rdata_q <= rows_q;
         registers_pkg::REG_STALLS: rdata_q <= stalls_q;
         registers_pkg::REG_BUBBLES: rdata_q <= bubbles_q;
-        registers_pkg::REG_BAD_PRIM: rdata_q <= 64'(bad_prim_q);
+        registers_pkg::REG_BAD_PRIM: rdata_q <= sum_of(bad_prim_q);
         registers_pkg::REG_BAD_SEC: rdata_q <= bad_sec_q;
         registers_pkg::REG_SECONDARIES: rdata_q <= secondaries_q;
         registers_pkg::REG_WRITTEN: rdata_q <= written_q;

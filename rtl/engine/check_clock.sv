@@ -18,9 +18,13 @@ module check_clock #(
     output logic [NUMBER_W-1:0] number_o  // entry of the result
 );
   logic [7:0] running_q;
-  assign busy_o = commit_i || running_q != 0;
+  logic any_q;  // running_q != 0
+  assign busy_o = commit_i || any_q;
   clock_gate gate (.clk_i, .enable_i(busy_o || rst_i), .clk_o);
-  always_ff @(posedge clk_o) running_q <= rst_i ? '0 : commit_i ? 8'(T_CHECK) : running_q - 8'(running_q != 0);
+  always_ff @(posedge clk_o) begin
+    running_q <= rst_i ? '0 : commit_i ? 8'(T_CHECK) : running_q - 8'(any_q);
+    any_q <= !rst_i && (commit_i || running_q > 1);
+  end
   pipe_delay #(.W(NUMBER_W + 1), .FROM(0), .TO(T_CHECK)) delay_number (.clk_i(clk_o), .d_i({commit_i, number_i}),
       .q_o({checked_o, number_o}));
 endmodule

@@ -66,6 +66,7 @@ module collision_engine #(
     input logic [2:0] mode_i,
     input logic streaming_i,
     input logic [2:0] turn_i,  // of a shared lane; rows enter in turn 0
+    input logic first_turn_i,  // turn_i is 0
     input card_pkg::lane_operands_t leaf_i,  // leaves of a BVH in the lane, and their results
     output card_pkg::lane_results_t leaf_o,
 
@@ -84,6 +85,7 @@ module collision_engine #(
     input logic [FIFO_W-1:0] head_i,
     input card_pkg::streamed_t streamed_i,   // T and CP of its lane come from the FIFO
     input card_pkg::writeback_t result_i,  // T, CP and index of its primary come from the update buffers
+    output logic result_f_o,
     output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,
     output logic [POINTS-1:0][CW-1:0] result_point_o
@@ -146,7 +148,7 @@ module collision_engine #(
     issue_throttle #(.INTERVAL(TURNS ? SAT_II : 1)) interval (
         .clk_i, .rst_i, .take_i(issue_i.valid[k] && pairs_pkg::has(pairs_pkg::SAT_PAIRS, int'(pair[k]))),
         .ready_o(throttle_ready));
-    assign interval_ready = throttle_ready && turn_i == '0;
+    assign interval_ready = throttle_ready && first_turn_i;
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row[k], issue_i.parity, index_i, secondary_bad_i};
     row_history #(.W(ROW_W + 34), .DEPTH(HISTORY), .REGISTERS(REGISTERS)) history (
@@ -225,6 +227,7 @@ module collision_engine #(
   card_pkg::lane_results_t leaf_results[GROUPS];
   assign leaf_o = leaf_results[0];  // a shared lane is alone
   assign uncertain_o = uncertain[0];  // narrow lanes are one group
+  logic [GROUPS-1:0] result_f;
   logic [31:0] result_index[GROUPS];
   logic [CW-1:0] result_t[GROUPS];
   logic [POINTS-1:0][CW-1:0] result_point[GROUPS];
@@ -256,7 +259,7 @@ module collision_engine #(
         .push_i, .write_i, .read_i(streaming_i && streamed_i.valid && selected), .head_i,
         .result_i(result & {PORTS{selected}}),
         .result_row_i(result_row), .result_parity_i(result_i.parity), .lane_i(GLANE_W'(lane)),
-        .result_index_o(result_index[g]),
+        .result_f_o(result_f[g]), .result_index_o(result_index[g]),
         .result_t_o(result_t[g]), .result_point_o(result_point[g]));
   end
   for (genvar k = 0; k < PORTS; k++) begin : latency_of
@@ -265,6 +268,7 @@ module collision_engine #(
   end
   always_comb begin
     new_hits_o = '0;
+    result_f_o = |result_f;
     result_index_o = '0;
     result_t_o = '0;
     result_point_o = '0;

@@ -65,11 +65,16 @@ module engine_control #(
   logic [PRIM_W-1:0] primary, primary_q;
   logic [ROW_W:0] rows, first_rows, second_rows, longer;  // rows in use
   logic parity_q, stop_q, write_q;  // write_q: primary_q is to be written back
-  logic [PRIMARIES-1:0] pending_q, lowest;  // primaries to write back after it
+  logic last_row_q;  // row_q is the last row of a secondary
+  // The primary to write back after it, one-hot, and those after that one. One register for all of it would be slow.
+  logic [PRIMARIES-1:0] next_q, pending_q, lowest;
+  logic ahead_q;  // next_q has left pending_q
   logic [PRIM_W:0] missing_q, new_hits_q;  // active primaries without a hit, for mode any; of these, new hits
+  logic [PRIM_W:0] found_q;  // active primaries of the row that was cleared
   logic [15:0] in_flight_q;
   logic [$clog2(FIFO_DEPTH):0] credits_q;
-  logic enter, last_row, has_credit, all_hit, taken;
+  logic [1:0] credit, credit_q;
+  logic enter, has_credit, all_hit, taken, step, drained;
   logic [1:0] has_row;  // the pairs that have a row here
 
   assign rows = (ROW_W + 1)'((32'(command_i.primaries) + 32'(LANES - 1)) / 32'(LANES));
@@ -86,36 +91,46 @@ module engine_control #(
   assign clear_row_o = row_q;
   assign clear_mask_o = ~active_i[32'(row_q)*LANES+:LANES];
 
-  assign last_row = (ROW_W + 1)'(row_q) + 1'b1 == longer;
+  // A shared lane takes few rows, so its credits may come a cycle later.
+  assign credit = (CONFIG.shared_lane != 0) ? credit_q : credit_i;
   assign has_credit = !streaming_mode_o || credits_q != 0;
-  assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == new_hits_q;
-  assign has_row = {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
+  assign all_hit = mode_o == registers_pkg::MODE_ANY && missing_q == new_hits_q && found_q == '0;
+  // The only pair of a pass has every row.
+  assign has_row = (CONFIG.parallel == 0) ? 2'b01 :
+      {(ROW_W + 1)'(row_q) < second_rows, (ROW_W + 1)'(row_q) < first_rows};
   assign enter = state_q == BRUTE_FORCE && secondary_valid_i && has_credit && (has_row & ~ready_i) == 0 && !stop_q;
   assign issue_o.valid = has_row & {2{enter}};
   assign second_row = row_q + ROW_W'(first_rows);
   assign issue_o.row = {8'(second_row), 8'(row_q)};
   assign issue_o.parity = parity_q;
-  assign secondary_pop_o = enter && last_row;
+  assign secondary_pop_o = enter && last_row_q;
   assign fetch_start_o = clear_o && row_q == 0 && !abort_i;
   assign fetch_stop_o = state_q == BRUTE_FORCE && stop_q || abort_i;
   assign bubble_o = state_q == BRUTE_FORCE && !secondary_valid_i && !stop_q;
   assign stall_o = state_q == BRUTE_FORCE && secondary_valid_i && !stop_q && !enter;
 
-  priority_encoder #(.N(PRIMARIES)) next_primary (.set_i(pending_q), .first_o(lowest), .index_o(primary));
+  assign lowest = pending_q & (~pending_q + 1'b1);
+  one_hot_index #(.N(PRIMARIES)) encode (.bit_i(next_q), .index_o(primary));
   assign writeback_o.valid = write_q;
   assign writeback_o.primary = 8'(primary_q);
   assign writeback_o.parity = parity_q;
   assign done_o = state_q == WRITEBACK && !write_q && fifo_empty_i && sram_idle_i;
 
-  // The encoder works one primary ahead, and finds the first one before the write-back.
+  // The search works two primaries ahead, and finds the first ones before the write-back.
   assign taken = write_q && writeback_ready_i;
+  assign drained = in_flight_q == 0 && secondary_idle_i;
+  assign step = taken || (state_q == DRAIN && drained) || (state_q == BRUTE_FORCE && !ahead_q);
   always_ff @(posedge clk_i) begin
-    if (taken) write_q <= pending_q != 0;
+    if (taken) write_q <= next_q != 0;
+    if (step) next_q <= lowest;
+    if (step) pending_q <= pending_q & ~lowest;
     if (state_q == DRAIN || taken) primary_q <= primary;
     in_flight_q <= in_flight_q + 16'($countones(issue_o.valid)) - 16'($countones(retire_i));
-    credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit_i) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
+    credit_q <= credit_i;
+    credits_q <= credits_q + ($clog2(FIFO_DEPTH) + 1)'(credit) - ($clog2(FIFO_DEPTH) + 1)'(enter && streaming_mode_o);
     new_hits_q <= new_hits_i;
-    missing_q <= missing_q - new_hits_q;
+    found_q <= clear_o ? (PRIM_W + 1)'($countones(~clear_mask_o)) : '0;
+    missing_q <= missing_q + found_q - new_hits_q;
     case (state_q)
       IDLE: begin
         row_q <= 0;
@@ -127,22 +142,28 @@ module engine_control #(
           swap_o <= {2{CONFIG.swap != 0}} & command_i.swap;
           state_q <= pose_request_i ? POSE : CLEAR;
           credits_q <= ($clog2(FIFO_DEPTH) + 1)'(FIFO_DEPTH);
-          missing_q <= (PRIM_W + 1)'($countones(active_i));
+          missing_q <= '0;
         end
       end
       POSE: if (pose_done_i) state_q <= CLEAR;
       CLEAR: if (clear_o) begin
         stop_q <= 0;
+        ahead_q <= 0;
         parity_q <= 0;
         pending_q <= streaming_mode_o ? '0 : active_i;
         row_q <= row_q + 1;
         if (32'(row_q) == ROWS - 1) begin
           row_q <= 0;
+          last_row_q <= longer == 1;
           state_q <= BRUTE_FORCE;
         end
       end
       BRUTE_FORCE: begin
-        if (enter) row_q <= last_row ? '0 : row_q + 1;
+        ahead_q <= 1;
+        if (enter) begin
+          row_q <= last_row_q ? '0 : row_q + 1;
+          last_row_q <= longer == (last_row_q ? (ROW_W + 1)'(1) : (ROW_W + 1)'(row_q) + (ROW_W + 1)'(2));
+        end
         if (secondary_pop_o) begin
           parity_q <= ~parity_q;
           // Mode any ends between two secondaries, so every row has met the same ones.
@@ -150,16 +171,12 @@ module engine_control #(
         end
         if ((secondary_pop_o && secondary_last_i) || stop_q) state_q <= DRAIN;
       end
-      DRAIN: if (in_flight_q == 0 && secondary_idle_i) begin
-        write_q <= pending_q != 0;
-        pending_q <= pending_q & ~lowest;
+      DRAIN: if (drained) begin
+        write_q <= next_q != 0;
         state_q <= WRITEBACK;
       end
-      WRITEBACK: begin
-        if (taken) pending_q <= pending_q & ~lowest;
-        if (done_o) state_q <= IDLE;
-      end
-      FLUSH: if (in_flight_q == 0 && secondary_idle_i) state_q <= IDLE;
+      WRITEBACK: if (done_o) state_q <= IDLE;
+      FLUSH: if (drained) state_q <= IDLE;
       default: state_q <= IDLE;
     endcase
     if (abort_i && state_q != IDLE) state_q <= FLUSH;
@@ -176,6 +193,8 @@ module engine_control #(
     if (!rst_i) begin
       assert (16'($countones(retire_i)) <= in_flight_q)
       else $error("engine_control: a row left the pipe that never entered");
+      assert (!(enter && last_row_q != ((ROW_W + 1)'(row_q) + 1'b1 == longer)))
+      else $error("engine_control: wrong last row");
       assert (!(go_i && busy_o)) else $error("engine_control: go while busy");
     end
 `endif

@@ -87,7 +87,8 @@ module lane_group #(
     input logic [ROW_W-1:0] result_row_i,
     input logic result_parity_i,
     input logic [LANE_W-1:0] lane_i,
-    output logic [31:0] result_index_o,  // the group's part of an OR: zeros unless it is read
+    output logic result_f_o,  // the group's part of an OR: zeros unless it is read
+    output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,
     output logic [POINTS-1:0][CW-1:0] result_point_o  // CP and, with normals, n
 );
@@ -261,6 +262,7 @@ module lane_group #(
   logic [LANES-1:0] f_stream[PORTS], bad_stream[PORTS], unmasked_stream[PORTS];
   logic [LANES-1:0][CW-1:0] t[PORTS];
   logic [POINTS-1:0][LANES-1:0][CW-1:0] point[PORTS];  // CP and, with normals, n
+  logic [PORTS-1:0] kept_f;
   logic [PORTS-1:0][31:0] kept_index;
   logic [PORTS-1:0][CW-1:0] kept_t;
   logic [PORTS-1:0][POINTS-1:0][CW-1:0] kept_point;
@@ -305,7 +307,8 @@ module lane_group #(
         .secondary_bad_i(secondary_bad_i[k]), .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe),
         .new_hits_o(new_hits[k]), .f_o(f_stream[k]), .bad_o(bad_stream[k]), .unmasked_o(unmasked_stream[k]),
         .t_o(t[k]), .point_o(point[k]), .result_i(result_i[k]), .result_row_i, .result_lane_i(lane_i),
-        .result_parity_i, .result_index_o(kept_index[k]), .result_t_o(kept_t[k]), .result_point_o(kept_point[k]));
+        .result_parity_i, .result_f_o(kept_f[k]), .result_index_o(kept_index[k]), .result_t_o(kept_t[k]),
+        .result_point_o(kept_point[k]));
   end
 
   // ---- Records of the streaming modes, of the first pair ----
@@ -314,6 +317,7 @@ module lane_group #(
   record_lanes #(.CW(CW), .LANES(LANES), .DEPTH(FIFO_DEPTH), .POINTS(POINTS)) records (
       .clk_i, .push_i, .write_i, .t_i(t[0]), .point_i(point[0]), .read_i, .head_i, .lane_i, .t_o(fifo_t),
       .point_o(fifo_point));
+  assign result_f_o = |kept_f;
   assign f_o = f_stream[0];
   assign bad_o = bad_stream[0];
   assign unmasked_o = unmasked_stream[0];

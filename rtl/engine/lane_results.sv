@@ -46,6 +46,7 @@ module lane_results #(
     input logic [ROW_W-1:0] result_row_i,
     input logic [LANE_W-1:0] result_lane_i,
     input logic result_parity_i,
+    output logic result_f_o,
     output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,
     output logic [POINTS-1:0][CW-1:0] result_point_o
@@ -80,7 +81,7 @@ module lane_results #(
   update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .POINTS(POINTS)) update (
       .clk_i, .mode_i, .solid_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i,
       .parity_i, .index_i, .f_i(f), .bad_i(bad), .t_i, .point_i(point_pipe), .new_hits_o, .result_i, .result_row_i,
-      .result_lane_i, .result_parity_i, .result_index_o, .result_t_o, .result_point_o);
+      .result_lane_i, .result_parity_i, .result_f_o, .result_index_o, .result_t_o, .result_point_o);
   always_comb begin
     f_o = '0;
     bad_o = '0;

@@ -67,6 +67,8 @@ module secondary_regfile #(
   logic bads[DEPTH];  // results of checks
   // counts of slots in the FIFO, shown, popped, requested (modulo 2*DEPTH)
   logic [AW:0] placed_q, write_q, read_q, requested_q;
+  // write_q != read_q, and requests for DEPTH slots: the comparisons would be in the paths of rows and requests
+  logic any_q, full_q;
   logic dropping_q, stopping_q, stop;
 
   // ---- Requests, one beat each ----
@@ -79,7 +81,7 @@ module secondary_regfile #(
       pairs_pkg::secondary_shape(int'(pair_i)));
   assign words = pairs_pkg::WORDS_BITS'(pairs_pkg::shape_words(int'(shape)));
   assign two = WORDS > BEAT && 32'(words) > BEAT;
-  assign ddr_o.valid = requesting && (requested_q - read_q) != (AW + 1)'(DEPTH);
+  assign ddr_o.valid = requesting && !full_q;
   assign ddr_o.word = word + (second_q ? BEAT : 0);
   assign ddr_o.words = second_q ? 4'(32'(words) - BEAT) : two ? 4'(BEAT) : 4'(words);
   assign taken = ddr_o.valid && ddr_ready_i;
@@ -176,8 +178,8 @@ module secondary_regfile #(
     end
   end
 
-  assign valid_o = write_q != read_q && !dropping_q;
-  assign idle_o = write_q == requested_q && !requesting && (write_q == read_q || dropping_q);
+  assign valid_o = any_q && !dropping_q;
+  assign idle_o = write_q == requested_q && !requesting && (!any_q || dropping_q);
   assign slot_o = fifo[read_q[AW-1:0]];
   assign bad_o = bads[read_q[AW-1:0]];
 
@@ -192,14 +194,18 @@ module secondary_regfile #(
     if (taken) second_q <= two && !second_q;
     if (slot_requested) requested_q <= requested_q + 1;
     if (pop_i) read_q <= read_q + 1;
+    full_q <= (full_q || (slot_requested && (requested_q - read_q) == (AW + 1)'(DEPTH - 1))) && !pop_i;
+    any_q <= in_flight[T_CHECKED] || (any_q && !(pop_i && read_q + 1'b1 == write_q));
     if (stop) dropping_q <= 1;
     stopping_q <= !rst_i && !start_i && (stop_i || stopping_q) && !stop;
     if (start_i) begin
       read_q <= write_q;
+      {any_q, full_q} <= '0;
       dropping_q <= 0;
     end
     if (rst_i) begin
       {placed_q, write_q, read_q, requested_q} <= '0;
+      {any_q, full_q} <= '0;
       dropping_q <= 0;
       second_q <= 0;
     end
@@ -208,6 +214,8 @@ module secondary_regfile #(
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)
     if (!rst_i) begin
+      assert (any_q == (write_q != read_q) && full_q == (requested_q - read_q == (AW + 1)'(DEPTH)))
+          else $error("secondary_regfile: wrong comparisons");
       assert (!(pop_i && !valid_o)) else $error("secondary_regfile: pop of an empty FIFO");
       assert (!(in_flight[T_CHECKED] && write_q == requested_q))
           else $error("secondary_regfile: data without a request");

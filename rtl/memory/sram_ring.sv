@@ -39,6 +39,7 @@ module sram_ring #(
   localparam int BEAT = 64 / CW;  // words
   logic [AW:0] write_q, fetch_q;
   logic [31:0] count_q;
+  logic any_q, one_q;  // count_q != 0 and count_q == 1: comparisons of the count would be in the path of every access
   logic fetching_q, head_valid_q, next_valid_q;
   logic [WORDS-1:0][CW-1:0] head_q, next_q;
   logic [2:0] word_q, next_word;  // first unread word of the head
@@ -58,8 +59,8 @@ module sram_ring #(
     assign window = {next_valid_q ? next_q[BEAT-2:0] : '0, head_q};
   end
   assign shared = 32'(word_q) + BEAT > WORDS;
-  assign alone = shared && count_q == 1;
-  assign readable_o = count_q != 0 && (!alone || last_i);
+  assign alone = shared && one_q;
+  assign readable_o = any_q && (!alone || last_i);
   assign beat_valid_o = head_valid_q && (!shared || next_valid_q || alone && last_i);
   assign beat_o = window[word_q+:BEAT];
   assign finish = beat_pop_i && 32'(word_q) + BEAT >= WORDS;
@@ -70,6 +71,8 @@ module sram_ring #(
     if (sram_read_o) fetch_q <= fetch_q + 1;
     fetching_q <= sram_read_o;
     count_q <= count_q + 32'(write_i) - 32'(finish);
+    any_q <= write_i || (any_q && !(one_q && finish));
+    one_q <= (one_q && write_i == finish) || (!any_q && write_i) || (count_q == 2 && finish && !write_i);
     full_o <= (full_o && !finish) || (nearly_full_o && write_i && !finish);
     nearly_full_o <= (full_o && finish) || (nearly_full_o && write_i == finish) ||
         (count_q == 32'(RECORDS - 2) && write_i && !finish);
@@ -78,13 +81,12 @@ module sram_ring #(
       head_valid_q <= next_valid_q || fetching_q;
       head_q <= next_valid_q ? next_q : sram_read_data_i;
       next_valid_q <= 0;
-    end else if (fetching_q) begin
-      next_valid_q <= 1;
-      next_q <= sram_read_data_i;
-    end
+    end else if (fetching_q) next_valid_q <= 1;
+    if (fetching_q) next_q <= sram_read_data_i;  // also for the head, which is harmless
     if (rst_i) begin
       {write_q, fetch_q} <= '0;
       count_q <= 0;
+      {any_q, one_q} <= '0;
       word_q <= 0;
       {fetching_q, head_valid_q, next_valid_q, full_o, nearly_full_o} <= '0;
     end
@@ -96,6 +98,7 @@ module sram_ring #(
       assert (!(write_i && full_o)) else $error("sram_ring: written while full");
       assert (!(beat_pop_i && !beat_valid_o)) else $error("sram_ring: a beat was taken before it was present");
       assert (!(beat_valid_o && !readable_o)) else $error("sram_ring: a beat is not readable");
+      assert (any_q == (count_q != 0) && one_q == (count_q == 1)) else $error("sram_ring: wrong comparisons");
       assert (!(fetching_q && next_valid_q)) else $error("sram_ring: no room for a fetched record");
     end
 `endif

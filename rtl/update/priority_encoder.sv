@@ -9,15 +9,5 @@ module priority_encoder #(
     output logic [W-1:0] index_o
 );
   assign first_o = set_i & (~set_i + 1'b1);
-  if (N == 1) begin : g_single
-    assign index_o = 1'b0;
-  end else begin : g_encode
-    for (genvar b = 0; b < W; b++) begin : index_bit
-      logic [N-1:0] pattern;
-      for (genvar i = 0; i < N; i++) begin : position
-        assign pattern[i] = ((i >> b) & 1) == 1;
-      end
-      assign index_o[b] = |(first_o & pattern);
-    end
-  end
+  one_hot_index #(.N(N)) encode (.bit_i(first_o), .index_o);
 endmodule

@@ -23,6 +23,7 @@ module record_maker #(
     input card_pkg::streamed_t streamed_i,
     input card_pkg::writeback_t writeback_i,
     input logic writeback_bad_i,
+    input logic result_f_i,
     input logic [31:0] result_index_i,  // of a write-back or streamed result
     input logic [CW-1:0] result_t_i,
     input logic [POINTS-1:0][CW-1:0] result_point_i,
@@ -53,7 +54,7 @@ module record_maker #(
   assign flags = {normals && second_q, record_bad, record_f};
   assign record_bad = streaming_i ? streamed_i.bad : writeback_bad_i;
   assign record_f = streaming_i ? streamed_i.f :
-      result_index_i != '1 && (!record_solid || (result_t_i & SIGN) != 0) && !record_bad;
+      result_f_i && (!record_solid || (result_t_i & SIGN) != 0) && !record_bad;
   assign record_t = record_bad ? QNAN : record_solid ? result_t_i & ~SIGN : result_t_i;
   assign record_index = !streaming_i ? result_index_i :
       (streamed_i.f || (record_solid && !streamed_i.bad)) ? streamed_i.index : '1;

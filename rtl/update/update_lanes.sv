@@ -42,6 +42,7 @@ module update_lanes #(
     input logic [ROW_W-1:0] result_row_i,
     input logic [LANE_W-1:0] result_lane_i,
     input logic result_parity_i,
+    output logic result_f_o,  // F of the result: its index is not all ones
     output logic [31:0] result_index_o,
     output logic [CW-1:0] result_t_o,  // with solid_i the signed distance
     output logic [POINTS-1:0][CW-1:0] result_point_o
@@ -92,6 +93,17 @@ module update_lanes #(
   assign index_old = f_index[read_row];
   assign t_old = read_parity ? t1 : t0;
 
+  // F beside its index, in cards of one lane: the comparison of 32 bits would be in the path of every record.
+  localparam bit ALONE = LANES == 1;
+  logic f_old;
+  if (ALONE) begin : g_f
+    logic f_mem[ROWS];
+    assign f_old = f_mem[read_row];
+    always_ff @(posedge clk_i) if (clear_i || keep) f_mem[write_row] <= !clear_i;
+  end else begin : g_no_f
+    assign f_old = 1'b0;
+  end
+
   // Most rows have no hit, and need no comparison in simulation.
   always_comb begin
     better = '0;
@@ -100,7 +112,7 @@ module update_lanes #(
     t_new = t_old;
     if (any_hit) begin
       for (int l = 0; l < LANES; l++) begin
-        first_hit[l] = hit[l][0] && index_old[l] == '1;
+        first_hit[l] = hit[l][0] && (ALONE ? !f_old : index_old[l] == '1);
         if (hit[l][0]) begin
           order = order_of(t_value[l], t_old[l]);
           if (mode_i == registers_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
@@ -115,7 +127,6 @@ module update_lanes #(
   assign new_hits_o = any_hit ? HITS_W'($countones(first_hit)) : '0;
 
   // One lane alone is written only if it changes, so nothing old is written back.
-  localparam bit ALONE = LANES == 1;
   assign keep = ALONE ? better[0][0] : any_hit;
   logic [LANES-1:0][31:0] index_new;
   always_comb begin
@@ -131,9 +142,11 @@ module update_lanes #(
   end
 
   always_comb begin
+    result_f_o = 1'b0;
     result_index_o = '0;
     result_t_o = '0;
     if (result_i) begin
+      result_f_o = ALONE ? f_old : index_old[result_lane_i] != '1;
       result_index_o = index_old[result_lane_i];
       result_t_o = t_old[result_lane_i];
     end
@@ -145,7 +158,7 @@ module update_lanes #(
       if (keep) kept[row_i] <= ALONE ? point_i[k] : (old & ~better) | (point_i[k] & better);
     always_comb begin
       result_point_o[k] = '0;
-      if (result_i && result_index_o != '1) result_point_o[k] = old[result_lane_i];
+      if (result_f_o) result_point_o[k] = old[result_lane_i];
     end
   end
 endmodule
