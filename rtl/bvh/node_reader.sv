@@ -27,7 +27,7 @@ module node_reader #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic clear_i,  // between passes: drops visits and outstanding requests
+    input logic clear_i,  // between passes, until outstanding_o is low: drops visits and outstanding requests
     input logic [31:0] nodes_i,  // number of nodes; a node beyond them is read as if it were on chip
     input logic [31:0] base_i,   // word of node 0 in DDR
     input logic valid_i,
@@ -286,7 +286,7 @@ module node_reader #(
     sync_fifo #(.W(WW + SW), .DEPTH(CONTEXTS)) queue_fills (
         .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(parked.line), .free_o(), .count_o(),
         .rdata_o(fill), .read_i(ddr_second));
-    assign ddr_o.valid = some_q;  // also in the first cycle of clear_i, and then its answer is dropped
+    assign ddr_o.valid = some_q;  // can be high in the first cycle of clear_i
     assign ddr_o.words = 4'(BEAT);
     assign ddr_o.word = asked_half_q ? second_word_q : request;
     assign asked = ddr_o.valid && ddr_ready_i;

@@ -104,7 +104,7 @@ module slot_reader #(
     assign asked = ddr_o.valid && ddr_ready_i;
     assign last_asked = asked && half_q == objects;
     assign ready_o = !asking_q && under_way_q != (DW + 1)'(DEPTH);
-    assign ddr_o.valid = asking_q;  // also in the first cycle of clear_i, and then its answer is dropped
+    assign ddr_o.valid = asking_q;  // can be high in the first cycle of clear_i
     assign ddr_o.words = 4'd2;
     // A slot beyond the last is not read beyond DDR. The output beyond_o tells of it.
     assign ddr_o.word = base_i[half_q] + ((32'(asking_slot_q) < slots_i) ? 32'(asking_slot_q) : '0);
