@@ -34,7 +34,7 @@ module ray_queue #(
   localparam int DW = $clog2(DEPTH);
   logic [DW:0] places_q, checked_count;
   logic unused;
-  assign unused = &{1'b0, addr_i, checked_count, traversal_i};
+  assign unused = &{1'b0, addr_i, traversal_i};
   logic [31:0] next_q;  // next primary to take
   logic [WORDS-1:0][31:0] place;
   if (WORDS > bvh_pkg::PLACE_WORDS) begin : g_wide
@@ -107,5 +107,5 @@ module ray_queue #(
   sync_fifo #(.W(1), .DEPTH(DEPTH)) queue_checked (
       .clk_i, .rst_i, .write_i(checked), .wdata_i(bad), .free_o(), .count_o(checked_count), .rdata_o(bad_o),
       .read_i(pop_i));
-  assign valid_o = checked_count != 0;
+  always_ff @(posedge clk_i) valid_o <= !rst_i && (checked || (pop_i ? checked_count > 1 : checked_count != 0));
 endmodule
