@@ -26,7 +26,7 @@ module sync_fifo #(
     logic around_q;
     logic [W-1:0] written_q, head_q;
     logic [AW-1:0] head;  // of the next cycle
-    assign head = read_q[AW-1:0] + AW'(read_i);
+    assign head = read_i ? read_q[AW-1:0] + 1'b1 : read_q[AW-1:0];
     assign rdata_o = around_q ? written_q : head_q;
     always_ff @(posedge clk_i) begin
       around_q <= write_i && (read_i ? count_o == 1 : count_o == 0);
