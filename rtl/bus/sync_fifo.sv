@@ -21,9 +21,21 @@ module sync_fifo #(
   assign count_o = write_q - read_q;
   assign free_o = (AW + 1)'(DEPTH) - count_o;
   if (DEPTH >= 32 && W >= 24) begin : g_block
-    (* ram_style = "block" *) logic [W-1:0] memory[DEPTH];
-    assign rdata_o = memory[read_q[AW-1:0]];
-    always_ff @(posedge clk_i) if (write_i) memory[write_q[AW-1:0]] <= wdata_i;
+    // The memory is read one cycle ahead. A word that becomes the head as it is written goes around the memory.
+    (* ram_style = "block", no_rw_check *) logic [W-1:0] memory[DEPTH];
+    logic around_q;
+    logic [W-1:0] written_q, head_q;
+    logic [AW-1:0] head;  // of the next cycle
+    assign head = read_i ? read_q[AW-1:0] + 1'b1 : read_q[AW-1:0];
+    assign rdata_o = around_q ? written_q : head_q;
+    always_ff @(posedge clk_i) begin
+      around_q <= write_i && (read_i ? count_o == 1 : count_o == 0);
+      if (read_i || around_q) head_q <= memory[head];
+      if (write_i) begin
+        memory[write_q[AW-1:0]] <= wdata_i;
+        written_q <= wdata_i;
+      end
+    end
   end else begin : g_distributed
     logic [W-1:0] memory[DEPTH];
     assign rdata_o = memory[read_q[AW-1:0]];

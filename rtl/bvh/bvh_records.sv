@@ -62,7 +62,7 @@ module bvh_records #(
     logic [31:0] index;
   } hit_t;
   hit_t [1:0] waiting;
-  logic [1:0] some, read;
+  logic [1:0] some_q, read;  // some_q: hits of the lane wait
   logic [DW:0] outstanding_q;  // number of leaves under way
   logic [1:0][DW:0] free;
   for (genvar l = 0; l < 2; l++) begin : lane
@@ -75,7 +75,7 @@ module bvh_records #(
     sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH)) queue (
         .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .free_o(free[l]), .count_o(count), .rdata_o(waiting[l]),
         .read_i(read[l]));
-    assign some[l] = count != 0;
+    always_ff @(posedge clk_i) some_q[l] <= !rst_i && (hit_i[l] || (read[l] ? count > 1 : count != 0));
   end
   assign hits_free_o = !hits || (outstanding_q < free[0] && outstanding_q < free[1]);
   always_ff @(posedge clk_i)
@@ -87,16 +87,16 @@ module bvh_records #(
   hit_t hit;
   assign ring_ready = !sram_full_i && !(write_o && sram_nearly_full_i);
   assign record_ready = ring_ready && !second_q;  // the second record of a pair goes next
-  assign take_hit = record_ready && some != 0;
-  assign lane_1 = !some[0];
+  assign take_hit = record_ready && some_q != 0;
+  assign lane_1 = !some_q[0];
   assign hit = waiting[lane_1];
   assign read = take_hit ? {lane_1, !lane_1} : '0;
-  assign ready_o = record_ready && some == 0;
+  assign ready_o = record_ready && some_q == 0;
   assign bad_ready_o = ready_o && !valid_i;
   assign take = valid_i && ready_o;
   assign take_bad = bad_valid_i && bad_ready_o;
   assign finished_o = take || take_bad;
-  assign empty_o = some == 0 && !write_o && !second_q;
+  assign empty_o = some_q == 0 && !write_o && !second_q;
 
   records_pkg::record_flags_t flags;
   logic found;

@@ -72,7 +72,7 @@ module leaf_reader #(
 
   // ---- Slots ----
   logic requested, last_slot, beyond, no_object;
-  logic wide, half_q, taken, whole_requested;  // half_q: the second beat of a secondary is next
+  logic wide, half_q, taken, take, whole_requested;  // half_q: the second beat of a secondary is next
   if (WORDS > BEAT) begin : g_two_beats
     assign wide = 32'(words_i) > BEAT;
     always_ff @(posedge clk_i) half_q <= wide && half_q != taken && !rst_i;
@@ -91,7 +91,7 @@ module leaf_reader #(
       .clk_bus_i, .write_i, .addr_i, .data_i, .flip_i, .clk_i, .rst_i, .clear_i, .slots_i,
       .base_i(slot_base_i), .objects_i(objects_i != 0), .valid_i, .ready_o, .slot_i, .tag_i, .ddr_o(slot_ddr_o),
       .ddr_ready_i(slot_ddr_ready_i), .ddr_valid_i(slot_ddr_valid_i), .ddr_data_i, .outstanding_o(slots_outstanding),
-      .valid_o(requested), .take_i(whole_requested), .slot_o(fault_place_o), .tag_o(slot_tag), .last_o(last_slot),
+      .valid_o(requested), .take_i(take), .slot_o(fault_place_o), .tag_o(slot_tag), .last_o(last_slot),
       .beyond_o(beyond), .index_o(index), .object_o(object), .corrected_o(corrected), .failed_o(failed));
   assign no_object = OBJECTS != 0 && objects_i != 0 && object >= objects_i;
   assign corrected_o = corrected & {2{whole_requested}};
@@ -113,7 +113,10 @@ module leaf_reader #(
   sync_fifo #(.W(32), .DEPTH(4)) queue_requests (
       .clk_i, .rst_i, .write_i(whole_requested), .wdata_i(index * 32'(words_i)), .free_o(requests_free),
       .count_o(requests), .rdata_o(request), .read_i(taken && half_q == wide));
-  assign whole_requested = requested && !fault_o && requests_free != 0 && outstanding != (DW + 1)'(DEPTH);
+  // A slot with a fault is taken without a request.
+  logic full_q;
+  assign take = requested && requests_free != 0 && !full_q;
+  assign whole_requested = take && !fault_o;
   assign taken = ddr_o.valid && ddr_ready_i;
   assign ddr_o.valid = requests != 0;
   assign ddr_o.word = request + (half_q ? BEAT : 0);
@@ -126,6 +129,8 @@ module leaf_reader #(
       write_q <= write_q + 1;
     end
     if (valid) read_q <= read_q + 1;
+    // The room for secondaries, one cycle ahead.
+    full_q <= !rst_i && !valid && (full_q || (outstanding == (DW + 1)'(DEPTH - 1) && whole_requested));
     if (rst_i) {write_q, read_q} <= '0;
   end
   assign {last, unused_object, index_now, tag} = tags[read_q[DW-1:0]];

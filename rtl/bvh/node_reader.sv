@@ -27,7 +27,7 @@ module node_reader #(
 ) (
     input logic clk_i,
     input logic rst_i,
-    input logic clear_i,  // between passes: drops visits and outstanding requests
+    input logic clear_i,  // between passes, until outstanding_o is low: drops visits and outstanding requests
     input logic [31:0] nodes_i,  // number of nodes; a node beyond them is read as if it were on chip
     input logic [31:0] base_i,   // word of node 0 in DDR
     input logic valid_i,
@@ -275,26 +275,29 @@ module node_reader #(
 
     // ---- DDR ----
     logic [COUNT:0] requests;
-    logic [31:0] first_word, request;  // a node's first word
+    logic [31:0] first_word, request, second_word_q;  // first words of a node, and of its second beat
     assign first_word = base_i + {32'(place_then_q) << 4} + {32'(place_then_q) << 1};
     logic [WW+SW-1:0] fill;
     logic [COUNT+1:0] outstanding_q;
-    logic asked, asked_half_q, half_q;
+    logic some_q, asked, leaves, asked_half_q, half_q;  // some_q: a request waits
     sync_fifo #(.W(32), .DEPTH(CONTEXTS)) queue_requests (
         .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(first_word), .free_o(), .count_o(requests),
-        .rdata_o(request), .read_i(asked && asked_half_q));
+        .rdata_o(request), .read_i(leaves));
     sync_fifo #(.W(WW + SW), .DEPTH(CONTEXTS)) queue_fills (
         .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(parked.line), .free_o(), .count_o(),
         .rdata_o(fill), .read_i(ddr_second));
-    assign ddr_o.valid = requests != 0 && !rst;
+    assign ddr_o.valid = some_q;  // can be high in the first cycle of clear_i
     assign ddr_o.words = 4'(BEAT);
-    assign ddr_o.word = request + (asked_half_q ? BEAT : 0);
+    assign ddr_o.word = asked_half_q ? second_word_q : request;
     assign asked = ddr_o.valid && ddr_ready_i;
+    assign leaves = asked && asked_half_q;
     assign ddr_second = ddr_valid_i && half_q && !rst;
     assign outstanding_o = outstanding_q != 0 || ddr_o.valid;
     always_ff @(posedge clk_i) begin
       if (ddr_valid_i && !rst) nodes[fill][half_q] <= ddr_data_i;
+      some_q <= !rst && (fetched_o || (leaves ? requests > 1 : requests != 0));
       asked_half_q <= asked_half_q ^ asked;
+      second_word_q <= request + BEAT;
       half_q <= half_q ^ ddr_valid_i;
       if (rst) {asked_half_q, half_q} <= '0;
       outstanding_q <= rst_i ? '0 : outstanding_q + (COUNT + 2)'(asked) - (COUNT + 2)'(ddr_valid_i);

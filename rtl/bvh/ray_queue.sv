@@ -2,7 +2,7 @@
 // Queue of a pass's primaries, a ring in memory that the bus writes. Primary n is at byte 32 (n mod RAYS). A primary of
 // more than 8 words is at 64 (n mod RAYS / 2). The unit takes primaries up to the number that the host has provided.
 // Each primary is checked against the input contract, while it waits in a queue.
-// Latency: 2 cycles plus shape_check's.
+// Latency: 3 cycles plus shape_check's.
 // Throughput: one primary per cycle.
 // Stall: pop_i.
 module ray_queue #(
@@ -30,11 +30,11 @@ module ray_queue #(
     input logic pop_i
 );
   localparam int T_CHECK = config_pkg::check_latency(CONFIG.lat);
-  localparam int DEPTH = 1 << $clog2(T_CHECK + 4);
+  localparam int DEPTH = 1 << $clog2(T_CHECK + 5);
   localparam int DW = $clog2(DEPTH);
   logic [DW:0] places_q, checked_count;
   logic unused;
-  assign unused = &{1'b0, addr_i, checked_count, traversal_i};
+  assign unused = &{1'b0, addr_i, traversal_i};
   logic [31:0] next_q;  // next primary to take
   logic [WORDS-1:0][31:0] place;
   if (WORDS > bvh_pkg::PLACE_WORDS) begin : g_wide
@@ -53,21 +53,22 @@ module ray_queue #(
     assign first = (both || !next_q[0]) ? even[row] : odd[row];
     assign {unused_word, place} = {odd[row], first};
   end else begin : g_narrow
-    logic [3:0][63:0] ring[RAYS];
+    // A place that the bus writes is not in use.
+    (* no_rw_check *) logic [3:0][63:0] ring[RAYS];
     always_ff @(posedge clk_bus_i) if (write_i) ring[addr_i[5+:AW]][addr_i[4:3]] <= data_i;
     assign place = ring[next_q[AW-1:0]];
   end
   assign taken_o = next_q;
 
   // ---- At most as many primaries are under way as the queue has places ----
-  logic request, requested_q, checked;
-  logic [31:0] number_q;
-  logic [WORDS-1:0][31:0] ray_q;
+  logic request, read_q, requested_q, checked;
+  logic [31:0] number_read_q, number_q;
+  logic [WORDS-1:0][31:0] ray_read_q, ray_q;  // read: what the ring delivers
   assign request = next_q != provided_i && places_q != 0;
   always_ff @(posedge clk_i) begin
-    ray_q <= place;
-    number_q <= next_q;
-    requested_q <= request && !rst_i;
+    {ray_read_q, ray_q} <= {place, ray_read_q};
+    {number_read_q, number_q} <= {next_q, number_read_q};
+    {read_q, requested_q} <= rst_i ? '0 : {request, read_q};
     if (request) next_q <= next_q + 1;
     places_q <= places_q + (DW + 1)'(pop_i) - (DW + 1)'(request);
     if (rst_i) begin
@@ -106,5 +107,5 @@ module ray_queue #(
   sync_fifo #(.W(1), .DEPTH(DEPTH)) queue_checked (
       .clk_i, .rst_i, .write_i(checked), .wdata_i(bad), .free_o(), .count_o(checked_count), .rdata_o(bad_o),
       .read_i(pop_i));
-  assign valid_o = checked_count != 0;
+  always_ff @(posedge clk_i) valid_o <= !rst_i && (checked || (pop_i ? checked_count > 1 : checked_count != 0));
 endmodule

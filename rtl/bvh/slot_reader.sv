@@ -54,6 +54,7 @@ module slot_reader #(
   logic [TAG-1:0] tag, tag_q;
   assign move = !valid_o || take_i;
   assign {slot_o, tag_o} = {slot_q, tag_q};
+  assign beyond_o = slot_q >= slots_i;
   always_ff @(posedge clk_i) begin
     if (move) begin
       valid_o <= some || second_q;
@@ -61,7 +62,6 @@ module slot_reader #(
       last_o <= second_q || !tag[0];
       second_q <= !second_q && some && tag[0];
       slot_q <= slot;
-      beyond_o <= slot >= slots_i;
     end
     if (rst_i || clear_i) {valid_o, second_q} <= '0;
   end
@@ -99,12 +99,12 @@ module slot_reader #(
     logic [PLACE-1:0] asking_slot_q;
     logic [TAG-1:0] asking_tag_q;
     logic [DW:0] under_way_q;
-    logic leave;
+    logic leave, left_q;  // left_q: a leaf left in the last cycle
     assign objects = OBJECTS != 0 && objects_i;
     assign asked = ddr_o.valid && ddr_ready_i;
     assign last_asked = asked && half_q == objects;
     assign ready_o = !asking_q && under_way_q != (DW + 1)'(DEPTH);
-    assign ddr_o.valid = asking_q && !rst;
+    assign ddr_o.valid = asking_q;  // can be high in the first cycle of clear_i
     assign ddr_o.words = 4'd2;
     // A slot beyond the last is not read beyond DDR. The output beyond_o tells of it.
     assign ddr_o.word = base_i[half_q] + ((32'(asking_slot_q) < slots_i) ? 32'(asking_slot_q) : '0);
@@ -114,8 +114,9 @@ module slot_reader #(
         {asking_slot_q, asking_tag_q} <= {slot_i, tag_i};
       end else if (last_asked) asking_q <= 1'b0;
       half_q <= half_q ^ (asked && objects);
-      under_way_q <= under_way_q + (DW + 1)'(valid_i && ready_o) - (DW + 1)'(leave);
-      if (rst) {asking_q, half_q, under_way_q} <= '0;
+      under_way_q <= under_way_q + (DW + 1)'(valid_i && ready_o) - (DW + 1)'(left_q);
+      left_q <= leave;
+      if (rst) {asking_q, half_q, under_way_q, left_q} <= '0;
     end
     // Answers.
     typedef struct packed {

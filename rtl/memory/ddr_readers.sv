@@ -39,9 +39,9 @@ module ddr_readers #(
   end else begin : g_shared
     localparam int D = $clog2(DEPTH);
     logic [READERS-1:0] requesting, masked, mask_q, chosen;  // readers after the one served last
-    logic [W-1:0] turn, owner;
+    logic [W-1:0] turn, owner_q;  // owner_q: reader of the oldest outstanding response
     logic [W-1:0] owners[DEPTH];
-    logic [D:0] requested_q, answered_q;
+    logic [D:0] requested_q, answered_q, answered;
     // The room of the queue of owners, one cycle ahead.
     logic taken, full_q;
     logic [D:0] outstanding;
@@ -50,26 +50,27 @@ module ddr_readers #(
     always_ff @(posedge clk_i)
       full_q <= !rst_i && !valid_i && (full_q || (outstanding == (D + 1)'(DEPTH - 1) && taken));
     for (genvar r = 0; r < READERS; r++) begin : reader
-        assign requesting[r] = !full_q && USED[r] && readers_i[r].valid; end
+        assign requesting[r] = USED[r] && readers_i[r].valid; end
     assign masked = requesting & mask_q;
     assign chosen = (masked != 0) ? masked : requesting;
     always_comb begin
       turn = '0;
       for (int r = READERS - 1; r >= 0; r--) if (chosen[r]) turn = W'(r);
     end
-    assign request_o.valid = requesting != 0;
+    assign request_o.valid = requesting != 0 && !full_q;
     assign {request_o.word, request_o.words} = {readers_i[turn].word, readers_i[turn].words};
     assign ready_o = taken ? READERS'(1) << turn : '0;
-    assign owner = owners[answered_q[D-1:0]];
-    assign valid_o = valid_i ? READERS'(1) << owner : '0;
-    assign words_o = words_i[owner];
+    assign answered = answered_q + (D + 1)'(valid_i);
+    assign valid_o = valid_i ? READERS'(1) << owner_q : '0;
+    assign words_o = words_i[owner_q];
     always_ff @(posedge clk_i) begin
       if (taken) begin
         owners[requested_q[D-1:0]] <= turn;
         requested_q <= requested_q + 1'b1;
         mask_q <= ~((READERS'(2) << turn) - 1'b1);
       end
-      if (valid_i) answered_q <= answered_q + 1'b1;
+      answered_q <= answered;
+      owner_q <= (taken && requested_q == answered) ? turn : owners[answered[D-1:0]];
       if (rst_i) begin
         {requested_q, answered_q} <= '0;
         mask_q <= '1;
