@@ -47,8 +47,8 @@ module fpga_card #(
   logic [SRAM_AW-1:0] sram_write_addr, sram_read_addr;
   logic [WORDS-1:0][31:0] sram_write_data, sram_read_data;
   board #(.CONFIG(CONFIG)) functions (
-      .clk_i, .rst_i(rst_q), .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o, .bus_rvalid_o,
-      .bus_rdata_o, .irq_o, .ddr_write_o(ddr_write), .ddr_write_addr_o(ddr_write_addr),
+      .clk_i, .rst_i(rst_q), .bus_valid_i, .bus_write_i, .bus_space_i, .bus_addr_i, .bus_wdata_i, .bus_ready_o,
+      .bus_rvalid_o, .bus_rdata_o, .irq_o, .ddr_write_o(ddr_write), .ddr_write_addr_o(ddr_write_addr),
       .ddr_write_data_o(ddr_write_data), .ddr_write_check_o(unused_check), .ddr_read_o(ddr_read),
       .ddr_read_word_o(ddr_read_word), .ddr_read_words_o(ddr_read_words), .ddr_ready_i(ddr_ready),
       .ddr_valid_i(ddr_valid), .ddr_data_i(ddr_data), .ddr_check_i('0), .sram_write_o(sram_write),

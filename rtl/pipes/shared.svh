@@ -2,8 +2,8 @@
 // Dataflow notation of a datapath that takes a row per TURNS cycles, beside dataflow.svh. A value is there in the cycle
 // of its stage time T_x, once per row. Eight operations of one kind form a group, which shares operators
 // (shared_operator.sv). Each names the operation before it in its group, or `none`. It starts when its operands are
-// there, or one of the next cycles, in a turn of its own. In scope: clk_i, turn_i, in_turn (one bit per turn, SH_TURNS),
-// EXP, MAN, CW, LAT, TURNS and ARITH. Host arithmetic has the times alone.
+// there, or one of the next cycles, in a turn of its own. In scope: clk_i, turn_i, in_turn (one bit per turn, from
+// SH_TURNS), EXP, MAN, CW, LAT, TURNS and ARITH. Host arithmetic has the times alone.
 `ifndef CDE_SHARED_SVH
 `define CDE_SHARED_SVH
 `include "dataflow.svh"
