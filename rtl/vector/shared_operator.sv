@@ -41,14 +41,16 @@ module shared_operator #(
       if (N == 1 || TURNS == 1) begin : g_one
         assign {a_now, b_now} = {a_i[u*TURNS], b[u*TURNS]};
       end else begin : g_turns
-        (* keep *) logic [AW-1:0] before_q;  // the turn of the cycle before
+        // Turns since that of the first operation. Operators differ in it, so few share the register: wires are short.
+        localparam int FIRST = (int'(TIMES[u*TURNS]) + 1) % TURNS;
+        logic [AW-1:0] since_q;
         logic [TURNS-1:0][CW-1:0] a_of, b_of;
-        always_ff @(posedge clk_i) before_q <= turn_i[AW-1:0];
+        always_ff @(posedge clk_i) since_q <= turn_i[AW-1:0] + AW'(TURNS + 1 - FIRST);
         for (genvar t = 0; t < TURNS; t++) begin : turn
-          assign a_of[t] = a_i[started(u, (t + 1) % TURNS)];
-          assign b_of[t] = b[started(u, (t + 1) % TURNS)];
+          assign a_of[t] = a_i[started(u, (FIRST + t) % TURNS)];
+          assign b_of[t] = b[started(u, (FIRST + t) % TURNS)];
         end
-        assign {a_now, b_now} = {a_of[before_q], b_of[before_q]};
+        assign {a_now, b_now} = {a_of[since_q], b_of[since_q]};
       end
       fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LAT(LAT), .CANON(0)) operator (
           .clk_i, .en_i(1'b1), .a_i(a_now), .b_i(b_now), .r_o(r), .flags_o(unused_flags));
