@@ -77,10 +77,10 @@ struct BoardConfig {
                             ///< nodes are on chip, the others and all slots in DDR
   unsigned node_ways = 4;        ///< of the cache: 2, 4, 8 or 16, at most node_cache / 2
   unsigned pinned_nodes = 4096;  ///< with a cache, a power of two from 16 to `nodes`
-  unsigned contexts = 256;   ///< primaries that traverse a BVH at a time, a power of two from 16
-  unsigned shared_lane = 0;  ///< 0, or 1, 2, 4 or 8: brute-force passes and leaves of a BVH share
-                             ///< one lane, which takes a row per so many cycles. Only with one
-                             ///< lane, and ray-triangle by Möller alone
+  unsigned contexts = 256;     ///< primaries that traverse a BVH at a time, a power of two from 16
+  unsigned shared_lane = 0;    ///< 0, or 1, 2, 4 or 8: brute-force passes and leaves of a BVH share
+                               ///< one lane, which takes a row per so many cycles. Only with one
+                               ///< lane, and ray-triangle by Möller alone
   unsigned ray_places = 4096;  ///< of the queue of primaries, a power of two from 64
   Transformer transform = Transformer::kNone;  ///< objects (Board::set_objects) can move
   unsigned objects = 1024;                     ///< size of the card's object table, 2 to 2,048
