@@ -41,7 +41,7 @@ module shared_operator #(
       if (N == 1 || TURNS == 1) begin : g_one
         assign {a_now, b_now} = {a_i[u*TURNS], b[u*TURNS]};
       end else begin : g_turns
-        // Turns since the first operation started. Operators differ in it, so few share the register and wires are short.
+        // Turns since the first operation started. Few operators share the register, so wires are short.
         localparam int FIRST = (int'(TIMES[u*TURNS]) + 1) % TURNS;
         logic [AW-1:0] since_q;
         logic [TURNS-1:0][CW-1:0] a_of, b_of;
