@@ -12,14 +12,16 @@
 `define RAY_T_FRONT(LEAF) (`DF_MAX2(`RAY_T_MARGIN(LEAF), LAT.cmp + LAT.div) + LAT.mul)
 // ray_front_shared.sv: phases; the reach; the sum that gives the margin; the margin; M' |1 / d| of the first axis; the
 // outputs. FRONT_FIRST is the first time from TIME on that is at most SPAN - 1 phases after the phase of FROM.
+// An axis follows another in FRONT_AXIS phases: the divider takes a row per FRONT_AXIS cycles.
 `define FRONT_CYCLES 8
+`define FRONT_AXIS 2
 `define FRONT_FIRST(TIME, FROM, SPAN) \
   ((TIME) + (((((TIME) - (FROM)) & 7) < SPAN) ? 0 : 8 - (((TIME) - (FROM)) & 7)))
 `define FRONT_T_REACH (7 + LAT.add)
 `define FRONT_T_SUM `FRONT_FIRST(`FRONT_T_REACH + `NODE_LAT_MUL + 2, 7, 2)
 `define FRONT_T_MARGIN `DF_MAX2(`FRONT_T_SUM + LAT.add, LAT.div)
-`define FRONT_T_TIMES `FRONT_FIRST(`FRONT_T_MARGIN + 1, `FRONT_T_REACH + 2, 4)
-`define FRONT_T_SHARED (`FRONT_T_TIMES + `NODE_LAT_MUL + 3)
+`define FRONT_T_TIMES `FRONT_FIRST(`FRONT_T_MARGIN + 1, `FRONT_T_REACH + 2, 6 - 2 * `FRONT_AXIS)
+`define FRONT_T_SHARED (`FRONT_T_TIMES + `NODE_LAT_MUL + 1 + 2 * `FRONT_AXIS)
 // Outputs of solid_front.sv: the corners of its box, widened.
 `define SOLID_T_FRONT(SHAPE) \
   (`DF_MAX2(`SHAPE_T_HULL(SHAPE) + `RAY_T_REACH, `SOLID_T_HALF(SHAPE) + 2 * LAT.cmp) + 3 * LAT.add + LAT.mul)

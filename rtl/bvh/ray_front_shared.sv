@@ -3,8 +3,8 @@
 // the three axes in turn. Each operation has its own phases, of FRONT_CYCLES. A ray waits for phase 0, and the next one
 // can enter after it.
 // The adder takes phases 1 to 6 for the distances from o to the root's corners, and one later for the sum of the
-// margin's parts. The divider takes phases 1 to 3. The multiplier takes two phases for the margin's parts, and three
-// for M' |1 / d|.
+// margin's parts. The divider takes phases 1, 3 and 5. The multiplier takes two phases for the margin's parts, and
+// three, with one between them, for M' |1 / d|.
 // Latency: FRONT_T_SHARED cycles (bvh.svh).
 // Throughput: one ray per FRONT_CYCLES cycles.
 // Stall: none, runs free.
@@ -63,15 +63,20 @@ module ray_front_shared #(
     if (`CDE_AT(1 + LAT.add) || difference[30:0] > reach_q) reach_q <= difference[30:0];
 
   // ---- 1 / d ----
-  logic [31:0] component, inverse, inverse_now, inverse_out, unused_div_flags;
+  logic [31:0] component, divisor, inverse, inverse_now, inverse_out;
   always_comb begin
     component = ray_q[3];
-    for (int k = 1; k < 3; k++) if (`CDE_AT(1 + k)) component = ray_q[3+k];
+    for (int k = 1; k < 3; k++) if (`CDE_AT(1 + `FRONT_AXIS * k)) component = ray_q[3+k];
   end
-  fp_lanes #(.OP(formats_pkg::FP_DIV), .EXP(EXP), .MAN(MAN), .LAT(LAT.div)) divider (
-      .clk_i, .en_i(1'b1), .a_i(ONE),
-      .b_i({component[31], (component[30:0] > LEAST) ? component[30:0] : LEAST}),
-      .r_o(inverse), .flags_o(unused_div_flags));
+  assign divisor = {component[31], (component[30:0] > LEAST) ? component[30:0] : LEAST};
+  if (LAT.div > MAN + 8) begin : g_div_turns
+    fp_div_turns #(.EXP(EXP), .MAN(MAN), .LAT(LAT.div), .TURNS(`FRONT_AXIS)) divider (
+        .clk_i, .take_i(phase_i % PW'(`FRONT_AXIS) == PW'(1 % `FRONT_AXIS)), .a_i(ONE), .b_i(divisor), .r_o(inverse));
+  end else begin : g_div
+    logic [31:0] unused_div_flags;
+    fp_lanes #(.OP(formats_pkg::FP_DIV), .EXP(EXP), .MAN(MAN), .LAT(LAT.div)) divider (
+        .clk_i, .en_i(1'b1), .a_i(ONE), .b_i(divisor), .r_o(inverse), .flags_o(unused_div_flags));
+  end
   pipe_delay #(.W(32), .FROM(T_INVERSE), .TO(T_TIMES)) delay_inverse (.clk_i, .d_i(inverse), .q_o(inverse_now));
   pipe_delay #(.W(32), .FROM(T_TIMES), .TO(T_OUT)) delay_out (.clk_i, .d_i(inverse_now), .q_o(inverse_out));
 
@@ -96,7 +101,7 @@ module ray_front_shared #(
   // ---- Results ----
   logic [2:0][31:0] origin_out, times_q, inverse_q;
   always_ff @(posedge clk_i)
-    for (int k = 0; k < 3; k++) if (`CDE_AT(T_OUT + k)) {times_q[k], inverse_q[k]} <= {product, inverse_out};
+    for (int k = 0; k < 3; k++) if (`CDE_AT(T_OUT + `FRONT_AXIS * k)) {times_q[k], inverse_q[k]} <= {product, inverse_out};
   localparam int INSIDE = 1 << $clog2(`FRONT_T_SHARED / `FRONT_CYCLES + 2);
   sync_fifo #(.W(96), .DEPTH(INSIDE)) origins (
       .clk_i, .rst_i, .write_i(enter_i), .wdata_i(ray_i[2:0]), .free_o(), .count_o(), .rdata_o(origin_out),

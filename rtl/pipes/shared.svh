@@ -63,7 +63,8 @@
   localparam int N_``R = `DF_MAX3(T_``A, T_``B, 0); \
   `SH_OPERANDS(R, LATENCY, A, B) \
   logic [6:0][CW-1:0] unused_``R; \
-  shared_operator #(.OP(OPERATION), .N(1), .EXP(EXP), .MAN(MAN), .LAT(LATENCY), .TURNS(TURNS), .ARITH(ARITH)) op_``R ( \
+  shared_operator #(.OP(OPERATION), .N(1), .EXP(EXP), .MAN(MAN), .LAT(LATENCY), .TURNS(TURNS), .ARITH(ARITH), \
+      .TIMES(256'(N_``R))) op_``R ( \
       .clk_i, .turn_i, .a_i((8 * CW)'(a_``R)), .b_i((8 * CW)'(b_``R)), .r_o({unused_``R, R}));
 `define SH_MIN(R, A, B) `SH_OP(R, formats_pkg::FP_MIN, LAT.cmp, A, B)
 `define SH_MAX(R, A, B) `SH_OP(R, formats_pkg::FP_MAX, LAT.cmp, A, B)

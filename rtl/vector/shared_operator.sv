@@ -38,11 +38,12 @@ module shared_operator #(
   for (genvar u = 0; u < 8 / TURNS; u++) begin : unit
     if (ARITH == "rtl" && u * TURNS < N) begin : g_present
       logic [CW-1:0] a_now, b_now, r, unused_flags;
+      // The turn in which the first operation's operands are there.
+      localparam int FIRST = (int'(TIMES[u*TURNS]) + 1) % TURNS;
       if (N == 1 || TURNS == 1) begin : g_one
         assign {a_now, b_now} = {a_i[u*TURNS], b[u*TURNS]};
       end else begin : g_turns
         // Turns since the first operation started. Few operators share the register, so wires are short.
-        localparam int FIRST = (int'(TIMES[u*TURNS]) + 1) % TURNS;
         logic [AW-1:0] since_q;
         logic [TURNS-1:0][CW-1:0] a_of, b_of;
         always_ff @(posedge clk_i) since_q <= turn_i[AW-1:0] + AW'(TURNS + 1 - FIRST);
@@ -52,8 +53,14 @@ module shared_operator #(
         end
         assign {a_now, b_now} = {a_of[since_q], b_of[since_q]};
       end
-      fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LAT(LAT), .CANON(0)) operator (
-          .clk_i, .en_i(1'b1), .a_i(a_now), .b_i(b_now), .r_o(r), .flags_o(unused_flags));
+      if (OP == formats_pkg::FP_DIV && TURNS > 1 && LAT > MAN + 8) begin : g_div_turns
+        fp_div_turns #(.EXP(EXP), .MAN(MAN), .LAT(LAT), .TURNS(TURNS)) operator (
+            .clk_i, .take_i(32'(turn_i) == FIRST), .a_i(a_now), .b_i(b_now), .r_o(r));
+        assign unused_flags = '0;
+      end else begin : g_each_cycle
+        fp_lanes #(.OP(OP), .EXP(EXP), .MAN(MAN), .LAT(LAT), .CANON(0)) operator (
+            .clk_i, .en_i(1'b1), .a_i(a_now), .b_i(b_now), .r_o(r), .flags_o(unused_flags));
+      end
       for (genvar k = 0; k < TURNS; k++) begin : result
         assign r_o[u*TURNS+k] = r;
       end
