@@ -97,7 +97,8 @@ module card_registers #(
 
   // ---- The beat being served ----
   logic in_page_q;  // the beat is in the 4 KB of the registers, aligned; the others read 0
-  logic valid_q, write_q, write_reg, read, aligned, allowed, in_stencil, command_ok;
+  logic within_q;   // the beat is in its memory, aligned
+  logic valid_q, write_q, write_reg, read, allowed, in_stencil, command_ok;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
   logic controls, pops, ddr_writes, ddr_allowed;  // the beat is such an access
@@ -108,8 +109,20 @@ module card_registers #(
   assign unused_control = &{1'b0, control.reserved};
   clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | go_o | abort_o | done_i | pose_done_i | rst_i),
       .clk_o(clk_bus_o));
+  // The end of a memory.
+  function automatic logic [63:0] end_of(input logic [registers_pkg::SPACE_BITS-1:0] space);
+    case (space)
+      registers_pkg::SPACE_PRIM: end_of = 64'(PRIM_BYTES);
+      registers_pkg::SPACE_DDR: end_of = DDR_BYTES;
+      registers_pkg::SPACE_NODES: end_of = 64'(NODE_BYTES);
+      registers_pkg::SPACE_SLOTS: end_of = 64'(SLOT_BYTES);
+      registers_pkg::SPACE_RAYS: end_of = 64'(32 * CONFIG.ray_places);
+      default: end_of = '1;
+    endcase
+  endfunction
   always_ff @(posedge clk_bus_o) begin
     if (ready) begin
+      within_q <= {32'd0, bus_i.addr} < end_of(bus_i.space) && bus_i.addr[2:0] == '0;
       valid_q <= bus_i.valid;
       write_q <= bus_i.write;
       space_q <= bus_i.space;
@@ -123,7 +136,6 @@ module card_registers #(
   assign wdata_o = wdata_q;
 
   logic [11:0] offset;
-  assign aligned = addr_q[2:0] == 0;
   assign offset = addr_q[11:0];
   assign in_stencil = addr_q[31:5] == 27'(registers_pkg::REG_STENCIL[11:5]) && 32'(addr_q[4:3]) < STENCILS;
 
@@ -160,25 +172,24 @@ module card_registers #(
             32'(registers_pkg::REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == pairs_pkg::TRANSFORM_BOTH && !busy_i;
             default: allowed = (in_stencil || in_objects) && !busy_i;
           endcase
-      registers_pkg::SPACE_PRIM: allowed = write_q && !busy_i && addr_q < PRIM_BYTES;
+      registers_pkg::SPACE_PRIM: allowed = write_q && !busy_i;
       registers_pkg::SPACE_DDR: allowed = write_q && ddr_allowed;
       registers_pkg::SPACE_SRAM: allowed = !write_q && sram_readable_i;
-      registers_pkg::SPACE_NODES: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i && addr_q < NODE_BYTES;
-      registers_pkg::SPACE_SLOTS: allowed = TRAVERSAL_UNITS != 0 && CONFIG.node_cache == 0 && write_q && !busy_i &&
-          addr_q < SLOT_BYTES;
-      registers_pkg::SPACE_RAYS: allowed = TRAVERSAL_UNITS != 0 && write_q && addr_q < 32'(32 * CONFIG.ray_places);
+      registers_pkg::SPACE_NODES: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i;
+      registers_pkg::SPACE_SLOTS: allowed = TRAVERSAL_UNITS != 0 && CONFIG.node_cache == 0 && write_q && !busy_i;
+      registers_pkg::SPACE_RAYS: allowed = TRAVERSAL_UNITS != 0 && write_q;
       default: allowed = 0;
     endcase
-    allowed = allowed && aligned;
+    allowed = allowed && within_q;
   end
 
   logic [2:0] settle_q;  // cycles until the checks of the command are up to date
   logic waits;  // go or stop take effect
   always_ff @(posedge clk_bus_o) sram_last_o <= !busy_i;
   assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
-  assign ddr_allowed = !busy_i && {32'b0, addr_q} < DDR_BYTES;
-  assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && aligned;
-  assign ddr_writes = space_q == registers_pkg::SPACE_DDR && write_q && ddr_allowed && aligned;
+  assign ddr_allowed = !busy_i && within_q;
+  assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && within_q;
+  assign ddr_writes = space_q == registers_pkg::SPACE_DDR && write_q && ddr_allowed;
   assign waits = go_o || abort_o;
   assign ready = !(valid_q && (waits || (pops && !sram_valid_i) ||
       (ddr_write_o && !ddr_ready_i) || (controls && (objects_busy_i || settle_q != 0))));
@@ -195,7 +206,7 @@ module card_registers #(
       addr: addr_q,
       data: wdata_q};
   assign object_write_o = write_reg && in_objects;
-  assign prim_write_o = valid_q && !waits && write_q && allowed && space_q == registers_pkg::SPACE_PRIM;
+  assign prim_write_o = valid_q && !waits && write_q && !busy_i && within_q && space_q == registers_pkg::SPACE_PRIM;
   assign ddr_write_o = valid_q && !waits && ddr_writes;
   assign sram_pop_o = valid_q && !waits && pops && sram_valid_i;
 

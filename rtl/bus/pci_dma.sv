@@ -85,18 +85,20 @@ module pci_dma (
   logic [7:0] refused_code;
 
   // ---- FIFOs ----
-  logic [DW-1:0] in_free, in_count, out_free, out_count;
+  logic in_some;
+  logic [DW-1:0] in_free, out_free, out_count;
   logic [63:0] in_head, out_head;
   logic data_read, flush;
   logic [DW-1:0] outstanding_q;  // words requested and not received
   assign data_read = purpose_q == PCI_WHERE_DATA;
   assign flush = state_q == FLUSH && outstanding_q == 0;
   sync_fifo #(.W(64), .DEPTH(DEPTH)) inbound (
-      .clk_i, .rst_i, .write_i(rvalid_i && data_read), .wdata_i(rdata_i), .free_o(in_free), .count_o(in_count),
+      .clk_i, .rst_i, .write_i(rvalid_i && data_read), .wdata_i(rdata_i), .free_o(in_free), .count_o(),
+      .some_o(in_some),
       .rdata_o(in_head), .read_i(local_valid_o && local_ready_i && local_write_o));
   sync_fifo #(.W(64), .DEPTH(DEPTH)) outbound (
       .clk_i, .rst_i(rst_i | flush), .write_i(local_rvalid_i), .wdata_i(local_rdata_i), .free_o(out_free),
-      .count_o(out_count), .rdata_o(out_head), .read_i(wpop_i && data_read));
+      .count_o(out_count), .some_o(), .rdata_o(out_head), .read_i(wpop_i && data_read));
 
   // ---- Local bus ----
   logic [28:0] unrequested_q;   // words of the descriptor not requested yet
@@ -105,7 +107,7 @@ module pci_dma (
   logic local_read;
   assign chunk = unrequested_q < 29'(CHUNK) ? unrequested_q[5:0] : 6'(CHUNK);
   assign local_read = unrequested_q != 0 && out_free >= outstanding_q + DW'(CHUNK);
-  assign local_write_o = in_count != 0;
+  assign local_write_o = in_some;
   assign local_valid_o = local_write_o || local_read;
   assign local_space_o = space_q;
   assign local_offset_o = local_q;
@@ -141,7 +143,7 @@ module pci_dma (
   assign active_o = busy_o || (run_i && head_q != ring_tail_i) || clear_i || local_valid_o;
   assign completion_o = state_q == NEXT && irq_q;
   assign fault_o = (state_q == NEXT && code_q != PCI_CODE_OK) ||
-      (flush && in_count == 0 && purpose_q != PCI_WHERE_DATA);
+      (flush && !in_some && purpose_q != PCI_WHERE_DATA);
   assign code_o = code_q;
   assign where_o = state_q == NEXT ? PCI_WHERE_DATA : purpose_q;
   assign fault_addr_o = fault_q;
@@ -213,10 +215,10 @@ module pci_dma (
         mapped_q <= host_q;
         local_q <= offset_q;
       end
-      DRAIN: if (in_count == 0) state_q <= RECORD;
+      DRAIN: if (!in_some) state_q <= RECORD;
       FLUSH: begin
         unrequested_q <= '0;
-        if (flush && in_count == 0) state_q <= purpose_q == PCI_WHERE_DATA ? RECORD : IDLE;
+        if (flush && !in_some) state_q <= purpose_q == PCI_WHERE_DATA ? RECORD : IDLE;
       end
       RECORD: begin
         state_q <= LOOKUP;

@@ -82,7 +82,8 @@ module pci_target (
   logic [7:0] be;
   logic offset_valid, be_ok, fifo_ready, abort, same_read, read_ready, last_of_bar;
   logic low_taken;  // the previous phase was the lower half of this register
-  logic [4:0] fifo_free, fifo_count;
+  logic [4:0] fifo_free;
+  logic fifo_some;
   assign be = ~cbe_i;
   assign offset_valid = addr_q[15:0] < PCI_REGISTERS_END || addr_q[15:0] >= PCI_PAGE_TABLE;
   assign be_ok = wide_q ? (be == 8'hFF || be == 8'h0F || be == 8'h00) :
@@ -111,7 +112,7 @@ module pci_target (
   assign read_take = transfer && !config_q && !write_q;
   assign target_abort_o = state_q == DECIDE && abort;
   assign active_o = state_q != IDLE || oe_o || frame_i || frame_q || in_valid_q || in_end_q || low_end_q ||
-      low_valid_q || perr_o || read_pending_q || fifo_count != 0;
+      low_valid_q || perr_o || read_pending_q || fifo_some;
 
   always_ff @(posedge clk_i) begin
     frame_q <= frame_i;
@@ -235,10 +236,11 @@ module pci_target (
   assign push_addr = read_latch ? addr_q[15:3] : low_alone ? low_addr_q : in_addr_q[15:3];
   sync_fifo #(.W(1 + 13 + 64), .DEPTH(FIFO_DEPTH)) posted (
       .clk_i, .rst_i, .write_i(push_write | read_latch), .wdata_i({!read_latch, push_addr, push_data}),
-      .free_o(fifo_free), .count_o(fifo_count), .rdata_o({request_write_o, request_offset_o[15:3], request_wdata_o}),
+      .free_o(fifo_free), .count_o(), .some_o(fifo_some),
+      .rdata_o({request_write_o, request_offset_o[15:3], request_wdata_o}),
       .read_i(request_pop_i));
   assign request_offset_o[2:0] = '0;
-  assign request_valid_o = fifo_count != 0;
+  assign request_valid_o = fifo_some;
 
   always_ff @(posedge clk_i) begin
     if (read_latch) begin

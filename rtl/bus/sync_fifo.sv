@@ -14,6 +14,7 @@ module sync_fifo #(
     input logic [W-1:0] wdata_i,
     output logic [AW:0] free_o,
     output logic [AW:0] count_o,
+    output logic some_o,  // a register: count_o is not 0
     output logic [W-1:0] rdata_o,
     input logic read_i
 );
@@ -44,7 +45,8 @@ module sync_fifo #(
   always_ff @(posedge clk_i) begin
     if (write_i) write_q <= write_q + 1;
     if (read_i) read_q <= read_q + 1;
-    if (rst_i) {write_q, read_q} <= '0;
+    some_o <= write_i || (read_i ? count_o > 1 : some_o);
+    if (rst_i) {write_q, read_q, some_o} <= '0;
   end
 
 `ifndef SYNTHESIS

@@ -54,30 +54,33 @@ module bvh_records #(
   assign hits = mode_i == registers_pkg::MODE_HITS;
   assign occluded = mode_i == registers_pkg::MODE_OCCLUDED;
 
-  // ---- Hits, one queue per lane ----
+  // ---- Hits, one queue per lane, and one if secondaries of a leaf come one by one ----
   typedef struct packed {
     logic [31:0] number;
     logic [31:0] t;
     logic [POINTS-1:0][31:0] point;
     logic [31:0] index;
   } hit_t;
-  hit_t [1:0] waiting;
-  logic [1:0] some_q, read;  // some_q: hits of the lane wait
+  localparam int LANES = (CONFIG.shared_lane != 0) ? 1 : 2;
+  hit_t [LANES-1:0] waiting;
+  logic [LANES-1:0] some, read;  // some: hits of the lane wait
   logic [DW:0] outstanding_q;  // number of leaves under way
-  logic [1:0][DW:0] free;
-  for (genvar l = 0; l < 2; l++) begin : lane
+  logic [LANES-1:0][DW:0] free;
+  for (genvar l = 0; l < LANES; l++) begin : lane
     hit_t hit;
-    logic [DW:0] count;
     always_comb begin
       hit = '{number: hit_number_i, t: hit_t_i[l], point: '0, index: hit_index_i[l]};
       for (int k = 0; k < POINTS; k++) hit.point[k] = hit_point_i[k][l];
     end
     sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH)) queue (
-        .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .free_o(free[l]), .count_o(count), .rdata_o(waiting[l]),
-        .read_i(read[l]));
-    always_ff @(posedge clk_i) some_q[l] <= !rst_i && (hit_i[l] || (read[l] ? count > 1 : count != 0));
+        .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .free_o(free[l]), .count_o(), .some_o(some[l]),
+        .rdata_o(waiting[l]), .read_i(read[l]));
   end
-  assign hits_free_o = !hits || (outstanding_q < free[0] && outstanding_q < free[1]);
+  // A leaf can have two hits.
+  logic room;
+  assign room = (LANES == 1) ? {outstanding_q, 1'b1} < {1'b0, free[0]} :
+      outstanding_q < free[0] && outstanding_q < free[LANES-1];
+  assign hits_free_o = !hits || room;
   always_ff @(posedge clk_i)
     if (rst_i) outstanding_q <= '0;
     else if (hits) outstanding_q <= outstanding_q + (DW + 1)'(leaf_i) - (DW + 1)'(leaf_tested_i);
@@ -87,16 +90,18 @@ module bvh_records #(
   hit_t hit;
   assign ring_ready = !sram_full_i && !(write_o && sram_nearly_full_i);
   assign record_ready = ring_ready && !second_q;  // the second record of a pair goes next
-  assign take_hit = record_ready && some_q != 0;
-  assign lane_1 = !some_q[0];
-  assign hit = waiting[lane_1];
-  assign read = take_hit ? {lane_1, !lane_1} : '0;
-  assign ready_o = record_ready && some_q == 0;
+  assign take_hit = record_ready && some != 0;
+  assign lane_1 = LANES == 2 && !some[0];
+  assign hit = lane_1 ? waiting[LANES-1] : waiting[0];
+  assign read = take_hit ? LANES'({lane_1, !lane_1}) : '0;
+  logic unused_lane;  // [1] of one lane
+  assign unused_lane = &{1'b0, hit_i, hit_t_i, hit_point_i, hit_index_i};
+  assign ready_o = record_ready && some == 0;
   assign bad_ready_o = ready_o && !valid_i;
   assign take = valid_i && ready_o;
   assign take_bad = bad_valid_i && bad_ready_o;
   assign finished_o = take || take_bad;
-  assign empty_o = some_q == 0 && !write_o && !second_q;
+  assign empty_o = some == 0 && !write_o && !second_q;
 
   records_pkg::record_flags_t flags;
   logic found;

@@ -83,7 +83,9 @@ module bvh_unit #(
   logic [2:0] mode_q;
   logic normals_q;
   logic [TRAVERSAL_BITS-1:0] traversal_q, traversal_now;  // traversal kind of this pass, and of the next one
-  assign traversal_now = busy_o ? traversal_q : {pass_i.pair[0], pass_i.swap[0]};
+  // A constant if the card has one kind.
+  assign traversal_now = ($countones(TRAVERSALS) == 1) ? TRAVERSAL_BITS'($clog2(TRAVERSALS)) :
+      busy_o ? traversal_q : {pass_i.pair[0], pass_i.swap[0]};
   assign traversal_o = traversal_q;
   logic [31:0] secondaries_q, objects_q, finished_q;
   logic [31:0] taken, provided, ray_count, nodes, first_node, slots;
@@ -104,7 +106,7 @@ module bvh_unit #(
   logic [NODE_WORDS-1:0][31:0] refitted;
   logic [6:0][31:0] root;
   logic [2:0][31:0] bases;  // words in DDR: objects of slots, slots, nodes
-  events_t events;
+  events_t events, counted_q;
   logic [4:0] deepest, deepest_q;
   logic [35:0] fault_q;
   registers_pkg::node_flip_t flip;
@@ -119,7 +121,7 @@ module bvh_unit #(
       .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
       .wide_i(PRIMARY > PLACE_WORDS && wide(int'(traversal_now))),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count), .nodes_o(nodes),
-      .first_node_o(first_node), .slots_o(slots), .bases_o(bases), .root_o(root), .events_i(running ? events : '0),
+      .first_node_o(first_node), .slots_o(slots), .bases_o(bases), .root_o(root), .events_i(counted_q),
       .deepest_i(deepest_q), .fault_i(fault_q), .flip_o(flip),
       .new_root_i(refit_write && refit_write_at == '0), .node_i(refitted));
 
@@ -304,6 +306,7 @@ module bvh_unit #(
   assign fault_o = fault_q != 0;
   always_ff @(posedge clk) begin
     idle_reads_q <= (finished || rst) ? '0 : idle_reads_q + (32 + CX)'(events.nodes);
+    counted_q <= running ? events : '0;
     finished_q <= rst ? '0 : finished_q + 32'(finished);
     if (running && !refitting) deepest_q <= deepest;
     idle_cycles_q <= (refit_write || refit_rst) ? '0 : idle_cycles_q + 1;

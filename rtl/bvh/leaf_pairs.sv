@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pairs of leaves: a primary enters with the one or two secondaries of a leaf, and goes through the pipe of its pair.
 // Pipes of several pairs are side by side, and a pass uses one of them.
-// With SERIAL a leaf's secondaries enter one after the other (leaf_queue.sv), and its results leave with its last one.
+// With SERIAL a leaf's secondaries enter one after the other (leaf_queue.sv), and so do its results leave.
 // With gates the pipe is then the engine's lane, outside.
-// Latency: one cycle more than the pass's pipe, for any ARITH; with SERIAL from the last secondary.
+// Latency: one cycle more than the pass's pipe, for any ARITH.
 // Throughput: one leaf per cycle; with SERIAL one secondary per SERIAL cycles.
 // Stall: none.
 `include "bvh.svh"
@@ -40,14 +40,15 @@ module leaf_pairs #(
     output logic [1:0] tested_o,  // secondaries tested in this cycle
     output logic [AT-1:0] next_o,  // at_o of the next cycle
     output logic valid_o,
+    output logic last_o,  // with SERIAL, of the leaf's last secondary
     output logic [AT-1:0] at_o,
-    output logic [MOST-1:0] f_o,  // of the secondaries present
-    output logic [MOST-1:0] present_o,
+    output logic [LANES-1:0] f_o,  // of the secondaries present
+    output logic [LANES-1:0] present_o,
     // solids: the signed distance; key_o is what nodes compare it by (node_distances.sv)
-    output logic [MOST-1:0][31:0] t_o,
-    output logic [MOST-1:0][31:0] key_o,
-    output logic [POINTS-1:0][MOST-1:0][31:0] point_o,  // CP and, with normals, n
-    output logic [MOST-1:0][31:0] index_o
+    output logic [LANES-1:0][31:0] t_o,
+    output logic [LANES-1:0][31:0] key_o,
+    output logic [POINTS-1:0][LANES-1:0][31:0] point_o,  // CP and, with normals, n
+    output logic [LANES-1:0][31:0] index_o
 );
   /*verilator inline_module*/
   localparam bit ONE = (TRAVERSALS & (TRAVERSALS - 1)) == 0;
@@ -55,11 +56,9 @@ module leaf_pairs #(
   assign pass_pair = traversal_i[bvh_pkg::TRAVERSAL_BITS-1:1];
   logic unused_role;  // some cards have one role of each pair
   assign unused_role = traversal_i[0];
-  logic taken_q, last_q, two_q, two;
+  logic taken_q, last_q, two_q, two;  // two: not with SERIAL
   logic [AT-1:0] at_q;
-  logic [LANES-1:0][31:0] index_q, f, t, index;
-  logic [POINTS-1:0][LANES-1:0][31:0] point;
-  logic first_now;  // with SERIAL: a result of the first of two secondaries
+  logic [LANES-1:0][31:0] index_q, f;
   always_ff @(posedge clk_i) begin
     taken_q <= valid_i && !rst_i;
     last_q <= SERIAL == 0 || last_i;
@@ -175,17 +174,17 @@ module leaf_pairs #(
     localparam int T_PAIR =
         ((ALGORITHM == int'(pairs_pkg::ALGORITHM_BADOUEL)) ? `DF_MAX2(T_IN_BOX, T_INSIDE) : T_IN_BOX) + 1;
     pipe_delay #(.W(5 * LANES * 32), .FROM(ARITH == "rtl" ? T_PAIR : 0), .TO(T_PAIR), .MEMORY(5)) delay_pair (
-        .clk_i, .d_i({f_of[RAY], t_of[RAY], point_of[RAY][2:0]}), .q_o({f, t, point[2:0]}));
+        .clk_i, .d_i({f_of[RAY], t_of[RAY], point_of[RAY][2:0]}), .q_o({f, t_o, point_o[2:0]}));
     if (NORMALS != 0) begin : g_no_normals
-      assign point[POINTS-1:POINTS-3] = '0;
+      assign point_o[POINTS-1:POINTS-3] = '0;
     end
     assign key_o = '0;
     pipe_delay #(.W(AT), .TO(T_PAIR - 1)) delay_next (.clk_i, .d_i(at_q), .q_o(next_o));
     pipe_delay #(.W(AT), .TO(1)) delay_at (.clk_i, .d_i(next_o), .q_o(at_o));
     pipe_delay #(.W(1 + LANES * 32), .TO(T_PAIR), .MEMORY(5)) delay_index (
-        .clk_i, .d_i({two_q, index_q}), .q_o({two, index}));
+        .clk_i, .d_i({two_q, index_q}), .q_o({two, index_o}));
     pipe_delay_valid #(.TO(T_PAIR)) delay_valid (.clk_i, .rst_i, .valid_i(taken_q), .valid_o(valid_o));
-    assign first_now = 1'b0;
+    assign last_o = 1'b1;
     logic unused_pair;
     assign unused_pair = &{1'b0, traversal_i, pass_pair};
 `ifndef SYNTHESIS
@@ -223,54 +222,31 @@ module leaf_pairs #(
       row_history #(.W(1), .DEPTH(DEPTH), .REGISTERS(2)) history (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(1'b0), .valid_o(next_valid), .q_o(unused_bit));
       sync_fifo #(.W($bits(entry)), .DEPTH(INSIDE)) entries (
-          .clk_i, .rst_i, .write_i(taken_q), .wdata_i(entry), .free_o(), .count_o(), .rdata_o(next_entry),
+          .clk_i, .rst_i, .write_i(taken_q), .wdata_i(entry), .free_o(), .count_o(), .some_o(), .rdata_o(next_entry),
           .read_i(next_valid));
     end else begin : g_late_entry
       row_history #(.W($bits(entry)), .DEPTH(DEPTH)) history (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(entry), .valid_o(next_valid), .q_o(next_entry));
     end
     assign next_o = next_entry[AT+1+32*LANES-:AT];
-    logic any_q, last_of_leaf_q;
-    assign valid_o = any_q && last_of_leaf_q;
-    assign first_now = any_q && !last_of_leaf_q;
     always_ff @(posedge clk_i) begin
-      any_q <= next_valid && !rst_i;
-      {at_o, last_of_leaf_q, two, index} <= next_entry;
+      valid_o <= next_valid && !rst_i;
+      {at_o, last_o, two, index_o} <= next_entry;
     end
     if (ARITH == "rtl") begin : g_late
-      assign {f, t, key, point} = result;
+      assign {f, t_o, key, point_o} = result;
     end else begin : g_early
       logic [RESULT-1:0] next_result;
       logic unused_valid;
       row_history #(.W(RESULT), .DEPTH(DEPTH)) results (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(result), .valid_o(unused_valid),
           .q_o(next_result));
-      always_ff @(posedge clk_i) {f, t, key, point} <= next_result;
+      always_ff @(posedge clk_i) {f, t_o, key, point_o} <= next_result;
     end
   end
 
-  // ---- Results of a leaf ----
-  // With SERIAL, a register keeps the result of the first of two secondaries until the second has its own.
-  logic [MOST-1:0] meets;
-  if (SERIAL != 0) begin : g_first
-    logic f_q;
-    logic [31:0] t_q, index_first_q;
-    logic [POINTS-1:0][31:0] point_q;
-    always_ff @(posedge clk_i) if (first_now) {f_q, t_q, index_first_q, point_q} <= {f[0][0], t, index, point};
-    assign meets = {f[0][0], two ? f_q : f[0][0]};
-    assign t_o = {t, two ? t_q : t};
-    assign index_o = {index, two ? index_first_q : index};
-    for (genvar k = 0; k < POINTS; k++) begin : word
-      assign point_o[k] = {point[k], two ? point_q[k] : point[k]};
-    end
-  end else begin : g_both
-    logic unused_first;
-    assign unused_first = first_now;
-    assign {t_o, index_o, point_o} = {t, index, point};
-    for (genvar l = 0; l < LANES; l++) begin : lane
-      assign meets[l] = f[l][0];
-    end
+  for (genvar l = 0; l < LANES; l++) begin : lane
+    assign present_o[l] = l == 0 || two;
+    assign f_o[l] = f[l][0] && present_o[l];
   end
-  assign present_o = {two, 1'b1};
-  assign f_o = meets & present_o;
 endmodule

@@ -28,11 +28,13 @@ module leaf_queue #(
     output logic [31:0] index_o
 );
   localparam int DW = $clog2(DEPTH);
-  logic [DW:0] waiting, outstanding_q;
+  logic some;
+  logic [DW:0] outstanding_q;
   sync_fifo #(.W(1 + TAG + 32 * WORDS + 32), .DEPTH(DEPTH)) queue (
-      .clk_i, .rst_i, .write_i(valid_i), .wdata_i({last_i, tag_i, words_i, index_i}), .free_o(), .count_o(waiting),
+      .clk_i, .rst_i, .write_i(valid_i), .wdata_i({last_i, tag_i, words_i, index_i}), .free_o(), .count_o(),
+      .some_o(some),
       .rdata_o({last_o, tag_o, words_o, index_o}), .read_i(valid_o));
-  assign valid_o = waiting != 0 && turn_i == 3'(TURNS - 1);
+  assign valid_o = some && turn_i == 3'(TURNS - 1);
   assign room_o = outstanding_q <= (DW + 1)'(DEPTH - 2);
   always_ff @(posedge clk_i)
     if (rst_i) outstanding_q <= '0;

@@ -106,19 +106,18 @@ module leaf_reader #(
   logic [31:0] index_now;
   logic [TAG-1:0] tag;
   logic [OBJECT_W-1:0] unused_object;
-  logic [TAG_W-1:0] tags[DEPTH];
+  (* no_rw_check *) logic [TAG_W-1:0] tags[DEPTH];  // DDR answers two cycles after a request at the earliest
   // Their addresses wait in a queue. A pass that ends does not drop them.
-  logic [2:0] requests, requests_free;
+  logic [2:0] requests_free;
   logic [31:0] request;
   sync_fifo #(.W(32), .DEPTH(4)) queue_requests (
       .clk_i, .rst_i, .write_i(whole_requested), .wdata_i(index * 32'(words_i)), .free_o(requests_free),
-      .count_o(requests), .rdata_o(request), .read_i(taken && half_q == wide));
+      .count_o(), .some_o(ddr_o.valid), .rdata_o(request), .read_i(taken && half_q == wide));
   // A slot with a fault is taken without a request.
   logic full_q;
   assign take = requested && requests_free != 0 && !full_q;
   assign whole_requested = take && !fault_o;
   assign taken = ddr_o.valid && ddr_ready_i;
-  assign ddr_o.valid = requests != 0;
   assign ddr_o.word = request + (half_q ? BEAT : 0);
   assign ddr_o.words = half_q ? 4'(32'(words_i) - BEAT) : wide ? 4'(BEAT) : 4'(words_i);
   assign outstanding = write_q - read_q;

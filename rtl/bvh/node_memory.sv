@@ -31,7 +31,8 @@ module node_memory #(
   if ((NODES & (NODES - 1)) != 0 || NODES > bvh_pkg::MOST_NODES) begin : g_nodes
     $error("node_memory: NODES must be a power of two, at most %0d", bvh_pkg::MOST_NODES);
   end
-  logic [WORDS-1:0][31:0] nodes[NODES];
+  // The host writes between passes, and a refit reads a node before it writes it.
+  (* no_rw_check *) logic [WORDS-1:0][31:0] nodes[NODES];
   logic last;
   assign last = addr_i[6+NW];
   logic unused;
@@ -65,7 +66,7 @@ module node_memory #(
   // ---- Check bits ----
   if (ECC != 0) begin : g_ecc
     localparam int R = `SECDED_BITS(32);
-    logic [WORDS-1:0][R-1:0] checks[NODES];
+    (* no_rw_check *) logic [WORDS-1:0][R-1:0] checks[NODES];
     logic [1:0][R-1:0] written_check;
     logic [WORDS-1:0][R-1:0] refit_check;
     for (genvar w = 0; w < 2; w++) begin : of_beat

@@ -111,12 +111,13 @@ module node_reader #(
     waiting_t queued, parked;
     read_t head_q;
     logic park, leave, move, fetch_q, join_q, again_q, arrived, serve, again, cleared;
-    logic [COUNT:0] count, arrived_q;  // arrived_q: fetched nodes whose visits have not left
+    logic some;
+    logic [COUNT:0] arrived_q;  // arrived_q: fetched nodes whose visits have not left
     logic [NUMBER-1:0] first_q, tail_q;  // number of the head, and of the next visit that begins to wait
     sync_fifo #(.W($bits(waiting_t)), .DEPTH(CONTEXTS)) queue_waiting (
-        .clk_i, .rst_i(rst), .write_i(park), .wdata_i(parked), .free_o(), .count_o(count), .rdata_o(queued),
+        .clk_i, .rst_i(rst), .write_i(park), .wdata_i(parked), .free_o(), .count_o(), .some_o(some), .rdata_o(queued),
         .read_i(move));
-    assign move = count != 0 && (!head_q.valid || leave);
+    assign move = some && (!head_q.valid || leave);
     assign arrived = join_q || (fetch_q && arrived_q != 0);
     assign leave = serve || again;
     always_ff @(posedge clk_i) begin
@@ -253,7 +254,8 @@ module node_reader #(
     end
 
     // ---- Read ----
-    logic [NODE_WORDS/BEAT-1:0][BEAT-1:0][31:0] nodes[LINES];
+    // A line that is read is not filled: asserted below.
+    (* no_rw_check *) logic [NODE_WORDS/BEAT-1:0][BEAT-1:0][31:0] nodes[LINES];
     logic [NODE_WORDS-1:0][31:0] node_q;
     read_t read;
     logic [WW+SW-1:0] line_q, line_now;
@@ -274,19 +276,17 @@ module node_reader #(
     assign node_o = cache_q ? node_q : chip_node_i;
 
     // ---- DDR ----
-    logic [COUNT:0] requests;
     logic [31:0] first_word, request, second_word_q;  // first words of a node, and of its second beat
     assign first_word = base_i + {32'(place_then_q) << 4} + {32'(place_then_q) << 1};
     logic [WW+SW-1:0] fill;
     logic [COUNT+1:0] outstanding_q;
-    logic some_q, asked, leaves, asked_half_q, half_q;  // some_q: a request waits
+    logic asked, leaves, asked_half_q, half_q;
     sync_fifo #(.W(32), .DEPTH(CONTEXTS)) queue_requests (
-        .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(first_word), .free_o(), .count_o(requests),
+        .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(first_word), .free_o(), .count_o(), .some_o(ddr_o.valid),
         .rdata_o(request), .read_i(leaves));
     sync_fifo #(.W(WW + SW), .DEPTH(CONTEXTS)) queue_fills (
-        .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(parked.line), .free_o(), .count_o(),
+        .clk_i, .rst_i(rst), .write_i(fetched_o), .wdata_i(parked.line), .free_o(), .count_o(), .some_o(),
         .rdata_o(fill), .read_i(ddr_second));
-    assign ddr_o.valid = some_q;  // can be high in the first cycle of clear_i
     assign ddr_o.words = 4'(BEAT);
     assign ddr_o.word = asked_half_q ? second_word_q : request;
     assign asked = ddr_o.valid && ddr_ready_i;
@@ -295,7 +295,6 @@ module node_reader #(
     assign outstanding_o = outstanding_q != 0 || ddr_o.valid;
     always_ff @(posedge clk_i) begin
       if (ddr_valid_i && !rst) nodes[fill][half_q] <= ddr_data_i;
-      some_q <= !rst && (fetched_o || (leaves ? requests > 1 : requests != 0));
       asked_half_q <= asked_half_q ^ asked;
       second_word_q <= request + BEAT;
       half_q <= half_q ^ ddr_valid_i;

@@ -101,10 +101,11 @@ module ray_front_shared #(
   // ---- Results ----
   logic [2:0][31:0] origin_out, times_q, inverse_q;
   always_ff @(posedge clk_i)
-    for (int k = 0; k < 3; k++) if (`CDE_AT(T_OUT + `FRONT_AXIS * k)) {times_q[k], inverse_q[k]} <= {product, inverse_out};
+    for (int k = 0; k < 3; k++)
+      if (`CDE_AT(T_OUT + `FRONT_AXIS * k)) {times_q[k], inverse_q[k]} <= {product, inverse_out};
   localparam int INSIDE = 1 << $clog2(`FRONT_T_SHARED / `FRONT_CYCLES + 2);
   sync_fifo #(.W(96), .DEPTH(INSIDE)) origins (
-      .clk_i, .rst_i, .write_i(enter_i), .wdata_i(ray_i[2:0]), .free_o(), .count_o(), .rdata_o(origin_out),
+      .clk_i, .rst_i, .write_i(enter_i), .wdata_i(ray_i[2:0]), .free_o(), .count_o(), .some_o(), .rdata_o(origin_out),
       .read_i(leave_i));
   assign r_o = {inverse_q, times_q, origin_out};
   `undef CDE_AT

@@ -32,7 +32,7 @@ module ray_queue #(
   localparam int T_CHECK = config_pkg::check_latency(CONFIG.lat);
   localparam int DEPTH = 1 << $clog2(T_CHECK + 5);
   localparam int DW = $clog2(DEPTH);
-  logic [DW:0] places_q, checked_count;
+  logic [DW:0] places_q;
   logic unused;
   assign unused = &{1'b0, addr_i, traversal_i};
   logic [31:0] next_q;  // next primary to take
@@ -102,10 +102,9 @@ module ray_queue #(
       bad_of[bvh_pkg::traverser_shape(int'(traversal_i))];
   pipe_delay_valid #(.TO(T_CHECK)) delay_requested (.clk_i, .rst_i, .valid_i(requested_q), .valid_o(checked));
   sync_fifo #(.W((1 + WORDS) * 32), .DEPTH(DEPTH)) queue (
-      .clk_i, .rst_i, .write_i(requested_q), .wdata_i({number_q, ray_q}), .free_o(), .count_o(),
+      .clk_i, .rst_i, .write_i(requested_q), .wdata_i({number_q, ray_q}), .free_o(), .count_o(), .some_o(),
       .rdata_o({number_o, ray_o}), .read_i(pop_i));
   sync_fifo #(.W(1), .DEPTH(DEPTH)) queue_checked (
-      .clk_i, .rst_i, .write_i(checked), .wdata_i(bad), .free_o(), .count_o(checked_count), .rdata_o(bad_o),
+      .clk_i, .rst_i, .write_i(checked), .wdata_i(bad), .free_o(), .count_o(), .some_o(valid_o), .rdata_o(bad_o),
       .read_i(pop_i));
-  always_ff @(posedge clk_i) valid_o <= !rst_i && (checked || (pop_i ? checked_count > 1 : checked_count != 0));
 endmodule

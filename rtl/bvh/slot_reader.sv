@@ -126,14 +126,13 @@ module slot_reader #(
     leaf_t waiting, head;
     logic [1:0][31:0] first_q, indices, slot_objects;
     logic second_beat_q, whole;
-    logic [DW:0] arrived;
     logic [DW+1:0] outstanding_q;
     sync_fifo #(.W($bits(leaf_t)), .DEPTH(DEPTH)) queue_waiting (
         .clk_i, .rst_i(rst), .write_i(last_asked), .wdata_i({asking_slot_q, asking_tag_q}), .free_o(), .count_o(),
-        .rdata_o(waiting), .read_i(whole));
+        .some_o(), .rdata_o(waiting), .read_i(whole));
     sync_fifo #(.W($bits(leaf_t) + 128), .DEPTH(DEPTH)) queue_arrived (
         .clk_i, .rst_i(rst), .write_i(whole),
-        .wdata_i({waiting, ddr_data_i[1:0], objects ? first_q : ddr_data_i[1:0]}), .free_o(), .count_o(arrived),
+        .wdata_i({waiting, ddr_data_i[1:0], objects ? first_q : ddr_data_i[1:0]}), .free_o(), .count_o(), .some_o(some),
         .rdata_o({head, slot_objects, indices}), .read_i(leave));
     assign whole = ddr_valid_i && second_beat_q == objects && !rst;
     assign outstanding_o = outstanding_q != 0 || ddr_o.valid;
@@ -144,7 +143,6 @@ module slot_reader #(
       outstanding_q <= rst_i ? '0 : outstanding_q + (DW + 2)'(asked) - (DW + 2)'(ddr_valid_i);
     end
     // Slots.
-    assign some = arrived != 0;
     assign tag = head.tag;
     assign slot = 32'(head.slot) + 32'(second_q);
     assign leave = move && (second_q || (some && !tag[0]));

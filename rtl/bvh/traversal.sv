@@ -29,6 +29,7 @@ module traversal #(
     parameter latency_pkg::latency_t LAT = latency_pkg::ONES,
     parameter ARITH = "rtl",
     localparam int LANES = 2,  // secondaries of a leaf
+    localparam int RESULTS = (SERIAL != 0) ? 1 : LANES,  // at a time
     localparam int WORDS = bvh_pkg::traverser_words(TRAVERSALS),
     localparam int LEAF = bvh_pkg::leaf_words(TRAVERSALS),
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,  // words of CP and n
@@ -78,8 +79,8 @@ module traversal #(
     input card_pkg::lane_results_t lane_i,
     // Hits of goal hits, as they are found. Never back-pressured: fetch_ready_i reserves space for the hits of every
     // outstanding leaf request.
-    output logic tested_o,  // a leaf has been tested; hit_o are its hits
-    output logic [LANES-1:0] hit_o,
+    output logic tested_o,  // a leaf has been tested
+    output logic [LANES-1:0] hit_o,  // hits of a leaf, with SERIAL of a secondary in [0]
     output logic [31:0] hit_number_o,
     output logic [LANES-1:0][31:0] hit_t_o,
     output logic [POINTS-1:0][LANES-1:0][31:0] hit_point_o,
@@ -119,21 +120,23 @@ module traversal #(
     logic [POINTS-1:0][31:0] point;
     logic [31:0] index;
   } best_t;
-  (* ram_style = "block" *) logic [WORDS-1:0][31:0] rays[CONTEXTS];
-  (* ram_style = "block" *) logic [31:0] numbers[CONTEXTS];
-  (* ram_style = "block" *) best_t bests[CONTEXTS];
+  // A context gets a primary after its last result has been read. Of bests, a word that is written is not read from
+  // memory in the same cycle (again_late_q).
+  (* ram_style = "block", no_rw_check *) logic [WORDS-1:0][31:0] rays[CONTEXTS];
+  (* ram_style = "block", no_rw_check *) logic [31:0] numbers[CONTEXTS];
+  (* ram_style = "block", no_rw_check *) best_t bests[CONTEXTS];
 
   // ---- Ray input ----
   logic [CX:0] fresh_q;  // contexts that never had a primary
-  logic [CX:0] free_count;
+  logic free_again;
   logic [CX-1:0] free, taken;
   logic free_some, free_next, some_q;  // a register keeps the next free context
-  logic take, front_ready, keep_valid, better_valid, record_read;
+  logic take, front_ready, keep_valid, keep_last, better_valid, better_last, record_read;
   logic [CX-1:0] done;  // of the record
   sync_fifo #(.W(CX), .DEPTH(CONTEXTS)) queue_free (
-      .clk_i, .rst_i, .write_i(record_read), .wdata_i(done), .free_o(), .count_o(free_count), .rdata_o(free),
+      .clk_i, .rst_i, .write_i(record_read), .wdata_i(done), .free_o(), .count_o(), .some_o(free_again), .rdata_o(free),
       .read_i(free_next && fresh_q[CX]));
-  assign free_some = !fresh_q[CX] || free_count != 0;
+  assign free_some = !fresh_q[CX] || free_again;
   assign free_next = free_some && (!some_q || take);
   assign ray_ready_o = some_q && !better_valid && front_ready;
   assign take = ray_valid_i && ray_ready_o;
@@ -255,11 +258,13 @@ module traversal #(
         .ddr_valid_i(node_ddr_valid_i[u]), .ddr_data_i, .outstanding_o(node_outstanding_o[u]), .cached_o(cached[u]),
         .fetched_o(fetched[u]),
         .farthest_i(farthest_q), .solid_i(is_solid), .ahead_i,
+        .new_i(take && `CDE_OWN(interval_context)),
         .interval_write_i(`CDE_OWN(interval_context) ? interval_write : '0),
         .interval_context_i(interval_context[CX-1:BANK]),
         .interval_i(interval), .front_valid_i(front_valid && `CDE_OWN(front_context)),
         .front_context_i(front_context), .front_i(front), .leaf_valid_o(leaf_valid[u]),
-        .leaf_ready_i(leaf_ready[u]), .leaf_o(leaf[u]), .tested_valid_i(better_valid && `CDE_OWN(tested.context_)),
+        .leaf_ready_i(leaf_ready[u]), .leaf_o(leaf[u]),
+        .tested_valid_i(better_valid && better_last && `CDE_OWN(tested.context_)),
         .tested_i(tested), .done_valid_o(done_valid[u]), .done_ready_i(done_ready[u]), .done_o(dones[u]),
         .visits_o(reads[u]), .level_o(levels[u]), .fault_o(faults[u]), .fault_place_o(fault_places[u]));
   end
@@ -283,9 +288,9 @@ module traversal #(
   assign fetch_tag_o = {leaves.at, leaves.two};
   assign leaf_ready = leaf_grant & {UNITS{fetch_ready_i && leaf_room}};
   logic [1:0] tested_now;
-  logic [LANES-1:0] f, present;
-  logic [LANES-1:0][31:0] t, key, index;
-  logic [POINTS-1:0][LANES-1:0][31:0] point;
+  logic [RESULTS-1:0] f, present;
+  logic [RESULTS-1:0][31:0] t, key, index;
+  logic [POINTS-1:0][RESULTS-1:0][31:0] point;
   at_t keep_at_next;
   logic unused_next;
   assign unused_next = &{1'b0, keep_at_next.level, keep_at_next.fresh};
@@ -316,11 +321,12 @@ module traversal #(
       .clk_i, .rst_i, .traversal_i, .valid_i(serial_valid), .last_i(serial_last), .at_i(serial_tag[TAG-1:1]),
       .two_i(serial_tag[0]), .primary_i(rays[serial_tag[TAG-1-:CX]]), .secondaries_i(serial), .index_i(serial_index),
       .lane_o, .lane_i, .tested_o(tested_now),
-      .next_o(keep_at_next), .valid_o(keep_valid), .at_o(keep_at), .f_o(f), .present_o(present), .t_o(t), .key_o(key),
-      .point_o(point), .index_o(index));
+      .next_o(keep_at_next), .valid_o(keep_valid), .last_o(keep_last), .at_o(keep_at), .f_o(f), .present_o(present),
+      .t_o(t), .key_o(key), .point_o(point), .index_o(index));
 
   // ---- The better of the best result so far and the new ones ----
-  // The first step chooses among the results of a leaf. One cycle later, the second step compares with the best so far.
+  // The first step chooses among the results of a leaf that come together. One cycle later, the second step compares
+  // with the best so far.
   best_t best_q, best;
   logic by_index_q;
   always_ff @(posedge clk_i) by_index_q <= goal_i == GOAL_ANY || goal_i == GOAL_OCCLUDED;
@@ -335,18 +341,17 @@ module traversal #(
     better = (by_index_q || same) ? index_1 < index_2 : farthest_q == farther;
   endfunction
   // For solids, the least distance counts, whether they meet or not.
-  logic [LANES-1:0] counts;
+  logic [RESULTS-1:0] counts;
   assign counts = (is_solid && goal_i == GOAL_NEAREST) ? present : f;
-  localparam int LW = $clog2(LANES);
-  logic [LW-1:0] chosen;
+  logic chosen;
   best_t one, one_q;
   logic [31:0] best_key;  // of the chosen one
   at_t better_at;
   logic improved;
   always_comb begin
     chosen = '0;
-    for (int l = 1; l < LANES; l++)
-      if (counts[l] && (!counts[chosen] || better(t[l], index[l], t[chosen], index[chosen]))) chosen = LW'(l);
+    for (int l = 1; l < RESULTS; l++)
+      chosen = counts[l] && (!counts[0] || better(t[l], index[l], t[0], index[0]));
     one = '{f: counts[chosen] && goal_i != GOAL_HITS, t: t[chosen], point: '0, index: index[chosen]};
     for (int k = 0; k < POINTS; k++) one.point[k] = point[k][chosen];
   end
@@ -364,17 +369,21 @@ module traversal #(
     again_q <= CLOSE && better_valid && better_at.context_ == keep_at.context_;
     kept_q <= best;
     better_valid <= keep_valid && !rst_i;
+    better_last <= keep_last;
     {better_at, best_key, one_q} <= {keep_at, key[chosen], one};
   end
   assign best_q = again_q ? kept_q : read_late_q;
   always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_next.context_];
-  assign tested_o = keep_valid;
-  assign hit_o = (keep_valid && goal_i == GOAL_HITS) ? counts : '0;
+  assign tested_o = keep_valid && keep_last;
   for (genvar l = 0; l < LANES; l++) begin : hit
-    assign hit_t_o[l] = is_solid ? t[l] & ~SIGN : t[l];
+    localparam int R = (l < RESULTS) ? l : 0;
+    assign hit_o[l] = l < RESULTS && keep_valid && goal_i == GOAL_HITS && counts[R];
+    assign hit_t_o[l] = is_solid ? t[R] & ~SIGN : t[R];
+    assign hit_index_o[l] = index[R];
+    for (genvar k = 0; k < POINTS; k++) begin : word
+      assign hit_point_o[k][l] = point[k][R];
+    end
   end
-  assign hit_point_o = point;
-  assign hit_index_o = index;
   // A hit shrinks the T interval, and an occlusion query stops at its first hit. For solids, the interval is of keys up
   // to the key of the best distance (node_distances.sv), without a lower bound.
   always_comb begin

@@ -41,6 +41,7 @@ module traversal_bank #(
     input logic farthest_i,
     input logic solid_i,
     input logic ahead_i,  // contexts go on while their leaves are tested
+    input logic new_i,  // the context of the interval gets a primary
     // The T interval that counts, from and to: of a new primary, and as hits are found.
     input logic [1:0] interval_write_i,
     input logic [CB-1:0] interval_context_i,  // without the bank's bits
@@ -84,10 +85,9 @@ module traversal_bank #(
   end
 
   `define CDE_QUEUE(NAME, TYPE) \
-    logic NAME``_write, NAME``_read, NAME``_some; TYPE NAME``_in, NAME; logic [CB:0] NAME``_count; \
-    assign NAME``_some = NAME``_count != 0; \
+    logic NAME``_write, NAME``_read, NAME``_some; TYPE NAME``_in, NAME; \
     sync_fifo #(.W($bits(TYPE)), .DEPTH(CONTEXTS)) queue_``NAME ( \
-        .clk_i, .rst_i, .write_i(NAME``_write), .wdata_i(NAME``_in), .free_o(), .count_o(NAME``_count), \
+        .clk_i, .rst_i, .write_i(NAME``_write), .wdata_i(NAME``_in), .free_o(), .count_o(), .some_o(NAME``_some), \
         .rdata_o(NAME), .read_i(NAME``_read));
   `CDE_QUEUE(started, logic [CX-1:0])
   `CDE_QUEUE(nearer, visit_t)   // nodes to read: first children, and others
@@ -105,17 +105,18 @@ module traversal_bank #(
   // ---- Leaves that a context runs ahead of: sent and not back yet ----
   localparam int SENT = 13;  // bits of the counts, for more leaves than pipes and memory hold
   logic [SENT-1:0] sent[CONTEXTS], back[CONTEXTS];
-  logic leaf_sent;
-  at_t sent_at;
-  assign sent_at = leaf_o[`VISIT_BITS(CX)-1-:`AT_BITS(CX)];
-  assign leaf_sent = ahead_i && leaf_valid_o && leaf_ready_i;
-  assign tested_write = ahead_i ? leaf_sent : tested_valid_i;
-  assign tested_in = ahead_i ? sent_at : tested_i;
+  // One cycle after the leaf has left.
+  logic leaf_sent_q;
+  at_t sent_at_q;
+  assign tested_write = ahead_i ? leaf_sent_q : tested_valid_i;
+  assign tested_in = ahead_i ? sent_at_q : tested_i;
   always_ff @(posedge clk_i) begin
-    if (leaf_sent) sent[sent_at.context_[CX-1:BANK]] <= sent[sent_at.context_[CX-1:BANK]] + 1;
+    leaf_sent_q <= ahead_i && leaf_valid_o && leaf_ready_i && !rst_i;
+    sent_at_q <= leaf_o[`VISIT_BITS(CX)-1-:`AT_BITS(CX)];
+    if (leaf_sent_q) sent[sent_at_q.context_[CX-1:BANK]] <= sent[sent_at_q.context_[CX-1:BANK]] + 1;
     // A new primary has none. Otherwise interval_context_i is the leaf's context.
     if (tested_valid_i && ahead_i) back[interval_context_i] <= back[interval_context_i] + 1;
-    if (interval_write_i != 0 && !tested_valid_i) back[interval_context_i] <= sent[interval_context_i];
+    if (new_i) back[interval_context_i] <= sent[interval_context_i];
   end
 
   // ---- Nodes ----

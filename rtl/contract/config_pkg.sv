@@ -43,6 +43,10 @@ package config_pkg;
     pipe_depth = (filter_pairs(card) != 0) ? 512 : ((card.pairs & ~pairs_pkg::SHORT_PAIRS) != 0) ? 256 : 64;
     pipe_depth = pipe_depth << $clog2(slowest);
   endfunction
+  // Rows are so far apart that the update buffers are read one cycle before a row.
+  function automatic bit early_rows(input config_t card);
+    early_rows = card.shared_lane >= 2;
+  endfunction
   // Rows of the output FIFO, and so rows in flight in the streaming modes. More than the cycles of a pipe, or of narrow
   // lanes and the wide pipe behind them.
   function automatic int fifo_depth(input config_t card);

@@ -151,9 +151,21 @@ module collision_engine #(
     assign interval_ready = throttle_ready && first_turn_i;
     logic [ROW_W+33:0] tag, late_tag;
     assign tag = {row[k], issue_i.parity, index_i, secondary_bad_i};
+    localparam bit EARLY = config_pkg::early_rows(CONFIG);
+    logic now_valid;
+    logic [ROW_W+33:0] now_tag;
     row_history #(.W(ROW_W + 34), .DEPTH(HISTORY), .REGISTERS(REGISTERS)) history (
-        .clk_i, .rst_i, .latency_i(ordered ? 16'(UNUSED) : latency[k]), .valid_i(issue_i.valid[k] && !ordered),
-        .d_i(tag), .valid_o(late_valid), .q_o(late_tag));
+        .clk_i, .rst_i, .latency_i(ordered ? 16'(UNUSED) : latency[k] - (EARLY ? 16'd2 : 16'd0)),
+        .valid_i(issue_i.valid[k] && !ordered), .d_i(tag), .valid_o(now_valid), .q_o(now_tag));
+    if (EARLY) begin : g_kept  // the tag comes one cycle before the row, and stays
+      logic valid_q;
+      always_ff @(posedge clk_i) begin
+        if (now_valid) late_tag <= now_tag;
+        {late_valid, valid_q} <= rst_i ? '0 : {valid_q, now_valid};
+      end
+    end else begin : g_at_once
+      assign {late_valid, late_tag} = {now_valid, now_tag};
+    end
     if (ANY_ORDERED) begin : g_order  // keeps the order, not the time
       logic [ROW_W+33:0] next_tag;
       logic [pairs_pkg::PAIR_INDEX-1:0] of_pair;

@@ -18,8 +18,8 @@ module row_history #(
 );
   localparam int AW = $clog2(DEPTH);
   logic [AW-1:0] write_q, read_q;  // a registered address: a subtraction before the memory would be the critical path
-  logic valid_mem[DEPTH];  // written in every cycle
-  logic [W-1:0] mem[DEPTH];
+  (* no_rw_check *) logic valid_mem[DEPTH];  // written in every cycle, and read in a later one
+  (* no_rw_check *) logic [W-1:0] mem[DEPTH];
   logic [AW-1:0] left_q, latency_q;  // cycles until the latency has passed since reset or its change
   logic valid, restart, open_q;
   if (REGISTERS == 0) begin : g_direct

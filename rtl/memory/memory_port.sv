@@ -75,7 +75,7 @@ module memory_port #(
   assign last = valid_i && half_q == {words, 1'b0} - 1'b1;
   sync_fifo #(.W(4), .DEPTH(DEPTH)) reads (
       .clk_i, .rst_i, .write_i(next_starts && !next_writing_q), .wdata_i(next_left_q[LEFT-1:1]), .free_o(free),
-      .count_o(), .rdata_o(words), .read_i(last));
+      .count_o(), .some_o(), .rdata_o(words), .read_i(last));
   assign {valid_o, data_o} = {valid_q, halves_q};
   always_ff @(posedge clk_i) begin
     for (int h = 0; h < 2 * WORDS; h++) if (valid_i && half_q == LEFT'(h)) halves_q[h] <= data_i;

@@ -16,7 +16,7 @@ module record_memory #(
     input logic [AW-1:0] read_addr_i,
     output logic [W-1:0] read_data_o  // held until the next read
 );
-  logic [W-1:0] records[RECORDS];
+  (* no_rw_check *) logic [W-1:0] records[RECORDS];  // no record is read before it is written
   always_ff @(posedge clk_i) begin
     if (write_i) records[write_addr_i] <= write_data_i;
     if (read_i) read_data_o <= records[read_addr_i];

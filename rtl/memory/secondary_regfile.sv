@@ -63,7 +63,8 @@ module secondary_regfile #(
   // A slot enters the FIFO before its check, and is counted after it. The host back end answers at once.
   localparam int T_PLACED = (ARITH == "rtl") ? T_MOVED : (TRANSFORM != 0) ? 1 : 0;
   localparam int T_JUDGED = (ARITH == "rtl") ? T_CHECKED : T_PLACED;
-  (* ram_style = "block" *) logic [WORDS-1:0][CW-1:0] fifo[DEPTH];
+  // A slot is used after its check, so at the earliest one cycle after it is written.
+  (* ram_style = "block", no_rw_check *) logic [WORDS-1:0][CW-1:0] fifo[DEPTH];
   logic bads[DEPTH];  // results of checks
   // counts of slots in the FIFO, shown, popped, requested (modulo 2*DEPTH)
   logic [AW:0] placed_q, write_q, read_q, requested_q;

@@ -30,7 +30,8 @@ module address_generator #(
   logic [31:0] remaining_q, address_q, slot_q;
   logic more, follow, by_object;
   logic [31:0] first, count;
-  assign valid_o = remaining_q != 0;
+  logic some_q;  // remaining_q is not 0
+  assign valid_o = some_q;
   assign address_o = address_q;
   assign slot_o = slot_q;
   assign last_o = remaining_q == 1 && !more;
@@ -60,16 +61,20 @@ module address_generator #(
   always_ff @(posedge clk_i) begin
     if (step_i) begin
       remaining_q <= remaining_q - 1;
+      some_q <= remaining_q != 1;
       address_q <= address_q + 32'(stride_i);
       slot_q <= slot_q + 1;
     end
     if (start_i || follow) begin
       remaining_q <= count;
+      some_q <= count != 0;
       address_q <= first * 32'(stride_i);
       slot_q <= by_object ? first : '0;
     end
-    if (stop_i && !start_i) remaining_q <= 0;
-    if (rst_i) remaining_q <= 0;
+    if (rst_i || (stop_i && !start_i)) begin
+      remaining_q <= 0;
+      some_q <= 0;
+    end
   end
 `ifndef SYNTHESIS
   always_ff @(posedge clk_i)

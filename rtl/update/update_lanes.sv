@@ -16,6 +16,7 @@ module update_lanes #(
     parameter int LANES = 16,
     parameter int ROWS = 16,
     parameter int POINTS = 3,  // words stored beside T: CP and, with normals, n
+    parameter bit EARLY = 0,   // row_i and parity_i come in the cycle before valid_i too, and rows two cycles apart
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
@@ -104,20 +105,30 @@ module update_lanes #(
     assign f_old = 1'b0;
   end
 
+  // What is compared: with EARLY, it is read one cycle before.
+  logic [LANES-1:0][CW-1:0] t_kept;
+  logic [LANES-1:0][31:0] index_kept;
+  logic f_kept;
+  if (EARLY) begin : g_registers
+    always_ff @(posedge clk_i) {t_kept, index_kept, f_kept} <= {t_old, index_old, f_old};
+  end else begin : g_at_once
+    assign {t_kept, index_kept, f_kept} = {t_old, index_old, f_old};
+  end
+
   // Most rows have no hit, and need no comparison in simulation.
   always_comb begin
     better = '0;
     first_hit = '0;
     order = '0;
-    t_new = t_old;
+    t_new = t_kept;
     if (any_hit) begin
       for (int l = 0; l < LANES; l++) begin
-        first_hit[l] = hit[l][0] && (ALONE ? !f_old : index_old[l] == '1);
+        first_hit[l] = hit[l][0] && (ALONE ? !f_kept : index_kept[l] == '1);
         if (hit[l][0]) begin
-          order = order_of(t_value[l], t_old[l]);
+          order = order_of(t_value[l], t_kept[l]);
           if (mode_i == registers_pkg::MODE_ANY) better[l] = {CW{first_hit[l]}};
           else if (first_hit[l]) better[l] = '1;
-          else if (order[0]) better[l] = {CW{index_i < index_old[l]}};
+          else if (order[0]) better[l] = {CW{index_i < index_kept[l]}};
           else better[l] = {CW{order[1] == (mode_i == registers_pkg::MODE_NEAREST)}};
         end
         if (better[l][0]) t_new[l] = t_value[l];
@@ -132,7 +143,7 @@ module update_lanes #(
   always_comb begin
     index_new = {LANES{index_i}};
     if (!ALONE && any_hit)
-      for (int l = 0; l < LANES; l++) index_new[l] = better[l][0] ? index_i : index_old[l];
+      for (int l = 0; l < LANES; l++) index_new[l] = better[l][0] ? index_i : index_kept[l];
   end
 
   always_ff @(posedge clk_i) begin
