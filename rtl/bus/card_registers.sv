@@ -98,6 +98,7 @@ module card_registers #(
   // ---- The beat being served ----
   logic in_page_q;  // the beat is in the 4 KB of the registers, aligned; the others read 0
   logic within_q;   // the beat is in its memory, aligned
+  logic register_q;  // the beat is of a register
   logic valid_q, write_q, write_reg, read, allowed, in_stencil, command_ok;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
@@ -123,6 +124,8 @@ module card_registers #(
   always_ff @(posedge clk_bus_o) begin
     if (ready) begin
       within_q <= {32'd0, bus_i.addr} < end_of(bus_i.space) && bus_i.addr[2:0] == '0;
+      register_q <= bus_i.space == registers_pkg::SPACE_REG && bus_i.addr < registers_pkg::REG_END &&
+          bus_i.addr[2:0] == '0;
       valid_q <= bus_i.valid;
       write_q <= bus_i.write;
       space_q <= bus_i.space;
@@ -153,7 +156,7 @@ module card_registers #(
     allowed = 0;
     case (space_q)
       registers_pkg::SPACE_REG:
-        if (!write_q) allowed = addr_q < registers_pkg::REG_END;
+        if (!write_q) allowed = register_q;
         else
           case (addr_q)
             32'(registers_pkg::REG_CONTROL): allowed = 1;
@@ -201,7 +204,7 @@ module card_registers #(
   assign access_o = '{
       write: valid_q && ready && write_q && allowed,
       read: valid_q && !write_q,
-      hit: allowed,
+      hit: register_q,
       space: space_q,
       addr: addr_q,
       data: wdata_q};

@@ -108,7 +108,7 @@ module bvh_registers #(
     end
     if (access_i.read) begin
       answer_q <= '0;
-      if (access_i.hit && access_i.space == SPACE_REG) begin
+      if (access_i.hit) begin
         if (at_root) answer_q <= root_q[access_i.addr[4:3]];
         if (at_new_root) answer_q <= new_root_q[access_i.addr[6:3]];
         case (access_i.addr[11:0])
@@ -136,6 +136,6 @@ module bvh_registers #(
   assign events = {events_i.fetched, events_i.cached, events_i.secondaries, events_i.leaves, events_i.nodes};
   pass_counters #(.FIRST(registers_pkg::ENGINE_COUNTERS)) counters (
       .clk_i, .rst_i, .clear_i, .counts_i(events), .clk_bus_i, .read_i(access_i.read),
-      .hit_i(access_i.hit && access_i.space == SPACE_REG), .offset_i(access_i.addr[11:0]), .rdata_o(counts));
+      .hit_i(access_i.hit), .offset_i(access_i.addr[11:0]), .rdata_o(counts));
   assign rdata_o = answer_q | counts;
 endmodule

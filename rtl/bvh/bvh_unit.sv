@@ -327,7 +327,7 @@ module bvh_unit #(
           state_q <= FLUSH;
           fault_q <= bits_failed ? {registers_pkg::NODE_FAULT_NODE_BITS, 32'(failed_row)} :
               (traversal_fault != 0 && !refitting) ? {traversal_fault, 32'(traversal_place)} :
-              leaf_fault ? {leaf_fault_kind, leaf_place} : {registers_pkg::NODE_FAULT_ENDLESS, 32'(node_row[0])};
+              leaf_fault ? {leaf_fault_kind, leaf_place} : {registers_pkg::NODE_FAULT_ENDLESS, 32'(node_row_q[0])};
         end else if (finished_all) begin
           state_q <= IDLE;
           if (refitting && refit_bad) fault_q <= {registers_pkg::NODE_FAULT_SECONDARY, 32'(refit_bad_slot)};

@@ -122,9 +122,9 @@ module traversal #(
   } best_t;
   // A context gets a primary after its last result has been read. Of bests, a word that is written is not read from
   // memory in the same cycle (again_late_q).
-  (* ram_style = "block", no_rw_check *) logic [WORDS-1:0][31:0] rays[CONTEXTS];
-  (* ram_style = "block", no_rw_check *) logic [31:0] numbers[CONTEXTS];
-  (* ram_style = "block", no_rw_check *) best_t bests[CONTEXTS];
+  (* no_rw_check *) logic [WORDS-1:0][31:0] rays[CONTEXTS];
+  (* no_rw_check *) logic [31:0] numbers[CONTEXTS];
+  (* no_rw_check *) best_t bests[CONTEXTS];
 
   // ---- Ray input ----
   logic [CX:0] fresh_q;  // contexts that never had a primary

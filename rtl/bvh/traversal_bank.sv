@@ -73,9 +73,9 @@ module traversal_bank #(
   localparam int BANK = CX - CB;  // bits that select the bank
 
   // A context has one operation under way, so no place of fronts, groups and nexts is written while it is read.
-  (* ram_style = "block", no_rw_check *) logic [8:0][31:0] fronts[CONTEXTS];
-  (* ram_style = "block" *) logic [31:0] floors[CONTEXTS], limits[CONTEXTS];
-  (* ram_style = "block", no_rw_check *) group_t groups[CONTEXTS*LEVELS];
+  (* no_rw_check *) logic [8:0][31:0] fronts[CONTEXTS];
+  logic [31:0] floors[CONTEXTS], limits[CONTEXTS];
+  (* no_rw_check *) group_t groups[CONTEXTS*LEVELS];
   // Visited children of a group; not used for a fresh group, which has one.
   (* no_rw_check *) logic [3:0] nexts[CONTEXTS*LEVELS];
   always_ff @(posedge clk_i) begin
