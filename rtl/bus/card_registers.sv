@@ -96,106 +96,118 @@ module card_registers #(
       uncertain_q;
 
   // ---- The beat being served ----
+  // When an access is allowed: never, always, while no pass runs, with valid data, while records can be read.
+  typedef enum logic [2:0] {NEVER, ALWAYS, IDLE, VALID, READABLE} when_t;
+  when_t when_q;
   logic in_page_q;  // the beat is in the 4 KB of the registers, aligned; the others read 0
-  logic within_q;   // the beat is in its memory, aligned
-  logic register_q;  // the beat is of a register
-  logic valid_q, write_q, write_reg, read, allowed, in_stencil, command_ok;
+  logic of_control_q, of_ddr_q, of_primaries_q;  // the beat writes the control register, DDR, primaries
+  logic valid_q, write_q, write_reg, read, allowed, pops, command_ok;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
-  logic controls, pops, ddr_writes, ddr_allowed;  // the beat is such an access
   logic [63:0] wdata_q;
   registers_pkg::control_t control;
   assign control = wdata_q;
   logic unused_control;
   assign unused_control = &{1'b0, control.reserved};
+
+  localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * records_pkg::OBJECT_WORDS * CW / 8),
+      PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * records_pkg::OBJECT_WORDS * CW / 8);
+  function automatic bit in_stencil(input logic [31:3] addr);
+    in_stencil = addr[31:5] == 27'(registers_pkg::REG_STENCIL[11:5]) && 32'(addr[4:3]) < STENCILS;
+  endfunction
+  function automatic bit in_objects(input logic [31:0] addr);
+    in_objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && addr >= registers_pkg::OBJECT_TABLE &&
+        addr < registers_pkg::OBJECT_TABLE + OBJECT_BYTES) ||
+        (TRANSFORM == pairs_pkg::TRANSFORM_BOTH && addr >= registers_pkg::PRIM_OBJECT_TABLE &&
+            addr < registers_pkg::PRIM_OBJECT_TABLE + PRIM_OBJECT_BYTES);
+  endfunction
+  logic in_bvh;
+  assign in_bvh = TRAVERSAL_UNITS != 0 && addr_q >= 32'(registers_pkg::REG_ROOT) && addr_q < registers_pkg::REG_END;
+
+  // Memories and settings are not written while a pass runs.
+  function automatic when_t writes_register(input logic [31:0] addr);
+    bit present;
+    writes_register = IDLE;
+    present = 1;
+    case (addr)
+      32'(registers_pkg::REG_CONTROL): writes_register = ALWAYS;
+      32'(registers_pkg::REG_COMMAND), 32'(registers_pkg::REG_PRIM_COUNT), 32'(registers_pkg::REG_PRIM_SPLIT),
+          32'(registers_pkg::REG_ITERATIONS), 32'(registers_pkg::REG_SEC_FIRST),
+              32'(registers_pkg::REG_SEC_COUNT): present = 1;
+      32'(registers_pkg::REG_OBJECT_COUNT): present = TRANSFORM != pairs_pkg::TRANSFORM_NONE;
+      32'(registers_pkg::REG_NODE_COUNT), 32'(registers_pkg::REG_NODE_FIRST), 32'(registers_pkg::REG_SLOT_COUNT),
+          32'(registers_pkg::REG_RAY_COUNT), 32'(registers_pkg::REG_ROOT), 32'(registers_pkg::REG_ROOT) + 8,
+          32'(registers_pkg::REG_ROOT) + 16, 32'(registers_pkg::REG_ROOT) + 24: present = TRAVERSAL_UNITS != 0;
+      32'(registers_pkg::REG_NODE_BASE), 32'(registers_pkg::REG_SLOT_BASE): present = CONFIG.node_cache != 0;
+      32'(registers_pkg::REG_NODE_FLIP): present = TRAVERSAL_UNITS != 0 && ECC != 0;
+      32'(registers_pkg::REG_RAYS): begin
+        writes_register = VALID;
+        present = TRAVERSAL_UNITS != 0;
+      end
+      32'(registers_pkg::REG_PRIM_OBJECT_COUNT): present = TRANSFORM == pairs_pkg::TRANSFORM_BOTH;
+      default: present = in_stencil(addr[31:3]) || in_objects(addr);
+    endcase
+    if (!present) writes_register = NEVER;
+  endfunction
+  function automatic when_t when_allowed(input logic [registers_pkg::SPACE_BITS-1:0] space, input logic write,
+                                         input logic [31:0] addr);
+    when_allowed = NEVER;
+    case (space)
+      registers_pkg::SPACE_REG:
+        if (write) when_allowed = writes_register(addr);
+        else if (addr < registers_pkg::REG_END) when_allowed = ALWAYS;
+      registers_pkg::SPACE_PRIM: if (write && addr < PRIM_BYTES) when_allowed = IDLE;
+      registers_pkg::SPACE_DDR: if (write && {32'd0, addr} < DDR_BYTES) when_allowed = IDLE;
+      registers_pkg::SPACE_SRAM: if (!write) when_allowed = READABLE;
+      registers_pkg::SPACE_NODES: if (TRAVERSAL_UNITS != 0 && write && addr < NODE_BYTES) when_allowed = IDLE;
+      registers_pkg::SPACE_SLOTS:
+        if (TRAVERSAL_UNITS != 0 && CONFIG.node_cache == 0 && write && addr < SLOT_BYTES) when_allowed = IDLE;
+      registers_pkg::SPACE_RAYS:
+        if (TRAVERSAL_UNITS != 0 && write && addr < 32'(32 * CONFIG.ray_places)) when_allowed = ALWAYS;
+      default: when_allowed = NEVER;
+    endcase
+    if (addr[2:0] != '0) when_allowed = NEVER;
+  endfunction
+
+  // The beat is decoded as it is taken: the decoder would be in the paths of the answers.
   clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | go_o | abort_o | done_i | pose_done_i | rst_i),
       .clk_o(clk_bus_o));
-  // The end of a memory.
-  function automatic logic [63:0] end_of(input logic [registers_pkg::SPACE_BITS-1:0] space);
-    case (space)
-      registers_pkg::SPACE_PRIM: end_of = 64'(PRIM_BYTES);
-      registers_pkg::SPACE_DDR: end_of = DDR_BYTES;
-      registers_pkg::SPACE_NODES: end_of = 64'(NODE_BYTES);
-      registers_pkg::SPACE_SLOTS: end_of = 64'(SLOT_BYTES);
-      registers_pkg::SPACE_RAYS: end_of = 64'(32 * CONFIG.ray_places);
-      default: end_of = '1;
-    endcase
-  endfunction
   always_ff @(posedge clk_bus_o) begin
     if (ready) begin
-      within_q <= {32'd0, bus_i.addr} < end_of(bus_i.space) && bus_i.addr[2:0] == '0;
-      register_q <= bus_i.space == registers_pkg::SPACE_REG && bus_i.addr < registers_pkg::REG_END &&
-          bus_i.addr[2:0] == '0;
       valid_q <= bus_i.valid;
       write_q <= bus_i.write;
       space_q <= bus_i.space;
       addr_q <= bus_i.addr;
+      when_q <= when_allowed(bus_i.space, bus_i.write, bus_i.addr);
       in_page_q <= bus_i.space == registers_pkg::SPACE_REG && bus_i.addr[31:12] == '0 && bus_i.addr[2:0] == '0;
+      of_control_q <= bus_i.space == registers_pkg::SPACE_REG && bus_i.write &&
+          bus_i.addr == 32'(registers_pkg::REG_CONTROL);
+      of_ddr_q <= bus_i.space == registers_pkg::SPACE_DDR;
+      of_primaries_q <= bus_i.space == registers_pkg::SPACE_PRIM;
       wdata_q <= bus_i.wdata;
     end
     if (rst_i) valid_q <= 0;
   end
   assign addr_o = addr_q;
   assign wdata_o = wdata_q;
-
   logic [11:0] offset;
   assign offset = addr_q[11:0];
-  assign in_stencil = addr_q[31:5] == 27'(registers_pkg::REG_STENCIL[11:5]) && 32'(addr_q[4:3]) < STENCILS;
-
-  localparam logic [31:0] OBJECT_BYTES = 32'(OBJECTS * records_pkg::OBJECT_WORDS * CW / 8),
-      PRIM_OBJECT_BYTES = 32'(PRIM_OBJECTS * records_pkg::OBJECT_WORDS * CW / 8);
-  logic in_objects, in_bvh;
-  assign in_bvh = TRAVERSAL_UNITS != 0 && addr_q >= 32'(registers_pkg::REG_ROOT) && addr_q < registers_pkg::REG_END;
-  assign in_objects = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && addr_q >= registers_pkg::OBJECT_TABLE &&
-      addr_q < registers_pkg::OBJECT_TABLE + OBJECT_BYTES) ||
-      (TRANSFORM == pairs_pkg::TRANSFORM_BOTH && addr_q >= registers_pkg::PRIM_OBJECT_TABLE &&
-          addr_q < registers_pkg::PRIM_OBJECT_TABLE + PRIM_OBJECT_BYTES);
-
-  // Allowed accesses. Memories and settings are not written while a pass runs.
-  always_comb begin
-    allowed = 0;
-    case (space_q)
-      registers_pkg::SPACE_REG:
-        if (!write_q) allowed = register_q;
-        else
-          case (addr_q)
-            32'(registers_pkg::REG_CONTROL): allowed = 1;
-            32'(registers_pkg::REG_COMMAND), 32'(registers_pkg::REG_PRIM_COUNT), 32'(registers_pkg::REG_PRIM_SPLIT),
-                32'(registers_pkg::REG_ITERATIONS), 32'(registers_pkg::REG_SEC_FIRST),
-                    32'(registers_pkg::REG_SEC_COUNT): allowed = !busy_i;
-            32'(registers_pkg::REG_OBJECT_COUNT): allowed = TRANSFORM != pairs_pkg::TRANSFORM_NONE && !busy_i;
-            32'(registers_pkg::REG_NODE_COUNT), 32'(registers_pkg::REG_NODE_FIRST), 32'(registers_pkg::REG_SLOT_COUNT),
-                32'(registers_pkg::REG_RAY_COUNT), 32'(registers_pkg::REG_ROOT), 32'(registers_pkg::REG_ROOT) + 8,
-                32'(registers_pkg::REG_ROOT) + 16,
-                32'(registers_pkg::REG_ROOT) + 24: allowed = TRAVERSAL_UNITS != 0 && !busy_i;
-            32'(registers_pkg::REG_NODE_BASE),
-                32'(registers_pkg::REG_SLOT_BASE): allowed = CONFIG.node_cache != 0 && !busy_i;
-            32'(registers_pkg::REG_NODE_FLIP): allowed = TRAVERSAL_UNITS != 0 && ECC != 0 && !busy_i;
-            32'(registers_pkg::REG_RAYS): allowed = TRAVERSAL_UNITS != 0 && provided_good_i;
-            32'(registers_pkg::REG_PRIM_OBJECT_COUNT): allowed = TRANSFORM == pairs_pkg::TRANSFORM_BOTH && !busy_i;
-            default: allowed = (in_stencil || in_objects) && !busy_i;
-          endcase
-      registers_pkg::SPACE_PRIM: allowed = write_q && !busy_i;
-      registers_pkg::SPACE_DDR: allowed = write_q && ddr_allowed;
-      registers_pkg::SPACE_SRAM: allowed = !write_q && sram_readable_i;
-      registers_pkg::SPACE_NODES: allowed = TRAVERSAL_UNITS != 0 && write_q && !busy_i;
-      registers_pkg::SPACE_SLOTS: allowed = TRAVERSAL_UNITS != 0 && CONFIG.node_cache == 0 && write_q && !busy_i;
-      registers_pkg::SPACE_RAYS: allowed = TRAVERSAL_UNITS != 0 && write_q;
+  always_comb
+    case (when_q)
+      ALWAYS: allowed = 1;
+      IDLE: allowed = !busy_i;
+      VALID: allowed = provided_good_i;
+      READABLE: allowed = sram_readable_i;
       default: allowed = 0;
     endcase
-    allowed = allowed && within_q;
-  end
 
   logic [2:0] settle_q;  // cycles until the checks of the command are up to date
   logic waits;  // go or stop take effect
   always_ff @(posedge clk_bus_o) sram_last_o <= !busy_i;
-  assign controls = space_q == registers_pkg::SPACE_REG && write_q && addr_q == 32'(registers_pkg::REG_CONTROL);
-  assign ddr_allowed = !busy_i && within_q;
-  assign pops = space_q == registers_pkg::SPACE_SRAM && !write_q && sram_readable_i && within_q;
-  assign ddr_writes = space_q == registers_pkg::SPACE_DDR && write_q && ddr_allowed;
+  assign pops = when_q == READABLE && sram_readable_i;
   assign waits = go_o || abort_o;
   assign ready = !(valid_q && (waits || (pops && !sram_valid_i) ||
-      (ddr_write_o && !ddr_ready_i) || (controls && (objects_busy_i || settle_q != 0))));
+      (ddr_write_o && !ddr_ready_i) || (of_control_q && (objects_busy_i || settle_q != 0))));
   always_ff @(posedge clk_bus_o)
     if (rst_i || access_o.write) settle_q <= 3'd4;
     else if (settle_q != 0) settle_q <= settle_q - 1'b1;
@@ -204,13 +216,13 @@ module card_registers #(
   assign access_o = '{
       write: valid_q && ready && write_q && allowed,
       read: valid_q && !write_q,
-      hit: register_q,
+      hit: in_page_q,
       space: space_q,
       addr: addr_q,
       data: wdata_q};
-  assign object_write_o = write_reg && in_objects;
-  assign prim_write_o = valid_q && !waits && write_q && !busy_i && within_q && space_q == registers_pkg::SPACE_PRIM;
-  assign ddr_write_o = valid_q && !waits && ddr_writes;
+  assign object_write_o = write_reg && in_objects(addr_q);
+  assign prim_write_o = valid_q && !waits && of_primaries_q && when_q == IDLE && !busy_i;
+  assign ddr_write_o = valid_q && !waits && of_ddr_q && when_q == IDLE && !busy_i;
   assign sram_pop_o = valid_q && !waits && pops && sram_valid_i;
 
   // End of the secondaries in DDR. The checks of the command take four cycles after a write (settle_q).
@@ -270,8 +282,8 @@ module card_registers #(
   assign secondaries_ok = object_count_q != 0 || (sec_count_q != 0 && sec_end_q <= DDR_BYTES);
   // Registers: the paths from the bus into the units would be long.
   always_ff @(posedge clk_bus_o) begin
-    go_o <= !rst_i && valid_q && ready && controls && control.go && command_ok;
-    abort_o <= !rst_i && valid_q && ready && controls && control.stop;
+    go_o <= !rst_i && valid_q && ready && of_control_q && control.go && command_ok;
+    abort_o <= !rst_i && valid_q && ready && of_control_q && control.stop;
   end
   always_comb begin
     pass_o.unit = (TRAVERSAL_UNITS != 0 && command_q.bvh) ? card_pkg::UNIT_BVH : card_pkg::UNIT_ENGINE;
@@ -385,11 +397,11 @@ module card_registers #(
         registers_pkg::REG_UNCERTAIN: rdata_q <= uncertain_q;
         registers_pkg::REG_ECC: rdata_q <= ecc_q;
         registers_pkg::REG_WRITEBACK: rdata_q <= writeback_q;
-        default: rdata_q <= in_stencil ? stencil_q[64*32'(offset[4:3])+:64] : '0;
+        default: rdata_q <= in_stencil(addr_q[31:3]) ? stencil_q[64*32'(offset[4:3])+:64] : '0;
       endcase
     end
 
-    if (write_reg && !in_objects && !in_bvh) begin
+    if (write_reg && !in_objects(addr_q) && !in_bvh) begin
       case (offset)
         registers_pkg::REG_COMMAND: command_q <= wdata_q & registers_pkg::COMMAND_BITS;
         registers_pkg::REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];

@@ -45,7 +45,7 @@ package card_pkg;
   typedef struct packed {
     logic write;
     logic read;  // also in the cycles in which it waits
-    logic hit;  // the beat is of a register
+    logic hit;  // the beat is in the 4 KB of the registers
     logic [2:0] space;
     logic [31:0] addr;
     logic [63:0] data;
