@@ -20,6 +20,7 @@ Board open_fpga_card(std::uint32_t latency) {
   BoardConfig config = gates_config();
   config.transform = Transformer::kNone;
   config.shared_lane = 8;
+  config.contexts = 16;
   OpenOptions options;
   options.file = model_path("fpga_card", config.parameters());
   options.config_hash = model_hash("fpga_card", config.parameters());

@@ -9,8 +9,8 @@ PORTS = (("input", 1, "clk_i"), ("input", 1, "rst_i"), ("input", 1, "bus_valid_i
          ("output", 64, "bus_rdata_o"), ("output", 1, "irq_o"), ("output", 1, "memory_access_o"), ("output", 1, "memory_write_o"),
          ("output", 32, "memory_addr_o"), ("output", 16, "memory_data_o"), ("input", 1, "memory_ready_i"), ("input", 1, "memory_valid_i"),
          ("input", 16, "memory_data_i"))
-# A lane that takes a row per eight cycles, a traversal unit with few contexts, memories that fit on the FPGA, and 8 MB behind the port.
-PARAMETERS = {"BOX": 1, "NODE_CYCLES": 2, "NODE_CACHE": 512, "NODE_WAYS": 4, "PINNED_NODES": 512, "CONTEXTS": 64, "SHARED_LANE": 8, "RAY_PLACES": 512,
+# A lane that takes a row per eight cycles, a traversal unit with the fewest contexts, memories that fit on the FPGA, and 8 MB behind the port.
+PARAMETERS = {"BOX": 1, "NODE_CYCLES": 2, "NODE_CACHE": 512, "NODE_WAYS": 4, "PINNED_NODES": 512, "CONTEXTS": 16, "SHARED_LANE": 8, "RAY_PLACES": 512,
               "TRAVERSAL_UNITS": 1, "LANES": 1, "PRIMARIES": 64, "SRAM_RECORDS": 512, "NODES": 65536, "DDR_SLOTS": 233016}
 
 

@@ -114,8 +114,8 @@ def script(design):
 
 def route(design):
     """Options of place and route."""
-    # The default router does not end on a full FPGA.
-    return targets.TARGETS[design.target].route + (("--router", "router2") if design.card else ())
+    # On a full FPGA, the default router does not end, and the default placer needs longer wires.
+    return targets.TARGETS[design.target].route + (("--placer", "static", "--router", "router2") if design.card else ())
 
 
 def flow_text(design):
