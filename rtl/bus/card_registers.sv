@@ -99,6 +99,7 @@ module card_registers #(
   // When an access is allowed: never, always, while no pass runs, with valid data, while records can be read.
   typedef enum logic [2:0] {NEVER, ALWAYS, IDLE, VALID, READABLE} when_t;
   when_t when_q;
+  logic checked_q, good_q;  // of VALID: one cycle later, whether the data are valid
   logic in_page_q;  // the beat is in the 4 KB of the registers, aligned; the others read 0
   logic of_control_q, of_ddr_q, of_primaries_q;  // the beat writes the control register, DDR, primaries
   logic valid_q, write_q, write_reg, read, allowed, pops, command_ok;
@@ -186,6 +187,7 @@ module card_registers #(
       of_primaries_q <= bus_i.space == registers_pkg::SPACE_PRIM;
       wdata_q <= bus_i.wdata;
     end
+    {checked_q, good_q} <= {valid_q && when_q == VALID && !ready, provided_good_i};
     if (rst_i) valid_q <= 0;
   end
   assign addr_o = addr_q;
@@ -196,7 +198,7 @@ module card_registers #(
     case (when_q)
       ALWAYS: allowed = 1;
       IDLE: allowed = !busy_i;
-      VALID: allowed = provided_good_i;
+      VALID: allowed = good_q;
       READABLE: allowed = sram_readable_i;
       default: allowed = 0;
     endcase
@@ -206,7 +208,7 @@ module card_registers #(
   always_ff @(posedge clk_bus_o) sram_last_o <= !busy_i;
   assign pops = when_q == READABLE && sram_readable_i;
   assign waits = go_o || abort_o;
-  assign ready = !(valid_q && (waits || (pops && !sram_valid_i) ||
+  assign ready = !(valid_q && (waits || (when_q == VALID && !checked_q) || (pops && !sram_valid_i) ||
       (ddr_write_o && !ddr_ready_i) || (of_control_q && (objects_busy_i || settle_q != 0))));
   always_ff @(posedge clk_bus_o)
     if (rst_i || access_o.write) settle_q <= 3'd4;

@@ -55,7 +55,7 @@
 `define NODE_T_RAY(CYCLES) (`NODE_T_INT(CYCLES) + `NODE_T_ORDER)
 `define NODE_T_SOLID (`NODE_T_DISTANCES + 1 + `NODE_T_ORDER)
 // Output of key_limit.sv.
-`define NODE_T_LIMIT (`TIME_T_STEPS + 1)
+`define NODE_T_LIMIT (`TIME_T_STEPS + 2)
 
 // The children of a node that a primary hits, in the order of visits. Rays have keys of 12 bits, relative to a T of the
 // node. Solids have keys of 16 bits, the upper half of a number.

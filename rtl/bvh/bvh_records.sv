@@ -72,7 +72,7 @@ module bvh_records #(
       hit = '{number: hit_number_i, t: hit_t_i[l], point: '0, index: hit_index_i[l]};
       for (int k = 0; k < POINTS; k++) hit.point[k] = hit_point_i[k][l];
     end
-    sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH)) queue (
+    sync_fifo #(.W($bits(hit_t)), .DEPTH(DEPTH), .LATE(1)) queue (
         .clk_i, .rst_i, .write_i(hit_i[l]), .wdata_i(hit), .free_o(free[l]), .count_o(), .some_o(some[l]),
         .rdata_o(waiting[l]), .read_i(read[l]));
   end

@@ -51,7 +51,8 @@ module key_limit #(
     logic [SW:0] first;
     assign first = farthest_i ? -({steps[SW-1], steps} + (SW + 1)'(inexact)) : {steps[SW-1], steps};
     // Limited to signed KEY bits. The sign is inverted: keys are unsigned.
-    assign limit_o = (first[SW:KEY-1] != {(SW - KEY + 2) {first[SW]}}) ? {KEY{!first[SW]}} :
-        {!first[KEY-1], first[KEY-2:0]};
+    always_ff @(posedge clk_i)
+      limit_o <= (first[SW:KEY-1] != {(SW - KEY + 2) {first[SW]}}) ? {KEY{!first[SW]}} :
+          {!first[KEY-1], first[KEY-2:0]};
   end
 endmodule

@@ -221,7 +221,7 @@ module leaf_pairs #(
       logic unused_bit;
       row_history #(.W(1), .DEPTH(DEPTH), .REGISTERS(2)) history (
           .clk_i, .rst_i, .latency_i(rest), .valid_i(taken_q), .d_i(1'b0), .valid_o(next_valid), .q_o(unused_bit));
-      sync_fifo #(.W($bits(entry)), .DEPTH(INSIDE)) entries (
+      sync_fifo #(.W($bits(entry)), .DEPTH(INSIDE), .LATE(1)) entries (
           .clk_i, .rst_i, .write_i(taken_q), .wdata_i(entry), .free_o(), .count_o(), .some_o(), .rdata_o(next_entry),
           .read_i(next_valid));
     end else begin : g_late_entry

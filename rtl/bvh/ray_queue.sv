@@ -101,7 +101,7 @@ module ray_queue #(
   assign bad = ((TRAVERSALS & (TRAVERSALS - 1)) == 0) ? bad_of != '0 :
       bad_of[bvh_pkg::traverser_shape(int'(traversal_i))];
   pipe_delay_valid #(.TO(T_CHECK)) delay_requested (.clk_i, .rst_i, .valid_i(requested_q), .valid_o(checked));
-  sync_fifo #(.W((1 + WORDS) * 32), .DEPTH(DEPTH)) queue (
+  sync_fifo #(.W((1 + WORDS) * 32), .DEPTH(DEPTH), .LATE(1)) queue (
       .clk_i, .rst_i, .write_i(requested_q), .wdata_i({number_q, ray_q}), .free_o(), .count_o(), .some_o(),
       .rdata_o({number_o, ray_o}), .read_i(pop_i));
   sync_fifo #(.W(1), .DEPTH(DEPTH)) queue_checked (

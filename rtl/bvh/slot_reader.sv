@@ -130,7 +130,7 @@ module slot_reader #(
     sync_fifo #(.W($bits(leaf_t)), .DEPTH(DEPTH)) queue_waiting (
         .clk_i, .rst_i(rst), .write_i(last_asked), .wdata_i({asking_slot_q, asking_tag_q}), .free_o(), .count_o(),
         .some_o(), .rdata_o(waiting), .read_i(whole));
-    sync_fifo #(.W($bits(leaf_t) + 128), .DEPTH(DEPTH)) queue_arrived (
+    sync_fifo #(.W($bits(leaf_t) + 128), .DEPTH(DEPTH), .LATE(1)) queue_arrived (
         .clk_i, .rst_i(rst), .write_i(whole),
         .wdata_i({waiting, ddr_data_i[1:0], objects ? first_q : ddr_data_i[1:0]}), .free_o(), .count_o(), .some_o(some),
         .rdata_o({head, slot_objects, indices}), .read_i(leave));

@@ -3,7 +3,7 @@
 // context visits the first hit child at once, and the others wait on its stack. It takes the next child from the stack
 // when a leaf has been tested or a node had no hit. With ahead_i it does so when a leaf has been sent.
 // For rays, a choice compares the child's key with key_limit.sv.
-// Latency per visit: the node reader's, and NODE_T_RAY + 2 cycles (bvh.svh) or NODE_T_SOLID + 2. Per choice:
+// Latency per visit: the node reader's, and NODE_T_RAY + 3 cycles (bvh.svh) or NODE_T_SOLID + 3. Per choice:
 // NODE_T_LIMIT + 2 for rays, 3 for solids, 2 for primaries that have finished.
 // Throughput: one node per CYCLES cycles, and one choice per cycle.
 // Stall: leaf_ready_i and done_ready_i only. Contexts wait in queues that hold all of them.
@@ -163,16 +163,17 @@ module traversal_bank #(
   pipe_delay_valid #(.TO(T_SOLID)) delay_solid (.clk_i, .rst_i, .valid_i(visit_valid_q), .valid_o(solid_valid));
   assign group_valid = solid_i ? solid_valid : ray_valid;
 
-  logic group_some, group_push, first_is_node;
-  at_t group_at;
-  logic [2:0] first;
-  logic [1:0] first_kind;
+  // The first child's kind, and one cycle later its place.
+  logic group_some_q, group_push, first_is_node;
+  at_t group_at, group_at_q;
+  logic [2:0] first, first_q;
+  logic [1:0] first_kind, first_kind_q;
+  logic [2*CHILDREN-1:0] kinds_q;
+  logic [PLACE-1:0] first_base_q;  // place of the first child of the same kind
   logic [2*CHILDREN-3:0] behind_first;
-  assign group_some = group_valid && group.count != 0;
   assign group_push = group_valid && group.count > 1;
   assign first = group.order[0];
   assign {behind_first, first_kind} = group.kinds >> {first, 1'b0};
-  assign first_is_node = first_kind == KIND_NODE;
   always_comb begin
     group_at = met_at;
     if (group.count > 1) begin
@@ -180,16 +181,22 @@ module traversal_bank #(
       group_at.fresh[met_at.level[LW-1:0]] = 1'b1;
     end
   end
+  always_ff @(posedge clk_i) begin
+    group_some_q <= group_valid && group.count != 0 && !rst_i;
+    {group_at_q, first_q, first_kind_q, kinds_q} <= {group_at, first, first_kind, group.kinds};
+    first_base_q <= (first_kind == KIND_NODE) ? group.node : group.slot;
+  end
+  assign first_is_node = first_kind_q == KIND_NODE;
   always_ff @(posedge clk_i) if (group_push) groups[{met_at.context_[CX-1:BANK], met_at.level[LW-1:0]}] <= group;
   assign missed_write = group_valid && group.count == 0;
   assign missed_in = met_at;
   assign nearer_in = '{
-      at: group_at,
-      place: (first_is_node ? group.node : group.slot) + PLACE'(ahead(group.kinds, first)),
-      two: first_kind == KIND_TWO};
+      at: group_at_q,
+      place: first_base_q + PLACE'(ahead(kinds_q, first_q)),
+      two: first_kind_q == KIND_TWO};
   assign first_leaves_in = nearer_in;
-  assign nearer_write = group_some && first_is_node;
-  assign first_leaves_write = group_some && !first_is_node;
+  assign nearer_write = group_some_q && first_is_node;
+  assign first_leaves_write = group_some_q && !first_is_node;
 
   // ---- The next child of the top group ----
   at_t choice, choice_q;

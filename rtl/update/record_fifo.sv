@@ -3,7 +3,7 @@
 // lanes in ascending order. Credits reserve room: `credit_o` counts the rows that have left, so the input port never
 // overfills the FIFO. The module record_lanes holds T and CP beside the lanes. This module has the control and one bit
 // per lane.
-// Latency: 1 cycle.
+// Latency: 2 cycles, so that no word is read as it is written.
 // Throughput: one row in, one record out per cycle.
 // Stall: holds its output while ready_i is low.
 module record_fifo #(
@@ -31,9 +31,9 @@ module record_fifo #(
     output logic [AW-1:0] head_o,
     output card_pkg::streamed_t streamed_o
 );
-  logic [AW:0] write_q, read_q;
+  logic [AW:0] write_q, written_q, read_q;  // written_q: rows that can be read
   logic [ROW_W-1:0] row_mem[DEPTH];
-  logic [31:0] index_mem[DEPTH];
+  (* no_rw_check *) logic [31:0] index_mem[DEPTH];
   logic [LANES-1:0] want_mem[DEPTH], f_mem[DEPTH], bad_mem[DEPTH];
 
   logic [LANES-1:0] want, done_q, pending, lowest;
@@ -46,10 +46,10 @@ module record_fifo #(
   assign empty_o = write_q == read_q;
   assign pending = want_mem[head_o] & ~done_q;
   priority_encoder #(.N(LANES)) first (.set_i(pending), .first_o(lowest), .index_o(lane));
-  assign emit = !empty_o && ready_i;
+  assign emit = streamed_o.valid && ready_i;
   assign leave = emit && (pending & ~lowest) == 0;
   assign credit_o = 2'(leave) + 2'(push_i && !keep_o);
-  assign streamed_o.valid = !empty_o;
+  assign streamed_o.valid = written_q != read_q;
   assign streamed_o.bad = bad_mem[head_o][lane];
   assign streamed_o.f = f_mem[head_o][lane];
   assign streamed_o.index = index_mem[head_o];
@@ -67,8 +67,9 @@ module record_fifo #(
     end
     if (emit) done_q <= leave ? '0 : done_q | lowest;
     if (leave) read_q <= read_q + 1;
+    written_q <= write_q;
     if (rst_i) begin
-      {write_q, read_q} <= '0;
+      {write_q, written_q, read_q} <= '0;
       done_q <= '0;
     end
   end

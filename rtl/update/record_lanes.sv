@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Data of record_fifo in one lane group: T, CP and, with normals, n of the rows in the FIFO.
-// Latency: 1 cycle.
+// Latency: 2 cycles: a row that is written is not read in the same cycle.
 // Throughput: one row written and one lane read per cycle.
 // Stall: none.
 module record_lanes #(
@@ -23,14 +23,14 @@ module record_lanes #(
     output logic [POINTS-1:0][CW-1:0] point_o
 );
   /*verilator inline_module*/
-  logic [LANES-1:0][CW-1:0] t_mem[DEPTH];
+  (* no_rw_check *) logic [LANES-1:0][CW-1:0] t_mem[DEPTH];
   always_ff @(posedge clk_i) if (push_i) t_mem[write_i] <= t_i;
   always_comb begin  // not a ternary, so that simulation reads the row only if needed
     t_o = '0;
     if (read_i) t_o = t_mem[head_i][lane_i];
   end
   for (genvar k = 0; k < POINTS; k++) begin : point
-    logic [LANES-1:0][CW-1:0] mem[DEPTH];
+    (* no_rw_check *) logic [LANES-1:0][CW-1:0] mem[DEPTH];
     always_ff @(posedge clk_i) if (push_i) mem[write_i] <= point_i[k];
     always_comb begin
       point_o[k] = '0;

@@ -130,7 +130,7 @@ TEST(NodeBoxesInt, TwoCyclesPerNode_EqualTheReference) {
 /// Limits for T of any size, and for T whose keys are a few units from a whole number.
 template <class Module>
 void expect_key_limits(std::size_t count) {
-  constexpr unsigned kLatency = 6;
+  constexpr unsigned kLatency = 7;
   Clocked<Module> module;
   module->valid_i = 1;
   hard::Draw draw(5);
