@@ -152,7 +152,11 @@ module bvh_unit #(
       .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_RAYS), .addr_i(access_i.addr),
       .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .traversal_i(traversal_q), .provided_i(provided),
       .taken_o(taken), .valid_o(ray_valid), .ray_o(ray), .number_o(ray_number), .bad_o(ray_bad), .pop_i(ray_pop));
-  assign ray_pop = ray_valid && (ray_bad ? bad_ready : ray_ready);
+  // A bad primary leaves the queue one cycle after its record.
+  logic bad_now, bad_gone_q;
+  assign bad_now = ray_valid && ray_bad && !bad_gone_q;
+  always_ff @(posedge clk) bad_gone_q <= bad_now && bad_ready && !rst;
+  assign ray_pop = ray_valid && (ray_bad ? bad_gone_q : ray_ready);
 
   // ---- Traversal ----
   card_pkg::ddr_request_t [UNITS-1:0] node_ddr;
@@ -273,7 +277,7 @@ module bvh_unit #(
       .leaf_i(fetch_valid && fetch_ready), .leaf_tested_i(tested), .hit_i(hit), .hit_number_i(hit_number),
       .hit_t_i(hit_t), .hit_point_i(hit_point), .hit_index_i(hit_index), .valid_i(record_valid), .ready_o(record_ready),
       .number_i(number), .found_i(found), .f_i(f), .t_i(t), .point_i(point), .index_i(best_index),
-      .bad_valid_i(ray_valid && ray_bad), .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i,
+      .bad_valid_i(bad_now), .bad_ready_o(bad_ready), .bad_number_i(ray_number), .sram_full_i,
       .sram_nearly_full_i, .write_o, .record_o, .finished_o(finished), .empty_o(records_empty));
 
   // ---- Invalid BVHs. In a valid BVH, a primary finishes before it has read every node once. A refit writes

@@ -60,12 +60,13 @@ module node_reader #(
     second_q <= valid_o && !rst_i && !clear_i;
     if (!busy) place_q <= place_o;
   end
-  assign chip_at_o = busy ? place_q : place_o;
+  logic [PLACE-1:0] place_now;  // of a node on chip
+  assign chip_at_o = busy ? place_q : place_now;
 
   if (LINES == 0) begin : g_on_chip
     assign ready_o = !busy;
     assign valid_o = valid_i && !busy;
-    assign {at_o, place_o} = {at_i, place_i};
+    assign {at_o, place_o, place_now} = {at_i, place_i, place_i};
     assign node_o = chip_node_i;
     assign chip_read_o = valid_o;
     assign ddr_o = '0;
@@ -263,6 +264,7 @@ module node_reader #(
     assign valid_o = !busy && (arrived || reading.valid);
     assign read = serve ? head_q : reading;
     assign {at_o, place_o} = {read.at, read.place};
+    assign place_now = reading.place;  // a visit that has waited is of a cached node
     assign cached_o = valid_o && read.cached;
     assign chip_read_o = valid_o && !read.cached;
     assign line_now = busy ? line_q : read.line;
