@@ -205,18 +205,20 @@ module card_registers #(
 
   logic [2:0] settle_q;  // cycles until the checks of the command are up to date
   logic waits;  // go or stop take effect
+  logic stays;  // the beat is a write that waits
   always_ff @(posedge clk_bus_o) sram_last_o <= !busy_i;
   assign pops = when_q == READABLE && sram_readable_i;
   assign waits = go_o || abort_o;
-  assign ready = !(valid_q && (waits || (when_q == VALID && !checked_q) || (pops && !sram_valid_i) ||
-      (ddr_write_o && !ddr_ready_i) || (of_control_q && (objects_busy_i || settle_q != 0))));
+  assign stays = waits || (when_q == VALID && !checked_q) || (ddr_write_o && !ddr_ready_i) ||
+      (of_control_q && (objects_busy_i || settle_q != 0));
+  assign ready = !(valid_q && (stays || (pops && !sram_valid_i)));
   always_ff @(posedge clk_bus_o)
     if (rst_i || access_o.write) settle_q <= 3'd4;
     else if (settle_q != 0) settle_q <= settle_q - 1'b1;
   assign read = valid_q && ready && !write_q;
-  assign write_reg = valid_q && ready && write_q && allowed && space_q == registers_pkg::SPACE_REG;
+  assign write_reg = valid_q && !stays && write_q && allowed && space_q == registers_pkg::SPACE_REG;
   assign access_o = '{
-      write: valid_q && ready && write_q && allowed,
+      write: valid_q && !stays && write_q && allowed,
       read: valid_q && !write_q,
       hit: in_page_q,
       space: space_q,
@@ -284,8 +286,8 @@ module card_registers #(
   assign secondaries_ok = object_count_q != 0 || (sec_count_q != 0 && sec_end_q <= DDR_BYTES);
   // Registers: the paths from the bus into the units would be long.
   always_ff @(posedge clk_bus_o) begin
-    go_o <= !rst_i && valid_q && ready && of_control_q && control.go && command_ok;
-    abort_o <= !rst_i && valid_q && ready && of_control_q && control.stop;
+    go_o <= !rst_i && valid_q && !stays && of_control_q && control.go && command_ok;
+    abort_o <= !rst_i && valid_q && !stays && of_control_q && control.stop;
   end
   always_comb begin
     pass_o.unit = (TRAVERSAL_UNITS != 0 && command_q.bvh) ? card_pkg::UNIT_BVH : card_pkg::UNIT_ENGINE;

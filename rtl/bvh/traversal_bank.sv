@@ -192,7 +192,7 @@ module traversal_bank #(
   assign missed_in = met_at;
   assign nearer_in = '{
       at: group_at_q,
-      place: first_base_q + PLACE'(ahead(kinds_q, first_q)),
+      place: first_base_q + PLACE'(ahead(kinds_q, first_q, first_is_node)),
       two: first_kind_q == KIND_TWO};
   assign first_leaves_in = nearer_in;
   assign nearer_write = group_some_q && first_is_node;
@@ -267,7 +267,7 @@ module traversal_bank #(
     {child.at, child.next, child.last} = {picked_q.at, picked_q.next, picked_q.last};
     {behind_child, child.kind} = picked_q.kinds >> {picked_q.number, 1'b0};
     child.place = (child.kind == KIND_NODE ? picked_q.node : picked_q.slot) +
-        PLACE'(ahead(picked_q.kinds, picked_q.number));
+        PLACE'(ahead(picked_q.kinds, picked_q.number, child.kind == KIND_NODE));
     child.key = picked_q.keys[picked_q.number];
     child.beyond = SOLIDS != 0 && ordered({16'(child.key), 16'd0}) > ordered(picked_q.limit);
   end

@@ -130,13 +130,13 @@ package bvh_pkg;
     half = x[31:16] + 16'(x[15:0] != 0 && x[31]);
   endfunction
 
-  // Number of nodes, or of leaf secondaries, that the children before i have: the offset from the first one. With nodes
-  // cleared, a kind has as many bits set as the leaf has secondaries.
-  function automatic logic [3:0] ahead(input logic [CHILDREN-1:0][1:0] kinds, input logic [2:0] i);
+  // Number of nodes, or of leaf secondaries, that the children before i have: the offset from the first one. `node` is
+  // whether child i is a node. With nodes cleared, a kind has as many bits set as the leaf has secondaries.
+  function automatic logic [3:0] ahead(input logic [CHILDREN-1:0][1:0] kinds, input logic [2:0] i, input bit node);
     logic [2*CHILDREN-1:0] low, high, counted;
     low = kinds & {CHILDREN{2'b01}};
     high = (kinds >> 1) & {CHILDREN{2'b01}};
-    counted = (kinds[i] == KIND_NODE) ? low & ~high : kinds & {high[2*CHILDREN-2:0], 1'b0} | low & high;
+    counted = node ? low & ~high : kinds & {high[2*CHILDREN-2:0], 1'b0} | low & high;
     ahead = 4'($countones(counted & ~('1 << {i, 1'b0})));
   endfunction
 endpackage
