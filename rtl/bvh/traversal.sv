@@ -120,8 +120,8 @@ module traversal #(
     logic [POINTS-1:0][31:0] point;
     logic [31:0] index;
   } best_t;
-  // A context gets a primary after its last result has been read. Of bests, a word that is written is not read from
-  // memory in the same cycle (again_late_q).
+  // A context gets a primary after its last result has been read. A word of `bests` that is written is not used in the
+  // same cycle (again_late_q).
   (* no_rw_check *) logic [WORDS-1:0][31:0] rays[CONTEXTS];
   (* no_rw_check *) logic [31:0] numbers[CONTEXTS];
   (* no_rw_check *) best_t bests[CONTEXTS];

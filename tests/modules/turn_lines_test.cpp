@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Delay lines and dividers for values that come once per 2, 4 or 8 cycles, against those for values of every cycle.
+// Delay lines and dividers for values that come once per 2, 4 or 8 cycles, against those for values
+// of every cycle.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -11,8 +12,8 @@
 namespace cde::testing {
 namespace {
 
-/// Random words, or words of a format with 2 to 4 bits of sign and exponent at their ends: zeros, subnormals,
-/// infinities and NaN.
+/// Random words, or words of a format with 2 to 4 bits of sign and exponent at their ends: zeros,
+/// subnormals, infinities and NaN.
 std::uint64_t operand(std::mt19937_64& engine) {
   const std::uint64_t random = engine();
   constexpr std::array<std::uint64_t, 6> kEnds{0,
