@@ -101,7 +101,7 @@ module card_registers #(
   when_t when_q;
   logic checked_q, good_q;  // of VALID: one cycle later, whether the data are valid
   logic in_page_q;  // the beat is in the 4 KB of the registers, aligned; the others read 0
-  logic of_control_q, of_ddr_q, of_primaries_q;  // the beat writes the control register, DDR, primaries
+  logic of_control_q, of_ddr_q, of_primaries_q;  // the beat writes the control register, a word of DDR, a primary
   logic valid_q, write_q, write_reg, read, allowed, pops, command_ok;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;

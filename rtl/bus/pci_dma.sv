@@ -94,8 +94,7 @@ module pci_dma (
   assign flush = state_q == FLUSH && outstanding_q == 0;
   sync_fifo #(.W(64), .DEPTH(DEPTH)) inbound (
       .clk_i, .rst_i, .write_i(rvalid_i && data_read), .wdata_i(rdata_i), .free_o(in_free), .count_o(),
-      .some_o(in_some),
-      .rdata_o(in_head), .read_i(local_valid_o && local_ready_i && local_write_o));
+      .some_o(in_some), .rdata_o(in_head), .read_i(local_valid_o && local_ready_i && local_write_o));
   sync_fifo #(.W(64), .DEPTH(DEPTH)) outbound (
       .clk_i, .rst_i(rst_i | flush), .write_i(local_rvalid_i), .wdata_i(local_rdata_i), .free_o(out_free),
       .count_o(out_count), .some_o(), .rdata_o(out_head), .read_i(wpop_i && data_read));

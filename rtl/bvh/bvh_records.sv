@@ -99,6 +99,14 @@ module bvh_records #(
   assign ready_o = record_ready && some == 0;
   assign bad_ready_o = ready_o && !valid_i;
   assign take = valid_i && ready_o;
+`ifndef SYNTHESIS
+  logic [LANES-1:0] hidden;  // hits that are written and cannot be read yet
+  for (genvar l = 0; l < LANES; l++) begin : unread
+    assign hidden[l] = free[l] != (DW + 1)'(DEPTH) && !some[l];
+  end
+  always_ff @(posedge clk_i)
+    if (!rst_i) assert (!(take && hits && hidden != '0)) else $error("bvh_records: a primary's end overtakes its hit");
+`endif
   assign take_bad = bad_valid_i && bad_ready_o;
   assign finished_o = take || take_bad;
   assign empty_o = some == 0 && !write_o && !second_q;

@@ -267,6 +267,11 @@ module bvh_unit #(
         .fetch_ready_i(leaf_ready && refitting), .fetch_slot_o(refit_slot), .fetch_tag_o(refit_tag),
         .fetched_valid_i(fetched_valid && refitting), .fetched_tag_i(fetched_tag[REFIT_TAG-1:0]),
         .fetched_i(triangles));
+`ifndef SYNTHESIS
+    always_ff @(posedge clk_refit)
+      if (!refit_rst) assert (!(refit_write && refit_read && refit_read_at == refit_write_at)) else
+          $error("bvh_unit: a node is read and written at once");
+`endif
   end
   logic unused;
   assign unused = &{1'b0, refit_busy, refit_read_at, first_node};

@@ -32,8 +32,7 @@ module leaf_queue #(
   logic [DW:0] outstanding_q;
   sync_fifo #(.W(1 + TAG + 32 * WORDS + 32), .DEPTH(DEPTH), .LATE(1)) queue (
       .clk_i, .rst_i, .write_i(valid_i), .wdata_i({last_i, tag_i, words_i, index_i}), .free_o(), .count_o(),
-      .some_o(some),
-      .rdata_o({last_o, tag_o, words_o, index_o}), .read_i(valid_o));
+      .some_o(some), .rdata_o({last_o, tag_o, words_o, index_o}), .read_i(valid_o));
   assign valid_o = some && turn_i == 3'(TURNS - 1);
   assign room_o = outstanding_q <= (DW + 1)'(DEPTH - 2);
   always_ff @(posedge clk_i)

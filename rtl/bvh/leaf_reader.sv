@@ -201,7 +201,13 @@ module leaf_reader #(
   assign index_o = first_q ? {index_now, first_index_q} : {2{index_now}};
 
 `ifndef SYNTHESIS
-  always_ff @(posedge clk_i)
-    if (!rst_i) assert (!(ddr_valid_i && outstanding == 0)) else $error("leaf_reader: data without a request");
+  logic requested_q;
+  always_ff @(posedge clk_i) begin
+    requested_q <= whole_requested;
+    if (!rst_i) begin
+      assert (!(ddr_valid_i && outstanding == 0)) else $error("leaf_reader: data without a request");
+      assert (!(valid && requested_q && outstanding == 1)) else $error("leaf_reader: data in one cycle");
+    end
+  end
 `endif
 endmodule

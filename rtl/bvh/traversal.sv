@@ -448,4 +448,9 @@ module traversal #(
     end
   end
   always_ff @(posedge clk_i) deepest_o <= rst_i ? '0 : deepest;
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    if (!rst_i) assert (!(take && serial_valid && serial_tag[TAG-1-:CX] == taken)) else
+        $error("traversal: a ray is read and written at once");
+`endif
 endmodule

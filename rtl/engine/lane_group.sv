@@ -260,7 +260,7 @@ module lane_group #(
 
   // ---- Results of each of the pass's pairs ----
   logic [LANES-1:0] f_stream[PORTS], bad_stream[PORTS], unmasked_stream[PORTS];
-  logic [LANES-1:0][CW-1:0] t[PORTS];
+  logic [LANES-1:0][CW-1:0] t_port[PORTS];
   logic [POINTS-1:0][LANES-1:0][CW-1:0] point[PORTS];  // CP and, with normals, n
   logic [PORTS-1:0] kept_f;
   logic [PORTS-1:0][31:0] kept_index;
@@ -307,7 +307,7 @@ module lane_group #(
         .valid_i(valid_i[k]), .row_i(row_out_i[k]), .parity_i(parity_i[k]), .index_i(index_i[k]),
         .secondary_bad_i(secondary_bad_i[k]), .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe),
         .new_hits_o(new_hits[k]), .f_o(f_stream[k]), .bad_o(bad_stream[k]), .unmasked_o(unmasked_stream[k]),
-        .t_o(t[k]), .point_o(point[k]), .result_i(result_i[k]), .result_row_i, .result_lane_i(lane_i),
+        .t_o(t_port[k]), .point_o(point[k]), .result_i(result_i[k]), .result_row_i, .result_lane_i(lane_i),
         .result_parity_i, .result_f_o(kept_f[k]), .result_index_o(kept_index[k]), .result_t_o(kept_t[k]),
         .result_point_o(kept_point[k]));
   end
@@ -316,7 +316,7 @@ module lane_group #(
   logic [CW-1:0] fifo_t;
   logic [POINTS-1:0][CW-1:0] fifo_point;
   record_lanes #(.CW(CW), .LANES(LANES), .DEPTH(FIFO_DEPTH), .POINTS(POINTS)) records (
-      .clk_i, .push_i, .write_i, .t_i(t[0]), .point_i(point[0]), .read_i, .head_i, .lane_i, .t_o(fifo_t),
+      .clk_i, .push_i, .write_i, .t_i(t_port[0]), .point_i(point[0]), .read_i, .head_i, .lane_i, .t_o(fifo_t),
       .point_o(fifo_point));
   assign result_f_o = |kept_f;
   assign f_o = f_stream[0];
@@ -324,7 +324,7 @@ module lane_group #(
   assign unmasked_o = unmasked_stream[0];
   if (PARALLEL != 0) begin : g_two
     logic unused_stream;
-    assign unused_stream = &{1'b0, f_stream[1], bad_stream[1], unmasked_stream[1], t[1], point[1]};
+    assign unused_stream = &{1'b0, f_stream[1], bad_stream[1], unmasked_stream[1], t_port[1], point[1]};
     assign new_hits_o = SUM_W'(new_hits[0]) + SUM_W'(new_hits[1]);
     assign result_index_o = kept_index[0] | kept_index[1];
     assign result_t_o = kept_t[0] | kept_t[1] | fifo_t;

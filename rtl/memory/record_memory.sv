@@ -21,4 +21,8 @@ module record_memory #(
     if (write_i) records[write_addr_i] <= write_data_i;
     if (read_i) read_data_o <= records[read_addr_i];
   end
+`ifndef SYNTHESIS
+  always_ff @(posedge clk_i)
+    assert (!(write_i && read_i && write_addr_i == read_addr_i)) else $error("record_memory: read and written at once");
+`endif
 endmodule

@@ -64,6 +64,7 @@ module secondary_regfile #(
   localparam int T_PLACED = (ARITH == "rtl") ? T_MOVED : (TRANSFORM != 0) ? 1 : 0;
   localparam int T_JUDGED = (ARITH == "rtl") ? T_CHECKED : T_PLACED;
   // A slot is used after its check, so at the earliest one cycle after it is written.
+  if (T_CHECKED <= T_PLACED) $error("secondary_regfile: a slot is read as it is written");
   (* ram_style = "block", no_rw_check *) logic [WORDS-1:0][CW-1:0] fifo[DEPTH];
   logic bads[DEPTH];  // results of checks
   // counts of slots in the FIFO, shown, popped, requested (modulo 2*DEPTH)

@@ -15,12 +15,13 @@ namespace {
 using namespace hard;
 using namespace through;
 
-/// A board of the top `fpga_card`, whose parameters are a board's.
+/// A board of the top `fpga_card`, whose parameters are a board's, with latencies that an FPGA has.
 Board open_fpga_card(std::uint32_t latency) {
   BoardConfig config = gates_config();
   config.transform = Transformer::kNone;
   config.shared_lane = 8;
   config.contexts = 16;
+  config.latency = {.add = 9, .mul = 10, .div = 34, .sqrt = 32, .compare = 2};
   OpenOptions options;
   options.file = model_path("fpga_card", config.parameters());
   options.config_hash = model_hash("fpga_card", config.parameters());

@@ -12,18 +12,28 @@
 namespace cde::testing {
 namespace {
 
-/// Random words, or words of a format with 2 to 4 bits of sign and exponent at their ends: zeros,
-/// subnormals, infinities and NaN.
+/// Random words, and zeros, subnormals, ones, infinities and NaN of the three formats.
 std::uint64_t operand(std::mt19937_64& engine) {
+  constexpr std::array<std::uint64_t, 17> kEnds{0,
+                                                1,
+                                                0x03ff,
+                                                0x3c00,
+                                                0x7c00,
+                                                0x7e01,
+                                                0x7d00,
+                                                0x007f'ffff,
+                                                0x3f80'0000,
+                                                0x7f80'0000,
+                                                0x7fc0'0001,
+                                                0x7fa0'0000,
+                                                1ull << 51,
+                                                0x3ffull << 52,
+                                                0x7ffull << 52,
+                                                (0xfffull << 51) + 1,
+                                                0x7ff4ull << 48};
   const std::uint64_t random = engine();
-  constexpr std::array<std::uint64_t, 6> kEnds{0,
-                                               0x0001'0000'0001'0001,
-                                               0x7ff0'0000'7f80'7c00,
-                                               0x7ff8'0000'7fc0'7e01,
-                                               0x3ff0'0000'3f80'3c00,
-                                               0x8000'0000'8000'8000};
-  return random % 3 == 0 ? kEnds[random / 3 % kEnds.size()] ^ (random & 0x8000'0000'8000'8000)
-                         : random;
+  const std::uint64_t signs = engine() & 0x8000'0000'8000'8000;
+  return random % 3 == 0 ? kEnds.at(random / 3 % kEnds.size()) ^ signs : random;
 }
 
 // A line has no reset: its start values come out first and may hide the first word.
