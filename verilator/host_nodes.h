@@ -46,9 +46,15 @@ inline Word sum(const Vector& x) {
 inline float real(uint32_t x) {
   return std::bit_cast<float>(x);
 }
-/// Two words, with a byte per child.
+/// The corners of the children on an axis: a byte per child, four in a half of the node.
 inline uint64_t bytes_of(const uint32_t (&node)[18], unsigned word) {
-  return node[word] | uint64_t{node[word + 1]} << 32;
+  return node[word] | uint64_t{node[9 + word]} << 32;
+}
+inline uint64_t lower_of(const uint32_t (&node)[18], unsigned axis) {
+  return bytes_of(node, 3 + axis);
+}
+inline uint64_t upper_of(const uint32_t (&node)[18], unsigned axis) {
+  return bytes_of(node, 6 + axis);
 }
 inline void per_child(Children& r, uint64_t bytes) {
   using Bytes = uint8_t __attribute__((vector_size(8)));
@@ -74,7 +80,7 @@ template <unsigned KEY>
 inline void present(Children& r, const uint32_t (&node)[18]) {
   const Children number = {0, 1, 2, 3, 4, 5, 6, 7};
   const Children kinds =
-      Children{} + int32_t(node[3] >> 24 | node[4] >> 28 << 8 | node[5] >> 28 << 12);
+      Children{} + int32_t(node[9] >> 24 | node[10] >> 28 << 8 | node[11] >> 28 << 12);
   r = (Children)((kinds >> (2 * number) & 3) != 0);
 }
 
@@ -119,7 +125,7 @@ template <unsigned KEY>
   // node_scale.sv
   const Axes inverse = {int32_t(ray[6]), int32_t(ray[7]), int32_t(ray[8]), 0};
   const Axes margin_word = {int32_t(ray[3]), int32_t(ray[4]), int32_t(ray[5]), 0};
-  const int32_t exponents = int32_t(node[3]);
+  const int32_t exponents = int32_t(node[9]);
   const Axes exponent = {int8_t(exponents), int8_t(exponents >> 8), int8_t(exponents >> 16), 0};
   const Axes negative = inverse >> 31, infinite = (Axes)(margin_word == 0x7f800000);
   const Axes unit_at = (inverse >> kFraction & 255) + exponent;
@@ -174,7 +180,7 @@ template <unsigned KEY>
   // Per child
   Children near = Children{} + kLeast, far = Children{} + kMost;
   for (unsigned k = 0; k < 3; ++k) {
-    const uint64_t lower = bytes_of(node, 6 + 2 * k), upper = bytes_of(node, 12 + 2 * k);
+    const uint64_t lower = lower_of(node, k), upper = upper_of(node, k);
     const bool swap = (ray[6 + k] >> 31) != 0;
     Children n, f;
     per_child(n, swap ? upper : lower);
@@ -240,10 +246,10 @@ template <unsigned KEY>
   Children widest = Children{} + kLeast;
   ChildrenFloat square = {};
   for (unsigned k = 0; k < 3; ++k) {
-    const uint32_t exponent = uint32_t(int8_t(node[3] >> (8 * k)));
+    const uint32_t exponent = uint32_t(int8_t(node[9] >> (8 * k)));
     Children lower, upper, above, below;
-    per_child(lower, bytes_of(node, 6 + 2 * k));
-    per_child(upper, bytes_of(node, 12 + 2 * k));
+    per_child(lower, lower_of(node, k));
+    per_child(upper, upper_of(node, k));
     along(above, lower, exponent, real(node[k]) - real(solid[k]), kLeast);
     along(below, upper, exponent, real(node[k]) - real(solid[3 + k]), kMost);
     const Children distance = above > ~below ? above : ~below;  // ~: less than zero by as much

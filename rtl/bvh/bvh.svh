@@ -29,13 +29,17 @@
 `define NODE_T_AXES (2 * LAT.add)
 `define NODE_T_DISTANCES (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
 // Output of time_steps.sv; output sizes_o of node_scale.sv; outputs of node_boxes_int.sv, for rays. CYCLES is the
-// number of cycles per node, 1 or 2. A multiplier of 10 cycles takes four multiplier blocks. One of 11 cycles takes one
+// number of cycles per node, 1, 2 or 4. With 4, the second half of a node's words follows two cycles after the first.
+// NODE_TURNS is the number of cycles in which a node's axes are prepared. A multiplier of 10 cycles takes four multiplier blocks. One of 11 cycles takes one
 // block and adders (fp_mul_lane.sv), for lanes that need many. A node needs few.
 `define TIME_T_STEPS 5
-`define NODE_T_SIZES(CYCLES) (4 + CYCLES)
+`define NODE_T_SIZES(CYCLES) ((CYCLES == 1) ? 5 : 6)
+`define NODE_TURNS(CYCLES) ((CYCLES == 4) ? 3 : CYCLES)
+`define NODE_T_SECOND(CYCLES) ((CYCLES == 4) ? 2 : 0)
 `define NODE_LAT_MUL ((LAT.mul > 10) ? 10 : LAT.mul)
 `define NODE_T_INT(CYCLES) \
-  (`DF_MAX2(LAT.add + `NODE_LAT_MUL + CYCLES - 1, 3) + `TIME_T_STEPS + 3 + 2 * CYCLES)
+  (`DF_MAX2(LAT.add + `NODE_LAT_MUL + `NODE_TURNS(CYCLES) - 1, `NODE_T_SECOND(CYCLES) + 3) + `TIME_T_STEPS + 3 + \
+   `NODE_TURNS(CYCLES) + CYCLES)
 // Bits of the bounds of node_boxes_int.sv, and sizes of an axis from node_scale.sv.
 `define NODE_BOUND_BITS(UNIT_BITS) (UNIT_BITS + 11)
 `define NODE_SIZES_BITS(UNIT_BITS) (5 + (UNIT_BITS + 1) + (UNIT_BITS + 8))

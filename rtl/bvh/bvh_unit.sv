@@ -69,6 +69,9 @@ module bvh_unit #(
   localparam int NODES = config_pkg::chip_nodes(CONFIG);
   localparam int NW = $clog2(NODES);
   localparam bit CACHED = CONFIG.node_cache != 0;
+  // Memories of nodes are half as wide, if nothing needs a whole node in one cycle.
+  localparam bit HALVES = CACHED && CONFIG.node_cycles == 4 && CONFIG.ecc == 0 && CONFIG.host == 0 &&
+      !has_solids(TRAVERSALS);
   localparam int CONTEXTS = CONFIG.contexts;
   localparam int CX = $clog2(CONTEXTS);
   localparam int TAG = `AT_BITS(CX) + 1;
@@ -129,6 +132,7 @@ module bvh_unit #(
   logic [UNITS-1:0][PLACE-1:0] node_at;
   logic [UNITS-1:0][NW-1:0] node_row;
   logic [UNITS-1:0][NODE_WORDS-1:0][31:0] node;
+  logic [UNITS-1:0] node_second;
   logic node_access, clk_nodes;
   for (genvar u = 0; u < UNITS; u++) begin : unit
     assign node_row[u] = (refitting && u == 0) ? refit_read_at[NW-1:0] : node_at[u][NW-1:0];
@@ -138,11 +142,11 @@ module bvh_unit #(
   logic [UNITS-1:0][4:0] node_corrected;
   logic [UNITS-1:0] node_failed, node_read, node_read_q;
   logic [UNITS-1:0][NW-1:0] node_row_q;
-  node_memory #(.NODES(NODES), .READERS(UNITS), .ECC(CONFIG.ecc)) node_chips (
+  node_memory #(.NODES(NODES), .READERS(UNITS), .ECC(CONFIG.ecc), .HALVES(HALVES)) node_chips (
       .clk_write_i(clk_nodes), .write_i(node_access), .addr_i(access_i.addr), .data_i(access_i.data),
       .flip_i(flips[17:0]),
       .refit_i(refit_write), .refit_at_i(refit_write_at[NW-1:0]), .refit_node_i(refitted), .clk_i(clk),
-      .at_i(node_row), .node_o(node), .corrected_o(node_corrected), .failed_o(node_failed));
+      .at_i(node_row), .second_i(node_second), .node_o(node), .corrected_o(node_corrected), .failed_o(node_failed));
 
   // ---- Primaries ----
   logic ray_valid, ray_bad, ray_pop, ray_ready, bad_ready;
@@ -179,10 +183,11 @@ module bvh_unit #(
       GOAL_HITS : mode_q;
   traversal #(
       .CONTEXTS(CONTEXTS), .UNITS(UNITS), .CYCLES(CONFIG.node_cycles), .PINNED(NODES), .LINES(CONFIG.node_cache),
-      .WAYS(CONFIG.node_ways), .TRAVERSALS(TRAVERSALS), .SERIAL(CONFIG.shared_lane),
+      .WAYS(CONFIG.node_ways), .HALVES(HALVES), .TRAVERSALS(TRAVERSALS), .SERIAL(CONFIG.shared_lane),
       .ALGORITHM(CONFIG.algorithm), .NORMALS(CONFIG.normals), .LAT(CONFIG.lat), .ARITH(config_pkg::arith(CONFIG.host))
   ) traversal (
-      .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at), .node_i(node),
+      .clk_i(clk), .rst_i(rst), .nodes_i(nodes), .node_read_o(node_read), .node_at_o(node_at),
+      .node_second_o(node_second), .node_i(node),
       .reset_i(rst_i), .node_base_i(bases[0]), .node_ddr_o(node_ddr), .node_ddr_ready_i(node_ddr_ready),
       .node_ddr_valid_i(node_ddr_valid), .ddr_data_i, .node_outstanding_o(node_outstanding),
       .root_i(root), .goal_i(goal), .traversal_i(traversal_q),

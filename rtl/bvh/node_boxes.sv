@@ -25,9 +25,6 @@ module node_boxes #(
   localparam int B_LANES = 1;
   if (EXP != 8 || MAN != 23) $error("node_boxes: the format must be fp32");
 
-  logic unused;  // kinds and places of the children
-  assign unused = &{1'b0, node_i[5:4], node_i[3][31:24]};
-
   // ---- Per node: its origin ----
   `DF_SHARED_VIN(origin, node_i[2:0], 0)
   `DF_SHARED_VIN(upper, solid_i[2:0], 0)
@@ -44,10 +41,13 @@ module node_boxes #(
       end
     if (q != 0) number = number + (CW'(signed'(exponent)) << MAN);
   endfunction
-  logic [2:0][LANES-1:0][7:0] lower_byte, upper_byte;
+  logic [2:0][LANES-1:0][7:0] lower_now, upper_now, lower_byte, upper_byte;
+  for (genvar k = 0; k < 3; k++) begin : bytes
+    assign {lower_now[k], upper_now[k]} = {bvh_pkg::lower_of(node_i, k), bvh_pkg::upper_of(node_i, k)};
+  end
   logic [2:0][7:0] exponent;
   pipe_delay #(.W(24 * (2 * LANES + 1)), .TO(LAT.add), .ARITH(ARITH)) delay_bytes (
-      .clk_i, .d_i({node_i[17:6], node_i[3][23:0]}), .q_o({upper_byte, lower_byte, exponent}));
+      .clk_i, .d_i({upper_now, lower_now, bvh_pkg::exponents_of(node_i)}), .q_o({upper_byte, lower_byte, exponent}));
   logic [2:0][LANES-1:0][CW-1:0] lower_number, upper_number;
   for (genvar k = 0; k < 3; k++) begin : axis
     for (genvar l = 0; l < LANES; l++) begin : child

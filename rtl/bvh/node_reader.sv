@@ -9,6 +9,8 @@
 // Without a free way, a visit joins the queue and is looked up again at its head. The same holds while the cache is
 // cleared after rst_i or clear_i, one set per cycle.
 // A look-up never stalls. A visit enters it only if there is room behind it.
+// With HALVES a node has four cycles, and memories are half as wide: words of the first half are in node_o for two
+// cycles, then those of the second half.
 // Latency: from valid_i to valid_o 0 cycles without LINES, else 2 cycles, plus the memory's latency for a fetch. The
 // node follows one cycle later.
 // Throughput: one node per CYCLES cycles. A visit that begins to wait delays others by at most one cycle, and by none
@@ -18,10 +20,11 @@
 module node_reader #(
     parameter int CONTEXTS = 128,  // power of two: most visits at a time
     parameter int CX = 8,          // bits of a context's number
-    parameter int CYCLES = 1,      // per node: 1 or 2
+    parameter int CYCLES = 1,      // per node: 1, 2 or 4
     parameter int PINNED = 4096,
     parameter int LINES = 0,       // 0, or a power of two >= 2 * WAYS
     parameter int WAYS = 4,        // power of two
+    parameter bit HALVES = 0,      // only with CYCLES = 4 and LINES
     localparam int AT = `AT_BITS(CX),
     localparam int BEAT = records_pkg::DDR_WORDS
 ) (
@@ -42,6 +45,7 @@ module node_reader #(
     // On-chip memory; a read returns one cycle later.
     output logic chip_read_o,
     output logic [bvh_pkg::PLACE-1:0] chip_at_o,
+    output logic chip_second_o,  // with HALVES: the second half
     input logic [bvh_pkg::NODE_WORDS-1:0][31:0] chip_node_i,
 
     output card_pkg::ddr_request_t ddr_o,
@@ -53,11 +57,15 @@ module node_reader #(
     output logic fetched_o       // a node is requested from DDR
 );
   import bvh_pkg::*;
-  logic busy, second_q;  // the second cycle of a node
+  if (CYCLES != 1 && CYCLES != 2 && CYCLES != 4) $error("node_reader: CYCLES must be 1, 2 or 4");
+  if (HALVES && (CYCLES != 4 || LINES == 0)) $error("node_reader: HALVES needs CYCLES = 4 and LINES");
+  logic busy;
+  logic [1:0] left_q;  // further cycles of a node
   logic [PLACE-1:0] place_q;
-  assign busy = CYCLES == 2 && second_q;
+  assign busy = CYCLES != 1 && left_q != 0;
+  assign chip_second_o = HALVES && busy && left_q != 3;
   always_ff @(posedge clk_i) begin
-    second_q <= valid_o && !rst_i && !clear_i;
+    left_q <= (rst_i || clear_i) ? '0 : valid_o ? 2'(CYCLES - 1) : left_q - 2'(busy);
     if (!busy) place_q <= place_o;
   end
   logic [PLACE-1:0] place_now;  // of a node on chip
@@ -102,8 +110,8 @@ module node_reader #(
       logic [AT-1:0] at;
       logic [PLACE-1:0] place;
     } read_t;
-    // Most visits in the look-up and behind it. With two cycles per node, more only fill the queue earlier.
-    localparam int KEPT = (CYCLES == 2) ? 3 : 4;
+    // Most visits in the look-up and behind it. With more cycles per node, more only fill the queue earlier.
+    localparam int KEPT = (CYCLES == 1) ? 4 : 3;
     logic rst, ddr_second;
     read_t [KEPT-1:0] kept_q;  // visits whose nodes can be read, behind the look-up; the oldest is the first
     assign rst = rst_i || clear_i;
@@ -255,9 +263,6 @@ module node_reader #(
     end
 
     // ---- Read ----
-    // A line that is read is not filled: asserted below.
-    (* no_rw_check *) logic [NODE_WORDS/BEAT-1:0][BEAT-1:0][31:0] nodes[LINES];
-    logic [NODE_WORDS-1:0][31:0] node_q;
     read_t read;
     logic [WW+SW-1:0] line_q, line_now;
     logic cache_q;
@@ -271,11 +276,9 @@ module node_reader #(
     always_ff @(posedge clk_i) begin
       line_q <= line_now;
       if (!busy) cache_q <= cached_o;
-      node_q <= nodes[line_now];
     end
     logic unused;
     assign unused = &{1'b0, read.valid};
-    assign node_o = cache_q ? node_q : chip_node_i;
 
     // ---- DDR ----
     logic [31:0] first_word, request, second_word_q;  // first words of a node, and of its second beat
@@ -296,12 +299,30 @@ module node_reader #(
     assign ddr_second = ddr_valid_i && half_q && !rst;
     assign outstanding_o = outstanding_q != 0 || ddr_o.valid;
     always_ff @(posedge clk_i) begin
-      if (ddr_valid_i && !rst) nodes[fill][half_q] <= ddr_data_i;
       asked_half_q <= asked_half_q ^ asked;
       second_word_q <= request + BEAT;
       half_q <= half_q ^ ddr_valid_i;
       if (rst) {asked_half_q, half_q} <= '0;
       outstanding_q <= rst_i ? '0 : outstanding_q + (COUNT + 2)'(asked) - (COUNT + 2)'(ddr_valid_i);
+    end
+
+    // ---- Lines: a beat is half a node. A line that is read is not filled: asserted below ----
+    if (HALVES) begin : g_halves
+      (* no_rw_check *) logic [BEAT-1:0][31:0] halves[2*LINES];
+      logic [BEAT-1:0][31:0] words_q;
+      always_ff @(posedge clk_i) begin
+        if (ddr_valid_i && !rst) halves[{fill, half_q}] <= ddr_data_i;
+        words_q <= halves[{line_now, chip_second_o}];
+      end
+      assign node_o = cache_q ? {2{words_q}} : chip_node_i;
+    end else begin : g_whole
+      (* no_rw_check *) logic [NODE_WORDS/BEAT-1:0][BEAT-1:0][31:0] nodes[LINES];
+      node_t node_q;
+      always_ff @(posedge clk_i) begin
+        if (ddr_valid_i && !rst) nodes[fill][half_q] <= ddr_data_i;
+        node_q <= nodes[line_now];
+      end
+      assign node_o = cache_q ? node_q : chip_node_i;
     end
 
 `ifndef SYNTHESIS

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a ray enters the eight boxes of a node, in whole steps of T: the near side. For the far side, where it leaves
+// Where a ray enters the boxes of a node's children, in whole steps of T: the near side. For the far side, where it leaves
 // them, all T have the other sign. So each side is the greatest of three lower bounds.
 // Latency: T_STEPS - T_SIZES cycles from sizes_i to the use of steps_i and byte_i, at least 3. 3 cycles from there.
-// Throughput: one side of a node per cycle.
+// Throughput: one side of CHILDREN boxes per cycle.
 // Stall: none, runs free.
 `include "bvh.svh"
 module node_side #(
+    parameter int CHILDREN = bvh_pkg::CHILDREN,  // or half of them
     parameter int UNIT_BITS = 16,
     parameter int T_SIZES = 4,   // stage of sizes_i
     parameter int T_STEPS = 8,   // stage of steps_i and byte_i
-    localparam int CHILDREN = bvh_pkg::CHILDREN,
     localparam int NW = `NODE_BOUND_BITS(UNIT_BITS)
 ) (
     input logic clk_i,

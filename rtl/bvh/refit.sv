@@ -82,7 +82,7 @@ module refit #(
       .clk_i, .rst_i, .start_i, .stop_i(bad_q), .first_i(first_node_i), .count_i(node_count_i), .written_i(written_q),
       .context_free_i(tail_q - head_q != (CX+1)'(CONTEXTS)), .context_i(tail_q[CX-1:0]), .open_o(open),
       .header_o(header),
-      .read_o, .read_at_o, .node_i(node_i[5:3]), .child_o(child_read), .child_at_o(child_at), .fetch_valid_o,
+      .read_o, .read_at_o, .node_i, .child_o(child_read), .child_at_o(child_at), .fetch_valid_o,
       .fetch_ready_i, .fetch_slot_o, .fetch_two_o(two));
   assign fetch_tag_o = {child_at, two};
 
@@ -182,7 +182,7 @@ module refit #(
       .clk_i, .rst_i, .valid_i((first && !some) || (step && !seeking_q)), .first_i(first), .last_i(leave),
       .child_i(child), .box_i(box), .header_i(headers[head]), .valid_o(encoded), .node_o);
   // A node without children keeps its words.
-  assign childless = {node_o[5][31:28], node_o[4][31:28], node_o[3][31:24]} == '0;
+  assign childless = kinds_of(node_o) == '0;
   assign write_o = encoded && !childless;
   assign write_at_o = written_q - 1;
   always_ff @(posedge clk_i) begin

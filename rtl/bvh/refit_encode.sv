@@ -44,9 +44,9 @@ module refit_encode (
 
   // ---- Words ----
   logic [2:0][CHILDREN-1:0][7:0] lower_q, upper_q;
-  logic [5:0][31:0] head_q;
+  logic [2:0][31:0] origin_q, head_q;
   always_ff @(posedge clk_i) begin
-    if (valid && first) head_q <= {kinds[15:12], slot, kinds[11:8], node, kinds[7:0], exponent, origin};
+    if (valid && first) {head_q, origin_q} <= {kinds[15:12], slot, kinds[11:8], node, kinds[7:0], exponent, origin};
     valid_o <= valid && last && !rst_i;
   end
   for (genvar k = 0; k < 3; k++) begin : put
@@ -58,5 +58,15 @@ module refit_encode (
         end
     end
   end
-  assign node_o = {upper_q, lower_q, head_q};
+  // A half has the corners of four children.
+  logic [2:0][1:0][31:0] lower_words, upper_words;
+  assign {lower_words, upper_words} = {lower_q, upper_q};
+  always_comb begin
+    {node_o[HALF+:3], node_o[2:0]} = {head_q, origin_q};
+    for (int k = 0; k < 3; k++)
+      for (int h = 0; h < 2; h++) begin
+        node_o[HALF*h+3+k] = lower_words[k][h];
+        node_o[HALF*h+6+k] = upper_words[k][h];
+      end
+  end
 endmodule

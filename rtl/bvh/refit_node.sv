@@ -12,20 +12,20 @@ module refit_node (
 );
   import bvh_pkg::*;
   logic [CHILDREN-1:0][1:0] kinds;
-  assign kinds = {node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
-  logic unused;  // places, and lower corners
-  assign unused = &{1'b0, node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[11:6]};
+  assign kinds = kinds_of(node_i);
+  logic [2:0][7:0] exponents;
+  assign exponents = exponents_of(node_i);
 
   for (genvar k = 0; k < 3; k++) begin : axis
     logic [CHILDREN-1:0][7:0] upper;
     logic [7:0] most, most_1, exponent_1;
     logic [31:0] origin_1;
-    assign upper = {node_i[12+2*k+1], node_i[12+2*k]};
+    assign upper = upper_of(node_i, k);
     always_comb begin
       most = '0;
       for (int i = 0; i < CHILDREN; i++) if (kinds[i] != KIND_NONE && upper[i] > most) most = upper[i];
     end
-    always_ff @(posedge clk_i) {most_1, exponent_1, origin_1} <= {most, node_i[3][8*k+:8], node_i[k]};
+    always_ff @(posedge clk_i) {most_1, exponent_1, origin_1} <= {most, exponents[k], node_i[k]};
     refit_upper corner (.clk_i, .origin_i(origin_1), .exponent_i(exponent_1), .byte_i(most_1), .upper_o(box_o[3+k]));
     pipe_delay #(.W(32), .TO(4)) delay_lower (.clk_i, .d_i(ordered(origin_1)), .q_o(box_o[k]));
   end

@@ -24,7 +24,7 @@ module refit_traversal #(
     // Node memory.
     output logic read_o,
     output logic [bvh_pkg::PLACE-1:0] read_at_o,
-    input logic [5:3][31:0] node_i,  // words read by the previous cycle's address
+    input bvh_pkg::node_t node_i,  // read by the previous cycle's address
     output logic child_o,            // the node read is a child
     output logic [CX+2:0] child_at_o,  // context and child of the node read and of the leaf requested
     // Leaves.
@@ -45,7 +45,7 @@ module refit_traversal #(
     if (open_o) header_q <= 1'b0;
     if (due_q) begin
       header_q <= 1'b1;
-      words_q <= {node_i[5][PLACE-1:0], node_i[4][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
+      words_q <= {first_slot_of(node_i), first_node_of(node_i), kinds_of(node_i)};
     end
     if (rst_i || stop_i) {due_q, header_q, remaining_q} <= '0;
     if (start_i) remaining_q <= count_i - first_i;

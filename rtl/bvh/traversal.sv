@@ -17,8 +17,9 @@
 module traversal #(
     parameter int CONTEXTS = 256,  // powers of two
     parameter int UNITS = 2,       // traversal units, each with its share of the contexts
-    parameter int CYCLES = 1,      // per node of a unit: 1 or 2
+    parameter int CYCLES = 1,      // per node of a unit: 1, 2 or 4
     parameter int PINNED = 4096,   // nodes on chip, if LINES is not 0 (node_reader.sv)
+    parameter bit HALVES = 0,      // node_reader.sv
     parameter int LINES = 0,       // of each unit's cache
     parameter int WAYS = 4,
     parameter bvh_pkg::traversals_t TRAVERSALS = 1,  // bvh_pkg::card_traversals
@@ -42,6 +43,7 @@ module traversal #(
     input logic [31:0] nodes_i,  // number of nodes
     output logic [UNITS-1:0] node_read_o,
     output logic [UNITS-1:0][bvh_pkg::PLACE-1:0] node_at_o,
+    output logic [UNITS-1:0] node_second_o,  // with HALVES: the second half
     input logic [UNITS-1:0][bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
     // Nodes in DDR, with LINES.
     input logic reset_i,  // of the card; rst_i also ends a pass
@@ -161,7 +163,7 @@ module traversal #(
   endfunction
   // With two cycles per node, rays that meet triangles share the operators of ray_front_shared.sv.
   function automatic bit shares_front(input int kind);
-    shares_front = CYCLES == 2 && kind == pairs_pkg::SHAPE_RAY;
+    shares_front = CYCLES != 1 && kind == pairs_pkg::SHAPE_RAY;
   endfunction
   function automatic int t_front_of(input int kind);
     t_front_of = shares_front(kind) ? `FRONT_T_SHARED :
@@ -251,9 +253,10 @@ module traversal #(
     traversal_bank #(
         .CONTEXTS(CONTEXTS / UNITS), .CX(CX), .LAT(LAT),
         .ARITH(ARITH), .RAYS(32'(HAS_RAYS)), .SOLIDS(32'(SOLIDS)), .CYCLES(CYCLES),
-        .PINNED(PINNED), .LINES(LINES), .WAYS(WAYS)
+        .PINNED(PINNED), .LINES(LINES), .WAYS(WAYS), .HALVES(HALVES)
     ) bank (
-        .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]), .node_i(node_i[u]),
+        .clk_i, .rst_i, .nodes_i, .node_read_o(node_read_o[u]), .node_at_o(node_at_o[u]),
+        .node_second_o(node_second_o[u]), .node_i(node_i[u]),
         .node_base_i, .reset_i, .ddr_o(node_ddr_o[u]), .ddr_ready_i(node_ddr_ready_i[u]),
         .ddr_valid_i(node_ddr_valid_i[u]), .ddr_data_i, .outstanding_o(node_outstanding_o[u]), .cached_o(cached[u]),
         .fetched_o(fetched[u]),

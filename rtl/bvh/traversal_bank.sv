@@ -15,10 +15,11 @@ module traversal_bank #(
     parameter ARITH = "rtl",
     parameter int RAYS = 1,        // 0: only solids
     parameter int SOLIDS = 1,      // 0: only rays
-    parameter int CYCLES = 1,      // per node: 1 or 2
+    parameter int CYCLES = 1,      // per node: 1, 2 or 4
     parameter int PINNED = 4096,   // node_reader.sv
     parameter int LINES = 0,
     parameter int WAYS = 4,
+    parameter bit HALVES = 0,
     localparam int CB = $clog2(CONTEXTS)
 ) (
     input logic clk_i,
@@ -27,6 +28,7 @@ module traversal_bank #(
     input logic [31:0] nodes_i,  // number of nodes
     output logic node_read_o,
     output logic [bvh_pkg::PLACE-1:0] node_at_o,
+    output logic node_second_o,  // with HALVES: the second half
     input logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_i,
     // Nodes in DDR, with LINES.
     input logic [31:0] node_base_i,  // word of node 0
@@ -135,12 +137,14 @@ module traversal_bank #(
   assign visit = nearer_some ? nearer.at : others_some ? others.at : '{context_: started, level: '0, fresh: '0};
   assign visit_place = nearer_some ? nearer.place : others_some ? others.place : '0;
   node_reader #(
-      .CONTEXTS(CONTEXTS), .CX(CX), .CYCLES(CYCLES), .PINNED(PINNED), .LINES(LINES), .WAYS(WAYS)
+      .CONTEXTS(CONTEXTS), .CX(CX), .CYCLES(CYCLES), .PINNED(PINNED), .LINES(LINES), .WAYS(WAYS),
+      .HALVES(HALVES)
   ) reader (
       .clk_i, .rst_i(reset_i), .clear_i(rst_i), .nodes_i, .base_i(node_base_i),
       .valid_i(nearer_some || others_some || started_some),
       .ready_o(visit_ready), .at_i(visit), .place_i(visit_place), .valid_o(read), .at_o(reading),
-      .place_o(reading_place), .node_o(node), .chip_read_o(node_read_o), .chip_at_o(node_at_o), .chip_node_i(node_i),
+      .place_o(reading_place), .node_o(node), .chip_read_o(node_read_o), .chip_at_o(node_at_o),
+      .chip_second_o(node_second_o), .chip_node_i(node_i),
       .ddr_o, .ddr_ready_i, .ddr_valid_i, .ddr_data_i, .outstanding_o, .cached_o, .fetched_o);
   always_ff @(posedge clk_i) begin
     if (read) begin

@@ -2,7 +2,8 @@
 // Finds which children of a node a ray or a solid hits, and the order of visits. A ray's boxes are tested in whole
 // numbers (node_boxes_int.sv), a solid's in fp32 (node_boxes.sv, node_distances.sv). node_order.sv is for both.
 // Latency: NODE_T_RAY cycles, NODE_T_SOLID for a solid (bvh.svh). A unit without one kind has the latency of the other.
-// Throughput: one node per CYCLES cycles. The inputs of a node stay for as long.
+// Throughput: one node per CYCLES cycles. The inputs of a node stay for as long, or a node's halves follow each other
+// (node_reader.sv).
 // Stall: none, runs free.
 `include "bvh.svh"
 module traversal_unit #(
@@ -12,7 +13,7 @@ module traversal_unit #(
     parameter ARITH = "rtl",
     parameter int RAYS = 1,    // 0: only solids
     parameter int SOLIDS = 1,  // 0: only rays
-    parameter int CYCLES = 1,  // per node: 1 or 2
+    parameter int CYCLES = 1,  // per node: 1, 2 or 4
     localparam int CHILDREN = bvh_pkg::CHILDREN,
     localparam int KEY = `NODE_KEY(SOLIDS)
 ) (
@@ -40,7 +41,7 @@ module traversal_unit #(
   logic [LINKS-1:0] links;
   logic [SCALE-1:0] scale;
   logic [FOUND-1:0] found;
-  assign links = {node_i[4][PLACE-1:0], node_i[5][PLACE-1:0], node_i[5][31:28], node_i[4][31:28], node_i[3][31:24]};
+  assign links = {first_node_of(node_i), first_slot_of(node_i), kinds_of(node_i)};
 `ifdef VERILATOR
   if (ARITH != "rtl") begin : g_host
     // Computes in the first cycle, in a clock of its own, so without a node it computes nothing. All results call one
@@ -149,7 +150,9 @@ module traversal_unit #(
         .KEY(WHOLE), .STORED(KEY)
     ) ordering (
         .clk_i, .met_i(met), .key_i(key), .stored_i(stored), .found_o(found));
-    pass_delay #(.W(LINKS), .T_RAY(T_RAY), .T_SOLID(T_SOLID)) delay_links (
+    // In the second half of a node. With solids, a node comes whole.
+    localparam int T_LINKS = (SOLIDS != 0) ? 0 : `NODE_T_SECOND(CYCLES);
+    pass_delay #(.W(LINKS), .T_RAY(T_RAY - T_LINKS), .T_SOLID(T_SOLID - T_LINKS)) delay_links (
         .clk_i, .solid_i, .d_i(links), .q_o(links_late));
     assign group_o = {scale, links_late, found};
   end

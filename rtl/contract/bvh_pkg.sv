@@ -4,6 +4,7 @@
 package bvh_pkg;
   localparam int CHILDREN = 8;
   localparam int NODE_WORDS = 18;
+  localparam int HALF = NODE_WORDS / 2;  // words of one half: three of the whole node, and the corners of four children
   localparam int PLACE = 28;  // bits of the number of a node or a slot
   localparam int LEVELS = 16;  // most levels of nodes: Bvh::kMostDepth
   localparam int MOST_NODES = 1 << 22;  // limit of a card's node memory
@@ -17,6 +18,27 @@ package bvh_pkg;
   localparam logic [1:0] KIND_NODE = 1;
   localparam logic [1:0] KIND_ONE = 2;  // a leaf of one secondary
   localparam logic [1:0] KIND_TWO = 3;
+
+  // Parts of a node.
+  typedef logic [NODE_WORDS-1:0][31:0] node_t;
+  function automatic logic [2:0][7:0] exponents_of(input node_t node);
+    exponents_of = node[HALF][23:0];
+  endfunction
+  function automatic logic [CHILDREN-1:0][1:0] kinds_of(input node_t node);
+    kinds_of = {node[HALF+2][31:28], node[HALF+1][31:28], node[HALF][31:24]};
+  endfunction
+  function automatic logic [PLACE-1:0] first_node_of(input node_t node);
+    first_node_of = node[HALF+1][PLACE-1:0];
+  endfunction
+  function automatic logic [PLACE-1:0] first_slot_of(input node_t node);
+    first_slot_of = node[HALF+2][PLACE-1:0];
+  endfunction
+  function automatic logic [CHILDREN-1:0][7:0] lower_of(input node_t node, input int axis);
+    lower_of = {node[HALF+3+axis], node[3+axis]};
+  endfunction
+  function automatic logic [CHILDREN-1:0][7:0] upper_of(input node_t node, input int axis);
+    upper_of = {node[HALF+6+axis], node[6+axis]};
+  endfunction
 
   // Goals of a query.
   localparam logic [2:0] GOAL_NEAREST = 0;

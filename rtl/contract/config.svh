@@ -19,7 +19,7 @@
 //   TRANSFORM     Objects move by a rigid transform: pairs_pkg::TRANSFORM_*.
 //   OBJECTS       Entries of the object table of secondaries, 2 to 2,048. PRIM_OBJECTS: of the table of primaries.
 //   TRAVERSAL_UNITS  Traversal units of a BVH: 0 (no BVH), 1, 2 or 4. NODES: nodes of their memory, a power of two.
-//   NODE_CYCLES   Cycles per node of a traversal unit that tests rays, 1 or 2. With 2, operators are shared.
+//   NODE_CYCLES   Cycles per node of a traversal unit that tests rays, 1, 2 or 4. Above 1, operators are shared.
 //   NODE_CACHE    0: all nodes and slots are on chip. Else the nodes in the cache of each traversal unit, a power of
 //                 two. The first PINNED_NODES nodes, a power of two, are on chip, and others and slots are in DDR.
 //   NODE_WAYS     Ways of the cache, a power of two from 2.

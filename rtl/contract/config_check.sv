@@ -32,8 +32,8 @@ module config_check #(
       g_bvh
     $error("board: TRAVERSAL_UNITS must be 0, 1, 2 or 4; above 0 needs fp32 and a pair that can traverse a BVH");
   end
-  if (CONFIG.node_cycles != 1 && CONFIG.node_cycles != 2) begin : g_node_cycles
-    $error("board: NODE_CYCLES must be 1 or 2");
+  if (CONFIG.node_cycles != 1 && CONFIG.node_cycles != 2 && CONFIG.node_cycles != 4) begin : g_node_cycles
+    $error("board: NODE_CYCLES must be 1, 2 or 4");
   end
   if (CONFIG.node_cache != 0 && ((CONFIG.node_cache & (CONFIG.node_cache - 1)) != 0 || CONFIG.node_ways < 2 ||
       (CONFIG.node_ways & (CONFIG.node_ways - 1)) != 0 || CONFIG.node_cache < 2 * CONFIG.node_ways ||

@@ -107,7 +107,7 @@ package registers_pkg;
   localparam logic [31:0] PRIM_OBJECT_TABLE = 32'h00080000;
 
   localparam logic [31:0] ID_MAGIC = 32'h43444531;  // "CDE1"
-  localparam logic [31:0] INTERFACE_VERSION = 32'd6;
+  localparam logic [31:0] INTERFACE_VERSION = 32'd7;
 
   // ---- Fields, from bit 63 down ----
   typedef struct packed {

@@ -21,6 +21,7 @@ Board open_fpga_card(std::uint32_t latency) {
   config.transform = Transformer::kNone;
   config.shared_lane = 8;
   config.contexts = 16;
+  config.node_cycles = 4;
   config.latency = {.add = 9, .mul = 10, .div = 34, .sqrt = 32, .compare = 2};
   OpenOptions options;
   options.file = model_path("fpga_card", config.parameters());

@@ -14,6 +14,8 @@
 
 #include "KeyLimitGates.h"
 #include "KeyLimitHost.h"
+#include "NodeBoxesIntFourGates.h"
+#include "NodeBoxesIntFourHost.h"
 #include "NodeBoxesIntGates.h"
 #include "NodeBoxesIntHost.h"
 #include "NodeBoxesIntNarrow.h"
@@ -59,6 +61,11 @@ void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& 
   std::deque<std::optional<Expected>> expected;
   std::size_t entered = 0, checked = 0;
   unsigned busy = 0;  // further cycles of the node at the inputs
+  decltype(bvh::Node::words) words{};
+  const auto show_half = [&](unsigned half) {  // anything in the other one
+    for (unsigned w = 0; w < words.size(); ++w)
+      module->node_i[w] = w / (words.size() / 2) == half ? words[w] : dice.below(~0u);
+  };
   for (const hard::Case& scene : hard::kScenes) {
     const hard::TriangleScene triangles = scene.make();
     NodeVisits visits(triangles, 11);
@@ -66,6 +73,7 @@ void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& 
       if (busy != 0) {  // the same inputs
         --busy;
         module->valid_i = 0;
+        if (cycles == 4 && busy == 1) show_half(1);
         expected.emplace_back();
       } else if (dice.once_in(16)) {  // an idle cycle: anything at the inputs
         for (unsigned w = 0; w < 9; ++w) module->ray_i[w] = dice.below(~0u);
@@ -81,7 +89,9 @@ void expect_reference(unsigned latency, std::size_t count, const IntegerFormat& 
           module->ray_i[3 + k] = word(ray.margin[axis]);
           module->ray_i[6 + k] = word(ray.inverse[axis]);
         }
-        std::copy(visit.node.words.begin(), visit.node.words.end(), &module->node_i[0]);
+        words = visit.node.words;
+        std::copy(words.begin(), words.end(), &module->node_i[0]);
+        if (cycles == 4) show_half(0);
         module->floor_i = word(visit.floor);
         module->limit_i = word(visit.limit);
         module->farthest_i = visit.farthest;
@@ -125,6 +135,10 @@ TEST(NodeBoxesInt, NarrowNumbers_EqualTheReference) {
 TEST(NodeBoxesInt, TwoCyclesPerNode_EqualTheReference) {
   expect_reference<NodeBoxesIntTwoGates>(3 + 2 + 13, full() ? 400'000 : 40'000, {}, 2);
   expect_reference<NodeBoxesIntTwoHost>(2 + 13, full() ? 400'000 : 40'000, {}, 2);
+}
+TEST(NodeBoxesInt, HalvesInTurn_EqualTheReference) {
+  expect_reference<NodeBoxesIntFourGates>(3 + 2 + 17, full() ? 400'000 : 40'000, {}, 4);
+  expect_reference<NodeBoxesIntFourHost>(5 + 15, full() ? 400'000 : 40'000, {}, 4);
 }
 
 /// Limits for T of any size, and for T whose keys are a few units from a whole number.

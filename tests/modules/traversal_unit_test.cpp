@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+#include "TraversalUnitFourGates.h"
+#include "TraversalUnitFourHost.h"
 #include "TraversalUnitGates.h"
 #include "TraversalUnitHost.h"
 #include "TraversalUnitRaysGates.h"
@@ -82,16 +84,23 @@ struct Latencies {
 template <class Module>
 Group group_of(Clocked<Module>& module, const Visit& visit, unsigned key,
                const Latencies& latencies) {
+  // With four cycles, gates see a half of the node at a time.
+  constexpr bool kHalves = std::is_same_v<Module, TraversalUnitFourGates>;
   drive(module, visit);
-  module.clock();
-  module->valid_i = 0;
-  for (unsigned cycle = 1; cycle < latencies.cycles; ++cycle) module.clock();
-  Visit other = visit;
-  other.node[3] = ~other.node[3];  // another group in the next cycles
-  drive(module, other);
-  for (unsigned clock = latencies.cycles; clock < (visit.solid ? latencies.solid : latencies.ray);
-       ++clock)
+  for (unsigned cycle = 0; cycle < latencies.cycles; ++cycle) {
+    for (unsigned w = 0; kHalves && w < 18; ++w)
+      module->node_i[w] = w / 9 == cycle / 2 ? visit.node[w] : ~visit.node[w];
     module.clock();
+    module->valid_i = 0;
+  }
+  Visit other = visit;
+  other.node[9] = ~other.node[9];  // another group in the next cycles
+  drive(module, other);
+  const unsigned latency = visit.solid ? latencies.solid : latencies.ray;
+  for (unsigned clock = latencies.cycles; clock < latency; ++clock) {
+    module.clock();
+    module->valid_i = latencies.cycles == 1;
+  }
   return group_from(module->group_o, key, visit.solid);
 }
 
@@ -103,8 +112,9 @@ Group expected(const NodeVisit& visit) {
               .scale = static_cast<std::uint32_t>(answer.scale.exponent + 127) & 255,
               .node = visit.node.first_node(),
               .slot = visit.node.first_slot(),
-              .kinds = visit.node.words[3] >> 24 | visit.node.words[4] >> 28 << 8 |
-                       visit.node.words[5] >> 28 << 12};
+              .kinds = 0};
+  for (unsigned c = 0; c < bvh::Node::kChildren; ++c)
+    group.kinds |= static_cast<std::uint32_t>(visit.node.child(c)) << (2 * c);
   for (unsigned c = 0; c < bvh::Node::kChildren; ++c)
     if ((answer.entered >> c & 1) != 0) group.order.push_back(c);
   std::stable_sort(group.order.begin(), group.order.end(),
@@ -153,6 +163,7 @@ TEST(TraversalUnit, Rays_EqualTheReference) {
   expect_rays<TraversalUnitGates, TraversalUnitHost>(16, {16, 11}, 200, 4'000);
   expect_rays<TraversalUnitRaysGates, TraversalUnitRaysHost>(12, {17, 17}, 200, 4'000);
   expect_rays<TraversalUnitTwoGates, TraversalUnitTwoHost>(12, {29, 29, 2}, 200, 4'000);
+  expect_rays<TraversalUnitFourGates, TraversalUnitFourHost>(12, {33, 33, 4}, 200, 4'000);
 }
 
 template <class Gates, class Host>
@@ -179,13 +190,13 @@ void expect_solids(const Latencies& latencies) {
       visit.node[k] = dice.once_in(2) ? 0 : number(-20, 20);
     }
     for (unsigned w = 3; w < 18; ++w) visit.node[w] = static_cast<std::uint32_t>(engine());
-    visit.node[3] &= 0xff00'0000;
-    for (unsigned w = 6; w < 12; ++w)
-      if (dice.once_in(2)) visit.node[w] &= 0x1010'1010, visit.node[w + 6] |= 0xf0f0'f0f0;
+    visit.node[9] &= 0xff00'0000;
+    for (const unsigned w : {3, 4, 5, 12, 13, 14})
+      if (dice.once_in(2)) visit.node[w] &= 0x1010'1010, visit.node[w + 3] |= 0xf0f0'f0f0;
     if (i % 8 == 0) {  // most of these are hit
-      for (unsigned w = 3; w < 6; ++w) visit.node[w] |= 0xaa00'0000;
-      for (unsigned w = 6; w < 12; ++w)
-        visit.node[w] &= 0x0303'0303, visit.node[w + 6] |= 0xfcfc'fcfc;
+      for (const unsigned w : {9, 10, 11}) visit.node[w] |= 0xaa00'0000;
+      for (const unsigned w : {3, 4, 5, 12, 13, 14})
+        visit.node[w] &= 0x0303'0303, visit.node[w + 3] |= 0xfcfc'fcfc;
     }
     visit.limit = number(0, dice.once_in(2) ? 1000 : 100'000);
     const auto anything = [&](std::uint32_t& w) {
@@ -193,7 +204,7 @@ void expect_solids(const Latencies& latencies) {
     };
     if (i % 4 == 3) {
       for (unsigned w = 0; w < 6; ++w) anything(visit.front[w]);
-      for (unsigned w = 0; w < 4; ++w) anything(visit.node[w]);
+      for (const unsigned w : {0, 1, 2, 9}) anything(visit.node[w]);
       anything(visit.limit);
     }
     const Group group = group_of(gates, visit, 16, latencies);

@@ -197,8 +197,8 @@ void check_bvh(const BoardConfig& c) {
   require(std::has_single_bit(c.nodes) && c.nodes >= kLeastNodes && c.nodes <= kMostNodes,
           fmt::format("nodes is {}; it must be a power of two from {} to {}", c.nodes, kLeastNodes,
                       kMostNodes));
-  require(c.node_cycles == 1 || c.node_cycles == 2,
-          fmt::format("node_cycles is {}; it must be 1 or 2", c.node_cycles));
+  require(c.node_cycles == 1 || c.node_cycles == 2 || c.node_cycles == 4,
+          fmt::format("node_cycles is {}; it must be 1, 2 or 4", c.node_cycles));
   check_node_cache(c);
   constexpr unsigned kLeastContexts = 16, kMostContexts = 256;
   require(std::has_single_bit(c.contexts) && c.contexts >= kLeastContexts &&

@@ -19,16 +19,18 @@ enum class Child : std::uint8_t { kNone, kNode, kLeafOfOne, kLeafOfTwo };
 ///
 ///     words    bits
 ///     0..2     origin, fp32: the lower corner of all its children
-///     3        [7:0] [15:8] [23:16] exponents of x, y, z, signed; [31:24] children 0 to 3
-///     4        [27:0] number of its first node; [31:28] children 4 and 5
-///     5        [27:0] slot of its first secondary; [31:28] children 6 and 7
-///     6..11    lower corners, a byte each: x of children 0 to 7, then y, then z
-///     12..17   upper corners likewise
+///     3..5     lower corners of children 0 to 3, a byte each: x, then y, then z
+///     6..8     upper corners likewise
+///     9        [7:0] [15:8] [23:16] exponents of x, y, z, signed; [31:24] children 0 to 3
+///     10       [27:0] number of its first node; [31:28] children 4 and 5
+///     11       [27:0] slot of its first secondary; [31:28] children 6 and 7
+///     12..14   lower corners of children 4 to 7
+///     15..17   upper corners likewise
 ///
-/// A child's type has two bits (Child). A corner is origin + byte 2^exponent. The box of a child
-/// contains everything below the child, exactly. Child nodes and secondaries of a node are stored
-/// consecutively, in the order of the children (compressed wide nodes: Ylitie, Karras, Laine, HPG
-/// 2017).
+/// Words 0 to 8 and 9 to 17 are its halves, a beat of the DDR each. A child's type has two bits
+/// (Child). A corner is origin + byte 2^exponent. The box of a child contains everything below the
+/// child, exactly. Child nodes and secondaries of a node are stored consecutively, in the order of
+/// the children (compressed wide nodes: Ylitie, Karras, Laine, HPG 2017).
 struct Node {
   static constexpr unsigned kChildren = 8, kWords = 18;
   static constexpr std::uint32_t kMostNumber = (1u << 28) - 1;
@@ -43,18 +45,18 @@ struct Node {
             std::bit_cast<float>(words[2])};
   }
   [[nodiscard]] int exponent(int axis) const {
-    return static_cast<std::int8_t>(words[3] >> (8 * axis));
+    return static_cast<std::int8_t>(words[kExponents] >> (8 * axis));
   }
   [[nodiscard]] Child child(unsigned i) const {
-    const std::uint32_t two = i < 4   ? words[3] >> (24 + 2 * i)
-                              : i < 6 ? words[4] >> (28 + 2 * (i - 4))
-                                      : words[5] >> (28 + 2 * (i - 6));
+    const std::uint32_t two = i < 4   ? words[kExponents] >> (24 + 2 * i)
+                              : i < 6 ? words[kFirstNode] >> (28 + 2 * (i - 4))
+                                      : words[kFirstSlot] >> (28 + 2 * (i - 6));
     return static_cast<Child>(two & 3);
   }
-  [[nodiscard]] std::uint32_t first_node() const { return words[4] & kMostNumber; }
-  [[nodiscard]] std::uint32_t first_slot() const { return words[5] & kMostNumber; }
-  [[nodiscard]] std::uint8_t lower(unsigned i, int axis) const { return byte(6, i, axis); }
-  [[nodiscard]] std::uint8_t upper(unsigned i, int axis) const { return byte(12, i, axis); }
+  [[nodiscard]] std::uint32_t first_node() const { return words[kFirstNode] & kMostNumber; }
+  [[nodiscard]] std::uint32_t first_slot() const { return words[kFirstSlot] & kMostNumber; }
+  [[nodiscard]] std::uint8_t lower(unsigned i, int axis) const { return byte(false, i, axis); }
+  [[nodiscard]] std::uint8_t upper(unsigned i, int axis) const { return byte(true, i, axis); }
 
   /// Position of child i: the number of a node, or the slot of a leaf's first secondary.
   [[nodiscard]] std::uint32_t place(unsigned i) const {
@@ -70,28 +72,35 @@ struct Node {
       words[static_cast<unsigned>(k)] = std::bit_cast<std::uint32_t>(o[k]);
   }
   void set_exponent(int axis, int e) {
-    words[3] &= ~(0xffu << (8 * axis));
-    words[3] |= (static_cast<std::uint32_t>(e) & 0xff) << (8 * axis);
+    words[kExponents] &= ~(0xffu << (8 * axis));
+    words[kExponents] |= (static_cast<std::uint32_t>(e) & 0xff) << (8 * axis);
   }
   void set_child(unsigned i, Child child) {
-    std::uint32_t& word = words[i < 4 ? 3 : i < 6 ? 4 : 5];
+    std::uint32_t& word = words[i < 4 ? kExponents : i < 6 ? kFirstNode : kFirstSlot];
     const unsigned shift = i < 4 ? 24 + 2 * i : i < 6 ? 28 + 2 * (i - 4) : 28 + 2 * (i - 6);
     word = (word & ~(3u << shift)) | static_cast<std::uint32_t>(child) << shift;
   }
-  void set_first_node(std::uint32_t n) { words[4] = (words[4] & ~kMostNumber) | n; }
-  void set_first_slot(std::uint32_t n) { words[5] = (words[5] & ~kMostNumber) | n; }
+  void set_first_node(std::uint32_t n) {
+    words[kFirstNode] = (words[kFirstNode] & ~kMostNumber) | n;
+  }
+  void set_first_slot(std::uint32_t n) {
+    words[kFirstSlot] = (words[kFirstSlot] & ~kMostNumber) | n;
+  }
   void set_corner(bool upper, unsigned i, int axis, std::uint8_t q) {
-    const unsigned at = 8 * static_cast<unsigned>(axis) + i;
-    std::uint32_t& word = words[(upper ? 12 : 6) + at / 4];
-    word = (word & ~(0xffu << (8 * (at % 4)))) | static_cast<std::uint32_t>(q) << (8 * (at % 4));
+    std::uint32_t& word = words[corner(upper, i, axis)];
+    word = (word & ~(0xffu << (8 * (i % 4)))) | static_cast<std::uint32_t>(q) << (8 * (i % 4));
   }
 
   bool operator==(const Node&) const = default;
 
  private:
-  [[nodiscard]] std::uint8_t byte(unsigned first, unsigned i, int axis) const {
-    const unsigned at = 8 * static_cast<unsigned>(axis) + i;
-    return static_cast<std::uint8_t>(words[first + at / 4] >> (8 * (at % 4)));
+  static constexpr unsigned kExponents = 9, kFirstNode = 10, kFirstSlot = 11;
+  /// The word of a child's corner.
+  [[nodiscard]] static unsigned corner(bool upper, unsigned i, int axis) {
+    return (i < 4 ? 0 : kWords / 2) + (upper ? 6 : 3) + static_cast<unsigned>(axis);
+  }
+  [[nodiscard]] std::uint8_t byte(bool upper, unsigned i, int axis) const {
+    return static_cast<std::uint8_t>(words[corner(upper, i, axis)] >> (8 * (i % 4)));
   }
 };
 

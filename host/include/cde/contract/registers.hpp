@@ -98,7 +98,7 @@ inline constexpr std::uint32_t kObjectTable = 0x40000;      ///< of secondaries
 inline constexpr std::uint32_t kPrimObjectTable = 0x80000;  ///< of primaries
 
 inline constexpr std::uint32_t kIdMagic = 0x43444531;
-inline constexpr std::uint32_t kInterfaceVersion = 6;
+inline constexpr std::uint32_t kInterfaceVersion = 7;
 
 /// Bits of kRegControl.
 inline constexpr std::uint64_t kControlGo = 1;

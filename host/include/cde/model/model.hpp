@@ -70,12 +70,13 @@ struct BoardConfig {
                                  ///< pair that can traverse a BVH (traversal_shapes())
   unsigned nodes = 65'536;  ///< most nodes of a BVH, a power of two from 16 to 2^22; eight slots of
                             ///< leaves per node. Without a cache all are on chip
-  unsigned node_cycles = 1;  ///< cycles per node of a traversal unit, 1 or 2. With 2, its operators
-                             ///< for rays are shared: half the multipliers
-  unsigned node_cache = 0;   ///< 0: all nodes are on chip. Else the nodes in the cache of each
+  unsigned node_cycles =
+      1;  ///< cycles per node of a traversal unit, 1, 2 or 4. Above 1 its
+          ///< operators for rays are shared: a half or a quarter of the multipliers
+  unsigned node_cache = 0;  ///< 0: all nodes are on chip. Else the nodes in the cache of each
                             ///< traversal unit, a power of two up to 2^16. The first `pinned_nodes`
                             ///< nodes are on chip, the others and all slots in DDR
-  unsigned node_ways = 4;        ///< of the cache: 2, 4, 8 or 16, at most node_cache / 2
+  unsigned node_ways = 4;   ///< of the cache: 2, 4, 8 or 16, at most node_cache / 2
   unsigned pinned_nodes = 4096;  ///< with a cache, a power of two from 16 to `nodes`
   unsigned contexts = 256;     ///< primaries that traverse a BVH at a time, a power of two from 16
   unsigned shared_lane = 0;    ///< 0, or 1, 2, 4 or 8: brute-force passes and leaves of a BVH share
