@@ -194,10 +194,14 @@ module card_registers #(
   assign wdata_o = wdata_q;
   logic [11:0] offset;
   assign offset = addr_q[11:0];
+  // busy_i one cycle late: it would be in the path of every write. A beat waits in the cycle of go_o.
+  logic busy_q, started_q, running;
+  always_ff @(posedge clk_bus_o) {busy_q, started_q} <= {busy_i, go_o && !rst_i};
+  assign running = busy_q || started_q;
   always_comb
     case (when_q)
       ALWAYS: allowed = 1;
-      IDLE: allowed = !busy_i;
+      IDLE: allowed = !running;
       VALID: allowed = good_q;
       READABLE: allowed = sram_readable_i;
       default: allowed = 0;
@@ -225,8 +229,8 @@ module card_registers #(
       addr: addr_q,
       data: wdata_q};
   assign object_write_o = write_reg && in_objects(addr_q);
-  assign prim_write_o = valid_q && !waits && of_primaries_q && when_q == IDLE && !busy_i;
-  assign ddr_write_o = valid_q && !waits && of_ddr_q && when_q == IDLE && !busy_i;
+  assign prim_write_o = valid_q && !waits && of_primaries_q && when_q == IDLE && !running;
+  assign ddr_write_o = valid_q && !waits && of_ddr_q && when_q == IDLE && !running;
   assign sram_pop_o = valid_q && !waits && pops && sram_valid_i;
 
   // End of the secondaries in DDR. The checks of the command take four cycles after a write (settle_q).
@@ -278,7 +282,7 @@ module card_registers #(
   // The objects in use, also of primaries, must be in contract, or go is refused.
   assign objects_ok = TRANSFORM == pairs_pkg::TRANSFORM_NONE || objects_good_i;
   always_ff @(posedge clk_bus_o) command_ok_q <= command_q.bvh ? bvh_ok : brute_force_ok;
-  assign command_ok = command_ok_q && objects_ok && !busy_i;
+  assign command_ok = command_ok_q && objects_ok && !running;
   assign brute_force_ok = command_q.mode <= registers_pkg::MODE_HITS && pair_present && second_ok && iterations_ok &&
       (SWAP != 0 || !command_q.swap) && (NORMALS != 0 || !command_q.normals) && prim_count_q != 0 &&
       prim_count_q <= 32'(PRIMARIES) && secondaries_ok;

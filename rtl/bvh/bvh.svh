@@ -30,8 +30,9 @@
 `define NODE_T_DISTANCES (`NODE_T_AXES + 2 * LAT.cmp + `DF_MAX2(2 * LAT.cmp, `DF_LAT_DOT))
 // Output of time_steps.sv; output sizes_o of node_scale.sv; outputs of node_boxes_int.sv, for rays. CYCLES is the
 // number of cycles per node, 1, 2 or 4. With 4, the second half of a node's words follows two cycles after the first.
-// NODE_TURNS is the number of cycles in which a node's axes are prepared. A multiplier of 10 cycles takes four multiplier blocks. One of 11 cycles takes one
-// block and adders (fp_mul_lane.sv), for lanes that need many. A node needs few.
+// NODE_TURNS is the number of cycles in which a node's axes are prepared. A multiplier of 10 cycles takes four
+// multiplier blocks. One of 11 cycles takes one block and adders (fp_mul_lane.sv), for lanes that need many. A node
+// needs few.
 `define TIME_T_STEPS 5
 `define NODE_T_SIZES(CYCLES) ((CYCLES == 1) ? 5 : 6)
 `define NODE_TURNS(CYCLES) ((CYCLES == 4) ? 3 : CYCLES)

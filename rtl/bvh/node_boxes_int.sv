@@ -6,8 +6,8 @@
 // With CYCLES = 4 there are 1 sub, 1 mul, and the operators for one side of four children. Halves of a node follow each
 // other (node_reader.sv).
 // Latency: NODE_T_INT cycles (bvh.svh).
-// Throughput: one node per CYCLES cycles. Its inputs stay for as long; with CYCLES = 4, words of the first half of a
-// node are there for the first two cycles, words of the second half for the other two.
+// Throughput: one node per CYCLES cycles. Its inputs stay for as long. With CYCLES = 4, words of a node's first half
+// are there for two cycles, then words of its second half.
 // Stall: none, runs free.
 `include "bvh.svh"
 module node_boxes_int #(
@@ -115,8 +115,8 @@ module node_boxes_int #(
   node_scale #(
       .UNIT_BITS(UNIT_BITS), .STEP_BITS(STEP_BITS), .CYCLES(CYCLES == 1 ? 1 : 2)
   ) scales (
-      .clk_i, .first_i(first[T_SECOND]), .inverse_i(ray_i[8:6]), .margin_i(ray_i[5:3]), .exponent_i(exponents_of(node_i)),
-      .lo_o(lo), .scale_o(scale), .step_o(step), .sizes_o(sizes));
+      .clk_i, .first_i(first[T_SECOND]), .inverse_i(ray_i[8:6]), .margin_i(ray_i[5:3]),
+      .exponent_i(exponents_of(node_i)), .lo_o(lo), .scale_o(scale), .step_o(step), .sizes_o(sizes));
   pipe_delay #(.W(3), .FROM(T_LO), .TO(T_CORNER)) delay_lo (.clk_i, .d_i(lo), .q_o(lo_late));
   pipe_delay #(.W(8), .FROM(T_LO), .TO(T_SCALE)) delay_scale (.clk_i, .d_i(scale), .q_o(scale_late));
   pipe_delay #(.W(24), .FROM(T_STEP), .TO(T_REFERENCE)) delay_step (.clk_i, .d_i(step), .q_o(step_late));

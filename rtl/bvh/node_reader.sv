@@ -9,9 +9,9 @@
 // Without a free way, a visit joins the queue and is looked up again at its head. The same holds while the cache is
 // cleared after rst_i or clear_i, one set per cycle.
 // A look-up never stalls. A visit enters it only if there is room behind it.
-// With HALVES a node has four cycles, and memories are half as wide: words of the first half are in node_o for two
-// cycles, then those of the second half.
-// Latency: from valid_i to valid_o 0 cycles without LINES, else 2 cycles, plus the memory's latency for a fetch. The
+// With HALVES a node takes four cycles, and memories are half as wide: words of the first half are in node_o for two
+// cycles, then words of the second half.
+// Latency: from valid_i to valid_o 0 cycles without LINES, else 3 cycles, plus the memory's latency for a fetch. The
 // node follows one cycle later.
 // Throughput: one node per CYCLES cycles. A visit that begins to wait delays others by at most one cycle, and by none
 // while another visit is kept behind the look-up.
@@ -59,22 +59,20 @@ module node_reader #(
   import bvh_pkg::*;
   if (CYCLES != 1 && CYCLES != 2 && CYCLES != 4) $error("node_reader: CYCLES must be 1, 2 or 4");
   if (HALVES && (CYCLES != 4 || LINES == 0)) $error("node_reader: HALVES needs CYCLES = 4 and LINES");
-  logic busy;
+  logic busy, chosen_now;  // chosen_now: a visit's node is read
   logic [1:0] left_q;  // further cycles of a node
-  logic [PLACE-1:0] place_q;
   assign busy = CYCLES != 1 && left_q != 0;
-  assign chip_second_o = HALVES && busy && left_q != 3;
-  always_ff @(posedge clk_i) begin
-    left_q <= (rst_i || clear_i) ? '0 : valid_o ? 2'(CYCLES - 1) : left_q - 2'(busy);
-    if (!busy) place_q <= place_o;
-  end
-  logic [PLACE-1:0] place_now;  // of a node on chip
-  assign chip_at_o = busy ? place_q : place_now;
+  always_ff @(posedge clk_i)
+    left_q <= (rst_i || clear_i) ? '0 : chosen_now ? 2'(CYCLES - 1) : left_q - 2'(busy);
 
   if (LINES == 0) begin : g_on_chip
     assign ready_o = !busy;
-    assign valid_o = valid_i && !busy;
-    assign {at_o, place_o, place_now} = {at_i, place_i, place_i};
+    assign chosen_now = valid_i && !busy;
+    assign valid_o = chosen_now;
+    assign {at_o, place_o} = {at_i, place_i};
+    logic [PLACE-1:0] place_q;
+    always_ff @(posedge clk_i) if (!busy) place_q <= place_i;
+    assign {chip_at_o, chip_second_o} = {busy ? place_q : place_i, 1'b0};
     assign node_o = chip_node_i;
     assign chip_read_o = valid_o;
     assign ddr_o = '0;
@@ -240,7 +238,7 @@ module node_reader #(
     for (genvar k = 0; k < KEPT; k++) assign places[k] = kept_q[k].valid;
     assign room = $countones({then_q, look_q, places}) < KEPT;
     always_ff @(posedge clk_i) begin
-      if (valid_o) head_next_q <= now;
+      if (chosen_now) head_next_q <= now;
       for (int k = 0; k < KEPT; k++) begin
         kept_q[k] <= (keep && !left[k].valid && (k == 0 || left[k-1].valid)) ? looked : left[k];
         if (rst) kept_q[k].valid <= 1'b0;
@@ -263,22 +261,23 @@ module node_reader #(
     end
 
     // ---- Read ----
-    read_t read;
-    logic [WW+SW-1:0] line_q, line_now;
-    logic cache_q;
-    assign valid_o = !busy && (arrived || reading.valid);
-    assign read = serve ? head_q : reading;
-    assign {at_o, place_o} = {read.at, read.place};
-    assign place_now = reading.place;  // a visit that has waited is of a cached node
-    assign cached_o = valid_o && read.cached;
-    assign chip_read_o = valid_o && !read.cached;
-    assign line_now = busy ? line_q : read.line;
+    // One cycle after the decision.
+    read_t read_q;
+    logic read_valid_q, second_q, cache_q;
+    assign chosen_now = !busy && (arrived || reading.valid);
     always_ff @(posedge clk_i) begin
-      line_q <= line_now;
-      if (!busy) cache_q <= cached_o;
+      if (chosen_now) read_q <= serve ? head_q : reading;
+      read_valid_q <= chosen_now && !rst;
+      second_q <= HALVES && busy && left_q != 3;
+      cache_q <= read_q.cached;
     end
+    assign valid_o = read_valid_q;
+    assign {at_o, place_o} = {read_q.at, read_q.place};
+    assign {chip_at_o, chip_second_o} = {read_q.place, second_q};
+    assign cached_o = read_valid_q && read_q.cached;
+    assign chip_read_o = read_valid_q && !read_q.cached;
     logic unused;
-    assign unused = &{1'b0, read.valid};
+    assign unused = &{1'b0, read_q.valid};
 
     // ---- DDR ----
     logic [31:0] first_word, request, second_word_q;  // first words of a node, and of its second beat
@@ -312,7 +311,7 @@ module node_reader #(
       logic [BEAT-1:0][31:0] words_q;
       always_ff @(posedge clk_i) begin
         if (ddr_valid_i && !rst) halves[{fill, half_q}] <= ddr_data_i;
-        words_q <= halves[{line_now, chip_second_o}];
+        words_q <= halves[{read_q.line, second_q}];
       end
       assign node_o = cache_q ? {2{words_q}} : chip_node_i;
     end else begin : g_whole
@@ -320,16 +319,19 @@ module node_reader #(
       node_t node_q;
       always_ff @(posedge clk_i) begin
         if (ddr_valid_i && !rst) nodes[fill][half_q] <= ddr_data_i;
-        node_q <= nodes[line_now];
+        node_q <= nodes[read_q.line];
       end
       assign node_o = cache_q ? node_q : chip_node_i;
     end
 
 `ifndef SYNTHESIS
+    logic busy_q;
+    always_ff @(posedge clk_i) busy_q <= busy;
     always_ff @(posedge clk_i)
       if (!rst_i) begin
         assert (!(ddr_valid_i && outstanding_q == 0)) else $error("node_reader: data without a request");
-        assert (!(ddr_valid_i && !rst && (cached_o || (busy && cache_q)) && fill == line_now))
+        assert (!(ddr_valid_i && !rst && (read_valid_q || busy_q) && read_q.cached && fill == read_q.line &&
+            (!HALVES || half_q == second_q)))
         else $error("node_reader: a line is filled while it is read");
       end
 `endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a ray enters the boxes of a node's children, in whole steps of T: the near side. For the far side, where it leaves
-// them, all T have the other sign. So each side is the greatest of three lower bounds.
+// Where a ray enters the boxes of a node's children, in whole steps of T: the near side. For the far side, where it
+// leaves them, all T have the other sign. So each side is the greatest of three lower bounds.
 // Latency: T_STEPS - T_SIZES cycles from sizes_i to the use of steps_i and byte_i, at least 3. 3 cycles from there.
 // Throughput: one side of CHILDREN boxes per cycle.
 // Stall: none, runs free.

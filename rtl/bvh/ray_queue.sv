@@ -30,7 +30,8 @@ module ray_queue #(
     input logic pop_i
 );
   localparam int T_CHECK = config_pkg::check_latency(CONFIG.lat);
-  localparam int DEPTH = 1 << $clog2(T_CHECK + 5);
+  // A shared front takes a ray per FRONT_CYCLES cycles. Then a few places are enough, in distributed memory.
+  localparam int DEPTH = (CONFIG.node_cycles != 1) ? 16 : 1 << $clog2(T_CHECK + 5);
   localparam int DW = $clog2(DEPTH);
   logic [DW:0] places_q;
   logic unused;
@@ -104,7 +105,7 @@ module ray_queue #(
   sync_fifo #(.W((1 + WORDS) * 32), .DEPTH(DEPTH), .LATE(1)) queue (
       .clk_i, .rst_i, .write_i(requested_q), .wdata_i({number_q, ray_q}), .free_o(), .count_o(), .some_o(),
       .rdata_o({number_o, ray_o}), .read_i(pop_i));
-  sync_fifo #(.W(1), .DEPTH(DEPTH)) queue_checked (
+  sync_fifo #(.W(1), .DEPTH(DEPTH), .LATE(1)) queue_checked (
       .clk_i, .rst_i, .write_i(checked), .wdata_i(bad), .free_o(), .count_o(), .some_o(valid_o), .rdata_o(bad_o),
       .read_i(pop_i));
 endmodule

@@ -302,7 +302,7 @@ module traversal #(
   logic [LANES-1:0][LEAF-1:0][31:0] serial;
   logic [LANES-1:0][31:0] serial_index;
   if (SERIAL != 0) begin : g_serial
-    leaf_queue #(.WORDS(LEAF), .TAG(TAG), .TURNS(SERIAL)) one_by_one (
+    leaf_queue #(.WORDS(LEAF), .TAG(TAG), .TURNS(SERIAL), .DEPTH(SERIAL == 8 ? 16 : 64)) one_by_one (
         .clk_i, .rst_i, .turn_i, .room_o(leaf_room), .leaf_i(fetch_valid_o && fetch_ready_i), .two_i(fetch_tag_o[0]),
         .valid_i(fetched_valid_i), .last_i(fetched_last_i), .tag_i(fetched_tag_i), .words_i(fetched_i[1]),
         .index_i(index_i[1]), .valid_o(serial_valid), .last_o(serial_last), .tag_o(serial_tag), .words_o(serial[0]),
@@ -358,8 +358,22 @@ module traversal #(
     one = '{f: counts[chosen] && goal_i != GOAL_HITS, t: t[chosen], point: '0, index: index[chosen]};
     for (int k = 0; k < POINTS; k++) one.point[k] = point[k][chosen];
   end
-  assign improved = one_q.f && (!best_q.f || better(one_q.t, one_q.index, best_q.t, best_q.index));
-  assign best = improved ? one_q : best_q;
+  logic now_valid, now_last, improved_now;
+  at_t now_at;
+  best_t one_then, best_then;
+  logic [31:0] now_key;
+  assign improved_now = one_q.f && (!best_q.f || better(one_q.t, one_q.index, best_q.t, best_q.index));
+  // With eight turns, the result of the comparison is used one cycle later.
+  localparam int JUDGED = (SERIAL == 8) ? 1 : 0;
+  if (JUDGED == 0) begin : g_at_once_better
+    assign better_valid = now_valid;
+  end else begin : g_late_better
+    always_ff @(posedge clk_i) better_valid <= now_valid && !rst_i;
+  end
+  pipe_delay #(.W(2 + $bits(at_t) + 32 + 2 * $bits(best_t)), .TO(JUDGED)) delay_best (
+      .clk_i, .d_i({improved_now, now_last, now_at, now_key, one_q, best_q}),
+      .q_o({improved, better_last, better_at, best_key, one_then, best_then}));
+  assign best = improved ? one_then : best_then;
   // If a context runs ahead of its leaves, its leaves can follow each other directly, or with one cycle between. The
   // results of a lane with turns do not.
   localparam bit CLOSE = SERIAL < 4;
@@ -367,13 +381,12 @@ module traversal #(
   best_t read_q, read_late_q, kept_q;
   always_ff @(posedge clk_i) begin
     read_q <= bests[keep_at_next.context_];
-    again_late_q <= CLOSE && better_valid && better_at.context_ == keep_at_next.context_;
+    again_late_q <= CLOSE && now_valid && now_at.context_ == keep_at_next.context_;
     read_late_q <= again_late_q ? kept_q : read_q;
-    again_q <= CLOSE && better_valid && better_at.context_ == keep_at.context_;
+    again_q <= CLOSE && now_valid && now_at.context_ == keep_at.context_;
     kept_q <= best;
-    better_valid <= keep_valid && !rst_i;
-    better_last <= keep_last;
-    {better_at, best_key, one_q} <= {keep_at, key[chosen], one};
+    now_valid <= keep_valid && !rst_i;
+    {now_last, now_at, now_key, one_q} <= {keep_last, keep_at, key[chosen], one};
   end
   assign best_q = again_q ? kept_q : read_late_q;
   always_ff @(posedge clk_i) hit_number_o <= numbers[keep_at_next.context_];

@@ -21,7 +21,8 @@ module secondary_regfile #(
     localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int OBJECTS = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,  // most objects of a pass
     localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT.add, LAT.mul),
-    localparam int DEPTH = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && T_TRANSFORM > 16) ? 256 : 64,  // power of two
+    localparam int DEPTH = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && T_TRANSFORM > 16) ? 256 :
+        (CONFIG.shared_lane == 8) ? 16 : 64,  // power of two; a lane of eight turns needs few
     localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
 ) (
     input logic clk_i,
@@ -65,7 +66,6 @@ module secondary_regfile #(
   localparam int T_JUDGED = (ARITH == "rtl") ? T_CHECKED : T_PLACED;
   // A slot is used after its check, so at the earliest one cycle after it is written.
   if (T_CHECKED <= T_PLACED) $error("secondary_regfile: a slot is read as it is written");
-  (* ram_style = "block", no_rw_check *) logic [WORDS-1:0][CW-1:0] fifo[DEPTH];
   logic bads[DEPTH];  // results of checks
   // counts of slots in the FIFO, shown, popped, requested (modulo 2*DEPTH)
   logic [AW:0] placed_q, write_q, read_q, requested_q;
@@ -182,14 +182,19 @@ module secondary_regfile #(
 
   assign valid_o = any_q && !dropping_q;
   assign idle_o = write_q == requested_q && !requesting && (!any_q || dropping_q);
-  assign slot_o = fifo[read_q[AW-1:0]];
+  if (DEPTH <= 16) begin : g_distributed
+    (* no_rw_check *) logic [WORDS-1:0][CW-1:0] fifo[DEPTH];
+    always_ff @(posedge clk_i) if (in_flight[T_PLACED]) fifo[placed_q[AW-1:0]] <= unchecked;
+    assign slot_o = fifo[read_q[AW-1:0]];
+  end else begin : g_block
+    (* ram_style = "block", no_rw_check *) logic [WORDS-1:0][CW-1:0] fifo[DEPTH];
+    always_ff @(posedge clk_i) if (in_flight[T_PLACED]) fifo[placed_q[AW-1:0]] <= unchecked;
+    assign slot_o = fifo[read_q[AW-1:0]];
+  end
   assign bad_o = bads[read_q[AW-1:0]];
 
   always_ff @(posedge clk_i) begin
-    if (in_flight[T_PLACED]) begin
-      fifo[placed_q[AW-1:0]] <= unchecked;
-      placed_q <= placed_q + 1;
-    end
+    if (in_flight[T_PLACED]) placed_q <= placed_q + 1;
     if (in_flight[T_JUDGED])
       bads[(ARITH == "rtl") ? write_q[AW-1:0] : placed_q[AW-1:0]] <= bad_by_shape[shape[pairs_pkg::SHAPE_INDEX-1:0]];
     if (in_flight[T_CHECKED]) write_q <= write_q + 1;

@@ -3,6 +3,7 @@
 
 WHAT = "card"
 TARGET = "ecp5-85"
+CLOCK_MHZ = "60"
 # Ports of fpga_card.sv: direction, bits, name.
 PORTS = (("input", 1, "clk_i"), ("input", 1, "rst_i"), ("input", 1, "bus_valid_i"), ("input", 1, "bus_write_i"), ("input", 3, "bus_space_i"),
          ("input", 32, "bus_addr_i"), ("input", 64, "bus_wdata_i"), ("output", 1, "bus_ready_o"), ("output", 1, "bus_rvalid_o"),
@@ -10,7 +11,7 @@ PORTS = (("input", 1, "clk_i"), ("input", 1, "rst_i"), ("input", 1, "bus_valid_i
          ("output", 32, "memory_addr_o"), ("output", 16, "memory_data_o"), ("input", 1, "memory_ready_i"), ("input", 1, "memory_valid_i"),
          ("input", 16, "memory_data_i"))
 # A lane that takes a row per eight cycles, a traversal unit with the fewest contexts, memories that fit on the FPGA, and 8 MB behind the port.
-PARAMETERS = {"BOX": 1, "NODE_CYCLES": 2, "NODE_CACHE": 512, "NODE_WAYS": 4, "PINNED_NODES": 512, "CONTEXTS": 16, "SHARED_LANE": 8, "RAY_PLACES": 512,
+PARAMETERS = {"BOX": 1, "NODE_CYCLES": 4, "NODE_CACHE": 512, "NODE_WAYS": 4, "PINNED_NODES": 512, "CONTEXTS": 16, "SHARED_LANE": 8, "RAY_PLACES": 512,
               "TRAVERSAL_UNITS": 1, "LANES": 1, "PRIMARIES": 64, "SRAM_RECORDS": 512, "NODES": 65536, "DDR_SLOTS": 233016}
 
 

@@ -180,5 +180,5 @@ def node_test(_root):
                          "48 products of 8 by 18 bits per cycle."), size=12.5)
     c.texts_at(440, 312, ("*Two cycles per node (NODE_CYCLES = 2)", "First cycle: c of axes 0 and 1; planes; near side of 8 children.",
                           "Second cycle: c of axis 2; lowest and highest; far side.", "2 sub, 2 mul, 3 time_steps, 1 node_side: 24 products."), size=12.5)
-    c.text(20, 396, "A new node enters every one or two cycles. Nothing stalls.", size=12, kind="tu")
+    c.text(20, 396, "With NODE_CYCLES = 4, both halves of the children take two cycles each: 1 sub, 1 mul, 2 time_steps, 12 products. Nothing stalls.", size=12, kind="tu")
     return c
