@@ -289,8 +289,12 @@ module traversal_bank #(
   logic [RAY_KEY-1:0] key_most;
   assign is_solid = RAYS == 0 || (SOLIDS != 0 && solid_i);
   assign child_valid = choice_valid_q && !done_now;
-  pass_delay #(.W($bits(child_t)), .T_RAY(T_CHILD), .T_SOLID(T_SOLID_CHILD)) delay_child (
-      .clk_i, .solid_i(is_solid), .d_i(child), .q_o(child_then));
+  // Without solids, a register first: the child's path is long, and the delay line may be a memory.
+  localparam int EARLY = (SOLIDS != 0) ? 0 : 1;
+  child_t child_early;
+  pipe_delay #(.W($bits(child_t)), .TO(EARLY)) delay_early (.clk_i, .d_i(child), .q_o(child_early));
+  pass_delay #(.W($bits(child_t)), .T_RAY(T_CHILD - EARLY), .T_SOLID(T_SOLID_CHILD - EARLY)) delay_child (
+      .clk_i, .solid_i(is_solid), .d_i(child_early), .q_o(child_then));
   if (RAYS != 0) begin : g_rays
     pipe_delay_valid #(.TO(T_CHOICE)) delay_child_valid (
         .clk_i, .rst_i, .valid_i(child_valid), .valid_o(child_valid_then));

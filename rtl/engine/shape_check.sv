@@ -55,10 +55,12 @@ module shape_check #(
     end
   end
 
-  // ---- Checks that need arithmetic ----
+  // ---- Checks that need arithmetic. Results for each word alone wait, in a register first: a delay line may be a
+  // memory far away ----
   logic [LANES-1:0][CW-1:0] shape_good, words_good;
   `DF_IN(all_words, word[WORDS-1].good, 0)
-  `DF_AT(late_words, all_words, LATENCY)
+  `DF_AT(early_words, all_words, 1)
+  `DF_AT(late_words, early_words, LATENCY)
   assign words_good = late_words;
   if (pairs_pkg::word_kind(SHAPE, 3) == pairs_pkg::WORD_DIRECTION) begin : g_direction
     logic [2:0][LANES-1:0][CW-1:0] m;
@@ -67,7 +69,8 @@ module shape_check #(
           .a_i(words_i[3+k]), .m_o(m[k]));
     end
     `DF_IN(moves, m[0] | m[1] | m[2], 0)
-    `DF_AT(late, moves, LATENCY)
+    `DF_AT(early, moves, 1)
+    `DF_AT(late, early, LATENCY)
     assign shape_good = late;
   end else if (SHAPE == pairs_pkg::SHAPE_AABB) begin : g_box
     `DF_VIN(low, words_i[2:0], 0)
