@@ -151,7 +151,7 @@ def node_cache(_root):
 
 def node_test(_root):
     """rtl/bvh/node_boxes_int.sv and node_order.sv: modules and words between them."""
-    c = Canvas(860, 408, "The node test for rays in whole numbers",
+    c = Canvas(860, 424, "The node test for rays in whole numbers",
                "Fp32 operators compute T of byte 0 of the three axes. In parallel node_scale computes steps, units and margins. Time_steps converts "
                "three planes and the ray's interval into whole steps after T_ref. Node_side adds bytes times units and takes the greatest of three "
                "axes, for the near and the far side. Comparisons decide which children are entered, and node_order ranks them. With two cycles per "
@@ -180,5 +180,7 @@ def node_test(_root):
                          "48 products of 8 by 18 bits per cycle."), size=12.5)
     c.texts_at(440, 312, ("*Two cycles per node (NODE_CYCLES = 2)", "First cycle: c of axes 0 and 1; planes; near side of 8 children.",
                           "Second cycle: c of axis 2; lowest and highest; far side.", "2 sub, 2 mul, 3 time_steps, 1 node_side: 24 products."), size=12.5)
-    c.text(20, 396, "With NODE_CYCLES = 4, both halves of the children take two cycles each: 1 sub, 1 mul, 2 time_steps, 12 products. Nothing stalls.", size=12, kind="tu")
+    c.texts_at(20, 378, ("*Four cycles per node (NODE_CYCLES = 4)", "Near and far side of children 0 to 3, then of children 4 to 7.",
+                         "1 sub, 1 mul, 2 time_steps, 1 node_side: 12 products."), size=12.5)
+    c.text(440, 396, "The next node follows at once. Nothing stalls.", size=12, kind="tu")
     return c
