@@ -223,11 +223,11 @@ TEST(Bvh, DamagedFiles_AreRefused) {
     }
     return std::string("nothing");
   };
-  EXPECT_EQ(refused(""), ": not a BVH file (cde.bvh.3)");
-  EXPECT_EQ(refused("solid"), ": not a BVH file (cde.bvh.3)");
+  EXPECT_EQ(refused(""), ": not a BVH file (cde.bvh.4)");
+  EXPECT_EQ(refused("solid"), ": not a BVH file (cde.bvh.4)");
   std::string later = whole;
   later[8] = '1';
-  EXPECT_EQ(refused(later), ": a BVH file of another version; expected cde.bvh.3");
+  EXPECT_EQ(refused(later), ": a BVH file of another version; expected cde.bvh.4");
   EXPECT_EQ(refused(whole.substr(0, 60)), ": a BVH file that is truncated in its header");
   for (std::size_t size = 14; size < whole.size(); size += 7)
     EXPECT_NE(refused(whole.substr(0, size)), "nothing") << size;
@@ -254,7 +254,7 @@ TEST(Bvh, DamagedFiles_AreRefused) {
   other[kMagicBytes + 4 * 3 + 2] ^= 1;  // first number of the box
   EXPECT_EQ(refused(sealed(other)), ": its box differs from its root's");
   other = whole;
-  other[kMagicBytes + 4 * 9 + 4 * 3] = 127;  // first exponent of the root
+  other[kMagicBytes + 4 * 9 + 4 * 9] = 127;  // first exponent of the root
   EXPECT_EQ(refused(sealed(other)), ": node 0 has exponent 127; expected -80 to 40");
   std::string none = whole.substr(0, kMagicBytes) + std::string(4, '\0') + "\1" +
                      std::string(3 + 4 + 24 + 4, '\0');

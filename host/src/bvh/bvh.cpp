@@ -22,7 +22,7 @@ using bvh::Node;
 /// secondaries and parts, the box (lower corner, upper corner), the nodes and the order. Then
 /// follow for each part its first node and its numbers of nodes and secondaries. The SHA-256 of all
 /// these bytes ends the file, in hexadecimal digits.
-constexpr std::string_view kMagic = "cde.bvh.3\n";
+constexpr std::string_view kMagic = "cde.bvh.4\n";
 constexpr std::size_t kHeadWords = 9, kDigits = 64, kPartWords = 3;
 
 void put(std::string& to, std::uint32_t word) {
@@ -100,8 +100,8 @@ Bvh Bvh::load(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorCode::kFile, fmt::format("{}: {}", printable_name(path.string()), what));
   };
-  if (!bytes.starts_with("cde.bvh.")) fail("not a BVH file (cde.bvh.3)");
-  if (!bytes.starts_with(kMagic)) fail("a BVH file of another version; expected cde.bvh.3");
+  if (!bytes.starts_with("cde.bvh.")) fail("not a BVH file (cde.bvh.4)");
+  if (!bytes.starts_with(kMagic)) fail("a BVH file of another version; expected cde.bvh.4");
   const std::size_t head = kMagic.size() + 4 * kHeadWords;
   if (bytes.size() < head + kDigits) fail("a BVH file that is truncated in its header");
   SavedWords words(
