@@ -117,7 +117,7 @@ def route(design):
     """Options of place and route."""
     options = list(targets.TARGETS[design.target].route)
     if design.card:
-        # Only paths beyond the clock have weight: with a clock that no path reaches, wires are longer, and the router does not end.
+        # Only paths that miss this clock have weight in the placement.
         options[options.index("--freq") + 1] = cards.CLOCK_MHZ
         # On a full FPGA, the default router does not end, and the default placer needs longer wires.
         options += ["--placer", "static", "--router", "router2", "--router2-alt-weights"]
