@@ -5,6 +5,7 @@
 // Latency: 3 cycles plus shape_check's.
 // Throughput: one primary per cycle.
 // Stall: pop_i.
+`include "bvh.svh"
 module ray_queue #(
     parameter config_pkg::config_t CONFIG,
     localparam int RAYS = CONFIG.ray_places,
@@ -30,8 +31,11 @@ module ray_queue #(
     input logic pop_i
 );
   localparam int T_CHECK = config_pkg::check_latency(CONFIG.lat);
-  // A shared front takes a ray per FRONT_CYCLES cycles. Then a few places are enough, in distributed memory.
-  localparam int DEPTH = (CONFIG.node_cycles != 1) ? 16 : 1 << $clog2(T_CHECK + 5);
+  // A shared front takes a ray per FRONT_CYCLES cycles. Then fewer places are enough, at best in distributed memory.
+  localparam bit SHARED = CONFIG.node_cycles != 1 && !bvh_pkg::has_solids(TRAVERSALS) &&
+      !bvh_pkg::has_front(TRAVERSALS, bvh_pkg::FRONT_RAY_SPHERE);
+  localparam int BUSY = SHARED ? (T_CHECK + 5) / `FRONT_CYCLES + 2 : T_CHECK + 5;  // places in use at this rate
+  localparam int DEPTH = (BUSY < 16) ? 16 : 1 << $clog2(BUSY);
   localparam int DW = $clog2(DEPTH);
   logic [DW:0] places_q;
   logic unused;

@@ -161,7 +161,7 @@ module traversal #(
   function automatic bit ray_front_kind(input int kind);
     ray_front_kind = kind == FRONT_RAY_SPHERE || kind == pairs_pkg::SHAPE_RAY;
   endfunction
-  // With two cycles per node, rays that meet triangles share the operators of ray_front_shared.sv.
+  // With more cycles per node than one, rays that meet triangles share the operators of ray_front_shared.sv.
   function automatic bit shares_front(input int kind);
     shares_front = CYCLES != 1 && kind == pairs_pkg::SHAPE_RAY;
   endfunction

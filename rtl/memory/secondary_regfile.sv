@@ -21,8 +21,9 @@ module secondary_regfile #(
     localparam int BEAT = records_pkg::DDR_WORDS,
     localparam int OBJECTS = (TRANSFORM != pairs_pkg::TRANSFORM_NONE) ? CONFIG.objects : 0,  // most objects of a pass
     localparam int T_TRANSFORM = pairs_pkg::transform_latency(PAIRS, SWAP != 0, TRANSFORM, LAT.add, LAT.mul),
-    localparam int DEPTH = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && T_TRANSFORM > 16) ? 256 :
-        (CONFIG.shared_lane == 8) ? 16 : 64,  // power of two; a lane of eight turns needs few
+    localparam int DEPTH = (TRANSFORM != pairs_pkg::TRANSFORM_NONE && T_TRANSFORM > 16) ? 256 :  // power of two
+        // 16 slots of a lane with eight turns last 128 cycles: the check's, and 64 of the memory
+        (CONFIG.shared_lane == 8 && config_pkg::check_latency(LAT) <= 64) ? 16 : 64,
     localparam int OBJECT_W = (OBJECTS > 1) ? $clog2(OBJECTS) : 1
 ) (
     input logic clk_i,
