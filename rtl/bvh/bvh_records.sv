@@ -100,12 +100,13 @@ module bvh_records #(
   assign bad_ready_o = ready_o && !valid_i;
   assign take = valid_i && ready_o;
 `ifndef SYNTHESIS
-  logic [LANES-1:0] hidden;  // hits that are written and cannot be read yet
-  for (genvar l = 0; l < LANES; l++) begin : unread
-    assign hidden[l] = free[l] != (DW + 1)'(DEPTH) && !some[l];
+  logic hidden_q;  // a hit was written in the last cycle and cannot be read yet
+  logic [31:0] hidden_number_q;
+  always_ff @(posedge clk_i) begin
+    {hidden_q, hidden_number_q} <= {!rst_i && hit_i[LANES-1:0] != '0, hit_number_i};
+    if (!rst_i) assert (!(take && hits && hidden_q && hidden_number_q == number_i)) else
+        $error("bvh_records: a primary's end overtakes its hit");
   end
-  always_ff @(posedge clk_i)
-    if (!rst_i) assert (!(take && hits && hidden != '0)) else $error("bvh_records: a primary's end overtakes its hit");
 `endif
   assign take_bad = bad_valid_i && bad_ready_o;
   assign finished_o = take || take_bad;
