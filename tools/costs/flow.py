@@ -35,6 +35,10 @@ class Missing(Bad):
     """A tool that is not installed, or has another version."""
 
 
+class Unrouted(Bad):
+    """The router of a card would not end."""
+
+
 def version_in(said):
     found = re.search(r"Version (?:nextpnr-)?(\d+(?:\.\d+)+)", said) or re.search(r"Yosys (\d+\.\d+)", said) or re.fullmatch(r"\s*(\d+(?:\.\d+)+)\s*", said)
     return found.group(1) if found else ""
@@ -179,8 +183,19 @@ def stop():
         process.terminate()
 
 
-def call(command, folder, log):
-    """Runs a tool with low priority."""
+# A seed of a card is given up if, after so many rounds of the router, so many wires are used twice. Cards with fewer were routed.
+ROUNDS, TWICE = 60, 1500
+
+
+def check_rounds(log):
+    """Raises Unrouted if the router whose log this is would not end."""
+    rounds = re.findall(r"iter=(\d+) .*overused=(\d+)", log.read_text(errors="replace")) if log.exists() else []
+    if rounds and int(rounds[-1][0]) >= ROUNDS and int(rounds[-1][1]) > TWICE:
+        raise Unrouted(f"not routed: {rounds[-1][1]} wires are used twice after {rounds[-1][0]} rounds")
+
+
+def call(command, folder, log, check=lambda: None):
+    """Runs a tool with low priority. `check` is called every few seconds, and may raise."""
     polite = ["nice", "-n", "5", *command] if shutil.which("nice") else command
     with open(folder / log, "w", encoding="utf-8") as out:
         process = subprocess.Popen(polite, cwd=folder, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
@@ -188,7 +203,12 @@ def call(command, folder, log):
         try:
             if _stopped.is_set():
                 process.terminate()
-            status = process.wait()
+            status = None
+            while status is None:
+                try:
+                    status = process.wait(timeout=5)
+                except subprocess.TimeoutExpired:
+                    check()
         except BaseException:
             process.terminate()
             process.wait()
@@ -227,24 +247,67 @@ def counted(target, folder):
     return target.count(cells_in(report)) | more
 
 
-def clocks(design, seeds, folder, say):
-    """Megahertz and the ends of the critical path, per seed. Standard cells are not placed, so they have one clock and no seeds."""
+def clocks(design, seeds, spare, folder, say):
+    """Megahertz and the ends of the critical path, per seed. Standard cells are not placed, so they have one clock and no seeds.
+    At most `spare` seeds that are not routed are replaced by the next ones."""
     fmax, ends = {}, {}
     target = targets.TARGETS[design.target]
     if target.timer and seeds:
         call([tool(target.timer)[0], "-no_init", "-no_splash", "-exit", "timing.tcl"], folder, "timing.log")
         period, ends[asic.UNPLACED] = asic.period_in((folder / "timing.log").read_text(errors="replace"))
         fmax[asic.UNPLACED] = asic.megahertz(period)
-    for seed in seeds if target.router else ():
-        report = f"report_{seed}.json"
-        call([tool(target.router)[0], "-q", *route(design), "--timing-allow-fail", "--top", "bench", "--json", "netlist.json", "--seed", str(seed),
-              "--report", report], folder, f"route_{seed}.log")
-        fmax[str(seed)], ends[str(seed)] = frequency_in((folder / report).read_text())
-        say(f"seed {seed}: {fmax[str(seed)]} MHz")
+    left = list(seeds) if target.router else []
+    while left:
+        seed = left.pop(0)
+        try:
+            route_seed(design, seed, folder)
+            fmax[str(seed)], ends[str(seed)] = frequency_in((folder / f"report_{seed}.json").read_text())
+            say(f"seed {seed}: {fmax[str(seed)]} MHz")
+        except Unrouted as bad:
+            say(f"seed {seed}: {bad}")
+            if spare == 0:
+                raise
+            spare -= 1
+            left.append(max([seed, *left]) + 1)
     return fmax, ends
 
 
-def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
+def route_seed(design, seed, folder):
+    """Places and routes, unless the folder has the report. A card also gets its configuration, and its bitstream if ecppack is there."""
+    report, log, config = folder / f"report_{seed}.json", folder / f"rounds_{seed}.log", f"card_{seed}.config"
+    if design.card:
+        check_rounds(log)
+    if report.exists():
+        return
+    more = ["--textcfg", config, "--log", log.name] if design.card else []
+    part = folder / "report.part"
+    call([tool(targets.TARGETS[design.target].router)[0], "-q", *route(design), "--timing-allow-fail", "--top", "bench", "--json", "netlist.json",
+          "--seed", str(seed), "--report", part.name, *more], folder, f"route_{seed}.log", lambda: design.card and check_rounds(log))
+    ecppack = next((p for p in map(shutil.which, [os.environ.get("CDE_ECPPACK", ""), "ecppack", "yowasp-ecppack"]) if p), None)
+    if design.card and ecppack:
+        call([ecppack, "--compress", config, f"card_{seed}.bit"], folder, f"pack_{seed}.log")
+    part.rename(report)
+
+
+def synthesise(design, folder):
+    """Runs Yosys, unless the folder has the netlist of the same sources and method. Returns the hashes of the sources."""
+    made = folder / "made_of.json"
+    prepare(design, folder)
+
+    def hashes():
+        return sources.digests(sources.closure(modules_in((folder / "modules.txt").read_text()), folder), folder)
+
+    if made.exists() and json.loads(made.read_text()) == [flow_hash(design), hashes()]:
+        return hashes()
+    for old in [*folder.glob("report_*.json"), *folder.glob("rounds_*.log"), made]:
+        old.unlink(missing_ok=True)
+    call([tool("yosys")[0], "-q", "-T", "-s", "run.ys"], folder, "yosys.log")
+    found = hashes()  # of the copy, because the tree may change meanwhile
+    made.write_text(json.dumps([flow_hash(design), found]))
+    return found
+
+
+def measure(design, seeds, any_version=False, keep=None, say=lambda text: None, spare=0):
     """Measures a design. Returns its row, the hashes of its sources and the ends of its critical paths."""
     target = targets.TARGETS[design.target]
     if target.timer and len(seeds) > 1:
@@ -253,12 +316,10 @@ def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="cde-costs-") as temporary:
         folder = pathlib.Path(keep).resolve() if keep else pathlib.Path(temporary)
-        prepare(design, folder)
-        call([tool("yosys")[0], "-q", "-T", "-s", "run.ys"], folder, "yosys.log")
-        read = sources.closure(modules_in((folder / "modules.txt").read_text()), folder)
-        hashes = sources.digests(read, folder)  # of the copy, because the tree may change meanwhile
+        folder.mkdir(parents=True, exist_ok=True)
+        hashes = synthesise(design, folder)
         row = counted(target, folder)
         say(f"synthesised in {time.monotonic() - began:.0f} s")
-        fmax, ends = clocks(design, seeds, folder, lambda text: say(f"{text}, {time.monotonic() - began:.0f} s"))
+        fmax, ends = clocks(design, seeds, spare, folder, lambda text: say(f"{text}, {time.monotonic() - began:.0f} s"))
     row.update(fmax=fmax, seconds=round(time.monotonic() - began), tools=told, flow=flow_hash(design), sources=sources.combined(hashes))
     return row, hashes, ends
