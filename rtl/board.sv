@@ -266,7 +266,7 @@ module board #(
     logic [LEAF-1:0][CW-1:0] leaf_unmoved;
     bvh_unit #(.CONFIG(CONFIG)) bvh (
         .clk_core_i(clk_i), .clk_bus_i(clk_bus), .rst_i, .access_i(access), .rdata_o(bvh_rdata),
-        .wdata_i(ddr_write_data_o), .provided_good_o(provided_good), .good_o(bvh_good),
+        .provided_good_o(provided_good), .good_o(bvh_good),
         .valid_i(unit_valid[BVH]), .ready_o(unit_ready[BVH]), .abort_i(unit_abort[BVH]),
         .pass_i(command), .busy_o(unit_busy[BVH]), .traversal_o(traversal),
         .done_o(unit_done[BVH]), .fault_o(node_error), .corrected_o(node_corrected),

@@ -75,8 +75,8 @@ module card_registers #(
     input logic node_error_i
 );
   logic ready, rvalid_q;
-  logic [63:0] rdata_q;
-  assign bus_o = {ready, rvalid_q, rdata_q | rdata_ext_i};
+  logic [63:0] rdata_q, count_q;  // count_q: the value of a counter
+  assign bus_o = {ready, rvalid_q, rdata_q | count_q | rdata_ext_i};
   localparam logic [63:0] DDR_BYTES = 64'(DDR_SLOTS) * 64'(records_pkg::DDR_WORDS * CW / 8);
   localparam logic [63:0] CW_BYTES = 64'(CW) / 64'd8;
   localparam int PRIM_WORDS = pairs_pkg::slot_words(PAIRS, 1, SWAP != 0);
@@ -99,9 +99,11 @@ module card_registers #(
   // When an access is allowed: never, always, while no pass runs, with valid data, while records can be read.
   typedef enum logic [2:0] {NEVER, ALWAYS, IDLE, VALID, READABLE} when_t;
   when_t when_q;
-  logic checked_q, good_q;  // of VALID: one cycle later, whether the data are valid
+  logic compared_q, checked_q, good_q;  // of VALID: two cycles later, whether the data are valid
   logic in_page_q;  // the beat is in the 4 KB of the registers, aligned; the others read 0
   logic of_control_q, of_ddr_q, of_primaries_q;  // the beat writes the control register, a word of DDR, a primary
+  logic of_checks_q;  // its result needs the checks of what was written before
+  logic wrote_q;  // a write in the last cycle: modules beside this one take it now
   logic valid_q, write_q, write_reg, read, allowed, pops, command_ok;
   logic [registers_pkg::SPACE_BITS-1:0] space_q;
   logic [31:0] addr_q;
@@ -171,8 +173,8 @@ module card_registers #(
   endfunction
 
   // The beat is decoded as it is taken: the decoder would be in the paths of the answers.
-  clock_gate gate (.clk_i, .enable_i(bus_i.valid | valid_q | rvalid_q | go_o | abort_o | done_i | pose_done_i | rst_i),
-      .clk_o(clk_bus_o));
+  clock_gate gate (.clk_i, .enable_i(
+      bus_i.valid | valid_q | rvalid_q | wrote_q | go_o | abort_o | done_i | pose_done_i | rst_i), .clk_o(clk_bus_o));
   always_ff @(posedge clk_bus_o) begin
     if (ready) begin
       valid_q <= bus_i.valid;
@@ -183,11 +185,15 @@ module card_registers #(
       in_page_q <= bus_i.space == registers_pkg::SPACE_REG && bus_i.addr[31:12] == '0 && bus_i.addr[2:0] == '0;
       of_control_q <= bus_i.space == registers_pkg::SPACE_REG && bus_i.write &&
           bus_i.addr == 32'(registers_pkg::REG_CONTROL);
+      of_checks_q <= bus_i.space == registers_pkg::SPACE_REG &&
+          bus_i.addr == (bus_i.write ? 32'(registers_pkg::REG_CONTROL) : 32'(registers_pkg::REG_BAD_PRIM));
       of_ddr_q <= bus_i.space == registers_pkg::SPACE_DDR;
       of_primaries_q <= bus_i.space == registers_pkg::SPACE_PRIM;
       wdata_q <= bus_i.wdata;
     end
-    {checked_q, good_q} <= {valid_q && when_q == VALID && !ready, provided_good_i};
+    {checked_q, compared_q} <= {2{valid_q && when_q == VALID && !ready}} & {compared_q, 1'b1};
+    good_q <= provided_good_i;
+    wrote_q <= access_o.write && !rst_i;
     if (rst_i) valid_q <= 0;
   end
   assign addr_o = addr_q;
@@ -207,17 +213,19 @@ module card_registers #(
       default: allowed = 0;
     endcase
 
-  logic [2:0] settle_q;  // cycles until the checks of the command are up to date
+  localparam logic [2:0] SETTLE = 3'd5;  // cycles of the checks of the command and of the primaries after a write
+  logic [2:0] settle_q;  // such cycles left
   logic waits;  // go or stop take effect
-  logic stays;  // the beat is a write that waits
+  logic stays;  // the beat waits
   always_ff @(posedge clk_bus_o) sram_last_o <= !busy_i;
   assign pops = when_q == READABLE && sram_readable_i;
   assign waits = go_o || abort_o;
   assign stays = waits || (when_q == VALID && !checked_q) || (ddr_write_o && !ddr_ready_i) ||
-      (of_control_q && (objects_busy_i || settle_q != 0));
+      (of_control_q && objects_busy_i) || (of_checks_q && settle_q != 0) ||
+      (in_page_q && !write_q && wrote_q);
   assign ready = !(valid_q && (stays || (pops && !sram_valid_i)));
   always_ff @(posedge clk_bus_o)
-    if (rst_i || access_o.write) settle_q <= 3'd4;
+    if (rst_i || access_o.write) settle_q <= SETTLE;
     else if (settle_q != 0) settle_q <= settle_q - 1'b1;
   assign read = valid_q && ready && !write_q;
   assign write_reg = valid_q && !stays && write_q && allowed && space_q == registers_pkg::SPACE_REG;
@@ -233,7 +241,7 @@ module card_registers #(
   assign ddr_write_o = valid_q && !waits && of_ddr_q && when_q == IDLE && !running;
   assign sram_pop_o = valid_q && !waits && pops && sram_valid_i;
 
-  // End of the secondaries in DDR. The checks of the command take four cycles after a write (settle_q).
+  // End of the secondaries in DDR. The checks of the command are up to date once settle_q is 0.
   logic [63:0] sec_end_q;
   logic [32:0] sec_last_q;
   logic command_ok_q, objects_ok;
@@ -394,19 +402,27 @@ module card_registers #(
         registers_pkg::REG_PRIM_OBJECT_COUNT: rdata_q <= 64'(prim_object_count_q);
         registers_pkg::REG_RECORDS: rdata_q <= 64'(sram_count_i);
         registers_pkg::REG_FAULT_ADDR: rdata_q <= fault_q;
-        registers_pkg::REG_CYCLES: rdata_q <= cycles_q;
-        registers_pkg::REG_ROWS: rdata_q <= rows_q;
-        registers_pkg::REG_STALLS: rdata_q <= stalls_q;
-        registers_pkg::REG_BUBBLES: rdata_q <= bubbles_q;
         registers_pkg::REG_BAD_PRIM: rdata_q <= sum_of(bad_prim_q);
-        registers_pkg::REG_BAD_SEC: rdata_q <= bad_sec_q;
-        registers_pkg::REG_SECONDARIES: rdata_q <= secondaries_q;
-        registers_pkg::REG_WRITTEN: rdata_q <= written_q;
-        registers_pkg::REG_UNCERTAIN: rdata_q <= uncertain_q;
-        registers_pkg::REG_ECC: rdata_q <= ecc_q;
-        registers_pkg::REG_WRITEBACK: rdata_q <= writeback_q;
         default: rdata_q <= in_stencil(addr_q[31:3]) ? stencil_q[64*32'(offset[4:3])+:64] : '0;
       endcase
+    end
+    // One register for all of them would be slow.
+    if (valid_q && !write_q) begin
+      count_q <= '0;
+      if (in_page_q)
+        case (offset)
+          registers_pkg::REG_CYCLES: count_q <= cycles_q;
+          registers_pkg::REG_ROWS: count_q <= rows_q;
+          registers_pkg::REG_STALLS: count_q <= stalls_q;
+          registers_pkg::REG_BUBBLES: count_q <= bubbles_q;
+          registers_pkg::REG_BAD_SEC: count_q <= bad_sec_q;
+          registers_pkg::REG_SECONDARIES: count_q <= secondaries_q;
+          registers_pkg::REG_WRITTEN: count_q <= written_q;
+          registers_pkg::REG_UNCERTAIN: count_q <= uncertain_q;
+          registers_pkg::REG_ECC: count_q <= ecc_q;
+          registers_pkg::REG_WRITEBACK: count_q <= writeback_q;
+          default: ;
+        endcase
     end
 
     if (write_reg && !in_objects(addr_q) && !in_bvh) begin
@@ -414,10 +430,7 @@ module card_registers #(
         registers_pkg::REG_COMMAND: command_q <= wdata_q & registers_pkg::COMMAND_BITS;
         registers_pkg::REG_PRIM_SPLIT: split_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         registers_pkg::REG_ITERATIONS: iterations_q <= {40'b0, |wdata_q[63:24] ? 24'hFFFFFF : wdata_q[23:0]};
-        registers_pkg::REG_PRIM_COUNT: begin
-          prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
-          present_q <= (wdata_q >= 64'(PRIMARIES)) ? '1 : ~({PRIMARIES{1'b1}} << wdata_q[7:0]);
-        end
+        registers_pkg::REG_PRIM_COUNT: prim_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         registers_pkg::REG_SEC_FIRST: sec_first_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         registers_pkg::REG_SEC_COUNT: sec_count_q <= |wdata_q[63:32] ? '1 : wdata_q[31:0];
         registers_pkg::REG_CONTROL: begin
@@ -432,6 +445,8 @@ module card_registers #(
         default: stencil_q[64*32'(offset[4:3])+:64] <= wdata_q;
       endcase
     end
+    if (settle_q == SETTLE)
+      present_q <= (prim_count_q >= 32'(PRIMARIES)) ? '1 : ~({PRIMARIES{1'b1}} << prim_count_q[7:0]);
     if (valid_q && ready && !allowed) begin
       bus_error_q <= 1;
       if (!bus_error_q) {fault_q.space, fault_q.addr} <= {space_q, addr_q};
@@ -463,18 +478,23 @@ module card_registers #(
     assign unused_ecc = &{1'b0, events_i.ecc_corrected, events_i.ecc_failed};
   end
 
+  // Events of rows and secondaries are counted one cycle late, in which the pass does not end.
+  card_pkg::events_t row_events_q;
+  logic unused_events;
+  assign unused_events = &{1'b0, row_events_q};
+  always_ff @(posedge clk_engine_i) row_events_q <= events_i;
   always_ff @(posedge clk_engine_i) begin
     if (go_o || rst_i) {cycles_q, rows_q, stalls_q, bubbles_q, bad_sec_q, secondaries_q, written_q, writeback_q,
         uncertain_q} <= '0;
     else begin
       cycles_q <= cycles_q + 64'(busy_i && !events_i.writeback);
       writeback_q <= writeback_q + 64'(events_i.writeback);
-      rows_q <= rows_q + 64'($countones(events_i.issue));
-      stalls_q <= stalls_q + 64'(events_i.stall);
+      rows_q <= rows_q + 64'($countones(row_events_q.issue));
+      stalls_q <= stalls_q + 64'(row_events_q.stall);
       uncertain_q <= uncertain_q + 64'(events_i.uncertain);
-      bubbles_q <= bubbles_q + 64'(events_i.bubble);
-      secondaries_q <= secondaries_q + 64'(events_i.secondary);
-      bad_sec_q <= bad_sec_q + 64'(events_i.secondary && events_i.secondary_bad);
+      bubbles_q <= bubbles_q + 64'(row_events_q.bubble);
+      secondaries_q <= secondaries_q + 64'(row_events_q.secondary);
+      bad_sec_q <= bad_sec_q + 64'(row_events_q.secondary && row_events_q.secondary_bad);
       written_q <= written_q + 64'(events_i.record);
     end
   end

@@ -13,9 +13,9 @@ module bvh_registers #(
     input logic clk_i,
     input logic rst_i,
     input card_pkg::access_t access_i,
+    input card_pkg::access_t written_i,  // the access of the last cycle, for writes
     output logic [63:0] rdata_o,
-    input logic [63:0] wdata_i,    // data of the access; a separate port, since the checks depend on it
-    output logic provided_good_o,  // for REG_RAYS
+    output logic provided_good_o,  // the data of written_i are valid for REG_RAYS
     output logic [2:0] good_o,     // settings are valid for a pass: of a refit, of primaries, of nodes. Two cycles late
     input logic busy_i,
     input logic wide_i,   // primaries of the pass take two places
@@ -37,6 +37,8 @@ module bvh_registers #(
     input logic [bvh_pkg::NODE_WORDS-1:0][31:0] node_i
 );
   import registers_pkg::*;
+  logic unused_access;  // data of reads, flags of reads for writes
+  assign unused_access = &{1'b0, access_i, written_i};
   logic [3:0][63:0] root_q;
   logic [31:0] nodes_q, first_node_q, slots_q, ray_count_q, provided_q;
   logic [2:0][31:0] bases_q;
@@ -51,9 +53,9 @@ module bvh_registers #(
   assign provided_o = provided_q;
   // Counts of primaries rise within a pass. At most as many as there are places can be provided and not taken.
   logic [31:0] value, taken;
-  assign value = wdata_i[31:0];
+  assign value = written_i.data[31:0];
   always_ff @(posedge clk_bus_i) taken <= busy_i ? taken_i : '0;
-  assign provided_good_o = wdata_i[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
+  assign provided_good_o = written_i.data[63:32] == 0 && value <= ray_count_q && (!busy_i || value >= provided_q) &&
       value >= taken && value - taken <= (wide_i ? CONFIG.ray_places / 2 : CONFIG.ray_places);
   // In DDR, nodes and slots end before its end.
   localparam logic [63:0] DDR_WORDS = 64'(CONFIG.ddr_slots) * 64'(records_pkg::DDR_WORDS);
@@ -71,9 +73,10 @@ module bvh_registers #(
   function automatic logic [31:0] saturated(input logic [63:0] x);
     saturated = (x[63:32] != 0) ? '1 : x[31:0];
   endfunction
-  logic write, at_root;
+  logic write, writes_root, at_root;
   // Object tables are above the registers, in the same space.
-  assign write = access_i.write && access_i.space == SPACE_REG && access_i.addr[31:12] == '0;
+  assign write = written_i.write && written_i.space == SPACE_REG && written_i.addr[31:12] == '0;
+  assign writes_root = written_i.addr[11:0] >= REG_ROOT && written_i.addr[11:0] < REG_ROOT + 12'd32;
   assign at_root = access_i.addr[11:0] >= REG_ROOT && access_i.addr[11:0] < REG_ROOT + 12'd32;
   logic at_new_root;
   logic [8:0][63:0] new_root_q;
@@ -90,19 +93,19 @@ module bvh_registers #(
   end
   always_ff @(posedge clk_bus_i) begin
     if (write) begin
-      if (at_root) root_q[access_i.addr[4:3]] <= access_i.data;
-      case (access_i.addr[11:0])
-        REG_NODE_COUNT: nodes_q <= saturated(access_i.data);
+      if (writes_root) root_q[written_i.addr[4:3]] <= written_i.data;
+      case (written_i.addr[11:0])
+        REG_NODE_COUNT: nodes_q <= saturated(written_i.data);
         REG_RAY_COUNT: begin
-          ray_count_q <= saturated(access_i.data);
+          ray_count_q <= saturated(written_i.data);
           provided_q <= '0;
         end
         REG_RAYS: provided_q <= value;
-        REG_NODE_FLIP: flip_q <= access_i.data;
-        REG_SLOT_COUNT: slots_q <= saturated(access_i.data);
-        REG_NODE_FIRST: first_node_q <= saturated(access_i.data);
-        REG_NODE_BASE: bases_q[0] <= saturated(access_i.data);
-        REG_SLOT_BASE: bases_q[2:1] <= access_i.data;
+        REG_NODE_FLIP: flip_q <= written_i.data;
+        REG_SLOT_COUNT: slots_q <= saturated(written_i.data);
+        REG_NODE_FIRST: first_node_q <= saturated(written_i.data);
+        REG_NODE_BASE: bases_q[0] <= saturated(written_i.data);
+        REG_SLOT_BASE: bases_q[2:1] <= written_i.data;
         default: ;
       endcase
     end

@@ -27,7 +27,6 @@ module bvh_unit #(
     // The bus: memories, written between passes, and registers.
     input card_pkg::access_t access_i,
     output logic [63:0] rdata_o,
-    input logic [63:0] wdata_i,
     output logic provided_good_o,  // for REG_RAYS
     output logic [2:0] good_o,     // as in bvh_registers.sv
 
@@ -82,7 +81,7 @@ module bvh_unit #(
 
   typedef enum logic [1:0] {IDLE, RUN, FLUSH} state_t;
   state_t state_q;
-  logic clk, rst, running, refitting, wrong;
+  logic clk, rst_q, rst, running, refitting, wrong;
   logic [2:0] mode_q;
   logic normals_q;
   logic [TRAVERSAL_BITS-1:0] traversal_q, traversal_now;  // traversal kind of this pass, and of the next one
@@ -94,8 +93,8 @@ module bvh_unit #(
   logic [31:0] taken, provided, ray_count, nodes, first_node, slots;
   logic finished, records_empty;
   assign running = state_q == RUN;
-  assign refitting = running && mode_q == registers_pkg::MODE_REFIT;
-  assign rst = rst_i || !running || refitting;  // reset of the traversal, which starts afresh with every pass
+  assign refitting = !CACHED && running && mode_q == registers_pkg::MODE_REFIT;
+  assign rst = rst_i || rst_q;  // reset of the traversal, which starts afresh with every pass
   assign busy_o = state_q != IDLE;
   assign ready_o = state_q == IDLE;
   // Idle while it waits for the host: every primary provided so far has its record.
@@ -104,6 +103,12 @@ module bvh_unit #(
   clock_gate gate (.clk_i(clk_core_i), .enable_i(valid_i | abort_i | (busy_o & !waits) | rst_i), .clk_o(clk));
 
   // ---- Registers ----
+  // Writes come one cycle late: the wires from the bus to the memories are long.
+  card_pkg::access_t written_q;
+  always_ff @(posedge clk_bus_i) begin
+    written_q <= access_i;
+    if (rst_i) written_q.write <= 0;
+  end
   logic refit_write;  // a refit writes a node
   logic [PLACE-1:0] refit_read_at, refit_write_at;
   logic [NODE_WORDS-1:0][31:0] refitted;
@@ -121,7 +126,8 @@ module bvh_unit #(
   logic unused_flip;
   assign unused_flip = &{1'b0, flip.reserved};
   bvh_registers #(.CONFIG(CONFIG)) registers (
-      .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .rdata_o, .wdata_i, .provided_good_o, .good_o, .busy_i(busy_o),
+      .clk_bus_i, .clk_i(clk), .rst_i, .access_i, .written_i(written_q), .rdata_o, .provided_good_o, .good_o,
+      .busy_i(busy_o),
       .wide_i(PRIMARY > PLACE_WORDS && wide(int'(traversal_now))),
       .clear_i(valid_i && ready_o), .taken_i(taken), .provided_o(provided), .ray_count_o(ray_count), .nodes_o(nodes),
       .first_node_o(first_node), .slots_o(slots), .bases_o(bases), .root_o(root), .events_i(counted_q),
@@ -137,13 +143,13 @@ module bvh_unit #(
   for (genvar u = 0; u < UNITS; u++) begin : unit
     assign node_row[u] = (refitting && u == 0) ? refit_read_at[NW-1:0] : node_at[u][NW-1:0];
   end
-  assign node_access = access_i.write && access_i.space == registers_pkg::SPACE_NODES;
+  assign node_access = written_q.write && written_q.space == registers_pkg::SPACE_NODES;
   clock_gate gate_nodes (.clk_i(clk_core_i), .enable_i(node_access | refitting | rst_i), .clk_o(clk_nodes));
   logic [UNITS-1:0][4:0] node_corrected;
   logic [UNITS-1:0] node_failed, node_read, node_read_q;
   logic [UNITS-1:0][NW-1:0] node_row_q;
   node_memory #(.NODES(NODES), .READERS(UNITS), .ECC(CONFIG.ecc), .HALVES(HALVES)) node_chips (
-      .clk_write_i(clk_nodes), .write_i(node_access), .addr_i(access_i.addr), .data_i(access_i.data),
+      .clk_write_i(clk_nodes), .write_i(node_access), .addr_i(written_q.addr), .data_i(written_q.data),
       .flip_i(flips[17:0]),
       .refit_i(refit_write), .refit_at_i(refit_write_at[NW-1:0]), .refit_node_i(refitted), .clk_i(clk),
       .at_i(node_row), .second_i(node_second), .node_o(node), .corrected_o(node_corrected), .failed_o(node_failed));
@@ -153,8 +159,8 @@ module bvh_unit #(
   logic [PRIMARY-1:0][31:0] ray;
   logic [31:0] ray_number;
   ray_queue #(.CONFIG(CONFIG)) rays (
-      .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_RAYS), .addr_i(access_i.addr),
-      .data_i(access_i.data), .clk_i(clk), .rst_i(rst), .traversal_i(traversal_q), .provided_i(provided),
+      .clk_bus_i, .write_i(written_q.write && written_q.space == registers_pkg::SPACE_RAYS), .addr_i(written_q.addr),
+      .data_i(written_q.data), .clk_i(clk), .rst_i(rst), .traversal_i(traversal_q), .provided_i(provided),
       .taken_o(taken), .valid_o(ray_valid), .ray_o(ray), .number_o(ray_number), .bad_o(ray_bad), .pop_i(ray_pop));
   // A bad primary leaves the queue one cycle after its record.
   logic bad_now, bad_gone_q;
@@ -225,8 +231,8 @@ module bvh_unit #(
       .EXTERNAL(32'(CACHED)),
       .ARITH(config_pkg::arith(CONFIG.host)), .T_TRANSFORM(T_TRANSFORM)
   ) leaves (
-      .clk_bus_i, .write_i(access_i.write && access_i.space == registers_pkg::SPACE_SLOTS), .addr_i(access_i.addr),
-      .data_i(access_i.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
+      .clk_bus_i, .write_i(written_q.write && written_q.space == registers_pkg::SPACE_SLOTS), .addr_i(written_q.addr),
+      .data_i(written_q.data), .flip_i(flips[19:18]), .clk_i(clk), .rst_i, .clear_i(rst && !refitting),
       .slots_i(slots), .slot_base_i(bases[2:1]), .secondaries_i(secondaries_q),
       .words_i(leaf_words_q),
       .objects_i(objects_q), .valid_i(leaf_valid), .ready_o(leaf_ready), .slot_i(leaf_slot), .tag_i(leaf_tag),
@@ -318,17 +324,32 @@ module bvh_unit #(
   assign finished_all = refitting ? refit_done : running && finished_q == ray_count && records_empty;
   assign done_o = finished_all || (state_q == FLUSH && !outstanding && fault_q != 0);
   assign fault_o = fault_q != 0;
+  // The reset of the traversal has a register of its own: its wires are long.
+  state_t state;
+  always_comb begin
+    state = state_q;
+    case (state_q)
+      IDLE: if (valid_i) state = RUN;
+      RUN: if (wrong) state = FLUSH; else if (finished_all) state = IDLE;
+      default: if (!outstanding) state = IDLE;
+    endcase
+    if (abort_i && busy_o) state = FLUSH;
+    if (rst_i) state = IDLE;
+  end
   always_ff @(posedge clk) begin
     idle_reads_q <= (finished || rst) ? '0 : idle_reads_q + (32 + CX)'(events.nodes);
     counted_q <= running ? events : '0;
-    finished_q <= rst ? '0 : finished_q + 32'(finished);
+    // `finished` comes late, so it selects and is not added.
+    if (rst) finished_q <= '0;
+    else if (finished) finished_q <= finished_q + 1;
     if (running && !refitting) deepest_q <= deepest;
     idle_cycles_q <= (refit_write || refit_rst) ? '0 : idle_cycles_q + 1;
     refit_start_q <= refit_comes && !rst_i;
+    state_q <= state;
+    rst_q <= state != RUN || (!CACHED && (valid_i && ready_o ? pass_i.mode : mode_q) == registers_pkg::MODE_REFIT);
     case (state_q)
       IDLE:
         if (valid_i) begin
-          state_q <= RUN;
           mode_q <= pass_i.mode;
           traversal_q <= traversal_now;
           normals_q <= pass_i.normals;
@@ -338,23 +359,15 @@ module bvh_unit #(
         end
       RUN:
         if (wrong) begin
-          state_q <= FLUSH;
           fault_q <= bits_failed ? {registers_pkg::NODE_FAULT_NODE_BITS, 32'(failed_row)} :
               (traversal_fault != 0 && !refitting) ? {traversal_fault, 32'(traversal_place)} :
               leaf_fault ? {leaf_fault_kind, leaf_place} : {registers_pkg::NODE_FAULT_ENDLESS, 32'(node_row_q[0])};
         end else if (finished_all) begin
-          state_q <= IDLE;
           if (refitting && refit_bad) fault_q <= {registers_pkg::NODE_FAULT_SECONDARY, 32'(refit_bad_slot)};
         end
-      default: if (!outstanding) state_q <= IDLE;
+      default: ;
     endcase
-    if (abort_i && busy_o) begin
-      state_q <= FLUSH;
-      fault_q <= '0;
-    end
-    if (rst_i) begin
-      state_q <= IDLE;
-      {fault_q, deepest_q} <= '0;
-    end
+    if (abort_i && busy_o) fault_q <= '0;
+    if (rst_i) {fault_q, deepest_q} <= '0;
   end
 endmodule

@@ -225,6 +225,10 @@ module traversal_bank #(
     choice_valid_q <= choice_valid && !rst_i;
   end
 
+  // next + 1, without a carry chain, whose wires would be long.
+  function automatic logic [3:0] after(input logic [3:0] next);
+    for (int b = 0; b < 4; b++) after[b] = next[b] ^ ((4'b1111 >> (4 - b)) & ~next) == 0;
+  endfunction
   // The number of the child, and one cycle later the child, before it is known whether it counts. A context has one
   // choice under way, so its stack does not change.
   typedef struct packed {
@@ -249,7 +253,8 @@ module traversal_bank #(
   } child_t;
   picked_t picked, picked_q;
   logic picked_valid_q;
-  child_t child, child_then;
+  child_t child, child_then;  // child's place is the first of its kind, child_ahead before it
+  logic [3:0] child_ahead;
   logic [2*CHILDREN-3:0] behind_child;
   logic [3*CHILDREN-4:0] later;
   logic done_now, child_valid;
@@ -257,7 +262,7 @@ module traversal_bank #(
     picked.at = choice_q;
     picked.next = choice_q.fresh[top_q] ? 4'd1 : next_q;
     {later, picked.number} = top_group_q.order >> (5'd3 * 5'(picked.next[2:0]));
-    picked.last = picked.next + 1 == top_group_q.count;
+    picked.last = after(picked.next) == top_group_q.count;
     picked.kinds = top_group_q.kinds;
     {picked.node, picked.slot} = {top_group_q.node, top_group_q.slot};
     picked.keys = top_group_q.keys;
@@ -270,8 +275,8 @@ module traversal_bank #(
   always_comb begin
     {child.at, child.next, child.last} = {picked_q.at, picked_q.next, picked_q.last};
     {behind_child, child.kind} = picked_q.kinds >> {picked_q.number, 1'b0};
-    child.place = (child.kind == KIND_NODE ? picked_q.node : picked_q.slot) +
-        PLACE'(ahead(picked_q.kinds, picked_q.number, child.kind == KIND_NODE));
+    child.place = child.kind == KIND_NODE ? picked_q.node : picked_q.slot;
+    child_ahead = ahead(picked_q.kinds, picked_q.number, child.kind == KIND_NODE);
     child.key = picked_q.keys[picked_q.number];
     child.beyond = SOLIDS != 0 && ordered({16'(child.key), 16'd0}) > ordered(picked_q.limit);
   end
@@ -289,12 +294,20 @@ module traversal_bank #(
   logic [RAY_KEY-1:0] key_most;
   assign is_solid = RAYS == 0 || (SOLIDS != 0 && solid_i);
   assign child_valid = choice_valid_q && !done_now;
-  // Without solids, a register first: the child's path is long, and the delay line may be a memory.
+  // Without solids, registers before and behind the sum of its place: the path is long, and the delay line may be a
+  // memory.
   localparam int EARLY = (SOLIDS != 0) ? 0 : 1;
-  child_t child_early;
-  pipe_delay #(.W($bits(child_t)), .TO(EARLY)) delay_early (.clk_i, .d_i(child), .q_o(child_early));
-  pass_delay #(.W($bits(child_t)), .T_RAY(T_CHILD - EARLY), .T_SOLID(T_SOLID_CHILD - EARLY)) delay_child (
-      .clk_i, .solid_i(is_solid), .d_i(child_early), .q_o(child_then));
+  child_t child_early, child_placed, child_known;
+  logic [3:0] ahead_early;
+  pipe_delay #(.W($bits(child_t) + 4), .TO(EARLY)) delay_early (
+      .clk_i, .d_i({child, child_ahead}), .q_o({child_early, ahead_early}));
+  always_comb begin
+    child_placed = child_early;
+    child_placed.place = child_early.place + PLACE'(ahead_early);
+  end
+  pipe_delay #(.W($bits(child_t)), .TO(EARLY)) delay_placed (.clk_i, .d_i(child_placed), .q_o(child_known));
+  pass_delay #(.W($bits(child_t)), .T_RAY(T_CHILD - 2 * EARLY), .T_SOLID(T_SOLID_CHILD - 2 * EARLY)) delay_child (
+      .clk_i, .solid_i(is_solid), .d_i(child_known), .q_o(child_then));
   if (RAYS != 0) begin : g_rays
     pipe_delay_valid #(.TO(T_CHOICE)) delay_child_valid (
         .clk_i, .rst_i, .valid_i(child_valid), .valid_o(child_valid_then));

@@ -302,7 +302,7 @@ module lane_group #(
       assign n_pipe = pair[ONLY].g_present.n;
     end
     lane_results #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .NORMALS(NORMALS),
-        .EARLY(config_pkg::early_rows(CONFIG))) results (
+        .SPACING(config_pkg::early_rows(CONFIG) ? CONFIG.shared_lane : 1)) results (
         .clk_i, .clear_i, .clear_row_i, .clear_mask_i, .clear_bad_i, .solid_i(solid_i[k]), .mode_i, .streaming_i,
         .valid_i(valid_i[k]), .row_i(row_out_i[k]), .parity_i(parity_i[k]), .index_i(index_i[k]),
         .secondary_bad_i(secondary_bad_i[k]), .f_i(f_pipe), .t_i(t_pipe), .cp_i(cp_pipe), .n_i(n_pipe),

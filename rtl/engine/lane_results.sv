@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Results of one pair of a pass in one lane group. Bad input gets F = 0 and NaN. The update engine keeps the best
 // record per primary, and the output FIFO gets the row.
-// Latency: 0 to the FIFO, 1 cycle to the update buffers.
+// Latency: 0 to the FIFO, update_lanes's to the update buffers.
 // Throughput: one row per cycle.
 // Stall: none.
 module lane_results #(
@@ -10,7 +10,7 @@ module lane_results #(
     parameter int LANES = 8,
     parameter int ROWS = 32,
     parameter int NORMALS = 0,
-    parameter bit EARLY = 0,  // as in update_lanes.sv
+    parameter int SPACING = 1,  // as in update_lanes.sv
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int POINTS = (NORMALS != 0) ? 6 : 3,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
@@ -79,7 +79,7 @@ module lane_results #(
     assign point_o[k] = masked;
   end
 
-  update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .POINTS(POINTS), .EARLY(EARLY)) update (
+  update_lanes #(.EXP(EXP), .MAN(MAN), .LANES(LANES), .ROWS(ROWS), .POINTS(POINTS), .SPACING(SPACING)) update (
       .clk_i, .mode_i, .solid_i, .clear_i, .clear_row_i, .clear_mask_i, .valid_i(valid_i && !streaming_i), .row_i,
       .parity_i, .index_i, .f_i(f), .bad_i(bad), .t_i, .point_i(point_pipe), .new_hits_o, .result_i, .result_row_i,
       .result_lane_i, .result_parity_i, .result_f_o, .result_index_o, .result_t_o, .result_point_o);

@@ -7,7 +7,7 @@
 // stream order. For rays, only hits count.
 // For solids (`solid_i`), every pair has a signed distance s, which is -T if they meet. Mode nearest keeps the smallest
 // s and farthest the largest. The T buffers hold s.
-// Latency: 1 cycle.
+// Latency: 1 cycle; in one lane with rows at least four cycles apart 2.
 // Throughput: one row per cycle.
 // Stall: none.
 module update_lanes #(
@@ -16,7 +16,7 @@ module update_lanes #(
     parameter int LANES = 16,
     parameter int ROWS = 16,
     parameter int POINTS = 3,  // words stored beside T: CP and, with normals, n
-    parameter bit EARLY = 0,   // row_i and parity_i come in the cycle before valid_i too, and rows two cycles apart
+    parameter int SPACING = 1,  // rows come so many cycles apart; above 1, row_i and parity_i also a cycle before
     localparam int CW = (1 + EXP + MAN <= 32) ? 32 : 64,
     localparam int ROW_W = (ROWS > 1) ? $clog2(ROWS) : 1,
     localparam int LANE_W = (LANES > 1) ? $clog2(LANES) : 1,
@@ -69,14 +69,13 @@ module update_lanes #(
 
   logic [LANES-1:0][CW-1:0] hit, t_value, t_old, t_new, better, mask, candidate;
   logic [LANES-1:0] first_hit;
-  logic any_hit, keep;
+  logic any_hit, keep_now, keep;
   logic [1:0] order;
   // A row is written back after the last row of the pass, and cleared before the first. So each buffer has one port.
   logic [ROW_W-1:0] read_row, write_row;
   logic read_parity;
   assign read_row = result_i ? result_row_i : row_i;
   assign read_parity = result_i ? result_parity_i : parity_i;
-  assign write_row = clear_i ? clear_row_i : row_i;
   lane_masks #(.CW(CW), .LANES(LANES), .ROWS(ROWS)) unmasked (
       .clk_i, .write_i(clear_i), .write_row_i(clear_row_i), .bits_i(~clear_mask_i), .row_i, .masks_o(mask));
   // Candidates: hits; for solids, except in mode any, every pair.
@@ -105,11 +104,11 @@ module update_lanes #(
     assign f_old = 1'b0;
   end
 
-  // What is compared: with EARLY, it is read one cycle before.
+  // What is compared: with rows apart, it is read one cycle before.
   logic [LANES-1:0][CW-1:0] t_kept;
   logic [LANES-1:0][31:0] index_kept;
   logic f_kept;
-  if (EARLY) begin : g_registers
+  if (SPACING > 1) begin : g_registers
     always_ff @(posedge clk_i) {t_kept, index_kept, f_kept} <= {t_old, index_old, f_old};
   end else begin : g_at_once
     assign {t_kept, index_kept, f_kept} = {t_old, index_old, f_old};
@@ -138,7 +137,7 @@ module update_lanes #(
   assign new_hits_o = any_hit ? HITS_W'($countones(first_hit)) : '0;
 
   // One lane alone is written only if it changes, so nothing old is written back.
-  assign keep = ALONE ? better[0][0] : any_hit;
+  assign keep_now = ALONE ? better[0][0] : any_hit;
   logic [LANES-1:0][31:0] index_new;
   always_comb begin
     index_new = {LANES{index_i}};
@@ -146,10 +145,26 @@ module update_lanes #(
       for (int l = 0; l < LANES; l++) index_new[l] = better[l][0] ? index_i : index_kept[l];
   end
 
+  // What is written. The buffers' enables are wide, and the comparison is long: rows apart leave a cycle between them.
+  logic [LANES-1:0][CW-1:0] t_write, better_write;
+  logic [LANES-1:0][31:0] index_write;
+  logic [POINTS-1:0][LANES-1:0][CW-1:0] point_write;
+  logic [ROW_W-1:0] row_write;
+  logic valid_write, parity_write;
+  if (ALONE && SPACING >= 4) begin : g_late
+    always_ff @(posedge clk_i) begin
+      {valid_write, parity_write, row_write, keep} <= {valid_i, parity_i, row_i, keep_now};
+      {t_write, better_write, index_write, point_write} <= {t_new, better, index_new, point_i};
+    end
+  end else begin : g_now
+    assign {valid_write, parity_write, row_write, keep} = {valid_i, parity_i, row_i, keep_now};
+    assign {t_write, better_write, index_write, point_write} = {t_new, better, index_new, point_i};
+  end
+  assign write_row = clear_i ? clear_row_i : row_write;
   always_ff @(posedge clk_i) begin
-    if (clear_i || (valid_i && parity_i)) stencil_t0[write_row] <= clear_i ? {LANES{INF}} : t_new;
-    if (clear_i || (valid_i && !parity_i)) stencil_t1[write_row] <= clear_i ? {LANES{INF}} : t_new;
-    if (clear_i || keep) f_index[write_row] <= clear_i ? '1 : index_new;
+    if (clear_i || (valid_write && parity_write)) stencil_t0[write_row] <= clear_i ? {LANES{INF}} : t_write;
+    if (clear_i || (valid_write && !parity_write)) stencil_t1[write_row] <= clear_i ? {LANES{INF}} : t_write;
+    if (clear_i || keep) f_index[write_row] <= clear_i ? '1 : index_write;
   end
 
   always_comb begin
@@ -166,7 +181,7 @@ module update_lanes #(
     logic [LANES-1:0][CW-1:0] kept[ROWS], old;  // undefined while nothing is stored
     assign old = kept[read_row];
     always_ff @(posedge clk_i)
-      if (keep) kept[row_i] <= ALONE ? point_i[k] : (old & ~better) | (point_i[k] & better);
+      if (keep) kept[row_write] <= ALONE ? point_write[k] : (old & ~better_write) | (point_write[k] & better_write);
     always_comb begin
       result_point_o[k] = '0;
       if (result_f_o) result_point_o[k] = old[result_lane_i];

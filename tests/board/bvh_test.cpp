@@ -567,5 +567,15 @@ TEST_F(MalformedBvh, InvalidAccesses_AreRefused) {
               expected(scene_, bvh_, rays_, Mode::kNearest));
 }
 
+/// A read directly after a write waits for it.
+TEST_F(MalformedBvh, RegistersJustWritten_ReadBack) {
+  for (const std::uint64_t value : {7u, 0u, 1000u})
+    for (const card::Register r :
+         {card::kRegNodeCount, card::kRegRayCount, card::kRegSlotCount, card::kRegNodeFirst}) {
+      board_.write_register(r, value);
+      EXPECT_EQ(board_.read_register(r), value) << r;
+    }
+}
+
 }  // namespace
 }  // namespace cde::testing

@@ -3,6 +3,8 @@
 // and changes nothing.
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "cases.hpp"
 #include "cde/contract/records.hpp"
 
@@ -177,6 +179,18 @@ TEST_F(Registers, UnwrittenPrimaries_AreBad) {
   for (unsigned i = 0; i < 4; ++i) {
     const unsigned word = 7 * i + kRecordFlags;
     EXPECT_EQ(beats[word / 2] >> word % 2 * 32 >> kFlagBad & 1, i < 2 ? 0u : 1u) << i;
+  }
+}
+
+/// A read directly after the write of a count waits for the check. The last rays are still being
+/// checked at first.
+TEST_F(Registers, BadPrimaries_AreCountedUpToTheCountJustWritten) {
+  for (std::size_t i = 0; i < scene_.rays.size(); i += 3)
+    scene_.rays[i].d = {std::numeric_limits<float>::quiet_NaN(), 0, 0};
+  board_.load(scene_.rays);
+  for (const unsigned count : {1u, 0u, 4u, 200u, 3u, 17u, 64u, 255u, 256u, 2u}) {
+    board_.write_register(kRegPrimCount, count);
+    EXPECT_EQ(board_.read_register(kRegBadPrim), (count + 2) / 3) << count;
   }
 }
 
