@@ -133,7 +133,7 @@ TEST_P(IntegerNode, BoxesOfTheTheorem_AreEntered) {
   const std::size_t count = full() ? 250'000 : 12'000;
   for (const IntegerFormat& format :
        {IntegerFormat{16, 6}, IntegerFormat{14, 5}, IntegerFormat{12, 4}}) {
-    NodeVisits visits(scene, 1), same(scene, 1);
+    NodeVisits visits(scene, 1), same(scene, 1), again(scene, 1);
     const Counts c = check_bound(visits, count, 13, format, true);
     EXPECT_EQ(c.lost, 0u);
     EXPECT_EQ(c.wrong_keys, 0u);
@@ -141,11 +141,13 @@ TEST_P(IntegerNode, BoxesOfTheTheorem_AreEntered) {
     EXPECT_GT(c.keys, count / 2);
     const Counts planted = check_bound(same, count, 4, format, false);
     EXPECT_GT(planted.lost, count / 1000) << "a quarter of the margin must lose boxes";
+    const Counts none = check_bound(again, count, 0, format, false);
+    EXPECT_GT(none.lost, planted.lost) << "no margin must lose more";
     fmt::print(
         "{} bits: {} visits, {} boxes, {} entered, {} lost at 13/16 M, {} of {} keys wrong, {} "
-        "decided exactly; {} lost at M/4\n",
+        "decided exactly; {} lost at M/4, {} without a margin\n",
         format.unit_bits, c.visits, c.boxes, c.entered, c.lost, c.wrong_keys, c.keys, c.exact,
-        planted.lost);
+        planted.lost, none.lost);
   }
 }
 
