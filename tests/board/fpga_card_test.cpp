@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The top for one FPGA, in gates with open clock gates: record ring on chip, and a memory of 16
 // bits for triangles, nodes and slots.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <vector>
 
+#include "../expect_error.hpp"
 #include "bvh_cards.hpp"
 #include "cde/card/board.hpp"
 
@@ -15,14 +17,20 @@ namespace {
 using namespace hard;
 using namespace through;
 
-/// A board of the top `fpga_card`, whose parameters are a board's, with latencies that an FPGA has.
-Board open_fpga_card(std::uint32_t latency) {
+/// Latencies that an FPGA has.
+BoardConfig fpga_config() {
   BoardConfig config = gates_config();
   config.transform = Transformer::kNone;
   config.shared_lane = 8;
   config.contexts = 16;
   config.node_cycles = 4;
   config.latency = {.add = 9, .mul = 10, .div = 34, .sqrt = 32, .compare = 2};
+  return config;
+}
+
+/// A board of the top `fpga_card`, whose parameters are a board's.
+Board open_fpga_card(std::uint32_t latency) {
+  const BoardConfig config = fpga_config();
   OpenOptions options;
   options.file = model_path("fpga_card", config.parameters());
   options.config_hash = model_hash("fpga_card", config.parameters());
@@ -66,6 +74,42 @@ TEST(FpgaCard, Sweep_TakesTheCyclesOfTheMemory) {
       static_cast<double>(counters.cycles) / static_cast<double>(scene.size());
   EXPECT_GE(per_triangle, 18);
   EXPECT_LT(per_triangle, 20);
+}
+
+/// The model of the memory takes the cycles of memory_port.sv, and host arithmetic takes the cycles
+/// of gates.
+TEST(FpgaCard, BoardWithANarrowMemory_TakesTheSameCycles) {
+  const bool all = std::getenv("CDE_FULL") != nullptr;
+  for (const std::uint32_t latency : {20u, 1u, 40u}) {
+    if (latency != 20 && !all) continue;
+    Board card = open_fpga_card(latency);
+    BoardConfig config = fpga_config();
+    config.arithmetic = Arithmetic::kHost;
+    Board board = Board::open(config, {.memory = Memory::kNarrow, .ddr_latency = latency});
+    for (const Case& c : kScenes) {
+      SCOPED_TRACE(fmt::format("{}, latency {}", c.name, latency));
+      TriangleScene scene = c.make();
+      if (scene.size() > (all ? 100 : 30)) scene.resize(all ? 100 : 30);
+      const Bvh bvh = Bvh::build(scene);
+      const std::vector<Ray> rays = hard_rays(scene, 16);
+      for (Board* b : {&card, &board}) b->upload(scene, bvh);
+      for (const Through through : {Through::kBvh, Through::kBruteForce}) {
+        const Query query{.pair = Pair::kRayTriangle, .through = through};
+        const Counters of_card = card.cast(rays, query, [](auto) {});
+        const Counters of_board = board.cast(rays, query, [](auto) {});
+        // They may begin in different turns of the lane.
+        EXPECT_NEAR(static_cast<double>(of_card.cycles), static_cast<double>(of_board.cycles),
+                    config.shared_lane)
+            << (through == Through::kBvh);
+        EXPECT_EQ(of_card.fetched_nodes, of_board.fetched_nodes);
+      }
+    }
+  }
+}
+
+TEST(FpgaCard, NarrowMemoryWithCheckBits_IsRefused) {
+  expect_error(ErrorCode::kUsage, "16 bits",
+               [] { (void)Board::open({.ecc = true}, {.memory = Memory::kNarrow}); });
 }
 
 }  // namespace

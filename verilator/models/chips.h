@@ -8,6 +8,7 @@
 #include "Vmodel.h"
 #include "cde/contract/records.hpp"
 #include "ddr_timing.h"
+#include "narrow_timing.h"
 #include "parameters.h"
 #include "sparse_memory.h"
 
@@ -17,17 +18,19 @@ class Chips {
  public:
   static constexpr unsigned kWordBits =
       8 * sizeof(Vmodel::sram_write_data_o) / cde::card::kRecordWords;
-  /// `memory` is CDE_MEMORY_*. The ideal memory has a fixed latency in cycles.
+  /// `memory` is CDE_MEMORY_*. The ideal memory and the narrow one have a fixed latency in cycles.
   Chips(uint32_t memory, uint32_t ddr_latency, uint32_t clock_period_ps)
-      : ideal_(memory == CDE_MEMORY_IDEAL),
+      : memory_(memory),
         latency_(ddr_latency),
         period_ps_(clock_period_ps),
+        narrow_(ddr_latency),
         ddr_(kDdrBytes + 64),
         check_(kEcc ? kDdrBytes / 4 + 64 : 1),
         sram_(kSramBytes * (kWordBytes / 4)) {}
 
   void reset() {
     asked_ = answered_;
+    narrow_.reset();
     if (hang_ == kUntilReset) hang_ = 0;
   }
   /// Stops DDR's answers for this many cycles; all ones: until reset. Requests made meanwhile are
@@ -43,7 +46,7 @@ class Chips {
   /// Supplies DDR's answer of this cycle to an earlier request.
   void before(Vmodel& m) {
     ++clock_;
-    m.ddr_ready_i = 1;
+    m.ddr_ready_i = memory_ != CDE_MEMORY_NARROW || narrow_.ready(clock_);
     m.ddr_valid_i = 0;
     if (hang_ != 0) {
       if (hang_ != kUntilReset) --hang_;
@@ -65,7 +68,8 @@ class Chips {
     return m.ddr_read_o && word - m.ddr_read_word_o < kDdrWords;
   }
   void at(const Vmodel& m) {
-    if (m.ddr_read_o) reads_[asked_++ % kReads] = {due(m.ddr_read_word_o), m.ddr_read_word_o};
+    if (m.ddr_read_o && m.ddr_ready_i) reads_[asked_++ % kReads] = {due(m), m.ddr_read_word_o};
+    if (m.ddr_write_o && m.ddr_ready_i && memory_ == CDE_MEMORY_NARROW) narrow_.write(clock_, 8);
     if (m.ddr_write_o)
       if (uint8_t* p = ddr_.at(m.ddr_write_addr_o, 8)) std::memcpy(p, &m.ddr_write_data_o, 8);
     if (kEcc && m.ddr_write_o) {
@@ -87,10 +91,11 @@ class Chips {
   struct Read {
     uint64_t due = 0, word = 0;
   };
-  [[nodiscard]] uint64_t due(uint64_t word) {
-    if (ideal_) return clock_ + latency_;
+  [[nodiscard]] uint64_t due(const Vmodel& m) {
+    if (memory_ == CDE_MEMORY_IDEAL) return clock_ + latency_;
+    if (memory_ == CDE_MEMORY_NARROW) return narrow_.read(clock_, m.ddr_read_words_o * kWordBytes);
     const uint64_t ready =
-        timing_.read(clock_ * period_ps_, word * kWordBytes, kDdrWords * kWordBytes);
+        timing_.read(clock_ * period_ps_, m.ddr_read_word_o * kWordBytes, kDdrWords * kWordBytes);
     return (ready + period_ps_ - 1) / period_ps_;
   }
 
@@ -102,9 +107,10 @@ class Chips {
   static constexpr uint64_t kSramBytes = cde::card::kRecordWords * 2097152;
   static constexpr uint64_t kRecord = sizeof(Vmodel::sram_write_data_o);
   static constexpr bool kEcc = parameter("ECC", 0) != 0;  // one byte of check bits per word
-  const bool ideal_;
+  const uint32_t memory_;
   const uint64_t latency_, period_ps_;
   DdrTiming timing_;
+  NarrowTiming narrow_;
   SparseMemory ddr_, check_, sram_;
   std::array<Read, kReads> reads_ = {};
   uint32_t hang_ = 0;

@@ -183,10 +183,23 @@ Board::Impl& Board::idle_card() const {
   return it;
 }
 
+const char* name_of(Memory memory) {
+  return memory == Memory::kIdeal ? "ideal" : memory == Memory::kCycle ? "DDR-400" : "16 bits";
+}
+
+OpenOptions options_on(const Device& device, bool timed) {
+  return {.memory = device.narrow_memory ? Memory::kNarrow
+                    : timed              ? Memory::kCycle
+                                         : Memory::kIdeal,
+          .clock_period_ps = device.clock_period_ps()};
+}
+
 Board Board::open(const BoardConfig& config, const OpenOptions& options) {
-  if (options.memory != Memory::kIdeal && options.memory != Memory::kCycle)
+  if (options.memory > Memory::kNarrow)
     throw Error(ErrorCode::kUsage,
                 fmt::format("there is no memory {}", static_cast<std::uint32_t>(options.memory)));
+  if (options.memory == Memory::kNarrow && config.ecc)
+    throw Error(ErrorCode::kUsage, "a memory of 16 bits has no check bits");
   if (options.ddr_latency < 1 || options.ddr_latency > 10000) {
     throw Error(ErrorCode::kUsage, fmt::format("ddr_latency is {}; it must be 1 to 10000 cycles",
                                                options.ddr_latency));

@@ -26,13 +26,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// A device, as in tools/costs/targets.py.
-struct Device {
+struct TargetDevice {
   const char* name;
   double logic, ff, dsp, ram;
   bool ecp5;  ///< a carry cell takes two LUT places, and a LUT used as RAM takes six
 };
-constexpr std::array kDevices = {Device{"ecp5-85", 83640, 83640, 156, 208, true},
-                                 Device{"hx8k", 7680, 7680, 0, 32, false}};
+constexpr std::array kDevices = {TargetDevice{"ecp5-85", 83640, 83640, 156, 208, true},
+                                 TargetDevice{"hx8k", 7680, 7680, 0, 32, false}};
 constexpr double kRoutable = 0.85;
 constexpr std::string_view kAssumed = "assumed:";
 constexpr double kMostCells = 1e9;
@@ -121,7 +121,7 @@ void CellCounts::add(const CellCounts& other, double times) {
 }
 
 Target parse_target(const std::string& text) {
-  for (const Device& d : kDevices)
+  for (const TargetDevice& d : kDevices)
     if (text == d.name) return {text, std::nullopt};
   double mhz = 0;
   if (text.starts_with(kAssumed) && text.ends_with("MHz")) {
@@ -137,7 +137,7 @@ Target parse_target(const std::string& text) {
 }
 
 LanesThatFit lanes_that_fit(const CellCounts& lane, const std::string& target) {
-  const auto* device = std::ranges::find(kDevices, target, &Device::name);
+  const auto* device = std::ranges::find(kDevices, target, &TargetDevice::name);
   if (device == kDevices.end()) return {};
   const double logic = lane.lut + (device->ecp5 ? 2 * lane.carry + 6 * lane.lutram : 0);
   struct Resource {

@@ -50,6 +50,7 @@ Device device_of(const Json& row) {
           .contexts = row.value("contexts", BoardConfig{}.contexts),
           .shared_lane = row.value("shared_lane", 0u),
           .ray_places = row.value("ray_places", BoardConfig{}.ray_places),
+          .narrow_memory = row.value("narrow_memory", false),
           .latencies = {.add = cycles.at("add"),
                         .mul = cycles.at("mul"),
                         .div = cycles.at("div"),
@@ -102,12 +103,16 @@ std::string Device::latencies_text() const {
 std::string Device::text() const {
   const Device& known = device_named(name);
   const bool clock = clock_mhz != known.clock_mhz, cycles = latencies != known.latencies;
-  return fmt::format("{}{} ({}, {:g} MHz)", name,
-                     clock && cycles ? " with another clock and latencies"
-                     : clock         ? " with another clock"
-                     : cycles        ? " with other latencies"
-                                     : "",
-                     name_of(kind), clock_mhz);
+  std::vector<const char*> others;
+  if (other_card) others.push_back("card");
+  if (clock) others.push_back("clock");
+  if (cycles) others.push_back("latencies");
+  std::string with = others.size() == 1 && cycles ? " with other "
+                     : others.empty()             ? ""
+                                                  : " with another ";
+  for (std::size_t i = 0; i < others.size(); ++i)
+    with += fmt::format("{}{}", i == 0 ? "" : i + 1 < others.size() ? ", " : " and ", others[i]);
+  return fmt::format("{}{} ({}, {:g} MHz)", name, with, name_of(kind), clock_mhz);
 }
 
 namespace {
@@ -133,8 +138,27 @@ void add_traversal_units(const Device& device, unsigned nodes, BoardConfig& card
 
 BoardConfig on(const Device& device, BoardConfig card) {
   card.latency = device.latencies;
+  if (device.shared_lane != 0 && card.can_share_lane() && card.box && card.format == FpFormat())
+    card.traversal_units = device.traversal_units;
   if (card.traversal_units != 0) set_node_memory(device, card);
   return card;
+}
+
+Device device_for(Device device, const BoardConfig& card) {
+  if (device.kind != DeviceKind::kPlaced) return device;
+  BoardConfig placed = on(device, {.lanes = device.lanes, .box = true});
+  placed.arithmetic = card.arithmetic;
+  placed.nodes = card.nodes;
+  placed.pinned_nodes = card.pinned_nodes;
+  placed.ddr_slots = card.ddr_slots;
+  placed.sram_records = card.sram_records;
+  placed.trace = card.trace;
+  const Device& known = device_named(device.name);
+  device.other_card = card.parameters() != placed.parameters();
+  if (device.other_card || device.clock_mhz != known.clock_mhz ||
+      device.latencies != known.latencies)
+    device.kind = DeviceKind::kProjected;
+  return device;
 }
 
 }  // namespace cde

@@ -20,6 +20,7 @@
 #include "cde/geometry/transform.hpp"
 #include "cde/image/ray_view.hpp"
 #include "cde/mesh/triangle_view.hpp"
+#include "cde/model/device.hpp"
 #include "cde/model/model.hpp"
 #include "cde/query/counters.hpp"
 #include "cde/query/query.hpp"
@@ -35,7 +36,8 @@ struct OpenOptions {
   std::optional<std::uint64_t> config_hash =
       {};  ///< hash that its card must show; with `file` the default is the configuration's
   Memory memory = Memory::kIdeal;
-  std::uint32_t ddr_latency = 20;  ///< Memory::kIdeal: cycles from request to data, 1 to 10000
+  std::uint32_t ddr_latency =
+      20;  ///< cycles from request to data, 1 to 10000; not of Memory::kCycle
   std::uint32_t clock_period_ps = 10'000;  ///< of the core clock: 1 to 10,000 MHz
   HostProfile host = kHostProfiles[0];     ///< "ideal"; the host's share of modelled times
   std::uint32_t bus_burst = 4096;          ///< bytes per DMA burst, 64 to 4096, a multiple of 8
@@ -44,6 +46,10 @@ struct OpenOptions {
   std::chrono::duration<double> watchdog =
       std::chrono::minutes(10);  ///< Bus::kCycle: wall-clock limit per access or transfer
 };
+
+/// Clock and memory of a device. `timed`: with the timing of its memory, if that is DDR; otherwise
+/// it is ideal.
+[[nodiscard]] OpenOptions options_on(const Device& device, bool timed = false);
 
 /// Driver of one simulated card: the paper's Algorithm 1. Independent boards may live in different
 /// threads. Two threads must not use one board at once.

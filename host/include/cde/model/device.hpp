@@ -9,7 +9,7 @@
 #include "cde/model/model.hpp"
 
 /// @file
-/// Reference devices of modelled times: docs/devices.json (docs/background/devices.md).
+/// Reference devices of modelled times: docs/devices.json (docs/background/costs.md).
 namespace cde {
 
 enum class DeviceKind {
@@ -34,9 +34,12 @@ struct Device {
   unsigned contexts = BoardConfig{}.contexts;
   unsigned shared_lane = 0;  ///< BoardConfig::shared_lane, of cards that can share it
   unsigned ray_places = BoardConfig{}.ray_places;
+  bool narrow_memory = false;  ///< DDR is a memory of 16 bits at the core's clock, not DDR-400
   OperatorLatencies latencies = {};
   std::string memory;  ///< where triangles and nodes are
   std::string why;     ///< evidence for the figures
+  bool other_card =
+      false;  ///< the figures are of a card that is not the one placed: see device_for()
 
   [[nodiscard]] double clock_hz() const { return 1e6 * clock_mhz; }
   /// Period of the core clock, for OpenOptions::clock_period_ps.
@@ -44,7 +47,7 @@ struct Device {
   /// Lanes of a card whose queries all traverse a BVH: two per traversal unit, if the device has so
   /// many. More would be idle.
   [[nodiscard]] unsigned leaf_lanes() const;
-  /// "large (projected, 100 MHz)". If the clock or the latencies differ from the table, it says
+  /// "large (projected, 100 MHz)". If card, clock or latencies differ from the table, it says
   /// "large with another clock (projected, 50 MHz)".
   [[nodiscard]] std::string text() const;
   /// "9/11/34/32/3".
@@ -63,7 +66,11 @@ struct Device {
 
 /// Gives the card traversal units of the device, and memory for so many nodes.
 void add_traversal_units(const Device& device, unsigned nodes, BoardConfig& card);
-/// The card with the latencies of the device and, if it has traversal units, their kind.
+/// The card with the latencies of the device and, if it has traversal units, their kind. A device
+/// whose lane is shared gives its traversal unit to every card that can have it.
 [[nodiscard]] BoardConfig on(const Device& device, BoardConfig card);
+/// The device of this card's figures. If another card, clock or latencies were placed, it is
+/// projected.
+[[nodiscard]] Device device_for(Device device, const BoardConfig& card);
 
 }  // namespace cde
