@@ -107,6 +107,21 @@ TEST(FpgaCard, BoardWithANarrowMemory_TakesTheSameCycles) {
   }
 }
 
+/// The card has 64 places for rays.
+TEST(FpgaCard, MoreRaysThanPlaces_AreStreamed) {
+  BoardConfig config = fpga_config();
+  config.arithmetic = Arithmetic::kHost;
+  Board board = Board::open(config, {.memory = Memory::kNarrow});
+  TriangleScene scene = kScenes[0].make();
+  scene.resize(100);
+  const Bvh bvh = Bvh::build(scene);
+  const std::vector<Ray> rays = hard_rays(scene, 10 * config.ray_places + 1);
+  board.upload(scene, bvh);
+  EXPECT_GT(
+      expect_same(cast_on(board, rays, Through::kBvh), expected(scene, bvh, rays, Mode::kNearest)),
+      100u);
+}
+
 TEST(FpgaCard, NarrowMemoryWithCheckBits_IsRefused) {
   expect_error(ErrorCode::kUsage, "16 bits",
                [] { (void)Board::open({.ecc = true}, {.memory = Memory::kNarrow}); });
