@@ -50,6 +50,33 @@ TEST_F(Devices, Cast_TakesClockLatenciesAndLanesOfTheDevice) {
   for (const json* j : {&clock, &small}) EXPECT_EQ((*j)["hits"], usual["hits"]);
 }
 
+/// The card that was placed is so called, and no other.
+TEST_F(Devices, PlacedCard_IsTheOnePlaced) {
+  const Words placed = {"--device", "ecp5-85", "--algorithm", "moller"};
+  const json brute_force = cast(placed);
+  EXPECT_EQ(brute_force["device"]["kind"], "placed");
+  Words more = placed;
+  more.insert(more.end(), {"--clock", "70"});
+  EXPECT_EQ(cast(more)["device"]["kind"], "projected");
+  EXPECT_EQ(cast({"--device", "ecp5-85"})["device"]["kind"], "projected") << "another algorithm";
+  more = placed;
+  more.emplace_back("--bvh");
+  const json bvh = cast(more);
+  EXPECT_EQ(bvh["device"]["kind"], "placed");
+  EXPECT_EQ(bvh["hits"], brute_force["hits"]);
+  EXPECT_EQ(bvh["model"], brute_force["model"]) << "one card does both";
+  // 18 triangles, each 18 cycles of the memory.
+  EXPECT_GT(brute_force["device_cycles"], 18 * 18);
+  const Ran ran = cde({"cast", "terrain:3,3,1", "--grid", "4x4", "--device", "ecp5-85"});
+  EXPECT_TRUE(has(ran.err, "ecp5-85 with another card (projected")) << ran.err;
+  EXPECT_TRUE(has(ran.err, "memory 16 bits")) << ran.err;
+}
+
+TEST_F(Devices, Reproduce_NeedsTheMemoryOfThePaper) {
+  refused({"reproduce", "--quick", "--device", "ecp5-85"},
+          "needs a device with DDR-400, such as large");
+}
+
 /// Operators of one cycle give shorter passes; they are called ideal.
 TEST_F(Devices, Ideal_IsNamed) {
   const json ideal = cast({"--device", "ideal", "--lanes", "16"});

@@ -39,6 +39,34 @@ TEST(Devices, CardWithoutTraversalUnits_HasNoCyclesPerNode) {
   EXPECT_EQ(on(device_named("ecp5-85"), {}).node_cycles, 1u);
 }
 
+TEST(Devices, AnotherCardThanThePlacedOne_IsProjected) {
+  const Device& d = device_named("ecp5-85");
+  ASSERT_EQ(d.kind, DeviceKind::kPlaced);
+  const BoardConfig placed = on(d, {.lanes = 1, .box = true});
+  EXPECT_EQ(placed.shared_lane, d.shared_lane);
+  EXPECT_EQ(device_for(d, placed).text(), d.text());
+  BoardConfig gates = placed;
+  gates.arithmetic = Arithmetic::kRtl;
+  EXPECT_EQ(device_for(d, gates).kind, DeviceKind::kPlaced) << "the same card in gates";
+  for (const BoardConfig& other :
+       {on(d, {.lanes = 1}), on(d, {.lanes = 2, .box = true}),
+        on(d, {.lanes = 1, .pairs = {Pair::kSphereSphere}}),
+        on(d, {.lanes = 1, .format = FpFormat::parse("fp16"), .box = true}),
+        on(d, {.lanes = 1, .box = true, .ecc = true})}) {
+    const Device projected = device_for(d, other);
+    EXPECT_EQ(projected.kind, DeviceKind::kProjected);
+    EXPECT_TRUE(projected.text().starts_with("ecp5-85 with another card (projected, "))
+        << projected.text();
+  }
+  Device faster = d;
+  faster.clock_mhz *= 2;
+  EXPECT_EQ(device_for(faster, placed).kind, DeviceKind::kProjected);
+  EXPECT_TRUE(device_for(faster, on(faster, {}))
+                  .text()
+                  .starts_with("ecp5-85 with another card and clock (projected, "));
+  EXPECT_EQ(device_for(default_device(), placed).text(), default_device().text());
+}
+
 TEST(Devices, Text_NamesWhatIsNotOfTheTable) {
   Device d = device_named("large");
   EXPECT_EQ(d.text(), "large (projected, 100 MHz)");

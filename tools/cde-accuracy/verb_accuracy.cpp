@@ -291,6 +291,7 @@ void run_scene(const AccuracyOptions& o) {
   use_device(o.device, scene);
   scene.card.bvh = UseBvh::kOff;  // a BVH needs fp32, and the rows are for brute force
   const Plan planned = plan(scene);
+  scene.card.device = device_for(scene.card.device, planned.board);
   const Frames frames = frames_of(o.frames, scene);
   SceneAccuracyOptions options{.first = frames.first, .last = frames.last, .quiet = o.quiet};
   for (const std::string& word : pair_formats())
@@ -300,16 +301,17 @@ void run_scene(const AccuracyOptions& o) {
            fmt::format("{}, frames {}..{}", printable_name(o.scene), frames.first, frames.last));
   const std::vector<SceneAccuracy> rows = scene_accuracy(scene, planned, options);
   const Device& device = scene.card.device;
-  const double clock_hz = device.clock_hz();
+  const double clock_hz = device.clock_hz(),
+               row_hz = clock_hz / std::max(1u, planned.board.shared_lane);
   if (o.json) {
     all.update({{"scene", o.scene},
                 {"device", device_json(device)},
                 {"clock_hz", clock_hz},
                 {"lanes", planned.board.lanes},
-                {"scene_rows", scene_accuracy_json(rows, clock_hz)}});
+                {"scene_rows", scene_accuracy_json(rows, row_hz)}});
     write(o, json_text(all) + "\n");
   } else {
-    write(o, scene_table(rows, clock_hz, o.markdown) +
+    write(o, scene_table(rows, row_hz, o.markdown) +
                  fmt::format("rows ms: modelled time of only the rows, {} of {} in every "
                              "format, without start, write-back and bus\n",
                              counted(planned.board.lanes, "lane"), device.text()));

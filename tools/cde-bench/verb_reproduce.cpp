@@ -6,7 +6,9 @@
 
 #include "bench/reproduce.hpp"
 #include "cde/card/machine.hpp"
+#include "cde/model/device.hpp"
 #include "cde/support/counted.hpp"
+#include "cde/support/error.hpp"
 #include "cde/support/message.hpp"
 #include "cde/support/suffix.hpp"
 #include "options/device_options.hpp"
@@ -86,6 +88,12 @@ void add_reproduce(CLI::App& app) {
   quiet_flag(*verb, &a->quiet);
   verb->callback([a, lanes] {
     a->options.device = a->device.chosen();
+    if (a->options.device.narrow_memory)
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format(
+              "{} has a memory of 16 bits; reproduce needs a device with DDR-400, such as {}",
+              a->options.device.name, default_device().name));
     if (lanes->empty()) a->options.lanes = a->options.device.lanes;
     a->options.opencl = opencl_for_rows(a->opencl_device);
     run(*a);

@@ -29,9 +29,13 @@ inline bool traverses(bool asked, Shape leaf, std::uint64_t secondaries,
   return asked || (secondaries >= fewest(leaf) && (!cost || cost->traversal < cost->brute_force));
 }
 
-/// Cycles of the traversal units per primary. They also test the secondaries.
+/// Cycles of the traversal units per primary. They also test the secondaries. A narrow memory
+/// delivers a triangle and the two words of its slot.
 inline double cycles(const Device& device, double nodes, double secondaries) {
-  return std::max(nodes * device.node_cycles / device.traversal_units, secondaries);
+  constexpr unsigned kNarrowCycles = 2 * (9 + 2);
+  return std::max(
+      nodes * device.node_cycles / device.traversal_units,
+      secondaries * std::max({1u, device.shared_lane, device.narrow_memory ? kNarrowCycles : 1u}));
 }
 
 /// Words of node memory for a BVH over so many secondaries.

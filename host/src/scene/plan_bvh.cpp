@@ -245,28 +245,31 @@ Choice choose(const Scene& scene, Plan& plan) {
   if (const auto reason = against(scene, plan.board, choice.nodes)) return none(*reason);
 
   const std::uint64_t refit = refit_cycles(work, scene, plan, *bvh);
-  std::uint64_t rows = 0, through = refit;
+  const std::uint64_t row_cycles = std::max(1u, plan.board.shared_lane);
+  std::uint64_t brute_force = 0, through = refit;
   std::string least;  // cost of the first query for which brute force is faster
   for (std::size_t q = 0; q < scene.queries.size(); ++q) {
     if (!choice.queries[q]) continue;
     plan.queries[q].bvh_cycles = cycles(scene.queries[q], plan.queries[q], plan, scene, *bvh);
-    if (!traverses(*plan.queries[q].bvh_cycles, plan.queries[q].rows)) {
+    const std::uint64_t of_rows = row_cycles * plan.queries[q].rows;
+    if (!traverses(*plan.queries[q].bvh_cycles, of_rows)) {
       choice.queries[q] = false;  // this query alone is faster with brute force
       least = least.empty()
                   ? fmt::format("about {} cycles per frame; brute force on {} lanes takes {}",
-                                *plan.queries[q].bvh_cycles, plan.board.lanes, plan.queries[q].rows)
+                                *plan.queries[q].bvh_cycles, plan.board.lanes, of_rows)
                   : least;
       continue;
     }
-    rows += plan.queries[q].rows;
+    brute_force += of_rows;
     through += *plan.queries[q].bvh_cycles;
   }
-  const std::string both = fmt::format(
-      "about {} cycles per frame{}; brute force on {} lanes takes {}", through,
-      refit == 0 ? "" : fmt::format(", {} of them to refit boxes", refit), plan.board.lanes, rows);
-  if (!traverses(through, rows)) {
+  const std::string both =
+      fmt::format("about {} cycles per frame{}; brute force on {} lanes takes {}", through,
+                  refit == 0 ? "" : fmt::format(", {} of them to refit boxes", refit),
+                  plan.board.lanes, brute_force);
+  if (!traverses(through, brute_force)) {
     choice.nodes = 0;
-    e.cost = rows == 0 ? least : both;
+    e.cost = brute_force == 0 ? least : both;
     e.why = "brute force takes less";
     choice.queries.assign(scene.queries.size(), false);
     return choice;

@@ -196,9 +196,7 @@ class SceneRunner::Impl {
 
  private:
   static OpenOptions options_of(const Scene& scene) {
-    OpenOptions o;
-    o.memory = scene.card.cycle_memory ? Memory::kCycle : Memory::kIdeal;
-    o.clock_period_ps = scene.card.device.clock_period_ps();
+    OpenOptions o = options_on(scene.card.device, scene.card.cycle_memory);
     o.host = scene.card.host;
     o.bus_burst = scene.card.burst;
     o.narrow_bus = scene.card.narrow;

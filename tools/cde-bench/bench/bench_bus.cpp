@@ -35,10 +35,9 @@ const char* name_of_bus(Bus bus) {
 
 Board open(Bus bus, unsigned lanes, const HostProfile& host, std::uint32_t burst,
            const BenchOptions& o) {
-  OpenOptions options;
+  OpenOptions options = options_on(o.device);
   options.host = host;
   options.bus_burst = burst;
-  options.clock_period_ps = o.device.clock_period_ps();
   return Board::open(on(o.device, {.lanes = lanes, .bus = bus}), options);
 }
 
@@ -127,7 +126,7 @@ void print_sweeps(const std::vector<Sweep>& all, std::uint32_t burst, const Benc
   print_figure(
       "\nbus: modelled MB/s of a transfer to the card and to the host, with the driver's "
       "accesses\n{} bytes per burst, 64 bits at 66.67 MHz (533 MB/s), core {}\n{:>10}",
-      burst, o.device.text(), "bytes");
+      burst, device_for(o.device, on(o.device, {.lanes = 1, .bus = Bus::kCycle})).text(), "bytes");
   for (const Sweep& s : all)
     print_figure(" {:>22}", fmt::format("{} {}", s.host->name, name_of_bus(s.bus)));
   print_figure("\n{:>10}", "");
@@ -201,8 +200,9 @@ ordered_json paper(const BenchOptions& o) {
       "\npaper profile: a frame of {} tests ({} triangles x {} rays), fp32, core {}, "
       "host p64-2001, 64 bits, 256-byte bursts; modelled ms\n{:<8} {:<11} {:>5} {:>8} "
       "{:>8} {:>8} {:>10} {:>8} {:>9} {:>8}   wall s\n",
-      kFrameTriangles * kRays, kFrameTriangles, kRays, o.device.text(), "mode", "bus", "lanes",
-      "upload", "load", "engine", "write-back", "download", "registers", "total");
+      kFrameTriangles * kRays, kFrameTriangles, kRays,
+      device_for(o.device, on(o.device, {.lanes = 1, .bus = Bus::kCycle})).text(), "mode", "bus",
+      "lanes", "upload", "load", "engine", "write-back", "download", "registers", "total");
   ordered_json rows = ordered_json::array();
   constexpr std::array<std::pair<Mode, unsigned>, 3> kCards = {
       {{Mode::kAll, 1}, {Mode::kNearest, 1}, {Mode::kNearest, 16}}};

@@ -36,16 +36,17 @@ void compare(BvhFigures& figures, reference::Traversal& traversal, std::span<con
   figures.records_compared += rays.size();
 }
 
-/// Measures a card. `records` gets the records of the last cast, of all rays.
-BvhCard card_with(Memory memory, const Mesh& mesh, const Bvh& bvh, std::span<const Ray> rays,
+/// Measures a card, with the timing of its memory or an ideal one. `records` gets the records of
+/// the last cast, of all rays.
+BvhCard card_with(bool timed, const Mesh& mesh, const Bvh& bvh, std::span<const Ray> rays,
                   BvhFigures& figures, std::vector<Record>& records) {
   BvhCard card;
-  card.memory = memory;
-  Board board =
-      Board::open(on(figures.device, {.lanes = figures.device.leaf_lanes(),
-                                      .box = true,
-                                      .traversal_units = figures.device.traversal_units}),
-                  {.memory = memory, .clock_period_ps = figures.device.clock_period_ps()});
+  const OpenOptions options = options_on(figures.device, timed);
+  card.memory = options.memory;
+  Board board = Board::open(on(figures.device, {.lanes = figures.device.leaf_lanes(),
+                                                .box = true,
+                                                .traversal_units = figures.device.traversal_units}),
+                            options);
   std::uint64_t before = board.time_ps();
   const auto passed = [&] { return 1e-12 * static_cast<double>(board.time_ps() - before); };
   board.upload(mesh, bvh);
@@ -111,10 +112,6 @@ BvhOpenCl opencl_on(const baseline::OpenClDevice& device, const Mesh& mesh,
 
 }  // namespace
 
-const char* name_of(Memory memory) {
-  return memory == Memory::kIdeal ? "ideal" : "DDR-400";
-}
-
 double BvhCard::per_ray(double total) const {
   return total / static_cast<double>(stream.records);
 }
@@ -138,8 +135,10 @@ BvhFigures measure_bvh(const Mesh& mesh, std::size_t count, const Device& device
   figures.bytes = bvh.nodes().size_bytes() + bvh.order().size_bytes();
   const std::vector<Ray> rays = flight_rays(mesh, count);
   std::vector<Record> records;
-  for (const Memory memory : {Memory::kIdeal, Memory::kCycle})
-    figures.cards.push_back(card_with(memory, mesh, bvh, rays, figures, records));
+  // A device with a narrow memory has no other.
+  if (!device.narrow_memory)
+    figures.cards.push_back(card_with(false, mesh, bvh, rays, figures, records));
+  figures.cards.push_back(card_with(true, mesh, bvh, rays, figures, records));
   figures.hits = static_cast<std::size_t>(
       std::count_if(records.begin(), records.end(), [](const Record& r) { return r.f; }));
   if (EmbreeBaseline::available()) figures.embree = embree_on(mesh, rays, records, known);
@@ -164,7 +163,7 @@ std::vector<NodeCacheFigures> measure_node_caches(const Mesh& mesh, std::size_t 
     figures.device.node_cache = lines;
     figures.device.pinned_nodes = on_chip;
     std::vector<Record> records;
-    all.push_back({lines, on_chip, card_with(Memory::kCycle, mesh, bvh, rays, figures, records)});
+    all.push_back({lines, on_chip, card_with(true, mesh, bvh, rays, figures, records)});
   }
   return all;
 }
@@ -185,7 +184,9 @@ ordered_json node_caches_json(const std::vector<NodeCacheFigures>& all, const De
 }
 
 void show_node_caches(const std::vector<NodeCacheFigures>& all, const Device& device) {
-  if (!all.empty()) print_figure("\nNodes in DDR: {}, DDR-400, without the bus\n", device.text());
+  if (!all.empty())
+    print_figure("\nNodes in DDR: {}, {}, without the bus\n", device.text(),
+                 name_of(options_on(device, true).memory));
   for (const NodeCacheFigures& f : all)
     print_figure(
         "  {:<40} 256 rays {}, streamed {:.2f} M rays/s; per ray {:.2f} nodes, {:.2f} not on chip, "

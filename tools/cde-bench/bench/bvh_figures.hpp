@@ -80,8 +80,6 @@ struct NodeCacheFigures {
   BvhCard card;
 };
 
-[[nodiscard]] const char* name_of(Memory memory);
-
 /// Measures all nodes on chip, a quarter of the device's cache, its own and four times as much;
 /// then its own with a quarter of the nodes on chip. Nothing for a device without a node cache.
 [[nodiscard]] std::vector<NodeCacheFigures> measure_node_caches(const Mesh& mesh, std::size_t count,

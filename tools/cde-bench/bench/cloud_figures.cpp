@@ -105,7 +105,7 @@ std::vector<CloudFigures> measure_clouds(const Device& device) {
                                         .pairs = {Pair::kSphereSphere, Pair::kSphereObb},
                                         .box = true,
                                         .traversal_units = device.traversal_units}),
-                            {.clock_period_ps = device.clock_period_ps()});
+                            options_on(device));
   std::vector<CloudFigures> figures;
   for (const std::size_t count : kCounts) figures.push_back(of_cloud<Sphere>(board, count));
   for (const std::size_t count : kCounts) figures.push_back(of_cloud<Obb>(board, count));
@@ -128,7 +128,9 @@ ordered_json clouds_json(const std::vector<CloudFigures>& figures, const Device&
 }
 
 void show_clouds(const std::vector<CloudFigures>& figures, const Device& device) {
-  print_figure("  spheres that find the nearest shape, ideal memory:\n");
+  print_figure("  spheres that find the nearest shape{}, memory {}:\n",
+               device.kind == DeviceKind::kPlaced ? " (projected)" : "",
+               name_of(options_on(device).memory));
   for (const CloudFigures& f : figures)
     print_figure(
         "  {:>6} {:<7} 256 in {} ({:.1f} cycles each), 4,096 in {:.1f} each; brute force with {} "

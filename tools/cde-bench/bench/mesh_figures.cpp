@@ -49,7 +49,7 @@ class Bench {
                                        .pairs = {Pair::kTriangleTriangle},
                                        .box = true,
                                        .traversal_units = device.traversal_units}),
-                           {.clock_period_ps = device.clock_period_ps()})) {
+                           options_on(device))) {
     board_.upload(terrain, bvh_);
     const Mesh small = make_terrain({.quads_x = kQuads, .quads_y = kQuads});
     for (std::size_t i = 0; i < kPlaces; ++i) meshes_.push_back(placed(small, terrain, i));

@@ -144,7 +144,7 @@ std::vector<SolidFigures> measure_solids(const Mesh& terrain, const Device& devi
                                         .box = true,
                                         .swap = true,
                                         .traversal_units = device.traversal_units}),
-                            {.clock_period_ps = device.clock_period_ps()});
+                            options_on(device));
   const Bvh bvh = Bvh::build(terrain);
   board.upload(terrain, bvh);
   std::vector<SolidFigures> all;
@@ -180,8 +180,9 @@ ordered_json solids_json(const std::vector<SolidFigures>& figures, const Device&
 
 void show_solids(const std::vector<SolidFigures>& figures, const Device& device) {
   print_figure(
-      "  solids on a card of their pairs, ideal memory; modelled time of each: alone, in a packet "
-      "of 256, in a stream of 4,096\n");
+      "  solids on a card of their pairs{}, memory {}; modelled time of each: alone, in a packet "
+      "of 256, in a stream of 4,096\n",
+      device.kind == DeviceKind::kPlaced ? " (projected)" : "", name_of(options_on(device).memory));
   for (const SolidFigures& f : figures)
     for (const SolidCard& c : f.cards)
       print_figure("  {:<7} {} quad{}, {}: {}, {}, {} ({:.1f} nodes, {:.1f} triangles); FCL {}\n",

@@ -70,7 +70,7 @@ std::string pack_hang(const CastTask& o, const CastJob& job, Mode mode, const Ra
 }  // namespace
 
 Board card_of(const CastTask& o, const CastJob& job) {
-  Board board = Board::open(job.config, {.clock_period_ps = o.request.device.clock_period_ps()});
+  Board board = Board::open(job.config, options_on(o.request.device));
   upload(board, job);
   return board;
 }

@@ -45,7 +45,7 @@ nlohmann::ordered_json summary_json(const CastTask& o, const CastJob& job, const
   j.update(card_json(job.config));
   j.update(model_json(r.model, r.config_hash));
   j.update(stand_in_json(job.stands_in_for));
-  j.update({{"device", device_json(o.request.device)},
+  j.update({{"device", device_json(device_for(o.request.device, job.config))},
             {"clock_hz", o.request.device.clock_hz()},
             {"modelled_pass_seconds", r.modelled_seconds}});
   j.update(counters_json(r.counters));
@@ -119,12 +119,13 @@ void print_summary(const CastTask& o, const CastJob& job, const CastOutcome& r) 
                                                      a_ray(c.cached_nodes), a_ray(c.fetched_nodes)),
                    a_ray(c.pairs)));
   }
-  row("device", device_row(o.request.device));
+  row("device", device_row(device_for(o.request.device, job.config)));
   row("device cycles", fmt::format("{}, {} for write-back; {}, {}", c.cycles, c.writeback,
                                    counted(c.stalls, "stall"), counted(c.bubbles, "idle cycle")));
-  row("modelled time", fmt::format("{:.6g} ms on {}, memory ideal, without bus transfers{}",
-                                   1e3 * r.modelled_seconds, o.request.device.name,
-                                   has_network(o) ? std::string(", ") + kNetwork : ""));
+  row("modelled time",
+      fmt::format("{:.6g} ms on {}, memory {}, without bus transfers{}", 1e3 * r.modelled_seconds,
+                  o.request.device.name, name_of(options_on(o.request.device).memory),
+                  has_network(o) ? std::string(", ") + kNetwork : ""));
   row("simulation", job.bvh
                         ? fmt::format("{:.3g} s, {:.4g} M rays/s", r.simulation_seconds,
                                       static_cast<double>(rays) / r.simulation_seconds / 1e6)

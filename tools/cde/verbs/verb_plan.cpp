@@ -37,6 +37,7 @@ void add_plan(CLI::App& app) {
     warn(scene.warnings);
     use_device(o->device, scene);
     Plan made = plan(scene);
+    scene.card.device = device_for(scene.card.device, made.board);
     if (!o->exact) use_built_card(scene, made);
     if (!o->json) return print_plan(scene, made);
     nlohmann::ordered_json j = program_json();

@@ -71,7 +71,7 @@ std::string bus_name(const Scene& scene) {
                      c.burst);
 }
 const char* memory_name(const Scene& scene) {
-  return scene.card.cycle_memory ? "cycle" : "ideal";
+  return scene.card.device.narrow_memory ? "narrow" : scene.card.cycle_memory ? "cycle" : "ideal";
 }
 
 struct Totals {
@@ -507,6 +507,7 @@ void run(const Options& o) {
   if (o.trace.wanted()) scene.card.trace = true;
   use_device(o.device, scene);
   Plan made = plan(scene);
+  scene.card.device = device_for(scene.card.device, made.board);
   if (!o.exact) use_built_card(scene, made);
   const bool distributed = WorkDistributor::instance().is_chunked(o.distribution);
   if (distributed) {

@@ -29,14 +29,14 @@ Device DeviceWords::chosen() const {
 void device_options(CLI::App& verb, DeviceWords& words) {
   named_device(verb, words.device,
                "Device of modelled times: its clock, its latencies, and how many lanes and "
-               "traversal units it has (docs/background/devices.md)")
+               "traversal units it has (docs/background/costs.md)")
       ->capture_default_str();
   clock_option(verb, words.mhz);
 }
 
 CLI::Option* scene_device_option(CLI::App& verb, std::string& device) {
-  return named_device(
-      verb, device, "Device of modelled times instead of the scene's (docs/background/devices.md)");
+  return named_device(verb, device,
+                      "Device of modelled times instead of the scene's (docs/background/costs.md)");
 }
 
 void use_device(const std::string& device, Scene& scene) {
