@@ -196,6 +196,7 @@ TEST_F(Registers, BadPrimaries_AreCountedUpToTheCountJustWritten) {
 
 TEST_F(Registers, WritesWhileBusy_AreRefusedAndHarmless) {
   start(kModeNearest, 256, 0, 500);
+  expect_write_refused(kSpaceReg, kRegPrimCount);  // directly after the go
   for (const std::uint32_t r :
        {std::uint32_t{kRegCommand}, std::uint32_t{kRegPrimCount}, std::uint32_t{kRegSecFirst},
         std::uint32_t{kRegSecCount}, kRegStencil + 8u}) {
