@@ -283,27 +283,30 @@ def route_seed(design, seed, folder):
     part = folder / "report.part"
     call([tool(targets.TARGETS[design.target].router)[0], "-q", *route(design), "--timing-allow-fail", "--top", "bench", "--json", "netlist.json",
           "--seed", str(seed), "--report", part.name, *more], folder, f"route_{seed}.log", lambda: design.card and check_rounds(log))
+    part.rename(report)
     ecppack = next((p for p in map(shutil.which, [os.environ.get("CDE_ECPPACK", ""), "ecppack", "yowasp-ecppack"]) if p), None)
     if design.card and ecppack:
         call([ecppack, "--compress", config, f"card_{seed}.bit"], folder, f"pack_{seed}.log")
-    part.rename(report)
 
 
-def synthesise(design, folder):
-    """Runs Yosys, unless the folder has the netlist of the same sources and method. Returns the hashes of the sources."""
+def synthesise(design, told, folder):
+    """Runs Yosys, unless the folder has the netlist of the same sources, method and tools. Returns the hashes of the sources."""
     made = folder / "made_of.json"
     prepare(design, folder)
 
     def hashes():
         return sources.digests(sources.closure(modules_in((folder / "modules.txt").read_text()), folder), folder)
 
-    if made.exists() and json.loads(made.read_text()) == [flow_hash(design), hashes()]:
-        return hashes()
+    try:
+        if json.loads(made.read_text()) == [flow_hash(design), told, hashes()]:
+            return hashes()
+    except (OSError, ValueError, Bad):
+        pass  # nothing was made, or not to its end, or of other modules
     for old in [*folder.glob("report_*.json"), *folder.glob("rounds_*.log"), made]:
         old.unlink(missing_ok=True)
     call([tool("yosys")[0], "-q", "-T", "-s", "run.ys"], folder, "yosys.log")
     found = hashes()  # of the copy, because the tree may change meanwhile
-    made.write_text(json.dumps([flow_hash(design), found]))
+    made.write_text(json.dumps([flow_hash(design), told, found]))
     return found
 
 
@@ -317,7 +320,7 @@ def measure(design, seeds, any_version=False, keep=None, say=lambda text: None, 
     with tempfile.TemporaryDirectory(prefix="cde-costs-") as temporary:
         folder = pathlib.Path(keep).resolve() if keep else pathlib.Path(temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        hashes = synthesise(design, folder)
+        hashes = synthesise(design, told, folder)
         row = counted(target, folder)
         say(f"synthesised in {time.monotonic() - began:.0f} s")
         fmax, ends = clocks(design, seeds, spare, folder, lambda text: say(f"{text}, {time.monotonic() - began:.0f} s"))

@@ -126,7 +126,7 @@ void BvhPass::wait_until_done() {
     bool wrote = false;
     if (!all) {
       const std::uint32_t before = provided_;
-      all = provide(std::min(kMoreRays, places_ / 4));
+      all = provide(std::min(kMoreRays, places_ / 2));
       wrote = provided_ != before;
     }
     // After it wrote rays, the driver gives the card only one clock before it checks again.
