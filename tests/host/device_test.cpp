@@ -58,6 +58,12 @@ TEST(Devices, AnotherCardThanThePlacedOne_IsProjected) {
     EXPECT_TRUE(projected.text().starts_with("ecp5-85 with another card (projected, "))
         << projected.text();
   }
+  BoardConfig pinned = placed;
+  pinned.pinned_nodes /= 4;
+  EXPECT_EQ(device_for(d, pinned).kind, DeviceKind::kProjected);
+  BoardConfig few = placed;
+  few.nodes = few.pinned_nodes = 256;
+  EXPECT_EQ(device_for(d, few).kind, DeviceKind::kPlaced) << "no more nodes fit";
   Device faster = d;
   faster.clock_mhz *= 2;
   EXPECT_EQ(device_for(faster, placed).kind, DeviceKind::kProjected);

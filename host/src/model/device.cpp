@@ -149,7 +149,7 @@ Device device_for(Device device, const BoardConfig& card) {
   BoardConfig placed = on(device, {.lanes = device.lanes, .box = true});
   placed.arithmetic = card.arithmetic;
   placed.nodes = card.nodes;
-  placed.pinned_nodes = card.pinned_nodes;
+  placed.pinned_nodes = std::min(device.pinned_nodes, card.nodes);
   placed.ddr_slots = card.ddr_slots;
   placed.sram_records = card.sram_records;
   placed.trace = card.trace;

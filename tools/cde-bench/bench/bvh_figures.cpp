@@ -185,8 +185,10 @@ ordered_json node_caches_json(const std::vector<NodeCacheFigures>& all, const De
 
 void show_node_caches(const std::vector<NodeCacheFigures>& all, const Device& device) {
   if (!all.empty())
-    print_figure("\nNodes in DDR: {}, {}, without the bus\n", device.text(),
-                 name_of(options_on(device, true).memory));
+    print_figure(
+        "\nNodes in DDR: {}, {}, without the bus{}\n", device.text(),
+        name_of(options_on(device, true).memory),
+        device.kind == DeviceKind::kPlaced ? "; sizes other than its own are projected" : "");
   for (const NodeCacheFigures& f : all)
     print_figure(
         "  {:<40} 256 rays {}, streamed {:.2f} M rays/s; per ray {:.2f} nodes, {:.2f} not on chip, "

@@ -70,7 +70,7 @@ void add_traversal_units(const Device& device, unsigned nodes, BoardConfig& card
 /// whose lane is shared gives its traversal unit to every card that can have it.
 [[nodiscard]] BoardConfig on(const Device& device, BoardConfig card);
 /// The device of this card's figures. If another card, clock or latencies were placed, it is
-/// projected.
+/// projected. Arithmetic, waves, and the sizes of DDR and of the record ring make no other card.
 [[nodiscard]] Device device_for(Device device, const BoardConfig& card);
 
 }  // namespace cde
