@@ -18,8 +18,8 @@ OPERATORS = {
     "eq": ("fp_cmp", ", .OP(formats_pkg::FP_EQ)", "ab", "m_o"),
 }
 ORDINARY = ("add", "mul")
-# Traversal units for rays, and their cycles per node.
-UNITS = {"traversal-unit": 1, "traversal-unit-shared": 2}
+# Traversal units: what they are for, and their cycles per node.
+UNITS = {"traversal-unit": ("rays", 1), "traversal-unit-shared": ("rays", 2), "traversal-unit-solids": ("solids", 1)}
 STYLES = ("cde", "ordinary")
 MOST_LATENCY = 64
 MOST_LANES = 64
@@ -172,13 +172,15 @@ endmodule
     def _unit(self):
         bvh = contract().bvh
         inputs = {"front_i": 9 * 32, "floor_i": 32, "limit_i": 32, "farthest_i": 1, "valid_i": 1, "node_i": bvh["NODE_WORDS"] * 32}
-        group = 40 + 2 * bvh["PLACE"] + 4 + bvh["CHILDREN"] * (2 + 3 + bvh["RAY_KEY"])  # GROUP_BITS of rtl/bvh/bvh.svh
+        use, cycles = UNITS[self.what]
+        key, other, solid = (bvh["RAY_KEY"], "SOLIDS", 0) if use == "rays" else (16, "RAYS", 1)  # NODE_KEY of rtl/bvh/bvh.svh
+        group = 40 + 2 * bvh["PLACE"] + 4 + bvh["CHILDREN"] * (2 + 3 + key)  # GROUP_BITS of rtl/bvh/bvh.svh
         ports, at = "", 0
         for name, width in inputs.items():
             ports += f".{name}(d_i[{at}+:{width}]), "
             at += width
-        text = (f"  traversal_unit #(.LAT({self._latencies()}), .ARITH(\"rtl\"), .SOLIDS(0), .CYCLES({UNITS[self.what]})) unit (\n"
-                f"      .clk_i, {ports}.solid_i(1'b0), .group_o(q_o));\n")
+        text = (f"  traversal_unit #(.LAT({self._latencies()}), .ARITH(\"rtl\"), .{other}(0), .CYCLES({cycles})) unit (\n"
+                f"      .clk_i, {ports}.solid_i(1'b{solid}), .group_o(q_o));\n")
         return text, at, group
 
     def _latencies(self):

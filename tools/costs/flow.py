@@ -35,10 +35,6 @@ class Missing(Bad):
     """A tool that is not installed, or has another version."""
 
 
-class Unrouted(Bad):
-    """The router of a card would not end."""
-
-
 def version_in(said):
     found = re.search(r"Version (?:nextpnr-)?(\d+(?:\.\d+)+)", said) or re.search(r"Yosys (\d+\.\d+)", said) or re.fullmatch(r"\s*(\d+(?:\.\d+)+)\s*", said)
     return found.group(1) if found else ""
@@ -118,20 +114,25 @@ def script(design):
 
 
 def route(design):
-    """Options of place and route."""
+    """Options of place and route, or of a card's placement."""
     options = list(targets.TARGETS[design.target].route)
     if design.card:
-        # Only paths that miss this clock have weight in the placement.
-        options[options.index("--freq") + 1] = cards.CLOCK_MHZ
+        options[options.index("--freq") + 1] = str(cards.PLACE_MHZ)
         # On a full FPGA, the default router does not end, and the default placer needs longer wires.
         options += ["--placer", "static", "--router", "router2", "--router2-alt-weights"]
     return options
 
 
+def route_settings(design):
+    """Settings of a placed card for its router: name -> text."""
+    return cards.ROUTER | {"target_freq": f"{cards.ROUTE_MHZ}000000.000000"} if design.card else {}
+
+
 def flow_text(design):
     """Text of everything that decides a measurement, except sources and seed."""
     target = targets.TARGETS[design.target]
-    return "\n".join((design.bench(), script(design), target.router, *route(design), *(asic.FILES.values() if target.library else ())))
+    return "\n".join((design.bench(), script(design), target.router, *route(design), *(f"{k}={v}" for k, v in route_settings(design).items()),
+                      *(asic.FILES.values() if target.library else ())))
 
 
 def flow_hash(design):
@@ -183,15 +184,14 @@ def stop():
         process.terminate()
 
 
-# A seed of a card is given up if, after so many rounds of the router, so many wires are used twice. Cards with fewer were routed.
-ROUNDS, TWICE = 60, 1500
+ROUNDS = 500  # of the router of a card, which may never end
 
 
 def check_rounds(log):
-    """Raises Unrouted if the router whose log this is would not end."""
+    """Raises Bad if the router whose log this is does not end."""
     rounds = re.findall(r"iter=(\d+) .*overused=(\d+)", log.read_text(errors="replace")) if log.exists() else []
-    if rounds and int(rounds[-1][0]) >= ROUNDS and int(rounds[-1][1]) > TWICE:
-        raise Unrouted(f"not routed: {rounds[-1][1]} wires are used twice after {rounds[-1][0]} rounds")
+    if rounds and int(rounds[-1][0]) >= ROUNDS:
+        raise Bad(f"not routed: {rounds[-1][1]} wires are used twice after {rounds[-1][0]} rounds")
 
 
 def call(command, folder, log, check=lambda: None):
@@ -247,46 +247,56 @@ def counted(target, folder):
     return target.count(cells_in(report)) | more
 
 
-def clocks(design, seeds, spare, folder, say):
-    """Megahertz and the ends of the critical path, per seed. Standard cells are not placed, so they have one clock and no seeds.
-    At most `spare` seeds that are not routed are replaced by the next ones."""
+def clocks(design, seeds, folder, say):
+    """Megahertz and the ends of the critical path, per seed. Standard cells are not placed, so they have one clock and no seeds."""
     fmax, ends = {}, {}
     target = targets.TARGETS[design.target]
     if target.timer and seeds:
         call([tool(target.timer)[0], "-no_init", "-no_splash", "-exit", "timing.tcl"], folder, "timing.log")
         period, ends[asic.UNPLACED] = asic.period_in((folder / "timing.log").read_text(errors="replace"))
         fmax[asic.UNPLACED] = asic.megahertz(period)
-    left = list(seeds) if target.router else []
-    while left:
-        seed = left.pop(0)
-        try:
-            route_seed(design, seed, folder)
-            fmax[str(seed)], ends[str(seed)] = frequency_in((folder / f"report_{seed}.json").read_text())
-            say(f"seed {seed}: {fmax[str(seed)]} MHz")
-        except Unrouted as bad:
-            say(f"seed {seed}: {bad}")
-            if spare == 0:
-                raise
-            spare -= 1
-            left.append(max([seed, *left]) + 1)
+    for seed in seeds if target.router else []:
+        if not (folder / f"report_{seed}.json").exists():
+            (route_card if design.card else route_seed)(design, seed, folder)
+        fmax[str(seed)], ends[str(seed)] = frequency_in((folder / f"report_{seed}.json").read_text())
+        say(f"seed {seed}: {fmax[str(seed)]} MHz")
     return fmax, ends
 
 
+def router(design, *more):
+    """A call of the tool for place and route."""
+    return [tool(targets.TARGETS[design.target].router)[0], "-q", *route(design), "--timing-allow-fail", *more]
+
+
 def route_seed(design, seed, folder):
-    """Places and routes, unless the folder has the report. A card also gets its configuration, and its bitstream if ecppack is there."""
-    report, log, config = folder / f"report_{seed}.json", folder / f"rounds_{seed}.log", f"card_{seed}.config"
-    if design.card:
-        check_rounds(log)
-    if report.exists():
-        return
-    more = ["--textcfg", config, "--log", log.name] if design.card else []
+    """Places and routes."""
     part = folder / "report.part"
-    call([tool(targets.TARGETS[design.target].router)[0], "-q", *route(design), "--timing-allow-fail", "--top", "bench", "--json", "netlist.json",
-          "--seed", str(seed), "--report", part.name, *more], folder, f"route_{seed}.log", lambda: design.card and check_rounds(log))
-    part.rename(report)
+    call(router(design, "--top", "bench", "--json", "netlist.json", "--seed", str(seed), "--report", part.name), folder, f"route_{seed}.log")
+    part.rename(folder / f"report_{seed}.json")
+
+
+def route_card(design, seed, folder):
+    """Places, unless the folder has the placement. Then routes with other settings, and packs the bitstream if ecppack is there."""
+    placed, log, part = folder / f"placed_{seed}.json", folder / f"rounds_{seed}.log", folder / "report.part"
+    if not placed.exists():
+        call(router(design, "--top", "bench", "--json", "netlist.json", "--seed", str(seed), "--no-route", "--write", "placed.part"), folder,
+             f"place_{seed}.log")
+        change_settings(folder / "placed.part", route_settings(design))
+        (folder / "placed.part").rename(placed)
+    log.unlink(missing_ok=True)
+    call(router(design, "--json", placed.name, "--no-pack", "--no-place", "--textcfg", f"card_{seed}.config", "--log", log.name, "--report", part.name), folder,
+         f"route_{seed}.log", lambda: check_rounds(log))
     ecppack = next((p for p in map(shutil.which, [os.environ.get("CDE_ECPPACK", ""), "ecppack", "yowasp-ecppack"]) if p), None)
-    if design.card and ecppack:
-        call([ecppack, "--compress", config, f"card_{seed}.bit"], folder, f"pack_{seed}.log")
+    if ecppack:
+        call([ecppack, "--compress", f"card_{seed}.config", f"card_{seed}.bit"], folder, f"pack_{seed}.log")
+    part.rename(folder / f"report_{seed}.json")
+
+
+def change_settings(design_file, changes):
+    """Changes settings in a design that nextpnr has written. They have priority over options."""
+    before, settings, after = re.split(r'("settings": \{[^}]*\})', design_file.read_text(), maxsplit=1)
+    settings = json.loads("{" + settings + "}")["settings"] | changes
+    design_file.write_text(f'{before}"settings": {json.dumps(settings)}{after}')
 
 
 def synthesise(design, told, folder):
@@ -302,7 +312,7 @@ def synthesise(design, told, folder):
             return hashes()
     except (OSError, ValueError, Bad):
         pass  # nothing was made, or not to its end, or of other modules
-    for old in [*folder.glob("report_*.json"), *folder.glob("rounds_*.log"), made]:
+    for old in [*folder.glob("report_*.json"), *folder.glob("placed_*.json"), made]:
         old.unlink(missing_ok=True)
     call([tool("yosys")[0], "-q", "-T", "-s", "run.ys"], folder, "yosys.log")
     found = hashes()  # of the copy, because the tree may change meanwhile
@@ -310,7 +320,7 @@ def synthesise(design, told, folder):
     return found
 
 
-def measure(design, seeds, any_version=False, keep=None, say=lambda text: None, spare=0):
+def measure(design, seeds, any_version=False, keep=None, say=lambda text: None):
     """Measures a design. Returns its row, the hashes of its sources and the ends of its critical paths."""
     target = targets.TARGETS[design.target]
     if target.timer and len(seeds) > 1:
@@ -323,6 +333,6 @@ def measure(design, seeds, any_version=False, keep=None, say=lambda text: None, 
         hashes = synthesise(design, told, folder)
         row = counted(target, folder)
         say(f"synthesised in {time.monotonic() - began:.0f} s")
-        fmax, ends = clocks(design, seeds, spare, folder, lambda text: say(f"{text}, {time.monotonic() - began:.0f} s"))
+        fmax, ends = clocks(design, seeds, folder, lambda text: say(f"{text}, {time.monotonic() - began:.0f} s"))
     row.update(fmax=fmax, seconds=round(time.monotonic() - began), tools=told, flow=flow_hash(design), sources=sources.combined(hashes))
     return row, hashes, ends

@@ -83,7 +83,7 @@ def units(kept):
     rows = []
     for row in kept.sorted():
         if is_unit(row) and targets.TARGETS[row["target"]].has:
-            rows.append([row["what"], designs.UNITS[row["what"]], row["lat"], row["lut"], row["carry"], row["lutram"], row["ff"], row["dsp"], row["ram"],
+            rows.append([row["what"], designs.UNITS[row["what"]][1], row["lat"], row["lut"], row["carry"], row["lutram"], row["ff"], row["dsp"], row["ram"],
                          targets.TARGETS[row["target"]].used(row)["logic"], clock(row)])
     return grid(head, rows)
 
