@@ -253,36 +253,46 @@ class Command(unittest.TestCase):
             self.assertEqual(status, 2)
             self.assertIn("synthesis: yosys failed, status 3: ERROR: out of gates", error)
 
-    # Yosys and a router for a card. Seed 1 is not routed, and says so at once.
+    # Yosys and nextpnr for a card. The router writes a clock that it takes from the settings, and does not end for seed 9.
     YOSYS = r'''case "$*" in *-V*|*help*) echo "Yosys 0.70 --keep-hierarchy"; exit;; esac
 echo synthesised >> RUNS; printf '\n1 modules:\n  bench\n  fp_add$bench.measured.unit\n' > modules.txt; echo '{}' > netlist.json
 echo '{"modules": {"measured": {"num_cells_by_type": {"LUT4": 9, "TRELLIS_FF": 7}}}}' > cells.json'''
-    ROUTER = r'''case "$*" in *--version*) echo "Version nextpnr-0.11.1"; exit;; esac
-seed=1; while [ $# -gt 0 ]; do case "$1" in --seed) seed=$2;; --report) report=$2;; --log) log=$2;; esac; shift; done
-echo "$seed" >> RUNS
-if [ "$seed" = 1 ]; then echo "Info: iter=60 wires=9 overused=1501 overuse=9" > "$log"; exec sleep 600; fi
-echo "Info: iter=61 wires=9 overused=0 overuse=0" > "$log"
-echo '{"fmax": {"clk": {"achieved": 4'$seed'.5}}, "critical_paths": []}' > "$report"'''
+    NEXTPNR = r'''case "$*" in *--version*) echo "Version nextpnr-0.11.1"; exit;; esac
+while [ $# -gt 0 ]; do case "$1" in --seed) seed=$2;; --json) json=$2;; --write) write=$2;; --report) report=$2;; --log) log=$2;; esac; shift; done
+if [ -n "$write" ]; then
+  echo "placed $seed" >> RUNS
+  echo '{"modules": {"top": {"settings": {"router": "router2", "target_freq": "1.0", "seed": "'$seed'"}, "cells": {}}}}' > "$write"
+  exit
+fi
+seed=$(sed 's/.*"seed": "\([0-9]*\)".*/\1/' "$json")
+echo "routed $seed" >> RUNS
+if [ "$seed" = 9 ]; then echo "Info: iter=500 wires=9 overused=4 overuse=4" > "$log"; exec sleep 600; fi
+mhz=$(sed 's/.*"target_freq": "\([0-9]*\)000000.*/\1/' "$json")
+echo '{"fmax": {"clk": {"achieved": '$mhz.$seed'}}, "critical_paths": []}' > "$report"'''
 
-    def test_a_seed_that_is_not_routed_is_replaced(self):
+    def test_a_card_is_placed_once_and_routed_for_another_clock(self):
         with tempfile.TemporaryDirectory() as folder:
             runs, kept = pathlib.Path(folder) / "runs", pathlib.Path(folder) / "kept"
             tools = {"CDE_YOSYS": self.tool(folder, self.YOSYS.replace("RUNS", str(runs))),
-                     "CDE_NEXTPNR_ECP5": self.tool(folder, self.ROUTER.replace("RUNS", str(runs)), "nextpnr"), "CDE_ECPPACK": "/nowhere/ecppack", "PATH": os.environ["PATH"]}
-            words = ("run", "--what", "card*", "--seeds", "2", "--keep", str(kept), "--table", str(pathlib.Path(folder) / "table.json"))
-            for again in (0, 1):
-                status, _, error = synthesis(*words, *("--again",) * again, **tools)
-                self.assertEqual(status, 0, error)
-                self.assertIn("seed 1: not routed: 1501 wires are used twice after 60 rounds", error)
-                self.assertIn("seed 3: 43.5 MHz", error)
-                # The second run takes everything from the folder.
-                self.assertEqual(runs.read_text().split(), ["synthesised", "1", "2", "3"])
+                     "CDE_NEXTPNR_ECP5": self.tool(folder, self.NEXTPNR.replace("RUNS", str(runs)), "nextpnr"), "CDE_ECPPACK": "/nowhere/ecppack",
+                     "PATH": os.environ["PATH"]}
+            words = ("run", "--what", "card*", "--seeds", "2", "--keep", str(kept), "--table", str(pathlib.Path(folder) / "table.json"), "--again")
+            steps = ["synthesised", "placed", "1", "routed", "1", "placed", "2", "routed", "2"]
+            for more in ([], [], ["routed", "2"]):
+                if more:
+                    next(kept.glob("*/report_2.json")).unlink()
+                self.assertEqual(synthesis(*words, **tools)[0], 0)
+                # Further runs take what there is from the folder.
+                self.assertEqual(runs.read_text().split(), steps + more)
             row = json.loads((pathlib.Path(folder) / "table.json").read_text())["rows"][0]
-            self.assertEqual(row["fmax"], {"2": 42.5, "3": 43.5})
-            # One configuration has no other seeds.
-            status, _, error = synthesis("one", "card", "--lat", "9/10/34/32/2", "--seed", "1", "--keep", str(next(kept.iterdir())), **tools)
+            self.assertEqual(row["fmax"], {"1": cards.ROUTE_MHZ + 0.1, "2": cards.ROUTE_MHZ + 0.2})
+            placed = json.loads(next(kept.glob("*/placed_2.json")).read_text())["modules"]["top"]
+            self.assertEqual(placed["cells"], {})
+            self.assertEqual(placed["settings"]["router"], "router2")
+            self.assertEqual(placed["settings"]["router2/bbMargin/x"], "12")
+            status, _, error = synthesis("one", "card", "--lat", "9/10/34/32/2", "--seed", "9", "--keep", str(next(kept.iterdir())), **tools)
             self.assertEqual(status, 2)
-            self.assertIn("not routed: 1501 wires", error)
+            self.assertIn("not routed: 4 wires are used twice after 500 rounds", error)
 
     def test_help(self):
         for words in (("--help",), ("one", "--help"), ("run", "--help"), ("check", "--help"), ("markdown", "--help")):
