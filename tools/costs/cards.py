@@ -5,9 +5,10 @@ WHAT = "card"
 TARGET = "ecp5-85"
 # Place and route ask nextpnr for different clocks. Only paths beyond the clock have weight in the placement, so a low clock keeps wires short.
 # If all paths meet the clock, router2 calls all of them critical, and critical paths hardly avoid wires that are used twice. So it is asked for more.
-PLACE_MHZ, ROUTE_MHZ = 45, 66
-# Settings of router2 that have no option: the box of a net is larger, and the cost of a wire that is used twice grows per round.
-ROUTER = {"router2/bbMargin/x": "12", "router2/bbMargin/y": "12", "router2/currCongWeightMult": "1.5"}
+PLACE_MHZ, ROUTE_MHZ = 45, 62
+# Settings of router2. The box of a net is larger, the cost of a wire that is used twice grows per round, and nets of paths that are too slow
+# are routed again. The first three have no option.
+ROUTER = {"router2/bbMargin/x": "12", "router2/bbMargin/y": "12", "router2/currCongWeightMult": "1.5", "router/tmg_ripup": f"{1:032b}"}
 # Ports of fpga_card.sv: direction, bits, name.
 PORTS = (("input", 1, "clk_i"), ("input", 1, "rst_i"), ("input", 1, "bus_valid_i"), ("input", 1, "bus_write_i"), ("input", 3, "bus_space_i"),
          ("input", 32, "bus_addr_i"), ("input", 64, "bus_wdata_i"), ("output", 1, "bus_ready_o"), ("output", 1, "bus_rvalid_o"),
