@@ -14,6 +14,7 @@
 #include <type_traits>
 
 #include "cde/contract/records.hpp"
+#include "cde/geometry/surface_point.hpp"
 #include "cde/io/npy.hpp"
 #include "cde/support/columns.hpp"
 #include "cde/support/error.hpp"
@@ -198,31 +199,20 @@ bool RecordText::has(RecordField field) const {
 
 template <class Cells>
 void RecordText::fields(const Record& r, std::uint32_t frame, const Cells& cells) const {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  double u = kNone, v = kNone;
-  Eigen::Vector3d normal = Eigen::Vector3d::Constant(kNone);
-  std::int8_t side = 0;
+  SurfacePoint hit;
   std::string_view node;
   if (r.f && mesh_ != nullptr) {
-    const Triangle t = mesh_->triangle(r.index);
-    const Eigen::Vector3d a = t.v0.cast<double>(), ab = t.v1.cast<double>() - a,
-                          ac = t.v2.cast<double>() - a, ap = r.cp.cast<double>() - a;
-    const Eigen::Vector3d n = ab.cross(ac);
-    u = ap.cross(ac).dot(n) / n.squaredNorm();
-    v = ab.cross(ap).dot(n) / n.squaredNorm();
-    normal = n.normalized();
-    const double towards = n.dot(rays_[r.primary].d.template cast<double>());
-    side = towards < 0 ? 1 : towards > 0 ? -1 : 0;
+    hit = surface_point(mesh_->triangle(r.index), r.cp, rays_[r.primary].d);
     const auto after = std::upper_bound(
         mesh_->parts.begin(), mesh_->parts.end(), r.index,
         [](std::uint32_t face, const MeshPart& part) { return face < part.first_face; });
     if (after != mesh_->parts.begin()) node = std::prev(after)->name;
   }
   for (const RecordField f : format_.fields) {
-    if (f == RecordField::kU) cells("u", static_cast<float>(u));
-    if (f == RecordField::kV) cells("v", static_cast<float>(v));
-    if (f == RecordField::kNormal) cells("normal", Eigen::Vector3f(normal.cast<float>()));
-    if (f == RecordField::kSide) cells("side", side);
+    if (f == RecordField::kU) cells("u", static_cast<float>(hit.u));
+    if (f == RecordField::kV) cells("v", static_cast<float>(hit.v));
+    if (f == RecordField::kNormal) cells("normal", Eigen::Vector3f(hit.normal.cast<float>()));
+    if (f == RecordField::kSide) cells("side", hit.side);
     if (f == RecordField::kNode) cells("node", node);
     if (f == RecordField::kInside)
       cells("inside", r.primary != kHeader.primary && is_inside_(frame, r.primary));

@@ -39,21 +39,37 @@ bool has_pair(Pair pair, Algorithm algorithm) {
   return pair == Pair::kRayTriangle || algorithm == Algorithm::kMoller;
 }
 
+namespace {
+
+void check_sizes(Pair pair, std::size_t pairs, std::size_t a, std::size_t b) {
+  if (a != pairs * primary_words(pair) || b != pairs * secondary_words(pair))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} pairs of {} need {} and {} words, not {} and {}", pairs, name(pair),
+                            pairs * primary_words(pair), pairs * secondary_words(pair), a, b));
+}
+
+}  // namespace
+
 void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const std::uint64_t> a,
                 std::span<const std::uint64_t> b, std::span<PairResult> results, PlaneSide plane,
                 const PairIterations& iterations, bool box) {
   iterations.check();
-  if (a.size() != results.size() * primary_words(pair) ||
-      b.size() != results.size() * secondary_words(pair))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} pairs of {} need {} and {} words, not {} and {}", results.size(),
-                            name(pair), results.size() * primary_words(pair),
-                            results.size() * secondary_words(pair), a.size(), b.size()));
+  check_sizes(pair, results.size(), a.size(), b.size());
+  const PairsData data = {.a = a, .b = b, .results = results};
   const auto in_scalar = [&]<class S>() {
-    PairsIn<S>::test(pair, algorithm, box, plane, iterations, a, b, results);
+    PairsIn<S>::test(pair, algorithm, box, plane, iterations, data);
   };
   if (!with_scalar(format, in_scalar))
     throw Error(ErrorCode::kUsage, fmt::format("pairs have no reference in {}", format.name()));
+}
+
+void test_pairs(Pair pair, Algorithm algorithm, std::span<const float> a, std::span<const float> b,
+                std::span<PairAnswer> results, PlaneSide plane, const PairIterations& iterations,
+                bool box) {
+  iterations.check();
+  check_sizes(pair, results.size(), a.size(), b.size());
+  PairsIn<float>::test(pair, algorithm, box, plane, iterations,
+                       {.numbers_a = a, .numbers_b = b, .answers = results});
 }
 
 }  // namespace cde::reference

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -13,6 +14,15 @@ struct PairResult {
   std::uint64_t cp[3] = {};
   std::uint64_t n[3] = {};  ///< zero for rays
   bool operator==(const PairResult&) const = default;
+};
+
+/// The same in binary32, as numbers.
+struct PairAnswer {
+  bool f = false;
+  bool bad = false;
+  float t = 0;
+  std::array<float, 3> cp = {};
+  std::array<float, 3> n = {};
 };
 
 /// Names of the fields in which two results differ, "F, T, CPx".

@@ -2,6 +2,7 @@
 #pragma once
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <variant>
@@ -10,6 +11,7 @@
 #include "cde/bvh/bvh.hpp"
 #include "cde/contract/pairs.hpp"
 #include "cde/geometry/primitives.hpp"
+#include "cde/image/ray_view.hpp"
 #include "cde/mesh/triangle_view.hpp"
 #include "cde/query/query.hpp"
 
@@ -76,5 +78,21 @@ class Traversal {
   Algorithm algorithm_;
   TraversalCounts counts_;
 };
+
+/// What trace_rays() is asked, beside the rays.
+struct TraceRaysOptions {
+  Mode mode = Mode::kNearest;  ///< nearest, farthest, any or occluded: one record per ray
+  Algorithm algorithm = kLeakFree;
+  unsigned threads = 0;  ///< 0: one per processor
+  /// Called by the calling thread about ten times per second. The trace ends early, with some
+  /// records unwritten, if it returns true.
+  std::function<bool()> stop = {};
+};
+
+/// Traces rays through a BVH on several threads. Record i is of ray i, the same for any number of
+/// threads. Returns whether all rays were traced. Error kUsage in a mode with another number of
+/// records, for fewer or more records than rays, or if the BVH has another number of secondaries.
+bool trace_rays(const TriangleView& triangles, const Bvh& bvh, const RayView& rays,
+                std::span<Record> records, const TraceRaysOptions& options = {});
 
 }  // namespace cde::reference
