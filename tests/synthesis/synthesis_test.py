@@ -253,7 +253,7 @@ class Command(unittest.TestCase):
             self.assertEqual(status, 2)
             self.assertIn("synthesis: yosys failed, status 3: ERROR: out of gates", error)
 
-    # Yosys and nextpnr for a card. The router writes a clock that it takes from the settings, and does not end for seed 9.
+    # Yosys and nextpnr for a card. The router reaches the clock of the settings, and does not end for seed 9.
     YOSYS = r'''case "$*" in *-V*|*help*) echo "Yosys 0.70 --keep-hierarchy"; exit;; esac
 echo synthesised >> RUNS; printf '\n1 modules:\n  bench\n  fp_add$bench.measured.unit\n' > modules.txt; echo '{}' > netlist.json
 echo '{"modules": {"measured": {"num_cells_by_type": {"LUT4": 9, "TRELLIS_FF": 7}}}}' > cells.json'''
