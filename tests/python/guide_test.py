@@ -41,12 +41,16 @@ class Guide(unittest.TestCase):
             matplotlib.image.imsave(keep, picture[::2, ::2])
 
     def test_examples(self):
-        for code, printed in re.findall(r"^    >>> (.*)\n    (.*)$", PAGE, re.M):
+        examples = re.findall(r"^    >>> (.*)\n    (.*)$", PAGE, re.M)
+        self.assertTrue(examples)
+        for code, printed in examples:
             self.assertEqual(repr(eval(compile(ast.parse(code, mode="eval"), "python.md", "eval"), {"cde": cde})), printed)
 
     def test_lists(self):
         self.assertIn(f"lists the {len(cde.PAIRS)} pairs", PAGE)
-        for method in re.findall(r"`(\w+)\((?:\w+)[^`]*\)`", PAGE):
+        methods = re.findall(r"`(\w+)\((?:\w+)[^`]*\)`", PAGE)
+        self.assertGreater(len(methods), 5)
+        for method in methods:
             self.assertTrue(hasattr(cde.RaycastingScene, method) or hasattr(cde, method), method)
 
 

@@ -76,6 +76,25 @@ class Casting(unittest.TestCase):
         sure = (radius < 0.97) | (radius > 1)
         np.testing.assert_array_equal(self.scene.inside(points)[sure], (radius < 1)[sure])
 
+    def test_inside_on_a_grid(self):
+        # Rays from these points along any axis meet edges and corners of the cube.
+        scene = cde.RaycastingScene()
+        corners = np.array([[x, y, z] for x in (0, 4) for y in (0, 4) for z in (0, 4)], np.float32)
+        quads = ([0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3])
+        faces = [[q[0], q[k], q[k + 1]] for q in quads for k in (1, 2)]
+        scene.add_triangles(corners, faces)
+        grid = np.stack(np.meshgrid(*3 * [np.arange(-1, 6, dtype=np.float32)], indexing="ij"), axis=-1)
+        surface = ((grid == 0) | (grid == 4)).any(axis=-1) & ((grid >= 0) & (grid <= 4)).all(axis=-1)
+        np.testing.assert_array_equal(scene.inside(grid)[~surface], ((grid > 0) & (grid < 4)).all(axis=-1)[~surface])
+        self.assertFalse(scene.inside([np.nan, 1, 1]).any())
+
+    def test_inside_of_an_open_surface_is_refused(self):
+        scene = cde.RaycastingScene()
+        scene.add_triangles(self.vertices, self.triangles[1:])
+        with self.assertRaisesRegex(cde.Error, "scene: is not closed: an edge of triangle") as raised:
+            scene.inside([[0, 0, 0]])
+        self.assertEqual(raised.exception.code, "bad input")
+
     def test_no_leak_at_vertices_and_edges(self):
         targets = np.concatenate([self.vertices, (self.vertices[self.triangles[:, 0]] + self.vertices[self.triangles[:, 1]]) / 2])
         rays = np.concatenate([np.zeros_like(targets), targets], axis=1)
@@ -137,6 +156,8 @@ class Scenes(unittest.TestCase):
         self.assertFalse(scene.test_occlusions(rays).any())
         self.assertEqual(scene.count_intersections(rays).tolist(), [0])
         self.assertEqual(scene.list_intersections(rays)["ray_splits"].tolist(), [0, 0])
+        self.assertFalse(scene.inside([[0, 0, 0]]).any())
+        self.assertTrue(scene.cast_rays(np.float32([[np.nan, 0, 0, 0, 0, 1]]))["bad"])
 
     def test_bad_meshes(self):
         vertices, triangles = icosphere(0)
@@ -166,6 +187,11 @@ class Scenes(unittest.TestCase):
         for cast in (scene.cast_rays, scene.test_occlusions):
             with self.assertRaisesRegex(cde.Error, r"rays\[1\]: direction is zero"):
                 cast(rays, bad="raise")
+        with self.assertRaisesRegex(cde.Error, "tnear is nan and tfar is inf; expected numbers"):
+            scene.test_occlusions(rays, tnear=np.nan)
+        many = np.broadcast_to(rays[0], (2**31, 6))
+        with self.assertRaisesRegex(cde.Error, f"{2**31} rays take 180.0 GiB for results, more than there is; ask in parts"):
+            scene.cast_rays(many)
         with self.assertRaisesRegex(cde.Error, r"rays is float64; expected an array of float32 with shape \(\.\.\., 6\): per ray"):
             scene.cast_rays(rays.astype(np.float64))
 

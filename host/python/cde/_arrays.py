@@ -14,7 +14,7 @@ def rows(value, name, columns, dtype=np.float32, what=""):
     wanted = f"an array of {np.dtype(dtype).name} with shape (..., {columns})" + (f": {what}" if what else "")
     if isinstance(value, np.ndarray):
         if value.dtype != dtype:
-            raise Error(f"{name} is {value.dtype}; expected {wanted}; {name}.astype(np.{np.dtype(dtype).name}) rounds it")
+            raise Error(f"{name} is {value.dtype}; expected {wanted}; {name}.astype(np.{np.dtype(dtype).name}) converts it")
         array = value
     else:
         try:

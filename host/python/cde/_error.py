@@ -13,3 +13,6 @@ class Error(RuntimeError):
     def __init__(self, message, code="usage"):
         super().__init__(message)
         self.code = code
+
+    def __reduce__(self):
+        return Error, (str(self), self.code)

@@ -11,6 +11,7 @@
 
 #include "cde/bvh/bvh.hpp"
 #include "cde/geometry/surface_point.hpp"
+#include "cde/mesh/inside.hpp"
 #include "cde/mesh/mesh.hpp"
 #include "cde/reference/traversal.hpp"
 #include "cde/support/error.hpp"
@@ -47,7 +48,9 @@ struct Hits {
 class Triangles {
  public:
   explicit Triangles(const std::string& algorithm)
-      : algorithm_(algorithm_named(algorithm).value()) {}
+      : algorithm_(algorithm_named(algorithm).value()) {
+    mesh_.name = "scene";
+  }
 
   void add(const Rows<const float>& vertices, const Rows<const std::uint32_t>& faces) {
     const nb::gil_scoped_release release;
@@ -62,6 +65,7 @@ class Triangles {
       mesh_.faces.push_back({first + f[0], first + f[1], first + f[2]});
     }
     bvh_.reset();
+    inside_.reset();
   }
 
   /// One record per ray. Ends with Python's exception if interrupted.
@@ -121,17 +125,38 @@ class Triangles {
     }
   }
 
+  /// Whether each point is inside. Error kBadInput if the triangles are not closed.
+  void contains(const Rows<const float>& points, const List<bool>& inside) {
+    bool stopped = false;
+    {
+      const nb::gil_scoped_release release;
+      const std::shared_lock lock(mutex_);
+      const Inside& body = this->body();
+      const std::size_t look = std::max<std::size_t>(1, 10'000'000 / (mesh_.faces.size() + 1));
+      for (std::size_t i = 0; i < points.shape(0) && !stopped; ++i) {
+        const float* p = points.data() + static_cast<std::int64_t>(i) * points.stride(0);
+        inside.data()[i] = body.contains({p[0], p[1], p[2]});
+        stopped = i % look == look - 1 && interrupted();
+      }
+    }
+    if (stopped) throw nb::python_error();
+  }
+
   [[nodiscard]] std::size_t size() const { return mesh_.faces.size(); }
-  [[nodiscard]] std::size_t vertices() const { return mesh_.vertices.size(); }
 
  private:
   const Bvh& bvh() {
     const std::lock_guard lock(building_);
     if (!bvh_) {
-      check(mesh_, "scene");
       bvh_ = Bvh::build(mesh_);
     }
     return *bvh_;
+  }
+
+  const Inside& body() {
+    const std::lock_guard lock(building_);
+    if (!inside_) inside_.emplace(mesh_);
+    return *inside_;
   }
 
   void put(const HitColumns& columns, std::size_t i, const Record& r, const Ray& ray) const {
@@ -150,8 +175,9 @@ class Triangles {
   Mesh mesh_;
   Algorithm algorithm_;
   std::optional<Bvh> bvh_;
+  std::optional<Inside> inside_;
   std::shared_mutex mutex_;  ///< of the mesh
-  std::mutex building_;      ///< of the BVH
+  std::mutex building_;      ///< of what is built from it
 };
 
 }  // namespace
@@ -180,8 +206,8 @@ void add_rays(nb::module_& module) {
               const Rows<float>& normals) {
              self.put_hits(hits, rays, ids, {t, triangles, uvs, normals});
            })
-      .def_prop_ro("size", &Triangles::size)
-      .def_prop_ro("vertices", &Triangles::vertices);
+      .def("contains", &Triangles::contains)
+      .def_prop_ro("size", &Triangles::size);
 }
 
 }  // namespace cde::python

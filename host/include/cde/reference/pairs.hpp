@@ -19,7 +19,7 @@ void test_pairs(Pair pair, Algorithm algorithm, FpFormat format, std::span<const
                 PlaneSide plane = PlaneSide::kSurface, const PairIterations& iterations = {},
                 bool box = false);
 
-/// The same for numbers in binary32, several times as fast.
+/// The same for numbers in binary32, which need not be widened to words of 64 bits.
 void test_pairs(Pair pair, Algorithm algorithm, std::span<const float> a, std::span<const float> b,
                 std::span<PairAnswer> results, PlaneSide plane = PlaneSide::kSurface,
                 const PairIterations& iterations = {}, bool box = false);
